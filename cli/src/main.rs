@@ -1,0 +1,3 @@
+//! The program `ltbw`.
+
+fn main() {}
