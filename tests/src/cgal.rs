@@ -155,7 +155,8 @@ impl Cgal {
         match Self::start() {
             Ok(cgal) => Some(cgal),
             Err(Failure::Missing(missing)) => {
-                crate::require::skip(test, "cgal", &missing.to_string());
+                let skipped = crate::require::skip(test, "cgal", &missing.to_string());
+                skipped.unwrap_or_else(|demanded| panic!("{demanded}"));
                 None
             }
             Err(failure) => panic!("{test}: {failure}"),

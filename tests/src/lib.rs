@@ -12,3 +12,13 @@ pub mod cgal;
 pub mod families;
 pub mod oracle;
 pub mod require;
+
+/// Number of random cases: `LTBW_CASES` if it is set, else `default`.
+///
+/// # Panics
+/// If `LTBW_CASES` is not a number: a typo must not turn the full bar into the small one.
+#[must_use]
+pub fn cases(default: u32) -> u32 {
+    std::env::var("LTBW_CASES")
+        .map_or(default, |text| text.parse().expect("LTBW_CASES is a whole number"))
+}
