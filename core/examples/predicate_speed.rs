@@ -178,7 +178,16 @@ fn main() {
     insphere_rows("sphere, radius 1", &inputs(8, |r| sphere(r, 1.0)));
     insphere_rows("random (small)", &random);
 
-    let cells = inputs(9, |r| {
+    let flat = |r: &mut Random, exponent: i32| -> Five {
+        std::array::from_fn(|_| {
+            let p = r.point();
+            [p[0], p[1], p[2] * 2.0_f64.powi(exponent)]
+        })
+    };
+    insphere_rows("z times 2^-40 (medium)", &inputs(9, |r| flat(r, -40)));
+    insphere_rows("z times 2^-120 (big)", &inputs(10, |r| flat(r, -120)));
+
+    let cells = inputs(11, |r| {
         loop {
             let five = cell(r, 100, 1);
             let [a, b, c, d, _] = &five;

@@ -101,10 +101,10 @@ pub(crate) fn with_ulps(base: impl Strategy<Value = Five>) -> impl Strategy<Valu
     let step = (0..5_usize, 0..3_usize, -3..=3_i64);
     (base, prop::collection::vec(step, 0..4)).prop_map(|(mut five, steps)| {
         for (i, k, ulps) in steps {
-            let bits = five[i][k].to_bits() as i64;
-            // Zero steps to the least subnormals, in both directions by the sign bit.
-            let moved = if bits << 1 == 0 { ulps.abs() } else { bits + ulps };
-            five[i][k] = f64::from_bits(moved as u64);
+            // Steps the magnitude, which stops at zero; the sign stays.
+            let bits = five[i][k].to_bits();
+            let sign = bits & (1 << 63);
+            five[i][k] = f64::from_bits(sign | (bits ^ sign).saturating_add_signed(ulps));
         }
         five
     })
@@ -159,6 +159,21 @@ pub(crate) fn subnormal() -> impl Strategy<Value = Five> {
     small_integers().prop_map(|five| five.map(|p| p.map(|c| c * f64::from_bits(1))))
 }
 
+/// Differences of as many bits as a stage admits, or one more, in matrices of many signs, whose
+/// determinants are as large as determinants get.
+pub(crate) fn full_width() -> impl Strategy<Value = Five> {
+    let widths = select(vec![9, 10, 16, 17, 62, 63, 124, 125]);
+    let base = select(vec![[0.0; 3], [1.0; 3], [-1.0, 1.0, -1.0], [1.0, 0.0, 0.0]]);
+    (points(select(vec![-1.0, -1.0, 1.0, 1.0, 0.0])), widths, base).prop_map(
+        |(five, width, base)| {
+            // 2^width - 1, or the nearest f64 below it.
+            let most = two_to(width) - two_to((width - 53).max(0));
+            let [a, b, c, d, _] = five.map(|p| p.map(|sign| sign * most));
+            [a, b, c, d, base]
+        },
+    )
+}
+
 /// Everything finite.
 pub(crate) fn everything() -> impl Strategy<Value = Five> {
     prop_oneof![
@@ -170,6 +185,7 @@ pub(crate) fn everything() -> impl Strategy<Value = Five> {
         1 => any_bits(),
         1 => mixed_axes(),
         1 => subnormal(),
+        1 => full_width(),
     ]
     .prop_map(|five| five.map(|p| p.map(|c| if c.is_finite() { c } else { f64::MAX })))
 }

@@ -80,6 +80,16 @@ proptest! {
         check_in_window(&five)?;
     }
 
+    /// The stages at the ends of their ranges, where an overflow would show.
+    #[test]
+    fn full_width_differences(five in families::full_width()) {
+        check_in_window(&five)?;
+        let [a, b, c, d, e] = five;
+        // Also with the base of the planar differences in third and fourth place.
+        check(&[a, b, e, d, c])?;
+        check(&[a, b, c, e, d])?;
+    }
+
     /// Five points of one plane: every circle test is meaningful.
     #[test]
     fn coplanar_points_at_any_scale(

@@ -193,6 +193,41 @@ fn every_four_coplanar_corners_of_the_cube() {
     assert_eq!(coplanar, 12);
 }
 
+/// Exactly one of two diagonals: four points around a convex quadrilateral have two
+/// triangulations, and the perturbed circles of both triangles of either choose the same one.
+#[test]
+fn triangles_of_a_quadrilateral_agree() {
+    let points = lattice(3);
+    let mut convex = 0;
+    for (i, a) in points.iter().enumerate() {
+        for (b, c, d) in triples(&points[i + 1..]) {
+            let turns = [[a, b, c], [b, c, d], [c, d, a], [d, a, b]]
+                .map(|[p, q, r]| coplanar_orient(p, q, r));
+            let strictly_convex = turns[0] != Sign::Zero && turns.iter().all(|&t| t == turns[0]);
+            if !orient3d(a, b, c, d).is_zero() || !strictly_convex {
+                continue;
+            }
+            convex += 1;
+            let keeps_ac = side_of_circle(a, b, c, d).is_negative();
+            assert_eq!(keeps_ac, side_of_circle(a, c, d, b).is_negative());
+            assert_eq!(!keeps_ac, side_of_circle(a, b, d, c).is_negative());
+            assert_eq!(!keeps_ac, side_of_circle(b, c, d, a).is_negative());
+        }
+    }
+    // Nine planes parallel to the axes hold 70 each (of 126 quadruples of a 3x3 grid); slanted
+    // ones hold more.
+    assert!(convex > 9 * 70, "only {convex} convex quadrilaterals");
+}
+
+/// All ordered triples of different points.
+fn triples(points: &[Point]) -> impl Iterator<Item = (&Point, &Point, &Point)> {
+    let n = points.len();
+    (0..n * n * n)
+        .map(move |t| (t / (n * n), t / n % n, t % n))
+        .filter(|&(i, j, k)| i != j && j != k && i != k)
+        .map(|(i, j, k)| (&points[i], &points[j], &points[k]))
+}
+
 /// Distinct points of {0, 1, 2}^3.
 fn small_lattice<const N: usize>() -> impl Strategy<Value = [Point; N]> {
     prop::sample::subsequence(lattice(3), N)
@@ -217,23 +252,6 @@ proptest! {
         } else {
             prop_assert_eq!(side_of_hull_facet(a, b, c, d), side);
         }
-    }
-
-    /// Exactly one of two diagonals: four cocircular points have two triangulations, and the
-    /// perturbed circles of both triangles of either choose the same one.
-    #[test]
-    fn opposite_triangles_agree(points in small_lattice::<4>()) {
-        let [a, b, c, d] = &points;
-        prop_assume!(orient3d(a, b, c, d).is_zero());
-        let turns = [coplanar_orient(a, b, c), coplanar_orient(a, c, d)];
-        let crossing = [coplanar_orient(a, b, d), coplanar_orient(b, c, d)];
-        let convex = turns[0] * turns[1] * crossing[0] * crossing[1];
-        prop_assume!(convex.is_positive() && turns[0] == turns[1] && turns[0] == crossing[0]);
-        // The quadrilateral abcd is strictly convex.
-        let keeps_ac = side_of_circle(a, b, c, d).is_negative();
-        prop_assert_eq!(keeps_ac, side_of_circle(a, c, d, b).is_negative());
-        prop_assert_eq!(!keeps_ac, side_of_circle(a, b, d, c).is_negative());
-        prop_assert_eq!(!keeps_ac, side_of_circle(b, c, d, a).is_negative());
     }
 
     /// Even permutations of the tetrahedron change nothing, and neither does the representation:
