@@ -277,10 +277,7 @@ mod tests {
             prop_assert_eq!(insphere_all_ways([&p[1], &p[0], &p[2], &p[3], &p[4]]), -sign);
             // Corners of one box are on one sphere.
             let (a, g) = (p[0], p[1]);
-            let corner = |x: bool, y: bool, z: bool| {
-                [if x { g[0] } else { a[0] }, if y { g[1] } else { a[1] }, if z { g[2] } else { a[2] }]
-            };
-            let [b, c, d] = [corner(true, false, false), corner(false, true, false), corner(false, false, true)];
+            let (b, c, d) = ([g[0], a[1], a[2]], [a[0], g[1], a[2]], [a[0], a[1], g[2]]);
             prop_assert_eq!(insphere_all_ways([&a, &b, &c, &d, &g]), 0);
         }
     }

@@ -18,8 +18,9 @@ fn general() -> Owned {
 /// A tetrahedron with four neighbours, and one with a face on the hull.
 fn inner_and_outer(mesh: &Owned) -> (usize, usize) {
     let neighbours = adjacency(&mesh.tets);
-    let inner = neighbours.iter().position(|n| !n.contains(&u32::MAX)).unwrap();
-    (inner, neighbours.iter().position(|n| n.contains(&u32::MAX)).unwrap())
+    let inner = neighbours.iter().position(|n| !n.contains(&u32::MAX));
+    let outer = neighbours.iter().position(|n| n.contains(&u32::MAX));
+    (inner.expect("the mesh has inner ones"), outer.expect("the mesh has a hull"))
 }
 
 /// The listed defects of a kind, as (tets, vertices).
@@ -210,7 +211,7 @@ fn missing_inner_tetrahedron_leaves_a_second_surface() {
     let mesh = delaunay(&points);
     let neighbours = adjacency(&mesh.tets);
     let on_hull: Vec<u32> = (0..mesh.tets.len())
-        .flat_map(|t| (0..4).filter(move |&i| i < 4).map(move |i| (t, i)))
+        .flat_map(|t| (0..4).map(move |i| (t, i)))
         .filter(|&(t, i)| neighbours[t][i] == u32::MAX)
         .flat_map(|(t, i)| (0..4).filter(move |&k| k != i).map(move |k| (t, k)))
         .map(|(t, k)| mesh.tets[t][k])
