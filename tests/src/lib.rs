@@ -1,1 +1,24 @@
-//! Test support.
+//! Test support for the workspace: the CGAL reference, exact oracles and input families.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`cgal`] | the CGAL server process of `tests/cgal/server.cpp`: build, start, ask |
+//! | [`oracle`] | the predicates by `rug`, and brute-force Delaunay of a few points |
+//! | [`families`] | the input families of the bars, deterministic by seed |
+//! | [`require`] | what is skipped when a tool is missing, and when that is a failure |
+#![forbid(unsafe_code)]
+
+pub mod cgal;
+pub mod families;
+pub mod oracle;
+pub mod require;
+
+/// Number of random cases: `LTBW_CASES` if it is set, else `default`.
+///
+/// # Panics
+/// If `LTBW_CASES` is not a number: a typo must not turn the full bar into the small one.
+#[must_use]
+pub fn cases(default: u32) -> u32 {
+    std::env::var("LTBW_CASES")
+        .map_or(default, |text| text.parse().expect("LTBW_CASES is a whole number"))
+}

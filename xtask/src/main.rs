@@ -1,3 +1,52 @@
-//! `cargo xtask`.
+//! `cargo xtask`: one command for each of the deeper suites. Standard library only, so that it
+//! builds in a moment; the measuring itself is the program `measure` of the tests package.
 
-fn main() {}
+mod fuzz;
+mod measure;
+mod model_check;
+mod mutants;
+mod prove;
+mod shell;
+
+// The rule about missing tools is the tests' own, not a copy of it.
+#[path = "../../tests/src/require.rs"]
+#[expect(unreachable_pub, reason = "it is public in the library that owns it")]
+mod require;
+
+use std::process::ExitCode;
+
+const HELP: &str = "\
+cargo xtask COMMAND
+
+  bench [SET]...        our order + insert against CGAL's, interleaved pairs, median of 7
+  bars                  the full-size bars: hashes equal to CGAL's, times within their limits
+  fuzz [--seconds N]    every fuzz target for N seconds each (default 60), through cargo-fuzz
+  prove                 the proofs of the filters: coqc and gappa
+  model-check           the models of verify/models, under loom
+  mutants [ARG]...      cargo-mutants on the predicates
+
+A missing tool is said aloud; with LTBW_REQUIRE=all (or the tool's name) it is a failure.";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let (command, rest) = args.split_first().map_or(("help", &args[..]), |(c, r)| (c.as_str(), r));
+    let done = match command {
+        "bench" | "bars" => measure::run(command, rest),
+        "fuzz" => fuzz::run(rest),
+        "prove" => prove::run(),
+        "model-check" => model_check::run(rest),
+        "mutants" => mutants::run(rest),
+        "help" | "--help" | "-h" => {
+            println!("{HELP}");
+            Ok(())
+        }
+        other => Err(format!("no such command: {other}\n\n{HELP}")),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("xtask: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}

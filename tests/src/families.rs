@@ -1,0 +1,315 @@
+//! The input families of the bars: point sets on which kernels go wrong, or slow.
+//!
+//! Every family is a function of its sizes and a seed, on every machine: integers, `+ - * /` and
+//! `sqrt` only. Coordinates are exact where the family's point is that they are (grids, spheres,
+//! rings, planes, lines).
+
+use ltbw::Point;
+
+/// A named point set.
+#[derive(Debug, Clone)]
+pub struct Family {
+    /// Name, as tables and failures print it.
+    pub name: String,
+    /// The points.
+    pub points: Vec<Point>,
+}
+
+/// How large the sets of [`all`] are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Size {
+    /// Some 100 points each: twenty insertion orders of each are cheap.
+    Small,
+    /// Some 10,000 points each: for `cargo test`.
+    Moderate,
+    /// The full bars: a million points where the bar says so.
+    Full,
+}
+
+/// Pseudo-random numbers: SplitMix64 (Steele, Lea, Flood 2014).
+#[derive(Debug, Clone)]
+pub struct Rng(u64);
+
+impl Rng {
+    /// A stream that is a function of `seed`.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Uniform in [0, 1), a multiple of 2^-53.
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Uniform in 0..n for n > 0, but for a bias below n / 2^64.
+    pub fn below(&mut self, n: u64) -> u64 {
+        (u128::from(self.bits()) * u128::from(n) >> 64) as u64
+    }
+
+    /// Brings `items` into a random order (Fisher and Yates).
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
+        for i in (1..items.len()).rev() {
+            items.swap(i, self.below(i as u64 + 1) as usize);
+        }
+    }
+}
+
+/// 2^e for a normal result.
+#[must_use]
+pub fn two_to(e: i32) -> f64 {
+    assert!((-1022..=1023).contains(&e), "2^{e} is not a normal f64");
+    f64::from_bits(((1023 + e) as u64) << 52)
+}
+
+/// `n` points uniform in the unit cube.
+#[must_use]
+pub fn uniform(n: usize, seed: u64) -> Vec<Point> {
+    let mut rng = Rng::new(seed);
+    (0..n).map(|_| std::array::from_fn(|_| rng.unit())).collect()
+}
+
+/// The integer grid 0..k in each direction: k^3 points.
+#[must_use]
+pub fn grid(k: usize) -> Vec<Point> {
+    let at = |i: usize| [i / (k * k), i / k % k, i % k].map(|c| c as f64);
+    (0..k * k * k).map(at).collect()
+}
+
+/// The grid, moved to [1, 2) so that all units in the last place are equal, each coordinate then
+/// moved by -1, 0 or +1 of them.
+#[must_use]
+pub fn grid_ulps(k: usize, seed: u64) -> Vec<Point> {
+    let mut rng = Rng::new(seed);
+    let step = two_to(-(k.ilog2() as i32 + 1));
+    let mut moved = |c: f64| (1.0 + c * step) + (rng.below(3) as f64 - 1.0) * f64::EPSILON;
+    // Below 1 the units are half as large, so the lowest layer starts one cell in.
+    grid(k - 1).into_iter().map(|p| p.map(|c| moved(c + 1.0))).collect()
+}
+
+/// The body-centred grid: k^3 cells, corners and centres, on even and odd integers.
+#[must_use]
+pub fn body_centred(k: usize) -> Vec<Point> {
+    let corners = grid(k + 1).into_iter().map(|p| p.map(|c| 2.0 * c));
+    let centres = grid(k).into_iter().map(|p| p.map(|c| 2.0 * c + 1.0));
+    corners.chain(centres).collect()
+}
+
+/// Integer points exactly on spheres around the origin, of the squared radii `squares`.
+#[must_use]
+pub fn spheres(squares: &[i64]) -> Vec<Point> {
+    let mut points = Vec::new();
+    for &square in squares {
+        let r = square.isqrt();
+        for x in -r..=r {
+            let rest = square - x * x;
+            let s = rest.isqrt();
+            for y in -s..=s {
+                let z = (rest - y * y).isqrt();
+                if z * z == rest - y * y {
+                    points.extend(
+                        [z, -z]
+                            .iter()
+                            .take(if z == 0 { 1 } else { 2 })
+                            .map(|&z| [x, y, z].map(|c| c as f64)),
+                    );
+                }
+            }
+        }
+    }
+    points
+}
+
+/// Rings of integer points exactly on a cylinder: `height` layers of all (x, y) with
+/// x^2 + y^2 = `square`.
+#[must_use]
+pub fn cylinder(square: i64, height: usize) -> Vec<Point> {
+    let r = square.isqrt();
+    let mut ring = Vec::new();
+    for x in -r..=r {
+        let y = (square - x * x).isqrt();
+        if y * y == square - x * x {
+            ring.extend([y, -y].iter().take(if y == 0 { 1 } else { 2 }).map(|&y| [x, y]));
+        }
+    }
+    let at =
+        |layer: usize| ring.iter().map(move |&[x, y]| [x as f64, y as f64, layer as f64 * 16.0]);
+    (0..height).flat_map(at).collect()
+}
+
+/// Clusters over nine decades: `n` points around 30 random centres, at distances from 1 to 1e-9.
+#[must_use]
+pub fn clusters(n: usize, seed: u64) -> Vec<Point> {
+    let mut rng = Rng::new(seed);
+    let centres = uniform(30, seed ^ 1);
+    (0..n)
+        .map(|_| {
+            let centre = centres[rng.below(30) as usize];
+            let scale = (0..rng.below(10)).fold(1.0, |scale, _| scale / 10.0);
+            centre.map(|c| c + (rng.unit() - 0.5) * scale)
+        })
+        .collect()
+}
+
+/// `n` integer points on five planes: x = 0, y = 7, z = -3, x + y + z = 100 and x = 2 y.
+#[must_use]
+pub fn planes(n: usize, side: u64, seed: u64) -> Vec<Point> {
+    let mut rng = Rng::new(seed);
+    (0..n)
+        .map(|i| {
+            let [u, v] = [rng.below(side), rng.below(side)].map(|c| c as f64);
+            match i % 5 {
+                0 => [0.0, u, v],
+                1 => [u, 7.0, v],
+                2 => [u, v, -3.0],
+                3 => [u, v, 100.0 - u - v],
+                _ => [2.0 * u, u, v],
+            }
+        })
+        .collect()
+}
+
+/// Every point of `points` three times, in random order.
+#[must_use]
+pub fn triplicated(points: &[Point], seed: u64) -> Vec<Point> {
+    let mut all = [points, points, points].concat();
+    Rng::new(seed).shuffle(&mut all);
+    all
+}
+
+/// All coordinates times 2^e.
+#[must_use]
+pub fn scaled(points: &[Point], e: i32) -> Vec<Point> {
+    let factor = two_to(e);
+    points.iter().map(|p| p.map(|c| c * factor)).collect()
+}
+
+/// `n` points (t, t^2, t^3), t = i/n: about n^2 / 2 tetrahedra.
+#[must_use]
+pub fn moment_curve(n: usize) -> Vec<Point> {
+    (0..n).map(|i| i as f64 / n as f64).map(|t| [t, t * t, t * t * t]).collect()
+}
+
+/// `n` points on each of two skew lines: (n - 1)^2 tetrahedra.
+#[must_use]
+pub fn skew_lines(n: usize) -> Vec<Point> {
+    let at = |i: usize| i as f64;
+    (0..n).map(|i| [at(i), 0.0, 0.0]).chain((0..n).map(|i| [0.0, at(i), 1.0])).collect()
+}
+
+/// The grid around the origin with zeros of both signs: equal points with different bits.
+#[must_use]
+pub fn signed_zeros(k: usize, seed: u64) -> Vec<Point> {
+    let mut rng = Rng::new(seed);
+    let centred: Vec<Point> = grid(k).into_iter().map(|p| p.map(|c| c - (k / 2) as f64)).collect();
+    let mut both = [centred.clone(), centred].concat();
+    for c in both.iter_mut().flatten().filter(|c| **c == 0.0) {
+        *c = if rng.below(2) == 0 { 0.0 } else { -0.0 };
+    }
+    both
+}
+
+/// A small random set, snapped to a coarse lattice so that it is full of coincidences: 5 to 60
+/// points with coordinates of a few values, in random ranges, sometimes stretched, sheared into
+/// one plane of another slope, moved by an ulp or repeated.
+#[must_use]
+pub fn snapped(seed: u64) -> Vec<Point> {
+    let mut rng = Rng::new(seed);
+    let n = 5 + rng.below(56) as usize;
+    let widest = [2, 3, 5, 9][rng.below(4) as usize];
+    let range: [u64; 3] = std::array::from_fn(|_| 1 + rng.below(widest));
+    let step = [1.0, 0.1, 1.0 / 3.0, 1024.0][rng.below(4) as usize];
+    let shift = [0.0, 0.0, -2.0, 1e6][rng.below(4) as usize];
+    let noise = rng.below(4) == 0;
+    let shear = rng.below(3) as f64;
+    (0..n)
+        .map(|_| {
+            let [x, y, z] = range.map(|r| rng.below(r + 1) as f64);
+            let p = [x, y, z + shear * x].map(|c| c * step + shift);
+            p.map(|c| if noise && rng.below(8) == 0 { c.next_up() } else { c })
+        })
+        .collect()
+}
+
+/// All families, at one size.
+#[must_use]
+pub fn all(size: Size) -> Vec<Family> {
+    // n: points of a random set; k: side of a grid; curve: points of the quadratic sets.
+    let (n, k, curve) = match size {
+        Size::Small => (150, 5, 30),
+        Size::Moderate => (20_000, 20, 150),
+        Size::Full => (1_000_000, 100, 2_000),
+    };
+    // Sums of three squares, and of two, in many ways: spheres of 10^5 points at full size.
+    let (squares, ring): (&[i64], i64) = match size {
+        Size::Small => (&[9, 41], 65),
+        Size::Moderate => (&[41, 1_001, 100_001], 5_525),
+        Size::Full => (&[41, 100_001, 10_000_001, 100_000_001], 48_612_265),
+    };
+    let (layers, seed) = (curve / 2, 1);
+    let family = |name: &str, points| Family { name: name.to_string(), points };
+    let cube = |side: usize, e: i32| family(&format!("grid*2^{e}"), scaled(&grid(side), e));
+    let side = k.min(40);
+    vec![
+        family("uniform", uniform(n, seed)),
+        family("grid", grid(k)),
+        family("grid+-ulps", grid_ulps(k, seed)),
+        family("body-centred", body_centred(k * 3 / 4)),
+        family("spheres", spheres(squares)),
+        family("cylinder", cylinder(ring, layers)),
+        family("clusters", clusters(n, seed)),
+        family("planes", planes(n / 2, (n as u64).isqrt(), seed)),
+        family("triplicated", triplicated(&grid(k * 3 / 5), seed)),
+        cube(side, -120),
+        cube(side, 190),
+        cube(side, -700),
+        family("moment-curve", moment_curve(curve)),
+        family("skew-lines", skew_lines(curve / 2)),
+        family("signed-zeros", signed_zeros(side / 2 * 2 + 1, seed)),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Rng, Size, all, cylinder, grid_ulps, snapped, spheres};
+
+    #[test]
+    fn spheres_and_rings_are_exact_and_complete() {
+        assert_eq!(spheres(&[9]).len(), 30); // (3,0,0) 6 ways, (2,2,1) 24 ways
+        assert!(spheres(&[41]).iter().all(|[x, y, z]| x * x + y * y + z * z == 41.0));
+        assert_eq!(cylinder(65, 2).len(), 2 * 16); // 65 = 1 + 64 = 16 + 49
+    }
+
+    #[test]
+    fn ulps_are_ulps() {
+        let points = grid_ulps(5, 1);
+        assert_eq!(points.len(), 64);
+        assert!(points.iter().flatten().all(|&c| (1.0..2.0).contains(&c)));
+    }
+
+    #[test]
+    fn families_are_functions_of_their_seed_and_hold_points() {
+        let (a, b) = (all(Size::Small), all(Size::Small));
+        assert!(a.iter().zip(&b).all(|(a, b)| a.points == b.points && a.points.len() > 10));
+        assert_eq!(snapped(7), snapped(7));
+        assert!((0..1000).all(|seed| (5..=60).contains(&snapped(seed).len())));
+    }
+
+    #[test]
+    fn shuffling_permutes() {
+        let mut items: Vec<u32> = (0..100).collect();
+        Rng::new(3).shuffle(&mut items);
+        assert_ne!(items, (0..100).collect::<Vec<u32>>());
+        items.sort_unstable();
+        assert_eq!(items, (0..100).collect::<Vec<u32>>());
+    }
+}
