@@ -417,6 +417,9 @@ fn a_pair_is_written_whole_or_not_at_all() {
     let e = io::write_mesh(&dir.path().join("a.node"), &mesh).unwrap_err();
     assert_eq!(e.code(), "io.write");
     assert!(!dir.path().join("a.node").exists());
-    assert!(io::check_writable(&dir.path().join("a.node")).is_err());
+    assert!(io::check_mesh_writable(&dir.path().join("a.node")).is_err());
+    assert!(io::check_points_writable(&dir.path().join("a.node")).is_ok());
+    assert!(io::check_points_writable(&dir.path().join("a.vtu")).is_err());
+    assert!(io::check_mesh_writable(&dir.path().join("a.xyz")).is_err());
     assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
 }
