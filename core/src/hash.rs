@@ -84,10 +84,7 @@ pub fn canonical_hash(points: &[Point], tets: &[[u32; 4]]) -> Result<MeshHash, H
         return Err(HashError::NotFinite { vertex, at });
     }
     used.par_sort_unstable_by(|(p, i), (q, j)| {
-        p[0].total_cmp(&q[0])
-            .then(p[1].total_cmp(&q[1]))
-            .then(p[2].total_cmp(&q[2]))
-            .then(i.cmp(j))
+        p[0].total_cmp(&q[0]).then(p[1].total_cmp(&q[1])).then(p[2].total_cmp(&q[2])).then(i.cmp(j))
     });
     if let Some(w) = used.windows(2).find(|w| w[0].0 == w[1].0) {
         return Err(HashError::EqualVertices { first: w[0].1, second: w[1].1, at: w[0].0 });

@@ -8,8 +8,12 @@
 //! | [`predicates`] | `orient3d`, `insphere`, the planar ones: filter, then exact |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
 //! | [`tetmesh`] | [`TetMesh`]: a plain mesh as files carry it |
+//! | [`io`] | readers and writers of point and mesh files |
+//! | [`generate`] | test point sets, the same on every machine |
 
+pub mod generate;
 pub mod hash;
+pub mod io;
 pub mod points;
 pub mod predicates;
 pub mod tetmesh;

@@ -1,0 +1,165 @@
+//! Writing aside: a file appears under its final name complete, or not at all.
+//!
+//! Each file is written under a temporary name in the folder of the final one, flushed, synced
+//! and only then renamed. When anything fails before, the temporary file is removed and whatever
+//! had the final name is still there, untouched.
+
+use super::error::IoError;
+use std::fs::File;
+use std::io::{BufWriter, Error, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use tempfile::{NamedTempFile, TempPath};
+
+/// A file written in full under a temporary name.
+pub(super) struct Aside {
+    file: TempPath,
+    path: PathBuf,
+    target: PathBuf,
+}
+
+impl Aside {
+    /// Writes a file with `fill`, to be named `path` by [`Aside::publish`].
+    pub(super) fn write(
+        path: &Path,
+        fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    ) -> Result<Self, IoError> {
+        Self::try_write(path, fill).map_err(|e| write_error(path, e))
+    }
+
+    fn try_write(
+        path: &Path,
+        fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    ) -> std::io::Result<Self> {
+        let target = target(path)?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".ltbw-").suffix(".tmp");
+        // As for any new file: read and write for all, less the process's umask.
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            builder.permissions(std::fs::Permissions::from_mode(0o666));
+        }
+        let temp: NamedTempFile = builder.tempfile_in(folder(&target)).map_err(bare)?;
+        let (file, temp_path) = temp.into_parts();
+        let mut out = BufWriter::with_capacity(1 << 20, file);
+        fill(&mut out)?;
+        let file: File = out.into_inner().map_err(|e| e.into_error())?;
+        file.sync_all()?;
+        Ok(Self { file: temp_path, path: path.to_owned(), target })
+    }
+
+    /// Gives the file its final name, replacing what had it.
+    pub(super) fn publish(self) -> Result<(), IoError> {
+        let Self { file, path, target } = self;
+        file.persist(&target).map_err(|e| write_error(&path, e.error))
+    }
+}
+
+fn write_error(path: &Path, source: Error) -> IoError {
+    IoError::Write { path: path.to_owned(), source }
+}
+
+/// The temporary file's name means nothing to people: keep only the operating system's reason.
+fn bare(error: Error) -> Error {
+    let inner = error.get_ref().and_then(|e| e.source()).and_then(|e| e.downcast_ref::<Error>());
+    match inner.and_then(Error::raw_os_error).or(error.raw_os_error()) {
+        Some(code) => Error::from_raw_os_error(code),
+        None => Error::from(error.kind()),
+    }
+}
+
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p,
+        _ => Path::new("."),
+    }
+}
+
+/// The file to replace: symbolic links are followed; folders and devices are refused.
+fn target(path: &Path) -> std::io::Result<PathBuf> {
+    match std::fs::metadata(path) {
+        Ok(meta) if meta.is_dir() => Err(Error::from(ErrorKind::IsADirectory)),
+        Ok(meta) if !meta.is_file() => {
+            Err(Error::new(ErrorKind::InvalidInput, "not a regular file"))
+        }
+        Ok(_) => std::fs::canonicalize(path),
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(path.to_owned()),
+        Err(e) => Err(e),
+    }
+}
+
+/// Tells, before long work starts, what would certainly keep `path` from being written: a missing
+/// folder, or something under that name that is not a file. Creates nothing.
+pub(super) fn check(path: &Path) -> Result<(), IoError> {
+    let check = || {
+        let target = target(path)?;
+        match std::fs::metadata(folder(&target)) {
+            Ok(meta) if !meta.is_dir() => Err(Error::from(ErrorKind::NotADirectory)),
+            Ok(_) => Ok(()),
+            Err(e) => Err(e),
+        }
+    };
+    check().map_err(|e| write_error(path, e))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(dir: &Path) -> Vec<String> {
+        let mut v: Vec<String> = std::fs::read_dir(dir)
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
+        v.sort();
+        v
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_else() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.xyz");
+        std::fs::write(&path, "old").unwrap();
+        let result = Aside::write(&path, |out| {
+            out.write_all(&[b'x'; 3 << 20])?;
+            Err(Error::from(ErrorKind::StorageFull))
+        });
+        assert!(matches!(result, Err(IoError::Write { .. })));
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(dir.path()), ["a.xyz"]);
+    }
+
+    #[test]
+    fn nothing_appears_before_it_is_published() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.xyz");
+        let aside = Aside::write(&path, |out| out.write_all(b"new")).unwrap();
+        assert!(!path.exists());
+        aside.publish().unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(dir.path()), ["a.xyz"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_followed_and_modes_are_ordinary() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().unwrap();
+        let (real, link) = (dir.path().join("real.xyz"), dir.path().join("link.xyz"));
+        std::fs::write(&real, "old").unwrap();
+        let ordinary = std::fs::metadata(&real).unwrap().permissions().mode();
+        std::os::unix::fs::symlink(&real, &link).unwrap();
+        Aside::write(&link, |out| out.write_all(b"new")).unwrap().publish().unwrap();
+        assert_eq!(std::fs::read(&real).unwrap(), b"new");
+        assert!(std::fs::symlink_metadata(&link).unwrap().file_type().is_symlink());
+        assert_eq!(std::fs::metadata(&real).unwrap().permissions().mode(), ordinary);
+    }
+
+    #[test]
+    fn folders_are_refused_early() {
+        let dir = tempfile::tempdir().unwrap();
+        assert!(check(dir.path()).is_err());
+        assert!(check(&dir.path().join("missing").join("a.xyz")).is_err());
+        assert!(check(&dir.path().join("a.xyz")).is_ok());
+    }
+}

@@ -1,0 +1,278 @@
+//! Readers and writers of point and mesh files.
+//!
+//! | extension | holds | tags | module |
+//! |---|---|---|---|
+//! | `.npy` | points (NumPy array of shape (n, 3)) | no | [`npy`] |
+//! | `.xyz` | points, one on a line | no | [`xyz`] |
+//! | `.csv` | points, columns `x,y,z` | column `tag` | [`csv`] |
+//! | `.node` | points (TetGen); beside `.ele`: a mesh | markers | [`tetgen`] |
+//! | `.ele` | mesh (TetGen), with the `.node` beside it | markers, regions | [`tetgen`] |
+//! | `.mesh` | mesh (Medit, ASCII) | references | [`medit`] |
+//! | `.vtu` | mesh (VTK, ASCII) | arrays `tag`, `region` | [`vtu`] |
+//!
+//! Readers take any bytes and never panic: each is a fuzz target. A count in a header is a claim
+//! to verify, never an amount of memory to reserve. Text carries floats in the shortest form that
+//! reads back to the same bits, so a round trip changes no coordinate, not even the sign of zero.
+//! NaN and infinities are rejected, with their place.
+//!
+//! Writers write aside and rename: under the final name there is the whole file or what was
+//! there before.
+//!
+//! Cost: reading holds the file and the result in memory; a million points of text take about
+//! half a second each way. Writing formats in parallel on the current rayon pool.
+
+mod aside;
+pub mod csv;
+mod error;
+pub mod medit;
+pub mod npy;
+pub mod tetgen;
+mod text;
+pub mod vtu;
+pub mod xyz;
+
+use crate::{Point, TetMesh};
+use aside::Aside;
+pub use error::{DataError, IoError, ParseError, Place, Reason};
+use std::path::{Path, PathBuf};
+
+/// Points as files carry them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PointFile {
+    /// Coordinates, in the order of the file.
+    pub points: Vec<Point>,
+    /// One tag per point (boundary markers), if the file has them.
+    pub point_tags: Option<Vec<i64>>,
+    /// What the file holds besides and was not read, in words for people.
+    pub notes: Vec<String>,
+}
+
+/// A mesh as files carry it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MeshFile {
+    /// The mesh.
+    pub mesh: TetMesh,
+    /// What the file holds besides and was not read, in words for people.
+    pub notes: Vec<String>,
+}
+
+/// A file format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Format {
+    /// NumPy array.
+    Npy,
+    /// Coordinates separated by blanks.
+    Xyz,
+    /// Comma- or semicolon-separated columns.
+    Csv,
+    /// TetGen points.
+    Node,
+    /// TetGen tetrahedra, beside a `.node` file.
+    Ele,
+    /// Medit ASCII mesh.
+    Medit,
+    /// VTK unstructured grid.
+    Vtu,
+}
+
+impl Format {
+    /// Every format.
+    pub const ALL: [Format; 7] = [
+        Format::Npy,
+        Format::Xyz,
+        Format::Csv,
+        Format::Node,
+        Format::Ele,
+        Format::Medit,
+        Format::Vtu,
+    ];
+
+    /// The format that the extension of `path` names; upper and lower case are the same.
+    pub fn from_path(path: &Path) -> Result<Self, IoError> {
+        let extension = path.extension().unwrap_or_default();
+        Self::ALL
+            .into_iter()
+            .find(|f| extension.eq_ignore_ascii_case(f.extension()))
+            .ok_or_else(|| IoError::UnknownFormat { path: path.to_owned() })
+    }
+
+    /// Its extension, without the dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Format::Npy => "npy",
+            Format::Xyz => "xyz",
+            Format::Csv => "csv",
+            Format::Node => "node",
+            Format::Ele => "ele",
+            Format::Medit => "mesh",
+            Format::Vtu => "vtu",
+        }
+    }
+
+    /// Whether a file of this format can hold points alone.
+    pub fn holds_points(self) -> bool {
+        matches!(self, Format::Npy | Format::Xyz | Format::Csv | Format::Node)
+    }
+
+    /// Whether a file of this format (with its companion) can hold a mesh.
+    pub fn holds_mesh(self) -> bool {
+        matches!(self, Format::Node | Format::Ele | Format::Medit | Format::Vtu)
+    }
+
+    /// Whether point tags survive in this format.
+    pub fn holds_point_tags(self) -> bool {
+        !matches!(self, Format::Npy | Format::Xyz)
+    }
+}
+
+/// Reads a point file: `.npy`, `.xyz`, `.csv` or `.node`.
+pub fn read_points(path: &Path) -> Result<PointFile, IoError> {
+    let parse = match Format::from_path(path)? {
+        Format::Npy => npy::read,
+        Format::Xyz => xyz::read,
+        Format::Csv => csv::read,
+        Format::Node => tetgen::read_node,
+        Format::Ele | Format::Medit | Format::Vtu => return Err(wrong_kind(path, true)),
+    };
+    parse(&load(path)?).map_err(|error| parse_error(path, error))
+}
+
+/// Reads a mesh file: `.vtu`, `.mesh`, or the pair `.ele` and `.node` (named by either).
+pub fn read_mesh(path: &Path) -> Result<TetMesh, IoError> {
+    read_mesh_file(path).map(|f| f.mesh)
+}
+
+/// Reads a mesh file as [`read_mesh`] does, and tells what in it was not read.
+pub fn read_mesh_file(path: &Path) -> Result<MeshFile, IoError> {
+    let parse = match Format::from_path(path)? {
+        Format::Vtu => vtu::read,
+        Format::Medit => medit::read,
+        Format::Node | Format::Ele => return read_pair(path),
+        Format::Npy | Format::Xyz | Format::Csv => return Err(wrong_kind(path, false)),
+    };
+    parse(&load(path)?).map_err(|error| parse_error(path, error))
+}
+
+fn read_pair(path: &Path) -> Result<MeshFile, IoError> {
+    let (node_path, ele_path) = pair(path);
+    let node = tetgen::parse_node(&load(&node_path)?).map_err(|e| parse_error(&node_path, e))?;
+    tetgen::parse_ele(&load(&ele_path)?, node).map_err(|e| parse_error(&ele_path, e))
+}
+
+/// The `.node` and `.ele` files of the mesh that either of them names.
+fn pair(path: &Path) -> (PathBuf, PathBuf) {
+    let other = |extension: &str| {
+        let own = path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+        if own { path.to_owned() } else { path.with_extension(extension) }
+    };
+    (other("node"), other("ele"))
+}
+
+/// Writes points and their tags. The formats `.npy` and `.xyz` have no place for tags.
+pub fn write_points(path: &Path, file: &PointFile) -> Result<(), IoError> {
+    let write = match Format::from_path(path)? {
+        Format::Npy => npy::write,
+        Format::Xyz => xyz::write,
+        Format::Csv => csv::write,
+        Format::Node => tetgen::write_node,
+        Format::Ele | Format::Medit | Format::Vtu => return Err(wrong_kind(path, true)),
+    };
+    let (points, tags) = (&file.points, file.point_tags.as_deref());
+    check_points(points, tags).map_err(|r| data_error(path, r))?;
+    Aside::write(path, |out| write(out, points, tags))?.publish()
+}
+
+/// Writes a mesh: `.vtu`, `.mesh`, or the pair `.ele` and `.node` (named by either).
+pub fn write_mesh(path: &Path, mesh: &TetMesh) -> Result<(), IoError> {
+    let format = Format::from_path(path)?;
+    check_mesh(mesh).map_err(|r| data_error(path, r))?;
+    let write = match format {
+        Format::Vtu => vtu::write,
+        Format::Medit => medit::write,
+        Format::Node | Format::Ele => return write_pair(path, mesh),
+        Format::Npy | Format::Xyz | Format::Csv => return Err(wrong_kind(path, false)),
+    };
+    Aside::write(path, |out| write(out, mesh))?.publish()
+}
+
+fn write_pair(path: &Path, mesh: &TetMesh) -> Result<(), IoError> {
+    let (node_path, ele_path) = pair(path);
+    let ele = Aside::write(&ele_path, |out| tetgen::write_ele(out, mesh))?;
+    let tags = mesh.point_tags.as_deref();
+    let node = Aside::write(&node_path, |out| tetgen::write_node(out, &mesh.points, tags))?;
+    node.publish()?;
+    // A `.node` of this mesh beside an `.ele` of another would be worse than none.
+    ele.publish().inspect_err(|_| drop(std::fs::remove_file(&node_path)))
+}
+
+/// Tells, before long work starts, what would certainly keep `path` from being written: an
+/// unknown extension, a missing folder, or something under that name that is not a file.
+/// Creates nothing.
+pub fn check_writable(path: &Path) -> Result<(), IoError> {
+    match Format::from_path(path)? {
+        Format::Node | Format::Ele => {
+            let (node, ele) = pair(path);
+            aside::check(&node)?;
+            aside::check(&ele)
+        }
+        _ => aside::check(path),
+    }
+}
+
+/// Writes `bytes` to any file the way all files of this module are written: aside, then renamed.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+    Aside::write(path, |out| out.write_all(bytes))?.publish()
+}
+
+fn load(path: &Path) -> Result<Vec<u8>, IoError> {
+    let read = || {
+        // A device may never end; a folder is no file.
+        if std::fs::metadata(path)?.is_file() {
+            std::fs::read(path)
+        } else {
+            Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "not a regular file"))
+        }
+    };
+    read().map_err(|source| IoError::Read { path: path.to_owned(), source })
+}
+
+fn check_points(points: &[Point], tags: Option<&[i64]>) -> Result<(), DataError> {
+    if let Some(point) = points.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+        return Err(DataError::NotFinite { point, at: points[point] });
+    }
+    check_tags("points", tags, points.len())
+}
+
+fn check_tags(what: &'static str, tags: Option<&[i64]>, count: usize) -> Result<(), DataError> {
+    match tags {
+        Some(t) if t.len() != count => Err(DataError::Tags { what, tags: t.len(), count }),
+        _ => Ok(()),
+    }
+}
+
+fn check_mesh(mesh: &TetMesh) -> Result<(), DataError> {
+    let points = mesh.points.len();
+    check_points(&mesh.points, mesh.point_tags.as_deref())?;
+    check_tags("tetrahedra", mesh.tet_tags.as_deref(), mesh.tets.len())?;
+    for (tet, corners) in mesh.tets.iter().enumerate() {
+        if let Some(&point) = corners.iter().find(|&&v| v as usize >= points) {
+            return Err(DataError::Index { tet, point, points });
+        }
+    }
+    Ok(())
+}
+
+fn wrong_kind(path: &Path, points_wanted: bool) -> IoError {
+    let (holds, wanted) =
+        if points_wanted { ("a mesh", "points are") } else { ("points", "a mesh is") };
+    IoError::WrongKind { path: path.to_owned(), holds, wanted }
+}
+
+fn parse_error(path: &Path, error: ParseError) -> IoError {
+    IoError::Parse { path: path.to_owned(), error }
+}
+
+fn data_error(path: &Path, reason: DataError) -> IoError {
+    IoError::Data { path: path.to_owned(), reason }
+}

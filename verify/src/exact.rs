@@ -1,0 +1,159 @@
+//! The exact stage of the predicates: short integers, else `robust` inside its window, else big
+//! integers. Right for any finite f64, subnormal and huge ones too.
+//!
+//! * *Short integers.* When all differences are exact and span few bits (grids, lattices), they
+//!   are integers of a common power of two: i64, then i128.
+//! * *`robust`* (Shewchuk's expansions) where it is exact: every coordinate 0 or
+//!   2^-142 ≤ |c| < 2^200. Outside it is silently wrong.
+//! * *Big integers.* Every f64 is an integer times a power of two: exact, at any exponents.
+
+use crate::mesh::Point;
+use crate::predicates::{det_lifted, det3, differences, extents, in_range};
+use num_bigint::{BigInt, Sign};
+use robust::Coord3D;
+
+/// The exponents of the lowest and highest set bits of a finite number, or `None` for zero.
+fn bit_range(x: f64) -> Option<(i32, i32)> {
+    let (mantissa, exponent) = dyadic(x);
+    if mantissa == 0 {
+        return None;
+    }
+    let magnitude = mantissa.unsigned_abs();
+    // Both counts are below 64.
+    let low = exponent + magnitude.trailing_zeros() as i32;
+    Some((low, exponent + 63 - magnitude.leading_zeros() as i32))
+}
+
+/// A finite `x` as mantissa · 2^exponent.
+pub(crate) fn dyadic(x: f64) -> (i64, i32) {
+    let bits = x.to_bits();
+    let field = ((bits >> 52) & 0x7ff) as i32;
+    let fraction = (bits & ((1 << 52) - 1)) as i64;
+    let mantissa = if field == 0 { fraction } else { fraction | (1 << 52) };
+    (if x.is_sign_negative() { -mantissa } else { mantissa }, field.max(1) - 1075)
+}
+
+/// Whether the computed difference `d` of `a` and `b` is exact (Knuth's two-difference).
+fn is_exact(a: f64, b: f64, d: f64) -> bool {
+    let b_virtual = a - d;
+    let a_virtual = d + b_virtual;
+    (a - a_virtual) + (b_virtual - b) == 0.0
+}
+
+/// The differences of `points` to `origin` as integers in their common power of two, and the
+/// number of bits that they need, when the differences are exact and need at most `limit` bits.
+fn integers<const N: usize>(
+    points: [&Point; N],
+    origin: &Point,
+    limit: i32,
+) -> Option<([[i64; 3]; N], i32)> {
+    let rows = differences(points, origin);
+    // Zero extents do no harm here; the others must allow scaling by 2^-low below.
+    let m = extents(&rows).map(|m| if m == 0.0 { 1.0 } else { m });
+    let exact = |(p, row): (&&Point, &[f64; 3])| (0..3).all(|k| is_exact(p[k], origin[k], row[k]));
+    if !in_range(m) || !points.iter().zip(&rows).all(exact) {
+        return None;
+    }
+    let (mut low, mut high) = (i32::MAX, i32::MIN);
+    for (l, h) in rows.iter().flatten().filter_map(|&d| bit_range(d)) {
+        (low, high) = (low.min(l), high.max(h));
+    }
+    if low > high {
+        return Some(([[0; 3]; N], 0)); // all differences are zero
+    }
+    let bits = high - low + 1;
+    if bits > limit {
+        return None;
+    }
+    // |low| is below 300 here, so the power is a normal number; bits ≤ 41 makes it exact.
+    let unit = f64::from_bits(((1023 - low) as u64) << 52);
+    Some((rows.map(|row| row.map(|d| (d * unit) as i64)), bits))
+}
+
+/// `robust` is exact for such a coordinate.
+fn in_window(points: &[&Point]) -> bool {
+    const LOW: f64 = f64::from_bits((1023 - 142) << 52);
+    const HIGH: f64 = f64::from_bits((1023 + 200) << 52);
+    let fits = |c: f64| c == 0.0 || (LOW <= c.abs() && c.abs() < HIGH);
+    points.iter().all(|p| p.iter().all(|&c| fits(c)))
+}
+
+/// Differences of `points` to `origin` as big integers of one common power of two.
+fn big_differences<const N: usize>(points: [&Point; N], origin: &Point) -> [[BigInt; 3]; N] {
+    let all = points.iter().copied().chain([origin]).flatten();
+    let low = all.filter_map(|&c| bit_range(c)).map(|(low, _)| low).min().unwrap_or(0);
+    points.map(|p| [0, 1, 2].map(|k| big(p[k], low) - big(origin[k], low)))
+}
+
+/// `x` · 2^-low as an integer; `low` must not exceed the exponent of the lowest bit of `x`.
+pub(crate) fn big(x: f64, low: i32) -> BigInt {
+    let (mantissa, exponent) = dyadic(x);
+    match exponent - low {
+        up if up >= 0 => BigInt::from(mantissa) << up,
+        down => BigInt::from(mantissa >> (-down).min(63)),
+    }
+}
+
+/// The exponent of the lowest set bit of all coordinates, 0 if all are zero.
+pub(crate) fn lowest_bit(points: &[&Point]) -> i32 {
+    let coordinates = points.iter().flat_map(|p| p.iter());
+    coordinates.filter_map(|&c| bit_range(c)).map(|(low, _)| low).min().unwrap_or(0)
+}
+
+/// The sign of a big integer.
+pub(crate) fn big_sign(x: &BigInt) -> i8 {
+    match x.sign() {
+        Sign::Minus => -1,
+        Sign::NoSign => 0,
+        Sign::Plus => 1,
+    }
+}
+
+fn coord([x, y, z]: &Point) -> Coord3D<f64> {
+    Coord3D { x: *x, y: *y, z: *z }
+}
+
+/// The sign of `robust`'s answer with the opposite convention.
+fn opposite(det: f64) -> i8 {
+    i8::from(det < 0.0) - i8::from(det > 0.0)
+}
+
+/// Exact twin of [`crate::predicates::orient3d`].
+///
+/// With integers of b bits the determinant and all its partial sums are below 6 · 2^3b: i64 up
+/// to 20 bits, i128 up to 41.
+pub(crate) fn orient3d([a, b, c, d]: [&Point; 4]) -> i8 {
+    match integers([b, c, d], a, 41) {
+        Some((rows, ..=20)) => det3(&rows).signum() as i8,
+        Some((rows, _)) => det3(&rows.map(|r| r.map(i128::from))).signum() as i8,
+        None if in_window(&[a, b, c, d]) => {
+            opposite(robust::orient3d(coord(a), coord(b), coord(c), coord(d)))
+        }
+        None => orient3d_big([a, b, c, d]),
+    }
+}
+
+/// Exact twin of [`crate::predicates::insphere`].
+///
+/// With integers of b bits the determinant and all its partial sums are below 72 · 2^5b: i64 up
+/// to 11 bits, i128 up to 24.
+pub(crate) fn insphere([a, b, c, d, e]: [&Point; 5]) -> i8 {
+    match integers([a, b, c, d], e, 24) {
+        Some((rows, ..=11)) => det_lifted(&rows).signum() as i8,
+        Some((rows, _)) => det_lifted(&rows.map(|r| r.map(i128::from))).signum() as i8,
+        None if in_window(&[a, b, c, d, e]) => {
+            opposite(robust::insphere(coord(a), coord(b), coord(c), coord(d), coord(e)))
+        }
+        None => insphere_big([a, b, c, d, e]),
+    }
+}
+
+/// [`orient3d`] by big integers alone.
+pub(crate) fn orient3d_big([a, b, c, d]: [&Point; 4]) -> i8 {
+    big_sign(&det3(&big_differences([b, c, d], a)))
+}
+
+/// [`insphere`] by big integers alone.
+pub(crate) fn insphere_big([a, b, c, d, e]: [&Point; 5]) -> i8 {
+    big_sign(&det_lifted(&big_differences([a, b, c, d], e)))
+}

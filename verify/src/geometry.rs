@@ -1,0 +1,188 @@
+//! Levels *orientation*, *Delaunay* and *canonical* inside the mesh: one exact test per
+//! tetrahedron and one per interior face. The hull's part is in `hull.rs`.
+
+use crate::defect::{Findings, Kind};
+use crate::faces::Faces;
+use crate::mesh::{Mesh, Point, VertexOrder, face};
+use crate::perturb;
+use crate::predicates::{Tally, insphere, orient3d};
+use crate::sweep::{Partial, pieces};
+
+/// The mesh with every tetrahedron's exact sign.
+pub(crate) struct Oriented<'a> {
+    pub(crate) mesh: &'a Mesh<'a>,
+    /// 1, -1, or 0 for flat; 0 for unsound ones too.
+    signs: Vec<i8>,
+    /// Sum of the absolute volumes, rounded.
+    pub(crate) volume: f64,
+    pub(crate) positive: u64,
+    pub(crate) negative: u64,
+}
+
+impl Oriented<'_> {
+    /// Whether all of the mesh is negative.
+    pub(crate) fn is_mirrored(&self) -> bool {
+        self.negative > 0 && self.positive == 0
+    }
+
+    /// The sign of a tetrahedron.
+    pub(crate) fn sign(&self, t: usize) -> i8 {
+        self.signs[t]
+    }
+
+    /// The vertices of tetrahedron `t` turned to positive.
+    pub(crate) fn positive_tet(&self, t: usize) -> [u32; 4] {
+        let [a, b, c, d] = self.mesh.tets[t];
+        if self.signs[t] < 0 { [a, b, d, c] } else { [a, b, c, d] }
+    }
+
+    /// The face of `t` opposite its vertex in place `i` of the given order, turned outward.
+    pub(crate) fn outward(&self, t: usize, i: usize) -> [u32; 3] {
+        let [a, b, c] = face(&self.mesh.tets[t], i);
+        if self.signs[t] < 0 { [a, c, b] } else { [a, b, c] }
+    }
+
+    pub(crate) fn at(&self, v: u32) -> &Point {
+        &self.mesh.points[v as usize]
+    }
+
+    /// The exact in-sphere sign of `v` in the tetrahedron `t`, which must not be flat.
+    pub(crate) fn in_sphere(&self, t: usize, v: u32, tally: &mut Tally) -> i8 {
+        let [a, b, c, d] = self.positive_tet(t).map(|v| self.at(v));
+        insphere([a, b, c, d, self.at(v)], tally)
+    }
+}
+
+/// The signs of all sound tetrahedra.
+pub(crate) fn signs<'a>(mesh: &'a Mesh, sound: &[bool]) -> (Oriented<'a>, Tally) {
+    let parts = pieces(mesh.tets.len(), |range| {
+        let mut tally = Tally::default();
+        let mut volume = 0.0;
+        let signs: Vec<i8> = range
+            .map(|t| match sound[t] {
+                true => {
+                    let corners = mesh.tets[t].map(|v| &mesh.points[v as usize]);
+                    volume += rounded_volume(corners);
+                    orient3d(corners, &mut tally)
+                }
+                false => 0,
+            })
+            .collect();
+        (signs, tally, volume)
+    });
+    let mut tally = Tally::default();
+    let mut signs = Vec::with_capacity(mesh.tets.len());
+    let mut volume = 0.0;
+    for (part, t, v) in parts {
+        signs.extend(part);
+        tally.merge(t);
+        volume += v;
+    }
+    let count = |sign| signs.iter().filter(|&&s| s == sign).count() as u64;
+    let (positive, negative) = (count(1), count(-1));
+    (Oriented { mesh, signs, volume, positive, negative }, tally)
+}
+
+fn rounded_volume([a, b, c, d]: [&Point; 4]) -> f64 {
+    crate::predicates::det3(&crate::predicates::differences([b, c, d], a)).abs() / 6.0
+}
+
+/// Names flat and inverted tetrahedra and folded faces.
+pub(crate) fn orientation(
+    mesh: &Oriented,
+    faces: &Faces,
+    sound: &[bool],
+    order: VertexOrder,
+    limit: usize,
+) -> Partial {
+    let names_inverted = order == VertexOrder::Oriented && !mesh.is_mirrored();
+    let parts = pieces(sound.len(), |range| {
+        let mut part = Partial::new(limit);
+        for t in range.filter(|&t| sound[t]) {
+            let tet = &mesh.mesh.tets[t];
+            match mesh.sign(t) {
+                0 => part.findings.add(Kind::FlatTet, &[t as u32], tet),
+                -1 if names_inverted => part.findings.add(Kind::InvertedTet, &[t as u32], tet),
+                _ => {}
+            }
+            for i in 0..4 {
+                let Some((u, j)) = faces.other(t, i).filter(|&(u, _)| t < u) else { continue };
+                match fold(mesh, (t, i), (u, j)) {
+                    None => part.untested += 1,
+                    Some(false) => {}
+                    Some(true) => {
+                        let ids = face_and_apexes(mesh, (t, i), (u, j));
+                        part.findings.add(Kind::FoldedFace, &[t as u32, u as u32], &ids);
+                    }
+                }
+            }
+        }
+        part
+    });
+    let mut out = Partial::new(limit);
+    parts.into_iter().for_each(|part| out.merge(part));
+    out
+}
+
+/// Whether two neighbours lie in space on the same side of their face; `None` if one is flat.
+/// Both are turned to positive, so they lie on opposite sides exactly if their outward faces
+/// turn opposite ways.
+fn fold(mesh: &Oriented, (t, i): (usize, usize), (u, j): (usize, usize)) -> Option<bool> {
+    if mesh.sign(t) == 0 || mesh.sign(u) == 0 {
+        return None;
+    }
+    let [a, b, c] = mesh.outward(t, i);
+    let other = mesh.outward(u, j);
+    Some([[a, b, c], [b, c, a], [c, a, b]].contains(&other))
+}
+
+/// The vertices of the face of `t` opposite place `i`, then both apexes.
+fn face_and_apexes(mesh: &Oriented, (t, i): (usize, usize), (u, j): (usize, usize)) -> [u32; 5] {
+    let [a, b, c] = mesh.outward(t, i);
+    [a, b, c, mesh.mesh.tets[t][i], mesh.mesh.tets[u][j]]
+}
+
+/// Tests every interior face: exactly locally Delaunay, and, if `canonical`, with ties as the
+/// perturbation has them. The second result belongs to the level *canonical*.
+pub(crate) fn delaunay(
+    mesh: &Oriented,
+    faces: &Faces,
+    canonical: bool,
+    limit: usize,
+) -> (Partial, Partial) {
+    let parts = pieces(mesh.mesh.tets.len(), |range| {
+        let (mut part, mut ties) = (Partial::new(limit), Partial::new(limit));
+        for t in range {
+            for i in 0..4 {
+                let Some((u, j)) = faces.other(t, i).filter(|&(u, _)| t < u) else { continue };
+                if fold(mesh, (t, i), (u, j)) != Some(false) {
+                    part.untested += 1;
+                    ties.untested += 1;
+                    continue;
+                }
+                let apex = mesh.mesh.tets[u][j];
+                let sign = mesh.in_sphere(t, apex, &mut part.tally);
+                if sign > 0 {
+                    report(&mut part.findings, Kind::NotDelaunay, mesh, (t, i), (u, j));
+                }
+                if sign == 0 && canonical {
+                    let tet = mesh.positive_tet(t).map(|v| mesh.at(v));
+                    if perturb::side(tet, mesh.at(apex), &mut ties.tally) > 0 {
+                        report(&mut ties.findings, Kind::NotCanonical, mesh, (t, i), (u, j));
+                    }
+                }
+            }
+        }
+        (part, ties)
+    });
+    let (mut out, mut ties) = (Partial::new(limit), Partial::new(limit));
+    for (part, tie) in parts {
+        out.merge(part);
+        ties.merge(tie);
+    }
+    (out, ties)
+}
+
+fn report(out: &mut Findings, kind: Kind, mesh: &Oriented, t: (usize, usize), u: (usize, usize)) {
+    out.add(kind, &[t.0 as u32, u.0 as u32], &face_and_apexes(mesh, t, u));
+}

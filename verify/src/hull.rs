@@ -1,0 +1,217 @@
+//! The hull's part of the levels *Delaunay* and *canonical*: the surface is convex, exactly.
+//!
+//! *Locally*: at every edge of the hull, the far vertex of one facet is not beyond the plane of
+//! the other. Facets in one plane are allowed; then the four vertices lie on one face of the
+//! hull, and the perturbation decides the diagonal if they are cocircular.
+//!
+//! *Globally*: a closed surface can be convex at each of its edges and yet wind around twice (a
+//! fan of tetrahedra that goes around an axis twice). Let O be the centre of the first
+//! tetrahedron and Q the centre of the first hull facet. Two tests exclude it (Mehlhorn et al.,
+//! *Checking geometric programs or verification of geometric structures*, Comput. Geom.
+//! 12:85–103, 1999): O lies strictly inside every facet's plane, and the ray from O through Q
+//! meets no other facet. O and Q are not representable, but `orient3d` is affine in each point:
+//! the first test needs the four vertices of the tetrahedron on the inner side and not all of
+//! them on the plane; the second is exact in big integers behind a filter.
+
+use crate::defect::Kind;
+use crate::exact::{big, big_sign, lowest_bit};
+use crate::faces::Faces;
+use crate::geometry::Oriented;
+use crate::mesh::{Point, split};
+use crate::perturb;
+use crate::predicates::{det3, differences, orient3d};
+use crate::sweep::{Partial, pieces};
+use crate::topology::HullPair;
+use num_bigint::BigInt;
+
+/// Tests every edge of the hull. The second result belongs to the level *canonical*.
+pub(crate) fn edges(
+    mesh: &Oriented,
+    faces: &Faces,
+    pairs: &[HullPair],
+    canonical: bool,
+    limit: usize,
+) -> (Partial, Partial) {
+    let parts = pieces(pairs.len(), |range| {
+        let (mut part, mut ties) = (Partial::new(limit), Partial::new(limit));
+        for pair in &pairs[range] {
+            edge(mesh, faces, pair, canonical, &mut part, &mut ties);
+        }
+        (part, ties)
+    });
+    let (mut out, mut ties) = (Partial::new(limit), Partial::new(limit));
+    for (part, tie) in parts {
+        out.merge(part);
+        ties.merge(tie);
+    }
+    (out, ties)
+}
+
+fn edge(
+    mesh: &Oriented,
+    faces: &Faces,
+    &[(g, gk), (h, hk)]: &HullPair,
+    canonical: bool,
+    part: &mut Partial,
+    ties: &mut Partial,
+) {
+    let ((t, i), (u, j)) = (split(faces.hull[g]), split(faces.hull[h]));
+    if mesh.sign(t) == 0 || mesh.sign(u) == 0 {
+        part.untested += 1;
+        ties.untested += 1;
+        return;
+    }
+    // The sides were numbered in the given order of vertices: read the far vertices there.
+    let far = |t: usize, i: usize, k: usize| crate::mesh::face(&mesh.mesh.tets[t], i)[k];
+    let (p, q) = (far(t, i, gk), far(u, j, hk));
+    let facet = mesh.outward(t, i);
+    let [a, b, c] = facet.map(|v| mesh.at(v));
+    let ids = || {
+        let [x, y] = ends(facet, p);
+        ([t as u32, u as u32], [x, y, p, q])
+    };
+    let sign = orient3d([a, b, c, mesh.at(q)], &mut part.tally);
+    if sign > 0 {
+        let (tets, vertices) = ids();
+        part.findings.add(Kind::ConcaveHull, &tets, &vertices);
+    }
+    if sign != 0 {
+        return;
+    }
+    // Coplanar: the circle of the facet lies on the sphere of its tetrahedron.
+    match mesh.in_sphere(t, q, &mut part.tally) {
+        1 => {
+            let (tets, vertices) = ids();
+            part.findings.add(Kind::NotDelaunay, &tets, &vertices);
+        }
+        0 if canonical => {
+            let off = mesh.at(mesh.mesh.tets[t][i]);
+            if perturb::side_in_plane([a, b, c], mesh.at(q), off, &mut ties.tally) > 0 {
+                let (tets, vertices) = ids();
+                ties.findings.add(Kind::HullNotCanonical, &tets, &vertices);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The two vertices of a facet other than `p`, in its order.
+fn ends([a, b, c]: [u32; 3], p: u32) -> [u32; 2] {
+    if p == a {
+        [b, c]
+    } else if p == b {
+        [c, a]
+    } else {
+        [a, b]
+    }
+}
+
+/// The global test; `inner` is a tetrahedron that is not flat. Presumes that hull edges pair
+/// hull facets, that no tetrahedron is flat and no face folded, and convexity at every edge.
+pub(crate) fn once_around(mesh: &Oriented, faces: &Faces, inner: usize, limit: usize) -> Partial {
+    let mut out = Partial::new(limit);
+    let Some(&first) = faces.hull.first() else { return out };
+    let outward = |code: u32| {
+        let (t, i) = split(code);
+        mesh.outward(t, i)
+    };
+    let corners = mesh.mesh.tets[inner].map(|v| mesh.at(v));
+    let ray = Ray::new(corners, outward(first).map(|v| mesh.at(v)));
+    let parts = pieces(faces.hull.len(), |range| {
+        let mut part = Partial::new(limit);
+        for &code in &faces.hull[range] {
+            let facet = outward(code);
+            let [a, b, c] = facet.map(|v| mesh.at(v));
+            let signs = corners.map(|p| orient3d([a, b, c, p], &mut part.tally));
+            if signs.contains(&1) || signs == [0; 4] {
+                part.findings.add(Kind::HullTurnedAway, &[code >> 2], &facet);
+            } else if code != first && ray.meets([a, b, c], &mut part) {
+                part.findings.add(Kind::HullWoundTwice, &[first >> 2, code >> 2], &facet);
+            }
+        }
+        part
+    });
+    parts.into_iter().for_each(|part| out.merge(part));
+    out
+}
+
+/// The ray from the centre O of four points through the centre Q of three.
+struct Ray {
+    origin: [Point; 4],
+    target: [Point; 3],
+    /// O and Q, rounded.
+    rounded: (Point, Point),
+    /// Upper bound of all coordinates of `origin` and `target`.
+    size: f64,
+}
+
+impl Ray {
+    fn new(origin: [&Point; 4], target: [&Point; 3]) -> Self {
+        let mean = |points: &[&Point], weight: f64| {
+            [0, 1, 2].map(|k| points.iter().map(|p| p[k] * weight).sum::<f64>())
+        };
+        let all = origin.iter().chain(&target).flat_map(|p| p.iter());
+        let size = all.fold(0.0f64, |m, c| m.max(c.abs()));
+        let rounded = (mean(&origin, 0.25), mean(&target, 1.0 / 3.0));
+        Self { origin: origin.map(|p| *p), target: target.map(|p| *p), rounded, size }
+    }
+
+    /// Whether the ray meets the triangle `abc`, whose plane has O strictly inside.
+    ///
+    /// Then det(a - O, b - O, c - O) > 0, and by Cramer's rule Q is in the closed cone of the
+    /// triangle exactly if det(a - O, b - O, Q - O) and its two rotations are not negative.
+    fn meets(&self, [a, b, c]: [&Point; 3], part: &mut Partial) -> bool {
+        let edges = [[a, b], [b, c], [c, a]];
+        if edges.iter().any(|&edge| self.turn_rounded(edge) == Some(-1)) {
+            part.tally.filter += 1;
+            return false;
+        }
+        part.tally.exact += 1;
+        edges.iter().all(|&edge| self.turn(edge) >= 0)
+    }
+
+    /// The sign of det(a - O, b - O, Q - O) if it is far from zero.
+    ///
+    /// All coordinates, those of O and Q too, are at most `s` in absolute value, and rounded
+    /// with an absolute error below 2^-49 s (underflow apart); the differences are at most 2s
+    /// with error 2^-47 s; a sum of 6 products of three such differences has an error below
+    /// 6 · 3 · (2s)² · 2^-47 s plus rounding of at most 6 · γ(8) · (2s)³: together below
+    /// 2^-40 s³. The bound used is 2^-36 s³; s between 1e-80 and 1e80 excludes overflow and
+    /// makes every underflow negligible.
+    fn turn_rounded(&self, [a, b]: [&Point; 2]) -> Option<i8> {
+        let s = [a, b].iter().flat_map(|p| p.iter()).fold(self.size, |m, c| m.max(c.abs()));
+        let rows = differences([a, b, &self.rounded.1], &self.rounded.0);
+        if !(1e-80..1e80).contains(&s) {
+            return None;
+        }
+        let (det, bound) = (det3(&rows), s * s * s / (1u64 << 36) as f64);
+        if det > bound {
+            Some(1)
+        } else if det < -bound {
+            Some(-1)
+        } else {
+            None
+        }
+    }
+
+    /// The exact sign of det(a - O, b - O, Q - O), with O and Q multiplied by 4 and 3.
+    fn turn(&self, [a, b]: [&Point; 2]) -> i8 {
+        let points: Vec<&Point> = self.origin.iter().chain(&self.target).chain([a, b]).collect();
+        let low = lowest_bit(&points);
+        let whole = |p: &Point| p.map(|c| big(c, low));
+        let sum = |points: &[Point]| {
+            points.iter().map(whole).fold([0, 0, 0].map(BigInt::from), |s, p| {
+                let [x, y, z] = s;
+                let [px, py, pz] = p;
+                [x + px, y + py, z + pz]
+            })
+        };
+        let (o, q) = (sum(&self.origin), sum(&self.target));
+        let from_o = |p: &Point| {
+            let p = whole(p);
+            [0, 1, 2].map(|k| &p[k] * 4 - &o[k])
+        };
+        let ray = [0, 1, 2].map(|k| &q[k] * 4 - &o[k] * 3);
+        big_sign(&det3(&[from_o(a), from_o(b), ray]))
+    }
+}

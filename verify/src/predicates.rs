@@ -1,0 +1,160 @@
+//! Exact predicates: a forward-error filter, then exact arithmetic ([`crate::exact`]).
+//!
+//! Signs: `orient3d(a, b, c, d)` is the sign of det(b-a, c-a, d-a), positive for the unit
+//! tetrahedron (origin, x, y, z). `insphere(a, b, c, d, e)` is positive when `e` lies inside the
+//! sphere through the positive tetrahedron `a b c d`.
+//!
+//! **The filter.** Let mx, my, mz be the largest absolute computed differences on each axis,
+//! m the largest of them, u = 2^-53, and γ(k) = ku/(1-ku) (Higham, *Accuracy and Stability of
+//! Numerical Algorithms*, §3.1). Expanded, orient3d is a sum of 6 products of three
+//! differences; each picks up 3 roundings from differences, 2 from products, 1 from the 2 × 2
+//! minor and 2 from the last sums: |error| ≤ 6γ(8) mx my mz < 49u mx my mz. Insphere is a sum of
+//! 24 products with a lift of at most 3m²; each picks up 5 roundings in the lift, 3 in the other
+//! differences, 1 + 1 in the 2 × 2 minor, 1 + 2 in the 3 × 3 minor, 1 + 2 in the last sums:
+//! |error| ≤ 72γ(16) mx my mz m² < 1154u mx my mz m². The bounds used, 64u and 2048u, leave
+//! room for the roundings of the bound itself and for underflow: with mx, my, mz in
+//! (2^-190, 2^200) an underflow costs at most 2^-1074 times the remaining factors, below
+//! 2^-300 of the bound; and nothing overflows. Outside this range the exact stage decides.
+
+use crate::exact;
+use crate::mesh::Point;
+use std::ops::{Add, Mul, Sub};
+
+/// How many tests a filter decided, and how many exact arithmetic.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Tally {
+    pub(crate) filter: u64,
+    pub(crate) exact: u64,
+}
+
+impl Tally {
+    pub(crate) fn merge(&mut self, other: Self) {
+        self.filter += other.filter;
+        self.exact += other.exact;
+    }
+}
+
+const ORIENT_BOUND: f64 = 64.0 / (1u64 << 53) as f64;
+const INSPHERE_BOUND: f64 = 2048.0 / (1u64 << 53) as f64;
+/// 2^-190 and 2^200: the range of differences in which the filter holds.
+const SMALLEST: f64 = f64::from_bits((1023 - 190) << 52);
+const LARGEST: f64 = f64::from_bits((1023 + 200) << 52);
+
+/// Arithmetic by reference, so that one text serves f64, i64, i128 and big integers.
+pub(crate) trait Number: Sized {
+    fn plus(&self, other: &Self) -> Self;
+    fn minus(&self, other: &Self) -> Self;
+    fn times(&self, other: &Self) -> Self;
+}
+
+impl<T> Number for T
+where
+    for<'a> &'a T: Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
+{
+    #[inline(always)]
+    fn plus(&self, other: &Self) -> Self {
+        self + other
+    }
+    #[inline(always)]
+    fn minus(&self, other: &Self) -> Self {
+        self - other
+    }
+    #[inline(always)]
+    fn times(&self, other: &Self) -> Self {
+        self * other
+    }
+}
+
+/// The determinant of three rows, expanded along z.
+#[inline(always)]
+pub(crate) fn det3<T: Number>([a, b, c]: &[[T; 3]; 3]) -> T {
+    let minor = |p: &[T; 3], q: &[T; 3]| p[0].times(&q[1]).minus(&p[1].times(&q[0]));
+    let (bc, ac, ab) = (minor(b, c), minor(a, c), minor(a, b));
+    a[2].times(&bc).minus(&b[2].times(&ac)).plus(&c[2].times(&ab))
+}
+
+/// The in-sphere determinant of four rows (the points of the sphere, seen from the fifth):
+/// det(x, y, z, x² + y² + z²), positive inside a positive tetrahedron.
+#[inline(always)]
+pub(crate) fn det_lifted<T: Number>([a, b, c, d]: &[[T; 3]; 4]) -> T {
+    let minor = |p: &[T; 3], q: &[T; 3]| p[0].times(&q[1]).minus(&q[0].times(&p[1]));
+    let lift = |p: &[T; 3]| p[0].times(&p[0]).plus(&p[1].times(&p[1])).plus(&p[2].times(&p[2]));
+    let (ab, bc, cd, da) = (minor(a, b), minor(b, c), minor(c, d), minor(d, a));
+    let (ac, bd) = (minor(a, c), minor(b, d));
+    let abc = a[2].times(&bc).minus(&b[2].times(&ac)).plus(&c[2].times(&ab));
+    let bcd = b[2].times(&cd).minus(&c[2].times(&bd)).plus(&d[2].times(&bc));
+    let cda = c[2].times(&da).plus(&d[2].times(&ac)).plus(&a[2].times(&cd));
+    let dab = d[2].times(&ab).plus(&a[2].times(&bd)).plus(&b[2].times(&da));
+    let first = lift(c).times(&dab).minus(&lift(d).times(&abc));
+    first.plus(&lift(a).times(&bcd).minus(&lift(b).times(&cda)))
+}
+
+/// Differences of `N` points to `origin`, as computed.
+#[inline(always)]
+pub(crate) fn differences<const N: usize>(points: [&Point; N], origin: &Point) -> [[f64; 3]; N] {
+    points.map(|p| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]])
+}
+
+/// The largest absolute difference on each axis.
+#[inline(always)]
+pub(crate) fn extents<const N: usize>(rows: &[[f64; 3]; N]) -> [f64; 3] {
+    let mut m = [0.0f64; 3];
+    for row in rows {
+        for (m, d) in m.iter_mut().zip(row) {
+            *m = m.max(d.abs());
+        }
+    }
+    m
+}
+
+/// Whether the filter's error bound holds for differences of this size. NaN cannot occur: the
+/// coordinates are finite, so a difference is at worst infinite, and then this is false.
+#[inline(always)]
+pub(crate) fn in_range(m: [f64; 3]) -> bool {
+    m.iter().all(|&m| SMALLEST < m && m < LARGEST)
+}
+
+/// The sign of `det` if it exceeds `bound` in absolute value.
+#[inline(always)]
+fn sign_beyond(det: f64, bound: f64) -> Option<i8> {
+    if det > bound {
+        Some(1)
+    } else if det < -bound {
+        Some(-1)
+    } else {
+        None
+    }
+}
+
+/// Exact sign of det(b-a, c-a, d-a). The coordinates must be finite.
+#[inline]
+pub(crate) fn orient3d([a, b, c, d]: [&Point; 4], tally: &mut Tally) -> i8 {
+    let rows = differences([b, c, d], a);
+    let m = extents(&rows);
+    if in_range(m)
+        && let Some(sign) = sign_beyond(det3(&rows), ORIENT_BOUND * m[0] * m[1] * m[2])
+    {
+        tally.filter += 1;
+        return sign;
+    }
+    tally.exact += 1;
+    exact::orient3d([a, b, c, d])
+}
+
+/// Exact in-sphere sign; positive when `e` lies inside the sphere of the positive tetrahedron
+/// `a b c d`. The coordinates must be finite.
+#[inline]
+pub(crate) fn insphere([a, b, c, d, e]: [&Point; 5], tally: &mut Tally) -> i8 {
+    let rows = differences([a, b, c, d], e);
+    let m = extents(&rows);
+    if in_range(m) {
+        let largest = m[0].max(m[1]).max(m[2]);
+        let bound = INSPHERE_BOUND * m[0] * m[1] * m[2] * (largest * largest);
+        if let Some(sign) = sign_beyond(det_lifted(&rows), bound) {
+            tally.filter += 1;
+            return sign;
+        }
+    }
+    tally.exact += 1;
+    exact::insphere([a, b, c, d, e])
+}

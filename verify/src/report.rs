@@ -1,0 +1,178 @@
+//! What the checker found, and the certificate `ltbw.cert/1` made of it.
+
+use crate::defect::{Defect, Kind, Level};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// How a level came out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Outcome {
+    /// Every test of this level and of those before it was made and held.
+    Passed,
+    /// The level has defects.
+    Failed,
+    /// No defect of its own, but defects of an earlier level take the sense from its tests, or
+    /// from their conclusion.
+    Incomplete,
+    /// Not asked for, or impossible.
+    Skipped,
+}
+
+/// One level of the check.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LevelReport {
+    /// Which level.
+    pub level: Level,
+    /// How it came out.
+    pub outcome: Outcome,
+    /// Exact predicates decided by a floating-point filter.
+    pub filter: u64,
+    /// Exact predicates decided by exact arithmetic.
+    pub exact: u64,
+    /// Tests that could not be posed because of defects of earlier levels.
+    pub untested: u64,
+    /// Number of defects, listed or not.
+    pub defects: u64,
+}
+
+/// Numbers of things in the mesh. Unsound and duplicated tetrahedra count in `tets` only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Counts {
+    /// Points given.
+    pub points: u64,
+    /// Points that a tetrahedron uses.
+    pub vertices: u64,
+    /// Points that no tetrahedron uses.
+    pub unused_points: u64,
+    /// Places of points at which no vertex lies: without them the mesh is a triangulation of all
+    /// given points. (An unused duplicate of a vertex is not one of them.)
+    pub places_left_out: u64,
+    /// Tetrahedra given.
+    pub tets: u64,
+    /// Faces; two tetrahedra share an inner one.
+    pub faces: u64,
+    /// Edges; 0 if the depth did not ask for them.
+    pub edges: u64,
+    /// Faces of only one tetrahedron.
+    pub hull_facets: u64,
+    /// Vertices of hull facets.
+    pub hull_vertices: u64,
+    /// Parts of the mesh that shared faces connect.
+    pub components: u64,
+    /// Negatively oriented tetrahedra, as the file has them.
+    pub negative_tets: u64,
+}
+
+/// The canonical hash, or why there is none.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Hash {
+    /// The hash `ltbw.mesh/1`: 64 lower-case hexadecimal digits.
+    Value(String),
+    /// The mesh has no hash: why.
+    None(String),
+    /// The depth did not ask for it.
+    Skipped,
+}
+
+/// All that the checker found.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Report {
+    /// The levels, in order.
+    pub levels: Vec<LevelReport>,
+    /// Listed defects, by kind, in the order of the mesh.
+    pub defects: Vec<Defect>,
+    /// Number of defects of each kind, listed or not.
+    pub defect_counts: BTreeMap<Kind, u64>,
+    /// Numbers of things.
+    pub counts: Counts,
+    /// Sum of the absolute volumes of the tetrahedra in cubic units of the input, rounded.
+    pub volume: f64,
+    /// All tetrahedra are negatively oriented: the file uses the other handedness. They were
+    /// turned to positive for every test.
+    pub mirrored: bool,
+    /// The canonical hash.
+    pub hash: Hash,
+}
+
+impl Report {
+    /// Whether every level that was asked for passed.
+    pub fn passed(&self) -> bool {
+        self.levels.iter().all(|l| matches!(l.outcome, Outcome::Passed | Outcome::Skipped))
+            && self.level(Level::Structure).outcome == Outcome::Passed
+    }
+
+    /// The report of a level.
+    pub fn level(&self, level: Level) -> &LevelReport {
+        &self.levels[level as usize]
+    }
+
+    /// Number of defects of a kind.
+    pub fn count(&self, kind: Kind) -> u64 {
+        self.defect_counts.get(&kind).copied().unwrap_or(0)
+    }
+
+    /// The certificate of this report.
+    pub fn certificate(&self) -> Certificate<'_> {
+        let (hash, no_hash) = match &self.hash {
+            Hash::Value(hash) => (Some(hash.as_str()), None),
+            Hash::None(why) => (None, Some(why.as_str())),
+            Hash::Skipped => (None, Some("not asked for")),
+        };
+        Certificate {
+            schema: Certificate::SCHEMA,
+            checker: concat!("ltbw-verify ", env!("CARGO_PKG_VERSION")),
+            passed: self.passed(),
+            mesh: MeshPart {
+                hash_schema: "ltbw.mesh/1",
+                hash,
+                no_hash,
+                counts: self.counts,
+                volume: self.volume.is_finite().then_some(self.volume),
+                mirrored: self.mirrored,
+            },
+            levels: &self.levels,
+            defect_counts: &self.defect_counts,
+            defects: &self.defects,
+        }
+    }
+}
+
+/// The certificate `ltbw.cert/1`, for serialisation. It is a function of the mesh and the options
+/// alone: neither time nor machine nor number of threads is in it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Certificate<'a> {
+    schema: &'static str,
+    checker: &'static str,
+    passed: bool,
+    mesh: MeshPart<'a>,
+    levels: &'a [LevelReport],
+    defect_counts: &'a BTreeMap<Kind, u64>,
+    defects: &'a [Defect],
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct MeshPart<'a> {
+    hash_schema: &'static str,
+    hash: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    no_hash: Option<&'a str>,
+    #[serde(flatten)]
+    counts: Counts,
+    volume: Option<f64>,
+    mirrored: bool,
+}
+
+impl Certificate<'_> {
+    /// The name and version of the schema.
+    pub const SCHEMA: &'static str = "ltbw.cert/1";
+
+    /// The certificate as JSON text, indented.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(self)
+    }
+}
