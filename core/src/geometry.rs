@@ -163,6 +163,20 @@ impl Geometry {
         self.maker.make(&mut self.spheres, star.tets, star.faces);
     }
 
+    /// What the cached sphere of `t` alone says of `p`: `None` if nothing.
+    pub(crate) fn cached_side(&self, t: TetId, p: &Point) -> Option<Sign> {
+        match self.spheres[t as usize].test(&self.frame?.query(p)) {
+            Verdict::Inside => Some(Sign::Positive),
+            Verdict::Outside => Some(Sign::Negative),
+            Verdict::Unknown => None,
+        }
+    }
+
+    /// The cached spheres, to the bit.
+    pub(crate) fn spheres_fingerprint(&self) -> String {
+        format!("{:?}", self.spheres.iter().map(Sphere::bits).collect::<Vec<_>>())
+    }
+
     /// The conflict test for `p`.
     pub(crate) fn conflict_of(&mut self, p: &Point) -> PointConflict<'_> {
         let query = self.frame.as_ref().map_or(Query::NOWHERE, |f| f.query(p));

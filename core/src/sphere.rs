@@ -91,6 +91,11 @@ impl Sphere {
     /// The sphere that decides nothing.
     pub(crate) const UNKNOWN: Self = Self([0.0, 0.0, 0.0, f32::NAN]);
 
+    /// Its four numbers, to the bit.
+    pub(crate) fn bits(&self) -> [u32; 4] {
+        self.0.map(f32::to_bits)
+    }
+
     /// Is `q` certainly inside or outside?
     #[inline(always)]
     pub(crate) fn test(&self, q: &Query) -> Verdict {
