@@ -13,8 +13,8 @@ use ltbw_core::Point;
 use ltbw_core::predicates::{Sign, exact, filter, insphere, orient3d, perturb};
 
 /// Inputs of a row: more than the branch predictor learns, fewer than leave the cache.
-const COUNT: usize = 4096;
-const PASSES: usize = 200;
+const COUNT: usize = 32768;
+const PASSES: usize = 25;
 
 type Five = [Point; 5];
 

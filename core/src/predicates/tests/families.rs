@@ -54,10 +54,14 @@ pub(crate) fn coplanar() -> impl Strategy<Value = Five> {
 
 /// Five integer points exactly on one sphere: permutations and reflections of one vector.
 pub(crate) fn cospherical() -> impl Strategy<Value = Five> {
+    cospherical_of_bits(1..26)
+}
+
+/// [`cospherical`], with vectors of so many bits: differences have one bit more.
+pub(crate) fn cospherical_of_bits(bits: std::ops::Range<u32>) -> impl Strategy<Value = Five> {
     let choice = (0..6_usize, [any::<bool>(), any::<bool>(), any::<bool>()]);
     let choices = [choice.clone(), choice.clone(), choice.clone(), choice.clone(), choice];
-    (1..26_u32)
-        .prop_flat_map(move |bits| (lattice_point(bits), lattice_point(bits), choices.clone()))
+    bits.prop_flat_map(move |bits| (lattice_point(bits), lattice_point(bits), choices.clone()))
         .prop_map(|(vector, centre, choices)| {
             choices.map(|(permutation, signs)| {
                 const ORDERS: [[usize; 3]; 6] =

@@ -90,6 +90,19 @@ proptest! {
         check(&[a, b, c, e, d])?;
     }
 
+    /// Exact zeros, where a product that rounds would show as a sign: around the widths at which
+    /// one stage passes on to the next.
+    #[test]
+    fn zeros_at_the_ends_of_the_first_stages(
+        five in prop_oneof![
+            families::cospherical_of_bits(7..12),
+            families::cospherical_of_bits(14..18),
+        ],
+    ) {
+        let [a, b, c, d, e] = &five;
+        prop_assert_eq!(exact::insphere(a, b, c, d, e), Sign::Zero);
+    }
+
     /// Five points of one plane: every circle test is meaningful.
     #[test]
     fn coplanar_points_at_any_scale(
