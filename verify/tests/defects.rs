@@ -420,6 +420,47 @@ fn wound_twice_seen_from_the_inner_turn() {
 }
 
 #[test]
+fn wound_twice_with_the_ray_through_an_edge() {
+    // 47 corners over two turns: the ray, in the plane y = 0, leaves through an edge of the
+    // second turn, which belongs to two facets.
+    let corner = |i: i32| {
+        let angle = (f64::from(i) - 0.5) * std::f64::consts::TAU * 2.0 / 47.0;
+        let r = (-0.6 * (angle / 2.0).cos()).exp();
+        if i == 24 { [r, 0.0] } else { [r * angle.cos(), r * angle.sin()] }
+    };
+    let r = report(&fan(&(0..47).map(corner).collect::<Vec<_>>(), 0.05));
+    assert_eq!(kinds(&r), [Kind::HullWoundTwice]);
+    let tets: Vec<_> = found(&r, Kind::HullWoundTwice).into_iter().map(|d| d.0).collect();
+    assert_eq!(tets, [[0, 23], [0, 24]]);
+}
+
+#[test]
+fn link_in_two_parts_that_together_count_as_a_disk() {
+    // A ring of six triangles (V - E + F = 0) and one more triangle (1) around point 0.
+    let ring = [[1, 2, 4], [2, 5, 4], [2, 3, 5], [3, 6, 5], [3, 1, 6], [1, 4, 6]];
+    let tets: Vec<[u32; 4]> =
+        ring.iter().chain(&[[7, 8, 9]]).map(|&[a, b, c]| [0, a, b, c]).collect();
+    let points = GENERAL.map(|p| p.map(|c| c as f64));
+    let r = check(&Mesh::new(&points, &tets), &Options::default());
+    let links: Vec<_> = found(&r, Kind::VertexLink).into_iter().map(|d| d.1).collect();
+    assert_eq!(links, [[0]]);
+}
+
+#[test]
+fn unsound_tetrahedra_do_not_hide_the_others() {
+    let mut mesh = general();
+    mesh.tets.push([0, 1, 2, 99]);
+    let r = report(&mesh);
+    assert_eq!(kinds(&r), [Kind::IndexOutOfRange]);
+    assert_eq!(r.counts.vertices, 12);
+    // The later levels have nothing against the rest, but do not pass.
+    for level in &r.levels[1..] {
+        assert_eq!(level.outcome, Outcome::Incomplete, "{}", level.level);
+    }
+    assert!(r.level(Level::Delaunay).filter > 0);
+}
+
+#[test]
 fn lists_are_bounded_and_counts_are_not() {
     let mesh = general();
     let tets: Vec<[u32; 4]> = mesh.tets.iter().map(|_| [99; 4]).collect();

@@ -34,6 +34,14 @@ fn the_38_flat_tetrahedra_of_qhull() {
     assert_eq!(named, flat);
     assert_eq!(r.level(Level::Orientation).outcome, Outcome::Failed);
     assert_ne!(r.level(Level::Delaunay).outcome, Outcome::Passed);
+    // Inner faces of flat tetrahedra have no in-sphere test; nor have some edges of the hull.
+    let neighbours = common::adjacency(&mesh.tets);
+    let pairs = (0..200u32).flat_map(|t| neighbours[t as usize].map(|u| (t, u)));
+    let inner = pairs.filter(|&(t, u)| u != u32::MAX && t < u);
+    let beside = inner.filter(|(t, u)| flat.contains(t) || flat.contains(u)).count() as u64;
+    assert_eq!(r.level(Level::Orientation).untested, beside);
+    assert_eq!(r.level(Level::Canonical).untested + 1, r.level(Level::Delaunay).untested);
+    assert!(r.level(Level::Canonical).untested >= beside);
     assert_eq!(r.volume, 27.0);
 }
 
