@@ -176,8 +176,8 @@ pub(crate) struct Generate {
 }
 
 fn kinds() -> impl TypedValueParser<Value = PointKind> {
-    let values = PointKind::ALL
-        .map(|k| clap::builder::PossibleValue::new(k.name()).help(k.about()));
+    let values =
+        PointKind::ALL.map(|k| clap::builder::PossibleValue::new(k.name()).help(k.about()));
     PossibleValuesParser::new(values).try_map(|name| name.parse::<PointKind>())
 }
 

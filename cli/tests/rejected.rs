@@ -19,7 +19,10 @@ fn reject(name: &str, content: &[u8]) -> String {
 #[test]
 fn points_that_are_no_points() {
     assert_eq!(reject("a.xyz", b"0 0 0\n1 nan 0\n"), "a.xyz: line 2: `nan` is not a finite number");
-    assert_eq!(reject("a.csv", b"0,0,0\n1,2,-inf\n"), "a.csv: line 2: `-inf` is not a finite number");
+    assert_eq!(
+        reject("a.csv", b"0,0,0\n1,2,-inf\n"),
+        "a.csv: line 2: `-inf` is not a finite number"
+    );
     assert_eq!(reject("a.xyz", b"0 0 0\n1 2\n"), "a.xyz: line 2: expected 3 values, found 2");
     assert_eq!(
         reject("a.node", b"5 3 0 0\n1 0 0 0\n"),
@@ -58,7 +61,10 @@ fn points_without_a_mesh_name_the_dimension() {
 fn missing_files_and_folders() {
     let dir = tempfile::tempdir().unwrap();
     let run = ltbw(dir.path(), &["delaunay", "no.xyz"]);
-    assert_eq!((run.code, run.error()), (3, "no.xyz: cannot read: No such file or directory (os error 2)"));
+    assert_eq!(
+        (run.code, run.error()),
+        (3, "no.xyz: cannot read: No such file or directory (os error 2)")
+    );
     std::fs::create_dir(dir.path().join("dir.xyz")).unwrap();
     let run = ltbw(dir.path(), &["delaunay", "dir.xyz"]);
     assert_eq!((run.code, run.error()), (3, "dir.xyz: cannot read: not a regular file"));
@@ -165,7 +171,8 @@ fn a_closed_pipe_is_quiet() {
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);
     let mut command = program(Path::new(dir.path()), &["delaunay", "a.xyz", "--json", "-"]);
-    let run = Run::of(command.stdout(writer).stderr(std::process::Stdio::piped()).output().unwrap());
+    let run =
+        Run::of(command.stdout(writer).stderr(std::process::Stdio::piped()).output().unwrap());
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(!run.stderr.contains("panic"), "{}", run.stderr);
 }

