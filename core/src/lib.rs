@@ -1,26 +1,52 @@
 //! Exact sequential 3D Delaunay kernel of `ltbw`.
 //!
-//! Data flows one way: *points → order → kernel → mesh → check → file*.
+//! Data flows one way: *points → order → kernel → mesh → check → file*. Three laws keep it
+//! readable: topology code never sees a coordinate; geometry code never sees a lock; protocol
+//! code never sees a float.
 //!
 //! | module | what it holds |
 //! |---|---|
 //! | [`points`] | [`PointSet`]: validated points, the exactness window |
-//! | [`predicates`] | `orient3d`, `insphere`, the planar ones: filter, then exact |
+//! | [`predicates`] | `orient3d`, `insphere`, the planar ones: filter, exact, perturbation |
+//! | [`order`] | insertion order: BRIO rounds along a Hilbert curve |
+//! | [`topology`] | tetrahedra and their neighbours: 32 bytes each |
+//! | [`cavity`] | the cavity of a point: expand, admit, fill, set back |
+//! | `sphere`, `geometry`, `locate` | cached spheres, the conflict test, the walk |
+//! | [`mesh`] | [`Mesh`]: insertion and iteration |
+//! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
 //! | [`tetmesh`] | [`TetMesh`]: a plain mesh as files carry it |
 //! | [`io`] | readers and writers of point and mesh files |
 //! | [`generate`] | test point sets, the same on every machine |
+//!
+//! `raw` is the only module with unsafe code; `sync` the only one with atomics.
+#![deny(unsafe_code)]
 
+pub mod build;
+pub mod cavity;
 pub mod generate;
+mod geometry;
 pub mod hash;
 pub mod io;
+mod locate;
+pub mod mesh;
+pub mod order;
 pub mod points;
 pub mod predicates;
+mod raw;
+mod sphere;
+mod sync;
 pub mod tetmesh;
+pub mod topology;
 
+pub use build::{Budget, BuildError, Builder, Built, Observer, Order, Outcome, Stats};
+pub use cavity::{Admission, Open, Role};
+pub use geometry::PredicateStats;
 pub use hash::{HashError, MeshHash, canonical_hash};
-pub use points::{PointError, PointSet};
+pub use mesh::{InsertError, Inserted, Mesh, Vertex};
+pub use points::{Mode, PointError, PointSet};
 pub use predicates::Sign;
+pub use sync::CancelToken;
 pub use tetmesh::TetMesh;
 
 /// A point: three finite coordinates.

@@ -1,0 +1,355 @@
+//! The cavity of a point: found by breadth-first search, admitted tetrahedron by tetrahedron,
+//! then starred from the point. It never sees a coordinate: geometry is behind [`Conflict`].
+//!
+//! The *cavity* of p is the set of tetrahedra in conflict with p; its *ring* is the set of their
+//! face neighbours outside it; both together are the *closure* (paper, section 3; the ring is of
+//! face neighbours, see `docs/algorithm.md`). An [`Admission`] is asked before each of them is
+//! taken and may refuse; then the mesh is as it was, bit for bit (*setback*).
+//!
+//! Cost: O(cavity) expected for cavities of up to [`SMALL`] vertices, O(k log k) for larger ones.
+
+use crate::topology::{FaceId, Full, INFINITE, TetId, Topology, VertexId, tet_of};
+
+/// Decides which tetrahedra conflict with the point in work.
+pub trait Conflict {
+    /// What is certain at once of four tetrahedra, as bit masks `(inside, outside)`. Those in
+    /// neither mask are asked for with [`Conflict::in_conflict`].
+    fn certain(&self, tets: [TetId; 4]) -> (u32, u32);
+
+    /// Is the point inside the (perturbed) circumsphere of tetrahedron `t`?
+    fn in_conflict(&mut self, topology: &Topology, t: TetId) -> bool;
+}
+
+/// Why a tetrahedron is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Role {
+    /// It conflicts with the point and will be deleted.
+    Cavity,
+    /// It is a face neighbour of the cavity and stays.
+    Ring,
+}
+
+/// Says whether a tetrahedron may be taken into the closure of a cavity.
+///
+/// A ring tetrahedron with several faces on the cavity is asked for once per face.
+pub trait Admission {
+    /// May tetrahedron `t` be taken? `false` sets the cavity back.
+    fn admit(&mut self, t: TetId, role: Role) -> bool;
+}
+
+/// Admits everything: the sequential kernel. Compiles to nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Open;
+
+impl Admission for Open {
+    #[inline(always)]
+    fn admit(&mut self, _: TetId, _: Role) -> bool {
+        true
+    }
+}
+
+impl<F: FnMut(TetId, Role) -> bool> Admission for F {
+    fn admit(&mut self, t: TetId, role: Role) -> bool {
+        self(t, role)
+    }
+}
+
+/// Why a cavity could not be filled. The mesh is as before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Setback {
+    /// The admission refused this tetrahedron.
+    Refused(TetId),
+    /// No more slots.
+    Full,
+}
+
+/// Cavities with at most this many boundary vertices use the adjacency table.
+pub(crate) const SMALL: usize = 64;
+/// A closed triangulated surface with f faces has f / 2 + 2 vertices (Euler, sphere).
+pub(crate) const SMALL_WALLS: usize = 2 * SMALL - 4;
+/// Bits of a local number in an entry of [`Cavity::local`].
+const LOCAL_BITS: u32 = 7;
+/// `OTHERS[i]`: the slots other than i in the order in which (p, others) is positively oriented
+/// when p stands for vertex i of a positively oriented tetrahedron. Slot 3 stays last, and so
+/// does the vertex at infinity.
+const OTHERS: [[usize; 3]; 4] = [[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]];
+
+/// A face of the cavity's boundary.
+#[derive(Clone, Copy, Debug, Default)]
+struct Wall {
+    /// Its vertices: with the point before them they are a positively oriented tetrahedron.
+    v: [VertexId; 3],
+    /// The face seen from outside the cavity.
+    outer: FaceId,
+}
+
+/// A list that grows without a branch per entry.
+#[derive(Clone, Debug, Default)]
+struct Buffer<T> {
+    data: Vec<T>,
+    len: usize,
+}
+
+impl<T: Copy + Default> Buffer<T> {
+    /// Makes room for four entries.
+    #[inline(always)]
+    fn make_room(&mut self) {
+        if self.data.len() < self.len + 4 {
+            self.grow();
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self) {
+        self.data.resize(2 * self.len + 64, T::default());
+    }
+
+    /// Appends `entry` if `yes`. There must be room.
+    #[inline(always)]
+    fn push_if(&mut self, entry: T, yes: bool) {
+        self.data[self.len] = entry;
+        self.len += usize::from(yes);
+    }
+
+    #[inline(always)]
+    fn clear(&mut self) {
+        self.len = 0;
+    }
+}
+
+impl<T> std::ops::Deref for Buffer<T> {
+    type Target = [T];
+
+    #[inline(always)]
+    fn deref(&self) -> &[T] {
+        &self.data[..self.len]
+    }
+}
+
+/// The star around a new vertex, in local numbers: what geometry needs to cache spheres.
+#[derive(Debug)]
+pub(crate) struct Star<'a> {
+    /// The new tetrahedra.
+    pub(crate) tets: &'a [TetId],
+    /// The vertices of the cavity's boundary, by local number; empty for a large cavity.
+    pub(crate) rim: &'a [VertexId],
+    /// Per new tetrahedron: local numbers of its vertices other than the new one.
+    pub(crate) faces: &'a [[u8; 4]],
+}
+
+/// The cavity in work, and the scratch memory that it reuses.
+#[derive(Debug)]
+pub(crate) struct Cavity {
+    tets: Buffer<TetId>,
+    walls: Buffer<Wall>,
+    created: Vec<TetId>,
+    /// Ghosts among `tets`.
+    ghosts: usize,
+    /// Per vertex: `stamp << LOCAL_BITS | local number` of the last cavity that met it.
+    local: Vec<u32>,
+    stamp: u32,
+    rim: [VertexId; 2 * SMALL],
+    rim_len: usize,
+    faces: [[u8; 4]; 2 * SMALL],
+    /// `table[a * SMALL + b]`: the new face on the boundary edge from a to b (local numbers).
+    table: Box<[FaceId; SMALL * SMALL]>,
+    /// Edges of a large cavity: vertices ascending, then face.
+    edges: Vec<(VertexId, VertexId, FaceId)>,
+}
+
+impl Default for Cavity {
+    fn default() -> Self {
+        Self {
+            tets: Buffer::default(),
+            walls: Buffer::default(),
+            created: Vec::new(),
+            ghosts: 0,
+            local: Vec::new(),
+            stamp: 0,
+            rim: [0; 2 * SMALL],
+            rim_len: 0,
+            faces: [[0; 4]; 2 * SMALL],
+            table: Box::new([0; SMALL * SMALL]),
+            edges: Vec::new(),
+        }
+    }
+}
+
+impl Cavity {
+    /// The star that the last [`Cavity::fill`] made.
+    #[inline(always)]
+    pub(crate) fn star(&self) -> Star<'_> {
+        Star {
+            tets: &self.created,
+            rim: &self.rim[..self.rim_len],
+            faces: &self.faces[..self.created.len().min(2 * SMALL)],
+        }
+    }
+
+    /// Number of conflict tests that the last [`Cavity::expand`] made.
+    #[inline(always)]
+    pub(crate) fn tests(&self) -> usize {
+        self.tets.len() + self.walls.len() - 1
+    }
+
+    /// Finds the cavity of `point` from `start`, which must be in conflict with it.
+    ///
+    /// Afterwards the cavity's tetrahedra are marked: call [`Cavity::fill`] or
+    /// [`Cavity::set_back`]. Refused, the mesh is as before. Ends: each tetrahedron enters once.
+    #[inline(never)]
+    pub(crate) fn expand<C: Conflict, A: Admission>(
+        &mut self,
+        topology: &mut Topology,
+        start: TetId,
+        conflict: &mut C,
+        admission: &mut A,
+    ) -> Result<(), Setback> {
+        self.tets.clear();
+        self.walls.clear();
+        self.ghosts = 0;
+        if !admission.admit(start, Role::Cavity) {
+            return Err(Setback::Refused(start));
+        }
+        topology.mark(start);
+        self.tets.make_room();
+        self.tets.push_if(start, true);
+        let mut next = 0;
+        while next < self.tets.len() {
+            let t = self.tets[next];
+            next += 1;
+            let tet = *topology.tet(t);
+            let (v, n) = (tet.vertices(), tet.neighbours());
+            self.ghosts += usize::from(v[3] == INFINITE);
+            let (mut inside, outside) = conflict.certain(n.map(tet_of));
+            let mut unknown = !(inside | outside) & 0b1111;
+            while unknown != 0 {
+                let u = tet_of(n[unknown.trailing_zeros() as usize]);
+                if !topology.tet(u).is_marked() && conflict.in_conflict(topology, u) {
+                    inside |= unknown & unknown.wrapping_neg();
+                }
+                unknown &= unknown - 1;
+            }
+            self.tets.make_room();
+            self.walls.make_room();
+            // Whether a neighbour is in the cavity is nearly random: no branch depends on it.
+            for slot in 0..4 {
+                let u = tet_of(n[slot]);
+                let open = !topology.tet(u).is_marked();
+                let cavity = inside >> slot & 1 == 1;
+                let role = if cavity { Role::Cavity } else { Role::Ring };
+                if open && !admission.admit(u, role) {
+                    self.set_back(topology);
+                    return Err(Setback::Refused(u));
+                }
+                topology.mark_if(u, open & cavity);
+                self.tets.push_if(u, open & cavity);
+                let v = OTHERS[slot].map(|k| v[k]);
+                self.walls.push_if(Wall { v, outer: n[slot] }, open & !cavity);
+            }
+        }
+        let fresh = self.walls.len().saturating_sub(self.tets.len());
+        if topology.reserve(fresh) == Err(Full) {
+            self.set_back(topology);
+            return Err(Setback::Full);
+        }
+        Ok(())
+    }
+
+    /// Forgets the cavity; the mesh is as before [`Cavity::expand`], bit for bit.
+    pub(crate) fn set_back(&mut self, topology: &mut Topology) {
+        for &t in self.tets.iter() {
+            topology.unmark(t);
+        }
+        self.tets.clear();
+        self.walls.clear();
+    }
+
+    /// Replaces the cavity by the star of the point; returns one of its tetrahedra.
+    ///
+    /// The cavity's slots are reused first.
+    #[inline(never)]
+    pub(crate) fn fill(&mut self, topology: &mut Topology, point: VertexId) -> TetId {
+        let reused = self.tets.len().min(self.walls.len());
+        self.created.clear();
+        self.created.extend_from_slice(&self.tets[..reused]);
+        for _ in reused..self.walls.len() {
+            self.created.push(topology.take());
+        }
+        if self.walls.len() <= SMALL_WALLS {
+            self.fill_small(topology, point);
+        } else {
+            self.fill_large(topology, point);
+        }
+        for &t in &self.tets[reused..] {
+            topology.release(t);
+        }
+        let ghosts = self.walls.iter().filter(|w| w.v[2] == INFINITE).count();
+        topology.add_ghosts(ghosts as isize - self.ghosts as isize);
+        self.created[self.created.len() - 1]
+    }
+
+    /// Writes the star with the adjacency table. Every boundary edge is passed once in each
+    /// direction: each new tetrahedron stores its faces under its own direction, then finds its
+    /// neighbours under the opposite one. No search and no branch.
+    #[inline(never)]
+    fn fill_small(&mut self, topology: &mut Topology, point: VertexId) {
+        if self.stamp == u32::MAX >> LOCAL_BITS {
+            self.local.fill(0);
+            self.stamp = 0;
+        }
+        self.stamp += 1;
+        let base = self.stamp << LOCAL_BITS;
+        let Self { walls, created, local, rim, faces, table, .. } = self;
+        let table = &mut **table;
+        let at = |a: u8, b: u8| (a as usize % SMALL) * SMALL + b as usize % SMALL;
+        let mut count = 0u32;
+        let mut name = |v: VertexId| {
+            let entry = &mut local[v as usize];
+            let fresh = *entry < base;
+            *entry = if fresh { base | count } else { *entry };
+            rim[count as usize % (2 * SMALL)] = v;
+            count += u32::from(fresh);
+            (*entry & ((1 << LOCAL_BITS) - 1)) as u8
+        };
+        for ((wall, &t), face) in walls.iter().zip(&*created).zip(&mut *faces) {
+            let [a, b, c] = [name(wall.v[0]), name(wall.v[1]), name(wall.v[2])];
+            table[at(a, b)] = 4 * t + 3;
+            table[at(b, c)] = 4 * t + 1;
+            table[at(c, a)] = 4 * t + 2;
+            *face = [a, b, c, 0];
+        }
+        self.rim_len = count as usize;
+        for ((wall, &t), &[a, b, c, _]) in walls.iter().zip(&*created).zip(&*faces) {
+            let [x, y, z] = wall.v;
+            let n = [wall.outer, table[at(c, b)], table[at(a, c)], table[at(b, a)]];
+            topology.put(t, [point, x, y, z], n);
+        }
+    }
+
+    /// Writes the star of a large cavity: sorts the edges to link the new tetrahedra.
+    #[cold]
+    fn fill_large(&mut self, topology: &mut Topology, point: VertexId) {
+        self.rim_len = 0;
+        self.edges.clear();
+        for (wall, &t) in self.walls.iter().zip(&self.created) {
+            let [a, b, c] = wall.v;
+            topology.put(t, [point, a, b, c], [wall.outer; 4]);
+            for (p, q, slot) in [(a, b, 3), (b, c, 1), (c, a, 2)] {
+                self.edges.push((p.min(q), p.max(q), 4 * t + slot));
+            }
+        }
+        self.edges.sort_unstable();
+        for pair in self.edges.chunks_exact(2) {
+            topology.link(pair[0].2, pair[1].2);
+        }
+    }
+
+    /// Makes room for local numbers of `vertices` vertices (the one at infinity included).
+    #[inline(always)]
+    pub(crate) fn reserve_vertices(&mut self, vertices: usize) {
+        if self.local.len() < vertices {
+            self.local.resize(vertices.next_power_of_two(), 0);
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! The geometry of a mesh: kernel points, cached spheres, and the conflict test. It never sees a
+//! lock, and changes no topology.
+//!
+//! A conflict test goes through up to four stages, each certain when it answers: the cached
+//! sphere, the semi-static filter, exact arithmetic, symbolic perturbation.
+
+use crate::Point;
+use crate::cavity::{Conflict, Star};
+use crate::predicates::{Sign, exact, filter, perturb};
+use crate::raw;
+use crate::sphere::{Frame, Maker, Query, Sphere, Verdict};
+use crate::topology::{INFINITE, TetId, Topology, VertexId};
+
+/// How many predicate calls were made, and how many needed more than a filter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PredicateStats {
+    /// Orientation tests.
+    pub orient3d_calls: u64,
+    /// Orientation tests that the filter left open.
+    pub orient3d_exact: u64,
+    /// Conflict tests of finite tetrahedra.
+    pub insphere_calls: u64,
+    /// Conflict tests that neither the cached sphere nor the filter decided.
+    pub insphere_exact: u64,
+    /// Conflict tests whose exact answer was zero: symbolic perturbation decided.
+    pub insphere_perturbed: u64,
+    /// Conflict tests that the cached sphere left to the filter.
+    pub sphere_undecided: u64,
+}
+
+/// Points, spheres and counters of one mesh.
+#[derive(Clone, Debug)]
+pub(crate) struct Geometry {
+    /// Kernel coordinates by vertex; entry 0 stands for the vertex at infinity.
+    points: Vec<Point>,
+    /// Cached spheres by tetrahedron slot.
+    spheres: Vec<Sphere>,
+    /// `None`: no sphere is cached.
+    frame: Option<Frame>,
+    /// Some point lies outside the exactness window: filters are guarded.
+    wide: bool,
+    maker: Maker,
+    pub(crate) stats: PredicateStats,
+}
+
+impl Geometry {
+    /// Geometry for points in the box `low`..`high`; `wide`: any finite coordinates.
+    pub(crate) fn new(low: Point, high: Point, wide: bool, vertices: usize) -> Self {
+        let mut points = Vec::with_capacity(vertices + 1);
+        raw::advise_huge(&points);
+        points.push([f64::NAN; 3]);
+        let frame = if wide { None } else { Frame::of_box(low, high) };
+        Self {
+            points,
+            spheres: Vec::new(),
+            frame,
+            wide,
+            maker: Maker::default(),
+            stats: PredicateStats::default(),
+        }
+    }
+
+    pub(crate) fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    #[inline(always)]
+    pub(crate) fn point(&self, v: VertexId) -> &Point {
+        &self.points[v as usize]
+    }
+
+    pub(crate) fn push(&mut self, p: Point) {
+        self.points.push(p);
+    }
+
+    pub(crate) fn reserve_tets(&mut self, tets: usize) {
+        self.spheres.reserve(tets.saturating_sub(self.spheres.len()));
+        raw::advise_huge(&self.spheres);
+    }
+
+    /// Bytes of memory that the arrays hold.
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.points.capacity() * size_of::<Point>() + self.spheres.len() * size_of::<Sphere>()
+    }
+
+    /// Goes to wide mode, with all coordinates multiplied by 2^`exponent`, which must be exact.
+    pub(crate) fn widen(&mut self, rescale: impl Fn(&Point) -> Point) {
+        for p in &mut self.points[1..] {
+            *p = rescale(p);
+        }
+        self.spheres.fill(Sphere::UNKNOWN);
+        self.frame = None;
+        self.wide = true;
+    }
+
+    /// Sign of orient3d of vertices `a`, `b`, `c` and the point `p`, filtered and counted.
+    #[inline(always)]
+    pub(crate) fn orient(&mut self, [a, b, c]: [VertexId; 3], p: &Point) -> Sign {
+        self.stats.orient3d_calls += 1;
+        let [a, b, c] = [a, b, c].map(|v| &self.points[v as usize]);
+        let fast = if self.wide {
+            filter::orient3d_any(a, b, c, p)
+        } else {
+            filter::orient3d_window(a, b, c, p)
+        };
+        match fast {
+            Some(sign) => sign,
+            None => {
+                self.stats.orient3d_exact += 1;
+                exact::orient3d(a, b, c, p)
+            }
+        }
+    }
+
+    /// Is `p` inside the perturbed circumsphere of `t`? The cached sphere has not decided.
+    #[inline(never)]
+    fn conflict_by_points(&mut self, topology: &Topology, t: TetId, p: &Point) -> bool {
+        let [a, b, c, d] = topology.tet(t).vertices();
+        if d == INFINITE {
+            let sign = match self.orient([a, b, c], p) {
+                Sign::Zero => {
+                    let [a, b, c] = [a, b, c].map(|v| self.point(v));
+                    perturb::side_of_circle(a, b, c, p)
+                }
+                sign => sign,
+            };
+            return sign == Sign::Positive;
+        }
+        let [a, b, c, d] = [a, b, c, d].map(|v| &self.points[v as usize]);
+        self.stats.sphere_undecided += 1;
+        let fast = if self.wide {
+            filter::insphere_any(a, b, c, d, p)
+        } else {
+            filter::insphere_window(a, b, c, d, p)
+        };
+        let sign = fast.unwrap_or_else(|| {
+            self.stats.insphere_exact += 1;
+            exact::insphere(a, b, c, d, p)
+        });
+        let sign = if sign == Sign::Zero {
+            self.stats.insphere_perturbed += 1;
+            perturb::perturbed_side(a, b, c, d, p)
+        } else {
+            sign
+        };
+        sign == Sign::Positive
+    }
+
+    /// Caches the spheres of the star around `p`; there are `slots` slots now.
+    #[inline(always)]
+    pub(crate) fn created(&mut self, slots: usize, star: &Star<'_>, p: &Point) {
+        if self.spheres.len() < slots {
+            self.spheres.resize(slots, Sphere::UNKNOWN);
+        }
+        let Some(frame) = &self.frame else { return };
+        if star.rim.is_empty() {
+            for &t in star.tets {
+                self.spheres[t as usize] = Sphere::UNKNOWN;
+            }
+            return;
+        }
+        self.maker.aim(frame, &self.points, star.rim, p);
+        self.maker.make(&mut self.spheres, star.tets, star.faces);
+    }
+
+    /// The conflict test for `p`.
+    pub(crate) fn conflict_of(&mut self, p: &Point) -> PointConflict<'_> {
+        let query = self.frame.as_ref().map_or(Query::NOWHERE, |f| f.query(p));
+        PointConflict { geometry: self, p: *p, query }
+    }
+}
+
+/// [`Conflict`] with one point.
+#[derive(Debug)]
+pub(crate) struct PointConflict<'a> {
+    geometry: &'a mut Geometry,
+    p: Point,
+    query: Query,
+}
+
+impl PointConflict<'_> {
+    /// Is `t` in conflict for certain, by its cached sphere alone?
+    #[inline(always)]
+    pub(crate) fn surely(&self, t: TetId) -> bool {
+        self.geometry.spheres[t as usize].test(&self.query) == Verdict::Inside
+    }
+
+    #[inline(always)]
+    pub(crate) fn geometry(&mut self) -> &mut Geometry {
+        self.geometry
+    }
+
+    #[inline(always)]
+    pub(crate) fn target(&self) -> Point {
+        self.p
+    }
+}
+
+impl Conflict for PointConflict<'_> {
+    #[inline(always)]
+    fn certain(&self, tets: [TetId; 4]) -> (u32, u32) {
+        raw::test_spheres(tets.map(|t| &self.geometry.spheres[t as usize]), &self.query)
+    }
+
+    #[cold]
+    fn in_conflict(&mut self, topology: &Topology, t: TetId) -> bool {
+        let p = self.p;
+        self.geometry.conflict_by_points(topology, t, &p)
+    }
+}

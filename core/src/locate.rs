@@ -1,0 +1,82 @@
+//! Point location by a remembering visibility walk.
+//!
+//! From tetrahedron to tetrahedron, across a face that has the target strictly on its far side,
+//! never back through the face just crossed. In a Delaunay triangulation such a walk visits no
+//! tetrahedron twice (Edelsbrunner, Combinatorica 10, 1990; the perturbed triangulation is a
+//! regular one, for which the theorem holds too), so it ends; the bound below only guards it.
+
+use crate::cavity::Conflict;
+use crate::geometry::PointConflict;
+use crate::predicates::Sign;
+use crate::topology::{INFINITE, TetId, Topology, slot_of, tet_of};
+
+/// Where a walk ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Found {
+    /// A tetrahedron certainly in conflict with the target: no vertex lies at the target.
+    Conflict(TetId),
+    /// The finite tetrahedron that holds the target, in its closure.
+    Inside(TetId),
+    /// A ghost: the target lies strictly beyond its hull facet.
+    Outside(TetId),
+}
+
+/// Walks from `start` towards the target. With `shortcut`, stops at the first tetrahedron that
+/// is certain to be in conflict: inserting needs no more.
+#[inline(never)]
+pub(crate) fn walk(
+    topology: &Topology,
+    conflict: &mut PointConflict<'_>,
+    start: TetId,
+    shortcut: bool,
+) -> Found {
+    let p = conflict.target();
+    let mut t = start;
+    let mut entry = 4; // no face
+    if topology.tet(t).is_ghost() {
+        let back = topology.tet(t).neighbours()[3];
+        t = tet_of(back);
+    }
+    for _ in 0..=topology.slots() {
+        let tet = topology.tet(t);
+        if tet.vertices()[3] == INFINITE {
+            return Found::Outside(t);
+        }
+        if shortcut && conflict.surely(t) {
+            return Found::Conflict(t);
+        }
+        let geometry = conflict.geometry();
+        let [a, b, c, d] = tet.vertices();
+        let neighbours = tet.neighbours();
+        // The face opposite `slot` with p in place of the vertex there, p moved to the end.
+        let faces = [[c, b, d], [d, a, c], [b, a, d], [a, b, c]];
+        let exit = (0..4).filter(|&slot| slot != entry).find(|&slot| {
+            let side = geometry.orient(faces[slot], &p);
+            side == Sign::Negative
+        });
+        match exit {
+            None => return Found::Inside(t),
+            Some(slot) => {
+                t = tet_of(neighbours[slot]);
+                entry = slot_of(neighbours[slot]);
+            }
+        }
+    }
+    scan(topology, conflict)
+}
+
+/// Finds a conflict by looking at every tetrahedron: right whatever a walk does.
+#[cold]
+fn scan(topology: &Topology, conflict: &mut PointConflict<'_>) -> Found {
+    let p = conflict.target();
+    for (t, tet) in topology.iter() {
+        let at_vertex =
+            !tet.is_ghost() && tet.vertices().iter().any(|&v| *conflict.geometry().point(v) == p);
+        if at_vertex {
+            return Found::Inside(t);
+        }
+    }
+    let found = topology.iter().map(|(t, _)| t).find(|&t| conflict.in_conflict(topology, t));
+    // I5: every point that is not a vertex conflicts with some tetrahedron.
+    found.map_or(Found::Outside(0), Found::Conflict)
+}

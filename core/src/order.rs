@@ -1,0 +1,227 @@
+//! Insertion order: BRIO rounds, Hilbert order inside a round.
+//!
+//! A biased randomized insertion order (Amenta, Choi and Rote, SoCG 2003) puts each point into
+//! the last round with probability 7/8, into the one before with 7/64, and so on; the "coin" is a
+//! hash of the point's index, so the order is a function of the input. Inside a round, points
+//! follow a Hilbert curve, so that the next point is near. The order decides the speed alone,
+//! never the result.
+//!
+//! Keys have a fixed depth but the order has not: a run of equal keys is sorted again in its own
+//! bounding box, so clusters over any number of decades are ordered.
+
+use crate::Point;
+use rayon::prelude::*;
+
+/// Bits per axis of one level of keys. Round and key share 64 bits.
+const BITS: u32 = 19;
+/// Runs of equal keys at most this long are left as they are.
+const SHORT_RUN: usize = 8;
+/// Levels of refinement: each divides the box by at least 2^BITS, and all of f64 spans 2^2098.
+const MAX_DEPTH: usize = 2 * (2098 / BITS as usize + 1);
+/// A round is not started for fewer points than this.
+const SMALLEST_ROUND: usize = 512;
+
+/// The insertion order of `points`: a permutation of their indices.
+///
+/// Cost: O(n log n), in parallel on the current rayon pool.
+pub fn brio_hilbert(points: &[Point]) -> Vec<u32> {
+    let mut rounds = 0;
+    let mut rest = points.len();
+    while rest > SMALLEST_ROUND && rounds < 20 {
+        rest /= 8;
+        rounds += 1;
+    }
+    let frame = Cube::around(points.iter());
+    let mut keyed: Vec<(u64, u32)> = points
+        .par_iter()
+        .enumerate()
+        .map(|(i, p)| {
+            // Three zero bits have probability 1/8.
+            let round = rounds - (scramble(i as u64).trailing_zeros() / 3).min(rounds);
+            (u64::from(round) << (3 * BITS) | frame.key(p), i as u32)
+        })
+        .collect();
+    sort(&mut keyed);
+    refine(points, &mut keyed, 1);
+    keyed.into_iter().map(|(_, i)| i).collect()
+}
+
+/// The Hilbert order of `points` alone, in one round.
+pub fn hilbert(points: &[Point]) -> Vec<u32> {
+    let frame = Cube::around(points.iter());
+    let mut keyed: Vec<(u64, u32)> =
+        points.par_iter().enumerate().map(|(i, p)| (frame.key(p), i as u32)).collect();
+    sort(&mut keyed);
+    refine(points, &mut keyed, 1);
+    keyed.into_iter().map(|(_, i)| i).collect()
+}
+
+fn sort(keyed: &mut [(u64, u32)]) {
+    keyed.par_sort_unstable();
+}
+
+/// Sorts each long run of equal keys in the box of its own points.
+fn refine(points: &[Point], keyed: &mut [(u64, u32)], depth: usize) {
+    if depth == MAX_DEPTH {
+        return;
+    }
+    for run in keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|run| run.len() > SHORT_RUN) {
+        let frame = Cube::around(run.iter().map(|&(_, i)| &points[i as usize]));
+        if frame.side == 0.0 {
+            continue; // all the same point
+        }
+        for (key, i) in run.iter_mut() {
+            *key = frame.key(&points[*i as usize]);
+        }
+        run.sort_unstable();
+        refine(points, run, depth + 1);
+    }
+}
+
+/// An axis-parallel cube that holds some points. Coordinates are halved, so that the side of the
+/// cube around any finite points is finite.
+struct Cube {
+    low: Point,
+    side: f64,
+}
+
+impl Cube {
+    fn around<'a>(points: impl Iterator<Item = &'a Point>) -> Self {
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        for p in points {
+            for k in 0..3 {
+                low[k] = low[k].min(p[k] * 0.5);
+                high[k] = high[k].max(p[k] * 0.5);
+            }
+        }
+        let side = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+        Self { low, side }
+    }
+
+    /// The Hilbert number of the cell of `p`.
+    #[inline]
+    fn key(&self, p: &Point) -> u64 {
+        const CELLS: f64 = (1u64 << BITS) as f64;
+        let cell = [0, 1, 2].map(|k| {
+            // A saturating cast: the quotient of a subnormal side may exceed 1 a little.
+            let c = (p[k] * 0.5 - self.low[k]) / self.side * CELLS;
+            (c as u32).min((1 << BITS) - 1)
+        });
+        hilbert_number(cell)
+    }
+}
+
+/// The number of a cell along the three-dimensional Hilbert curve, by Skilling's transposition
+/// (AIP Conf. Proc. 707, 2004).
+#[inline]
+fn hilbert_number(cell: [u32; 3]) -> u64 {
+    let mut x = cell;
+    let mut q = 1u32 << (BITS - 1);
+    while q > 1 {
+        let p = q - 1;
+        for i in 0..3 {
+            // If the bit is set invert the low bits of x[0], else exchange them with x[i]'s.
+            let set = u32::from(x[i] & q != 0).wrapping_neg();
+            let exchange = (x[0] ^ x[i]) & p & !set;
+            x[0] ^= (p & set) | exchange;
+            x[i] ^= exchange;
+        }
+        q >>= 1;
+    }
+    x[1] ^= x[0];
+    x[2] ^= x[1];
+    let mut t = 0;
+    let mut q = 1u32 << (BITS - 1);
+    while q > 1 {
+        t ^= (q - 1) & u32::from(x[2] & q != 0).wrapping_neg();
+        q >>= 1;
+    }
+    let [a, b, c] = x.map(|v| spread(u64::from(v ^ t)));
+    a << 2 | b << 1 | c
+}
+
+/// Puts two zero bits between the bits of a number of at most 21 bits.
+#[inline]
+fn spread(mut v: u64) -> u64 {
+    v = (v | v << 32) & 0x001f_0000_0000_ffff;
+    v = (v | v << 16) & 0x001f_0000_ff00_00ff;
+    v = (v | v << 8) & 0x100f_00f0_0f00_f00f;
+    v = (v | v << 4) & 0x10c3_0c30_c30c_30c3;
+    (v | v << 2) & 0x1249_2492_4924_9249
+}
+
+/// SplitMix64's finaliser: a bijective hash.
+#[inline]
+fn scramble(i: u64) -> u64 {
+    let mut z = i.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hilbert_steps_to_a_face_neighbour() {
+        // On the coarse 8^3 grid the curve visits each cell once, one step at a time.
+        let shift = BITS - 3;
+        let mut cells: Vec<(u64, [i32; 3])> = Vec::new();
+        for x in 0..8u32 {
+            for y in 0..8 {
+                for z in 0..8 {
+                    let n = hilbert_number([x << shift, y << shift, z << shift]) >> (3 * shift);
+                    cells.push((n, [x as i32, y as i32, z as i32]));
+                }
+            }
+        }
+        cells.sort_unstable();
+        for (k, (n, _)) in cells.iter().enumerate() {
+            assert_eq!(*n, k as u64);
+        }
+        for pair in cells.windows(2) {
+            let step: i32 = (0..3).map(|k| (pair[0].1[k] - pair[1].1[k]).abs()).sum();
+            assert_eq!(step, 1, "{pair:?}");
+        }
+    }
+
+    #[test]
+    fn orders_are_permutations_at_any_scale() {
+        let mut points: Vec<Point> = Vec::new();
+        for decade in -300..300 {
+            for k in 0..20 {
+                let s = 10f64.powi(decade);
+                points.push([s * (1.0 + k as f64 / 64.0), s * (k * k) as f64, -s]);
+            }
+        }
+        points.push([f64::MAX; 3]);
+        points.push([-f64::MAX; 3]);
+        points.extend(vec![[5e-324, 0.0, 0.0]; 20]);
+        for mut order in [brio_hilbert(&points), hilbert(&points)] {
+            order.sort_unstable();
+            assert!(order.iter().enumerate().all(|(k, &i)| k == i as usize));
+        }
+        assert!(brio_hilbert(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_cluster_far_below_the_cell_size_is_ordered() {
+        // Two far points make the cells huge; the cluster must still follow a curve of its own.
+        let mut points = vec![[-1e9; 3], [1e9; 3]];
+        points.extend((0..4096u64).map(|i| {
+            let r = scramble(i);
+            [0, 20, 40].map(|s| (r >> s & 0xfffff) as f64 * 1e-15)
+        }));
+        let order = hilbert(&points);
+        let length: f64 = order
+            .windows(2)
+            .map(|w| (points[w[0] as usize], points[w[1] as usize]))
+            .filter(|(p, q)| p[0].abs() < 1.0 && q[0].abs() < 1.0)
+            .map(|(p, q)| (0..3).map(|k| (p[k] - q[k]).abs()).sum::<f64>())
+            .sum();
+        // In random order the mean step would be the cluster's size, about 1e-9.
+        assert!(length / 4096.0 < 2e-10, "{length:e}");
+    }
+}

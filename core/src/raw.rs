@@ -1,0 +1,256 @@
+//! The only module of this crate with unsafe code: huge pages for the large arrays, and vector
+//! code for the cached spheres. Each piece has a plain twin and a test that both agree.
+//!
+//! What it pays (1M uniform points, order + insertion, measured side by side): see
+//! `docs/decisions.md`.
+#![allow(unsafe_code)]
+
+use crate::sphere::{Maker, Query, Sphere};
+use crate::topology::TetId;
+
+/// Asks for huge pages behind the whole capacity of `array`: fewer page faults and TLB misses.
+/// A hint: nothing depends on it.
+pub(crate) fn advise_huge<T>(array: &Vec<T>) {
+    #[cfg(target_os = "linux")]
+    {
+        const HUGE: usize = 1 << 21;
+        let start = (array.as_ptr() as usize).next_multiple_of(HUGE);
+        let end = (array.as_ptr() as usize + array.capacity() * size_of::<T>()) & !(HUGE - 1);
+        if end > start {
+            // SAFETY: start..end lies in the array's own allocation and is page-aligned;
+            // MADV_HUGEPAGE changes no content. A failure (an old kernel) is harmless.
+            unsafe {
+                libc::madvise(start as *mut libc::c_void, end - start, libc::MADV_HUGEPAGE);
+            }
+        }
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = array;
+}
+
+/// Caches spheres with AVX2, four at a time, bit for bit as [`Maker::sphere`] does; `false` if
+/// the machine has no AVX2.
+#[inline(always)]
+pub(crate) fn make_spheres(
+    maker: &Maker,
+    spheres: &mut [Sphere],
+    tets: &[TetId],
+    faces: &[[u8; 4]],
+) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the machine has AVX2.
+        unsafe { x86::make_spheres(maker, spheres, tets, faces) };
+        return true;
+    }
+    let _ = (maker, spheres, tets, faces);
+    false
+}
+
+/// What four spheres say of a point, as bit masks `(inside, outside)`: [`Sphere::test`] of each.
+#[inline(always)]
+pub(crate) fn test_spheres(spheres: [&Sphere; 4], q: &Query) -> (u32, u32) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        // SAFETY: SSE2 is part of x86-64.
+        unsafe { x86::test_spheres(spheres, q) }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        use crate::sphere::Verdict;
+        let mask = |v| (0..4).map(|k| u32::from(spheres[k].test(q) == v) << k).sum();
+        (mask(Verdict::Inside), mask(Verdict::Outside))
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use super::{Maker, Query, Sphere, TetId};
+    use crate::cavity::SMALL;
+    use crate::sphere::{FLATNESS, MAX_RADIUS, TOLERANCE};
+    use std::arch::x86_64::*;
+
+    /// Turns four rows into four columns.
+    #[target_feature(enable = "sse2")]
+    #[inline]
+    fn transpose(r: [__m128; 4]) -> [__m128; 4] {
+        let (a, b) = (_mm_unpacklo_ps(r[0], r[1]), _mm_unpacklo_ps(r[2], r[3]));
+        let (c, d) = (_mm_unpackhi_ps(r[0], r[1]), _mm_unpackhi_ps(r[2], r[3]));
+        [_mm_movelh_ps(a, b), _mm_movehl_ps(b, a), _mm_movelh_ps(c, d), _mm_movehl_ps(d, c)]
+    }
+
+    #[target_feature(enable = "sse2")]
+    #[inline]
+    pub(super) fn test_spheres(spheres: [&Sphere; 4], q: &Query) -> (u32, u32) {
+        let load = |s: &Sphere| {
+            // SAFETY: a Sphere is four f32, 16-byte aligned.
+            unsafe { _mm_load_ps(s.0.as_ptr()) }
+        };
+        let [s0, s1, s2, s3] = spheres;
+        let [x, y, z, r] = transpose([load(s0), load(s1), load(s2), load(s3)]);
+        let dx = _mm_sub_ps(_mm_set1_ps(q.0[0]), x);
+        let dy = _mm_sub_ps(_mm_set1_ps(q.0[1]), y);
+        let dz = _mm_sub_ps(_mm_set1_ps(q.0[2]), z);
+        let squares = _mm_add_ps(_mm_mul_ps(dx, dx), _mm_mul_ps(dy, dy));
+        let s = _mm_add_ps(squares, _mm_mul_ps(dz, dz));
+        let tolerance = _mm_set1_ps(TOLERANCE);
+        let (far, near) = (_mm_add_ps(r, tolerance), _mm_sub_ps(r, tolerance));
+        let outside = _mm_cmpgt_ps(s, _mm_mul_ps(far, far));
+        let closer = _mm_cmplt_ps(s, _mm_mul_ps(near, near));
+        let inside = _mm_and_ps(closer, _mm_cmpgt_ps(near, _mm_setzero_ps()));
+        (_mm_movemask_ps(inside) as u32, _mm_movemask_ps(outside) as u32)
+    }
+
+    /// Entries `f` of the rim as columns x, y, z, squared length.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn lanes(rim: &[[f64; 4]; SMALL], f: [u8; 4]) -> [__m256d; 4] {
+        let row = |i: u8| {
+            let r = &rim[i as usize % SMALL];
+            _mm256_setr_pd(r[0], r[1], r[2], r[3])
+        };
+        let (a, b, c, d) = (row(f[0]), row(f[1]), row(f[2]), row(f[3]));
+        let (ab, cd) = (_mm256_unpacklo_pd(a, b), _mm256_unpacklo_pd(c, d));
+        let (ab2, cd2) = (_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d));
+        [
+            _mm256_permute2f128_pd::<0x20>(ab, cd),
+            _mm256_permute2f128_pd::<0x20>(ab2, cd2),
+            _mm256_permute2f128_pd::<0x31>(ab, cd),
+            _mm256_permute2f128_pd::<0x31>(ab2, cd2),
+        ]
+    }
+
+    /// a b - c d
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn minor(a: __m256d, b: __m256d, c: __m256d, d: __m256d) -> __m256d {
+        _mm256_sub_pd(_mm256_mul_pd(a, b), _mm256_mul_pd(c, d))
+    }
+
+    /// a . b, from left to right
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn dot(a: [__m256d; 3], b: [__m256d; 3]) -> __m256d {
+        let first = _mm256_add_pd(_mm256_mul_pd(a[0], b[0]), _mm256_mul_pd(a[1], b[1]));
+        _mm256_add_pd(first, _mm256_mul_pd(a[2], b[2]))
+    }
+
+    #[target_feature(enable = "avx2")]
+    pub(super) fn make_spheres(
+        maker: &Maker,
+        spheres: &mut [Sphere],
+        tets: &[TetId],
+        faces: &[[u8; 4]],
+    ) {
+        let scale = _mm256_set1_pd(maker.scale);
+        let column = |f: &[[u8; 4]; 4], k: usize| [f[0][k], f[1][k], f[2][k], f[3][k]];
+        for (tets, faces) in tets.chunks(4).zip(faces.chunks(4)) {
+            let mut f = [[0u8; 4]; 4];
+            f[..faces.len()].copy_from_slice(faces);
+            let [ax, ay, az, la] = lanes(&maker.rim, column(&f, 0));
+            let [bx, by, bz, lb] = lanes(&maker.rim, column(&f, 1));
+            let [cx, cy, cz, lc] = lanes(&maker.rim, column(&f, 2));
+            let bc = [minor(by, cz, bz, cy), minor(bz, cx, bx, cz), minor(bx, cy, by, cx)];
+            let ca = [minor(cy, az, cz, ay), minor(cz, ax, cx, az), minor(cx, ay, cy, ax)];
+            let ab = [minor(ay, bz, az, by), minor(az, bx, ax, bz), minor(ax, by, ay, bx)];
+            let det = dot([ax, ay, az], bc);
+            let det = _mm256_add_pd(det, det);
+            let inverse = _mm256_div_pd(_mm256_set1_pd(1.0), det);
+            let l = [la, lb, lc];
+            let x = _mm256_mul_pd(dot(l, [bc[0], ca[0], ab[0]]), inverse);
+            let y = _mm256_mul_pd(dot(l, [bc[1], ca[1], ab[1]]), inverse);
+            let z = _mm256_mul_pd(dot(l, [bc[2], ca[2], ab[2]]), inverse);
+            let radius = _mm256_sqrt_pd(dot([x, y, z], [x, y, z]));
+            let longest = _mm256_max_pd(_mm256_max_pd(la, lb), lc);
+            let limit = _mm256_mul_pd(_mm256_set1_pd(FLATNESS), _mm256_mul_pd(longest, radius));
+            let scaled = _mm256_mul_pd(radius, scale);
+            let solid =
+                _mm256_cmp_pd::<_CMP_GT_OQ>(_mm256_andnot_pd(_mm256_set1_pd(-0.0), det), limit);
+            let small = _mm256_cmp_pd::<_CMP_LE_OQ>(scaled, _mm256_set1_pd(MAX_RADIUS));
+            let sound = _mm256_and_pd(solid, small);
+            let r = _mm256_blendv_pd(_mm256_set1_pd(f64::NAN), scaled, sound);
+            let centre = maker.centre;
+            let x = _mm256_add_pd(_mm256_set1_pd(centre[0]), _mm256_mul_pd(x, scale));
+            let y = _mm256_add_pd(_mm256_set1_pd(centre[1]), _mm256_mul_pd(y, scale));
+            let z = _mm256_add_pd(_mm256_set1_pd(centre[2]), _mm256_mul_pd(z, scale));
+            let rows = transpose([
+                _mm256_cvtpd_ps(x),
+                _mm256_cvtpd_ps(y),
+                _mm256_cvtpd_ps(z),
+                _mm256_cvtpd_ps(r),
+            ]);
+            for (&t, row) in tets.iter().zip(rows) {
+                let out = &mut spheres[t as usize].0;
+                // SAFETY: a Sphere is four f32, 16-byte aligned.
+                unsafe { _mm_store_ps(out.as_mut_ptr(), row) };
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sphere::{Frame, Verdict};
+
+    /// Numbers in [-1, 1], of few bits so that degenerate cases occur.
+    fn numbers() -> impl FnMut() -> f64 {
+        let mut s = 88_172_645_463_325_252u64;
+        move || {
+            s ^= s << 13;
+            s ^= s >> 7;
+            s ^= s << 17;
+            ((s >> 40) % 65) as f64 / 32.0 - 1.0
+        }
+    }
+
+    #[test]
+    fn vector_code_agrees_with_its_plain_twin_bit_for_bit() {
+        let mut next = numbers();
+        let mut point = || [next(), next(), next()];
+        let frame = Frame::of_box([-1.0; 3], [1.0; 3]).expect("an ordinary box");
+        let (mut flat, mut sound, mut seen) = (0, 0, [0; 3]);
+        for _ in 0..3000 {
+            let mut points = vec![[f64::NAN; 3]];
+            points.extend((0..12).map(|_| point()));
+            let rim: Vec<u32> = (0..12).collect();
+            let mut maker = Maker::default();
+            maker.aim(&frame, &points, &rim, &points[12]);
+            let faces: Vec<[u8; 4]> = (0..11).map(|k| [k, (k + 1) % 11, (k + 4) % 11, 0]).collect();
+            let tets: Vec<u32> = (0..11).collect();
+            let mut fast = vec![Sphere::UNKNOWN; 11];
+            if !make_spheres(&maker, &mut fast, &tets, &faces) {
+                println!("SKIPPED: no AVX2 on this machine");
+                return;
+            }
+            let slow: Vec<Sphere> = faces.iter().map(|&f| maker.sphere(f)).collect();
+            for (a, b) in fast.iter().zip(&slow) {
+                assert_eq!(a.0[3].is_nan(), b.0[3].is_nan());
+                if a.0[3].is_nan() {
+                    flat += 1;
+                } else {
+                    sound += 1;
+                    assert_eq!(a.0.map(f32::to_bits), b.0.map(f32::to_bits));
+                }
+            }
+            let q = frame.query(&point());
+            for four in slow.windows(4) {
+                let (inside, outside) = test_spheres([&four[0], &four[1], &four[2], &four[3]], &q);
+                for (k, sphere) in four.iter().enumerate() {
+                    let expected = match (inside >> k & 1, outside >> k & 1) {
+                        (1, 0) => Verdict::Inside,
+                        (0, 1) => Verdict::Outside,
+                        (0, 0) => Verdict::Unknown,
+                        both => panic!("inside and outside at once: {both:?}"),
+                    };
+                    assert_eq!(sphere.test(&q), expected);
+                    seen[expected as usize] += 1;
+                }
+            }
+        }
+        assert!(
+            flat > 100 && sound > 1000 && seen.iter().all(|&n| n > 100),
+            "{flat} {sound} {seen:?}"
+        );
+    }
+}

@@ -1,0 +1,27 @@
+//! The only file of this crate that touches atomics: cancelling long work from another thread.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A shared flag that asks long work to stop. Clones share the flag.
+#[derive(Clone, Debug, Default)]
+pub struct CancelToken(Arc<AtomicBool>);
+
+impl CancelToken {
+    /// A token that is not cancelled.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Asks the work to stop. It stops at its next check; the mesh so far stays valid.
+    ///
+    /// The flag carries no data, so relaxed ordering is enough.
+    pub fn cancel(&self) {
+        self.0.swap(true, Ordering::Relaxed);
+    }
+
+    /// Was [`CancelToken::cancel`] called on this token or a clone?
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}

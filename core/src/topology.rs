@@ -1,0 +1,216 @@
+//! The combinatorial mesh: tetrahedra, their neighbours, free slots. It never sees a coordinate.
+//!
+//! A tetrahedron is 32 bytes: four vertices and four neighbour handles. Vertex 0 is the vertex at
+//! infinity; a tetrahedron that has it is a *ghost* and stands for a hull facet. The invariants
+//! (numbered in `docs/invariants.md`):
+//!
+//! * I1: neighbour `i` is opposite vertex `i`, and neighbourhood is mutual.
+//! * I2: the vertex at infinity is only ever in the last slot.
+//! * I3: a free slot has [`FREE`] as its first vertex and is in the free list once.
+//! * I4: outside an insertion no tetrahedron is marked.
+
+/// Index of a tetrahedron's slot.
+pub type TetId = u32;
+/// Kernel number of a vertex: 0 is the vertex at infinity, the others count from 1.
+pub type VertexId = u32;
+/// A face seen from one of its tetrahedra: `4 * tet + slot of the opposite vertex`.
+pub type FaceId = u32;
+
+/// The vertex at infinity.
+pub const INFINITE: VertexId = 0;
+/// First vertex of a free slot.
+pub const FREE: VertexId = u32::MAX;
+/// Bit of the last vertex that marks a tetrahedron of the cavity in work.
+const MARK: u32 = 1 << 31;
+/// Largest number of slots: a face handle is a `u32`.
+pub const MAX_TETS: usize = (1 << 30) - 1;
+
+/// One tetrahedron: vertices, and the faces of its neighbours opposite each vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C, align(32))]
+pub struct Tet {
+    v: [VertexId; 4],
+    n: [FaceId; 4],
+}
+
+impl Tet {
+    /// The vertices, unmarked.
+    #[inline(always)]
+    pub fn vertices(&self) -> [VertexId; 4] {
+        [self.v[0], self.v[1], self.v[2], self.v[3] & !MARK]
+    }
+
+    /// The neighbouring faces: `neighbours()[i]` lies opposite vertex `i`.
+    #[inline(always)]
+    pub fn neighbours(&self) -> [FaceId; 4] {
+        self.n
+    }
+
+    /// Is this a ghost, a tetrahedron with the vertex at infinity?
+    #[inline(always)]
+    pub fn is_ghost(&self) -> bool {
+        self.v[3] & !MARK == INFINITE
+    }
+
+    /// Is this slot free?
+    #[inline(always)]
+    pub fn is_free(&self) -> bool {
+        self.v[0] == FREE
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_marked(&self) -> bool {
+        self.v[3] & MARK != 0
+    }
+}
+
+/// The tetrahedron of a face handle.
+#[inline(always)]
+pub fn tet_of(face: FaceId) -> TetId {
+    face >> 2
+}
+
+/// The slot, in its tetrahedron, of the vertex opposite a face.
+#[inline(always)]
+pub fn slot_of(face: FaceId) -> usize {
+    (face & 3) as usize
+}
+
+/// All tetrahedra of a mesh, ghosts included.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Topology {
+    tets: Vec<Tet>,
+    /// Free slots, last in first out.
+    free: Vec<TetId>,
+    ghosts: usize,
+}
+
+/// The slot limit is reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Full;
+
+impl Topology {
+    pub(crate) fn with_capacity(tets: usize) -> Self {
+        let tets = Vec::with_capacity(tets);
+        crate::raw::advise_huge(&tets);
+        Self { tets, free: Vec::new(), ghosts: 0 }
+    }
+
+    /// The tetrahedron in slot `t`.
+    #[inline(always)]
+    pub fn tet(&self, t: TetId) -> &Tet {
+        &self.tets[t as usize]
+    }
+
+    /// Number of slots, free ones included.
+    pub fn slots(&self) -> usize {
+        self.tets.len()
+    }
+
+    /// Number of tetrahedra, ghosts included.
+    pub fn len(&self) -> usize {
+        self.tets.len() - self.free.len()
+    }
+
+    /// Is there no tetrahedron?
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Number of ghosts: the hull facets.
+    pub fn ghosts(&self) -> usize {
+        self.ghosts
+    }
+
+    /// Bytes of memory that the arrays hold.
+    pub fn memory_bytes(&self) -> usize {
+        self.tets.len() * size_of::<Tet>() + self.free.capacity() * size_of::<TetId>()
+    }
+
+    /// The used slots, ascending.
+    pub fn iter(&self) -> impl Iterator<Item = (TetId, &Tet)> + '_ {
+        (0..).zip(&self.tets).filter(|(_, t)| !t.is_free())
+    }
+
+    #[inline(always)]
+    pub(crate) fn mark(&mut self, t: TetId) {
+        self.tets[t as usize].v[3] |= MARK;
+    }
+
+    #[inline(always)]
+    pub(crate) fn mark_if(&mut self, t: TetId, yes: bool) {
+        self.tets[t as usize].v[3] |= u32::from(yes) << 31;
+    }
+
+    #[inline(always)]
+    pub(crate) fn unmark(&mut self, t: TetId) {
+        self.tets[t as usize].v[3] &= !MARK;
+    }
+
+    /// Makes sure that `count` slots can be taken.
+    pub(crate) fn reserve(&mut self, count: usize) -> Result<(), Full> {
+        let fresh = count.saturating_sub(self.free.len());
+        if self.tets.len() + fresh > MAX_TETS { Err(Full) } else { Ok(()) }
+    }
+
+    /// Takes a slot: the last freed one, else a fresh one at the end.
+    pub(crate) fn take(&mut self) -> TetId {
+        self.free.pop().unwrap_or_else(|| {
+            self.tets.push(Tet { v: [FREE; 4], n: [0; 4] });
+            (self.tets.len() - 1) as TetId
+        })
+    }
+
+    /// Frees slot `t`.
+    pub(crate) fn release(&mut self, t: TetId) {
+        self.tets[t as usize].v = [FREE; 4];
+        self.free.push(t);
+    }
+
+    /// Writes a tetrahedron, and links the neighbour opposite its first vertex back to it.
+    #[inline(always)]
+    pub(crate) fn put(&mut self, t: TetId, v: [VertexId; 4], n: [FaceId; 4]) {
+        self.tets[t as usize] = Tet { v, n };
+        self.tets[tet_of(n[0]) as usize].n[slot_of(n[0])] = 4 * t;
+    }
+
+    /// Makes two faces each other's neighbour.
+    #[inline(always)]
+    pub(crate) fn link(&mut self, a: FaceId, b: FaceId) {
+        self.tets[tet_of(a) as usize].n[slot_of(a)] = b;
+        self.tets[tet_of(b) as usize].n[slot_of(b)] = a;
+    }
+
+    pub(crate) fn add_ghosts(&mut self, change: isize) {
+        self.ghosts = self.ghosts.wrapping_add_signed(change);
+    }
+
+    /// Builds the first tetrahedron `v`, positively oriented, and its four ghosts.
+    pub(crate) fn start(&mut self, v: [VertexId; 4]) {
+        debug_assert!(self.tets.is_empty());
+        let inf = INFINITE;
+        // Opposite vertex i stands v with v[i] at infinity, seen from outside: an odd
+        // permutation that brings the vertex at infinity to the last slot.
+        let cells = [
+            v,
+            [v[3], v[1], v[2], inf],
+            [v[0], v[3], v[2], inf],
+            [v[0], v[1], v[3], inf],
+            [v[1], v[0], v[2], inf],
+        ];
+        self.tets.extend(cells.map(|v| Tet { v, n: [0; 4] }));
+        self.ghosts = 4;
+        let same = |a: [u32; 4], i: usize, b: [u32; 4], j: usize| {
+            (0..4).filter(|&k| k != i).all(|k| (0..4).any(|l| l != j && a[k] == b[l]))
+        };
+        for a in 0..5 {
+            for b in 0..a {
+                for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
+                    if same(cells[a], i, cells[b], j) {
+                        self.link((4 * a + i) as u32, (4 * b + j) as u32);
+                    }
+                }
+            }
+        }
+    }
+}
