@@ -84,31 +84,8 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         }
         Err(error) => return Err(Failure::Build { path: job.name.to_owned(), error }),
     };
-    let Built { mesh, mut outcome, stats, duplicates } = built;
-    let input = Input {
-        points: count,
-        distinct: mesh.num_vertices(),
-        duplicates: duplicates.len(),
-        duplicate_of: duplicates,
-    };
-    let mut report = empty_report(job, input, "complete");
-    report.seconds.order = stats.order_seconds;
-    report.seconds.insert = stats.insert_seconds;
-    let p = &stats.predicates;
-    report.predicates = Predicates {
-        orient3d: Orient3d { calls: p.orient3d_calls, exact: p.orient3d_exact },
-        insphere: Insphere {
-            calls: p.insphere_calls,
-            exact: p.insphere_exact,
-            perturbed: p.insphere_perturbed,
-        },
-    };
-    report.mesh = MeshPart {
-        vertices: mesh.num_vertices(),
-        tets: mesh.num_tets(),
-        hull_faces: mesh.num_hull_faces(),
-        hash: None,
-    };
+    let mut report = report_of(&built, count, job);
+    let Built { mesh, mut outcome, .. } = built;
     print_mesh(&name, &report);
 
     let clock = Instant::now();
@@ -159,6 +136,36 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
 fn build(set: &PointSet, job: &Job<'_>) -> Result<Built, BuildError> {
     let progress = Progress::new();
     Builder::new().observer(&progress).cancel(job.cancel).build(set)
+}
+
+/// The report of a build, without what comes after it.
+fn report_of(built: &Built, points: usize, job: &Job<'_>) -> Report {
+    let Built { mesh, stats, duplicates, .. } = built;
+    let input = Input {
+        points,
+        distinct: mesh.num_vertices(),
+        duplicates: duplicates.len(),
+        duplicate_of: duplicates.clone(),
+    };
+    let mut report = empty_report(job, input, "complete");
+    report.seconds.order = stats.order_seconds;
+    report.seconds.insert = stats.insert_seconds;
+    let p = &stats.predicates;
+    report.predicates = Predicates {
+        orient3d: Orient3d { calls: p.orient3d_calls, exact: p.orient3d_exact },
+        insphere: Insphere {
+            calls: p.insphere_calls,
+            exact: p.insphere_exact,
+            perturbed: p.insphere_perturbed,
+        },
+    };
+    report.mesh = MeshPart {
+        vertices: mesh.num_vertices(),
+        tets: mesh.num_tets(),
+        hull_faces: mesh.num_hull_faces(),
+        hash: None,
+    };
+    report
 }
 
 fn print_mesh(name: &str, report: &Report) {
