@@ -6,6 +6,8 @@
 
 use ltbw::Point;
 
+pub use ltbw::generate::Random as Rng;
+
 /// A named point set.
 #[derive(Debug, Clone)]
 pub struct Family {
@@ -24,44 +26,6 @@ pub enum Size {
     Moderate,
     /// The full bars: a million points where the bar says so.
     Full,
-}
-
-/// Pseudo-random numbers: SplitMix64 (Steele, Lea, Flood 2014).
-#[derive(Debug, Clone)]
-pub struct Rng(u64);
-
-impl Rng {
-    /// A stream that is a function of `seed`.
-    #[must_use]
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    /// 64 random bits.
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in [0, 1), a multiple of 2^-53.
-    pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Uniform in 0..n for n > 0, but for a bias below n / 2^64.
-    pub fn below(&mut self, n: u64) -> u64 {
-        (u128::from(self.bits()) * u128::from(n) >> 64) as u64
-    }
-
-    /// Brings `items` into a random order (Fisher and Yates).
-    pub fn shuffle<T>(&mut self, items: &mut [T]) {
-        for i in (1..items.len()).rev() {
-            items.swap(i, self.below(i as u64 + 1) as usize);
-        }
-    }
 }
 
 /// 2^e for a normal result.
@@ -218,26 +182,61 @@ pub fn signed_zeros(k: usize, seed: u64) -> Vec<Point> {
     both
 }
 
-/// A small random set, snapped to a coarse lattice so that it is full of coincidences: 5 to 60
-/// points with coordinates of a few values, in random ranges, sometimes stretched, sheared into
-/// one plane of another slope, moved by an ulp or repeated.
+/// Points from numbers, full of coincidences: the one generator behind the random degenerate sets
+/// of proptest, of the fuzzer and of [`snapped`].
+///
+/// `style` chooses a carrier (a lattice of 1 to 9 values a side; integer points of one sphere; a
+/// sheared lattice; a cylinder of rings), a step (1, 0.1, 1/3, powers of two far from 1) and an
+/// offset. Each cell is a point on the carrier; in half of the styles its last number moves some
+/// points by an ulp.
+#[must_use]
+pub fn snap(style: u32, cells: &[[u8; 4]]) -> Vec<Point> {
+    let choose = |shift: u32, n: u32| (style >> shift) % n;
+    let side = [2, 3, 4, 5, 9, 17][choose(0, 6) as usize];
+    let carrier = choose(4, 5);
+    let step = match choose(8, 8) {
+        0..=2 => 1.0,
+        3 => 0.1,
+        4 => 1.0 / 3.0,
+        5 => two_to(-120),
+        6 => two_to(190),
+        _ => two_to(-700),
+    };
+    let offset = [0.0, 0.0, -2.0, 1e6][choose(12, 4) as usize];
+    let (noisy, flat) = (choose(16, 2) == 1, choose(20, 8) == 7);
+    let table: Vec<Point> = match carrier {
+        0 => spheres(&[9, 41]),
+        1 => cylinder(25, 4),
+        _ => Vec::new(),
+    };
+    let shear = if carrier == 2 { 2.0 } else { 0.0 };
+    cells
+        .iter()
+        .map(|&[x, y, z, jitter]| {
+            let [x, y, z] = if table.is_empty() {
+                let layers = if flat { 1 } else { side };
+                [f64::from(x % side), f64::from(y % side), f64::from(z % layers)]
+            } else {
+                table[(usize::from(x) << 8 | usize::from(y)) % table.len()]
+            };
+            let mut p = [x, y, z + shear * x].map(|c| (c + offset) * step);
+            if noisy && jitter < 48 {
+                let c = &mut p[usize::from(jitter % 3)];
+                *c = if jitter % 2 == 0 { c.next_up() } else { c.next_down() };
+            }
+            p
+        })
+        .collect()
+}
+
+/// A random degenerate set of 5 to 60 points, by [`snap`].
 #[must_use]
 pub fn snapped(seed: u64) -> Vec<Point> {
     let mut rng = Rng::new(seed);
-    let n = 5 + rng.below(56) as usize;
-    let widest = [2, 3, 5, 9][rng.below(4) as usize];
-    let range: [u64; 3] = std::array::from_fn(|_| 1 + rng.below(widest));
-    let step = [1.0, 0.1, 1.0 / 3.0, 1024.0][rng.below(4) as usize];
-    let shift = [0.0, 0.0, -2.0, 1e6][rng.below(4) as usize];
-    let noise = rng.below(4) == 0;
-    let shear = rng.below(3) as f64;
-    (0..n)
-        .map(|_| {
-            let [x, y, z] = range.map(|r| rng.below(r + 1) as f64);
-            let p = [x, y, z + shear * x].map(|c| c * step + shift);
-            p.map(|c| if noise && rng.below(8) == 0 { c.next_up() } else { c })
-        })
-        .collect()
+    let n = 5 + rng.below(56);
+    let style = rng.bits() as u32;
+    let cells: Vec<[u8; 4]> = (0..n).map(|_| (rng.bits() as u32).to_le_bytes()).collect();
+    snap(style, &cells)
 }
 
 /// All families, at one size.

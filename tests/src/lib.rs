@@ -5,11 +5,15 @@
 //! | [`cgal`] | the CGAL server process of `tests/cgal/server.cpp`: build, start, ask |
 //! | [`oracle`] | the predicates by `rug`, and brute-force Delaunay of a few points |
 //! | [`families`] | the input families of the bars, deterministic by seed |
+//! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash |
+//! | [`fuzz`] | the body of the fuzz target, so that `cargo test` replays its corpus |
 //! | [`require`] | what is skipped when a tool is missing, and when that is a failure |
 #![forbid(unsafe_code)]
 
 pub mod cgal;
+pub mod compare;
 pub mod families;
+pub mod fuzz;
 pub mod oracle;
 pub mod require;
 

@@ -1,0 +1,86 @@
+//! Our mesh against CGAL's: the same tetrahedra, the same hull, the same hash, or the same refusal.
+
+use crate::cgal::{Cgal, Failure, Reply};
+use ltbw::{BuildError, Builder, Order, Point, PointSet};
+
+/// Builds `points` in `order` and compares with CGAL; `Err` says what differs.
+pub fn compare(cgal: &mut Cgal, points: &[Point], order: Order) -> Result<(), String> {
+    let reply = cgal.triangulate(points).map_err(|failure: Failure| failure.to_string())?;
+    compare_with(&reply, points, order)
+}
+
+/// As [`compare`], with CGAL's reply at hand.
+pub fn compare_with(reply: &Reply, points: &[Point], order: Order) -> Result<(), String> {
+    let set = PointSet::new(points.to_vec()).map_err(|error| error.to_string())?;
+    let built = match Builder::new().order(order).build(&set) {
+        Ok(built) => built,
+        Err(error) => return refusal(reply, &error),
+    };
+    if reply.dimension < 3 {
+        return Err(format!("we built a mesh, but the dimension is {}", reply.dimension));
+    }
+    let tets: Vec<[u32; 4]> = built.mesh.tets().collect();
+    let hull: Vec<[u32; 3]> = built.mesh.hull_facets().collect();
+    same("tetrahedra", &tets, &reply.tets)?;
+    same("hull facets", &hull, &reply.hull)?;
+    let hash = built.mesh.hash().map_err(|error| error.to_string())?;
+    if reply.hash == Some(hash) {
+        Ok(())
+    } else {
+        Err(format!("our hash is {hash}, CGAL's is {:?}", reply.hash))
+    }
+}
+
+/// Is our refusal the one that CGAL's dimension calls for?
+fn refusal(reply: &Reply, error: &BuildError) -> Result<(), String> {
+    let agrees = match error {
+        BuildError::TooFewPoints { .. } => reply.distinct < 4,
+        BuildError::Collinear { .. } => reply.dimension == 1,
+        BuildError::Coplanar { .. } => reply.dimension == 2,
+        _ => false,
+    };
+    if agrees {
+        Ok(())
+    } else {
+        let (dimension, distinct) = (reply.dimension, reply.distinct);
+        Err(format!("we refused ({error}); CGAL: dimension {dimension}, {distinct} points"))
+    }
+}
+
+/// Simplices as a set: ascending vertices, sorted.
+#[must_use]
+pub fn canonical<const N: usize>(simplices: &[[u32; N]]) -> Vec<[u32; N]> {
+    let mut rows = simplices.to_vec();
+    rows.iter_mut().for_each(|row| row.sort_unstable());
+    rows.sort_unstable();
+    rows
+}
+
+fn same<const N: usize>(what: &str, ours: &[[u32; N]], theirs: &[[u32; N]]) -> Result<(), String> {
+    let (ours, theirs) = (canonical(ours), canonical(theirs));
+    if ours == theirs {
+        return Ok(());
+    }
+    let only = |a: &[[u32; N]], b: &[[u32; N]]| -> Vec<[u32; N]> {
+        a.iter().filter(|row| b.binary_search(row).is_err()).take(8).copied().collect()
+    };
+    Err(format!(
+        "{what}: {} of ours, {} of CGAL's; only ours: {:?}, only CGAL's: {:?}",
+        ours.len(),
+        theirs.len(),
+        only(&ours, &theirs),
+        only(&theirs, &ours),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::same;
+
+    #[test]
+    fn sets_differ_by_members_not_by_order() {
+        assert_eq!(same("x", &[[1, 2], [3, 4]], &[[4, 3], [2, 1]]), Ok(()));
+        assert!(same("x", &[[1, 2]], &[[1, 3]]).is_err());
+        assert!(same("x", &[[1, 2], [1, 2]], &[[1, 2]]).is_err());
+    }
+}
