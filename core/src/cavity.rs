@@ -12,7 +12,8 @@ use crate::topology::{FaceId, Full, INFINITE, TetId, Topology, VertexId, tet_of}
 
 /// Decides which tetrahedra conflict with the point in work.
 pub trait Conflict {
-    /// What is certain at once of four tetrahedra, as bit masks `(inside, outside)`.
+    /// What is certain at once of four tetrahedra, as bit masks `(inside, outside)`. Those in
+    /// neither mask are asked for with [`Conflict::in_conflict`].
     fn certain(&self, tets: [TetId; 4]) -> (u32, u32);
 
     /// Is the point inside the (perturbed) circumsphere of tetrahedron `t`?
@@ -94,8 +95,14 @@ impl<T: Copy + Default> Buffer<T> {
     #[inline(always)]
     fn make_room(&mut self) {
         if self.data.len() < self.len + 4 {
-            self.data.resize(2 * self.len + 64, T::default());
+            self.grow();
         }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self) {
+        self.data.resize(2 * self.len + 64, T::default());
     }
 
     /// Appends `entry` if `yes`. There must be room.
@@ -215,23 +222,30 @@ impl Cavity {
             let (v, n) = (tet.vertices(), tet.neighbours());
             self.ghosts += usize::from(v[3] == INFINITE);
             let (mut inside, outside) = conflict.certain(n.map(tet_of));
+            let mut unknown = !(inside | outside) & 0b1111;
+            while unknown != 0 {
+                let u = tet_of(n[unknown.trailing_zeros() as usize]);
+                if !topology.tet(u).is_marked() && conflict.in_conflict(topology, u) {
+                    inside |= unknown & unknown.wrapping_neg();
+                }
+                unknown &= unknown - 1;
+            }
             self.tets.make_room();
             self.walls.make_room();
+            // Whether a neighbour is in the cavity is nearly random: no branch depends on it.
             for slot in 0..4 {
                 let u = tet_of(n[slot]);
                 let open = !topology.tet(u).is_marked();
-                if (inside | outside) >> slot & 1 == 0 && open {
-                    inside |= u32::from(conflict.in_conflict(topology, u)) << slot;
-                }
                 let cavity = inside >> slot & 1 == 1;
-                if open && !admission.admit(u, if cavity { Role::Cavity } else { Role::Ring }) {
+                let role = if cavity { Role::Cavity } else { Role::Ring };
+                if open && !admission.admit(u, role) {
                     self.set_back(topology);
                     return Err(Setback::Refused(u));
                 }
                 topology.mark_if(u, open & cavity);
                 self.tets.push_if(u, open & cavity);
-                let [a, b, c] = OTHERS[slot];
-                self.walls.push_if(Wall { v: [v[a], v[b], v[c]], outer: n[slot] }, open & !cavity);
+                let v = OTHERS[slot].map(|k| v[k]);
+                self.walls.push_if(Wall { v, outer: n[slot] }, open & !cavity);
             }
         }
         let fresh = self.walls.len().saturating_sub(self.tets.len());

@@ -39,6 +39,7 @@ pub(crate) struct Geometry {
     frame: Option<Frame>,
     /// Some point lies outside the exactness window: filters are guarded.
     wide: bool,
+    maker: Maker,
     pub(crate) stats: PredicateStats,
 }
 
@@ -49,7 +50,14 @@ impl Geometry {
         raw::advise_huge(&points);
         points.push([f64::NAN; 3]);
         let frame = if wide { None } else { Frame::of_box(low, high) };
-        Self { points, spheres: Vec::new(), frame, wide, stats: PredicateStats::default() }
+        Self {
+            points,
+            spheres: Vec::new(),
+            frame,
+            wide,
+            maker: Maker::default(),
+            stats: PredicateStats::default(),
+        }
     }
 
     pub(crate) fn points(&self) -> &[Point] {
@@ -85,20 +93,21 @@ impl Geometry {
         self.wide = true;
     }
 
-    /// orient3d, filtered and counted.
+    /// Sign of orient3d of vertices `a`, `b`, `c` and the point `p`, filtered and counted.
     #[inline(always)]
-    pub(crate) fn orient(&mut self, a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
+    pub(crate) fn orient(&mut self, [a, b, c]: [VertexId; 3], p: &Point) -> Sign {
         self.stats.orient3d_calls += 1;
+        let [a, b, c] = [a, b, c].map(|v| &self.points[v as usize]);
         let fast = if self.wide {
-            filter::orient3d_any(a, b, c, d)
+            filter::orient3d_any(a, b, c, p)
         } else {
-            filter::orient3d_window(a, b, c, d)
+            filter::orient3d_window(a, b, c, p)
         };
         match fast {
             Some(sign) => sign,
             None => {
                 self.stats.orient3d_exact += 1;
-                exact::orient3d(a, b, c, d)
+                exact::orient3d(a, b, c, p)
             }
         }
     }
@@ -107,31 +116,33 @@ impl Geometry {
     #[inline(never)]
     fn conflict_by_points(&mut self, topology: &Topology, t: TetId, p: &Point) -> bool {
         let [a, b, c, d] = topology.tet(t).vertices();
-        let (a, b, c) = (*self.point(a), *self.point(b), *self.point(c));
         if d == INFINITE {
-            return match self.orient(&a, &b, &c, p) {
-                Sign::Positive => true,
-                Sign::Negative => false,
-                Sign::Zero => perturb::side_of_circle(&a, &b, &c, p) == Sign::Positive,
+            let sign = match self.orient([a, b, c], p) {
+                Sign::Zero => {
+                    let [a, b, c] = [a, b, c].map(|v| self.point(v));
+                    perturb::side_of_circle(a, b, c, p)
+                }
+                sign => sign,
             };
+            return sign == Sign::Positive;
         }
-        let d = *self.point(d);
+        let [a, b, c, d] = [a, b, c, d].map(|v| &self.points[v as usize]);
         self.stats.sphere_undecided += 1;
         let fast = if self.wide {
-            filter::insphere_any(&a, &b, &c, &d, p)
+            filter::insphere_any(a, b, c, d, p)
         } else {
-            filter::insphere_window(&a, &b, &c, &d, p)
+            filter::insphere_window(a, b, c, d, p)
         };
         let sign = fast.unwrap_or_else(|| {
             self.stats.insphere_exact += 1;
-            match exact::insphere(&a, &b, &c, &d, p) {
-                Sign::Zero => {
-                    self.stats.insphere_perturbed += 1;
-                    perturb::perturbed_side(&a, &b, &c, &d, p)
-                }
-                sign => sign,
-            }
+            exact::insphere(a, b, c, d, p)
         });
+        let sign = if sign == Sign::Zero {
+            self.stats.insphere_perturbed += 1;
+            perturb::perturbed_side(a, b, c, d, p)
+        } else {
+            sign
+        };
         sign == Sign::Positive
     }
 
@@ -148,8 +159,22 @@ impl Geometry {
             }
             return;
         }
-        let maker = Maker::new(frame, &self.points, star.rim, p);
-        maker.make(&mut self.spheres, star.tets, star.faces);
+        self.maker.aim(frame, &self.points, star.rim, p);
+        self.maker.make(&mut self.spheres, star.tets, star.faces);
+    }
+
+    /// What the cached sphere of `t` alone says of `p`: `None` if nothing.
+    pub(crate) fn cached_side(&self, t: TetId, p: &Point) -> Option<Sign> {
+        match self.spheres[t as usize].test(&self.frame?.query(p)) {
+            Verdict::Inside => Some(Sign::Positive),
+            Verdict::Outside => Some(Sign::Negative),
+            Verdict::Unknown => None,
+        }
+    }
+
+    /// The cached spheres, to the bit.
+    pub(crate) fn spheres_fingerprint(&self) -> String {
+        format!("{:?}", self.spheres.iter().map(Sphere::bits).collect::<Vec<_>>())
     }
 
     /// The conflict test for `p`.
@@ -191,15 +216,9 @@ impl Conflict for PointConflict<'_> {
         raw::test_spheres(tets.map(|t| &self.geometry.spheres[t as usize]), &self.query)
     }
 
-    #[inline(always)]
+    #[cold]
     fn in_conflict(&mut self, topology: &Topology, t: TetId) -> bool {
-        match self.geometry.spheres[t as usize].test(&self.query) {
-            Verdict::Inside => true,
-            Verdict::Outside => false,
-            Verdict::Unknown => {
-                let p = self.p;
-                self.geometry.conflict_by_points(topology, t, &p)
-            }
-        }
+        let p = self.p;
+        self.geometry.conflict_by_points(topology, t, &p)
     }
 }

@@ -16,6 +16,7 @@
 //! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
 //! | [`tetmesh`] | [`TetMesh`]: a plain mesh as files carry it |
+//! | [`invariants`] | one slow check per invariant of `docs/invariants.md` |
 //! | [`io`] | readers and writers of point and mesh files |
 //! | [`generate`] | test point sets, the same on every machine |
 //!
@@ -27,6 +28,7 @@ pub mod cavity;
 pub mod generate;
 mod geometry;
 pub mod hash;
+pub mod invariants;
 pub mod io;
 mod locate;
 pub mod mesh;

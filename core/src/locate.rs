@@ -46,15 +46,12 @@ pub(crate) fn walk(
             return Found::Conflict(t);
         }
         let geometry = conflict.geometry();
-        let [a, b, c, d] = tet.vertices().map(|v| *geometry.point(v));
+        let [a, b, c, d] = tet.vertices();
         let neighbours = tet.neighbours();
+        // The face opposite `slot` with p in place of the vertex there, p moved to the end.
+        let faces = [[c, b, d], [d, a, c], [b, a, d], [a, b, c]];
         let exit = (0..4).filter(|&slot| slot != entry).find(|&slot| {
-            let side = match slot {
-                0 => geometry.orient(&p, &b, &c, &d),
-                1 => geometry.orient(&a, &p, &c, &d),
-                2 => geometry.orient(&a, &b, &p, &d),
-                _ => geometry.orient(&a, &b, &c, &p),
-            };
+            let side = geometry.orient(faces[slot], &p);
             side == Sign::Negative
         });
         match exit {

@@ -11,7 +11,7 @@ use crate::locate::{Found, walk};
 use crate::points::{Mode, PointError};
 use crate::tetmesh::TetMesh;
 use crate::topology::{INFINITE, MAX_TETS, TetId, Topology, VertexId, tet_of};
-use crate::{Point, PredicateStats};
+use crate::{Point, PredicateStats, Sign};
 
 /// Number of a vertex: the index of its point in the input, then counting on for inserted ones.
 pub type Vertex = u32;
@@ -212,6 +212,22 @@ impl Mesh {
     /// The combinatorial mesh, ghosts included, in kernel vertex numbers.
     pub fn topology(&self) -> &Topology {
         &self.topology
+    }
+
+    /// Coordinates, as the kernel computes with them, of a finite kernel vertex.
+    pub(crate) fn kernel_point(&self, v: VertexId) -> Point {
+        *self.geometry.point(v)
+    }
+
+    /// What the cached sphere of `t` alone says of a point in kernel coordinates.
+    pub(crate) fn cached_side(&self, t: TetId, p: &Point) -> Option<Sign> {
+        self.geometry.cached_side(t, p)
+    }
+
+    /// The cached spheres, to the bit, as text: for tests that a refusal leaves no trace.
+    #[doc(hidden)]
+    pub fn spheres_fingerprint(&self) -> String {
+        self.geometry.spheres_fingerprint()
     }
 
     /// All vertices with their coordinates, in no particular order.

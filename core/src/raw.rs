@@ -214,7 +214,8 @@ mod tests {
             let mut points = vec![[f64::NAN; 3]];
             points.extend((0..12).map(|_| point()));
             let rim: Vec<u32> = (0..12).collect();
-            let maker = Maker::new(&frame, &points, &rim, &points[12]);
+            let mut maker = Maker::default();
+            maker.aim(&frame, &points, &rim, &points[12]);
             let faces: Vec<[u8; 4]> = (0..11).map(|k| [k, (k + 1) % 11, (k + 4) % 11, 0]).collect();
             let tets: Vec<u32> = (0..11).collect();
             let mut fast = vec![Sphere::UNKNOWN; 11];

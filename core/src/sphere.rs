@@ -91,6 +91,11 @@ impl Sphere {
     /// The sphere that decides nothing.
     pub(crate) const UNKNOWN: Self = Self([0.0, 0.0, 0.0, f32::NAN]);
 
+    /// Its four numbers, to the bit.
+    pub(crate) fn bits(&self) -> [u32; 4] {
+        self.0.map(f32::to_bits)
+    }
+
     /// Is `q` certainly inside or outside?
     #[inline(always)]
     pub(crate) fn test(&self, q: &Query) -> Verdict {
@@ -112,7 +117,7 @@ impl Sphere {
 ///
 /// Vertices other than it are given by number into a *rim*: the differences to the vertex with
 /// their squared length.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Maker {
     /// The vertex, in the frame.
     pub(crate) centre: Point,
@@ -122,17 +127,23 @@ pub(crate) struct Maker {
     pub(crate) rim: [[f64; 4]; SMALL],
 }
 
+impl Default for Maker {
+    fn default() -> Self {
+        Self { centre: [0.0; 3], scale: 0.0, rim: [[0.0; 4]; SMALL] }
+    }
+}
+
 impl Maker {
-    /// For the star of the vertex at `p`; the vertex at infinity must have NaN coordinates.
+    /// Aims at the star of the vertex at `p`; the vertex at infinity must have NaN coordinates.
     #[inline(always)]
-    pub(crate) fn new(frame: &Frame, points: &[Point], rim: &[u32], p: &Point) -> Self {
-        let mut maker = Self { centre: frame.place(p), scale: frame.scale, rim: [[0.0; 4]; SMALL] };
-        for (d, &v) in maker.rim.iter_mut().zip(rim) {
+    pub(crate) fn aim(&mut self, frame: &Frame, points: &[Point], rim: &[u32], p: &Point) {
+        self.centre = frame.place(p);
+        self.scale = frame.scale;
+        for (d, &v) in self.rim.iter_mut().zip(rim) {
             let q = &points[v as usize];
             let (x, y, z) = (q[0] - p[0], q[1] - p[1], q[2] - p[2]);
             *d = [x, y, z, x * x + y * y + z * z];
         }
-        maker
     }
 
     /// The sphere through the vertex and three others: the plain twin of [`crate::raw`]'s

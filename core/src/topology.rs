@@ -122,6 +122,11 @@ impl Topology {
         self.ghosts
     }
 
+    /// The free slots.
+    pub fn free_slots(&self) -> &[TetId] {
+        &self.free
+    }
+
     /// Bytes of memory that the arrays hold.
     pub fn memory_bytes(&self) -> usize {
         self.tets.len() * size_of::<Tet>() + self.free.capacity() * size_of::<TetId>()

@@ -354,6 +354,16 @@ fn malformed_vtu() {
     assert_eq!(vtu::read(b"\xff").unwrap_err().to_string(), "line 1: not UTF-8 text");
 }
 
+/// VTK writes such elements into arrays.
+#[test]
+fn text_of_elements_inside_an_array_is_no_value() {
+    let key = "<InformationKey name='L2_NORM_RANGE'><Value index='0'>7</Value></InformationKey>\n";
+    let xyz = format!("0 0 0 1 0 0 {key} 0 1 0 0 0 1 {key}");
+    let file = vtu::read(&grid(("4", "1"), &xyz, ["0 1 2 3", "4", "10"])).unwrap();
+    assert_eq!(file.mesh.points.len(), 4);
+    assert_eq!(file.mesh.points[2], [0.0, 1.0, 0.0]);
+}
+
 #[test]
 fn pieces_are_joined() {
     let piece = |tag: i64| {
@@ -417,6 +427,9 @@ fn a_pair_is_written_whole_or_not_at_all() {
     let e = io::write_mesh(&dir.path().join("a.node"), &mesh).unwrap_err();
     assert_eq!(e.code(), "io.write");
     assert!(!dir.path().join("a.node").exists());
-    assert!(io::check_writable(&dir.path().join("a.node")).is_err());
+    assert!(io::check_mesh_writable(&dir.path().join("a.node")).is_err());
+    assert!(io::check_points_writable(&dir.path().join("a.node")).is_ok());
+    assert!(io::check_points_writable(&dir.path().join("a.vtu")).is_err());
+    assert!(io::check_mesh_writable(&dir.path().join("a.xyz")).is_err());
     assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
 }

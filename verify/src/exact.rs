@@ -80,8 +80,7 @@ fn in_window(points: &[&Point]) -> bool {
 
 /// Differences of `points` to `origin` as big integers of one common power of two.
 fn big_differences<const N: usize>(points: [&Point; N], origin: &Point) -> [[BigInt; 3]; N] {
-    let all = points.iter().copied().chain([origin]).flatten();
-    let low = all.filter_map(|&c| bit_range(c)).map(|(low, _)| low).min().unwrap_or(0);
+    let low = lowest_bit(&points).min(lowest_bit(&[origin]));
     points.map(|p| [0, 1, 2].map(|k| big(p[k], low) - big(origin[k], low)))
 }
 
@@ -94,7 +93,7 @@ pub(crate) fn big(x: f64, low: i32) -> BigInt {
     }
 }
 
-/// The exponent of the lowest set bit of all coordinates, 0 if all are zero.
+/// The exponent of the lowest set bit of all coordinates, 0 if all of them are zero.
 pub(crate) fn lowest_bit(points: &[&Point]) -> i32 {
     let coordinates = points.iter().flat_map(|p| p.iter());
     coordinates.filter_map(|&c| bit_range(c)).map(|(low, _)| low).min().unwrap_or(0)
@@ -156,4 +155,130 @@ pub(crate) fn orient3d_big([a, b, c, d]: [&Point; 4]) -> i8 {
 /// [`insphere`] by big integers alone.
 pub(crate) fn insphere_big([a, b, c, d, e]: [&Point; 5]) -> i8 {
     big_sign(&det_lifted(&big_differences([a, b, c, d], e)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::predicates::{self, Tally};
+    use proptest::prelude::*;
+
+    const O: Point = [0.0; 3];
+    const X: Point = [1.0, 0.0, 0.0];
+    const Y: Point = [0.0, 1.0, 0.0];
+    const Z: Point = [0.0, 0.0, 1.0];
+
+    /// All ways to an answer must agree; returns it.
+    fn orient_all_ways(p: [&Point; 4]) -> i8 {
+        let expected = orient3d_big(p);
+        assert_eq!(orient3d(p), expected, "exact {p:?}");
+        assert_eq!(predicates::orient3d(p, &mut Tally::default()), expected, "fast {p:?}");
+        expected
+    }
+
+    fn insphere_all_ways(p: [&Point; 5]) -> i8 {
+        let expected = insphere_big(p);
+        assert_eq!(insphere(p), expected, "exact {p:?}");
+        assert_eq!(predicates::insphere(p, &mut Tally::default()), expected, "fast {p:?}");
+        expected
+    }
+
+    #[test]
+    fn sign_conventions() {
+        for scale in [1.0, 5e-324, 1e-200, 3.0, 1e100, 1e307] {
+            let [x, y, z] = [X, Y, Z].map(|p| p.map(|c| c * scale));
+            assert_eq!(orient_all_ways([&O, &x, &y, &z]), 1);
+            assert_eq!(orient_all_ways([&O, &y, &x, &z]), -1);
+            assert_eq!(orient_all_ways([&O, &x, &y, &[scale, scale, 0.0]]), 0);
+            let corner = [scale; 3]; // on the sphere
+            assert_eq!(insphere_all_ways([&O, &x, &y, &z, &corner]), 0);
+            assert_eq!(insphere_all_ways([&O, &x, &y, &z, &[-scale, 0.0, 0.0]]), -1);
+            assert_eq!(insphere_all_ways([&O, &x, &y, &z, &[scale, scale, -0.0]]), 0);
+            if scale > 1e-300 {
+                let inside = [0.25 * scale; 3];
+                assert_eq!(insphere_all_ways([&O, &x, &y, &z, &inside]), 1);
+                assert_eq!(insphere_all_ways([&O, &y, &x, &z, &inside]), -1);
+            }
+        }
+    }
+
+    #[test]
+    fn the_largest_and_the_smallest_numbers() {
+        let (m, e) = (f64::MAX, 5e-324);
+        assert_eq!(orient_all_ways([&[-m, -m, -m], &[m, -m, -m], &[-m, m, -m], &[m, m, m]]), 1);
+        assert_eq!(orient_all_ways([&O, &[m, 0.0, 0.0], &[0.0, m, 0.0], &[m, m, -e]]), -1);
+        let t = [&O, &[m, 0.0, 0.0], &[0.0, m, 0.0], &[0.0, 0.0, m]];
+        let [a, b, c, d] = t;
+        assert_eq!(insphere_all_ways([a, b, c, d, &[m, m, m]]), 0);
+        assert_eq!(insphere_all_ways([a, b, c, d, &[e, e, e]]), 1);
+        assert_eq!(insphere_all_ways([a, b, c, d, &[-e, 0.0, 0.0]]), -1);
+    }
+
+    #[test]
+    fn powers_of_two_and_dyadics() {
+        assert_eq!(bit_range(0.0), None);
+        assert_eq!(bit_range(12.0), Some((2, 3)));
+        assert_eq!(bit_range(5e-324), Some((-1074, -1074)));
+        assert_eq!(bit_range(-f64::MAX), Some((971, 1023)));
+        assert_eq!(big(-12.0, 2), BigInt::from(-3));
+        assert_eq!(big(0.0, 40), BigInt::from(0));
+    }
+
+    #[test]
+    fn which_integers_are_short() {
+        let p = [[3.0, 0.5, 0.0], [0.0, -4.0, 1.5]];
+        let (rows, bits) = integers([&p[0], &p[1]], &O, 41).unwrap();
+        assert_eq!((rows, bits), ([[6, 1, 0], [0, -8, 3]], 4));
+        assert!(integers([&p[0], &p[1]], &O, 3).is_none());
+        // A rounded difference is no integer of the points.
+        assert!(integers([&[1.0, 0.0, 0.0]], &[1e-30, 0.0, 0.0], 41).is_none());
+    }
+
+    /// Integers of some bits, ulps around them, at any scale; many degenerate, some with zeros.
+    fn points<const N: usize>() -> impl Strategy<Value = [Point; N]> {
+        let bits =
+            prop_oneof![Just(1u32), Just(3), Just(9), Just(12), Just(20), Just(30), 1..53u32];
+        let exponent = prop_oneof![Just(0), -60..60i32, -1074..960i32];
+        (bits, exponent, any::<bool>(), any::<[[u64; 3]; N]>(), any::<[[u8; 3]; N]>()).prop_map(
+            |(bits, exponent, ulps, words, noise)| {
+                let (half, rest) = (exponent / 2, exponent - exponent / 2);
+                let mut points = [O; N];
+                for i in 0..N {
+                    for k in 0..3 {
+                        let whole = (words[i][k] >> (64 - bits)) as f64;
+                        let mut c = whole * 2f64.powi(half) * 2f64.powi(rest);
+                        if ulps && c != 0.0 {
+                            c = f64::from_bits(c.to_bits() + u64::from(noise[i][k] % 3) - 1);
+                        }
+                        points[i][k] = if noise[i][k] >= 128 { -c } else { c };
+                    }
+                }
+                points
+            },
+        )
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(3000))]
+
+        #[test]
+        fn orientation_agrees(p in points::<4>()) {
+            let sign = orient_all_ways([&p[0], &p[1], &p[2], &p[3]]);
+            prop_assert_eq!(orient_all_ways([&p[1], &p[0], &p[2], &p[3]]), -sign);
+            // A point of the plane, exactly, when the sums are exact.
+            let on = [0, 1, 2].map(|k| p[1][k] + (p[2][k] - p[0][k]));
+            prop_assume!(on.iter().all(|c| c.is_finite()));
+            orient_all_ways([&p[0], &p[1], &p[2], &on]);
+        }
+
+        #[test]
+        fn in_sphere_agrees(p in points::<5>()) {
+            let sign = insphere_all_ways([&p[0], &p[1], &p[2], &p[3], &p[4]]);
+            prop_assert_eq!(insphere_all_ways([&p[1], &p[0], &p[2], &p[3], &p[4]]), -sign);
+            // Corners of one box are on one sphere.
+            let (a, g) = (p[0], p[1]);
+            let (b, c, d) = ([g[0], a[1], a[2]], [a[0], g[1], a[2]], [a[0], a[1], g[2]]);
+            prop_assert_eq!(insphere_all_ways([&a, &b, &c, &d, &g]), 0);
+        }
+    }
 }

@@ -5,7 +5,7 @@ use crate::defect::{Findings, Kind};
 use crate::faces::Faces;
 use crate::mesh::{Mesh, Point, VertexOrder, face};
 use crate::perturb;
-use crate::predicates::{Tally, insphere, orient3d};
+use crate::predicates::{Tally, det3, differences, insphere, orient3d};
 use crate::sweep::{Partial, pieces};
 
 /// The mesh with every tetrahedron's exact sign.
@@ -62,7 +62,7 @@ pub(crate) fn signs<'a>(mesh: &'a Mesh, sound: &[bool]) -> (Oriented<'a>, Tally)
             .map(|t| match sound[t] {
                 true => {
                     let corners = mesh.tets[t].map(|v| &mesh.points[v as usize]);
-                    volume += rounded_volume(corners);
+                    volume += rounded_volume6(corners);
                     orient3d(corners, &mut tally)
                 }
                 false => 0,
@@ -80,11 +80,12 @@ pub(crate) fn signs<'a>(mesh: &'a Mesh, sound: &[bool]) -> (Oriented<'a>, Tally)
     }
     let count = |sign| signs.iter().filter(|&&s| s == sign).count() as u64;
     let (positive, negative) = (count(1), count(-1));
-    (Oriented { mesh, signs, volume, positive, negative }, tally)
+    (Oriented { mesh, signs, volume: volume / 6.0, positive, negative }, tally)
 }
 
-fn rounded_volume([a, b, c, d]: [&Point; 4]) -> f64 {
-    crate::predicates::det3(&crate::predicates::differences([b, c, d], a)).abs() / 6.0
+/// Six times the absolute volume, rounded.
+fn rounded_volume6([a, b, c, d]: [&Point; 4]) -> f64 {
+    det3(&differences([b, c, d], a)).abs()
 }
 
 /// Names flat and inverted tetrahedra and folded faces.

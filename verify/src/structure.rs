@@ -21,8 +21,7 @@ pub(crate) struct Sound {
     pub(crate) used: usize,
     /// Number of points that no sound tetrahedron names.
     pub(crate) unused: usize,
-    /// Unused points at the place of no used one, counted once per place; 0 if a point is not
-    /// finite and unused.
+    /// Places of finite points at which no used point lies.
     pub(crate) left_out: usize,
 }
 

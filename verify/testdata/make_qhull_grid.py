@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Writes qhull_grid_4x4x4.txt: a 4 x 4 x 4 integer grid meshed by scipy (Qhull).
 
-Qhull joggles or triangulates cospherical points without regard to flat simplices: of the 200
-tetrahedra, 38 have volume exactly zero. The checker must find them. Counts may differ with other
-versions of scipy; the script then refuses to write.
+Qhull splits cospherical cells without regard to flat simplices: of the 200 tetrahedra, 38 have
+volume exactly zero. The checker must find them. Written with scipy 1.17.1; should another version
+give other counts, the script refuses to write.
 
     pip install scipy && python3 make_qhull_grid.py
 

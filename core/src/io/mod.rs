@@ -206,17 +206,27 @@ fn write_pair(path: &Path, mesh: &TetMesh) -> Result<(), IoError> {
     ele.publish().inspect_err(|_| drop(std::fs::remove_file(&node_path)))
 }
 
-/// Tells, before long work starts, what would certainly keep `path` from being written: an
-/// unknown extension, a missing folder, or something under that name that is not a file.
-/// Creates nothing.
-pub fn check_writable(path: &Path) -> Result<(), IoError> {
+/// Tells, before long work starts, what would certainly keep points from being written to
+/// `path`: an extension that is unknown or holds no points, a missing folder, or something under
+/// that name that is not a file. Creates nothing.
+pub fn check_points_writable(path: &Path) -> Result<(), IoError> {
+    if !Format::from_path(path)?.holds_points() {
+        return Err(wrong_kind(path, true));
+    }
+    aside::check(path)
+}
+
+/// Tells what would certainly keep a mesh from being written, as [`check_points_writable`] does
+/// for points.
+pub fn check_mesh_writable(path: &Path) -> Result<(), IoError> {
     match Format::from_path(path)? {
         Format::Node | Format::Ele => {
             let (node, ele) = pair(path);
             aside::check(&node)?;
             aside::check(&ele)
         }
-        _ => aside::check(path),
+        format if format.holds_mesh() => aside::check(path),
+        _ => Err(wrong_kind(path, false)),
     }
 }
 

@@ -213,11 +213,15 @@ impl State<'_> {
         Ok(())
     }
 
-    /// Reads the values of a wanted array; other text does not matter.
+    /// Reads the values of a wanted array; other text does not matter, nor does text in elements
+    /// inside the array (VTK writes its `InformationKey` there).
     fn text(&mut self, text: &str, offset: usize) -> Result<(), ParseError> {
         let (Some(wanted), Some(piece)) = (self.wanted, &mut self.piece) else {
             return Ok(());
         };
+        if !self.open.last().is_some_and(|name| name == "DataArray" || name == "Array") {
+            return Ok(());
+        }
         let list = match wanted {
             Wanted::Points => {
                 return values(self.bytes, text, offset, float, &mut piece.coordinates);

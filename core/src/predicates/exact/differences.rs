@@ -142,3 +142,78 @@ fn in_units(value: f64, unit: i32) -> Option<i128> {
     let magnitude = i128::from(mantissa >> zeros) << shift;
     Some(if value < 0.0 { -magnitude } else { magnitude })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn differences(points: [Point; 4], base: Point) -> Differences<4> {
+        Differences::new(points.each_ref(), &base)
+    }
+
+    /// Four corners of a cube against another, with edges `edge` at `corner`.
+    fn cube(corner: f64, edge: f64) -> Differences<4> {
+        let [x, y] = [corner, corner + edge];
+        differences([[x, x, x], [y, x, x], [x, y, x], [x, x, y]], [y, y, y])
+    }
+
+    #[test]
+    fn lattices_have_few_bits() {
+        let few = cube(100.0, 3.0).few_bits::<9>().expect("differences of two bits");
+        assert_eq!(
+            few,
+            [[-384.0; 3], [0.0, -384.0, -384.0], [-384.0, 0.0, -384.0], [-384.0, -384.0, 0.0]]
+        );
+    }
+
+    #[test]
+    fn few_bits_count() {
+        let with = |c: f64| differences([[c, 1.0, 0.0]; 4], [0.0; 3]);
+        assert!(with(511.0).few_bits::<9>().is_some());
+        assert!(with(513.0).few_bits::<9>().is_none());
+        assert!(with(513.0).few_bits::<16>().is_some());
+        assert!(with(65535.0).few_bits::<16>().is_some());
+        assert!(with(65537.0).few_bits::<16>().is_none());
+    }
+
+    #[test]
+    fn small_integers_are_exact_where_differences_round() {
+        // 1 + 2^-52 and 2^-60: the difference has 61 bits.
+        let tiny = power_of_two(-60);
+        let found = differences([[1.0 + f64::EPSILON, 0.0, 0.0]; 4], [tiny, 0.0, 0.0]);
+        assert!(!found.rounded_nothing && found.few_bits::<16>().is_none());
+        let small = found.small().expect("61 bits");
+        // `high` rounds up to 1 + 2^-52 in [2^0, 2^1): the unit is 2^(1-62).
+        let expected = (1_i64 << 61) + (1 << 9) - 2;
+        assert_eq!(small[0], [expected, 0, 0]);
+        // Two bits more do not fit, but the next stage takes them.
+        let found = differences([[1.0, 0.0, 0.0]; 4], [power_of_two(-63), 0.0, 0.0]);
+        assert!(found.small().is_none());
+        let medium = found.medium().expect("63 bits");
+        assert_eq!(medium[0][0], (1 << 123) - (1 << 60));
+    }
+
+    #[test]
+    fn a_value_that_underflows_when_scaled_is_not_zero() {
+        let least = f64::from_bits(1);
+        let found = differences([[power_of_two(200), least, 0.0]; 4], [0.0; 3]);
+        assert!(found.few_bits::<16>().is_none());
+        assert!(found.small().is_none());
+        assert!(found.medium().is_none());
+    }
+
+    #[test]
+    fn overflow_leaves_every_stage_out() {
+        let found = differences([[f64::MAX, 0.0, 0.0]; 4], [-f64::MAX, 0.0, 0.0]);
+        assert!(found.few_bits::<9>().is_none());
+        assert!(found.small().is_none());
+        assert!(found.medium().is_none());
+    }
+
+    #[test]
+    fn subnormals_reach_the_medium_stage() {
+        let found = differences([[f64::from_bits(5), 0.0, 0.0]; 4], [f64::from_bits(2), 0.0, 0.0]);
+        let medium = found.medium().expect("two bits");
+        assert!(medium[0][0] > 0 && medium[0][0] % 3 == 0 && medium[0][1] == 0);
+    }
+}

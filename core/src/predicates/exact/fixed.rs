@@ -25,21 +25,18 @@ impl Int<2> {
 impl<const N: usize> Int<N> {
     #[inline(always)]
     pub(super) fn add(&self, other: &Self) -> Self {
-        let mut sum = [0; N];
+        let mut sum = self.0;
         let mut carry = false;
-        for i in 0..N {
-            (sum[i], carry) = self.0[i].carrying_add(other.0[i], carry);
+        for (limb, &addend) in sum.iter_mut().zip(&other.0) {
+            (*limb, carry) = limb.carrying_add(addend, carry);
         }
         Self(sum)
     }
 
     #[inline(always)]
     pub(super) fn sub(&self, other: &Self) -> Self {
-        let mut difference = [0; N];
-        let mut borrow = false;
-        for i in 0..N {
-            (difference[i], borrow) = self.0[i].borrowing_sub(other.0[i], borrow);
-        }
+        let mut difference = self.0;
+        subtract_if(true, &mut difference, &other.0);
         Self(difference)
     }
 

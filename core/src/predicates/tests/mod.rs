@@ -1,1 +1,7 @@
-//! Tests of the predicates.
+//! Tests of the predicates: against their twins, against `robust` inside the window, and of the
+//! perturbation against its definition.
+
+mod families;
+mod fast_is_slow;
+mod perturbation;
+mod stages;

@@ -1,0 +1,234 @@
+//! The command line and its help.
+
+use crate::console;
+use crate::outcome::Exit;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::error::ErrorKind;
+use clap::{Parser, Subcommand, ValueEnum};
+use ltbw::generate::PointKind;
+use std::path::PathBuf;
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done and checked
+  1  `check` found a defect in the file it was given
+  2  usage: the command line makes no sense
+  3  input rejected: one line on stderr names the file, the place and the reason
+  4  cancelled (Ctrl-C); the mesh so far was written
+  5  the checker found a defect in our own output; nothing was written
+  6  an output could not be written; nothing is left under its name";
+
+const EXAMPLES: &str = "\
+Examples:
+  ltbw demo                                      mesh 100,000 points, check, write demo.vtu
+  ltbw generate uniform 1000000 -o points.npy    a million random points
+  ltbw delaunay points.npy -o mesh.vtu           mesh them, check the mesh, write it
+  ltbw check mesh.vtu                            check anybody's mesh, exactly
+  ltbw convert mesh.vtu mesh.ele                 also writes mesh.node
+
+Formats, by extension: points .npy .xyz .csv .node; meshes .vtu .mesh .ele (with .node).
+stdout carries data (hash, JSON), stderr what is meant for people.
+
+";
+
+/// Exact 3D Delaunay meshes: points in, checked mesh out.
+#[derive(Debug, Parser)]
+#[command(name = "ltbw", version, max_term_width = 100)]
+#[command(about = "Exact 3D Delaunay meshes: points in, checked mesh out.")]
+#[command(long_about = "Exact 3D Delaunay meshes: points in, checked mesh out.\n\n\
+    Every mesh is exactly Delaunay, also of gridded, cospherical and duplicate points, and a\n\
+    point set has one mesh: the same on every machine, for any number of threads. An independent\n\
+    checker looks at every mesh before it is written.")]
+#[command(after_help = "`ltbw help COMMAND` tells more, with examples.")]
+#[command(after_long_help = format!("{EXAMPLES}{EXIT_CODES}"))]
+#[command(subcommand_required = true, arg_required_else_help = true)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Mesh a point set: its exact Delaunay triangulation, checked
+    #[command(after_long_help = concat_help("\
+Examples:
+  ltbw delaunay points.xyz                             only the hash, on stdout
+  ltbw delaunay points.npy -o mesh.vtu -o mesh.ele     two files (and mesh.node)
+  ltbw delaunay points.csv --json - --check full       the report, on stdout
+
+Duplicate points are meshed once, under their smallest index; the report counts and maps them.
+Ctrl-C stops early: the mesh of the points inserted so far is written, unchecked.
+
+"))]
+    Delaunay(Delaunay),
+    /// Check anybody's mesh: what is wrong, exactly and where
+    #[command(after_long_help = concat_help("\
+Examples:
+  ltbw check mesh.vtu                      verdict and first defects, on stderr
+  ltbw check mesh.ele --json cert.json     the certificate ltbw.cert/1, with every defect's place
+
+Levels: structure (indices, duplicates), topology (faces, closed hull), orientation, Delaunay
+(local test of every interior face, convex hull), canonical (which of several Delaunay meshes).
+Every test is exact.
+
+"))]
+    Check(Check),
+    /// Convert points to points, or a mesh to a mesh
+    #[command(after_long_help = concat_help("\
+Examples:
+  ltbw convert points.csv points.npy
+  ltbw convert mesh.vtu mesh.mesh
+  ltbw convert mesh.vtu points.xyz      the points of a mesh
+
+Coordinates survive bit for bit; tags survive where the format has a place for them.
+
+"))]
+    Convert(Convert),
+    /// Generate a test point set, the same on every machine
+    #[command(after_long_help = concat_help("\
+Examples:
+  ltbw generate uniform 1000000 -o points.npy
+  ltbw generate clusters 50000 --seed 7 -o clusters.xyz
+
+"))]
+    Generate(Generate),
+    /// Show it: mesh 100,000 points, check the mesh, write demo.vtu
+    #[command(after_long_help = EXIT_CODES)]
+    Demo(Demo),
+}
+
+fn concat_help(text: &str) -> String {
+    format!("{text}{EXIT_CODES}")
+}
+
+/// `ltbw delaunay`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Delaunay {
+    /// The points: .npy .xyz .csv .node
+    pub(crate) points: PathBuf,
+    /// Where to write the mesh: .vtu .mesh .ele (with .node); may be given several times
+    #[arg(short, long = "output", value_name = "MESH")]
+    pub(crate) output: Vec<PathBuf>,
+    /// Threads for ordering, checking, hashing and output [default: one per core]
+    ///
+    /// Insertion itself is sequential. The mesh and its hash do not depend on this.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Write the report as JSON (schema ltbw.report/1), `-` for stdout
+    #[arg(long, value_name = "FILE|-")]
+    pub(crate) json: Option<PathBuf>,
+    /// How deep the checker looks at the mesh before it is written
+    #[arg(long, value_enum, default_value_t = Depth::Fast)]
+    pub(crate) check: Depth,
+}
+
+/// `--check`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Depth {
+    /// Do not check
+    Off,
+    /// All that proves the mesh Delaunay
+    Fast,
+    /// Every level, and the canonical hash once more, by independent code
+    Full,
+}
+
+/// `ltbw check`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Check {
+    /// The mesh: .vtu .mesh .ele (with .node)
+    pub(crate) mesh: PathBuf,
+    /// Write the certificate as JSON (schema ltbw.cert/1), `-` for stdout
+    #[arg(long, value_name = "FILE|-")]
+    pub(crate) json: Option<PathBuf>,
+    /// The order of a tetrahedron's vertices means nothing (scipy and Qhull write such meshes)
+    #[arg(long)]
+    pub(crate) any_order: bool,
+}
+
+/// `ltbw convert`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Convert {
+    /// The file to read
+    #[arg(value_name = "IN")]
+    pub(crate) input: PathBuf,
+    /// The file to write
+    #[arg(value_name = "OUT")]
+    pub(crate) output: PathBuf,
+}
+
+/// `ltbw generate`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Generate {
+    /// What kind of point set
+    #[arg(value_parser = kinds())]
+    pub(crate) kind: PointKind,
+    /// About how many points (grids round up)
+    #[arg(value_name = "N", default_value_t = 1000)]
+    pub(crate) count: u32,
+    /// Another seed gives another set of the same kind
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Where to write the points: .npy .xyz .csv .node
+    #[arg(short, long = "output", value_name = "FILE")]
+    pub(crate) output: PathBuf,
+}
+
+fn kinds() -> impl TypedValueParser<Value = PointKind> {
+    let values =
+        PointKind::ALL.map(|k| clap::builder::PossibleValue::new(k.name()).help(k.about()));
+    PossibleValuesParser::new(values).try_map(|name| name.parse::<PointKind>())
+}
+
+/// `ltbw demo`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Demo {
+    /// Where to write the mesh
+    #[arg(long, value_name = "MESH", default_value = "demo.vtu")]
+    pub(crate) out: PathBuf,
+}
+
+/// Prints help where it was asked for, and what is wrong with the command line in one line.
+pub(crate) fn explain(error: &clap::Error) -> Exit {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            let _ = error.print();
+            Exit::Done
+        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            let _ = error.print();
+            Exit::Usage
+        }
+        _ => {
+            let text = error.to_string();
+            let first = text.split("\n\n").next().unwrap_or_default();
+            let words: Vec<&str> = first.split_whitespace().collect();
+            let line = words.join(" ");
+            let line = line.strip_prefix("error: ").unwrap_or(&line);
+            console::people(&format!("ltbw: {line}; see `ltbw --help`"));
+            Exit::Usage
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn long_help_of_every_command_has_the_exit_codes() {
+        let mut command = Args::command();
+        let help = command.render_long_help().to_string();
+        assert!(help.contains("Exit codes:") && help.contains("Examples:"));
+        for sub in command.get_subcommands_mut().filter(|s| s.get_name() != "help") {
+            assert!(sub.render_long_help().to_string().contains("Exit codes:"));
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! The glue to the checker: `check`, and the check of our own output.
+
+use crate::args::{Check, Depth};
+use crate::console;
+use crate::outcome::{Exit, Failure, show};
+use ltbw::{Point, TetMesh, io};
+use ltbw_verify as verify;
+use std::path::Path;
+use verify::{Level, Outcome, VertexOrder};
+
+/// Defects that people are shown; the certificate lists more.
+const SHOWN: usize = 10;
+
+/// `ltbw check`.
+pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
+    console::end_on_signal()?;
+    let file = io::read_mesh_file(&args.mesh).map_err(Failure::Read)?;
+    let name = show(&args.mesh);
+    file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
+    let TetMesh { points, tets, .. } = &file.mesh;
+    let order = if args.any_order { VertexOrder::Any } else { VertexOrder::Oriented };
+    let options = verify::Options { vertex_order: order, ..verify::Options::default() };
+    let report = verify::check(&verify::Mesh::new(points, tets), &options);
+    if let Some(path) = &args.json {
+        let text = report.certificate().to_json().map_err(|e| Failure::Other(e.to_string()))?;
+        write_json(path, &(text + "\n"))?;
+    }
+    let counts = &report.counts;
+    console::people(&format!(
+        "mesh      {name}: {} vertices, {} tetrahedra, {} hull faces",
+        counts.vertices, counts.tets, counts.hull_facets
+    ));
+    if counts.unused_points > 0 {
+        console::people(&format!("note: {} points are in no tetrahedron", counts.unused_points));
+    }
+    if report.mirrored {
+        console::people("note: all tetrahedra are negatively oriented, which was allowed for");
+    }
+    print_defects(&report, Some(args.any_order));
+    if report.passed() {
+        console::people(&format!("checked   {}", summary(&report)));
+        if let verify::Hash::Value(hash) = &report.hash
+            && !args.json.as_deref().is_some_and(is_stdout)
+        {
+            console::data(&format!("ltbw.mesh/1 {hash}\n"));
+        }
+        return Ok(Exit::Done);
+    }
+    console::people(&format!("ltbw: {name}: {}", verdict(&report)));
+    Ok(Exit::Defect)
+}
+
+/// What is wrong with a mesh, in a line.
+fn verdict(report: &verify::Report) -> String {
+    let counts: Vec<String> =
+        report.defect_counts.iter().map(|(kind, n)| format!("{n} {kind}")).collect();
+    let only_ties = report.defect_counts.keys().all(|k| k.level() == Level::Canonical);
+    let comment = match counts.is_empty() {
+        true => "nothing to check",
+        false if only_ties => " (a Delaunay mesh, but not the canonical one)",
+        false => "",
+    };
+    format!("defects: {}{comment}", counts.join(", "))
+}
+
+/// The levels that passed, and how much arithmetic had to be exact.
+fn summary(report: &verify::Report) -> String {
+    let passed = report.levels.iter().filter(|l| l.outcome == Outcome::Passed);
+    let names: Vec<&str> = passed.map(|l| l.level.name()).collect();
+    let (filter, exact) =
+        report.levels.iter().fold((0, 0), |(f, e), l| (f + l.filter, e + l.exact));
+    format!("{}: no defect ({filter} tests by filter, {exact} exactly)", names.join(", "))
+}
+
+/// Shows the first defects; `any_order` is how `check` was asked to read vertex orders.
+fn print_defects(report: &verify::Report, any_order: Option<bool>) {
+    report.defects.iter().take(SHOWN).for_each(|d| console::people(&format!("defect    {d}")));
+    let all: u64 = report.defect_counts.values().sum();
+    let more = all.saturating_sub(SHOWN as u64);
+    if more > 0 {
+        console::people(&format!("          and {more} more (--json lists them)"));
+    }
+    if any_order == Some(false) && report.counts.negative_tets > 0 && !report.mirrored {
+        console::people("note: if the order of vertices means nothing in this file: --any-order");
+    }
+}
+
+/// The result of checking our own output.
+pub(crate) struct Checked {
+    /// Nothing is wrong.
+    pub(crate) passed: bool,
+    /// The levels in words.
+    pub(crate) summary: String,
+    /// The certificate `ltbw.cert/1`.
+    pub(crate) certificate: Option<serde_json::Value>,
+}
+
+/// Checks our own mesh of all `points`, with its `hull`; `hash` is what the kernel computed.
+pub(crate) fn check_own(
+    points: &[Point],
+    tets: &[[u32; 4]],
+    hull: &[[u32; 3]],
+    hash: &str,
+    depth: Depth,
+) -> Option<Checked> {
+    let depth = match depth {
+        Depth::Off => return None,
+        Depth::Fast => verify::Depth::Fast,
+        Depth::Full => verify::Depth::Full,
+    };
+    let options = verify::Options { depth, all_points: true, ..verify::Options::default() };
+    let report = verify::check(&verify::Mesh::new(points, tets).with_hull(hull), &options);
+    // The checker's hash is computed by code that shares nothing with the kernel's.
+    let same_hash = match &report.hash {
+        verify::Hash::Value(other) => other == hash,
+        verify::Hash::Skipped => true,
+        _ => false,
+    };
+    if !same_hash {
+        console::people("defect    the checker computes another hash");
+    }
+    print_defects(&report, None);
+    Some(Checked {
+        passed: report.passed() && same_hash,
+        summary: summary(&report),
+        certificate: serde_json::to_value(report.certificate()).ok(),
+    })
+}
+
+/// Does this argument mean stdout?
+pub(crate) fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Writes JSON to a file, or to stdout for `-`.
+pub(crate) fn write_json(path: &Path, text: &str) -> Result<(), Failure> {
+    if is_stdout(path) {
+        console::data(text);
+        Ok(())
+    } else {
+        io::write_bytes(path, text.as_bytes()).map_err(Failure::Write)
+    }
+}

@@ -1,0 +1,98 @@
+//! What goes to stdout and to stderr, progress, and Ctrl-C.
+//!
+//! A closed stdout or stderr (`ltbw … | head`) is no error of ours: what cannot be printed is
+//! dropped, and the exit code tells how the work ended.
+
+use crate::outcome::{Exit, Failure};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use ltbw::{CancelToken, Observer};
+use std::io::{IsTerminal, Write};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Prints a line for people, to stderr.
+pub(crate) fn people(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Prints data, to stdout.
+pub(crate) fn data(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}
+
+/// A progress bar on stderr: only on a terminal, and only for work that takes over a second. It
+/// has no colours, whatever `NO_COLOR` says.
+#[derive(Debug)]
+pub(crate) struct Progress {
+    start: Instant,
+    terminal: bool,
+    bar: OnceLock<ProgressBar>,
+}
+
+impl Progress {
+    const PATIENCE: Duration = Duration::from_secs(1);
+
+    /// A bar that does not show yet.
+    pub(crate) fn new() -> Self {
+        let terminal = std::io::stderr().is_terminal();
+        Self { start: Instant::now(), terminal, bar: OnceLock::new() }
+    }
+}
+
+impl Observer for Progress {
+    fn progress(&self, done: u64, total: u64) {
+        if !self.terminal || self.start.elapsed() < Self::PATIENCE {
+            return;
+        }
+        let bar = self.bar.get_or_init(|| {
+            let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
+            if let Ok(style) = ProgressStyle::with_template(
+                "insert {bar:40} {human_pos} of {human_len} points, {eta} left",
+            ) {
+                bar.set_style(style);
+            }
+            bar
+        });
+        bar.set_position(done);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = self.bar.get() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// From now on the first Ctrl-C (or termination signal) cancels `token`, and the second ends the
+/// program at once. Output files are renamed into place only when complete, so that neither
+/// leaves a broken file under a final name.
+pub(crate) fn cancel_on_signal(token: &CancelToken) -> Result<(), Failure> {
+    let (token, before) = (token.clone(), AtomicBool::new(false));
+    on_signal(move || {
+        if before.swap(true, Ordering::Relaxed) {
+            end_now();
+        }
+        people("stopping; the mesh so far will be written (Ctrl-C again: end at once)");
+        token.cancel();
+    })
+}
+
+/// From now on Ctrl-C ends the program at once, with the exit code for it: for commands that have
+/// no partial result.
+pub(crate) fn end_on_signal() -> Result<(), Failure> {
+    on_signal(end_now)
+}
+
+fn on_signal(handler: impl FnMut() + Send + 'static) -> Result<(), Failure> {
+    ctrlc::set_handler(handler).map_err(|e| Failure::Other(format!("cannot catch Ctrl-C: {e}")))
+}
+
+#[expect(clippy::exit, reason = "runs on the signal thread, which cannot return from main")]
+fn end_now() {
+    people("ltbw: stopped");
+    std::process::exit(Exit::Stopped as i32);
+}

@@ -1,0 +1,77 @@
+//! Exit codes, and errors that print as one line.
+
+use ltbw::io::IoError;
+use ltbw::{BuildError, PointError};
+use std::path::{Path, PathBuf};
+
+/// How the program ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Exit {
+    /// Done and checked.
+    Done = 0,
+    /// `check` found a defect in the file that it was given.
+    Defect = 1,
+    /// The command line makes no sense.
+    Usage = 2,
+    /// The input was rejected.
+    Input = 3,
+    /// Cancelled; the mesh so far was written.
+    Stopped = 4,
+    /// The checker found a defect in our own output; nothing was written.
+    OwnDefect = 5,
+    /// An output could not be written; nothing is left under its name.
+    Output = 6,
+}
+
+/// Why a command failed. Prints as one line.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    /// The command line makes no sense.
+    #[error("{0}")]
+    Usage(String),
+    /// An input file could not be read.
+    #[error(transparent)]
+    Read(IoError),
+    /// The points are not a point set.
+    #[error("{}: {error}", show(path))]
+    Points {
+        /// The input file.
+        path: PathBuf,
+        /// What is wrong with them.
+        error: PointError,
+    },
+    /// The points have no mesh.
+    #[error("{}: {error}", show(path))]
+    Build {
+        /// The input file.
+        path: PathBuf,
+        /// Why.
+        error: BuildError,
+    },
+    /// An output file could not be written.
+    #[error(transparent)]
+    Write(IoError),
+    /// Something that must not happen, for example no memory for threads.
+    #[error("{0}")]
+    Other(String),
+}
+
+impl Failure {
+    /// The exit code of this failure.
+    pub(crate) fn exit(&self) -> Exit {
+        match self {
+            Failure::Usage(_) => Exit::Usage,
+            Failure::Write(IoError::UnknownFormat { .. } | IoError::WrongKind { .. }) => {
+                Exit::Usage
+            }
+            Failure::Write(_) | Failure::Other(_) => Exit::Output,
+            Failure::Build { error: BuildError::Cancelled, .. } => Exit::Stopped,
+            Failure::Read(_) | Failure::Points { .. } | Failure::Build { .. } => Exit::Input,
+        }
+    }
+}
+
+/// A path as it can stand inside a one-line message.
+pub(crate) fn show(path: &Path) -> String {
+    path.to_string_lossy().chars().map(|c| if c.is_control() { '?' } else { c }).collect()
+}

@@ -1,0 +1,113 @@
+//! The JSON report `ltbw.report/1`. A field that exists is never renamed in this version.
+
+use serde::Serialize;
+
+/// What a run did.
+#[derive(Debug, Serialize)]
+pub(crate) struct Report {
+    /// Name and version of the schema.
+    pub(crate) schema: &'static str,
+    /// The command, `delaunay` or `demo`.
+    pub(crate) command: &'static str,
+    /// The points.
+    pub(crate) input: Input,
+    /// The mesh.
+    pub(crate) mesh: MeshPart,
+    /// Exact predicates.
+    pub(crate) predicates: Predicates,
+    /// Wall time.
+    pub(crate) seconds: Seconds,
+    /// Threads for ordering, checking, hashing and output.
+    pub(crate) threads: usize,
+    /// The most memory that the process held, where the system tells.
+    pub(crate) peak_rss_bytes: Option<u64>,
+    /// `complete`, `cancelled` or `budget`.
+    pub(crate) outcome: &'static str,
+    /// The certificate `ltbw.cert/1`, if the mesh was checked.
+    pub(crate) certificate: Option<serde_json::Value>,
+    /// Mesh files written.
+    pub(crate) outputs: Vec<String>,
+}
+
+impl Report {
+    pub(crate) const SCHEMA: &'static str = "ltbw.report/1";
+
+    /// The report as JSON text.
+    pub(crate) fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(self).map(|text| text + "\n")
+    }
+}
+
+/// The points of a run.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct Input {
+    /// Points in the file.
+    pub(crate) points: usize,
+    /// Of these, distinct ones that were meshed.
+    pub(crate) distinct: usize,
+    /// Points that lie where an earlier one does.
+    pub(crate) duplicates: usize,
+    /// For each duplicate its index and that of the point kept in its place.
+    pub(crate) duplicate_of: Vec<(u32, u32)>,
+}
+
+/// The mesh of a run.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct MeshPart {
+    /// Vertices.
+    pub(crate) vertices: usize,
+    /// Tetrahedra.
+    pub(crate) tets: usize,
+    /// Triangles of the hull.
+    pub(crate) hull_faces: usize,
+    /// Canonical hash `ltbw.mesh/1`.
+    pub(crate) hash: Option<String>,
+}
+
+/// How predicates were decided.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct Predicates {
+    pub(crate) orient3d: Orient3d,
+    pub(crate) insphere: Insphere,
+}
+
+/// Calls of `orient3d`.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct Orient3d {
+    /// All calls.
+    pub(crate) calls: u64,
+    /// Calls that no filter decided.
+    pub(crate) exact: u64,
+}
+
+/// Calls of `insphere`.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct Insphere {
+    /// All calls.
+    pub(crate) calls: u64,
+    /// Calls that no filter decided.
+    pub(crate) exact: u64,
+    /// Calls that were exactly zero: ties, decided by the symbolic perturbation.
+    pub(crate) perturbed: u64,
+}
+
+/// Wall time in seconds; 0 for what was not done.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct Seconds {
+    pub(crate) read: f64,
+    pub(crate) order: f64,
+    pub(crate) insert: f64,
+    pub(crate) refine: f64,
+    pub(crate) check: f64,
+    pub(crate) hash: f64,
+    pub(crate) write: f64,
+    pub(crate) total: f64,
+}
+
+/// The most memory that this process held so far, in bytes, where the system tells.
+pub(crate) fn peak_rss_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    kibibytes.checked_mul(1024)
+}

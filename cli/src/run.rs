@@ -1,0 +1,232 @@
+//! `delaunay`: read, order, insert, hash, check, write, report.
+
+use crate::args::{Delaunay, Depth};
+use crate::check::{check_own, is_stdout, write_json};
+use crate::console::{self, Progress};
+use crate::outcome::{Exit, Failure, show};
+use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
+use ltbw::io::{self, PointFile};
+use ltbw::{BuildError, Builder, Built, CancelToken, Outcome, PointSet, TetMesh};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// What to do with a point set.
+pub(crate) struct Job<'a> {
+    /// `delaunay` or `demo`.
+    pub(crate) command: &'static str,
+    /// What the points are called in messages.
+    pub(crate) name: &'a Path,
+    /// Mesh files to write.
+    pub(crate) outputs: &'a [PathBuf],
+    /// Where the report goes.
+    pub(crate) json: Option<&'a Path>,
+    /// How deep to check.
+    pub(crate) check: Depth,
+    /// Cancels the build.
+    pub(crate) cancel: &'a CancelToken,
+    /// When the program started.
+    pub(crate) start: Instant,
+    /// Seconds it took to read the points.
+    pub(crate) read_seconds: f64,
+}
+
+/// `ltbw delaunay`.
+pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
+    let start = Instant::now();
+    set_threads(args.threads)?;
+    check_outputs(&args.output)?;
+    let cancel = CancelToken::new();
+    console::cancel_on_signal(&cancel)?;
+    let file = io::read_points(&args.points).map_err(Failure::Read)?;
+    let job = Job {
+        command: "delaunay",
+        name: &args.points,
+        outputs: &args.output,
+        json: args.json.as_deref(),
+        check: args.check,
+        cancel: &cancel,
+        start,
+        read_seconds: start.elapsed().as_secs_f64(),
+    };
+    mesh_points(file, &job)
+}
+
+/// Sets the number of threads of rayon's global pool.
+fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
+    let Some(threads) = threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(threads))
+        .build_global()
+        .map_err(|e| Failure::Other(format!("cannot start {threads} threads: {e}")))
+}
+
+/// Finds outputs that cannot be written before the work starts.
+pub(crate) fn check_outputs(outputs: &[PathBuf]) -> Result<(), Failure> {
+    outputs.iter().try_for_each(|path| io::check_mesh_writable(path)).map_err(Failure::Write)
+}
+
+/// Meshes points: builds, hashes, checks, writes and reports.
+pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
+    let name = show(job.name);
+    file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
+    let point_tags = file.point_tags;
+    let count = file.points.len();
+    let set = PointSet::new(file.points)
+        .map_err(|error| Failure::Points { path: job.name.to_owned(), error })?;
+    let built = match build(&set, job) {
+        Ok(built) => built,
+        Err(BuildError::Cancelled) => {
+            let input = Input { points: count, ..Input::default() };
+            let mut report = empty_report(job, input, "cancelled");
+            finish(&mut report, job)?;
+            console::people("ltbw: stopped before the first tetrahedron; no mesh was written");
+            return Ok(Exit::Stopped);
+        }
+        Err(error) => return Err(Failure::Build { path: job.name.to_owned(), error }),
+    };
+    let mut report = report_of(&built, count, job);
+    let Built { mesh, mut outcome, .. } = built;
+    print_mesh(&name, &report);
+
+    let clock = Instant::now();
+    let hash = mesh.hash().map_err(|e| Failure::Other(e.to_string()))?.to_string();
+    report.seconds.hash = clock.elapsed().as_secs_f64();
+    report.mesh.hash = Some(hash.clone());
+    // The input's own coordinates, under the input's numbers.
+    let tets: Vec<[u32; 4]> = mesh.tets().collect();
+    let hull: Vec<[u32; 3]> = mesh.hull_facets().collect();
+    drop(mesh);
+
+    if outcome == Outcome::Complete && !job.cancel.is_cancelled() {
+        let clock = Instant::now();
+        let checked = check_own(set.points(), &tets, &hull, &hash, job.check);
+        report.seconds.check = clock.elapsed().as_secs_f64();
+        if let Some(checked) = checked {
+            report.certificate = checked.certificate;
+            if !checked.passed {
+                finish(&mut report, job)?;
+                console::people("ltbw: defect in our own output; no mesh was written");
+                return Ok(Exit::OwnDefect);
+            }
+            console::people(&format!("checked   {}", checked.summary));
+        }
+    }
+    if outcome == Outcome::Complete && job.cancel.is_cancelled() {
+        // Asked to stop after the last insertion.
+        outcome = Outcome::Cancelled;
+    }
+    report.outcome = match outcome {
+        Outcome::Complete => "complete",
+        Outcome::Cancelled => "cancelled",
+        Outcome::Budget => "budget",
+    };
+    let mesh = TetMesh { points: set.points().to_vec(), tets, point_tags, tet_tags: None };
+    write_outputs(&mesh, &mut report, job)?;
+    finish(&mut report, job)?;
+    if outcome == Outcome::Complete {
+        return Ok(Exit::Done);
+    }
+    console::people(&format!(
+        "ltbw: {}: {} of {count} points meshed; the mesh is valid but was not checked",
+        report.outcome, report.mesh.vertices
+    ));
+    Ok(Exit::Stopped)
+}
+
+fn build(set: &PointSet, job: &Job<'_>) -> Result<Built, BuildError> {
+    let progress = Progress::new();
+    Builder::new().observer(&progress).cancel(job.cancel).build(set)
+}
+
+/// The report of a build, without what comes after it.
+fn report_of(built: &Built, points: usize, job: &Job<'_>) -> Report {
+    let Built { mesh, stats, duplicates, .. } = built;
+    let input = Input {
+        points,
+        distinct: mesh.num_vertices(),
+        duplicates: duplicates.len(),
+        duplicate_of: duplicates.clone(),
+    };
+    let mut report = empty_report(job, input, "complete");
+    report.seconds.order = stats.order_seconds;
+    report.seconds.insert = stats.insert_seconds;
+    let p = &stats.predicates;
+    report.predicates = Predicates {
+        orient3d: Orient3d { calls: p.orient3d_calls, exact: p.orient3d_exact },
+        insphere: Insphere {
+            calls: p.insphere_calls,
+            exact: p.insphere_exact,
+            perturbed: p.insphere_perturbed,
+        },
+    };
+    report.mesh = MeshPart {
+        vertices: mesh.num_vertices(),
+        tets: mesh.num_tets(),
+        hull_faces: mesh.num_hull_faces(),
+        hash: None,
+    };
+    report
+}
+
+fn print_mesh(name: &str, report: &Report) {
+    let Input { points, duplicates, .. } = &report.input;
+    let doubles = match duplicates {
+        0 => String::new(),
+        n => format!(", {n} of them duplicates of others"),
+    };
+    console::people(&format!("points    {points} in {name}{doubles}"));
+    let MeshPart { vertices, tets, hull_faces, .. } = &report.mesh;
+    console::people(&format!(
+        "mesh      {vertices} vertices, {tets} tetrahedra, {hull_faces} hull faces"
+    ));
+}
+
+fn write_outputs(mesh: &TetMesh, report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
+    let clock = Instant::now();
+    for path in job.outputs {
+        io::write_mesh(path, mesh).map_err(Failure::Write)?;
+        report.outputs.push(path.to_string_lossy().into_owned());
+        console::people(&format!("wrote     {}", show(path)));
+    }
+    report.seconds.write = clock.elapsed().as_secs_f64();
+    Ok(())
+}
+
+fn empty_report(job: &Job<'_>, input: Input, outcome: &'static str) -> Report {
+    Report {
+        schema: Report::SCHEMA,
+        command: job.command,
+        input,
+        mesh: MeshPart::default(),
+        predicates: Predicates::default(),
+        seconds: Seconds { read: job.read_seconds, ..Seconds::default() },
+        threads: rayon::current_num_threads(),
+        peak_rss_bytes: None,
+        outcome,
+        certificate: None,
+        outputs: Vec::new(),
+    }
+}
+
+/// Tells how long it took, prints the hash and writes the report.
+fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
+    report.peak_rss_bytes = crate::report::peak_rss_bytes();
+    report.seconds.total = job.start.elapsed().as_secs_f64();
+    let s = &report.seconds;
+    console::people(&format!(
+        "seconds   {:.2}: read {:.2}, order {:.2}, insert {:.2}, hash {:.2}, check {:.2}, \
+         write {:.2}",
+        s.total, s.read, s.order, s.insert, s.hash, s.check, s.write
+    ));
+    if let Some(path) = job.json {
+        let text = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
+        write_json(path, &text)?;
+    }
+    match &report.mesh.hash {
+        Some(hash) if !job.json.is_some_and(is_stdout) => {
+            console::data(&format!("ltbw.mesh/1 {hash}\n"));
+        }
+        _ => {}
+    }
+    Ok(())
+}

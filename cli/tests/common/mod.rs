@@ -1,0 +1,56 @@
+//! Running the program in a folder of its own.
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+/// A run of the program that has ended.
+pub(crate) struct Run {
+    /// The exit code.
+    pub(crate) code: i32,
+    /// What it wrote to stdout.
+    pub(crate) stdout: String,
+    /// What it wrote to stderr.
+    pub(crate) stderr: String,
+}
+
+impl Run {
+    /// What has ended.
+    pub(crate) fn of(output: Output) -> Self {
+        Self {
+            code: output.status.code().expect("the program was not killed"),
+            stdout: String::from_utf8(output.stdout).unwrap(),
+            stderr: String::from_utf8(output.stderr).unwrap(),
+        }
+    }
+
+    /// The line of stderr that tells the error, without `ltbw: `; the last line, and the only
+    /// one of its kind.
+    pub(crate) fn error(&self) -> &str {
+        let errors = self.stderr.lines().filter(|l| l.starts_with("ltbw: ")).count();
+        assert_eq!(errors, 1, "{}", self.stderr);
+        let last = self.stderr.lines().last().unwrap();
+        last.strip_prefix("ltbw: ").unwrap_or_else(|| panic!("{}", self.stderr))
+    }
+}
+
+/// The program, to be run in `dir`.
+pub(crate) fn program(dir: &Path, args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ltbw"));
+    command.args(args).current_dir(dir).stdin(Stdio::null());
+    command
+}
+
+/// Runs the program in `dir`.
+pub(crate) fn ltbw(dir: &Path, args: &[&str]) -> Run {
+    Run::of(program(dir, args).output().unwrap())
+}
+
+/// The files in a folder.
+pub(crate) fn names(dir: &Path) -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(dir)
+        .unwrap()
+        .map(|e| e.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}

@@ -1,0 +1,179 @@
+//! What the program does not do: bad input, bad usage, outputs that cannot be written.
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod common;
+
+use common::{Run, ltbw, names, program};
+use std::path::Path;
+
+/// Runs `delaunay` on a file with this content, with an output that must not appear.
+fn reject(name: &str, content: &[u8]) -> String {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join(name), content).unwrap();
+    let run = ltbw(dir.path(), &["delaunay", name, "-o", "out.vtu"]);
+    assert_eq!(run.code, 3, "{}", run.stderr);
+    assert_eq!(run.stdout, "");
+    assert_eq!(names(dir.path()), [name]);
+    run.error().to_owned()
+}
+
+#[test]
+fn points_that_are_no_points() {
+    assert_eq!(reject("a.xyz", b"0 0 0\n1 nan 0\n"), "a.xyz: line 2: `nan` is not a finite number");
+    assert_eq!(
+        reject("a.csv", b"0,0,0\n1,2,-inf\n"),
+        "a.csv: line 2: `-inf` is not a finite number"
+    );
+    assert_eq!(reject("a.xyz", b"0 0 0\n1 2\n"), "a.xyz: line 2: expected 3 values, found 2");
+    assert_eq!(
+        reject("a.node", b"5 3 0 0\n1 0 0 0\n"),
+        "a.node: line 3: the file announces 5 points, but ends after 1"
+    );
+    assert_eq!(reject("a.npy", b"garbage"), "a.npy: header: not a NumPy file");
+    assert_eq!(reject("a.xyz", b"\x00\x01garbage\n"), "a.xyz: line 1: `??garbage` is not a number");
+    assert!(reject("a.txt", b"0 0 0\n").starts_with("a.txt: unknown extension"));
+    assert!(reject("points", b"0 0 0\n").starts_with("points: unknown extension"));
+    assert_eq!(
+        reject("a.vtu", b"<VTKFile/>"),
+        "a.vtu: this format holds a mesh, but points are wanted"
+    );
+}
+
+#[test]
+fn points_without_a_mesh_name_the_dimension() {
+    let lines = |n: usize, f: &dyn Fn(usize) -> String| -> Vec<u8> {
+        (0..n).map(f).collect::<Vec<_>>().join("\n").into_bytes()
+    };
+    for (count, distinct) in [(0, 0), (1, 1), (3, 3), (6, 3)] {
+        let error = reject("a.xyz", &lines(count, &|i| format!("{} 0 {}", i % 3, i % 3 * i % 3)));
+        assert!(error.contains(&format!("{distinct} distinct point")), "{error}");
+        assert!(error.contains("dimension"), "{error}");
+    }
+    let error = reject("a.xyz", &lines(9, &|i| format!("{i} {} 1", 2 * i)));
+    assert!(error.contains("one line (dimension 1"), "{error}");
+    let error = reject("a.xyz", &lines(9, &|i| format!("{i} {} 1", i * i)));
+    assert!(error.contains("one plane (dimension 2"), "{error}");
+    // The same zero twice is one point.
+    let error = reject("a.xyz", b"0 0 0\n-0 0 0\n1 0 0\n0 1 0\n");
+    assert!(error.contains("3 distinct point"), "{error}");
+}
+
+#[test]
+fn missing_files_and_folders() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = ltbw(dir.path(), &["delaunay", "no.xyz"]);
+    assert_eq!(
+        (run.code, run.error()),
+        (3, "no.xyz: cannot read: No such file or directory (os error 2)")
+    );
+    std::fs::create_dir(dir.path().join("dir.xyz")).unwrap();
+    let run = ltbw(dir.path(), &["delaunay", "dir.xyz"]);
+    assert_eq!((run.code, run.error()), (3, "dir.xyz: cannot read: not a regular file"));
+    for command in ["check", "convert"] {
+        let args = [command, "no.vtu", "a.xyz"];
+        let run = ltbw(dir.path(), &args[..if command == "check" { 2 } else { 3 }]);
+        assert_eq!(run.code, 3);
+        assert!(run.error().starts_with("no.vtu: cannot read: "), "{}", run.stderr);
+    }
+    assert_eq!(names(dir.path()), ["dir.xyz"]);
+}
+
+#[test]
+fn outputs_that_cannot_be_written() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::create_dir(dir.path().join("dir.vtu")).unwrap();
+    let made = ltbw(dir.path(), &["generate", "uniform", "100", "-o", "a.npy"]);
+    assert_eq!(made.code, 0);
+    for output in ["dir.vtu", "no/a.vtu", "a.npy/b.vtu"] {
+        let run = ltbw(dir.path(), &["delaunay", "a.npy", "-o", output]);
+        assert_eq!(run.code, 6, "{}", run.stderr);
+        assert!(run.error().starts_with(&format!("{output}: cannot write: ")), "{}", run.stderr);
+    }
+    let run = ltbw(dir.path(), &["delaunay", "a.npy", "--json", "no/report.json"]);
+    assert_eq!(run.code, 6, "{}", run.stderr);
+    let run = ltbw(dir.path(), &["convert", "a.npy", "no/a.xyz"]);
+    assert_eq!(run.code, 6, "{}", run.stderr);
+    let run = ltbw(dir.path(), &["generate", "grid", "8", "-o", "no/a.xyz"]);
+    assert_eq!(run.code, 6, "{}", run.stderr);
+    assert_eq!(names(dir.path()), ["a.npy", "dir.vtu"]);
+}
+
+/// A limit on the size of files stands in for a full disk: writing fails in the middle.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_the_old_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let made = ltbw(dir.path(), &["generate", "uniform", "2000", "-o", "a.npy"]);
+    assert_eq!(made.code, 0);
+    std::fs::write(dir.path().join("a.xyz"), "old").unwrap();
+    for args in ["delaunay a.npy -o a.vtu", "convert a.npy a.xyz", "generate uniform 9000 -o b.npy"]
+    {
+        // 8 blocks of 512 or 1024 bytes; with the signal ignored, writing fails with an error.
+        let script = format!("trap '' XFSZ; ulimit -f 8; exec \"$0\" {args}");
+        let output = std::process::Command::new("sh")
+            .args(["-c", &script, env!("CARGO_BIN_EXE_ltbw")])
+            .current_dir(dir.path())
+            .output()
+            .unwrap();
+        let run = Run::of(output);
+        assert_eq!(run.code, 6, "{args}: {}", run.stderr);
+        assert!(run.error().contains(": cannot write: "), "{}", run.stderr);
+        assert_eq!(names(dir.path()), ["a.npy", "a.xyz"]);
+    }
+    assert_eq!(std::fs::read(dir.path().join("a.xyz")).unwrap(), b"old");
+}
+
+#[test]
+fn bad_usage_is_one_line_and_exit_2() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("a.xyz"), "0 0 0\n").unwrap();
+    let cases: [(&[&str], &str); 9] = [
+        (&["delaunay"], "the following required arguments were not provided: <POINTS>"),
+        (&["delaunay", "a.xyz", "--frobnicate"], "unexpected argument '--frobnicate'"),
+        (&["delaunay", "a.xyz", "--threads", "0"], "invalid value '0'"),
+        (&["delaunay", "a.xyz", "--check", "slow"], "invalid value 'slow'"),
+        (&["delaunay", "a.xyz", "-o", "a.npy"], "a.npy: this format holds points"),
+        (&["delaunay", "a.xyz", "-o", "mesh.foo"], "mesh.foo: unknown extension"),
+        (&["generate", "chaos", "-o", "b.xyz"], "invalid value 'chaos'"),
+        (&["generate", "grid", "-o", "b.vtu"], "b.vtu: this format holds a mesh"),
+        (&["convert", "a.xyz", "b.vtu"], "a.xyz: points are no mesh"),
+    ];
+    for (args, start) in cases {
+        let run = ltbw(dir.path(), args);
+        assert_eq!(run.code, 2, "{args:?}: {}", run.stderr);
+        assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+        assert!(run.error().starts_with(start), "{args:?}: {}", run.stderr);
+        assert_eq!(run.stdout, "");
+    }
+    let bare = ltbw(dir.path(), &[]);
+    assert_eq!(bare.code, 2);
+    assert!(bare.stderr.contains("Usage: ltbw <COMMAND>"), "{}", bare.stderr);
+    assert_eq!(names(dir.path()), ["a.xyz"]);
+}
+
+#[test]
+fn help_teaches() {
+    let dir = tempfile::tempdir().unwrap();
+    for command in ["", "delaunay", "check", "convert", "generate", "demo"] {
+        let args: Vec<&str> = [command, "--help"].into_iter().filter(|a| !a.is_empty()).collect();
+        let run = ltbw(dir.path(), &args);
+        assert_eq!(run.code, 0);
+        assert!(run.stdout.contains("Exit codes:"), "{command}: {}", run.stdout);
+        assert!(run.stdout.lines().all(|l| l.chars().count() <= 100), "{}", run.stdout);
+    }
+}
+
+/// `ltbw … | head -0`: a closed pipe is nobody's error.
+#[cfg(unix)]
+#[test]
+fn a_closed_pipe_is_quiet() {
+    let dir = tempfile::tempdir().unwrap();
+    assert_eq!(ltbw(dir.path(), &["generate", "uniform", "9", "-o", "a.xyz"]).code, 0);
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let mut command = program(Path::new(dir.path()), &["delaunay", "a.xyz", "--json", "-"]);
+    let run =
+        Run::of(command.stdout(writer).stderr(std::process::Stdio::piped()).output().unwrap());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(!run.stderr.contains("panic"), "{}", run.stderr);
+}

@@ -1,0 +1,204 @@
+//! What the program does: mesh, check, convert, generate, demo, and stop on Ctrl-C.
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod common;
+
+use common::{Run, ltbw, names, program};
+use serde_json::Value;
+use std::path::Path;
+use std::process::Stdio;
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"))
+}
+
+/// The hash that a run printed to stdout.
+fn hash(run: &Run) -> &str {
+    let hash = run.stdout.trim_end().strip_prefix("ltbw.mesh/1 ").expect(&run.stdout);
+    assert!(hash.len() == 64 && hash.bytes().all(|b| b.is_ascii_hexdigit()), "{hash}");
+    hash
+}
+
+/// Two unit cubes on top of each other with duplicates, one of them a negative zero.
+fn cubes(dir: &Path) {
+    let mut text = String::new();
+    for i in 0..12 {
+        text += &format!("{} {} {}\n", i & 1, i >> 1 & 1, i >> 2);
+    }
+    text += "1 1 1\n-0 0 0\n";
+    std::fs::write(dir.join("cubes.xyz"), text).unwrap();
+}
+
+#[test]
+fn the_report_has_its_fields() {
+    let dir = tempfile::tempdir().unwrap();
+    cubes(dir.path());
+    let args = ["delaunay", "cubes.xyz", "-o", "a.vtu", "--check", "full", "--threads", "2"];
+    let run = ltbw(dir.path(), &[&args[..], &["--json", "-"]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let report = json(&run.stdout);
+    assert_eq!(report["schema"], "ltbw.report/1");
+    assert_eq!(report["command"], "delaunay");
+    assert_eq!(report["outcome"], "complete");
+    assert_eq!(report["input"]["points"], 14);
+    assert_eq!(report["input"]["distinct"], 12);
+    assert_eq!(report["input"]["duplicates"], 2);
+    assert_eq!(report["input"]["duplicate_of"], json("[[12, 7], [13, 0]]"));
+    assert_eq!(report["mesh"]["vertices"], 12);
+    assert_eq!(report["mesh"]["hull_faces"], 20);
+    assert!(report["mesh"]["tets"].as_u64().unwrap() >= 10);
+    assert_eq!(report["mesh"]["hash"].as_str().unwrap().len(), 64);
+    for field in ["calls", "exact"] {
+        assert!(report["predicates"]["orient3d"][field].is_u64(), "{field}");
+    }
+    for field in ["calls", "exact", "perturbed"] {
+        assert!(report["predicates"]["insphere"][field].is_u64(), "{field}");
+    }
+    assert!(report["predicates"]["insphere"]["perturbed"].as_u64().unwrap() > 0);
+    for field in ["read", "order", "insert", "refine", "check", "hash", "write", "total"] {
+        assert!(report["seconds"][field].is_f64(), "{field}");
+    }
+    assert_eq!(report["threads"], 2);
+    if cfg!(target_os = "linux") {
+        assert!(report["peak_rss_bytes"].as_u64().unwrap() > 1 << 20);
+    }
+    assert_eq!(report["certificate"]["schema"], "ltbw.cert/1");
+    assert_eq!(report["outputs"], json("[\"a.vtu\"]"));
+
+    let run = ltbw(dir.path(), &["delaunay", "cubes.xyz", "--check", "off", "--json", "r.json"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let other = json(&std::fs::read_to_string(dir.path().join("r.json")).unwrap());
+    assert_eq!(other["mesh"]["hash"], report["mesh"]["hash"]);
+    assert_eq!(other["mesh"]["hash"], hash(&run));
+    assert_eq!(other["certificate"], Value::Null);
+}
+
+#[test]
+fn one_mesh_whatever_the_formats_and_threads() {
+    let dir = tempfile::tempdir().unwrap();
+    let made = ltbw(dir.path(), &["generate", "clusters", "3000", "--seed", "5", "-o", "p.npy"]);
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    let first = ltbw(
+        dir.path(),
+        &["delaunay", "p.npy", "-o", "m.vtu", "-o", "m.mesh", "-o", "m.ele", "--check", "full"],
+    );
+    assert_eq!(first.code, 0, "{}", first.stderr);
+    for extension in ["xyz", "csv", "node"] {
+        let name = format!("q.{extension}");
+        assert_eq!(ltbw(dir.path(), &["convert", "p.npy", &name]).code, 0);
+        let run = ltbw(dir.path(), &["delaunay", &name, "--threads", "1"]);
+        assert_eq!(hash(&run), hash(&first), "{name}");
+    }
+    assert_eq!(ltbw(dir.path(), &["convert", "m.vtu", "n.ele"]).code, 0);
+    for name in ["m.vtu", "m.mesh", "m.ele", "m.node", "n.ele"] {
+        let run = ltbw(dir.path(), &["check", name]);
+        assert_eq!(run.code, 0, "{name}: {}", run.stderr);
+        assert_eq!(hash(&run), hash(&first), "{name}");
+    }
+    let run = ltbw(dir.path(), &["convert", "m.mesh", "back.npy"]);
+    assert!(run.stderr.contains("tetrahedra are not kept"), "{}", run.stderr);
+    let bytes = |name: &str| std::fs::read(dir.path().join(name)).unwrap();
+    assert_eq!(bytes("back.npy"), bytes("p.npy"));
+}
+
+#[test]
+fn check_finds_what_is_wrong() {
+    let dir = tempfile::tempdir().unwrap();
+    // The far corner of the cube lies inside the sphere of the other four points.
+    let node = "5 3\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n4 .4 .4 .4\n";
+    std::fs::write(dir.path().join("a.node"), node).unwrap();
+    std::fs::write(dir.path().join("a.ele"), "2 4\n0 0 1 2 3\n1 1 2 3 4\n").unwrap();
+    let run = ltbw(dir.path(), &["check", "a.ele", "--json", "-"]);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(run.error().starts_with("a.ele: defects: "), "{}", run.stderr);
+    let certificate = json(&run.stdout);
+    assert_eq!(certificate["schema"], "ltbw.cert/1");
+    assert_eq!(certificate["passed"], false);
+    assert!(!certificate["defects"].as_array().unwrap().is_empty());
+    std::fs::write(dir.path().join("a.ele"), "1 4\n0 0 1 2 9\n").unwrap();
+    let run = ltbw(dir.path(), &["check", "a.ele"]);
+    assert_eq!(run.code, 3);
+    assert_eq!(
+        run.error(),
+        "a.ele: line 2: tetrahedron 0 names point 9, but points are numbered 0 to 4"
+    );
+    let run = ltbw(dir.path(), &["check", "a.npy"]);
+    assert_eq!(
+        (run.code, run.error()),
+        (3, "a.npy: this format holds points, but a mesh is wanted")
+    );
+}
+
+#[test]
+fn tags_survive_or_a_note_says_not() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("a.csv"), "x,y,z,tag\n0,0,0,5\n1,0,0,6\n0,1,0,7\n0,0,1,-8\n")
+        .unwrap();
+    let run = ltbw(dir.path(), &["delaunay", "a.csv", "-o", "a.mesh"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert_eq!(ltbw(dir.path(), &["convert", "a.mesh", "b.csv"]).code, 0);
+    let text = |name: &str| std::fs::read_to_string(dir.path().join(name)).unwrap();
+    assert_eq!(text("b.csv"), text("a.csv"));
+    let run = ltbw(dir.path(), &["convert", "a.csv", "c.xyz"]);
+    assert!(run.stderr.contains("note: c.xyz: tags are not kept"), "{}", run.stderr);
+}
+
+#[test]
+fn generate_is_the_same_everywhere() {
+    let dir = tempfile::tempdir().unwrap();
+    assert_eq!(
+        ltbw(dir.path(), &["generate", "uniform", "2", "--seed", "1", "-o", "a.xyz"]).code,
+        0
+    );
+    assert_eq!(
+        std::fs::read_to_string(dir.path().join("a.xyz")).unwrap(),
+        "0.5665615751722809 0.7457817572627011 0.9710027535867962\n\
+         0.4443592170557721 0.44426470082635805 0.762894391911761\n"
+    );
+}
+
+#[test]
+fn the_demo_checks_and_writes() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = ltbw(dir.path(), &["demo"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    for word in ["100000", "tetrahedra", "canonical: no defect", "seconds", "ParaView"] {
+        assert!(run.stderr.contains(word), "{word}: {}", run.stderr);
+    }
+    assert_eq!(names(dir.path()), ["demo.vtu"]);
+    let check = ltbw(dir.path(), &["check", "demo.vtu"]);
+    assert_eq!(check.code, 0, "{}", check.stderr);
+    assert_eq!(hash(&check), hash(&run));
+}
+
+/// Ctrl-C ends a long build with exit 4 and a file that is whole, or none.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_stops_with_a_valid_partial_mesh() {
+    let dir = tempfile::tempdir().unwrap();
+    let args = ["generate", "uniform", "3000000", "-o", "big.npy"];
+    assert_eq!(ltbw(dir.path(), &args).code, 0);
+    let child = program(dir.path(), &["delaunay", "big.npy", "-o", "a.vtu", "--json", "r.json"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Long enough to be inserting, far too short to be done.
+    std::thread::sleep(std::time::Duration::from_millis(2000));
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.unwrap().success());
+    let run = Run::of(child.wait_with_output().unwrap());
+    assert_eq!(run.code, 4, "{}", run.stderr);
+    let report = json(&std::fs::read_to_string(dir.path().join("r.json")).unwrap());
+    assert_eq!(report["outcome"], "cancelled");
+    let meshed = report["mesh"]["vertices"].as_u64().unwrap();
+    assert!(meshed < 3_000_000, "{meshed}");
+    if meshed > 0 {
+        let check = ltbw(dir.path(), &["check", "a.vtu"]);
+        assert_eq!(check.code, 0, "{}", check.stderr);
+        assert_eq!(hash(&check), report["mesh"]["hash"]);
+        assert_eq!(names(dir.path()), ["a.vtu", "big.npy", "r.json"]);
+    } else {
+        assert_eq!(names(dir.path()), ["big.npy", "r.json"]);
+    }
+}
