@@ -186,9 +186,9 @@ impl<'a> Builder<'a> {
         let corners = first_tet(&points, &mut order)?;
         let (low, high) = bounding_box(&points);
         let wide = set.mode() == Mode::Wide;
-        let geometry = Geometry::new(low, high, wide, points.len());
         // Uniform points have 6.77 tetrahedra each. Pages that stay unused cost nothing.
         let tets = (7 * points.len() + 64).min(MAX_TETS);
+        let geometry = Geometry::new(low, high, wide, points.len(), tets);
         let mut mesh = Mesh::start(geometry, set.mode(), corners, tets);
         mesh.next_number = set.len() as Vertex;
         let outcome = self.insert_all(&mut mesh, &points, &order)?;
@@ -216,10 +216,11 @@ impl<'a> Builder<'a> {
         order: &[u32],
     ) -> Result<Outcome, BuildError> {
         let total = order.len() as u64;
-        for (k, &i) in order.iter().enumerate().skip(4) {
-            if k % CHECK_EVERY == 0 {
+        let mut batch = Vec::with_capacity(CHECK_EVERY);
+        for (start, numbers) in (0..).step_by(CHECK_EVERY).zip(order.chunks(CHECK_EVERY)) {
+            if start > 0 {
                 if let Some(observer) = self.observer {
-                    observer.progress(k as u64, total);
+                    observer.progress(start, total);
                 }
                 if self.is_cancelled() {
                     return Ok(Outcome::Cancelled);
@@ -228,26 +229,40 @@ impl<'a> Builder<'a> {
                     return Ok(Outcome::Budget);
                 }
             }
-            if self.budget.max_points.is_some_and(|most| k as u64 >= most) {
-                return Ok(Outcome::Budget);
-            }
-            match mesh.place(points[i as usize], i, &mut Open) {
-                Ok(Placed::New) => {}
-                Ok(Placed::At(v)) => {
-                    let kept = &mut mesh.numbers[v as usize];
-                    let duplicate = i.max(*kept);
-                    *kept = i.min(*kept);
-                    mesh.duplicates.push((duplicate, v));
+            // Points lie anywhere in memory: fetched together, their cache misses overlap.
+            batch.clear();
+            batch.extend(numbers.iter().map(|&i| points[i as usize]));
+            for ((k, &i), &p) in (start..).zip(numbers).zip(&batch) {
+                if k < 4 {
+                    continue;
                 }
-                Err(Setback::Full | Setback::Refused(_)) => {
-                    return Err(BuildError::TooManyTets { limit: MAX_TETS });
+                if self.budget.max_points.is_some_and(|most| k >= most) {
+                    return Ok(Outcome::Budget);
                 }
+                self.insert_next(mesh, i, p)?;
             }
         }
         if let Some(observer) = self.observer {
             observer.progress(total, total);
         }
         Ok(Outcome::Complete)
+    }
+
+    #[inline(always)]
+    fn insert_next(&self, mesh: &mut Mesh, number: u32, p: Point) -> Result<(), BuildError> {
+        match mesh.place(p, number, &mut Open) {
+            Ok(Placed::New) => Ok(()),
+            Ok(Placed::At(v)) => {
+                let kept = &mut mesh.numbers[v as usize];
+                let duplicate = number.max(*kept);
+                *kept = number.min(*kept);
+                mesh.duplicates.push((duplicate, v));
+                Ok(())
+            }
+            Err(Setback::Full | Setback::Refused(_)) => {
+                Err(BuildError::TooManyTets { limit: MAX_TETS })
+            }
+        }
     }
 
     fn is_cancelled(&self) -> bool {

@@ -91,25 +91,25 @@ struct Buffer<T> {
 }
 
 impl<T: Copy + Default> Buffer<T> {
-    /// Makes room for four entries.
+    /// Appends those of `entries` whose bit is set in `mask`.
     #[inline(always)]
-    fn make_room(&mut self) {
+    fn push_some(&mut self, entries: [T; 4], mask: u32) {
         if self.data.len() < self.len + 4 {
             self.grow();
         }
+        let room = &mut self.data[self.len..self.len + 4];
+        let mut count = 0;
+        for (slot, entry) in entries.into_iter().enumerate() {
+            room[count & 3] = entry;
+            count += (mask >> slot & 1) as usize;
+        }
+        self.len += count;
     }
 
     #[cold]
     #[inline(never)]
     fn grow(&mut self) {
         self.data.resize(2 * self.len + 64, T::default());
-    }
-
-    /// Appends `entry` if `yes`. There must be room.
-    #[inline(always)]
-    fn push_if(&mut self, entry: T, yes: bool) {
-        self.data[self.len] = entry;
-        self.len += usize::from(yes);
     }
 
     #[inline(always)]
@@ -212,8 +212,7 @@ impl Cavity {
             return Err(Setback::Refused(start));
         }
         topology.mark(start);
-        self.tets.make_room();
-        self.tets.push_if(start, true);
+        self.tets.push_some([start; 4], 1);
         let mut next = 0;
         while next < self.tets.len() {
             let t = self.tets[next];
@@ -230,23 +229,25 @@ impl Cavity {
                 }
                 unknown &= unknown - 1;
             }
-            self.tets.make_room();
-            self.walls.make_room();
-            // Whether a neighbour is in the cavity is nearly random: no branch depends on it.
-            for slot in 0..4 {
-                let u = tet_of(n[slot]);
-                let open = !topology.tet(u).is_marked();
-                let cavity = inside >> slot & 1 == 1;
-                let role = if cavity { Role::Cavity } else { Role::Ring };
-                if open && !admission.admit(u, role) {
-                    self.set_back(topology);
-                    return Err(Setback::Refused(u));
-                }
-                topology.mark_if(u, open & cavity);
-                self.tets.push_if(u, open & cavity);
-                let v = OTHERS[slot].map(|k| v[k]);
-                self.walls.push_if(Wall { v, outer: n[slot] }, open & !cavity);
+            let mut open = 0;
+            for (slot, &face) in n.iter().enumerate() {
+                open |= u32::from(!topology.tet(tet_of(face)).is_marked()) << slot;
             }
+            let (take, leave) = (inside & open, !inside & open);
+            for (slot, &face) in n.iter().enumerate().filter(|&(slot, _)| open >> slot & 1 == 1) {
+                let role = if take >> slot & 1 == 1 { Role::Cavity } else { Role::Ring };
+                if !admission.admit(tet_of(face), role) {
+                    self.set_back(topology);
+                    return Err(Setback::Refused(tet_of(face)));
+                }
+            }
+            // Whether a neighbour is in the cavity is nearly random: no branch depends on it.
+            for (slot, &face) in n.iter().enumerate() {
+                topology.mark_if(tet_of(face), take >> slot & 1 == 1);
+            }
+            self.tets.push_some(n.map(tet_of), take);
+            let wall = |slot: usize| Wall { v: OTHERS[slot].map(|k| v[k]), outer: n[slot] };
+            self.walls.push_some([wall(0), wall(1), wall(2), wall(3)], leave);
         }
         let fresh = self.walls.len().saturating_sub(self.tets.len());
         if topology.reserve(fresh) == Err(Full) {

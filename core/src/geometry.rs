@@ -7,7 +7,7 @@
 use crate::Point;
 use crate::cavity::{Conflict, Star};
 use crate::predicates::{Sign, exact, filter, perturb};
-use crate::raw;
+use crate::raw::{self, Arena};
 use crate::sphere::{Frame, Maker, Query, Sphere, Verdict};
 use crate::topology::{INFINITE, TetId, Topology, VertexId};
 
@@ -32,9 +32,9 @@ pub struct PredicateStats {
 #[derive(Clone, Debug)]
 pub(crate) struct Geometry {
     /// Kernel coordinates by vertex; entry 0 stands for the vertex at infinity.
-    points: Vec<Point>,
+    points: Arena<Point>,
     /// Cached spheres by tetrahedron slot.
-    spheres: Vec<Sphere>,
+    spheres: Arena<Sphere>,
     /// `None`: no sphere is cached.
     frame: Option<Frame>,
     /// Some point lies outside the exactness window: filters are guarded.
@@ -45,14 +45,13 @@ pub(crate) struct Geometry {
 
 impl Geometry {
     /// Geometry for points in the box `low`..`high`; `wide`: any finite coordinates.
-    pub(crate) fn new(low: Point, high: Point, wide: bool, vertices: usize) -> Self {
-        let mut points = Vec::with_capacity(vertices + 1);
-        raw::advise_huge(&points);
+    pub(crate) fn new(low: Point, high: Point, wide: bool, vertices: usize, tets: usize) -> Self {
+        let mut points = Arena::with_capacity(vertices + 1);
         points.push([f64::NAN; 3]);
         let frame = if wide { None } else { Frame::of_box(low, high) };
         Self {
             points,
-            spheres: Vec::new(),
+            spheres: Arena::with_capacity(tets),
             frame,
             wide,
             maker: Maker::default(),
@@ -61,34 +60,29 @@ impl Geometry {
     }
 
     pub(crate) fn points(&self) -> &[Point] {
-        &self.points
+        self.points.all()
     }
 
     #[inline(always)]
     pub(crate) fn point(&self, v: VertexId) -> &Point {
-        &self.points[v as usize]
+        self.points.at(v)
     }
 
     pub(crate) fn push(&mut self, p: Point) {
         self.points.push(p);
     }
 
-    pub(crate) fn reserve_tets(&mut self, tets: usize) {
-        self.spheres.reserve(tets.saturating_sub(self.spheres.len()));
-        raw::advise_huge(&self.spheres);
-    }
-
     /// Bytes of memory that the arrays hold.
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.points.capacity() * size_of::<Point>() + self.spheres.len() * size_of::<Sphere>()
+        size_of_val(self.points.all()) + size_of_val(self.spheres.all())
     }
 
     /// Goes to wide mode, with all coordinates multiplied by 2^`exponent`, which must be exact.
     pub(crate) fn widen(&mut self, rescale: impl Fn(&Point) -> Point) {
-        for p in &mut self.points[1..] {
+        for p in &mut self.points.all_mut()[1..] {
             *p = rescale(p);
         }
-        self.spheres.fill(Sphere::UNKNOWN);
+        self.spheres.all_mut().fill(Sphere::UNKNOWN);
         self.frame = None;
         self.wide = true;
     }
@@ -97,7 +91,7 @@ impl Geometry {
     #[inline(always)]
     pub(crate) fn orient(&mut self, [a, b, c]: [VertexId; 3], p: &Point) -> Sign {
         self.stats.orient3d_calls += 1;
-        let [a, b, c] = [a, b, c].map(|v| &self.points[v as usize]);
+        let [a, b, c] = [a, b, c].map(|v| self.points.at(v));
         let fast = if self.wide {
             filter::orient3d_any(a, b, c, p)
         } else {
@@ -126,7 +120,7 @@ impl Geometry {
             };
             return sign == Sign::Positive;
         }
-        let [a, b, c, d] = [a, b, c, d].map(|v| &self.points[v as usize]);
+        let [a, b, c, d] = [a, b, c, d].map(|v| self.points.at(v));
         self.stats.sphere_undecided += 1;
         let fast = if self.wide {
             filter::insphere_any(a, b, c, d, p)
@@ -149,22 +143,20 @@ impl Geometry {
     /// Caches the spheres of the star around `p`; there are `slots` slots now.
     #[inline(always)]
     pub(crate) fn created(&mut self, slots: usize, star: &Star<'_>, p: &Point) {
-        if self.spheres.len() < slots {
-            self.spheres.resize(slots, Sphere::UNKNOWN);
-        }
+        self.spheres.grow(slots, Sphere::UNKNOWN);
         let Some(frame) = &self.frame else { return };
         if !star.rim.is_empty() && self.maker.aim(frame, &self.points, star.rim, p) {
             self.maker.make(&mut self.spheres, star.tets, star.faces);
         } else {
             for &t in star.tets {
-                self.spheres[t as usize] = Sphere::UNKNOWN;
+                *self.spheres.at_mut(t) = Sphere::UNKNOWN;
             }
         }
     }
 
     /// What the cached sphere of `t` alone says of `p`: `None` if nothing.
     pub(crate) fn cached_side(&self, t: TetId, p: &Point) -> Option<Sign> {
-        match self.spheres[t as usize].test(&self.frame?.query(p)) {
+        match self.spheres.at(t).test(&self.frame?.query(p)) {
             Verdict::Inside => Some(Sign::Positive),
             Verdict::Outside => Some(Sign::Negative),
             Verdict::Unknown => None,
@@ -173,7 +165,7 @@ impl Geometry {
 
     /// The cached spheres, to the bit.
     pub(crate) fn spheres_fingerprint(&self) -> Vec<[u32; 4]> {
-        self.spheres.iter().map(Sphere::bits).collect()
+        self.spheres.all().iter().map(Sphere::bits).collect()
     }
 
     /// The conflict test for `p`.
@@ -195,7 +187,7 @@ impl PointConflict<'_> {
     /// Is `t` in conflict for certain, by its cached sphere alone?
     #[inline(always)]
     pub(crate) fn surely(&self, t: TetId) -> bool {
-        self.geometry.spheres[t as usize].test(&self.query) == Verdict::Inside
+        self.geometry.spheres.at(t).test(&self.query) == Verdict::Inside
     }
 
     #[inline(always)]
@@ -212,7 +204,7 @@ impl PointConflict<'_> {
 impl Conflict for PointConflict<'_> {
     #[inline(always)]
     fn certain(&self, tets: [TetId; 4]) -> (u32, u32) {
-        raw::test_spheres(tets.map(|t| &self.geometry.spheres[t as usize]), &self.query)
+        raw::test_spheres(tets.map(|t| self.geometry.spheres.at(t)), &self.query)
     }
 
     #[cold]

@@ -78,7 +78,6 @@ impl Mesh {
         tets: usize,
     ) -> Self {
         let mut topology = Topology::with_capacity(tets);
-        geometry.reserve_tets(tets);
         let mut numbers = vec![Vertex::MAX];
         for (p, number) in corners {
             geometry.push(p);

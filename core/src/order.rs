@@ -12,8 +12,8 @@
 use crate::Point;
 use rayon::prelude::*;
 
-/// Bits per axis of one level of keys. Round and key share 64 bits.
-const BITS: u32 = 19;
+/// Bits per axis of one level of keys, an even number. Round and key share 64 bits.
+const BITS: u32 = 20;
 /// Runs of equal keys at most this long are left as they are.
 const SHORT_RUN: usize = 8;
 /// Levels of refinement: each divides the box by at least 2^BITS, and all of f64 spans 2^2098.
@@ -27,7 +27,7 @@ const SMALLEST_ROUND: usize = 512;
 pub fn brio_hilbert(points: &[Point]) -> Vec<u32> {
     let mut rounds = 0;
     let mut rest = points.len();
-    while rest > SMALLEST_ROUND && rounds < 20 {
+    while rest > SMALLEST_ROUND && rounds < 15 {
         rest /= 8;
         rounds += 1;
     }
@@ -112,33 +112,61 @@ impl Cube {
     }
 }
 
-/// The number of a cell along the three-dimensional Hilbert curve, by Skilling's transposition
-/// (AIP Conf. Proc. 707, 2004).
+/// The number of a cell along the three-dimensional Hilbert curve, two levels at a time.
 #[inline]
 fn hilbert_number(cell: [u32; 3]) -> u64 {
-    let mut x = cell;
-    let mut q = 1u32 << (BITS - 1);
-    while q > 1 {
-        let p = q - 1;
-        for i in 0..3 {
-            // If the bit is set invert the low bits of x[0], else exchange them with x[i]'s.
-            let set = u32::from(x[i] & q != 0).wrapping_neg();
-            let exchange = (x[0] ^ x[i]) & p & !set;
-            x[0] ^= (p & set) | exchange;
-            x[i] ^= exchange;
-        }
-        q >>= 1;
+    let [x, y, z] = cell.map(|c| spread(u64::from(c)));
+    let morton = x | y << 1 | z << 2;
+    let (mut number, mut state) = (0u64, 0u16);
+    for pair in (0..BITS / 2).rev() {
+        let octants = (morton >> (6 * pair)) as u16 & 63;
+        let step = STEPS[(state | octants) as usize % STEPS.len()];
+        number = number << 6 | u64::from(step & 63);
+        state = step & !63;
     }
-    x[1] ^= x[0];
-    x[2] ^= x[1];
-    let mut t = 0;
-    let mut q = 1u32 << (BITS - 1);
-    while q > 1 {
-        t ^= (q - 1) & u32::from(x[2] & q != 0).wrapping_neg();
-        q >>= 1;
+    number
+}
+
+/// The curve as a table: index `state << 6 | two octants`, value `next state << 6 | two digits`.
+///
+/// A state is the curve's entry corner e and direction d in a cell (Hamilton, Compact Hilbert
+/// Indices, Dalhousie University CS-2006-07, sections 2.1 to 2.3), numbered 3 e + d.
+const STEPS: [u16; 32 * 64] = {
+    let mut table = [0; 32 * 64];
+    let mut index = 0;
+    while index < 24 * 64 {
+        let (high, state) = level((index / 64) as u16, (index >> 3 & 7) as u16);
+        let (low, state) = level(state, (index & 7) as u16);
+        table[index] = state << 6 | high << 3 | low;
+        index += 1;
     }
-    let [a, b, c] = x.map(|v| spread(u64::from(v ^ t)));
-    a << 2 | b << 1 | c
+    table
+};
+
+/// One level of the curve: from state and octant to digit and next state.
+const fn level(state: u16, octant: u16) -> (u16, u16) {
+    let (e, d) = (state / 3, state % 3);
+    let turned = turn_left(octant ^ e, 3 - (d + 1));
+    let digit = turned ^ turned >> 1 ^ turned >> 2; // the inverse of the Gray code
+    let entry = if digit == 0 { 0 } else { gray_code((digit - 1) & !1) };
+    let direction = match digit {
+        0 => 0,
+        w if w & 1 == 1 => w.trailing_ones() as u16 % 3,
+        w => (w - 1).trailing_ones() as u16 % 3,
+    };
+    let e = e ^ turn_left(entry, d + 1);
+    let d = (d + direction + 1) % 3;
+    (digit, 3 * e + d)
+}
+
+/// The binary reflected Gray code.
+const fn gray_code(v: u16) -> u16 {
+    v ^ v >> 1
+}
+
+/// Rotates three bits to the left, by 0 to 3.
+const fn turn_left(v: u16, by: u16) -> u16 {
+    (v << by | v >> (3 - by)) & 7
 }
 
 /// Puts two zero bits between the bits of a number of at most 21 bits.

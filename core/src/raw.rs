@@ -1,5 +1,5 @@
-//! The only module of this crate with unsafe code: huge pages for the large arrays, and vector
-//! code for the cached spheres. Each piece has a plain twin and a test that both agree.
+//! The only module of this crate with unsafe code: arrays without bounds checks, on huge pages,
+//! and vector code for the cached spheres, which has a plain twin and a test that both agree.
 //!
 //! What it pays (1M uniform points, order + insertion, measured side by side): see
 //! `docs/decisions.md`.
@@ -8,9 +8,75 @@
 use crate::sphere::{Maker, Query, Sphere};
 use crate::topology::TetId;
 
+/// An array that is indexed without bounds checks in release: the large arrays of a mesh.
+///
+/// Invariant I7: every index that the kernel uses was made by this array's own growth (tetrahedron
+/// ids and face handles by `Topology::take`, vertices by `Geometry::push`), arrays never shrink,
+/// and ids that come from outside are compared with `len` first. Debug builds, and with them all
+/// tests and fuzzing, check every index.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Arena<T>(Vec<T>);
+
+impl<T> Arena<T> {
+    /// An empty array with room for `capacity` entries, on huge pages where there are any.
+    pub(crate) fn with_capacity(capacity: usize) -> Self {
+        let array = Vec::with_capacity(capacity);
+        advise_huge(&array);
+        Self(array)
+    }
+
+    #[inline(always)]
+    pub(crate) fn push(&mut self, entry: T) {
+        self.0.push(entry);
+    }
+
+    /// Grows to `len` entries, never shrinks.
+    pub(crate) fn grow(&mut self, len: usize, entry: T)
+    where
+        T: Clone,
+    {
+        if self.0.len() < len {
+            self.0.resize(len, entry);
+        }
+    }
+
+    /// All entries.
+    #[inline(always)]
+    pub(crate) fn all(&self) -> &[T] {
+        &self.0
+    }
+
+    /// All entries.
+    pub(crate) fn all_mut(&mut self) -> &mut [T] {
+        &mut self.0
+    }
+
+    /// Entry `i`, which must exist (I7).
+    #[inline(always)]
+    pub(crate) fn at(&self, i: u32) -> &T {
+        debug_assert!((i as usize) < self.0.len(), "I7: {i} of {}", self.0.len());
+        // SAFETY: I7, checked in debug builds.
+        unsafe { self.0.get_unchecked(i as usize) }
+    }
+
+    /// Entry `i`, which must exist (I7).
+    #[inline(always)]
+    pub(crate) fn at_mut(&mut self, i: u32) -> &mut T {
+        debug_assert!((i as usize) < self.0.len(), "I7: {i} of {}", self.0.len());
+        // SAFETY: I7, checked in debug builds.
+        unsafe { self.0.get_unchecked_mut(i as usize) }
+    }
+}
+
+impl<T> Default for Arena<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
 /// Asks for huge pages behind the whole capacity of `array`: fewer page faults and TLB misses.
 /// A hint: nothing depends on it.
-pub(crate) fn advise_huge<T>(array: &Vec<T>) {
+fn advise_huge<T>(array: &Vec<T>) {
     #[cfg(target_os = "linux")]
     {
         const HUGE: usize = 1 << 21;
@@ -33,7 +99,7 @@ pub(crate) fn advise_huge<T>(array: &Vec<T>) {
 #[inline(always)]
 pub(crate) fn make_spheres(
     maker: &Maker,
-    spheres: &mut [Sphere],
+    spheres: &mut Arena<Sphere>,
     tets: &[TetId],
     faces: &[[u8; 4]],
 ) -> bool {
@@ -65,7 +131,7 @@ pub(crate) fn test_spheres(spheres: [&Sphere; 4], q: &Query) -> (u32, u32) {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Maker, Query, Sphere, TetId};
+    use super::{Arena, Maker, Query, Sphere, TetId};
     use crate::cavity::SMALL;
     use crate::sphere::{FLATNESS, LEAST_SQUARE, MAX_RADIUS, TOLERANCE};
     use std::arch::x86_64::*;
@@ -138,7 +204,7 @@ mod x86 {
     #[target_feature(enable = "avx2")]
     pub(super) fn make_spheres(
         maker: &Maker,
-        spheres: &mut [Sphere],
+        spheres: &mut Arena<Sphere>,
         tets: &[TetId],
         faces: &[[u8; 4]],
     ) {
@@ -183,7 +249,7 @@ mod x86 {
                 _mm256_cvtpd_ps(r),
             ]);
             for (&t, row) in tets.iter().zip(rows) {
-                let out = &mut spheres[t as usize].0;
+                let out = &mut spheres.at_mut(t).0;
                 // SAFETY: a Sphere is four f32, 16-byte aligned.
                 unsafe { _mm_store_ps(out.as_mut_ptr(), row) };
             }
@@ -214,20 +280,22 @@ mod tests {
         let frame = Frame::of_box([-1.0; 3], [1.0; 3]).expect("an ordinary box");
         let (mut flat, mut sound, mut seen) = (0, 0, [0; 3]);
         for _ in 0..3000 {
-            let mut points = vec![[f64::NAN; 3]];
-            points.extend((0..12).map(|_| point()));
+            let mut points = Arena::with_capacity(13);
+            points.push([f64::NAN; 3]);
+            (0..12).for_each(|_| points.push(point()));
             let rim: Vec<u32> = (0..12).collect();
             let mut maker = Maker::default();
-            assert!(maker.aim(&frame, &points, &rim, &points[12]));
+            assert!(maker.aim(&frame, &points, &rim, points.at(12)));
             let faces: Vec<[u8; 4]> = (0..11).map(|k| [k, (k + 1) % 11, (k + 4) % 11, 0]).collect();
             let tets: Vec<u32> = (0..11).collect();
-            let mut fast = vec![Sphere::UNKNOWN; 11];
+            let mut fast = Arena::default();
+            fast.grow(11, Sphere::UNKNOWN);
             if !make_spheres(&maker, &mut fast, &tets, &faces) {
                 println!("SKIPPED: no AVX2 on this machine");
                 return;
             }
             let slow: Vec<Sphere> = faces.iter().map(|&f| maker.sphere(f)).collect();
-            for (a, b) in fast.iter().zip(&slow) {
+            for (a, b) in fast.all().iter().zip(&slow) {
                 assert_eq!(a.0[3].is_nan(), b.0[3].is_nan());
                 if a.0[3].is_nan() {
                     flat += 1;

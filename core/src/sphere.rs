@@ -11,7 +11,7 @@
 
 use crate::Point;
 use crate::cavity::SMALL;
-use crate::raw;
+use crate::raw::{self, Arena};
 use crate::topology::TetId;
 
 /// Centre and radius, in the frame. A radius that is NaN decides nothing.
@@ -141,14 +141,20 @@ impl Maker {
     /// Aims at the star of the vertex at `p`; the vertex at infinity must have NaN coordinates.
     /// `false` if `p` lies outside the frame: then no sphere of the star can be bounded.
     #[inline(always)]
-    pub(crate) fn aim(&mut self, frame: &Frame, points: &[Point], rim: &[u32], p: &Point) -> bool {
+    pub(crate) fn aim(
+        &mut self,
+        frame: &Frame,
+        points: &Arena<Point>,
+        rim: &[u32],
+        p: &Point,
+    ) -> bool {
         self.centre = frame.place(p);
         if !self.centre.iter().all(|c| c.abs() <= 1.0) {
             return false;
         }
         self.scale = frame.scale;
         for (d, &v) in self.rim.iter_mut().zip(rim) {
-            let q = &points[v as usize];
+            let q = points.at(v);
             let (x, y, z) = (q[0] - p[0], q[1] - p[1], q[2] - p[2]);
             *d = [x, y, z, x * x + y * y + z * z];
         }
@@ -180,10 +186,10 @@ impl Maker {
 
     /// Caches the spheres of `tets`, on the faces `faces` of the rim.
     #[inline(always)]
-    pub(crate) fn make(&self, spheres: &mut [Sphere], tets: &[TetId], faces: &[[u8; 4]]) {
+    pub(crate) fn make(&self, spheres: &mut Arena<Sphere>, tets: &[TetId], faces: &[[u8; 4]]) {
         if !raw::make_spheres(self, spheres, tets, faces) {
             for (&t, &face) in tets.iter().zip(faces) {
-                spheres[t as usize] = self.sphere(face);
+                *spheres.at_mut(t) = self.sphere(face);
             }
         }
     }

@@ -9,6 +9,8 @@
 //! * I3: a free slot has [`FREE`] as its first vertex and is in the free list once.
 //! * I4: outside an insertion no tetrahedron is marked.
 
+use crate::raw::Arena;
+
 /// Index of a tetrahedron's slot.
 pub type TetId = u32;
 /// Kernel number of a vertex: 0 is the vertex at infinity, the others count from 1.
@@ -79,7 +81,7 @@ pub fn slot_of(face: FaceId) -> usize {
 /// All tetrahedra of a mesh, ghosts included.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Topology {
-    tets: Vec<Tet>,
+    tets: Arena<Tet>,
     /// Free slots, last in first out.
     free: Vec<TetId>,
     ghosts: usize,
@@ -91,25 +93,23 @@ pub(crate) struct Full;
 
 impl Topology {
     pub(crate) fn with_capacity(tets: usize) -> Self {
-        let tets = Vec::with_capacity(tets);
-        crate::raw::advise_huge(&tets);
-        Self { tets, free: Vec::new(), ghosts: 0 }
+        Self { tets: Arena::with_capacity(tets), free: Vec::new(), ghosts: 0 }
     }
 
     /// The tetrahedron in slot `t`.
     #[inline(always)]
     pub fn tet(&self, t: TetId) -> &Tet {
-        &self.tets[t as usize]
+        self.tets.at(t)
     }
 
     /// Number of slots, free ones included.
     pub fn slots(&self) -> usize {
-        self.tets.len()
+        self.tets.all().len()
     }
 
     /// Number of tetrahedra, ghosts included.
     pub fn len(&self) -> usize {
-        self.tets.len() - self.free.len()
+        self.tets.all().len() - self.free.len()
     }
 
     /// Is there no tetrahedron?
@@ -129,61 +129,61 @@ impl Topology {
 
     /// Bytes of memory that the arrays hold.
     pub fn memory_bytes(&self) -> usize {
-        self.tets.len() * size_of::<Tet>() + self.free.capacity() * size_of::<TetId>()
+        self.tets.all().len() * size_of::<Tet>() + self.free.capacity() * size_of::<TetId>()
     }
 
     /// The used slots, ascending.
     pub fn iter(&self) -> impl Iterator<Item = (TetId, &Tet)> + '_ {
-        (0..).zip(&self.tets).filter(|(_, t)| !t.is_free())
+        (0..).zip(self.tets.all()).filter(|(_, t)| !t.is_free())
     }
 
     #[inline(always)]
     pub(crate) fn mark(&mut self, t: TetId) {
-        self.tets[t as usize].v[3] |= MARK;
+        self.tets.at_mut(t).v[3] |= MARK;
     }
 
     #[inline(always)]
     pub(crate) fn mark_if(&mut self, t: TetId, yes: bool) {
-        self.tets[t as usize].v[3] |= u32::from(yes) << 31;
+        self.tets.at_mut(t).v[3] |= u32::from(yes) << 31;
     }
 
     #[inline(always)]
     pub(crate) fn unmark(&mut self, t: TetId) {
-        self.tets[t as usize].v[3] &= !MARK;
+        self.tets.at_mut(t).v[3] &= !MARK;
     }
 
     /// Makes sure that `count` slots can be taken.
     pub(crate) fn reserve(&mut self, count: usize) -> Result<(), Full> {
         let fresh = count.saturating_sub(self.free.len());
-        if self.tets.len() + fresh > MAX_TETS { Err(Full) } else { Ok(()) }
+        if self.tets.all().len() + fresh > MAX_TETS { Err(Full) } else { Ok(()) }
     }
 
     /// Takes a slot: the last freed one, else a fresh one at the end.
     pub(crate) fn take(&mut self) -> TetId {
         self.free.pop().unwrap_or_else(|| {
             self.tets.push(Tet { v: [FREE; 4], n: [0; 4] });
-            (self.tets.len() - 1) as TetId
+            (self.tets.all().len() - 1) as TetId
         })
     }
 
     /// Frees slot `t`.
     pub(crate) fn release(&mut self, t: TetId) {
-        self.tets[t as usize].v = [FREE; 4];
+        self.tets.at_mut(t).v = [FREE; 4];
         self.free.push(t);
     }
 
     /// Writes a tetrahedron, and links the neighbour opposite its first vertex back to it.
     #[inline(always)]
     pub(crate) fn put(&mut self, t: TetId, v: [VertexId; 4], n: [FaceId; 4]) {
-        self.tets[t as usize] = Tet { v, n };
-        self.tets[tet_of(n[0]) as usize].n[slot_of(n[0])] = 4 * t;
+        *self.tets.at_mut(t) = Tet { v, n };
+        self.tets.at_mut(tet_of(n[0])).n[slot_of(n[0])] = 4 * t;
     }
 
     /// Makes two faces each other's neighbour.
     #[inline(always)]
     pub(crate) fn link(&mut self, a: FaceId, b: FaceId) {
-        self.tets[tet_of(a) as usize].n[slot_of(a)] = b;
-        self.tets[tet_of(b) as usize].n[slot_of(b)] = a;
+        self.tets.at_mut(tet_of(a)).n[slot_of(a)] = b;
+        self.tets.at_mut(tet_of(b)).n[slot_of(b)] = a;
     }
 
     pub(crate) fn add_ghosts(&mut self, change: isize) {
@@ -192,7 +192,7 @@ impl Topology {
 
     /// Builds the first tetrahedron `v`, positively oriented, and its four ghosts.
     pub(crate) fn start(&mut self, v: [VertexId; 4]) {
-        debug_assert!(self.tets.is_empty());
+        debug_assert!(self.tets.all().is_empty());
         let inf = INFINITE;
         // Opposite vertex i stands v with v[i] at infinity, seen from outside: an odd
         // permutation that brings the vertex at infinity to the last slot.
@@ -203,7 +203,9 @@ impl Topology {
             [v[0], v[1], v[3], inf],
             [v[1], v[0], v[2], inf],
         ];
-        self.tets.extend(cells.map(|v| Tet { v, n: [0; 4] }));
+        for v in cells {
+            self.tets.push(Tet { v, n: [0; 4] });
+        }
         self.ghosts = 4;
         let same = |a: [u32; 4], i: usize, b: [u32; 4], j: usize| {
             (0..4).filter(|&k| k != i).all(|k| (0..4).any(|l| l != j && a[k] == b[l]))
