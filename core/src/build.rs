@@ -5,7 +5,7 @@ use crate::geometry::Geometry;
 use crate::mesh::{Mesh, Placed, Vertex};
 use crate::order::brio_hilbert;
 use crate::points::Mode;
-use crate::predicates::{Sign, collinear, orient3d};
+use crate::predicates::{Sign, cmp_xyz, collinear, orient3d};
 use crate::sync::CancelToken;
 use crate::topology::MAX_TETS;
 use crate::{Point, PointSet, PredicateStats};
@@ -273,7 +273,7 @@ fn first_tet(points: &[Point], order: &mut [u32]) -> Result<[(Point, Vertex); 4]
     let at = |order: &[u32], k: usize| points[order[k] as usize];
     let distinct = || {
         let mut sorted = points.to_vec();
-        sorted.sort_unstable_by(|p, q| crate::predicates::cmp_xyz(p, q));
+        sorted.sort_unstable_by(cmp_xyz);
         sorted.dedup();
         sorted.len()
     };

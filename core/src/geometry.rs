@@ -153,14 +153,13 @@ impl Geometry {
             self.spheres.resize(slots, Sphere::UNKNOWN);
         }
         let Some(frame) = &self.frame else { return };
-        if star.rim.is_empty() {
+        if !star.rim.is_empty() && self.maker.aim(frame, &self.points, star.rim, p) {
+            self.maker.make(&mut self.spheres, star.tets, star.faces);
+        } else {
             for &t in star.tets {
                 self.spheres[t as usize] = Sphere::UNKNOWN;
             }
-            return;
         }
-        self.maker.aim(frame, &self.points, star.rim, p);
-        self.maker.make(&mut self.spheres, star.tets, star.faces);
     }
 
     /// What the cached sphere of `t` alone says of `p`: `None` if nothing.
@@ -173,8 +172,8 @@ impl Geometry {
     }
 
     /// The cached spheres, to the bit.
-    pub(crate) fn spheres_fingerprint(&self) -> String {
-        format!("{:?}", self.spheres.iter().map(Sphere::bits).collect::<Vec<_>>())
+    pub(crate) fn spheres_fingerprint(&self) -> Vec<[u32; 4]> {
+        self.spheres.iter().map(Sphere::bits).collect()
     }
 
     /// The conflict test for `p`.

@@ -3,7 +3,7 @@
 //! A failed check names the tetrahedron; the message is for the developer.
 
 use crate::mesh::Mesh;
-use crate::predicates::{Sign, perturb, twin};
+use crate::predicates::{Sign, exact, perturb};
 use crate::topology::{FREE, INFINITE, TetId, Topology, slot_of, tet_of};
 
 /// The vertices of the face opposite `slot`, ascending.
@@ -58,8 +58,7 @@ pub fn check_i3(topology: &Topology) -> Result<(), String> {
     let mut free = topology.free_slots().to_vec();
     free.sort_unstable();
     let slots = 0..topology.slots() as TetId;
-    let expected: Vec<TetId> =
-        slots.filter(|&t| topology.tet(t).vertices()[0] == FREE).collect();
+    let expected: Vec<TetId> = slots.filter(|&t| topology.tet(t).vertices()[0] == FREE).collect();
     if free != expected {
         return Err(format!("I3: free list {free:?}, free slots {expected:?}"));
     }
@@ -82,7 +81,7 @@ pub fn check_i5(mesh: &Mesh) -> Result<(), String> {
     let at = |v: u32| mesh.kernel_point(v);
     for (t, tet) in topology.iter() {
         let [a, b, c, d] = tet.vertices();
-        if d != INFINITE && twin::orient3d(&at(a), &at(b), &at(c), &at(d)) != Sign::Positive {
+        if d != INFINITE && exact::orient3d(&at(a), &at(b), &at(c), &at(d)) != Sign::Positive {
             return Err(format!("I5: tetrahedron {t} is not positively oriented"));
         }
         for &n in &tet.neighbours() {
@@ -94,7 +93,7 @@ pub fn check_i5(mesh: &Mesh) -> Result<(), String> {
             let side = if d == INFINITE {
                 perturb::side_of_hull_facet(&at(a), &at(b), &at(c), &p)
             } else {
-                match twin::insphere(&at(a), &at(b), &at(c), &at(d), &p) {
+                match exact::insphere(&at(a), &at(b), &at(c), &at(d), &p) {
                     Sign::Zero => perturb::perturbed_side(&at(a), &at(b), &at(c), &at(d), &p),
                     sign => sign,
                 }
@@ -116,7 +115,7 @@ pub fn check_i6(mesh: &Mesh) -> Result<(), String> {
         let [a, b, c, d] = tet.vertices();
         let far = tet.neighbours().map(|n| topology.tet(tet_of(n)).vertices()[slot_of(n)]);
         for v in far.into_iter().filter(|&v| v != INFINITE).chain([a, b, c, d]) {
-            let expected = twin::insphere(&at(a), &at(b), &at(c), &at(d), &at(v));
+            let expected = exact::insphere(&at(a), &at(b), &at(c), &at(d), &at(v));
             if let Some(sign) = mesh.cached_side(t, &at(v)).filter(|&sign| sign != expected) {
                 return Err(format!("I6: cached sphere of {t} says {sign:?} of vertex {v}"));
             }

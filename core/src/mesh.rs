@@ -224,9 +224,9 @@ impl Mesh {
         self.geometry.cached_side(t, p)
     }
 
-    /// The cached spheres, to the bit, as text: for tests that a refusal leaves no trace.
+    /// The cached spheres, to the bit: for tests that a refusal leaves no trace.
     #[doc(hidden)]
-    pub fn spheres_fingerprint(&self) -> String {
+    pub fn spheres_fingerprint(&self) -> Vec<[u32; 4]> {
         self.geometry.spheres_fingerprint()
     }
 
@@ -299,10 +299,10 @@ impl Mesh {
     }
 
     /// The mesh as plain arrays, with the input's numbering: a duplicate keeps its number and is
-    /// in no tetrahedron.
+    /// in no tetrahedron. A point that a cancelled build did not reach has NaN coordinates here.
     pub fn to_tet_mesh(&self) -> TetMesh {
         let count = self.duplicates.iter().map(|&(d, _)| d + 1).max().unwrap_or(0);
-        let mut points = vec![[0.0; 3]; self.next_number.max(count) as usize];
+        let mut points = vec![[f64::NAN; 3]; self.next_number.max(count) as usize];
         for (v, p) in self.vertices() {
             points[v as usize] = p;
         }

@@ -67,7 +67,7 @@ pub(crate) fn test_spheres(spheres: [&Sphere; 4], q: &Query) -> (u32, u32) {
 mod x86 {
     use super::{Maker, Query, Sphere, TetId};
     use crate::cavity::SMALL;
-    use crate::sphere::{FLATNESS, MAX_RADIUS, TOLERANCE};
+    use crate::sphere::{FLATNESS, LEAST_SQUARE, MAX_RADIUS, TOLERANCE};
     use std::arch::x86_64::*;
 
     /// Turns four rows into four columns.
@@ -160,14 +160,17 @@ mod x86 {
             let x = _mm256_mul_pd(dot(l, [bc[0], ca[0], ab[0]]), inverse);
             let y = _mm256_mul_pd(dot(l, [bc[1], ca[1], ab[1]]), inverse);
             let z = _mm256_mul_pd(dot(l, [bc[2], ca[2], ab[2]]), inverse);
-            let radius = _mm256_sqrt_pd(dot([x, y, z], [x, y, z]));
+            let square = dot([x, y, z], [x, y, z]);
+            let radius = _mm256_sqrt_pd(square);
             let longest = _mm256_max_pd(_mm256_max_pd(la, lb), lc);
             let limit = _mm256_mul_pd(_mm256_set1_pd(FLATNESS), _mm256_mul_pd(longest, radius));
             let scaled = _mm256_mul_pd(radius, scale);
             let solid =
                 _mm256_cmp_pd::<_CMP_GT_OQ>(_mm256_andnot_pd(_mm256_set1_pd(-0.0), det), limit);
             let small = _mm256_cmp_pd::<_CMP_LE_OQ>(scaled, _mm256_set1_pd(MAX_RADIUS));
-            let sound = _mm256_and_pd(solid, small);
+            let least = _mm256_mul_pd(_mm256_set1_pd(LEAST_SQUARE), longest);
+            let credible = _mm256_cmp_pd::<_CMP_GE_OQ>(square, least);
+            let sound = _mm256_and_pd(_mm256_and_pd(solid, credible), small);
             let r = _mm256_blendv_pd(_mm256_set1_pd(f64::NAN), scaled, sound);
             let centre = maker.centre;
             let x = _mm256_add_pd(_mm256_set1_pd(centre[0]), _mm256_mul_pd(x, scale));
@@ -215,7 +218,7 @@ mod tests {
             points.extend((0..12).map(|_| point()));
             let rim: Vec<u32> = (0..12).collect();
             let mut maker = Maker::default();
-            maker.aim(&frame, &points, &rim, &points[12]);
+            assert!(maker.aim(&frame, &points, &rim, &points[12]));
             let faces: Vec<[u8; 4]> = (0..11).map(|k| [k, (k + 1) % 11, (k + 4) % 11, 0]).collect();
             let tets: Vec<u32> = (0..11).collect();
             let mut fast = vec![Sphere::UNKNOWN; 11];

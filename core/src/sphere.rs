@@ -26,9 +26,13 @@ pub(crate) const TOLERANCE: f32 = 1.0 / (1 << 20) as f32;
 /// Largest radius (in units of the frame) that [`TOLERANCE`] covers.
 pub(crate) const MAX_RADIUS: f64 = 2.0;
 
-/// A determinant must exceed this times (longest edge at p)^2 times the radius, so that the
-/// computed centre is within 2^-26 of the true one.
+/// A determinant must exceed this times (longest edge at p)^2 times the computed radius, so that
+/// the computed centre is within 2^-26 of the true one...
 pub(crate) const FLATNESS: f64 = 1.0 / (1 << 15) as f64;
+
+/// ... provided that the computed squared radius is at least this part of (longest edge at p)^2.
+/// A true one is at least 1/4 of it; a smaller one is rounding noise, and so is the centre.
+pub(crate) const LEAST_SQUARE: f64 = 0.24;
 
 /// The frame of a mesh: where and how large its box is.
 #[derive(Clone, Copy, Debug)]
@@ -135,15 +139,20 @@ impl Default for Maker {
 
 impl Maker {
     /// Aims at the star of the vertex at `p`; the vertex at infinity must have NaN coordinates.
+    /// `false` if `p` lies outside the frame: then no sphere of the star can be bounded.
     #[inline(always)]
-    pub(crate) fn aim(&mut self, frame: &Frame, points: &[Point], rim: &[u32], p: &Point) {
+    pub(crate) fn aim(&mut self, frame: &Frame, points: &[Point], rim: &[u32], p: &Point) -> bool {
         self.centre = frame.place(p);
+        if !self.centre.iter().all(|c| c.abs() <= 1.0) {
+            return false;
+        }
         self.scale = frame.scale;
         for (d, &v) in self.rim.iter_mut().zip(rim) {
             let q = &points[v as usize];
             let (x, y, z) = (q[0] - p[0], q[1] - p[1], q[2] - p[2]);
             *d = [x, y, z, x * x + y * y + z * z];
         }
+        true
     }
 
     /// The sphere through the vertex and three others: the plain twin of [`crate::raw`]'s

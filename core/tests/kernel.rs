@@ -49,6 +49,33 @@ fn invariants_hold_on_every_kind() {
     }
 }
 
+/// Nearly flat tetrahedra on nearly cocircular points: determinant and numerator of the
+/// circumcentre are rounding noise, so the computed radius may be far too small. A guard against
+/// flatness that trusts it caches a wrong sphere.
+#[test]
+fn rounding_noise_is_never_cached_as_a_sphere() {
+    for seed in 1..4 {
+        let mesh = build(generate(PointKind::Ulps, 8000, seed));
+        check_all(&mesh).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+    }
+}
+
+/// The frame of the cached spheres is the box of the first points.
+#[test]
+fn points_far_outside_the_first_box_are_inserted_exactly() {
+    let mut mesh = build(grid(3));
+    let mut next = random(4);
+    for scale in [1.5, 3.0, 6.0, 12.0, 100.0, 1e6] {
+        for _ in 0..60 {
+            let p = [0, 1, 2].map(|_| (next(1 << 16) as f64 / 65536.0 - 0.5) * scale + 1.0);
+            mesh.insert(p).expect("a finite point");
+            let near = p.map(|c| c + (next(1 << 10) as f64 - 512.0) * 1e-4);
+            mesh.insert(near).expect("a finite point");
+        }
+        check_all(&mesh).unwrap_or_else(|e| panic!("scale {scale}: {e}"));
+    }
+}
+
 #[test]
 fn adjacency_agrees_with_shared_vertices() {
     let mesh = build(generate(PointKind::Uniform, 300, 3));
@@ -73,7 +100,9 @@ fn adjacency_agrees_with_shared_vertices() {
 }
 
 /// Everything of a mesh that an insertion could change, to the bit.
-fn fingerprint(mesh: &Mesh) -> (ltbw_core::topology::Topology, Vec<(u32, [u64; 3])>, String) {
+fn fingerprint(
+    mesh: &Mesh,
+) -> (ltbw_core::topology::Topology, Vec<(u32, [u64; 3])>, Vec<[u32; 4]>) {
     let vertices = mesh.vertices().map(|(v, p)| (v, p.map(f64::to_bits))).collect();
     (mesh.topology().clone(), vertices, mesh.spheres_fingerprint())
 }
@@ -91,7 +120,7 @@ fn a_refused_insertion_leaves_no_trace_whichever_tetrahedron_is_refused() {
     for points in sets {
         let mut reference = build(points[..60].to_vec());
         let mut mesh = build(points[..60].to_vec());
-        for _ in 0..40 {
+        for _ in 0..80 {
             let p = points[choose(points.len())];
             for k in 0.. {
                 let before = fingerprint(&mesh);
@@ -122,13 +151,17 @@ fn a_refused_insertion_leaves_no_trace_whichever_tetrahedron_is_refused() {
         assert_eq!(mesh.hash(), reference.hash());
         assert!(fingerprint(&mesh) == fingerprint(&reference), "refusals changed the mesh");
     }
-    assert!(refusals > 2000 && ring_refusals > 500 && insertions > 80);
+    assert!(
+        refusals > 2000 && ring_refusals > 500 && insertions > 60,
+        "{refusals} refusals, {ring_refusals} of the ring, {insertions} insertions"
+    );
 }
 
 #[test]
 fn any_order_gives_the_same_mesh() {
     let mut choose = random(5);
-    for points in [grid(4), generate(PointKind::Cylinder, 80, 1), generate(PointKind::Ulps, 64, 4)] {
+    for points in [grid(4), generate(PointKind::Cylinder, 80, 1), generate(PointKind::Ulps, 64, 4)]
+    {
         let expected = build(points.clone()).hash().expect("a hash");
         for _ in 0..20 {
             let mut shuffled = points.clone();
