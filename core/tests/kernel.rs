@@ -100,9 +100,9 @@ fn adjacency_agrees_with_shared_vertices() {
 }
 
 /// Everything of a mesh that an insertion could change, to the bit.
-fn fingerprint(
-    mesh: &Mesh,
-) -> (ltbw_core::topology::Topology, Vec<(u32, [u64; 3])>, Vec<[u32; 4]>) {
+type Fingerprint = (ltbw_core::topology::Topology, Vec<(u32, [u64; 3])>, Vec<[u32; 4]>);
+
+fn fingerprint(mesh: &Mesh) -> Fingerprint {
     let vertices = mesh.vertices().map(|(v, p)| (v, p.map(f64::to_bits))).collect();
     (mesh.topology().clone(), vertices, mesh.spheres_fingerprint())
 }
