@@ -2,9 +2,10 @@
 //! its own hash. What CGAL gets wrong must not become our golden data.
 
 use ltbw::{Point, canonical_hash};
-use ltbw_tests::cgal::{Ask, Cgal};
-use ltbw_tests::families::{Rng, grid, scaled, skew_lines, snapped, spheres};
+use ltbw_tests::cgal::{Ask, Cgal, Failure};
+use ltbw_tests::families::{Rng, grid, scaled, skew_lines, snapped, spheres, uniform};
 use ltbw_tests::oracle::{self, brute_force};
+use ltbw_tests::require::skip;
 
 fn sorted<const N: usize>(simplices: &[[u32; N]]) -> Vec<[u32; N]> {
     let mut rows: Vec<[u32; N]> = simplices.to_vec();
@@ -111,4 +112,23 @@ fn sets_of_lower_dimension_are_a_status() {
         assert_eq!(reply.tets.is_empty(), dimension < 3);
     }
     assert!(cgal.triangulate(&[[f64::NAN; 3]]).is_err());
+}
+
+#[test]
+fn cgal_on_two_threads_gives_the_same_mesh() {
+    let test = "cgal_on_two_threads_gives_the_same_mesh";
+    let mut parallel = match Cgal::start_tbb() {
+        Ok(cgal) => cgal,
+        Err(Failure::Missing(missing)) => {
+            return skip(test, "tbb", &missing.to_string()).expect("TBB is not demanded");
+        }
+        Err(failure) => panic!("{failure}"),
+    };
+    let Some(mut cgal) = Cgal::for_test(test) else { return };
+    for points in [grid(12), uniform(5_000, 9)] {
+        let ask = Ask { hash: true, threads: 2, ..Ask::default() };
+        let hash = parallel.ask(&points, ask).expect("CGAL answers").hash;
+        assert!(hash.is_some());
+        assert_eq!(hash, cgal.hash(&points).expect("CGAL answers"));
+    }
 }

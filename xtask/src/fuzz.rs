@@ -4,7 +4,7 @@
 //! it the fuzzers run the same compiler as the tests.
 
 use crate::require;
-use crate::shell::{cargo, command, root, run as call, works};
+use crate::shell::{cargo, command, root, run as call, target as target_folder, works};
 use std::process::Command;
 
 /// Runs every target; `args` may hold `--seconds N` (default 60).
@@ -23,10 +23,15 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     let host = host()?;
     for target in targets()? {
         println!("fuzz: {target}, {seconds} s");
+        let found = target_folder().join("fuzz-corpus").join(&target);
+        std::fs::create_dir_all(&found).map_err(|error| format!("{}: {error}", found.display()))?;
         call(
             cargo()
                 .env("RUSTC_BOOTSTRAP", "1")
-                .args(["fuzz", "run", "--target", &host, &target, "--"])
+                .args(["fuzz", "run", "--target", &host, &target])
+                // What is found goes to the first folder; the committed corpus is read only.
+                .args([&found, &root().join("fuzz/corpus").join(&target)])
+                .arg("--")
                 .arg(format!("-max_total_time={seconds}"))
                 // Memory grows with what the corpus reaches, not with one input; a hang is a
                 // finding.
