@@ -48,7 +48,8 @@ fn its_example_commands_are_understood() {
         let command = example.split("  ").next().unwrap();
         // A small set stands for the million.
         let args: Vec<&str> = command.split(' ').skip(1).collect();
-        let args: Vec<&str> = args.iter().map(|a| if *a == "1000000" { "50" } else { *a }).collect();
+        let args: Vec<&str> =
+            args.iter().map(|a| if *a == "1000000" { "50" } else { *a }).collect();
         let run = ltbw(dir.path(), &args);
         assert_eq!(run.code, 0, "{command}: {}", run.stderr);
     }
