@@ -6,7 +6,8 @@
 //! face neighbours, see `docs/algorithm.md`). An [`Admission`] is asked before each of them is
 //! taken and may refuse; then the mesh is as it was, bit for bit (*setback*).
 //!
-//! Cost: O(cavity) expected for cavities of up to [`SMALL`] vertices, O(k log k) for larger ones.
+//! Cost: O(cavity) expected for cavities of up to 64 boundary vertices, O(k log k) for larger
+//! ones.
 
 use crate::topology::{FaceId, Full, INFINITE, TetId, Topology, VertexId, tet_of};
 

@@ -18,7 +18,8 @@ pub struct PredicateStats {
     pub orient3d_calls: u64,
     /// Orientation tests that the filter left open.
     pub orient3d_exact: u64,
-    /// Conflict tests of finite tetrahedra.
+    /// Conflict tests of the cavity searches that succeeded, those of ghosts included: one for
+    /// each tetrahedron of the cavity but the first, and one for each face of its boundary.
     pub insphere_calls: u64,
     /// Conflict tests that neither the cached sphere nor the filter decided.
     pub insphere_exact: u64,

@@ -6,8 +6,8 @@
 //! and radius in single precision; [`TOLERANCE`] covers every rounding, so an answer is certain.
 //! The error bound is derived in `docs/numerics.md` (section "Cached spheres").
 //!
-//! A sphere that cannot be bounded (flat, huge, a ghost's, or outside the frame) has NaN as its
-//! radius; every comparison with it fails and the exact test is made.
+//! A sphere that cannot be bounded (flat, huge, or a ghost's) has NaN as its radius, and a query
+//! outside the frame has NaN coordinates; every comparison then fails and the exact test is made.
 
 use crate::Point;
 use crate::cavity::SMALL;
@@ -19,8 +19,8 @@ use crate::topology::TetId;
 #[repr(C, align(16))]
 pub(crate) struct Sphere(pub(crate) [f32; 4]);
 
-/// No two points of the frame whose computed distances to a stored centre differ from the stored
-/// radius by more than this (2^-20, in units of the frame) are on the wrong side of the sphere.
+/// A query whose computed distance to a stored centre differs from the stored radius by more than
+/// this (2^-20, in units of the frame) is certainly on that side of the true sphere.
 pub(crate) const TOLERANCE: f32 = 1.0 / (1 << 20) as f32;
 
 /// Largest radius (in units of the frame) that [`TOLERANCE`] covers.

@@ -2,6 +2,25 @@
 //!
 //! It re-exports [`ltbw_core`], the exact sequential kernel. The parallel kernel
 //! (Latency-Tolerant Bowyer-Watson) is built on the same cavity code.
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! use ltbw::{Builder, Inserted, PointSet};
+//!
+//! let cube = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+//! let mut mesh = Builder::new().build(&PointSet::new(cube)?)?.mesh;
+//! assert_eq!(mesh.insert([0.5, 0.5, 0.5])?, Inserted::Vertex(8));
+//! assert_eq!((mesh.num_vertices(), mesh.num_tets(), mesh.num_hull_faces()), (9, 12, 12));
+//! for [a, b, c, d] in mesh.tets() {
+//!     println!("{a} {b} {c} {d}");
+//! }
+//! println!("{}", mesh.hash()?);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! A point set has one mesh, whatever the order of its points: [`Mesh::hash`] is a function of
+//! the coordinates alone. The crate `ltbw-verify` checks meshes, by code of its own.
 #![forbid(unsafe_code)]
 
 pub use ltbw_core::*;

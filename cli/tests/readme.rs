@@ -1,0 +1,56 @@
+//! README.md shows what the program really prints: the demo's output, apart from its times, and
+//! the commands in the list of examples.
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod common;
+
+use common::ltbw;
+
+const README: &str = include_str!("../../README.md");
+
+/// Digits of the line of times become `0`: they differ from run to run.
+fn without_times(line: &str) -> String {
+    if !line.starts_with("seconds ") {
+        return line.to_string();
+    }
+    let numbers = line.split(' ').map(|word| {
+        let number = word.trim_end_matches([':', ',']);
+        if number.parse::<f64>().is_ok() { word.replace(number, "0") } else { word.to_string() }
+    });
+    numbers.collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn the_demo_prints_what_the_readme_shows() {
+    let start = README.find("$ cargo run --release -p ltbw-cli -- demo\n").unwrap();
+    let block = README[start..].split("```").next().unwrap();
+    let shown: Vec<String> = block.lines().skip(1).map(without_times).collect();
+
+    let dir = tempfile::tempdir().unwrap();
+    let run = ltbw(dir.path(), &["demo"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    // The README leaves out what comes after the empty line: what to do next.
+    let mut printed: Vec<String> =
+        run.stderr.lines().take_while(|line| !line.is_empty()).map(without_times).collect();
+    printed.extend(run.stdout.lines().map(str::to_string));
+    assert_eq!(shown, printed);
+}
+
+#[test]
+fn its_example_commands_are_understood() {
+    let examples: Vec<&str> = README.lines().filter(|line| line.starts_with("ltbw ")).collect();
+    assert!(examples.len() >= 4, "{examples:?}");
+    let dir = tempfile::tempdir().unwrap();
+    let points = ltbw(dir.path(), &["generate", "uniform", "50", "-o", "points.npy"]);
+    assert_eq!(points.code, 0, "{}", points.stderr);
+    for example in examples {
+        // Two blanks separate a command from what is said of it.
+        let command = example.split("  ").next().unwrap();
+        // A small set stands for the million.
+        let args: Vec<&str> = command.split(' ').skip(1).collect();
+        let args: Vec<&str> =
+            args.iter().map(|a| if *a == "1000000" { "50" } else { *a }).collect();
+        let run = ltbw(dir.path(), &args);
+        assert_eq!(run.code, 0, "{command}: {}", run.stderr);
+    }
+}
