@@ -13,6 +13,9 @@ use crate::topology::{FaceId, Full, INFINITE, TetId, Topology, VertexId, tet_of}
 
 /// Decides which tetrahedra conflict with the point in work.
 pub trait Conflict {
+    /// A hint that `t` will be asked about soon.
+    fn prefetch(&self, t: TetId);
+
     /// What is certain at once of four tetrahedra, as bit masks `(inside, outside)`. Those in
     /// neither mask are asked for with [`Conflict::in_conflict`].
     fn certain(&self, tets: [TetId; 4]) -> (u32, u32);
@@ -218,6 +221,12 @@ impl Cavity {
         while next < self.tets.len() {
             let t = self.tets[next];
             next += 1;
+            if let Some(&ahead) = self.tets.get(next) {
+                for face in topology.tet(ahead).neighbours() {
+                    conflict.prefetch(tet_of(face));
+                    topology.prefetch(tet_of(face));
+                }
+            }
             let tet = *topology.tet(t);
             let (v, n) = (tet.vertices(), tet.neighbours());
             self.ghosts += usize::from(v[3] == INFINITE);

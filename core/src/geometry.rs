@@ -204,6 +204,11 @@ impl PointConflict<'_> {
 
 impl Conflict for PointConflict<'_> {
     #[inline(always)]
+    fn prefetch(&self, t: TetId) {
+        self.geometry.spheres.prefetch(t);
+    }
+
+    #[inline(always)]
     fn certain(&self, tets: [TetId; 4]) -> (u32, u32) {
         raw::test_spheres(tets.map(|t| self.geometry.spheres.at(t)), &self.query)
     }

@@ -59,6 +59,20 @@ impl<T> Arena<T> {
         unsafe { self.0.get_unchecked(i as usize) }
     }
 
+    /// Asks the processor to fetch entry `i` into its cache. A hint: nothing depends on it.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, i: u32) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            let entry = self.0.as_ptr().wrapping_add(i as usize);
+            // SAFETY: SSE is part of x86-64, and a prefetch of any address is harmless.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(entry.cast()) };
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = i;
+    }
+
     /// Entry `i`, which must exist (I7).
     #[inline(always)]
     pub(crate) fn at_mut(&mut self, i: u32) -> &mut T {
@@ -278,11 +292,17 @@ mod tests {
         let mut next = numbers();
         let mut point = || [next(), next(), next()];
         let frame = Frame::of_box([-1.0; 3], [1.0; 3]).expect("an ordinary box");
-        let (mut flat, mut sound, mut seen) = (0, 0, [0; 3]);
-        for _ in 0..3000 {
+        let (mut flat, mut noise, mut sound, mut seen) = (0, 0, 0, [0; 3]);
+        for round in 0..3000 {
             let mut points = Arena::with_capacity(13);
             points.push([f64::NAN; 3]);
             (0..12).for_each(|_| points.push(point()));
+            if round % 2 == 1 {
+                // Vertices one ulp apart: the computed radius is rounding noise.
+                for k in 1..6u32 {
+                    *points.at_mut(2 * k) = points.at(2 * k - 1).map(f64::next_up);
+                }
+            }
             let rim: Vec<u32> = (0..12).collect();
             let mut maker = Maker::default();
             assert!(maker.aim(&frame, &points, &rim, points.at(12)));
@@ -298,7 +318,7 @@ mod tests {
             for (a, b) in fast.all().iter().zip(&slow) {
                 assert_eq!(a.0[3].is_nan(), b.0[3].is_nan());
                 if a.0[3].is_nan() {
-                    flat += 1;
+                    *(if round % 2 == 1 { &mut noise } else { &mut flat }) += 1;
                 } else {
                     sound += 1;
                     assert_eq!(a.0.map(f32::to_bits), b.0.map(f32::to_bits));
@@ -319,9 +339,7 @@ mod tests {
                 }
             }
         }
-        assert!(
-            flat > 100 && sound > 1000 && seen.iter().all(|&n| n > 100),
-            "{flat} {sound} {seen:?}"
-        );
+        let enough = flat > 100 && noise > 100 && sound > 1000 && seen.iter().all(|&n| n > 100);
+        assert!(enough, "{flat} {noise} {sound} {seen:?}");
     }
 }

@@ -176,10 +176,13 @@ impl Maker {
         let det = det + det;
         let inverse = 1.0 / det;
         let offset = [0, 1, 2].map(|k| (a[3] * bc[k] + b[3] * ca[k] + c[3] * ab[k]) * inverse);
-        let radius = (offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2]).sqrt();
+        let square = offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2];
+        let radius = square.sqrt();
         let longest = a[3].max(b[3]).max(c[3]);
         let scaled = radius * self.scale;
-        let sound = det.abs() > FLATNESS * (longest * radius) && scaled <= MAX_RADIUS;
+        let sound = det.abs() > FLATNESS * (longest * radius)
+            && square >= LEAST_SQUARE * longest
+            && scaled <= MAX_RADIUS;
         let [x, y, z] = [0, 1, 2].map(|k| (self.centre[k] + offset[k] * self.scale) as f32);
         Sphere([x, y, z, if sound { scaled as f32 } else { f32::NAN }])
     }

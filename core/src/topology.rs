@@ -102,6 +102,12 @@ impl Topology {
         self.tets.at(t)
     }
 
+    /// Asks the processor to fetch tetrahedron `t`.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, t: TetId) {
+        self.tets.prefetch(t);
+    }
+
     /// Number of slots, free ones included.
     pub fn slots(&self) -> usize {
         self.tets.all().len()
