@@ -2,6 +2,7 @@
 //! the commands in the list of examples.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+#[allow(dead_code, reason = "shared with the other tests, which use all of it")]
 mod common;
 
 use common::ltbw;
