@@ -158,8 +158,8 @@ pub(crate) struct Cavity {
     faces: [[u8; 4]; 2 * SMALL],
     /// `table[a * SMALL + b]`: the new face on the boundary edge from a to b (local numbers).
     table: Box<[FaceId; SMALL * SMALL]>,
-    /// Edges of a large cavity: vertices ascending, then face.
-    edges: Vec<(VertexId, VertexId, FaceId)>,
+    /// Hash table of a large cavity: boundary edges with the new face first met on them.
+    edges: Vec<(u64, FaceId)>,
 }
 
 impl Default for Cavity {
@@ -338,21 +338,36 @@ impl Cavity {
         }
     }
 
-    /// Writes the star of a large cavity: sorts the edges to link the new tetrahedra.
+    /// Writes the star of a large cavity: every boundary edge joins two new faces, which meet in
+    /// a hash table with linear probing. Its load is at most one half, so probing ends.
     #[cold]
     fn fill_large(&mut self, topology: &mut Topology, point: VertexId) {
+        const EMPTY: u64 = u64::MAX;
         self.rim_len = 0;
+        // Each face has three edges, each edge two faces.
+        let size = (3 * self.walls.len()).next_power_of_two();
+        let shift = 64 - size.trailing_zeros();
         self.edges.clear();
+        self.edges.resize(size, (EMPTY, 0));
         for (wall, &t) in self.walls.iter().zip(&self.created) {
             let [a, b, c] = wall.v;
             topology.put(t, [point, a, b, c], [wall.outer; 4]);
             for (p, q, slot) in [(a, b, 3), (b, c, 1), (c, a, 2)] {
-                self.edges.push((p.min(q), p.max(q), 4 * t + slot));
+                let key = u64::from(p.min(q)) << 32 | u64::from(p.max(q));
+                let mut place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> shift) as usize;
+                loop {
+                    let entry = &mut self.edges[place];
+                    if entry.0 == key {
+                        topology.link(entry.1, 4 * t + slot);
+                        break;
+                    }
+                    if entry.0 == EMPTY {
+                        *entry = (key, 4 * t + slot);
+                        break;
+                    }
+                    place = (place + 1) & (size - 1);
+                }
             }
-        }
-        self.edges.sort_unstable();
-        for pair in self.edges.chunks_exact(2) {
-            topology.link(pair[0].2, pair[1].2);
         }
     }
 

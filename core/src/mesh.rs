@@ -148,16 +148,24 @@ impl Mesh {
         p: Point,
         admission: &mut A,
     ) -> Result<Inserted, InsertError> {
-        let p = match self.mode.admit(p)? {
-            Some(kernel) => kernel,
-            None => self.widen(p),
-        };
-        if self.next_number as usize >= crate::points::MAX_POINTS {
-            let count = self.next_number as usize + 1;
+        let number = self.next_number;
+        if number as usize >= crate::points::MAX_POINTS {
+            let count = number as usize + 1;
             return Err(PointError::TooMany { count, limit: crate::points::MAX_POINTS }.into());
         }
-        let number = self.next_number;
-        match self.place(p, number, admission) {
+        let placed = match self.mode.admit(p)? {
+            Some(kernel) => self.place(kernel, number, admission),
+            None => {
+                let saved = (self.geometry.clone(), self.mode);
+                let kernel = self.widen(p);
+                let placed = self.place(kernel, number, admission);
+                if placed.is_err() {
+                    (self.geometry, self.mode) = saved;
+                }
+                placed
+            }
+        };
+        match placed {
             Ok(Placed::New) => {
                 self.next_number += 1;
                 Ok(Inserted::Vertex(number))

@@ -96,9 +96,14 @@ impl Topology {
         Self { tets: Arena::with_capacity(tets), free: Vec::new(), ghosts: 0 }
     }
 
-    /// The tetrahedron in slot `t`.
+    /// The tetrahedron in slot `t`, which may be a free slot; `None` if there is no such slot.
+    pub fn get(&self, t: TetId) -> Option<&Tet> {
+        self.tets.all().get(t as usize)
+    }
+
+    /// The tetrahedron in slot `t`, which must exist (I7).
     #[inline(always)]
-    pub fn tet(&self, t: TetId) -> &Tet {
+    pub(crate) fn tet(&self, t: TetId) -> &Tet {
         self.tets.at(t)
     }
 

@@ -158,6 +158,19 @@ fn a_refused_insertion_leaves_no_trace_whichever_tetrahedron_is_refused() {
 }
 
 #[test]
+fn a_refused_point_outside_the_window_does_not_widen_the_mesh() {
+    let mut mesh = build(generate(PointKind::Uniform, 50, 1));
+    let (before, mode) = (fingerprint(&mesh), mesh.mode());
+    let p = [1e300, 1e-300, 0.5];
+    let refused = mesh.insert_with(p, &mut |_, _| false);
+    assert!(matches!(refused, Err(InsertError::Refused { .. })));
+    assert!(fingerprint(&mesh) == before && mesh.mode() == mode);
+    assert_eq!(mesh.insert(p), Ok(Inserted::Vertex(50)));
+    assert_ne!(mesh.mode(), mode);
+    check_all(&mesh).expect("invariants");
+}
+
+#[test]
 fn any_order_gives_the_same_mesh() {
     let mut choose = random(5);
     for points in [grid(4), generate(PointKind::Cylinder, 80, 1), generate(PointKind::Ulps, 64, 4)]
