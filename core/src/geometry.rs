@@ -40,6 +40,8 @@ pub(crate) struct Geometry {
     frame: Option<Frame>,
     /// Some point lies outside the exactness window: filters are guarded.
     wide: bool,
+    /// A power of two of which all coordinates are multiples; zero if it is not known.
+    step: f64,
     maker: Maker,
     pub(crate) stats: PredicateStats,
 }
@@ -55,6 +57,7 @@ impl Geometry {
             spheres: Arena::with_capacity(tets),
             frame,
             wide,
+            step: if wide { 0.0 } else { f64::INFINITY },
             maker: Maker::default(),
             stats: PredicateStats::default(),
         }
@@ -70,6 +73,7 @@ impl Geometry {
     }
 
     pub(crate) fn push(&mut self, p: Point) {
+        self.step = self.step.min(lattice_step(&p));
         self.points.push(p);
     }
 
@@ -86,6 +90,7 @@ impl Geometry {
         self.spheres.all_mut().fill(Sphere::UNKNOWN);
         self.frame = None;
         self.wide = true;
+        self.step = 0.0;
     }
 
     /// Sign of orient3d of vertices `a`, `b`, `c` and the point `p`, filtered and counted.
@@ -96,7 +101,7 @@ impl Geometry {
         let fast = if self.wide {
             filter::orient3d_any(a, b, c, p)
         } else {
-            filter::orient3d_window(a, b, c, p)
+            filter::orient3d_lattice(a, b, c, p, self.step)
         };
         match fast {
             Some(sign) => sign,
@@ -126,7 +131,7 @@ impl Geometry {
         let fast = if self.wide {
             filter::insphere_any(a, b, c, d, p)
         } else {
-            filter::insphere_window(a, b, c, d, p)
+            filter::insphere_lattice([a, b, c, d], p, self.step)
         };
         let sign = fast.unwrap_or_else(|| {
             self.stats.insphere_exact += 1;
@@ -171,9 +176,25 @@ impl Geometry {
 
     /// The conflict test for `p`.
     pub(crate) fn conflict_of(&mut self, p: &Point) -> PointConflict<'_> {
+        self.step = self.step.min(lattice_step(p));
         let query = self.frame.as_ref().map_or(Query::NOWHERE, |f| f.query(p));
         PointConflict { geometry: self, p: *p, query }
     }
+}
+
+/// The largest power of two of which all three coordinates are multiples; infinite for zero.
+/// Coordinates are in the exactness window, so that it is a normal number.
+#[inline(always)]
+fn lattice_step(p: &Point) -> f64 {
+    let step = |c: f64| {
+        let bits = c.to_bits();
+        let exponent = (bits >> 52) & 0x7ff;
+        // The lowest set bit of the significand, the hidden one included, counts from 2^-52.
+        let lowest = (bits & ((1 << 52) - 1) | 1 << 52).trailing_zeros();
+        let power = (exponent + u64::from(lowest)).wrapping_sub(52);
+        if c == 0.0 { f64::INFINITY } else { f64::from_bits((power & 0x7ff) << 52) }
+    };
+    step(p[0]).min(step(p[1])).min(step(p[2]))
 }
 
 /// [`Conflict`] with one point.
@@ -217,5 +238,24 @@ impl Conflict for PointConflict<'_> {
     fn in_conflict(&mut self, topology: &Topology, t: TetId) -> bool {
         let p = self.p;
         self.geometry.conflict_by_points(topology, t, &p)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::lattice_step;
+
+    #[test]
+    fn the_step_divides_the_coordinates_and_twice_the_step_does_not() {
+        assert_eq!(lattice_step(&[0.0; 3]), f64::INFINITY);
+        assert_eq!(lattice_step(&[0.0, -12.0, 64.0]), 4.0);
+        assert_eq!(lattice_step(&[0.1, 1.0, 1.0]), 2f64.powi(-55));
+        for exponent in -142..200 {
+            let unit = 2f64.powi(exponent);
+            for k in [1.0, 3.0, 5.0, 4503599627370497.0] {
+                assert_eq!(lattice_step(&[-k * unit, 0.0, 8.0 * unit]), unit, "{k} 2^{exponent}");
+                assert_eq!(lattice_step(&[0.0, 6.0 * unit, 16.0 * unit]), 2.0 * unit);
+            }
+        }
     }
 }

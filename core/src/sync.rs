@@ -1,11 +1,19 @@
 //! The only file of this crate that touches atomics: cancelling long work from another thread.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+#[cfg(loom)]
+use loom::sync::{Arc, atomic::AtomicBool, atomic::Ordering};
+#[cfg(not(loom))]
+use std::sync::{Arc, atomic::AtomicBool, atomic::Ordering};
 
 /// A shared flag that asks long work to stop. Clones share the flag.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct CancelToken(Arc<AtomicBool>);
+
+impl Default for CancelToken {
+    fn default() -> Self {
+        Self(Arc::new(AtomicBool::new(false)))
+    }
+}
 
 impl CancelToken {
     /// A token that is not cancelled.

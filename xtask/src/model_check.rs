@@ -10,7 +10,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
         cargo()
             .env("RUSTFLAGS", format!("{flags} --cfg loom").trim_start())
             .env("CARGO_TARGET_DIR", target().join("loom"))
-            .args(["test", "--release", "-p", "ltbw-models", "--"])
+            .args(["test", "--release", "-p", "ltbw-models", "--tests", "--", "--nocapture"])
             .args(args),
     )
 }

@@ -106,6 +106,20 @@ pub fn orient3d_window(a: &Point, b: &Point, c: &Point, d: &Point) -> Option<Sig
     decide(det, ORIENT3D_ERROR * mx * my * mz)
 }
 
+/// [`orient3d_window`] for points whose coordinates are all multiples of the power of two `step`
+/// (zero: of none): differences of at most 2^16 steps are decided without any error, for every
+/// intermediate result is an integer of steps^3 below 6 2^48 < 2^53.
+#[inline(always)]
+#[must_use]
+pub fn orient3d_lattice(a: &Point, b: &Point, c: &Point, d: &Point, step: f64) -> Option<Sign> {
+    let (det, [mx, my, mz]) = orient3d_det(a, b, c, d);
+    let sign = decide(det, ORIENT3D_ERROR * mx * my * mz);
+    if sign.is_none() && larger(larger(mx, my), mz) <= 65536.0 * step {
+        return Some(Sign::from_f64(det));
+    }
+    sign
+}
+
 /// `orient3d` by filter, for any finite coordinates; `None` if not decided.
 #[inline(always)]
 #[must_use]
@@ -158,6 +172,21 @@ pub fn insphere_window(a: &Point, b: &Point, c: &Point, d: &Point, e: &Point) ->
     let (det, [mx, my, mz]) = insphere_det(a, b, c, d, e);
     let m = larger(larger(mx, my), mz);
     decide(det, INSPHERE_ERROR * mx * my * mz * (m * m))
+}
+
+/// [`insphere_window`] for points whose coordinates are all multiples of the power of two `step`
+/// (zero: of none): differences of at most 2^9 steps are decided without any error, for every
+/// intermediate result is an integer of steps^5 of at most 72 2^45 < 2^52.
+#[inline(always)]
+#[must_use]
+pub fn insphere_lattice([a, b, c, d]: [&Point; 4], e: &Point, step: f64) -> Option<Sign> {
+    let (det, [mx, my, mz]) = insphere_det(a, b, c, d, e);
+    let m = larger(larger(mx, my), mz);
+    let sign = decide(det, INSPHERE_ERROR * mx * my * mz * (m * m));
+    if sign.is_none() && m <= 512.0 * step {
+        return Some(Sign::from_f64(det));
+    }
+    sign
 }
 
 /// `insphere` by filter, for any finite coordinates; `None` if not decided.

@@ -11,8 +11,16 @@
 //! point set. All functions need pairwise distinct points; with equal points, they return some
 //! sign.
 
-use super::{Sign, cmp_xyz, coplanar_orient, insphere, orient3d, side_of_bounded_circle};
+use super::{Sign, coplanar_orient, insphere, orient3d, side_of_bounded_circle};
 use crate::Point;
+
+/// Is `p` after `q` in the order by (x, y, z)? No branch: on a grid the outcome is a coin toss.
+#[inline(always)]
+fn exceeds(p: &Point, q: &Point) -> bool {
+    let z = p[2] > q[2];
+    let y = (p[1] > q[1]) | ((p[1] == q[1]) & z);
+    (p[0] > q[0]) | ((p[0] == q[0]) & y)
+}
 
 /// Hands out the indices of `points` from the largest point to the smallest, one at a time: the
 /// perturbation looks at more than two only if its input was not as it should be.
@@ -34,8 +42,8 @@ impl<const N: usize> Iterator for Descending<'_, N> {
     fn next(&mut self) -> Option<usize> {
         let mut largest: Option<usize> = None;
         for i in 0..N {
-            let exceeds = |j: usize| cmp_xyz(self.points[i], self.points[j]).is_gt();
-            if !self.used[i] && largest.is_none_or(exceeds) {
+            let after = |j: usize| exceeds(self.points[i], self.points[j]);
+            if !self.used[i] && largest.is_none_or(after) {
                 largest = Some(i);
             }
         }
@@ -61,20 +69,27 @@ pub fn side_of_sphere(p0: &Point, p1: &Point, p2: &Point, p3: &Point, p: &Point)
 /// a line meets the sphere in two points at most, so `p` would equal one of them.
 #[must_use]
 pub fn perturbed_side(p0: &Point, p1: &Point, p2: &Point, p3: &Point, p: &Point) -> Sign {
-    for q in Descending::new([p0, p1, p2, p3, p]) {
-        let side = match q {
-            0 => orient3d(p, p1, p2, p3),
-            1 => orient3d(p0, p, p2, p3),
-            2 => orient3d(p0, p1, p, p3),
-            3 => orient3d(p0, p1, p2, p),
-            _ => return Sign::Negative,
-        };
-        if !side.is_zero() {
-            return side;
+    let points = [p0, p1, p2, p3, p];
+    let round = |q: usize| {
+        if q == 4 {
+            return Sign::Negative;
         }
+        let mut corners = [p0, p1, p2, p3];
+        corners[q] = p;
+        orient3d(corners[0], corners[1], corners[2], corners[3])
+    };
+    // The first round nearly always decides.
+    let mut largest = 0;
+    for i in 1..5 {
+        largest = if exceeds(points[i], points[largest]) { i } else { largest };
     }
-    // Every round that does not return is one of p0 to p3, and there are five.
-    Sign::Negative
+    let side = round(largest);
+    if !side.is_zero() {
+        return side;
+    }
+    // Every round that does not decide is one of p0 to p3, and there are five.
+    let mut sides = Descending::new(points).skip(1).map(round);
+    sides.find(|side| !side.is_zero()).unwrap_or(Sign::Negative)
 }
 
 /// Where `p` lies with respect to the perturbed circle through `p0, p1, p2`, in their plane:

@@ -54,3 +54,43 @@ fn wide_exponents_are_decided_by_the_guarded_filter() {
     let decided = share(&family, |[a, b, c, d, _]| filter::orient3d_any(a, b, c, d).is_some());
     assert!(decided > 0.3, "the guard refuses extents that it should not: {decided}");
 }
+
+#[test]
+fn lattice_filters_decide_few_steps_exactly_and_no_more() {
+    use crate::Point;
+    let mut bits = 0x9e37_79b9_7f4a_7c15u64;
+    let mut next = move |bound: u64| {
+        bits ^= bits << 13;
+        bits ^= bits >> 7;
+        bits ^= bits << 17;
+        (bits >> 11) % bound
+    };
+    let (mut zeros, mut beyond) = (0, 0);
+    for round in 0..40_000u64 {
+        let step = 2f64.powi((next(300) as i32) - 120);
+        // Extents of up to 2^9 steps are decided for insphere, of up to 2^16 for orient3d.
+        let span = [2, 9, 10, 16, 17, 30][round as usize % 6];
+        let offset = next(1 << 20) as f64;
+        let mut point =
+            || -> Point { [0, 1, 2].map(|_| (offset + next((1 << span) + 1) as f64) * step) };
+        let [a, b, c, d] = [point(), point(), point(), point()];
+        // Half of the time a fifth vertex of the box of a and b, often cospherical.
+        let e = if round % 2 == 0 { point() } else { [a[0], b[1], a[2]] };
+        let side = filter::insphere_lattice([&a, &b, &c, &d], &e, step);
+        let turn = filter::orient3d_lattice(&a, &b, &c, &d, step);
+        if let Some(sign) = side {
+            assert_eq!(sign, exact::insphere(&a, &b, &c, &d, &e), "{a:?} {b:?} {c:?} {d:?} {e:?}");
+            zeros += u32::from(sign.is_zero());
+        }
+        if let Some(sign) = turn {
+            assert_eq!(sign, exact::orient3d(&a, &b, &c, &d), "{a:?} {b:?} {c:?} {d:?}");
+            zeros += u32::from(sign.is_zero());
+        }
+        assert!(side.is_some() || span > 9 && turn.is_some() || span > 16, "{span} bits");
+        let window = filter::insphere_window(&a, &b, &c, &d, &e);
+        assert!(window.is_none() || window == side);
+        assert!(filter::insphere_lattice([&a, &b, &c, &d], &e, 0.0) == window);
+        beyond += u32::from(side.is_none());
+    }
+    assert!(zeros > 1000 && beyond > 10, "{zeros} zeros, {beyond} left to the exact stages");
+}
