@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 pub enum IoError {
     /// The extension of the file name is not one that is known.
     #[error(
-        "{}: unknown extension; points: .npy .xyz .csv .node; meshes: .vtu .ele .mesh",
+        "{}: unknown extension; points: .npy .xyz .csv .node .ply (read only: .off .obj .stl); \
+         meshes: .vtu .msh .mesh .ele",
         show(path)
     )]
     UnknownFormat {
@@ -26,6 +27,15 @@ pub enum IoError {
         holds: &'static str,
         /// What was wanted.
         wanted: &'static str,
+    },
+    /// Files of this format are read, but not written.
+    #[error(
+        "{}: this format is only read; points are written as .npy .xyz .csv .node .ply",
+        show(path)
+    )]
+    ReadOnly {
+        /// The file.
+        path: PathBuf,
     },
     /// The operating system could not read the file.
     #[error("{}: cannot read: {source}", show(path))]
@@ -69,6 +79,7 @@ impl IoError {
         match self {
             IoError::UnknownFormat { .. } => "io.unknown-format",
             IoError::WrongKind { .. } => "io.wrong-kind",
+            IoError::ReadOnly { .. } => "io.read-only",
             IoError::Read { .. } => "io.read",
             IoError::Write { .. } => "io.write",
             IoError::Parse { .. } => "io.parse",
@@ -98,6 +109,16 @@ pub enum DataError {
         tags: usize,
         /// Number of points or tetrahedra.
         count: usize,
+    },
+    /// The format has no number type for this tag.
+    #[error("{what} {number} has the tag {tag}, which this format cannot hold exactly")]
+    TagRange {
+        /// `point` or `tetrahedron`.
+        what: &'static str,
+        /// Index of the point or tetrahedron.
+        number: usize,
+        /// Its tag.
+        tag: i64,
     },
     /// A tetrahedron names a point that does not exist.
     #[error("tetrahedron {tet} names point {point}, but there are {points} points")]
@@ -138,6 +159,7 @@ impl fmt::Display for ParseError {
         match self.place {
             Place::Line(line) => write!(f, "line {line}: {}", self.reason),
             Place::Point(point) => write!(f, "point {point}: {}", self.reason),
+            Place::Byte(byte) => write!(f, "byte {byte}: {}", self.reason),
             Place::Header => write!(f, "header: {}", self.reason),
             Place::End => write!(f, "end of file: {}", self.reason),
         }
@@ -154,6 +176,8 @@ pub enum Place {
     Line(u64),
     /// A point of a binary file, counted from 0.
     Point(u64),
+    /// A byte of a binary file, counted from 0.
+    Byte(u64),
     /// The header of a binary file.
     Header,
     /// Its end.
@@ -216,7 +240,7 @@ pub enum Reason {
     /// An element names a point that is not there.
     #[error("{what} {number} names point {index}, but points are numbered {first} to {last}")]
     Index {
-        /// `tetrahedron` or `cell`.
+        /// `tetrahedron`, `cell` or `element`.
         what: &'static str,
         /// Which one, in the file's own numbering.
         number: u64,

@@ -5,6 +5,10 @@
 //! | `.npy` | points (NumPy array of shape (n, 3)) | no | [`npy`] |
 //! | `.xyz` | points, one on a line | no | [`xyz`] |
 //! | `.csv` | points, columns `x,y,z` | column `tag` | [`csv`] |
+//! | `.ply` | points (Stanford polygons) | property `tag` | [`ply`] |
+//! | `.off` | points, read only: the vertices | no | [`off`] |
+//! | `.obj` | points, read only: the vertices | no | [`obj`] |
+//! | `.stl` | points, read only: the corners, once each | no | [`stl`] |
 //! | `.node` | points (TetGen); beside `.ele`: a mesh | markers | [`tetgen`] |
 //! | `.ele` | mesh (TetGen), with the `.node` beside it | markers, regions | [`tetgen`] |
 //! | `.mesh` | mesh (Medit, ASCII) | references | [`medit`] |
@@ -24,8 +28,14 @@
 mod aside;
 pub mod csv;
 mod error;
+mod format;
 pub mod medit;
 pub mod npy;
+pub mod obj;
+pub mod off;
+pub mod ply;
+mod scalar;
+pub mod stl;
 pub mod tetgen;
 mod text;
 pub mod vtu;
@@ -34,6 +44,7 @@ pub mod xyz;
 use crate::{Point, TetMesh};
 use aside::Aside;
 pub use error::{DataError, IoError, ParseError, Place, Reason};
+pub use format::{Encoding, Format, WriteOptions};
 use std::path::{Path, PathBuf};
 
 /// Points as files carry them.
@@ -56,84 +67,18 @@ pub struct MeshFile {
     pub notes: Vec<String>,
 }
 
-/// A file format.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Format {
-    /// NumPy array.
-    Npy,
-    /// Coordinates separated by blanks.
-    Xyz,
-    /// Comma- or semicolon-separated columns.
-    Csv,
-    /// TetGen points.
-    Node,
-    /// TetGen tetrahedra, beside a `.node` file.
-    Ele,
-    /// Medit ASCII mesh.
-    Medit,
-    /// VTK unstructured grid.
-    Vtu,
-}
-
-impl Format {
-    /// Every format.
-    pub const ALL: [Format; 7] = [
-        Format::Npy,
-        Format::Xyz,
-        Format::Csv,
-        Format::Node,
-        Format::Ele,
-        Format::Medit,
-        Format::Vtu,
-    ];
-
-    /// The format that the extension of `path` names; upper and lower case are the same.
-    pub fn from_path(path: &Path) -> Result<Self, IoError> {
-        let extension = path.extension().unwrap_or_default();
-        Self::ALL
-            .into_iter()
-            .find(|f| extension.eq_ignore_ascii_case(f.extension()))
-            .ok_or_else(|| IoError::UnknownFormat { path: path.to_owned() })
-    }
-
-    /// Its extension, without the dot.
-    pub fn extension(self) -> &'static str {
-        match self {
-            Format::Npy => "npy",
-            Format::Xyz => "xyz",
-            Format::Csv => "csv",
-            Format::Node => "node",
-            Format::Ele => "ele",
-            Format::Medit => "mesh",
-            Format::Vtu => "vtu",
-        }
-    }
-
-    /// Whether a file of this format can hold points alone.
-    pub fn holds_points(self) -> bool {
-        matches!(self, Format::Npy | Format::Xyz | Format::Csv | Format::Node)
-    }
-
-    /// Whether a file of this format (with its companion) can hold a mesh.
-    pub fn holds_mesh(self) -> bool {
-        matches!(self, Format::Node | Format::Ele | Format::Medit | Format::Vtu)
-    }
-
-    /// Whether point tags survive in this format.
-    pub fn holds_point_tags(self) -> bool {
-        !matches!(self, Format::Npy | Format::Xyz)
-    }
-}
-
-/// Reads a point file: `.npy`, `.xyz`, `.csv` or `.node`.
+/// Reads a point file: `.npy`, `.xyz`, `.csv`, `.node`, `.ply`, `.off`, `.obj` or `.stl`.
 pub fn read_points(path: &Path) -> Result<PointFile, IoError> {
     let parse = match Format::from_path(path)? {
         Format::Npy => npy::read,
         Format::Xyz => xyz::read,
         Format::Csv => csv::read,
         Format::Node => tetgen::read_node,
-        Format::Ele | Format::Medit | Format::Vtu => return Err(wrong_kind(path, true)),
+        Format::Ply => ply::read,
+        Format::Off => off::read,
+        Format::Obj => obj::read,
+        Format::Stl => stl::read,
+        _ => return Err(wrong_kind(path, true)),
     };
     parse(&load(path)?).map_err(|error| parse_error(path, error))
 }
@@ -149,7 +94,7 @@ pub fn read_mesh_file(path: &Path) -> Result<MeshFile, IoError> {
         Format::Vtu => vtu::read,
         Format::Medit => medit::read,
         Format::Node | Format::Ele => return read_pair(path),
-        Format::Npy | Format::Xyz | Format::Csv => return Err(wrong_kind(path, false)),
+        _ => return Err(wrong_kind(path, false)),
     };
     parse(&load(path)?).map_err(|error| parse_error(path, error))
 }
@@ -169,31 +114,66 @@ fn pair(path: &Path) -> (PathBuf, PathBuf) {
     (other("node"), other("ele"))
 }
 
-/// Writes points and their tags. The formats `.npy` and `.xyz` have no place for tags.
+/// Writes points and their tags with the default [`WriteOptions`].
+/// The formats `.npy` and `.xyz` have no place for tags.
 pub fn write_points(path: &Path, file: &PointFile) -> Result<(), IoError> {
-    let write = match Format::from_path(path)? {
+    write_points_with(path, file, WriteOptions::default())
+}
+
+/// Writes points as [`write_points`] does, with a choice where the format leaves one.
+pub fn write_points_with(
+    path: &Path,
+    file: &PointFile,
+    options: WriteOptions,
+) -> Result<(), IoError> {
+    let format = writable(path, true)?;
+    let (points, tags) = (&file.points, file.point_tags.as_deref());
+    check_points(points, tags).map_err(|r| data_error(path, r))?;
+    if format == Format::Ply {
+        check_float_tags("point", tags).map_err(|r| data_error(path, r))?;
+        return Aside::write(path, |out| ply::write(out, points, tags, options.encoding))?
+            .publish();
+    }
+    let write = match format {
         Format::Npy => npy::write,
         Format::Xyz => xyz::write,
         Format::Csv => csv::write,
         Format::Node => tetgen::write_node,
-        Format::Ele | Format::Medit | Format::Vtu => return Err(wrong_kind(path, true)),
+        _ => return Err(wrong_kind(path, true)),
     };
-    let (points, tags) = (&file.points, file.point_tags.as_deref());
-    check_points(points, tags).map_err(|r| data_error(path, r))?;
     Aside::write(path, |out| write(out, points, tags))?.publish()
 }
 
-/// Writes a mesh: `.vtu`, `.mesh`, or the pair `.ele` and `.node` (named by either).
+/// Writes a mesh with the default [`WriteOptions`]: `.vtu`, `.mesh`, or the pair `.ele` and
+/// `.node` (named by either).
 pub fn write_mesh(path: &Path, mesh: &TetMesh) -> Result<(), IoError> {
-    let format = Format::from_path(path)?;
+    write_mesh_with(path, mesh, WriteOptions::default())
+}
+
+/// Writes a mesh as [`write_mesh`] does, with a choice where the format leaves one.
+pub fn write_mesh_with(path: &Path, mesh: &TetMesh, options: WriteOptions) -> Result<(), IoError> {
+    let format = writable(path, false)?;
     check_mesh(mesh).map_err(|r| data_error(path, r))?;
     let write = match format {
         Format::Vtu => vtu::write,
         Format::Medit => medit::write,
         Format::Node | Format::Ele => return write_pair(path, mesh),
-        Format::Npy | Format::Xyz | Format::Csv => return Err(wrong_kind(path, false)),
+        _ => return Err(wrong_kind(path, false)),
     };
     Aside::write(path, |out| write(out, mesh))?.publish()
+}
+
+/// The format of `path`, if points (or else meshes) can be written in it.
+fn writable(path: &Path, points: bool) -> Result<Format, IoError> {
+    let format = Format::from_path(path)?;
+    let holds = if points { format.holds_points() } else { format.holds_mesh() };
+    if !holds {
+        Err(wrong_kind(path, points))
+    } else if format.is_read_only() {
+        Err(IoError::ReadOnly { path: path.to_owned() })
+    } else {
+        Ok(format)
+    }
 }
 
 fn write_pair(path: &Path, mesh: &TetMesh) -> Result<(), IoError> {
@@ -210,23 +190,20 @@ fn write_pair(path: &Path, mesh: &TetMesh) -> Result<(), IoError> {
 /// `path`: an extension that is unknown or holds no points, a missing folder, or something under
 /// that name that is not a file. Creates nothing.
 pub fn check_points_writable(path: &Path) -> Result<(), IoError> {
-    if !Format::from_path(path)?.holds_points() {
-        return Err(wrong_kind(path, true));
-    }
+    writable(path, true)?;
     aside::check(path)
 }
 
 /// Tells what would certainly keep a mesh from being written, as [`check_points_writable`] does
 /// for points.
 pub fn check_mesh_writable(path: &Path) -> Result<(), IoError> {
-    match Format::from_path(path)? {
+    match writable(path, false)? {
         Format::Node | Format::Ele => {
             let (node, ele) = pair(path);
             aside::check(&node)?;
             aside::check(&ele)
         }
-        format if format.holds_mesh() => aside::check(path),
-        _ => Err(wrong_kind(path, false)),
+        _ => aside::check(path),
     }
 }
 
@@ -259,6 +236,21 @@ fn check_tags(what: &'static str, tags: Option<&[i64]>, count: usize) -> Result<
         Some(t) if t.len() != count => Err(DataError::Tags { what, tags: t.len(), count }),
         _ => Ok(()),
     }
+}
+
+/// Checks that every tag is exactly a double: formats without 64-bit integers carry them so.
+fn check_float_tags(what: &'static str, tags: Option<&[i64]>) -> Result<(), DataError> {
+    let inexact = |&t: &i64| scalar::exact_float(i128::from(t)).is_err();
+    match tags.and_then(|tags| Some((tags, tags.iter().position(inexact)?))) {
+        Some((tags, number)) => Err(DataError::TagRange { what, number, tag: tags[number] }),
+        None => Ok(()),
+    }
+}
+
+/// [`check_float_tags`] for writers, which know no path.
+fn float_tags(what: &'static str, tags: Option<&[i64]>) -> std::io::Result<()> {
+    let invalid = |e| std::io::Error::new(std::io::ErrorKind::InvalidInput, e);
+    check_float_tags(what, tags).map_err(invalid)
 }
 
 fn check_mesh(mesh: &TetMesh) -> Result<(), DataError> {

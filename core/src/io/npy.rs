@@ -6,25 +6,16 @@
 //! Source: NumPy Enhancement Proposal 1 and `numpy.lib.format`.
 
 use super::error::{ParseError, Place, Reason, excerpt};
+use super::scalar::{Kind, Scalar};
 use super::{Point, PointFile};
 use std::io::Write;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// The type of an array's values.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
-    Float,
-    Signed,
-    Unsigned,
-}
-
 /// What the header of an array says.
 #[derive(Debug, PartialEq)]
 struct Header {
-    kind: Kind,
-    bytes: usize,
-    big_endian: bool,
+    scalar: Scalar,
     fortran: bool,
     points: u64,
 }
@@ -33,9 +24,9 @@ struct Header {
 pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
     let (header, body) =
         split(bytes).and_then(|(h, body)| Ok((parse_header(h)?, body))).map_err(header_error)?;
-    let wanted = u128::from(header.points) * 3 * header.bytes as u128;
+    let wanted = u128::from(header.points) * 3 * header.scalar.bytes as u128;
     if (body.len() as u128) < wanted {
-        let found = (body.len() / (3 * header.bytes)) as u64;
+        let found = (body.len() / (3 * header.scalar.bytes)) as u64;
         let reason = Reason::Truncated { what: "points", announced: header.points, found };
         return Err(ParseError::new(Place::End, reason));
     }
@@ -43,14 +34,16 @@ pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
         return Err(ParseError::new(Place::End, Reason::Surplus("point")));
     }
     // From here on `points * 3 * bytes` is the length of a slice, so nothing overflows.
-    let n = body.len() / (3 * header.bytes);
+    let n = body.len() / (3 * header.scalar.bytes);
     let mut points = Vec::with_capacity(n);
     for i in 0..n {
         let mut p = [0.0; 3];
         for (k, c) in p.iter_mut().enumerate() {
             let at = if header.fortran { k * n + i } else { 3 * i + k };
-            let raw = &body[at * header.bytes..(at + 1) * header.bytes];
-            *c = value(raw, &header)
+            let raw = &body[at * header.scalar.bytes..(at + 1) * header.scalar.bytes];
+            *c = header
+                .scalar
+                .float(raw)
                 .map_err(|reason| ParseError::new(Place::Point(i as u64), reason))?;
         }
         points.push(p);
@@ -119,9 +112,7 @@ fn parse_header(header: &[u8]) -> Result<Header, Reason> {
         }
     }
     match (kind, fortran, points) {
-        (Some((kind, bytes, big_endian)), Some(fortran), Some(points)) => {
-            Ok(Header { kind, bytes, big_endian, fortran, points })
-        }
+        (Some(scalar), Some(fortran), Some(points)) => Ok(Header { scalar, fortran, points }),
         _ => Err(syntax("`descr`, `fortran_order` or `shape` is missing")),
     }
 }
@@ -138,7 +129,7 @@ fn quoted(text: &str) -> Result<(&str, &str), Reason> {
         .ok_or_else(|| Reason::Syntax(format!("expected a quoted string at `{}`", short(text))))
 }
 
-fn parse_descr(descr: &str) -> Result<(Kind, usize, bool), Reason> {
+fn parse_descr(descr: &str) -> Result<Scalar, Reason> {
     let unsupported = || {
         Reason::Unsupported(format!(
             "values of type `{}` (f4, f8, i1 to i8 and u1 to u8 are read)",
@@ -157,7 +148,7 @@ fn parse_descr(descr: &str) -> Result<(Kind, usize, bool), Reason> {
         b"u1" | b"u2" | b"u4" | b"u8" => Kind::Unsigned,
         _ => return Err(unsupported()),
     };
-    Ok((kind, usize::from(code[1] - b'0'), big_endian))
+    Ok(Scalar { kind, bytes: usize::from(code[1] - b'0'), big_endian })
 }
 
 fn parse_shape(dims: &str) -> Result<u64, Reason> {
@@ -169,32 +160,6 @@ fn parse_shape(dims: &str) -> Result<u64, Reason> {
         Some(&[n, 3]) => Ok(n),
         _ => Err(Reason::Syntax(format!("the shape is ({}), not (n, 3)", short(dims)))),
     }
-}
-
-/// One value as a double, if it is one exactly.
-fn value(raw: &[u8], header: &Header) -> Result<f64, Reason> {
-    let mut le = [0_u8; 8];
-    for (k, &b) in raw.iter().enumerate() {
-        le[if header.big_endian { raw.len() - 1 - k } else { k }] = b;
-    }
-    let word = u64::from_le_bytes(le);
-    let unused = 64 - 8 * raw.len() as u32;
-    match header.kind {
-        Kind::Float => {
-            let v = match raw.len() {
-                4 => f64::from(f32::from_bits(word as u32)),
-                _ => f64::from_bits(word),
-            };
-            if v.is_finite() { Ok(v) } else { Err(Reason::NotFinite(v.to_string())) }
-        }
-        Kind::Signed => exact(i128::from(((word << unused) as i64) >> unused)),
-        Kind::Unsigned => exact(i128::from(word)),
-    }
-}
-
-fn exact(value: i128) -> Result<f64, Reason> {
-    let float = value as f64;
-    if float as i128 == value { Ok(float) } else { Err(Reason::Inexact(value)) }
 }
 
 /// Writes an `.npy` file. The format has no place for tags.

@@ -77,7 +77,12 @@ pub(super) struct Tokens<'a> {
 
 impl<'a> Tokens<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
-        Self { bytes, next: 0 }
+        Self::starting_at(bytes, 0)
+    }
+
+    /// The values behind the first `next` bytes; errors still count lines from the first.
+    pub(super) fn starting_at(bytes: &'a [u8], next: usize) -> Self {
+        Self { bytes, next: next.min(bytes.len()) }
     }
 
     pub(super) fn remaining(&self) -> usize {

@@ -1,0 +1,113 @@
+//! The file formats, by the extensions of their files, and the choices that they leave.
+
+use super::IoError;
+use std::path::Path;
+
+/// A file format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Format {
+    /// NumPy array.
+    Npy,
+    /// Coordinates separated by blanks.
+    Xyz,
+    /// Comma- or semicolon-separated columns.
+    Csv,
+    /// Stanford polygons.
+    Ply,
+    /// Geomview objects: read only.
+    Off,
+    /// Wavefront objects: read only.
+    Obj,
+    /// Triangles for stereolithography: read only.
+    Stl,
+    /// TetGen points.
+    Node,
+    /// TetGen tetrahedra, beside a `.node` file.
+    Ele,
+    /// Medit ASCII mesh.
+    Medit,
+    /// VTK unstructured grid.
+    Vtu,
+}
+
+impl Format {
+    /// Every format.
+    pub const ALL: [Format; 11] = [
+        Format::Npy,
+        Format::Xyz,
+        Format::Csv,
+        Format::Ply,
+        Format::Off,
+        Format::Obj,
+        Format::Stl,
+        Format::Node,
+        Format::Ele,
+        Format::Medit,
+        Format::Vtu,
+    ];
+
+    /// The format that the extension of `path` names; upper and lower case are the same.
+    pub fn from_path(path: &Path) -> Result<Self, IoError> {
+        let extension = path.extension().unwrap_or_default();
+        Self::ALL
+            .into_iter()
+            .find(|f| extension.eq_ignore_ascii_case(f.extension()))
+            .ok_or_else(|| IoError::UnknownFormat { path: path.to_owned() })
+    }
+
+    /// Its extension, without the dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Format::Npy => "npy",
+            Format::Xyz => "xyz",
+            Format::Csv => "csv",
+            Format::Ply => "ply",
+            Format::Off => "off",
+            Format::Obj => "obj",
+            Format::Stl => "stl",
+            Format::Node => "node",
+            Format::Ele => "ele",
+            Format::Medit => "mesh",
+            Format::Vtu => "vtu",
+        }
+    }
+
+    /// Whether a file of this format can hold points alone.
+    pub fn holds_points(self) -> bool {
+        self.is_read_only()
+            || matches!(self, Format::Npy | Format::Xyz | Format::Csv | Format::Ply | Format::Node)
+    }
+
+    /// Whether a file of this format (with its companion) can hold a mesh.
+    pub fn holds_mesh(self) -> bool {
+        matches!(self, Format::Node | Format::Ele | Format::Medit | Format::Vtu)
+    }
+
+    /// Whether files of this format are read, but not written.
+    pub fn is_read_only(self) -> bool {
+        matches!(self, Format::Off | Format::Obj | Format::Stl)
+    }
+
+    /// Whether point tags survive in this format.
+    pub fn holds_point_tags(self) -> bool {
+        !self.is_read_only() && !matches!(self, Format::Npy | Format::Xyz)
+    }
+}
+
+/// How numbers are written where a format knows text and binary.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub enum Encoding {
+    /// Binary, little endian.
+    #[default]
+    Binary,
+    /// Text.
+    Ascii,
+}
+
+/// How files are written where their format leaves a choice.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub struct WriteOptions {
+    /// Text or binary numbers, in `.ply`.
+    pub encoding: Encoding,
+}

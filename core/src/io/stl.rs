@@ -1,0 +1,170 @@
+//! `.stl`: triangles for stereolithography, text or binary, read as points.
+//!
+//! The corners of the triangles are the points. The format repeats a point in each of its
+//! triangles; points that are equal (`-0.0` and `0.0` are) are read once, in the order of their
+//! first appearance. Triangles and normals are not read; a note says so. A file is binary if its
+//! length is the one that the count in its header asks for, or if it does not start with `solid`.
+//! Source: 3D Systems, "StereoLithography Interface Specification", 1988.
+
+use super::error::{ParseError, Place, Reason, excerpt};
+use super::text::{Lines, capacity, point};
+use super::{Point, PointFile};
+use std::collections::HashSet;
+
+/// Bytes before the triangles: a comment of 80 bytes and their count.
+const HEADER: usize = 84;
+/// Bytes of a triangle: its normal, three corners of three `f32` each, and two bytes more.
+const TRIANGLE: usize = 50;
+
+/// Reads an `.stl` file.
+pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
+    let count = bytes.get(80..HEADER).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]]));
+    let length = count.map(|c| HEADER as u64 + TRIANGLE as u64 * u64::from(c));
+    let text = bytes.trim_ascii_start().starts_with(b"solid");
+    let points = match (count, length) {
+        (Some(count), Some(length)) if length == bytes.len() as u64 || !text => {
+            read_binary(&bytes[HEADER..], count)?
+        }
+        _ if text => read_text(bytes)?,
+        _ => {
+            let reason = Reason::Syntax("neither a text nor a binary STL file".into());
+            return Err(ParseError::new(Place::Header, reason));
+        }
+    };
+    let notes = vec!["triangles are not read; each point is read once".to_owned()];
+    Ok(PointFile { points, point_tags: None, notes })
+}
+
+/// Points without those that are equal to an earlier one.
+struct Distinct {
+    points: Vec<Point>,
+    seen: HashSet<[u64; 3]>,
+}
+
+impl Distinct {
+    fn new(reserve: usize) -> Self {
+        Self { points: Vec::with_capacity(reserve), seen: HashSet::with_capacity(reserve) }
+    }
+
+    fn add(&mut self, point: Point) {
+        // In rounding to nearest, -0.0 + 0.0 is 0.0; nothing else changes.
+        if self.seen.insert(point.map(|c| (c + 0.0).to_bits())) {
+            self.points.push(point);
+        }
+    }
+}
+
+fn read_binary(body: &[u8], count: u32) -> Result<Vec<Point>, ParseError> {
+    let (triangles, rest) = body.as_chunks::<TRIANGLE>();
+    let (announced, found) = (u64::from(count), triangles.len() as u64);
+    if found < announced {
+        let reason = Reason::Truncated { what: "triangles", announced, found };
+        return Err(ParseError::new(Place::End, reason));
+    }
+    if found > announced || !rest.is_empty() {
+        return Err(ParseError::new(Place::End, Reason::Surplus("triangle")));
+    }
+    // A closed surface has half as many points as triangles.
+    let mut distinct = Distinct::new(triangles.len() / 2);
+    for (t, triangle) in triangles.iter().enumerate() {
+        // Behind the normal.
+        let (numbers, _) = triangle[12..48].as_chunks::<4>();
+        let (corners, _) = numbers.as_chunks::<3>();
+        for corner in corners {
+            let p = corner.map(|c| f64::from(f32::from_le_bytes(c)));
+            if let Some(c) = p.iter().find(|c| !c.is_finite()) {
+                let byte = HEADER + t * TRIANGLE;
+                let reason = Reason::NotFinite(c.to_string());
+                return Err(ParseError::new(Place::Byte(byte as u64), reason));
+            }
+            distinct.add(p);
+        }
+    }
+    Ok(distinct.points)
+}
+
+fn read_text(bytes: &[u8]) -> Result<Vec<Point>, ParseError> {
+    let mut distinct = Distinct::new(capacity(u64::MAX, bytes.len(), 500));
+    let (mut inside, mut corners) = (false, 0);
+    for line in Lines::new(bytes) {
+        let at = |reason| ParseError::at(bytes, line.offset, reason);
+        let mut fields = line.fields();
+        let word = fields.next().unwrap_or_default().to_ascii_lowercase();
+        match word.as_slice() {
+            b"solid" if !inside => inside = true,
+            b"endsolid" if inside => inside = false,
+            b"vertex" if inside => {
+                distinct.add(point(&mut fields, 1).map_err(at)?);
+                if fields.next().is_some() {
+                    return Err(at(Reason::TooManyValues { expected: 4 }));
+                }
+                corners += 1;
+            }
+            b"facet" | b"outer" | b"endloop" if inside => {}
+            b"endfacet" if inside && corners == 3 => corners = 0,
+            b"endfacet" if inside => {
+                return Err(at(Reason::Syntax(format!("a facet of {corners} vertices"))));
+            }
+            _ => {
+                let text = format!("unexpected `{}`", excerpt(line.text));
+                return Err(at(Reason::Syntax(text)));
+            }
+        }
+    }
+    if inside {
+        let reason = Reason::Syntax("the file ends without `endsolid`".into());
+        return Err(ParseError::at(bytes, bytes.len(), reason));
+    }
+    Ok(distinct.points)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn binary(head: &[u8], count: u32, triangles: &[[f32; 9]]) -> Vec<u8> {
+        let mut out = head.to_vec();
+        out.resize(80, 0);
+        out.extend(count.to_le_bytes());
+        for t in triangles {
+            out.extend(f32::NAN.to_le_bytes().repeat(3));
+            out.extend(t.iter().flat_map(|c| c.to_le_bytes()));
+            out.extend([0; 2]);
+        }
+        out
+    }
+
+    #[test]
+    fn equal_corners_are_one_point() {
+        let triangles = [
+            [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+            [-0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.1, 0.0, 1.0],
+        ];
+        let want =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [f64::from(0.1_f32), 0.0, 1.0]];
+        assert_eq!(read(&binary(b"solid but binary", 2, &triangles)).unwrap().points, want);
+        let text = "solid a b\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n\
+             VERTEX -0 0 0\nendloop\nendfacet\nendsolid a b\n";
+        assert_eq!(read(text.as_bytes()).unwrap().points, want[..2]);
+    }
+
+    #[test]
+    fn malformed() {
+        let says = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
+        let one = [[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, f32::INFINITY]];
+        assert_eq!(says(b""), "header: neither a text nor a binary STL file");
+        assert_eq!(
+            says(&binary(b"x", u32::MAX, &one)),
+            "end of file: the file announces 4294967295 triangles, but ends after 1"
+        );
+        assert_eq!(
+            says(&binary(b"x", 0, &one)),
+            "end of file: unexpected data after the last triangle"
+        );
+        assert_eq!(says(&binary(b"x", 1, &one)), "byte 84: `inf` is not a finite number");
+        assert_eq!(says(b"solid\nvertex 1 2\n"), "line 2: expected 4 values, found 3");
+        assert_eq!(says(b"solid\nvertex 1 2 3\nendfacet"), "line 3: a facet of 1 vertices");
+        assert_eq!(says(b"solid\n\n"), "line 3: the file ends without `endsolid`");
+        assert_eq!(says(b"solid\nhello you\n"), "line 2: unexpected `hello you`");
+    }
+}
