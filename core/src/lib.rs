@@ -14,6 +14,7 @@
 //! | `sphere`, `geometry`, `locate` | cached spheres, the conflict test, the walk |
 //! | [`mesh`] | [`Mesh`]: insertion and iteration |
 //! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
+//! | [`query`] | questions to a [`Mesh`], from many threads: locate, nearest, Voronoi cells |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
 //! | [`tetmesh`] | [`TetMesh`]: a plain mesh as files carry it |
 //! | [`invariants`] | one slow check per invariant of `docs/invariants.md` |
@@ -35,6 +36,7 @@ pub mod mesh;
 pub mod order;
 pub mod points;
 pub mod predicates;
+pub mod query;
 mod raw;
 mod sphere;
 mod sync;
