@@ -1,7 +1,7 @@
 //! Queries against brute force, on degenerate and ordinary points.
 
 use ltbw_core::generate::{PointKind, generate};
-use ltbw_core::predicates::{Sign, cmp_xyz, orient3d, perturb, twin};
+use ltbw_core::predicates::{Sign, cmp_xyz, exact, orient3d, perturb};
 use ltbw_core::query::{Conflicts, Cursor, Location, Queries};
 use ltbw_core::topology::INFINITE;
 use ltbw_core::{Builder, Inserted, Mesh, Mode, Point, PointError, PointSet, Vertex};
@@ -93,14 +93,14 @@ fn vertices(mesh: &Mesh) -> BTreeMap<Vertex, Point> {
     mesh.vertices().collect()
 }
 
-/// Where `p` lies, from the list of tetrahedra alone, by big integers: the smallest simplex that
-/// holds it, as its vertices ascending; none outside.
+/// Where `p` lies, from the list of tetrahedra alone: the smallest simplex that holds it,
+/// as its vertices ascending; none outside.
 fn brute_locate(tets: &[[Vertex; 4]], at: &BTreeMap<Vertex, Point>, p: &Point) -> Vec<Vertex> {
     for tet in tets {
         let sides = [0, 1, 2, 3].map(|i| {
             let corners = [0, 1, 2, 3].map(|j| if i == j { *p } else { at[&tet[j]] });
             let [a, b, c, d] = &corners;
-            twin::orient3d(a, b, c, d)
+            exact::orient3d(a, b, c, d)
         });
         if !sides.contains(&Sign::Negative) {
             let held = (0..4).filter(|&i| sides[i] == Sign::Positive);
@@ -136,7 +136,7 @@ fn simplex(mesh: &Mesh, at: &BTreeMap<Vertex, Point>, p: &Point, found: Location
         Location::OutsideHull { facet, ghost } => {
             assert!(mesh.topology().tet(ghost).is_ghost());
             let [a, b, c] = facet.map(|v| at[&v]);
-            assert_eq!(twin::orient3d(&a, &b, &c, p), Sign::Positive, "{p:?} {found:?}");
+            assert_eq!(exact::orient3d(&a, &b, &c, p), Sign::Positive, "{p:?} {found:?}");
             assert!(mesh.hull_facets().any(|f| f == facet));
             Vec::new()
         }

@@ -32,6 +32,7 @@ use crate::Point;
 
 /// Sign of an exactly evaluated expression.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(i8)]
 pub enum Sign {
     /// Below zero.

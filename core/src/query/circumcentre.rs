@@ -28,6 +28,7 @@ const LEAST: f64 = f64::from_bits(1);
 
 /// The centre of a tetrahedron's circumsphere, rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Circumcentre {
     /// The computed centre, in the input's coordinates.
     pub centre: Point,
@@ -165,18 +166,16 @@ mod tests {
     use super::*;
     use crate::predicates::{Sign, exact};
 
-    /// Coordinates of a few bits, of all bits, and of a thin layer.
+    /// Four points with coordinates of a few bits, of all bits, or within ulps of one plane.
     fn corners(kind: usize, next: &mut impl FnMut() -> u64) -> [Point; 4] {
+        let mut fraction = || (next() >> 11) as f64 * 2f64.powi(-53);
         [0; 4].map(|_| {
-            [0, 1, 2].map(|k| {
-                let r = next();
-                match kind {
-                    0 => ((r >> 40) % 9) as f64,
-                    1 => (r >> 11) as f64 * 2f64.powi(-53),
-                    _ if k == 2 => (r >> 61) as f64 * 1e-13,
-                    _ => (r >> 11) as f64 * 2f64.powi(-53),
-                }
-            })
+            let [x, y, z] = [fraction(), fraction(), fraction()];
+            match kind {
+                0 => [x, y, z].map(|c| (c * 9.0).floor()),
+                1 => [x, y, z],
+                _ => [x, y, x + y + (z * 4.0).floor() * f64::EPSILON],
+            }
         })
     }
 

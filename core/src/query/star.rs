@@ -120,7 +120,7 @@ impl<'q> Cursor<'q> {
     /// # let mesh = Builder::new().build(&PointSet::new(cube)?)?.mesh;
     /// // Euler's formula of a ball: V - E + F - T = 1.
     /// let edges = mesh.queries().cursor().edges().count();
-    /// assert_eq!(8 - edges + mesh.faces().count() - mesh.num_tets(), 1);
+    /// assert_eq!(8 + mesh.faces().count(), edges + mesh.num_tets() + 1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn edges(&mut self) -> Edges<'_, 'q> {
