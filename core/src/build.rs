@@ -22,6 +22,7 @@ pub trait Observer: Sync {
 
 /// Limits on the work. The default has none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Budget {
     /// Insert at most this many points (the first four are always inserted).
     pub max_points: Option<u64>,
@@ -31,6 +32,7 @@ pub struct Budget {
 
 /// In which order points are inserted. It decides the speed, never the mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Order {
     /// Biased randomized rounds, along a Hilbert curve in each.
@@ -42,6 +44,7 @@ pub enum Order {
 
 /// How far a build came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Outcome {
     /// The mesh has all points.
     Complete,
@@ -86,6 +89,7 @@ pub enum BuildError {
 
 /// Figures of one build.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stats {
     /// Seconds spent on the insertion order.
     pub order_seconds: f64,

@@ -26,6 +26,7 @@ pub trait Conflict {
 
 /// Why a tetrahedron is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Role {
     /// It conflicts with the point and will be deleted.
     Cavity,

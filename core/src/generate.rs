@@ -8,6 +8,7 @@ use crate::Point;
 
 /// The kinds of point sets. Unless a kind says otherwise it has exactly the size asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum PointKind {
     /// Uniform in the unit cube.

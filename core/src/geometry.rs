@@ -13,6 +13,7 @@ use crate::topology::{INFINITE, TetId, Topology, VertexId};
 
 /// How many predicate calls were made, and how many needed more than a filter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PredicateStats {
     /// Orientation tests.
     pub orient3d_calls: u64,

@@ -14,7 +14,10 @@
 //! | `sphere`, `geometry`, `locate` | cached spheres, the conflict test, the walk |
 //! | [`mesh`] | [`Mesh`]: insertion and iteration |
 //! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
+//! | [`query`] | questions to a [`Mesh`], from many threads: locate, nearest, Voronoi cells |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
+//! | [`snapshot`] | [`Snapshot`]: a mesh to be stored, restored through validation |
+//! | `interop` | conversions from and to `nalgebra` (feature `nalgebra`) |
 //! | [`tetmesh`] | [`TetMesh`]: a plain mesh as files carry it |
 //! | [`invariants`] | one slow check per invariant of `docs/invariants.md` |
 //! | [`io`] | readers and writers of point and mesh files |
@@ -28,6 +31,8 @@ pub mod cavity;
 pub mod generate;
 mod geometry;
 pub mod hash;
+#[cfg(feature = "nalgebra")]
+pub mod interop;
 pub mod invariants;
 pub mod io;
 mod locate;
@@ -35,7 +40,11 @@ pub mod mesh;
 pub mod order;
 pub mod points;
 pub mod predicates;
+pub mod query;
 mod raw;
+#[cfg(feature = "serde")]
+mod serialise;
+pub mod snapshot;
 mod sphere;
 mod sync;
 pub mod tetmesh;
@@ -48,6 +57,7 @@ pub use hash::{HashError, MeshHash, canonical_hash};
 pub use mesh::{InsertError, Inserted, Mesh, Vertex};
 pub use points::{Mode, PointError, PointSet};
 pub use predicates::Sign;
+pub use snapshot::{Snapshot, SnapshotError};
 pub use sync::CancelToken;
 pub use tetmesh::TetMesh;
 

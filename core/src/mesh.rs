@@ -18,6 +18,7 @@ pub type Vertex = u32;
 
 /// What became of an inserted point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Inserted {
     /// It is a new vertex with this number.
     Vertex(Vertex),

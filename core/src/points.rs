@@ -53,6 +53,7 @@ pub enum PointError {
 
 /// How the coordinates of a point set get into the exactness window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mode {
     /// They are in it.
     Normal,

@@ -4,6 +4,7 @@ use crate::Point;
 
 /// A tetrahedral mesh with optional integer tags, as files carry it.
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TetMesh {
     /// Vertex coordinates.
     pub points: Vec<Point>,

@@ -12,9 +12,11 @@
 //! |---|---|---|
 //! | [`filter`] | floating-point filters with proved error bounds | some 10 ns |
 //! | [`exact`] | staged exact evaluation: few bits, fixed width, any width | tens of ns and up |
+//! | [`distance`] | which of two points is nearer | some ns; exact 0.1 µs |
 //! | [`twin`] | the same predicates, from big integers alone: the reference of the tests | 10 µs |
 //! | [`perturb`] | the symbolic perturbation: an in-sphere test that is never zero | |
 
+pub mod distance;
 pub mod exact;
 pub mod filter;
 pub mod perturb;
@@ -30,6 +32,7 @@ use crate::Point;
 
 /// Sign of an exactly evaluated expression.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(i8)]
 pub enum Sign {
     /// Below zero.
