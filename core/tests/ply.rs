@@ -141,10 +141,7 @@ fn malformed() {
          element vertex 0\n{XYZ}"
     );
     let after = body(&list) + 8;
-    assert_eq!(
-        says(&list, &(-1_i64).to_le_bytes()),
-        format!("byte {after}: a list of length -1")
-    );
+    assert_eq!(says(&list, &(-1_i64).to_le_bytes()), format!("byte {after}: a list of length -1"));
     assert_eq!(
         says(&list, &(1_i64 << 62).to_le_bytes()),
         format!("byte {after}: the file announces 1 rows, but ends after 0")

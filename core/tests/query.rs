@@ -134,7 +134,7 @@ fn simplex(mesh: &Mesh, at: &BTreeMap<Vertex, Point>, p: &Point, found: Location
             all
         }
         Location::OutsideHull { facet, ghost } => {
-            assert!(mesh.topology().tet(ghost).is_ghost());
+            assert!(mesh.topology().get(ghost).expect("a slot").is_ghost());
             let [a, b, c] = facet.map(|v| at[&v]);
             assert_eq!(exact::orient3d(&a, &b, &c, p), Sign::Positive, "{p:?} {found:?}");
             assert!(mesh.hull_facets().any(|f| f == facet));

@@ -71,7 +71,7 @@ fn check_cell(mesh: &Mesh, queries: &Queries<'_>, cell: &Cell<'_>) {
             None => assert!(face.corners.len() >= 3),
             Some(ghosts) => {
                 assert!(!face.corners.is_empty());
-                assert!(ghosts.iter().all(|&g| mesh.topology().tet(g).is_ghost()));
+                assert!(ghosts.iter().all(|&g| mesh.topology().get(g).expect("a slot").is_ghost()));
             }
         }
     }
@@ -187,7 +187,7 @@ fn rays_leave_along_the_facets_they_name() {
             // The facets of both ghosts have the edge; turning about it counterclockwise seen
             // from the neighbour, the tetrahedron is between the last and the first facet.
             let third = |ghost: u32| {
-                let [a, b, c, _] = mesh.topology().tet(ghost).vertices();
+                let [a, b, c, _] = mesh.topology().get(ghost).expect("a slot").vertices();
                 let all: Vec<Vertex> = queries
                     .hull()
                     .find(|f| {
