@@ -5,6 +5,7 @@
 //! rings, planes, lines).
 
 use ltbw::Point;
+use ltbw::generate::{PointKind, generate};
 
 pub use ltbw::generate::Random as Rng;
 
@@ -237,6 +238,102 @@ pub fn snapped(seed: u64) -> Vec<Point> {
     let style = rng.bits() as u32;
     let cells: Vec<[u8; 4]> = (0..n).map(|_| (rng.bits() as u32).to_le_bytes()).collect();
     snap(style, &cells)
+}
+
+/// `n` points of random directions, rounded onto the unit sphere: nearly cospherical.
+#[must_use]
+pub fn rounded_sphere(n: usize, seed: u64) -> Vec<Point> {
+    generate(PointKind::Sphere, n, seed)
+}
+
+/// `n` points in a thin spherical shell.
+#[must_use]
+pub fn shell(n: usize, seed: u64) -> Vec<Point> {
+    generate(PointKind::Shell, n, seed)
+}
+
+/// `n` points, each coordinate of either sign, times a random power of two in +-`span`: the
+/// exactness window holds none of it.
+#[must_use]
+pub fn mixed_exponents(n: usize, span: u64, seed: u64) -> Vec<Point> {
+    let mut rng = Rng::new(seed);
+    let mut coordinate = || {
+        let sign = if rng.below(2) == 0 { 1.0 } else { -1.0 };
+        sign * (1.0 + rng.unit()) * two_to(rng.below(2 * span + 1) as i32 - span as i32)
+    };
+    (0..n).map(|_| std::array::from_fn(|_| coordinate())).collect()
+}
+
+/// `n` points of random bits: every finite number is as likely as its neighbours, subnormal and
+/// largest ones included.
+#[must_use]
+pub fn random_bits(n: usize, seed: u64) -> Vec<Point> {
+    let mut rng = Rng::new(seed);
+    let mut coordinate = || {
+        // The exponent 0x7ff, infinities and NaN, is never drawn.
+        let exponent = rng.below(0x7ff) << 52;
+        f64::from_bits(rng.bits() & !(0x7ff << 52) | exponent)
+    };
+    (0..n).map(|_| std::array::from_fn(|_| coordinate())).collect()
+}
+
+/// The grid in steps of the smallest subnormal number, 2^-1074.
+#[must_use]
+pub fn subnormal_grid(k: usize) -> Vec<Point> {
+    grid(k).into_iter().map(|p| p.map(|c| f64::from_bits(c as u64))).collect()
+}
+
+/// The grid, turned by an angle without exact sine: nearly cospherical everywhere, and nearly flat
+/// tetrahedra of rounding noise.
+#[must_use]
+pub fn turned_grid(k: usize) -> Vec<Point> {
+    // The matrix of the quaternion (1, 0.3, 0.5, 0.7), scaled to a rotation in rounded arithmetic.
+    let [w, x, y, z] = [1.0f64, 0.3, 0.5, 0.7];
+    let n = w * w + x * x + y * y + z * z;
+    let rows = [
+        [w * w + x * x - y * y - z * z, 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), w * w - x * x + y * y - z * z, 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), w * w - x * x - y * y + z * z],
+    ];
+    let turn = |p: Point| rows.map(|r| (r[0] * p[0] + r[1] * p[1] + r[2] * p[2]) / n);
+    grid(k).into_iter().map(turn).collect()
+}
+
+/// Sets outside the exactness window: for the big-integer mode.
+#[must_use]
+pub fn wide(size: Size) -> Vec<Family> {
+    let (n, k) = match size {
+        Size::Small => (60, 4),
+        Size::Moderate => (1_500, 12),
+        Size::Full => (20_000, 40),
+    };
+    let family = |name: &str, points| Family { name: name.to_string(), points };
+    let mut mixed = scaled(&grid(k), 600);
+    mixed.extend(subnormal_grid(k));
+    vec![
+        family("exponents +-300", mixed_exponents(n, 300, 1)),
+        family("exponents +-1000", mixed_exponents(n, 1000, 2)),
+        family("random bits", random_bits(n, 3)),
+        family("grid*2^600", scaled(&grid(k), 600)),
+        family("subnormal grid", subnormal_grid(k)),
+        family("grid*2^600 and subnormal grid", mixed),
+    ]
+}
+
+/// The sets whose speed is measured beside [`all`]'s.
+#[must_use]
+pub fn more_speed(size: Size) -> Vec<Family> {
+    let (n, k) = match size {
+        Size::Small => (150, 5),
+        Size::Moderate => (20_000, 20),
+        Size::Full => (1_000_000, 70),
+    };
+    let family = |name: &str, points| Family { name: name.to_string(), points };
+    vec![
+        family("rounded-sphere", rounded_sphere(n, 1)),
+        family("shell", shell(n, 1)),
+        family("turned-grid", turned_grid(k)),
+    ]
 }
 
 /// All families, at one size.

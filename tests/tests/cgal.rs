@@ -6,12 +6,13 @@
 use ltbw::{Order, Point};
 use ltbw_tests::cgal::Cgal;
 use ltbw_tests::compare::{compare, compare_with};
-use ltbw_tests::families::{Rng, Size, all, grid, snapped};
+use ltbw_tests::families::{Rng, Size, all, grid, more_speed, snapped, wide};
 
 #[test]
 fn every_family_equals_cgal() {
     let Some(mut cgal) = Cgal::for_test("every_family_equals_cgal") else { return };
-    for family in all(Size::Moderate) {
+    let more = more_speed(Size::Moderate).into_iter().chain(wide(Size::Moderate));
+    for family in all(Size::Moderate).into_iter().chain(more) {
         if let Err(difference) = compare(&mut cgal, &family.points, Order::Brio) {
             panic!("{} of {} points: {difference}", family.name, family.points.len());
         }
@@ -24,7 +25,8 @@ fn twenty_orders_of_every_small_set_equal_cgal() {
         return;
     };
     let mut rng = Rng::new(20);
-    for mut family in all(Size::Small) {
+    let more = more_speed(Size::Small).into_iter().chain(wide(Size::Small));
+    for mut family in all(Size::Small).into_iter().chain(more) {
         for turn in 0..20 {
             rng.shuffle(&mut family.points);
             // The tetrahedra name indices, so CGAL is asked for each order anew.
