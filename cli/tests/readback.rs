@@ -3,6 +3,7 @@
 //! Python is `$LTBW_PYTHON` or `python3`, with the packages meshio, pyvista and numpy.
 
 #[path = "../../tests/src/require.rs"]
+#[expect(unreachable_pub, reason = "it is public in the library that owns it")]
 mod require;
 
 use std::path::Path;
