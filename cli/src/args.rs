@@ -26,7 +26,8 @@ Examples:
   ltbw check mesh.vtu                            check anybody's mesh, exactly
   ltbw convert mesh.vtu mesh.ele                 also writes mesh.node
 
-Formats, by extension: points .npy .xyz .csv .node; meshes .vtu .mesh .ele (with .node).
+Formats, by extension: points .npy .xyz .csv .node .ply, and read only .off .obj .stl;
+meshes .vtu .msh .mesh .ele (with .node).
 stdout carries data (hash, JSON), stderr what is meant for people.
 
 ";
@@ -80,7 +81,10 @@ Examples:
   ltbw convert points.csv points.npy
   ltbw convert mesh.vtu mesh.mesh
   ltbw convert mesh.vtu points.xyz      the points of a mesh
+  ltbw convert mesh.vtu mesh.msh --msh2 --ascii     for programs that read no newer Gmsh files
 
+Points: .npy .xyz .csv .node .ply, and read only .off .obj .stl (their vertices).
+Meshes: .vtu .msh (4.1 and 2.2) .mesh .ele (with .node).
 Coordinates survive bit for bit; tags survive where the format has a place for them.
 
 "))]
@@ -105,9 +109,9 @@ fn concat_help(text: &str) -> String {
 /// `ltbw delaunay`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Delaunay {
-    /// The points: .npy .xyz .csv .node
+    /// The points: .npy .xyz .csv .node .ply .off .obj .stl
     pub(crate) points: PathBuf,
-    /// Where to write the mesh: .vtu .mesh .ele (with .node); may be given several times
+    /// Where to write the mesh: .vtu .msh .mesh .ele (with .node); may be given several times
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
     /// Threads for ordering, checking, hashing and output [default: one per core]
@@ -137,7 +141,7 @@ pub(crate) enum Depth {
 /// `ltbw check`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Check {
-    /// The mesh: .vtu .mesh .ele (with .node)
+    /// The mesh: .vtu .msh .mesh .ele (with .node)
     pub(crate) mesh: PathBuf,
     /// Write the certificate as JSON (schema ltbw.cert/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]
@@ -156,6 +160,12 @@ pub(crate) struct Convert {
     /// The file to write
     #[arg(value_name = "OUT")]
     pub(crate) output: PathBuf,
+    /// Write numbers as text where the format knows both: .vtu .msh .ply
+    #[arg(long)]
+    pub(crate) ascii: bool,
+    /// Write .msh in version 2.2 instead of 4.1
+    #[arg(long)]
+    pub(crate) msh2: bool,
 }
 
 /// `ltbw generate`.
@@ -170,7 +180,7 @@ pub(crate) struct Generate {
     /// Another seed gives another set of the same kind
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Where to write the points: .npy .xyz .csv .node
+    /// Where to write the points: .npy .xyz .csv .node .ply
     #[arg(short, long = "output", value_name = "FILE")]
     pub(crate) output: PathBuf,
 }

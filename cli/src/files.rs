@@ -3,7 +3,7 @@
 use crate::args::{Convert, Generate};
 use crate::console;
 use crate::outcome::{Exit, Failure, show};
-use ltbw::io::{self, Format, PointFile};
+use ltbw::io::{self, Encoding, Format, MshVersion, PointFile, WriteOptions};
 use std::path::Path;
 
 /// `ltbw convert`.
@@ -14,10 +14,11 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
     let (input, output) = (&args.input, &args.output);
     let from = Format::from_path(input).map_err(Failure::Read)?;
     let to = Format::from_path(output).map_err(Failure::Write)?;
+    let options = options(args);
     if from.holds_points() && to.holds_points() {
         let file = io::read_points(input).map_err(Failure::Read)?;
         notes(input, &file.notes);
-        write_points(output, to, &file)
+        write_points(output, to, &file, options)
     } else if !from.holds_mesh() {
         let text = format!(
             "{}: points are no mesh; `ltbw delaunay {} -o {}` makes one of them",
@@ -31,7 +32,7 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
         notes(input, &file.notes);
         let mesh = file.mesh;
         if to.holds_mesh() {
-            io::write_mesh(output, &mesh).map_err(Failure::Write)?;
+            io::write_mesh_with(output, &mesh, options).map_err(Failure::Write)?;
             let (points, tets) = (mesh.points.len(), mesh.tets.len());
             console::people(&format!(
                 "wrote     {}: {points} points, {tets} tetrahedra",
@@ -43,15 +44,28 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
         notes(output, &[text]);
         let point_tags = mesh.point_tags;
         let file = PointFile { points: mesh.points, point_tags, notes: Vec::new() };
-        write_points(output, to, &file)
+        write_points(output, to, &file, options)
     }
 }
 
-fn write_points(path: &Path, format: Format, file: &PointFile) -> Result<Exit, Failure> {
+/// The choices of the command line.
+fn options(args: &Convert) -> WriteOptions {
+    WriteOptions {
+        encoding: if args.ascii { Encoding::Ascii } else { Encoding::Binary },
+        msh_version: if args.msh2 { MshVersion::V2_2 } else { MshVersion::V4_1 },
+    }
+}
+
+fn write_points(
+    path: &Path,
+    format: Format,
+    file: &PointFile,
+    options: WriteOptions,
+) -> Result<Exit, Failure> {
     if file.point_tags.is_some() && !format.holds_point_tags() {
         notes(path, &["tags are not kept: this format has no place for them".to_owned()]);
     }
-    io::write_points(path, file).map_err(Failure::Write)?;
+    io::write_points_with(path, file, options).map_err(Failure::Write)?;
     console::people(&format!("wrote     {}: {} points", show(path), file.points.len()));
     Ok(Exit::Done)
 }
@@ -66,5 +80,6 @@ pub(crate) fn generate(args: &Generate) -> Result<Exit, Failure> {
     io::check_points_writable(&args.output).map_err(Failure::Write)?;
     let format = Format::from_path(&args.output).map_err(Failure::Write)?;
     let points = ltbw::generate::generate(args.kind, args.count as usize, args.seed);
-    write_points(&args.output, format, &PointFile { points, ..PointFile::default() })
+    let file = PointFile { points, ..PointFile::default() };
+    write_points(&args.output, format, &file, WriteOptions::default())
 }

@@ -102,6 +102,38 @@ fn one_mesh_whatever_the_formats_and_threads() {
 }
 
 #[test]
+fn convert_writes_text_and_the_older_gmsh_version() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = |args: &[&str]| {
+        let run = ltbw(dir.path(), args);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        run
+    };
+    run(&["generate", "sphere", "50", "-o", "p.ply"]);
+    let made = run(&["delaunay", "p.ply", "-o", "m.msh"]);
+    let first = hash(&made);
+    let starts: [(&[&str], &[u8]); 4] = [
+        (&["a.msh"], b"$MeshFormat\n4.1 1 8\n"),
+        (&["b.msh", "--ascii"], b"$MeshFormat\n4.1 0 8\n"),
+        (&["c.msh", "--msh2"], b"$MeshFormat\n2.2 1 8\n"),
+        (&["d.msh", "--msh2", "--ascii"], b"$MeshFormat\n2.2 0 8\n"),
+    ];
+    for (args, start) in starts {
+        run(&[&["convert", "m.msh"], args].concat());
+        assert!(std::fs::read(dir.path().join(args[0])).unwrap().starts_with(start), "{args:?}");
+        assert_eq!(hash(&run(&["check", args[0]])), first, "{args:?}");
+    }
+    run(&["convert", "p.ply", "q.ply", "--ascii"]);
+    assert!(std::fs::read(dir.path().join("q.ply")).unwrap().is_ascii());
+    assert_eq!(hash(&run(&["delaunay", "q.ply"])), first);
+    std::fs::write(dir.path().join("s.off"), "OFF\n4 0 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n").unwrap();
+    run(&["delaunay", "s.off"]);
+    let refused = ltbw(dir.path(), &["convert", "p.ply", "t.stl"]);
+    assert_eq!(refused.code, 6);
+    assert!(refused.error().starts_with("t.stl: this format is only read"), "{}", refused.stderr);
+}
+
+#[test]
 fn check_finds_what_is_wrong() {
     let dir = tempfile::tempdir().unwrap();
     // The far corner of the cube lies inside the sphere of the other four points.

@@ -2,23 +2,27 @@
 
 use ltbw_core::TetMesh;
 use ltbw_core::io::{
-    self, DataError, Format, IoError, ParseError, PointFile, csv, medit, npy, tetgen, vtu, xyz,
+    self, DataError, Encoding, Format, IoError, MshVersion, ParseError, PointFile, WriteOptions,
+    csv, medit, msh, npy, tetgen, vtu, xyz,
 };
 use proptest::prelude::*;
 use std::path::Path;
 
 mod strategies;
-use strategies::{bits, meshes, points};
+use strategies::{bits, float_tags, meshes, points};
 
 type ReadPoints = fn(&[u8]) -> Result<PointFile, ParseError>;
 
 const POINT_FORMATS: [Format; 4] = [Format::Npy, Format::Xyz, Format::Csv, Format::Node];
-const MESH_FORMATS: [Format; 3] = [Format::Ele, Format::Medit, Format::Vtu];
+const MESH_FORMATS: [Format; 4] = [Format::Ele, Format::Medit, Format::Msh, Format::Vtu];
 
-/// Tags as a format without a way to say "no tags" keeps them.
-fn or_zero(tags: &Option<Vec<i64>>) -> Option<Vec<i64>> {
-    tags.clone().filter(|t| t.iter().any(|&v| v != 0))
-}
+/// Every choice that the formats leave.
+const OPTIONS: [WriteOptions; 4] = [
+    WriteOptions { encoding: Encoding::Binary, msh_version: MshVersion::V4_1 },
+    WriteOptions { encoding: Encoding::Binary, msh_version: MshVersion::V2_2 },
+    WriteOptions { encoding: Encoding::Ascii, msh_version: MshVersion::V4_1 },
+    WriteOptions { encoding: Encoding::Ascii, msh_version: MshVersion::V2_2 },
+];
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
@@ -41,23 +45,33 @@ proptest! {
     }
 
     #[test]
-    fn meshes_survive_on_bits(mesh in meshes()) {
+    fn meshes_survive_on_bits(mut mesh in meshes(), regions in 0..3_u8) {
         let dir = tempfile::tempdir().unwrap();
+        // Any region, none but 0, or a few as Gmsh has them.
+        let region = |t: i64| match regions {
+            0 => t,
+            1 => 0,
+            _ => (t & 3) + 1,
+        };
+        mesh.tet_tags = mesh.tet_tags.map(|tags| tags.into_iter().map(region).collect());
+        mesh.point_tags = mesh.point_tags.map(|tags| tags.into_iter().map(region).collect());
         for format in MESH_FORMATS {
             let path = dir.path().join("a").with_extension(format.extension());
-            io::write_mesh(&path, &mesh).unwrap();
-            let file = io::read_mesh_file(&path).unwrap();
-            let back = file.mesh;
-            prop_assert_eq!(bits(&back.points), bits(&mesh.points), "{:?}", format);
-            prop_assert_eq!(&back.tets, &mesh.tets, "{:?}", format);
-            if format == Format::Medit {
-                prop_assert_eq!(&back.point_tags, &or_zero(&mesh.point_tags));
-                prop_assert_eq!(&back.tet_tags, &or_zero(&mesh.tet_tags));
-            } else {
-                prop_assert_eq!(&back.point_tags, &mesh.point_tags, "{:?}", format);
-                prop_assert_eq!(&back.tet_tags, &mesh.tet_tags, "{:?}", format);
+            let mut want = mesh.clone();
+            if format == Format::Msh && regions == 0 {
+                want.point_tags = float_tags(&want.point_tags);
+                want.tet_tags = float_tags(&want.tet_tags);
             }
-            prop_assert!(file.notes.is_empty());
+            for options in OPTIONS {
+                io::write_mesh_with(&path, &want, options).unwrap();
+                let file = io::read_mesh_file(&path).unwrap();
+                let back = file.mesh;
+                prop_assert_eq!(bits(&back.points), bits(&want.points), "{:?}", (format, options));
+                prop_assert_eq!(&back.tets, &want.tets, "{:?}", (format, options));
+                prop_assert_eq!(&back.point_tags, &want.point_tags, "{:?}", (format, options));
+                prop_assert_eq!(&back.tet_tags, &want.tet_tags, "{:?}", (format, options));
+                prop_assert!(file.notes.is_empty(), "{:?}", file.notes);
+            }
         }
         // The `.node` beside the `.ele` names the same mesh.
         prop_assert_eq!(io::read_mesh(&dir.path().join("a.node")).unwrap().tets, mesh.tets);
@@ -97,7 +111,14 @@ proptest! {
         tetgen::write_node(&mut whole, points, tags).unwrap();
         errors.push(tetgen::read_pair(&whole, &ele).err());
         errors.push(medit::read(&file(&|o| medit::write(o, &mesh).unwrap())).err());
-        errors.push(vtu::read(&file(&|o| vtu::write(o, &mesh).unwrap())).err());
+        let mut msh = mesh.clone();
+        msh.point_tags = float_tags(&msh.point_tags);
+        msh.tet_tags = float_tags(&msh.tet_tags);
+        for WriteOptions { encoding, msh_version } in OPTIONS {
+            let bytes = file(&|o| msh::write(o, &msh, msh_version, encoding).unwrap());
+            errors.push(msh::read(&bytes).err());
+            errors.push(vtu::read(&file(&|o| vtu::write(o, &mesh, encoding).unwrap())).err());
+        }
         for e in errors.into_iter().flatten() {
             let text = e.to_string();
             prop_assert!(!text.contains('\n'), "{text:?}");
@@ -110,7 +131,7 @@ proptest! {
         for read in [npy::read as ReadPoints, xyz::read, csv::read, tetgen::read_node] {
             let _ = read(&bytes);
         }
-        let _ = (medit::read(&bytes), vtu::read(&bytes), tetgen::read_pair(&bytes, &bytes));
+        let _ = (medit::read(&bytes), msh::read(&bytes), vtu::read(&bytes), tetgen::read_pair(&bytes, &bytes));
         let _ = tetgen::read_pair(b"1 3\n1 0 0 0\n", &bytes);
     }
 }
@@ -308,10 +329,16 @@ fn malformed_vtu() {
     );
     assert_eq!(read("<html></html>"), "line 1: not a VTK file");
     assert!(read("<VTKFile type='UnstructuredGrid'></Piece>").contains("not well-formed XML"));
-    let text = String::from_utf8(good).unwrap().replace("ascii", "appended");
+    let text = String::from_utf8(good).unwrap();
+    let appended = text.replace("format='ascii'", "type='Float64' format='appended' offset='0'");
+    assert_eq!(read(&appended), "line 4: there is no appended data");
     assert_eq!(
-        read(&text),
-        "line 4: not supported: an array in format `appended`; save the file in ASCII mode"
+        read(&text.replace("'ascii'", "'morse' type='Int8'")),
+        "line 4: not supported: an array in format `morse`"
+    );
+    assert_eq!(
+        read(&text.replace("'ascii'", "'binary' type='no'")),
+        "line 4: the file announces 3543485907 bytes of an array, but ends after 5"
     );
     assert_eq!(vtu::read(b"\xff").unwrap_err().to_string(), "line 1: not UTF-8 text");
 }

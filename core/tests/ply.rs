@@ -13,7 +13,7 @@ const ENCODINGS: [Encoding; 2] = [Encoding::Binary, Encoding::Ascii];
 
 fn written(file: &PointFile, encoding: Encoding) -> Vec<u8> {
     let mut out = Vec::new();
-    ply::write(&mut out, &file.points, file.point_tags.as_deref(), encoding).unwrap();
+    ply::write(&mut out, &file.points, file.point_tags.as_deref(), encoding).expect("tags fit");
     out
 }
 
@@ -178,7 +178,7 @@ fn tags_that_are_no_doubles_are_refused() {
     }
     assert!(!path.exists());
     let fine = PointFile { point_tags: None, ..file };
-    let options = WriteOptions { encoding: Encoding::Ascii };
+    let options = WriteOptions { encoding: Encoding::Ascii, ..WriteOptions::default() };
     io::write_points_with(&path, &fine, options).unwrap();
     assert!(std::fs::read(&path).unwrap().starts_with(b"ply\nformat ascii 1.0\n"));
     assert_eq!(io::read_points(&path).unwrap(), fine);

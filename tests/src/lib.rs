@@ -7,12 +7,14 @@
 //! | [`families`] | the input families of the bars, deterministic by seed |
 //! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash |
 //! | [`fuzz`] | the body of the fuzz target, so that `cargo test` replays its corpus |
+//! | [`formats`] | the same for the fuzz target of the file formats |
 //! | [`require`] | what is skipped when a tool is missing, and when that is a failure |
 #![forbid(unsafe_code)]
 
 pub mod cgal;
 pub mod compare;
 pub mod families;
+pub mod formats;
 pub mod fuzz;
 pub mod oracle;
 pub mod require;

@@ -1,11 +1,14 @@
 //! `bench` and `bars`: the program `measure` of the tests package, built with the release profile.
 
-use crate::shell::{self, cargo};
+use crate::require;
+use crate::shell::{self, cargo, command, target};
 
 /// Builds and runs `measure` with `mode` and `args`.
 pub(crate) fn run(mode: &str, args: &[String]) -> Result<(), String> {
+    // One thread, ordering included: that is what CGAL's sequential version gets.
     shell::run(
         cargo()
+            .env("RAYON_NUM_THREADS", "1")
             .args([
                 "run",
                 "--quiet",
@@ -18,5 +21,29 @@ pub(crate) fn run(mode: &str, args: &[String]) -> Result<(), String> {
                 mode,
             ])
             .args(args),
-    )
+    )?;
+    if mode == "bench" && args.is_empty() { instructions() } else { Ok(()) }
+}
+
+/// Instructions of a build of 100,000 uniform points, by callgrind: a figure for regressions that
+/// no noise touches.
+fn instructions() -> Result<(), String> {
+    if !shell::works(command("valgrind").arg("--version")) {
+        return require::skip("instruction counts", "valgrind", "valgrind is not installed");
+    }
+    let example = ["--release", "-p", "ltbw-core", "--example", "build_speed"];
+    shell::run(cargo().args(["build", "--quiet"]).args(example))?;
+    let program = target().join("release/examples/build_speed");
+    let output = command("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .arg(program)
+        .args(["uniform", "100000"])
+        .env("RAYON_NUM_THREADS", "1")
+        .output()
+        .map_err(|e| format!("valgrind: {e}"))?;
+    let log = String::from_utf8_lossy(&output.stderr);
+    let count = log.lines().find_map(|line| line.split_once("refs:"));
+    let (_, count) = count.ok_or_else(|| format!("valgrind printed no count: {log}"))?;
+    println!("\ninstructions to generate and build 100,000 uniform points: {}", count.trim());
+    Ok(())
 }

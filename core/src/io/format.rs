@@ -1,6 +1,6 @@
 //! The file formats, by the extensions of their files, and the choices that they leave.
 
-use super::IoError;
+use super::{IoError, MshVersion};
 use std::path::Path;
 
 /// A file format.
@@ -27,13 +27,15 @@ pub enum Format {
     Ele,
     /// Medit ASCII mesh.
     Medit,
+    /// Gmsh mesh.
+    Msh,
     /// VTK unstructured grid.
     Vtu,
 }
 
 impl Format {
     /// Every format.
-    pub const ALL: [Format; 11] = [
+    pub const ALL: [Format; 12] = [
         Format::Npy,
         Format::Xyz,
         Format::Csv,
@@ -44,6 +46,7 @@ impl Format {
         Format::Node,
         Format::Ele,
         Format::Medit,
+        Format::Msh,
         Format::Vtu,
     ];
 
@@ -69,6 +72,7 @@ impl Format {
             Format::Node => "node",
             Format::Ele => "ele",
             Format::Medit => "mesh",
+            Format::Msh => "msh",
             Format::Vtu => "vtu",
         }
     }
@@ -81,7 +85,7 @@ impl Format {
 
     /// Whether a file of this format (with its companion) can hold a mesh.
     pub fn holds_mesh(self) -> bool {
-        matches!(self, Format::Node | Format::Ele | Format::Medit | Format::Vtu)
+        matches!(self, Format::Node | Format::Ele | Format::Medit | Format::Msh | Format::Vtu)
     }
 
     /// Whether files of this format are read, but not written.
@@ -108,6 +112,8 @@ pub enum Encoding {
 /// How files are written where their format leaves a choice.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct WriteOptions {
-    /// Text or binary numbers, in `.ply`.
+    /// Text or binary numbers, in `.ply`, `.msh` and `.vtu`.
     pub encoding: Encoding,
+    /// Which version of `.msh`.
+    pub msh_version: MshVersion,
 }

@@ -1,8 +1,9 @@
 //! `.mesh`: the ASCII format of Medit (INRIA).
 //!
 //! Sections start with a keyword and a count. `Vertices` (x, y, z, reference) and `Tetrahedra`
-//! (four corners numbered from 1, reference) are read; a reference is a tag, and when all are 0
-//! there are no tags. Sections of triangles, edges, corners and the like are not read; a note
+//! (four corners numbered from 1, reference) are read; a reference is a tag. References that
+//! are all 0 mean no tags, unless the comment `# references are tags` stands before the section,
+//! which we write where it is needed. Sections of triangles, edges, corners and the like are not read; a note
 //! says which. Other volume cells are refused. A file ends with `End`.
 //! Source: P. Frey, "MEDIT: an interactive mesh visualization software", INRIA RT-0253, 2001.
 
@@ -12,18 +13,25 @@ use super::text::{Tokens, capacity, count, float, integer, push_integer, push_po
 use crate::{Point, TetMesh};
 use std::io::Write;
 
+/// The comment before a section whose references are tags although all are 0.
+const MARK: &[u8] = b"# references are tags";
+
 /// Reads a `.mesh` file.
 pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let mut tokens = Tokens::new(bytes);
     let mut vertices: Option<(Vec<Point>, Vec<i64>)> = None;
     let mut tetrahedra: Option<(Vec<[i64; 4]>, Vec<i64>)> = None;
     let mut section = 0;
+    let mut marked = [false; 2];
     let mut notes = Vec::new();
     // Every turn consumes at least a keyword.
     loop {
+        let before = tokens.position();
         let Some(keyword) = tokens.next() else {
             return Err(tokens.error(Reason::Syntax("the file ends without `End`".into())));
         };
+        let between = &bytes[before..tokens.position() - keyword.len()];
+        let mark = between.split(|&b| b == b'\n').any(|line| line.trim_ascii() == MARK);
         match keyword {
             b"MeshVersionFormatted" => drop(number(&mut tokens, keyword, count)?),
             b"Dimension" => {
@@ -33,9 +41,13 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
                     return Err(tokens.error(Reason::Unsupported(text)));
                 }
             }
-            b"Vertices" if vertices.is_none() => vertices = Some(read_vertices(&mut tokens)?),
+            b"Vertices" if vertices.is_none() => {
+                marked[0] = mark;
+                vertices = Some(read_vertices(&mut tokens)?);
+            }
             b"Tetrahedra" if tetrahedra.is_none() => {
                 section = tokens.position();
+                marked[1] = mark;
                 tetrahedra = Some(read_tetrahedra(&mut tokens)?);
             }
             b"Hexahedra" | b"Prisms" | b"Pyramids" | b"Vertices" | b"Tetrahedra" => {
@@ -63,8 +75,9 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let (corners, tet_tags) = tetrahedra.unwrap_or_default();
     let tets =
         number_from_0(&corners, points.len()).map_err(|r| ParseError::at(bytes, section, r))?;
-    let tags = |t: Vec<i64>| t.iter().any(|&r| r != 0).then_some(t);
-    let mesh = TetMesh { points, tets, point_tags: tags(point_tags), tet_tags: tags(tet_tags) };
+    let tags = |t: Vec<i64>, mark: bool| (mark || t.iter().any(|&r| r != 0)).then_some(t);
+    let (point_tags, tet_tags) = (tags(point_tags, marked[0]), tags(tet_tags, marked[1]));
+    let mesh = TetMesh { points, tets, point_tags, tet_tags };
     Ok(MeshFile { mesh, notes })
 }
 
@@ -153,14 +166,21 @@ pub fn write(out: &mut dyn Write, mesh: &TetMesh) -> std::io::Result<()> {
     let tag = |tags: &Option<Vec<i64>>, i: usize| {
         tags.as_ref().and_then(|t| t.get(i)).copied().unwrap_or(0)
     };
+    let mark = |out: &mut dyn Write, tags: &Option<Vec<i64>>| match tags {
+        Some(tags) if tags.iter().all(|&t| t == 0) => out.write_all(&[MARK, b"\n"].concat()),
+        _ => Ok(()),
+    };
     // Version 2: coordinates are double precision.
-    write!(out, "MeshVersionFormatted 2\nDimension 3\nVertices\n{}\n", mesh.points.len())?;
+    out.write_all(b"MeshVersionFormatted 2\nDimension 3\n")?;
+    mark(out, &mesh.point_tags)?;
+    writeln!(out, "Vertices\n{}", mesh.points.len())?;
     write_rows(out, mesh.points.len(), |i, row| {
         push_point(row, &mesh.points[i], b' ');
         row.push(b' ');
         push_integer(row, tag(&mesh.point_tags, i));
         row.push(b'\n');
     })?;
+    mark(out, &mesh.tet_tags)?;
     writeln!(out, "Tetrahedra\n{}", mesh.tets.len())?;
     write_rows(out, mesh.tets.len(), |i, row| {
         for &v in &mesh.tets[i] {

@@ -11,8 +11,9 @@
 //! | `.stl` | points, read only: the corners, once each | no | [`stl`] |
 //! | `.node` | points (TetGen); beside `.ele`: a mesh | markers | [`tetgen`] |
 //! | `.ele` | mesh (TetGen), with the `.node` beside it | markers, regions | [`tetgen`] |
+//! | `.msh` | mesh (Gmsh 4.1, 2.2) | view `tag`, physical groups | [`msh`] |
 //! | `.mesh` | mesh (Medit, ASCII) | references | [`medit`] |
-//! | `.vtu` | mesh (VTK, ASCII) | arrays `tag`, `region` | [`vtu`] |
+//! | `.vtu` | mesh (VTK, text or binary) | arrays `tag`, `region` | [`vtu`] |
 //!
 //! Readers take any bytes and never panic: each is a fuzz target. A count in a header is a claim
 //! to verify, never an amount of memory to reserve. Text carries floats in the shortest form that
@@ -30,6 +31,7 @@ pub mod csv;
 mod error;
 mod format;
 pub mod medit;
+pub mod msh;
 pub mod npy;
 pub mod obj;
 pub mod off;
@@ -45,6 +47,8 @@ use crate::{Point, TetMesh};
 use aside::Aside;
 pub use error::{DataError, IoError, ParseError, Place, Reason};
 pub use format::{Encoding, Format, WriteOptions};
+pub use msh::MshVersion;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Points as files carry them.
@@ -83,7 +87,7 @@ pub fn read_points(path: &Path) -> Result<PointFile, IoError> {
     parse(&load(path)?).map_err(|error| parse_error(path, error))
 }
 
-/// Reads a mesh file: `.vtu`, `.mesh`, or the pair `.ele` and `.node` (named by either).
+/// Reads a mesh file: `.vtu`, `.msh`, `.mesh`, or the pair `.ele` and `.node` (named by either).
 pub fn read_mesh(path: &Path) -> Result<TetMesh, IoError> {
     read_mesh_file(path).map(|f| f.mesh)
 }
@@ -92,6 +96,7 @@ pub fn read_mesh(path: &Path) -> Result<TetMesh, IoError> {
 pub fn read_mesh_file(path: &Path) -> Result<MeshFile, IoError> {
     let parse = match Format::from_path(path)? {
         Format::Vtu => vtu::read,
+        Format::Msh => msh::read,
         Format::Medit => medit::read,
         Format::Node | Format::Ele => return read_pair(path),
         _ => return Err(wrong_kind(path, false)),
@@ -144,8 +149,8 @@ pub fn write_points_with(
     Aside::write(path, |out| write(out, points, tags))?.publish()
 }
 
-/// Writes a mesh with the default [`WriteOptions`]: `.vtu`, `.mesh`, or the pair `.ele` and
-/// `.node` (named by either).
+/// Writes a mesh with the default [`WriteOptions`]: `.vtu`, `.msh`, `.mesh`, or the
+/// pair `.ele` and `.node` (named by either).
 pub fn write_mesh(path: &Path, mesh: &TetMesh) -> Result<(), IoError> {
     write_mesh_with(path, mesh, WriteOptions::default())
 }
@@ -154,13 +159,17 @@ pub fn write_mesh(path: &Path, mesh: &TetMesh) -> Result<(), IoError> {
 pub fn write_mesh_with(path: &Path, mesh: &TetMesh, options: WriteOptions) -> Result<(), IoError> {
     let format = writable(path, false)?;
     check_mesh(mesh).map_err(|r| data_error(path, r))?;
-    let write = match format {
-        Format::Vtu => vtu::write,
-        Format::Medit => medit::write,
+    let write: fn(&mut dyn Write, &TetMesh, WriteOptions) -> _ = match format {
+        Format::Vtu => |out, mesh, options| vtu::write(out, mesh, options.encoding),
+        Format::Msh => {
+            msh::check(mesh).map_err(|r| data_error(path, r))?;
+            |out, mesh, options| msh::write(out, mesh, options.msh_version, options.encoding)
+        }
+        Format::Medit => |out, mesh, _| medit::write(out, mesh),
         Format::Node | Format::Ele => return write_pair(path, mesh),
         _ => return Err(wrong_kind(path, false)),
     };
-    Aside::write(path, |out| write(out, mesh))?.publish()
+    Aside::write(path, |out| write(out, mesh, options))?.publish()
 }
 
 /// The format of `path`, if points (or else meshes) can be written in it.

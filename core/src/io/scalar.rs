@@ -25,7 +25,7 @@ pub(super) struct Scalar {
 
 impl Scalar {
     /// The bits of `raw`, which holds one number, in the low bits of a word.
-    fn word(self, raw: &[u8]) -> u64 {
+    pub(super) fn word(self, raw: &[u8]) -> u64 {
         let mut word = [0_u8; 8];
         if self.big_endian {
             for (to, from) in word.iter_mut().zip(raw.iter().rev()) {
@@ -66,7 +66,7 @@ impl Scalar {
     pub(super) fn integer(self, raw: &[u8]) -> Result<i64, Reason> {
         if self.kind == Kind::Float {
             let value = self.float(raw)?;
-            return exact_integer(value).ok_or_else(|| Reason::NotAnInteger(value.to_string()));
+            return exact_integer(value).ok_or_else(|| Reason::NotAnInteger(format!("{value:?}")));
         }
         let value = self.whole(raw);
         i64::try_from(value).map_err(|_| Reason::NotAnInteger(value.to_string()))

@@ -1,18 +1,24 @@
 //! `.vtu`: VTK's XML format of unstructured grids, which ParaView opens.
 //!
-//! Written: one piece, ASCII arrays, `Float64` points, `Int64` arrays named `tag` (points) and
-//! `region` (cells) where there are tags. Read: ASCII arrays in any number of pieces; tetrahedra
-//! (VTK type 10) become the mesh; cells of dimension 0 to 2 and other arrays are not read, and a
-//! note says so; other cells are refused.
+//! Written: one piece, `Float64` points, `Int64` arrays named `tag` (points) and `region` (cells)
+//! where there are tags; arrays are appended raw, or text. Read: any number of pieces; arrays as
+//! text, inline in base64, or appended raw or in base64; uncompressed or compressed by zlib;
+//! either byte order. Tetrahedra (VTK type 10) become the mesh; cells of dimension 0 to 2 and
+//! other arrays are not read, and a note says so; other cells are refused.
 //! Source: the VTK file formats page of the VTK documentation.
+
+mod array;
+mod write;
 
 use super::MeshFile;
 use super::error::{ParseError, Reason, excerpt, one_line};
-use super::text::{Tokens, count, float, integer, push_integer, push_point, write_rows};
-use crate::{Point, TetMesh};
+use super::scalar::Scalar;
+use super::text::{Tokens, count, float, integer};
+use crate::TetMesh;
+use array::{Layout, Stream};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
-use std::io::Write;
+pub use write::write;
 
 /// VTK's number for a tetrahedron.
 const TETRAHEDRON: i64 = 10;
@@ -43,14 +49,54 @@ struct Piece {
     regions: Option<Vec<i64>>,
 }
 
+/// The values of an array of a piece.
+enum List<'a> {
+    Floats(&'a mut Vec<f64>),
+    Integers(&'a mut Vec<i64>),
+}
+
+impl Piece {
+    fn list(&mut self, wanted: Wanted) -> List<'_> {
+        List::Integers(match wanted {
+            Wanted::Points => return List::Floats(&mut self.coordinates),
+            Wanted::Connectivity => &mut self.connectivity,
+            Wanted::Offsets => &mut self.offsets,
+            Wanted::Types => &mut self.types,
+            Wanted::Tags => self.tags.get_or_insert_default(),
+            Wanted::Regions => self.regions.get_or_insert_default(),
+        })
+    }
+}
+
+/// How the array is stored that is being read.
+#[derive(Debug, Clone, Copy)]
+enum Storage {
+    Text,
+    /// In base64, between the tags; `true` once it was read.
+    Inline(Scalar, bool),
+    /// Read already.
+    Appended,
+}
+
+/// The arrays behind the XML, all in one.
+struct Appended<'a> {
+    base64: bool,
+    data: &'a [u8],
+    /// Bytes of `data` that arrays took: together no more than there are, or a small file could
+    /// name one large array many times.
+    taken: usize,
+}
+
 /// What has been read so far.
 struct State<'a> {
     bytes: &'a [u8],
+    layout: Option<Layout>,
+    appended: Option<Appended<'a>>,
     /// Names of the open elements, outermost first.
     open: Vec<String>,
     piece: Option<Piece>,
     /// The array that is being read, if it is one that is wanted.
-    wanted: Option<Wanted>,
+    wanted: Option<(Wanted, Storage)>,
     pieces: usize,
     mesh: TetMesh,
     other_arrays: bool,
@@ -59,19 +105,20 @@ struct State<'a> {
 
 /// Reads a `.vtu` file.
 pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
-    let text = std::str::from_utf8(bytes).map_err(|e| {
-        let valid = e.valid_up_to();
-        let appended = bytes[..valid].windows(13).any(|w| w == b"<AppendedData");
-        let reason = if appended {
-            Reason::Unsupported("appended binary data; save the file in ASCII mode".into())
-        } else {
-            Reason::Syntax("not UTF-8 text".into())
-        };
-        ParseError::at(bytes, valid, reason)
+    // Appended data need not be text, and what is in it is no XML.
+    let head = find(bytes, b"<AppendedData").unwrap_or(bytes.len());
+    let text = std::str::from_utf8(&bytes[..head]).map_err(|e| {
+        ParseError::at(bytes, e.valid_up_to(), Reason::Syntax("not UTF-8 text".into()))
     })?;
+    let appended = match head {
+        h if h == bytes.len() => None,
+        h => Some(appended(&bytes[h..]).map_err(|r| ParseError::at(bytes, h, r))?),
+    };
     let mut reader = Reader::from_str(text);
     let mut state = State {
         bytes,
+        layout: None,
+        appended,
         open: Vec::new(),
         piece: None,
         wanted: None,
@@ -103,6 +150,10 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
             _ => {}
         }
     }
+    // Behind the data only the ends of two elements may follow.
+    finished |= state.appended.is_some()
+        && state.open.len() == 1
+        && bytes.trim_ascii_end().ends_with(b"</VTKFile>");
     if !finished {
         let text = "the file ends before the end of a VTKFile element";
         return Err(ParseError::at(bytes, bytes.len(), Reason::Syntax(text.into())));
@@ -115,6 +166,41 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         notes.push("cells that are not tetrahedra are not read".into());
     }
     Ok(MeshFile { mesh: state.mesh, notes })
+}
+
+/// Where `word`, which starts with `<`, stands in `bytes` for the first time.
+fn find(bytes: &[u8], word: &[u8]) -> Option<usize> {
+    let mut from = 0;
+    // Every turn moves `from` forward.
+    while let Some(at) = bytes.get(from..)?.iter().position(|&b| b == b'<') {
+        if bytes[from + at..].starts_with(word) {
+            return Some(from + at);
+        }
+        from += at + 1;
+    }
+    None
+}
+
+/// The appended data whose element starts at the front of `bytes`.
+fn appended(bytes: &[u8]) -> Result<Appended<'_>, Reason> {
+    let wrong = || Reason::Syntax("`AppendedData` without its `_`".into());
+    let end = bytes.iter().position(|&b| b == b'>').ok_or_else(wrong)? + 1;
+    let tag = std::str::from_utf8(&bytes[..end]).map_err(|_| wrong())?;
+    let encoding = match Reader::from_str(tag).read_event() {
+        Ok(Event::Start(element)) => attribute(&element, "encoding")?.unwrap_or_default(),
+        Ok(_) => return Err(wrong()),
+        Err(e) => return Err(malformed(&e)),
+    };
+    let base64 = match encoding.as_str() {
+        "raw" => false,
+        "base64" => true,
+        other => {
+            let text = format!("the encoding `{}` of appended data", excerpt(other.as_bytes()));
+            return Err(Reason::Unsupported(text));
+        }
+    };
+    let data = bytes[end..].trim_ascii_start().strip_prefix(b"_").ok_or_else(wrong)?;
+    Ok(Appended { base64, data, taken: 0 })
 }
 
 /// What the XML parser complains about, cut to a line.
@@ -148,6 +234,9 @@ impl State<'_> {
                     let text = format!("a VTK file of type `{}`", excerpt(kind.as_bytes()));
                     return Err(Reason::Unsupported(text));
                 }
+                let value = |name| attribute(element, name).map(Option::unwrap_or_default);
+                let (order, header) = (value("byte_order")?, value("header_type")?);
+                self.layout = Some(Layout::new(&order, &header, &value("compressor")?)?);
             }
             (None, _) => return Err(Reason::Syntax("not a VTK file".into())),
             (Some("UnstructuredGrid"), "Piece") => {
@@ -183,14 +272,6 @@ impl State<'_> {
     }
 
     fn start_array(&mut self, element: &BytesStart<'_>, wanted: Wanted) -> Result<(), Reason> {
-        let format = attribute(element, "format")?.unwrap_or_default();
-        if format != "ascii" {
-            let text = format!(
-                "an array in format `{}`; save the file in ASCII mode",
-                excerpt(format.as_bytes())
-            );
-            return Err(Reason::Unsupported(text));
-        }
         let components = attribute(element, "NumberOfComponents")?.unwrap_or_default();
         if wanted == Wanted::Points && components != "3" {
             return Err(Reason::Syntax("points need NumberOfComponents=\"3\"".into()));
@@ -209,30 +290,106 @@ impl State<'_> {
         if !fresh {
             return Err(Reason::Syntax("the same array twice in a piece".into()));
         }
-        self.wanted = Some(wanted);
+        let storage = self.storage(element, wanted)?;
+        self.wanted = Some((wanted, storage));
         Ok(())
+    }
+
+    /// How the values of `element` are stored; those of an appended array are read at once.
+    fn storage(&mut self, element: &BytesStart<'_>, wanted: Wanted) -> Result<Storage, Reason> {
+        let format = attribute(element, "format")?.unwrap_or_default();
+        if format == "ascii" {
+            return Ok(Storage::Text);
+        }
+        let kind = attribute(element, "type")?.unwrap_or_default();
+        let outermost = || Reason::Syntax("an array outside a VTKFile element".into());
+        let layout = self.layout.ok_or_else(outermost)?;
+        let scalar = layout.scalar(&kind)?;
+        match format.as_str() {
+            "binary" => Ok(Storage::Inline(scalar, false)),
+            "appended" => {
+                let offset = attribute(element, "offset")?.unwrap_or_default();
+                let offset = count(offset.as_bytes())?;
+                self.fill_appended(wanted, scalar, offset)?;
+                Ok(Storage::Appended)
+            }
+            other => {
+                let text = format!("an array in format `{}`", excerpt(other.as_bytes()));
+                Err(Reason::Unsupported(text))
+            }
+        }
+    }
+
+    /// Reads the values of a wanted array that starts at `offset` of the appended data.
+    fn fill_appended(&mut self, wanted: Wanted, scalar: Scalar, offset: u64) -> Result<(), Reason> {
+        let Some(Appended { base64, data, .. }) = self.appended else {
+            return Err(Reason::Syntax("there is no appended data".into()));
+        };
+        let Some(front) = usize::try_from(offset).ok().and_then(|o| data.get(o..)) else {
+            let (what, found) = ("bytes of appended data", data.len() as u64);
+            return Err(Reason::Truncated { what, announced: offset, found });
+        };
+        let mut stream = if base64 { Stream::base64(front) } else { Stream::Raw(front) };
+        self.fill(wanted, scalar, &mut stream)?;
+        if let Some(appended) = &mut self.appended {
+            appended.taken += front.len() - stream.remaining();
+            if appended.taken > data.len() {
+                return Err(Reason::Syntax("appended arrays overlap".into()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads the values of a wanted array from binary data.
+    fn fill(
+        &mut self,
+        wanted: Wanted,
+        scalar: Scalar,
+        from: &mut Stream<'_>,
+    ) -> Result<(), Reason> {
+        let (Some(layout), Some(piece)) = (self.layout, &mut self.piece) else { return Ok(()) };
+        let data = layout.decode(from)?;
+        let values = data.chunks_exact(scalar.bytes);
+        if !values.remainder().is_empty() {
+            return Err(Reason::Syntax(format!("an array of {} bytes", data.len())));
+        }
+        match piece.list(wanted) {
+            List::Floats(list) => {
+                list.reserve_exact(values.len());
+                values.map(|v| scalar.float(v)).try_for_each(|v| v.map(|v| list.push(v)))
+            }
+            List::Integers(list) => {
+                list.reserve_exact(values.len());
+                values.map(|v| scalar.integer(v)).try_for_each(|v| v.map(|v| list.push(v)))
+            }
+        }
     }
 
     /// Reads the values of a wanted array; other text does not matter, nor does text in elements
     /// inside the array (VTK writes its `InformationKey` there).
     fn text(&mut self, text: &str, offset: usize) -> Result<(), ParseError> {
-        let (Some(wanted), Some(piece)) = (self.wanted, &mut self.piece) else {
+        let (Some((wanted, storage)), Some(piece)) = (self.wanted, &mut self.piece) else {
             return Ok(());
         };
         if !self.open.last().is_some_and(|name| name == "DataArray" || name == "Array") {
             return Ok(());
         }
-        let list = match wanted {
-            Wanted::Points => {
-                return values(self.bytes, text, offset, float, &mut piece.coordinates);
+        match storage {
+            Storage::Text => match piece.list(wanted) {
+                List::Floats(list) => values(self.bytes, text, offset, float, list),
+                List::Integers(list) => values(self.bytes, text, offset, integer, list),
+            },
+            Storage::Inline(..) | Storage::Appended if text.trim_ascii().is_empty() => Ok(()),
+            Storage::Inline(scalar, false) => {
+                self.wanted = Some((wanted, Storage::Inline(scalar, true)));
+                self.fill(wanted, scalar, &mut Stream::base64(text.as_bytes()))
+                    .map_err(|r| ParseError::at(self.bytes, offset, r))
             }
-            Wanted::Connectivity => &mut piece.connectivity,
-            Wanted::Offsets => &mut piece.offsets,
-            Wanted::Types => &mut piece.types,
-            Wanted::Tags => piece.tags.get_or_insert_default(),
-            Wanted::Regions => piece.regions.get_or_insert_default(),
-        };
-        values(self.bytes, text, offset, integer, list)
+            Storage::Inline(_, true) | Storage::Appended => {
+                let reason = Reason::Syntax("more text in a binary array".into());
+                Err(ParseError::at(self.bytes, offset, reason))
+            }
+        }
     }
 
     /// Closes an element; true when it was the outermost.
@@ -361,63 +518,4 @@ fn append(all: &mut Option<Vec<i64>>, piece: Option<Vec<i64>>, first: bool) -> R
         _ => return Err(Reason::Syntax("only some pieces have tags".into())),
     }
     Ok(())
-}
-
-/// Writes a `.vtu` file.
-pub fn write(out: &mut dyn Write, mesh: &TetMesh) -> std::io::Result<()> {
-    let (points, tets): (&[Point], _) = (&mesh.points, &mesh.tets);
-    write!(
-        out,
-        "<?xml version=\"1.0\"?>\n\
-         <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n\
-         <UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n",
-        points.len(),
-        tets.len()
-    )?;
-    array(out, "Float64", "Points", " NumberOfComponents=\"3\"", points.len(), |i, row| {
-        push_point(row, &points[i], b' ');
-    })?;
-    out.write_all(b"</Points>\n<Cells>\n")?;
-    array(out, "Int64", "connectivity", "", tets.len(), |i, row| {
-        for (k, &v) in tets[i].iter().enumerate() {
-            if k > 0 {
-                row.push(b' ');
-            }
-            push_integer(row, i64::from(v));
-        }
-    })?;
-    array(out, "Int64", "offsets", "", tets.len(), |i, row| push_integer(row, 4 * (i as i64 + 1)))?;
-    array(out, "UInt8", "types", "", tets.len(), |_, row| push_integer(row, TETRAHEDRON))?;
-    out.write_all(b"</Cells>\n")?;
-    tag_array(out, "PointData", "tag", mesh.point_tags.as_deref())?;
-    tag_array(out, "CellData", "region", mesh.tet_tags.as_deref())?;
-    out.write_all(b"</Piece>\n</UnstructuredGrid>\n</VTKFile>\n")
-}
-
-fn tag_array(
-    out: &mut dyn Write,
-    section: &str,
-    name: &str,
-    tags: Option<&[i64]>,
-) -> std::io::Result<()> {
-    let Some(tags) = tags else { return Ok(()) };
-    writeln!(out, "<{section} Scalars=\"{name}\">")?;
-    array(out, "Int64", name, "", tags.len(), |i, row| push_integer(row, tags[i]))?;
-    writeln!(out, "</{section}>")
-}
-
-fn array(
-    out: &mut dyn Write,
-    kind: &str,
-    name: &str,
-    more: &str,
-    rows: usize,
-    row: impl Fn(usize, &mut Vec<u8>) + Sync,
-) -> std::io::Result<()> {
-    writeln!(out, "<DataArray type=\"{kind}\" Name=\"{name}\"{more} format=\"ascii\">")?;
-    write_rows(out, rows, |i, line| {
-        row(i, line);
-        line.push(b'\n');
-    })?;
-    out.write_all(b"</DataArray>\n")
 }

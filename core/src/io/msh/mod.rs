@@ -1,0 +1,178 @@
+//! `.msh`: Gmsh's meshes, versions 4.1 and 2.2, text and binary.
+//!
+//! Read: `Nodes` and `Elements`; in version 4.1 also `Entities`. Nodes keep the order of the
+//! file; tetrahedra come in the order of their numbers. Regions are the physical groups of the
+//! volumes (0: in none), or the geometrical entities where there is no group and more than one
+//! entity. A view `tag` at the nodes and a view `region` in the elements are tags, too, if they
+//! are integers everywhere; the view comes before the groups. Elements of dimension 0 to 2, other
+//! views and other sections are not read, and a note says so; other volume elements are refused.
+//!
+//! Written: version 4.1, or 2.2. Point tags are a view `tag`, with values of type double. Regions
+//! are physical groups, each with an entity of its own, if all are positive and less than 2^31 (what
+//! Gmsh allows), else a view `region`.
+//! Source: the Gmsh reference manual, "MSH file format" and "Legacy formats".
+
+mod parts;
+mod source;
+mod v2;
+mod v4;
+mod write;
+
+use super::MeshFile;
+use super::error::{ParseError, Place, Reason, excerpt};
+use super::text::{capacity, count};
+use parts::Parts;
+use source::{Form, Source};
+pub(super) use write::check;
+pub use write::write;
+
+/// The versions that are read and written.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub enum MshVersion {
+    /// 4.1, since Gmsh 4.2 of 2019.
+    #[default]
+    V4_1,
+    /// 2.2, which many programs that read Gmsh's files ask for.
+    V2_2,
+}
+
+/// Reads a `.msh` file.
+pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let mut source = Source::new(bytes);
+    let version = mesh_format(&mut source)?;
+    let mut parts = Parts::default();
+    let mut volumes = v4::Volumes::default();
+    // Every turn consumes a line.
+    while let Some(line) = source.line() {
+        let name = section_name(&source, line)?;
+        let twice = match name {
+            b"Nodes" => parts.nodes.is_some(),
+            b"Elements" => parts.tets.is_some(),
+            _ => false,
+        };
+        if twice {
+            let text = format!("a second section `${}`", excerpt(name));
+            return Err(source.error(Reason::Unsupported(text)));
+        }
+        match (name, version) {
+            (b"Nodes", MshVersion::V4_1) => v4::nodes(&mut source, &mut parts)?,
+            (b"Nodes", MshVersion::V2_2) => v2::nodes(&mut source, &mut parts)?,
+            (b"Elements", _) if parts.nodes.is_none() => {
+                let text = "`$Elements` before `$Nodes`";
+                return Err(source.error(Reason::Unsupported(text.into())));
+            }
+            (b"Elements", MshVersion::V4_1) => v4::elements(&mut source, &mut parts, &volumes)?,
+            (b"Elements", MshVersion::V2_2) => v2::elements(&mut source, &mut parts)?,
+            (b"Entities", MshVersion::V4_1) => volumes = v4::entities(&mut source)?,
+            (b"NodeData", _) => data(&mut source, &mut parts, "NodeData")?,
+            (b"ElementData", _) => data(&mut source, &mut parts, "ElementData")?,
+            (other, _) => {
+                source.skip_section(other)?;
+                parts.notes.push(format!("section ${} is not read", excerpt(other)));
+            }
+        }
+    }
+    parts.notes.dedup();
+    parts.mesh().map_err(|reason| ParseError::new(Place::End, reason))
+}
+
+/// The name in a line that opens a section, without its `$`.
+fn section_name<'a>(source: &Source<'_>, line: &'a [u8]) -> Result<&'a [u8], ParseError> {
+    match line.strip_prefix(b"$") {
+        Some(name) if !name.is_empty() && !name.starts_with(b"End") => Ok(name),
+        _ => {
+            let text = format!("`{}` where a section was expected", excerpt(line));
+            Err(source.error(Reason::Syntax(text)))
+        }
+    }
+}
+
+/// Reads the first section, which says how the others are stored.
+fn mesh_format(source: &mut Source<'_>) -> Result<MshVersion, ParseError> {
+    if source.line() != Some(b"$MeshFormat") {
+        return Err(source.error(Reason::Syntax("not a Gmsh mesh".into())));
+    }
+    let line = source.expect_line()?;
+    let fields: Vec<&[u8]> =
+        line.split(u8::is_ascii_whitespace).filter(|f| !f.is_empty()).collect();
+    let [version, binary, size] = fields.as_slice() else {
+        let reason = Reason::Syntax("expected version, file type and data size".into());
+        return Err(source.error(reason));
+    };
+    let version = match *version {
+        b"4.1" => MshVersion::V4_1,
+        b"2.2" | b"2" | b"2.0" | b"2.1" => MshVersion::V2_2,
+        other => {
+            let text = format!("version {}; 4.1 and 2.2 are read", excerpt(other));
+            return Err(source.error(Reason::Unsupported(text)));
+        }
+    };
+    if *binary == b"1" {
+        let size = match (version, *size) {
+            (MshVersion::V4_1, b"4") => 4,
+            (_, b"8") => 8,
+            (_, other) => {
+                let text = format!("a data size of {}", excerpt(other));
+                return Err(source.error(Reason::Unsupported(text)));
+            }
+        };
+        // The number 1 tells the byte order.
+        source.set_form(Form::Binary { big_endian: false, size });
+        match source.int()? {
+            1 => {}
+            0x0100_0000 => source.set_form(Form::Binary { big_endian: true, size }),
+            _ => {
+                let text = "the number that tells the byte order is not 1";
+                return Err(source.error(Reason::Syntax(text.into())));
+            }
+        }
+    } else if *binary != b"0" {
+        let text = format!("file type {}", excerpt(binary));
+        return Err(source.error(Reason::Unsupported(text)));
+    }
+    source.end("MeshFormat")?;
+    Ok(version)
+}
+
+/// Reads a view: its header is lines of text, also in binary files.
+fn data(source: &mut Source<'_>, parts: &mut Parts, section: &str) -> Result<(), ParseError> {
+    let texts = tags(source)?;
+    drop(tags(source)?);
+    let numbers = tags(source)?;
+    let name = texts.first().map_or(&b""[..], |t| t.trim_ascii_start());
+    let name = name.strip_prefix(b"\"").and_then(|n| n.strip_suffix(b"\"")).unwrap_or(name);
+    let wanted = match section {
+        "NodeData" => name == b"tag" && parts.tags.is_none(),
+        _ => name == b"region" && parts.regions.is_none(),
+    };
+    // Time step, number of components, number of values.
+    let (Some(components), Some(announced)) = (numbers.get(1), numbers.get(2)) else {
+        let reason = Reason::Syntax("a view without its number of values".into());
+        return Err(source.error(reason));
+    };
+    if !wanted || *components != b"1" {
+        parts.notes.push(format!("data `{}` is not read", excerpt(name)));
+        return source.skip_section(section.as_bytes());
+    }
+    let announced = count(announced).map_err(|r| source.error(r))?;
+    let each = if source.is_text() { 4 } else { 12 };
+    let mut values = Vec::with_capacity(capacity(announced, source.remaining(), each));
+    for _ in 0..announced {
+        values.push((source.small_size()?, source.double()?));
+    }
+    source.end(section)?;
+    if section == "NodeData" {
+        parts.tags = Some(values);
+    } else {
+        parts.regions = Some(values);
+    }
+    Ok(())
+}
+
+/// A count and as many lines.
+fn tags<'a>(source: &mut Source<'a>) -> Result<Vec<&'a [u8]>, ParseError> {
+    let line = source.expect_line()?;
+    let announced = count(line).map_err(|r| source.error(r))?;
+    // At most as many turns as there are lines.
+    (0..announced).map(|_| source.expect_line()).collect()
+}

@@ -1,0 +1,287 @@
+#!/usr/bin/env python3
+"""Reads what `ltbw` writes with meshio and PyVista, and lets `ltbw` read what they write.
+
+usage: readback.py LTBW FOLDER
+
+LTBW is the program, FOLDER an empty folder to work in. Both directions compare the numbers of
+points and tetrahedra, coordinates on bits, and tags. The exit code is 0 if all agree, 1 if not,
+and 3 if a package is missing (the reason is on stdout).
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+
+try:
+    import meshio
+    import numpy as np
+    import pyvista
+except ImportError as error:
+    print(f"a Python package is missing: {error}")
+    sys.exit(3)
+
+LTBW = Path(sys.argv[1]).resolve()
+FOLDER = Path(sys.argv[2]).resolve()
+checks = 0
+failures = []
+
+
+def run(*args):
+    """Runs ltbw in the folder."""
+    done = subprocess.run([LTBW, *map(str, args)], cwd=FOLDER, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"ltbw {' '.join(map(str, args))}: {done.stderr.strip()}")
+
+
+def agree(what, found, wanted):
+    """Notes whether two arrays are equal, coordinates on bits."""
+    global checks
+    checks += 1
+    found, wanted = np.asarray(found), np.asarray(wanted)
+    if wanted.dtype == np.float64:
+        # A reader may keep coordinates as it likes; what counts are the doubles.
+        found, wanted = found.astype(np.float64).view(np.int64), wanted.view(np.int64)
+    if found.shape != wanted.shape:
+        failures.append(f"{what}: shape {found.shape}, not {wanted.shape}")
+    elif not np.array_equal(found, wanted):
+        failures.append(f"{what}: {np.sum(found != wanted)} of {found.size} values differ")
+
+
+class Mesh:
+    """Points, tetrahedra and their tags."""
+
+    def __init__(self, points, tets, tags=None, regions=None):
+        self.points = np.ascontiguousarray(points, dtype=np.float64)
+        self.tets = np.asarray(tets, dtype=np.int64).reshape(-1, 4)
+        self.tags = None if tags is None else np.asarray(tags)
+        self.regions = None if regions is None else np.asarray(regions)
+
+    def compare(self, what, other, tags=True, regions=True):
+        """Compares with `other`, which is right."""
+        agree(f"{what}: points", self.points, other.points)
+        # Gmsh's files hold tetrahedra by region.
+        rows, wanted = self.sorted(regions), other.sorted(regions)
+        agree(f"{what}: tetrahedra and regions", rows, wanted)
+        if tags:
+            agree(f"{what}: tags", [] if self.tags is None else self.tags, other.tags)
+
+    def compare_digits(self, what, other, tags=True, regions=True):
+        """Compares with `other`, of whose coordinates only some digits were written."""
+        near = np.allclose(self.points, other.points, rtol=1e-9, atol=1e-30)
+        agree(f"{what}: points, nearly", near, True)
+        self.points = other.points
+        self.compare(what, other, tags, regions)
+
+    def sorted(self, regions):
+        """Corners and regions, in an order that depends on them alone."""
+        columns = [self.tets]
+        if regions:
+            missing = np.full(len(self.tets), -99)
+            columns.append((missing if self.regions is None else self.regions)[:, None])
+        rows = np.hstack(columns).astype(np.int64)
+        return rows[np.lexsort(rows.T[::-1])]
+
+
+def write_pair(stem, mesh):
+    """Writes TetGen's files, the form in which this script hands meshes to ltbw."""
+    with open(FOLDER / f"{stem}.node", "w") as out:
+        print(len(mesh.points), 3, 0, 0 if mesh.tags is None else 1, file=out)
+        for i, p in enumerate(mesh.points.tolist()):
+            print(i, *map(repr, p), *([] if mesh.tags is None else [mesh.tags[i]]), file=out)
+    with open(FOLDER / f"{stem}.ele", "w") as out:
+        print(len(mesh.tets), 4, 0 if mesh.regions is None else 1, file=out)
+        for i, t in enumerate(mesh.tets.tolist()):
+            print(i, *t, *([] if mesh.regions is None else [mesh.regions[i]]), file=out)
+
+
+def read_pair(stem):
+    """Reads TetGen's files as ltbw writes them."""
+    nodes = [line.split() for line in open(FOLDER / f"{stem}.node")]
+    cells = [line.split() for line in open(FOLDER / f"{stem}.ele")]
+    tagged, regioned = nodes[0][3] == "1", cells[0][2] == "1"
+    return Mesh(
+        [[float(c) for c in row[1:4]] for row in nodes[1:]],
+        [[int(c) for c in row[1:5]] for row in cells[1:]],
+        [int(row[4]) for row in nodes[1:]] if tagged else None,
+        [int(row[5]) for row in cells[1:]] if regioned else None,
+    )
+
+
+def first(data, *names):
+    """The first of some arrays that is there, its blocks joined."""
+    for name in names:
+        if name in data:
+            array = data[name]
+            return np.concatenate(array) if isinstance(array, list) else np.asarray(array)
+    return None
+
+
+def of_meshio(mesh):
+    tets = [c.data for c in mesh.cells if c.type == "tetra"]
+    tags = first(mesh.point_data, "tag", "medit:ref", "tetgen:ref")
+    regions = first(mesh.cell_data, "region", "gmsh:physical", "medit:ref", "tetgen:ref")
+    return Mesh(mesh.points, np.concatenate(tets), tags, regions)
+
+
+def of_pyvista(grid):
+    tags, regions = first(grid.point_data, "tag"), first(grid.cell_data, "region")
+    return Mesh(grid.points, grid.cells_dict[pyvista.CellType.TETRA], tags, regions)
+
+
+def ltbw_to_python(mesh):
+    """What ltbw writes is read by meshio, and what VTK can read also by PyVista."""
+    outputs = [
+        ("m.vtu", []),
+        ("text.vtu", ["--ascii"]),
+        ("m.msh", []),
+        ("text.msh", ["--ascii"]),
+        ("old.msh", ["--msh2"]),
+        ("oldtext.msh", ["--msh2", "--ascii"]),
+        ("m.mesh", []),
+        ("m.ele", []),
+    ]
+    write_pair("in", mesh)
+    for name, options in outputs:
+        run("convert", "in.ele", name, *options)
+        of_meshio(meshio.read(FOLDER / name)).compare(f"{name} by meshio", mesh)
+        if name.endswith(".vtu"):
+            of_pyvista(pyvista.read(FOLDER / name)).compare(f"{name} by PyVista", mesh)
+    for name, options in [("m.ply", []), ("text.ply", ["--ascii"])]:
+        run("convert", "in.ele", name, *options)
+        cloud = meshio.read(FOLDER / name)
+        agree(f"{name} by meshio: points", cloud.points, mesh.points)
+        agree(f"{name} by meshio: tags", cloud.point_data["tag"], mesh.tags)
+        # VTK keeps coordinates of this format as 32-bit floats.
+        points = pyvista.read(FOLDER / name).points
+        agree(f"{name} by PyVista: points", points, mesh.points.astype(np.float32).astype(float))
+    run("convert", "in.ele", "m.npy")
+    agree("m.npy by NumPy", np.load(FOLDER / "m.npy"), mesh.points)
+
+
+def meshio_to_ltbw(mesh):
+    """What meshio writes is read by ltbw."""
+
+    def write(name, tags, regions, **options):
+        data = meshio.Mesh(
+            mesh.points,
+            [("tetra", mesh.tets)],
+            point_data={t: mesh.tags for t in tags},
+            cell_data={r: [mesh.regions] for r in regions},
+        )
+        data.write(FOLDER / name, **options)
+        run("convert", name, "back.ele")
+        back = read_pair("back")
+        # As text, meshio writes 11 digits of a double into this format.
+        digits = name.endswith(".vtu") and not options["binary"]
+        compare = back.compare_digits if digits else back.compare
+        compare(f"{name} {options} from meshio", mesh, bool(tags), bool(regions))
+
+    for options in [
+        {"binary": False},
+        {"binary": True, "compression": None},
+        {"binary": True, "compression": "zlib"},
+        {"binary": True, "compression": "zlib", "header_type": "UInt64"},
+    ]:
+        write("from.vtu", ["tag"], ["region"], **options)
+    groups = ["gmsh:physical", "gmsh:geometrical"]
+    for binary in [True, False]:
+        # Text views hold `np.int64(5)` when meshio writes them with NumPy 2: no values.
+        tags = ["tag"] if binary else []
+        write("from.msh", tags, groups, file_format="gmsh22", binary=binary)
+        # The newer form holds groups only with entities, which meshio does not make up.
+        write("from.msh", tags, ["region"] if binary else [], file_format="gmsh", binary=binary)
+    write("from.mesh", ["medit:ref"], ["medit:ref"])
+    write("from.ele", ["tetgen:ref"], ["tetgen:ref"], file_format="tetgen")
+
+
+def vtk_to_ltbw(mesh):
+    """What VTK writes (ParaView is VTK) is read by ltbw, in all of VTK's ways."""
+    grid = pyvista.UnstructuredGrid({pyvista.CellType.TETRA: mesh.tets}, mesh.points)
+    grid.point_data["tag"], grid.cell_data["region"] = mesh.tags, mesh.regions
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
+    for mode in ["Ascii", "Binary", "Appended"]:
+        for zlib in [False, True]:
+            for order in ["LittleEndian", "BigEndian"]:
+                for header in ["UInt32", "UInt64"]:
+                    for encode in [False, True] if mode == "Appended" else [False]:
+                        writer = vtkXMLUnstructuredGridWriter()
+                        writer.SetFileName(str(FOLDER / "vtk.vtu"))
+                        writer.SetInputData(grid)
+                        getattr(writer, f"SetDataModeTo{mode}")()
+                        getattr(writer, f"SetByteOrderTo{order}")()
+                        getattr(writer, f"SetHeaderTypeTo{header}")()
+                        getattr(writer, f"SetCompressorTypeTo{'ZLib' if zlib else 'None'}")()
+                        writer.SetEncodeAppendedData(encode)
+                        if not writer.Write():
+                            raise RuntimeError("VTK cannot write")
+                        run("convert", "vtk.vtu", "back.ele")
+                        what = f"{mode} {order} {header} zlib={zlib} base64={encode} from VTK"
+                        read_pair("back").compare(what, mesh)
+
+
+def surfaces_to_ltbw(mesh):
+    """Vertices of surfaces: each format as meshio or PyVista writes it."""
+    faces = np.unique(np.sort(mesh.tets[:, :3], axis=1), axis=0)
+    used, faces = np.unique(faces, return_inverse=True)
+    # Every point in a face, and coordinates that 32 bits hold, which is all that STL has.
+    points = mesh.points[used].astype(np.float32).astype(np.float64)
+    faces = faces.reshape(-1, 3)
+    surface = meshio.Mesh(points, [("triangle", faces)])
+
+    def check(what, name, wanted=points):
+        run("convert", name, "surface.npy")
+        agree(what, np.load(FOLDER / "surface.npy"), wanted)
+
+    for name, options in [
+        ("s.ply", {"binary": True}),
+        ("s.ply", {"binary": False}),
+        ("s.off", {}),
+        ("s.obj", {}),
+    ]:
+        surface.write(FOLDER / name, **options)
+        check(f"{name} {options} from meshio", name)
+    # STL repeats a point in each triangle: ltbw reads each once, where it comes first.
+    _, seen = np.unique(faces.ravel(), return_index=True)
+    once = points[faces.ravel()[np.sort(seen)]]
+    for binary in [True, False]:
+        surface.write(FOLDER / "s.stl", binary=binary)
+        check(f"s.stl binary={binary} from meshio", "s.stl", once)
+    poly = pyvista.PolyData.from_regular_faces(points.astype(np.float32), faces)
+    for binary in [True, False]:
+        poly.save(FOLDER / "p.ply", binary=binary)
+        check(f"p.ply binary={binary} from PyVista", "p.ply")
+        poly.save(FOLDER / "p.stl", binary=binary)
+        # Saving turns faces round, so another corner may come first.
+        run("convert", "p.stl", "surface.npy")
+        found = np.load(FOLDER / "surface.npy")
+        by_place = [a[np.lexsort(a.T)] for a in (found, points)]
+        agree(f"p.stl binary={binary} from PyVista", *by_place)
+
+
+def main():
+    run("generate", "uniform", 400, "--seed", 3, "-o", "points.npy")
+    points = np.load(FOLDER / "points.npy")
+    # Exponents of all sizes, and the zero with a sign, are doubles like others.
+    points[:40] *= 1e-12
+    points[40, 0], points[41, 0] = 0.0, -0.0
+    np.save(FOLDER / "points.npy", points)
+    run("delaunay", "points.npy", "-o", "mesh.ele")
+    mesh = read_pair("mesh")
+    agree("the points of the mesh", mesh.points, points + 0.0)
+    rng = np.random.default_rng(4)
+    mesh.tags = rng.integers(-5, 100, len(mesh.points))
+    mesh.regions = rng.integers(1, 6, len(mesh.tets))
+    for direction in [ltbw_to_python, meshio_to_ltbw, vtk_to_ltbw, surfaces_to_ltbw]:
+        direction(mesh)
+    # Regions that are no physical groups.
+    mesh.regions = rng.integers(-3, 4, len(mesh.tets))
+    ltbw_to_python(mesh)
+    for failure in failures:
+        print(f"FAILED: {failure}")
+    print(f"{checks} comparisons, {len(failures)} failed")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
