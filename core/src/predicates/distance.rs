@@ -1,7 +1,7 @@
 //! Which of two points is nearer: an exact comparison of squared distances.
 //!
 //! A filter decides nearly always. What it leaves open is decided by a sum of exact products
-//! ([`super::long`]): no allocation, some 100 ns.
+//! (`predicates::long`): no allocation, some 100 ns.
 
 use std::cmp::Ordering;
 

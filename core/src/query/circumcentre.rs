@@ -41,7 +41,7 @@ pub struct Circumcentre {
 impl Queries<'_> {
     /// The circumcentre of a finite tetrahedron; `None` if `t` is not one.
     ///
-    /// Cost: some 20 ns; microseconds, and memory for big integers, if the tetrahedron is nearly
+    /// Cost: some 40 ns; microseconds, and memory for big integers, if the tetrahedron is nearly
     /// flat.
     ///
     /// ```
