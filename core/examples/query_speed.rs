@@ -48,6 +48,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let clock = Instant::now();
         let edges = cursor.edges().count();
         println!("edges        {:.3} s, {edges}", lap(&clock));
+        let clock = Instant::now();
+        let (mut corners, mut bounded) = (0, 0);
+        for (v, _) in mesh.vertices() {
+            if let Some(cell) = cursor.cell(v) {
+                bounded += usize::from(cell.is_bounded());
+                corners += cell.faces().map(|face| face.corners.len()).sum::<usize>();
+            }
+        }
+        println!("cells        {:.3} s, {bounded} bounded, {corners} corners", lap(&clock));
+        let clock = Instant::now();
+        let centres = mesh.tet_ids().filter_map(|t| queries.circumcentre(t));
+        let worst = centres.map(|c| c.error).fold(0.0, f64::max);
+        println!("circumcentre {:.3} s, errors at most {worst:.1e}", lap(&clock));
         println!("cursor       {} bytes", cursor.memory_bytes());
     }
     Ok(())

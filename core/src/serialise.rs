@@ -1,8 +1,10 @@
 //! Serialisation (feature `serde`) of what cannot be derived: a mesh goes through its
-//! [`Snapshot`], a hash is its hexadecimal digits.
+//! [`Snapshot`], a point set is its points, a hash is its hexadecimal digits.
 
+use crate::Point;
 use crate::hash::MeshHash;
 use crate::mesh::Mesh;
+use crate::points::PointSet;
 use crate::snapshot::Snapshot;
 use serde::de::Error as _;
 use serde::ser::Error as _;
@@ -20,6 +22,20 @@ impl<'de> Deserialize<'de> for Mesh {
     /// [`crate::SnapshotError`]: deserialise a [`Snapshot`] to have the error itself.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         Snapshot::deserialize(deserializer)?.restore().map_err(D::Error::custom)
+    }
+}
+
+impl Serialize for PointSet {
+    /// Serialises the list of points.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.points().serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for PointSet {
+    /// Deserialises a list of points and validates it: [`PointSet::new`].
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::new(Vec::<Point>::deserialize(deserializer)?).map_err(D::Error::custom)
     }
 }
 

@@ -147,6 +147,33 @@ mod with_serde {
     }
 
     #[test]
+    fn point_sets_survive_and_are_validated() {
+        let set = PointSet::new(generate(PointKind::Ulps, 100, 5)).expect("finite points");
+        assert_eq!(there_and_back(&set), set);
+        // JSON knows no infinity, but a number that overflows.
+        let error = serde_json::from_str::<PointSet>("[[0,0,0],[0,1e999,0]]");
+        assert!(error.is_err());
+        let infinite = serde::de::value::SeqDeserializer::<_, serde_json::Error>::new(
+            [[0.0, 0.0, 0.0], [0.0, f64::NAN, 0.0]].into_iter().map(Triple),
+        );
+        let error = <PointSet as serde::Deserialize>::deserialize(infinite);
+        let error = error.expect_err("a coordinate that is not finite").to_string();
+        assert!(error.starts_with("point 1: coordinate y is NaN"), "{error}");
+    }
+
+    /// A list of three numbers as a deserialiser: a format that knows NaN.
+    struct Triple([f64; 3]);
+
+    impl<'de> serde::de::IntoDeserializer<'de, serde_json::Error> for Triple {
+        type Deserializer =
+            serde::de::value::SeqDeserializer<std::array::IntoIter<f64, 3>, serde_json::Error>;
+
+        fn into_deserializer(self) -> Self::Deserializer {
+            serde::de::value::SeqDeserializer::new(self.0.into_iter())
+        }
+    }
+
+    #[test]
     fn figures_and_enums_survive() {
         let set = PointSet::new(generate(PointKind::Grid, 300, 5)).expect("finite points");
         let built = Builder::new().build(&set).expect("points of dimension 3");

@@ -1,12 +1,13 @@
 //! Which of two points is nearer: an exact comparison of squared distances.
 //!
-//! A filter decides nearly always. What it leaves open is decided by a sum of exact products in a
-//! fixed-point number that is wide enough for any finite coordinates (Kulisch's long
-//! accumulator): no allocation, some 100 ns.
+//! A filter decides nearly always. What it leaves open is decided by a sum of exact products
+//! (`predicates::long`): no allocation, some 100 ns.
 
 use std::cmp::Ordering;
 
+use super::Sign;
 use super::filter::{UNIT_ROUNDOFF, power_of_two};
+use super::long::{DEGREE_2, Sum};
 use crate::Point;
 
 /// A difference of computed squared distances is certain if it exceeds this times the larger one.
@@ -60,86 +61,21 @@ fn squared(p: &Point, q: &Point) -> f64 {
 #[must_use]
 pub fn exact_cmp_distance(p: &Point, a: &Point, b: &Point) -> Ordering {
     // |p-a|^2 - |p-b|^2 = a.a - b.b - 2 p.a + 2 p.b
-    let mut sum = Accumulator::default();
+    let mut sum = Sum::<DEGREE_2>::new();
     for k in 0..3 {
-        sum.add_product(a[k], a[k], 0, false);
-        sum.add_product(b[k], b[k], 0, true);
-        sum.add_product(p[k], a[k], 1, true);
-        sum.add_product(p[k], b[k], 1, false);
-    }
-    sum.sign()
-}
-
-/// Bits of a product of two finite `f64`: from 2^-2148 to below 2^2048. One more for the factor
-/// two, four for twelve summands, one for the sign: 4202; in whole words, and one word more for
-/// a summand's top word that is all carry.
-const WORDS: usize = 68;
-/// The least exponent of a product of two `f64`.
-const LEAST: i32 = -2148;
-
-/// A fixed-point number in two's complement, in units of 2^-2148: sums of products are exact.
-struct Accumulator([u64; WORDS]);
-
-impl Default for Accumulator {
-    fn default() -> Self {
-        Self([0; WORDS])
-    }
-}
-
-impl Accumulator {
-    /// Adds, or subtracts, x y 2^`doublings`; for `doublings` of 0 or 1.
-    fn add_product(&mut self, x: f64, y: f64, doublings: i32, subtract: bool) {
-        let ((mx, ex, sx), (my, ey, sy)) = (parts(x), parts(y));
-        let product = u128::from(mx) * u128::from(my);
-        if product == 0 {
-            return;
-        }
-        // Not negative: both exponents are at least -1074.
-        let shift = (ex + ey + doublings - LEAST) as usize;
-        let (word, bit) = (shift / 64, shift % 64);
-        let low = product << bit;
-        let high = if bit == 0 { 0 } else { (product >> (128 - bit)) as u64 };
-        let limbs = [low as u64, (low >> 64) as u64, high];
-        let mut carry = false;
-        let negative = sx ^ sy ^ subtract;
-        for (k, digit) in self.0[word..].iter_mut().enumerate() {
-            let limb = limbs.get(k).copied().unwrap_or(0);
-            if k >= limbs.len() && !carry {
-                break;
-            }
-            let (first, second);
-            (*digit, first) =
-                if negative { digit.overflowing_sub(limb) } else { digit.overflowing_add(limb) };
-            let one = u64::from(carry);
-            (*digit, second) =
-                if negative { digit.overflowing_sub(one) } else { digit.overflowing_add(one) };
-            carry = first | second;
+        sum.add([a[k], a[k]], Sign::Positive);
+        sum.add([b[k], b[k]], Sign::Negative);
+        for _ in 0..2 {
+            sum.add([p[k], a[k]], Sign::Negative);
+            sum.add([p[k], b[k]], Sign::Positive);
         }
     }
-
-    fn sign(&self) -> Ordering {
-        if self.0[WORDS - 1] >> 63 == 1 {
-            Ordering::Less
-        } else if self.0.iter().all(|&w| w == 0) {
-            Ordering::Equal
-        } else {
-            Ordering::Greater
-        }
-    }
-}
-
-/// (m, e, s): |value| = m 2^e, and whether it is negative.
-pub(crate) fn parts(value: f64) -> (u64, i32, bool) {
-    let bits = value.to_bits();
-    let field = ((bits >> 52) & 0x7ff) as i32;
-    let fraction = bits & ((1 << 52) - 1);
-    let (mantissa, exponent) =
-        if field == 0 { (fraction, -1074) } else { (fraction | 1 << 52, field - 1075) };
-    (mantissa, exponent, bits >> 63 == 1)
+    sum.compare()
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::long::parts;
     use super::*;
     use num_bigint::BigInt;
     use proptest::prelude::*;

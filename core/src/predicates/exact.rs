@@ -8,7 +8,9 @@
 //!    product is exact in `f64` (or, for `insphere`, all but the last ones);
 //! 2. *small*: differences are integers below 2^62, products are fixed-width integers;
 //! 3. *medium*: differences are integers below 2^124;
-//! 4. *big*: whatever is left, in big integers.
+//! 4. *big*: whatever is left, in long accumulators.
+//!
+//! No stage allocates.
 //!
 //! Each bound below says why nothing can overflow; B stands for the bits of a difference.
 

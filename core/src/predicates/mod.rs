@@ -12,6 +12,7 @@
 //! |---|---|---|
 //! | [`filter`] | floating-point filters with proved error bounds | some 10 ns |
 //! | [`exact`] | staged exact evaluation: few bits, fixed width, any width | tens of ns and up |
+//! | `long` | exact sums of products of any finite `f64`, without allocation | |
 //! | [`distance`] | which of two points is nearer | some ns; exact 0.1 µs |
 //! | [`twin`] | the same predicates, from big integers alone: the reference of the tests | 10 µs |
 //! | [`perturb`] | the symbolic perturbation: an in-sphere test that is never zero | |
@@ -19,6 +20,7 @@
 pub mod distance;
 pub mod exact;
 pub mod filter;
+pub(crate) mod long;
 pub mod perturb;
 pub mod twin;
 

@@ -13,8 +13,8 @@
 
 use super::Queries;
 use crate::Point;
-use crate::predicates::distance::parts;
 use crate::predicates::filter::{self, GUARD_HIGH, GUARD_LOW, UNIT_ROUNDOFF, power_of_two};
+use crate::predicates::long::parts;
 use crate::topology::TetId;
 use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive, Zero};
@@ -41,7 +41,7 @@ pub struct Circumcentre {
 impl Queries<'_> {
     /// The circumcentre of a finite tetrahedron; `None` if `t` is not one.
     ///
-    /// Cost: some 20 ns; microseconds, and memory for big integers, if the tetrahedron is nearly
+    /// Cost: some 40 ns; microseconds, and memory for big integers, if the tetrahedron is nearly
     /// flat.
     ///
     /// ```

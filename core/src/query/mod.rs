@@ -3,8 +3,8 @@
 //! [`Mesh::queries`] computes, once and in O(n), what the kernel does not keep: the vertex of a
 //! public number and a tetrahedron at each vertex. A [`Cursor`] is the scratch memory of one
 //! thread: the place where the last walk ended and some buffers. A cursor allocates only when a
-//! buffer has to grow; once warm, no query allocates (but for predicates on coordinates whose
-//! exponents lie further apart than 124 bits, which may need big integers).
+//! buffer has to grow; once warm, no query allocates, whatever the coordinates. (Alone
+//! [`Queries::circumcentre`] does, for a nearly flat tetrahedron.)
 //!
 //! Query points are in the input's coordinates, any finite ones; a point outside the exactness
 //! window of the mesh is answered as exactly as any other, more slowly. Every answer but
