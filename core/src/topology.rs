@@ -140,7 +140,7 @@ impl Topology {
 
     /// Bytes of memory that the arrays hold.
     pub fn memory_bytes(&self) -> usize {
-        self.tets.all().len() * size_of::<Tet>() + self.free.capacity() * size_of::<TetId>()
+        size_of_val(self.tets.all()) + self.free.capacity() * size_of::<TetId>()
     }
 
     /// The used slots, ascending.
