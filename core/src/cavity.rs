@@ -17,8 +17,11 @@ pub trait Conflict {
     fn prefetch(&self, t: TetId);
 
     /// What is certain at once of four tetrahedra, as bit masks `(inside, outside)`. Those in
-    /// neither mask are asked for with [`Conflict::in_conflict`].
+    /// neither mask are asked for with [`Conflict::decide`].
     fn certain(&self, tets: [TetId; 4]) -> (u32, u32);
+
+    /// Which of the four tetrahedra in the mask `unknown` are in conflict, as a bit mask.
+    fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32;
 
     /// Is the point inside the (perturbed) circumsphere of tetrahedron `t`?
     fn in_conflict(&mut self, topology: &Topology, t: TetId) -> bool;
@@ -231,18 +234,14 @@ impl Cavity {
             let tet = *topology.tet(t);
             let (v, n) = (tet.vertices(), tet.neighbours());
             self.ghosts += usize::from(v[3] == INFINITE);
-            let (mut inside, outside) = conflict.certain(n.map(tet_of));
-            let mut unknown = !(inside | outside) & 0b1111;
-            while unknown != 0 {
-                let u = tet_of(n[unknown.trailing_zeros() as usize]);
-                if !topology.tet(u).is_marked() && conflict.in_conflict(topology, u) {
-                    inside |= unknown & unknown.wrapping_neg();
-                }
-                unknown &= unknown - 1;
-            }
             let mut open = 0;
             for (slot, &face) in n.iter().enumerate() {
                 open |= u32::from(!topology.tet(tet_of(face)).is_marked()) << slot;
+            }
+            let (mut inside, outside) = conflict.certain(n.map(tet_of));
+            let unknown = !(inside | outside) & open;
+            if unknown != 0 {
+                inside |= conflict.decide(topology, n.map(tet_of), unknown);
             }
             let (take, leave) = (inside & open, !inside & open);
             for (slot, &face) in n.iter().enumerate().filter(|&(slot, _)| open >> slot & 1 == 1) {

@@ -235,6 +235,26 @@ impl Conflict for PointConflict<'_> {
         raw::test_spheres(tets.map(|t| self.geometry.spheres.at(t)), &self.query)
     }
 
+    #[inline(never)]
+    fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
+        let (mut conflicts, mut open) = (0, unknown);
+        // Two or more: the vector filter pays.
+        if unknown & (unknown - 1) != 0 && !self.geometry.wide {
+            let corners = tets.map(|t| topology.tet(t).vertices());
+            let (inside, outside) = raw::filter_insphere(&self.geometry.points, corners, &self.p);
+            conflicts = inside & unknown;
+            open &= !(inside | outside);
+            self.geometry.stats.sphere_undecided += u64::from((unknown & !open).count_ones());
+        }
+        while open != 0 {
+            if self.in_conflict(topology, tets[open.trailing_zeros() as usize & 3]) {
+                conflicts |= open & open.wrapping_neg();
+            }
+            open &= open - 1;
+        }
+        conflicts
+    }
+
     #[cold]
     fn in_conflict(&mut self, topology: &Topology, t: TetId) -> bool {
         let p = self.p;

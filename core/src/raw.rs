@@ -5,8 +5,9 @@
 //! `docs/decisions.md`.
 #![allow(unsafe_code)]
 
+use crate::Point;
 use crate::sphere::{Maker, Query, Sphere};
-use crate::topology::TetId;
+use crate::topology::{TetId, VertexId};
 
 /// An array that is indexed without bounds checks in release: the large arrays of a mesh.
 ///
@@ -143,10 +144,29 @@ pub(crate) fn test_spheres(spheres: [&Sphere; 4], q: &Query) -> (u32, u32) {
     }
 }
 
+/// [`crate::predicates::filter::insphere_window`] of a point and four tetrahedra at once, as bit
+/// masks `(inside, outside)`; nothing is decided of a ghost (its point is NaN), nor on a machine
+/// without AVX2.
+#[inline(always)]
+pub(crate) fn filter_insphere(
+    points: &Arena<Point>,
+    tets: [[VertexId; 4]; 4],
+    p: &Point,
+) -> (u32, u32) {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        // SAFETY: the machine has AVX2.
+        return unsafe { x86::filter_insphere(points, tets, p) };
+    }
+    let _ = (points, tets, p);
+    (0, 0)
+}
+
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Arena, Maker, Query, Sphere, TetId};
+    use super::{Arena, Maker, Point, Query, Sphere, TetId, VertexId};
     use crate::cavity::SMALL;
+    use crate::predicates::filter::INSPHERE_ERROR;
     use crate::sphere::{FLATNESS, LEAST_SQUARE, MAX_RADIUS, TOLERANCE};
     use std::arch::x86_64::*;
 
@@ -213,6 +233,67 @@ mod x86 {
     fn dot(a: [__m256d; 3], b: [__m256d; 3]) -> __m256d {
         let first = _mm256_add_pd(_mm256_mul_pd(a[0], b[0]), _mm256_mul_pd(a[1], b[1]));
         _mm256_add_pd(first, _mm256_mul_pd(a[2], b[2]))
+    }
+
+    /// The largest |entry| of four vectors, lane by lane.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn extent(v: [__m256d; 4]) -> __m256d {
+        let sign = _mm256_set1_pd(-0.0);
+        let [a, b, c, d] = v;
+        let (a, b) = (_mm256_andnot_pd(sign, a), _mm256_andnot_pd(sign, b));
+        let (c, d) = (_mm256_andnot_pd(sign, c), _mm256_andnot_pd(sign, d));
+        _mm256_max_pd(_mm256_max_pd(a, b), _mm256_max_pd(c, d))
+    }
+
+    /// The same operations in the same order as the plain filter, one tetrahedron a lane.
+    #[target_feature(enable = "avx2")]
+    pub(super) fn filter_insphere(
+        points: &Arena<Point>,
+        tets: [[VertexId; 4]; 4],
+        p: &Point,
+    ) -> (u32, u32) {
+        let target = _mm256_setr_pd(p[0], p[1], p[2], 0.0);
+        let row = |v: VertexId| {
+            let q = points.at(v);
+            _mm256_sub_pd(_mm256_setr_pd(q[0], q[1], q[2], 0.0), target)
+        };
+        // Differences of one vertex of each tetrahedron, as columns x, y, z.
+        let columns = |k: usize| {
+            let (r0, r1, r2, r3) =
+                (row(tets[0][k]), row(tets[1][k]), row(tets[2][k]), row(tets[3][k]));
+            let (xz01, xz23) = (_mm256_unpacklo_pd(r0, r1), _mm256_unpacklo_pd(r2, r3));
+            let (y01, y23) = (_mm256_unpackhi_pd(r0, r1), _mm256_unpackhi_pd(r2, r3));
+            [
+                _mm256_permute2f128_pd::<0x20>(xz01, xz23),
+                _mm256_permute2f128_pd::<0x20>(y01, y23),
+                _mm256_permute2f128_pd::<0x31>(xz01, xz23),
+            ]
+        };
+        let (a, b, c, d) = (columns(0), columns(1), columns(2), columns(3));
+        let xy = |u: &[__m256d; 3], v: &[__m256d; 3]| minor(u[0], v[1], v[0], u[1]);
+        let (ab, bc, cd) = (xy(&a, &b), xy(&b, &c), xy(&c, &d));
+        let (da, ac, bd) = (xy(&d, &a), xy(&a, &c), xy(&b, &d));
+        // u z - v y + w x and u z + v y + w x, from left to right
+        let alternating = |z: [__m256d; 3], m: [__m256d; 3]| {
+            let first = _mm256_sub_pd(_mm256_mul_pd(z[0], m[0]), _mm256_mul_pd(z[1], m[1]));
+            _mm256_add_pd(first, _mm256_mul_pd(z[2], m[2]))
+        };
+        let abc = alternating([a[2], b[2], c[2]], [bc, ac, ab]);
+        let bcd = alternating([b[2], c[2], d[2]], [cd, bd, bc]);
+        let cda = dot([c[2], d[2], a[2]], [da, ac, cd]);
+        let dab = dot([d[2], a[2], b[2]], [ab, bd, da]);
+        let left = minor(dot(d, d), abc, dot(c, c), dab);
+        let right = minor(dot(b, b), cda, dot(a, a), bcd);
+        let negative = _mm256_add_pd(left, right);
+        let det = _mm256_xor_pd(_mm256_set1_pd(-0.0), negative);
+        let [mx, my, mz] = [0, 1, 2].map(|k| extent([a[k], b[k], c[k], d[k]]));
+        let m = _mm256_max_pd(_mm256_max_pd(mx, my), mz);
+        let bound = _mm256_mul_pd(_mm256_mul_pd(_mm256_set1_pd(INSPHERE_ERROR), mx), my);
+        let bound = _mm256_mul_pd(_mm256_mul_pd(bound, mz), _mm256_mul_pd(m, m));
+        let inside = _mm256_cmp_pd::<_CMP_GT_OQ>(det, bound);
+        let outside = _mm256_cmp_pd::<_CMP_GT_OQ>(negative, bound);
+        (_mm256_movemask_pd(inside) as u32, _mm256_movemask_pd(outside) as u32)
     }
 
     #[target_feature(enable = "avx2")]
@@ -285,6 +366,42 @@ mod tests {
             s ^= s << 17;
             ((s >> 40) % 65) as f64 / 32.0 - 1.0
         }
+    }
+
+    #[test]
+    fn four_filters_at_once_agree_with_the_plain_filter() {
+        use crate::predicates::{Sign, filter::insphere_window};
+        let mut next = numbers();
+        let mut seen = [0; 3];
+        for round in 0..4000 {
+            let scale = [1.0, 2f64.powi(-140), 2f64.powi(190)][round % 3];
+            let mut points = Arena::with_capacity(18);
+            points.push([f64::NAN; 3]);
+            for _ in 0..17 {
+                points.push([0; 3].map(|_| next() * scale));
+            }
+            let p = *points.at(17);
+            let tets = [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12], [13, 14, 15, 0]];
+            if !std::arch::is_x86_feature_detected!("avx2") {
+                println!("SKIPPED: no AVX2 on this machine");
+                return;
+            }
+            let (inside, outside) = filter_insphere(&points, tets, &p);
+            assert_eq!((inside | outside) >> 3, 0, "a ghost was decided");
+            for (k, tet) in tets.iter().enumerate().take(3) {
+                let [a, b, c, d] = tet.map(|v| points.at(v));
+                let expected = insphere_window(a, b, c, d, &p);
+                let found = match (inside >> k & 1, outside >> k & 1) {
+                    (1, 0) => Some(Sign::Positive),
+                    (0, 1) => Some(Sign::Negative),
+                    (0, 0) => None,
+                    both => panic!("inside and outside at once: {both:?}"),
+                };
+                assert_eq!(found, expected);
+                seen[found.map_or(0, |sign| 1 + usize::from(sign == Sign::Positive))] += 1;
+            }
+        }
+        assert!(seen.iter().all(|&n| n > 50), "{seen:?}");
     }
 
     #[test]
