@@ -3,8 +3,8 @@
 //! Sections start with a keyword and a count. `Vertices` (x, y, z, reference) and `Tetrahedra`
 //! (four corners numbered from 1, reference) are read; a reference is a tag. References that
 //! are all 0 mean no tags, unless the comment `# references are tags` stands before the section,
-//! which we write where it is needed. Sections of triangles, edges, corners and the like are not read; a note
-//! says which. Other volume cells are refused. A file ends with `End`.
+//! which we write where it is needed. Sections of triangles, edges, corners and the like are not
+//! read; a note says which. Other volume cells are refused. A file ends with `End`.
 //! Source: P. Frey, "MEDIT: an interactive mesh visualization software", INRIA RT-0253, 2001.
 
 use super::MeshFile;

@@ -8,7 +8,7 @@
 //! views and other sections are not read, and a note says so; other volume elements are refused.
 //!
 //! Written: version 4.1, or 2.2. Point tags are a view `tag`, with values of type double. Regions
-//! are physical groups, each with an entity of its own, if all are positive and less than 2^31 (what
+//! are physical groups, each with an entity of its own, if all are positive and below 2^31 (what
 //! Gmsh allows), else a view `region`.
 //! Source: the Gmsh reference manual, "MSH file format" and "Legacy formats".
 
