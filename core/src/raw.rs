@@ -381,6 +381,11 @@ mod tests {
                 points.push([0; 3].map(|_| next() * scale));
             }
             let p = *points.at(17);
+            // Corners of one box with p: cospherical, which no filter decides.
+            let q = *points.at(1);
+            *points.at_mut(2) = [p[0], q[1], q[2]];
+            *points.at_mut(3) = [q[0], p[1], q[2]];
+            *points.at_mut(4) = [q[0], q[1], p[2]];
             let tets = [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12], [13, 14, 15, 0]];
             if !std::arch::is_x86_feature_detected!("avx2") {
                 println!("SKIPPED: no AVX2 on this machine");
