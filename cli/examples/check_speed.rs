@@ -1,7 +1,7 @@
 //! Builds the mesh of generated points on one thread, checks it on one and on several, and prints
 //! the times side by side, since a ratio of one run is worth more than two times of two runs:
-//! `cargo run --release -p ltbw-cli --example check_speed -- uniform 1000000 2 5`
-//! (kind, number of points, threads of the check, rounds).
+//! `cargo run --release -p ltbw-cli --example check_speed -- uniform 1000000 2 5 unaided`
+//! (kind, number of points, threads of the check, rounds; the last word is optional).
 //!
 //! *build* is ordering and insertion. *check* is `ltbw_verify::check` at full depth, all five
 //! levels and the canonical hash, on a mesh in memory with its neighbours and its hull given;
@@ -19,6 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let count: usize = args.next().map_or(Ok(1_000_000), |s| s.parse())?;
     let threads: usize = args.next().map_or(Ok(2), |s| s.parse())?;
     let rounds: usize = args.next().map_or(Ok(3), |s| s.parse())?;
+    let with_unaided = args.next().is_some_and(|word| word == "unaided");
     let set = PointSet::new(generate(kind, count, 1))?;
     let pool = |n: usize| rayon::ThreadPoolBuilder::new().num_threads(n).build();
     let (one, many) = (pool(1)?, pool(threads)?);
@@ -40,15 +41,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         let alone = timed(&one, &given)?;
         let check = timed(&many, &given)?;
-        let unaided = timed(&many, &bare)?;
         println!(
             "{} tets: build {build:.3} s, check on one thread {alone:.3} s ({:.2} of build), on \
-             {threads} {check:.3} s ({:.2}), unaided {unaided:.3} s ({:.2})",
+             {threads} {check:.3} s ({:.2})",
             tets.len(),
             alone / build,
-            check / build,
-            unaided / build,
+            check / build
         );
+        if with_unaided {
+            let unaided = timed(&many, &bare)?;
+            println!("unaided, on {threads}: {unaided:.3} s ({:.2})", unaided / build);
+        }
     }
     Ok(())
 }
