@@ -16,11 +16,12 @@
 use crate::defect::Findings;
 use crate::geometry::Oriented;
 use crate::hull;
-use crate::mesh::{Mesh, NO_NEIGHBOUR, Options, face};
+use crate::mesh::{Mesh, NO_NEIGHBOUR, Options, Point, face, split};
 use crate::perturb;
 use crate::predicates::{Sphere, Tally};
 use crate::sweep::{Partial, pieces};
 use crate::topology::{self, Hull};
+use std::ops::Range;
 
 /// What the report says of a mesh that was proved.
 pub(crate) struct Proof {
@@ -87,9 +88,11 @@ struct Swept {
 impl Swept {
     fn all(mesh: &Mesh, claims: &[[u32; 4]], canonical: bool) -> Option<Self> {
         let parts = pieces(mesh.tets.len(), |range| {
-            let mut part = Self::default();
-            for t in range {
-                part.tet(mesh, claims, t, canonical)?;
+            let (mut part, mut block) = (Self::default(), Block::default());
+            for first in range.clone().step_by(BLOCK) {
+                let tets = first..range.end.min(first + BLOCK);
+                block.fill(mesh, claims, tets.clone(), &mut part)?;
+                part.geometry(mesh, tets, &block.joints, canonical)?;
             }
             Some(part)
         });
@@ -107,36 +110,100 @@ impl Swept {
         (all.above == all.below).then_some(all)
     }
 
-    /// Tests the tetrahedron `t` and its faces towards larger ones; `None` if a test fails.
-    #[inline]
-    fn tet(&mut self, mesh: &Mesh, claims: &[[u32; 4]], t: usize, canonical: bool) -> Option<()> {
-        let tet = &mesh.tets[t];
-        let corners = tet.map(|v| &mesh.points[v as usize]);
-        let sphere = Sphere::new(corners);
-        if sphere.orientation(&mut self.orientation) <= 0 {
-            return None;
-        }
-        self.volume += sphere.volume6();
-        for (i, &claim) in claims[t].iter().enumerate() {
-            let u = claim as usize;
-            if claim == NO_NEIGHBOUR {
-                self.hull.push((4 * t + i) as u32);
-            } else if u < t {
-                self.below += 1;
-            } else {
-                self.above += 1;
-                let other = mesh.tets.get(u)?;
-                let j = side_of(t as u32, claims.get(u)?)?;
-                if !are_opposite(face(tet, i), face(other, j)) {
-                    return None;
-                }
-                let apex = &mesh.points[other[j] as usize];
+    /// Tests the tetrahedra `tets` with their `joints`; `None` if a test fails.
+    fn geometry(
+        &mut self,
+        mesh: &Mesh,
+        tets: Range<usize>,
+        joints: &[Joint],
+        canonical: bool,
+    ) -> Option<()> {
+        let mut joints = joints.iter().peekable();
+        for t in tets {
+            let corners = mesh.tets[t].map(|v| &mesh.points[v as usize]);
+            let sphere = Sphere::new(corners);
+            if sphere.orientation(&mut self.orientation) <= 0 {
+                return None;
+            }
+            self.volume += sphere.volume6();
+            while let Some(Joint { apex, .. }) = joints.next_if(|joint| split(joint.code).0 == t) {
                 let sign = sphere.side(apex, &mut self.delaunay);
                 let tie = sign == 0 && canonical;
                 if sign > 0 || tie && perturb::side(corners, apex, &mut self.canonical) > 0 {
                     return None;
                 }
             }
+        }
+        Some(())
+    }
+}
+
+/// Tetrahedra whose neighbours are looked up together.
+const BLOCK: usize = 64;
+
+/// The faces of a block of tetrahedra towards larger ones, and what lies behind them.
+///
+/// Neighbours are anywhere in memory. Looking up those of a whole block, one kind of thing after
+/// the other, lets the processor wait for many of them at once.
+#[derive(Default)]
+struct Block {
+    joints: Vec<Joint>,
+}
+
+/// A face towards a larger tetrahedron.
+#[derive(Clone, Copy)]
+struct Joint {
+    /// `4 * tet + face`.
+    code: u32,
+    /// The claimed neighbour, its vertices and its own claims.
+    claim: u32,
+    other: [u32; 4],
+    back: [u32; 4],
+    /// The vertex of the neighbour opposite the face.
+    apex: Point,
+}
+
+impl Block {
+    /// Looks up the neighbours of `tets` and tests that the claims are mutual and the faces the
+    /// same, with opposite sides; `None` if not. Counts faces and collects those of the hull.
+    fn fill(
+        &mut self,
+        mesh: &Mesh,
+        claims: &[[u32; 4]],
+        tets: Range<usize>,
+        swept: &mut Swept,
+    ) -> Option<()> {
+        let empty = Joint { code: 0, claim: 0, other: [0; 4], back: [0; 4], apex: [0.0; 3] };
+        self.joints.resize(4 * tets.len(), empty);
+        // Whether a face counts here is chance: written always, kept if it does, no branch.
+        let (mut count, mut on_hull) = (0, 0);
+        for t in tets.clone() {
+            for (i, &claim) in claims[t].iter().enumerate() {
+                let joint = &mut self.joints[count];
+                (joint.code, joint.claim) = ((4 * t + i) as u32, claim);
+                let is_hull = claim == NO_NEIGHBOUR;
+                on_hull += usize::from(is_hull);
+                count += usize::from(!is_hull & (claim as usize >= t));
+            }
+        }
+        self.joints.truncate(count);
+        swept.above += count as u64;
+        swept.below += (4 * tets.len() - count - on_hull) as u64;
+        if on_hull > 0 {
+            let codes = (4 * tets.start as u32..).zip(claims[tets].as_flattened());
+            swept.hull.extend(codes.filter(|&(_, &c)| c == NO_NEIGHBOUR).map(|(code, _)| code));
+        }
+        for joint in &mut self.joints {
+            joint.other = *mesh.tets.get(joint.claim as usize)?;
+            joint.back = *claims.get(joint.claim as usize)?;
+        }
+        for joint in &mut self.joints {
+            let (t, i) = split(joint.code);
+            let j = side_of(t as u32, &joint.back)?;
+            if !are_opposite(face(&mesh.tets[t], i), face(&joint.other, j)) {
+                return None;
+            }
+            joint.apex = *mesh.points.get(joint.other[j] as usize)?;
         }
         Some(())
     }
