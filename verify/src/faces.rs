@@ -3,8 +3,8 @@
 //! Faces are put into one bucket per smallest vertex (a counting sort), then matched inside each
 //! bucket by their two other vertices; buckets in parallel. In a usual mesh a bucket holds some
 //! 27 faces, so this costs a fraction of sorting all faces. Memory: 8 words of 4 bytes per
-//! tetrahedron. The only file that touches atomics: each slot of the result is written at most
-//! once and read after the sweep, so relaxed stores are enough.
+//! tetrahedron. Threads share the result, so its slots are atomic: each is written at most once and
+//! read after the sweep, so relaxed stores are enough.
 
 use crate::defect::{Findings, Kind};
 use crate::mesh::{Mesh, split};

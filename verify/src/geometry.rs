@@ -5,7 +5,7 @@ use crate::defect::{Findings, Kind};
 use crate::faces::Faces;
 use crate::mesh::{Mesh, Point, VertexOrder, face};
 use crate::perturb;
-use crate::predicates::{Tally, det3, differences, insphere, orient3d};
+use crate::predicates::{Sphere, Tally, det3, differences, insphere, orient3d};
 use crate::sweep::{Partial, pieces};
 
 /// The mesh with every tetrahedron's exact sign.
@@ -19,7 +19,13 @@ pub(crate) struct Oriented<'a> {
     pub(crate) negative: u64,
 }
 
-impl Oriented<'_> {
+impl<'a> Oriented<'a> {
+    /// A mesh of positive tetrahedra alone.
+    pub(crate) fn positive(mesh: &'a Mesh<'a>, volume: f64) -> Self {
+        let count = mesh.tets.len();
+        Self { mesh, signs: vec![1; count], volume, positive: count as u64, negative: 0 }
+    }
+
     /// Whether all of the mesh is negative.
     pub(crate) fn is_mirrored(&self) -> bool {
         self.negative > 0 && self.positive == 0
@@ -154,6 +160,9 @@ pub(crate) fn delaunay(
     let parts = pieces(mesh.mesh.tets.len(), |range| {
         let (mut part, mut ties) = (Partial::new(limit), Partial::new(limit));
         for t in range {
+            let corners = mesh.positive_tet(t).map(|v| mesh.mesh.points.get(v as usize));
+            let [Some(a), Some(b), Some(c), Some(d)] = corners else { continue };
+            let sphere = Sphere::new([a, b, c, d]);
             for i in 0..4 {
                 let Some((u, j)) = faces.other(t, i).filter(|&(u, _)| t < u) else { continue };
                 if fold(mesh, (t, i), (u, j)) != Some(false) {
@@ -162,15 +171,13 @@ pub(crate) fn delaunay(
                     continue;
                 }
                 let apex = mesh.mesh.tets[u][j];
-                let sign = mesh.in_sphere(t, apex, &mut part.tally);
+                let sign = sphere.side(mesh.at(apex), &mut part.tally);
                 if sign > 0 {
                     report(&mut part.findings, Kind::NotDelaunay, mesh, (t, i), (u, j));
                 }
-                if sign == 0 && canonical {
-                    let tet = mesh.positive_tet(t).map(|v| mesh.at(v));
-                    if perturb::side(tet, mesh.at(apex), &mut ties.tally) > 0 {
-                        report(&mut ties.findings, Kind::NotCanonical, mesh, (t, i), (u, j));
-                    }
+                let tie = sign == 0 && canonical;
+                if tie && perturb::side([a, b, c, d], mesh.at(apex), &mut ties.tally) > 0 {
+                    report(&mut ties.findings, Kind::NotCanonical, mesh, (t, i), (u, j));
                 }
             }
         }

@@ -15,7 +15,6 @@
 
 use crate::defect::Kind;
 use crate::exact::{big, big_sign, lowest_bit};
-use crate::faces::Faces;
 use crate::geometry::Oriented;
 use crate::mesh::{Point, split};
 use crate::perturb;
@@ -27,7 +26,7 @@ use num_bigint::BigInt;
 /// Tests every edge of the hull. The second result belongs to the level *canonical*.
 pub(crate) fn edges(
     mesh: &Oriented,
-    faces: &Faces,
+    facets: &[u32],
     pairs: &[HullPair],
     canonical: bool,
     limit: usize,
@@ -35,7 +34,7 @@ pub(crate) fn edges(
     let parts = pieces(pairs.len(), |range| {
         let (mut part, mut ties) = (Partial::new(limit), Partial::new(limit));
         for pair in &pairs[range] {
-            edge(mesh, faces, pair, canonical, &mut part, &mut ties);
+            edge(mesh, facets, pair, canonical, &mut part, &mut ties);
         }
         (part, ties)
     });
@@ -49,13 +48,13 @@ pub(crate) fn edges(
 
 fn edge(
     mesh: &Oriented,
-    faces: &Faces,
+    facets: &[u32],
     &[(g, gk), (h, hk)]: &HullPair,
     canonical: bool,
     part: &mut Partial,
     ties: &mut Partial,
 ) {
-    let ((t, i), (u, j)) = (split(faces.hull[g]), split(faces.hull[h]));
+    let ((t, i), (u, j)) = (split(facets[g]), split(facets[h]));
     if mesh.sign(t) == 0 || mesh.sign(u) == 0 {
         part.untested += 1;
         ties.untested += 1;
@@ -108,18 +107,18 @@ fn ends([a, b, c]: [u32; 3], p: u32) -> [u32; 2] {
 
 /// The global test; `inner` is a tetrahedron that is not flat. Presumes that hull edges pair
 /// hull facets, that no tetrahedron is flat and no face folded, and convexity at every edge.
-pub(crate) fn once_around(mesh: &Oriented, faces: &Faces, inner: usize, limit: usize) -> Partial {
+pub(crate) fn once_around(mesh: &Oriented, facets: &[u32], inner: usize, limit: usize) -> Partial {
     let mut out = Partial::new(limit);
-    let Some(&first) = faces.hull.first() else { return out };
+    let Some(&first) = facets.first() else { return out };
     let outward = |code: u32| {
         let (t, i) = split(code);
         mesh.outward(t, i)
     };
     let corners = mesh.mesh.tets[inner].map(|v| mesh.at(v));
     let ray = Ray::new(corners, outward(first).map(|v| mesh.at(v)));
-    let parts = pieces(faces.hull.len(), |range| {
+    let parts = pieces(facets.len(), |range| {
         let mut part = Partial::new(limit);
-        for &code in &faces.hull[range] {
+        for &code in &facets[range] {
             let facet = outward(code);
             let [a, b, c] = facet.map(|v| mesh.at(v));
             let signs = corners.map(|p| orient3d([a, b, c, p], &mut part.tally));

@@ -37,22 +37,30 @@
 //! A level passes only if the levels before it do. [`Depth::Fast`] leaves out what the theorem
 //! below does not need; it is still a proof that the mesh is Delaunay.
 //!
+//! *With an adjacency* ([`Mesh::neighbours`]) the checker first tries a short proof (`glued.rs`):
+//! it tests the premises of the theorem on the claims, without trusting them, and takes from the
+//! conclusion what the list above tests one by one: no face of three, no tetrahedron twice, one
+//! piece, vertex links, Euler's formula (which gives the number of edges), and that the claims
+//! are the real adjacency. If a single test fails, or the mesh is mirrored, it goes through the
+//! levels on its own adjacency and names what is wrong. The report is the same either way.
+//! Whoever wants every test made all the same leaves the adjacency out.
+//!
 //! # Theorem
 //!
 //! *If the levels up to Delaunay pass, at either depth, the tetrahedra tile the convex hull of
 //! their vertices, face to face, and form a Delaunay triangulation of them.* Every premise is a
 //! test that is made exactly:
 //!
-//! 1. every face has one or two tetrahedra; faces with one form the *hull*; every edge of the
-//!    hull has exactly two hull facets;
-//! 2. every tetrahedron, turned as the check turns it, is positive, and two that share a face lie
-//!    on opposite sides of it;
+//! 1. some faces are joined in pairs, the two of a pair having the same three vertices; the other
+//!    faces form the *hull*, and every edge of the hull has exactly two hull facets;
+//! 2. every tetrahedron, turned as the check turns it, is positive, and two that a pair of faces
+//!    joins lie on opposite sides of it;
 //! 3. at every hull edge the far vertex of one facet is not beyond the plane of the other;
 //! 4. the centre O of the first tetrahedron is strictly inside every hull facet's plane, and the
 //!    ray from O through the centre Q of the first hull facet meets no other hull facet;
-//! 5. at every inner face, the apex of one side is not inside the circumsphere of the other.
+//! 5. at every pair of faces, the apex of one is not inside the circumsphere of the other.
 //!
-//! *The hull is the boundary of a convex body.* Turn every facet outward. By 2 the inner faces
+//! *The hull is the boundary of a convex body.* Turn every facet outward. By 2 the faces of a pair
 //! cancel in the boundary of the sum of all tetrahedra, so that this boundary is the sum of the
 //! hull facets; the boundary of a boundary is zero, so by 1 the two facets of a hull edge run
 //! through it in opposite directions. Project the hull from O to a sphere. By 4 each facet goes
@@ -69,9 +77,14 @@
 //!
 //! *The tetrahedra tile it.* The number of positive tetrahedra around a point that lies on no
 //! face is the winding number of the hull around the point: 1 inside the convex body and 0
-//! outside. So the tetrahedra cover it once. They meet face to face: were a vertex inside a
-//! face or edge of a tetrahedron that it does not belong to, a tetrahedron at that vertex would
-//! overlap one of those that share this face, or that follow each other around this edge.
+//! outside. So the tetrahedra cover it once. Hence none is there twice, and no three have one
+//! face: two of them would overlap on one side of it. Nor is a face of two left unpaired: both
+//! would be hull facets with one image on the sphere. They meet face to face: were a vertex
+//! inside a face or edge of a tetrahedron that it does not belong to, a tetrahedron at that
+//! vertex would overlap one of those that share this face, or that follow each other around this
+//! edge. And a convex body tiled face to face hangs together through faces, and is a ball, as a
+//! whole and around every vertex: the links are spheres and, on the hull, disks, and
+//! V - E + F - T = 1.
 //!
 //! *Local is global.* Lift the vertices to the paraboloid w = x² + y² + z². By 5 the lifted,
 //! piecewise linear function is convex across every inner face, hence convex along every line
@@ -95,10 +108,12 @@ mod defect;
 mod exact;
 mod faces;
 mod geometry;
+mod glued;
 mod hash;
 mod hull;
 mod mesh;
 mod perturb;
+mod places;
 mod predicates;
 mod report;
 mod structure;

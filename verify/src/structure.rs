@@ -7,8 +7,10 @@
 use crate::defect::{Findings, Kind};
 use crate::mesh::{Mesh, Options, Point};
 use crate::perturb::order;
-use crate::sweep::{Partial, pieces};
+use crate::places;
+use crate::sweep::pieces;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Tetrahedra are numbered below this, so that `4 * tet + face` leaves two reserved u32 values.
 pub(crate) const MAX_TETS: usize = (1 << 30) - 1;
@@ -17,12 +19,12 @@ pub(crate) const MAX_TETS: usize = (1 << 30) - 1;
 pub(crate) struct Sound {
     /// Whether a tetrahedron names four different finite points.
     pub(crate) tet: Vec<bool>,
-    /// Number of points named by sound tetrahedra.
-    pub(crate) used: usize,
     /// Number of points that no sound tetrahedron names.
     pub(crate) unused: usize,
     /// Places of finite points at which no used point lies.
     pub(crate) left_out: usize,
+    /// The points named by sound tetrahedra, in the order by (x, y, z).
+    pub(crate) vertices: Vec<u32>,
 }
 
 /// Whether the lists are small enough to be numbered.
@@ -36,59 +38,96 @@ pub(crate) fn check(mesh: &Mesh, options: &Options, out: &mut Findings) -> Sound
         out.add(Kind::Empty, &[], &[]);
     }
     let points = mesh.points;
-    let finite = |p: &Point| p.iter().all(|c| c.is_finite());
-    let checked = pieces(mesh.tets.len(), |range| {
-        let mut part = Partial::new(options.max_defects);
-        let sound: Vec<bool> = range
-            .map(|t| {
-                let tet = &mesh.tets[t];
-                let findings = &mut part.findings;
-                if tet.iter().any(|&v| v as usize >= points.len()) {
-                    findings.add(Kind::IndexOutOfRange, &[t as u32], tet);
-                    return false;
-                }
-                if (0..3).any(|i| tet[i + 1..].contains(&tet[i])) {
-                    findings.add(Kind::RepeatedVertex, &[t as u32], tet);
-                    return false;
-                }
-                tet.iter().all(|&v| finite(&points[v as usize]))
-            })
-            .collect();
-        (sound, part)
-    });
-    let mut tet = Vec::with_capacity(mesh.tets.len());
-    for (sound, part) in checked {
-        tet.extend(sound);
-        out.merge(part.findings);
-    }
-    let mut used = vec![false; points.len()];
-    let mut named = vec![false; points.len()];
-    for (vertices, &sound) in mesh.tets.iter().zip(&tet) {
-        for &v in vertices {
-            if let Some(n) = named.get_mut(v as usize) {
-                *n = true;
-                used[v as usize] |= sound;
+    let (checked, order) =
+        rayon::join(|| tets(mesh, options.max_defects), || places::sorted(points));
+    let Checked { tet, used, named, findings } = checked;
+    out.merge(findings);
+    // The order has the finite points; only if some are missing is it worth a look which.
+    if order.len() < points.len() {
+        for (v, p) in (0u32..).zip(points) {
+            if (named[v as usize] || used[v as usize]) && !is_finite(p) {
+                out.add(Kind::NotFinite, &[], &[v]);
             }
         }
     }
-    for (v, p) in points.iter().enumerate() {
-        if named[v] && !finite(p) {
-            out.add(Kind::NotFinite, &[], &[v as u32]);
-        }
-    }
-    let left_out = places(points, &used, options.all_points, out);
-    let used = used.iter().filter(|&&u| u).count();
-    Sound { tet, used, unused: points.len() - used, left_out }
+    let left_out = occupied(points, &order, &used, options.all_points, out);
+    let mut vertices = order;
+    vertices.retain(|&v| used[v as usize]);
+    Sound { tet, unused: points.len() - vertices.len(), left_out, vertices }
 }
 
-/// Finds used points at equal places, and places that no used point has. Returns the number of
-/// the latter. Points that are not finite have no place.
-fn places(points: &[Point], used: &[bool], all_points: bool, out: &mut Findings) -> usize {
-    let mut sorted: Vec<u32> = (0..points.len() as u32)
-        .filter(|&v| points[v as usize].iter().all(|c| c.is_finite()))
-        .collect();
+fn is_finite(p: &Point) -> bool {
+    p.iter().all(|c| c.is_finite())
+}
+
+/// What [`tets`] finds.
+struct Checked {
+    tet: Vec<bool>,
+    /// Whether a sound tetrahedron names the point.
+    used: Vec<bool>,
+    /// Whether an unsound one does.
+    named: Vec<bool>,
+    findings: Findings,
+}
+
+/// Checks every tetrahedron by itself.
+///
+/// The marks of points are atomic because threads share them: they are only ever set, and read
+/// after the sweep, so relaxed accesses are enough. Each is read first, so that a mark that is
+/// set costs no traffic between the cores.
+fn tets(mesh: &Mesh, limit: usize) -> Checked {
+    let points = mesh.points;
+    let marks = || points.iter().map(|_| AtomicBool::new(false)).collect::<Vec<_>>();
+    let (used, named) = (marks(), marks());
+    let mark = |marks: &[AtomicBool], v: u32| {
+        if let Some(mark) = marks.get(v as usize)
+            && !mark.load(Ordering::Relaxed)
+        {
+            mark.store(true, Ordering::Relaxed);
+        }
+    };
+    let all_finite = points.par_iter().all(is_finite);
+    let checked = pieces(mesh.tets.len(), |range| {
+        let mut findings = Findings::new(limit);
+        let sound: Vec<bool> = range
+            .map(|t| {
+                let tet = &mesh.tets[t];
+                let [a, b, c, d] = *tet;
+                let sound = if a.max(b).max(c.max(d)) as usize >= points.len() {
+                    findings.add(Kind::IndexOutOfRange, &[t as u32], tet);
+                    false
+                } else if a == b || a == c || a == d || b == c || b == d || c == d {
+                    findings.add(Kind::RepeatedVertex, &[t as u32], tet);
+                    false
+                } else {
+                    all_finite || tet.iter().all(|&v| is_finite(&points[v as usize]))
+                };
+                tet.iter().for_each(|&v| mark(if sound { &used } else { &named }, v));
+                sound
+            })
+            .collect();
+        (sound, findings)
+    });
+    let mut tet = Vec::with_capacity(mesh.tets.len());
+    let mut findings = Findings::new(limit);
+    for (sound, found) in checked {
+        tet.extend(sound);
+        findings.merge(found);
+    }
+    let plain = |marks: Vec<AtomicBool>| marks.into_iter().map(AtomicBool::into_inner).collect();
+    Checked { tet, used: plain(used), named: plain(named), findings }
+}
+
+/// Finds used points at equal places, and places that no used point has, among the finite points
+/// in their `order`. Returns the number of the latter.
+fn occupied(
+    points: &[Point],
+    sorted: &[u32],
+    used: &[bool],
+    all_points: bool,
+    out: &mut Findings,
+) -> usize {
     let at = |v: u32| &points[v as usize];
-    sorted.par_sort_unstable_by(|&v, &w| order(at(v), at(w)).then(v.cmp(&w)));
     let mut left_out = Vec::new();
     for group in sorted.chunk_by(|&v, &w| order(at(v), at(w)).is_eq()) {
         let mut users = group.iter().filter(|&&v| used[v as usize]);

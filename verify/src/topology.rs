@@ -88,7 +88,7 @@ fn is_rotation(a: [u32; 3], b: [u32; 3]) -> bool {
 }
 
 /// Compares the claimed hull facets, if any, with the real ones.
-pub(crate) fn claimed_hull(mesh: &Mesh, faces: &Faces, out: &mut Findings) {
+pub(crate) fn claimed_hull(mesh: &Mesh, facets: &[u32], out: &mut Findings) {
     let Some(claimed) = mesh.hull else { return };
     let sorted = |mut facet: [u32; 3]| {
         facet.sort_unstable();
@@ -97,7 +97,7 @@ pub(crate) fn claimed_hull(mesh: &Mesh, faces: &Faces, out: &mut Findings) {
     let mut claimed: Vec<[u32; 3]> = claimed.iter().map(|&f| sorted(f)).collect();
     claimed.par_sort_unstable();
     let mut real: Vec<([u32; 3], u32)> =
-        faces.hull.iter().map(|&c| (sorted(facet(mesh, c)), c >> 2)).collect();
+        facets.iter().map(|&c| (sorted(facet(mesh, c)), c >> 2)).collect();
     real.par_sort_unstable();
     let (mut i, mut j) = (0, 0);
     // Each turn advances i or j.
@@ -170,10 +170,9 @@ pub(crate) fn components(mesh: &Mesh, faces: &Faces, sound: &[bool], out: &mut F
 
 /// Joins hull facets at their edges and finds edges without exactly two facets, and separate
 /// surfaces.
-pub(crate) fn hull(mesh: &Mesh, faces: &Faces, out: &mut Findings) -> Hull {
+pub(crate) fn hull(mesh: &Mesh, facets: &[u32], out: &mut Findings) -> Hull {
     // One entry per side of a facet: the edge, then facet and side in one number.
-    let mut sides: Vec<(u64, u64)> = faces
-        .hull
+    let mut sides: Vec<(u64, u64)> = facets
         .par_iter()
         .enumerate()
         .flat_map_iter(|(h, &code)| {
@@ -186,7 +185,7 @@ pub(crate) fn hull(mesh: &Mesh, faces: &Faces, out: &mut Findings) -> Hull {
         .collect();
     sides.par_sort_unstable();
     let place = |side: u64| ((side / 3) as usize, (side % 3) as usize);
-    let mut sets = Sets::new(faces.hull.len());
+    let mut sets = Sets::new(facets.len());
     let mut pairs = Vec::with_capacity(sides.len() / 2);
     for edge in sides.chunk_by(|a, b| a.0 == b.0) {
         if let [(_, a), (_, b)] = *edge {
@@ -194,42 +193,41 @@ pub(crate) fn hull(mesh: &Mesh, faces: &Faces, out: &mut Findings) -> Hull {
             sets.join(a.0 as u32, b.0 as u32);
             pairs.push([a, b]);
         } else {
-            let owners: Vec<u32> = edge.iter().map(|s| faces.hull[place(s.1).0] >> 2).collect();
+            let owners: Vec<u32> = edge.iter().map(|s| facets[place(s.1).0] >> 2).collect();
             out.add(Kind::HullEdge, &owners, &[(edge[0].0 >> 32) as u32, edge[0].0 as u32]);
         }
     }
     let mut components = 0;
-    for h in (0..faces.hull.len()).filter(|&h| sets.is_root(h)) {
+    for h in (0..facets.len()).filter(|&h| sets.is_root(h)) {
         components += 1;
         if components > 1 {
-            let code = faces.hull[h];
+            let code = facets[h];
             out.add(Kind::HullDisconnected, &[code >> 2], &facet(mesh, code));
         }
     }
     let mut on_hull = vec![false; mesh.points.len()];
-    for &code in &faces.hull {
+    for &code in facets {
         facet(mesh, code).iter().for_each(|&v| on_hull[v as usize] = true);
     }
     let vertices = on_hull.iter().filter(|&&on| on).count();
     Hull { pairs, vertices, components }
 }
 
-/// The two Euler characteristics of a ball, from the counts of [`links`] and [`hull`].
-pub(crate) fn euler(
-    mesh: &Mesh,
-    faces: &Faces,
-    sound: &Sound,
-    hull: &Hull,
-    edges: u64,
-) -> Findings {
+/// The Euler characteristic of a ball, from the counts of [`links`].
+pub(crate) fn euler(faces: &Faces, sound: &Sound, edges: u64) -> Findings {
     let mut out = Findings::new(1);
     let tets = sound.tet.iter().filter(|&&s| s).count();
-    let number = |n: usize| n as i64;
-    let ball = number(sound.used) - edges as i64 + faces.count as i64 - number(tets);
+    let ball = sound.vertices.len() as i64 - edges as i64 + faces.count as i64 - tets as i64;
     if tets > 0 && ball != 1 {
         out.add(Kind::Euler, &[], &[]);
     }
-    let sphere = number(hull.vertices) - number(hull.pairs.len()) + number(faces.hull.len());
+    out
+}
+
+/// The Euler characteristic of a hull in one piece.
+pub(crate) fn hull_euler(mesh: &Mesh, facets: &[u32], hull: &Hull) -> Findings {
+    let mut out = Findings::new(1);
+    let sphere = hull.vertices as i64 - hull.pairs.len() as i64 + facets.len() as i64;
     if hull.components == 1 && sphere != 2 && !mesh.tets.is_empty() {
         out.add(Kind::HullEuler, &[], &[]);
     }

@@ -5,8 +5,18 @@ mod common;
 use common::{GENERAL, Owned, adjacency, cube, delaunay, kinds, volume6};
 use ltbw_verify::{Depth, Kind, Level, Mesh, Options, Outcome, Report, VertexOrder, check};
 
+/// The report, which an adjacency must not change.
 fn report(mesh: &Owned) -> Report {
-    check(&Mesh::new(&mesh.points, &mesh.tets), &Options::default())
+    let view = Mesh::new(&mesh.points, &mesh.tets);
+    let report = check(&view, &Options::default());
+    let neighbours = adjacency(&mesh.tets);
+    let aided = check(&view.with_neighbours(&neighbours), &Options::default());
+    assert_eq!(aided.passed(), report.passed());
+    // Broken meshes need not have an adjacency.
+    if report.level(Level::Topology).outcome == Outcome::Passed {
+        assert_eq!(aided, report);
+    }
+    report
 }
 
 fn general() -> Owned {

@@ -98,6 +98,12 @@ fn certificate_schema() {
     assert_eq!(defect["at"][1], serde_json::json!([0.0, 0.0, 1.0]));
 }
 
+/// The report of the mesh with its adjacency given, as a mesh generator would give it.
+fn aided(mesh: &Owned) -> Report {
+    let neighbours = common::adjacency(&mesh.tets);
+    check(&Mesh::new(&mesh.points, &mesh.tets).with_neighbours(&neighbours), &ALL)
+}
+
 /// A block of a grid, each cube cut into six tetrahedra along its main diagonal.
 fn kuhn(n: u32) -> Owned {
     let id = |x: u32, y: u32, z: u32| (x * (n + 1) + y) * (n + 1) + z;
@@ -149,6 +155,14 @@ fn a_grid_of_cubes_passes_as_delaunay() {
     assert_eq!(r.level(Level::Delaunay).outcome, Outcome::Passed, "{r:#?}");
     assert_eq!(r.counts.edges, 7 * 7 * 6 * 3 + 7 * 36 * 3 + 216);
     assert_eq!(r.volume, 216.0);
+    // Not canonical, so there is no short proof: the report is the same all the same.
+    assert_eq!(aided(&mesh), r);
+    let fast = Options { depth: ltbw_verify::Depth::Fast, ..ALL };
+    let neighbours = common::adjacency(&mesh.tets);
+    let view = Mesh::new(&mesh.points, &mesh.tets);
+    let short = check(&view.with_neighbours(&neighbours), &fast);
+    assert!(short.passed(), "{short:#?}");
+    assert_eq!(short, check(&view, &fast));
 }
 
 /// Distinct points, snapped to a grid so coarse that most quintuples are degenerate.
@@ -178,6 +192,8 @@ proptest! {
         let r = report(&mesh);
         prop_assert!(r.passed(), "{:#?}", r);
         prop_assert!(!r.mirrored);
+        // The short proof says the same, the numbers that it does not count included.
+        prop_assert_eq!(&aided(&mesh), &r);
         for exponent in [exponent, -1074, -200, 180, 1020] {
             let r = report(&scaled(&mesh, exponent));
             prop_assert!(r.passed(), "2^{}: {:#?}", exponent, r);
@@ -206,6 +222,12 @@ proptest! {
         let r = report(&bad);
         // One tetrahedron alone is a mesh of either handedness.
         prop_assert_eq!(r.passed(), r.mirrored && r.counts.tets == 1, "{:?}", kinds(&r));
+        // Nor does any adjacency make it pass; a true one changes nothing in the report.
+        let a = aided(&bad);
+        prop_assert_eq!(a.passed(), r.passed(), "{:?}", kinds(&a));
+        if r.level(Level::Topology).outcome == Outcome::Passed {
+            prop_assert_eq!(a, r);
+        }
     }
 
     #[test]
