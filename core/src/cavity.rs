@@ -12,7 +12,7 @@
 use crate::topology::{FaceId, Full, INFINITE, TetId, Topology, VertexId, tet_of};
 
 /// Decides which tetrahedra conflict with the point in work.
-pub trait Conflict {
+pub(crate) trait Conflict {
     /// A hint that `t` will be asked about soon.
     fn prefetch(&self, t: TetId);
 

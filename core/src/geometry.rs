@@ -43,6 +43,8 @@ pub(crate) struct Geometry {
     wide: bool,
     /// A power of two of which all coordinates are multiples; zero if it is not known.
     step: f64,
+    /// The same, of all coordinates and those of the point in work.
+    step_in_work: f64,
     maker: Maker,
     pub(crate) stats: PredicateStats,
 }
@@ -59,6 +61,7 @@ impl Geometry {
             frame,
             wide,
             step: if wide { 0.0 } else { f64::INFINITY },
+            step_in_work: 0.0,
             maker: Maker::default(),
             stats: PredicateStats::default(),
         }
@@ -91,7 +94,7 @@ impl Geometry {
         self.spheres.all_mut().fill(Sphere::UNKNOWN);
         self.frame = None;
         self.wide = true;
-        self.step = 0.0;
+        (self.step, self.step_in_work) = (0.0, 0.0);
     }
 
     /// Sign of orient3d of vertices `a`, `b`, `c` and the point `p`, filtered and counted.
@@ -102,7 +105,7 @@ impl Geometry {
         let fast = if self.wide {
             filter::orient3d_any(a, b, c, p)
         } else {
-            filter::orient3d_lattice(a, b, c, p, self.step)
+            filter::orient3d_lattice(a, b, c, p, self.step_in_work)
         };
         match fast {
             Some(sign) => sign,
@@ -132,7 +135,7 @@ impl Geometry {
         let fast = if self.wide {
             filter::insphere_any(a, b, c, d, p)
         } else {
-            filter::insphere_lattice([a, b, c, d], p, self.step)
+            filter::insphere_lattice([a, b, c, d], p, self.step_in_work)
         };
         let sign = fast.unwrap_or_else(|| {
             self.stats.insphere_exact += 1;
@@ -170,14 +173,16 @@ impl Geometry {
         }
     }
 
-    /// The cached spheres, to the bit.
+    /// The cached spheres and the lattice step, to the bit.
     pub(crate) fn spheres_fingerprint(&self) -> Vec<[u32; 4]> {
-        self.spheres.all().iter().map(Sphere::bits).collect()
+        let step = self.step.to_bits();
+        let step = [step as u32, (step >> 32) as u32, 0, 0];
+        self.spheres.all().iter().map(Sphere::bits).chain([step]).collect()
     }
 
     /// The conflict test for `p`.
     pub(crate) fn conflict_of(&mut self, p: &Point) -> PointConflict<'_> {
-        self.step = self.step.min(lattice_step(p));
+        self.step_in_work = self.step.min(lattice_step(p));
         let query = self.frame.as_ref().map_or(Query::NOWHERE, |f| f.query(p));
         PointConflict { geometry: self, p: *p, query }
     }

@@ -4,7 +4,7 @@
 //! number is a vertex, the others are its duplicates. Tetrahedra have [`TetId`]s, which are
 //! stable until the next insertion.
 
-use crate::cavity::{Admission, Cavity, Open, Setback, Star};
+use crate::cavity::{Admission, Cavity, Open, Role, Setback, Star};
 use crate::geometry::Geometry;
 use crate::hash::{HashError, MeshHash, canonical_hash};
 use crate::locate::{Found, walk};
@@ -12,6 +12,8 @@ use crate::points::{Mode, PointError};
 use crate::tetmesh::TetMesh;
 use crate::topology::{INFINITE, MAX_TETS, TetId, Topology, VertexId, tet_of};
 use crate::{Point, PredicateStats, Sign};
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 /// Number of a vertex: the index of its point in the input, then counting on for inserted ones.
 pub type Vertex = u32;
@@ -45,6 +47,24 @@ pub enum InsertError {
         /// The limit.
         limit: usize,
     },
+}
+
+/// Turns a panic of the caller's admission into a refusal, so that the cavity is set back; the
+/// panic goes on after that.
+struct Guarded<'a, A> {
+    admission: &'a mut A,
+    panic: Option<Box<dyn Any + Send>>,
+}
+
+impl<A: Admission> Admission for Guarded<'_, A> {
+    fn admit(&mut self, t: TetId, role: Role) -> bool {
+        // Unwind safe: the admission is not called again after a panic.
+        let answer = catch_unwind(AssertUnwindSafe(|| self.admission.admit(t, role)));
+        answer.unwrap_or_else(|panic| {
+            self.panic = Some(panic);
+            false
+        })
+    }
 }
 
 /// What became of a kernel vertex.
@@ -143,7 +163,11 @@ impl Mesh {
 
     /// Inserts one point; `admission` is asked before each tetrahedron of the closure is taken.
     ///
-    /// Refused, the mesh is as before, bit for bit, and the insertion may be tried again.
+    /// Refused, the mesh is as before, bit for bit, and the insertion may be tried again. If the
+    /// admission panics, the cavity is set back first: the mesh is as before then, too.
+    ///
+    /// Cost: that of [`Mesh::insert`]; a point outside the exactness window copies the coordinates
+    /// and cached spheres, O(n), once per try.
     pub fn insert_with<A: Admission>(
         &mut self,
         p: Point,
@@ -154,18 +178,22 @@ impl Mesh {
             let count = number as usize + 1;
             return Err(PointError::TooMany { count, limit: crate::points::MAX_POINTS }.into());
         }
+        let mut guarded = Guarded { admission, panic: None };
         let placed = match self.mode.admit(p)? {
-            Some(kernel) => self.place(kernel, number, admission),
+            Some(kernel) => self.place(kernel, number, &mut guarded),
             None => {
                 let saved = (self.geometry.clone(), self.mode);
                 let kernel = self.widen(p);
-                let placed = self.place(kernel, number, admission);
+                let placed = self.place(kernel, number, &mut guarded);
                 if placed.is_err() {
                     (self.geometry, self.mode) = saved;
                 }
                 placed
             }
         };
+        if let Some(panic) = guarded.panic {
+            resume_unwind(panic);
+        }
         match placed {
             Ok(Placed::New) => {
                 self.next_number += 1;

@@ -158,6 +158,37 @@ fn a_refused_insertion_leaves_no_trace_whichever_tetrahedron_is_refused() {
 }
 
 #[test]
+fn an_admission_that_panics_leaves_no_trace() {
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+    let points = generate(PointKind::Uniform, 300, 5);
+    let mut mesh = build(points.clone());
+    for k in 0..40 {
+        for p in [[0.3, 0.4, 0.5], [1e300, 1e-300, 0.5]] {
+            let before = fingerprint(&mesh);
+            let mut asked = 0;
+            let panicked = catch_unwind(AssertUnwindSafe(|| {
+                mesh.insert_with(p, &mut |_, _| {
+                    asked += 1;
+                    assert!(asked <= k, "the admission's own panic");
+                    asked < 12
+                })
+            }));
+            let own = panicked.as_ref().err().and_then(|e| e.downcast_ref::<&str>().copied());
+            assert!(panicked.is_ok() || own.is_some_and(|own| own.contains("own panic")));
+            assert!(panicked.is_err() || k >= 12);
+            assert!(fingerprint(&mesh) == before, "panic {k} left a trace");
+        }
+    }
+    let mut all = points;
+    for p in generate(PointKind::Uniform, 50, 6) {
+        mesh.insert(p).expect("a finite point");
+        all.push(p);
+    }
+    check_all(&mesh).expect("invariants");
+    assert_eq!(mesh.hash(), build(all).hash());
+}
+
+#[test]
 fn a_refused_point_outside_the_window_does_not_widen_the_mesh() {
     let mut mesh = build(generate(PointKind::Uniform, 50, 1));
     let (before, mode) = (fingerprint(&mesh), mesh.mode());
