@@ -1,5 +1,6 @@
 //! The only module of this crate with unsafe code: arrays without bounds checks, on huge pages,
-//! and vector code for the cached spheres, which has a plain twin and a test that both agree.
+//! and vector code for the cached spheres and the in-sphere filter, which has plain twins and tests
+//! that they agree.
 //!
 //! What it pays (1M uniform points, order + insertion, measured side by side): see
 //! `docs/decisions.md`.
