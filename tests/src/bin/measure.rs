@@ -127,7 +127,8 @@ fn measure(family: &Family, pairs: usize, hashes: bool) -> Result<bool, Failure>
     let memory = peak_of(&family.name)?;
     let fits = family.name != "uniform" || memory <= MEMORY;
     println!(
-        "| {} | {} | {tets} | {:.3} | {:.3} | {ratio:.2} | {limit:.2} | {} | {memory:.0} | {:.0} | {hash} |",
+        "| {} | {} | {tets} | {:.3} | {:.3} | {ratio:.2} | {limit:.2} | {} | {memory:.0} | {:.0} | \
+         {hash} |",
         family.name,
         family.points.len(),
         median(&mut own),
