@@ -23,7 +23,8 @@ pub fn points(bytes: &[u8]) -> Vec<Point> {
 ///
 /// # Panics
 /// If the mesh depends on the order of insertion, fails the independent check, differs from brute
-/// force (few points) or from CGAL (where it is there), or if the kernel panics: that is the fuzzer's finding.
+/// force (few points) or from CGAL (where it is there), or if the kernel panics: that is the
+/// fuzzer's finding.
 pub fn triangulate(bytes: &[u8]) {
     let points = points(bytes);
     let set = PointSet::new(points.clone()).expect("snapped points are finite");
