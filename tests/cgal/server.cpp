@@ -28,7 +28,6 @@
 #include <tbb/global_control.h>
 #endif
 
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
@@ -177,9 +176,15 @@ double now() {
 }
 
 std::uint64_t peak_rss() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+  // Not getrusage: its maximum counts the parent's memory from before the exec, too.
+  std::FILE* status = std::fopen("/proc/self/status", "r");
+  if (status == nullptr) return 0;
+  unsigned long long kib = 0;
+  char line[256];
+  while (std::fgets(line, sizeof line, status) != nullptr)
+    if (std::sscanf(line, "VmHWM: %llu", &kib) == 1) break;
+  std::fclose(status);
+  return kib * 1024;
 }
 
 // The distinct points by (x, y, z), each with its smallest input index.
