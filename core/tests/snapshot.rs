@@ -217,7 +217,9 @@ mod with_serde {
         for sign in [Sign::Negative, Sign::Zero, Sign::Positive] {
             assert_eq!(there_and_back(&sign), sign);
         }
-        for outcome in [Outcome::Complete, Outcome::Cancelled, Outcome::Budget] {
+        for outcome in
+            [Outcome::Complete, Outcome::Cancelled, Outcome::Budget, Outcome::TooManyTets]
+        {
             assert_eq!(there_and_back(&outcome), outcome);
         }
         for order in [Order::Brio, Order::Input] {
