@@ -118,7 +118,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     report.outcome = match outcome {
         Outcome::Complete => "complete",
         Outcome::Cancelled => "cancelled",
-        Outcome::Budget => "budget",
+        Outcome::Budget | Outcome::TooManyTets => "budget",
     };
     let mesh = TetMesh { points: set.points().to_vec(), tets, point_tags, tet_tags: None };
     write_outputs(&mesh, &mut report, job)?;

@@ -1,6 +1,6 @@
 //! Building a mesh of a point set: order, first tetrahedron, insertion of the rest.
 
-use crate::cavity::{Open, Setback};
+use crate::cavity::{Admission, Open, Setback};
 use crate::geometry::Geometry;
 use crate::mesh::{Mesh, Placed, Vertex};
 use crate::order::brio_hilbert;
@@ -14,7 +14,12 @@ use std::time::Instant;
 /// Insertions between two looks at the cancel token, the budget and the observer.
 const CHECK_EVERY: usize = 1024;
 
-/// Watches long work. Called from the building thread, about every thousand points.
+/// Growth of the mesh, in tetrahedra, after which they are looked at earlier: a point may have
+/// as many new ones as there are points.
+const CHECK_GROWTH: usize = 100_000;
+
+/// Watches long work. Called from the building thread, at least every 1024 points and, in between,
+/// when the mesh has grown by 100,000 tetrahedra.
 pub trait Observer: Sync {
     /// `done` of `total` points are inserted.
     fn progress(&self, done: u64, total: u64);
@@ -26,7 +31,7 @@ pub trait Observer: Sync {
 pub struct Budget {
     /// Insert at most this many points (the first four are always inserted).
     pub max_points: Option<u64>,
-    /// Stop, within a thousand insertions, when the mesh has more tetrahedra than this.
+    /// Insert no more points when the mesh has more tetrahedra than this.
     pub max_tets: Option<u64>,
 }
 
@@ -52,6 +57,9 @@ pub enum Outcome {
     Cancelled,
     /// The budget is exhausted; the mesh has the points inserted before.
     Budget,
+    /// The mesh would exceed the limit of 2^30 - 1 tetrahedra, hull ghosts included; it has the
+    /// points inserted before.
+    TooManyTets,
 }
 
 /// Why there is no mesh.
@@ -75,12 +83,6 @@ pub enum BuildError {
     Coplanar {
         /// Number of distinct points.
         distinct: usize,
-    },
-    /// The mesh cannot name more tetrahedra.
-    #[error("the mesh would exceed {limit} tetrahedra, hull ghosts included")]
-    TooManyTets {
-        /// The limit.
-        limit: usize,
     },
     /// Cancelled before there was a first tetrahedron.
     #[error("cancelled before the first tetrahedron")]
@@ -175,6 +177,12 @@ impl<'a> Builder<'a> {
     ///
     /// Cost: expected O(n log n) time for points without large degenerate cavities; about 370
     /// bytes a point, beside the input, for uniform points.
+    ///
+    /// A build that stops early has the valid mesh of the points inserted before, and
+    /// [`Built::outcome`] says why.
+    ///
+    /// # Errors
+    /// [`BuildError`] says why there is no first tetrahedron.
     pub fn build(&self, set: &PointSet) -> Result<Built, BuildError> {
         let clock = Instant::now();
         let points = set.kernel_points();
@@ -195,7 +203,7 @@ impl<'a> Builder<'a> {
         let geometry = Geometry::new(low, high, wide, points.len(), tets);
         let mut mesh = Mesh::start(geometry, set.mode(), corners, tets);
         mesh.next_number = set.len() as Vertex;
-        let outcome = self.insert_all(&mut mesh, &points, &order)?;
+        let outcome = self.insert_all(&mut mesh, &points, &order, &mut Open);
         for pair in &mut mesh.duplicates {
             pair.1 = mesh.numbers[pair.1 as usize];
         }
@@ -213,26 +221,20 @@ impl<'a> Builder<'a> {
     }
 
     /// Inserts `order[4..]`. Meanwhile the second entries of duplicates are kernel vertices.
-    fn insert_all(
+    fn insert_all<A: Admission>(
         &self,
         mesh: &mut Mesh,
         points: &[Point],
         order: &[u32],
-    ) -> Result<Outcome, BuildError> {
+        admission: &mut A,
+    ) -> Outcome {
         let total = order.len() as u64;
         let mut batch = Vec::with_capacity(CHECK_EVERY);
         for (start, numbers) in (0..).step_by(CHECK_EVERY).zip(order.chunks(CHECK_EVERY)) {
-            if start > 0 {
-                if let Some(observer) = self.observer {
-                    observer.progress(start, total);
-                }
-                if self.is_cancelled() {
-                    return Ok(Outcome::Cancelled);
-                }
-                if self.budget.max_tets.is_some_and(|most| mesh.num_tets() as u64 > most) {
-                    return Ok(Outcome::Budget);
-                }
-            }
+            let mut next_look = match self.look(mesh, start, total) {
+                Ok(next) => next,
+                Err(outcome) => return outcome,
+            };
             // Points lie anywhere in memory: fetched together, their cache misses overlap.
             batch.clear();
             batch.extend(numbers.iter().map(|&i| points[i as usize]));
@@ -241,37 +243,65 @@ impl<'a> Builder<'a> {
                     continue;
                 }
                 if self.budget.max_points.is_some_and(|most| k >= most) {
-                    return Ok(Outcome::Budget);
+                    return Outcome::Budget;
                 }
-                self.insert_next(mesh, i, p)?;
+                if mesh.num_tets() > next_look {
+                    next_look = match self.look(mesh, k, total) {
+                        Ok(next) => next,
+                        Err(outcome) => return outcome,
+                    };
+                }
+                if let Err(Setback::Full | Setback::Refused(_)) = insert_next(mesh, i, p, admission)
+                {
+                    return Outcome::TooManyTets;
+                }
             }
         }
         if let Some(observer) = self.observer {
             observer.progress(total, total);
         }
-        Ok(Outcome::Complete)
+        Outcome::Complete
     }
 
-    #[inline(always)]
-    fn insert_next(&self, mesh: &mut Mesh, number: u32, p: Point) -> Result<(), BuildError> {
-        match mesh.place(p, number, &mut Open) {
-            Ok(Placed::New) => Ok(()),
-            Ok(Placed::At(v)) => {
-                let kept = &mut mesh.numbers[v as usize];
-                let duplicate = number.max(*kept);
-                *kept = number.min(*kept);
-                mesh.duplicates.push((duplicate, v));
-                Ok(())
+    /// Looks at the observer, the cancel token and the budget after `done` insertions: how many
+    /// tetrahedra the mesh may have until the next look, or why to stop.
+    #[cold]
+    fn look(&self, mesh: &Mesh, done: u64, total: u64) -> Result<usize, Outcome> {
+        if done > 0 {
+            if let Some(observer) = self.observer {
+                observer.progress(done, total);
             }
-            Err(Setback::Full | Setback::Refused(_)) => {
-                Err(BuildError::TooManyTets { limit: MAX_TETS })
+            if self.is_cancelled() {
+                return Err(Outcome::Cancelled);
             }
         }
+        let tets = mesh.num_tets();
+        let most = self.budget.max_tets.map_or(usize::MAX, |m| m.try_into().unwrap_or(usize::MAX));
+        if done > 0 && tets > most {
+            return Err(Outcome::Budget);
+        }
+        Ok(most.min(tets + CHECK_GROWTH))
     }
 
     fn is_cancelled(&self) -> bool {
         self.cancel.is_some_and(CancelToken::is_cancelled)
     }
+}
+
+#[inline(always)]
+fn insert_next<A: Admission>(
+    mesh: &mut Mesh,
+    number: u32,
+    p: Point,
+    admission: &mut A,
+) -> Result<(), Setback> {
+    if let Placed::At(v) = mesh.place(p, number, admission)? {
+        let kept = &mut mesh.numbers[v as usize];
+        let duplicate = number.max(*kept);
+        *kept = number.min(*kept);
+        mesh.duplicates.push((duplicate, v));
+    }
+    Ok(())
 }
 
 fn bounding_box(points: &[Point]) -> (Point, Point) {
@@ -322,4 +352,77 @@ fn first_tet(points: &[Point], order: &mut [u32]) -> Result<[(Point, Vertex); 4]
         1 | 2 => BuildError::Collinear { distinct },
         _ => BuildError::Coplanar { distinct },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::{PointKind, generate};
+    use crate::invariants::check_all;
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    /// Points of the moment curve: every two of them share an edge, n^2 / 2 tetrahedra.
+    fn curve(count: u32) -> PointSet {
+        let points = (0..count).map(f64::from).map(|t| [t, t * t, t * t * t]).collect();
+        PointSet::new(points).expect("finite points")
+    }
+
+    #[derive(Default)]
+    struct Calls(AtomicU64, Option<CancelToken>);
+
+    impl Observer for Calls {
+        fn progress(&self, _: u64, _: u64) {
+            self.0.fetch_add(1, Ordering::Relaxed);
+            if let Some(token) = &self.1 {
+                token.cancel();
+            }
+        }
+    }
+
+    #[test]
+    fn fast_growth_is_looked_at_between_batches() {
+        let set = curve(800);
+        let calls = Calls::default();
+        let built = Builder::new().observer(&calls).build(&set).expect("a mesh");
+        let tets = built.mesh.num_tets();
+        assert!(tets > 300_000, "{tets}");
+        // One call is that of the end: all points are one batch.
+        let looks = calls.0.load(Ordering::Relaxed) - 1;
+        assert!((1..=(tets / CHECK_GROWTH) as u64).contains(&looks), "{looks}");
+
+        let calls = Calls(AtomicU64::new(0), Some(CancelToken::new()));
+        let token = calls.1.as_ref().expect("a token");
+        let built = Builder::new().observer(&calls).cancel(token).build(&set).expect("a mesh");
+        assert_eq!(built.outcome, Outcome::Cancelled);
+        let tets = built.mesh.num_tets();
+        assert!((CHECK_GROWTH..CHECK_GROWTH + 2000).contains(&tets), "{tets}");
+
+        for most in [1, 5_000, 150_000] {
+            let budget = Budget { max_tets: Some(most), ..Budget::default() };
+            let built = Builder::new().budget(budget).build(&set).expect("a mesh");
+            assert_eq!(built.outcome, Outcome::Budget);
+            let tets = built.mesh.num_tets() as u64;
+            assert!((most + 1..most + 2000).contains(&tets), "{tets} for {most}");
+        }
+    }
+
+    #[test]
+    fn an_exhausted_mesh_is_kept() {
+        let points = generate(PointKind::Uniform, 500, 3);
+        let set = PointSet::new(points).expect("finite points");
+        let budget = Budget { max_points: Some(4), ..Budget::default() };
+        let mut mesh = Builder::new().budget(budget).build(&set).expect("a mesh").mesh;
+        let mut order = brio_hilbert(set.points());
+        first_tet(set.points(), &mut order).expect("a tetrahedron");
+        let mut left = 3000;
+        let mut refuse = |_, _| {
+            left -= 1;
+            left > 0
+        };
+        let points = set.kernel_points();
+        let outcome = Builder::new().insert_all(&mut mesh, &points, &order, &mut refuse);
+        assert_eq!(outcome, Outcome::TooManyTets);
+        assert!((5..500).contains(&mesh.num_vertices()));
+        check_all(&mesh).expect("invariants");
+    }
 }

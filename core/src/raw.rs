@@ -20,9 +20,13 @@ use crate::topology::{TetId, VertexId};
 pub(crate) struct Arena<T>(Vec<T>);
 
 impl<T> Arena<T> {
-    /// An empty array with room for `capacity` entries, on huge pages where there are any.
+    /// An empty array with room for `capacity` entries, on huge pages where there are any. The
+    /// room is a hint: where it is refused the array grows as it is filled.
     pub(crate) fn with_capacity(capacity: usize) -> Self {
-        let array = Vec::with_capacity(capacity);
+        let mut array = Vec::new();
+        if array.try_reserve_exact(capacity).is_err() {
+            return Self(array);
+        }
         advise_huge(&array);
         Self(array)
     }
@@ -464,5 +468,15 @@ mod tests {
         }
         let enough = flat > 100 && noise > 100 && sound > 1000 && seen.iter().all(|&n| n > 100);
         assert!(enough, "{flat} {noise} {sound} {seen:?}");
+    }
+
+    #[test]
+    fn a_refused_reservation_is_no_failure() {
+        for capacity in [usize::MAX, usize::MAX / 64, 100] {
+            let mut array = Arena::with_capacity(capacity);
+            array.push([1u64; 6]);
+            array.grow(3, [2; 6]);
+            assert_eq!(array.all(), [[1; 6], [2; 6], [2; 6]]);
+        }
     }
 }

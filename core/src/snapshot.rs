@@ -6,6 +6,11 @@
 //! refused, and a restored mesh is as correct as any other. Coordinates are stored as the bits of
 //! their `f64`, so that they survive every format.
 //!
+//! A count is a claim: a snapshot of few vertices whose `next` is huge would make arrays that are
+//! indexed by number ([`Mesh::to_tet_mesh`]) huge. So [`Snapshot::restore`], and with it `serde`,
+//! takes numbers up to 2^20 or 64 times those of vertices and duplicates, whichever is more.
+//! Only a build that was cut short leaves more; [`Snapshot::restore_within`] restores it.
+//!
 //! What is kept: vertices, numbers, duplicates, the number that the next inserted point gets.
 //! What is not: [`crate::topology::TetId`]s, counters, the [`crate::Mode`] (it is the best one
 //! for the points).
@@ -18,6 +23,12 @@ use crate::points::{MAX_POINTS, PointError, PointSet};
 
 /// The format that this version reads and writes.
 pub const SCHEMA: &str = "ltbw.snapshot/1";
+
+/// Numbers that every snapshot may have...
+const NUMBERS: usize = 1 << 20;
+
+/// ... and those that it may have for each vertex and duplicate.
+const NUMBERS_PER_POINT: usize = 64;
 
 /// A vertex of a snapshot: its number and the bits of its coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,12 +161,26 @@ impl Snapshot {
     /// Cost: that of building the mesh.
     ///
     /// # Errors
-    /// [`SnapshotError`] says what is wrong with a snapshot that no mesh has.
+    /// [`SnapshotError`] says what is wrong with a snapshot that no mesh has, or that has a
+    /// [`next`](Self::next) out of proportion ([module](self)).
     pub fn restore(&self) -> Result<Mesh, SnapshotError> {
+        let used = self.vertices.len() + self.duplicates.len();
+        self.restore_within(used.saturating_mul(NUMBERS_PER_POINT).max(NUMBERS))
+    }
+
+    /// As [`Snapshot::restore`], for a [`next`](Self::next) of up to `limit` (and 2^28): for the
+    /// mesh of a build that was cut short early, from a source that is trusted.
+    ///
+    /// Cost: as that of [`Snapshot::restore`]; later, [`Mesh::to_tet_mesh`] needs 24 bytes for
+    /// each number.
+    ///
+    /// # Errors
+    /// As those of [`Snapshot::restore`].
+    pub fn restore_within(&self, limit: usize) -> Result<Mesh, SnapshotError> {
         if self.schema != SCHEMA {
             return Err(SnapshotError::Schema { found: self.schema.clone() });
         }
-        self.check_numbers()?;
+        self.check_numbers(limit.min(MAX_POINTS))?;
         let points = self.vertices.iter().map(|v| v.bits.map(f64::from_bits)).collect();
         let built = Builder::new().build(&PointSet::new(points)?)?;
         let number = |index: Vertex| self.vertices[index as usize].number;
@@ -176,10 +201,10 @@ impl Snapshot {
         Ok(mesh)
     }
 
-    fn check_numbers(&self) -> Result<(), SnapshotError> {
+    fn check_numbers(&self, limit: usize) -> Result<(), SnapshotError> {
         let next = self.next;
-        if next as usize > MAX_POINTS {
-            return Err(SnapshotError::Next { next, limit: MAX_POINTS });
+        if next as usize > limit {
+            return Err(SnapshotError::Next { next, limit });
         }
         let mut least = 0;
         for (index, v) in self.vertices.iter().enumerate() {

@@ -57,6 +57,34 @@ fn a_mesh_that_a_budget_cut_short_is_restored() {
 }
 
 #[test]
+fn a_count_without_vertices_is_refused_and_costs_no_memory() {
+    let mut mesh = build(PointKind::Duplicates).snapshot().expect("a hash");
+    let most = 1 << 20;
+    let last = mesh.vertices.last_mut().expect("a vertex");
+    let moved = std::mem::replace(&mut last.number, most);
+    mesh.duplicates.retain(|d| d.1 != moved);
+    assert!(!mesh.duplicates.is_empty());
+    mesh.next = most + 1;
+    let error = mesh.restore().expect_err("a number out of proportion");
+    assert_eq!(error, SnapshotError::Next { next: most + 1, limit: most as usize });
+    let trusted = mesh.restore_within(usize::MAX).expect("a sound snapshot");
+    let queries = trusted.queries();
+    assert!(queries.memory_bytes() < 300 * 16, "{}", queries.memory_bytes());
+    for (v, p) in trusted.vertices() {
+        assert_eq!((queries.vertex(v), queries.point(v)), (Some(v), Some(p)));
+    }
+    for &(duplicate, kept) in trusted.duplicates() {
+        assert_eq!(queries.vertex(duplicate), Some(kept));
+    }
+    for absent in [moved, most - 1, most + 1, u32::MAX] {
+        assert_eq!(queries.vertex(absent), None);
+    }
+    mesh.next = u32::MAX;
+    let error = mesh.restore_within(usize::MAX).expect_err("above every limit");
+    assert!(matches!(error, SnapshotError::Next { limit: 0x1000_0000, .. }));
+}
+
+#[test]
 fn corrupt_snapshots_are_refused_with_the_reason() {
     let sound = build(PointKind::Duplicates).snapshot().expect("a hash");
     let refused = |change: &dyn Fn(&mut Snapshot)| {
@@ -189,7 +217,9 @@ mod with_serde {
         for sign in [Sign::Negative, Sign::Zero, Sign::Positive] {
             assert_eq!(there_and_back(&sign), sign);
         }
-        for outcome in [Outcome::Complete, Outcome::Cancelled, Outcome::Budget] {
+        for outcome in
+            [Outcome::Complete, Outcome::Cancelled, Outcome::Budget, Outcome::TooManyTets]
+        {
             assert_eq!(there_and_back(&outcome), outcome);
         }
         for order in [Order::Brio, Order::Input] {

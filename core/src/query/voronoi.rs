@@ -128,7 +128,8 @@ impl Cursor<'_> {
     /// # use ltbw_core::{Builder, PointSet};
     /// // A cube and its centre, 8. The cell of the centre is an octahedron: of the bisectors with
     /// // the eight corners.
-    /// let mut points: Vec<_> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+    /// let corner = |i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from);
+    /// let mut points: Vec<_> = (0..8).map(corner).collect();
     /// points.push([0.5; 3]);
     /// let mesh = Builder::new().build(&PointSet::new(points)?)?.mesh;
     /// let queries = mesh.queries();
