@@ -57,7 +57,8 @@ impl Geometry {
         let frame = if wide { None } else { Frame::of_box(low, high) };
         Self {
             points,
-            spheres: Arena::with_capacity(tets),
+            // In wide mode they only mark that nothing is known.
+            spheres: Arena::with_capacity(if wide { 0 } else { tets }),
             frame,
             wide,
             step: if wide { 0.0 } else { f64::INFINITY },
