@@ -1,7 +1,7 @@
 //! The command line and its help.
 
 use crate::console;
-use crate::outcome::Exit;
+use crate::outcome::{Exit, Failure};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand, ValueEnum};
@@ -200,15 +200,16 @@ pub(crate) struct Demo {
 }
 
 /// Prints help where it was asked for, and what is wrong with the command line in one line.
-pub(crate) fn explain(error: &clap::Error) -> Exit {
+pub(crate) fn explain(error: &clap::Error) -> Result<Exit, Failure> {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            let _ = error.print();
-            Exit::Done
+            console::data_with(|| error.print())?;
+            Ok(Exit::Done)
         }
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            // For people, to stderr.
             let _ = error.print();
-            Exit::Usage
+            Ok(Exit::Usage)
         }
         _ => {
             let text = error.to_string();
@@ -217,7 +218,7 @@ pub(crate) fn explain(error: &clap::Error) -> Exit {
             let line = words.join(" ");
             let line = line.strip_prefix("error: ").unwrap_or(&line);
             console::people(&format!("ltbw: {line}; see `ltbw --help`"));
-            Exit::Usage
+            Ok(Exit::Usage)
         }
     }
 }

@@ -42,7 +42,7 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
         if let verify::Hash::Value(hash) = &report.hash
             && !args.json.as_deref().is_some_and(is_stdout)
         {
-            console::data(&format!("ltbw.mesh/1 {hash}\n"));
+            console::data(&format!("ltbw.mesh/1 {hash}\n"))?;
         }
         return Ok(Exit::Done);
     }
@@ -135,8 +135,7 @@ pub(crate) fn is_stdout(path: &Path) -> bool {
 /// Writes JSON to a file, or to stdout for `-`.
 pub(crate) fn write_json(path: &Path, text: &str) -> Result<(), Failure> {
     if is_stdout(path) {
-        console::data(text);
-        Ok(())
+        console::data(text)
     } else {
         io::write_bytes(path, text.as_bytes()).map_err(Failure::Write)
     }

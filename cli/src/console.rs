@@ -1,12 +1,14 @@
 //! What goes to stdout and to stderr, progress, and Ctrl-C.
 //!
-//! A closed stdout or stderr (`ltbw … | head`) is no error of ours: what cannot be printed is
-//! dropped, and the exit code tells how the work ended.
+//! A closed pipe (`ltbw … | head`) is no error of ours: its reader has what it wanted. Data that
+//! stdout cannot take for any other reason, such as a full disk, is an output that could not be
+//! written. Lines for people are dropped if stderr takes none: there is nobody to tell.
 
 use crate::outcome::{Exit, Failure};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use ltbw::io::IoError;
 use ltbw::{CancelToken, Observer};
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -17,9 +19,18 @@ pub(crate) fn people(line: &str) {
 }
 
 /// Prints data, to stdout.
-pub(crate) fn data(text: &str) {
-    let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+pub(crate) fn data(text: &str) -> Result<(), Failure> {
+    data_with(|| std::io::stdout().write_all(text.as_bytes()))
+}
+
+/// Prints data to stdout with `print`, and makes sure that it got there.
+pub(crate) fn data_with(print: impl FnOnce() -> std::io::Result<()>) -> Result<(), Failure> {
+    match print().and_then(|()| std::io::stdout().flush()) {
+        Err(source) if source.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::Write(IoError::Write { path: "stdout".into(), source }))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A progress bar on stderr: only on a terminal, and only for work that takes over a second. It

@@ -29,13 +29,14 @@ use outcome::{Exit, Failure};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let exit = match Args::try_parse() {
-        Ok(args) => dispatch(args).unwrap_or_else(|failure| {
-            console::people(&format!("ltbw: {failure}"));
-            failure.exit()
-        }),
+    let result = match Args::try_parse() {
+        Ok(args) => dispatch(args),
         Err(error) => args::explain(&error),
     };
+    let exit = result.unwrap_or_else(|failure| {
+        console::people(&format!("ltbw: {failure}"));
+        failure.exit()
+    });
     ExitCode::from(exit as u8)
 }
 

@@ -104,7 +104,10 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         if let Some(checked) = checked {
             report.certificate = checked.certificate;
             if !checked.passed {
-                finish(&mut report, job)?;
+                // A defect of ours is graver than a report that could not be written.
+                if let Err(failure) = finish(&mut report, job) {
+                    console::people(&format!("note: {failure}"));
+                }
                 console::people("ltbw: defect in our own output; no mesh was written");
                 return Ok(Exit::OwnDefect);
             }
@@ -224,7 +227,7 @@ fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
     }
     match &report.mesh.hash {
         Some(hash) if !job.json.is_some_and(is_stdout) => {
-            console::data(&format!("ltbw.mesh/1 {hash}\n"));
+            console::data(&format!("ltbw.mesh/1 {hash}\n"))?;
         }
         _ => {}
     }

@@ -177,3 +177,29 @@ fn a_closed_pipe_is_quiet() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(!run.stderr.contains("panic"), "{}", run.stderr);
 }
+
+/// A full disk behind stdout is an error like any other: data that nobody got is not "done".
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_stdout_is_an_error() {
+    let dir = tempfile::tempdir().unwrap();
+    let made = ltbw(dir.path(), &["generate", "uniform", "50", "-o", "a.xyz"]);
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    assert_eq!(ltbw(dir.path(), &["delaunay", "a.xyz", "-o", "a.vtu"]).code, 0);
+    let cases: [&[&str]; 6] = [
+        &["delaunay", "a.xyz", "--json", "-"],
+        &["delaunay", "a.xyz"],
+        &["check", "a.vtu", "--json", "-"],
+        &["check", "a.vtu"],
+        &["--version"],
+        &["help", "check"],
+    ];
+    for args in cases {
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let mut command = program(dir.path(), args);
+        let output = command.stdout(full).stderr(std::process::Stdio::piped()).output().unwrap();
+        let run = Run::of(output);
+        assert_eq!(run.code, 6, "{args:?}: {}", run.stderr);
+        assert_eq!(run.error(), "stdout: cannot write: No space left on device (os error 28)");
+    }
+}
