@@ -127,7 +127,7 @@ fn a_full_disk_leaves_the_old_file() {
 fn bad_usage_is_one_line_and_exit_2() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join("a.xyz"), "0 0 0\n").unwrap();
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 12] = [
         (&["delaunay"], "the following required arguments were not provided: <POINTS>"),
         (&["delaunay", "a.xyz", "--frobnicate"], "unexpected argument '--frobnicate'"),
         (&["delaunay", "a.xyz", "--threads", "0"], "invalid value '0'"),
@@ -136,7 +136,10 @@ fn bad_usage_is_one_line_and_exit_2() {
         (&["delaunay", "a.xyz", "-o", "mesh.foo"], "mesh.foo: unknown extension"),
         (&["generate", "chaos", "-o", "b.xyz"], "invalid value 'chaos'"),
         (&["generate", "grid", "-o", "b.vtu"], "b.vtu: this format holds a mesh"),
+        (&["generate", "uniform", "4294967295", "-o", "b.xyz"], "invalid value '4294967295'"),
+        (&["generate", "uniform", "268435457", "-o", "b.xyz"], "invalid value '268435457'"),
         (&["convert", "a.xyz", "b.vtu"], "a.xyz: points are no mesh"),
+        (&["convert", "a.xyz", "b.off"], "b.off: this format is only read"),
     ];
     for (args, start) in cases {
         let run = ltbw(dir.path(), args);
