@@ -3,7 +3,7 @@
 use crate::args::{Check, Depth};
 use crate::console;
 use crate::outcome::{Exit, Failure, show};
-use ltbw::{Point, TetMesh, io};
+use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
 use std::path::Path;
 use verify::{Level, Outcome, VertexOrder};
@@ -95,21 +95,16 @@ pub(crate) struct Checked {
     pub(crate) certificate: Option<serde_json::Value>,
 }
 
-/// Checks our own mesh of all `points`, with its `hull`; `hash` is what the kernel computed.
-pub(crate) fn check_own(
-    points: &[Point],
-    tets: &[[u32; 4]],
-    hull: &[[u32; 3]],
-    hash: &str,
-    depth: Depth,
-) -> Option<Checked> {
+/// Checks our own mesh of all points, given with its neighbours and its hull; `hash` is what the
+/// kernel computed.
+pub(crate) fn check_own(mesh: &verify::Mesh<'_>, hash: &str, depth: Depth) -> Option<Checked> {
     let depth = match depth {
         Depth::Off => return None,
         Depth::Fast => verify::Depth::Fast,
         Depth::Full => verify::Depth::Full,
     };
     let options = verify::Options { depth, all_points: true, ..verify::Options::default() };
-    let report = verify::check(&verify::Mesh::new(points, tets).with_hull(hull), &options);
+    let report = verify::check(mesh, &options);
     // The checker's hash is computed by code that shares nothing with the kernel's.
     let same_hash = match &report.hash {
         verify::Hash::Value(other) => other == hash,

@@ -5,6 +5,7 @@
 //! | [`args`] | the command line and its help |
 //! | [`run`] | `delaunay`: read, build, check, hash, write, report |
 //! | [`check`] | `check`, and the check of our own output |
+//! | [`lists`] | a mesh as the lists that the checker takes |
 //! | [`files`] | `convert` and `generate` |
 //! | [`demo`] | `demo` |
 //! | [`report`] | the JSON report `ltbw.report/1` |
@@ -19,6 +20,7 @@ mod check;
 mod console;
 mod demo;
 mod files;
+mod lists;
 mod outcome;
 mod report;
 mod run;

@@ -3,10 +3,12 @@
 use crate::args::{Delaunay, Depth};
 use crate::check::{check_own, is_stdout, write_json};
 use crate::console::{self, Progress};
+use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
 use ltbw::io::{self, PointFile};
 use ltbw::{BuildError, Builder, Built, CancelToken, Outcome, PointSet, TetMesh};
+use ltbw_verify as verify;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -93,13 +95,16 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     report.seconds.hash = clock.elapsed().as_secs_f64();
     report.mesh.hash = Some(hash.clone());
     // The input's own coordinates, under the input's numbers.
-    let tets: Vec<[u32; 4]> = mesh.tets().collect();
+    let clock = Instant::now();
+    let to_check = outcome == Outcome::Complete && job.check != Depth::Off;
+    let (tets, neighbours) =
+        if to_check { lists(&mesh) } else { (mesh.tets().collect(), Vec::new()) };
     let hull: Vec<[u32; 3]> = mesh.hull_facets().collect();
     drop(mesh);
 
     if outcome == Outcome::Complete && !job.cancel.is_cancelled() {
-        let clock = Instant::now();
-        let checked = check_own(set.points(), &tets, &hull, &hash, job.check);
+        let own = verify::Mesh::new(set.points(), &tets).with_hull(&hull);
+        let checked = check_own(&own.with_neighbours(&neighbours), &hash, job.check);
         report.seconds.check = clock.elapsed().as_secs_f64();
         if let Some(checked) = checked {
             report.certificate = checked.certificate;
