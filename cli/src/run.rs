@@ -2,12 +2,12 @@
 
 use crate::args::{Delaunay, Depth};
 use crate::check::{check_own, is_stdout, write_json};
-use crate::console::{self, Progress};
+use crate::console::{self, Progress, Stop};
 use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
 use ltbw::io::{self, PointFile};
-use ltbw::{BuildError, Builder, Built, CancelToken, Outcome, PointSet, TetMesh};
+use ltbw::{BuildError, Builder, Built, Outcome, PointSet, TetMesh};
 use ltbw_verify as verify;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -24,8 +24,8 @@ pub(crate) struct Job<'a> {
     pub(crate) json: Option<&'a Path>,
     /// How deep to check.
     pub(crate) check: Depth,
-    /// Cancels the build.
-    pub(crate) cancel: &'a CancelToken,
+    /// Cancels the insertion.
+    pub(crate) stop: &'a Stop,
     /// When the program started.
     pub(crate) start: Instant,
     /// Seconds it took to read the points.
@@ -37,8 +37,7 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let start = Instant::now();
     set_threads(args.threads)?;
     check_outputs(&args.output)?;
-    let cancel = CancelToken::new();
-    console::cancel_on_signal(&cancel)?;
+    let stop = Stop::on_signal()?;
     let file = io::read_points(&args.points).map_err(Failure::Read)?;
     let job = Job {
         command: "delaunay",
@@ -46,7 +45,7 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
         outputs: &args.output,
         json: args.json.as_deref(),
         check: args.check,
-        cancel: &cancel,
+        stop: &stop,
         start,
         read_seconds: start.elapsed().as_secs_f64(),
     };
@@ -87,7 +86,10 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         Err(error) => return Err(Failure::Build { path: job.name.to_owned(), error }),
     };
     let mut report = report_of(&built, count, job);
-    let Built { mesh, mut outcome, .. } = built;
+    let Built { mesh, outcome, .. } = built;
+    if outcome == Outcome::Complete {
+        job.stop.inserted();
+    }
     print_mesh(&name, &report);
 
     let clock = Instant::now();
@@ -102,7 +104,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     let hull: Vec<[u32; 3]> = mesh.hull_facets().collect();
     drop(mesh);
 
-    if outcome == Outcome::Complete && !job.cancel.is_cancelled() {
+    if to_check {
         let own = verify::Mesh::new(set.points(), &tets).with_hull(&hull);
         let checked = check_own(&own.with_neighbours(&neighbours), &hash, job.check);
         report.seconds.check = clock.elapsed().as_secs_f64();
@@ -118,10 +120,6 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
             }
             console::people(&format!("checked   {}", checked.summary));
         }
-    }
-    if outcome == Outcome::Complete && job.cancel.is_cancelled() {
-        // Asked to stop after the last insertion.
-        outcome = Outcome::Cancelled;
     }
     report.outcome = match outcome {
         Outcome::Complete => "complete",
@@ -143,7 +141,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
 
 fn build(set: &PointSet, job: &Job<'_>) -> Result<Built, BuildError> {
     let progress = Progress::new();
-    Builder::new().observer(&progress).cancel(job.cancel).build(set)
+    Builder::new().observer(&progress).cancel(job.stop.token()).build(set)
 }
 
 /// The report of a build, without what comes after it.
