@@ -14,6 +14,11 @@ const SHOWN: usize = 10;
 /// `ltbw check`.
 pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     console::end_on_signal()?;
+    if let Some(json) = &args.json {
+        let inputs = io::mesh_files(&args.mesh);
+        inputs.iter().try_for_each(|input| keep_input(input, json))?;
+        check_json(json)?;
+    }
     let file = io::read_mesh_file(&args.mesh).map_err(Failure::Read)?;
     let name = show(&args.mesh);
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
@@ -125,6 +130,24 @@ pub(crate) fn check_own(mesh: &verify::Mesh<'_>, hash: &str, depth: Depth) -> Op
 /// Does this argument mean stdout?
 pub(crate) fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
+}
+
+/// Finds out whether JSON cannot be written to `path`, before the work starts.
+pub(crate) fn check_json(path: &Path) -> Result<(), Failure> {
+    if is_stdout(path) {
+        return Ok(());
+    }
+    io::check_bytes_writable(path).map_err(Failure::Write)
+}
+
+/// Refuses to write `output` where the file `input` is.
+pub(crate) fn keep_input(input: &Path, output: &Path) -> Result<(), Failure> {
+    // A file that is not there has no canonical path, and cannot be overwritten.
+    let (Ok(from), Ok(to)) = (input.canonicalize(), output.canonicalize()) else { return Ok(()) };
+    if from != to || is_stdout(output) {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!("{}: this would overwrite the input", show(output))))
 }
 
 /// Writes JSON to a file, or to stdout for `-`.

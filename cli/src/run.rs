@@ -1,7 +1,7 @@
 //! `delaunay`: read, order, insert, hash, check, write, report.
 
 use crate::args::{Delaunay, Depth};
-use crate::check::{check_own, is_stdout, write_json};
+use crate::check::{check_json, check_own, is_stdout, keep_input, write_json};
 use crate::console::{self, Progress, Stop};
 use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
@@ -37,6 +37,9 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let start = Instant::now();
     set_threads(args.threads)?;
     check_outputs(&args.output)?;
+    args.json.as_deref().map_or(Ok(()), check_json)?;
+    let written = args.output.iter().flat_map(|path| io::mesh_files(path));
+    written.chain(args.json.clone()).try_for_each(|path| keep_input(&args.points, &path))?;
     let stop = Stop::on_signal()?;
     let file = io::read_points(&args.points).map_err(Failure::Read)?;
     let job = Job {

@@ -89,13 +89,42 @@ fn outputs_that_cannot_be_written() {
         assert_eq!(run.code, 6, "{}", run.stderr);
         assert!(run.error().starts_with(&format!("{output}: cannot write: ")), "{}", run.stderr);
     }
-    let run = ltbw(dir.path(), &["delaunay", "a.npy", "--json", "no/report.json"]);
-    assert_eq!(run.code, 6, "{}", run.stderr);
+    // Before the work: nothing else is said, and no mesh is left behind.
+    for args in [&["delaunay", "a.npy", "-o", "b.vtu"][..], &["check", "missing.vtu"]] {
+        let run = ltbw(dir.path(), &[args, &["--json", "no/x.json"]].concat());
+        assert_eq!(run.code, 6, "{}", run.stderr);
+        let why = "no/x.json: cannot write: No such file or directory (os error 2)";
+        assert_eq!(run.stderr, format!("ltbw: {why}\n"));
+    }
     let run = ltbw(dir.path(), &["convert", "a.npy", "no/a.xyz"]);
     assert_eq!(run.code, 6, "{}", run.stderr);
     let run = ltbw(dir.path(), &["generate", "grid", "8", "-o", "no/a.xyz"]);
     assert_eq!(run.code, 6, "{}", run.stderr);
     assert_eq!(names(dir.path()), ["a.npy", "dir.vtu"]);
+}
+
+/// Also where the name of the output is another than that of the input.
+#[test]
+fn the_input_is_not_overwritten() {
+    let dir = tempfile::tempdir().unwrap();
+    assert_eq!(ltbw(dir.path(), &["generate", "uniform", "50", "-o", "p.node"]).code, 0);
+    assert_eq!(ltbw(dir.path(), &["delaunay", "p.node", "-o", "m.ele"]).code, 0);
+    let bytes = |name: &str| std::fs::read(dir.path().join(name)).unwrap();
+    let before = (bytes("p.node"), bytes("m.ele"), bytes("m.node"));
+    let cases: [(&[&str], &str); 5] = [
+        (&["delaunay", "p.node", "-o", "p.ele"], "p.node"),
+        (&["delaunay", "./p.node", "-o", "a.vtu", "-o", "p.node"], "p.node"),
+        (&["delaunay", "p.node", "--json", "p.node"], "p.node"),
+        (&["check", "m.ele", "--json", "m.ele"], "m.ele"),
+        (&["check", "m.ele", "--json", "m.node"], "m.node"),
+    ];
+    for (args, output) in cases {
+        let run = ltbw(dir.path(), args);
+        assert_eq!(run.code, 2, "{args:?}: {}", run.stderr);
+        assert_eq!(run.stderr, format!("ltbw: {output}: this would overwrite the input\n"));
+    }
+    assert_eq!((bytes("p.node"), bytes("m.ele"), bytes("m.node")), before);
+    assert_eq!(names(dir.path()), ["m.ele", "m.node", "p.node"]);
 }
 
 /// A limit on the size of files stands in for a full disk: writing fails in the middle.
