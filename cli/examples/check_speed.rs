@@ -7,8 +7,12 @@
 //! levels and the canonical hash, on a mesh in memory with its neighbours and its hull given;
 //! *unaided* is the same check with nothing given but points and tetrahedra.
 
+#[path = "../src/lists.rs"]
+mod lists;
+
+use lists::lists;
 use ltbw::generate::{PointKind, generate};
-use ltbw::{Builder, Mesh, PointSet};
+use ltbw::{Builder, PointSet};
 use ltbw_verify as verify;
 use std::error::Error;
 use std::time::Instant;
@@ -54,18 +58,4 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
-}
-
-/// The tetrahedra and the adjacency of a mesh as the plain lists that the checker takes.
-fn lists(mesh: &Mesh) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
-    let ids: Vec<_> = mesh.tet_ids().collect();
-    let mut position = vec![verify::NO_NEIGHBOUR; mesh.topology().slots()];
-    for (k, &id) in (0u32..).zip(&ids) {
-        position[id as usize] = k;
-    }
-    let place = |id: u32| position[id as usize];
-    let tets = ids.iter().filter_map(|&id| mesh.tet(id)).collect();
-    let across =
-        |id| [0, 1, 2, 3].map(|slot| mesh.neighbour(id, slot).map_or(verify::NO_NEIGHBOUR, place));
-    (tets, ids.iter().map(|&id| across(id)).collect())
 }

@@ -1,11 +1,12 @@
 //! The command line and its help.
 
 use crate::console;
-use crate::outcome::Exit;
+use crate::outcome::{Exit, Failure};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand, ValueEnum};
 use ltbw::generate::PointKind;
+use ltbw::points::MAX_POINTS;
 use std::path::PathBuf;
 
 const EXIT_CODES: &str = "\
@@ -175,7 +176,7 @@ pub(crate) struct Generate {
     #[arg(value_parser = kinds())]
     pub(crate) kind: PointKind,
     /// About how many points (grids round up)
-    #[arg(value_name = "N", default_value_t = 1000)]
+    #[arg(value_name = "N", default_value_t = 1000, value_parser = counts())]
     pub(crate) count: u32,
     /// Another seed gives another set of the same kind
     #[arg(long, default_value_t = 1)]
@@ -183,6 +184,11 @@ pub(crate) struct Generate {
     /// Where to write the points: .npy .xyz .csv .node .ply
     #[arg(short, long = "output", value_name = "FILE")]
     pub(crate) output: PathBuf,
+}
+
+/// No more points than a point set may have.
+fn counts() -> impl TypedValueParser<Value = u32> {
+    clap::value_parser!(u32).range(..=MAX_POINTS as i64)
 }
 
 fn kinds() -> impl TypedValueParser<Value = PointKind> {
@@ -200,15 +206,16 @@ pub(crate) struct Demo {
 }
 
 /// Prints help where it was asked for, and what is wrong with the command line in one line.
-pub(crate) fn explain(error: &clap::Error) -> Exit {
+pub(crate) fn explain(error: &clap::Error) -> Result<Exit, Failure> {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            let _ = error.print();
-            Exit::Done
+            console::data_with(|| error.print())?;
+            Ok(Exit::Done)
         }
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            // For people, to stderr.
             let _ = error.print();
-            Exit::Usage
+            Ok(Exit::Usage)
         }
         _ => {
             let text = error.to_string();
@@ -217,7 +224,7 @@ pub(crate) fn explain(error: &clap::Error) -> Exit {
             let line = words.join(" ");
             let line = line.strip_prefix("error: ").unwrap_or(&line);
             console::people(&format!("ltbw: {line}; see `ltbw --help`"));
-            Exit::Usage
+            Ok(Exit::Usage)
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::args::{Check, Depth};
 use crate::console;
 use crate::outcome::{Exit, Failure, show};
-use ltbw::{Point, TetMesh, io};
+use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
 use std::path::Path;
 use verify::{Level, Outcome, VertexOrder};
@@ -14,6 +14,11 @@ const SHOWN: usize = 10;
 /// `ltbw check`.
 pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     console::end_on_signal()?;
+    if let Some(json) = &args.json {
+        let inputs = io::mesh_files(&args.mesh);
+        inputs.iter().try_for_each(|input| keep_input(input, json))?;
+        check_json(json)?;
+    }
     let file = io::read_mesh_file(&args.mesh).map_err(Failure::Read)?;
     let name = show(&args.mesh);
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
@@ -42,7 +47,7 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
         if let verify::Hash::Value(hash) = &report.hash
             && !args.json.as_deref().is_some_and(is_stdout)
         {
-            console::data(&format!("ltbw.mesh/1 {hash}\n"));
+            console::data(&format!("ltbw.mesh/1 {hash}\n"))?;
         }
         return Ok(Exit::Done);
     }
@@ -95,21 +100,16 @@ pub(crate) struct Checked {
     pub(crate) certificate: Option<serde_json::Value>,
 }
 
-/// Checks our own mesh of all `points`, with its `hull`; `hash` is what the kernel computed.
-pub(crate) fn check_own(
-    points: &[Point],
-    tets: &[[u32; 4]],
-    hull: &[[u32; 3]],
-    hash: &str,
-    depth: Depth,
-) -> Option<Checked> {
+/// Checks our own mesh of all points, given with its neighbours and its hull; `hash` is what the
+/// kernel computed.
+pub(crate) fn check_own(mesh: &verify::Mesh<'_>, hash: &str, depth: Depth) -> Option<Checked> {
     let depth = match depth {
         Depth::Off => return None,
         Depth::Fast => verify::Depth::Fast,
         Depth::Full => verify::Depth::Full,
     };
     let options = verify::Options { depth, all_points: true, ..verify::Options::default() };
-    let report = verify::check(&verify::Mesh::new(points, tets).with_hull(hull), &options);
+    let report = verify::check(mesh, &options);
     // The checker's hash is computed by code that shares nothing with the kernel's.
     let same_hash = match &report.hash {
         verify::Hash::Value(other) => other == hash,
@@ -132,11 +132,28 @@ pub(crate) fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
+/// Finds out whether JSON cannot be written to `path`, before the work starts.
+pub(crate) fn check_json(path: &Path) -> Result<(), Failure> {
+    if is_stdout(path) {
+        return Ok(());
+    }
+    io::check_bytes_writable(path).map_err(Failure::Write)
+}
+
+/// Refuses to write `output` where the file `input` is.
+pub(crate) fn keep_input(input: &Path, output: &Path) -> Result<(), Failure> {
+    // A file that is not there has no canonical path, and cannot be overwritten.
+    let (Ok(from), Ok(to)) = (input.canonicalize(), output.canonicalize()) else { return Ok(()) };
+    if from != to || is_stdout(output) {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!("{}: this would overwrite the input", show(output))))
+}
+
 /// Writes JSON to a file, or to stdout for `-`.
 pub(crate) fn write_json(path: &Path, text: &str) -> Result<(), Failure> {
     if is_stdout(path) {
-        console::data(text);
-        Ok(())
+        console::data(text)
     } else {
         io::write_bytes(path, text.as_bytes()).map_err(Failure::Write)
     }

@@ -1,14 +1,16 @@
 //! What goes to stdout and to stderr, progress, and Ctrl-C.
 //!
-//! A closed stdout or stderr (`ltbw … | head`) is no error of ours: what cannot be printed is
-//! dropped, and the exit code tells how the work ended.
+//! A closed pipe (`ltbw … | head`) is no error of ours: its reader has what it wanted. Data that
+//! stdout cannot take for any other reason, such as a full disk, is an output that could not be
+//! written. Lines for people are dropped if stderr takes none: there is nobody to tell.
 
 use crate::outcome::{Exit, Failure};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use ltbw::io::IoError;
 use ltbw::{CancelToken, Observer};
-use std::io::{IsTerminal, Write};
-use std::sync::OnceLock;
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Prints a line for people, to stderr.
@@ -17,9 +19,18 @@ pub(crate) fn people(line: &str) {
 }
 
 /// Prints data, to stdout.
-pub(crate) fn data(text: &str) {
-    let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+pub(crate) fn data(text: &str) -> Result<(), Failure> {
+    data_with(|| std::io::stdout().write_all(text.as_bytes()))
+}
+
+/// Prints data to stdout with `print`, and makes sure that it got there.
+pub(crate) fn data_with(print: impl FnOnce() -> std::io::Result<()>) -> Result<(), Failure> {
+    match print().and_then(|()| std::io::stdout().flush()) {
+        Err(source) if source.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::Write(IoError::Write { path: "stdout".into(), source }))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A progress bar on stderr: only on a terminal, and only for work that takes over a second. It
@@ -67,18 +78,45 @@ impl Drop for Progress {
     }
 }
 
-/// From now on the first Ctrl-C (or termination signal) cancels `token`, and the second ends the
+/// What Ctrl-C (or a termination signal) does to a build: before the last point is inserted the
+/// first one stops the insertion, after that it changes nothing, and the second one ends the
 /// program at once. Output files are renamed into place only when complete, so that neither
 /// leaves a broken file under a final name.
-pub(crate) fn cancel_on_signal(token: &CancelToken) -> Result<(), Failure> {
-    let (token, before) = (token.clone(), AtomicBool::new(false));
-    on_signal(move || {
-        if before.swap(true, Ordering::Relaxed) {
-            end_now();
-        }
-        people("stopping; the mesh so far will be written (Ctrl-C again: end at once)");
-        token.cancel();
-    })
+#[derive(Debug)]
+pub(crate) struct Stop {
+    token: CancelToken,
+    inserted: Arc<AtomicBool>,
+}
+
+impl Stop {
+    /// Listens to signals from now on.
+    pub(crate) fn on_signal() -> Result<Self, Failure> {
+        let stop = Self { token: CancelToken::new(), inserted: Arc::default() };
+        let (token, inserted) = (stop.token.clone(), Arc::clone(&stop.inserted));
+        let before = AtomicBool::new(false);
+        on_signal(move || {
+            if before.swap(true, Ordering::Relaxed) {
+                end_now();
+            }
+            people(if inserted.load(Ordering::Relaxed) {
+                "all points are meshed; finishing (Ctrl-C again: end at once)"
+            } else {
+                "stopping; the mesh so far will be written (Ctrl-C again: end at once)"
+            });
+            token.cancel();
+        })?;
+        Ok(stop)
+    }
+
+    /// The token that cancels the insertion.
+    pub(crate) fn token(&self) -> &CancelToken {
+        &self.token
+    }
+
+    /// All points are inserted: what is left to do is done, whatever comes.
+    pub(crate) fn inserted(&self) {
+        self.inserted.store(true, Ordering::Relaxed);
+    }
 }
 
 /// From now on Ctrl-C ends the program at once, with the exit code for it: for commands that have

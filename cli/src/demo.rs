@@ -1,10 +1,9 @@
 //! `demo`: a mesh worth looking at, in seconds.
 
 use crate::args::{Demo, Depth};
-use crate::console;
+use crate::console::{self, Stop};
 use crate::outcome::{Exit, Failure, show};
 use crate::run::{Job, check_outputs, mesh_points};
-use ltbw::CancelToken;
 use ltbw::generate::{PointKind, generate};
 use ltbw::io::PointFile;
 use std::path::Path;
@@ -18,15 +17,14 @@ const CLUSTERS: usize = 40_000;
 pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
     let start = Instant::now();
     check_outputs(std::slice::from_ref(&args.out))?;
-    let cancel = CancelToken::new();
-    console::cancel_on_signal(&cancel)?;
+    let stop = Stop::on_signal()?;
     let job = Job {
         command: "demo",
         name: Path::new("a thin shell with clusters inside"),
         outputs: std::slice::from_ref(&args.out),
         json: None,
         check: Depth::Full,
-        cancel: &cancel,
+        stop: &stop,
         start,
         read_seconds: 0.0,
     };

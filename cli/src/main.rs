@@ -5,6 +5,7 @@
 //! | [`args`] | the command line and its help |
 //! | [`run`] | `delaunay`: read, build, check, hash, write, report |
 //! | [`check`] | `check`, and the check of our own output |
+//! | [`lists`] | a mesh as the lists that the checker takes |
 //! | [`files`] | `convert` and `generate` |
 //! | [`demo`] | `demo` |
 //! | [`report`] | the JSON report `ltbw.report/1` |
@@ -19,6 +20,7 @@ mod check;
 mod console;
 mod demo;
 mod files;
+mod lists;
 mod outcome;
 mod report;
 mod run;
@@ -29,13 +31,14 @@ use outcome::{Exit, Failure};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let exit = match Args::try_parse() {
-        Ok(args) => dispatch(args).unwrap_or_else(|failure| {
-            console::people(&format!("ltbw: {failure}"));
-            failure.exit()
-        }),
+    let result = match Args::try_parse() {
+        Ok(args) => dispatch(args),
         Err(error) => args::explain(&error),
     };
+    let exit = result.unwrap_or_else(|failure| {
+        console::people(&format!("ltbw: {failure}"));
+        failure.exit()
+    });
     ExitCode::from(exit as u8)
 }
 

@@ -61,9 +61,11 @@ impl Failure {
     pub(crate) fn exit(&self) -> Exit {
         match self {
             Failure::Usage(_) => Exit::Usage,
-            Failure::Write(IoError::UnknownFormat { .. } | IoError::WrongKind { .. }) => {
-                Exit::Usage
-            }
+            Failure::Write(
+                IoError::UnknownFormat { .. }
+                | IoError::WrongKind { .. }
+                | IoError::ReadOnly { .. },
+            ) => Exit::Usage,
             Failure::Write(_) | Failure::Other(_) => Exit::Output,
             Failure::Build { error: BuildError::Cancelled, .. } => Exit::Stopped,
             Failure::Read(_) | Failure::Points { .. } | Failure::Build { .. } => Exit::Input,

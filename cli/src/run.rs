@@ -1,12 +1,14 @@
 //! `delaunay`: read, order, insert, hash, check, write, report.
 
 use crate::args::{Delaunay, Depth};
-use crate::check::{check_own, is_stdout, write_json};
-use crate::console::{self, Progress};
+use crate::check::{check_json, check_own, is_stdout, keep_input, write_json};
+use crate::console::{self, Progress, Stop};
+use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
 use ltbw::io::{self, PointFile};
-use ltbw::{BuildError, Builder, Built, CancelToken, Outcome, PointSet, TetMesh};
+use ltbw::{BuildError, Builder, Built, Outcome, PointSet, TetMesh};
+use ltbw_verify as verify;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -22,8 +24,8 @@ pub(crate) struct Job<'a> {
     pub(crate) json: Option<&'a Path>,
     /// How deep to check.
     pub(crate) check: Depth,
-    /// Cancels the build.
-    pub(crate) cancel: &'a CancelToken,
+    /// Cancels the insertion.
+    pub(crate) stop: &'a Stop,
     /// When the program started.
     pub(crate) start: Instant,
     /// Seconds it took to read the points.
@@ -35,8 +37,10 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let start = Instant::now();
     set_threads(args.threads)?;
     check_outputs(&args.output)?;
-    let cancel = CancelToken::new();
-    console::cancel_on_signal(&cancel)?;
+    args.json.as_deref().map_or(Ok(()), check_json)?;
+    let written = args.output.iter().flat_map(|path| io::mesh_files(path));
+    written.chain(args.json.clone()).try_for_each(|path| keep_input(&args.points, &path))?;
+    let stop = Stop::on_signal()?;
     let file = io::read_points(&args.points).map_err(Failure::Read)?;
     let job = Job {
         command: "delaunay",
@@ -44,7 +48,7 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
         outputs: &args.output,
         json: args.json.as_deref(),
         check: args.check,
-        cancel: &cancel,
+        stop: &stop,
         start,
         read_seconds: start.elapsed().as_secs_f64(),
     };
@@ -85,7 +89,10 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         Err(error) => return Err(Failure::Build { path: job.name.to_owned(), error }),
     };
     let mut report = report_of(&built, count, job);
-    let Built { mesh, mut outcome, .. } = built;
+    let Built { mesh, outcome, .. } = built;
+    if outcome == Outcome::Complete {
+        job.stop.inserted();
+    }
     print_mesh(&name, &report);
 
     let clock = Instant::now();
@@ -93,27 +100,29 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     report.seconds.hash = clock.elapsed().as_secs_f64();
     report.mesh.hash = Some(hash.clone());
     // The input's own coordinates, under the input's numbers.
-    let tets: Vec<[u32; 4]> = mesh.tets().collect();
+    let clock = Instant::now();
+    let to_check = outcome == Outcome::Complete && job.check != Depth::Off;
+    let (tets, neighbours) =
+        if to_check { lists(&mesh) } else { (mesh.tets().collect(), Vec::new()) };
     let hull: Vec<[u32; 3]> = mesh.hull_facets().collect();
     drop(mesh);
 
-    if outcome == Outcome::Complete && !job.cancel.is_cancelled() {
-        let clock = Instant::now();
-        let checked = check_own(set.points(), &tets, &hull, &hash, job.check);
+    if to_check {
+        let own = verify::Mesh::new(set.points(), &tets).with_hull(&hull);
+        let checked = check_own(&own.with_neighbours(&neighbours), &hash, job.check);
         report.seconds.check = clock.elapsed().as_secs_f64();
         if let Some(checked) = checked {
             report.certificate = checked.certificate;
             if !checked.passed {
-                finish(&mut report, job)?;
+                // A defect of ours is graver than a report that could not be written.
+                if let Err(failure) = finish(&mut report, job) {
+                    console::people(&format!("note: {failure}"));
+                }
                 console::people("ltbw: defect in our own output; no mesh was written");
                 return Ok(Exit::OwnDefect);
             }
             console::people(&format!("checked   {}", checked.summary));
         }
-    }
-    if outcome == Outcome::Complete && job.cancel.is_cancelled() {
-        // Asked to stop after the last insertion.
-        outcome = Outcome::Cancelled;
     }
     report.outcome = match outcome {
         Outcome::Complete => "complete",
@@ -135,7 +144,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
 
 fn build(set: &PointSet, job: &Job<'_>) -> Result<Built, BuildError> {
     let progress = Progress::new();
-    Builder::new().observer(&progress).cancel(job.cancel).build(set)
+    Builder::new().observer(&progress).cancel(job.stop.token()).build(set)
 }
 
 /// The report of a build, without what comes after it.
@@ -224,7 +233,7 @@ fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
     }
     match &report.mesh.hash {
         Some(hash) if !job.json.is_some_and(is_stdout) => {
-            console::data(&format!("ltbw.mesh/1 {hash}\n"));
+            console::data(&format!("ltbw.mesh/1 {hash}\n"))?;
         }
         _ => {}
     }

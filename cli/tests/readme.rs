@@ -9,8 +9,8 @@ use common::ltbw;
 
 const README: &str = include_str!("../../README.md");
 
-/// Numbers that may change become `0`: times, and how many tests the checker's filter decided, which
-/// depends on the order of a tetrahedron's vertices.
+/// Numbers that may change become `0`: times, and how many tests the checker's filter decided,
+/// which depends on the order of a tetrahedron's vertices.
 fn without_chance(line: &str) -> String {
     if !line.starts_with("seconds ") && !line.starts_with("checked ") {
         return line.to_string();

@@ -89,13 +89,42 @@ fn outputs_that_cannot_be_written() {
         assert_eq!(run.code, 6, "{}", run.stderr);
         assert!(run.error().starts_with(&format!("{output}: cannot write: ")), "{}", run.stderr);
     }
-    let run = ltbw(dir.path(), &["delaunay", "a.npy", "--json", "no/report.json"]);
-    assert_eq!(run.code, 6, "{}", run.stderr);
+    // Before the work: nothing else is said, and no mesh is left behind.
+    for args in [&["delaunay", "a.npy", "-o", "b.vtu"][..], &["check", "missing.vtu"]] {
+        let run = ltbw(dir.path(), &[args, &["--json", "no/x.json"]].concat());
+        assert_eq!(run.code, 6, "{}", run.stderr);
+        let why = "no/x.json: cannot write: No such file or directory (os error 2)";
+        assert_eq!(run.stderr, format!("ltbw: {why}\n"));
+    }
     let run = ltbw(dir.path(), &["convert", "a.npy", "no/a.xyz"]);
     assert_eq!(run.code, 6, "{}", run.stderr);
     let run = ltbw(dir.path(), &["generate", "grid", "8", "-o", "no/a.xyz"]);
     assert_eq!(run.code, 6, "{}", run.stderr);
     assert_eq!(names(dir.path()), ["a.npy", "dir.vtu"]);
+}
+
+/// Also where the name of the output is another than that of the input.
+#[test]
+fn the_input_is_not_overwritten() {
+    let dir = tempfile::tempdir().unwrap();
+    assert_eq!(ltbw(dir.path(), &["generate", "uniform", "50", "-o", "p.node"]).code, 0);
+    assert_eq!(ltbw(dir.path(), &["delaunay", "p.node", "-o", "m.ele"]).code, 0);
+    let bytes = |name: &str| std::fs::read(dir.path().join(name)).unwrap();
+    let before = (bytes("p.node"), bytes("m.ele"), bytes("m.node"));
+    let cases: [(&[&str], &str); 5] = [
+        (&["delaunay", "p.node", "-o", "p.ele"], "p.node"),
+        (&["delaunay", "./p.node", "-o", "a.vtu", "-o", "p.node"], "p.node"),
+        (&["delaunay", "p.node", "--json", "p.node"], "p.node"),
+        (&["check", "m.ele", "--json", "m.ele"], "m.ele"),
+        (&["check", "m.ele", "--json", "m.node"], "m.node"),
+    ];
+    for (args, output) in cases {
+        let run = ltbw(dir.path(), args);
+        assert_eq!(run.code, 2, "{args:?}: {}", run.stderr);
+        assert_eq!(run.stderr, format!("ltbw: {output}: this would overwrite the input\n"));
+    }
+    assert_eq!((bytes("p.node"), bytes("m.ele"), bytes("m.node")), before);
+    assert_eq!(names(dir.path()), ["m.ele", "m.node", "p.node"]);
 }
 
 /// A limit on the size of files stands in for a full disk: writing fails in the middle.
@@ -127,7 +156,7 @@ fn a_full_disk_leaves_the_old_file() {
 fn bad_usage_is_one_line_and_exit_2() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join("a.xyz"), "0 0 0\n").unwrap();
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 12] = [
         (&["delaunay"], "the following required arguments were not provided: <POINTS>"),
         (&["delaunay", "a.xyz", "--frobnicate"], "unexpected argument '--frobnicate'"),
         (&["delaunay", "a.xyz", "--threads", "0"], "invalid value '0'"),
@@ -136,7 +165,10 @@ fn bad_usage_is_one_line_and_exit_2() {
         (&["delaunay", "a.xyz", "-o", "mesh.foo"], "mesh.foo: unknown extension"),
         (&["generate", "chaos", "-o", "b.xyz"], "invalid value 'chaos'"),
         (&["generate", "grid", "-o", "b.vtu"], "b.vtu: this format holds a mesh"),
+        (&["generate", "uniform", "4294967295", "-o", "b.xyz"], "invalid value '4294967295'"),
+        (&["generate", "uniform", "268435457", "-o", "b.xyz"], "invalid value '268435457'"),
         (&["convert", "a.xyz", "b.vtu"], "a.xyz: points are no mesh"),
+        (&["convert", "a.xyz", "b.off"], "b.off: this format is only read"),
     ];
     for (args, start) in cases {
         let run = ltbw(dir.path(), args);
@@ -176,4 +208,30 @@ fn a_closed_pipe_is_quiet() {
         Run::of(command.stdout(writer).stderr(std::process::Stdio::piped()).output().unwrap());
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(!run.stderr.contains("panic"), "{}", run.stderr);
+}
+
+/// A full disk behind stdout is an error like any other: data that nobody got is not "done".
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_stdout_is_an_error() {
+    let dir = tempfile::tempdir().unwrap();
+    let made = ltbw(dir.path(), &["generate", "uniform", "50", "-o", "a.xyz"]);
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    assert_eq!(ltbw(dir.path(), &["delaunay", "a.xyz", "-o", "a.vtu"]).code, 0);
+    let cases: [&[&str]; 6] = [
+        &["delaunay", "a.xyz", "--json", "-"],
+        &["delaunay", "a.xyz"],
+        &["check", "a.vtu", "--json", "-"],
+        &["check", "a.vtu"],
+        &["--version"],
+        &["help", "check"],
+    ];
+    for args in cases {
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let mut command = program(dir.path(), args);
+        let output = command.stdout(full).stderr(std::process::Stdio::piped()).output().unwrap();
+        let run = Run::of(output);
+        assert_eq!(run.code, 6, "{args:?}: {}", run.stderr);
+        assert_eq!(run.error(), "stdout: cannot write: No space left on device (os error 28)");
+    }
 }

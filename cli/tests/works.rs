@@ -5,6 +5,7 @@ mod common;
 
 use common::{Run, ltbw, names, program};
 use serde_json::Value;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::Stdio;
 
@@ -129,7 +130,7 @@ fn convert_writes_text_and_the_older_gmsh_version() {
     std::fs::write(dir.path().join("s.off"), "OFF\n4 0 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n").unwrap();
     run(&["delaunay", "s.off"]);
     let refused = ltbw(dir.path(), &["convert", "p.ply", "t.stl"]);
-    assert_eq!(refused.code, 6);
+    assert_eq!(refused.code, 2);
     assert!(refused.error().starts_with("t.stl: this format is only read"), "{}", refused.stderr);
 }
 
@@ -223,6 +224,8 @@ fn ctrl_c_stops_with_a_valid_partial_mesh() {
     assert_eq!(run.code, 4, "{}", run.stderr);
     let report = json(&std::fs::read_to_string(dir.path().join("r.json")).unwrap());
     assert_eq!(report["outcome"], "cancelled");
+    assert_eq!(report["certificate"], Value::Null);
+    assert!(!run.stderr.contains("checked   "), "{}", run.stderr);
     let meshed = report["mesh"]["vertices"].as_u64().unwrap();
     assert!(meshed < 3_000_000, "{meshed}");
     if meshed > 0 {
@@ -233,4 +236,28 @@ fn ctrl_c_stops_with_a_valid_partial_mesh() {
     } else {
         assert_eq!(names(dir.path()), ["big.npy", "r.json"]);
     }
+}
+
+/// After the last insertion Ctrl-C changes nothing: the mesh is complete, is checked, and the
+/// words, the report and the exit code all say so.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_after_the_insertion_finishes_a_complete_mesh() {
+    let dir = tempfile::tempdir().unwrap();
+    assert_eq!(ltbw(dir.path(), &["generate", "uniform", "300000", "-o", "p.npy"]).code, 0);
+    let args = ["delaunay", "p.npy", "--json", "r.json", "--check", "full", "--threads", "1"];
+    let mut child =
+        program(dir.path(), &args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line.starts_with("mesh  ")), "the mesh is not announced");
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.unwrap().success());
+    let rest: Vec<String> = lines.collect();
+    assert_eq!(child.wait().unwrap().code(), Some(0), "{rest:?}");
+    let says = |start: &str| rest.iter().any(|line| line.starts_with(start));
+    assert!(says("all points are meshed; finishing"), "{rest:?}");
+    assert!(says("checked   ") && !says("ltbw: "), "{rest:?}");
+    let report = json(&std::fs::read_to_string(dir.path().join("r.json")).unwrap());
+    assert_eq!(report["outcome"], "complete");
+    assert_eq!(report["certificate"]["passed"], true);
 }

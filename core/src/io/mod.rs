@@ -216,6 +216,22 @@ pub fn check_mesh_writable(path: &Path) -> Result<(), IoError> {
     }
 }
 
+/// Tells what would certainly keep [`write_bytes`] from writing to `path`, whatever its extension.
+pub fn check_bytes_writable(path: &Path) -> Result<(), IoError> {
+    aside::check(path)
+}
+
+/// The files that [`write_mesh`] writes for `path`: itself, or the pair that it names.
+pub fn mesh_files(path: &Path) -> Vec<PathBuf> {
+    match Format::from_path(path) {
+        Ok(Format::Node | Format::Ele) => {
+            let (node, ele) = pair(path);
+            vec![node, ele]
+        }
+        _ => vec![path.to_owned()],
+    }
+}
+
 /// Writes `bytes` to any file the way all files of this module are written: aside, then renamed.
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     Aside::write(path, |out| out.write_all(bytes))?.publish()
