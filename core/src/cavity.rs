@@ -1,5 +1,5 @@
 //! The cavity of a point: found by breadth-first search, admitted tetrahedron by tetrahedron,
-//! then starred from the point. It never sees a coordinate: geometry is behind [`Conflict`].
+//! then starred from the point. It never sees a coordinate: geometry is behind `Conflict`.
 //!
 //! The *cavity* of p is the set of tetrahedra in conflict with p; its *ring* is the set of their
 //! face neighbours outside it; both together are the *closure* (paper, section 3; the ring is of
