@@ -87,7 +87,7 @@ impl Geometry {
         size_of_val(self.points.all()) + size_of_val(self.spheres.all())
     }
 
-    /// Goes to wide mode, with all coordinates multiplied by 2^`exponent`, which must be exact.
+    /// Goes to wide mode, with all coordinates replaced by `rescale` of them, which must be exact.
     pub(crate) fn widen(&mut self, rescale: impl Fn(&Point) -> Point) {
         for p in &mut self.points.all_mut()[1..] {
             *p = rescale(p);

@@ -21,15 +21,10 @@ pub(crate) enum Found {
     Outside(TetId),
 }
 
-/// Walks from `start` towards the target. With `shortcut`, stops at the first tetrahedron that
-/// is certain to be in conflict: inserting needs no more.
+/// Walks from `start` towards the target, and stops at the first tetrahedron that is certain to be
+/// in conflict: inserting needs no more.
 #[inline(never)]
-pub(crate) fn walk(
-    topology: &Topology,
-    conflict: &mut PointConflict<'_>,
-    start: TetId,
-    shortcut: bool,
-) -> Found {
+pub(crate) fn walk(topology: &Topology, conflict: &mut PointConflict<'_>, start: TetId) -> Found {
     let p = conflict.target();
     let mut t = start;
     let mut entry = 4; // no face
@@ -42,7 +37,7 @@ pub(crate) fn walk(
         if tet.vertices()[3] == INFINITE {
             return Found::Outside(t);
         }
-        if shortcut && conflict.surely(t) {
+        if conflict.surely(t) {
             return Found::Conflict(t);
         }
         let geometry = conflict.geometry();

@@ -131,7 +131,7 @@ impl Mesh {
         admission: &mut A,
     ) -> Result<Placed, Setback> {
         let mut conflict = self.geometry.conflict_of(&p);
-        let start = match walk(&self.topology, &mut conflict, self.hint, true) {
+        let start = match walk(&self.topology, &mut conflict, self.hint) {
             Found::Conflict(t) | Found::Outside(t) => t,
             Found::Inside(t) => {
                 let geometry = conflict.geometry();

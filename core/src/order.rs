@@ -31,6 +31,16 @@ pub fn brio_hilbert(points: &[Point]) -> Vec<u32> {
         rest /= 8;
         rounds += 1;
     }
+    in_rounds(points, rounds)
+}
+
+/// The Hilbert order of `points` alone, in one round.
+pub fn hilbert(points: &[Point]) -> Vec<u32> {
+    in_rounds(points, 0)
+}
+
+/// Hilbert order in each of the rounds 0 to `rounds`.
+fn in_rounds(points: &[Point], rounds: u32) -> Vec<u32> {
     let frame = Cube::around(points.iter());
     let mut keyed: Vec<(u64, u32)> = points
         .par_iter()
@@ -41,23 +51,9 @@ pub fn brio_hilbert(points: &[Point]) -> Vec<u32> {
             (u64::from(round) << (3 * BITS) | frame.key(p), i as u32)
         })
         .collect();
-    sort(&mut keyed);
-    refine(points, &mut keyed, 1);
-    keyed.into_iter().map(|(_, i)| i).collect()
-}
-
-/// The Hilbert order of `points` alone, in one round.
-pub fn hilbert(points: &[Point]) -> Vec<u32> {
-    let frame = Cube::around(points.iter());
-    let mut keyed: Vec<(u64, u32)> =
-        points.par_iter().enumerate().map(|(i, p)| (frame.key(p), i as u32)).collect();
-    sort(&mut keyed);
-    refine(points, &mut keyed, 1);
-    keyed.into_iter().map(|(_, i)| i).collect()
-}
-
-fn sort(keyed: &mut [(u64, u32)]) {
     keyed.par_sort_unstable();
+    refine(points, &mut keyed, 1);
+    keyed.into_iter().map(|(_, i)| i).collect()
 }
 
 /// Sorts each long run of equal keys in the box of its own points.

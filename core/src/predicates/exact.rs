@@ -75,11 +75,7 @@ pub fn insphere(a: &Point, b: &Point, c: &Point, d: &Point, e: &Point) -> Sign {
 /// Exact [`super::coplanar_orient`], without the filter.
 #[must_use]
 pub fn coplanar_orient(a: &Point, b: &Point, c: &Point) -> Sign {
-    PLANES
-        .iter()
-        .map(|&plane| orient2d(a, b, c, plane))
-        .find(|sign| !sign.is_zero())
-        .unwrap_or(Sign::Zero)
+    super::first_projection(|plane| orient2d(a, b, c, plane))
 }
 
 /// Exact [`super::side_of_bounded_circle`], without the filter.

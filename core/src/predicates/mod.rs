@@ -139,6 +139,11 @@ pub fn insphere(a: &Point, b: &Point, c: &Point, d: &Point, e: &Point) -> Sign {
     filter::insphere_any(a, b, c, d, e).unwrap_or_else(|| exact::insphere(a, b, c, d, e))
 }
 
+/// The first non-zero sign over the projections [`PLANES`]; zero if there is none.
+fn first_projection(sign: impl Fn([usize; 2]) -> Sign) -> Sign {
+    PLANES.into_iter().map(sign).find(|sign| !sign.is_zero()).unwrap_or(Sign::Zero)
+}
+
 /// Orientation of three points of one plane: the first non-zero of the orientations of their
 /// projections to xy, yz and xz; zero exactly when they are collinear.
 ///
@@ -146,11 +151,7 @@ pub fn insphere(a: &Point, b: &Point, c: &Point, d: &Point, e: &Point) -> Sign {
 /// orientations can be compared (CGAL's `coplanar_orientation` with three arguments).
 #[must_use]
 pub fn coplanar_orient(a: &Point, b: &Point, c: &Point) -> Sign {
-    PLANES
-        .iter()
-        .map(|&plane| orient2d(a, b, c, plane))
-        .find(|sign| !sign.is_zero())
-        .unwrap_or(Sign::Zero)
+    first_projection(|plane| orient2d(a, b, c, plane))
 }
 
 /// Are the three points on one line (or equal)?
