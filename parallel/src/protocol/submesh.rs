@@ -28,6 +28,17 @@ pub enum Walk<T> {
     Nowhere,
 }
 
+/// Work done in a submesh, for cost models.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Costs {
+    /// Tetrahedra passed by walks.
+    pub walk_steps: u64,
+    /// Conflict tests.
+    pub tests: u64,
+    /// Tetrahedra created.
+    pub created: u64,
+}
+
 /// The tetrahedra of one worker. Local handles (`Tet`) of locked tetrahedra are stable.
 pub trait Submesh: Sized {
     /// Local handle of a tetrahedron.
@@ -97,6 +108,11 @@ pub trait Submesh: Sized {
 
     /// Installs extracted tetrahedra. Pushes their names to `made`.
     fn adopt(&mut self, cargo: Self::Cargo, made: &mut Vec<Name>);
+
+    /// The work done since the last call.
+    fn take_costs(&mut self) -> Costs {
+        Costs::default()
+    }
 }
 
 /// Where points to insert come from: the paper's field `Fd` of points, or its list `LB` of bad
