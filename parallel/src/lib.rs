@@ -23,6 +23,7 @@
 //! the coordinates alone. The crate `ltbw-verify` checks meshes, by code of its own.
 #![forbid(unsafe_code)]
 
+pub mod mesh;
 pub mod protocol;
 
 pub use ltbw_core::*;
