@@ -48,7 +48,7 @@ impl Field {
     }
 
     /// Number of points left.
-    pub fn len(&self) -> usize {
+    pub fn left(&self) -> usize {
         self.left
     }
 
@@ -173,12 +173,12 @@ mod tests {
         for _ in 0..10 {
             field.next(&mesh);
         }
-        let before = field.len();
+        let before = field.left();
         assert_eq!(field.in_block(3), 250);
         let taken = field.take_block(3);
-        assert_eq!((taken.len(), field.len(), field.in_block(3)), (250, before - 250, 0));
+        assert_eq!((taken.len(), field.left(), field.in_block(3)), (250, before - 250, 0));
         field.give(3, taken);
-        assert_eq!((field.in_block(3), field.len()), (250, before));
+        assert_eq!((field.in_block(3), field.left()), (250, before));
         field.clear();
         assert!(field.is_empty() && field.next(&mesh).is_none());
     }
