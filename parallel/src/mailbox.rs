@@ -274,8 +274,7 @@ mod tests {
         thread::scope(|scope| {
             let victim = scope.spawn(move || {
                 second.send(0, 1);
-                let nothing: Option<u32> = None;
-                second.send(2, nothing.expect("planted"));
+                panic!("planted");
             });
             for mut end in ends {
                 scope.spawn(move || {
