@@ -24,6 +24,8 @@
 #![forbid(unsafe_code)]
 
 pub mod mesh;
+pub mod mailbox;
 pub mod protocol;
+mod sync;
 
 pub use ltbw_core::*;
