@@ -23,6 +23,8 @@
 //! the coordinates alone. The crate `ltbw-verify` checks meshes, by code of its own.
 #![forbid(unsafe_code)]
 
+pub mod metrics;
 pub mod protocol;
+pub mod simulate;
 
 pub use ltbw_core::*;
