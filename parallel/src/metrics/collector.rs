@@ -243,12 +243,7 @@ impl Collector {
     }
 
     /// Takes in a note of a step; returns what the step is called in a trace.
-    fn note(
-        &mut self,
-        note: Note,
-        about: Option<(Ticket, Attempt)>,
-        kind: SpanKind,
-    ) -> SpanKind {
+    fn note(&mut self, note: Note, about: Option<(Ticket, Attempt)>, kind: SpanKind) -> SpanKind {
         let others = self.active;
         match note {
             Note::Local => {
@@ -327,13 +322,7 @@ impl Collector {
         self.figures.times.active += if active { time } else { 0 };
     }
 
-    fn span(
-        &mut self,
-        begin: Nanos,
-        end: Nanos,
-        kind: SpanKind,
-        about: Option<(Ticket, Attempt)>,
-    ) {
+    fn span(&mut self, begin: Nanos, end: Nanos, kind: SpanKind, about: Option<(Ticket, Attempt)>) {
         let Some(spans) = &mut self.spans else { return };
         if begin < end && self.spans_left > 0 {
             self.spans_left -= 1;
@@ -360,4 +349,3 @@ fn kind_of(cause: Cause) -> SpanKind {
         Cause::Cancel => SpanKind::Poll,
     }
 }
-

@@ -1,7 +1,7 @@
 //! The figures of a run, joined from those of its workers.
 
-use super::collector::{Collector, Ending};
 use super::Nanos;
+use super::collector::{Collector, Ending};
 use crate::protocol::{Attempt, Ticket, WorkerId};
 use std::collections::{BTreeMap, HashMap};
 

@@ -108,9 +108,7 @@ const NEWS: u64 = 12;
 pub(super) fn bytes<S: Payload>(message: &Message<S>) -> u64 {
     HEADER
         + match message {
-            Message::Walk { point, at, .. } => {
-                S::point_bytes(point) + 1 + at.map_or(0, |_| HANDLE)
-            }
+            Message::Walk { point, at, .. } => S::point_bytes(point) + 1 + at.map_or(0, |_| HANDLE),
             Message::Expand { point, seeds, .. } => S::point_bytes(point) + handles(seeds.len()),
             Message::Grant { pieces, foreign, bounced, moved, .. } => {
                 8 + pieces.iter().map(S::piece_bytes).sum::<u64>()

@@ -42,8 +42,7 @@ where
     C: Conduct,
 {
     options.check(workers.len())?;
-    if let Some((place, worker)) = workers.iter().enumerate().find(|(k, w)| w.id() as usize != *k)
-    {
+    if let Some((place, worker)) = workers.iter().enumerate().find(|(k, w)| w.id() as usize != *k) {
         return Err(SimulationError::Workers { place, id: worker.id() });
     }
     let mut engine = Engine::new(workers, options);
@@ -136,10 +135,9 @@ where
                     orders: Default::default(),
                     is_busy: false,
                     slowness: slow.map_or(1.0, |&(_, factor)| factor),
-                    balancer: options
-                        .balance
-                        .map(|b| Balancer::new(b, id, count, worker.source().len())),
-                    asking: Asking::Never,
+                    balancer: options.balance.map(|b| Balancer::new(b, id, count)),
+                    asking: Asking::No,
+                    asked: 0,
                     collector: Collector::new(id, options.spans),
                     worker,
                 }
@@ -284,10 +282,10 @@ where
             self.step(id, Event::Message { from, message }, begin, receiving);
             return;
         }
-        if let Some(balancer) = &mut processor.balancer
-            && let Some(block) = balancer.give(&processor.worker, from)
-        {
-            processor.orders.push_back(Event::Migrate { block, to: from });
+        if let Some(balancer) = &mut processor.balancer {
+            for block in balancer.give(&processor.worker, from) {
+                processor.orders.push_back(Event::Migrate { block, to: from });
+            }
         }
         self.occupy(id, begin, begin.max(self.now + 1) + receiving);
     }
@@ -358,14 +356,20 @@ where
     fn watch(&mut self, id: WorkerId) {
         let Some(balance) = self.options.balance else { return };
         let processor = &mut self.processors[id as usize];
-        let few = processor.worker.source().len() < balance.low && !processor.worker.is_stopped();
+        if processor.worker.source().len() >= balance.low {
+            processor.asked = 0;
+            return;
+        }
+        if processor.asking != Asking::No || processor.worker.is_stopped() {
+            return;
+        }
         // At once the first time, later not before a while.
-        let wait = match processor.asking {
-            Asking::Never if few => 0,
-            Asking::Before if few => balance.again,
-            _ => return,
+        let wait = match processor.asked {
+            0 => 0,
+            times => balance.again.saturating_mul(1 << (times - 1).min(10)),
         };
         processor.asking = Asking::Later;
+        processor.asked += 1;
         self.at(self.now + wait, What::Ask(id));
     }
 
@@ -374,7 +378,7 @@ where
         let begin = self.poll(id, false);
         let processor = &mut self.processors[id as usize];
         let load = processor.worker.source().len();
-        let whom = processor.balancer.as_ref().map_or(Vec::new(), |b| b.ask(load));
+        let whom = processor.balancer.as_mut().map_or(Vec::new(), |b| b.ask(load));
         let mut end = begin.max(self.now + 1);
         let sending = processor.time(self.options.costs.sending(LOAD_BYTES));
         for to in whom {

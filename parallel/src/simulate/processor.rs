@@ -31,10 +31,8 @@ pub(super) enum Next<S: Submesh> {
 /// Whether a worker asks others for blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Asking {
-    /// It never has.
-    Never,
-    /// It has.
-    Before,
+    /// It has no intention to.
+    No,
     /// It will at a later time.
     Later,
     /// It wants to.
@@ -54,6 +52,8 @@ pub(super) struct Processor<S: Submesh, Q, C> {
     pub(super) slowness: f64,
     pub(super) balancer: Option<Balancer>,
     pub(super) asking: Asking,
+    /// How often it has asked since it had more than few points.
+    pub(super) asked: u32,
     pub(super) collector: Collector,
 }
 
@@ -62,7 +62,7 @@ impl<S: Submesh, Q: Source<S> + Stock, C: Conduct> Processor<S, Q, C> {
     pub(super) fn next(&mut self) -> Next<S> {
         if self.worker.is_stopped() {
             self.orders.clear();
-            self.asking = Asking::Before;
+            self.asking = Asking::No;
         }
         if let Some(envelope) = self.inbox.pop_front() {
             Next::Take(envelope)
@@ -71,7 +71,7 @@ impl<S: Submesh, Q: Source<S> + Stock, C: Conduct> Processor<S, Q, C> {
         } else if let Some(order) = self.orders.pop_front() {
             Next::Do(order)
         } else if self.asking == Asking::Now {
-            self.asking = Asking::Before;
+            self.asking = Asking::No;
             Next::Ask
         } else if self.worker.has_work() {
             Next::Do(Event::Work)
