@@ -111,7 +111,7 @@ mod tests {
         assert_eq!(exceeds_volume_any(&O, &X, &Y, &Z, 0.1666), Some(Positive));
         assert_eq!(exceeds_volume_any(&O, &X, &Y, &Z, 0.1667), Some(Negative));
         assert_eq!(exceeds_volume_any(&X, &O, &Y, &Z, 0.1), Some(Negative), "a negative volume");
-        assert_eq!(exceeds_volume_any(&O, &X, &Y, &[1.0, 1.0, 0.0], 1e-9), Some(Negative), "flat");
+        assert_eq!(exceeds_volume_any(&O, &X, &Y, &[1.0, 1.0, 0.0], 1e-9), None, "no extent");
     }
 
     #[test]
