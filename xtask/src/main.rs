@@ -2,9 +2,11 @@
 //! builds in a moment; the measuring itself is the program `measure` of the tests package.
 
 mod fuzz;
+mod generate;
 mod measure;
 mod model_check;
 mod mutants;
+mod predicates;
 mod prove;
 mod shell;
 
@@ -21,6 +23,7 @@ cargo xtask COMMAND
   bench [SET]...        our order + insert against CGAL's, interleaved pairs, median of 7
   bars                  the full-size bars: hashes equal to CGAL's, times within their limits
   fuzz [--seconds N]    every fuzz target for N seconds each (default 60), through cargo-fuzz
+  generate              write what is generated from the descriptions of the predicates
   prove                 the proofs of the filters: coqc and gappa
   model-check           the models of verify/models, under loom
   mutants [ARG]...      cargo-mutants on the predicates
@@ -33,6 +36,7 @@ fn main() -> ExitCode {
     let done = match command {
         "bench" | "bars" => measure::run(command, rest),
         "fuzz" => fuzz::run(rest),
+        "generate" => generate::run(),
         "prove" => prove::run(),
         "model-check" => model_check::run(rest),
         "mutants" => mutants::run(rest),
