@@ -15,9 +15,11 @@
 
 pub mod defect;
 pub mod lattice;
+pub mod triangulate;
 
 use crate::Point;
 pub use defect::{DefectKind, DomainDefect, DomainError, Element, Severity};
+pub use triangulate::{Problem, Triangulated};
 pub use lattice::{Lattice, Move, Snapped};
 
 /// A piecewise linear complex.
