@@ -21,6 +21,7 @@
 //! | `interop` | conversions from and to `nalgebra` (feature `nalgebra`) |
 //! | [`tetmesh`] | [`TetMesh`]: a plain mesh as files carry it |
 //! | [`invariants`] | one slow check per invariant of `docs/invariants.md` |
+//! | [`domain`] | [`Domain`]: a polyhedral domain, its lattice, its exact check |
 //! | [`io`] | readers and writers of point and mesh files |
 //! | [`generate`] | test point sets, the same on every machine |
 //!
@@ -29,6 +30,7 @@
 
 pub mod build;
 pub mod cavity;
+pub mod domain;
 pub mod generate;
 mod geometry;
 pub mod hash;
@@ -54,6 +56,7 @@ pub mod topology;
 
 pub use build::{Budget, BuildError, Builder, Built, Observer, Order, Outcome, Stats};
 pub use cavity::{Admission, Open, Role};
+pub use domain::{Domain, DomainDefect, DomainError, Facet, Lattice, Region, Snapped};
 pub use geometry::PredicateStats;
 pub use hash::{HashError, MeshHash, canonical_hash};
 pub use mesh::{InsertError, Inserted, Mesh, Vertex};
