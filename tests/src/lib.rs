@@ -5,6 +5,7 @@
 //! | [`cgal`] | the CGAL server process of `tests/cgal/server.cpp`: build, start, ask |
 //! | [`oracle`] | the predicates by `rug`, and brute-force Delaunay of a few points |
 //! | [`families`] | the input families of the bars, deterministic by seed |
+//! | [`fives`] | five points at a time, for the predicates |
 //! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash |
 //! | [`fuzz`] | the body of the fuzz target, so that `cargo test` replays its corpus |
 //! | [`formats`] | the same for the fuzz target of the file formats |
@@ -14,6 +15,7 @@
 pub mod cgal;
 pub mod compare;
 pub mod families;
+pub mod fives;
 pub mod formats;
 pub mod fuzz;
 pub mod oracle;
