@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`cgal`] | the CGAL server process of `tests/cgal/server.cpp`: build, start, ask |
 //! | [`oracle`] | the predicates by `rug`, and brute-force Delaunay of a few points |
+//! | [`epsilon`] | the perturbation by its definition: polynomials in ε |
+//! | [`small_world`] | all meshes of all subsets of a few points, by definition |
 //! | [`families`] | the input families of the bars, deterministic by seed |
 //! | [`fives`] | five points at a time, for the predicates |
 //! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash |
@@ -14,12 +16,14 @@
 
 pub mod cgal;
 pub mod compare;
+pub mod epsilon;
 pub mod families;
 pub mod fives;
 pub mod formats;
 pub mod fuzz;
 pub mod oracle;
 pub mod require;
+pub mod small_world;
 
 /// Number of random cases: `LTBW_CASES` if it is set, else `default`.
 ///
