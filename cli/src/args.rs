@@ -205,6 +205,38 @@ pub(crate) struct Demo {
     pub(crate) out: PathBuf,
 }
 
+/// A command line that is no command: what to say.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refusal {
+    /// The exit code: 0 for an answer that was asked for, else 2.
+    pub exit: u8,
+    /// Whether the text is help or the version.
+    pub is_help: bool,
+    /// What is wrong, in one line without control characters; or the help, without colours.
+    pub text: String,
+}
+
+impl Refusal {
+    pub(crate) fn of(error: &clap::Error) -> Self {
+        let (exit, is_help) = match error.kind() {
+            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => (Exit::Done, true),
+            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => (Exit::Usage, true),
+            _ => (Exit::Usage, false),
+        };
+        let text = error.to_string();
+        Self { exit: exit as u8, is_help, text: if is_help { text } else { one_line(&text) } }
+    }
+}
+
+/// The first paragraph of clap's message as one line.
+fn one_line(text: &str) -> String {
+    let first = text.split("\n\n").next().unwrap_or_default();
+    let words: Vec<&str> = first.split_whitespace().collect();
+    let line = words.join(" ");
+    let line = line.strip_prefix("error: ").unwrap_or(&line);
+    format!("{line}; see `ltbw --help`")
+}
+
 /// Prints help where it was asked for, and what is wrong with the command line in one line.
 pub(crate) fn explain(error: &clap::Error) -> Result<Exit, Failure> {
     match error.kind() {
@@ -218,12 +250,7 @@ pub(crate) fn explain(error: &clap::Error) -> Result<Exit, Failure> {
             Ok(Exit::Usage)
         }
         _ => {
-            let text = error.to_string();
-            let first = text.split("\n\n").next().unwrap_or_default();
-            let words: Vec<&str> = first.split_whitespace().collect();
-            let line = words.join(" ");
-            let line = line.strip_prefix("error: ").unwrap_or(&line);
-            console::people(&format!("ltbw: {line}; see `ltbw --help`"));
+            console::people(&format!("ltbw: {}", Refusal::of(error).text));
             Ok(Exit::Usage)
         }
     }

@@ -1,10 +1,14 @@
-//! Five points at a time: the families on which predicates are compared with their oracles.
+//! Five points at a time: the families on which predicates are compared with their oracles, and
+//! the comparison.
 //!
 //! Every family is a function of its seed, on every machine. Those of [`WINDOW`] stay inside the
 //! exactness window for every factor of [`FACTORS`]; those of [`WIDE`] go to the ends of `f64`.
 
 use crate::families::{Rng, mixed_exponents, random_bits, spheres, two_to};
-use ltbw::Point;
+use crate::oracle::{Exact, exact};
+use ltbw::predicates::distance::cmp_distance;
+use ltbw::predicates::{coplanar_orient, insphere, orient3d, perturb, side_of_bounded_circle};
+use ltbw::{Point, Sign};
 use std::sync::OnceLock;
 
 /// Draws five points of one family.
@@ -124,4 +128,57 @@ fn two_scales(rng: &mut Rng) -> [Point; 5] {
 
 fn wide(rng: &mut Rng, points: impl Fn(u64) -> Vec<Point>) -> [Point; 5] {
     points(rng.bits()).try_into().unwrap_or([[0.0; 3]; 5])
+}
+
+/// Names of the predicates that [`each_predicate`] calls, by number.
+pub const PREDICATES: [&str; 8] = [
+    "orient3d",
+    "insphere",
+    "coplanar_orient",
+    "side_of_bounded_circle",
+    "side_of_sphere",
+    "side_of_circle",
+    "side_of_hull_facet",
+    "cmp_distance",
+];
+
+/// Calls every predicate whose conditions the points fulfil in their order, and the oracle on the
+/// same points as integers (`scaled`): `see` gets the number of the predicate, our sign and `rug`'s.
+///
+/// # Panics
+/// If the oracle's perturbed sign is zero.
+pub fn each_predicate(
+    points: &[Point; 5],
+    scaled: &[&Exact; 5],
+    mut see: impl FnMut(usize, Sign, Sign),
+) {
+    let [a, b, c, d, e] = points;
+    let &[xa, xb, xc, xd, xe] = scaled;
+    let volume = exact::orient3d(xa, xb, xc, xd);
+    see(0, orient3d(a, b, c, d), volume);
+    see(1, insphere(a, b, c, d, e), exact::insphere(xa, xb, xc, xd, xe));
+    let turn = exact::coplanar_orient(xa, xb, xc);
+    see(2, coplanar_orient(a, b, c), turn);
+    let near = Sign::from_ordering(exact::cmp_distance(xe, xa, xb));
+    see(7, Sign::from_ordering(cmp_distance(e, a, b)), near);
+    let coplanar = turn != Sign::Zero && volume == Sign::Zero;
+    if coplanar {
+        let side = exact::side_of_bounded_circle(xa, xb, xc, xd);
+        see(3, side_of_bounded_circle(a, b, c, d), side);
+    }
+    let distinct = (0..5).all(|i| (0..i).all(|j| scaled[i] != scaled[j]));
+    if distinct && turn != Sign::Zero {
+        let side = exact::side_of_hull_facet([xa, xb, xc], xd);
+        see(6, perturb::side_of_hull_facet(a, b, c, d), side);
+        if coplanar {
+            let side = exact::side_of_circle([xa, xb, xc], xd);
+            assert_ne!(side, Sign::Zero, "the oracle's circle: {points:?}");
+            see(5, perturb::side_of_circle(a, b, c, d), side);
+        }
+    }
+    if distinct && volume == Sign::Positive {
+        let side = exact::side_of_sphere([xa, xb, xc, xd], xe);
+        assert_ne!(side, Sign::Zero, "the oracle's sphere: {points:?}");
+        see(4, perturb::side_of_sphere(a, b, c, d, e), side);
+    }
 }

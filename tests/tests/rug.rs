@@ -5,27 +5,13 @@
 //! LTBW_CASES=50000000 cargo test --release -p ltbw-tests --test rug -- --nocapture
 //! ```
 
-use ltbw::predicates::distance::cmp_distance;
-use ltbw::predicates::{self, perturb};
-use ltbw::{Point, Sign};
+use ltbw::Point;
 use ltbw_tests::cases;
 use ltbw_tests::families::{Rng, two_to};
-use ltbw_tests::fives::{Draw, FACTORS, WIDE, WINDOW};
-use ltbw_tests::oracle::{self, Exact, exact};
+use ltbw_tests::fives::{Draw, FACTORS, PREDICATES, WIDE, WINDOW, each_predicate};
+use ltbw_tests::oracle::{self, Exact};
 use std::thread;
 use std::time::Instant;
-
-/// Names of the predicates, in the order of [`Tally::signs`].
-const PREDICATES: [&str; 8] = [
-    "orient3d",
-    "insphere",
-    "coplanar_orient",
-    "side_of_bounded_circle",
-    "side_of_sphere",
-    "side_of_circle",
-    "side_of_hull_facet",
-    "cmp_distance",
-];
 
 /// Calls by predicate and by sign (negative, zero, positive).
 #[derive(Clone, Copy, Default)]
@@ -43,47 +29,13 @@ impl Tally {
         self.signs.iter_mut().flatten().zip(theirs).for_each(|(mine, n)| *mine += n);
     }
 
-    /// Counts one call; a sign that is not the oracle's is the end of the test.
-    fn compare(&mut self, predicate: usize, ours: Sign, rug: Sign, family: &str, at: &[Point]) {
-        let name = PREDICATES[predicate];
-        assert_eq!(ours, rug, "{name} of the five points {at:?}, family {family}");
-        self.signs[predicate][(ours as i8 + 1) as usize] += 1;
-    }
-
-    /// All predicates on one order of five points.
+    /// Counts the calls on one order of five points; a sign that is not `rug`'s ends the test.
     fn five(&mut self, family: &str, points: &[Point; 5], scaled: &[&Exact; 5]) {
-        let [a, b, c, d, e] = points.each_ref();
-        let &[xa, xb, xc, xd, xe] = scaled;
-        let volume = exact::orient3d(xa, xb, xc, xd);
-        let mut see = |predicate, ours, rug| self.compare(predicate, ours, rug, family, points);
-        see(0, predicates::orient3d(a, b, c, d), volume);
-        see(1, predicates::insphere(a, b, c, d, e), exact::insphere(xa, xb, xc, xd, xe));
-        let turn = exact::coplanar_orient(xa, xb, xc);
-        see(2, predicates::coplanar_orient(a, b, c), turn);
-        let near = Sign::from_ordering(exact::cmp_distance(xe, xa, xb));
-        see(7, Sign::from_ordering(cmp_distance(e, a, b)), near);
-        if turn != Sign::Zero && volume == Sign::Zero {
-            let side = exact::side_of_bounded_circle(xa, xb, xc, xd);
-            see(3, predicates::side_of_bounded_circle(a, b, c, d), side);
-        }
-        let distinct = (0..5).all(|i| (0..i).all(|j| scaled[i] != scaled[j]));
-        if !distinct {
-            return;
-        }
-        if turn != Sign::Zero {
-            let side = exact::side_of_hull_facet([xa, xb, xc], xd);
-            see(6, perturb::side_of_hull_facet(a, b, c, d), side);
-            if volume == Sign::Zero {
-                let side = exact::side_of_circle([xa, xb, xc], xd);
-                assert_ne!(side, Sign::Zero, "{points:?}");
-                see(5, perturb::side_of_circle(a, b, c, d), side);
-            }
-        }
-        if volume == Sign::Positive {
-            let side = exact::side_of_sphere([xa, xb, xc, xd], xe);
-            assert_ne!(side, Sign::Zero, "{points:?}");
-            see(4, perturb::side_of_sphere(a, b, c, d, e), side);
-        }
+        each_predicate(points, scaled, |predicate, ours, rug| {
+            let name = PREDICATES[predicate];
+            assert_eq!(ours, rug, "{name} of the five points {points:?}, family {family}");
+            self.signs[predicate][(ours as i8 + 1) as usize] += 1;
+        });
     }
 }
 
