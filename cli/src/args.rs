@@ -228,12 +228,14 @@ impl Refusal {
     }
 }
 
-/// The first paragraph of clap's message as one line.
+/// The first paragraph of clap's message as one line. It repeats the argument, and a terminal obeys
+/// control characters that clap leaves in it: they become `?`.
 fn one_line(text: &str) -> String {
     let first = text.split("\n\n").next().unwrap_or_default();
     let words: Vec<&str> = first.split_whitespace().collect();
     let line = words.join(" ");
     let line = line.strip_prefix("error: ").unwrap_or(&line);
+    let line = line.replace(char::is_control, "?");
     format!("{line}; see `ltbw --help`")
 }
 
@@ -260,10 +262,23 @@ pub(crate) fn explain(error: &clap::Error) -> Result<Exit, Failure> {
 mod tests {
     use super::*;
     use clap::CommandFactory;
+    use std::ffi::OsString;
 
     #[test]
     fn the_command_line_is_consistent() {
         Args::command().debug_assert();
+    }
+
+    /// What a terminal obeys must not come back to it from an argument.
+    #[test]
+    fn a_refusal_repeats_no_control_characters() {
+        for word in ["a\u{1b}[2Jb", "x\u{7}", "\u{0}", "one\ntwo", "tab\tbed", "\u{9b}31m"] {
+            let words: Vec<_> = ["ltbw", word].iter().map(OsString::from).collect();
+            let error = Args::try_parse_from(words).expect_err("no such command");
+            let text = Refusal::of(&error).text;
+            assert!(!text.chars().any(char::is_control), "{text:?}");
+            assert!(text.contains("unrecognized subcommand"), "{text:?}");
+        }
     }
 
     #[test]
