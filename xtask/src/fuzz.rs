@@ -107,6 +107,8 @@ impl Fuzzer {
             .env("CARGO_TARGET_DIR", self.folder.join("build"))
             // The CGAL reference is the one that the tests have compiled.
             .env("LTBW_CGAL_FOLDER", target_folder().join("cgal"))
+            // Small meshes: a second thread would cost more than it does.
+            .env("RAYON_NUM_THREADS", "1")
             .arg("fuzz")
             .args(args)
             .args(["--target", &self.host]);
