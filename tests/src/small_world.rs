@@ -128,7 +128,7 @@ pub fn subsets(count: usize, size: usize) -> impl Iterator<Item = u32> {
     let next = |&set: &u64| {
         let low = set & set.wrapping_neg();
         let ripple = set + low;
-        Some(((ripple ^ set) >> 2) / low | ripple)
+        Some((((ripple ^ set) >> 2) / low) | ripple)
     };
     std::iter::successors(Some(first), next)
         .take_while(move |set| set >> count == 0)

@@ -1,6 +1,6 @@
 //! `checker`: bytes to a mesh and a planted defect, which the checker must find.
 //!
-//! The bytes: 4 of style, 2 plants with 4 bytes of choice each, then 4 for each of at most 40
+//! The bytes: 4 of style, 2 plants with 4 bytes of choice each, then 4 for each of at most 24
 //! points ([`snap`]).
 
 use crate::families::snap;
@@ -18,7 +18,7 @@ pub fn checker(bytes: &[u8]) {
     let style: u32 = u.arbitrary().unwrap_or_default();
     let plants: [(u8, u32); 2] = u.arbitrary().unwrap_or_default();
     let (cells, _) = u.take_rest().as_chunks::<4>();
-    let points = snap(style, &cells[..cells.len().min(40)]);
+    let points = snap(style, &cells[..cells.len().min(24)]);
     let set = PointSet::new(points).expect("snapped points are finite");
     let Ok(built) = Builder::new().build(&set) else { return };
     let mesh = Subject::of(&built.mesh);

@@ -1,6 +1,6 @@
 //! `triangulate`: bytes to points, an order and a life of a mesh, checked in every way there is.
 //!
-//! The bytes: 4 of style, 4 of plan, then 4 for each of at most 60 points. Style and cells are
+//! The bytes: 4 of style, 4 of plan, then 4 for each of at most 48 points. Style and cells are
 //! those of [`snap`]; the plan adds a second style, duplicates and a second scale, and says where
 //! the interleaved life begins, which admission is refused and how points are shuffled.
 
@@ -17,6 +17,9 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Sets of at most this many points are also triangulated by definition.
 const FEW: usize = 8;
+
+/// At most so many points are inserted one by one: each is asked about in many ways.
+const LIVE: usize = 12;
 
 /// What the bytes describe.
 struct Plan {
@@ -36,7 +39,7 @@ impl Plan {
         let style: u32 = u.arbitrary().unwrap_or_default();
         let [mix, first, refuse, seed]: [u8; 4] = u.arbitrary().unwrap_or_default();
         let (cells, _) = u.take_rest().as_chunks::<4>();
-        let cells = &cells[..cells.len().min(60)];
+        let cells = &cells[..cells.len().min(48)];
         let mut points = snap(style, cells);
         let half = points.len() / 2;
         if mix & 1 != 0 {
@@ -53,7 +56,8 @@ impl Plan {
             let factor = two_to([-600, 400, -52, 3][usize::from(mix >> 4 & 3)]);
             points.iter_mut().step_by(2).for_each(|p| *p = p.map(|c| c * factor));
         }
-        let first = usize::from(first) % (points.len() + 1);
+        let first =
+            (usize::from(first) % (points.len() + 1)).max(points.len().saturating_sub(LIVE));
         Self { points, first, refuse: usize::from(refuse), seed: u64::from(seed) }
     }
 }
@@ -140,7 +144,9 @@ fn live(plan: &Plan, whole: &Mesh) {
 }
 
 /// Everything of a mesh that an insertion could change.
-fn fingerprint(mesh: &Mesh) -> (Topology, Vec<(u32, [u64; 3])>, Vec<[u32; 4]>) {
+type Fingerprint = (Topology, Vec<(u32, [u64; 3])>, Vec<[u32; 4]>);
+
+fn fingerprint(mesh: &Mesh) -> Fingerprint {
     let vertices = mesh.vertices().map(|(v, p)| (v, p.map(f64::to_bits))).collect();
     (mesh.topology().clone(), vertices, mesh.spheres_fingerprint())
 }
