@@ -23,4 +23,6 @@
 //! the coordinates alone. The crate `ltbw-verify` checks meshes, by code of its own.
 #![forbid(unsafe_code)]
 
+pub mod protocol;
+
 pub use ltbw_core::*;
