@@ -22,8 +22,10 @@ cargo xtask COMMAND
 
   bench [SET]...        our order + insert against CGAL's, interleaved pairs, median of 7
   bars                  the full-size bars: hashes equal to CGAL's, times within their limits
-  fuzz [--seconds N]    every fuzz target for N seconds each (default 60), through cargo-fuzz
   generate              write what is generated from the descriptions of the predicates
+  fuzz [--seconds N] [TARGET]...
+                        the canary, then every fuzz target for N seconds each (default 60), through
+                        cargo-fuzz
   prove                 the proofs of the filters: coqc and gappa
   model-check           the models of verify/models, under loom
   mutants [ARG]...      cargo-mutants on the predicates
