@@ -1,9 +1,10 @@
 //! `mutants`: does a test fail for every change that cargo-mutants makes to the code?
 //!
 //! Three groups, each with the tests that are to catch its mutants. To make a mutant cheap, only
-//! the package's own tests run, from an incremental build with little optimisation and no debug
-//! information, and stop at the first failure. Random tests draw from a fixed seed and do not
-//! shrink, so that a run can be repeated and a verdict does not depend on luck.
+//! the package's own tests run, from an incremental build of the modules in question as one
+//! program, with little optimisation and no debug information, and stop at the first failure.
+//! Random tests draw from a fixed seed and do not shrink, so that a run can be repeated and a
+//! verdict does not depend on luck.
 //!
 //! A mutant that no test catches is an error unless `xtask/mutants.txt` says why it changes
 //! nothing that could be observed; an entry whose mutant is caught now is an error too. A test
@@ -16,64 +17,63 @@ mod lean;
 use crate::fuzz::host;
 use crate::require;
 use crate::shell::{self, cargo, root, target};
+use lean::Lean;
 use std::path::Path;
 use std::process::Command;
 
 /// Files whose mutants the same tests are to catch.
 struct Group {
     name: &'static str,
-    package: &'static str,
-    /// Globs of source files.
+    lean: Lean,
+    /// Globs of source files, in the folder of the package.
     files: &'static [&'static str],
-    /// Which tests are built: arguments of `cargo test`.
-    tests: &'static [&'static str],
-    /// Which of them do not run, because they are about other files.
+    /// Tests whose names hold one of these do not run: they are about other files.
     skip: &'static [&'static str],
-    /// Seconds of processor time after which a test program is stopped: some five times what it
-    /// needs without a mutant.
-    seconds: u32,
-    /// Is this module of the package compiled alone, without the rest of it?
-    alone: Option<&'static str>,
 }
 
 const GROUPS: [Group; 3] = [
     Group {
         name: "predicates",
-        package: "ltbw-core",
-        files: &["core/src/predicates/**/*.rs"],
-        tests: &["--lib"],
+        lean: Lean { folder: "core", modules: "predicates", cases: &[] },
+        files: &["src/predicates/**/*.rs"],
         skip: &[],
-        seconds: 30,
-        alone: Some("predicates"),
     },
     Group {
         name: "kernel",
-        package: "ltbw-core",
+        lean: Lean {
+            folder: "core",
+            modules: "build cavity generate geometry hash invariants locate mesh order points \
+                      predicates raw snapshot sphere sync tetmesh topology",
+            cases: &["kernel"],
+        },
         files: &[
-            "core/src/build.rs",
-            "core/src/cavity.rs",
-            "core/src/geometry.rs",
-            "core/src/locate.rs",
-            "core/src/mesh.rs",
-            "core/src/order.rs",
-            "core/src/sphere.rs",
-            "core/src/topology.rs",
+            "src/build.rs",
+            "src/cavity.rs",
+            "src/geometry.rs",
+            "src/locate.rs",
+            "src/mesh.rs",
+            "src/order.rs",
+            "src/sphere.rs",
+            "src/topology.rs",
         ],
-        tests: &["--lib", "--test=kernel"],
-        skip: &["predicates::", "io::", "query::"],
-        seconds: 30,
-        alone: None,
+        skip: &["predicates::"],
     },
     Group {
         name: "checker",
-        package: "ltbw-verify",
-        files: &["verify/src/*.rs"],
-        tests: &["--tests"],
+        lean: Lean {
+            folder: "verify",
+            modules: "check defect exact faces geometry glued hash hull mesh perturb places \
+                      predicates report structure sweep topology",
+            cases: &["defects", "meshes"],
+        },
+        files: &["src/*.rs"],
         skip: &[],
-        seconds: 30,
-        alone: None,
     },
 ];
+
+/// Seconds of processor time after which a test program is stopped: several times what it needs
+/// without a mutant.
+const SECONDS: u32 = 30;
 
 const USAGE: &str = "usage: mutants [predicates|kernel|checker]... [--shard K/N] [-- ARG...]";
 
@@ -140,9 +140,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
             found.unviable.len(),
             found.timeout.len(),
         );
-        wrong.extend(excused::compare(&excused, &found, plan.whole, |file| {
-            file.starts_with(&format!("{}/", group.folder())) && group.holds(file)
-        })?);
+        wrong.extend(excused::compare(&excused, &found, plan.whole, |file| group.holds(file))?);
     }
     for line in &wrong {
         println!("{line}");
@@ -154,16 +152,14 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
 }
 
 impl Group {
-    /// The folder of the package.
-    fn folder(&self) -> &'static str {
-        self.files[0].split('/').next().unwrap_or_default()
-    }
-
-    /// Is `file` one of the group's?
+    /// Is `file` (from the root of the workspace) one of the group's?
     fn holds(&self, file: &str) -> bool {
-        self.files.iter().any(|glob| match glob.split_once('*') {
-            Some((folder, _)) => file.starts_with(folder),
-            None => *glob == file,
+        let file = file.strip_prefix(self.lean.folder).and_then(|file| file.strip_prefix('/'));
+        file.is_some_and(|file| {
+            self.files.iter().any(|glob| match glob.split_once('*') {
+                Some((folder, _)) => file.starts_with(folder),
+                None => *glob == file,
+            })
         })
     }
 }
@@ -173,35 +169,29 @@ fn test(group: &Group, plan: &Plan<'_>) -> Result<excused::Found, String> {
     let folder = target().join("mutants").join(group.name);
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut command = cargo();
-    environment(&mut command, group, &target().join("mutants"))?;
+    environment(&mut command, &target().join("mutants"))?;
     command.args(["mutants", "--no-shuffle", "--timeout", TIMEOUT]);
     command.arg("--output").arg(&folder);
-    let mut below = String::new();
-    if let Some(module) = group.alone {
-        let package = lean::package(group.folder(), module, &folder)?;
-        command.args(["--in-place", "--dir"]).arg(package);
-        below = format!("{}/", group.folder());
-    } else {
-        command.args(["--jobs", "1", "--package", group.package]);
-        command.args(group.files.iter().flat_map(|file| ["--file", file]));
-    }
-    command.args(group.tests.iter().map(|test| format!("--cargo-arg={test}")));
+    // In place: the package is a copy already.
+    command.args(["--in-place", "--dir"]).arg(lean::package(&group.lean, &folder)?);
+    command.args(group.files.iter().flat_map(|file| ["--file", file]));
+    command.arg("--cargo-arg=--lib");
     command.args(&plan.passed_on).args(["--", "--", "-Z", "unstable-options", "--fail-fast"]);
     command.args(group.skip.iter().flat_map(|name| ["--skip", name]));
     let status = command.status().map_err(|error| format!("{command:?}: {error}"))?;
     match status.code() {
         // All caught, some missed, some without a verdict: the lists say which.
-        Some(0 | 2 | 3) => excused::Found::read(&folder.join("mutants.out"), &below),
+        Some(0 | 2 | 3) => excused::Found::read(&folder.join("mutants.out"), group.lean.folder),
         _ => Err(format!("{command:?}: {status}")),
     }
 }
 
 /// A build folder of its own, a cheap profile, bounded test programs, and random tests that can be
 /// repeated.
-fn environment(command: &mut Command, group: &Group, target: &Path) -> Result<(), String> {
+fn environment(command: &mut Command, target: &Path) -> Result<(), String> {
     // The test runner's --fail-fast is not stable: programs that run may use it, the compiler
     // sees nothing of it.
-    let runner = format!("prlimit --cpu={} --as={MEMORY} env RUSTC_BOOTSTRAP=1", group.seconds);
+    let runner = format!("prlimit --cpu={SECONDS} --as={MEMORY} env RUSTC_BOOTSTRAP=1");
     let host = host()?.to_uppercase().replace('-', "_");
     command
         .env(format!("CARGO_TARGET_{host}_RUNNER"), runner)

@@ -18,12 +18,13 @@ pub(super) struct Found {
 }
 
 impl Found {
-    /// Reads the lists in `folder`, which cargo-mutants wrote; its paths start below `below`.
+    /// Reads the lists in `folder`, which cargo-mutants wrote; its paths start in
+    /// the folder `below`.
     pub(super) fn read(folder: &Path, below: &str) -> Result<Self, String> {
         let list = |name: &str| -> Result<Vec<String>, String> {
             let path = folder.join(name);
             let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-            text.lines().map(|line| known_by(&format!("{below}{line}"), &read_source)).collect()
+            text.lines().map(|line| known_by(&format!("{below}/{line}"), &read_source)).collect()
         };
         Ok(Self {
             caught: list("caught.txt")?,
