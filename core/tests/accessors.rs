@@ -28,6 +28,7 @@ fn a_mesh_tells_its_size() {
     let least = topology.slots() * (32 + 16) + 301 * (24 + 4);
     let bytes = mesh.memory_bytes();
     assert!(least <= bytes && bytes < least * 3 / 2, "{bytes} bytes, not {least}");
+    assert!(std::ptr::eq(mesh.queries().mesh(), &mesh));
     assert_eq!(set.into_points(), points);
 }
 

@@ -2,7 +2,7 @@
 
 use ltbw_core::TetMesh;
 use ltbw_core::io::{
-    self, DataError, ParseError, PointFile, medit, npy, off, ply, stl, tetgen, vtu,
+    self, DataError, ParseError, PointFile, medit, msh, npy, off, ply, stl, tetgen, vtu,
 };
 use std::path::Path;
 
@@ -235,6 +235,75 @@ fn malformed_vtu_pieces() {
         says(&two_pieces(&tags, "")),
         "line 1: the file announces 4 values in `tag`, but ends after 3"
     );
+}
+
+#[test]
+fn vtu_counts_and_offsets_are_claims() {
+    let says = |text: &str| says(vtu::read(text.as_bytes()));
+    let good = two_pieces("", "");
+    assert_eq!(
+        says(&good.replace("0 1 2 3", "0 1 2 3 0 1 2 3").replace(">4<", ">4 8<")),
+        "line 1: 2 values in `offsets`, where 1 are announced"
+    );
+    let appended = good
+        .replacen(
+            "NumberOfComponents='3' format='ascii'",
+            "NumberOfComponents='3' type='Float64' format='appended' offset='99'",
+            1,
+        )
+        .replace("</VTKFile>", "<AppendedData encoding='raw'>_abc</AppendedData></VTKFile>");
+    assert_eq!(
+        says(&appended),
+        "line 1: the file announces 99 bytes of appended data, but ends after 3"
+    );
+}
+
+/// Gmsh's numbers of element types with the nodes of each ("MSH file format").
+const GMSH_TYPES: [(u32, usize); 18] = [
+    (15, 1),
+    (1, 2),
+    (8, 3),
+    (26, 4),
+    (27, 5),
+    (28, 6),
+    (2, 3),
+    (3, 4),
+    (9, 6),
+    (10, 9),
+    (16, 8),
+    (20, 9),
+    (21, 10),
+    (22, 12),
+    (23, 15),
+    (24, 15),
+    (25, 21),
+    (4, 4),
+];
+
+#[test]
+fn gmsh_elements_have_their_numbers_of_nodes() {
+    let file = |kind: u32, nodes: usize| {
+        let names: Vec<String> = (0..nodes).map(|n| (n % 4 + 1).to_string()).collect();
+        format!(
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n\
+             4 0 0 1\n$EndNodes\n$Elements\n2\n1 4 0 1 2 3 4\n2 {kind} 0 {}\n$EndElements\n",
+            names.join(" ")
+        )
+    };
+    for (kind, nodes) in GMSH_TYPES {
+        let read = msh::read(file(kind, nodes).as_bytes());
+        let found = read.unwrap_or_else(|e| panic!("type {kind}: {e}"));
+        let tets = if kind == 4 { 2 } else { 1 };
+        assert_eq!(found.mesh.tets, vec![[0, 1, 2, 3]; tets], "type {kind}");
+        assert_eq!(found.notes.len(), 2 - tets, "type {kind}: {:?}", found.notes);
+        for wrong in [nodes - 1, nodes + 1] {
+            assert!(msh::read(file(kind, wrong).as_bytes()).is_err(), "type {kind}, {wrong} nodes");
+        }
+    }
+    for kind in [5, 6, 7, 11, 29, 92] {
+        let error = says(msh::read(file(kind, 8).as_bytes()));
+        assert_eq!(error, format!("line 14: not supported: elements of type {kind}"));
+    }
 }
 
 #[test]
