@@ -254,7 +254,7 @@ fn vtu_counts_and_offsets_are_claims() {
         .replace("</VTKFile>", "<AppendedData encoding='raw'>_abc</AppendedData></VTKFile>");
     assert_eq!(
         says(&appended),
-        "line 1: the file announces 99 bytes of appended data, but ends after 3"
+        "line 1: the file announces 99 bytes of appended data, but ends after 28"
     );
 }
 
