@@ -119,3 +119,40 @@ fn scan<G: Gate>(topology: &Topology, conflict: &mut PointConflict<'_>, gate: &G
     // closed ones.
     closed.map_or(Found::Outside(0), Found::Closed)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::{PointKind, generate};
+    use crate::{Builder, PointSet};
+
+    /// The fallback is never needed by a sound mesh: its answers are compared with the walk's.
+    #[test]
+    fn a_scan_finds_what_a_walk_finds() {
+        let points = generate(PointKind::Uniform, 80, 3);
+        let set = PointSet::new(points.clone()).expect("finite points");
+        let mut mesh = Builder::new().build(&set).expect("a mesh").mesh;
+        let mut queries = generate(PointKind::Uniform, 40, 4);
+        queries.extend([[5.0, 5.0, 5.0], [-1.0, 0.5, 0.5]]);
+        for p in &queries {
+            let mut conflict = mesh.geometry.conflict_of(p);
+            let Found::Conflict(t) = scan(&mesh.topology, &mut conflict) else {
+                panic!("no conflict with {p:?}");
+            };
+            assert!(conflict.in_conflict(&mesh.topology, t));
+            let t = match walk(&mesh.topology, &mut conflict, 0) {
+                Found::Conflict(t) | Found::Inside(t) | Found::Outside(t) => t,
+            };
+            assert!(conflict.in_conflict(&mesh.topology, t));
+        }
+        for p in &points {
+            let mut conflict = mesh.geometry.conflict_of(p);
+            let Found::Inside(t) = scan(&mesh.topology, &mut conflict) else {
+                panic!("{p:?} is a vertex");
+            };
+            let tet = *mesh.topology.tet(t);
+            assert!(!tet.is_ghost());
+            assert!(tet.vertices().iter().any(|&v| mesh.geometry.point(v) == p));
+        }
+    }
+}
