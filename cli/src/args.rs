@@ -107,6 +107,47 @@ Examples:
     /// Show it: mesh 100,000 points, check the mesh, write demo.vtu
     #[command(after_long_help = EXIT_CODES)]
     Demo(Demo),
+    /// Hold another implementation to the conformance kit verify/vectors
+    #[command(subcommand, after_long_help = EXIT_CODES)]
+    Vectors(Vectors),
+}
+
+/// `ltbw vectors`.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Vectors {
+    /// Ask a program the kit's questions: one JSON object a line in, one a line out
+    #[command(after_long_help = concat_help("\
+Examples:
+  ltbw vectors run --executor ./port
+  ltbw vectors run --folder order --executor python3 -- verify/vectors/executor.py
+
+Prints, for each folder, the level reached and what the wrong answers tell. Exit code 1 if an
+answer was wrong; what the program does not support is counted apart. See docs/porting.md.
+
+"))]
+    Run(VectorsRun),
+}
+
+/// `ltbw vectors run`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct VectorsRun {
+    /// The program that answers
+    #[arg(long, value_name = "PROGRAM")]
+    pub(crate) executor: PathBuf,
+    /// Its arguments
+    #[arg(last = true)]
+    pub(crate) arguments: Vec<String>,
+    /// The kit's folder
+    #[arg(long, value_name = "FOLDER", default_value = "verify/vectors")]
+    pub(crate) vectors: PathBuf,
+    /// Only this folder of the kit; may be given several times
+    #[arg(long, value_name = "NAME", value_parser = [
+        "predicates", "order", "cavity", "insert", "delaunay", "protocol", "interleavings",
+    ])]
+    pub(crate) folder: Vec<String>,
+    /// How long an answer may take
+    #[arg(long, value_name = "SECONDS", default_value_t = 60)]
+    pub(crate) timeout: u64,
 }
 
 fn concat_help(text: &str) -> String {

@@ -9,6 +9,7 @@
 //! | [`lists`] | a mesh as the lists that the checker takes |
 //! | [`files`] | `convert` and `generate` |
 //! | [`demo`] | `demo` |
+//! | [`vectors`] | `vectors run`: a foreign program and the conformance kit |
 //! | [`report`] | the JSON report `ltbw.report/1` |
 //! | [`outcome`] | exit codes, and errors as one line |
 //! | [`console`] | what goes to stdout and to stderr, progress, Ctrl-C |
@@ -29,8 +30,9 @@ mod lists;
 mod outcome;
 mod report;
 mod run;
+mod vectors;
 
-use args::{Args, Command};
+use args::{Args, Command, Vectors};
 use clap::Parser;
 use outcome::{Exit, Failure};
 use std::ffi::OsString;
@@ -66,5 +68,6 @@ fn dispatch(args: Args) -> Result<Exit, Failure> {
         Command::Convert(convert) => files::convert(&convert),
         Command::Generate(generate) => files::generate(&generate),
         Command::Demo(demo) => demo::demo(&demo),
+        Command::Vectors(Vectors::Run(args)) => vectors::run(&args),
     }
 }

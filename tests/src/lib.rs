@@ -11,6 +11,7 @@
 //! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash |
 //! | [`plant`] | defects planted into sound meshes, for the checker to find |
 //! | [`fuzz`] | the bodies of the fuzz targets, so that `cargo test` replays their corpora |
+//! | [`vectors`] | the conformance kit: its cases, from the real code and its twins |
 //! | [`require`] | what is skipped when a tool is missing, and when that is a failure |
 #![forbid(unsafe_code)]
 
@@ -24,6 +25,7 @@ pub mod oracle;
 pub mod plant;
 pub mod require;
 pub mod small_world;
+pub mod vectors;
 
 /// Number of random cases: `LTBW_CASES` if it is set, else `default`.
 ///

@@ -15,6 +15,7 @@ mod shell;
 #[path = "../../tests/src/require.rs"]
 #[expect(unreachable_pub, reason = "it is public in the library that owns it")]
 mod require;
+mod vectors;
 
 use std::process::ExitCode;
 
@@ -27,6 +28,7 @@ cargo xtask COMMAND
   fuzz [--seconds N] [TARGET]...
                         the canary, then every fuzz target for N seconds each (default 60), through
                         cargo-fuzz
+  vectors               writes the conformance kit verify/vectors
   prove                 the proofs of the filters: coqc and gappa
   model-check           the models of verify/models, under loom
   coverage              the lines of core and verify that their tests run: at least 95 %
@@ -43,6 +45,7 @@ fn main() -> ExitCode {
         "bench" | "bars" => measure::run(command, rest),
         "fuzz" => fuzz::run(rest),
         "generate" => generate::run(),
+        "vectors" => vectors::run(),
         "prove" => prove::run(),
         "model-check" => model_check::run(rest),
         "coverage" => coverage::run(rest),

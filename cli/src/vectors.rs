@@ -1,0 +1,232 @@
+//! `vectors run`: asks a foreign program the questions of the conformance kit.
+//!
+//! One JSON object a line in, one a line out. What a wrong answer tells is in the case's flags;
+//! what the program cannot do it says (`{"unsupported": true}`). A folder's *level* is the highest
+//! tier up to which every case was answered, and rightly.
+
+use crate::args::VectorsRun;
+use crate::console;
+use crate::outcome::{Exit, Failure};
+use serde::Deserialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::Duration;
+
+/// The folders, in the order in which a port fills them (`docs/porting.md`).
+const FOLDERS: [&str; 7] =
+    ["predicates", "order", "cavity", "insert", "delaunay", "protocol", "interleavings"];
+/// Wrong answers told of, for each folder.
+const TOLD: usize = 3;
+
+/// A file of the kit.
+#[derive(Debug, Deserialize)]
+struct File {
+    kit: String,
+    tier: u32,
+    flags: BTreeMap<String, String>,
+    cases: Vec<Case>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Case {
+    id: String,
+    name: String,
+    flags: Vec<String>,
+    ask: Value,
+    expect: Value,
+}
+
+/// What came of one folder.
+#[derive(Debug, Default)]
+struct Tally {
+    right: usize,
+    unsupported: usize,
+    /// Cases, wrong answers and why.
+    wrong: Vec<String>,
+    /// By tier: is every case answered rightly?
+    tiers: BTreeMap<u32, bool>,
+    /// By flag: how many failed, of how many, and what that tells.
+    flags: BTreeMap<String, (usize, usize, String)>,
+}
+
+impl Tally {
+    /// The highest tier up to which all is right, and the highest there is.
+    fn level(&self) -> (u32, u32) {
+        let reached = self.tiers.iter().take_while(|(_, right)| **right).last();
+        let most = self.tiers.keys().next_back();
+        (reached.map_or(0, |(tier, _)| *tier), most.copied().unwrap_or(0))
+    }
+
+    fn add(&mut self, tier: u32, case: &Case, meanings: &BTreeMap<String, String>, verdict: Verdict) {
+        let right = matches!(verdict, Verdict::Right);
+        *self.tiers.entry(tier).or_insert(true) &= right;
+        let failed = matches!(verdict, Verdict::Wrong(_));
+        for flag in &case.flags {
+            let meaning = || meanings.get(flag).cloned().unwrap_or_default();
+            let entry = self.flags.entry(flag.clone()).or_insert_with(|| (0, 0, meaning()));
+            entry.0 += usize::from(failed);
+            entry.1 += 1;
+        }
+        match verdict {
+            Verdict::Right => self.right += 1,
+            Verdict::Unsupported => self.unsupported += 1,
+            Verdict::Wrong(why) => self.wrong.push(format!("{} ({}): {why}", case.id, case.name)),
+        }
+    }
+}
+
+/// What an answer is worth.
+#[derive(Debug)]
+enum Verdict {
+    Right,
+    Unsupported,
+    Wrong(String),
+}
+
+/// The foreign program. Its answers are read by a thread, so that one that hangs is noticed.
+struct Executor {
+    child: Child,
+    to: Option<ChildStdin>,
+    from: Receiver<String>,
+    patience: Duration,
+}
+
+impl Executor {
+    fn start(program: &Path, args: &[String], seconds: u64) -> Result<Self, Failure> {
+        let mut command = Command::new(program);
+        command.args(args).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let failed = |error: &dyn std::fmt::Display| {
+            Failure::Usage(format!("executor {}: {error}", crate::outcome::show(program)))
+        };
+        let mut child = command.spawn().map_err(|error| failed(&error))?;
+        let to = child.stdin.take();
+        let Some(out) = child.stdout.take() else { return Err(failed(&"no stdout")) };
+        let (sender, from) = channel();
+        std::thread::spawn(move || {
+            // Ends with the program's output, or when nobody listens any more.
+            for line in BufReader::new(out).lines().map_while(Result::ok) {
+                if sender.send(line).is_err() {
+                    break;
+                }
+            }
+        });
+        Ok(Self { child, to, from, patience: Duration::from_secs(seconds) })
+    }
+
+    /// One question; an error if the program is gone or says nothing in time.
+    fn ask(&mut self, question: &Value) -> Result<String, String> {
+        let to = self.to.as_mut().ok_or("it takes no questions")?;
+        writeln!(to, "{question}").and_then(|()| to.flush()).map_err(|e| format!("it is gone: {e}"))?;
+        self.from.recv_timeout(self.patience).map_err(|error| match error {
+            RecvTimeoutError::Timeout => format!("no answer in {} s", self.patience.as_secs()),
+            RecvTimeoutError::Disconnected => "it ended without an answer".to_string(),
+        })
+    }
+}
+
+impl Drop for Executor {
+    fn drop(&mut self) {
+        self.to = None;
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Compares an answer with the expected one: every expected field, and no mind of others.
+fn judge(expect: &Value, line: &str) -> Verdict {
+    let reply: Value = match serde_json::from_str(line) {
+        Ok(reply) => reply,
+        Err(error) => return Verdict::Wrong(format!("not JSON: {error}")),
+    };
+    if reply.get("unsupported") == Some(&Value::Bool(true)) {
+        return Verdict::Unsupported;
+    }
+    let fields = expect.as_object().into_iter().flatten();
+    let absent = Value::Null;
+    for (field, wanted) in fields {
+        let found = reply.get(field).unwrap_or(&absent);
+        if found != wanted {
+            return Verdict::Wrong(format!("{field} is {}, not {}", short(found), short(wanted)));
+        }
+    }
+    Verdict::Right
+}
+
+/// A value in a line of moderate length.
+fn short(value: &Value) -> String {
+    let text = value.to_string();
+    let cut: String = text.chars().take(80).map(|c| if c.is_control() { '?' } else { c }).collect();
+    if cut.len() < text.len() { format!("{cut}...") } else { cut }
+}
+
+/// The files of a folder, by name.
+fn files(folder: &Path) -> Result<Vec<File>, Failure> {
+    let bad = |path: &Path, error: &dyn std::fmt::Display| {
+        Failure::Usage(format!("{}: {error}", crate::outcome::show(path)))
+    };
+    let entries = std::fs::read_dir(folder).map_err(|error| bad(folder, &error))?;
+    let mut paths: Vec<PathBuf> = entries
+        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
+        .collect();
+    paths.sort();
+    if paths.is_empty() {
+        return Err(bad(folder, &"no vectors"));
+    }
+    let read = |path: &PathBuf| {
+        let text = std::fs::read_to_string(path).map_err(|error| bad(path, &error))?;
+        serde_json::from_str(&text).map_err(|error| bad(path, &error))
+    };
+    paths.iter().map(read).collect()
+}
+
+/// `ltbw vectors run`.
+pub(crate) fn run(args: &VectorsRun) -> Result<Exit, Failure> {
+    let mut executor = Executor::start(&args.executor, &args.arguments, args.timeout)?;
+    let (mut wrong, mut version) = (0, String::new());
+    let chosen = |folder: &str| args.folder.is_empty() || args.folder.iter().any(|f| f == folder);
+    for folder in FOLDERS.into_iter().filter(|folder| chosen(folder)) {
+        let mut tally = Tally::default();
+        for file in files(&args.vectors.join(folder))? {
+            version.clone_from(&file.kit);
+            for case in &file.cases {
+                let verdict = match executor.ask(&case.ask) {
+                    Ok(line) => judge(&case.expect, &line),
+                    Err(why) => {
+                        console::people(&format!("{}: {why}; it is started again", case.id));
+                        executor = Executor::start(&args.executor, &args.arguments, args.timeout)?;
+                        Verdict::Wrong(why)
+                    }
+                };
+                tally.add(file.tier, case, &file.flags, verdict);
+            }
+        }
+        wrong += tally.wrong.len();
+        console::data(&told(folder, &tally))?;
+    }
+    console::data(&format!("kit {version}: {wrong} wrong answers\n"))?;
+    Ok(if wrong == 0 { Exit::Done } else { Exit::Defect })
+}
+
+/// What to print of a folder.
+fn told(folder: &str, tally: &Tally) -> String {
+    let (reached, most) = tally.level();
+    let Tally { right, unsupported, wrong, .. } = tally;
+    let all = right + unsupported + wrong.len();
+    let mut text = format!("{folder:<14} level {reached} of {most}: {right} of {all} right");
+    if *unsupported > 0 {
+        text += &format!(", {unsupported} not supported");
+    }
+    text += "\n";
+    for (flag, (failed, of, meaning)) in tally.flags.iter().filter(|(_, (failed, ..))| *failed > 0) {
+        text += &format!("  {flag}: {failed} of {of} wrong: {meaning}\n");
+    }
+    for line in wrong.iter().take(TOLD) {
+        text += &format!("  e.g. {line}\n");
+    }
+    text
+}

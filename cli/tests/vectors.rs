@@ -1,0 +1,94 @@
+//! `ltbw vectors run`: levels and flags of a right executor, of wrong ones, and of none.
+
+mod common;
+#[path = "../../tests/src/require.rs"]
+mod require;
+
+use common::{Run, ltbw};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+fn kit() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../verify/vectors")
+}
+
+/// The program for Python, if there is one.
+fn python() -> Option<&'static str> {
+    let mut probe = Command::new("python3");
+    let found = probe.arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+    if found.is_ok_and(|status| status.success()) {
+        return Some("python3");
+    }
+    require::skip("the Python executor", "python3", "python3 is not installed").unwrap();
+    None
+}
+
+/// Asks a Python program of the kit's folders.
+fn ask(script: &Path, folders: &[&str]) -> Run {
+    let kit = kit();
+    let mut args = vec!["vectors", "run", "--executor", "python3", "--vectors"];
+    args.push(kit.to_str().unwrap());
+    for folder in folders {
+        args.extend(["--folder", folder]);
+    }
+    args.extend(["--", script.to_str().unwrap()]);
+    ltbw(Path::new("."), &args)
+}
+
+/// An executor that is right but for one line.
+fn spoiled(dir: &Path, line: &str) -> PathBuf {
+    let path = dir.join("spoiled.py");
+    let kit = kit();
+    let head = format!("import sys\nsys.path.insert(0, {:?})\nimport executor\n", kit.to_str().unwrap());
+    std::fs::write(&path, format!("{head}{line}\nexecutor.main()\n")).unwrap();
+    path
+}
+
+#[test]
+fn an_executor_in_python_reaches_every_level_but_the_protocol_s() {
+    if python().is_none() {
+        return;
+    }
+    let run = ask(&kit().join("executor.py"), &[]);
+    assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
+    for (folder, level) in
+        [("predicates", 3), ("order", 2), ("cavity", 3), ("insert", 3), ("delaunay", 3)]
+    {
+        assert!(run.stdout.contains(&format!("{folder:<14} level {level} of {level}: ")), "{}", run.stdout);
+    }
+    for folder in ["protocol", "interleavings"] {
+        assert!(run.stdout.contains(&format!("{folder:<14} level 0 of ")), "{}", run.stdout);
+    }
+}
+
+#[test]
+fn wrong_answers_are_told_by_their_flags() {
+    if python().is_none() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let rounded = "executor.read = lambda p: tuple(float.fromhex(c) for c in p)";
+    let run = ask(&spoiled(dir.path(), rounded), &["predicates"]);
+    assert_eq!(run.code, 1);
+    assert!(run.stdout.contains("  rounded: ") && run.stdout.contains("  range: "), "{}", run.stdout);
+    assert!(!run.stdout.contains("sign-convention: "), "{}", run.stdout);
+
+    let no_tie = "executor.side_of_sphere = lambda cell, p: executor.insphere(*cell, p)";
+    let run = ask(&spoiled(dir.path(), no_tie), &["predicates"]);
+    assert_eq!(run.code, 1);
+    assert!(run.stdout.contains("  tie: ") && !run.stdout.contains("  rounded: "), "{}", run.stdout);
+    assert!(run.stdout.contains("level 0 of 3"), "the first tier has ties, too: {}", run.stdout);
+
+    let silent = "executor.main = lambda: None";
+    let run = ask(&spoiled(dir.path(), silent), &["order"]);
+    assert_eq!(run.code, 1);
+    assert!(run.stderr.contains("started again"), "{}", run.stderr);
+}
+
+#[test]
+fn no_executor_and_no_kit_are_refused() {
+    let missing = ["vectors", "run", "--executor", "./no-such-program"];
+    let run = ltbw(Path::new("."), &missing);
+    assert_eq!(run.code, 2);
+    assert!(run.error().contains("no-such-program"));
+}

@@ -1,0 +1,322 @@
+//! The mesh of `protocol/`: Bowyer–Watson in dimension 1, small enough to be followed by hand.
+//!
+//! Cells are intervals between neighbouring integers of a set; the outermost ends are -1 and the
+//! range. A point conflicts with the interval that holds it, its ring are the neighbours of that, and
+//! two intervals fill the cavity. `verify/vectors/README.md` defines it for ports. Nothing here
+//! panics: runs of broken conducts meet states that must not be.
+
+use ltbw::protocol::{
+    BlockId, Conduct, Directory, Handle, Name, Neighbour, Source, Submesh, Ticket, Walk, WorkerId,
+};
+use std::collections::{BTreeMap, VecDeque};
+
+/// Who names the cells of the start.
+pub const START: WorkerId = WorkerId::MAX;
+
+/// A neighbour's name and block; none beyond the ends.
+pub type Link = Option<(Name, BlockId)>;
+
+/// An interval.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Cell {
+    /// Left and right end.
+    pub ends: (i64, i64),
+    /// To the left and to the right.
+    pub links: [Link; 2],
+}
+
+/// A cell with its name.
+pub type Piece = (Name, Cell);
+
+/// What a filled cavity changes at one worker.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Patch {
+    /// Cells of the cavity.
+    pub remove: Vec<Name>,
+    /// New cells.
+    pub add: Vec<Piece>,
+    /// Whose link, on which side (0 left, 1 right), and the new one.
+    pub relink: Vec<(Name, usize, (Name, BlockId))>,
+}
+
+/// How the line is cut into blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Cuts {
+    /// Vertices are 0 to this, less 1.
+    pub range: i64,
+    /// Number of blocks, equal parts of the range.
+    pub blocks: BlockId,
+}
+
+impl Cuts {
+    /// The block of a vertex, and of the cell whose left end it is.
+    #[must_use]
+    pub fn block(&self, vertex: i64) -> BlockId {
+        (vertex.clamp(0, self.range - 1) * i64::from(self.blocks) / self.range) as BlockId
+    }
+}
+
+/// The cells of one worker.
+#[derive(Clone, Debug)]
+pub struct Line {
+    me: WorkerId,
+    cuts: Cuts,
+    cells: BTreeMap<Name, Cell>,
+    locks: BTreeMap<Name, Ticket>,
+    named: u32,
+}
+
+impl Line {
+    /// The part of worker `me` of the line with the vertices `start`.
+    #[must_use]
+    pub fn new(me: WorkerId, cuts: Cuts, start: &[i64], owners: &[WorkerId]) -> Self {
+        let ends: Vec<i64> =
+            [-1].into_iter().chain(start.iter().copied()).chain([cuts.range]).collect();
+        let count = ends.len() - 1;
+        let at = |k: usize| (Name { by: START, number: k as u32 }, cuts.block(ends[k]));
+        let mut cells = BTreeMap::new();
+        for k in (0..count).filter(|&k| owners[at(k).1 as usize] == me) {
+            let links = [k.checked_sub(1).map(at), (k + 1 < count).then(|| at(k + 1))];
+            cells.insert(at(k).0, Cell { ends: (ends[k], ends[k + 1]), links });
+        }
+        Self { me, cuts, cells, locks: BTreeMap::new(), named: 0 }
+    }
+
+    /// The ends of all cells, from the left.
+    #[must_use]
+    pub fn ends(&self) -> Vec<(i64, i64)> {
+        let mut ends: Vec<(i64, i64)> = self.cells.values().map(|cell| cell.ends).collect();
+        ends.sort_unstable();
+        ends
+    }
+
+    /// The two cells that replace `cell`.
+    fn split(&mut self, cell: &Cell, p: i64) -> [Piece; 2] {
+        let [left, right] = [1, 2].map(|k| Name { by: self.me, number: self.named + k });
+        self.named += 2;
+        let (a, b) = cell.ends;
+        let [here, there] = [(left, self.cuts.block(a)), (right, self.cuts.block(p))];
+        [
+            (left, Cell { ends: (a, p), links: [cell.links[0], Some(there)] }),
+            (right, Cell { ends: (p, b), links: [Some(here), cell.links[1]] }),
+        ]
+    }
+
+    fn relink(&mut self, name: Name, side: usize, to: (Name, BlockId)) {
+        if let Some(cell) = self.cells.get_mut(&name) {
+            cell.links[side] = Some(to);
+        }
+    }
+
+    fn is_free(&self, name: Name) -> bool {
+        self.cells.contains_key(&name) && !self.locks.contains_key(&name)
+    }
+
+    fn block_of(&self, name: Name) -> Option<BlockId> {
+        self.cells.get(&name).map(|cell| self.cuts.block(cell.ends.0))
+    }
+}
+
+fn handle((name, block): (Name, BlockId)) -> Handle {
+    Handle { name, block, face: 0 }
+}
+
+impl Submesh for Line {
+    type Tet = Name;
+    type Point = i64;
+    type Piece = Piece;
+    type Patch = Patch;
+    type Cargo = Vec<Piece>;
+
+    fn walk(&mut self, &p: &i64, from: Option<Name>) -> Walk<Name> {
+        let holds = |cell: &Cell| cell.ends.0 <= p && p <= cell.ends.1;
+        let named = from.filter(|name| self.cells.get(name).is_some_and(holds));
+        let nearest = || {
+            let below = self.cells.iter().filter(|(_, cell)| cell.ends.0 <= p);
+            let below = below.max_by_key(|(_, cell)| cell.ends.0);
+            below.or_else(|| self.cells.iter().min_by_key(|(_, c)| c.ends.0)).map(|(&name, _)| name)
+        };
+        let Some(name) = named.or_else(nearest) else { return Walk::Nowhere };
+        let Some(cell) = self.cells.get(&name) else { return Walk::Nowhere };
+        let (a, b) = cell.ends;
+        if p == a || p == b {
+            return Walk::Known;
+        }
+        if self.locks.contains_key(&name) {
+            return Walk::Locked(name);
+        }
+        if a < p && p < b {
+            return Walk::At(name);
+        }
+        cell.links[usize::from(p > b)].map_or(Walk::Nowhere, |link| Walk::Leaves(handle(link)))
+    }
+
+    fn insert(&mut self, &p: &i64, seed: Name, directory: &Directory) -> bool {
+        let Some(cell) = self.cells.get(&seed).cloned() else { return false };
+        let mine = [cell.ends.0, p].iter().all(|&v| directory.is_mine(self.cuts.block(v)));
+        let free = |link: &Link| link.is_none_or(|(name, _)| self.is_free(name));
+        if !mine || !self.is_free(seed) || !cell.links.iter().all(free) {
+            return false;
+        }
+        self.cells.remove(&seed);
+        for (side, (name, made)) in self.split(&cell, p).into_iter().enumerate() {
+            if let Some((ring, _)) = cell.links[side] {
+                self.relink(ring, 1 - side, (name, self.cuts.block(made.ends.0)));
+            }
+            self.cells.insert(name, made);
+        }
+        true
+    }
+
+    fn resolve(&self, name: Name) -> Option<Name> {
+        self.cells.contains_key(&name).then_some(name)
+    }
+
+    fn holder(&self, t: Name) -> Option<Ticket> {
+        self.locks.get(&t).copied()
+    }
+
+    fn set_holder(&mut self, t: Name, holder: Option<Ticket>) {
+        match holder {
+            Some(ticket) => self.locks.insert(t, ticket),
+            None => self.locks.remove(&t),
+        };
+    }
+
+    fn in_conflict(&mut self, t: Name, &p: &i64) -> bool {
+        self.cells.get(&t).is_some_and(|cell| cell.ends.0 < p && p < cell.ends.1)
+    }
+
+    fn neighbours(&self, t: Name, mut f: impl FnMut(Neighbour<Name>)) {
+        for link in self.cells.get(&t).into_iter().flat_map(|cell| cell.links).flatten() {
+            f(if self.cells.contains_key(&link.0) {
+                Neighbour::Near(link.0)
+            } else {
+                Neighbour::Far(handle(link))
+            });
+        }
+    }
+
+    fn piece(&self, t: Name) -> Piece {
+        let lost = Cell { ends: (-1, self.cuts.range), links: [None; 2] };
+        (t, self.cells.get(&t).cloned().unwrap_or(lost))
+    }
+
+    fn fill(
+        &mut self,
+        &p: &i64,
+        parts: &[(WorkerId, Vec<Piece>)],
+        whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
+        directory: &Directory,
+    ) -> Vec<(WorkerId, Patch)> {
+        let mut patches: BTreeMap<WorkerId, Patch> = BTreeMap::new();
+        for (owner, (old, cell)) in parts.iter().flat_map(|(w, l)| l.iter().map(move |p| (*w, p))) {
+            patches.entry(owner).or_default().remove.push(*old);
+            let home = self.cuts.block(cell.ends.0);
+            for (side, (name, made)) in self.split(cell, p).into_iter().enumerate() {
+                let block = self.cuts.block(made.ends.0);
+                if let Some((ring, _)) = cell.links[side] {
+                    let at = whereabouts(ring).unwrap_or(owner);
+                    patches.entry(at).or_default().relink.push((ring, 1 - side, (name, block)));
+                }
+                let to = if block == home { owner } else { directory.owner(block) };
+                patches.entry(to).or_default().add.push((name, made));
+            }
+        }
+        patches.into_iter().collect()
+    }
+
+    fn apply<C: Conduct>(
+        &mut self,
+        patch: Patch,
+        directory: &Directory,
+        made: &mut Vec<Name>,
+        strays: &mut Vec<BlockId>,
+    ) {
+        for name in patch.remove {
+            self.cells.remove(&name);
+        }
+        for (name, cell) in patch.add {
+            let block = self.cuts.block(cell.ends.0);
+            if !directory.is_mine(block) {
+                strays.push(block);
+            }
+            made.push(name);
+            self.cells.insert(name, cell);
+        }
+        if C::RELINKS_INTERFACE {
+            for (name, side, to) in patch.relink {
+                self.relink(name, side, to);
+            }
+        }
+    }
+
+    fn is_block_locked(&self, block: BlockId) -> bool {
+        self.locks.keys().any(|&name| self.block_of(name) == Some(block))
+    }
+
+    fn extract(&mut self, block: BlockId, moved: &mut dyn FnMut(Name, Handle)) -> Vec<Piece> {
+        let mut out: Vec<Piece> = Vec::new();
+        let cuts = self.cuts;
+        self.cells.retain(|&name, cell| {
+            let goes = cuts.block(cell.ends.0) == block;
+            if goes {
+                moved(name, handle((name, block)));
+                out.push((name, cell.clone()));
+            }
+            !goes
+        });
+        out.sort_by_key(|(_, cell)| cell.ends);
+        out
+    }
+
+    fn adopt(&mut self, cargo: Vec<Piece>, made: &mut Vec<Name>) {
+        for (name, cell) in cargo {
+            made.push(name);
+            self.cells.insert(name, cell);
+        }
+    }
+}
+
+/// Points in a queue.
+#[derive(Clone, Debug, Default)]
+pub struct Queue {
+    points: VecDeque<i64>,
+    cuts: Option<Cuts>,
+}
+
+impl Queue {
+    /// These points, the first one first.
+    #[must_use]
+    pub fn new(points: &[i64], cuts: Cuts) -> Self {
+        Self { points: points.iter().copied().collect(), cuts: Some(cuts) }
+    }
+}
+
+impl Source<Line> for Queue {
+    fn next(&mut self, _: &Line) -> Option<i64> {
+        self.points.pop_front()
+    }
+
+    fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    fn inserted(&mut self, _: &Line, _: &i64) {}
+
+    fn take_block(&mut self, block: BlockId) -> Vec<i64> {
+        let cuts = self.cuts;
+        let goes = |p: &i64| cuts.is_some_and(|cuts| cuts.block(*p) == block);
+        let taken = self.points.iter().copied().filter(goes).collect();
+        self.points.retain(|p| !goes(p));
+        taken
+    }
+
+    fn give(&mut self, _: BlockId, points: Vec<i64>) {
+        self.points.extend(points);
+    }
+
+    fn clear(&mut self) {
+        self.points.clear();
+    }
+}

@@ -1,0 +1,167 @@
+//! The conformance kit `verify/vectors`: its cases, made by the real code and compared with slow
+//! twins that share none of it. `cargo xtask vectors` writes them; a test holds the files to this.
+//!
+//! | module | folder |
+//! |---|---|
+//! | [`hex`] | numbers as text |
+//! | [`predicates`] | `predicates/` |
+//! | [`order`] | `order/` |
+//! | [`meshes`] | `cavity/`, `insert/`, `delaunay/` |
+//! | [`line`] | the mesh of `protocol/`: intervals on a line |
+//! | [`letters`] | its messages as JSON |
+//! | [`protocol`] | `protocol/`, `interleavings/` |
+
+pub mod hex;
+pub mod letters;
+pub mod line;
+pub mod meshes;
+pub mod order;
+pub mod predicates;
+pub mod protocol;
+
+use ltbw::Point;
+use serde_json::{Map, Value, json};
+
+/// The kit's own version: a changed answer or format is a new major one, new cases a minor one.
+pub const VERSION: &str = "1.0.0";
+
+/// One question and its answer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// What the case is about, in a few words.
+    pub name: String,
+    /// Which mistakes make an implementation fail it.
+    pub flags: Vec<&'static str>,
+    /// The question: `op` and its arguments.
+    pub ask: Value,
+    /// The answer.
+    pub expect: Value,
+}
+
+/// One file of the kit.
+#[derive(Clone, Debug)]
+pub struct File {
+    /// Its folder.
+    pub folder: &'static str,
+    /// Its name without `.json`.
+    pub name: &'static str,
+    /// 1: can be checked by hand; 2: ordinary; 3: hard.
+    pub tier: u32,
+    /// What it asks, for people.
+    pub about: &'static str,
+    /// The cases.
+    pub cases: Vec<Case>,
+}
+
+/// Every flag, and what a failure under it tells.
+pub const FLAGS: &[(&str, &str)] = &[
+    ("sign-convention", "orientation or in-sphere test of the opposite sign"),
+    ("rounded", "a sign was taken from a rounded number: near ties need exact arithmetic"),
+    ("range", "products under- or overflow: exact arithmetic must span all of f64"),
+    ("negative-zero", "-0.0 and 0.0 were taken for different coordinates"),
+    ("tie", "cospherical points: the symbolic perturbation is missing"),
+    ("tie-order", "the perturbation does not go by (x, y, z), the largest point first"),
+    ("second-round", "the perturbation stops at its first coefficient, which is zero here"),
+    ("hull-plane", "a point in the plane of a hull facet: its perturbed circle decides"),
+    ("hull", "ghosts are missing or turned the wrong way: points beyond the hull"),
+    ("hilbert-curve", "another curve, other axes, or another first octant"),
+    ("hilbert-cell", "the cell of a point is rounded otherwise"),
+    ("hilbert-run", "runs of equal keys are not ordered again in their own box"),
+    ("brio-hash", "another hash or another count of rounds"),
+    ("majority", "the block of a tetrahedron: majority of its finite vertices, then the smallest"),
+    ("ring", "the ring is not the cavity's face neighbours"),
+    ("duplicate", "equal points: the smallest index is the vertex"),
+    ("hash", "the mesh is right, its canonical hash is not"),
+    ("local", "a local insertion was made an operation, or the other way round"),
+    ("closure-ring", "the ring of the closure is not locked"),
+    ("wound", "an older request does not wound the holder, or a younger one does"),
+    ("late-wound", "a wound after the commit point was obeyed"),
+    ("acknowledge", "an operation started again before all its releases were acknowledged"),
+    ("release", "a setback kept a lock, or did not wake those who wait for it"),
+    ("regrant", "a released lock must be offered to all who wait, the oldest first"),
+    ("installation", "a tetrahedron that is not installed yet was taken for nothing"),
+    ("bounce", "a seed for a block that has moved must be bounced with the news"),
+    ("forward", "a walk or late tetrahedra must follow a block that has moved"),
+    ("idle-migration", "a passive worker gave a block away"),
+    ("locked-migration", "a block with a locked tetrahedron was given away"),
+    ("token", "termination detection: counts, colours or who passes the token"),
+    ("rule", "wait-die or the paper's rule decide otherwise"),
+];
+
+/// All files of the kit.
+#[must_use]
+pub fn kit() -> Vec<File> {
+    [predicates::files(), order::files(), meshes::files(), protocol::files()].concat()
+}
+
+/// Every generated file: its path inside `verify/vectors`, and its text.
+#[must_use]
+pub fn files() -> Vec<(String, String)> {
+    kit().iter().map(|file| (format!("{}/{}.json", file.folder, file.name), text(file))).collect()
+}
+
+/// A file as JSON, one case a line.
+fn text(file: &File) -> String {
+    let mut used: Vec<&str> = file.cases.iter().flat_map(|case| case.flags.clone()).collect();
+    used.sort_unstable();
+    used.dedup();
+    let meaning = |flag: &str| {
+        let known = FLAGS.iter().find(|(name, _)| *name == flag);
+        known.unwrap_or_else(|| panic!("flag {flag} has no meaning")).1
+    };
+    let flags: Map<String, Value> =
+        used.iter().map(|&flag| (flag.to_string(), json!(meaning(flag)))).collect();
+    let lines: Vec<String> = (1..)
+        .zip(&file.cases)
+        .map(|(number, case)| {
+            let id = format!("{}/{}/{number}", file.folder, file.name);
+            let Case { name, flags, ask, expect } = case;
+            json!({"id": id, "name": name, "flags": flags, "ask": ask, "expect": expect}).to_string()
+        })
+        .collect();
+    format!(
+        "{{\n\"kit\": \"{VERSION}\",\n\"folder\": \"{}\",\n\"tier\": {},\n\"about\": {},\n\
+         \"flags\": {},\n\"cases\": [\n{}\n]\n}}\n",
+        file.folder,
+        file.tier,
+        json!(file.about),
+        Value::Object(flags),
+        lines.join(",\n"),
+    )
+}
+
+/// Points as JSON.
+fn write(points: &[Point]) -> Value {
+    points.iter().map(|p| json!(p.map(hex::to_hex))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FLAGS, files, kit};
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    /// The kit's files are those that the generator writes, to the byte: the real code gives the
+    /// answers that are committed, and the twins agree (the generator asserts it).
+    #[test]
+    fn committed_vectors_are_the_generated_ones() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../verify/vectors");
+        let mut size = 0;
+        for (path, text) in files() {
+            let found = std::fs::read_to_string(root.join(&path)).unwrap_or_default();
+            assert!(found == text, "{path}: run `cargo xtask vectors`");
+            size += text.len();
+        }
+        assert!(size < 1_000_000, "the kit has {size} bytes");
+    }
+
+    #[test]
+    fn every_flag_is_used_and_every_case_has_one() {
+        let kit = kit();
+        let cases = || kit.iter().flat_map(|file| &file.cases);
+        assert!(cases().all(|case| !case.flags.is_empty()));
+        let used: BTreeSet<&str> = cases().flat_map(|case| case.flags.clone()).collect();
+        let known: BTreeSet<&str> = FLAGS.iter().map(|(name, _)| *name).collect();
+        assert_eq!(used, known);
+    }
+}
