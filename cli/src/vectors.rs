@@ -61,7 +61,13 @@ impl Tally {
         (reached.map_or(0, |(tier, _)| *tier), most.copied().unwrap_or(0))
     }
 
-    fn add(&mut self, tier: u32, case: &Case, meanings: &BTreeMap<String, String>, verdict: Verdict) {
+    fn add(
+        &mut self,
+        tier: u32,
+        case: &Case,
+        meanings: &BTreeMap<String, String>,
+        verdict: Verdict,
+    ) {
         let right = matches!(verdict, Verdict::Right);
         *self.tiers.entry(tier).or_insert(true) &= right;
         let failed = matches!(verdict, Verdict::Wrong(_));
@@ -120,7 +126,9 @@ impl Executor {
     /// One question; an error if the program is gone or says nothing in time.
     fn ask(&mut self, question: &Value) -> Result<String, String> {
         let to = self.to.as_mut().ok_or("it takes no questions")?;
-        writeln!(to, "{question}").and_then(|()| to.flush()).map_err(|e| format!("it is gone: {e}"))?;
+        writeln!(to, "{question}")
+            .and_then(|()| to.flush())
+            .map_err(|e| format!("it is gone: {e}"))?;
         self.from.recv_timeout(self.patience).map_err(|error| match error {
             RecvTimeoutError::Timeout => format!("no answer in {} s", self.patience.as_secs()),
             RecvTimeoutError::Disconnected => "it ended without an answer".to_string(),
@@ -222,7 +230,8 @@ fn told(folder: &str, tally: &Tally) -> String {
         text += &format!(", {unsupported} not supported");
     }
     text += "\n";
-    for (flag, (failed, of, meaning)) in tally.flags.iter().filter(|(_, (failed, ..))| *failed > 0) {
+    for (flag, (failed, of, meaning)) in tally.flags.iter().filter(|(_, (failed, ..))| *failed > 0)
+    {
         text += &format!("  {flag}: {failed} of {of} wrong: {meaning}\n");
     }
     for line in wrong.iter().take(TOLD) {

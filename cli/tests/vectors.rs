@@ -39,7 +39,8 @@ fn ask(script: &Path, folders: &[&str]) -> Run {
 fn spoiled(dir: &Path, line: &str) -> PathBuf {
     let path = dir.join("spoiled.py");
     let kit = kit();
-    let head = format!("import sys\nsys.path.insert(0, {:?})\nimport executor\n", kit.to_str().unwrap());
+    let head =
+        format!("import sys\nsys.path.insert(0, {:?})\nimport executor\n", kit.to_str().unwrap());
     std::fs::write(&path, format!("{head}{line}\nexecutor.main()\n")).unwrap();
     path
 }
@@ -54,7 +55,11 @@ fn an_executor_in_python_reaches_every_level_but_the_protocol_s() {
     for (folder, level) in
         [("predicates", 3), ("order", 2), ("cavity", 3), ("insert", 3), ("delaunay", 3)]
     {
-        assert!(run.stdout.contains(&format!("{folder:<14} level {level} of {level}: ")), "{}", run.stdout);
+        assert!(
+            run.stdout.contains(&format!("{folder:<14} level {level} of {level}: ")),
+            "{}",
+            run.stdout
+        );
     }
     for folder in ["protocol", "interleavings"] {
         assert!(run.stdout.contains(&format!("{folder:<14} level 0 of ")), "{}", run.stdout);
@@ -70,13 +75,21 @@ fn wrong_answers_are_told_by_their_flags() {
     let rounded = "executor.read = lambda p: tuple(float.fromhex(c) for c in p)";
     let run = ask(&spoiled(dir.path(), rounded), &["predicates"]);
     assert_eq!(run.code, 1);
-    assert!(run.stdout.contains("  rounded: ") && run.stdout.contains("  range: "), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("  rounded: ") && run.stdout.contains("  range: "),
+        "{}",
+        run.stdout
+    );
     assert!(!run.stdout.contains("sign-convention: "), "{}", run.stdout);
 
     let no_tie = "executor.side_of_sphere = lambda cell, p: executor.insphere(*cell, p)";
     let run = ask(&spoiled(dir.path(), no_tie), &["predicates"]);
     assert_eq!(run.code, 1);
-    assert!(run.stdout.contains("  tie: ") && !run.stdout.contains("  rounded: "), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("  tie: ") && !run.stdout.contains("  rounded: "),
+        "{}",
+        run.stdout
+    );
     assert!(run.stdout.contains("level 0 of 3"), "the first tier has ties, too: {}", run.stdout);
 
     let silent = "executor.main = lambda: None";

@@ -15,7 +15,9 @@ fn main() -> ExitCode {
             continue;
         }
         let parent = full.parent().unwrap_or(Path::new(&folder));
-        if let Err(error) = std::fs::create_dir_all(parent).and_then(|()| std::fs::write(&full, &text)) {
+        if let Err(error) =
+            std::fs::create_dir_all(parent).and_then(|()| std::fs::write(&full, &text))
+        {
             eprintln!("vectors: {}: {error}", full.display());
             return ExitCode::FAILURE;
         }

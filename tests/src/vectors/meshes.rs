@@ -90,9 +90,8 @@ fn insertion(of: &Insertion) -> (Case, Case) {
     let all = [points.clone(), vec![*at]].concat();
     agree(name, &all, &new.0);
     // What is gone is the cavity, by the meshes before and after.
-    let gone: Vec<usize> = (0..tets.len())
-        .filter(|&k| plain([tets[k].1].into_iter()).is_disjoint(&new.0))
-        .collect();
+    let gone: Vec<usize> =
+        (0..tets.len()).filter(|&k| plain([tets[k].1].into_iter()).is_disjoint(&new.0)).collect();
     assert_eq!(gone, finite(Role::Cavity), "{name}");
 
     let ask = |op: &str| {
@@ -102,8 +101,11 @@ fn insertion(of: &Insertion) -> (Case, Case) {
             "at": at.map(hex::to_hex),
         })
     };
-    let case = |ask, flags: Vec<&'static str>, expect: Value| {
-        Case { name: (*name).to_string(), flags, ask, expect }
+    let case = |ask, flags: Vec<&'static str>, expect: Value| Case {
+        name: (*name).to_string(),
+        flags,
+        ask,
+        expect,
     };
     let closure = json!({
         "cavity": finite(Role::Cavity), "cavity_hull": infinite(Role::Cavity),
@@ -155,7 +157,8 @@ fn by_hand() -> Vec<Insertion> {
 
 fn degenerate() -> Vec<Insertion> {
     let sphere = spheres(&[9]);
-    let new = |name, flag, points: Vec<Point>, at| Insertion { name, flags: vec![flag], points, at };
+    let new =
+        |name, flag, points: Vec<Point>, at| Insertion { name, flags: vec![flag], points, at };
     let mut missing = grid(3);
     let middle = missing.remove(13);
     let mut face = grid(3);
@@ -177,14 +180,20 @@ fn degenerate() -> Vec<Insertion> {
 }
 
 fn extreme() -> Vec<Insertion> {
-    let new = |name, flag, points: Vec<Point>, at| Insertion { name, flags: vec![flag], points, at };
+    let new =
+        |name, flag, points: Vec<Point>, at| Insertion { name, flags: vec![flag], points, at };
     let tiny = f64::from_bits(1);
     vec![
         new("a grid of subnormals", "range", subnormal_grid(3), [tiny, tiny, 4.0 * tiny]),
         new("a far point", "range", grid(2), [1e300; 3]),
         new("a grid times 2^600", "range", scaled(&grid(2), 600), scaled(&[[0.5; 3]], 600)[0]),
         new("one unit off a hull plane", "rounded", grid(2), [0.5, 0.5, -tiny]),
-        new("one unit off a sphere", "rounded", grid(2)[..7].to_vec(), [1.0, 1.0, 1.0f64.next_up()]),
+        new(
+            "one unit off a sphere",
+            "rounded",
+            grid(2)[..7].to_vec(),
+            [1.0, 1.0, 1.0f64.next_up()],
+        ),
         new("one unit inside it", "rounded", grid(2)[..7].to_vec(), [1.0, 1.0, 1.0f64.next_down()]),
     ]
 }

@@ -116,7 +116,8 @@ fn text(file: &File) -> String {
         .map(|(number, case)| {
             let id = format!("{}/{}/{number}", file.folder, file.name);
             let Case { name, flags, ask, expect } = case;
-            json!({"id": id, "name": name, "flags": flags, "ask": ask, "expect": expect}).to_string()
+            json!({"id": id, "name": name, "flags": flags, "ask": ask, "expect": expect})
+                .to_string()
         })
         .collect();
     format!(

@@ -80,13 +80,12 @@ fn human() -> Vec<Case> {
         along("corners in reverse order", &["hilbert-curve"], &reversed(grid(2)), true),
         along("equal points by index", &["hilbert-cell"], &[[1.0; 3]; 3], false),
     ];
-    cases.push(owners("majority, ties, ghosts", 10, 4, &[
-        [1, 4, 5, 9],
-        [9, 8, 1, 2],
-        [9, 1, 4, 6],
-        [9, 8, 1, 0],
-        [3, 6, 8, 0],
-    ]));
+    cases.push(owners(
+        "majority, ties, ghosts",
+        10,
+        4,
+        &[[1, 4, 5, 9], [9, 8, 1, 2], [9, 1, 4, 6], [9, 8, 1, 0], [3, 6, 8, 0]],
+    ));
     cases
 }
 
@@ -112,7 +111,8 @@ fn curve() -> Vec<Case> {
     ];
     cases.extend((0..24).map(|k| round(k, 3)));
     cases.extend([513, 70_000, 1 << 28, u32::MAX].map(|k| round(k, 15)));
-    let points = uniform(600, 3).into_iter().map(|p| p.map(|c| (c * 256.0).floor())).collect::<Vec<_>>();
+    let points =
+        uniform(600, 3).into_iter().map(|p| p.map(|c| (c * 256.0).floor())).collect::<Vec<_>>();
     cases.push(Case {
         name: "rounds and curve together: 600 points".to_string(),
         flags: vec!["brio-hash", "hilbert-curve"],

@@ -41,8 +41,7 @@ pub(super) fn sign(sign: Sign) -> Value {
 
 fn orient(name: &str, flags: &[&'static str], p: &[Point; 4]) -> Case {
     let [a, b, c, d] = p;
-    let twins =
-        [orient3d(a, b, c, d), twin::orient3d(a, b, c, d), oracle::orient3d(a, b, c, d)];
+    let twins = [orient3d(a, b, c, d), twin::orient3d(a, b, c, d), oracle::orient3d(a, b, c, d)];
     case("orient3d", name, flags, p, &twins)
 }
 
@@ -174,8 +173,11 @@ fn ties() -> Vec<Case> {
             let five = std::array::from_fn(|_| points[random.below(points.len() as u64) as usize]);
             let Some(five) = tie(five) else { continue };
             let late = needs_second(&five);
-            let (count, flags): (_, &[_]) =
-                if late { (&mut second, &["tie", "second-round"]) } else { (&mut first, &["tie", "tie-order"]) };
+            let (count, flags): (_, &[_]) = if late {
+                (&mut second, &["tie", "second-round"])
+            } else {
+                (&mut first, &["tie", "tie-order"])
+            };
             if *count < 20 {
                 *count += 1;
                 cases.push(side(name, flags, &five));

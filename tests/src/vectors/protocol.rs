@@ -51,8 +51,15 @@ impl Setup {
 enum Turn {
     Work(WorkerId),
     /// The first message under way on this pair arrives.
-    Deliver { from: WorkerId, to: WorkerId },
-    Migrate { worker: WorkerId, block: BlockId, to: WorkerId },
+    Deliver {
+        from: WorkerId,
+        to: WorkerId,
+    },
+    Migrate {
+        worker: WorkerId,
+        block: BlockId,
+        to: WorkerId,
+    },
     Retry(WorkerId, Ticket),
     Cancel(WorkerId),
 }
@@ -238,8 +245,14 @@ fn play(setup: &Setup, moves: u64, random: &mut Rng) -> Option<Run> {
 fn check(world: &World<Sound>, setup: &Setup) {
     let mut cells: Vec<(i64, i64)> = world.workers.iter().flat_map(|w| w.mesh().ends()).collect();
     cells.sort_unstable();
-    let mut vertices: Vec<i64> =
-        setup.points.iter().flatten().chain(&setup.start).chain(&[-1, setup.cuts.range]).copied().collect();
+    let mut vertices: Vec<i64> = setup
+        .points
+        .iter()
+        .flatten()
+        .chain(&setup.start)
+        .chain(&[-1, setup.cuts.range])
+        .copied()
+        .collect();
     vertices.sort_unstable();
     vertices.dedup();
     let expected: Vec<(i64, i64)> = vertices.windows(2).map(|pair| (pair[0], pair[1])).collect();
@@ -334,8 +347,17 @@ fn selected(rule: Rule, wanted: &[&'static str]) -> Vec<(Setup, Run, Vec<&'stati
 
 /// Rules of the default protocol that runs over the line can tell.
 const WOUND_WAIT: &[&str] = &[
-    "closure-ring", "release", "acknowledge", "late-wound", "token", "idle-migration", "forward",
-    "installation", "wound", "bounce", "locked-migration",
+    "closure-ring",
+    "release",
+    "acknowledge",
+    "late-wound",
+    "token",
+    "idle-migration",
+    "forward",
+    "installation",
+    "wound",
+    "bounce",
+    "locked-migration",
 ];
 
 /// The files of both folders.
@@ -348,9 +370,9 @@ pub fn files() -> Vec<File> {
         .collect();
     let others: Vec<(Setup, Run, Vec<&'static str>)> =
         [selected(Rule::WaitDie, &["rule", "regrant"]), selected(Rule::Paper, &["rule"])].concat();
-    let rules = others
-        .iter()
-        .map(|(setup, run, flags)| case(&format!("a run under {}", setup.rule), flags.clone(), setup, run));
+    let rules = others.iter().map(|(setup, run, flags)| {
+        case(&format!("a run under {}", setup.rule), flags.clone(), setup, run)
+    });
     let file = |folder, name, tier, about, cases| File { folder, name, tier, about, cases };
     let rules = rules.collect();
     let traces = shown.iter().chain(&others).flat_map(|(setup, run, _)| forbidden(setup, run));
@@ -359,7 +381,13 @@ pub fn files() -> Vec<File> {
         file("protocol", "human", 1, "Runs to be followed by hand.", by_hand()),
         file("protocol", "wound-wait", 2, "Runs of the default rule, with moves.", cases),
         file("protocol", "rules", 3, "Runs of the other two rules.", rules),
-        file("interleavings", "forbidden", 2, "Runs of broken protocols: where they go wrong.", traces),
+        file(
+            "interleavings",
+            "forbidden",
+            2,
+            "Runs of broken protocols: where they go wrong.",
+            traces,
+        ),
     ]
 }
 
@@ -399,11 +427,15 @@ fn by_hand() -> Vec<Case> {
     let deliver = |from, to| Turn::Deliver { from, to };
     let there_and_back = [deliver(0, 1), deliver(1, 0)];
     let local = (two(&[4, 8, 12], [&[2], &[14]]), vec![Turn::Work(0), Turn::Work(1)]);
-    let interface =
-        (two(&[4, 8, 12], [&[6], &[]]), [vec![Turn::Work(0)], there_and_back.to_vec(), vec![deliver(0, 1)]].concat());
+    let interface = (
+        two(&[4, 8, 12], [&[6], &[]]),
+        [vec![Turn::Work(0)], there_and_back.to_vec(), vec![deliver(0, 1)]].concat(),
+    );
     let walk = (two(&[4, 8, 12], [&[13], &[]]), vec![Turn::Work(0), deliver(0, 1)]);
-    let duplicate = (two(&[4, 8, 12], [&[4, 12], &[]]), vec![Turn::Work(0), Turn::Work(0), deliver(0, 1)]);
-    let cancel = (two(&[4, 8, 12], [&[2, 3], &[14]]), vec![Turn::Work(0), Turn::Cancel(0), Turn::Cancel(1)]);
+    let duplicate =
+        (two(&[4, 8, 12], [&[4, 12], &[]]), vec![Turn::Work(0), Turn::Work(0), deliver(0, 1)]);
+    let cancel =
+        (two(&[4, 8, 12], [&[2, 3], &[14]]), vec![Turn::Work(0), Turn::Cancel(0), Turn::Cancel(1)]);
     // Both want the two cells on either side of 8.
     let conflict = (
         two(&[4, 8, 12], [&[6], &[10]]),
