@@ -21,6 +21,7 @@ pub mod protocol;
 
 use ltbw::Point;
 use serde_json::{Map, Value, json};
+use std::sync::OnceLock;
 
 /// The kit's own version: a changed answer or format is a new major one, new cases a minor one.
 pub const VERSION: &str = "1.0.0";
@@ -88,10 +89,13 @@ pub const FLAGS: &[(&str, &str)] = &[
     ("rule", "wait-die or the paper's rule decide otherwise"),
 ];
 
-/// All files of the kit.
+/// All files of the kit, made once.
 #[must_use]
-pub fn kit() -> Vec<File> {
-    [predicates::files(), order::files(), meshes::files(), protocol::files()].concat()
+pub fn kit() -> &'static [File] {
+    static KIT: OnceLock<Vec<File>> = OnceLock::new();
+    KIT.get_or_init(|| {
+        [predicates::files(), order::files(), meshes::files(), protocol::files()].concat()
+    })
 }
 
 /// Every generated file: its path inside `verify/vectors`, and its text.
