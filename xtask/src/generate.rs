@@ -27,7 +27,10 @@ pub(crate) fn run() -> Result<(), String> {
 /// Every generated file: its path in the workspace, and its text.
 pub(crate) fn files() -> Result<Vec<(PathBuf, String)>, String> {
     let rust = formatted(&predicates::rust::file()?)?;
-    Ok(vec![("core/src/predicates/filter/generated.rs".into(), rust)])
+    Ok(vec![
+        ("core/src/predicates/filter/generated.rs".into(), rust),
+        ("verify/proofs/Predicates.v".into(), predicates::coq::file()?),
+    ])
 }
 
 /// `source` as rustfmt writes it, with the settings of the workspace.

@@ -9,6 +9,7 @@
 //! The files are checked in; `cargo xtask generate` writes them, a test compares them byte for
 //! byte. So the source that is compiled is the term that is proved.
 
+pub(crate) mod coq;
 pub(crate) mod describe;
 pub(crate) mod expression;
 pub(crate) mod model;
