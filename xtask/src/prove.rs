@@ -6,6 +6,7 @@
 //! folder is what runs, so that nothing is left in the tree.
 
 use crate::predicates::coq::lowered;
+use crate::predicates::spheres;
 use crate::require;
 use crate::shell::{self, command, root, target};
 use std::fs;
@@ -13,8 +14,20 @@ use std::path::Path;
 use std::time::Instant;
 
 /// The files, each after those that it builds on.
-const FILES: &[&str] =
-    &["Rounding", "Poly", "Expr", "Bound", "Filter", "Exact", "Predicates", "Means"];
+const FILES: &[&str] = &[
+    "Rounding",
+    "Poly",
+    "Expr",
+    "Bound",
+    "Filter",
+    "Exact",
+    "Predicates",
+    "Means",
+    "Constants",
+    "Single",
+    "Centre",
+    "Sphere",
+];
 
 /// The axioms that a proof may rest on: Coq's classical real numbers, and that functions with
 /// equal values are equal.
@@ -49,7 +62,8 @@ pub(crate) fn run() -> Result<(), String> {
             timed(file, || coqc(&build, file).map(drop))?;
         }
         assumptions(&build)?;
-        refused(&build)
+        refused(&build)?;
+        refused_spheres(&build)
     } else {
         require::skip("prove", "coq", "coqc is not installed (coq libcoq-flocq)")
     }
@@ -140,6 +154,30 @@ fn refused(build: &Path) -> Result<(), String> {
                 println!("refused: {name} lowered by u/16");
             }
             Err(why) => return Err(format!("{name} lowered fails for another reason: {why}")),
+        }
+    }
+    Ok(())
+}
+
+/// The same for the constants of the cached spheres: in a folder of its own, for the proofs know
+/// the file by its name.
+fn refused_spheres(build: &Path) -> Result<(), String> {
+    let folder = build.join("wrong");
+    let io = |error: std::io::Error| format!("{}: {error}", folder.display());
+    for (name, text, proof) in spheres::wrong() {
+        fs::create_dir_all(&folder).map_err(io)?;
+        for file in ["Rounding.vo".to_string(), format!("{proof}.v")] {
+            fs::copy(build.join(&file), folder.join(&file)).map_err(io)?;
+        }
+        fs::write(folder.join("Constants.v"), text).map_err(io)?;
+        coqc(&folder, "Constants")?;
+        match coqc(&folder, proof) {
+            Ok(_) => return Err(format!("{proof}.v accepts a wrong {name}")),
+            // The arithmetic of a proof fails, not its text.
+            Err(why) if why.contains("Cannot find witness") || why.contains("No applicable") => {
+                println!("refused: {proof}.v with a wrong {name}");
+            }
+            Err(why) => return Err(format!("{name} wrong fails for another reason: {why}")),
         }
     }
     Ok(())

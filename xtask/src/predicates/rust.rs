@@ -271,7 +271,7 @@ fn any(predicate: &Predicate<'_>, out: &mut String) {
 }
 
 /// Documentation in lines of at most 96 characters.
-fn wrapped(text: &str) -> String {
+pub(super) fn wrapped(text: &str) -> String {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
         let last = lines.len() - 1;
