@@ -6,7 +6,7 @@
 //! folder is what runs, so that nothing is left in the tree.
 
 use crate::predicates::coq::lowered;
-use crate::predicates::spheres;
+use crate::predicates::{gappa, spheres};
 use crate::require;
 use crate::shell::{self, command, root, target};
 use std::fs;
@@ -59,14 +59,27 @@ pub(crate) fn run() -> Result<(), String> {
     if shell::works(command("coqc").arg("--version")) {
         for file in FILES {
             closed(&build, file)?;
-            timed(file, || coqc(&build, file).map(drop))?;
+            timed(&format!("{file}.v"), || coqc(&build, file).map(drop))?;
         }
         assumptions(&build)?;
         refused(&build)?;
-        refused_spheres(&build)
+        refused_spheres(&build)?;
     } else {
-        require::skip("prove", "coq", "coqc is not installed (coq libcoq-flocq)")
+        require::skip("prove", "coq", "coqc is not installed (coq libcoq-flocq)")?;
     }
+    gappa()
+}
+
+/// Every script of the folder `gappa`, whose goal is the bound itself.
+fn gappa() -> Result<(), String> {
+    if !shell::works(command("gappa").arg("--version")) {
+        return require::skip("prove", "gappa", "gappa is not installed");
+    }
+    for (name, _) in gappa::files()? {
+        let script = root().join("verify/proofs/gappa").join(&name);
+        timed(&name, || shell::run(command("gappa").arg(&script)))?;
+    }
+    Ok(())
 }
 
 /// Compiles a file; its output.
@@ -186,7 +199,7 @@ fn refused_spheres(build: &Path) -> Result<(), String> {
 fn timed(name: &str, check: impl FnOnce() -> Result<(), String>) -> Result<(), String> {
     let start = Instant::now();
     check()?;
-    println!("proved: {name}.v ({:.1} s)", start.elapsed().as_secs_f64());
+    println!("proved: {name} ({:.1} s)", start.elapsed().as_secs_f64());
     Ok(())
 }
 
