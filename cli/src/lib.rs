@@ -5,6 +5,7 @@
 //! | [`args`] | the command line and its help |
 //! | [`run`] | `delaunay`: read, build, check, hash, write, report |
 //! | [`check`] | `check`, and the check of our own output |
+//! | [`domain`] | `check` of a domain |
 //! | [`lists`] | a mesh as the lists that the checker takes |
 //! | [`files`] | `convert` and `generate` |
 //! | [`demo`] | `demo` |
@@ -22,6 +23,7 @@ mod args;
 mod check;
 mod console;
 mod demo;
+mod domain;
 mod files;
 mod lists;
 mod outcome;

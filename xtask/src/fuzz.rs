@@ -203,7 +203,7 @@ fn last_lines(log: &Path) -> String {
 }
 
 /// The triple this machine compiles for.
-fn host() -> Result<String, String> {
+pub(crate) fn host() -> Result<String, String> {
     let rustc = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".to_string());
     let output: &mut Command = &mut command(&rustc);
     let output = output.arg("-vV").output().map_err(|error| format!("{rustc}: {error}"))?;

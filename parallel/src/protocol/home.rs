@@ -6,6 +6,7 @@ use super::owner::{Waiter, Want};
 use super::submesh::{Source, Submesh, Walk};
 use super::worker::{Action, Note, Worker};
 use super::{Attempt, Handle, Message, Name, Rule, Ticket};
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// An operation at its home.
@@ -187,9 +188,8 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         // Several faces of one tetrahedron may be among the foreign ones: it is asked for once.
         // A bounced one is asked for again, perhaps of the same worker: the block may be back.
         for handle in foreign {
-            if !op.whereabouts.contains_key(&handle.name) {
-                let owner = self.directory.owner(handle.block);
-                op.whereabouts.insert(handle.name, owner);
+            if let Entry::Vacant(entry) = op.whereabouts.entry(handle.name) {
+                let owner = *entry.insert(self.directory.owner(handle.block));
                 seeds.entry(owner).or_default().push(handle);
             }
         }

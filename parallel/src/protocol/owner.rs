@@ -47,6 +47,18 @@ pub(super) struct Request<S: Submesh> {
     wounded: bool,
 }
 
+impl<S: Submesh> Request<S> {
+    /// What it is doing, for people.
+    pub(super) fn describe(&self) -> String {
+        let Self { home, attempt, wants, held, owed, stalled, .. } = self;
+        let (wants, held) = (wants.len(), held.len());
+        format!(
+            "home {home}, attempt {attempt}, {wants} wanted, {held} held, {owed} owed, \
+             stalled: {stalled}"
+        )
+    }
+}
+
 impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     /// `Expand`: the home asks for more of a closure.
     pub(super) fn expand(
