@@ -44,7 +44,7 @@ const GROUPS: [Group; 3] = [
             folder: "core",
             modules: "build cavity generate geometry hash invariants locate mesh order points \
                       predicates raw snapshot sphere sync tetmesh topology",
-            cases: &["kernel"],
+            cases: &["accessors", "counts", "kernel"],
         },
         files: &[
             "src/build.rs",
@@ -64,7 +64,7 @@ const GROUPS: [Group; 3] = [
             folder: "verify",
             modules: "check defect exact faces geometry glued hash hull mesh perturb places \
                       predicates report structure sweep topology",
-            cases: &["defects", "meshes"],
+            cases: &["defects", "meshes", "words"],
         },
         files: &["src/*.rs"],
         skip: &[],
