@@ -80,7 +80,7 @@ const LOCAL_BITS: u32 = 7;
 /// `OTHERS[i]`: the slots other than i in the order in which (p, others) is positively oriented
 /// when p stands for vertex i of a positively oriented tetrahedron. Slot 3 stays last, and so
 /// does the vertex at infinity.
-const OTHERS: [[usize; 3]; 4] = [[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]];
+pub const OTHERS: [[usize; 3]; 4] = [[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]];
 
 /// A face of the cavity's boundary.
 #[derive(Clone, Copy, Debug, Default)]
@@ -185,6 +185,23 @@ impl Default for Cavity {
 }
 
 impl Cavity {
+    /// A cavity with room for local numbers of `vertices` vertices, whose memory is taken when it
+    /// is first written to.
+    pub(crate) fn for_vertices(vertices: usize) -> Self {
+        Self { local: vec![0; vertices], ..Self::default() }
+    }
+
+    /// The tetrahedra that the last [`Cavity::expand`] found.
+    pub(crate) fn tets(&self) -> impl Iterator<Item = TetId> + '_ {
+        self.tets.iter().copied()
+    }
+
+    /// The vertices of the boundary faces that the last [`Cavity::expand`] found; the point in
+    /// front of them makes a positively oriented tetrahedron.
+    pub(crate) fn faces(&self) -> impl Iterator<Item = [VertexId; 3]> + '_ {
+        self.walls.iter().map(|wall| wall.v)
+    }
+
     /// The star that the last [`Cavity::fill`] made.
     #[inline(always)]
     pub(crate) fn star(&self) -> Star<'_> {

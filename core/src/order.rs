@@ -39,6 +39,13 @@ pub fn hilbert(points: &[Point]) -> Vec<u32> {
     in_rounds(points, 0)
 }
 
+/// The BRIO round, 0 to `rounds`, of the point with this index: the last one with probability 7/8.
+#[inline]
+pub fn round_of(index: u32, rounds: u32) -> u32 {
+    // Three zero bits have probability 1/8.
+    rounds - (scramble(u64::from(index)).trailing_zeros() / 3).min(rounds)
+}
+
 /// Hilbert order in each of the rounds 0 to `rounds`.
 fn in_rounds(points: &[Point], rounds: u32) -> Vec<u32> {
     let frame = Cube::around(points.iter());
@@ -46,8 +53,7 @@ fn in_rounds(points: &[Point], rounds: u32) -> Vec<u32> {
         .par_iter()
         .enumerate()
         .map(|(i, p)| {
-            // Three zero bits have probability 1/8.
-            let round = rounds - (scramble(i as u64).trailing_zeros() / 3).min(rounds);
+            let round = round_of(i as u32, rounds);
             (u64::from(round) << (3 * BITS) | frame.key(p), i as u32)
         })
         .collect();

@@ -3,9 +3,11 @@
 
 mod coverage;
 mod fuzz;
+mod generate;
 mod measure;
 mod model_check;
 mod mutants;
+mod predicates;
 mod prove;
 mod shell;
 
@@ -21,7 +23,10 @@ cargo xtask COMMAND
 
   bench [SET]...        our order + insert against CGAL's, interleaved pairs, median of 7
   bars                  the full-size bars: hashes equal to CGAL's, times within their limits
-  fuzz [--seconds N]    every fuzz target for N seconds each (default 60), through cargo-fuzz
+  generate              write what is generated from the descriptions of the predicates
+  fuzz [--seconds N] [TARGET]...
+                        the canary, then every fuzz target for N seconds each (default 60), through
+                        cargo-fuzz
   prove                 the proofs of the filters: coqc and gappa
   model-check           the models of verify/models, under loom
   coverage              the lines of core and verify that their tests run: at least 95 %
@@ -37,6 +42,7 @@ fn main() -> ExitCode {
     let done = match command {
         "bench" | "bars" => measure::run(command, rest),
         "fuzz" => fuzz::run(rest),
+        "generate" => generate::run(),
         "prove" => prove::run(),
         "model-check" => model_check::run(rest),
         "coverage" => coverage::run(rest),
