@@ -42,7 +42,7 @@ const GROUPS: [Group; 3] = [
         name: "kernel",
         lean: Lean {
             folder: "core",
-            modules: "build cavity generate geometry hash invariants locate mesh order points \
+            modules: "build cavity generate geometry hash invariants locate mesh order part points \
                       predicates raw snapshot sphere sync tetmesh topology",
             cases: &["accessors", "counts", "kernel"],
         },
