@@ -189,7 +189,7 @@ impl Submesh for LocalMesh {
     fn walk(&mut self, point: &Site, from: Option<Name>) -> Walk<TetId> {
         let named = from.and_then(|name| self.names.get(&name).copied());
         let start = named.or_else(|| self.located.remove(&point.vertex));
-        let stop = self.part.walk(&point.point(), start);
+        let stop = self.part.walk(point.vertex, &point.point(), start);
         match stop {
             Stop::Conflict(t) => Walk::At(t),
             Stop::Proxy(t) => match self.part.load(t) {

@@ -124,6 +124,16 @@ pub trait Source<S: Submesh> {
     /// Are there no more points now?
     fn is_empty(&self) -> bool;
 
+    /// Would [`Source::next`] give one? There may be points that had better wait for others.
+    fn is_ready(&self) -> bool {
+        !self.is_empty()
+    }
+
+    /// `point` has left for another worker, or was a vertex already.
+    fn let_go(&mut self, point: &S::Point) {
+        let _ = point;
+    }
+
     /// `point` is a vertex now; the tetrahedra around it are of this worker in part.
     fn inserted(&mut self, mesh: &S, point: &S::Point);
 
