@@ -231,6 +231,40 @@ pub(crate) struct Demo {
     pub(crate) out: PathBuf,
 }
 
+/// A command line that is no command: what to say.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refusal {
+    /// The exit code: 0 for an answer that was asked for, else 2.
+    pub exit: u8,
+    /// Whether the text is help or the version.
+    pub is_help: bool,
+    /// What is wrong, in one line without control characters; or the help, without colours.
+    pub text: String,
+}
+
+impl Refusal {
+    pub(crate) fn of(error: &clap::Error) -> Self {
+        let (exit, is_help) = match error.kind() {
+            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => (Exit::Done, true),
+            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => (Exit::Usage, true),
+            _ => (Exit::Usage, false),
+        };
+        let text = error.to_string();
+        Self { exit: exit as u8, is_help, text: if is_help { text } else { one_line(&text) } }
+    }
+}
+
+/// The first paragraph of clap's message as one line. It repeats the argument, and a terminal obeys
+/// control characters that clap leaves in it: they become `?`.
+fn one_line(text: &str) -> String {
+    let first = text.split("\n\n").next().unwrap_or_default();
+    let words: Vec<&str> = first.split_whitespace().collect();
+    let line = words.join(" ");
+    let line = line.strip_prefix("error: ").unwrap_or(&line);
+    let line = line.replace(char::is_control, "?");
+    format!("{line}; see `ltbw --help`")
+}
+
 /// Prints help where it was asked for, and what is wrong with the command line in one line.
 pub(crate) fn explain(error: &clap::Error) -> Result<Exit, Failure> {
     match error.kind() {
@@ -244,12 +278,7 @@ pub(crate) fn explain(error: &clap::Error) -> Result<Exit, Failure> {
             Ok(Exit::Usage)
         }
         _ => {
-            let text = error.to_string();
-            let first = text.split("\n\n").next().unwrap_or_default();
-            let words: Vec<&str> = first.split_whitespace().collect();
-            let line = words.join(" ");
-            let line = line.strip_prefix("error: ").unwrap_or(&line);
-            console::people(&format!("ltbw: {line}; see `ltbw --help`"));
+            console::people(&format!("ltbw: {}", Refusal::of(error).text));
             Ok(Exit::Usage)
         }
     }
@@ -259,10 +288,23 @@ pub(crate) fn explain(error: &clap::Error) -> Result<Exit, Failure> {
 mod tests {
     use super::*;
     use clap::CommandFactory;
+    use std::ffi::OsString;
 
     #[test]
     fn the_command_line_is_consistent() {
         Args::command().debug_assert();
+    }
+
+    /// What a terminal obeys must not come back to it from an argument.
+    #[test]
+    fn a_refusal_repeats_no_control_characters() {
+        for word in ["a\u{1b}[2Jb", "x\u{7}", "\u{0}", "one\ntwo", "tab\tbed", "\u{9b}31m"] {
+            let words: Vec<_> = ["ltbw", word].iter().map(OsString::from).collect();
+            let error = Args::try_parse_from(words).expect_err("no such command");
+            let text = Refusal::of(&error).text;
+            assert!(!text.chars().any(char::is_control), "{text:?}");
+            assert!(text.contains("unrecognized subcommand"), "{text:?}");
+        }
     }
 
     #[test]
