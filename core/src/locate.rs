@@ -136,7 +136,7 @@ mod tests {
         queries.extend([[5.0, 5.0, 5.0], [-1.0, 0.5, 0.5]]);
         for p in &queries {
             let mut conflict = mesh.geometry.conflict_of(p);
-            let Found::Conflict(t) = scan(&mesh.topology, &mut conflict) else {
+            let Found::Conflict(t) = scan(&mesh.topology, &mut conflict, &()) else {
                 panic!("no conflict with {p:?}");
             };
             assert!(conflict.in_conflict(&mesh.topology, t));
@@ -147,7 +147,7 @@ mod tests {
         }
         for p in &points {
             let mut conflict = mesh.geometry.conflict_of(p);
-            let Found::Inside(t) = scan(&mesh.topology, &mut conflict) else {
+            let Found::Inside(t) = scan(&mesh.topology, &mut conflict, &()) else {
                 panic!("{p:?} is a vertex");
             };
             let tet = *mesh.topology.tet(t);

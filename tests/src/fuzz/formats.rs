@@ -1,10 +1,11 @@
 //! `formats`: bytes to a file of any format.
 //!
-//! The first byte chooses the reader, the others are the file. For the pair `.node` and `.ele`
+//! The first byte chooses the reader (from 128 on: of a domain), the others are the file. For the pair `.node` and `.ele`
 //! they are the one, a line `%`, and the other.
 
-use ltbw::io::{Encoding, Format, MeshFile, MshVersion, ParseError, PointFile};
-use ltbw::io::{csv, medit, msh, npy, obj, off, ply, stl, tetgen, vtu, xyz};
+use ltbw::domain::{CheckOptions, Domain};
+use ltbw::io::{DomainFile, Encoding, Format, MeshFile, MshVersion, ParseError, PointFile};
+use ltbw::io::{csv, medit, msh, npy, obj, off, ply, poly, stl, tetgen, vtu, xyz};
 use ltbw::{Point, TetMesh};
 
 /// A reader.
@@ -31,6 +32,22 @@ const MESHES: [(Format, Read<MeshFile>); 5] = [
     (Format::Node, pair),
 ];
 
+/// The first byte of the readers of domains.
+const FIRST_DOMAIN: u8 = 128;
+
+/// The readers of domains.
+const DOMAINS: [(Format, Read<DomainFile>); 6] = [
+    (Format::Poly, poly::read_poly),
+    (Format::Smesh, poly::read_smesh),
+    (Format::Off, off::read_domain),
+    (Format::Obj, obj::read_domain),
+    (Format::Stl, stl::read_domain),
+    (Format::Ply, ply::read_domain),
+];
+
+/// Domains of at most this many facets and corners are checked as well.
+const FEW: usize = 60;
+
 /// An `.ele` file beside four points.
 fn tetrahedra(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     tetgen::read_pair(b"4 3\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n", bytes)
@@ -52,6 +69,14 @@ fn pair(bytes: &[u8]) -> Result<MeshFile, ParseError> {
 /// back the same.
 pub fn formats(bytes: &[u8]) {
     let Some((&choice, bytes)) = bytes.split_first() else { return };
+    if let Some(choice) = choice.checked_sub(FIRST_DOMAIN) {
+        let (_, read) = DOMAINS[usize::from(choice) % DOMAINS.len()];
+        match read(bytes) {
+            Ok(file) => domain_comes_back(&file.domain),
+            Err(error) => assert!(!error.to_string().contains('\n'), "{error:?}"),
+        }
+        return;
+    }
     let choice = usize::from(choice) % (POINTS.len() + MESHES.len());
     let error = if let Some((_, read)) = POINTS.get(choice) {
         read(bytes).map(|file| points_come_back(&file)).err()
@@ -98,6 +123,29 @@ fn points_come_back(file: &PointFile) {
     }
 }
 
+fn domain_comes_back(domain: &Domain) {
+    // A file may hold no facets; its numbers and indices are right.
+    let Ok(()) = domain.check_structure() else {
+        assert!(domain.facets.is_empty(), "{:?}", domain.check_structure());
+        return;
+    };
+    let mut out = Vec::new();
+    poly::write_poly(&mut out, domain).expect("memory");
+    let back = poly::read_poly(&out).expect("we wrote it").domain;
+    assert_eq!(&back, domain);
+    assert_eq!(bits(&back.vertices), bits(&domain.vertices));
+    let corners: usize = domain.facets.iter().flat_map(|f| &f.polygons).map(Vec::len).sum();
+    if corners + domain.segments.len() + domain.holes.len() + domain.regions.len() <= FEW {
+        for oriented in [false, true] {
+            let options = CheckOptions { oriented, ..CheckOptions::default() };
+            // Errors are of domains too large or too small.
+            if let Ok(report) = domain.check(&options) {
+                assert_eq!(report.counts.is_empty(), report.defects.is_empty());
+            }
+        }
+    }
+}
+
 fn mesh_comes_back(mesh: &TetMesh) {
     assert!(mesh.points.iter().flatten().all(|c| c.is_finite()));
     assert!(mesh.tets.iter().flatten().all(|&v| (v as usize) < mesh.points.len()));
@@ -133,13 +181,15 @@ fn mesh_comes_back(mesh: &TetMesh) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Format, MESHES, POINTS};
+    use super::{DOMAINS, Format, MESHES, POINTS};
 
     /// A new format without a reader here would never be fuzzed.
     #[test]
     fn every_extension_has_its_readers() {
         for format in Format::ALL {
             let points = POINTS.iter().any(|(f, _)| *f == format);
+            let domains = DOMAINS.iter().any(|(f, _)| *f == format);
+            assert_eq!(domains, format.holds_domain(), "{format:?}");
             let meshes = MESHES.iter().any(|(f, _)| *f == format);
             assert_eq!(points, format.holds_points(), "{format:?}");
             assert_eq!(meshes, format.holds_mesh(), "{format:?}");
