@@ -142,6 +142,7 @@ mod tests {
             assert!(conflict.in_conflict(&mesh.topology, t));
             let t = match walk(&mesh.topology, &mut conflict, 0) {
                 Found::Conflict(t) | Found::Inside(t) | Found::Outside(t) => t,
+                Found::Closed(t) => panic!("{t} is closed, but nothing closes any"),
             };
             assert!(conflict.in_conflict(&mesh.topology, t));
         }

@@ -13,8 +13,11 @@ fn model(kind: DomainKind) -> Domain {
     generate_domain(kind, &Shape::default()).unwrap()
 }
 
-/// A facet by its coordinates in units of 2^-40: whatever the order of vertices and polygons.
-fn facets(domain: &Domain) -> BTreeSet<(i32, BTreeSet<BTreeSet<[i64; 3]>>, usize)> {
+/// Marker, polygons and number of holes of a facet: coordinates in units of 2^-40, whatever the
+/// order of vertices and polygons.
+type Place = (i32, BTreeSet<BTreeSet<[i64; 3]>>, usize);
+
+fn facets(domain: &Domain) -> BTreeSet<Place> {
     let unit = 2.0_f64.powi(40);
     let place = |p: &Point| p.map(|c| (c * unit).round() as i64);
     let polygon = |p: &Vec<u32>| p.iter().map(|&v| place(&domain.vertices[v as usize])).collect();
