@@ -47,6 +47,12 @@ pub(super) struct Request<S: Submesh> {
     wounded: bool,
 }
 
+impl<S: Submesh> Request<S> {
+    pub(super) fn attempt_mut(&mut self) -> &mut Attempt {
+        &mut self.attempt
+    }
+}
+
 impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     /// `Expand`: the home asks for more of a closure.
     pub(super) fn expand(
