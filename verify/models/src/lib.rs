@@ -11,10 +11,18 @@
 //! Every model asserts *witnesses*, what must have been reached, and a least size.
 #![forbid(unsafe_code)]
 
+#[cfg(not(any(loom, shuttle)))]
 pub mod graph;
 pub mod hull;
 pub mod museum;
+#[cfg(not(any(loom, shuttle)))]
+pub mod random;
+pub mod report;
+#[cfg(not(any(loom, shuttle)))]
 pub mod system;
+#[cfg(any())]
+pub mod threads;
+#[cfg(not(any(loom, shuttle)))]
 pub mod witness;
 pub mod world;
 pub mod worlds;
