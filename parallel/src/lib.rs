@@ -24,7 +24,12 @@
 #![forbid(unsafe_code)]
 
 pub mod mailbox;
+pub mod mesh;
+pub mod metrics;
 pub mod protocol;
+pub mod simulate;
 mod sync;
+pub mod threads;
+pub mod transport;
 
 pub use ltbw_core::*;

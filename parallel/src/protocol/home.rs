@@ -188,9 +188,8 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         // Several faces of one tetrahedron may be among the foreign ones: it is asked for once.
         // A bounced one is asked for again, perhaps of the same worker: the block may be back.
         for handle in foreign {
-            if let Entry::Vacant(unknown) = op.whereabouts.entry(handle.name) {
-                let owner = self.directory.owner(handle.block);
-                unknown.insert(owner);
+            if let Entry::Vacant(entry) = op.whereabouts.entry(handle.name) {
+                let owner = *entry.insert(self.directory.owner(handle.block));
                 seeds.entry(owner).or_default().push(handle);
             }
         }

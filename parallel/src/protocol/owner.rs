@@ -51,6 +51,16 @@ impl<S: Submesh> Request<S> {
     pub(super) fn attempt_mut(&mut self) -> &mut Attempt {
         &mut self.attempt
     }
+
+    /// What it is doing, for people.
+    pub(super) fn describe(&self) -> String {
+        let Self { home, attempt, wants, held, owed, stalled, .. } = self;
+        let (wants, held) = (wants.len(), held.len());
+        format!(
+            "home {home}, attempt {attempt}, {wants} wanted, {held} held, {owed} owed, \
+             stalled: {stalled}"
+        )
+    }
 }
 
 impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {

@@ -224,6 +224,24 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             && self.parked.is_empty()
     }
 
+    /// What it is doing, for people: of a run that makes no progress.
+    pub fn describe(&self) -> String {
+        let ops = self.ops.iter().map(|(ticket, op)| {
+            format!("\n  operation {ticket:?}: attempt {}, {:?}", op.attempt, op.phase)
+        });
+        let requests = self
+            .requests
+            .iter()
+            .map(|(ticket, r)| format!("\n  request {ticket:?}: {}", r.describe()));
+        let absent = self.absent.keys().map(|name| format!("\n  awaits {name:?}"));
+        format!(
+            "worker {}: {}{}",
+            self.id(),
+            if self.source.is_empty() { "no points left" } else { "points left" },
+            ops.chain(requests).chain(absent).collect::<String>()
+        )
+    }
+
     /// Takes the worker apart when the run is over.
     pub fn into_parts(self) -> (S, Q, Directory) {
         (self.mesh, self.source, self.directory)

@@ -18,7 +18,7 @@
 
 use crate::museum::Exhibit;
 use ltbw::protocol::{
-    BlockId, Conduct, Directory, Handle, Name, Neighbour, Submesh, Ticket, Walk, WorkerId,
+    BlockId, Conduct, Directory, Handle, Message, Name, Neighbour, Submesh, Ticket, Walk, WorkerId,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::marker::PhantomData;
@@ -33,6 +33,9 @@ pub struct Vertex {
     /// Its block.
     pub block: u8,
 }
+
+/// A message over the abstract mesh.
+pub type Letter<C> = Message<Hull<C>>;
 
 /// Twice the area of the triangle, positive if it is counter-clockwise.
 pub fn orient(a: Vertex, b: Vertex, c: Vertex) -> i32 {

@@ -16,13 +16,15 @@ pub mod graph;
 pub mod hull;
 pub mod museum;
 #[cfg(not(any(loom, shuttle)))]
+mod properties;
 pub mod random;
 pub mod report;
 #[cfg(not(any(loom, shuttle)))]
-pub mod system;
-#[cfg(any())]
-pub mod threads;
+pub mod runs;
 #[cfg(not(any(loom, shuttle)))]
+pub mod system;
+#[cfg(any(loom, shuttle))]
+pub mod threads;
 pub mod witness;
 pub mod world;
 pub mod worlds;

@@ -1,8 +1,6 @@
-//! Random runs of random worlds, for sizes that cannot be explored: one seed is one run.
+//! Random worlds, for sizes that cannot be explored: one seed is one world.
 
 use crate::hull::Vertex;
-use crate::museum::Exhibit;
-use crate::system::{Choice, System};
 use crate::world::{World, brute_force};
 use ltbw::protocol::Rule;
 
@@ -25,16 +23,21 @@ impl Rng {
     }
 
     /// True once in `n` times.
-    fn once_in(&mut self, n: usize) -> bool {
+    pub(crate) fn once_in(&mut self, n: usize) -> bool {
         self.below(n) == 0
     }
 }
 
-/// A world of 1 to 6 workers, 1 to 3 blocks each, up to 14 points on the final hull, some of them
-/// twice, and moves, under wound-wait or wait-die, with termination detection.
+/// A world of 1 to 6 workers.
 pub fn world(seed: u64) -> World {
+    let workers = 1 + Rng(!seed).below(6);
+    world_of(seed, workers)
+}
+
+/// A world of so many workers, 1 to 3 blocks each, up to 13 points on the final hull, some of them
+/// twice, and up to 7 moves, under wound-wait or wait-die, with termination detection.
+pub fn world_of(seed: u64, workers: usize) -> World {
     let mut rng = Rng(seed);
-    let workers = 1 + rng.below(6);
     let blocks = workers * (1 + rng.below(3));
     let owners: Vec<u32> = (0..blocks).map(|b| (b % workers) as u32).collect();
     let (polygon, mut points) = convex(&mut rng, blocks);
@@ -90,46 +93,4 @@ fn convex(rng: &mut Rng, blocks: usize) -> (Vec<Vertex>, Vec<Vertex>) {
     points.sort_unstable();
     points.dedup_by_key(|p| (p.x, p.y));
     (polygon, points)
-}
-
-/// How a random run ended.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Outcome {
-    /// Everything was inserted, and right.
-    Done,
-    /// Nothing could happen any more.
-    Deadlock,
-    /// No end in sight.
-    Endless,
-    /// Something was wrong.
-    Fault(&'static str),
-}
-
-/// Runs `system` by choices drawn from `seed`, one worker possibly slower than the others, for
-/// `limit` steps at most; returns how it ended and after which choices.
-pub fn run<C: Exhibit>(system: &System<C>, seed: u64, limit: usize) -> (Outcome, Vec<Choice>) {
-    let mut rng = Rng(seed);
-    let mut state = system.initial();
-    let mut way = Vec::new();
-    let slow = rng.below(2 * system.world.workers() as usize) as u32;
-    while way.len() < limit {
-        let choices = system.choices(&state);
-        if choices.is_empty() {
-            let outcome = match state.fault {
-                Some(what) => Outcome::Fault(what),
-                None if system.is_final(&state) => Outcome::Done,
-                None => Outcome::Deadlock,
-            };
-            return (outcome, way);
-        }
-        let mut choice = choices[rng.below(choices.len())];
-        if matches!(choice, Choice::Deliver(_, at, _) | Choice::Work(at) if at == slow)
-            || matches!(choice, Choice::Cancel(_)) && !rng.once_in(16)
-        {
-            choice = choices[rng.below(choices.len())];
-        }
-        state = system.after(&state, choice);
-        way.push(choice);
-    }
-    (Outcome::Endless, way)
 }

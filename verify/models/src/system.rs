@@ -1,21 +1,16 @@
 //! All states of a world: workers, messages under way, timers. Every transition is one call of the
 //! real [`Worker::step`].
 
-use crate::hull::{Hull, Vertex};
+use crate::hull::{Hull, Letter};
 use crate::museum::Exhibit;
-use crate::world::{Network, Node, World, brute_force};
-use ltbw::protocol::{
-    Action, Attempt, BlockId, Event, Message, Name, Note, Rule, Ticket, WorkerId,
-};
+use crate::world::{Network, Node, World};
+use ltbw::protocol::{Action, Attempt, BlockId, Event, Message, Note, Rule, Ticket, WorkerId};
 use std::collections::hash_map::DefaultHasher;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;
 use std::hash::{Hash, Hasher};
 use std::marker::PhantomData;
 use std::sync::Arc;
-
-/// A message over the abstract mesh.
-pub type Letter<C> = Message<Hull<C>>;
 
 /// A 64-bit hash with fixed keys.
 pub fn fingerprint(value: &impl Hash) -> u64 {
@@ -247,41 +242,14 @@ impl<C: Exhibit> System<C> {
                 return Some("stopped too early");
             }
         }
-        if self.is_final(state) { self.final_fault(state) } else { None }
-    }
-
-    /// What is wrong at the end: something left over, or another mesh than the only right one.
-    fn final_fault(&self, state: &State<C>) -> Option<&'static str> {
-        if !state.nodes.iter().all(|node| node.is_quiescent()) || !state.backoffs.is_empty() {
-            return Some("something is left over at the end");
+        if !self.is_final(state) {
+            return None;
         }
-        if state.nodes.iter().any(|node| node.mesh().has_locks()) {
-            return Some("a lock is left at the end");
+        if !state.backoffs.is_empty() {
+            return Some("a backoff is left at the end");
         }
-        let mut found = Vec::new();
-        let mut edges = BTreeMap::new();
-        for node in &state.nodes {
-            for cell in node.mesh().cells() {
-                if !node.directory().is_mine(cell.piece.block()) {
-                    return Some("a cell is at the wrong worker");
-                }
-                found.push(cell.piece.ends);
-                edges.insert(cell.piece.name, cell.piece);
-            }
-        }
-        if !links_are_mutual(&edges) {
-            return Some("links are not mutual at the end");
-        }
-        let mut points = self.world.polygon.clone();
-        match state.cancelled.is_empty() {
-            true => points.extend(&self.world.points),
-            // What was inserted before the cancel is not known from outside: all that is there.
-            false => points.extend(found.iter().flatten()),
-        }
-        points.sort_unstable();
-        points.dedup();
-        found.sort_unstable();
-        (found != brute_force(&points)).then_some("the mesh is wrong at the end")
+        let nodes: Vec<&Node<C>> = state.nodes.iter().map(|node| &**node).collect();
+        self.world.fault_at_end(&nodes, !state.cancelled.is_empty())
     }
 }
 
@@ -316,17 +284,4 @@ fn fold<C: Exhibit>(state: &mut State<C>) {
     for (letter, old) in letters.into_iter().zip(state.channels.values_mut().flatten()) {
         *old = Shared::new(letter);
     }
-}
-
-/// Does every link lead to the cell behind it and back?
-fn links_are_mutual(edges: &BTreeMap<Name, crate::hull::Piece>) -> bool {
-    edges.values().all(|edge| {
-        let shared: [Vertex; 2] = [edge.ends[1], edge.ends[0]];
-        (0..2).all(|side| {
-            edges.get(&edge.links[side].name).is_some_and(|far| {
-                let back = 1 - side;
-                far.links[back].name == edge.name && far.ends[side] == shared[side]
-            })
-        })
-    })
 }

@@ -4,6 +4,7 @@ use crate::hull::{Hull, Link, Piece, Vertex, block_of, orient};
 use crate::museum::Exhibit;
 use crate::witness::Witness;
 use ltbw::protocol::{BlockId, Config, Directory, Name, Rule, Source, Worker, WorkerId};
+use std::collections::BTreeMap;
 
 /// The points of one worker.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -185,6 +186,47 @@ impl World {
         };
         self.points.iter().map(|&p| sees(p)).collect()
     }
+
+    /// What is wrong at the end of a run: something left over, or another mesh than the only right
+    /// one. If the run was `cancelled`, any subset of the points may have been inserted.
+    pub fn fault_at_end<C: Exhibit>(
+        &self,
+        nodes: &[&Node<C>],
+        cancelled: bool,
+    ) -> Option<&'static str> {
+        if let Some(what) = nodes.iter().find_map(|node| node.mesh().broken) {
+            return Some(what);
+        }
+        if !nodes.iter().all(|node| node.is_quiescent()) {
+            return Some("something is left over at the end");
+        }
+        if nodes.iter().any(|node| node.mesh().has_locks()) {
+            return Some("a lock is left at the end");
+        }
+        let mut found = Vec::new();
+        let mut edges = BTreeMap::new();
+        for node in nodes {
+            for cell in node.mesh().cells() {
+                if !node.directory().is_mine(cell.piece.block()) {
+                    return Some("a cell is at the wrong worker");
+                }
+                found.push(cell.piece.ends);
+                edges.insert(cell.piece.name, cell.piece);
+            }
+        }
+        if !links_are_mutual(&edges) {
+            return Some("links are not mutual at the end");
+        }
+        let mut points = self.polygon.clone();
+        match cancelled {
+            false => points.extend(&self.points),
+            true => points.extend(found.iter().flatten()),
+        }
+        points.sort_unstable();
+        points.dedup();
+        found.sort_unstable();
+        (found != brute_force(&points)).then_some("the mesh is wrong at the end")
+    }
 }
 
 /// The convex hull by brute force: a directed pair is an edge if all other points are to its left.
@@ -200,4 +242,17 @@ pub fn brute_force(points: &[Vertex]) -> Vec<[Vertex; 2]> {
     }
     hull.sort_unstable();
     hull
+}
+
+/// Does every link lead to the cell behind it and back?
+fn links_are_mutual(edges: &BTreeMap<Name, Piece>) -> bool {
+    edges.values().all(|edge| {
+        let shared: [Vertex; 2] = [edge.ends[1], edge.ends[0]];
+        (0..2).all(|side| {
+            edges.get(&edge.links[side].name).is_some_and(|far| {
+                let back = 1 - side;
+                far.links[back].name == edge.name && far.ends[side] == shared[side]
+            })
+        })
+    })
 }

@@ -30,8 +30,12 @@ pub fn same_two() -> World {
 /// Two points see the same three edges, one at each worker.
 pub fn two_on_three() -> World {
     let points = [(95, 31, 0), (74, 67, 2)];
-    World::new("2 cavities, 3 owners", &[0, 1, 2], &hexagon([1, 2, 2, 2, 0, 0]), &points)
-        .shows(&[SetBack, Crossing, Installation, Walk])
+    World::new("2 cavities, 3 owners", &[0, 1, 2], &hexagon([1, 2, 2, 2, 0, 0]), &points).shows(&[
+        SetBack,
+        Crossing,
+        Installation,
+        Walk,
+    ])
 }
 
 /// Three cavities in a ring, each at two workers and overlapping the next in one edge.
@@ -72,13 +76,20 @@ pub fn four_owners() -> World {
 /// Two contested cavities while a block goes away and comes back.
 pub fn there_and_back() -> World {
     let moves = [(2, 1), (2, 2)];
-    World { name: "a block goes and returns", ..two_on_three() }.moving(&moves)
-        .shows(&[SetBack, Crossing, Installation, Bounce, Walk, Move])
+    World { name: "a block goes and returns", ..two_on_three() }.moving(&moves).shows(&[
+        SetBack,
+        Crossing,
+        Installation,
+        Bounce,
+        Walk,
+        Move,
+    ])
 }
 
 /// Two contested cavities while two blocks change places.
 pub fn swap() -> World {
-    World { name: "two blocks change places", ..same_two() }.moving(&[(0, 1), (1, 0)])
+    World { name: "two blocks change places", ..same_two() }
+        .moving(&[(0, 1), (1, 0)])
         .shows(&[SetBack, Crossing, Bounce, Walk, Move])
 }
 
@@ -105,27 +116,38 @@ pub fn slots_again() -> World {
 /// One point walks to another worker and has its closure at three.
 pub fn one_far_point() -> World {
     let polygon = hexagon([2, 0, 0, 1, 1, 2]);
-    World::new("token, 1 cavity, 3 owners", &[0, 1, 2, 1], &polygon, &[(87, 50, 3)]).terminating()
+    World::new("token, 1 cavity, 3 owners", &[0, 1, 2, 1], &polygon, &[(87, 50, 3)])
+        .terminating()
         .shows(&[Walk])
+}
+
+/// One point, with its closure at two workers: the smallest run with messages.
+pub fn one_on_two() -> World {
+    let world = same_two().terminating().shows(&[]);
+    World { name: "token, 1 cavity, 2 owners", points: world.points[..1].to_vec(), ..world }
 }
 
 /// The token goes round while two cavities are contested.
 pub fn token_same_two() -> World {
-    World { name: "token, 2 owners, same 2 cells", ..same_two() }.terminating()
+    World { name: "token, 2 owners, same 2 cells", ..same_two() }
+        .terminating()
         .shows(&[SetBack, Crossing, Walk])
 }
 
 /// The token goes round while two cavities at three workers are contested.
 pub fn token_two_on_three() -> World {
-    World { name: "token, 2 cavities, 3 owners", ..two_on_three() }.terminating()
-        .shows(&[SetBack, Crossing, Installation, Walk])
+    World { name: "token, 2 cavities, 3 owners", ..two_on_three() }.terminating().shows(&[
+        SetBack,
+        Crossing,
+        Installation,
+        Walk,
+    ])
 }
 
 /// The token goes round while a block moves.
 pub fn token_move() -> World {
     let moves = [(1, 2), (1, 0)];
-    World { name: "token, a block moves", ..one_far_point() }.moving(&moves)
-        .shows(&[Walk, Move])
+    World { name: "token, a block moves", ..one_far_point() }.moving(&moves).shows(&[Walk, Move])
 }
 
 /// Points that walk elsewhere and are inserted there at once: messages of these kinds may overtake
@@ -141,8 +163,12 @@ pub fn walks_unordered() -> World {
 
 /// Two contested cavities, and a cancel of every worker at any time.
 pub fn cancels() -> World {
-    World { name: "cancels", ..token_two_on_three() }.cancelled()
-        .shows(&[SetBack, Crossing, Installation, Walk])
+    World { name: "cancels", ..token_two_on_three() }.cancelled().shows(&[
+        SetBack,
+        Crossing,
+        Installation,
+        Walk,
+    ])
 }
 
 /// The worlds in which all three rules are explored.

@@ -5,8 +5,9 @@
 use ltbw::protocol::{Rule, Sound};
 use ltbw_models::graph::{Graph, Limits};
 use ltbw_models::museum::{self, Exhibit};
-use ltbw_models::random::{Outcome, run, world};
+use ltbw_models::random::world;
 use ltbw_models::report::row;
+use ltbw_models::runs::{Outcome, run};
 use ltbw_models::system::System;
 use ltbw_models::world::World;
 use ltbw_models::worlds;

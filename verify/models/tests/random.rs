@@ -3,8 +3,9 @@
 
 use ltbw::protocol::Sound;
 use ltbw_models::graph::tell;
-use ltbw_models::random::{Outcome, run, world};
+use ltbw_models::random::world;
 use ltbw_models::report::{is_deep, row};
+use ltbw_models::runs::{Outcome, run};
 use ltbw_models::system::System;
 
 #[test]
