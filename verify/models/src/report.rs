@@ -14,3 +14,14 @@ pub fn row(model: &str, bounds: &str, explored: &str, outcome: &str) {
 pub fn is_deep() -> bool {
     std::env::var_os("LTBW_DEEP").is_some()
 }
+
+/// Runs a known-bad model, which must panic; returns what it said.
+///
+/// # Panics
+/// If the model does not.
+pub fn caught(model: impl FnOnce() + std::panic::UnwindSafe) -> String {
+    let panic = std::panic::catch_unwind(model).expect_err("a known-bad model was not caught");
+    let text = panic.downcast_ref::<String>().cloned();
+    let text = text.or_else(|| panic.downcast_ref::<&str>().map(|text| (*text).to_string()));
+    text.unwrap_or_default()
+}
