@@ -10,6 +10,10 @@ use ltbw::mailbox::{Endpoint, connect_as};
 use ltbw::protocol::{Action, Event, Note};
 use std::collections::BTreeSet;
 
+/// A failed model unwinds threads that are asleep, when its locks are gone already: endpoints,
+/// which would lock in their destructor, are leaked then.
+pub use std::mem::ManuallyDrop as Kept;
+
 #[cfg(loom)]
 use loom::thread;
 #[cfg(shuttle)]
@@ -36,9 +40,10 @@ pub enum Seen {
 /// Runs a worker until it is stopped.
 fn work<C: Exhibit>(
     mut node: Node<C>,
-    mut end: Endpoint<Letter<C>, C>,
+    end: Endpoint<Letter<C>, C>,
     moves: &[(u32, u32)],
 ) -> (Node<C>, BTreeSet<Seen>) {
+    let mut end = Kept::new(end);
     let mut seen = BTreeSet::new();
     let (mut inbox, mut actions) = (Vec::new(), Vec::new());
     let mut moves = moves.iter().copied().peekable();
@@ -69,6 +74,7 @@ fn work<C: Exhibit>(
             end.wait();
         }
     }
+    drop(Kept::into_inner(end));
     (node, seen)
 }
 

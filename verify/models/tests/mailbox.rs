@@ -12,6 +12,7 @@ use ltbw::mailbox::{Endpoint, connect_as};
 use ltbw::protocol::{Conduct, Sound};
 use ltbw_models::museum::LostWakeUp;
 use ltbw_models::report::{caught, row};
+use ltbw_models::threads::Kept;
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 
@@ -43,7 +44,7 @@ fn receive<C: Conduct>(end: &mut Endpoint<u32, C>, count: usize) -> Vec<(u32, u3
 
 /// Two senders, one of them in two batches, and a receiver that sleeps.
 fn two_senders<C: Conduct>() -> Vec<(u32, u32)> {
-    let mut ends = connect_as::<u32, C>(3).into_iter();
+    let mut ends = connect_as::<u32, C>(3).into_iter().map(Kept::new);
     let (mut me, mut first, mut second) =
         (ends.next().expect("3"), ends.next().expect("3"), ends.next().expect("3"));
     let one = thread::spawn(move || {
@@ -51,15 +52,18 @@ fn two_senders<C: Conduct>() -> Vec<(u32, u32)> {
         first.flush();
         first.send(0, 11);
         first.flush();
+        drop(Kept::into_inner(first));
     });
     let two = thread::spawn(move || {
         second.send(0, 20);
         second.send(0, 21);
         second.flush();
+        drop(Kept::into_inner(second));
     });
     let taken = receive(&mut me, 4);
     one.join().expect("senders do not panic");
     two.join().expect("senders do not panic");
+    drop(Kept::into_inner(me));
     taken
 }
 
