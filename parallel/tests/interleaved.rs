@@ -127,7 +127,7 @@ fn run(points: Vec<Point>, plan: Plan, rule: Rule, migrations: u32, seed: u64) -
 }
 
 fn plan(workers: u32, sample: usize) -> Plan {
-    Plan { workers, blocks_per_worker: 4, cursors: 4, sample }
+    Plan { workers, blocks_per_worker: 4, cursors: 4, sample, roomy: false }
 }
 
 #[test]

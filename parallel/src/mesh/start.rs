@@ -23,6 +23,9 @@ pub struct Plan {
     pub cursors: usize,
     /// Points of the coarse mesh, if there are so many.
     pub sample: usize,
+    /// Reserve memory for all tetrahedra to come, for uniform points: pages that stay unused cost
+    /// nothing but address space.
+    pub roomy: bool,
 }
 
 impl Plan {
@@ -32,7 +35,7 @@ impl Plan {
     pub fn new(points: usize, workers: u32) -> Self {
         let workers = workers.max(1);
         let sample = (points / 100).max(60 * workers as usize);
-        Self { workers, blocks_per_worker: 16, cursors: 16, sample }
+        Self { workers, blocks_per_worker: 16, cursors: 16, sample, roomy: false }
     }
 
     /// Builds the coarse mesh and distributes it.
@@ -49,7 +52,7 @@ impl Plan {
         let owners: Vec<WorkerId> =
             (0..blocks.len()).map(|block| block / self.blocks_per_worker).collect();
         let setting = Setting::of(&points, set.mode());
-        let mut workers = self.submeshes(&setting, &blocks, &owners);
+        let mut workers = self.submeshes(&setting, &blocks, points.len());
         distribute(&coarse, &sample, &points, &blocks, &owners, &mut workers);
         let mut duplicates = Vec::new();
         for &(duplicate, kept) in coarse.duplicates() {
@@ -77,9 +80,17 @@ impl Plan {
         Ok(sample)
     }
 
-    fn submeshes(&self, setting: &Setting, blocks: &Blocks, owners: &[WorkerId]) -> Vec<LocalMesh> {
-        let _ = owners;
-        (0..self.workers).map(|me| LocalMesh::new(me, setting, blocks.clone())).collect()
+    fn submeshes(&self, setting: &Setting, blocks: &Blocks, points: usize) -> Vec<LocalMesh> {
+        let submesh = |me| {
+            let mut mesh = LocalMesh::new(me, setting, blocks.clone());
+            if self.roomy {
+                // The first one receives all others in the end.
+                let share = if me == 0 { points } else { points / self.workers as usize };
+                mesh.part.reserve(7 * share + share / 4 + 1024);
+            }
+            mesh
+        };
+        (0..self.workers).map(submesh).collect()
     }
 
     /// Each worker's own points that are not in the sample, in curve order.
