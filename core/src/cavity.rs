@@ -80,7 +80,7 @@ const LOCAL_BITS: u32 = 7;
 /// `OTHERS[i]`: the slots other than i in the order in which (p, others) is positively oriented
 /// when p stands for vertex i of a positively oriented tetrahedron. Slot 3 stays last, and so
 /// does the vertex at infinity.
-const OTHERS: [[usize; 3]; 4] = [[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]];
+pub(crate) const OTHERS: [[usize; 3]; 4] = [[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]];
 
 /// A face of the cavity's boundary.
 #[derive(Clone, Copy, Debug, Default)]
@@ -193,6 +193,18 @@ impl Cavity {
             rim: &self.rim[..self.rim_len],
             faces: &self.faces[..self.created.len().min(2 * SMALL)],
         }
+    }
+
+    /// The tetrahedra of the open cavity.
+    pub(crate) fn tets(&self) -> &[TetId] {
+        &self.tets
+    }
+
+    /// The walls of the open cavity: each one's vertices, which are a positively oriented
+    /// tetrahedron with the point before them, and the face seen from outside. After the filling
+    /// the k-th belongs to the k-th tetrahedron of the star.
+    pub(crate) fn walls(&self) -> impl Iterator<Item = ([VertexId; 3], FaceId)> + '_ {
+        self.walls.iter().map(|w| (w.v, w.outer))
     }
 
     /// Number of conflict tests that the last [`Cavity::expand`] made.

@@ -15,6 +15,7 @@
 //! | [`mesh`] | [`Mesh`]: insertion and iteration |
 //! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
 //! | [`query`] | questions to a [`Mesh`], from many threads: locate, nearest, Voronoi cells |
+//! | [`refine`] | conforming Delaunay refinement of domains |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
 //! | [`snapshot`] | [`Snapshot`]: a mesh to be stored, restored through validation |
 //! | `interop` | conversions from and to `nalgebra` (feature `nalgebra`) |
@@ -44,6 +45,7 @@ pub mod points;
 pub mod predicates;
 pub mod query;
 mod raw;
+pub mod refine;
 #[cfg(feature = "serde")]
 mod serialise;
 pub mod snapshot;
