@@ -51,6 +51,17 @@ impl Bounds<'_> {
         excess
     }
 
+    /// The edge length that splitting `t` may go down to near small angles: its own shortest edge,
+    /// or, if it is too large, that of a cube of the volume wanted.
+    pub(crate) fn grain(&self, state: &State, t: TetId, shape: &Shape) -> f64 {
+        let edge = shape.edge2.sqrt();
+        let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
+        let own = self.volumes.get(state.marks.region(t) as usize).copied().flatten();
+        let bounds = [own, self.field_bound([&a, &b, &c, &d])];
+        let exceeded = bounds.into_iter().flatten().filter(|bound| bound.excess(shape) >= 1.0);
+        exceeded.map(|bound| bound.volume().cbrt()).fold(edge, f64::min)
+    }
+
     /// The bound of the sizing field at the centroid: the volume of the regular tetrahedron with
     /// edges of the wanted length. A length that is not positive and finite bounds nothing.
     fn field_bound(&self, corners: [&Point; 4]) -> Option<VolumeBound> {

@@ -10,7 +10,7 @@
 use super::carrier::{cross, dot, minus};
 use crate::Point;
 use crate::predicates::filter::UNIT_ROUNDOFF;
-use crate::predicates::{Sign, orient3d};
+use crate::predicates::Sign;
 use num_bigint::BigInt;
 
 /// A vector of whole numbers.
@@ -68,10 +68,10 @@ pub(crate) fn diametral_side(a: &Point, b: &Point, p: &Point) -> Sign {
 /// Is `p` in the closed ball that has the circle through `a`, `b`, `c` as its equator?
 pub(crate) fn in_equatorial_ball(a: &Point, b: &Point, c: &Point, p: &Point) -> bool {
     let (u, v, w) = (minus(b, a), minus(c, a), minus(p, a));
-    let m = extent([&u, &v, &w]);
-    let m2 = m * m;
-    // Expanded, at most 162 products of six differences, each with fewer than 20 roundings.
-    let bound = 4096.0 * UNIT_ROUNDOFF * m2 * m2 * m2;
+    let (s, m) = (extent([&u, &v]), extent([&w]));
+    // Expanded, at most 162 products of four or five differences of the triangle and two or one
+    // to the point, each with fewer than 20 roundings.
+    let bound = 4096.0 * UNIT_ROUNDOFF * (s * s) * (s * s) * m * m.max(s);
     let sign = decided(equatorial(dot(&u, &u), dot(&u, &v), dot(&v, &v), [&u, &v, &w]), bound);
     sign.unwrap_or_else(|| equatorial_side(a, b, c, p)) != Sign::Positive
 }
@@ -195,6 +195,11 @@ impl VolumeBound {
         (-det << shift) > 6 * numerator
     }
 
+    /// The bound.
+    pub(crate) fn volume(&self) -> f64 {
+        self.bound
+    }
+
     /// The volume over the bound, rounded.
     pub(crate) fn excess(&self, shape: &Shape) -> f64 {
         shape.det / self.six
@@ -290,14 +295,10 @@ pub(crate) fn circumcircle(a: &Point, b: &Point, c: &Point) -> (Point, f64) {
     ([0, 1, 2].map(|k| a[k] + w[k]), dot(&w, &w))
 }
 
-/// Are four points on one plane?
-pub(crate) fn flat([a, b, c, d]: [&Point; 4]) -> bool {
-    orient3d(a, b, c, d).is_zero()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::predicates::orient3d;
     use proptest::prelude::*;
 
     /// Few-bit and full-size whole coordinates.
@@ -353,7 +354,8 @@ mod tests {
         ) {
             let positive = orient3d(&a, &b, &c, &d) == Sign::Positive;
             let corners = if positive { [&a, &b, &c, &d] } else { [&b, &a, &c, &d] };
-            prop_assume!(!flat(corners));
+            let [p, q, r, s] = corners;
+            prop_assume!(!orient3d(p, q, r, s).is_zero());
             let shape = Shape::of(corners);
             let ratio = RatioBound::new(bound);
             prop_assert_eq!(ratio.exceeded(&shape, corners), ratio.exceeded_exactly(corners));

@@ -20,6 +20,7 @@
 //! | `split` | the three rules |
 //! | `region` | inside, outside, regions |
 
+mod angles;
 mod bounds;
 mod carrier;
 mod facet;

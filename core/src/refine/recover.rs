@@ -7,7 +7,7 @@
 //! Those of its triangles that lie in the facet's polygons are its subfaces.
 
 use super::RefineError;
-use super::carrier::{Carrier, UNIT};
+use super::carrier::UNIT;
 use super::item::{Item, Work};
 use super::marks::{ENDS, face_bit};
 use super::plc::{Facet, Patch};
@@ -33,10 +33,10 @@ impl State {
             let v = self.vertices(t);
             for (k, [i, j]) in ENDS.into_iter().enumerate() {
                 let key = edge(v[i], v[j]);
-                if self.segments.contains_key(&key) {
+                if let Some(&s) = self.segments.get(&key) {
                     found.insert(key);
                     self.marks.set(t, 1 << (4 + k));
-                    if v.iter().any(|&w| self.vertex_encroaches_segment(key, w)) {
+                    if v.iter().any(|&w| self.vertex_encroaches_segment(key, s, w)) {
                         encroached.push(key);
                     }
                 }
@@ -50,6 +50,20 @@ impl State {
                 self.pend(Item::Segment(key), work);
             }
         }
+    }
+
+    /// The subsegments that the mesh has.
+    pub(crate) fn present_segments(&self) -> Set<[VertexId; 2]> {
+        let mut present = Set::default();
+        for (t, tet) in self.mesh.topology().iter() {
+            let (word, v) = (self.marks.of(t), tet.vertices());
+            for (k, [i, j]) in ENDS.into_iter().enumerate() {
+                if word >> (4 + k) & 1 == 1 {
+                    present.insert(edge(v[i], v[j]));
+                }
+            }
+        }
+        present
     }
 
     /// Ghosts carry marks like all others: a wall may border on one.
@@ -200,11 +214,6 @@ impl State {
             inside
         };
         patch.polygons.iter().map(encloses).collect()
-    }
-
-    /// Is this a vertex that the domain gave?
-    pub(crate) fn is_corner(&self, v: VertexId) -> bool {
-        matches!(self.carriers[v as usize], Carrier::Corner(_))
     }
 }
 

@@ -8,7 +8,7 @@ use super::measure::{RatioBound, VolumeBound};
 use super::outcome::{Excuse, Reason, RefineOutcome, RefineStats};
 use super::plc::Plc;
 use super::region::RegionInfo;
-use super::split::{Refinement, Step};
+use super::split::{Refinement, Refusal, Step};
 use super::state::State;
 use crate::build::{Builder, Observer};
 use crate::cavity::Open;
@@ -26,8 +26,13 @@ const CHECK_EVERY: u64 = 1024;
 /// Default floor of edge lengths: this part of the box.
 const FLOOR: f64 = 1.0 / (1 << 20) as f64;
 
-/// Default limit on inserted points.
-const STEINER_BUDGET: u64 = 50_000_000;
+/// Default limit on inserted points: this many, and so many for each corner and for each
+/// tetrahedron of the largest allowed volume that the box could hold.
+const STEINER_BASE: u64 = 1_000_000;
+/// See [`STEINER_BASE`].
+const STEINER_PER_CORNER: u64 = 64;
+/// See [`STEINER_BASE`].
+const STEINER_PER_VOLUME: f64 = 4.0;
 
 /// Refines domains.
 ///
@@ -50,7 +55,7 @@ pub struct Refiner<'a> {
     max_volume: Option<f64>,
     field: Option<&'a SizeField<'a>>,
     floor: Option<f64>,
-    max_points: u64,
+    max_points: Option<u64>,
     cancel: Option<&'a CancelToken>,
     observer: Option<&'a dyn Observer>,
 }
@@ -74,7 +79,7 @@ impl Default for Refiner<'_> {
             max_volume: None,
             field: None,
             floor: None,
-            max_points: STEINER_BUDGET,
+            max_points: None,
             cancel: None,
             observer: None,
         }
@@ -121,9 +126,11 @@ impl<'a> Refiner<'a> {
         self
     }
 
-    /// Inserts at most so many points (default 50 million).
+    /// Inserts at most so many points. By default a million, 64 for each vertex of the domain and 4
+    /// for each tetrahedron of the largest allowed volume that the domain's box could hold: far
+    /// more than a domain takes whose details the lattice resolves.
     pub fn max_points(mut self, count: u64) -> Self {
-        self.max_points = count;
+        self.max_points = Some(count);
         self
     }
 
@@ -160,6 +167,7 @@ impl<'a> Refiner<'a> {
             work: Queues::default(),
             stats: RefineStats::default(),
             steps: 0,
+            most: self.max_points.unwrap_or_else(|| self.default_budget(snapped)),
             stop: None,
         };
         run.recover(&kernel)?;
@@ -198,6 +206,17 @@ impl<'a> Refiner<'a> {
             (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max) * FLOOR
         });
         length / snapped.lattice.fine_step()
+    }
+
+    fn default_budget(&self, snapped: &Snapped) -> u64 {
+        let (low, high) = snapped.domain.bounds().unwrap_or(([0.0; 3], [1.0; 3]));
+        let volume: f64 = (0..3).map(|k| high[k] - low[k]).product();
+        let regions = snapped.domain.regions.iter().filter_map(|r| r.max_volume);
+        let least = regions.chain(self.max_volume).fold(f64::INFINITY, f64::min);
+        // A conversion of floats saturates.
+        let by_volume = (STEINER_PER_VOLUME * volume / least) as u64;
+        let by_corners = STEINER_PER_CORNER * snapped.domain.vertices.len() as u64;
+        by_volume.saturating_add(by_corners).saturating_add(STEINER_BASE)
     }
 
     fn bounds(&self, regions: &[RegionInfo], lattice: &Lattice) -> Bounds<'a> {
@@ -243,6 +262,8 @@ struct Run<'a> {
     work: Queues,
     stats: RefineStats,
     steps: u64,
+    /// The most points to insert.
+    most: u64,
     /// Why the work stops early.
     stop: Option<Reason>,
 }
@@ -324,11 +345,11 @@ impl Run<'_> {
         }
         let stats = &mut self.stats;
         let inserted = stats.segment_points + stats.facet_points + stats.free_points;
-        if inserted >= self.refiner.max_points {
+        if inserted >= self.most {
             self.stop = self.stop.or(Some(Reason::Budget));
         }
         if let Some(reason) = self.stop {
-            self.refinement.refused.insert(item, reason);
+            self.refinement.refused.insert(item, Refusal::final_for(reason));
             return Ok(());
         }
         match self.refinement.split(item, &mut self.work, &mut Open) {
@@ -368,18 +389,20 @@ impl Run<'_> {
         if let Some(bounds) = &bounds {
             for t in state.mesh.tet_ids().filter(|&t| bounds.excess(&state, t).is_some()) {
                 let item = Item::Tet(t, state.vertices(t));
-                let reason = refused.get(&item).copied().or(self.stop).unwrap_or(Reason::Rounding);
+                let reason = refused.get(&item).map(|r| r.reason).or(self.stop);
+                let reason = reason.unwrap_or(Reason::Rounding);
                 excuses.push(Excuse { tet: t, reason });
             }
         }
+        let present = state.present_segments();
         let mut lost: Vec<(Item, Reason)> = refused
             .iter()
             .filter(|(item, _)| match item {
-                Item::Segment(s) => state.segments.contains_key(s),
+                Item::Segment(s) => state.segments.contains_key(s) && !present.contains(s),
                 Item::Subface(s) => state.missing.contains(s),
                 Item::Tet(..) => false,
             })
-            .map(|(&item, &reason)| (item, reason))
+            .map(|(&item, refusal)| (item, refusal.reason))
             .collect();
         lost.sort_unstable();
         let outcome = match self.stop {

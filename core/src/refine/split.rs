@@ -4,8 +4,9 @@
 //! its point and the registry alone. It ends with the point inserted; or with nothing changed and
 //! other items put before it (*deferred*); or with a reason why its item cannot be split.
 
+use super::angles::{direction, is_sharp};
 use super::bounds::Bounds;
-use super::carrier::{Carrier, Line, distance2, dot, free_point, minus};
+use super::carrier::{Carrier, Line, distance2, free_point};
 use super::facet::{Change, Seed};
 use super::item::{Item, Work};
 use super::marks::{edge_bit, face_bit};
@@ -35,6 +36,21 @@ pub(crate) enum Step {
     SetBack(Setback),
 }
 
+/// Why an item was refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Refusal {
+    pub(crate) reason: Reason,
+    /// The shortest edge that was allowed; a proposal that allows shorter ones may try again.
+    limit: Option<f64>,
+}
+
+impl Refusal {
+    /// A refusal for good.
+    pub(crate) fn final_for(reason: Reason) -> Self {
+        Self { reason, limit: None }
+    }
+}
+
 /// Where to insert a point.
 struct Place {
     p: Point,
@@ -48,9 +64,11 @@ pub(crate) struct Refinement<'a> {
     pub(crate) state: State,
     /// `None` while the boundary is recovered: no tetrahedron is looked at then.
     pub(crate) bounds: Option<Bounds<'a>>,
-    pub(crate) refused: Map<Item, Reason>,
+    pub(crate) refused: Map<Item, Refusal>,
     /// Tetrahedra made while a subface was missing: their region is not certain.
     pub(crate) dirty: Vec<(TetId, [VertexId; 4])>,
+    /// Proposed items near small angles: the shortest edge that splitting them may make.
+    limits: Map<Item, f64>,
     /// Shortest edge that may be made, in fine steps.
     pub(crate) floor: f64,
     /// Number of the next vertex.
@@ -66,6 +84,7 @@ impl<'a> Refinement<'a> {
             bounds: None,
             refused: Map::default(),
             dirty: Vec::new(),
+            limits: Map::default(),
             floor,
             next_number,
             created: Vec::new(),
@@ -86,7 +105,8 @@ impl<'a> Refinement<'a> {
         };
         match step {
             Step::Refused(reason) => {
-                self.refused.insert(item, reason);
+                let limit = self.limits.remove(&item);
+                self.refused.insert(item, Refusal { reason, limit });
                 // A refused item no longer waits; only a missing one keeps its place.
                 if !matches!(item, Item::Subface(s) if self.state.missing.contains(&s)) {
                     self.state.registry.remove(item);
@@ -94,6 +114,7 @@ impl<'a> Refinement<'a> {
             }
             Step::Inserted | Step::Gone if !matches!(item, Item::Tet(..)) => {
                 self.state.registry.remove(item);
+                self.limits.remove(&item);
             }
             _ => {}
         }
@@ -109,8 +130,8 @@ impl<'a> Refinement<'a> {
     ) -> Step {
         let item = Item::Segment(ends);
         let Some(&s) = self.state.segments.get(&ends) else { return Step::Gone };
-        if let Some(&reason) = self.refused.get(&item) {
-            return Step::Refused(reason);
+        if let Some(refusal) = self.refused.get(&item) {
+            return Step::Refused(refusal.reason);
         }
         let Some(t) = self.state.split_parameter(ends, s) else {
             return Step::Refused(Reason::Floor);
@@ -124,6 +145,11 @@ impl<'a> Refinement<'a> {
         match self.open(&place, admission) {
             Ok(()) => {}
             Err(step) => return step,
+        }
+        let reason = self.state.angles.segment_reason.get(&s).copied();
+        if let Some(reason) = reason.filter(|_| self.is_too_near(item, &p)) {
+            self.state.mesh.set_back();
+            return Step::Refused(reason);
         }
         let mut changes = Vec::new();
         for f in self.state.facets_of(place.carrier) {
@@ -148,8 +174,8 @@ impl<'a> Refinement<'a> {
     ) -> Step {
         let item = Item::Subface(corners);
         let Some(&f) = self.state.subfaces.get(&corners) else { return Step::Gone };
-        if let Some(&reason) = self.refused.get(&item) {
-            return Step::Refused(reason);
+        if let Some(refusal) = self.refused.get(&item) {
+            return Step::Refused(refusal.reason);
         }
         let [a, b, c] = corners.map(|v| self.state.at(v));
         let (centre, square) = circumcircle(&a, &b, &c);
@@ -165,9 +191,15 @@ impl<'a> Refinement<'a> {
                 Err(Step::Refused(_)) => continue,
                 Err(step) => return step,
             }
+            let reason = self.state.angles.facet_reason.get(&f).copied();
+            if let Some(reason) = reason.filter(|_| self.is_too_near(item, &p)) {
+                self.state.mesh.set_back();
+                return Step::Refused(reason);
+            }
             if !self.state.touched.hit_segments.is_empty() {
                 self.state.mesh.set_back();
-                return self.defer(item, work);
+                let limit = self.limits.get(&item).copied();
+                return self.defer(item, limit, work);
             }
             if let Some(change) = self.state.plan(f, &p, Seed::At(corners))
                 && change.removed.contains(&corners)
@@ -195,8 +227,9 @@ impl<'a> Refinement<'a> {
         let item = Item::Tet(t, v);
         let [a, b, c, d] = v.map(|v| self.state.at(v));
         let shape = Shape::of([&a, &b, &c, &d]);
+        let mut reason = self.state.reason_near(v);
         let Some(centre) = shape.circumcentre(&d) else {
-            return Step::Refused(Reason::Rounding);
+            return Step::Refused(reason);
         };
         let radius = shape.radius();
         if radius < self.floor {
@@ -213,16 +246,21 @@ impl<'a> Refinement<'a> {
             let touched = &self.state.touched;
             if !touched.hit_segments.is_empty() || !touched.hit_subfaces.is_empty() {
                 self.state.mesh.set_back();
-                return self.defer(item, work);
+                let limit = self.bounds.as_ref().map(|b| b.grain(&self.state, t, &shape));
+                return self.defer(item, limit, work);
             }
             let kills = self.state.mesh.topology().tet(t).is_marked();
             if kills && touched.inner.is_empty() {
                 self.insert(&place, None, &[], work);
                 return Step::Inserted;
             }
+            // The cavity reaches across a facet near a small angle.
+            let mut crossed = touched.inner.iter();
+            let known = crossed.find_map(|(_, f)| self.state.angles.facet_reason.get(f));
+            reason = known.copied().unwrap_or(reason);
             self.state.mesh.set_back();
         }
-        Step::Refused(Reason::Rounding)
+        Step::Refused(reason)
     }
 
     /// Opens the cavity of a place and looks at the boundary in it.
@@ -237,10 +275,20 @@ impl<'a> Refinement<'a> {
         Ok(())
     }
 
-    /// Puts the item that the last proposed point encroached before `item`, which waits.
+    /// Would the point of the open cavity make an edge shorter than what `item` is limited to?
+    /// The vertex nearest to a new point is always on the rim of its cavity.
+    fn is_too_near(&self, item: Item, p: &Point) -> bool {
+        let Some(&limit) = self.limits.get(&item) else { return false };
+        let mut rim = self.state.mesh.cavity().walls().flat_map(|(v, _)| v);
+        rim.any(|v| v != INFINITE && distance2(&self.state.at(v), p) < limit * limit)
+    }
+
+    /// Puts the item that the last proposed point encroached before `item`, which waits. Near small
+    /// angles, splitting it may make no edge shorter than `limit`.
     ///
-    /// If that item was refused, so is this one, for the same reason.
-    fn defer<W: Work>(&mut self, item: Item, work: &mut W) -> Step {
+    /// If that item was refused, so is this one, for the same reason, unless it allows shorter edges
+    /// than before.
+    fn defer<W: Work>(&mut self, item: Item, limit: Option<f64>, work: &mut W) -> Step {
         let touched = &self.state.touched;
         let segments = touched.hit_segments.iter().map(|&s| Item::Segment(s));
         let subfaces = touched.hit_subfaces.iter().map(|&s| Item::Subface(s));
@@ -250,14 +298,20 @@ impl<'a> Refinement<'a> {
         };
         let mut reason = Reason::Rounding;
         for first in all {
-            match self.refused.get(&first) {
-                Some(&why) => reason = why,
-                None => {
-                    self.state.pend(first, work);
-                    work.put_back(item);
-                    return Step::Deferred;
+            if let Some(refusal) = self.refused.get(&first) {
+                let again = limit.zip(refusal.limit).is_some_and(|(new, old)| new < 0.99 * old);
+                if !again {
+                    reason = refusal.reason;
+                    continue;
                 }
+                self.refused.remove(&first);
             }
+            if let Some(limit) = limit {
+                self.limits.insert(first, limit);
+            }
+            self.state.pend(first, work);
+            work.put_back(item);
+            return Step::Deferred;
         }
         Step::Refused(reason)
     }
@@ -362,7 +416,7 @@ impl<'a> Refinement<'a> {
             let Some(slot) = (1..4).find(|&k| v[k] == a) else { continue };
             present = true;
             self.state.marks.set(t, edge_bit(0, slot));
-            encroached |= v.iter().any(|&w| self.state.vertex_encroaches_segment(key, w));
+            encroached |= v.iter().any(|&w| self.state.vertex_encroaches_segment(key, s, w));
         }
         if !present || encroached {
             self.state.pend(Item::Segment(key), work);
@@ -422,26 +476,23 @@ impl State {
         Line::near(t, 1.0, low, high)
     }
 
+    /// The small angle that a tetrahedron is at, if any of its vertices is on something at one.
+    fn reason_near(&self, v: [VertexId; 4]) -> Reason {
+        let facets = |f: &u32| self.angles.facet_reason.get(f);
+        let reasons = v.into_iter().find_map(|v| match self.carriers[v as usize] {
+            Carrier::Segment(s, _) => self.angles.segment_reason.get(&s),
+            Carrier::Corner(c) => self.plc.facets_at[c as usize].iter().find_map(facets),
+            Carrier::Facet(f) => facets(&f),
+            Carrier::Free => None,
+        });
+        reasons.copied().unwrap_or(Reason::Rounding)
+    }
+
     /// Does vertex `v` of segment `s` lie at a corner where another segment leaves at less than 60°?
     fn is_sharp(&self, v: VertexId, s: u32) -> bool {
         let Carrier::Corner(c) = self.carriers[v as usize] else { return false };
-        let from = self.plc.corners[c as usize];
-        let direction = |s: u32| {
-            let segment = &self.plc.segments[s as usize];
-            let far = segment.ends[usize::from(segment.ends[0] == c)];
-            let d = self.plc.corners[far as usize];
-            minus(&d.map(|x| x as f64), &from.map(|x| x as f64))
-        };
-        let mine = direction(s);
-        self.plc.segments_at[c as usize].iter().any(|&other| {
-            if other == s {
-                return false;
-            }
-            let theirs = direction(other);
-            let product = dot(&mine, &theirs);
-            // cos² > 1/4; 60° itself is in order.
-            let limit = 0.25 * (1.0 + 1e-9) * dot(&mine, &mine) * dot(&theirs, &theirs);
-            product > 0.0 && product * product > limit
-        })
+        let mine = direction(&self.plc, s, c);
+        let others = self.plc.segments_at[c as usize].iter().filter(|&&other| other != s);
+        others.into_iter().any(|&other| is_sharp(&mine, &direction(&self.plc, other, c)))
     }
 }

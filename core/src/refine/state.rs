@@ -4,6 +4,7 @@
 //! it or not; the marks are on those that the mesh has. Every simplex that an insertion creates has
 //! the new point, so an item that the mesh has lost never comes back: it has to be split.
 
+use super::angles::Angles;
 use super::carrier::{Carrier, UNIT, distance2};
 use super::item::{Item, Work};
 use super::marks::{EDGES, ENDS, FACES, Marks, face_bit};
@@ -35,6 +36,7 @@ pub(crate) struct Touched {
 pub(crate) struct State {
     pub(crate) mesh: Mesh,
     pub(crate) plc: Plc,
+    pub(crate) angles: Angles,
     pub(crate) marks: Marks,
     /// Where each kernel vertex lives; entry 0 is the vertex at infinity.
     pub(crate) carriers: Vec<Carrier>,
@@ -55,6 +57,7 @@ impl State {
         let marks = Marks::new(mesh.topology().slots());
         Self {
             mesh,
+            angles: Angles::of(&plc),
             plc,
             marks,
             carriers,
@@ -116,7 +119,8 @@ impl State {
             && in_equatorial_ball(&self.at(a), &self.at(b), &self.at(c), p)
     }
 
-    /// Does vertex `v` (not the one at infinity) encroach a subface?
+    /// Does vertex `v` (not the one at infinity) encroach a present subface, and is it not
+    /// related to its facet?
     pub(crate) fn vertex_encroaches_subface(
         &self,
         subface: [VertexId; 3],
@@ -125,12 +129,22 @@ impl State {
     ) -> bool {
         v != INFINITE
             && !subface.contains(&v)
+            && !self.angles.related(&self.plc, self.carriers[v as usize], facet)
             && self.encroaches_subface(subface, facet, &self.at(v), self.carriers[v as usize])
     }
 
-    /// Does vertex `v` (not the one at infinity) encroach a subsegment?
-    pub(crate) fn vertex_encroaches_segment(&self, s: [VertexId; 2], v: VertexId) -> bool {
-        v != INFINITE && !s.contains(&v) && self.encroaches_segment(s, &self.at(v))
+    /// Does vertex `v` (not the one at infinity) encroach a present subsegment of segment `of`,
+    /// and is it not related to it?
+    pub(crate) fn vertex_encroaches_segment(
+        &self,
+        s: [VertexId; 2],
+        of: u32,
+        v: VertexId,
+    ) -> bool {
+        v != INFINITE
+            && !s.contains(&v)
+            && !self.angles.related_segment(self.carriers[v as usize], of)
+            && self.encroaches_segment(s, &self.at(v))
     }
 
     /// The ball of a boundary item, rounded.
@@ -197,14 +211,20 @@ impl State {
                 if inside {
                     inner.push((key, facet));
                 }
-                if self.encroaches_subface(key, facet, p, carrier) {
+                if !self.angles.related(&self.plc, carrier, facet)
+                    && self.encroaches_subface(key, facet, p, carrier)
+                {
                     hit_subfaces.push(key);
                 }
             }
         }
         edges.sort_unstable();
         edges.dedup();
-        hit_segments.extend(edges.iter().filter(|&&s| self.encroaches_segment(s, p)));
+        hit_segments.extend(edges.iter().filter(|&s| {
+            let of = self.segments.get(s);
+            !of.is_some_and(|&of| self.angles.related_segment(carrier, of))
+                && self.encroaches_segment(*s, p)
+        }));
         self.touch_pending(p, carrier, &mut touched);
         self.touched = touched;
     }
