@@ -2,6 +2,7 @@
 
 use crate::args::{Check, Depth};
 use crate::console;
+use crate::domain;
 use crate::outcome::{Exit, Failure, show};
 use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
@@ -13,6 +14,9 @@ const SHOWN: usize = 10;
 
 /// `ltbw check`.
 pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
+    if domain::is_domain(&args.mesh) {
+        return domain::check(args);
+    }
     console::end_on_signal()?;
     if let Some(json) = &args.json {
         let inputs = io::mesh_files(&args.mesh);

@@ -1,5 +1,6 @@
 //! Exit codes, and errors that print as one line.
 
+use ltbw::domain::PrepareError;
 use ltbw::io::IoError;
 use ltbw::{BuildError, PointError};
 use std::path::{Path, PathBuf};
@@ -40,6 +41,14 @@ pub(crate) enum Failure {
         /// What is wrong with them.
         error: PointError,
     },
+    /// The domain cannot be used.
+    #[error("{}: {error}", show(path))]
+    Domain {
+        /// The input file.
+        path: PathBuf,
+        /// Why.
+        error: PrepareError,
+    },
     /// The points have no mesh.
     #[error("{}: {error}", show(path))]
     Build {
@@ -68,7 +77,10 @@ impl Failure {
             ) => Exit::Usage,
             Failure::Write(_) | Failure::Other(_) => Exit::Output,
             Failure::Build { error: BuildError::Cancelled, .. } => Exit::Stopped,
-            Failure::Read(_) | Failure::Points { .. } | Failure::Build { .. } => Exit::Input,
+            Failure::Read(_)
+            | Failure::Points { .. }
+            | Failure::Domain { .. }
+            | Failure::Build { .. } => Exit::Input,
         }
     }
 }

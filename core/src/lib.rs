@@ -14,6 +14,7 @@
 //! | `sphere`, `geometry`, `locate` | cached spheres, the conflict test, the walk |
 //! | [`mesh`] | [`Mesh`]: insertion and iteration |
 //! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
+//! | [`part`] | [`part::Part`]: the part of a mesh that one worker of the parallel kernel owns |
 //! | [`query`] | questions to a [`Mesh`], from many threads: locate, nearest, Voronoi cells |
 //! | [`refine`] | conforming Delaunay refinement of domains |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
@@ -41,6 +42,7 @@ pub mod io;
 mod locate;
 pub mod mesh;
 pub mod order;
+pub mod part;
 pub mod points;
 pub mod predicates;
 pub mod query;

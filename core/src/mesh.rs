@@ -8,7 +8,9 @@ use crate::cavity::{Admission, Cavity, Open, Role, Setback, Star};
 use crate::geometry::Geometry;
 use crate::hash::{HashError, MeshHash, canonical_hash};
 use crate::locate::{Found, walk};
+use crate::part::Assembly;
 use crate::points::{Mode, PointError};
+use crate::raw::Arena;
 use crate::tetmesh::TetMesh;
 use crate::topology::{INFINITE, MAX_TETS, TetId, Topology, VertexId, tet_of};
 use crate::{Point, PredicateStats, Sign};
@@ -122,6 +124,68 @@ impl Mesh {
         }
     }
 
+    /// The mesh of assembled parts. Vertices that no tetrahedron has are left out.
+    pub(crate) fn assembled(
+        mut topology: Topology,
+        mut geometry: Geometry,
+        assembly: Assembly<'_>,
+    ) -> Self {
+        let Assembly { points, numbers, duplicates, mode } = assembly;
+        let count = points.len();
+        let mut used = vec![false; count + 1];
+        for (_, tet) in topology.iter() {
+            for v in tet.vertices() {
+                used[v as usize] = true;
+            }
+        }
+        let mut kept = vec![Vertex::MAX];
+        let mut arena = Arena::with_capacity(count + 1);
+        arena.push([f64::NAN; 3]);
+        let mut renamed = vec![INFINITE; count + 1];
+        for (v, p) in (1..).zip(points).filter(|&(v, _)| used[v]) {
+            renamed[v] = kept.len() as VertexId;
+            kept.push(numbers[v - 1]);
+            arena.push(p);
+        }
+        if kept.len() <= count {
+            topology.rename(|v| if v == INFINITE { v } else { renamed[v as usize] });
+        }
+        geometry.set_points(arena);
+        let vertices = kept.len();
+        let mut mesh = Self {
+            topology,
+            geometry,
+            cavity: Cavity::for_vertices(vertices),
+            numbers: kept,
+            duplicates: Vec::new(),
+            mode,
+            next_number: count as Vertex,
+            hint: 0,
+        };
+        mesh.hint = mesh.topology.iter().next().map_or(0, |(t, _)| t);
+        mesh.note_duplicates(duplicates, numbers, &renamed);
+        mesh
+    }
+
+    /// Of equal points the smallest number is the vertex, whichever was inserted first.
+    fn note_duplicates(
+        &mut self,
+        duplicates: &[(VertexId, VertexId)],
+        numbers: &[Vertex],
+        renamed: &[VertexId],
+    ) {
+        let mut pairs = Vec::with_capacity(duplicates.len());
+        for &(duplicate, vertex) in duplicates {
+            let v = renamed[vertex as usize];
+            let number = numbers[duplicate as usize - 1];
+            let kept = &mut self.numbers[v as usize];
+            pairs.push((number.max(*kept), v));
+            *kept = number.min(*kept);
+        }
+        self.duplicates = pairs.into_iter().map(|(d, v)| (d, self.numbers[v as usize])).collect();
+        self.duplicates.sort_unstable();
+    }
+
     /// Inserts a point given in kernel coordinates, as public number `number`.
     #[inline]
     pub(crate) fn place<A: Admission>(
@@ -149,7 +213,8 @@ impl Mesh {
     ) -> Result<Option<VertexId>, Setback> {
         let mut conflict = self.geometry.conflict_of(&p);
         let start = match walk(&self.topology, &mut conflict, from) {
-            Found::Conflict(t) | Found::Outside(t) => t,
+            // No tetrahedron of a whole mesh is closed.
+            Found::Conflict(t) | Found::Outside(t) | Found::Closed(t) => t,
             Found::Inside(t) => {
                 let geometry = conflict.geometry();
                 let corners = self.topology.tet(t).vertices();
@@ -297,6 +362,11 @@ impl Mesh {
     /// Coordinates, as the kernel computes with them, of a finite kernel vertex.
     pub(crate) fn kernel_point(&self, v: VertexId) -> Point {
         *self.geometry.point(v)
+    }
+
+    /// The public number of a finite kernel vertex.
+    pub fn number(&self, v: VertexId) -> Option<Vertex> {
+        if v == INFINITE { None } else { self.numbers.get(v as usize).copied() }
     }
 
     /// What the cached sphere of `t` alone says of a point in kernel coordinates.

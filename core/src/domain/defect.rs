@@ -195,7 +195,9 @@ pub enum DefectKind {
     TJunction,
     /// An edge of one facet only: the surface has a gap there.
     Leak,
-    /// Neighbouring facets of a shell are oriented against each other, or a shell inside out.
+    /// A facet edge inside the domain that no other facet has: a sheet that ends there.
+    Dangling,
+    /// A facet of an oriented surface that points inwards.
     Orientation,
     /// More than two facets meet at an edge.
     NonManifold,
@@ -207,7 +209,7 @@ pub enum DefectKind {
 
 impl DefectKind {
     /// Every kind.
-    pub const ALL: [DefectKind; 12] = [
+    pub const ALL: [DefectKind; 13] = [
         DefectKind::DuplicateVertex,
         DefectKind::UnusedVertex,
         DefectKind::Degenerate,
@@ -216,6 +218,7 @@ impl DefectKind {
         DefectKind::Intersection,
         DefectKind::TJunction,
         DefectKind::Leak,
+        DefectKind::Dangling,
         DefectKind::Orientation,
         DefectKind::NonManifold,
         DefectKind::SeedOnFacet,
@@ -234,6 +237,7 @@ impl DefectKind {
             DefectKind::Intersection => "domain.intersection",
             DefectKind::TJunction => "domain.t-junction",
             DefectKind::Leak => "domain.leak",
+            DefectKind::Dangling => "domain.dangling",
             DefectKind::Orientation => "domain.orientation",
             DefectKind::NonManifold => "domain.non-manifold",
             DefectKind::SeedOnFacet => "domain.seed-on-facet",
@@ -245,10 +249,11 @@ impl DefectKind {
     #[must_use]
     pub fn severity(self) -> Severity {
         match self {
-            DefectKind::NonManifold => Severity::Info,
-            DefectKind::UnusedVertex | DefectKind::NonPlanar | DefectKind::Orientation => {
-                Severity::Warning
-            }
+            DefectKind::NonManifold | DefectKind::Dangling => Severity::Info,
+            DefectKind::DuplicateVertex
+            | DefectKind::UnusedVertex
+            | DefectKind::NonPlanar
+            | DefectKind::Orientation => Severity::Warning,
             _ => Severity::Error,
         }
     }
@@ -265,7 +270,8 @@ impl DefectKind {
             DefectKind::Intersection => "facets or segments that cross",
             DefectKind::TJunction => "a vertex inside an edge or facet that does not name it",
             DefectKind::Leak => "an edge with a facet on one side only",
-            DefectKind::Orientation => "facets oriented against each other, or a shell inside out",
+            DefectKind::Dangling => "an edge inside where a facet ends",
+            DefectKind::Orientation => "a facet that points inwards",
             DefectKind::NonManifold => "an edge of more than two facets",
             DefectKind::SeedOnFacet => "a hole or region point on a facet",
             DefectKind::SeedOutside => "a hole or region point outside",

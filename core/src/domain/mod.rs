@@ -10,14 +10,23 @@
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | [`check`] | the exact check: [`DomainReport`], cells, volumes |
+//! | [`prepare`] | all steps to a domain that can be meshed: [`Prepared`] |
+//! | [`triangulate`] | triangles of a facet, exactly |
 //! | [`lattice`] | [`Lattice`]: the grid on which input vertices live, and snapping to it |
 //! | [`defect`] | [`DomainError`], [`DomainDefect`]: what is wrong, with ids and coordinates |
 
+pub mod check;
 pub mod defect;
 pub mod lattice;
+pub mod prepare;
+pub mod triangulate;
 
 use crate::Point;
+pub use check::{Cell, CheckOptions, DomainReport, Volume};
 pub use defect::{DefectKind, DomainDefect, DomainError, Element, Severity};
+pub use prepare::{PrepareError, PrepareOptions, Prepared};
+pub use triangulate::{Problem, Triangulated};
 pub use lattice::{Lattice, Move, Snapped};
 
 /// A piecewise linear complex.

@@ -1,47 +1,33 @@
 //! Floating-point filters: most signs without exact arithmetic.
 //!
-//! Every filter is *semi-static*: it evaluates the determinant in `f64`, in the order of
-//! Shewchuk's `predicates.c` for which the constants are proved, and compares it with a constant
-//! times a product of the largest coordinate differences mx, my, mz and m = max(mx, my, mz).
-//! `None` means "not decided", never a guess.
+//! Every filter is *semi-static*: it evaluates a value in `f64` and compares it with a bound of its
+//! error: constants times products of the largest coordinate differences mx, my, mz and
+//! m = max(mx, my, mz). `None` means "not decided", never a guess.
+//!
+//! The filters, orders of evaluation and constants are generated from one description of each
+//! predicate, and so are the terms of which `verify/proofs` proves that the constants hold. This
+//! module holds what they share.
 //!
 //! * `*_window`: no guard. Sound when every coordinate `c` is 0 or 2^-142 <= |c| < 2^200 (the
 //!   exactness window): differences are then multiples of 2^-194 below 2^201, so that no
 //!   expression of degree 5 or less overflows or rounds below the normal range.
 //! * `*_any`: sound for any finite coordinates. Guard: those of mx, my, mz that are not zero lie
-//!   in (2^-190, 2^200). An axis without extent makes the determinant exactly zero.
+//!   in a range of powers of two, as do parameters. An axis without extent makes a determinant
+//!   exactly zero.
+//! * `*_lattice`: exact for small multiples of a power of two.
 //!
-//! Comparisons are written `det > bound || -det > bound`, never negated, so that NaN decides
-//! nothing. The determinants are Shewchuk's, whose signs are opposite to ours: hence the swapped
-//! answers of `orient3d` and `insphere`.
+//! Comparisons are written `value > bound || -value > bound`, never negated, so that NaN decides
+//! nothing. The determinants of `orient3d` and `insphere` are those of Shewchuk's `predicates.c`,
+//! whose signs are opposite to ours: hence the negated values.
+
+mod generated;
+
+pub use generated::*;
 
 use super::Sign;
-use crate::Point;
 
 /// Unit roundoff u of `f64`: 2^-53.
 pub const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
-
-/// |error of `orient3d`| <= this times mx·my·mz.
-///
-/// Gappa proves 46.00 u for the sum itself; the rest covers the rounding of the bound.
-pub const ORIENT3D_ERROR: f64 = 46.1 * UNIT_ROUNDOFF;
-
-/// |error of `insphere`| <= this times mx·my·mz·m².
-///
-/// Gappa proves 1104 u for the sum itself; the rest covers the rounding of the bound.
-pub const INSPHERE_ERROR: f64 = 1106.0 * UNIT_ROUNDOFF;
-
-/// |error of a 2x2 minor| <= this times the product of the two extents.
-///
-/// From the theorem of `Filter.v`: k = 4u + O(u²) times the permanent, which is at most 2·mx·my;
-/// the rest covers the rounding of the bound and gradual underflow under the guard.
-pub const ORIENT2D_ERROR: f64 = 8.1 * UNIT_ROUNDOFF;
-
-/// |error of `incircle`| <= this times mi·mj·m², i and j being the axes of the projection.
-///
-/// From the theorem of `Filter.v`: k = 12u + O(u²) times the permanent, which is at most
-/// 3 · 3m² · 2·mi·mj; the rest covers the rounding of the bound and gradual underflow.
-pub const INCIRCLE_ERROR: f64 = 217.0 * UNIT_ROUNDOFF;
 
 /// The guard of the filters for any coordinates: extents outside (`GUARD_LOW`, `GUARD_HIGH`) that
 /// are not zero leave the decision to the exact stages. 2^-190: even the product of five extents
@@ -63,179 +49,80 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// The sign of `det` if |det| exceeds its error bound.
+/// The smaller one, likewise.
 #[inline(always)]
-fn decide(det: f64, bound: f64) -> Option<Sign> {
-    if det > bound {
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The sign of `value` if |value| exceeds its error bound.
+#[inline(always)]
+fn decide(value: f64, bound: f64) -> Option<Sign> {
+    if value > bound {
         Some(Sign::Positive)
-    } else if -det > bound {
+    } else if -value > bound {
         Some(Sign::Negative)
     } else {
         None
     }
 }
 
-/// Is this extent one with which the filters are proved? Zero has to be handled before.
+/// Is this extent or parameter one with which the filters are proved?
 #[inline(always)]
-fn guarded(extent: f64) -> bool {
-    extent > GUARD_LOW && extent < GUARD_HIGH
+fn within(value: f64, low: f64, high: f64) -> bool {
+    value > low && value < high
 }
 
-/// Determinant and extents (mx, my, mz) of Shewchuk's `orient3d`, sign as in our convention.
-#[inline(always)]
-fn orient3d_det(a: &Point, b: &Point, c: &Point, d: &Point) -> (f64, Point) {
-    let [adx, ady, adz] = [a[0] - d[0], a[1] - d[1], a[2] - d[2]];
-    let [bdx, bdy, bdz] = [b[0] - d[0], b[1] - d[1], b[2] - d[2]];
-    let [cdx, cdy, cdz] = [c[0] - d[0], c[1] - d[1], c[2] - d[2]];
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Sign::{Negative, Positive};
 
-    let det = adz * (bdx * cdy - cdx * bdy)
-        + bdz * (cdx * ady - adx * cdy)
-        + cdz * (adx * bdy - bdx * ady);
+    const O: [f64; 3] = [0.0; 3];
+    const X: [f64; 3] = [1.0, 0.0, 0.0];
+    const Y: [f64; 3] = [0.0, 1.0, 0.0];
+    const Z: [f64; 3] = [0.0, 0.0, 1.0];
 
-    let mx = larger(larger(adx.abs(), bdx.abs()), cdx.abs());
-    let my = larger(larger(ady.abs(), bdy.abs()), cdy.abs());
-    let mz = larger(larger(adz.abs(), bdz.abs()), cdz.abs());
-    (-det, [mx, my, mz])
-}
-
-/// `orient3d` by filter, for points inside the exactness window; `None` if not decided.
-#[inline(always)]
-#[must_use]
-pub fn orient3d_window(a: &Point, b: &Point, c: &Point, d: &Point) -> Option<Sign> {
-    let (det, [mx, my, mz]) = orient3d_det(a, b, c, d);
-    decide(det, ORIENT3D_ERROR * mx * my * mz)
-}
-
-/// [`orient3d_window`] for points whose coordinates are all multiples of the power of two `step`
-/// (zero: of none): differences of at most 2^16 steps are decided without any error, for every
-/// intermediate result is an integer of steps^3 below 6 2^48 < 2^53.
-#[inline(always)]
-#[must_use]
-pub fn orient3d_lattice(a: &Point, b: &Point, c: &Point, d: &Point, step: f64) -> Option<Sign> {
-    let (det, [mx, my, mz]) = orient3d_det(a, b, c, d);
-    let sign = decide(det, ORIENT3D_ERROR * mx * my * mz);
-    if sign.is_none() && larger(larger(mx, my), mz) <= 65536.0 * step {
-        return Some(Sign::from_f64(det));
-    }
-    sign
-}
-
-/// `orient3d` by filter, for any finite coordinates; `None` if not decided.
-#[inline(always)]
-#[must_use]
-pub fn orient3d_any(a: &Point, b: &Point, c: &Point, d: &Point) -> Option<Sign> {
-    let (det, [mx, my, mz]) = orient3d_det(a, b, c, d);
-    if guarded(mx) && guarded(my) && guarded(mz) {
-        return decide(det, ORIENT3D_ERROR * mx * my * mz);
-    }
-    // With gradual underflow a difference is zero only between equal coordinates.
-    if mx == 0.0 || my == 0.0 || mz == 0.0 { Some(Sign::Zero) } else { None }
-}
-
-/// Determinant and extents (mx, my, mz) of Shewchuk's `insphere`, sign as in our convention.
-#[inline(always)]
-fn insphere_det(a: &Point, b: &Point, c: &Point, d: &Point, e: &Point) -> (f64, Point) {
-    let [aex, aey, aez] = [a[0] - e[0], a[1] - e[1], a[2] - e[2]];
-    let [bex, bey, bez] = [b[0] - e[0], b[1] - e[1], b[2] - e[2]];
-    let [cex, cey, cez] = [c[0] - e[0], c[1] - e[1], c[2] - e[2]];
-    let [dex, dey, dez] = [d[0] - e[0], d[1] - e[1], d[2] - e[2]];
-
-    let ab = aex * bey - bex * aey;
-    let bc = bex * cey - cex * bey;
-    let cd = cex * dey - dex * cey;
-    let da = dex * aey - aex * dey;
-    let ac = aex * cey - cex * aey;
-    let bd = bex * dey - dex * bey;
-
-    let abc = aez * bc - bez * ac + cez * ab;
-    let bcd = bez * cd - cez * bd + dez * bc;
-    let cda = cez * da + dez * ac + aez * cd;
-    let dab = dez * ab + aez * bd + bez * da;
-
-    let alift = aex * aex + aey * aey + aez * aez;
-    let blift = bex * bex + bey * bey + bez * bez;
-    let clift = cex * cex + cey * cey + cez * cez;
-    let dlift = dex * dex + dey * dey + dez * dez;
-
-    let det = (dlift * abc - clift * dab) + (blift * cda - alift * bcd);
-
-    let mx = larger(larger(aex.abs(), bex.abs()), larger(cex.abs(), dex.abs()));
-    let my = larger(larger(aey.abs(), bey.abs()), larger(cey.abs(), dey.abs()));
-    let mz = larger(larger(aez.abs(), bez.abs()), larger(cez.abs(), dez.abs()));
-    (-det, [mx, my, mz])
-}
-
-/// `insphere` by filter, for points inside the exactness window; `None` if not decided.
-#[inline(always)]
-#[must_use]
-pub fn insphere_window(a: &Point, b: &Point, c: &Point, d: &Point, e: &Point) -> Option<Sign> {
-    let (det, [mx, my, mz]) = insphere_det(a, b, c, d, e);
-    let m = larger(larger(mx, my), mz);
-    decide(det, INSPHERE_ERROR * mx * my * mz * (m * m))
-}
-
-/// [`insphere_window`] for points whose coordinates are all multiples of the power of two `step`
-/// (zero: of none): differences of at most 2^9 steps are decided without any error, for every
-/// intermediate result is an integer of steps^5 of at most 72 2^45 < 2^52.
-#[inline(always)]
-#[must_use]
-pub fn insphere_lattice([a, b, c, d]: [&Point; 4], e: &Point, step: f64) -> Option<Sign> {
-    let (det, [mx, my, mz]) = insphere_det(a, b, c, d, e);
-    let m = larger(larger(mx, my), mz);
-    let sign = decide(det, INSPHERE_ERROR * mx * my * mz * (m * m));
-    if sign.is_none() && m <= 512.0 * step {
-        return Some(Sign::from_f64(det));
-    }
-    sign
-}
-
-/// `insphere` by filter, for any finite coordinates; `None` if not decided.
-#[inline(always)]
-#[must_use]
-pub fn insphere_any(a: &Point, b: &Point, c: &Point, d: &Point, e: &Point) -> Option<Sign> {
-    let (det, [mx, my, mz]) = insphere_det(a, b, c, d, e);
-    if guarded(mx) && guarded(my) && guarded(mz) {
-        let m = larger(larger(mx, my), mz);
-        return decide(det, INSPHERE_ERROR * mx * my * mz * (m * m));
-    }
-    if mx == 0.0 || my == 0.0 || mz == 0.0 { Some(Sign::Zero) } else { None }
-}
-
-/// Orientation of the projections of `a, b, c` to the axes of `plane`, by filter.
-#[inline]
-#[must_use]
-pub fn orient2d_any(a: &Point, b: &Point, c: &Point, plane: [usize; 2]) -> Option<Sign> {
-    let [i, j] = plane;
-    let [aci, acj] = [a[i] - c[i], a[j] - c[j]];
-    let [bci, bcj] = [b[i] - c[i], b[j] - c[j]];
-    let mi = larger(aci.abs(), bci.abs());
-    let mj = larger(acj.abs(), bcj.abs());
-    if guarded(mi) && guarded(mj) {
-        return decide(aci * bcj - acj * bci, ORIENT2D_ERROR * mi * mj);
-    }
-    if mi == 0.0 || mj == 0.0 { Some(Sign::Zero) } else { None }
-}
-
-/// The in-circle determinant of four points of one plane, projected to the axes of `plane`, by
-/// filter: the lift is the squared distance in space, so that circles stay circles. Positive
-/// inside if the projections of `a, b, c` turn counterclockwise.
-#[inline]
-#[must_use]
-pub fn incircle_any(a: &Point, b: &Point, c: &Point, d: &Point, plane: [usize; 2]) -> Option<Sign> {
-    let [i, j] = plane;
-    let ad = [a[0] - d[0], a[1] - d[1], a[2] - d[2]];
-    let bd = [b[0] - d[0], b[1] - d[1], b[2] - d[2]];
-    let cd = [c[0] - d[0], c[1] - d[1], c[2] - d[2]];
-    let extent = |k: usize| larger(larger(ad[k].abs(), bd[k].abs()), cd[k].abs());
-    let [mi, mj] = [extent(i), extent(j)];
-    let m = larger(larger(mi, mj), extent(3 - i - j));
-    if !(guarded(mi) && guarded(mj) && guarded(m)) {
-        return if mi == 0.0 || mj == 0.0 { Some(Sign::Zero) } else { None };
+    #[test]
+    fn balls_have_an_inside_and_an_outside() {
+        let far = [0.5, 0.5, 0.75];
+        let near = [0.5, 0.5, 0.625];
+        // The ball with the diameter XY: radius √½ = 0.7071 around (½, ½, 0).
+        assert_eq!(in_diametral_ball_any(&X, &Y, &far), Some(Negative));
+        assert_eq!(in_diametral_ball_any(&X, &Y, &near), Some(Positive));
+        assert_eq!(in_diametral_ball_any(&X, &Y, &O), None, "on the sphere");
+        // The equatorial ball of the right triangle OXY is the same.
+        for [a, b, c] in [[O, X, Y], [Y, O, X], [X, O, Y]] {
+            assert_eq!(in_equatorial_ball_any(&a, &b, &c, &far), Some(Negative));
+            assert_eq!(in_equatorial_ball_any(&a, &b, &c, &near), Some(Positive));
+            assert_eq!(in_equatorial_ball_any(&a, &b, &c, &[1.0, 1.0, 0.0]), None, "on the sphere");
+        }
     }
 
-    let lift = |p: &Point| p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
-    let det = lift(&ad) * (bd[i] * cd[j] - cd[i] * bd[j])
-        + lift(&bd) * (cd[i] * ad[j] - ad[i] * cd[j])
-        + lift(&cd) * (ad[i] * bd[j] - bd[i] * ad[j]);
-    decide(det, INCIRCLE_ERROR * mi * mj * (m * m))
+    #[test]
+    fn bounds_are_exceeded_or_not() {
+        // Circumradius √3/2, shortest edge 1, volume 1/6, whatever the order of the corners.
+        let corners = [O, X, Y, Z];
+        for turn in 0..4 {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| corners[(k + turn) % 4]);
+            assert_eq!(exceeds_radius_edge_any(&a, &b, &c, &d, 0.866), Some(Positive));
+            assert_eq!(exceeds_radius_edge_any(&a, &b, &c, &d, 0.867), Some(Negative));
+        }
+        assert_eq!(exceeds_volume_any(&O, &X, &Y, &Z, 0.1666), Some(Positive));
+        assert_eq!(exceeds_volume_any(&O, &X, &Y, &Z, 0.1667), Some(Negative));
+        assert_eq!(exceeds_volume_any(&X, &O, &Y, &Z, 0.1), Some(Negative), "a negative volume");
+        assert_eq!(exceeds_volume_any(&O, &X, &Y, &[1.0, 1.0, 0.0], 1e-9), None, "no extent");
+    }
+
+    #[test]
+    fn guards_leave_the_ends_of_the_range_undecided() {
+        let at = |c: f64| [O, X, Y, Z].map(|p| p.map(|x| x * c));
+        for exponent in [-200, 210] {
+            let [a, b, c, d] = at(power_of_two(exponent));
+            assert_eq!(in_diametral_ball_any(&a, &b, &d), None);
+            assert_eq!(in_equatorial_ball_any(&a, &b, &c, &d), None);
+            assert_eq!(exceeds_radius_edge_any(&a, &b, &c, &d, 0.1), None);
+            assert_eq!(exceeds_volume_any(&a, &b, &c, &d, power_of_two(-599)), None);
+        }
+    }
 }

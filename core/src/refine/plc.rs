@@ -7,7 +7,7 @@
 use super::RefineError;
 use super::carrier::{Grid, Line, Plane};
 use super::table::{Map, edge};
-use crate::domain::{Element, Snapped};
+use crate::domain::{Domain, Element, Lattice};
 
 /// A segment of the complex.
 #[derive(Clone, Debug)]
@@ -69,8 +69,7 @@ impl Plc {
     ///
     /// # Errors
     /// Polygons that are degenerate or that are not planar and cannot be divided.
-    pub(crate) fn new(snapped: &Snapped) -> Result<Self, RefineError> {
-        let (domain, lattice) = (&snapped.domain, &snapped.lattice);
+    pub(crate) fn new(domain: &Domain, lattice: &Lattice) -> Result<Self, RefineError> {
         let mut plc = Self::default();
         for (v, p) in (0..).zip(&domain.vertices) {
             let steps = lattice.steps(p);

@@ -12,7 +12,7 @@ use super::split::{Refinement, Refusal, Step};
 use super::state::State;
 use crate::build::{Builder, Observer};
 use crate::cavity::Open;
-use crate::domain::{Domain, Lattice, Snapped};
+use crate::domain::{Domain, Lattice};
 use crate::mesh::{Mesh, Vertex};
 use crate::sync::CancelToken;
 use crate::tetmesh::TetMesh;
@@ -37,14 +37,15 @@ const STEINER_PER_VOLUME: f64 = 4.0;
 /// Refines domains.
 ///
 /// ```
-/// use ltbw_core::domain::{Domain, Facet};
+/// use ltbw_core::domain::{Domain, Facet, PrepareOptions};
 /// use ltbw_core::refine::{RefineOutcome, Refiner};
 /// let mut cube = Domain::default();
 /// cube.vertices = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
 /// for corners in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
 ///     cube.facets.push(Facet::polygon(&corners, 0));
 /// }
-/// let refined = Refiner::new().max_volume(0.01).refine(&cube.snap()?)?;
+/// let ready = cube.prepare(&PrepareOptions::default())?;
+/// let refined = Refiner::new().max_volume(0.01).refine(&ready.domain, &ready.lattice)?;
 /// assert_eq!(refined.outcome, RefineOutcome::Met);
 /// println!("{} tetrahedra", refined.num_tets());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -146,39 +147,39 @@ impl<'a> Refiner<'a> {
         self
     }
 
-    /// Refines a domain on its lattice.
+    /// Refines a domain whose vertices are on the lattice.
     ///
-    /// The domain has to be one that the geometric check finds no error in.
+    /// It has to be one that the geometric check finds no error in: [`Domain::prepare`] makes such
+    /// domains.
     ///
     /// # Errors
     /// [`RefineError`] says why there is no mesh of the domain.
-    pub fn refine(&self, snapped: &Snapped) -> Result<Refined, RefineError> {
+    pub fn refine(&self, domain: &Domain, lattice: &Lattice) -> Result<Refined, RefineError> {
         let clock = Instant::now();
-        self.check_bounds(&snapped.lattice)?;
-        let plc = Plc::new(snapped)?;
-        let (mesh, kernel) = first_mesh(&plc, &snapped.lattice)?;
+        self.check_bounds(lattice)?;
+        let plc = Plc::new(domain, lattice)?;
+        let (mesh, kernel) = first_mesh(&plc, lattice)?;
         let numbers = &mesh.numbers;
         let carriers = numbers.iter().map(|&c| Carrier::Corner(c)).collect();
         let next_number = plc.corners.len() as Vertex;
-        let floor = self.floor_in_steps(snapped);
+        let floor = self.floor_in_steps(domain, lattice);
         let mut run = Run {
             refiner: *self,
             refinement: Refinement::new(State::new(mesh, plc, carriers), next_number, floor),
             work: Queues::default(),
             stats: RefineStats::default(),
             steps: 0,
-            most: self.max_points.unwrap_or_else(|| self.default_budget(snapped)),
+            most: self.max_points.unwrap_or_else(|| self.default_budget(domain)),
             stop: None,
         };
         run.recover(&kernel)?;
-        let domain = &snapped.domain;
         let regions = run.refinement.state.flood(&domain.holes, &domain.regions)?;
         run.stats.recover_seconds = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
-        run.refinement.bounds = Some(self.bounds(&regions, &snapped.lattice));
+        run.refinement.bounds = Some(self.bounds(&regions, lattice));
         run.refine(domain)?;
         run.stats.refine_seconds = clock.elapsed().as_secs_f64();
-        Ok(run.finish(regions, snapped.lattice))
+        Ok(run.finish(regions, *lattice))
     }
 
     /// Bounds that no mesh can meet are errors.
@@ -200,22 +201,22 @@ impl<'a> Refiner<'a> {
         Ok(())
     }
 
-    fn floor_in_steps(&self, snapped: &Snapped) -> f64 {
+    fn floor_in_steps(&self, domain: &Domain, lattice: &Lattice) -> f64 {
         let length = self.floor.unwrap_or_else(|| {
-            let (low, high) = snapped.domain.bounds().unwrap_or(([0.0; 3], [1.0; 3]));
+            let (low, high) = domain.bounds().unwrap_or(([0.0; 3], [1.0; 3]));
             (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max) * FLOOR
         });
-        length / snapped.lattice.fine_step()
+        length / lattice.fine_step()
     }
 
-    fn default_budget(&self, snapped: &Snapped) -> u64 {
-        let (low, high) = snapped.domain.bounds().unwrap_or(([0.0; 3], [1.0; 3]));
+    fn default_budget(&self, domain: &Domain) -> u64 {
+        let (low, high) = domain.bounds().unwrap_or(([0.0; 3], [1.0; 3]));
         let volume: f64 = (0..3).map(|k| high[k] - low[k]).product();
-        let regions = snapped.domain.regions.iter().filter_map(|r| r.max_volume);
+        let regions = domain.regions.iter().filter_map(|r| r.max_volume);
         let least = regions.chain(self.max_volume).fold(f64::INFINITY, f64::min);
         // A conversion of floats saturates.
         let by_volume = (STEINER_PER_VOLUME * volume / least) as u64;
-        let by_corners = STEINER_PER_CORNER * snapped.domain.vertices.len() as u64;
+        let by_corners = STEINER_PER_CORNER * domain.vertices.len() as u64;
         by_volume.saturating_add(by_corners).saturating_add(STEINER_BASE)
     }
 

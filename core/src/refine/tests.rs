@@ -1,7 +1,7 @@
 //! Tests of whole refinements.
 
 use super::*;
-use crate::domain::{Domain, Facet};
+use crate::domain::{Domain, Facet, PrepareOptions};
 
 /// A box with corners `low` and `high`, appended to a domain.
 fn add_box(domain: &mut Domain, low: Point, high: Point) {
@@ -41,9 +41,17 @@ fn model() -> Domain {
 fn the_model_problem_is_met() {
     let refined = Refiner::new()
         .max_volume(1e-3)
-        .refine(&model().snap().expect("a lattice"))
+        .refine_ready(&model())
         .expect("a mesh");
     println!("{} tets {:?} {:?}", refined.num_tets(), refined.outcome, refined.stats);
     println!("{:?} {:?}", refined.lost, refined.excuses.first());
     assert_eq!(refined.outcome, RefineOutcome::Met);
+}
+
+impl Refiner<'_> {
+    /// Prepares and refines.
+    fn refine_ready(&self, domain: &Domain) -> Result<Refined, RefineError> {
+        let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+        self.refine(&ready.domain, &ready.lattice)
+    }
 }

@@ -1,0 +1,15 @@
+//! One description of every predicate that has a filter, and what is generated from it:
+//!
+//! | module | writes | for |
+//! |---|---|---|
+//! | [`rust`] | `core/src/predicates/filter/generated.rs` | the kernel |
+//! | [`coq`] | `verify/proofs/Predicates.v` | the proofs |
+//! | [`gappa`] | `verify/proofs/gappa/*.g` | a second opinion on the constants |
+//!
+//! The files are checked in; `cargo xtask generate` writes them, a test compares them byte for
+//! byte. So the source that is compiled is the term that is proved.
+
+pub(crate) mod describe;
+pub(crate) mod expression;
+pub(crate) mod model;
+pub(crate) mod rust;
