@@ -212,11 +212,6 @@ impl Cavity {
         }
     }
 
-    /// The tetrahedra of the open cavity.
-    pub(crate) fn tets(&self) -> &[TetId] {
-        &self.tets
-    }
-
     /// The walls of the open cavity: each one's vertices, which are a positively oriented
     /// tetrahedron with the point before them, and the face seen from outside. After the filling
     /// the k-th belongs to the k-th tetrahedron of the star.

@@ -136,18 +136,18 @@ mod tests {
         queries.extend([[5.0, 5.0, 5.0], [-1.0, 0.5, 0.5]]);
         for p in &queries {
             let mut conflict = mesh.geometry.conflict_of(p);
-            let Found::Conflict(t) = scan(&mesh.topology, &mut conflict) else {
+            let Found::Conflict(t) = scan(&mesh.topology, &mut conflict, &()) else {
                 panic!("no conflict with {p:?}");
             };
             assert!(conflict.in_conflict(&mesh.topology, t));
             let t = match walk(&mesh.topology, &mut conflict, 0) {
-                Found::Conflict(t) | Found::Inside(t) | Found::Outside(t) => t,
+                Found::Conflict(t) | Found::Inside(t) | Found::Outside(t) | Found::Closed(t) => t,
             };
             assert!(conflict.in_conflict(&mesh.topology, t));
         }
         for p in &points {
             let mut conflict = mesh.geometry.conflict_of(p);
-            let Found::Inside(t) = scan(&mesh.topology, &mut conflict) else {
+            let Found::Inside(t) = scan(&mesh.topology, &mut conflict, &()) else {
                 panic!("{p:?} is a vertex");
             };
             let tet = *mesh.topology.tet(t);

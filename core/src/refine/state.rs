@@ -186,7 +186,7 @@ impl State {
         edges.clear();
         hit_segments.clear();
         hit_subfaces.clear();
-        for &t in self.mesh.cavity().tets() {
+        for t in self.mesh.cavity().tets() {
             let word = self.marks.of(t);
             if word & (FACES | EDGES) == 0 {
                 continue;
