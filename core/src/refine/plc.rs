@@ -17,7 +17,6 @@ pub(crate) struct Segment {
     pub(crate) line: Line,
     /// The facets that it lies on, ascending.
     pub(crate) facets: Vec<u32>,
-    pub(crate) marker: i32,
 }
 
 /// A facet of the domain as part of a plane.
@@ -59,8 +58,8 @@ type PlaneKey = ([i64; 3], i128);
 struct Uses {
     /// Facet and marker of each polygon along it.
     polygons: Vec<(u32, i32)>,
-    /// Marker of a segment drawn on its own.
-    drawn: Option<i32>,
+    /// It is a segment drawn on its own.
+    drawn: bool,
     facets: Vec<u32>,
 }
 
@@ -159,7 +158,7 @@ impl Plc {
                         touch(a, b, &mut |uses| {
                             uses.facets.push(f);
                             match polygon.len() {
-                                2 => uses.drawn = Some(patch.marker),
+                                2 => uses.drawn = true,
                                 _ => uses.polygons.push((f, patch.marker)),
                             }
                         });
@@ -167,19 +166,18 @@ impl Plc {
                 }
             }
         }
-        for &([a, b], marker) in drawn {
-            touch(a, b, &mut |uses| uses.drawn = Some(marker));
+        for &([a, b], _) in drawn {
+            touch(a, b, &mut |uses| uses.drawn = true);
         }
         for key in order {
             let Some(Uses { polygons, drawn, mut facets }) = uses.remove(&key) else { continue };
-            let continues = matches!(polygons[..], [p, q] if p == q) && drawn.is_none();
+            let continues = matches!(polygons[..], [p, q] if p == q) && !drawn;
             facets.sort_unstable();
             facets.dedup();
             if !continues {
                 let [from, to] = key.map(|v| self.corners[v as usize]);
-                let marker = drawn.or(polygons.first().map(|p| p.1)).unwrap_or(0);
                 let line = Line { from, to };
-                self.segments.push(Segment { ends: key, line, facets, marker });
+                self.segments.push(Segment { ends: key, line, facets });
             }
         }
     }
