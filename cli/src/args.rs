@@ -5,14 +5,14 @@ use crate::outcome::{Exit, Failure};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand, ValueEnum};
-use ltbw::generate::PointKind;
+use ltbw::generate::{DomainKind, PointKind};
 use ltbw::points::MAX_POINTS;
 use std::path::PathBuf;
 
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done and checked
-  1  `check` found a defect in the file it was given
+  1  `check` found a defect in the file it was given; a bound is not met everywhere
   2  usage: the command line makes no sense
   3  input rejected: one line on stderr names the file, the place and the reason
   4  cancelled (Ctrl-C); the mesh so far was written
@@ -22,13 +22,14 @@ Exit codes:
 const EXAMPLES: &str = "\
 Examples:
   ltbw demo                                      mesh 100,000 points, check, write demo.vtu
+  ltbw mesh part.stl --max-volume 0.1 -o m.vtu   mesh a domain, check the mesh, write it
   ltbw generate uniform 1000000 -o points.npy    a million random points
   ltbw delaunay points.npy -o mesh.vtu           mesh them, check the mesh, write it
   ltbw check mesh.vtu                            check anybody's mesh, exactly
   ltbw convert mesh.vtu mesh.ele                 also writes mesh.node
 
 Formats, by extension: points .npy .xyz .csv .node .ply, and read only .off .obj .stl;
-meshes .vtu .msh .mesh .ele (with .node).
+domains .poly .smesh .off .obj .stl .ply; meshes .vtu .msh .mesh .ele (with .node).
 stdout carries data (hash, JSON), stderr what is meant for people.
 
 ";
@@ -64,19 +65,39 @@ Ctrl-C stops early: the mesh of the points inserted so far is written, unchecked
 
 "))]
     Delaunay(Delaunay),
+    /// Mesh a domain: conforming Delaunay refinement to bounds that are met exactly
+    #[command(after_long_help = concat_help("\
+Examples:
+  ltbw generate cube-octahedron -o model.poly
+  ltbw mesh model.poly --max-volume 1e-5 -o model.vtu
+  ltbw mesh part.stl --radius-edge 1.5 -o part.msh --json -
+  ltbw mesh model.poly --tetgen-switches pq1.4a0.001 -o model.ele
+  ltbw check model.vtu --plc model.poly --max-volume 1e-5     check it once more
+
+The vertices of the domain are moved to a lattice (the largest move is reported); every point of
+the mesh is then exact, and lies exactly on its facet. The mesh is of the inside alone unless
+--keep-exterior asks for more; tags are regions, 0 the exterior. What cannot be met, near small
+angles of the domain, is listed with its reason, and the exit code is 1.
+
+"))]
+    Mesh(MeshArgs),
     /// Check anybody's mesh: what is wrong, exactly and where
     #[command(after_long_help = concat_help("\
 Examples:
   ltbw check mesh.vtu                      verdict and first defects, on stderr
+  ltbw check mesh.vtu --plc domain.poly    does it conform to the domain?
   ltbw check mesh.ele --json cert.json     the certificate ltbw.cert/1, with every defect's place
+  ltbw check domain.stl                    a domain: .poly .smesh .off .obj .stl .ply
 
 Levels: structure (indices, duplicates), topology (faces, closed hull), orientation, Delaunay
 (local test of every interior face, convex hull), canonical (which of several Delaunay meshes).
-Every test is exact.
+Of a domain: duplicate and unused vertices, facets that are degenerate, not planar, overlap or
+cross, T-junctions, leaks, orientation, holes and regions outside; and once more after its
+vertices are moved to the lattice on which it is meshed. Every test is exact.
 
 "))]
     Check(Check),
-    /// Convert points to points, or a mesh to a mesh
+    /// Convert points to points, a domain to a domain, or a mesh to a mesh
     #[command(after_long_help = concat_help("\
 Examples:
   ltbw convert points.csv points.npy
@@ -85,16 +106,19 @@ Examples:
   ltbw convert mesh.vtu mesh.msh --msh2 --ascii     for programs that read no newer Gmsh files
 
 Points: .npy .xyz .csv .node .ply, and read only .off .obj .stl (their vertices).
+Domains: .poly .smesh .off .obj .stl .ply; a surface goes to a format of points as its vertices.
 Meshes: .vtu .msh (4.1 and 2.2) .mesh .ele (with .node).
 Coordinates survive bit for bit; tags survive where the format has a place for them.
 
 "))]
     Convert(Convert),
-    /// Generate a test point set, the same on every machine
+    /// Generate a test point set or a model domain, the same on every machine
     #[command(after_long_help = concat_help("\
 Examples:
   ltbw generate uniform 1000000 -o points.npy
   ltbw generate clusters 50000 --seed 7 -o clusters.xyz
+  ltbw generate cube-octahedron -o m.poly             the paper's model problem
+  ltbw generate wedge --angle 5 -o wedge.off
 
 "))]
     Generate(Generate),
@@ -139,17 +163,73 @@ pub(crate) enum Depth {
     Full,
 }
 
+/// `ltbw mesh`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct MeshArgs {
+    /// The domain: .poly .smesh .off .obj .stl .ply
+    pub(crate) domain: PathBuf,
+    /// Where to write the mesh: .vtu .msh .mesh .ele (with .node); may be given several times
+    #[arg(short, long = "output", value_name = "MESH")]
+    pub(crate) output: Vec<PathBuf>,
+    /// Largest circumradius to shortest edge, at least 1 (sure to end from 2 on) [default: 2]
+    #[arg(long, value_name = "B")]
+    pub(crate) radius_edge: Option<f64>,
+    /// Largest volume of a tetrahedron
+    #[arg(long, value_name = "A")]
+    pub(crate) max_volume: Option<f64>,
+    /// Bounds as TetGen's switches give them: `q` with a ratio, `a` with a volume
+    #[arg(long, value_name = "SWITCHES", conflicts_with_all = ["radius_edge", "max_volume"])]
+    pub(crate) tetgen_switches: Option<String>,
+    /// Insert at most so many points
+    #[arg(long, value_name = "N")]
+    pub(crate) max_points: Option<u64>,
+    /// Write the exterior between domain and convex hull, too (tag 0)
+    #[arg(long)]
+    pub(crate) keep_exterior: bool,
+    /// Reject a domain that is not exactly on its lattice
+    #[arg(long)]
+    pub(crate) exact_input: bool,
+    /// Measure from the middle of the domain: keeps more bits of a domain far from the origin.
+    /// The mesh is then in those coordinates; the offset is reported
+    #[arg(long)]
+    pub(crate) local_frame: bool,
+    /// Write the histograms of quality as a picture
+    #[arg(long, value_name = "SVG")]
+    pub(crate) histogram: Option<PathBuf>,
+    /// Threads for checking, hashing and output [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Write the report as JSON (schema ltbw.report/1), `-` for stdout
+    #[arg(long, value_name = "FILE|-")]
+    pub(crate) json: Option<PathBuf>,
+    /// Whether the checker looks at the mesh before it is written
+    #[arg(long, value_enum, default_value_t = Depth::Fast)]
+    pub(crate) check: Depth,
+}
+
 /// `ltbw check`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Check {
-    /// The mesh: .vtu .msh .mesh .ele (with .node)
+    /// The mesh: .vtu .msh .mesh .ele (with .node); or domain: .poly .smesh .off .obj .stl .ply
     pub(crate) mesh: PathBuf,
-    /// Write the certificate as JSON (schema ltbw.cert/1), `-` for stdout
+    /// Write the certificate as JSON (schema ltbw.cert/1; of a domain ltbw.domain/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,
     /// The order of a tetrahedron's vertices means nothing (scipy and Qhull write such meshes)
     #[arg(long)]
     pub(crate) any_order: bool,
+    /// Reject a domain that is not exactly on its lattice
+    #[arg(long)]
+    pub(crate) exact_input: bool,
+    /// Check that the mesh conforms to this domain
+    #[arg(long, value_name = "DOMAIN")]
+    pub(crate) plc: Option<PathBuf>,
+    /// With --plc: no circumradius to shortest edge may exceed this
+    #[arg(long, value_name = "B", requires = "plc")]
+    pub(crate) radius_edge: Option<f64>,
+    /// With --plc: no volume may exceed this
+    #[arg(long, value_name = "A", requires = "plc")]
+    pub(crate) max_volume: Option<f64>,
 }
 
 /// `ltbw convert`.
@@ -172,18 +252,30 @@ pub(crate) struct Convert {
 /// `ltbw generate`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Generate {
-    /// What kind of point set
+    /// What kind of point set or domain
     #[arg(value_parser = kinds())]
-    pub(crate) kind: PointKind,
-    /// About how many points (grids round up)
-    #[arg(value_name = "N", default_value_t = 1000, value_parser = counts())]
-    pub(crate) count: u32,
+    pub(crate) kind: Kind,
+    /// About how many points (grids round up) [default: 1000], or parts of a domain
+    #[arg(value_name = "N", value_parser = counts())]
+    pub(crate) count: Option<u32>,
     /// Another seed gives another set of the same kind
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Where to write the points: .npy .xyz .csv .node .ply
+    /// The angle of a wedge or spike
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    pub(crate) angle: Option<f64>,
+    /// Where to write: points .npy .xyz .csv .node .ply, domains .poly .smesh .off .obj .stl .ply
     #[arg(short, long = "output", value_name = "FILE")]
     pub(crate) output: PathBuf,
+}
+
+/// What `generate` makes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Kind {
+    /// A point set.
+    Points(PointKind),
+    /// A domain.
+    Domain(DomainKind),
 }
 
 /// No more points than a point set may have.
@@ -191,10 +283,15 @@ fn counts() -> impl TypedValueParser<Value = u32> {
     clap::value_parser!(u32).range(..=MAX_POINTS as i64)
 }
 
-fn kinds() -> impl TypedValueParser<Value = PointKind> {
-    let values =
-        PointKind::ALL.map(|k| clap::builder::PossibleValue::new(k.name()).help(k.about()));
-    PossibleValuesParser::new(values).try_map(|name| name.parse::<PointKind>())
+fn kinds() -> impl TypedValueParser<Value = Kind> {
+    let value = |(name, about)| clap::builder::PossibleValue::new(name).help(about);
+    let points = PointKind::ALL.map(|k| (k.name(), k.about())).into_iter();
+    let domains = DomainKind::ALL.map(|k| (k.name(), k.about())).into_iter();
+    let values = points.chain(domains).map(value);
+    PossibleValuesParser::new(values).try_map(|name| {
+        let domain = name.parse::<DomainKind>().map(Kind::Domain);
+        domain.or_else(|_| name.parse::<PointKind>().map(Kind::Points))
+    })
 }
 
 /// `ltbw demo`.
@@ -203,6 +300,40 @@ pub(crate) struct Demo {
     /// Where to write the mesh
     #[arg(long, value_name = "MESH", default_value = "demo.vtu")]
     pub(crate) out: PathBuf,
+}
+
+/// A command line that is no command: what to say.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refusal {
+    /// The exit code: 0 for an answer that was asked for, else 2.
+    pub exit: u8,
+    /// Whether the text is help or the version.
+    pub is_help: bool,
+    /// What is wrong, in one line without control characters; or the help, without colours.
+    pub text: String,
+}
+
+impl Refusal {
+    pub(crate) fn of(error: &clap::Error) -> Self {
+        let (exit, is_help) = match error.kind() {
+            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => (Exit::Done, true),
+            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => (Exit::Usage, true),
+            _ => (Exit::Usage, false),
+        };
+        let text = error.to_string();
+        Self { exit: exit as u8, is_help, text: if is_help { text } else { one_line(&text) } }
+    }
+}
+
+/// The first paragraph of clap's message as one line. It repeats the argument, and a terminal obeys
+/// control characters that clap leaves in it: they become `?`.
+fn one_line(text: &str) -> String {
+    let first = text.split("\n\n").next().unwrap_or_default();
+    let words: Vec<&str> = first.split_whitespace().collect();
+    let line = words.join(" ");
+    let line = line.strip_prefix("error: ").unwrap_or(&line);
+    let line = line.replace(char::is_control, "?");
+    format!("{line}; see `ltbw --help`")
 }
 
 /// Prints help where it was asked for, and what is wrong with the command line in one line.
@@ -218,12 +349,7 @@ pub(crate) fn explain(error: &clap::Error) -> Result<Exit, Failure> {
             Ok(Exit::Usage)
         }
         _ => {
-            let text = error.to_string();
-            let first = text.split("\n\n").next().unwrap_or_default();
-            let words: Vec<&str> = first.split_whitespace().collect();
-            let line = words.join(" ");
-            let line = line.strip_prefix("error: ").unwrap_or(&line);
-            console::people(&format!("ltbw: {line}; see `ltbw --help`"));
+            console::people(&format!("ltbw: {}", Refusal::of(error).text));
             Ok(Exit::Usage)
         }
     }
@@ -233,10 +359,23 @@ pub(crate) fn explain(error: &clap::Error) -> Result<Exit, Failure> {
 mod tests {
     use super::*;
     use clap::CommandFactory;
+    use std::ffi::OsString;
 
     #[test]
     fn the_command_line_is_consistent() {
         Args::command().debug_assert();
+    }
+
+    /// What a terminal obeys must not come back to it from an argument.
+    #[test]
+    fn a_refusal_repeats_no_control_characters() {
+        for word in ["a\u{1b}[2Jb", "x\u{7}", "\u{0}", "one\ntwo", "tab\tbed", "\u{9b}31m"] {
+            let words: Vec<_> = ["ltbw", word].iter().map(OsString::from).collect();
+            let error = Args::try_parse_from(words).expect_err("no such command");
+            let text = Refusal::of(&error).text;
+            assert!(!text.chars().any(char::is_control), "{text:?}");
+            assert!(text.contains("unrecognized subcommand"), "{text:?}");
+        }
     }
 
     #[test]

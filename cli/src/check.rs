@@ -1,7 +1,9 @@
 //! The glue to the checker: `check`, and the check of our own output.
 
 use crate::args::{Check, Depth};
+use crate::conform;
 use crate::console;
+use crate::domain;
 use crate::outcome::{Exit, Failure, show};
 use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
@@ -13,6 +15,12 @@ const SHOWN: usize = 10;
 
 /// `ltbw check`.
 pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
+    if domain::is_domain(&args.mesh) {
+        return domain::check(args);
+    }
+    if let Some(plc) = &args.plc {
+        return conform::check(args, plc);
+    }
     console::end_on_signal()?;
     if let Some(json) = &args.json {
         let inputs = io::mesh_files(&args.mesh);

@@ -1,9 +1,11 @@
 //! `convert` and `generate`: files in and out, without a mesh being built.
 
-use crate::args::{Convert, Generate};
+use crate::args::{Convert, Generate, Kind};
 use crate::console;
 use crate::outcome::{Exit, Failure, show};
-use ltbw::io::{self, Encoding, Format, MshVersion, PointFile, WriteOptions};
+use ltbw::domain::{Domain, DomainError};
+use ltbw::generate::{Shape, generate_domain};
+use ltbw::io::{self, DomainFile, Encoding, Format, MshVersion, PointFile, WriteOptions};
 use std::path::Path;
 
 /// `ltbw convert`.
@@ -15,10 +17,24 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
     let from = Format::from_path(input).map_err(Failure::Read)?;
     let to = Format::from_path(output).map_err(Failure::Write)?;
     let options = options(args);
+    if from.holds_domain() && to.holds_domain() && (from, to) != (Format::Ply, Format::Ply) {
+        let file = io::read_domain(input).map_err(Failure::Read)?;
+        // A surface file without faces is a point cloud.
+        if !(file.domain.facets.is_empty() && from.holds_points()) {
+            return convert_domain(input, output, &file, options);
+        }
+    }
     if from.holds_points() && to.holds_points() {
         let file = io::read_points(input).map_err(Failure::Read)?;
         notes(input, &file.notes);
         write_points(output, to, &file, options)
+    } else if from.holds_domain() && !from.holds_points() {
+        let text = format!("{}: a domain is neither points nor a mesh", show(input));
+        Err(Failure::Usage(text))
+    } else if !from.holds_mesh() && to.holds_domain() {
+        Err(Failure::Usage(format!("{}: points are no domain", show(input))))
+    } else if to.holds_domain() {
+        Err(Failure::Usage(format!("{}: a mesh is no domain", show(input))))
     } else if !from.holds_mesh() {
         let text = format!(
             "{}: points are no mesh; `ltbw delaunay {} -o {}` makes one of them",
@@ -46,6 +62,28 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
         let file = PointFile { points: mesh.points, point_tags, notes: Vec::new() };
         write_points(output, to, &file, options)
     }
+}
+
+/// A domain from one format into another.
+fn convert_domain(
+    input: &Path,
+    output: &Path,
+    file: &DomainFile,
+    options: WriteOptions,
+) -> Result<Exit, Failure> {
+    notes(input, &file.notes);
+    let failed = |e: DomainError| Failure::Domain { path: input.to_owned(), error: e.into() };
+    file.domain.check_structure().map_err(failed)?;
+    write_domain(output, &file.domain, options)
+}
+
+fn write_domain(path: &Path, domain: &Domain, options: WriteOptions) -> Result<Exit, Failure> {
+    let format = Format::from_path(path).map_err(Failure::Write)?;
+    io::write_domain_with(path, domain, options).map_err(Failure::Write)?;
+    notes(path, &io::not_kept(domain, format));
+    let (vertices, facets) = (domain.vertices.len(), domain.facets.len());
+    console::people(&format!("wrote     {}: {vertices} vertices, {facets} facets", show(path)));
+    Ok(Exit::Done)
 }
 
 /// The choices of the command line.
@@ -77,9 +115,20 @@ fn notes(path: &Path, notes: &[String]) {
 /// `ltbw generate`.
 pub(crate) fn generate(args: &Generate) -> Result<Exit, Failure> {
     console::end_on_signal()?;
+    let kind = match args.kind {
+        Kind::Points(kind) => kind,
+        Kind::Domain(kind) => {
+            io::check_domain_writable(&args.output).map_err(Failure::Write)?;
+            let shape = Shape { count: args.count, angle: args.angle, seed: args.seed };
+            let domain =
+                generate_domain(kind, &shape).map_err(|e| Failure::Usage(e.to_string()))?;
+            return write_domain(&args.output, &domain, WriteOptions::default());
+        }
+    };
     io::check_points_writable(&args.output).map_err(Failure::Write)?;
     let format = Format::from_path(&args.output).map_err(Failure::Write)?;
-    let points = ltbw::generate::generate(args.kind, args.count as usize, args.seed);
+    let count = args.count.unwrap_or(1000) as usize;
+    let points = ltbw::generate::generate(kind, count, args.seed);
     let file = PointFile { points, ..PointFile::default() };
     write_points(&args.output, format, &file, WriteOptions::default())
 }

@@ -1,6 +1,8 @@
 //! Exit codes, and errors that print as one line.
 
+use ltbw::domain::PrepareError;
 use ltbw::io::IoError;
+use ltbw::refine::RefineError;
 use ltbw::{BuildError, PointError};
 use std::path::{Path, PathBuf};
 
@@ -9,7 +11,8 @@ use std::path::{Path, PathBuf};
 pub(crate) enum Exit {
     /// Done and checked.
     Done = 0,
-    /// `check` found a defect in the file that it was given.
+    /// `check` found a defect in the file that it was given; or a mesh was made, but a bound is
+    /// not met everywhere (the report says where and why).
     Defect = 1,
     /// The command line makes no sense.
     Usage = 2,
@@ -40,6 +43,22 @@ pub(crate) enum Failure {
         /// What is wrong with them.
         error: PointError,
     },
+    /// The domain cannot be used.
+    #[error("{}: {error}", show(path))]
+    Domain {
+        /// The input file.
+        path: PathBuf,
+        /// Why.
+        error: PrepareError,
+    },
+    /// The domain has no mesh.
+    #[error("{}: {error}", show(path))]
+    Refine {
+        /// The input file.
+        path: PathBuf,
+        /// Why.
+        error: RefineError,
+    },
     /// The points have no mesh.
     #[error("{}: {error}", show(path))]
     Build {
@@ -67,8 +86,14 @@ impl Failure {
                 | IoError::ReadOnly { .. },
             ) => Exit::Usage,
             Failure::Write(_) | Failure::Other(_) => Exit::Output,
-            Failure::Build { error: BuildError::Cancelled, .. } => Exit::Stopped,
-            Failure::Read(_) | Failure::Points { .. } | Failure::Build { .. } => Exit::Input,
+            Failure::Build { error: BuildError::Cancelled, .. }
+            | Failure::Refine { error: RefineError::Cancelled, .. } => Exit::Stopped,
+            Failure::Refine { error: RefineError::Bound { .. }, .. } => Exit::Usage,
+            Failure::Read(_)
+            | Failure::Points { .. }
+            | Failure::Domain { .. }
+            | Failure::Refine { .. }
+            | Failure::Build { .. } => Exit::Input,
         }
     }
 }

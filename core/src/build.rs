@@ -304,7 +304,8 @@ fn insert_next<A: Admission>(
     Ok(())
 }
 
-fn bounding_box(points: &[Point]) -> (Point, Point) {
+/// The corners of the smallest box around `points`.
+pub(crate) fn bounding_box(points: &[Point]) -> (Point, Point) {
     let mut low = [f64::INFINITY; 3];
     let mut high = [f64::NEG_INFINITY; 3];
     for p in points {
@@ -314,6 +315,16 @@ fn bounding_box(points: &[Point]) -> (Point, Point) {
         }
     }
     (low, high)
+}
+
+/// The indices of four affinely independent points, the earliest there are.
+///
+/// # Errors
+/// [`BuildError`] names the dimension if there are none.
+pub fn independent(points: &[Point]) -> Result<[u32; 4], BuildError> {
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    first_tet(points, &mut order)?;
+    Ok([order[0], order[1], order[2], order[3]])
 }
 
 /// Brings four affinely independent points to the front of `order`, the earliest there are, and

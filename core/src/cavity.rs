@@ -80,7 +80,7 @@ const LOCAL_BITS: u32 = 7;
 /// `OTHERS[i]`: the slots other than i in the order in which (p, others) is positively oriented
 /// when p stands for vertex i of a positively oriented tetrahedron. Slot 3 stays last, and so
 /// does the vertex at infinity.
-const OTHERS: [[usize; 3]; 4] = [[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]];
+pub const OTHERS: [[usize; 3]; 4] = [[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]];
 
 /// A face of the cavity's boundary.
 #[derive(Clone, Copy, Debug, Default)]
@@ -185,6 +185,23 @@ impl Default for Cavity {
 }
 
 impl Cavity {
+    /// A cavity with room for local numbers of `vertices` vertices, whose memory is taken when it
+    /// is first written to.
+    pub(crate) fn for_vertices(vertices: usize) -> Self {
+        Self { local: vec![0; vertices], ..Self::default() }
+    }
+
+    /// The tetrahedra that the last [`Cavity::expand`] found.
+    pub(crate) fn tets(&self) -> impl Iterator<Item = TetId> + '_ {
+        self.tets.iter().copied()
+    }
+
+    /// The vertices of the boundary faces that the last [`Cavity::expand`] found; the point in
+    /// front of them makes a positively oriented tetrahedron.
+    pub(crate) fn faces(&self) -> impl Iterator<Item = [VertexId; 3]> + '_ {
+        self.walls.iter().map(|wall| wall.v)
+    }
+
     /// The star that the last [`Cavity::fill`] made.
     #[inline(always)]
     pub(crate) fn star(&self) -> Star<'_> {
@@ -193,6 +210,13 @@ impl Cavity {
             rim: &self.rim[..self.rim_len],
             faces: &self.faces[..self.created.len().min(2 * SMALL)],
         }
+    }
+
+    /// The walls of the open cavity: each one's vertices, which are a positively oriented
+    /// tetrahedron with the point before them, and the face seen from outside. After the filling
+    /// the k-th belongs to the k-th tetrahedron of the star.
+    pub(crate) fn walls(&self) -> impl Iterator<Item = ([VertexId; 3], FaceId)> + '_ {
+        self.walls.iter().map(|w| (w.v, w.outer))
     }
 
     /// Number of conflict tests that the last [`Cavity::expand`] made.
@@ -377,5 +401,87 @@ impl Cavity {
         if self.local.len() < vertices {
             self.local.resize(vertices.next_power_of_two(), 0);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::invariants::{check_i1, check_i2, check_i3, check_i4};
+
+    /// A conflict with one tetrahedron and no other.
+    struct Only(TetId);
+
+    impl Conflict for Only {
+        fn prefetch(&self, _: TetId) {}
+
+        fn certain(&self, tets: [TetId; 4]) -> (u32, u32) {
+            // Says nothing of the last one.
+            let inside = (0..3).filter(|&k| tets[k] == self.0).map(|k| 1 << k).sum::<u32>();
+            (inside, !inside & 7)
+        }
+
+        fn decide(&mut self, _: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
+            (0..4).filter(|&k| unknown >> k & 1 == 1 && tets[k] == self.0).map(|k| 1 << k).sum()
+        }
+
+        fn in_conflict(&mut self, _: &Topology, t: TetId) -> bool {
+            t == self.0
+        }
+    }
+
+    /// Splits a tetrahedron `count` times, with a cavity whose stamp starts at `stamp`.
+    fn split(count: u32, stamp: u32) -> Topology {
+        let mut topology = Topology::default();
+        topology.start([1, 2, 3, 4]);
+        let mut cavity = Cavity { stamp, ..Cavity::default() };
+        let mut t = 0;
+        for v in 5..5 + count {
+            cavity.reserve_vertices(v as usize + 1);
+            cavity.expand(&mut topology, t, &mut Only(t), &mut Open).expect("all are admitted");
+            assert_eq!((cavity.tets.len(), cavity.walls.len(), cavity.tests()), (1, 4, 4));
+            t = cavity.fill(&mut topology, v);
+            assert_eq!((cavity.star().tets.len(), cavity.star().rim.len()), (4, 4));
+        }
+        for check in [check_i1, check_i2, check_i3, check_i4] {
+            check(&topology).expect("an invariant");
+        }
+        assert_eq!((topology.len(), topology.ghosts()), (5 + 3 * count as usize, 4));
+        topology
+    }
+
+    /// Local numbers of old cavities are told from new ones by a stamp, which starts again when
+    /// its bits are used up.
+    #[test]
+    fn the_stamp_wraps_around() {
+        let last = u32::MAX >> LOCAL_BITS;
+        let expected = split(12, 0);
+        for stamp in [1, last - 12, last - 11, last - 5, last - 1, last] {
+            assert!(split(12, stamp) == expected, "from {stamp}");
+        }
+    }
+
+    #[test]
+    fn what_conflicts_is_decided_once_and_only_if_open() {
+        let mut topology = Topology::default();
+        topology.start([1, 2, 3, 4]);
+        let before = topology.clone();
+        let mut asked = Vec::new();
+        let mut admission = |t: TetId, role: Role| {
+            asked.push((t, role));
+            true
+        };
+        let mut cavity = Cavity::default();
+        cavity.expand(&mut topology, 0, &mut Only(0), &mut admission).expect("admitted");
+        let ring = topology.tet(0).neighbours().map(|n| (tet_of(n), Role::Ring));
+        assert_eq!(asked, [vec![(0, Role::Cavity)], ring.to_vec()].concat());
+        assert!(topology.tet(0).is_marked());
+        cavity.set_back(&mut topology);
+        assert!(topology == before);
+        assert_eq!(
+            cavity.expand(&mut topology, 0, &mut Only(0), &mut |_, role| role == Role::Cavity),
+            Err(Setback::Refused(ring[0].0))
+        );
+        assert!(topology == before);
     }
 }

@@ -1,10 +1,14 @@
-//! Test point sets: uniform, gridded, degenerate and awkward, the same on every machine.
+//! Test point sets: uniform, gridded, degenerate and awkward, the same on every machine. Test
+//! domains are in [`domains`].
 //!
 //! Random numbers come from a generator of our own, and coordinates are made with + − × ÷ √
 //! only, whose results IEEE 754 fixes to the bit. A point set is a function of its kind, size and
 //! seed; golden tests hold it still.
 
+pub mod domains;
+
 use crate::Point;
+pub use domains::{DomainKind, Shape, ShapeError, generate_domain};
 
 /// The kinds of point sets. Unless a kind says otherwise it has exactly the size asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

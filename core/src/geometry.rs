@@ -30,6 +30,17 @@ pub struct PredicateStats {
     pub sphere_undecided: u64,
 }
 
+impl std::ops::AddAssign for PredicateStats {
+    fn add_assign(&mut self, other: Self) {
+        self.orient3d_calls += other.orient3d_calls;
+        self.orient3d_exact += other.orient3d_exact;
+        self.insphere_calls += other.insphere_calls;
+        self.insphere_exact += other.insphere_exact;
+        self.insphere_perturbed += other.insphere_perturbed;
+        self.sphere_undecided += other.sphere_undecided;
+    }
+}
+
 /// Points, spheres and counters of one mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct Geometry {
@@ -66,6 +77,66 @@ impl Geometry {
             maker: Maker::default(),
             stats: PredicateStats::default(),
         }
+    }
+
+    /// Geometry of a part of a mesh: vertices 1 to `vertices`, of which it knows some. `step` is
+    /// a power of two of which all coordinates are multiples, or zero.
+    pub(crate) fn part(low: Point, high: Point, wide: bool, step: f64, vertices: usize) -> Self {
+        let mut geometry = Self::new(low, high, wide, 0, 0);
+        geometry.points = Arena::filled([0.0; 3], vertices + 1);
+        *geometry.points.at_mut(0) = [f64::NAN; 3];
+        geometry.step = if wide { 0.0 } else { step };
+        geometry
+    }
+
+    /// Gives vertex `v` of a part its coordinates.
+    #[inline(always)]
+    pub(crate) fn set_point(&mut self, v: VertexId, p: Point) {
+        *self.points.at_mut(v) = p;
+    }
+
+    /// The cached sphere of `t`.
+    #[inline(always)]
+    pub(crate) fn sphere(&self, t: TetId) -> Sphere {
+        *self.spheres.at(t)
+    }
+
+    /// Replaces the cached sphere of `t`.
+    #[inline(always)]
+    pub(crate) fn set_sphere(&mut self, t: TetId, sphere: Sphere) {
+        *self.spheres.at_mut(t) = sphere;
+    }
+
+    /// Appends the spheres of another part to those of `slots` slots.
+    pub(crate) fn append_spheres(&mut self, slots: usize, other: &Self, other_slots: usize) {
+        self.reserve_spheres(slots);
+        let theirs = other.spheres.all();
+        self.spheres.extend((0..other_slots).map(|t| *theirs.get(t).unwrap_or(&Sphere::UNKNOWN)));
+    }
+
+    /// Replaces the coordinates of all vertices, the one at infinity included.
+    pub(crate) fn set_points(&mut self, points: Arena<Point>) {
+        self.points = points;
+    }
+
+    /// Reserves room for the spheres of `tets` slots. A hint.
+    pub(crate) fn reserve_sphere_capacity(&mut self, tets: usize) {
+        self.spheres = Arena::with_capacity(if self.wide { 0 } else { tets });
+    }
+
+    /// Makes room for the spheres of `slots` slots.
+    pub(crate) fn reserve_spheres(&mut self, slots: usize) {
+        self.spheres.grow(slots, Sphere::UNKNOWN);
+    }
+
+    /// The sphere of a tetrahedron with these vertices.
+    pub(crate) fn compute_sphere(&mut self, v: [VertexId; 4]) -> Sphere {
+        let Some(frame) = &self.frame else { return Sphere::UNKNOWN };
+        let p = *self.points.at(v[0]);
+        if v[3] == INFINITE || !self.maker.aim(frame, &self.points, &v[1..], &p) {
+            return Sphere::UNKNOWN;
+        }
+        self.maker.sphere([0, 1, 2, 0])
     }
 
     pub(crate) fn points(&self) -> &[Point] {
@@ -187,6 +258,12 @@ impl Geometry {
         let query = self.frame.as_ref().map_or(Query::NOWHERE, |f| f.query(p));
         PointConflict { geometry: self, p: *p, query }
     }
+}
+
+/// The largest power of two of which the coordinates of all `points` are multiples; infinite if
+/// there are none but zeros. The points are in the exactness window.
+pub(crate) fn common_step(points: &[Point]) -> f64 {
+    points.iter().map(lattice_step).fold(f64::INFINITY, f64::min)
 }
 
 /// The largest power of two of which all three coordinates are multiples; infinite for zero.

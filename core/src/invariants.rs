@@ -133,3 +133,118 @@ pub fn check_all(mesh: &Mesh) -> Result<(), String> {
     check_i5(mesh)?;
     check_i6(mesh)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::{PointKind, generate};
+    use crate::{Builder, Point, PointSet};
+
+    fn mesh() -> Mesh {
+        let set = PointSet::new(generate(PointKind::Uniform, 60, 2)).expect("finite points");
+        Builder::new().build(&set).expect("a mesh").mesh
+    }
+
+    /// What `check` says of a topology that `damage` has changed.
+    fn damaged(
+        check: impl Fn(&Topology) -> Result<(), String>,
+        damage: impl Fn(&mut Topology),
+    ) -> String {
+        let mut topology = mesh().topology;
+        check(&topology).expect("a sound mesh");
+        damage(&mut topology);
+        check(&topology).expect_err("a damaged mesh")
+    }
+
+    #[test]
+    fn broken_adjacency_is_seen() {
+        // `put` links the neighbour across face 0 back; the others stay as given.
+        let rewrite = |topology: &mut Topology, slot: usize, face: u32| {
+            let (v, mut n) = (topology.tet(3).vertices(), topology.tet(3).neighbours());
+            n[slot] = face;
+            topology.put(3, v, n);
+        };
+        let far = 4 * 100_000;
+        let message = damaged(check_i1, |t| rewrite(t, 1, far));
+        assert_eq!(message, "I1: neighbour 100000 of tetrahedron 3 does not exist");
+        let message = damaged(check_i1, |t| {
+            let neighbour = tet_of(t.tet(3).neighbours()[2]);
+            t.release(neighbour);
+        });
+        assert!(message.ends_with("does not exist"), "{message}");
+        let message = damaged(check_i1, |t| {
+            let other = t.tet(3).neighbours()[2];
+            rewrite(t, 1, other);
+        });
+        assert!(message.ends_with("are not mutual neighbours"), "{message}");
+        let message = damaged(check_i1, |t| {
+            let (a, b) = (t.tet(3).neighbours()[0], t.tet(3).neighbours()[1]);
+            t.link(4 * 3, b);
+            t.link(4 * 3 + 1, a);
+        });
+        assert!(message.ends_with("do not share the face"), "{message}");
+    }
+
+    #[test]
+    fn wrong_vertices_and_counts_are_seen() {
+        let with = |slot: usize, vertex: fn([u32; 4]) -> u32| {
+            damaged(check_i2, |t| {
+                let (mut v, n) = (t.tet(3).vertices(), t.tet(3).neighbours());
+                v[slot] = vertex(v);
+                t.put(3, v, n);
+            })
+        };
+        assert!(with(1, |_| INFINITE).contains("has the vertex at infinity in"));
+        assert!(with(2, |v| v[0]).contains("has a vertex twice"));
+        let message = damaged(check_i2, |t| t.add_ghosts(1));
+        assert!(message.contains("ghosts, but"), "{message}");
+    }
+
+    #[test]
+    fn a_wrong_free_list_is_seen() {
+        let message = damaged(check_i3, |t| {
+            t.release(3);
+            t.release(3);
+        });
+        assert_eq!(message, "I3: free list [3, 3], free slots [3]");
+    }
+
+    #[test]
+    fn a_mark_left_behind_is_seen() {
+        assert_eq!(damaged(check_i4, |t| t.mark(3)), "I4: tetrahedron 3 is still marked");
+    }
+
+    #[test]
+    fn wrong_orientation_and_a_point_inside_a_sphere_are_seen() {
+        let mut turned = mesh();
+        let finite = turned.topology.iter().find(|(_, t)| !t.is_ghost()).map(|(t, _)| t);
+        let t = finite.expect("a tetrahedron");
+        let (mut v, n) = (turned.topology.tet(t).vertices(), turned.topology.tet(t).neighbours());
+        v.swap(0, 1);
+        turned.topology.put(t, v, n);
+        let message = check_i5(&turned).expect_err("a turned tetrahedron");
+        assert_eq!(message, format!("I5: tetrahedron {t} is not positively oriented"));
+
+        // Squeezed along one axis the mesh stays a mesh, but not Delaunay.
+        let mut moved = mesh();
+        let stretch = |p: &Point| [p[0] * 0.01, p[1], p[2]];
+        moved.geometry.widen(stretch);
+        let message = check_i5(&moved).expect_err("points were moved");
+        assert!(message.contains("is inside the sphere of tetrahedron"), "{message}");
+    }
+
+    #[test]
+    fn a_wrong_sphere_is_seen() {
+        let (sound, mut other) = (mesh(), mesh());
+        check_i6(&sound).expect("a sound mesh");
+        // The sphere stays while its tetrahedron gets the vertices of another.
+        let finite: Vec<TetId> =
+            other.topology.iter().filter(|(_, t)| !t.is_ghost()).map(|(t, _)| t).collect();
+        let n = other.topology.tet(finite[0]).neighbours();
+        let v = sound.topology.tet(finite[finite.len() - 1]).vertices();
+        other.topology.put(finite[0], v, n);
+        let message = check_i6(&other).expect_err("spheres of other tetrahedra");
+        assert!(message.starts_with(&format!("I6: cached sphere of {} says", finite[0])));
+        assert!(check_all(&sound).is_ok() && check_all(&other).is_err());
+    }
+}

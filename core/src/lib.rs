@@ -14,12 +14,16 @@
 //! | `sphere`, `geometry`, `locate` | cached spheres, the conflict test, the walk |
 //! | [`mesh`] | [`Mesh`]: insertion and iteration |
 //! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
+//! | [`part`] | [`part::Part`]: the part of a mesh that one worker of the parallel kernel owns |
 //! | [`query`] | questions to a [`Mesh`], from many threads: locate, nearest, Voronoi cells |
+//! | [`quality`] | histograms and extremes of angles, ratios, volumes, edges |
+//! | [`refine`] | conforming Delaunay refinement of domains |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
 //! | [`snapshot`] | [`Snapshot`]: a mesh to be stored, restored through validation |
 //! | `interop` | conversions from and to `nalgebra` (feature `nalgebra`) |
 //! | [`tetmesh`] | [`TetMesh`]: a plain mesh as files carry it |
 //! | [`invariants`] | one slow check per invariant of `docs/invariants.md` |
+//! | [`domain`] | [`Domain`]: a polyhedral domain, its lattice, its exact check |
 //! | [`io`] | readers and writers of point and mesh files |
 //! | [`generate`] | test point sets, the same on every machine |
 //!
@@ -28,6 +32,7 @@
 
 pub mod build;
 pub mod cavity;
+pub mod domain;
 pub mod generate;
 mod geometry;
 pub mod hash;
@@ -38,10 +43,13 @@ pub mod io;
 mod locate;
 pub mod mesh;
 pub mod order;
+pub mod part;
 pub mod points;
 pub mod predicates;
+pub mod quality;
 pub mod query;
 mod raw;
+pub mod refine;
 #[cfg(feature = "serde")]
 mod serialise;
 pub mod snapshot;
@@ -52,6 +60,7 @@ pub mod topology;
 
 pub use build::{Budget, BuildError, Builder, Built, Observer, Order, Outcome, Stats};
 pub use cavity::{Admission, Open, Role};
+pub use domain::{Domain, DomainDefect, DomainError, Facet, Lattice, Region, Snapped};
 pub use geometry::PredicateStats;
 pub use hash::{HashError, MeshHash, canonical_hash};
 pub use mesh::{InsertError, Inserted, Mesh, Vertex};

@@ -8,7 +8,9 @@ use crate::cavity::{Admission, Cavity, Open, Role, Setback, Star};
 use crate::geometry::Geometry;
 use crate::hash::{HashError, MeshHash, canonical_hash};
 use crate::locate::{Found, walk};
+use crate::part::Assembly;
 use crate::points::{Mode, PointError};
+use crate::raw::Arena;
 use crate::tetmesh::TetMesh;
 use crate::topology::{INFINITE, MAX_TETS, TetId, Topology, VertexId, tet_of};
 use crate::{Point, PredicateStats, Sign};
@@ -122,6 +124,68 @@ impl Mesh {
         }
     }
 
+    /// The mesh of assembled parts. Vertices that no tetrahedron has are left out.
+    pub(crate) fn assembled(
+        mut topology: Topology,
+        mut geometry: Geometry,
+        assembly: Assembly<'_>,
+    ) -> Self {
+        let Assembly { points, numbers, duplicates, mode } = assembly;
+        let count = points.len();
+        let mut used = vec![false; count + 1];
+        for (_, tet) in topology.iter() {
+            for v in tet.vertices() {
+                used[v as usize] = true;
+            }
+        }
+        let mut kept = vec![Vertex::MAX];
+        let mut arena = Arena::with_capacity(count + 1);
+        arena.push([f64::NAN; 3]);
+        let mut renamed = vec![INFINITE; count + 1];
+        for (v, p) in (1..).zip(points).filter(|&(v, _)| used[v]) {
+            renamed[v] = kept.len() as VertexId;
+            kept.push(numbers[v - 1]);
+            arena.push(p);
+        }
+        if kept.len() <= count {
+            topology.rename(|v| if v == INFINITE { v } else { renamed[v as usize] });
+        }
+        geometry.set_points(arena);
+        let vertices = kept.len();
+        let mut mesh = Self {
+            topology,
+            geometry,
+            cavity: Cavity::for_vertices(vertices),
+            numbers: kept,
+            duplicates: Vec::new(),
+            mode,
+            next_number: count as Vertex,
+            hint: 0,
+        };
+        mesh.hint = mesh.topology.iter().next().map_or(0, |(t, _)| t);
+        mesh.note_duplicates(duplicates, numbers, &renamed);
+        mesh
+    }
+
+    /// Of equal points the smallest number is the vertex, whichever was inserted first.
+    fn note_duplicates(
+        &mut self,
+        duplicates: &[(VertexId, VertexId)],
+        numbers: &[Vertex],
+        renamed: &[VertexId],
+    ) {
+        let mut pairs = Vec::with_capacity(duplicates.len());
+        for &(duplicate, vertex) in duplicates {
+            let v = renamed[vertex as usize];
+            let number = numbers[duplicate as usize - 1];
+            let kept = &mut self.numbers[v as usize];
+            pairs.push((number.max(*kept), v));
+            *kept = number.min(*kept);
+        }
+        self.duplicates = pairs.into_iter().map(|(d, v)| (d, self.numbers[v as usize])).collect();
+        self.duplicates.sort_unstable();
+    }
+
     /// Inserts a point given in kernel coordinates, as public number `number`.
     #[inline]
     pub(crate) fn place<A: Admission>(
@@ -130,27 +194,72 @@ impl Mesh {
         number: Vertex,
         admission: &mut A,
     ) -> Result<Placed, Setback> {
+        if let Some(v) = self.open(p, self.hint, admission)? {
+            return Ok(Placed::At(v));
+        }
+        self.fill(p, number);
+        Ok(Placed::New)
+    }
+
+    /// Finds the cavity of a point in kernel coordinates, walking from `from`; a vertex at the
+    /// point is returned instead. Afterwards the cavity is open: it has to be filled
+    /// ([`Mesh::fill`]) or set back ([`Mesh::set_back`]).
+    #[inline]
+    pub(crate) fn open<A: Admission>(
+        &mut self,
+        p: Point,
+        from: TetId,
+        admission: &mut A,
+    ) -> Result<Option<VertexId>, Setback> {
         let mut conflict = self.geometry.conflict_of(&p);
-        let start = match walk(&self.topology, &mut conflict, self.hint) {
-            Found::Conflict(t) | Found::Outside(t) => t,
+        let start = match walk(&self.topology, &mut conflict, from) {
+            // No tetrahedron of a whole mesh is closed.
+            Found::Conflict(t) | Found::Outside(t) | Found::Closed(t) => t,
             Found::Inside(t) => {
                 let geometry = conflict.geometry();
                 let corners = self.topology.tet(t).vertices();
                 if let Some(&v) = corners.iter().find(|&&v| *geometry.point(v) == p) {
-                    return Ok(Placed::At(v));
+                    return Ok(Some(v));
                 }
                 t
             }
         };
-        let v = self.numbers.len() as VertexId;
         self.cavity.expand(&mut self.topology, start, &mut conflict, admission)?;
+        Ok(None)
+    }
+
+    /// Fills the open cavity with the star of its point; returns the new vertex.
+    #[inline]
+    pub(crate) fn fill(&mut self, p: Point, number: Vertex) -> VertexId {
+        let v = self.numbers.len() as VertexId;
         self.geometry.push(p);
         self.numbers.push(number);
         self.cavity.reserve_vertices(self.numbers.len());
         self.hint = self.cavity.fill(&mut self.topology, v);
         self.geometry.created(self.topology.slots(), &self.cavity.star(), &p);
         self.geometry.stats.insphere_calls += self.cavity.tests() as u64;
-        Ok(Placed::New)
+        v
+    }
+
+    /// Gives the open cavity up: the mesh is as before, bit for bit.
+    pub(crate) fn set_back(&mut self) {
+        self.cavity.set_back(&mut self.topology);
+    }
+
+    /// The open cavity, or the last one filled.
+    pub(crate) fn cavity(&self) -> &Cavity {
+        &self.cavity
+    }
+
+    /// A tetrahedron of the last star.
+    pub(crate) fn hint(&self) -> TetId {
+        self.hint
+    }
+
+    /// Says that kernel coordinates are the input's times 2^`exponent`. The caller has made the
+    /// mesh of coordinates scaled so, all inside the exactness window.
+    pub(crate) fn scaled_by(&mut self, exponent: i32) {
+        self.mode = Mode::Rescaled { exponent };
     }
 
     /// Inserts one point.
@@ -253,6 +362,11 @@ impl Mesh {
     /// Coordinates, as the kernel computes with them, of a finite kernel vertex.
     pub(crate) fn kernel_point(&self, v: VertexId) -> Point {
         *self.geometry.point(v)
+    }
+
+    /// The public number of a finite kernel vertex.
+    pub fn number(&self, v: VertexId) -> Option<Vertex> {
+        if v == INFINITE { None } else { self.numbers.get(v as usize).copied() }
     }
 
     /// What the cached sphere of `t` alone says of a point in kernel coordinates.

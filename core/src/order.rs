@@ -39,6 +39,13 @@ pub fn hilbert(points: &[Point]) -> Vec<u32> {
     in_rounds(points, 0)
 }
 
+/// The BRIO round, 0 to `rounds`, of the point with this index: the last one with probability 7/8.
+#[inline]
+pub fn round_of(index: u32, rounds: u32) -> u32 {
+    // Three zero bits have probability 1/8.
+    rounds - (scramble(u64::from(index)).trailing_zeros() / 3).min(rounds)
+}
+
 /// Hilbert order in each of the rounds 0 to `rounds`.
 fn in_rounds(points: &[Point], rounds: u32) -> Vec<u32> {
     let frame = Cube::around(points.iter());
@@ -46,8 +53,7 @@ fn in_rounds(points: &[Point], rounds: u32) -> Vec<u32> {
         .par_iter()
         .enumerate()
         .map(|(i, p)| {
-            // Three zero bits have probability 1/8.
-            let round = rounds - (scramble(i as u64).trailing_zeros() / 3).min(rounds);
+            let round = round_of(i as u32, rounds);
             (u64::from(round) << (3 * BITS) | frame.key(p), i as u32)
         })
         .collect();
@@ -209,6 +215,104 @@ mod tests {
             let step: i32 = (0..3).map(|k| (pair[0].1[k] - pair[1].1[k]).abs()).sum();
             assert_eq!(step, 1, "{pair:?}");
         }
+    }
+
+    /// The table takes two levels at a time; here they are taken one by one.
+    #[test]
+    fn the_table_is_two_levels_of_the_curve() {
+        for i in 0..2000 {
+            let cell = [0, 20, 40].map(|shift| (scramble(i) >> shift) as u32 & ((1 << BITS) - 1));
+            let (mut number, mut state) = (0, 0);
+            for bit in (0..BITS).rev() {
+                let [x, y, z] = cell.map(|c| (c >> bit & 1) as u16);
+                let (digit, next) = level(state, x | y << 1 | z << 2);
+                number = number << 3 | u64::from(digit);
+                state = next;
+            }
+            assert_eq!(hilbert_number(cell), number, "{cell:?}");
+        }
+    }
+
+    /// SplitMix64 from seed 0: its first outputs, as published with it.
+    #[test]
+    fn the_coin_is_the_hash_that_it_says() {
+        assert_eq!(scramble(0), 0xe220_a839_7b1d_cdaf);
+        assert_eq!(scramble(0x9e37_79b9_7f4a_7c15), 0x6e78_9e6a_a1b9_65f4);
+    }
+
+    fn random(count: u64) -> Vec<Point> {
+        let part = |r: u64, shift: u32| (r >> shift & 0xf_ffff) as f64;
+        (0..count)
+            .map(|i| scramble(i + 1_000_000))
+            .map(|r| [part(r, 0), part(r, 20), part(r, 40)])
+            .collect()
+    }
+
+    /// The round of a point, the first being 0: seven of eight points come in the last.
+    fn round_of(i: u32, rounds: u32) -> u32 {
+        let hash = scramble(u64::from(i));
+        (1..=rounds).find(|k| !hash.is_multiple_of(8u64.pow(*k))).map_or(0, |k| rounds + 1 - k)
+    }
+
+    #[test]
+    fn rounds_have_their_shares() {
+        for (count, rounds) in [(512, 0), (513, 1), (4103, 1), (4104, 2), (40_000, 3)] {
+            let points = random(count);
+            let order = brio_hilbert(&points);
+            let of: Vec<u32> = order.iter().map(|&i| round_of(i, rounds)).collect();
+            assert!(of.is_sorted(), "{count} points: rounds are mixed");
+            let last = of.iter().filter(|&&round| round == rounds).count() as f64;
+            let share = if rounds == 0 { 1.0 } else { 7.0 / 8.0 };
+            assert!(
+                (last / count as f64 - share).abs() < 0.04,
+                "{count}: {last} in the last round"
+            );
+            // Inside a round along the curve of the whole box.
+            let frame = Cube::around(points.iter());
+            let keys = order.iter().zip(&of).map(|(&i, &r)| (r, frame.key(&points[i as usize])));
+            assert!(keys.is_sorted(), "{count} points");
+        }
+    }
+
+    #[test]
+    fn cells_are_parts_of_the_cube_around_the_points() {
+        // A box of 2^20 steps: cells are steps. The least side decides nothing.
+        for (low, step) in [(0.0, 1.0), (-3.0, 0.5), (1e6, 8.0)] {
+            let at = |c: [f64; 3]| c.map(|c| low + c * step);
+            let most = f64::from(1 << BITS);
+            let corners = [at([most, 0.0, 4.0]), at([0.0, 9.0, most / 2.0]), at([0.0; 3])];
+            let frame = Cube::around(corners.iter());
+            let cells = [[0, 0, 0], [5, 7, 1], [(1 << BITS) - 1, 0, 3], [1, 1 << 19, 77]];
+            for cell in cells {
+                for part in [0.0, 0.5, 0.75] {
+                    let p = at(cell.map(|c| f64::from(c) + part));
+                    assert_eq!(frame.key(&p), hilbert_number(cell), "{cell:?} + {part}");
+                }
+            }
+            // The far end belongs to the last cell.
+            let last = (1 << BITS) - 1;
+            assert_eq!(frame.key(&at([most, 0.0, 0.0])), hilbert_number([last, 0, 0]));
+        }
+    }
+
+    #[test]
+    fn longer_runs_of_one_cell_are_ordered_among_themselves() {
+        // All in one cell of the box of the far corner, in the curve's own order in their box.
+        let run = |count: usize| -> Vec<u32> {
+            let mut points: Vec<Point> =
+                random(count as u64).into_iter().map(|p| p.map(|c| c * 1e-12)).collect();
+            points.push([1e9; 3]);
+            let mut order = hilbert(&points);
+            assert_eq!(order.pop(), Some(count as u32), "the far corner comes last");
+            let frame = Cube::around(points[..count].iter());
+            let sorted = order.is_sorted_by_key(|&i| frame.key(&points[i as usize]));
+            assert_eq!(sorted, count > SHORT_RUN, "{count} points");
+            order
+        };
+        run(SHORT_RUN + 1);
+        run(50);
+        // Short runs stay as the first keys had them: equal, so by number.
+        assert!(run(SHORT_RUN).is_sorted());
     }
 
     #[test]

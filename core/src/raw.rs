@@ -31,9 +31,22 @@ impl<T> Arena<T> {
         Self(array)
     }
 
+    /// `len` times `entry`. Where it is zero, memory is taken when it is first written to.
+    pub(crate) fn filled(entry: T, len: usize) -> Self
+    where
+        T: Clone,
+    {
+        Self(vec![entry; len])
+    }
+
     #[inline(always)]
     pub(crate) fn push(&mut self, entry: T) {
         self.0.push(entry);
+    }
+
+    /// Appends entries.
+    pub(crate) fn extend(&mut self, entries: impl ExactSizeIterator<Item = T>) {
+        self.0.extend(entries);
     }
 
     /// Grows to `len` entries, never shrinks.

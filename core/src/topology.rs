@@ -22,6 +22,8 @@ pub type FaceId = u32;
 pub const INFINITE: VertexId = 0;
 /// First vertex of a free slot.
 pub const FREE: VertexId = u32::MAX;
+/// First vertex of a proxy.
+const PROXY: VertexId = u32::MAX - 1;
 /// Bit of the last vertex that marks a tetrahedron of the cavity in work.
 const MARK: u32 = 1 << 31;
 /// Largest number of slots: a face handle is a `u32`.
@@ -58,6 +60,17 @@ impl Tet {
     #[inline(always)]
     pub fn is_free(&self) -> bool {
         self.v[0] == FREE
+    }
+
+    /// Is this slot a proxy: the far side of an interface face? Only parts of a mesh have them.
+    #[inline(always)]
+    pub fn is_proxy(&self) -> bool {
+        self.v[0] == PROXY
+    }
+
+    /// The four words that a proxy carries; meaningless of other slots.
+    pub fn words(&self) -> [u32; 4] {
+        [self.v[1], self.v[2], self.n[1], self.n[2]]
     }
 
     #[inline(always)]
@@ -190,11 +203,59 @@ impl Topology {
         self.tets.at_mut(tet_of(n[0])).n[slot_of(n[0])] = 4 * t;
     }
 
+    /// Says what lies beyond `face`, without the other direction.
+    pub(crate) fn point_to(&mut self, face: FaceId, beyond: FaceId) {
+        self.tets.at_mut(tet_of(face)).n[slot_of(face)] = beyond;
+    }
+
     /// Makes two faces each other's neighbour.
     #[inline(always)]
     pub(crate) fn link(&mut self, a: FaceId, b: FaceId) {
         self.tets.at_mut(tet_of(a)).n[slot_of(a)] = b;
         self.tets.at_mut(tet_of(b)).n[slot_of(b)] = a;
+    }
+
+    /// Writes a tetrahedron whose neighbours are not known yet; ghosts are counted.
+    pub(crate) fn write(&mut self, t: TetId, v: [VertexId; 4]) {
+        *self.tets.at_mut(t) = Tet { v, n: [0; 4] };
+        self.ghosts += usize::from(v[3] == INFINITE);
+    }
+
+    /// Frees the slot of a tetrahedron or proxy; ghosts are counted.
+    pub(crate) fn erase(&mut self, t: TetId) {
+        self.ghosts -= usize::from(self.tet(t).is_ghost() && !self.tet(t).is_proxy());
+        self.release(t);
+    }
+
+    /// Appends the slots of `other`, with its links changed to match; returns their offset. `None`
+    /// if there would be too many.
+    pub(crate) fn append(&mut self, other: &Self) -> Option<TetId> {
+        let offset = self.slots();
+        if offset + other.slots() > MAX_TETS {
+            return None;
+        }
+        let shift = 4 * offset as u32;
+        self.tets.extend(other.tets.all().iter().map(|tet| {
+            let n = if tet.is_free() { tet.n } else { tet.n.map(|face| face + shift) };
+            Tet { v: tet.v, n }
+        }));
+        self.free.extend(other.free.iter().map(|&t| t + offset as u32));
+        self.ghosts += other.ghosts;
+        Some(offset as TetId)
+    }
+
+    /// Renames every vertex of every tetrahedron.
+    pub(crate) fn rename(&mut self, name: impl Fn(VertexId) -> VertexId) {
+        for tet in self.tets.all_mut().iter_mut().filter(|tet| !tet.is_free()) {
+            tet.v = tet.v.map(&name);
+        }
+    }
+
+    /// Makes slot `t` a proxy that carries `load`, neighbour of `face`.
+    pub(crate) fn put_proxy(&mut self, t: TetId, face: FaceId, load: [u32; 4]) {
+        let [a, b, c, d] = load;
+        *self.tets.at_mut(t) = Tet { v: [PROXY, a, b, 0], n: [face, c, d, 0] };
+        self.tets.at_mut(tet_of(face)).n[slot_of(face)] = 4 * t;
     }
 
     pub(crate) fn add_ghosts(&mut self, change: isize) {

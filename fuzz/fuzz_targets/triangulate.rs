@@ -2,4 +2,4 @@
 //! `cargo test` runs over the corpus, too.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| ltbw_tests::fuzz::triangulate(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| ltbw_tests::fuzz::triangulate::triangulate(bytes));

@@ -23,4 +23,13 @@
 //! the coordinates alone. The crate `ltbw-verify` checks meshes, by code of its own.
 #![forbid(unsafe_code)]
 
+pub mod mailbox;
+pub mod mesh;
+pub mod metrics;
+pub mod protocol;
+pub mod simulate;
+mod sync;
+pub mod threads;
+pub mod transport;
+
 pub use ltbw_core::*;

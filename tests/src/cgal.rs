@@ -285,7 +285,7 @@ fn executable(tbb: bool) -> Result<PathBuf, Failure> {
     let compiler = compiler()?;
     let mut key = DefaultHasher::new();
     (SOURCE, FLAGS, &compiler, tbb).hash(&mut key);
-    let folder = target_folder().join("cgal");
+    let folder = folder();
     let path = folder.join(format!("server-{:016x}", key.finish()));
     if path.exists() {
         return Ok(path);
@@ -343,6 +343,11 @@ fn compiler() -> Result<String, Failure> {
         .chain(["c++", "g++", "clang++"].map(String::from))
         .find(works)
         .ok_or(Failure::Missing(Missing::Compiler))
+}
+
+/// Where compiled servers are kept: `LTBW_CGAL_FOLDER`, else `cgal` in the cargo target folder.
+fn folder() -> PathBuf {
+    std::env::var_os("LTBW_CGAL_FOLDER").map_or_else(|| target_folder().join("cgal"), PathBuf::from)
 }
 
 /// The cargo target folder: the running program lies in `<target>/<profile>[/deps]`.

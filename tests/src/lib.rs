@@ -4,20 +4,26 @@
 //! |---|---|
 //! | [`cgal`] | the CGAL server process of `tests/cgal/server.cpp`: build, start, ask |
 //! | [`oracle`] | the predicates by `rug`, and brute-force Delaunay of a few points |
+//! | [`epsilon`] | the perturbation by its definition: polynomials in ε |
+//! | [`small_world`] | all meshes of all subsets of a few points, by definition |
 //! | [`families`] | the input families of the bars, deterministic by seed |
+//! | [`fives`] | five points at a time, for the predicates |
 //! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash |
-//! | [`fuzz`] | the body of the fuzz target, so that `cargo test` replays its corpus |
-//! | [`formats`] | the same for the fuzz target of the file formats |
+//! | [`plant`] | defects planted into sound meshes, for the checker to find |
+//! | [`fuzz`] | the bodies of the fuzz targets, so that `cargo test` replays their corpora |
 //! | [`require`] | what is skipped when a tool is missing, and when that is a failure |
 #![forbid(unsafe_code)]
 
 pub mod cgal;
 pub mod compare;
+pub mod epsilon;
 pub mod families;
-pub mod formats;
+pub mod fives;
 pub mod fuzz;
 pub mod oracle;
+pub mod plant;
 pub mod require;
+pub mod small_world;
 
 /// Number of random cases: `LTBW_CASES` if it is set, else `default`.
 ///

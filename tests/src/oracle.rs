@@ -46,15 +46,21 @@ fn minus(p: &Exact, q: &Exact) -> Exact {
     from_fn(|i| Integer::from(&p[i] - &q[i]))
 }
 
+// Products are added in place: GMP then allocates once for each result, not for each product.
 fn cross(u: &Exact, v: &Exact) -> Exact {
     from_fn(|i| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        Integer::from(&u[j] * &v[k]) - Integer::from(&u[k] * &v[j])
+        let mut difference = Integer::from(&u[j] * &v[k]);
+        difference -= &u[k] * &v[j];
+        difference
     })
 }
 
 fn dot(u: &Exact, v: &Exact) -> Integer {
-    (0..3).map(|i| Integer::from(&u[i] * &v[i])).sum()
+    let mut sum = Integer::from(&u[0] * &v[0]);
+    sum += &u[1] * &v[1];
+    sum += &u[2] * &v[2];
+    sum
 }
 
 fn det(u: &Exact, v: &Exact, w: &Exact) -> Integer {
@@ -79,7 +85,7 @@ fn times(s: Sign, t: Sign) -> Sign {
 
 /// The predicates on integer points; see the functions of the same name on [`Point`]s.
 pub mod exact {
-    use super::{Exact, Integer, Sign, cross, det, dot, from_fn, minus, sign, times};
+    use super::{Exact, Integer, Ordering, Sign, cross, det, dot, from_fn, minus, sign, times};
 
     /// Sign of det(b - a, c - a, d - a).
     #[must_use]
@@ -93,9 +99,9 @@ pub mod exact {
         // The determinant of the rows (|p - e|^2, p - e), along its first column.
         let [a, b, c, d] = [a, b, c, d].map(|p| minus(p, e));
         let mut sum = dot(&a, &a) * det(&b, &c, &d);
-        sum -= dot(&b, &b) * det(&a, &c, &d);
-        sum += dot(&c, &c) * det(&a, &b, &d);
-        sum -= dot(&d, &d) * det(&a, &b, &c);
+        sum -= &dot(&b, &b) * &det(&a, &c, &d);
+        sum += &dot(&c, &c) * &det(&a, &b, &d);
+        sum -= &dot(&d, &d) * &det(&a, &b, &c);
         sign(&sum)
     }
 
@@ -120,6 +126,13 @@ pub mod exact {
         let normal = cross(&minus(b, a), &minus(c, a));
         let apex: Exact = from_fn(|i| Integer::from(&a[i] + &normal[i]));
         insphere(a, b, c, &apex, d)
+    }
+
+    /// `Less` if `a` is strictly nearer to `p` than `b` is.
+    #[must_use]
+    pub fn cmp_distance(p: &Exact, a: &Exact, b: &Exact) -> Ordering {
+        let [a, b] = [a, b].map(|q| minus(q, p));
+        dot(&a, &a).cmp(&dot(&b, &b))
     }
 
     /// In-sphere test with the symbolic perturbation: never zero for five distinct points with

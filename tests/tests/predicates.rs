@@ -7,98 +7,15 @@
 
 use ltbw::predicates::{self, perturb, twin};
 use ltbw::{Point, Sign};
-use ltbw_tests::families::{Rng, spheres, two_to};
+use ltbw_tests::families::{Rng, two_to};
+use ltbw_tests::fives::{FACTORS, WINDOW};
 use ltbw_tests::{cases, oracle};
 
-/// Five points of one family.
-type Draw = fn(&mut Rng) -> [Point; 5];
-
-const FAMILIES: &[(&str, Draw)] = &[
-    ("uniform", uniform),
-    ("coplanar", coplanar),
-    ("coplanar +- ulps", |rng| jitter(rng, coplanar)),
-    ("cospherical", cospherical),
-    ("cospherical +- ulps", |rng| jitter(rng, cospherical)),
-    ("small integers", small_integers),
-    ("small integers +- ulps", |rng| jitter(rng, small_integers)),
-    ("offset", offset),
-    ("offset +- ulps", |rng| jitter(rng, offset)),
-    ("clusters", clusters),
-    ("mixed exponents", mixed),
-];
-
-/// Factors that keep every family inside the window: 0 or 2^-142 <= |c| < 2^200.
-const EXPONENTS: [i32; 5] = [0, -80, 80, 160, -30];
-
-fn five(mut draw: impl FnMut() -> Point) -> [Point; 5] {
-    std::array::from_fn(|_| draw())
-}
-
-fn uniform(rng: &mut Rng) -> [Point; 5] {
-    five(|| std::array::from_fn(|_| 2.0 * rng.unit() - 1.0))
-}
-
-/// Lattice points of one random plane: a + i u + j v in integers.
-fn coplanar(rng: &mut Rng) -> [Point; 5] {
-    let mut small = |n: u64| rng.below(2 * n + 1) as f64 - n as f64;
-    let [a, u, v] = std::array::from_fn(|_| [small(5), small(5), small(5)]);
-    five(|| {
-        let (i, j) = (small(3), small(3));
-        std::array::from_fn(|k| a[k] + i * u[k] + j * v[k])
-    })
-}
-
-/// Integer points of one sphere, moved by an integer vector.
-fn cospherical(rng: &mut Rng) -> [Point; 5] {
-    let sphere = spheres(&[[3, 9, 41, 101][rng.below(4) as usize]]);
-    let move_by: Point = std::array::from_fn(|_| rng.below(1000) as f64);
-    five(|| {
-        let p = sphere[rng.below(sphere.len() as u64) as usize];
-        std::array::from_fn(|k| p[k] + move_by[k])
-    })
-}
-
-fn small_integers(rng: &mut Rng) -> [Point; 5] {
-    five(|| std::array::from_fn(|_| rng.below(4) as f64))
-}
-
-/// Small integers far from the origin: differences are exact, coordinates are not small.
-fn offset(rng: &mut Rng) -> [Point; 5] {
-    let far: Point = std::array::from_fn(|_| two_to(rng.below(50) as i32));
-    five(|| std::array::from_fn(|k| far[k] + rng.below(4) as f64))
-}
-
-fn clusters(rng: &mut Rng) -> [Point; 5] {
-    let [centre, ..] = uniform(rng);
-    five(|| {
-        let scale = two_to(-(rng.below(40) as i32));
-        std::array::from_fn(|k| centre[k] + scale * (rng.unit() - 0.5))
-    })
-}
-
-/// Coordinates of the window's own spread: 2^-60 to 2^38 here, times the factors.
-fn mixed(rng: &mut Rng) -> [Point; 5] {
-    five(|| std::array::from_fn(|_| (1.0 + rng.unit()) * two_to(rng.below(98) as i32 - 60)))
-}
-
-/// Moves some coordinates that are not zero by an ulp.
-fn jitter(rng: &mut Rng, draw: Draw) -> [Point; 5] {
-    let mut points = draw(rng);
-    for c in points.iter_mut().flatten().filter(|c| **c != 0.0) {
-        match rng.below(6) {
-            0 => *c = c.next_up(),
-            1 => *c = c.next_down(),
-            _ => {}
-        }
-    }
-    points
-}
-
 fn for_all(check: impl Fn(&str, &[Point; 5])) {
-    for (number, (name, draw)) in FAMILIES.iter().enumerate() {
+    for (number, (name, draw)) in WINDOW.iter().enumerate() {
         let mut rng = Rng::new(number as u64);
         for case in 0..cases(2_000) {
-            let factor = two_to(EXPONENTS[case as usize % EXPONENTS.len()]);
+            let factor = two_to(FACTORS[case as usize % FACTORS.len()]);
             let points = draw(&mut rng).map(|p| p.map(|c| c * factor));
             check(&format!("{name}, case {case}: {points:?}"), &points);
         }

@@ -1,6 +1,7 @@
 //! `cargo xtask`: one command for each of the deeper suites. Standard library only, so that it
 //! builds in a moment; the measuring itself is the program `measure` of the tests package.
 
+mod coverage;
 mod fuzz;
 mod generate;
 mod measure;
@@ -22,11 +23,16 @@ cargo xtask COMMAND
 
   bench [SET]...        our order + insert against CGAL's, interleaved pairs, median of 7
   bars                  the full-size bars: hashes equal to CGAL's, times within their limits
-  fuzz [--seconds N]    every fuzz target for N seconds each (default 60), through cargo-fuzz
   generate              write what is generated from the descriptions of the predicates
+  fuzz [--seconds N] [TARGET]...
+                        the canary, then every fuzz target for N seconds each (default 60), through
+                        cargo-fuzz
   prove                 the proofs of the filters: coqc and gappa
-  model-check           the models of verify/models, under loom
-  mutants [ARG]...      cargo-mutants on the predicates
+  model-check [--deep]  the models of verify/models: all states, the museum, loom, shuttle
+  coverage              the lines of core and verify that their tests run: at least 95 %
+  mutants [predicates|filters|kernel|checker]... [--shard K/N] [-- ARG...]
+                        does a test fail for every change that cargo-mutants makes? (predicates
+                        if no group is named; ARGs go to cargo-mutants)
 
 A missing tool is said aloud; with LTBW_REQUIRE=all (or the tool's name) it is a failure.";
 
@@ -39,6 +45,7 @@ fn main() -> ExitCode {
         "generate" => generate::run(),
         "prove" => prove::run(),
         "model-check" => model_check::run(rest),
+        "coverage" => coverage::run(rest),
         "mutants" => mutants::run(rest),
         "help" | "--help" | "-h" => {
             println!("{HELP}");

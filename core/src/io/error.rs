@@ -11,7 +11,7 @@ pub enum IoError {
     /// The extension of the file name is not one that is known.
     #[error(
         "{}: unknown extension; points: .npy .xyz .csv .node .ply (read only: .off .obj .stl); \
-         meshes: .vtu .msh .mesh .ele",
+         domains: .poly .smesh .off .obj .stl .ply; meshes: .vtu .msh .mesh .ele",
         show(path)
     )]
     UnknownFormat {
@@ -120,6 +120,21 @@ pub enum DataError {
         /// Its tag.
         tag: i64,
     },
+    /// A domain that cannot be used.
+    #[error(transparent)]
+    Domain(#[from] crate::domain::DomainError),
+    /// A facet that the format cannot hold as it is, and that has no triangles.
+    #[error("facet {facet} is not a plane polygon without self-intersections")]
+    Facet {
+        /// The facet.
+        facet: u32,
+    },
+    /// A facet that is not a single polygon.
+    #[error("facet {facet} is not a single polygon, which this format asks for; .poly can hold it")]
+    FacetParts {
+        /// The facet.
+        facet: u32,
+    },
     /// A tetrahedron names a point that does not exist.
     #[error("tetrahedron {tet} names point {point}, but there are {points} points")]
     Index {
@@ -159,6 +174,7 @@ impl fmt::Display for ParseError {
         match self.place {
             Place::Line(line) => write!(f, "line {line}: {}", self.reason),
             Place::Point(point) => write!(f, "point {point}: {}", self.reason),
+            Place::Face(face) => write!(f, "face {face}: {}", self.reason),
             Place::Byte(byte) => write!(f, "byte {byte}: {}", self.reason),
             Place::Header => write!(f, "header: {}", self.reason),
             Place::End => write!(f, "end of file: {}", self.reason),
@@ -176,6 +192,8 @@ pub enum Place {
     Line(u64),
     /// A point of a binary file, counted from 0.
     Point(u64),
+    /// A face of a surface, counted from 0.
+    Face(u64),
     /// A byte of a binary file, counted from 0.
     Byte(u64),
     /// The header of a binary file.

@@ -15,12 +15,16 @@ pub enum Format {
     Csv,
     /// Stanford polygons.
     Ply,
-    /// Geomview objects: read only.
+    /// Geomview objects. As points: read only.
     Off,
-    /// Wavefront objects: read only.
+    /// Wavefront objects. As points: read only.
     Obj,
-    /// Triangles for stereolithography: read only.
+    /// Triangles for stereolithography. As points: read only.
     Stl,
+    /// TetGen domain.
+    Poly,
+    /// TetGen domain of simple facets.
+    Smesh,
     /// TetGen points.
     Node,
     /// TetGen tetrahedra, beside a `.node` file.
@@ -35,7 +39,7 @@ pub enum Format {
 
 impl Format {
     /// Every format.
-    pub const ALL: [Format; 12] = [
+    pub const ALL: [Format; 14] = [
         Format::Npy,
         Format::Xyz,
         Format::Csv,
@@ -43,6 +47,8 @@ impl Format {
         Format::Off,
         Format::Obj,
         Format::Stl,
+        Format::Poly,
+        Format::Smesh,
         Format::Node,
         Format::Ele,
         Format::Medit,
@@ -69,6 +75,8 @@ impl Format {
             Format::Off => "off",
             Format::Obj => "obj",
             Format::Stl => "stl",
+            Format::Poly => "poly",
+            Format::Smesh => "smesh",
             Format::Node => "node",
             Format::Ele => "ele",
             Format::Medit => "mesh",
@@ -88,7 +96,18 @@ impl Format {
         matches!(self, Format::Node | Format::Ele | Format::Medit | Format::Msh | Format::Vtu)
     }
 
-    /// Whether files of this format are read, but not written.
+    /// Whether a file of this format can hold a domain.
+    pub fn holds_domain(self) -> bool {
+        matches!(self, Format::Poly | Format::Smesh) || self.holds_surface()
+    }
+
+    /// Whether a file of this format can hold a surface: a domain of polygons alone, without
+    /// points that say where holes and regions are. Its facets are oriented.
+    pub fn holds_surface(self) -> bool {
+        matches!(self, Format::Off | Format::Obj | Format::Stl | Format::Ply)
+    }
+
+    /// Whether points are read from files of this format, but not written to them.
     pub fn is_read_only(self) -> bool {
         matches!(self, Format::Off | Format::Obj | Format::Stl)
     }

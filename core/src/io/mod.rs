@@ -1,14 +1,16 @@
-//! Readers and writers of point and mesh files.
+//! Readers and writers of point, domain and mesh files.
 //!
 //! | extension | holds | tags | module |
 //! |---|---|---|---|
 //! | `.npy` | points (NumPy array of shape (n, 3)) | no | [`npy`] |
 //! | `.xyz` | points, one on a line | no | [`xyz`] |
 //! | `.csv` | points, columns `x,y,z` | column `tag` | [`csv`] |
-//! | `.ply` | points (Stanford polygons) | property `tag` | [`ply`] |
-//! | `.off` | points, read only: the vertices | no | [`off`] |
-//! | `.obj` | points, read only: the vertices | no | [`obj`] |
-//! | `.stl` | points, read only: the corners, once each | no | [`stl`] |
+//! | `.ply` | points (Stanford polygons); a surface | property `tag` | [`ply`] |
+//! | `.off` | a surface; points, read only: the vertices | no | [`off`] |
+//! | `.obj` | a surface; points, read only: the vertices | no | [`obj`] |
+//! | `.stl` | a surface; points, read only: the corners, once each | no | [`stl`] |
+//! | `.poly` | domain (TetGen) | facet markers, regions | [`poly`] |
+//! | `.smesh` | domain (TetGen), facets of one polygon each | facet markers, regions | [`poly`] |
 //! | `.node` | points (TetGen); beside `.ele`: a mesh | markers | [`tetgen`] |
 //! | `.ele` | mesh (TetGen), with the `.node` beside it | markers, regions | [`tetgen`] |
 //! | `.msh` | mesh (Gmsh 4.1, 2.2) | view `tag`, physical groups | [`msh`] |
@@ -28,6 +30,7 @@
 
 mod aside;
 pub mod csv;
+mod domain;
 mod error;
 mod format;
 pub mod medit;
@@ -36,8 +39,10 @@ pub mod npy;
 pub mod obj;
 pub mod off;
 pub mod ply;
+pub mod poly;
 mod scalar;
 pub mod stl;
+mod surface;
 pub mod tetgen;
 mod text;
 pub mod vtu;
@@ -45,6 +50,10 @@ pub mod xyz;
 
 use crate::{Point, TetMesh};
 use aside::Aside;
+pub use domain::{
+    DomainFile, check_domain_writable, domain_files, not_kept, read_domain, write_domain,
+    write_domain_with,
+};
 pub use error::{DataError, IoError, ParseError, Place, Reason};
 pub use format::{Encoding, Format, WriteOptions};
 pub use msh::MshVersion;
@@ -82,7 +91,7 @@ pub fn read_points(path: &Path) -> Result<PointFile, IoError> {
         Format::Off => off::read,
         Format::Obj => obj::read,
         Format::Stl => stl::read,
-        _ => return Err(wrong_kind(path, true)),
+        format => return Err(wrong_kind(path, format, "points are")),
     };
     parse(&load(path)?).map_err(|error| parse_error(path, error))
 }
@@ -99,7 +108,7 @@ pub fn read_mesh_file(path: &Path) -> Result<MeshFile, IoError> {
         Format::Msh => msh::read,
         Format::Medit => medit::read,
         Format::Node | Format::Ele => return read_pair(path),
-        _ => return Err(wrong_kind(path, false)),
+        format => return Err(wrong_kind(path, format, "a mesh is")),
     };
     parse(&load(path)?).map_err(|error| parse_error(path, error))
 }
@@ -144,7 +153,7 @@ pub fn write_points_with(
         Format::Xyz => xyz::write,
         Format::Csv => csv::write,
         Format::Node => tetgen::write_node,
-        _ => return Err(wrong_kind(path, true)),
+        format => return Err(wrong_kind(path, format, "points are")),
     };
     Aside::write(path, |out| write(out, points, tags))?.publish()
 }
@@ -167,7 +176,7 @@ pub fn write_mesh_with(path: &Path, mesh: &TetMesh, options: WriteOptions) -> Re
         }
         Format::Medit => |out, mesh, _| medit::write(out, mesh),
         Format::Node | Format::Ele => return write_pair(path, mesh),
-        _ => return Err(wrong_kind(path, false)),
+        format => return Err(wrong_kind(path, format, "a mesh is")),
     };
     Aside::write(path, |out| write(out, mesh, options))?.publish()
 }
@@ -177,7 +186,7 @@ fn writable(path: &Path, points: bool) -> Result<Format, IoError> {
     let format = Format::from_path(path)?;
     let holds = if points { format.holds_points() } else { format.holds_mesh() };
     if !holds {
-        Err(wrong_kind(path, points))
+        Err(wrong_kind(path, format, if points { "points are" } else { "a mesh is" }))
     } else if format.is_read_only() {
         Err(IoError::ReadOnly { path: path.to_owned() })
     } else {
@@ -290,9 +299,12 @@ fn check_mesh(mesh: &TetMesh) -> Result<(), DataError> {
     Ok(())
 }
 
-fn wrong_kind(path: &Path, points_wanted: bool) -> IoError {
-    let (holds, wanted) =
-        if points_wanted { ("a mesh", "points are") } else { ("points", "a mesh is") };
+fn wrong_kind(path: &Path, format: Format, wanted: &'static str) -> IoError {
+    let holds = match (format.holds_mesh(), format.holds_points(), format.holds_domain()) {
+        (_, true, _) => "points",
+        (true, ..) => "a mesh",
+        _ => "a domain",
+    };
     IoError::WrongKind { path: path.to_owned(), holds, wanted }
 }
 

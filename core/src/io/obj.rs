@@ -1,12 +1,16 @@
-//! `.obj`: Wavefront's object files, read as points.
+//! `.obj`: Wavefront's object files, read as points or as a surface.
 //!
-//! Read: the coordinates of every statement `v`. Weights and colours behind them, and all other
-//! statements, are not read; a note says so.
+//! Read: the coordinates of every statement `v`; for a domain also every statement `f`, a face of
+//! any number of corners `v`, `v/vt`, `v//vn` or `v/vt/vn`, counted from 1, or from the last
+//! vertex if negative. Weights and colours of vertices, and all other statements, are not read; a
+//! note says so. A line that ends in a backslash goes on in the next.
 //! Source: Wavefront, "Advanced Visualizer Manual", appendix B1.
 
-use super::PointFile;
 use super::error::{ParseError, Reason, excerpt};
-use super::text::{Lines, point};
+use super::surface::{Corners, Surface};
+use super::text::{Line, Lines, point, push_integer, push_point, write_rows};
+use super::{DomainFile, Point, PointFile};
+use std::io::Write;
 
 /// The statements of the format, other than `v`, sorted.
 const OTHER: &[&[u8]] = &[
@@ -56,7 +60,7 @@ const OTHER: &[&[u8]] = &[
     b"vt",
 ];
 
-/// Reads an `.obj` file.
+/// Reads the vertices of an `.obj` file.
 pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
     let mut file = PointFile::default();
     let (mut more, mut others) = (false, false);
@@ -84,6 +88,114 @@ pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
         file.notes.push("statements other than `v` are not read".to_owned());
     }
     Ok(file)
+}
+
+/// Reads an `.obj` file as a surface.
+pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
+    // Faces may come before the vertices that they name, but count backwards from their own place.
+    let mut surface = Surface::new(read(bytes)?.points);
+    let (mut above, mut number, mut others, mut more) = (0_usize, 0_u64, false, false);
+    let mut lines = Lines::new(bytes);
+    // Every turn takes a line.
+    while let Some(line) = lines.next() {
+        let at = |reason| ParseError::at(bytes, line.offset, reason);
+        match line.fields().next().unwrap_or_default() {
+            b"v" => {
+                above += 1;
+                more |= line.fields().count() > 4;
+            }
+            b"f" => {
+                let mut corners = Corners::new(4);
+                let mut part = Some(line);
+                // Every turn takes a line.
+                while let Some(line) = part {
+                    corner_tokens(&line).try_for_each(|token| {
+                        let at = |reason| ParseError::at(bytes, line.offset, reason);
+                        corner(token, above, &mut corners, surface.points(), number).map_err(at)
+                    })?;
+                    part = if goes_on(&line) { lines.next() } else { None };
+                }
+                surface.face(corners).map_err(at)?;
+                number += 1;
+            }
+            _ => {
+                others = true;
+                let mut part = Some(line);
+                // Every turn takes a line.
+                while part.is_some_and(|line| goes_on(&line)) {
+                    part = lines.next();
+                }
+            }
+        }
+    }
+    let mut notes = Vec::new();
+    if more {
+        notes.push("values after the third of a vertex are not read".to_owned());
+    }
+    if others {
+        notes.push("statements other than `v` and `f` are not read".to_owned());
+    }
+    Ok(surface.finish(notes))
+}
+
+fn goes_on(line: &Line<'_>) -> bool {
+    line.text.ends_with(b"\\")
+}
+
+/// The corners in a line of a face: its values, without the statement and the sign that it goes on.
+fn corner_tokens<'a>(line: &Line<'a>) -> impl Iterator<Item = &'a [u8]> {
+    let text = line.text.strip_suffix(b"\\").unwrap_or(line.text);
+    let tokens = text.split(u8::is_ascii_whitespace).filter(|t| !t.is_empty());
+    tokens.filter(|&t| t != b"f")
+}
+
+/// Adds a corner; `above` vertices stand above it in the file.
+fn corner(
+    token: &[u8],
+    above: usize,
+    corners: &mut Corners,
+    points: usize,
+    face: u64,
+) -> Result<(), Reason> {
+    let vertex = token.split(|&b| b == b'/').next().unwrap_or_default();
+    let back = vertex.strip_prefix(b"-");
+    match back {
+        None => corners.push(vertex, 1, points, face),
+        Some(back) => {
+            let back = super::text::count(back)?;
+            let index = usize::try_from(back).ok().and_then(|b| above.checked_sub(b));
+            let outside = Reason::Index {
+                what: "face",
+                number: face,
+                index: i64::try_from(back).map_or(i64::MIN, |b| -b),
+                first: -(above as i64),
+                last: -1,
+            };
+            corners.add(index.filter(|_| back > 0).ok_or(outside)?);
+            Ok(())
+        }
+    }
+}
+
+/// Writes a surface.
+pub(super) fn write_surface(
+    out: &mut dyn Write,
+    points: &[Point],
+    faces: &[&[u32]],
+) -> std::io::Result<()> {
+    write_rows(out, points.len(), |i, row| {
+        row.extend_from_slice(b"v ");
+        push_point(row, &points[i], b' ');
+        row.push(b'\n');
+    })?;
+    write_rows(out, faces.len(), |i, row| {
+        row.push(b'f');
+        for &v in faces[i] {
+            row.push(b' ');
+            push_integer(row, i64::from(v) + 1);
+        }
+        row.push(b'\n');
+    })
 }
 
 #[cfg(test)]

@@ -1,16 +1,65 @@
-//! `.off`: Geomview's object files, read as points.
+//! `.off`: Geomview's object files, read as points or as a surface.
 //!
-//! Read: the text form with the headers `OFF`, `COFF`, `NOFF`, `STOFF` and their combinations. The
-//! vertices are the points; faces, colours and normals are not read, and a note says so. The
-//! binary form and points of four or n dimensions are refused.
+//! Read: the text form with the headers `OFF`, `COFF`, `NOFF`, `STOFF` and their combinations. As
+//! points: the vertices; faces, colours and normals are not read, and a note says so. As a
+//! domain: vertices and faces of any number of corners. The binary form and points of four or n
+//! dimensions are refused.
 //! Source: the Geomview manual, "OFF Files".
 
-use super::PointFile;
 use super::error::{ParseError, Reason, excerpt};
-use super::text::{Line, Lines, capacity, count, point};
+use super::surface::{Corners, Surface};
+use super::text::{Line, Lines, capacity, count, point, push_integer, push_point, write_rows};
+use super::{DomainFile, Point, PointFile};
+use std::io::Write;
 
-/// Reads an `.off` file.
+/// Reads the vertices of an `.off` file.
 pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
+    let (mut file, faces, mut lines) = vertices(bytes)?;
+    if let (0, Some(line)) = (faces, lines.next()) {
+        return Err(ParseError::at(bytes, line.offset, Reason::Surplus("point")));
+    }
+    if faces > 0 {
+        file.notes.push("faces are not read".to_owned());
+    }
+    Ok(file)
+}
+
+/// Reads an `.off` file as a surface. Colours are not read; a note says so.
+pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
+    let (file, announced, mut lines) = vertices(bytes)?;
+    let mut surface = Surface::new(file.points);
+    surface.reserve(capacity(announced, lines.remaining(), 8));
+    let mut more = false;
+    for found in 0..announced {
+        let Some(line) = lines.next() else {
+            let reason = Reason::Truncated { what: "faces", announced, found };
+            return Err(ParseError::at(bytes, bytes.len(), reason));
+        };
+        let at = |r| ParseError::at(bytes, line.offset, r);
+        let mut fields = line.fields();
+        let wanted = count(fields.next().unwrap_or_default()).map_err(at)?;
+        let mut corners = Corners::new(capacity(wanted, line.text.len(), 2));
+        for k in 0..wanted {
+            let (expected, k) = (wanted.saturating_add(1), k + 1);
+            let short = || Reason::TooFewValues { expected: expected as usize, found: k as usize };
+            let token = fields.next().ok_or_else(short).map_err(at)?;
+            corners.push(token, 0, surface.points(), found).map_err(at)?;
+        }
+        more |= fields.next().is_some();
+        surface.face(corners).map_err(at)?;
+    }
+    if let Some(line) = lines.next() {
+        return Err(ParseError::at(bytes, line.offset, Reason::Surplus("face")));
+    }
+    let mut notes = file.notes;
+    if more {
+        notes.push("colours of faces are not read".to_owned());
+    }
+    Ok(surface.finish(notes))
+}
+
+/// Reads header and vertices; also the number of faces, and the lines that are left.
+fn vertices(bytes: &[u8]) -> Result<(PointFile, u64, Lines<'_>), ParseError> {
     let mut lines = Lines::new(bytes);
     let end = || ParseError::at(bytes, bytes.len(), Reason::Syntax("no header".into()));
     let first = lines.next().ok_or_else(end)?;
@@ -30,17 +79,32 @@ pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
         points.push(point(&mut fields, 0).map_err(|r| ParseError::at(bytes, line.offset, r))?);
         more |= fields.next().is_some();
     }
-    if let (0, Some(line)) = (faces, lines.next()) {
-        return Err(ParseError::at(bytes, line.offset, Reason::Surplus("point")));
-    }
     let mut file = PointFile { points, ..PointFile::default() };
-    if faces > 0 {
-        file.notes.push("faces are not read".to_owned());
-    }
     if more {
         file.notes.push("values after the third of a vertex are not read".to_owned());
     }
-    Ok(file)
+    Ok((file, faces, lines))
+}
+
+/// Writes a surface.
+pub(super) fn write_surface(
+    out: &mut dyn Write,
+    points: &[Point],
+    faces: &[&[u32]],
+) -> std::io::Result<()> {
+    writeln!(out, "OFF\n{} {} 0", points.len(), faces.len())?;
+    write_rows(out, points.len(), |i, row| {
+        push_point(row, &points[i], b' ');
+        row.push(b'\n');
+    })?;
+    write_rows(out, faces.len(), |i, row| {
+        push_integer(row, faces[i].len() as i64);
+        for &v in faces[i] {
+            row.push(b' ');
+            push_integer(row, i64::from(v));
+        }
+        row.push(b'\n');
+    })
 }
 
 /// Takes the keyword off the first line; what is left are the counts or nothing.

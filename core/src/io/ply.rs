@@ -1,10 +1,12 @@
-//! `.ply`: the Stanford polygon format, read and written as points.
+//! `.ply`: the Stanford polygon format, read and written as points or as a surface.
 //!
 //! Read: versions `ascii`, `binary_little_endian` and `binary_big_endian` 1.0. The element
 //! `vertex` with the properties `x`, `y` and `z` of any number type is the points; a property
 //! `tag` whose values are whole numbers is their tags. Other elements and properties are not read;
-//! a note says so. Written: properties of type `double`; tags as `int` where they fit, else as
-//! `double` (the format has no integers of 64 bits).
+//! a note says so. For a domain (in `faces.rs`) the element `face` with the list `vertex_indices`
+//! or `vertex_index` is read as well, and an integer property `marker`. Written: properties of type
+//! `double`; tags as `int` where they fit, else as `double` (the format has no integers of 64
+//! bits).
 //! Source: G. Turk, "The PLY Polygon File Format", 1994.
 
 use super::error::{ParseError, Place, Reason, excerpt};
@@ -13,11 +15,18 @@ use super::text::{Tokens, capacity, count, float, push_integer, push_point, writ
 use super::{Encoding, Point, PointFile};
 use std::io::Write;
 
-/// What a property of a vertex means here.
+mod faces;
+pub use faces::read_domain;
+pub(super) use faces::write_surface;
+
+/// What a property of a vertex or a face means here.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Role {
     Axis(usize),
     Tag,
+    /// A list: the corners of a face.
+    Corners,
+    Marker,
     Other,
 }
 
@@ -34,6 +43,7 @@ struct Property {
 #[derive(Debug)]
 struct Element {
     vertex: bool,
+    face: bool,
     rows: u64,
     properties: Vec<Property>,
 }
@@ -67,15 +77,21 @@ pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
             }
             return Ok(file);
         }
-        for found in 0..element.rows {
-            let announced = element.rows;
-            let early = Reason::Truncated { what: "rows", announced, found };
-            for property in &element.properties {
-                body.skip(property).map_err(|r| body.error(body_error(r, &early)))?;
-            }
-        }
+        skip_rows(&mut body, element)?;
     }
     Err(ParseError::new(Place::Header, Reason::Syntax("there is no element `vertex`".into())))
+}
+
+/// Skips an element.
+fn skip_rows(body: &mut Body<'_>, element: &Element) -> Result<(), ParseError> {
+    let announced = element.rows;
+    for found in 0..announced {
+        let early = Reason::Truncated { what: "rows", announced, found };
+        for property in &element.properties {
+            body.skip(property).map_err(|r| body.error(body_error(r, &early)))?;
+        }
+    }
+    Ok(())
 }
 
 /// The reason itself, or `early` when it is that the file ended.
@@ -114,6 +130,7 @@ fn header(bytes: &[u8]) -> Result<Header, ParseError> {
             }
             [b"element", name, rows] => elements.push(Element {
                 vertex: *name == b"vertex",
+                face: *name == b"face",
                 rows: count(rows).map_err(at)?,
                 properties: Vec::new(),
             }),
@@ -177,7 +194,9 @@ fn property(words: &[&[u8]], big_endian: bool) -> Result<Property, Reason> {
         return Err(Reason::Syntax("the length of a list is an integer".into()));
     }
     let role = match name {
+        b"vertex_indices" | b"vertex_index" if length.is_some() => Role::Corners,
         _ if length.is_some() => Role::Other,
+        b"marker" => Role::Marker,
         b"x" => Role::Axis(0),
         b"y" => Role::Axis(1),
         b"z" => Role::Axis(2),
@@ -239,17 +258,18 @@ impl Body<'_> {
         }
     }
 
+    /// The number of values of a property: of a list it is read.
+    fn length(&mut self, property: &Property) -> Result<u64, Option<Reason>> {
+        let Some(length) = property.length else { return Ok(1) };
+        let value = self.float(length)?;
+        exact_integer(value)
+            .and_then(|v| u64::try_from(v).ok())
+            .ok_or_else(|| Some(Reason::Syntax(format!("a list of length {value}"))))
+    }
+
     /// Skips a property; text is not looked at.
     fn skip(&mut self, property: &Property) -> Result<(), Option<Reason>> {
-        let values = match property.length {
-            None => 1,
-            Some(length) => {
-                let value = self.float(length)?;
-                exact_integer(value)
-                    .and_then(|v| u64::try_from(v).ok())
-                    .ok_or_else(|| Some(Reason::Syntax(format!("a list of length {value}"))))?
-            }
-        };
+        let values = self.length(property)?;
         match self {
             // At most as many turns as there are tokens.
             Body::Text(tokens) => (0..values).try_for_each(|_| tokens.next().map(drop).ok_or(None)),
@@ -295,7 +315,7 @@ fn vertices(body: &mut Body<'_>, element: &Element) -> Result<PointFile, ParseEr
         tags.extend(tag);
     }
     let mut file = PointFile { points, ..PointFile::default() };
-    if element.properties.iter().any(|p| p.role == Role::Other) {
+    if element.properties.iter().any(|p| !matches!(p.role, Role::Axis(_) | Role::Tag)) {
         file.notes.push("properties of vertices other than x, y, z and tag are not read".into());
     }
     if tagged {
@@ -314,7 +334,7 @@ fn vertex(body: &mut Body<'_>, element: &Element) -> Result<(Point, Option<f64>)
         match property.role {
             Role::Axis(axis) => p[axis] = body.float(property.scalar)?,
             Role::Tag => tag = Some(body.float(property.scalar)?),
-            Role::Other => body.skip(property)?,
+            Role::Corners | Role::Marker | Role::Other => body.skip(property)?,
         }
     }
     Ok((p, tag))

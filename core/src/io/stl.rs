@@ -1,60 +1,94 @@
-//! `.stl`: triangles for stereolithography, text or binary, read as points.
+//! `.stl`: triangles for stereolithography, text or binary, read as points or as a surface.
 //!
 //! The corners of the triangles are the points. The format repeats a point in each of its
 //! triangles; points that are equal (`-0.0` and `0.0` are) are read once, in the order of their
-//! first appearance. Triangles and normals are not read; a note says so. A file is binary if its
-//! length is the one that the count in its header asks for, or if it does not start with `solid`.
+//! first appearance. Normals are not read: the order of the corners says as much. As points, the
+//! triangles are not read either; a note says so. A file is binary if its length is the one that
+//! the count in its header asks for, or if it does not start with `solid`. Written: text, in which
+//! coordinates keep their 64 bits (the binary form has 32).
 //! Source: 3D Systems, "StereoLithography Interface Specification", 1988.
 
 use super::error::{ParseError, Place, Reason, excerpt};
-use super::text::{Lines, capacity, point};
-use super::{Point, PointFile};
-use std::collections::HashSet;
+use super::surface::{Corners, Surface};
+use super::text::{Lines, capacity, point, push_point, write_rows};
+use super::{DomainFile, Point, PointFile};
+use std::collections::HashMap;
+use std::io::Write;
 
 /// Bytes before the triangles: a comment of 80 bytes and their count.
 const HEADER: usize = 84;
 /// Bytes of a triangle: its normal, three corners of three `f32` each, and two bytes more.
 const TRIANGLE: usize = 50;
 
-/// Reads an `.stl` file.
+/// Reads the corners of an `.stl` file, each once.
 pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
+    let distinct = triangles(bytes)?;
+    let notes = vec!["triangles are not read; each point is read once".to_owned()];
+    Ok(PointFile { points: distinct.points, point_tags: None, notes })
+}
+
+/// Reads an `.stl` file as a surface; corners of equal coordinates are one vertex.
+pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
+    let Distinct { points, corners, .. } = triangles(bytes)?;
+    let mut surface = Surface::new(points);
+    let (triangles, _) = corners.as_chunks::<3>();
+    surface.reserve(triangles.len());
+    for triangle in triangles {
+        let face = Corners::from(&triangle[..]);
+        surface.face(face).map_err(|r| ParseError::new(Place::End, r))?;
+    }
+    Ok(surface.finish(Vec::new()))
+}
+
+/// The triangles of either form.
+fn triangles(bytes: &[u8]) -> Result<Distinct, ParseError> {
     let count = bytes.get(80..HEADER).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]]));
     let length = count.map(|c| HEADER as u64 + TRIANGLE as u64 * u64::from(c));
     let text = bytes.trim_ascii_start().starts_with(b"solid");
-    let points = match (count, length) {
+    match (count, length) {
         (Some(count), Some(length)) if length == bytes.len() as u64 || !text => {
-            read_binary(&bytes[HEADER..], count)?
+            read_binary(&bytes[HEADER..], count)
         }
-        _ if text => read_text(bytes)?,
+        _ if text => read_text(bytes),
         _ => {
             let reason = Reason::Syntax("neither a text nor a binary STL file".into());
-            return Err(ParseError::new(Place::Header, reason));
+            Err(ParseError::new(Place::Header, reason))
         }
-    };
-    let notes = vec!["triangles are not read; each point is read once".to_owned()];
-    Ok(PointFile { points, point_tags: None, notes })
+    }
 }
 
-/// Points without those that are equal to an earlier one.
+/// Points without those that are equal to an earlier one, and where each corner went.
 struct Distinct {
     points: Vec<Point>,
-    seen: HashSet<[u64; 3]>,
+    seen: HashMap<[u64; 3], u32>,
+    corners: Vec<u32>,
 }
 
 impl Distinct {
+    /// `reserve`: about how many triangles there are.
     fn new(reserve: usize) -> Self {
-        Self { points: Vec::with_capacity(reserve), seen: HashSet::with_capacity(reserve) }
+        // A closed surface has half as many points as triangles.
+        Self {
+            points: Vec::with_capacity(reserve / 2),
+            seen: HashMap::with_capacity(reserve / 2),
+            corners: Vec::with_capacity(3 * reserve),
+        }
     }
 
-    fn add(&mut self, point: Point) {
+    fn add(&mut self, point: Point) -> Result<(), Reason> {
+        let next = u32::try_from(self.points.len())
+            .map_err(|_| Reason::TooManyPoints(self.points.len() as u64))?;
         // In rounding to nearest, -0.0 + 0.0 is 0.0; nothing else changes.
-        if self.seen.insert(point.map(|c| (c + 0.0).to_bits())) {
+        let index = *self.seen.entry(point.map(|c| (c + 0.0).to_bits())).or_insert(next);
+        if index == next {
             self.points.push(point);
         }
+        self.corners.push(index);
+        Ok(())
     }
 }
 
-fn read_binary(body: &[u8], count: u32) -> Result<Vec<Point>, ParseError> {
+fn read_binary(body: &[u8], count: u32) -> Result<Distinct, ParseError> {
     let (triangles, rest) = body.as_chunks::<TRIANGLE>();
     let (announced, found) = (u64::from(count), triangles.len() as u64);
     if found < announced {
@@ -64,27 +98,26 @@ fn read_binary(body: &[u8], count: u32) -> Result<Vec<Point>, ParseError> {
     if found > announced || !rest.is_empty() {
         return Err(ParseError::new(Place::End, Reason::Surplus("triangle")));
     }
-    // A closed surface has half as many points as triangles.
-    let mut distinct = Distinct::new(triangles.len() / 2);
+    let mut distinct = Distinct::new(triangles.len());
     for (t, triangle) in triangles.iter().enumerate() {
         // Behind the normal.
         let (numbers, _) = triangle[12..48].as_chunks::<4>();
         let (corners, _) = numbers.as_chunks::<3>();
         for corner in corners {
             let p = corner.map(|c| f64::from(f32::from_le_bytes(c)));
+            let at = |reason| ParseError::new(Place::Byte((HEADER + t * TRIANGLE) as u64), reason);
             if let Some(c) = p.iter().find(|c| !c.is_finite()) {
-                let byte = HEADER + t * TRIANGLE;
-                let reason = Reason::NotFinite(c.to_string());
-                return Err(ParseError::new(Place::Byte(byte as u64), reason));
+                return Err(at(Reason::NotFinite(c.to_string())));
             }
-            distinct.add(p);
+            distinct.add(p).map_err(at)?;
         }
     }
-    Ok(distinct.points)
+    Ok(distinct)
 }
 
-fn read_text(bytes: &[u8]) -> Result<Vec<Point>, ParseError> {
-    let mut distinct = Distinct::new(capacity(u64::MAX, bytes.len(), 500));
+fn read_text(bytes: &[u8]) -> Result<Distinct, ParseError> {
+    // A triangle takes some 250 bytes.
+    let mut distinct = Distinct::new(capacity(u64::MAX, bytes.len(), 250));
     let (mut inside, mut corners) = (false, 0);
     for line in Lines::new(bytes) {
         let at = |reason| ParseError::at(bytes, line.offset, reason);
@@ -94,7 +127,7 @@ fn read_text(bytes: &[u8]) -> Result<Vec<Point>, ParseError> {
             b"solid" if !inside => inside = true,
             b"endsolid" if inside => inside = false,
             b"vertex" if inside => {
-                distinct.add(point(&mut fields, 1).map_err(at)?);
+                point(&mut fields, 1).and_then(|p| distinct.add(p)).map_err(at)?;
                 if fields.next().is_some() {
                     return Err(at(Reason::TooManyValues { expected: 4 }));
                 }
@@ -115,7 +148,44 @@ fn read_text(bytes: &[u8]) -> Result<Vec<Point>, ParseError> {
         let reason = Reason::Syntax("the file ends without `endsolid`".into());
         return Err(ParseError::at(bytes, bytes.len(), reason));
     }
-    Ok(distinct.points)
+    if corners > 0 {
+        let reason = Reason::Syntax("the file ends inside a facet".into());
+        return Err(ParseError::at(bytes, bytes.len(), reason));
+    }
+    Ok(distinct)
+}
+
+/// Writes a surface of triangles as text.
+pub(super) fn write_surface(
+    out: &mut dyn Write,
+    points: &[Point],
+    triangles: &[[u32; 3]],
+) -> std::io::Result<()> {
+    out.write_all(b"solid ltbw\n")?;
+    write_rows(out, triangles.len(), |i, row| {
+        let corners = triangles[i].map(|v| points[v as usize]);
+        row.extend_from_slice(b"facet normal ");
+        push_point(row, &normal(&corners), b' ');
+        row.extend_from_slice(b"\nouter loop\n");
+        for corner in &corners {
+            row.extend_from_slice(b"vertex ");
+            push_point(row, corner, b' ');
+            row.push(b'\n');
+        }
+        row.extend_from_slice(b"endloop\nendfacet\n");
+    })?;
+    out.write_all(b"endsolid ltbw\n")
+}
+
+/// The unit normal, rounded; zero where it has no direction in floating point.
+fn normal([a, b, c]: &[Point; 3]) -> Point {
+    let (u, v) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
+    let n = [0, 1, 2].map(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        u[i] * v[j] - u[j] * v[i]
+    });
+    let length = (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt();
+    if length.is_normal() { n.map(|c| c / length + 0.0) } else { [0.0; 3] }
 }
 
 #[cfg(test)]

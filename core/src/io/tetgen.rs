@@ -76,13 +76,22 @@ fn number(token: &[u8], what: &'static str, first: &mut i64, row: u64) -> Result
 /// Parses a `.node` file.
 pub fn parse_node(bytes: &[u8]) -> Result<NodeFile, ParseError> {
     let mut lines = Lines::new(bytes);
-    let [announced, dimension, attributes, markers] = header(bytes, &mut lines)?;
+    let node = node_section(bytes, &mut lines)?;
+    match lines.next() {
+        Some(line) => Err(ParseError::at(bytes, line.offset, Reason::Surplus("point"))),
+        None => Ok(node),
+    }
+}
+
+/// Parses the points of a `.node` file, or those that a `.poly` or `.smesh` file starts with.
+pub(super) fn node_section(bytes: &[u8], lines: &mut Lines<'_>) -> Result<NodeFile, ParseError> {
+    let [announced, dimension, attributes, markers] = header(bytes, lines)?;
     if dimension != 3 {
-        return Err(bad_header(bytes, &lines, format!("points in {dimension} dimensions")));
+        return Err(bad_header(bytes, lines, format!("points in {dimension} dimensions")));
     }
     if markers > 1 || attributes > 1 << 16 {
         let text = format!("{attributes} attributes and {markers} markers for each point");
-        return Err(bad_header(bytes, &lines, text));
+        return Err(bad_header(bytes, lines, text));
     }
     let reserve = capacity(announced, lines.remaining(), 8);
     let mut points = Vec::with_capacity(reserve);
@@ -113,9 +122,6 @@ pub fn parse_node(bytes: &[u8]) -> Result<NodeFile, ParseError> {
         if found < width {
             return Err(at(Reason::TooFewValues { expected: width, found }));
         }
-    }
-    if let Some(line) = lines.next() {
-        return Err(ParseError::at(bytes, line.offset, Reason::Surplus("point")));
     }
     let mut file =
         PointFile { points, point_tags: (markers == 1).then_some(tags), notes: Vec::new() };

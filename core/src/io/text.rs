@@ -19,7 +19,7 @@ pub(super) struct Line<'a> {
 
 impl<'a> Line<'a> {
     /// Its values, separated by blanks.
-    pub(super) fn fields(&self) -> impl Iterator<Item = &'a [u8]> + Clone {
+    pub(super) fn fields(self) -> impl Iterator<Item = &'a [u8]> + Clone + use<'a> {
         self.text.split(u8::is_ascii_whitespace).filter(|t| !t.is_empty())
     }
 }

@@ -35,18 +35,24 @@ const GUARD_HIGH: f64 = power_of_two(1000);
 #[inline]
 #[must_use]
 pub fn cmp_distance(p: &Point, a: &Point, b: &Point) -> Ordering {
+    filter(p, a, b).unwrap_or_else(|| exact_cmp_distance(p, a, b))
+}
+
+/// [`cmp_distance`] by filter; `None` if not decided.
+#[inline(always)]
+fn filter(p: &Point, a: &Point, b: &Point) -> Option<Ordering> {
     let (near_a, near_b) = (squared(p, a), squared(p, b));
     let larger = near_a.max(near_b);
     if larger > GUARD_LOW && larger < GUARD_HIGH {
         let margin = DISTANCE_ERROR * larger;
         if near_b - near_a > margin {
-            return Ordering::Less;
+            return Some(Ordering::Less);
         }
         if near_a - near_b > margin {
-            return Ordering::Greater;
+            return Some(Ordering::Greater);
         }
     }
-    exact_cmp_distance(p, a, b)
+    None
 }
 
 #[inline(always)]
@@ -136,6 +142,33 @@ mod tests {
             a[0] = f64::from_bits(a[0].to_bits() + steps);
             check(&scale(p), &a, &b);
         }
+    }
+
+    /// Points on an axis at the distances `a` and `b` from the origin.
+    fn filtered(a: f64, b: f64) -> Option<Ordering> {
+        let found = filter(&[0.0; 3], &[a, 0.0, 0.0], &[0.0, b, 0.0]);
+        assert_eq!(filter(&[0.0; 3], &[0.0, 0.0, b], &[0.0, a, 0.0]), found.map(Ordering::reverse));
+        found
+    }
+
+    #[test]
+    fn the_filter_decides_up_to_its_margin() {
+        let ulps = |n: i32| 1.0 - f64::from(n) * UNIT_ROUNDOFF;
+        // The square of 1 - 8u is 1 - 16u, rounded: the difference is the margin.
+        assert_eq!(filtered(ulps(8), 1.0), None);
+        assert_eq!(filtered(ulps(9), 1.0), Some(Ordering::Less));
+        assert_eq!(filtered(1.0, 1.0), None);
+    }
+
+    #[test]
+    fn the_filter_decides_between_its_guards() {
+        let (low, high) = (power_of_two(-450), power_of_two(500));
+        assert_eq!(filtered(0.5 * low, low), None);
+        assert_eq!(filtered(low, 1.5 * low), Some(Ordering::Less));
+        assert_eq!(filtered(high.next_down(), 1.0), Some(Ordering::Greater));
+        assert_eq!(filtered(high, 1.0), None);
+        assert_eq!(filtered(2.0 * high, high), None);
+        assert_eq!(filtered(power_of_two(1000), 1.0), None);
     }
 
     #[test]

@@ -170,17 +170,21 @@ pub fn side_of_bounded_circle(a: &Point, b: &Point, c: &Point, d: &Point) -> Sig
     for plane in PLANES {
         let local = orient2d(a, b, c, plane);
         if !local.is_zero() {
-            let side = filter::incircle_any(a, b, c, d, plane)
-                .unwrap_or_else(|| exact::incircle(a, b, c, d, plane));
-            return side * local;
+            return incircle(a, b, c, d, plane) * local;
         }
     }
     Sign::Zero
 }
 
 /// Orientation of the projections of `a, b, c` to the two axes of `plane`.
-fn orient2d(a: &Point, b: &Point, c: &Point, plane: [usize; 2]) -> Sign {
+pub(crate) fn orient2d(a: &Point, b: &Point, c: &Point, plane: [usize; 2]) -> Sign {
     filter::orient2d_any(a, b, c, plane).unwrap_or_else(|| exact::orient2d(a, b, c, plane))
+}
+
+/// Where the projection of `d` lies with respect to the circle through those of `a, b, c`, which
+/// are oriented positively: positive inside.
+pub(crate) fn incircle(a: &Point, b: &Point, c: &Point, d: &Point, plane: [usize; 2]) -> Sign {
+    filter::incircle_any(a, b, c, d, plane).unwrap_or_else(|| exact::incircle(a, b, c, d, plane))
 }
 
 /// The order of the symbolic perturbation: by x, then y, then z. `-0.0` equals `0.0`.

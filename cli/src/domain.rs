@@ -1,0 +1,256 @@
+//! `check` of a domain, and its report `ltbw.domain/1`.
+
+use crate::args::Check;
+use crate::check::{check_json, keep_input, write_json};
+use crate::console;
+use crate::outcome::{Exit, Failure, show};
+use ltbw::domain::{
+    CheckOptions, Domain, DomainDefect, DomainReport, Element, PrepareError, PrepareOptions,
+    Severity, Snapped,
+};
+use ltbw::io::{self, Format};
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Defects that people are shown of each kind; the report lists more.
+const SHOWN: usize = 5;
+
+/// Is this a file that `check` takes for a domain?
+pub(crate) fn is_domain(path: &Path) -> bool {
+    Format::from_path(path).is_ok_and(Format::holds_domain)
+}
+
+/// The report. A field that exists is never renamed in this version.
+#[derive(Debug, Serialize)]
+struct Report {
+    schema: &'static str,
+    command: &'static str,
+    passed: bool,
+    domain: DomainPart,
+    lattice: Option<LatticePart>,
+    defect_counts: BTreeMap<&'static str, u64>,
+    defects: Vec<Value>,
+    /// Defects that snapping makes.
+    snapped_defect_counts: BTreeMap<&'static str, u64>,
+    snapped_defects: Vec<Value>,
+}
+
+#[derive(Debug, Serialize)]
+struct DomainPart {
+    vertices: usize,
+    facets: usize,
+    polygons: usize,
+    segments: usize,
+    holes: usize,
+    regions: usize,
+    oriented: bool,
+    /// Volumes of the bounded cells; none if defects leave open what they are.
+    cells: Option<Vec<Value>>,
+    /// Of all filled cells.
+    volume: Option<f64>,
+    /// The same as an exact fraction.
+    volume_exact: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct LatticePart {
+    step: f64,
+    lost_bits: u32,
+    moved: usize,
+    largest_move: Option<Value>,
+}
+
+/// `ltbw check` of a domain.
+pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
+    console::end_on_signal()?;
+    if let Some(json) = &args.json {
+        io::domain_files(&args.mesh).iter().try_for_each(|input| keep_input(input, json))?;
+        check_json(json)?;
+    }
+    let file = io::read_domain(&args.mesh).map_err(Failure::Read)?;
+    let name = show(&args.mesh);
+    file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
+    let failed = |error: PrepareError| Failure::Domain { path: args.mesh.clone(), error };
+    let options = CheckOptions { oriented: file.oriented, ..CheckOptions::default() };
+    let report = file.domain.check(&options).map_err(|e| failed(e.into()))?;
+    print_domain(&name, &file.domain, &report);
+    print_defects(&report);
+    let snapped = file.domain.snap().map_err(|e| failed(e.into()))?;
+    print_lattice(&snapped);
+    if args.exact_input {
+        snapped.clone().exact().map_err(|e| failed(e.into()))?;
+    }
+    let after = after_snapping(&file.domain, &report, &snapped, file.oriented).map_err(failed)?;
+    let passed = report.passed() && after.is_none();
+    if let Some(path) = &args.json {
+        let text = json_report(&file.domain, file.oriented, &report, &snapped, after.as_ref());
+        let text =
+            serde_json::to_string_pretty(&text).map_err(|e| Failure::Other(e.to_string()))?;
+        write_json(path, &(text + "\n"))?;
+    }
+    if passed {
+        console::people("checked   no defect");
+        return Ok(Exit::Done);
+    }
+    if let Some(after) = &after {
+        console::people("defects once the vertices are on the lattice:");
+        print_defects(after);
+    }
+    let counted = if report.passed() { after.as_ref().unwrap_or(&report) } else { &report };
+    let counts: Vec<String> = counted
+        .counts
+        .iter()
+        .filter(|(kind, _)| kind.severity() > Severity::Info)
+        .map(|(kind, n)| format!("{n} {}", kind.code()))
+        .collect();
+    console::people(&format!("ltbw: {name}: defects: {}", counts.join(", ")));
+    Ok(Exit::Defect)
+}
+
+/// What snapping makes of a domain that can be meshed as it is: the defects, if there are any.
+fn after_snapping(
+    domain: &Domain,
+    report: &DomainReport,
+    snapped: &Snapped,
+    oriented: bool,
+) -> Result<Option<DomainReport>, PrepareError> {
+    if !report.is_meshable() || snapped.moved == 0 {
+        return Ok(None);
+    }
+    let options = PrepareOptions { oriented, ..PrepareOptions::default() };
+    match domain.prepare(&options) {
+        Err(PrepareError::BelowLattice { report, .. }) => Ok(Some(*report)),
+        Err(error) => Err(error),
+        Ok(_) => Ok(None),
+    }
+}
+
+fn print_domain(name: &str, domain: &Domain, report: &DomainReport) {
+    console::people(&format!(
+        "domain    {name}: {} vertices, {} facets, {} segments, {} holes, {} regions",
+        domain.vertices.len(),
+        domain.facets.len(),
+        domain.segments.len(),
+        domain.holes.len(),
+        domain.regions.len()
+    ));
+    if let (Some(cells), Some(volume)) = (&report.cells, report.volume()) {
+        let filled = cells.iter().filter(|c| c.filled).count();
+        let exact = volume.to_string();
+        // Coordinates of many bits make fractions that nobody reads.
+        let exact = if exact.len() <= 24 { format!(" = {exact}") } else { String::new() };
+        console::people(&format!(
+            "cells     {} bounded, {filled} of them filled; volume {:?}{exact}",
+            cells.len(),
+            volume.to_f64()
+        ));
+    }
+}
+
+fn print_lattice(snapped: &Snapped) {
+    let lattice = &snapped.lattice;
+    let lost = match lattice.lost_bits() {
+        0 => String::new(),
+        bits => format!(" ({bits} bits lost to the distance from the origin)"),
+    };
+    let moves = match &snapped.largest {
+        None => "all vertices are on it".to_owned(),
+        Some(m) => format!(
+            "{} vertices move, the farthest is vertex {}, by {:.3e}",
+            snapped.moved, m.vertex, m.distance
+        ),
+    };
+    console::people(&format!("lattice   step 2^{}{lost}: {moves}", lattice.exponent()));
+}
+
+/// Shows the first defects of each kind.
+fn print_defects(report: &DomainReport) {
+    for (&kind, &count) in &report.counts {
+        let word = match kind.severity() {
+            Severity::Error => "defect   ",
+            Severity::Warning => "warning  ",
+            Severity::Info => "note     ",
+        };
+        let listed = report.defects.iter().filter(|d| d.kind == kind).take(SHOWN);
+        listed.for_each(|d| console::people(&format!("{word} {d}")));
+        if let Some(more) = count.checked_sub(SHOWN as u64).filter(|&more| more > 0) {
+            console::people(&format!("          and {more} more {}", kind.code()));
+        }
+    }
+}
+
+fn json_report(
+    domain: &Domain,
+    oriented: bool,
+    report: &DomainReport,
+    snapped: &Snapped,
+    after: Option<&DomainReport>,
+) -> Report {
+    let counts = |r: &DomainReport| r.counts.iter().map(|(k, &n)| (k.code(), n)).collect();
+    let defects = |r: &DomainReport| r.defects.iter().map(json_defect).collect();
+    let volume = report.volume();
+    Report {
+        schema: "ltbw.domain/1",
+        command: "check",
+        passed: report.passed() && after.is_none(),
+        domain: DomainPart {
+            vertices: domain.vertices.len(),
+            facets: domain.facets.len(),
+            polygons: domain.polygon_count(),
+            segments: domain.segments.len(),
+            holes: domain.holes.len(),
+            regions: domain.regions.len(),
+            oriented,
+            cells: report.cells.as_ref().map(|cells| {
+                let cell = |c: &ltbw::domain::Cell| {
+                    json!({
+                        "volume": c.volume.to_f64(),
+                        "filled": c.filled,
+                        "holes": c.holes,
+                        "regions": c.regions,
+                    })
+                };
+                cells.iter().map(cell).collect()
+            }),
+            volume: volume.as_ref().map(|v| v.to_f64()),
+            volume_exact: volume.as_ref().map(ToString::to_string),
+        },
+        lattice: Some(LatticePart {
+            step: snapped.lattice.step(),
+            lost_bits: snapped.lattice.lost_bits(),
+            moved: snapped.moved,
+            largest_move: snapped.largest.map(|m| {
+                json!({ "vertex": m.vertex, "from": m.from, "to": m.to, "distance": m.distance })
+            }),
+        }),
+        defect_counts: counts(report),
+        defects: defects(report),
+        snapped_defect_counts: after.map(counts).unwrap_or_default(),
+        snapped_defects: after.map(defects).unwrap_or_default(),
+    }
+}
+
+fn json_defect(defect: &DomainDefect) -> Value {
+    json!({
+        "kind": defect.kind.code(),
+        "severity": defect.kind.severity().name(),
+        "elements": defect.elements.iter().map(json_element).collect::<Vec<_>>(),
+        "at": defect.at,
+    })
+}
+
+fn json_element(element: &Element) -> Value {
+    match *element {
+        Element::Vertex(v) => json!({ "vertex": v }),
+        Element::Facet(f) => json!({ "facet": f }),
+        Element::Polygon { facet, polygon } => json!({ "facet": facet, "polygon": polygon }),
+        Element::Edge(ends) => json!({ "edge": ends }),
+        Element::Segment(s) => json!({ "segment": s }),
+        Element::FacetHole { facet, hole } => json!({ "facet": facet, "facet_hole": hole }),
+        Element::Hole(h) => json!({ "hole": h }),
+        Element::Region(r) => json!({ "region": r }),
+        ref other => json!({ "other": other.to_string() }),
+    }
+}

@@ -1,0 +1,75 @@
+//! The program `ltbw`: points in, exactly Delaunay, checked mesh out.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `args` | the command line and its help |
+//! | `run` | `delaunay`: read, build, check, hash, write, report |
+//! | `mesh` | `mesh`: read, prepare, refine, check, write, report |
+//! | `check` | `check`, and the check of our own output |
+//! | `conform` | `check --plc` |
+//! | `domain` | `check` of a domain |
+//! | `lists` | a mesh as the lists that the checker takes |
+//! | `files` | `convert` and `generate` |
+//! | `demo` | `demo` |
+//! | `report` | the JSON report `ltbw.report/1` |
+//! | `outcome` | exit codes, and errors as one line |
+//! | `console` | what goes to stdout and to stderr, progress, Ctrl-C |
+//!
+//! stdout carries data (a hash, JSON), stderr what is meant for people.
+//!
+//! A library for its own program and for tests: [`main`] is the program, [`parse`] its
+//! understanding of a command line.
+#![forbid(unsafe_code)]
+
+mod args;
+mod check;
+mod conform;
+mod console;
+mod demo;
+mod domain;
+mod files;
+mod lists;
+mod mesh;
+mod outcome;
+mod report;
+mod run;
+
+use args::{Args, Command};
+use clap::Parser;
+use outcome::{Exit, Failure};
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+pub use args::Refusal;
+
+/// Understands a command line, the program's name first, and runs nothing.
+///
+/// # Errors
+/// Why it is no command: a mistake, or a question for help.
+pub fn parse(words: &[OsString]) -> Result<(), Refusal> {
+    Args::try_parse_from(words).map(|_| ()).map_err(|error| Refusal::of(&error))
+}
+
+/// Runs the program on the command line of this process.
+pub fn main() -> ExitCode {
+    let result = match Args::try_parse() {
+        Ok(args) => dispatch(args),
+        Err(error) => args::explain(&error),
+    };
+    let exit = result.unwrap_or_else(|failure| {
+        console::people(&format!("ltbw: {failure}"));
+        failure.exit()
+    });
+    ExitCode::from(exit as u8)
+}
+
+fn dispatch(args: Args) -> Result<Exit, Failure> {
+    match args.command {
+        Command::Delaunay(delaunay) => run::delaunay(&delaunay),
+        Command::Mesh(args) => mesh::mesh(&args),
+        Command::Check(args) => check::check(&args),
+        Command::Convert(convert) => files::convert(&convert),
+        Command::Generate(generate) => files::generate(&generate),
+        Command::Demo(demo) => demo::demo(&demo),
+    }
+}

@@ -1,0 +1,560 @@
+//! The part of a mesh that one worker of the parallel kernel owns.
+//!
+//! Vertices have one numbering for the whole mesh, 1 to n; a part knows the coordinates of those
+//! that its tetrahedra have. Where a neighbour belongs to another part there stands a *proxy*: a
+//! slot whose only neighbour is the tetrahedron in front of it, and that carries four words which
+//! mean something to the caller.
+//!
+//! A tetrahedron can be *closed*, with a holder: no walk enters it and no cavity takes it. Closing
+//! takes away the cached sphere, so that open tetrahedra are tested as fast as in a whole mesh:
+//! what no sphere decides is looked at more closely, and then the lock or the proxy is seen. For
+//! the same reason a tetrahedron that has a vertex outside the part's own range (see
+//! [`Part::set_home`]), or that the caller must hear of when it goes ([`Part::watch`]), never has
+//! a sphere.
+
+use crate::Point;
+use crate::cavity::{Cavity, Conflict, Open};
+use crate::geometry::{Geometry, PointConflict};
+use crate::locate::{Found, Gate, walk_through};
+use crate::mesh::{Mesh, Vertex};
+use crate::points::Mode;
+use crate::sphere::Sphere;
+use crate::topology::{FaceId, INFINITE, MAX_TETS, TetId, Topology, VertexId, slot_of, tet_of};
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::ops::Range;
+
+/// Places of a part with a hint each.
+const PLACES: usize = 1024;
+/// Vertices that differ by less than this are likely to be near each other.
+const NEAR: VertexId = 64;
+
+/// Closed tetrahedra: the sphere that each had, and who holds it.
+type Closed<H> = FxHashMap<TetId, (Sphere, H)>;
+
+/// Where a walk in a part ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// At an open tetrahedron in conflict with the point.
+    Conflict(TetId),
+    /// At a vertex with the same coordinates.
+    Vertex(VertexId),
+    /// At a proxy.
+    Proxy(TetId),
+    /// At a closed tetrahedron.
+    Closed(TetId),
+    /// The part has no tetrahedron.
+    Empty,
+}
+
+/// What became of a local insertion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Local {
+    /// The point is a vertex.
+    Inserted,
+    /// A proxy, a closed tetrahedron or a new tetrahedron of another part is in the way. The part
+    /// is as before.
+    Blocked,
+    /// The part would exceed the limit of tetrahedra. It is as before.
+    Full,
+}
+
+/// The box, the arithmetic and the size of the whole mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting {
+    low: Point,
+    high: Point,
+    wide: bool,
+    step: f64,
+    vertices: usize,
+}
+
+impl Setting {
+    /// That of a mesh with these points, in kernel coordinates under `mode`.
+    pub fn of(points: &[Point], mode: Mode) -> Self {
+        let (low, high) = crate::build::bounding_box(points);
+        let wide = mode == Mode::Wide;
+        let step = if wide { 0.0 } else { crate::geometry::common_step(points) };
+        Self { low, high, wide, step, vertices: points.len() }
+    }
+}
+
+/// A part of a mesh. `H` names the holder of a closed tetrahedron.
+#[derive(Debug)]
+pub struct Part<H> {
+    topology: Topology,
+    geometry: Geometry,
+    cavity: Cavity,
+    closed: Closed<H>,
+    home: Range<VertexId>,
+    /// Tetrahedra that the caller must hear of when an insertion removes them.
+    watched: FxHashSet<TetId>,
+    /// Those that the last insertion removed.
+    gone: Vec<TetId>,
+    /// Where walks may start: tetrahedra made lately, the last one first.
+    hints: [TetId; 8],
+    /// The vertex inserted last.
+    last: VertexId,
+    /// The same by place: vertices with near numbers are near each other.
+    places: Vec<TetId>,
+    /// Steps of walks so far.
+    steps: u64,
+    /// Conflict tests of [`Part::in_conflict`] so far.
+    tests: u64,
+    /// Tetrahedra made so far.
+    made: u64,
+}
+
+impl<H: Copy + Eq> Part<H> {
+    /// A part without tetrahedra.
+    pub fn new(setting: &Setting) -> Self {
+        let Setting { low, high, wide, step, vertices } = *setting;
+        Self {
+            topology: Topology::default(),
+            geometry: Geometry::part(low, high, wide, step, vertices),
+            cavity: Cavity::for_vertices(vertices + 1),
+            closed: Closed::default(),
+            home: 0..0,
+            watched: FxHashSet::default(),
+            gone: Vec::new(),
+            hints: [0; 8],
+            last: 0,
+            places: vec![TetId::MAX; PLACES],
+            steps: 0,
+            tests: 0,
+            made: 0,
+        }
+    }
+
+    /// Reserves room for `tets` tetrahedra. A hint.
+    pub fn reserve(&mut self, tets: usize) {
+        debug_assert!(self.topology.is_empty());
+        self.topology = Topology::with_capacity(tets.min(MAX_TETS));
+        self.geometry.reserve_sphere_capacity(tets.min(MAX_TETS));
+    }
+
+    /// Says which vertices are the part's own: a tetrahedron with no other vertex belongs to it.
+    pub fn set_home(&mut self, home: Range<VertexId>) {
+        self.home = home;
+        let tets: Vec<(TetId, [VertexId; 4])> = self.tets().collect();
+        for (t, v) in tets {
+            self.cache_sphere(t);
+            for v in v {
+                if self.home.contains(&v) {
+                    let place = self.place(v);
+                    self.places[place] = t;
+                }
+            }
+        }
+    }
+
+    /// The tetrahedra, proxies and free slots included.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// The tetrahedra with their vertices, ghosts included.
+    pub fn tets(&self) -> impl Iterator<Item = (TetId, [VertexId; 4])> + '_ {
+        let real = self.topology.iter().filter(|(_, tet)| !tet.is_proxy());
+        real.map(|(t, tet)| (t, tet.vertices()))
+    }
+
+    /// Is `t` a tetrahedron of this part?
+    pub fn is_live(&self, t: TetId) -> bool {
+        self.topology.get(t).is_some_and(|tet| !tet.is_free() && !tet.is_proxy())
+    }
+
+    /// The vertices of `t`; the vertex at infinity, 0, is only ever the last.
+    pub fn vertices(&self, t: TetId) -> [VertexId; 4] {
+        self.topology.tet(t).vertices()
+    }
+
+    /// The faces on the other sides of those of `t`, by the slot of the vertex opposite.
+    pub fn neighbours(&self, t: TetId) -> [FaceId; 4] {
+        self.topology.tet(t).neighbours()
+    }
+
+    /// The coordinates of vertex `v`.
+    pub fn point(&self, v: VertexId) -> Point {
+        *self.geometry.point(v)
+    }
+
+    /// The words that a proxy carries; `None` if `t` is not one.
+    pub fn load(&self, t: TetId) -> Option<[u32; 4]> {
+        let tet = self.topology.tet(t);
+        tet.is_proxy().then(|| tet.words())
+    }
+
+    /// Steps of walks, conflict tests and tetrahedra made so far.
+    pub fn work(&self) -> (u64, u64, u64) {
+        (self.steps, self.tests + self.geometry.stats.insphere_calls, self.made)
+    }
+
+    /// Predicate calls so far.
+    pub fn predicate_stats(&self) -> crate::PredicateStats {
+        self.geometry.stats
+    }
+
+    /// Walks towards `p`, which is to be vertex `v`, from `start` if that is a tetrahedron here,
+    /// else from one made lately near by.
+    pub fn walk(&mut self, v: VertexId, p: &Point, start: Option<TetId>) -> Stop {
+        let start = start
+            .filter(|&t| self.is_live(t))
+            .or_else(|| self.near(v))
+            .or_else(|| self.open_hint());
+        let Some(start) = start else { return Stop::Empty };
+        let Self { topology, geometry, closed, steps, .. } = self;
+        let mut conflict = geometry.conflict_of(p);
+        // A walk that comes in through a hull facet ends there. From a ghost a walk goes to the
+        // facet's other side first, perhaps to where it came from, and so on without end.
+        if topology.tet(start).is_ghost() && !closed.contains_key(&start) {
+            let [a, b, c, _] = topology.tet(start).vertices();
+            if conflict.geometry().orient([a, b, c], p).is_positive() {
+                return Stop::Conflict(start);
+            }
+        }
+        match walk_through(topology, &mut conflict, start, &Doors(closed), steps) {
+            Found::Conflict(t) | Found::Outside(t) => Stop::Conflict(t),
+            Found::Closed(t) if topology.tet(t).is_proxy() => Stop::Proxy(t),
+            Found::Closed(t) => Stop::Closed(t),
+            Found::Inside(t) => {
+                let corners = topology.tet(t).vertices();
+                let here = corners.iter().find(|&&v| *geometry.point(v) == *p);
+                here.map_or(Stop::Conflict(t), |&v| Stop::Vertex(v))
+            }
+        }
+    }
+
+    /// An open tetrahedron made lately near vertex `v`, unless the one made last is as near.
+    fn near(&self, v: VertexId) -> Option<TetId> {
+        let open = |t: &TetId| self.is_live(*t) && !self.closed.contains_key(t);
+        if v.abs_diff(self.last) < NEAR && open(&self.hints[0]) {
+            return Some(self.hints[0]);
+        }
+        let place = self.place(v);
+        let around = [place, place.saturating_sub(1), (place + 1).min(PLACES - 1)];
+        around.into_iter().map(|k| self.places[k]).find(open)
+    }
+
+    /// The entry of vertex `v` in `places`.
+    fn place(&self, v: VertexId) -> usize {
+        let Range { start, end } = self.home;
+        let (offset, length) = (v.clamp(start, end) - start, end - start + 1);
+        (u64::from(offset) * PLACES as u64 / u64::from(length)) as usize
+    }
+
+    /// An open tetrahedron made lately, else a closed one, else any.
+    fn open_hint(&self) -> Option<TetId> {
+        let live = || self.hints.iter().copied().filter(|&t| self.is_live(t));
+        live()
+            .find(|t| !self.closed.contains_key(t))
+            .or_else(|| live().next())
+            .or_else(|| self.tets().next().map(|(t, _)| t))
+    }
+
+    /// Remembers a tetrahedron that did not come from an insertion.
+    fn hint(&mut self, t: TetId) {
+        self.hints[1..].rotate_right(1);
+        self.hints[1] = t;
+    }
+
+    /// Inserts `p` as vertex `v` if nothing is in the way: no proxy, no closed tetrahedron, and
+    /// every new tetrahedron is the part's own, which `owns` decides where a vertex is not of the
+    /// home range. `seed` must be open and in conflict with `p`.
+    pub fn insert(
+        &mut self,
+        v: VertexId,
+        p: &Point,
+        seed: TetId,
+        owns: impl Fn([VertexId; 4]) -> bool,
+    ) -> Local {
+        let Self { topology, geometry, cavity, closed, home, watched, .. } = self;
+        let strange = |w: VertexId| w != INFINITE && !home.contains(&w);
+        let mut conflict = PartConflict {
+            closed,
+            home,
+            watched,
+            met: watched.contains(&seed),
+            blocked: false,
+            border: strange(v) || topology.tet(seed).vertices().into_iter().any(strange),
+            inner: geometry.conflict_of(p),
+        };
+        if cavity.expand(topology, seed, &mut conflict, &mut Open).is_err() {
+            return Local::Full;
+        }
+        let (blocked, border, met) = (conflict.blocked, conflict.border, conflict.met);
+        if blocked || border && !cavity.faces().all(|[a, b, c]| owns([v, a, b, c])) {
+            cavity.set_back(topology);
+            return Local::Blocked;
+        }
+        self.gone.clear();
+        if met {
+            self.gone.extend(cavity.tets().filter(|t| self.watched.remove(t)));
+        }
+        geometry.set_point(v, *p);
+        let hint = cavity.fill(topology, v);
+        let star = cavity.star();
+        geometry.created(topology.slots(), &star, p);
+        if border {
+            for &t in star.tets {
+                if topology.tet(t).vertices().into_iter().any(strange) {
+                    geometry.set_sphere(t, Sphere::UNKNOWN);
+                }
+            }
+        }
+        geometry.stats.insphere_calls += cavity.tests() as u64;
+        self.made += star.tets.len() as u64;
+        self.hints[0] = hint;
+        self.last = v;
+        let place = self.place(v);
+        self.places[place] = hint;
+        Local::Inserted
+    }
+
+    /// The watched tetrahedra that the last successful [`Part::insert`] removed. They are not
+    /// watched any more.
+    pub fn gone(&self) -> &[TetId] {
+        &self.gone
+    }
+
+    /// Watches `t`: should an insertion remove it, it is in [`Part::gone`] then.
+    pub fn watch(&mut self, t: TetId) {
+        if self.watched.insert(t) {
+            match self.closed.get_mut(&t) {
+                Some((sphere, _)) => *sphere = Sphere::UNKNOWN,
+                None => self.geometry.set_sphere(t, Sphere::UNKNOWN),
+            }
+        }
+    }
+
+    /// Is tetrahedron `t` in conflict with `p`?
+    pub fn in_conflict(&mut self, t: TetId, p: &Point) -> bool {
+        self.tests += 1;
+        let mut conflict = self.geometry.conflict_of(p);
+        conflict.in_conflict(&self.topology, t)
+    }
+
+    /// Who holds the closed tetrahedron `t`; `None` if it is open.
+    #[inline]
+    pub fn holder(&self, t: TetId) -> Option<H> {
+        self.closed.get(&t).map(|&(_, holder)| holder)
+    }
+
+    /// The closed tetrahedra.
+    pub fn closed(&self) -> impl Iterator<Item = TetId> + '_ {
+        self.closed.keys().copied()
+    }
+
+    /// Closes `t`, which is open.
+    pub fn close(&mut self, t: TetId, holder: H) {
+        let sphere = self.geometry.sphere(t);
+        self.geometry.set_sphere(t, Sphere::UNKNOWN);
+        self.closed.insert(t, (sphere, holder));
+    }
+
+    /// Opens `t`; nothing happens if it is open.
+    pub fn open(&mut self, t: TetId) {
+        if let Some((sphere, _)) = self.closed.remove(&t) {
+            self.geometry.set_sphere(t, sphere);
+        }
+    }
+
+    /// Gives vertex `v` its coordinates.
+    pub fn set_point(&mut self, v: VertexId, p: Point) {
+        self.geometry.set_point(v, p);
+    }
+
+    /// Makes a tetrahedron, whose neighbours are still to be linked and whose sphere is still to be
+    /// cached. `None` at the limit of tetrahedra.
+    pub fn create(&mut self, v: [VertexId; 4]) -> Option<TetId> {
+        self.topology.reserve(1).ok()?;
+        let t = self.topology.take();
+        self.topology.write(t, v);
+        self.geometry.reserve_spheres(self.topology.slots());
+        self.geometry.set_sphere(t, Sphere::UNKNOWN);
+        self.made += 1;
+        self.hint(t);
+        Some(t)
+    }
+
+    /// Caches the sphere of `t`, unless it must have none.
+    pub fn cache_sphere(&mut self, t: TetId) {
+        let v = self.topology.tet(t).vertices();
+        let ours =
+            v.iter().all(|w| *w == INFINITE || self.home.contains(w)) && !self.watched.contains(&t);
+        if !self.closed.contains_key(&t) {
+            let sphere = if ours { self.geometry.compute_sphere(v) } else { Sphere::UNKNOWN };
+            self.geometry.set_sphere(t, sphere);
+        }
+    }
+
+    /// Makes two faces of tetrahedra of this part each other's neighbour. A proxy that stood at
+    /// either is gone.
+    pub fn link(&mut self, a: FaceId, b: FaceId) {
+        self.forget_proxy(a);
+        self.forget_proxy(b);
+        self.topology.link(a, b);
+    }
+
+    /// Puts a proxy that carries `load` at `face`, or gives the one there a new load. `None` at
+    /// the limit of tetrahedra.
+    pub fn link_far(&mut self, face: FaceId, load: [u32; 4]) -> Option<()> {
+        let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
+        let proxy = if self.is_proxy_of(there, face) {
+            there
+        } else {
+            self.topology.reserve(1).ok()?;
+            let t = self.topology.take();
+            self.geometry.reserve_spheres(self.topology.slots());
+            t
+        };
+        self.topology.put_proxy(proxy, face, load);
+        self.geometry.set_sphere(proxy, Sphere::UNKNOWN);
+        Some(())
+    }
+
+    /// Removes tetrahedron `t`, which is open, and the proxies at its faces. What links to it is
+    /// still to be linked anew.
+    pub fn remove(&mut self, t: TetId) {
+        debug_assert!(!self.closed.contains_key(&t));
+        self.watched.remove(&t);
+        for slot in 0..4 {
+            self.forget_proxy(4 * t + slot);
+        }
+        self.topology.erase(t);
+    }
+
+    /// Does a proxy stand at a face of `t`?
+    pub fn is_interface(&self, t: TetId) -> bool {
+        let tet = self.topology.tet(t);
+        tet.neighbours().into_iter().zip(0..).any(|(n, k)| self.is_proxy_of(tet_of(n), 4 * t + k))
+    }
+
+    /// Is slot `t` a proxy at `face`? Links that are not made yet lead anywhere.
+    fn is_proxy_of(&self, t: TetId, face: FaceId) -> bool {
+        self.topology.get(t).is_some_and(|tet| tet.is_proxy() && tet.neighbours()[0] == face)
+    }
+
+    fn forget_proxy(&mut self, face: FaceId) {
+        let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
+        if self.is_proxy_of(there, face) {
+            self.topology.erase(there);
+        }
+    }
+}
+
+/// What [`assemble`] needs beside the parts.
+#[derive(Debug)]
+pub struct Assembly<'a> {
+    /// Kernel coordinates by vertex less 1.
+    pub points: Vec<Point>,
+    /// Public number by vertex less 1.
+    pub numbers: &'a [Vertex],
+    /// Vertices whose points were vertices already, each with that vertex.
+    pub duplicates: &'a [(VertexId, VertexId)],
+    /// How the points are computed with.
+    pub mode: Mode,
+}
+
+/// Puts all parts of a mesh together. `far` finds the part and face beyond a proxy by its words.
+///
+/// `None` if there are too many tetrahedra, or if `far` finds nothing. Vertices that no
+/// tetrahedron has are left out.
+///
+/// Cost: O(tetrahedra), less those of the first part.
+pub fn assemble<H: Copy + Eq + Send + Sync>(
+    parts: Vec<Part<H>>,
+    far: impl Fn([u32; 4]) -> Option<(usize, FaceId)>,
+    assembly: Assembly<'_>,
+) -> Option<Mesh> {
+    let mut parts = parts.into_iter();
+    let Part { mut topology, mut geometry, .. } = parts.next()?;
+    let mut offsets = vec![0];
+    for part in parts {
+        let slots = topology.slots();
+        let (offset, ()) = rayon::join(
+            || topology.append(&part.topology),
+            || geometry.append_spheres(slots, &part.geometry, part.topology.slots()),
+        );
+        offsets.push(offset?);
+        geometry.stats += part.geometry.stats;
+    }
+    let proxies: Vec<(TetId, FaceId, [u32; 4])> = topology
+        .iter()
+        .filter(|(_, tet)| tet.is_proxy())
+        .map(|(t, tet)| (t, tet.neighbours()[0], tet.words()))
+        .collect();
+    for &(t, face, mut words) in &proxies {
+        // Appending shifts the links of a proxy, two of which are words.
+        let at = offsets.partition_point(|&offset| offset <= t) - 1;
+        for word in &mut words[2..] {
+            *word -= 4 * offsets[at];
+        }
+        let (part, beyond) = far(words)?;
+        topology.point_to(face, beyond + 4 * offsets.get(part)?);
+    }
+    for (t, ..) in proxies {
+        topology.erase(t);
+    }
+    geometry.reserve_spheres(topology.slots());
+    Some(Mesh::assembled(topology, geometry, assembly))
+}
+
+/// The gate of walks: proxies and closed tetrahedra.
+struct Doors<'a, H>(&'a Closed<H>);
+
+impl<H> Gate for Doors<'_, H> {
+    #[inline(always)]
+    fn is_closed(&self, topology: &Topology, geometry: &Geometry, t: TetId) -> bool {
+        // Both have no sphere.
+        geometry.sphere(t).0[3].is_nan() && (topology.tet(t).is_proxy() || self.0.contains_key(&t))
+    }
+}
+
+/// [`Conflict`] that sees proxies and closed tetrahedra, and vertices outside the home range.
+struct PartConflict<'a, H> {
+    inner: PointConflict<'a>,
+    closed: &'a Closed<H>,
+    home: &'a Range<VertexId>,
+    watched: &'a FxHashSet<TetId>,
+    /// A watched tetrahedron was met.
+    met: bool,
+    /// A proxy or a closed tetrahedron was met.
+    blocked: bool,
+    /// A vertex outside the home range was met.
+    border: bool,
+}
+
+impl<H> Conflict for PartConflict<'_, H> {
+    #[inline(always)]
+    fn prefetch(&self, t: TetId) {
+        self.inner.prefetch(t);
+    }
+
+    #[inline(always)]
+    fn certain(&self, tets: [TetId; 4]) -> (u32, u32) {
+        self.inner.certain(tets)
+    }
+
+    #[inline(never)]
+    fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
+        let mut open = 0;
+        for (slot, &t) in tets.iter().enumerate().filter(|&(slot, _)| unknown >> slot & 1 == 1) {
+            let tet = topology.tet(t);
+            if tet.is_proxy() || self.closed.contains_key(&t) {
+                self.blocked = true;
+            } else {
+                open |= 1 << slot;
+                let strange = |&v: &VertexId| v != INFINITE && !self.home.contains(&v);
+                self.border |= tet.vertices().iter().any(strange);
+                self.met |= self.watched.contains(&t);
+            }
+        }
+        // Once blocked, the cavity is set back: nothing more is taken into it.
+        if self.blocked || open == 0 { 0 } else { self.inner.decide(topology, tets, open) }
+    }
+
+    #[cold]
+    fn in_conflict(&mut self, topology: &Topology, t: TetId) -> bool {
+        self.inner.in_conflict(topology, t)
+    }
+}

@@ -1,0 +1,168 @@
+//! Patches and moves: what changes a submesh from outside.
+
+use super::{At, Lead, LocalMesh, Moving, NewTet, Patch, Relink, To, handle, load};
+use crate::protocol::{BlockId, Directory, Handle, Name};
+use ltbw_core::topology::{INFINITE, TetId, slot_of, tet_of};
+use rustc_hash::FxHashMap;
+
+impl LocalMesh {
+    /// Applies a patch; nothing of it is locked. `relinks` is false for the unsound conduct only.
+    pub(super) fn apply_patch(
+        &mut self,
+        patch: Patch,
+        directory: &Directory,
+        relinks: bool,
+        made: &mut Vec<Name>,
+        strays: &mut Vec<BlockId>,
+    ) {
+        for &t in &patch.remove {
+            self.drop_name(t);
+            self.part.remove(t);
+        }
+        let Some(tets) = self.create_all(&patch.create) else { return };
+        for (&t, new) in tets.iter().zip(&patch.create) {
+            for (slot, to) in (0..).zip(&new.n) {
+                let face = 4 * t + slot;
+                match *to {
+                    To::New(k, there) => {
+                        self.part.link(face, 4 * tets[k as usize] + u32::from(there))
+                    }
+                    To::Old(u, there) => {
+                        self.part.link(face, 4 * u + u32::from(there));
+                    }
+                    To::Far(handle) => self.link_handle(face, handle),
+                }
+            }
+        }
+        if relinks {
+            for relink in &patch.relink {
+                self.relink(relink);
+                // Somebody may have asked for it by this name before it had it.
+                made.extend(relink.name);
+            }
+        }
+        for (&t, new) in tets.iter().zip(&patch.create) {
+            self.part.cache_sphere(t);
+            made.extend(new.name);
+            let block = self.block_of(t);
+            if !directory.is_mine(block) {
+                self.strays.entry(block).or_default().push(t);
+                strays.push(block);
+            }
+        }
+    }
+
+    /// Makes new tetrahedra, named but not linked; `None` at the limit of tetrahedra.
+    fn create_all(&mut self, create: &[NewTet]) -> Option<Vec<TetId>> {
+        let mut tets = Vec::with_capacity(create.len());
+        for new in create {
+            for site in new.v.iter().filter(|site| site.vertex != INFINITE) {
+                self.part.set_point(site.vertex, site.point());
+            }
+            let Some(t) = self.part.create(new.v.map(|site| site.vertex)) else {
+                self.full = true;
+                return None;
+            };
+            if let Some(name) = new.name {
+                self.set_name(t, name);
+            }
+            tets.push(t);
+        }
+        Some(tets)
+    }
+
+    /// Links `face` to the tetrahedron of `handle`: here if it is here, else by a proxy.
+    fn link_handle(&mut self, face: u32, handle: Handle) {
+        match self.names.get(&handle.name) {
+            Some(&u) => {
+                self.part.link(face, 4 * u + u32::from(handle.face));
+            }
+            None => self.full |= self.part.link_far(face, load(handle)).is_none(),
+        }
+    }
+
+    fn relink(&mut self, relink: &Relink) {
+        let t = match relink.at {
+            At::Tet(t) => t,
+            At::Named(name) => match self.names.get(&name) {
+                Some(&t) => t,
+                // Locked by this operation, it cannot have gone.
+                None => return,
+            },
+        };
+        if let Some(name) = relink.name
+            && !self.names.contains_key(&name)
+        {
+            self.set_name(t, name);
+        }
+        self.link_handle(4 * t + u32::from(relink.slot), relink.to);
+    }
+
+    /// Removes the tetrahedra of a block: all of them, or those made after it had moved.
+    pub(super) fn extract_block(
+        &mut self,
+        block: BlockId,
+        moved: &mut dyn FnMut(TetId, Handle),
+    ) -> Vec<Moving> {
+        let tets = self.strays.remove(&block).unwrap_or_else(|| {
+            let all = self.part.tets().filter(|&(_, v)| self.blocks.of_tet(v) == block);
+            all.map(|(t, _)| t).collect()
+        });
+        let index: FxHashMap<TetId, u32> = tets.iter().copied().zip(0..).collect();
+        let mut cargo = Vec::with_capacity(tets.len());
+        let mut far: Vec<(u32, Handle)> = Vec::new();
+        for &t in &tets {
+            let name = self.ensure_name(t);
+            let mut slot = 0;
+            let n = self.part.neighbours(t).map(|face| {
+                let (u, there) = (tet_of(face), slot_of(face) as u8);
+                let lead = match (self.part.load(u), index.get(&u)) {
+                    (Some(load), _) => Lead::Far(handle(load)),
+                    (None, Some(&k)) => Lead::In(k, there),
+                    (None, None) => {
+                        let here = Handle { name, block, face: slot };
+                        far.push((face, here));
+                        moved(t, here);
+                        let name = self.ensure_name(u);
+                        Lead::Far(Handle { name, block: self.block_of(u), face: there })
+                    }
+                };
+                slot += 1;
+                lead
+            });
+            cargo.push(Moving { name, v: self.sites(t), n });
+        }
+        for (face, handle) in far {
+            self.full |= self.part.link_far(face, load(handle)).is_none();
+        }
+        for &t in &tets {
+            self.drop_name(t);
+            self.part.remove(t);
+        }
+        cargo
+    }
+
+    /// Installs tetrahedra that come from another worker.
+    pub(super) fn adopt_all(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {
+        let new: Vec<NewTet> = cargo
+            .iter()
+            .map(|m| NewTet { name: Some(m.name), v: m.v, n: [To::New(0, 0); 4] })
+            .collect();
+        let Some(tets) = self.create_all(&new) else { return };
+        for (&t, moving) in tets.iter().zip(&cargo) {
+            for (slot, lead) in (0..).zip(&moving.n) {
+                let face = 4 * t + slot;
+                match *lead {
+                    Lead::In(k, there) => {
+                        self.part.link(face, 4 * tets[k as usize] + u32::from(there));
+                    }
+                    Lead::Far(handle) => self.link_handle(face, handle),
+                }
+            }
+            made.push(moving.name);
+        }
+        for &t in &tets {
+            self.part.cache_sphere(t);
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! The end of a parallel run: submeshes put together to one mesh.
+
+use super::{LocalMesh, handle};
+use crate::protocol::Name;
+use ltbw_core::part::{Assembly, assemble};
+use ltbw_core::topology::{TetId, VertexId};
+use ltbw_core::{Mesh, Mode, Point, Vertex};
+use rustc_hash::FxHashMap;
+
+/// What a run leaves behind.
+#[derive(Debug)]
+pub struct Gathered {
+    /// The whole mesh.
+    pub mesh: Mesh,
+    /// Input indices of duplicates met, each with the index of the vertex kept; ascending.
+    pub duplicates: Vec<(Vertex, Vertex)>,
+}
+
+/// The submeshes do not fit together: a defect of the run, never of its input.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GatherError {
+    /// The far side of an interface face is nowhere.
+    #[error("worker {worker}: no worker has tetrahedron {name:?} beyond an interface face")]
+    Dangling {
+        /// Who has the face.
+        worker: u32,
+        /// The name it leads to.
+        name: Name,
+    },
+    /// The mesh cannot name so many tetrahedra.
+    #[error("the mesh would exceed the limit of tetrahedra, hull ghosts included")]
+    TooManyTets,
+}
+
+/// Puts the submeshes of a finished run together.
+///
+/// `points` and `numbers` are kernel coordinates and input index by vertex less 1.
+///
+/// # Errors
+/// [`GatherError`] if there are too many tetrahedra, or if the submeshes do not fit together.
+pub fn gather(
+    meshes: Vec<LocalMesh>,
+    points: Vec<Point>,
+    numbers: &[u32],
+    mut duplicates: Vec<(VertexId, VertexId)>,
+    mode: Mode,
+) -> Result<Gathered, GatherError> {
+    if meshes.iter().any(|mesh| mesh.full) {
+        return Err(GatherError::TooManyTets);
+    }
+    let mut places: FxHashMap<Name, (usize, TetId)> = FxHashMap::default();
+    for (k, mesh) in meshes.iter().enumerate() {
+        places.extend(mesh.names.iter().map(|(&name, &t)| (name, (k, t))));
+    }
+    for mesh in &meshes {
+        for (_, tet) in mesh.part.topology().iter().filter(|(_, tet)| tet.is_proxy()) {
+            let there = handle(tet.words());
+            if !places.contains_key(&there.name) {
+                return Err(GatherError::Dangling { worker: mesh.me, name: there.name });
+            }
+        }
+    }
+    for mesh in &meshes {
+        duplicates.extend(&mesh.duplicates);
+    }
+    let far = |words: [u32; 4]| {
+        let there = handle(words);
+        let &(part, t) = places.get(&there.name)?;
+        Some((part, 4 * t + u32::from(there.face)))
+    };
+    let parts = meshes.into_iter().map(|mesh| mesh.part).collect();
+    let assembly = Assembly { points, numbers, duplicates: &duplicates, mode };
+    let mesh = assemble(parts, far, assembly).ok_or(GatherError::TooManyTets)?;
+    Ok(Gathered { duplicates: mesh.duplicates().to_vec(), mesh })
+}

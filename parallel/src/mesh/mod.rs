@@ -1,0 +1,311 @@
+//! One worker's submesh: [`LocalMesh`] is [`Submesh`] over the exact kernel's [`Part`].
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `wire` | the values that submeshes send each other |
+//! | `blocks` | ownership: the block of a vertex and of a tetrahedron |
+//! | `fill` | the home's retriangulation of a cavity, as one patch per owner |
+//! | `apply` | patches, and tetrahedra that move |
+//! | `start` | the coarse mesh, distributed |
+//! | `gather` | the submeshes, put together |
+//! | `field` | the points to insert, on many cursors |
+//!
+//! Invariant P1: a tetrahedron with a far neighbour has a name, and keeps it until it is removed:
+//! a message that names it may be under way even when no neighbour is far any more.
+
+mod apply;
+mod blocks;
+mod field;
+mod fill;
+mod gather;
+mod start;
+mod wire;
+
+pub use blocks::Blocks;
+pub use field::Field;
+pub use gather::{GatherError, Gathered, gather};
+pub use start::{Plan, Prepared};
+pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Site, To};
+
+use crate::protocol::{
+    BlockId, Conduct, Costs, Directory, Handle, Name, Neighbour, Submesh, Ticket, Walk, WorkerId,
+};
+use ltbw_core::part::{Local, Part, Setting, Stop};
+use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
+use rustc_hash::FxHashMap;
+
+/// The tetrahedra of one worker, with names for those that others know.
+#[derive(Debug)]
+pub struct LocalMesh {
+    part: Part<Ticket>,
+    blocks: Blocks,
+    me: WorkerId,
+    names: FxHashMap<Name, TetId>,
+    name_of: FxHashMap<TetId, Name>,
+    /// Names given so far.
+    named: u32,
+    /// Where points were located that could not be inserted at once.
+    located: FxHashMap<VertexId, TetId>,
+    /// New tetrahedra of blocks that have moved, by block.
+    strays: FxHashMap<BlockId, Vec<TetId>>,
+    /// Points that were vertices already: number of the point, and of the vertex.
+    duplicates: Vec<(VertexId, VertexId)>,
+    /// The limit of tetrahedra was met: the mesh is not whole.
+    full: bool,
+    reported: (u64, u64, u64),
+}
+
+impl LocalMesh {
+    /// A submesh without tetrahedra.
+    pub fn new(me: WorkerId, setting: &Setting, blocks: Blocks) -> Self {
+        Self {
+            part: Part::new(setting),
+            blocks,
+            me,
+            names: FxHashMap::default(),
+            name_of: FxHashMap::default(),
+            named: 0,
+            located: FxHashMap::default(),
+            strays: FxHashMap::default(),
+            duplicates: Vec::new(),
+            full: false,
+            reported: (0, 0, 0),
+        }
+    }
+
+    /// The kernel's part of the mesh.
+    pub fn part(&self) -> &Part<Ticket> {
+        &self.part
+    }
+
+    /// Number of tetrahedra, ghosts included.
+    pub fn num_tets(&self) -> usize {
+        self.part.tets().count()
+    }
+
+    /// Number of interface faces.
+    pub fn num_interface_faces(&self) -> usize {
+        self.part.topology().iter().filter(|(_, tet)| tet.is_proxy()).count()
+    }
+
+    /// Was the limit of tetrahedra met? Then the mesh is not whole.
+    pub fn is_full(&self) -> bool {
+        self.full
+    }
+
+    fn block_of(&self, t: TetId) -> BlockId {
+        self.blocks.of_tet(self.part.vertices(t))
+    }
+
+    fn fresh_name(&mut self) -> Name {
+        self.named += 1;
+        Name { by: self.me, number: self.named }
+    }
+
+    fn set_name(&mut self, t: TetId, name: Name) {
+        self.names.insert(name, t);
+        let before = self.name_of.insert(t, name);
+        debug_assert!(
+            before.is_none_or(|n| n == name),
+            "P1: {t} has names {before:?} and {name:?}"
+        );
+        self.part.watch(t);
+    }
+
+    fn drop_name(&mut self, t: TetId) {
+        if let Some(name) = self.name_of.remove(&t) {
+            self.names.remove(&name);
+        }
+    }
+
+    /// Forgets the names of tetrahedra that an insertion removed.
+    fn forget_gone(&mut self) {
+        for k in 0..self.part.gone().len() {
+            self.drop_name(self.part.gone()[k]);
+        }
+    }
+
+    /// The name of `t`, a new one if it has none.
+    fn ensure_name(&mut self, t: TetId) -> Name {
+        match self.name_of.get(&t) {
+            Some(&name) => name,
+            None => {
+                let name = self.fresh_name();
+                self.set_name(t, name);
+                name
+            }
+        }
+    }
+
+    fn site(&self, v: VertexId) -> Site {
+        if v == INFINITE {
+            Site { vertex: INFINITE, bits: [0; 3] }
+        } else {
+            Site::new(v, self.part.point(v))
+        }
+    }
+
+    fn sites(&self, t: TetId) -> [Site; 4] {
+        self.part.vertices(t).map(|v| self.site(v))
+    }
+
+    /// The neighbour of `t` at `slot`, as a worker other than the protocol sees it.
+    fn link_at(&self, face: u32) -> Link {
+        let tet = tet_of(face);
+        match self.part.load(tet) {
+            Some(load) => Link::Far(handle(load)),
+            None => Link::Near {
+                tet,
+                slot: slot_of(face) as u8,
+                block: self.block_of(tet),
+                name: self.name_of.get(&tet).copied(),
+            },
+        }
+    }
+}
+
+/// The handle in a proxy's words.
+fn handle([by, number, block, face]: [u32; 4]) -> Handle {
+    Handle { name: Name { by, number }, block, face: face as u8 }
+}
+
+/// The words of a proxy for a handle.
+fn load(handle: Handle) -> [u32; 4] {
+    [handle.name.by, handle.name.number, handle.block, u32::from(handle.face)]
+}
+
+impl Submesh for LocalMesh {
+    type Tet = TetId;
+    type Point = Site;
+    type Piece = Piece;
+    type Patch = Patch;
+    type Cargo = Vec<Moving>;
+
+    fn walk(&mut self, point: &Site, from: Option<Name>) -> Walk<TetId> {
+        let named = from.and_then(|name| self.names.get(&name).copied());
+        let start = named.or_else(|| self.located.remove(&point.vertex));
+        let stop = self.part.walk(point.vertex, &point.point(), start);
+        match stop {
+            Stop::Conflict(t) => Walk::At(t),
+            Stop::Proxy(t) => match self.part.load(t) {
+                Some(load) => Walk::Leaves(handle(load)),
+                None => Walk::Nowhere,
+            },
+            Stop::Closed(t) => {
+                self.located.insert(point.vertex, t);
+                Walk::Locked(t)
+            }
+            Stop::Empty => Walk::Nowhere,
+            Stop::Vertex(v) => {
+                self.duplicates.push((point.vertex, v));
+                Walk::Known
+            }
+        }
+    }
+
+    fn insert(&mut self, point: &Site, seed: TetId, directory: &Directory) -> bool {
+        let Self { part, blocks, .. } = self;
+        let owns = |v| directory.is_mine(blocks.of_tet(v));
+        match part.insert(point.vertex, &point.point(), seed, owns) {
+            Local::Inserted => {
+                self.forget_gone();
+                true
+            }
+            Local::Blocked => {
+                self.located.insert(point.vertex, seed);
+                false
+            }
+            Local::Full => {
+                self.full = true;
+                true
+            }
+        }
+    }
+
+    fn resolve(&self, name: Name) -> Option<TetId> {
+        self.names.get(&name).copied()
+    }
+
+    fn holder(&self, t: TetId) -> Option<Ticket> {
+        self.part.holder(t)
+    }
+
+    fn set_holder(&mut self, t: TetId, holder: Option<Ticket>) {
+        match holder {
+            Some(ticket) => self.part.close(t, ticket),
+            None => self.part.open(t),
+        }
+    }
+
+    fn in_conflict(&mut self, t: TetId, point: &Site) -> bool {
+        self.part.in_conflict(t, &point.point())
+    }
+
+    fn neighbours(&self, t: TetId, mut f: impl FnMut(Neighbour<TetId>)) {
+        for face in self.part.neighbours(t) {
+            let u = tet_of(face);
+            f(match self.part.load(u) {
+                Some(load) => Neighbour::Far(handle(load)),
+                None => Neighbour::Near(u),
+            });
+        }
+    }
+
+    fn piece(&self, t: TetId) -> Piece {
+        Piece {
+            tet: t,
+            name: self.name_of.get(&t).copied(),
+            v: self.sites(t),
+            n: self.part.neighbours(t).map(|face| self.link_at(face)),
+        }
+    }
+
+    fn fill(
+        &mut self,
+        point: &Site,
+        parts: &[(WorkerId, Vec<Piece>)],
+        whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
+        directory: &Directory,
+    ) -> Vec<(WorkerId, Patch)> {
+        self.located.remove(&point.vertex);
+        self.fill_cavity(point, parts, whereabouts, directory)
+    }
+
+    fn apply<C: Conduct>(
+        &mut self,
+        patch: Patch,
+        directory: &Directory,
+        made: &mut Vec<Name>,
+        strays: &mut Vec<BlockId>,
+    ) {
+        self.apply_patch(patch, directory, C::RELINKS_INTERFACE, made, strays);
+    }
+
+    fn is_block_locked(&self, block: BlockId) -> bool {
+        // A locked neighbour outside the block counts, too. Its home may be about to name it; if
+        // moving the block gave it a name as well, it would have two.
+        self.part.closed().any(|t| {
+            let around = self.part.neighbours(t).map(tet_of);
+            let near = around.into_iter().filter(|&u| self.part.is_live(u));
+            near.chain([t]).any(|t| self.block_of(t) == block)
+        })
+    }
+
+    fn extract(&mut self, block: BlockId, moved: &mut dyn FnMut(TetId, Handle)) -> Vec<Moving> {
+        self.extract_block(block, moved)
+    }
+
+    fn adopt(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {
+        self.adopt_all(cargo, made);
+    }
+
+    fn take_costs(&mut self) -> Costs {
+        let (walk_steps, tests, created) = self.part.work();
+        let before = std::mem::replace(&mut self.reported, (walk_steps, tests, created));
+        Costs {
+            walk_steps: walk_steps - before.0,
+            tests: tests - before.1,
+            created: created - before.2,
+        }
+    }
+}

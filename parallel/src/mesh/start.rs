@@ -1,0 +1,191 @@
+//! The start of a parallel run: vertices along the curve, a coarse mesh of a sample, its
+//! tetrahedra distributed to their owners.
+
+use super::{Blocks, Field, LocalMesh};
+use crate::protocol::{Directory, Handle, Name, WorkerId};
+use ltbw_core::build::independent;
+use ltbw_core::order::hilbert;
+use ltbw_core::part::Setting;
+use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
+use ltbw_core::{BuildError, Builder, Mesh, Mode, Point, PointSet};
+
+/// Who names the tetrahedra of the coarse mesh: no worker has this number.
+const COARSE: WorkerId = WorkerId::MAX;
+
+/// How a run is laid out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Number of workers, at least 1.
+    pub workers: u32,
+    /// Blocks of each worker at the start.
+    pub blocks_per_worker: u32,
+    /// Cursors of each worker's field of points, per round.
+    pub cursors: usize,
+    /// Points of the coarse mesh, if there are so many.
+    pub sample: usize,
+    /// Reserve memory for all tetrahedra to come, for uniform points: pages that stay unused cost
+    /// nothing but address space.
+    pub roomy: bool,
+}
+
+impl Plan {
+    /// The default layout for `points` points on `workers` workers.
+    ///
+    /// The sample is one point in a hundred, but at least 60 a worker.
+    pub fn new(points: usize, workers: u32) -> Self {
+        let workers = workers.max(1);
+        let sample = (points / 100).max(60 * workers as usize);
+        Self { workers, blocks_per_worker: 16, cursors: 64, sample, roomy: false }
+    }
+
+    /// Builds the coarse mesh and distributes it.
+    ///
+    /// # Errors
+    /// As [`Builder::build`]: there is no first tetrahedron.
+    pub fn prepare(&self, set: &PointSet) -> Result<Prepared, BuildError> {
+        let kernel = set.kernel_points();
+        let order = hilbert(&kernel);
+        let points: Vec<Point> = order.iter().map(|&i| kernel[i as usize]).collect();
+        let sample = self.sample_of(&points)?;
+        let coarse = coarse_mesh(&points, &sample)?;
+        let blocks = Blocks::even(points.len() as u32, self.workers * self.blocks_per_worker);
+        let owners: Vec<WorkerId> =
+            (0..blocks.len()).map(|block| block / self.blocks_per_worker).collect();
+        let setting = Setting::of(&points, set.mode());
+        let mut workers = self.submeshes(&setting, &blocks, points.len());
+        distribute(&coarse, &sample, &points, &blocks, &owners, &mut workers);
+        let mut duplicates = Vec::new();
+        for &(duplicate, kept) in coarse.duplicates() {
+            duplicates.push((1 + sample[duplicate as usize], 1 + sample[kept as usize]));
+        }
+        let fields = self.fields(&points, &sample, &blocks);
+        let workers = workers
+            .into_iter()
+            .zip(fields)
+            .zip(0..)
+            .map(|((mesh, field), me)| (Directory::new(me, &owners), mesh, field))
+            .collect();
+        Ok(Prepared { workers, points, numbers: order, duplicates, mode: set.mode(), setting })
+    }
+
+    /// Ranks of the sample, ascending: evenly along the curve, with four affinely independent
+    /// points among them.
+    fn sample_of(&self, points: &[Point]) -> Result<Vec<u32>, BuildError> {
+        let mut sample: Vec<u32> = independent(points)?.to_vec();
+        let n = points.len() as u64;
+        let size = (self.sample as u64).clamp(4, n);
+        sample.extend((0..size).map(|k| ((2 * k + 1) * n / (2 * size)) as u32));
+        sample.sort_unstable();
+        sample.dedup();
+        Ok(sample)
+    }
+
+    fn submeshes(&self, setting: &Setting, blocks: &Blocks, points: usize) -> Vec<LocalMesh> {
+        let submesh = |me| {
+            let mut mesh = LocalMesh::new(me, setting, blocks.clone());
+            if self.roomy {
+                // The first one receives all others in the end.
+                let share = if me == 0 { points } else { points / self.workers as usize };
+                mesh.part.reserve(7 * share + share / 4 + 1024);
+            }
+            mesh
+        };
+        (0..self.workers).map(submesh).collect()
+    }
+
+    /// Each worker's own points that are not in the sample, in curve order.
+    fn fields(&self, points: &[Point], sample: &[u32], blocks: &Blocks) -> Vec<Field> {
+        let mut sampled = vec![false; points.len()];
+        for &rank in sample {
+            sampled[rank as usize] = true;
+        }
+        (0..self.workers)
+            .map(|me| {
+                let first = blocks.vertices(me * self.blocks_per_worker).start;
+                let last = blocks.vertices((me + 1) * self.blocks_per_worker - 1).end;
+                let own: Vec<(VertexId, Point)> = (first..last)
+                    .map(|v| (v, points[v as usize - 1]))
+                    .filter(|&(v, _)| !sampled[v as usize - 1])
+                    .collect();
+                Field::new(blocks.clone(), &own, self.cursors)
+            })
+            .collect()
+    }
+}
+
+/// Workers ready to run, and what is needed to put their submeshes together afterwards.
+#[derive(Debug)]
+pub struct Prepared {
+    /// By worker: directory, submesh, points.
+    pub workers: Vec<(Directory, LocalMesh, Field)>,
+    /// Kernel coordinates by vertex less 1.
+    pub points: Vec<Point>,
+    /// Input index by vertex less 1.
+    pub numbers: Vec<u32>,
+    /// Points of the sample that equal another one: vertex numbers of both.
+    pub duplicates: Vec<(VertexId, VertexId)>,
+    /// How the points are computed with.
+    pub mode: Mode,
+    /// Box, arithmetic and size of the whole mesh.
+    pub setting: Setting,
+}
+
+fn coarse_mesh(points: &[Point], sample: &[u32]) -> Result<Mesh, BuildError> {
+    let chosen: Vec<Point> = sample.iter().map(|&rank| points[rank as usize]).collect();
+    // Kernel coordinates are finite, and no more than the input's.
+    let distinct = chosen.len();
+    let set = PointSet::new(chosen).map_err(|_| BuildError::TooFewPoints { distinct })?;
+    Ok(Builder::new().build(&set)?.mesh)
+}
+
+/// Gives every tetrahedron of the coarse mesh to the owner of its block.
+fn distribute(
+    coarse: &Mesh,
+    sample: &[u32],
+    points: &[Point],
+    blocks: &Blocks,
+    owners: &[WorkerId],
+    workers: &mut [LocalMesh],
+) {
+    let vertex = |v: VertexId| coarse.number(v).map_or(INFINITE, |k| 1 + sample[k as usize]);
+    let topology = coarse.topology();
+    // By coarse tetrahedron: its block, its owner and its handle there.
+    let mut place: Vec<(u32, WorkerId, TetId)> = vec![(0, 0, 0); topology.slots()];
+    for (t, tet) in topology.iter() {
+        let v = tet.vertices().map(vertex);
+        let block = blocks.of_tet(v);
+        let owner = owners[block as usize];
+        let mesh = &mut workers[owner as usize];
+        for &w in v.iter().filter(|&&w| w != INFINITE) {
+            mesh.part.set_point(w, points[w as usize - 1]);
+        }
+        match mesh.part.create(v) {
+            Some(local) => place[t as usize] = (block, owner, local),
+            None => mesh.full = true,
+        }
+    }
+    for (t, tet) in topology.iter() {
+        let (block, owner, local) = place[t as usize];
+        let mesh = &mut workers[owner as usize];
+        for (slot, face) in (0..).zip(tet.neighbours()) {
+            let (u, there) = (tet_of(face), slot_of(face) as u32);
+            let (other_block, other_owner, other_local) = place[u as usize];
+            if other_owner == owner {
+                mesh.part.link(4 * local + slot, 4 * other_local + there);
+                continue;
+            }
+            let name = Name { by: COARSE, number: u };
+            let far = Handle { name, block: other_block, face: there as u8 };
+            mesh.full |= mesh.part.link_far(4 * local + slot, super::load(far)).is_none();
+            mesh.set_name(local, Name { by: COARSE, number: t });
+        }
+        debug_assert_eq!(block, mesh.block_of(local));
+    }
+    for (mesh, me) in workers.iter_mut().zip(0..) {
+        let own = |block: u32| owners[block as usize] == me;
+        let ranges = || (0..blocks.len()).filter(|&b| own(b)).map(|b| blocks.vertices(b));
+        let first = ranges().map(|r| r.start).min().unwrap_or(0);
+        let last = ranges().map(|r| r.end).max().unwrap_or(0);
+        mesh.part.set_home(first..last);
+    }
+}

@@ -1,0 +1,145 @@
+//! What submeshes tell each other: plain values, with coordinates as bits.
+
+use crate::protocol::{BlockId, Handle, Name};
+use ltbw_core::Point;
+use ltbw_core::topology::{TetId, VertexId};
+
+/// A vertex with its coordinates, as bits: the protocol never sees a float.
+///
+/// Vertex 0 is the vertex at infinity; its coordinates mean nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Site {
+    /// Its number in the whole mesh.
+    pub vertex: VertexId,
+    /// The bits of its kernel coordinates.
+    pub bits: [u64; 3],
+}
+
+impl Site {
+    /// Vertex `vertex` at `p`.
+    pub fn new(vertex: VertexId, p: Point) -> Self {
+        Self { vertex, bits: p.map(f64::to_bits) }
+    }
+
+    /// Its kernel coordinates.
+    #[inline]
+    pub fn point(&self) -> Point {
+        self.bits.map(f64::from_bits)
+    }
+}
+
+/// A face neighbour as an owner describes it to a home.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Link {
+    /// A tetrahedron of the same owner.
+    Near {
+        /// Its local handle.
+        tet: TetId,
+        /// The slot there of the vertex opposite the common face.
+        slot: u8,
+        /// Its block.
+        block: BlockId,
+        /// Its name, if it has one.
+        name: Option<Name>,
+    },
+    /// A tetrahedron of another worker.
+    Far(Handle),
+}
+
+/// A tetrahedron in conflict, as its owner describes it to the home.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Piece {
+    /// Its local handle.
+    pub tet: TetId,
+    /// Its name, if it has one.
+    pub name: Option<Name>,
+    /// Its vertices, positively oriented.
+    pub v: [Site; 4],
+    /// Its neighbours, by the slot of the vertex opposite.
+    pub n: [Link; 4],
+}
+
+/// Where a face of a new tetrahedron leads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum To {
+    /// To another new tetrahedron of the same patch: index and slot.
+    New(u32, u8),
+    /// To a tetrahedron that the owner has locked: local handle and slot.
+    Old(TetId, u8),
+    /// To a tetrahedron of another worker.
+    Far(Handle),
+}
+
+/// A tetrahedron to be made.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct NewTet {
+    /// Its name, if another worker knows it.
+    pub name: Option<Name>,
+    /// Its vertices, positively oriented.
+    pub v: [Site; 4],
+    /// Its neighbours.
+    pub n: [To; 4],
+}
+
+/// A tetrahedron of the ring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum At {
+    /// By its local handle.
+    Tet(TetId),
+    /// By its name.
+    Named(Name),
+}
+
+/// A face of a ring tetrahedron that leads to another worker's new tetrahedron now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Relink {
+    /// The ring tetrahedron.
+    pub at: At,
+    /// The slot of the vertex opposite the face.
+    pub slot: u8,
+    /// The name that it has from now on, if it has none.
+    pub name: Option<Name>,
+    /// The new tetrahedron.
+    pub to: Handle,
+}
+
+/// What a filled cavity changes in one worker's submesh.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Patch {
+    /// Tetrahedra of the cavity.
+    pub remove: Vec<TetId>,
+    /// New tetrahedra; the inserted point is the first vertex of each.
+    pub create: Vec<NewTet>,
+    /// Faces of the ring.
+    pub relink: Vec<Relink>,
+}
+
+/// Where a face of a tetrahedron that moves leads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Lead {
+    /// To another one that moves: index and slot.
+    In(u32, u8),
+    /// To one that does not.
+    Far(Handle),
+}
+
+/// A tetrahedron that changes its owner.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Moving {
+    /// Its name.
+    pub name: Name,
+    /// Its vertices, positively oriented.
+    pub v: [Site; 4],
+    /// Its neighbours.
+    pub n: [Lead; 4],
+}

@@ -1,0 +1,351 @@
+//! One worker's figures while it runs.
+
+use super::summary::WorkerFigures;
+use super::trace::{Span, SpanKind};
+use super::{Nanos, Survey};
+use crate::protocol::{Action, Attempt, Event, Message, Note, Submesh, Ticket, WorkerId};
+use std::collections::{BTreeMap, HashMap};
+
+/// What a step answered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// [`Event::Work`].
+    Work,
+    /// A message of this kind.
+    Message {
+        /// [`Message::kind`].
+        kind: &'static str,
+        /// The operation that it is about, and the attempt; a commit is about the last attempt.
+        about: Option<(Ticket, Attempt)>,
+    },
+    /// [`Event::Retry`].
+    Retry(Ticket),
+    /// [`Event::Migrate`].
+    Migrate,
+    /// [`Event::Cancel`].
+    Cancel,
+}
+
+/// Stands for the attempt that succeeded, where a message does not tell its number.
+const LAST: Attempt = Attempt::MAX;
+
+impl Cause {
+    /// The cause that `event` is.
+    pub fn of<S: Submesh>(event: &Event<S>) -> Self {
+        match event {
+            Event::Message { message, .. } => {
+                Self::Message { kind: message.kind(), about: about(message) }
+            }
+            Event::Work => Self::Work,
+            Event::Retry(ticket) => Self::Retry(*ticket),
+            Event::Migrate { .. } => Self::Migrate,
+            Event::Cancel => Self::Cancel,
+        }
+    }
+}
+
+fn about<S: Submesh>(message: &Message<S>) -> Option<(Ticket, Attempt)> {
+    match message {
+        Message::Walk { ticket, attempt, .. }
+        | Message::Expand { ticket, attempt, .. }
+        | Message::Grant { ticket, attempt, .. }
+        | Message::Deny { ticket, attempt }
+        | Message::Unpark { ticket, attempt }
+        | Message::Wound { ticket, attempt }
+        | Message::Abort { ticket, attempt }
+        | Message::Aborted { ticket, attempt } => Some((*ticket, *attempt)),
+        Message::Commit { ticket, .. } => Some((*ticket, LAST)),
+        Message::Migrate { .. } | Message::Stray { .. } | Message::Token(_) | Message::Stop => None,
+    }
+}
+
+/// When a step was, and what is known of its parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// Its begin.
+    pub begin: Nanos,
+    /// Its end.
+    pub end: Nanos,
+    /// Of it, receiving at the begin and sending; 0 if that was not measured.
+    pub communication: Nanos,
+    /// Of it, point location; 0 if that was not measured.
+    pub walk: Nanos,
+}
+
+/// Time that one attempt of an operation took on one worker.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Spent {
+    pub(super) all: Nanos,
+    /// Of it, while a cavity of the worker was active.
+    pub(super) active: Nanos,
+}
+
+/// How an operation ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ending {
+    Local,
+    Interface,
+}
+
+/// Collects one worker's figures. Times must not go back.
+#[derive(Clone, Debug)]
+pub struct Collector {
+    pub(super) figures: WorkerFigures,
+    /// Active cavities of this worker.
+    active: u32,
+    /// Time up to which all is accounted for.
+    clock: Nanos,
+    /// Idle since the last insertion here.
+    idle_since_work: Nanos,
+    /// Setbacks so far of operations that were set back here and may start again here.
+    attempts: HashMap<Ticket, Attempt>,
+    pub(super) spent: HashMap<(Ticket, Attempt), Spent>,
+    pub(super) endings: HashMap<Ticket, (Attempt, Ending)>,
+    pub(super) messages: BTreeMap<&'static str, (u64, u64)>,
+    spans: Option<Vec<Span>>,
+    spans_left: usize,
+}
+
+impl Collector {
+    /// A collector for `worker`; it keeps at most `spans` stretches of time for a trace.
+    pub fn new(worker: WorkerId, spans: usize) -> Self {
+        Self {
+            figures: WorkerFigures { worker, ..WorkerFigures::default() },
+            active: 0,
+            clock: 0,
+            idle_since_work: 0,
+            attempts: HashMap::new(),
+            spent: HashMap::new(),
+            endings: HashMap::new(),
+            messages: BTreeMap::new(),
+            spans: (spans > 0).then(Vec::new),
+            spans_left: spans,
+        }
+    }
+
+    /// Time up to which all is accounted for.
+    pub fn clock(&self) -> Nanos {
+        self.clock
+    }
+
+    /// The worker looked for a message from `begin` to `end`, and found one if `useful`.
+    pub fn poll(&mut self, begin: Nanos, end: Nanos, useful: bool) {
+        self.idle_until(begin);
+        let time = self.advance(end);
+        self.figures.times.polling += time;
+        let polls = &mut self.figures.polls;
+        polls.total += 1;
+        polls.total_time += time;
+        if useful {
+            polls.useful += 1;
+            polls.useful_time += time;
+        }
+        self.count_active(time, self.active > 0);
+        self.span(begin, end, SpanKind::Poll, None);
+    }
+
+    /// A message of `kind` with `bytes` bytes was sent.
+    pub fn sent(&mut self, kind: &'static str, bytes: u64) {
+        let (count, sum) = self.messages.entry(kind).or_default();
+        *count += 1;
+        *sum += bytes;
+    }
+
+    /// The worker dealt with messages that are not the protocol's until `end`.
+    pub fn control(&mut self, begin: Nanos, end: Nanos) {
+        self.idle_until(begin);
+        let time = self.advance(end);
+        self.figures.times.balancing += time;
+        self.count_active(time, self.active > 0);
+        self.span(begin, end, SpanKind::Balance, None);
+    }
+
+    /// The worker took a step, which ended in `actions`.
+    pub fn step<S: Submesh>(&mut self, cause: Cause, step: Step, actions: &[Action<S>]) {
+        self.idle_until(step.begin);
+        let was_active = self.active > 0;
+        if let Cause::Message { kind: "walk", about: Some((ticket, attempt)) } = cause
+            && attempt > 0
+        {
+            self.attempts.insert(ticket, attempt);
+        }
+        let about = self.about(cause, actions);
+        let mut kind = kind_of(cause);
+        for action in actions {
+            if let Action::Note(note) = action {
+                kind = self.note(*note, about, kind);
+            }
+        }
+        let time = self.advance(step.end);
+        let active = was_active || self.active > 0;
+        self.count_active(time, active);
+        let communication = step.communication.min(time);
+        let times = &mut self.figures.times;
+        match kind {
+            SpanKind::Balance => times.balancing += time,
+            SpanKind::Poll => times.communication += time,
+            _ => {
+                times.communication += communication;
+                times.meshing += time - communication;
+            }
+        }
+        let local = matches!(cause, Cause::Work) && about.is_none();
+        match about {
+            Some(key) => self.spend(key, time, active),
+            None if local && actions.iter().any(|a| matches!(a, Action::Note(Note::Local))) => {
+                self.figures.times.local += time;
+                self.figures.times.local_active += if active { time } else { 0 };
+            }
+            None => {}
+        }
+        let walked = step.end.min(step.begin + step.walk);
+        self.span(step.begin, walked, SpanKind::Walk, about);
+        self.span(walked, step.end, kind, about);
+    }
+
+    /// The run is over at `end`; `mesh` is the worker's submesh.
+    pub fn finish(&mut self, end: Nanos, mesh: &impl Survey) {
+        self.idle_until(end);
+        self.figures.times.idle_at_end = self.idle_since_work;
+        self.figures.tets = mesh.tets();
+        self.figures.interface_faces = mesh.interface_faces();
+    }
+
+    /// The worker's figures so far.
+    pub fn figures(&self) -> &WorkerFigures {
+        &self.figures
+    }
+
+    /// Takes the stretches of time that were kept, and says whether some were not.
+    pub fn take_spans(&mut self) -> (Vec<Span>, bool) {
+        let complete = self.spans_left > 0;
+        (self.spans.take().unwrap_or_default(), complete)
+    }
+
+    /// The operation that a step is about.
+    fn about<S: Submesh>(&self, cause: Cause, actions: &[Action<S>]) -> Option<(Ticket, Attempt)> {
+        match cause {
+            Cause::Message { about, .. } => about,
+            Cause::Retry(ticket) => Some((ticket, self.attempt(ticket))),
+            Cause::Migrate | Cause::Cancel => None,
+            Cause::Work => actions.iter().find_map(|action| match action {
+                Action::Note(Note::Began(ticket)) => Some((*ticket, self.attempt(*ticket))),
+                Action::Send { message: Message::Walk { ticket, attempt, .. }, .. } => {
+                    Some((*ticket, *attempt))
+                }
+                _ => None,
+            }),
+        }
+    }
+
+    fn attempt(&self, ticket: Ticket) -> Attempt {
+        self.attempts.get(&ticket).copied().unwrap_or(0)
+    }
+
+    /// Takes in a note of a step; returns what the step is called in a trace.
+    fn note(&mut self, note: Note, about: Option<(Ticket, Attempt)>, kind: SpanKind) -> SpanKind {
+        let others = self.active;
+        match note {
+            Note::Local => {
+                self.idle_since_work = 0;
+                self.figures.cavities.count(false, others > 0);
+                if let Some((ticket, attempt)) = about {
+                    self.attempts.remove(&ticket);
+                    self.endings.insert(ticket, (attempt, Ending::Local));
+                }
+                SpanKind::Fill
+            }
+            Note::Known => {
+                self.figures.known += 1;
+                kind
+            }
+            Note::Began(_) => {
+                self.active += 1;
+                SpanKind::Expand
+            }
+            Note::SetBack { ticket, attempt } => {
+                self.active = self.active.saturating_sub(1);
+                self.attempts.insert(ticket, attempt);
+                self.figures.setbacks += 1;
+                self.figures.worst_setbacks = self.figures.worst_setbacks.max(attempt);
+                SpanKind::Setback
+            }
+            Note::Committed { ticket, setbacks, parts } => {
+                self.active = self.active.saturating_sub(1);
+                self.idle_since_work = 0;
+                self.attempts.remove(&ticket);
+                self.figures.cavities.count(true, others > 1);
+                self.figures.closure_parts += u64::from(parts);
+                self.endings.insert(ticket, (setbacks, Ending::Interface));
+                SpanKind::Fill
+            }
+            Note::Migrated(_) => {
+                self.figures.migrations += 1;
+                SpanKind::Balance
+            }
+            Note::Waits(_) => {
+                self.figures.waits += 1;
+                kind
+            }
+            Note::Stopped => kind,
+        }
+    }
+
+    fn spend(&mut self, key: (Ticket, Attempt), time: Nanos, active: bool) {
+        let spent = self.spent.entry(key).or_default();
+        spent.all += time;
+        spent.active += if active { time } else { 0 };
+    }
+
+    /// Accounts for the time up to `end`; returns how much that is.
+    fn advance(&mut self, end: Nanos) -> Nanos {
+        let time = end.saturating_sub(self.clock);
+        self.clock += time;
+        time
+    }
+
+    fn idle_until(&mut self, begin: Nanos) {
+        let from = self.clock;
+        let time = self.advance(begin);
+        if time == 0 {
+            return;
+        }
+        let waits = self.active > 0;
+        self.figures.times.idle += time;
+        self.figures.times.idle_active += if waits { time } else { 0 };
+        self.idle_since_work += time;
+        self.count_active(time, waits);
+        self.span(from, begin, if waits { SpanKind::Wait } else { SpanKind::Idle }, None);
+    }
+
+    fn count_active(&mut self, time: Nanos, active: bool) {
+        self.figures.times.active += if active { time } else { 0 };
+    }
+
+    fn span(&mut self, begin: Nanos, end: Nanos, kind: SpanKind, about: Option<(Ticket, Attempt)>) {
+        let Some(spans) = &mut self.spans else { return };
+        if begin < end && self.spans_left > 0 {
+            self.spans_left -= 1;
+            let ticket = about.map(|(ticket, _)| ticket);
+            spans.push(Span { worker: self.figures.worker, begin, end, kind, ticket });
+        }
+    }
+}
+
+/// What a step is called in a trace if no note says better.
+fn kind_of(cause: Cause) -> SpanKind {
+    match cause {
+        Cause::Message { kind, .. } => match kind {
+            "walk" => SpanKind::Walk,
+            "expand" | "grant" => SpanKind::Expand,
+            "commit" => SpanKind::Fill,
+            "deny" | "unpark" | "wound" | "abort" | "aborted" => SpanKind::Setback,
+            "migrate" | "stray" => SpanKind::Balance,
+            _ => SpanKind::Poll,
+        },
+        Cause::Work => SpanKind::Walk,
+        Cause::Retry(_) => SpanKind::Setback,
+        Cause::Migrate => SpanKind::Balance,
+        Cause::Cancel => SpanKind::Poll,
+    }
+}

@@ -1,0 +1,47 @@
+//! What a parallel run did with its time: the figures of the paper's Tables III to VI and of its
+//! Figures 5 and 7, for runs on threads and on simulated processors alike.
+//!
+//! A runtime keeps one [`Collector`] for each worker and feeds it with what the worker did and
+//! when; [`Summary::new`] joins them at the end. A clock may be real or virtual.
+//!
+//! # Definitions
+//!
+//! Time is in nanoseconds. An interface cavity is *active* from the moment its home asks for its
+//! closure ([`Note::Began`](crate::protocol::Note::Began)) to its commit or setback; act(w, t) is
+//! the number of active cavities whose home is worker w at time t.
+//!
+//! | paper | here |
+//! |---|---|
+//! | Table III | surface to volume: the largest share of interface faces per tetrahedron of any worker; imbalance: most less fewest tetrahedra |
+//! | Table IV | completed cavities by {local, interface} × {no other cavity of the worker active, some active} |
+//! | Table V | M: time in cavities that succeeded; A: of it local, while act ≥ 1; I: of it interface, while act ≥ 1; S: time in cavities that were set back |
+//! | LT | latency tolerance (A + I) / (A + I + S) |
+//! | LT strict | 1 − (idle while act ≥ 1 + S) / (time with act ≥ 1): LT alone is blind to idle time |
+//! | Table VI | polls, those that found a message, the time of each; messages; idle time after a worker's last insertion |
+//! | Figure 5 | each worker's time: meshing, communication, balancing, idle |
+//! | Figure 7 | each worker's cavities by kind |
+//!
+//! Time goes to operations step by step: a step that handles a message about an operation costs
+//! that operation, whichever worker it runs on, with sending and receiving. What a step does
+//! besides (it may wake another operation) is not split off. The paper's runs refine a mesh; ours
+//! insert points.
+
+mod collector;
+mod summary;
+mod trace;
+
+pub use collector::{Cause, Collector, Step};
+pub use summary::{Cavities, Messages, Polls, Summary, Times, WorkerFigures};
+pub use trace::{Span, SpanKind, Trace};
+
+/// Time in nanoseconds since a run's start.
+pub type Nanos = u64;
+
+/// The size of a worker's submesh and of its boundary (Table III).
+pub trait Survey {
+    /// Tetrahedra, ghosts included.
+    fn tets(&self) -> u64;
+
+    /// Faces of these whose other side is another worker's.
+    fn interface_faces(&self) -> u64;
+}

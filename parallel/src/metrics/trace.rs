@@ -1,0 +1,132 @@
+//! A timeline of a run, as a trace for Chrome's or Perfetto's viewer.
+
+use super::{Collector, Nanos};
+use crate::protocol::{Ticket, WorkerId};
+use std::io::{self, Write};
+
+/// What a worker did in a stretch of time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SpanKind {
+    /// Point location.
+    Walk,
+    /// A closure is asked for, locked or collected.
+    Expand,
+    /// No message and no local work, while a cavity of the worker is active.
+    Wait,
+    /// A cavity is filled: a local one, or a part of one on an interface.
+    Fill,
+    /// A cavity is set back.
+    Setback,
+    /// The worker looks for messages, or takes one that is about termination.
+    Poll,
+    /// Blocks change their owner.
+    Balance,
+    /// No message, no local work, no cavity active.
+    Idle,
+}
+
+impl SpanKind {
+    /// Its name in a trace.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Walk => "walk",
+            Self::Expand => "expand",
+            Self::Wait => "wait",
+            Self::Fill => "fill",
+            Self::Setback => "setback",
+            Self::Poll => "poll",
+            Self::Balance => "balance",
+            Self::Idle => "idle",
+        }
+    }
+}
+
+/// A stretch of a worker's time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// The worker.
+    pub worker: WorkerId,
+    /// Its begin.
+    pub begin: Nanos,
+    /// Its end.
+    pub end: Nanos,
+    /// What it did.
+    pub kind: SpanKind,
+    /// The operation that it was about.
+    pub ticket: Option<Ticket>,
+}
+
+/// The timeline of a run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Trace {
+    /// Stretches of time, by worker, then by time.
+    pub spans: Vec<Span>,
+    /// Did every stretch find room?
+    pub is_complete: bool,
+}
+
+impl Trace {
+    /// Takes the stretches of time out of all collectors.
+    pub fn take(collectors: &mut [Collector]) -> Self {
+        let mut trace = Self { spans: Vec::new(), is_complete: true };
+        for collector in collectors {
+            let (spans, complete) = collector.take_spans();
+            trace.spans.extend(spans);
+            trace.is_complete &= complete;
+        }
+        trace
+    }
+
+    /// Writes the trace as JSON in Chrome's trace event format: one track for each worker.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`.
+    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        let complete = self.is_complete;
+        writeln!(out, "{{\"displayTimeUnit\":\"ns\",\"otherData\":{{\"complete\":{complete}}},")?;
+        write!(out, "\"traceEvents\":[")?;
+        let mut separator = "\n";
+        for pair in self.tracks() {
+            write!(
+                out,
+                "{separator}{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":0,\"tid\":{pair},\
+                 \"args\":{{\"name\":\"worker {pair}\"}}}}"
+            )?;
+            separator = ",\n";
+        }
+        for span in &self.spans {
+            write!(
+                out,
+                "{separator}{{\"name\":\"{}\",\"ph\":\"X\",\"pid\":0,\"tid\":{},\"ts\":{},\
+                 \"dur\":{}",
+                span.kind.name(),
+                span.worker,
+                Micros(span.begin),
+                Micros(span.end - span.begin)
+            )?;
+            if let Some(t) = span.ticket {
+                write!(out, ",\"args\":{{\"op\":\"{}.{}.{}\"}}", t.clock, t.worker, t.sequence)?;
+            }
+            write!(out, "}}")?;
+            separator = ",\n";
+        }
+        writeln!(out, "\n]}}")
+    }
+
+    fn tracks(&self) -> Vec<WorkerId> {
+        let mut workers: Vec<_> = self.spans.iter().map(|span| span.worker).collect();
+        workers.sort_unstable();
+        workers.dedup();
+        workers
+    }
+}
+
+/// Nanoseconds, printed as microseconds with all their digits.
+struct Micros(Nanos);
+
+impl std::fmt::Display for Micros {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}.{:03}", self.0 / 1000, self.0 % 1000)
+    }
+}

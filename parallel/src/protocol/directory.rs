@@ -1,0 +1,58 @@
+//! Who owns which block, as far as one worker knows.
+
+/// Number of a worker.
+pub type WorkerId = u32;
+/// Number of a block.
+pub type BlockId = u32;
+
+/// One worker's view: right for the blocks it owns, and for others as of the last news. A block
+/// that it gave away points to the receiver: messages that still arrive are sent after it.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Directory {
+    me: WorkerId,
+    /// By block: owner and the number of moves known of.
+    owners: Vec<(WorkerId, u32)>,
+}
+
+impl Directory {
+    /// The view of worker `me`: block `b` belongs to `owners[b]`.
+    pub fn new(me: WorkerId, owners: &[WorkerId]) -> Self {
+        Self { me, owners: owners.iter().map(|&w| (w, 0)).collect() }
+    }
+
+    /// The worker whose view this is.
+    #[inline]
+    pub fn me(&self) -> WorkerId {
+        self.me
+    }
+
+    /// Number of blocks.
+    pub fn blocks(&self) -> BlockId {
+        self.owners.len() as BlockId
+    }
+
+    /// The owner of `block`, as far as known.
+    #[inline]
+    pub fn owner(&self, block: BlockId) -> WorkerId {
+        self.owners[block as usize].0
+    }
+
+    /// The number of moves of `block` known of.
+    pub fn epoch(&self, block: BlockId) -> u32 {
+        self.owners[block as usize].1
+    }
+
+    /// Is `block` this worker's? Always right.
+    #[inline]
+    pub fn is_mine(&self, block: BlockId) -> bool {
+        self.owners[block as usize].0 == self.me
+    }
+
+    /// Takes news: `block` was at `owner` after `epoch` moves. Older news changes nothing.
+    pub fn learn(&mut self, block: BlockId, owner: WorkerId, epoch: u32) {
+        let entry = &mut self.owners[block as usize];
+        if epoch > entry.1 {
+            *entry = (owner, epoch);
+        }
+    }
+}

@@ -1,0 +1,340 @@
+//! The home's side of an operation: from the walk to the commit or the setback.
+
+use super::conduct::Conduct;
+use super::directory::WorkerId;
+use super::owner::{Waiter, Want};
+use super::submesh::{Source, Submesh, Walk};
+use super::worker::{Action, Note, Worker};
+use super::{Attempt, Handle, Message, Name, Rule, Ticket};
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// An operation at its home.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Op<S: Submesh> {
+    pub(super) point: S::Point,
+    pub(super) attempt: Attempt,
+    pub(super) phase: Phase,
+    /// Workers asked in this attempt, with the number of `Expand` not answered yet.
+    asked: BTreeMap<WorkerId, u32>,
+    /// Every handle asked for in this attempt, and whom.
+    whereabouts: BTreeMap<Name, WorkerId>,
+    /// The tetrahedra granted, by owner.
+    parts: BTreeMap<WorkerId, Vec<S::Piece>>,
+    /// Workers whose denial was not lifted yet.
+    parked: BTreeSet<WorkerId>,
+}
+
+/// Where an operation is in its life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Phase {
+    /// It can start (again).
+    Ready,
+    /// Its walk waits.
+    Walking,
+    /// It collects its closure.
+    Expanding,
+    /// Set back: so many releases are not acknowledged yet.
+    Releasing(u32),
+    /// Set back, and waiting for its backoff to end.
+    Backoff,
+}
+
+impl<S: Submesh> Op<S> {
+    fn new(point: S::Point, attempt: Attempt, phase: Phase) -> Self {
+        Self {
+            point,
+            attempt,
+            phase,
+            asked: BTreeMap::new(),
+            whereabouts: BTreeMap::new(),
+            parts: BTreeMap::new(),
+            parked: BTreeSet::new(),
+        }
+    }
+
+    /// A copy; deriving `Clone` would ask for it of the submesh.
+    fn copy(&self) -> Self {
+        Self {
+            point: self.point.clone(),
+            attempt: self.attempt,
+            phase: self.phase,
+            asked: self.asked.clone(),
+            whereabouts: self.whereabouts.clone(),
+            parts: self.parts.clone(),
+            parked: self.parked.clone(),
+        }
+    }
+
+    fn is_collecting(&self, attempt: Attempt) -> bool {
+        self.attempt == attempt && self.phase == Phase::Expanding
+    }
+}
+
+impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
+    /// Walks to the point; inserts it at once if nothing is in the way, else begins an operation.
+    pub(super) fn start(
+        &mut self,
+        ticket: Option<Ticket>,
+        attempt: Attempt,
+        point: S::Point,
+        from: Option<Name>,
+        out: &mut Vec<Action<S>>,
+    ) {
+        match self.mesh.walk(&point, from) {
+            Walk::Known => {
+                self.source.let_go(&point);
+                out.push(Action::Note(Note::Known));
+            }
+            Walk::At(seed) => {
+                if self.mesh.insert(&point, seed, &self.directory) {
+                    self.source.inserted(&self.mesh, &point);
+                    out.push(Action::Note(Note::Local));
+                } else {
+                    let ticket = ticket.unwrap_or_else(|| self.ticket());
+                    self.begin(ticket, attempt, point, seed, out);
+                }
+            }
+            Walk::Locked(t) => {
+                let ticket = ticket.unwrap_or_else(|| self.ticket());
+                self.ops.insert(ticket, Op::new(point, attempt, Phase::Walking));
+                self.waiting.entry(t).or_default().push(Waiter::Walk(ticket));
+            }
+            Walk::Leaves(at) => {
+                let ticket = ticket.unwrap_or_else(|| self.ticket());
+                self.walk_out(ticket, attempt, point, at, out);
+            }
+            Walk::Nowhere => {
+                let ticket = ticket.unwrap_or_else(|| self.ticket());
+                let next = (self.id() + 1) % self.config.workers;
+                self.source.let_go(&point);
+                self.send(next, Message::Walk { ticket, attempt, point, at: None }, out);
+            }
+        }
+    }
+
+    /// The walk leaves through an interface face.
+    fn walk_out(
+        &mut self,
+        ticket: Ticket,
+        attempt: Attempt,
+        point: S::Point,
+        at: Handle,
+        out: &mut Vec<Action<S>>,
+    ) {
+        let owner = self.directory.owner(at.block);
+        if owner != self.id() {
+            self.source.let_go(&point);
+            self.send(owner, Message::Walk { ticket, attempt, point, at: Some(at) }, out);
+            return;
+        }
+        // The tetrahedron is on its way here.
+        self.ops.insert(ticket, Op::new(point, attempt, Phase::Walking));
+        self.absent.entry(at.name).or_default().push(Waiter::Walk(ticket));
+    }
+
+    /// A walk comes in. A block that has moved is walked after.
+    pub(super) fn walk_in(
+        &mut self,
+        ticket: Ticket,
+        attempt: Attempt,
+        point: S::Point,
+        at: Option<Handle>,
+        out: &mut Vec<Action<S>>,
+    ) {
+        if let Some(handle) = at
+            && !self.directory.is_mine(handle.block)
+        {
+            if C::FORWARDS {
+                self.walk_out(ticket, attempt, point, handle, out);
+            }
+            return;
+        }
+        self.start(Some(ticket), attempt, point, at.map(|handle| handle.name), out);
+    }
+
+    /// Begins to collect the closure, from a tetrahedron of its own.
+    fn begin(
+        &mut self,
+        ticket: Ticket,
+        attempt: Attempt,
+        point: S::Point,
+        seed: S::Tet,
+        out: &mut Vec<Action<S>>,
+    ) {
+        let me = self.id();
+        out.push(Action::Note(Note::Began(ticket)));
+        let mut op = Op::new(point.clone(), attempt, Phase::Expanding);
+        op.asked.insert(me, 1);
+        self.ops.insert(ticket, op);
+        self.request(me, ticket, attempt, point, [Want::Tet(seed)], out);
+    }
+
+    /// An owner has locked and tested all that it was asked for.
+    #[allow(clippy::too_many_arguments)] // the fields of the message
+    pub(super) fn granted(
+        &mut self,
+        from: WorkerId,
+        ticket: Ticket,
+        attempt: Attempt,
+        answers: u32,
+        pieces: Vec<S::Piece>,
+        (foreign, bounced): (Vec<Handle>, Vec<Handle>),
+        out: &mut Vec<Action<S>>,
+    ) {
+        let Some(op) = self.ops.get_mut(&ticket).filter(|op| op.is_collecting(attempt)) else {
+            return;
+        };
+        op.parts.entry(from).or_default().extend(pieces);
+        if let Some(open) = op.asked.get_mut(&from) {
+            *open = open.saturating_sub(answers);
+        }
+        let mut seeds: BTreeMap<WorkerId, Vec<Handle>> = BTreeMap::new();
+        // Several faces of one tetrahedron may be among the foreign ones: it is asked for once.
+        // A bounced one is asked for again, perhaps of the same worker: the block may be back.
+        for handle in foreign {
+            if let Entry::Vacant(entry) = op.whereabouts.entry(handle.name) {
+                let owner = *entry.insert(self.directory.owner(handle.block));
+                seeds.entry(owner).or_default().push(handle);
+            }
+        }
+        for handle in bounced {
+            let owner = self.directory.owner(handle.block);
+            op.whereabouts.insert(handle.name, owner);
+            seeds.entry(owner).or_default().push(handle);
+        }
+        for &owner in seeds.keys() {
+            *op.asked.entry(owner).or_default() += 1;
+        }
+        let point = op.point.clone();
+        let complete = op.asked.values().all(|&open| open == 0);
+        for (owner, seeds) in seeds {
+            let point = point.clone();
+            self.send(owner, Message::Expand { ticket, attempt, point, seeds }, out);
+        }
+        if complete {
+            self.fill(ticket, out);
+        }
+    }
+
+    /// The whole closure is locked: the commit point.
+    fn fill(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
+        let Some(op) = self.ops.remove(&ticket) else { return };
+        if !C::IGNORES_LATE_WOUND {
+            self.late.insert(ticket, op.copy());
+        }
+        let Op { point, attempt, asked, whereabouts, parts, .. } = op;
+        let parts: Vec<_> = parts.into_iter().collect();
+        let find = |name: Name| whereabouts.get(&name).copied();
+        let patches = self.mesh.fill(&point, &parts, &find, &self.directory);
+        let mut patches: BTreeMap<_, _> = patches.into_iter().collect();
+        let note = Note::Committed { ticket, setbacks: attempt, parts: asked.len() as u32 };
+        out.push(Action::Note(note));
+        for to in asked.into_keys() {
+            let patch = patches.remove(&to);
+            self.send(to, Message::Commit { ticket, patch }, out);
+        }
+        for (to, patch) in patches {
+            self.send(to, Message::Commit { ticket, patch: Some(patch) }, out);
+        }
+    }
+
+    /// An older operation waits for a lock of this one.
+    pub(super) fn wounded(&mut self, ticket: Ticket, attempt: Attempt, out: &mut Vec<Action<S>>) {
+        if let Some(op) = self.late.remove(&ticket) {
+            self.ops.insert(ticket, op);
+        }
+        if self.ops.get(&ticket).is_some_and(|op| op.is_collecting(attempt)) {
+            self.set_back(ticket, out);
+        }
+    }
+
+    /// A request was denied.
+    pub(super) fn denied(
+        &mut self,
+        from: WorkerId,
+        ticket: Ticket,
+        attempt: Attempt,
+        out: &mut Vec<Action<S>>,
+    ) {
+        let Some(op) = self.ops.get_mut(&ticket).filter(|op| op.attempt == attempt) else {
+            return;
+        };
+        if self.config.rule == Rule::WaitDie {
+            op.parked.insert(from);
+        }
+        if op.is_collecting(attempt) {
+            self.set_back(ticket, out);
+        }
+    }
+
+    /// The holder that was in the way has released its locks.
+    pub(super) fn unparked(
+        &mut self,
+        from: WorkerId,
+        ticket: Ticket,
+        attempt: Attempt,
+        out: &mut Vec<Action<S>>,
+    ) {
+        if let Some(op) = self.ops.get_mut(&ticket).filter(|op| op.attempt == attempt) {
+            op.parked.remove(&from);
+            self.start_again(ticket, out);
+        }
+    }
+
+    /// The setback: every lock of the attempt is given back.
+    fn set_back(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
+        let Some(op) = self.ops.get_mut(&ticket) else { return };
+        let asked = std::mem::take(&mut op.asked);
+        op.whereabouts.clear();
+        op.parts.clear();
+        let attempt = op.attempt;
+        op.phase = Phase::Releasing(if C::AWAITS_RELEASES { asked.len() as u32 } else { 0 });
+        out.push(Action::Note(Note::SetBack { ticket, attempt: attempt + 1 }));
+        for to in asked.into_keys() {
+            self.send(to, Message::Abort { ticket, attempt }, out);
+        }
+        self.start_again(ticket, out);
+    }
+
+    /// A release is acknowledged.
+    pub(super) fn aborted(&mut self, ticket: Ticket, attempt: Attempt, out: &mut Vec<Action<S>>) {
+        if let Some(op) = self.ops.get_mut(&ticket).filter(|op| op.attempt == attempt)
+            && let Phase::Releasing(open) = &mut op.phase
+        {
+            *open = open.saturating_sub(1);
+            self.start_again(ticket, out);
+        }
+    }
+
+    /// Starts again if all locks are released and nobody is in the way.
+    fn start_again(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
+        let paper = self.config.rule == Rule::Paper;
+        let Some(op) = self.ops.get_mut(&ticket) else { return };
+        if op.phase != Phase::Releasing(0) || !op.parked.is_empty() {
+            return;
+        }
+        op.attempt += 1;
+        if paper {
+            op.phase = Phase::Backoff;
+            out.push(Action::Backoff { ticket, attempt: op.attempt });
+        } else {
+            self.make_ready(ticket);
+        }
+    }
+
+    /// The backoff is over.
+    pub(super) fn retry(&mut self, ticket: Ticket) {
+        if self.ops.get(&ticket).is_some_and(|op| op.phase == Phase::Backoff) {
+            self.make_ready(ticket);
+        }
+    }
+
+    /// The operation can start.
+    pub(super) fn make_ready(&mut self, ticket: Ticket) {
+        if let Some(op) = self.ops.get_mut(&ticket) {
+            op.phase = Phase::Ready;
+            self.ready.insert(ticket);
+        }
+    }
+}

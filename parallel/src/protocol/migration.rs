@@ -1,0 +1,129 @@
+//! Blocks that change their owner: the paper's mobile objects.
+//!
+//! A block moves only while none of its tetrahedra is locked, so that no closure ever changes its
+//! whereabouts. Handles hold names and blocks, never places: nothing is renamed. A worker that gave
+//! a block away knows where it went: a seed for it is bounced to its home with the news, a walk
+//! and late tetrahedra are sent after it.
+
+use super::conduct::Conduct;
+use super::directory::{BlockId, WorkerId};
+use super::owner::{Waiter, Want};
+use super::submesh::{Source, Submesh};
+use super::worker::{Action, Note, Worker};
+use super::{Handle, Message, Name};
+use std::collections::BTreeMap;
+
+impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
+    /// May `block` be given away now?
+    pub fn can_migrate(&self, block: BlockId) -> bool {
+        self.directory.is_mine(block)
+            && (!C::ONLY_BUSY_MIGRATE || !self.is_passive())
+            && !self.is_stopped()
+            && !self.mesh.is_block_locked(block)
+    }
+
+    /// Gives `block` to worker `to`, if that is allowed now.
+    pub(super) fn migrate(&mut self, block: BlockId, to: WorkerId, out: &mut Vec<Action<S>>) {
+        if to == self.id() || to >= self.config.workers || !self.can_migrate(block) {
+            return;
+        }
+        let cargo = self.take_out(block);
+        let epoch = self.directory.epoch(block) + 1;
+        self.directory.learn(block, to, epoch);
+        let points = self.source.take_block(block);
+        out.push(Action::Note(Note::Migrated(block)));
+        self.send(to, Message::Migrate { block, epoch, cargo, points }, out);
+        if C::MOVES_WAITERS {
+            let woken = self.waiters_for(block);
+            self.wake(woken, out);
+        }
+    }
+
+    /// Extracts the tetrahedra of `block`; what requests still want of them is far now.
+    fn take_out(&mut self, block: BlockId) -> S::Cargo {
+        let mut handles: BTreeMap<S::Tet, Handle> = BTreeMap::new();
+        let cargo = self.mesh.extract(block, &mut |t, handle| {
+            handles.insert(t, handle);
+        });
+        for request in self.requests.values_mut() {
+            let foreign = &mut request.foreign;
+            request.wants.retain(|want| match want {
+                Want::Tet(t) => match handles.get(t) {
+                    Some(&handle) => {
+                        foreign.push(handle);
+                        false
+                    }
+                    None => true,
+                },
+                Want::Seed(_) => true,
+            });
+        }
+        cargo
+    }
+
+    /// Takes those out of the queues that wait for a tetrahedron of `block` to be installed, or
+    /// for one whose block is not known here: they find out anew.
+    fn waiters_for(&mut self, block: BlockId) -> Vec<Waiter> {
+        let requests = &self.requests;
+        let concerned = |name: &Name, waiter: &Waiter| match waiter {
+            Waiter::Walk(_) => true,
+            Waiter::Request(ticket) => requests.get(ticket).is_none_or(|request| {
+                request.wants.iter().any(
+                    |want| matches!(want, Want::Seed(h) if h.name == *name && h.block == block),
+                )
+            }),
+        };
+        let mut woken = Vec::new();
+        self.absent.retain(|name, queue| {
+            queue.retain(|waiter| {
+                let goes = concerned(name, waiter);
+                if goes {
+                    woken.push(*waiter);
+                }
+                !goes
+            });
+            !queue.is_empty()
+        });
+        woken
+    }
+
+    /// A block arrives.
+    pub(super) fn moved_in(
+        &mut self,
+        block: BlockId,
+        epoch: u32,
+        cargo: S::Cargo,
+        points: Vec<S::Point>,
+        out: &mut Vec<Action<S>>,
+    ) {
+        let me = self.id();
+        self.directory.learn(block, me, epoch);
+        self.source.give(block, points);
+        self.install(cargo, out);
+    }
+
+    /// Tetrahedra of a block arrive that were made where it had been.
+    pub(super) fn stray(&mut self, block: BlockId, cargo: S::Cargo, out: &mut Vec<Action<S>>) {
+        if self.directory.is_mine(block) {
+            self.install(cargo, out);
+        } else if C::FORWARDS {
+            self.send(self.directory.owner(block), Message::Stray { block, cargo }, out);
+        }
+    }
+
+    /// Sends new tetrahedra of `block`, which has moved, after it.
+    pub(super) fn send_stray(&mut self, block: BlockId, out: &mut Vec<Action<S>>) {
+        let cargo = self.take_out(block);
+        if C::FORWARDS {
+            self.send(self.directory.owner(block), Message::Stray { block, cargo }, out);
+        }
+    }
+
+    fn install(&mut self, cargo: S::Cargo, out: &mut Vec<Action<S>>) {
+        let mut made = Vec::new();
+        self.mesh.adopt(cargo, &mut made);
+        let woken: Vec<Waiter> =
+            made.into_iter().filter_map(|name| self.absent.remove(&name)).flatten().collect();
+        self.wake(woken, out);
+    }
+}

@@ -1,0 +1,244 @@
+//! The LTBW protocol: cavities that reach other processors' submeshes (paper, algorithms 1 to 3).
+//!
+//! A *worker* owns blocks of tetrahedra outright. A point whose closure (cavity and ring of face
+//! neighbours) lies in its own unlocked tetrahedra is inserted at once, without a lock. Every
+//! other insertion is an *operation*:
+//!
+//! ```text
+//! home                                   owner (any worker, the home among them)
+//!   walk to a tetrahedron in conflict
+//!   Expand{op, attempt, seeds}  ------->  lock, test, spread over its own tetrahedra;
+//!                                         a locked one: wait, or wound its holder
+//!   collect              <------- Grant{op, pieces, foreign seeds}
+//!   ... until no seed is left
+//!   fill; Commit{patch}  ------------->  replace, unlock, wake those who wait
+//! or, when wounded or denied (setback):
+//!   Abort                ------------->  unlock, wake those who wait
+//!   start again          <------- Aborted
+//! ```
+//!
+//! [`Worker::step`] is a pure state machine: no clock, no thread, no randomness, no float.
+//! Threads, the simulator and the models of `verify/models` all run it; the mesh is behind
+//! [`Submesh`], the points to insert behind [`Source`], and every deliberate defect that the
+//! models must find is a constant of [`Conduct`]. `docs/protocol.md` has the messages, the
+//! invariants and the proofs.
+
+mod conduct;
+mod directory;
+mod home;
+mod migration;
+mod owner;
+mod rule;
+mod submesh;
+mod termination;
+mod view;
+mod worker;
+
+pub use conduct::{Conduct, Sound};
+pub use directory::{BlockId, Directory, WorkerId};
+pub use rule::Rule;
+pub use submesh::{Costs, Neighbour, Source, Submesh, Walk};
+pub use termination::Token;
+pub use worker::{Action, Config, Event, Note, Worker};
+
+/// The age of an operation, kept across setbacks: the smaller one is older.
+///
+/// A Lamport clock at the first admission to a window, made unique by worker and sequence number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Ticket {
+    /// Lamport clock: above that of every ticket that the worker had seen.
+    pub clock: u32,
+    /// The worker that issued it.
+    pub worker: WorkerId,
+    /// Counts that worker's tickets.
+    pub sequence: u32,
+}
+
+/// Counts the setbacks of an operation: tells a message from one of an earlier attempt.
+pub type Attempt = u32;
+
+/// The name of a tetrahedron that another worker knows: never given twice.
+///
+/// The worker that makes it and a counter of that worker: a name says nothing about where the
+/// tetrahedron is, so that a migration renames nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Name {
+    /// The worker that named it.
+    pub by: WorkerId,
+    /// Counts that worker's names.
+    pub number: u32,
+}
+
+/// The far side of an interface face: a tetrahedron of another worker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Handle {
+    /// The tetrahedron's name.
+    pub name: Name,
+    /// The block that it belongs to; the directory knows whose that is.
+    pub block: BlockId,
+    /// The face, as the slot of the vertex opposite it.
+    pub face: u8,
+}
+
+/// What workers say to each other. `S` is the submesh that the payloads belong to.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound(
+        serialize = "S::Point: serde::Serialize, S::Piece: serde::Serialize, \
+                     S::Patch: serde::Serialize, S::Cargo: serde::Serialize",
+        deserialize = "S::Point: serde::Deserialize<'de>, S::Piece: serde::Deserialize<'de>, \
+                       S::Patch: serde::Deserialize<'de>, S::Cargo: serde::Deserialize<'de>"
+    ))
+)]
+pub enum Message<S: Submesh> {
+    /// Point location goes on at the receiver, which becomes the operation's home.
+    Walk {
+        /// The operation.
+        ticket: Ticket,
+        /// Its setbacks so far.
+        attempt: Attempt,
+        /// The point to insert.
+        point: S::Point,
+        /// The tetrahedron that the walk enters; `None` if the sender has none at all.
+        at: Option<Handle>,
+    },
+    /// The sender, the operation's home, asks for the receiver's part of a closure.
+    Expand {
+        /// The operation.
+        ticket: Ticket,
+        /// Its attempt.
+        attempt: Attempt,
+        /// The point to insert.
+        point: S::Point,
+        /// Tetrahedra to lock and test; the part spreads from those in conflict.
+        seeds: Vec<Handle>,
+    },
+    /// The answer to `answers` messages `Expand`: everything asked for is locked.
+    Grant {
+        /// The operation.
+        ticket: Ticket,
+        /// Its attempt.
+        attempt: Attempt,
+        /// How many `Expand` this answers.
+        answers: u32,
+        /// The tetrahedra in conflict, found since the last grant.
+        pieces: Vec<S::Piece>,
+        /// Tetrahedra of other workers next to those.
+        foreign: Vec<Handle>,
+        /// Seeds whose block has moved away: to be asked for where the directory says now.
+        bounced: Vec<Handle>,
+        /// Where the blocks of `bounced` are: worker and epoch.
+        moved: Vec<(BlockId, WorkerId, u32)>,
+    },
+    /// The request met an older holder, or any holder under the paper's rule: set it back.
+    Deny {
+        /// The operation.
+        ticket: Ticket,
+        /// Its attempt.
+        attempt: Attempt,
+    },
+    /// The holder that made the receiver's operation fail has released its locks.
+    Unpark {
+        /// The operation.
+        ticket: Ticket,
+        /// Its attempt when it was denied.
+        attempt: Attempt,
+    },
+    /// An older operation waits for a lock of this one: set it back.
+    Wound {
+        /// The operation.
+        ticket: Ticket,
+        /// Its attempt.
+        attempt: Attempt,
+    },
+    /// The setback: release all locks of the operation.
+    Abort {
+        /// The operation.
+        ticket: Ticket,
+        /// Its attempt.
+        attempt: Attempt,
+    },
+    /// All locks of the attempt are released.
+    Aborted {
+        /// The operation.
+        ticket: Ticket,
+        /// Its attempt.
+        attempt: Attempt,
+    },
+    /// The cavity is filled: replace, unlock. Also sent to workers that own new tetrahedra only.
+    Commit {
+        /// The operation.
+        ticket: Ticket,
+        /// What changes in the receiver's submesh.
+        patch: Option<S::Patch>,
+    },
+    /// A block with its tetrahedra and points changes its owner.
+    Migrate {
+        /// The block.
+        block: BlockId,
+        /// Counts its moves.
+        epoch: u32,
+        /// Its tetrahedra.
+        cargo: S::Cargo,
+        /// Its points that are still to be inserted.
+        points: Vec<S::Point>,
+    },
+    /// Tetrahedra made for a block after it had moved: they follow it.
+    Stray {
+        /// The block.
+        block: BlockId,
+        /// Its tetrahedra.
+        cargo: S::Cargo,
+    },
+    /// Termination detection. Not counted by it.
+    Token(Token),
+    /// All work is done everywhere. Not counted by termination detection.
+    Stop,
+}
+
+impl<S: Submesh> Message<S> {
+    /// Does termination detection count this message?
+    pub fn is_basic(&self) -> bool {
+        !matches!(self, Self::Token(_) | Self::Stop)
+    }
+
+    /// The operation that it is about.
+    pub fn ticket(&self) -> Option<Ticket> {
+        match self {
+            Self::Walk { ticket, .. }
+            | Self::Expand { ticket, .. }
+            | Self::Grant { ticket, .. }
+            | Self::Deny { ticket, .. }
+            | Self::Unpark { ticket, .. }
+            | Self::Wound { ticket, .. }
+            | Self::Abort { ticket, .. }
+            | Self::Aborted { ticket, .. }
+            | Self::Commit { ticket, .. } => Some(*ticket),
+            Self::Migrate { .. } | Self::Stray { .. } | Self::Token(_) | Self::Stop => None,
+        }
+    }
+
+    /// The name of its kind, for traces.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Walk { .. } => "walk",
+            Self::Expand { .. } => "expand",
+            Self::Grant { .. } => "grant",
+            Self::Deny { .. } => "deny",
+            Self::Unpark { .. } => "unpark",
+            Self::Wound { .. } => "wound",
+            Self::Abort { .. } => "abort",
+            Self::Aborted { .. } => "aborted",
+            Self::Commit { .. } => "commit",
+            Self::Migrate { .. } => "migrate",
+            Self::Stray { .. } => "stray",
+            Self::Token(_) => "token",
+            Self::Stop => "stop",
+        }
+    }
+}

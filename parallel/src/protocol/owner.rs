@@ -1,0 +1,313 @@
+//! The owner's side: locks, tests and grants, one request for each operation that has a part of
+//! its closure here.
+
+use super::conduct::Conduct;
+use super::directory::{BlockId, WorkerId};
+use super::rule::Verdict;
+use super::submesh::{Neighbour, Source, Submesh};
+use super::worker::{Action, Note, Worker};
+use super::{Attempt, Handle, Message, Rule, Ticket};
+
+/// A tetrahedron to lock and test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Want<T> {
+    Tet(T),
+    Seed(Handle),
+}
+
+/// Who waits for a tetrahedron.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) enum Waiter {
+    /// The walk of an operation at home here.
+    Walk(Ticket),
+    /// A request.
+    Request(Ticket),
+}
+
+/// One operation's part of its closure here. It keeps its locks while it waits.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Request<S: Submesh> {
+    home: WorkerId,
+    attempt: Attempt,
+    point: S::Point,
+    pub(super) wants: Vec<Want<S::Tet>>,
+    /// All tetrahedra locked.
+    held: Vec<S::Tet>,
+    /// Those in conflict, since the last grant.
+    pieces: Vec<S::Tet>,
+    /// Far neighbours of those.
+    pub(super) foreign: Vec<Handle>,
+    /// Seeds whose block is not here any more.
+    bounced: Vec<Handle>,
+    /// `Expand` not answered yet.
+    owed: u32,
+    /// Waiting, or denied: an event has to come first.
+    stalled: bool,
+    /// Its home was told that an older operation waits for it.
+    wounded: bool,
+}
+
+impl<S: Submesh> Request<S> {
+    pub(super) fn attempt_mut(&mut self) -> &mut Attempt {
+        &mut self.attempt
+    }
+
+    /// What it is doing, for people.
+    pub(super) fn describe(&self) -> String {
+        let Self { home, attempt, wants, held, owed, stalled, .. } = self;
+        let (wants, held) = (wants.len(), held.len());
+        format!(
+            "home {home}, attempt {attempt}, {wants} wanted, {held} held, {owed} owed, \
+             stalled: {stalled}"
+        )
+    }
+}
+
+impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
+    /// `Expand`: the home asks for more of a closure.
+    pub(super) fn expand(
+        &mut self,
+        home: WorkerId,
+        ticket: Ticket,
+        attempt: Attempt,
+        point: S::Point,
+        seeds: Vec<Handle>,
+        out: &mut Vec<Action<S>>,
+    ) {
+        self.request(home, ticket, attempt, point, seeds.into_iter().map(Want::Seed), out);
+    }
+
+    /// Adds to the request of `ticket`, or makes one.
+    pub(super) fn request(
+        &mut self,
+        home: WorkerId,
+        ticket: Ticket,
+        attempt: Attempt,
+        point: S::Point,
+        wants: impl IntoIterator<Item = Want<S::Tet>>,
+        out: &mut Vec<Action<S>>,
+    ) {
+        let request = self.requests.entry(ticket).or_insert_with(|| Request {
+            home,
+            attempt,
+            point,
+            wants: Vec::new(),
+            held: Vec::new(),
+            pieces: Vec::new(),
+            foreign: Vec::new(),
+            bounced: Vec::new(),
+            owed: 0,
+            stalled: false,
+            wounded: false,
+        });
+        request.wants.extend(wants);
+        request.owed += 1;
+        if !request.stalled {
+            self.advance(ticket, out);
+        }
+    }
+
+    /// Locks and tests until nothing is wanted or something is in the way. Ends: every tetrahedron
+    /// is locked once, and each adds at most four to what is wanted.
+    pub(super) fn advance(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
+        let Some(mut request) = self.requests.remove(&ticket) else { return };
+        request.stalled = false;
+        while let Some(want) = request.wants.pop() {
+            let t = match want {
+                Want::Tet(t) => t,
+                Want::Seed(seed) if !self.directory.is_mine(seed.block) => {
+                    if C::FORWARDS {
+                        request.bounced.push(seed);
+                    }
+                    continue;
+                }
+                Want::Seed(seed) => match self.mesh.resolve(seed.name) {
+                    Some(t) => t,
+                    None if !C::AWAITS_INSTALLATION => continue,
+                    None => {
+                        self.absent.entry(seed.name).or_default().push(Waiter::Request(ticket));
+                        request.wants.push(want);
+                        request.stalled = true;
+                        break;
+                    }
+                },
+            };
+            match self.mesh.holder(t) {
+                Some(holder) if holder == ticket => {}
+                Some(holder) => {
+                    request.wants.push(want);
+                    request.stalled = true;
+                    self.conflict(ticket, &request, t, holder, out);
+                    break;
+                }
+                None => self.take(ticket, &mut request, t),
+            }
+        }
+        if !request.stalled {
+            self.grant(ticket, &mut request, out);
+        }
+        self.requests.insert(ticket, request);
+    }
+
+    /// Locks and tests a tetrahedron that is free.
+    fn take(&mut self, ticket: Ticket, request: &mut Request<S>, t: S::Tet) {
+        let in_conflict = self.mesh.in_conflict(t, &request.point);
+        if in_conflict || C::LOCKS_RING {
+            self.mesh.set_holder(t, Some(ticket));
+            request.held.push(t);
+        }
+        if in_conflict {
+            request.pieces.push(t);
+            self.mesh.neighbours(t, |neighbour| match neighbour {
+                Neighbour::Near(u) => request.wants.push(Want::Tet(u)),
+                Neighbour::Far(handle) => request.foreign.push(handle),
+            });
+        }
+    }
+
+    fn grant(&mut self, ticket: Ticket, request: &mut Request<S>, out: &mut Vec<Action<S>>) {
+        let mesh = &self.mesh;
+        let bounced = std::mem::take(&mut request.bounced);
+        let mut blocks: Vec<BlockId> = bounced.iter().map(|h| h.block).collect();
+        blocks.sort_unstable();
+        blocks.dedup();
+        let news = |b| (b, self.directory.owner(b), self.directory.epoch(b));
+        let message = Message::Grant {
+            ticket,
+            attempt: request.attempt,
+            answers: std::mem::take(&mut request.owed),
+            pieces: request.pieces.drain(..).map(|t| mesh.piece(t)).collect(),
+            foreign: std::mem::take(&mut request.foreign),
+            bounced,
+            moved: blocks.into_iter().map(news).collect(),
+        };
+        self.send(request.home, message, out);
+    }
+
+    /// `request` has met tetrahedron `t`, locked by `holder`.
+    fn conflict(
+        &mut self,
+        ticket: Ticket,
+        request: &Request<S>,
+        t: S::Tet,
+        holder: Ticket,
+        out: &mut Vec<Action<S>>,
+    ) {
+        let verdict = self.config.rule.decide(ticket, holder);
+        if verdict == Verdict::Deny {
+            let denied = (request.home, ticket, request.attempt);
+            if self.config.rule == Rule::WaitDie {
+                self.parked.entry(holder).or_default().push(denied);
+            }
+            self.send(request.home, Message::Deny { ticket, attempt: request.attempt }, out);
+            return;
+        }
+        out.push(Action::Note(Note::Waits(ticket)));
+        self.waiting.entry(t).or_default().push(Waiter::Request(ticket));
+        if verdict == Verdict::WoundAndWait
+            && let Some(other) = self.requests.get_mut(&holder)
+            && !std::mem::replace(&mut other.wounded, true)
+        {
+            let (home, attempt) = (other.home, other.attempt);
+            self.send(home, Message::Wound { ticket: holder, attempt }, out);
+        }
+    }
+
+    /// `Abort`: the operation is set back.
+    pub(super) fn abort(
+        &mut self,
+        from: WorkerId,
+        ticket: Ticket,
+        attempt: Attempt,
+        out: &mut Vec<Action<S>>,
+    ) {
+        if let Some(request) = self.requests.remove(&ticket) {
+            let me = Waiter::Request(ticket);
+            forget(&mut self.waiting, me);
+            forget(&mut self.absent, me);
+            let leaked = usize::from(!C::RELEASES_ALL);
+            let kept = request.held.len().saturating_sub(leaked);
+            let woken = self.unlock(&request.held[..kept]);
+            self.unpark(ticket, out);
+            if C::WAKES_ON_ABORT {
+                self.wake(woken, out);
+            }
+        }
+        self.send(from, Message::Aborted { ticket, attempt }, out);
+    }
+
+    /// `Commit`: the cavity is replaced and its closure unlocked.
+    pub(super) fn commit(
+        &mut self,
+        ticket: Ticket,
+        patch: Option<S::Patch>,
+        out: &mut Vec<Action<S>>,
+    ) {
+        let request = self.requests.remove(&ticket);
+        let mut woken = match &request {
+            Some(request) => self.unlock(&request.held),
+            None => Vec::new(),
+        };
+        if let Some(patch) = patch {
+            let (mut made, mut strays) = (Vec::new(), Vec::new());
+            self.mesh.apply::<C>(patch, &self.directory, &mut made, &mut strays);
+            woken.extend(made.into_iter().filter_map(|name| self.absent.remove(&name)).flatten());
+            strays.sort_unstable();
+            strays.dedup();
+            for block in strays {
+                self.send_stray(block, out);
+            }
+        }
+        if let Some(request) = request.filter(|r| r.home == self.id()) {
+            self.source.inserted(&self.mesh, &request.point);
+        }
+        self.unpark(ticket, out);
+        self.wake(woken, out);
+    }
+
+    /// Unlocks tetrahedra; returns who waits for them.
+    fn unlock(&mut self, held: &[S::Tet]) -> Vec<Waiter> {
+        let mut woken = Vec::new();
+        for &t in held {
+            self.mesh.set_holder(t, None);
+            let Some(queue) = self.waiting.get_mut(&t) else { continue };
+            if C::REGRANT_ASKS_ALL {
+                woken.append(queue);
+            } else if let Some(first) = (0..queue.len()).min_by_key(|&k| queue[k]) {
+                woken.push(queue.swap_remove(first));
+            }
+            if queue.is_empty() {
+                self.waiting.remove(&t);
+            }
+        }
+        woken
+    }
+
+    /// Tells the homes of operations that `holder` was in the way of.
+    fn unpark(&mut self, holder: Ticket, out: &mut Vec<Action<S>>) {
+        for (home, ticket, attempt) in self.parked.remove(&holder).unwrap_or_default() {
+            self.send(home, Message::Unpark { ticket, attempt }, out);
+        }
+    }
+
+    /// Those who waited go on, the oldest first.
+    pub(super) fn wake(&mut self, mut woken: Vec<Waiter>, out: &mut Vec<Action<S>>) {
+        woken.sort_unstable_by_key(|waiter| match waiter {
+            Waiter::Walk(ticket) | Waiter::Request(ticket) => *ticket,
+        });
+        for waiter in woken {
+            match waiter {
+                Waiter::Walk(ticket) => self.make_ready(ticket),
+                Waiter::Request(ticket) => self.advance(ticket, out),
+            }
+        }
+    }
+}
+
+/// Removes `waiter` from all queues.
+fn forget<K: Ord + Copy>(queues: &mut std::collections::BTreeMap<K, Vec<Waiter>>, waiter: Waiter) {
+    queues.retain(|_, queue| {
+        queue.retain(|&w| w != waiter);
+        !queue.is_empty()
+    });
+}

@@ -1,0 +1,62 @@
+//! What happens when a request meets a locked tetrahedron.
+
+use super::Ticket;
+
+/// The conflict rule.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Rule {
+    /// An older request wounds the holder and waits; a younger one waits (Rosenkrantz, Stearns
+    /// and Lewis, ACM TODS 3, 1978). Free of deadlock and livelock without any backoff.
+    #[default]
+    WoundWait,
+    /// An older request waits; a younger one is denied, and starts again when the holder has
+    /// released its locks.
+    WaitDie,
+    /// The paper's: every request that meets a lock is denied and tried again later. Lives by
+    /// randomised backoff only.
+    Paper,
+}
+
+/// Consequence of a conflict for the request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    Wait,
+    WoundAndWait,
+    Deny,
+}
+
+impl Rule {
+    pub(crate) fn decide(self, request: Ticket, holder: Ticket) -> Verdict {
+        let older = request < holder;
+        match self {
+            Self::WoundWait if older => Verdict::WoundAndWait,
+            Self::WoundWait => Verdict::Wait,
+            Self::WaitDie if older => Verdict::Wait,
+            Self::WaitDie | Self::Paper => Verdict::Deny,
+        }
+    }
+}
+
+impl std::str::FromStr for Rule {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "wound-wait" => Ok(Self::WoundWait),
+            "wait-die" => Ok(Self::WaitDie),
+            "paper" => Ok(Self::Paper),
+            other => Err(format!("no rule `{other}`: wound-wait, wait-die or paper")),
+        }
+    }
+}
+
+impl std::fmt::Display for Rule {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::WoundWait => "wound-wait",
+            Self::WaitDie => "wait-die",
+            Self::Paper => "paper",
+        })
+    }
+}

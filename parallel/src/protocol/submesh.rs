@@ -1,0 +1,148 @@
+//! What the protocol needs of a mesh and of a supply of points. It never sees a coordinate.
+
+use super::{BlockId, Conduct, Directory, Handle, Name, Ticket, WorkerId};
+use std::fmt::Debug;
+use std::hash::Hash;
+
+/// A face neighbour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Neighbour<T> {
+    /// A tetrahedron of the same worker.
+    Near(T),
+    /// A tetrahedron of another worker.
+    Far(Handle),
+}
+
+/// How point location went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Walk<T> {
+    /// An unlocked tetrahedron in conflict with the point.
+    At(T),
+    /// The walk leaves the worker's tetrahedra.
+    Leaves(Handle),
+    /// The walk met a locked tetrahedron.
+    Locked(T),
+    /// The point is a vertex already: nothing to insert.
+    Known,
+    /// The worker has no tetrahedron.
+    Nowhere,
+}
+
+/// Work done in a submesh, for cost models.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Costs {
+    /// Tetrahedra passed by walks.
+    pub walk_steps: u64,
+    /// Conflict tests.
+    pub tests: u64,
+    /// Tetrahedra created.
+    pub created: u64,
+}
+
+/// The tetrahedra of one worker. Local handles (`Tet`) of locked tetrahedra are stable.
+pub trait Submesh: Sized {
+    /// Local handle of a tetrahedron.
+    type Tet: Copy + Eq + Ord + Hash + Debug;
+    /// A point to insert.
+    type Point: Clone + Eq + Hash + Debug;
+    /// A tetrahedron in conflict, as its owner describes it to the home.
+    type Piece: Clone + Eq + Hash + Debug;
+    /// What a filled cavity changes in one worker's submesh.
+    type Patch: Clone + Eq + Hash + Debug;
+    /// Tetrahedra that change their owner.
+    type Cargo: Clone + Eq + Hash + Debug;
+
+    /// Walks towards `point`, from the named tetrahedron if it is there. Never enters a locked
+    /// tetrahedron.
+    fn walk(&mut self, point: &Self::Point, from: Option<Name>) -> Walk<Self::Tet>;
+
+    /// Inserts `point`, which conflicts with `seed`, if the closure and all new tetrahedra are
+    /// this worker's and no tetrahedron of the closure is locked. Else changes nothing and returns
+    /// `false`.
+    fn insert(&mut self, point: &Self::Point, seed: Self::Tet, directory: &Directory) -> bool;
+
+    /// The tetrahedron of this name, if it is here.
+    fn resolve(&self, name: Name) -> Option<Self::Tet>;
+
+    /// The operation that has locked `t`.
+    fn holder(&self, t: Self::Tet) -> Option<Ticket>;
+
+    /// Locks or unlocks `t`.
+    fn set_holder(&mut self, t: Self::Tet, holder: Option<Ticket>);
+
+    /// Is `t` in conflict with `point`?
+    fn in_conflict(&mut self, t: Self::Tet, point: &Self::Point) -> bool;
+
+    /// Calls `f` with every face neighbour of `t`.
+    fn neighbours(&self, t: Self::Tet, f: impl FnMut(Neighbour<Self::Tet>));
+
+    /// Describes `t` to a home.
+    fn piece(&self, t: Self::Tet) -> Self::Piece;
+
+    /// The point of a piece's or patch's operation replaces the cavity made of `parts`: what
+    /// changes, by worker. `whereabouts` has, for every handle met, the worker that has locked it.
+    fn fill(
+        &mut self,
+        point: &Self::Point,
+        parts: &[(WorkerId, Vec<Self::Piece>)],
+        whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
+        directory: &Directory,
+    ) -> Vec<(WorkerId, Self::Patch)>;
+
+    /// Applies a patch. Pushes the names of new tetrahedra to `made`, and the blocks of those that
+    /// are not this worker's any more to `strays`.
+    fn apply<C: Conduct>(
+        &mut self,
+        patch: Self::Patch,
+        directory: &Directory,
+        made: &mut Vec<Name>,
+        strays: &mut Vec<BlockId>,
+    );
+
+    /// Is any tetrahedron of `block`, or any neighbour here of one, locked?
+    fn is_block_locked(&self, block: BlockId) -> bool;
+
+    /// Removes and returns all tetrahedra of `block`, none of which is locked. Calls `moved` with
+    /// every local handle that a neighbour had and that stops to be one, and its far handle.
+    fn extract(&mut self, block: BlockId, moved: &mut dyn FnMut(Self::Tet, Handle)) -> Self::Cargo;
+
+    /// Installs extracted tetrahedra. Pushes their names to `made`.
+    fn adopt(&mut self, cargo: Self::Cargo, made: &mut Vec<Name>);
+
+    /// The work done since the last call.
+    fn take_costs(&mut self) -> Costs {
+        Costs::default()
+    }
+}
+
+/// Where points to insert come from: the paper's field `Fd` of points, or its list `LB` of bad
+/// elements when the mesh is refined.
+pub trait Source<S: Submesh> {
+    /// The next point.
+    fn next(&mut self, mesh: &S) -> Option<S::Point>;
+
+    /// Are there no more points now?
+    fn is_empty(&self) -> bool;
+
+    /// Would [`Source::next`] give one? There may be points that had better wait for others.
+    fn is_ready(&self) -> bool {
+        !self.is_empty()
+    }
+
+    /// `point` has left for another worker, or was a vertex already.
+    fn let_go(&mut self, point: &S::Point) {
+        let _ = point;
+    }
+
+    /// `point` is a vertex now; the tetrahedra around it are of this worker in part.
+    fn inserted(&mut self, mesh: &S, point: &S::Point);
+
+    /// Takes out the points of `block`, which moves away.
+    fn take_block(&mut self, block: BlockId) -> Vec<S::Point>;
+
+    /// Takes in points of a block that has moved here.
+    fn give(&mut self, block: BlockId, points: Vec<S::Point>);
+
+    /// Drops all points: the run is cancelled.
+    fn clear(&mut self);
+}

@@ -1,0 +1,354 @@
+//! One worker: its state, and the step that answers an event with actions.
+
+use super::conduct::{Conduct, Sound};
+use super::directory::{BlockId, Directory, WorkerId};
+use super::home::Op;
+use super::owner::{Request, Waiter};
+use super::submesh::{Source, Submesh};
+use super::termination::{Pass, Safra};
+use super::{Attempt, Message, Name, Rule, Ticket};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::marker::PhantomData;
+
+/// What does not change during a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Config {
+    /// Number of workers.
+    pub workers: u32,
+    /// The conflict rule.
+    pub rule: Rule,
+    /// Operations that a worker starts at most at a time. Those that walk in are not counted.
+    pub window: usize,
+}
+
+impl Config {
+    /// The default rule and window for `workers` workers.
+    pub fn new(workers: u32) -> Self {
+        Self { workers, rule: Rule::default(), window: 64 }
+    }
+}
+
+/// What happens to a worker.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Event<S: Submesh> {
+    /// A message arrives. Messages of one sender arrive in the order in which they were sent.
+    Message {
+        /// The sender.
+        from: WorkerId,
+        /// The message.
+        message: Message<S>,
+    },
+    /// There is time for one unit of local work. Does nothing unless [`Worker::has_work`].
+    Work,
+    /// The backoff of an operation is over.
+    Retry(Ticket),
+    /// Give a block away, if that is allowed now.
+    Migrate {
+        /// The block.
+        block: BlockId,
+        /// The receiver.
+        to: WorkerId,
+    },
+    /// Start no more points. The mesh of the points inserted so far is the result.
+    Cancel,
+}
+
+/// What a worker wants done.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Action<S: Submesh> {
+    /// Send a message.
+    Send {
+        /// The receiver, never the worker itself.
+        to: WorkerId,
+        /// The message.
+        message: Message<S>,
+    },
+    /// Answer with [`Event::Retry`] after a random time that grows with `attempt`.
+    Backoff {
+        /// The operation.
+        ticket: Ticket,
+        /// Its setbacks so far.
+        attempt: Attempt,
+    },
+    /// For counters and traces; needs no answer.
+    Note(Note),
+}
+
+/// What happened in a step, for counters and traces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Note {
+    /// A point was inserted at once, without a lock.
+    Local,
+    /// A point was a vertex already.
+    Known,
+    /// An operation asks for its closure.
+    Began(Ticket),
+    /// A request waits for a locked tetrahedron.
+    Waits(Ticket),
+    /// An operation was set back for the `attempt`-th time.
+    SetBack {
+        /// The operation.
+        ticket: Ticket,
+        /// Its setbacks so far, this one included.
+        attempt: Attempt,
+    },
+    /// An operation's cavity is filled.
+    Committed {
+        /// The operation.
+        ticket: Ticket,
+        /// Its setbacks.
+        setbacks: Attempt,
+        /// Workers that had a part of the closure.
+        parts: u32,
+    },
+    /// A block was given away.
+    Migrated(BlockId),
+    /// All work is done everywhere.
+    Stopped,
+}
+
+/// A worker of the protocol.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Worker<S: Submesh, Q, C = Sound> {
+    pub(super) config: Config,
+    pub(super) mesh: S,
+    pub(super) source: Q,
+    pub(super) directory: Directory,
+    /// The largest Lamport clock seen.
+    clock: u32,
+    /// Tickets issued.
+    sequence: u32,
+    /// Operations at home here.
+    pub(super) ops: BTreeMap<Ticket, Op<S>>,
+    /// Those that can start (again): the paper's QL.
+    pub(super) ready: BTreeSet<Ticket>,
+    /// Closures of which a part is here.
+    pub(super) requests: BTreeMap<Ticket, Request<S>>,
+    /// Who waits for a locked tetrahedron.
+    pub(super) waiting: BTreeMap<S::Tet, Vec<Waiter>>,
+    /// Who waits for a tetrahedron that is not installed yet.
+    pub(super) absent: BTreeMap<Name, Vec<Waiter>>,
+    /// By holder: denied operations that start again when it has released its locks.
+    pub(super) parked: BTreeMap<Ticket, Vec<(WorkerId, Ticket, Attempt)>>,
+    /// Committed operations, kept by the unsound conduct that obeys late wounds.
+    pub(super) late: BTreeMap<Ticket, Op<S>>,
+    pub(super) safra: Safra,
+    stopped: bool,
+    /// Messages to itself, taken in the same step.
+    own: VecDeque<Message<S>>,
+    conduct: PhantomData<C>,
+}
+
+impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
+    /// A worker with its submesh, its points, and a directory that is right at the start.
+    pub fn new(config: Config, directory: Directory, mesh: S, source: Q) -> Self {
+        Self {
+            config,
+            mesh,
+            source,
+            safra: Safra::new(directory.me(), config.workers),
+            directory,
+            clock: 0,
+            sequence: 0,
+            ops: BTreeMap::new(),
+            ready: BTreeSet::new(),
+            requests: BTreeMap::new(),
+            waiting: BTreeMap::new(),
+            absent: BTreeMap::new(),
+            parked: BTreeMap::new(),
+            late: BTreeMap::new(),
+            stopped: false,
+            own: VecDeque::new(),
+            conduct: PhantomData,
+        }
+    }
+
+    /// Its number.
+    pub fn id(&self) -> WorkerId {
+        self.directory.me()
+    }
+
+    /// Its submesh.
+    pub fn mesh(&self) -> &S {
+        &self.mesh
+    }
+
+    /// Its submesh, to take figures from.
+    pub fn mesh_mut(&mut self) -> &mut S {
+        &mut self.mesh
+    }
+
+    /// Its points.
+    pub fn source(&self) -> &Q {
+        &self.source
+    }
+
+    /// Its view of who owns which block.
+    pub fn directory(&self) -> &Directory {
+        &self.directory
+    }
+
+    /// Number of operations at home here.
+    pub fn active(&self) -> usize {
+        self.ops.len()
+    }
+
+    /// Is all work done everywhere, as far as this worker knows?
+    pub fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+
+    /// Is there no operation at home here, and no point left?
+    pub fn is_passive(&self) -> bool {
+        self.ops.is_empty() && self.source.is_empty()
+    }
+
+    /// Would [`Event::Work`] do anything?
+    pub fn has_work(&self) -> bool {
+        !self.stopped
+            && (!self.ready.is_empty()
+                || self.has_room() && self.source.is_ready()
+                || self.is_passive() && self.safra.holds_token())
+    }
+
+    fn has_room(&self) -> bool {
+        self.ops.len() < self.config.window
+    }
+
+    /// Is nothing locked, awaited or under way here? So it must be at the end of a run.
+    pub fn is_quiescent(&self) -> bool {
+        self.is_passive()
+            && self.requests.is_empty()
+            && self.waiting.is_empty()
+            && self.absent.is_empty()
+            && self.parked.is_empty()
+    }
+
+    /// What it is doing, for people: of a run that makes no progress.
+    pub fn describe(&self) -> String {
+        let ops = self.ops.iter().map(|(ticket, op)| {
+            format!("\n  operation {ticket:?}: attempt {}, {:?}", op.attempt, op.phase)
+        });
+        let requests = self
+            .requests
+            .iter()
+            .map(|(ticket, r)| format!("\n  request {ticket:?}: {}", r.describe()));
+        let absent = self.absent.keys().map(|name| format!("\n  awaits {name:?}"));
+        format!(
+            "worker {}: {}{}",
+            self.id(),
+            if self.source.is_empty() { "no points left" } else { "points left" },
+            ops.chain(requests).chain(absent).collect::<String>()
+        )
+    }
+
+    /// Takes the worker apart when the run is over.
+    pub fn into_parts(self) -> (S, Q, Directory) {
+        (self.mesh, self.source, self.directory)
+    }
+
+    /// Answers an event. Actions are to be carried out in their order.
+    pub fn step(&mut self, event: Event<S>, out: &mut Vec<Action<S>>) {
+        match event {
+            Event::Message { from, message } => {
+                if message.is_basic() {
+                    self.safra.received::<C>();
+                }
+                self.receive(from, message, out);
+            }
+            Event::Work => self.work(out),
+            Event::Retry(ticket) => self.retry(ticket),
+            Event::Migrate { block, to } => self.migrate(block, to, out),
+            Event::Cancel => self.source.clear(),
+        }
+        // Ends: a message to itself follows from one seed, grant, commit or release of the step.
+        let me = self.id();
+        while let Some(message) = self.own.pop_front() {
+            self.receive(me, message, out);
+        }
+    }
+
+    fn receive(&mut self, from: WorkerId, message: Message<S>, out: &mut Vec<Action<S>>) {
+        if let Some(ticket) = message.ticket() {
+            self.clock = self.clock.max(ticket.clock);
+        }
+        match message {
+            Message::Walk { ticket, attempt, point, at } => {
+                self.walk_in(ticket, attempt, point, at, out);
+            }
+            Message::Expand { ticket, attempt, point, seeds } => {
+                self.expand(from, ticket, attempt, point, seeds, out);
+            }
+            Message::Grant { ticket, attempt, answers, pieces, foreign, bounced, moved } => {
+                for (block, owner, epoch) in moved {
+                    self.directory.learn(block, owner, epoch);
+                }
+                self.granted(from, ticket, attempt, answers, pieces, (foreign, bounced), out);
+            }
+            Message::Deny { ticket, attempt } => self.denied(from, ticket, attempt, out),
+            Message::Unpark { ticket, attempt } => self.unparked(from, ticket, attempt, out),
+            Message::Wound { ticket, attempt } => self.wounded(ticket, attempt, out),
+            Message::Abort { ticket, attempt } => self.abort(from, ticket, attempt, out),
+            Message::Aborted { ticket, attempt } => self.aborted(ticket, attempt, out),
+            Message::Commit { ticket, patch } => self.commit(ticket, patch, out),
+            Message::Migrate { block, epoch, cargo, points } => {
+                self.moved_in(block, epoch, cargo, points, out);
+            }
+            Message::Stray { block, cargo } => self.stray(block, cargo, out),
+            Message::Token(token) => self.safra.arrived(token),
+            Message::Stop => self.stop(out),
+        }
+    }
+
+    /// One unit of local work: an operation that can start, else a new point, else the token.
+    fn work(&mut self, out: &mut Vec<Action<S>>) {
+        if self.stopped {
+            return;
+        }
+        if let Some(ticket) = self.ready.pop_first() {
+            if let Some(op) = self.ops.remove(&ticket) {
+                self.start(Some(ticket), op.attempt, op.point, None, out);
+            }
+        } else if self.has_room()
+            && let Some(point) = self.source.next(&self.mesh)
+        {
+            self.start(None, 0, point, None, out);
+        } else if self.is_passive() {
+            match self.safra.pass() {
+                Pass::Nothing => {}
+                Pass::On(to, token) => self.send(to, Message::Token(token), out),
+                Pass::Terminated => {
+                    let me = self.id();
+                    for to in (0..self.config.workers).filter(|&w| w != me) {
+                        self.send(to, Message::Stop, out);
+                    }
+                    self.stop(out);
+                }
+            }
+        }
+    }
+
+    fn stop(&mut self, out: &mut Vec<Action<S>>) {
+        self.stopped = true;
+        out.push(Action::Note(Note::Stopped));
+    }
+
+    /// A new ticket, younger than every ticket seen.
+    pub(super) fn ticket(&mut self) -> Ticket {
+        self.clock += 1;
+        self.sequence += 1;
+        Ticket { clock: self.clock, worker: self.id(), sequence: self.sequence }
+    }
+
+    /// Sends a message; one to itself is taken at the end of the step.
+    pub(super) fn send(&mut self, to: WorkerId, message: Message<S>, out: &mut Vec<Action<S>>) {
+        if to == self.id() {
+            self.own.push_back(message);
+            return;
+        }
+        if message.is_basic() {
+            self.safra.sent();
+        }
+        out.push(Action::Send { to, message });
+    }
+}

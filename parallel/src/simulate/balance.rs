@@ -1,0 +1,121 @@
+//! A simple load balancer: a worker that runs out of points says so to a few others; one that has
+//! more gives it blocks.
+//!
+//! The load of a worker is the number of its points that are still to be inserted. Every message
+//! carries the sender's load, so that workers know of each other; a worker with nearly none left
+//! asks those that it believes to have most. The donor decides: blocks that even out the two loads,
+//! as far as they are not locked at that moment.
+
+use crate::metrics::Nanos;
+use crate::protocol::{BlockId, Conduct, Source, Submesh, Worker, WorkerId};
+
+/// The balancer's settings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Balance {
+    /// A worker with fewer points left asks for more.
+    pub low: u64,
+    /// How many others it asks.
+    pub ask: usize,
+    /// How long it waits before it asks again; each time twice as long, up to 1024 times.
+    pub again: Nanos,
+}
+
+impl Default for Balance {
+    fn default() -> Self {
+        Self { low: 64, ask: 2, again: 200_000 }
+    }
+}
+
+/// What a balancer must know of a supply of points.
+pub trait Stock {
+    /// Points left.
+    fn left(&self) -> u64;
+
+    /// Points left in `block`.
+    fn in_block(&self, block: BlockId) -> u64;
+}
+
+/// One worker's view of the others' loads, and its decisions.
+#[derive(Clone, Debug)]
+pub struct Balancer {
+    settings: Balance,
+    me: WorkerId,
+    loads: Vec<u64>,
+}
+
+/// What a worker is believed to have before it is heard of, in units of what is few.
+const UNKNOWN: u64 = 4096;
+
+impl Balancer {
+    /// The balancer of worker `me`, which knows nothing of the others.
+    pub fn new(settings: Balance, me: WorkerId, workers: usize) -> Self {
+        Self { settings, me, loads: vec![settings.low.saturating_mul(UNKNOWN); workers] }
+    }
+
+    /// Worker `from` has `load` points left.
+    pub fn heard(&mut self, from: WorkerId, load: u64) {
+        if let Some(entry) = self.loads.get_mut(from as usize) {
+            *entry = load;
+        }
+    }
+
+    /// The workers to ask for more, if `load` is all that is left here. Who is asked is believed to
+    /// have half of what it had until it is heard of again, so that others get their turn.
+    pub fn ask(&mut self, load: u64) -> Vec<WorkerId> {
+        if load >= self.settings.low {
+            return Vec::new();
+        }
+        let me = self.me as usize;
+        let workers = self.loads.len();
+        // From the next worker on, so that not all ask the same ones.
+        let mut others: Vec<usize> = (1..workers).map(|k| (me + k) % workers).collect();
+        others.retain(|&w| self.loads[w] > 2 * self.settings.low);
+        others.sort_by_key(|&w| std::cmp::Reverse(self.loads[w]));
+        others.truncate(self.settings.ask);
+        others.iter().for_each(|&w| self.loads[w] /= 2);
+        others.into_iter().map(|w| w as WorkerId).collect()
+    }
+
+    /// The blocks that `worker` should give to `to`, which has asked for some.
+    pub fn give<S: Submesh, Q: Source<S> + Stock, C: Conduct>(
+        &mut self,
+        worker: &Worker<S, Q, C>,
+        to: WorkerId,
+    ) -> Vec<BlockId> {
+        let mine = worker.source().left();
+        let theirs = self.loads.get(to as usize).copied().unwrap_or(mine);
+        let mut spare = mine.saturating_sub(theirs) / 2;
+        if mine <= 2 * self.settings.low || spare < self.settings.low / 2 {
+            return Vec::new();
+        }
+        let directory = worker.directory();
+        let mut given = Vec::new();
+        // From one end of the curve on: what goes away hangs together, and so does what stays.
+        for block in (0..directory.blocks()).rev().filter(|&b| directory.is_mine(b)) {
+            let points = worker.source().in_block(block);
+            if points > 0 && points <= spare && worker.can_migrate(block) {
+                spare -= points;
+                self.loads[to as usize] += points;
+                given.push(block);
+            }
+        }
+        given
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn asks_those_with_most() {
+        let mut balancer = Balancer::new(Balance { low: 10, ask: 2, again: 1 }, 1, 5);
+        assert_eq!(balancer.ask(50), [] as [WorkerId; 0]);
+        assert_eq!(balancer.ask(9), [2, 3], "the next ones, if nothing is known");
+        assert_eq!(balancer.ask(9), [4, 0], "then others");
+        (0..5).for_each(|w| balancer.heard(w, [700, 0, 20, 200, 30][w as usize]));
+        assert_eq!(balancer.ask(0), [0, 3]);
+        (0..5).for_each(|w| balancer.heard(w, 20));
+        assert_eq!(balancer.ask(0), [] as [WorkerId; 0], "nobody has any to spare");
+    }
+}

@@ -1,0 +1,134 @@
+//! What work and messages cost a simulated processor.
+
+use crate::protocol::{Costs, Message, Submesh};
+
+/// Times in nanoseconds of a processor of ordinary speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct CostModel {
+    /// A tetrahedron passed by point location.
+    pub walk_step: f64,
+    /// A conflict test.
+    pub test: f64,
+    /// A tetrahedron created, its part of removing the old ones included.
+    pub created: f64,
+    /// Any step, whatever it does.
+    pub step: f64,
+    /// A look for messages.
+    pub poll: f64,
+    /// Sending a message.
+    pub send: f64,
+    /// Receiving a message.
+    pub receive: f64,
+    /// A byte of a message, at either end.
+    pub byte: f64,
+}
+
+impl Default for CostModel {
+    /// The kernel's figures are measured by the example `calibrate` of this crate on one machine;
+    /// a message costs what a message between two computers over a fast network does.
+    fn default() -> Self {
+        Self {
+            walk_step: 25.0,
+            test: 12.0,
+            created: 35.0,
+            step: 100.0,
+            poll: 50.0,
+            send: 500.0,
+            receive: 500.0,
+            byte: 0.1,
+        }
+    }
+}
+
+impl CostModel {
+    /// The time of point location.
+    pub fn walk(&self, costs: Costs) -> f64 {
+        costs.walk_steps as f64 * self.walk_step
+    }
+
+    /// The time of a step's work in the submesh.
+    pub fn work(&self, costs: Costs) -> f64 {
+        self.step
+            + self.walk(costs)
+            + costs.tests as f64 * self.test
+            + costs.created as f64 * self.created
+    }
+
+    /// The time that a message of `bytes` bytes takes its sender.
+    pub fn sending(&self, bytes: u64) -> f64 {
+        self.send + bytes as f64 * self.byte
+    }
+
+    /// The time that a message of `bytes` bytes takes its receiver.
+    pub fn receiving(&self, bytes: u64) -> f64 {
+        self.receive + bytes as f64 * self.byte
+    }
+
+    /// Are all figures finite and none negative?
+    pub(super) fn is_sensible(&self) -> bool {
+        [
+            self.walk_step,
+            self.test,
+            self.created,
+            self.step,
+            self.poll,
+            self.send,
+            self.receive,
+            self.byte,
+        ]
+        .iter()
+        .all(|ns| (0.0..=1e12).contains(ns))
+    }
+}
+
+/// Bytes of a submesh's payloads in messages.
+pub trait Payload: Submesh {
+    /// Bytes of a point.
+    fn point_bytes(point: &Self::Point) -> u64;
+
+    /// Bytes of a piece.
+    fn piece_bytes(piece: &Self::Piece) -> u64;
+
+    /// Bytes of a patch.
+    fn patch_bytes(patch: &Self::Patch) -> u64;
+
+    /// Bytes of a block's tetrahedra.
+    fn cargo_bytes(cargo: &Self::Cargo) -> u64;
+}
+
+/// Kind, sender, load, ticket and attempt.
+const HEADER: u64 = 32;
+/// Name, block and face.
+const HANDLE: u64 = 13;
+/// A block, its owner and its epoch.
+const NEWS: u64 = 12;
+
+/// Bytes of `message`, as a compact encoding would have them.
+pub(super) fn bytes<S: Payload>(message: &Message<S>) -> u64 {
+    HEADER
+        + match message {
+            Message::Walk { point, at, .. } => S::point_bytes(point) + 1 + at.map_or(0, |_| HANDLE),
+            Message::Expand { point, seeds, .. } => S::point_bytes(point) + handles(seeds.len()),
+            Message::Grant { pieces, foreign, bounced, moved, .. } => {
+                8 + pieces.iter().map(S::piece_bytes).sum::<u64>()
+                    + handles(foreign.len() + bounced.len())
+                    + 4
+                    + NEWS * moved.len() as u64
+            }
+            Message::Commit { patch, .. } => 1 + patch.as_ref().map_or(0, S::patch_bytes),
+            Message::Migrate { cargo, points, .. } => {
+                8 + S::cargo_bytes(cargo) + 4 + points.iter().map(S::point_bytes).sum::<u64>()
+            }
+            Message::Stray { cargo, .. } => 4 + S::cargo_bytes(cargo),
+            Message::Token(_) => 9,
+            _ => 0,
+        }
+}
+
+/// Bytes of a message about load alone.
+pub(super) const LOAD_BYTES: u64 = HEADER;
+
+fn handles(count: usize) -> u64 {
+    4 + HANDLE * count as u64
+}

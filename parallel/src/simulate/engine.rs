@@ -1,0 +1,448 @@
+//! The simulator's loop.
+
+use super::balance::{Balancer, Stock};
+use super::cost::{LOAD_BYTES, Payload, bytes};
+use super::error::SimulationError;
+use super::network::Wires;
+use super::options::Options;
+use super::processor::{Asking, Envelope, Next, Processor};
+use crate::generate::Random;
+use crate::metrics::{Cause, Collector, Nanos, Step, Summary, Survey, Trace};
+use crate::protocol::{Action, Conduct, Event, Note, Source, Submesh, Ticket, Worker, WorkerId};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// A simulated run.
+#[derive(Debug)]
+pub struct Simulation<S: Submesh, Q, C> {
+    /// The workers when all have stopped. Nothing is locked or awaited.
+    pub workers: Vec<Worker<S, Q, C>>,
+    /// What they did with their time.
+    pub summary: Summary,
+    /// Events that it took.
+    pub events: u64,
+    /// The timeline, if [`Options::spans`] is not 0.
+    pub trace: Option<Trace>,
+}
+
+/// Runs `workers`, one on each processor, until all have stopped. Their directories must be
+/// right, and every one must be new.
+///
+/// # Errors
+///
+/// [`SimulationError`]: senseless options, too many events, no progress, or a worker that has not
+/// ended properly.
+pub fn simulate<S, Q, C>(
+    workers: Vec<Worker<S, Q, C>>,
+    options: &Options,
+) -> Result<Simulation<S, Q, C>, SimulationError>
+where
+    S: Payload + Survey,
+    Q: Source<S> + Stock,
+    C: Conduct,
+{
+    options.check(workers.len())?;
+    if let Some((place, worker)) = workers.iter().enumerate().find(|(k, w)| w.id() as usize != *k) {
+        return Err(SimulationError::Workers { place, id: worker.id() });
+    }
+    let mut engine = Engine::new(workers, options);
+    engine.run()?;
+    engine.finish()
+}
+
+/// What happens at a point of virtual time.
+enum What<S: Submesh> {
+    /// A message arrives.
+    Arrive(WorkerId, Envelope<S>),
+    /// A processor has ended its step.
+    Free(WorkerId),
+    /// A backoff is over.
+    Retry(WorkerId, Ticket),
+    /// A worker may ask for a block.
+    Ask(WorkerId),
+    /// A random block moves.
+    Storm,
+    /// All workers are told to start no more points.
+    Cancel,
+}
+
+struct Entry<S: Submesh> {
+    time: Nanos,
+    sequence: u64,
+    what: What<S>,
+}
+
+impl<S: Submesh> Entry<S> {
+    /// The earliest one is the greatest; `sequence` makes the order total.
+    fn key(&self) -> (std::cmp::Reverse<Nanos>, std::cmp::Reverse<u64>) {
+        (std::cmp::Reverse(self.time), std::cmp::Reverse(self.sequence))
+    }
+}
+
+impl<S: Submesh> PartialEq for Entry<S> {
+    fn eq(&self, other: &Self) -> bool {
+        self.key() == other.key()
+    }
+}
+impl<S: Submesh> Eq for Entry<S> {}
+impl<S: Submesh> PartialOrd for Entry<S> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl<S: Submesh> Ord for Entry<S> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.key().cmp(&other.key())
+    }
+}
+
+struct Engine<'a, S: Submesh, Q, C> {
+    options: &'a Options,
+    processors: Vec<Processor<S, Q, C>>,
+    wires: Wires,
+    random: Random,
+    heap: BinaryHeap<Entry<S>>,
+    now: Nanos,
+    sequence: u64,
+    events: u64,
+    operations: u64,
+    setbacks: u64,
+    last_insertion: Nanos,
+    stopped: usize,
+    actions: Vec<Action<S>>,
+}
+
+impl<'a, S, Q, C> Engine<'a, S, Q, C>
+where
+    S: Payload + Survey,
+    Q: Source<S> + Stock,
+    C: Conduct,
+{
+    fn new(workers: Vec<Worker<S, Q, C>>, options: &'a Options) -> Self {
+        let count = workers.len();
+        let mut random = Random::new(options.seed);
+        let wires = Wires::new(options.network, count, random.bits());
+        let processors = workers
+            .into_iter()
+            .map(|mut worker| {
+                let id = worker.id();
+                // Work done before the run does not count.
+                worker.mesh_mut().take_costs();
+                let slow = options.slow.iter().find(|(w, _)| *w == id);
+                Processor {
+                    inbox: Default::default(),
+                    retries: Default::default(),
+                    orders: Default::default(),
+                    is_busy: false,
+                    slowness: slow.map_or(1.0, |&(_, factor)| factor),
+                    balancer: options.balance.map(|b| Balancer::new(b, id, count)),
+                    asking: Asking::No,
+                    asked: 0,
+                    collector: Collector::new(id, options.spans),
+                    worker,
+                }
+            })
+            .collect();
+        let mut engine = Self {
+            options,
+            processors,
+            wires,
+            random,
+            heap: BinaryHeap::new(),
+            now: 0,
+            sequence: 0,
+            events: 0,
+            operations: 0,
+            setbacks: 0,
+            last_insertion: 0,
+            stopped: 0,
+            actions: Vec::new(),
+        };
+        for id in 0..count as WorkerId {
+            engine.at(0, What::Free(id));
+        }
+        if let Some(time) = options.cancel {
+            engine.at(time, What::Cancel);
+        }
+        if let Some(storm) = options.storm.filter(|_| count > 1) {
+            engine.at(storm.every, What::Storm);
+        }
+        engine
+    }
+
+    fn at(&mut self, time: Nanos, what: What<S>) {
+        self.sequence += 1;
+        self.heap.push(Entry { time, sequence: self.sequence, what });
+    }
+
+    /// Ends: events are counted.
+    fn run(&mut self) -> Result<(), SimulationError> {
+        while let Some(Entry { time, what, .. }) = self.heap.pop() {
+            self.now = time;
+            self.events += 1;
+            self.check_progress()?;
+            self.happen(what);
+        }
+        Ok(())
+    }
+
+    fn check_progress(&mut self) -> Result<(), SimulationError> {
+        let (time, operations) = (self.now, self.operations);
+        if self.events > self.options.max_events {
+            return Err(SimulationError::TooManyEvents { events: self.events, operations, time });
+        }
+        if time.saturating_sub(self.last_insertion) <= self.options.patience {
+            return Ok(());
+        }
+        match self.processors.iter().find(|p| !p.worker.is_passive()) {
+            None => {
+                self.last_insertion = time;
+                Ok(())
+            }
+            Some(processor) => Err(SimulationError::NoProgress {
+                since: self.last_insertion,
+                time,
+                worker: processor.worker.id(),
+                operations,
+                setbacks: self.setbacks,
+            }),
+        }
+    }
+
+    fn happen(&mut self, what: What<S>) {
+        match what {
+            What::Arrive(to, envelope) => {
+                let processor = &mut self.processors[to as usize];
+                // Who has stopped has nothing to give.
+                if envelope.message.is_some() || !processor.worker.is_stopped() {
+                    processor.inbox.push_back(envelope);
+                    self.wake(to);
+                }
+            }
+            What::Free(id) => {
+                self.processors[id as usize].is_busy = false;
+                self.wake(id);
+            }
+            What::Retry(id, ticket) => {
+                self.processors[id as usize].retries.push_back(ticket);
+                self.wake(id);
+            }
+            What::Ask(id) => {
+                self.processors[id as usize].asking = Asking::Now;
+                self.wake(id);
+            }
+            What::Cancel => {
+                for id in 0..self.processors.len() as WorkerId {
+                    self.processors[id as usize].orders.push_back(Event::Cancel);
+                    self.wake(id);
+                }
+            }
+            What::Storm => self.storm(),
+        }
+    }
+
+    /// A processor that is not busy takes up what there is to do.
+    fn wake(&mut self, id: WorkerId) {
+        let processor = &mut self.processors[id as usize];
+        if processor.is_busy {
+            return;
+        }
+        match processor.next() {
+            Next::Rest => {}
+            Next::Ask => self.ask(id),
+            Next::Take(envelope) => self.take(id, envelope),
+            Next::Do(event) => {
+                let polled = self.poll(id, false);
+                self.step(id, event, polled, 0);
+            }
+        }
+        if self.processors[id as usize].balancer.is_some() {
+            self.watch(id);
+        }
+    }
+
+    /// A look for messages; returns when it ends.
+    fn poll(&mut self, id: WorkerId, useful: bool) -> Nanos {
+        let processor = &mut self.processors[id as usize];
+        let end = self.now + processor.time(self.options.costs.poll);
+        processor.collector.poll(self.now, end, useful);
+        end
+    }
+
+    /// Takes a message out of the inbox.
+    fn take(&mut self, id: WorkerId, envelope: Envelope<S>) {
+        let begin = self.poll(id, true);
+        let processor = &mut self.processors[id as usize];
+        let receiving = processor.time(self.options.costs.receiving(envelope.bytes));
+        let from = envelope.from;
+        if let Some(balancer) = &mut processor.balancer {
+            balancer.heard(from, envelope.load);
+        }
+        if let Some(message) = envelope.message {
+            self.step(id, Event::Message { from, message }, begin, receiving);
+            return;
+        }
+        if let Some(balancer) = &mut processor.balancer {
+            for block in balancer.give(&processor.worker, from) {
+                processor.orders.push_back(Event::Migrate { block, to: from });
+            }
+        }
+        self.occupy(id, begin, begin.max(self.now + 1) + receiving);
+    }
+
+    /// A step that begins at `begin` with receiving a message.
+    fn step(&mut self, id: WorkerId, event: Event<S>, begin: Nanos, receiving: Nanos) {
+        let mut actions = std::mem::take(&mut self.actions);
+        let cause = Cause::of(&event);
+        let processor = &mut self.processors[id as usize];
+        processor.worker.step(event, &mut actions);
+        let (work, walk) = processor.work_time(&self.options.costs);
+        let worked = begin + receiving + work;
+        let load = processor.worker.source().left();
+        let mut end = worked;
+        for action in &actions {
+            if let Action::Send { message, .. } = action {
+                let bytes = bytes::<S>(message);
+                end += processor.time(self.options.costs.sending(bytes));
+                processor.collector.sent(message.kind(), bytes);
+            }
+        }
+        let step = Step { begin, end, communication: receiving + (end - worked), walk };
+        processor.collector.step(cause, step, &actions);
+        processor.is_busy = true;
+        self.carry_out(id, worked, load, &mut actions);
+        self.at(end, What::Free(id));
+        actions.clear();
+        self.actions = actions;
+    }
+
+    /// Carries out a step's actions: a message leaves when it and those before it are sent.
+    fn carry_out(&mut self, id: WorkerId, worked: Nanos, load: u64, actions: &mut Vec<Action<S>>) {
+        let mut time = worked;
+        for action in actions.drain(..) {
+            match action {
+                Action::Send { to, message } => {
+                    let bytes = bytes::<S>(&message);
+                    let processor = &self.processors[id as usize];
+                    time += processor.time(self.options.costs.sending(bytes));
+                    let envelope = Envelope { from: id, load, bytes, message: Some(message) };
+                    let arrival = self.wires.arrival((id, to), time, bytes);
+                    self.at(arrival, What::Arrive(to, envelope));
+                }
+                Action::Backoff { ticket, attempt } => {
+                    let longest = self.options.backoff.saturating_mul(1 << attempt.min(10));
+                    let wait = 1 + self.random.below(longest);
+                    self.at(time + wait, What::Retry(id, ticket));
+                }
+                Action::Note(note) => self.note(note, worked),
+            }
+        }
+    }
+
+    fn note(&mut self, note: Note, time: Nanos) {
+        match note {
+            Note::Local | Note::Committed { .. } => {
+                self.operations += 1;
+                self.last_insertion = time;
+            }
+            Note::Known => self.last_insertion = time,
+            Note::SetBack { .. } => self.setbacks += 1,
+            Note::Stopped => self.stopped += 1,
+            Note::Began(_) | Note::Waits(_) | Note::Migrated(_) => {}
+        }
+    }
+
+    /// Sees to it that a worker with few points left asks for more.
+    fn watch(&mut self, id: WorkerId) {
+        let Some(balance) = self.options.balance else { return };
+        let processor = &mut self.processors[id as usize];
+        if processor.worker.source().left() >= balance.low {
+            processor.asked = 0;
+            return;
+        }
+        if processor.asking != Asking::No || processor.worker.is_stopped() {
+            return;
+        }
+        // At once the first time, later not before a while.
+        let wait = match processor.asked {
+            0 => 0,
+            times => balance.again.saturating_mul(1 << (times - 1).min(10)),
+        };
+        processor.asking = Asking::Later;
+        processor.asked += 1;
+        self.at(self.now + wait, What::Ask(id));
+    }
+
+    /// A worker with few points left asks for more.
+    fn ask(&mut self, id: WorkerId) {
+        let begin = self.poll(id, false);
+        let processor = &mut self.processors[id as usize];
+        let load = processor.worker.source().left();
+        let whom = processor.balancer.as_mut().map_or(Vec::new(), |b| b.ask(load));
+        let mut end = begin.max(self.now + 1);
+        let sending = processor.time(self.options.costs.sending(LOAD_BYTES));
+        for to in whom {
+            end += sending;
+            self.processors[id as usize].collector.sent("load", LOAD_BYTES);
+            let envelope = Envelope { from: id, load, bytes: LOAD_BYTES, message: None };
+            let arrival = self.wires.arrival((id, to), end, LOAD_BYTES);
+            self.at(arrival, What::Arrive(to, envelope));
+        }
+        self.occupy(id, begin, end);
+    }
+
+    /// The processor is busy with loads.
+    fn occupy(&mut self, id: WorkerId, begin: Nanos, end: Nanos) {
+        let processor = &mut self.processors[id as usize];
+        processor.collector.control(begin, end);
+        processor.is_busy = true;
+        self.at(end, What::Free(id));
+    }
+
+    /// Orders a random worker to give a random block to another random worker.
+    fn storm(&mut self) {
+        let Some(storm) = self.options.storm.filter(|_| self.stopped < self.processors.len())
+        else {
+            return;
+        };
+        self.at(self.now + storm.every, What::Storm);
+        let count = self.processors.len() as u64;
+        let from = self.random.below(count);
+        let to = ((from + 1 + self.random.below(count - 1)) % count) as WorkerId;
+        let directory = self.processors[from as usize].worker.directory();
+        if self.processors[from as usize].worker.is_stopped() {
+            return;
+        }
+        let mine: Vec<_> = (0..directory.blocks()).filter(|&b| directory.is_mine(b)).collect();
+        if mine.is_empty() {
+            return;
+        }
+        let block = mine[self.random.below(mine.len() as u64) as usize];
+        self.processors[from as usize].orders.push_back(Event::Migrate { block, to });
+        self.wake(from as WorkerId);
+    }
+
+    fn finish(self) -> Result<Simulation<S, Q, C>, SimulationError> {
+        let those = |wrong: fn(&Processor<S, Q, C>) -> bool| -> Vec<WorkerId> {
+            self.processors.iter().filter(|p| wrong(p)).map(|p| p.worker.id()).collect()
+        };
+        let workers = those(|p| !p.worker.is_stopped());
+        if !workers.is_empty() {
+            return Err(SimulationError::Stuck { time: self.now, workers });
+        }
+        let workers = those(|p| !p.worker.is_quiescent());
+        if !workers.is_empty() {
+            return Err(SimulationError::NotQuiescent { workers });
+        }
+        let (mut workers, mut collectors) = (Vec::new(), Vec::new());
+        let makespan = self.processors.iter().map(|p| p.collector.clock()).max().unwrap_or(0);
+        for mut processor in self.processors {
+            processor.collector.finish(makespan, processor.worker.mesh());
+            workers.push(processor.worker);
+            collectors.push(processor.collector);
+        }
+        let summary = Summary::new(&collectors, makespan);
+        let trace = (self.options.spans > 0).then(|| Trace::take(&mut collectors));
+        Ok(Simulation { workers, summary, events: self.events, trace })
+    }
+}

@@ -1,0 +1,126 @@
+//! How a simulated run goes.
+
+use super::error::SimulationError;
+use super::network::Distribution;
+use super::{Balance, CostModel};
+use crate::metrics::Nanos;
+use crate::protocol::WorkerId;
+
+/// The network between the processors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Network {
+    /// The mean time from sending a message to its arrival, without its bytes.
+    pub latency: Nanos,
+    /// How the latency of single messages spreads around the mean.
+    pub distribution: Distribution,
+    /// Nanoseconds that a byte takes a processor's link, one message after the other.
+    pub byte: f64,
+    /// Messages that are held back and arrive together.
+    pub bursts: Option<Bursts>,
+}
+
+impl Default for Network {
+    /// 10 µs, always; 10 Gbit/s.
+    fn default() -> Self {
+        Self { latency: 10_000, distribution: Distribution::Constant, byte: 0.8, bursts: None }
+    }
+}
+
+/// For `length` at the begin of each `every`, no message arrives; then all do that should have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bursts {
+    /// The period.
+    pub every: Nanos,
+    /// The part of it without arrivals.
+    pub length: Nanos,
+}
+
+/// Blocks that move for no reason.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Storm {
+    /// Each `every`, one block of a random worker is to go to a random other one.
+    pub every: Nanos,
+}
+
+/// How a simulated run goes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Determines all that is random.
+    pub seed: u64,
+    /// What work and messages cost.
+    pub costs: CostModel,
+    /// The network.
+    pub network: Network,
+    /// Processors that take longer for everything: which, and by what factor.
+    pub slow: Vec<(WorkerId, f64)>,
+    /// Blocks given to workers that run out of points.
+    pub balance: Option<Balance>,
+    /// Blocks that move for no reason.
+    pub storm: Option<Storm>,
+    /// When all workers are told to start no more points.
+    pub cancel: Option<Nanos>,
+    /// Under the paper's rule an operation starts again after a random time up to this, doubled
+    /// with each setback up to 1024 times; without it the rule may never end.
+    pub backoff: Nanos,
+    /// The run fails after so many events.
+    pub max_events: u64,
+    /// The run fails if no point is inserted for so long while a worker has work.
+    pub patience: Nanos,
+    /// Stretches of time kept for a trace, per worker; 0 for no trace.
+    pub spans: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            costs: CostModel::default(),
+            network: Network::default(),
+            slow: Vec::new(),
+            balance: Some(Balance::default()),
+            storm: None,
+            cancel: None,
+            backoff: 50_000,
+            max_events: 10_000_000_000,
+            patience: 3_600_000_000_000,
+            spans: 0,
+        }
+    }
+}
+
+/// The most processors of a simulation.
+pub(super) const MAX_PROCESSORS: usize = 1024;
+
+/// Every single time is below this (a day), so that no sum of times overflows.
+const LONGEST: Nanos = 86_400_000_000_000;
+
+impl Options {
+    /// Do the options make sense for so many workers?
+    pub(super) fn check(&self, workers: usize) -> Result<(), SimulationError> {
+        let network = &self.network;
+        let bursts = network.bursts.unwrap_or(Bursts { every: 1, length: 0 });
+        let storm = self.storm.map_or(1, |s| s.every);
+        let balance = self.balance.map_or(1, |b| b.again);
+        let times = [network.latency, bursts.every, storm, balance, self.backoff];
+        let checks = [
+            ((1..=MAX_PROCESSORS).contains(&workers), "there must be 1 to 1024 processors"),
+            (self.costs.is_sensible(), "costs must lie from 0 to 10^12 ns"),
+            ((0.0..=1e6).contains(&network.byte), "a byte must take from 0 to 10^6 ns"),
+            (times.iter().all(|&t| t <= LONGEST), "no time may be longer than a day"),
+            (bursts.length < bursts.every, "a burst must be shorter than its period"),
+            (storm > 0 && balance > 0, "periods must not be 0"),
+            (
+                self.slow.iter().all(|(_, factor)| (0.001..=1e6).contains(factor)),
+                "a processor's slowness must lie from 0.001 to 10^6",
+            ),
+            (
+                self.slow.iter().all(|&(w, _)| (w as usize) < workers),
+                "a slow processor must be one of the processors",
+            ),
+        ];
+        match checks.iter().find(|(holds, _)| !holds) {
+            Some((_, text)) => Err(SimulationError::Options((*text).to_owned())),
+            None => Ok(()),
+        }
+    }
+}

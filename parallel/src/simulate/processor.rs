@@ -1,0 +1,95 @@
+//! One simulated processor: a worker, its inbox, and what is known of its time.
+
+use super::balance::{Balancer, Stock};
+use super::cost::CostModel;
+use crate::metrics::{Collector, Nanos};
+use crate::protocol::{Conduct, Event, Message, Source, Submesh, Ticket, Worker, WorkerId};
+use std::collections::VecDeque;
+
+/// What goes over the network.
+pub(super) struct Envelope<S: Submesh> {
+    pub(super) from: WorkerId,
+    /// The sender's points left.
+    pub(super) load: u64,
+    pub(super) bytes: u64,
+    /// None: the sender has few points left and asks for a block.
+    pub(super) message: Option<Message<S>>,
+}
+
+/// What a processor does next.
+pub(super) enum Next<S: Submesh> {
+    /// It takes a message.
+    Take(Envelope<S>),
+    /// It looks in vain for a message, then does this.
+    Do(Event<S>),
+    /// It asks others for blocks.
+    Ask,
+    /// Nothing.
+    Rest,
+}
+
+/// Whether a worker asks others for blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Asking {
+    /// It has no intention to.
+    No,
+    /// It will at a later time.
+    Later,
+    /// It wants to.
+    Now,
+}
+
+/// A simulated processor.
+pub(super) struct Processor<S: Submesh, Q, C> {
+    pub(super) worker: Worker<S, Q, C>,
+    pub(super) inbox: VecDeque<Envelope<S>>,
+    /// Operations whose backoff is over.
+    pub(super) retries: VecDeque<Ticket>,
+    /// Moves and the cancel.
+    pub(super) orders: VecDeque<Event<S>>,
+    pub(super) is_busy: bool,
+    /// It takes so many times longer than others.
+    pub(super) slowness: f64,
+    pub(super) balancer: Option<Balancer>,
+    pub(super) asking: Asking,
+    /// How often it has asked since it had more than few points.
+    pub(super) asked: u32,
+    pub(super) collector: Collector,
+}
+
+impl<S: Submesh, Q: Source<S> + Stock, C: Conduct> Processor<S, Q, C> {
+    /// Messages come before local work, and set-back operations before new points.
+    pub(super) fn next(&mut self) -> Next<S> {
+        if self.worker.is_stopped() {
+            self.orders.clear();
+            self.asking = Asking::No;
+        }
+        if let Some(envelope) = self.inbox.pop_front() {
+            Next::Take(envelope)
+        } else if let Some(ticket) = self.retries.pop_front() {
+            Next::Do(Event::Retry(ticket))
+        } else if let Some(order) = self.orders.pop_front() {
+            Next::Do(order)
+        } else if self.asking == Asking::Now {
+            self.asking = Asking::No;
+            Next::Ask
+        } else if self.worker.has_work() {
+            Next::Do(Event::Work)
+        } else {
+            Next::Rest
+        }
+    }
+
+    /// A time on this processor.
+    pub(super) fn time(&self, nanos: f64) -> Nanos {
+        (nanos * self.slowness) as Nanos
+    }
+
+    /// The time of the work done in the submesh since the last call: all of it, and of it point
+    /// location.
+    pub(super) fn work_time(&mut self, model: &CostModel) -> (Nanos, Nanos) {
+        let costs = self.worker.mesh_mut().take_costs();
+        // No step takes no time: else time might stand still.
+        (self.time(model.work(costs)).max(1), self.time(model.walk(costs)))
+    }
+}

@@ -1,0 +1,200 @@
+//! `formats`: bytes to a file of any format.
+//!
+//! The first byte chooses the reader, the others are the file. For a pair (`.node` and `.ele`,
+//! `.node` and `.poly`) they are the one, a line `%`, and the other.
+
+use ltbw::domain::Domain;
+use ltbw::io::{DomainFile, Encoding, Format, MeshFile, MshVersion, ParseError, PointFile};
+use ltbw::io::{csv, medit, msh, npy, obj, off, ply, poly, stl, tetgen, vtu, xyz};
+use ltbw::{Point, TetMesh};
+
+/// A reader.
+type Read<File> = fn(&[u8]) -> Result<File, ParseError>;
+
+/// The readers of points, in the order of the first byte of an input.
+const POINTS: [(Format, Read<PointFile>); 8] = [
+    (Format::Npy, npy::read),
+    (Format::Xyz, xyz::read),
+    (Format::Csv, csv::read),
+    (Format::Node, tetgen::read_node),
+    (Format::Ply, ply::read),
+    (Format::Off, off::read),
+    (Format::Obj, obj::read),
+    (Format::Stl, stl::read),
+];
+
+/// The readers of meshes, which follow.
+const MESHES: [(Format, Read<MeshFile>); 5] = [
+    (Format::Medit, medit::read),
+    (Format::Msh, msh::read),
+    (Format::Vtu, vtu::read),
+    (Format::Ele, tetrahedra),
+    (Format::Node, pair),
+];
+
+/// The readers of domains, the last.
+const DOMAINS: [(Format, Read<DomainFile>); 8] = [
+    (Format::Poly, poly::read_poly),
+    (Format::Smesh, poly::read_smesh),
+    (Format::Off, off::read_domain),
+    (Format::Obj, obj::read_domain),
+    (Format::Stl, stl::read_domain),
+    (Format::Ply, ply::read_domain),
+    (Format::Poly, node_and_poly),
+    (Format::Smesh, node_and_smesh),
+];
+
+/// An `.ele` file beside four points.
+fn tetrahedra(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    tetgen::read_pair(b"4 3\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n", bytes)
+}
+
+/// What is before the first line `%`, and what is after it.
+fn halves(bytes: &[u8]) -> (&[u8], &[u8]) {
+    const BETWEEN: &[u8] = b"\n%\n";
+    let at = bytes.windows(BETWEEN.len()).position(|w| w == BETWEEN).unwrap_or(bytes.len());
+    let (first, rest) = bytes.split_at(at);
+    (first, rest.get(BETWEEN.len()..).unwrap_or_default())
+}
+
+fn pair(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let (node, ele) = halves(bytes);
+    tetgen::read_pair(node, ele)
+}
+
+fn node_and_poly(bytes: &[u8]) -> Result<DomainFile, ParseError> {
+    let (node, poly) = halves(bytes);
+    poly::read_poly_with(poly, tetgen::parse_node(node)?)
+}
+
+fn node_and_smesh(bytes: &[u8]) -> Result<DomainFile, ParseError> {
+    let (node, smesh) = halves(bytes);
+    poly::read_smesh_with(smesh, tetgen::parse_node(node)?)
+}
+
+/// Reads all but the first byte, which chooses the format. What can be read is written in the
+/// formats that keep it, and read again.
+///
+/// # Panics
+/// If a reader panics, gives what is not finite or not there, or if what is written does not read
+/// back the same.
+pub fn formats(bytes: &[u8]) {
+    let Some((&choice, bytes)) = bytes.split_first() else { return };
+    let choice = usize::from(choice) % (POINTS.len() + MESHES.len() + DOMAINS.len());
+    let (points, meshes) = (POINTS.get(choice), POINTS.len()..POINTS.len() + MESHES.len());
+    let error = if let Some((_, read)) = points {
+        read(bytes).map(|file| points_come_back(&file)).err()
+    } else if meshes.contains(&choice) {
+        let (_, read) = MESHES[choice - meshes.start];
+        read(bytes).map(|file| mesh_comes_back(&file.mesh)).err()
+    } else {
+        let (_, read) = DOMAINS[choice - meshes.end];
+        read(bytes).map(|file| domain_comes_back(&file.domain)).err()
+    };
+    if let Some(error) = error {
+        assert!(!error.to_string().contains('\n'), "{error:?}");
+    }
+}
+
+fn bits(points: &[Point]) -> Vec<[u64; 3]> {
+    points.iter().map(|p| p.map(f64::to_bits)).collect()
+}
+
+fn points_come_back(file: &PointFile) {
+    assert!(file.points.iter().flatten().all(|c| c.is_finite()));
+    let tags = file.point_tags.as_deref();
+    assert!(tags.is_none_or(|t| t.len() == file.points.len()));
+    let same = |back: Result<PointFile, ParseError>, tags: &Option<Vec<i64>>| {
+        let back = back.expect("we wrote it");
+        assert_eq!((bits(&back.points), &back.point_tags), (bits(&file.points), tags));
+    };
+    let mut out = Vec::new();
+    csv::write(&mut out, &file.points, tags).expect("memory");
+    same(csv::read(&out), &file.point_tags);
+    let mut out = Vec::new();
+    tetgen::write_node(&mut out, &file.points, tags).expect("memory");
+    same(tetgen::read_node(&out), &file.point_tags);
+    // These two have no place for tags.
+    let mut out = Vec::new();
+    npy::write(&mut out, &file.points, tags).expect("memory");
+    same(npy::read(&out), &None);
+    let mut out = Vec::new();
+    xyz::write(&mut out, &file.points, tags).expect("memory");
+    same(xyz::read(&out), &None);
+    for encoding in [Encoding::Ascii, Encoding::Binary] {
+        let mut out = Vec::new();
+        // Tags may be no doubles.
+        if ply::write(&mut out, &file.points, tags, encoding).is_ok() {
+            same(ply::read(&out), &file.point_tags);
+        }
+    }
+}
+
+fn mesh_comes_back(mesh: &TetMesh) {
+    assert!(mesh.points.iter().flatten().all(|c| c.is_finite()));
+    assert!(mesh.tets.iter().flatten().all(|&v| (v as usize) < mesh.points.len()));
+    assert!(mesh.tet_tags.as_ref().is_none_or(|t| t.len() == mesh.tets.len()));
+    assert!(mesh.point_tags.as_ref().is_none_or(|t| t.len() == mesh.points.len()));
+    let same = |back: Result<MeshFile, ParseError>| {
+        let back = back.expect("we wrote it").mesh;
+        assert_eq!(bits(&back.points), bits(&mesh.points));
+        assert_eq!(back.tets, mesh.tets);
+        assert_eq!(back.point_tags, mesh.point_tags);
+        assert_eq!(back.tet_tags, mesh.tet_tags);
+    };
+    let mut out = Vec::new();
+    medit::write(&mut out, mesh).expect("memory");
+    same(medit::read(&out));
+    let (mut node, mut ele) = (Vec::new(), Vec::new());
+    tetgen::write_node(&mut node, &mesh.points, mesh.point_tags.as_deref()).expect("memory");
+    tetgen::write_ele(&mut ele, mesh).expect("memory");
+    same(tetgen::read_pair(&node, &ele));
+    for encoding in [Encoding::Ascii, Encoding::Binary] {
+        let mut out = Vec::new();
+        vtu::write(&mut out, mesh, encoding).expect("memory");
+        same(vtu::read(&out));
+        for version in [MshVersion::V4_1, MshVersion::V2_2] {
+            let mut out = Vec::new();
+            // Tags may be no doubles.
+            if msh::write(&mut out, mesh, version, encoding).is_ok() {
+                same(msh::read(&out));
+            }
+        }
+    }
+}
+
+/// Whatever was read has a sound structure or is refused for it, and `.poly` keeps all of it.
+fn domain_comes_back(domain: &Domain) {
+    if let Err(error) = domain.check_structure() {
+        assert!(!error.to_string().contains('\n'), "{error:?}");
+        return;
+    }
+    let mut out = Vec::new();
+    poly::write_poly(&mut out, domain).expect("memory");
+    let back = poly::read_poly(&out).expect("we wrote it").domain;
+    assert_eq!(&back, domain);
+    assert_eq!(bits(&back.vertices), bits(&domain.vertices));
+    let mut out = Vec::new();
+    // A facet may be no single polygon.
+    if poly::write_smesh(&mut out, domain).is_ok() {
+        assert_eq!(&poly::read_smesh(&out).expect("we wrote it").domain, domain);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DOMAINS, Format, MESHES, POINTS};
+
+    /// A new format without a reader here would never be fuzzed.
+    #[test]
+    fn every_extension_has_its_readers() {
+        for format in Format::ALL {
+            let points = POINTS.iter().any(|(f, _)| *f == format);
+            let meshes = MESHES.iter().any(|(f, _)| *f == format);
+            let domains = DOMAINS.iter().any(|(f, _)| *f == format);
+            assert_eq!(domains, format.holds_domain(), "{format:?}");
+            assert_eq!(points, format.holds_points(), "{format:?}");
+            assert_eq!(meshes, format.holds_mesh(), "{format:?}");
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! What docs/assurance-case.md names exists: its commands, their test programs, examples and
+//! filters, and the numbers of tests that it says they have.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const PAGE: &str = include_str!("../../docs/assurance-case.md");
+const XTASK: &str = include_str!("../../xtask/src/main.rs");
+const KINDS: [&str; 4] = ["proved", "exhaustive", "statistical", "argued"];
+
+/// A row of evidence.
+struct Row {
+    claim: &'static str,
+    kind: &'static str,
+    evidence: &'static str,
+    prints: &'static str,
+}
+
+/// The rows of all tables of evidence.
+fn rows() -> Vec<Row> {
+    let lines = PAGE.lines().map(|line| line.trim_matches(['|', ' ']));
+    let cells = lines.map(|line| line.split(" | ").map(str::trim).collect::<Vec<_>>());
+    let mut rows = Vec::new();
+    let mut inside = false;
+    for cells in cells {
+        match cells[..] {
+            ["claim", "kind", "evidence", "prints"] => inside = true,
+            [claim, kind, evidence, prints] if inside => {
+                rows.push(Row { claim, kind, evidence, prints });
+            }
+            // The last cell of an argued claim is empty.
+            [claim, kind, evidence] if inside => {
+                rows.push(Row { claim, kind, evidence, prints: "" });
+            }
+            [rule] if rule.starts_with("---") => {}
+            _ => inside = false,
+        }
+    }
+    rows
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a package of the workspace").into()
+}
+
+/// The folder of a package of the workspace.
+fn folder(package: &str) -> PathBuf {
+    let name = format!("name = \"{package}\"");
+    let folders = ["core", "parallel", "verify", "verify/models", "cli", "xtask", "tests"];
+    let found = folders.into_iter().map(|folder| root().join(folder)).find(|folder| {
+        let manifest = fs::read_to_string(folder.join("Cargo.toml")).expect("a manifest");
+        manifest.lines().any(|line| line == name)
+    });
+    found.unwrap_or_else(|| panic!("no package {package}"))
+}
+
+/// The text of every Rust file below `folder`.
+fn sources(folder: &Path) -> String {
+    let mut text = String::new();
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            text.push_str(&sources(&path));
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            text.push_str(&fs::read_to_string(&path).expect("a source"));
+        }
+    }
+    text
+}
+
+/// Is there a test, or a module of tests, of which `name` is the name or its beginning?
+fn has_test(sources: &str, name: &str) -> bool {
+    sources.contains(&format!("fn {name}")) || sources.contains(&format!("mod {name}"))
+}
+
+/// Checks `cargo test` with its arguments; returns how many tests it runs, where that is known.
+fn check_test(args: &[&str]) -> Option<usize> {
+    let (mut package, mut programs, mut lib, mut filter) = (None, Vec::new(), false, None);
+    let mut args = args.iter().copied();
+    while let Some(arg) = args.next() {
+        match arg {
+            "-p" => package = args.next(),
+            "--test" => programs.extend(args.next()),
+            "--lib" => lib = true,
+            "--release" => {}
+            "--" => break,
+            name => {
+                assert!(!name.starts_with('-') && filter.is_none(), "what is {name}?");
+                filter = Some(name);
+            }
+        }
+    }
+    let folder = folder(package.expect("a package"));
+    // Neither the library nor a test program: all of the package.
+    let source = lib || programs.is_empty();
+    let mut text = if source { sources(&folder.join("src")) } else { String::new() };
+    for program in &programs {
+        let path = folder.join("tests").join(format!("{program}.rs"));
+        text.push_str(&fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path:?}: {e}")));
+    }
+    assert!(!text.is_empty(), "no tests");
+    match filter {
+        Some(name) => {
+            assert!(has_test(&text, name), "no test {name}");
+            text.contains(&format!("fn {name}(")).then_some(1)
+        }
+        None if source => None,
+        None => Some(text.lines().filter(|line| line.trim() == "#[test]").count()),
+    }
+}
+
+/// Checks one command; returns how many tests it runs, where that is known.
+fn check(command: &str) -> Option<usize> {
+    let words: Vec<&str> = command.split(' ').filter(|word| !word.contains('=')).collect();
+    match words[..] {
+        ["cargo", "xtask", name, ..] => {
+            assert!(XTASK.contains(&format!("\"{name}\"")), "no such command of xtask");
+            None
+        }
+        ["cargo", "test", ref args @ ..] => check_test(args),
+        ["cargo", "run", "--release", "-p", package, "--example", name, ..] => {
+            let path = folder(package).join("examples").join(format!("{name}.rs"));
+            assert!(path.is_file(), "no example {name}");
+            None
+        }
+        ["cargo", "run", "--release", "-p", "ltbw-cli", "--", name, ..] => {
+            let variant = name[..1].to_uppercase() + &name[1..];
+            let found = sources(&folder("ltbw-cli").join("src")).contains(&variant);
+            assert!(found, "no such command of the program");
+            None
+        }
+        _ => panic!("what is this?"),
+    }
+}
+
+/// The text in backquotes, if that is all of it.
+fn code(cell: &'static str) -> Option<&'static str> {
+    cell.strip_prefix('`')?.strip_suffix('`').filter(|code| !code.contains('`'))
+}
+
+#[test]
+fn its_commands_exist_and_run_as_many_tests_as_it_says() {
+    let (mut commands, mut counts) = (0, 0);
+    for row in rows() {
+        let Some(command) = code(row.evidence).filter(|code| code.contains("cargo ")) else {
+            continue;
+        };
+        println!("{command}");
+        commands += 1;
+        let count = check(command);
+        let said = code(row.prints).and_then(|code| code.strip_suffix(" passed"));
+        if let (Some(count), Some(said)) = (count, said) {
+            assert_eq!(said, count.to_string(), "{command}");
+            counts += 1;
+        }
+    }
+    assert!(commands >= 25 && counts >= 15, "{commands} commands, {counts} with a count");
+}
+
+#[test]
+fn every_claim_has_a_kind_and_evidence_of_that_kind() {
+    for Row { claim, kind, evidence, prints } in rows() {
+        let word = kind.split(',').next().unwrap_or_default();
+        assert!(KINDS.contains(&word), "{claim}: {kind}");
+        let command = code(evidence).is_some_and(|code| code.contains("cargo "));
+        assert_eq!(command, word != "argued", "{claim}: {evidence}");
+        assert_eq!(command, !prints.is_empty(), "{claim}: what does it print?");
+    }
+}
+
+#[test]
+fn what_is_argued_is_written_down() {
+    for row in rows().iter().filter(|row| row.kind == "argued") {
+        let path = row.evidence.split('`').nth(1).expect("a file");
+        let text = fs::read_to_string(root().join(path)).expect(path);
+        if let Some((_, section)) = row.evidence.split_once("section *") {
+            let section = section.trim_end_matches('*');
+            let heading = text.lines().any(|line| {
+                line.trim_start_matches(['/', '!', ' ', '#']) == section && line.contains('#')
+            });
+            assert!(heading, "{path} has no section {section}");
+        }
+    }
+}
+
+#[test]
+fn its_links_lead_to_pages() {
+    let links = PAGE.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let mut count = 0;
+    for link in links {
+        let file = link.split('#').next().unwrap_or_default();
+        assert!(root().join("docs").join(file).is_file(), "{link}");
+        count += 1;
+    }
+    assert!(count >= 5, "{count} links");
+}

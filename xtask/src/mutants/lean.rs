@@ -1,0 +1,119 @@
+//! A package cut down to some modules, its test programs included as modules: one small program
+//! to compile for each mutant, instead of a library and several.
+
+use crate::shell::root;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// What is left of a package.
+pub(super) struct Lean {
+    /// The folder of the package.
+    pub(super) folder: &'static str,
+    /// The modules that stay, with blanks between them: all that those in question need.
+    pub(super) modules: &'static str,
+    /// The test programs of `tests/` that are included.
+    pub(super) cases: &'static [&'static str],
+}
+
+/// Writes the cut package anew, below `below`; returns its folder. Versions, profiles and the
+/// lock file are the workspace's.
+pub(super) fn package(lean: &Lean, below: &Path) -> Result<PathBuf, String> {
+    let package = below.join("package");
+    write(lean, &package).map_err(|error| format!("{}: {error}", package.display()))?;
+    Ok(package)
+}
+
+fn write(lean: &Lean, package: &Path) -> std::io::Result<()> {
+    let (from, source) = (root().join(lean.folder), package.join("src"));
+    if source.exists() {
+        fs::remove_dir_all(&source)?;
+    }
+    copy(&from.join("src"), &source)?;
+    if !lean.cases.is_empty() {
+        copy(&from.join("tests"), &source.join("cases"))?;
+    }
+    let manifest = fs::read_to_string(from.join("Cargo.toml"))?;
+    let workspace = fs::read_to_string(root().join("Cargo.toml"))?;
+    fs::write(package.join("Cargo.toml"), format!("{manifest}\n{}", shared(&workspace)))?;
+    fs::copy(root().join("Cargo.lock"), package.join("Cargo.lock"))?;
+    let library = library(&fs::read_to_string(from.join("src/lib.rs"))?, &manifest, lean);
+    fs::write(source.join("lib.rs"), library)
+}
+
+/// The manifest of the workspace without its lists of members.
+fn shared(workspace: &str) -> String {
+    let rest = workspace.find("[workspace.package]").map_or("", |at| &workspace[at..]);
+    format!("[workspace]\n{rest}")
+}
+
+/// `library` (a `lib.rs`) with the lean package's modules alone, and its test programs.
+fn library(library: &str, manifest: &str, lean: &Lean) -> String {
+    let mut text = String::new();
+    let mut attribute = "";
+    for line in library.lines() {
+        if line.starts_with("#[cfg(feature") {
+            attribute = line;
+            continue;
+        }
+        if module(line).is_none_or(|name| lean.modules.split(' ').any(|m| m == name)) {
+            if !attribute.is_empty() {
+                text.push_str(&format!("{attribute}\n"));
+            }
+            text.push_str(&format!("{line}\n"));
+        }
+        attribute = "";
+    }
+    // Test programs name the package by its name.
+    let name = manifest.lines().find_map(|line| line.strip_prefix("name = ")).unwrap_or_default();
+    let name = name.trim_matches('"').replace('-', "_");
+    text.push_str(&format!("#[cfg(test)]\nextern crate self as {name};\n"));
+    for case in lean.cases {
+        text.push_str(&format!("#[cfg(test)]\n#[path = \"cases/{case}.rs\"]\nmod test_{case};\n"));
+    }
+    text
+}
+
+/// The module that a line declares, or takes names from.
+fn module(line: &str) -> Option<&str> {
+    let line = line.strip_prefix("pub ").unwrap_or(line);
+    let name = line.strip_prefix("mod ").or_else(|| line.strip_prefix("use "))?;
+    name.split([';', ':']).next()
+}
+
+fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let to = to.join(entry.file_name());
+        if entry.file_type()?.is_dir() {
+            copy(&entry.path(), &to)?;
+        } else {
+            fs::copy(entry.path(), to)?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn members_are_left_out_and_versions_kept() {
+        let workspace = "[workspace]\nmembers = []\n\n[workspace.package]\nedition = \"2024\"\n";
+        assert_eq!(shared(workspace), "[workspace]\n[workspace.package]\nedition = \"2024\"\n");
+    }
+
+    #[test]
+    fn modules_that_are_not_needed_go() {
+        let whole = "//! Text.\n#![deny(x)]\npub mod a;\n#[cfg(feature = \"f\")]\nmod b;\nmod c;\n\
+                     pub use a::A;\npub use b::B;\n\n/// One.\npub type T = u8;\n";
+        let lean = Lean { folder: "", modules: "a c", cases: &["k"] };
+        assert_eq!(
+            library(whole, "[package]\nname = \"x-y\"\n", &lean),
+            "//! Text.\n#![deny(x)]\npub mod a;\nmod c;\npub use a::A;\n\n/// One.\npub type T = \
+             u8;\n#[cfg(test)]\nextern crate self as x_y;\n#[cfg(test)]\n#[path = \
+             \"cases/k.rs\"]\nmod test_k;\n"
+        );
+    }
+}
