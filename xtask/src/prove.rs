@@ -27,6 +27,7 @@ const FILES: &[&str] = &[
     "Single",
     "Centre",
     "Sphere",
+    "TwoSum",
 ];
 
 /// The axioms that a proof may rest on: Coq's classical real numbers, and that functions with
