@@ -28,6 +28,7 @@ const FILES: &[&str] = &[
     "Centre",
     "Sphere",
     "TwoSum",
+    "Distance",
 ];
 
 /// The axioms that a proof may rest on: Coq's classical real numbers, and that functions with
