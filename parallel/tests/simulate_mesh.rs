@@ -3,9 +3,7 @@
 use ltbw::generate::{PointKind, generate};
 use ltbw::mesh::Plan;
 use ltbw::protocol::{Config, Rule};
-use ltbw::simulate::{
-    Bursts, Distribution, Meshed, Network, Options, Storm, simulate_mesh,
-};
+use ltbw::simulate::{Bursts, Distribution, Meshed, Network, Options, Storm, simulate_mesh};
 use ltbw::{Builder, PointSet};
 
 fn options(seed: u64) -> Options {
