@@ -39,7 +39,8 @@ Lemma d'_pos : 0 < Rabs d'.
 Proof.
   apply Rle_lt_trans with (2 := not_flat).
   assert (0 <= l) by (unfold slack, flatness, least_square, max_radius in *; nra).
-  apply Rmult_le_pos; [|unfold slack, flatness in *; lra]. apply Rmult_le_pos; [unfold flatness; lra|].
+  apply Rmult_le_pos; [|unfold slack, flatness in *; lra]. apply Rmult_le_pos; [unfold flatness;
+      lra|].
   now apply Rmult_le_pos.
 Qed.
 Lemma d'_large : / 32768 * (1 - 3 * slack) * (m * m * r) <= Rabs d'.

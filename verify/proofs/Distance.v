@@ -97,7 +97,8 @@ Proof.
   { apply rnd_err, mult_minus; now apply float_mult. }
   pose proof (rnd_err_any (16 * u * l)) as Q. fold least in Q.
   assert (T : 1000 * least <= u * bpow radix2 (-900)).
-  { unfold u, least. rewrite <- bpow_plus. apply Rle_trans with (bpow radix2 10 * bpow radix2 (-1074)).
+  { unfold u, least. rewrite <- bpow_plus. apply Rle_trans with (bpow radix2 10 * bpow radix2
+      (-1074)).
     - apply Rmult_le_compat_r; [apply bpow_ge_0|simpl; lra].
     - rewrite <- bpow_plus. apply bpow_le. lia. }
   pose proof (bpow_gt_0 radix2 (-900)) as G0. set (g := bpow radix2 (-900)) in *.

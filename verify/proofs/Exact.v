@@ -54,7 +54,8 @@ Fixpoint homogeneous (e : expr) : bool :=
 (* Integers of [unit] bits for each factor: a value of degree d has to fit into unit*d bits, two's
    complement. *)
 Definition fits_limbs (unit l : N) (e : expr) : bool :=
-  N.ltb 0 (unit * N.of_nat (degree e)) && N.ltb (magnitude l e) (2 ^ (unit * N.of_nat (degree e) - 1)).
+  N.ltb 0 (unit * N.of_nat (degree e)) && N.ltb (magnitude l e) (2 ^ (unit * N.of_nat (degree e) -
+      1)).
 Definition integers_fit (unit l : N) (e : expr) : bool :=
   homogeneous e && forallb (fits_limbs unit l) (parts e).
 
@@ -65,7 +66,8 @@ Theorem integers_fit_spec unit l e z : integers_fit unit l e = true ->
 Proof.
   unfold integers_fit. intros H L. apply andb_prop in H. destruct H as [_ H].
   apply Forall_forall. intros p I. pose proof (proj1 (forallb_forall _ _) H p I) as F.
-  unfold fits_limbs in F. apply andb_prop in F. destruct F as [Z F]. apply N.ltb_lt in Z, F. pose proof (magnitude_spec l z p L) as M.
+  unfold fits_limbs in F. apply andb_prop in F. destruct F as [Z F]. apply N.ltb_lt in Z, F. pose
+      proof (magnitude_spec l z p L) as M.
   apply N2Z.inj_lt in F. rewrite N2Z.inj_pow in F. cbn zeta.
   replace (Z.of_N unit * Z.of_nat (degree p) - 1)%Z
     with (Z.of_N (unit * N.of_nat (degree p) - 1))

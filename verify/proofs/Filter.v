@@ -179,7 +179,8 @@ Lemma sizes_pos eta t : 0 <= eta -> 0 <= sizes eta c t.
 Proof. intros. destruct t; [assumption|apply largest_pos]. Qed.
 Lemma sizes_float eta t : float eta -> float (sizes eta c t).
 Proof.
-  intros. destruct t; [assumption|]. cbn [sizes]. apply (largest_is (fun r => float r)); [apply generic_format_0|].
+  intros. destruct t; [assumption|]. cbn [sizes]. apply (largest_is (fun r => float r)); [apply
+      generic_format_0|].
   intros. apply generic_format_abs, computed_float.
 Qed.
 (* The bound does not contain variable 0. *)
@@ -265,7 +266,8 @@ Proof.
     - destruct R as [R|R]; [easy|].
       refine (proj1 (bounded f x _ A FF 0 (Z.le_refl 0) (or_introl R) e' S' L' _)).
       intros H'. cbn [sizes] in H'. easy. }
-  assert (W2 : eta = 0 -> (0 <= q)%Z /\ (fraction q e <= 1074)%Z) by (intros Z; destruct (W Z); tauto).
+  assert (W2 : eta = 0 -> (0 <= q)%Z /\ (fraction q e <= 1074)%Z) by (intros Z; destruct (W Z);
+      tauto).
   clear W.
   induction e; cbn [all_fit parts] in *; apply andb_prop in V; destruct V as [V1 V2];
     (constructor; [apply G; auto; intros Z; apply (W2 Z)|]); try constructor;

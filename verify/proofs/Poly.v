@@ -206,7 +206,8 @@ Qed.
 Lemma peval_pmul_down p q : peval (pmul_down p q) <= peval p * peval q.
 Proof.
   induction p as [|[m c] p IH]; simpl; [lra|].
-  change (pmul_down ((m, c) :: p) q) with (padd (pscale cmul_down m c q) (pmul_down p q)). rewrite peval_padd.
+  change (pmul_down ((m, c) :: p) q) with (padd (pscale cmul_down m c q) (pmul_down p q)). rewrite
+      peval_padd.
   pose proof (pscale_down cmul_down m c q cmul_down_val). lra.
 Qed.
 Lemma peval_peps p : u * peval p <= peval (peps p).

@@ -193,7 +193,8 @@ Proof.
   pose proof (small_radius _ _ _ _ _ _ _ _ _ _ _ _ _ _ N) as R.
   pose proof (radius _ _ _ _ _ _ _ _ _ _ _ _ _ _ N) as Q. apply Rabs_le_inv in Q.
   pose proof least32_pos as P. pose proof least32_small as S.
-  set (w := r + tolerance) in *. assert (W : 16 * e <= w <= 2 + 16 * e) by (unfold w, tolerance, max_radius, e in *; lra).
+  set (w := r + tolerance) in *. assert (W : 16 * e <= w <= 2 + 16 * e) by (unfold w, tolerance,
+      max_radius, e in *; lra).
   assert (W0 : 0 <= w) by (unfold e in W; lra).
   destruct (rnd32_between w W0) as [F _]. pose proof (rnd32_pos w W0) as F0.
   set (f := rnd32 w) in *. destruct (rnd32_between (f * f) ltac:(apply Rmult_le_pos; lra)) as [G _].

@@ -213,7 +213,8 @@ Proof.
 Qed.
 
 (* The verdicts, for the true distance [l] of the query to the centre. *)
-Definition squared := distance2 (rnd32 qx' - rnd32 sx) (rnd32 qy' - rnd32 sy) (rnd32 qz' - rnd32 sz).
+Definition squared := distance2 (rnd32 qx' - rnd32 sx) (rnd32 qy' - rnd32 sy) (rnd32 qz' - rnd32
+    sz).
 Definition far := rnd32 (rnd32 r + tolerance).
 Definition nearer := rnd32 (rnd32 r - tolerance).
 Theorem cached_sphere_correct l :
