@@ -97,7 +97,7 @@ fn one_mesh_whatever_the_formats_and_threads() {
         assert_eq!(run.code, 0, "{}", run.stderr);
         assert_eq!(hash(&run), hash(&first), "{threads} threads");
         let text = std::fs::read_to_string(dir.path().join("t.json")).unwrap();
-        let report: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let report = json(&text);
         let workers = report["workers"].as_array().unwrap();
         assert_eq!(workers.len().to_string(), threads);
         assert!(workers.iter().any(|w| w["operations"].as_u64() > Some(0)), "{workers:?}");

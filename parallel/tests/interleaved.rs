@@ -114,7 +114,7 @@ fn run(points: Vec<Point>, plan: Plan, rule: Rule, migrations: u32, seed: u64) -
         blocks,
         setbacks: 0,
         committed: 0,
-        bytes: seed % 3 == 0,
+        bytes: seed.is_multiple_of(3),
     };
     let limit = STEPS_PER_POINT * (set.len() + 100);
     let mut steps = 0;
@@ -136,9 +136,7 @@ fn run(points: Vec<Point>, plan: Plan, rule: Rule, migrations: u32, seed: u64) -
         assert!(node.source().is_empty());
     }
     let meshes = world.nodes.into_iter().map(|node| node.into_parts().0).collect();
-    let whole =
-        gather(meshes, prepared.points, &prepared.numbers, prepared.duplicates, prepared.mode)
-            .expect("a whole mesh");
+    let whole = gather(meshes, prepared.common).expect("a whole mesh");
     invariants::check_all(&whole.mesh).expect("invariants");
     assert_eq!(whole.duplicates, expected.duplicates, "seed {seed}");
     assert_eq!(whole.mesh.hash().expect("a hash"), expected.mesh.hash().expect("a hash"));

@@ -24,7 +24,7 @@ mod wire;
 pub use blocks::Blocks;
 pub use field::Field;
 pub use gather::{GatherError, Gathered, gather};
-pub use start::{Plan, Prepared};
+pub use start::{Common, Plan, Prepared};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Site, To};
 
 use crate::protocol::{

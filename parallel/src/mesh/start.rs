@@ -7,7 +7,7 @@ use ltbw_core::build::independent;
 use ltbw_core::order::hilbert;
 use ltbw_core::part::Setting;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
-use ltbw_core::{BuildError, Builder, Mesh, Mode, Point, PointSet};
+use ltbw_core::{BuildError, Builder, Mesh, Mode, Point, PointSet, PredicateStats};
 
 /// Who names the tetrahedra of the coarse mesh: no worker has this number.
 const COARSE: WorkerId = WorkerId::MAX;
@@ -65,7 +65,10 @@ impl Plan {
             .zip(0..)
             .map(|((mesh, field), me)| (Directory::new(me, &owners), mesh, field))
             .collect();
-        Ok(Prepared { workers, points, numbers: order, duplicates, mode: set.mode(), setting })
+        let predicates = coarse.predicate_stats();
+        let mode = set.mode();
+        let common = Common { points, numbers: order, duplicates, mode, predicates };
+        Ok(Prepared { workers, common })
     }
 
     /// Ranks of the sample, ascending: evenly along the curve, with four affinely independent
@@ -113,11 +116,18 @@ impl Plan {
     }
 }
 
-/// Workers ready to run, and what is needed to put their submeshes together afterwards.
+/// Workers ready to run.
 #[derive(Debug)]
 pub struct Prepared {
     /// By worker: directory, submesh, points.
     pub workers: Vec<(Directory, LocalMesh, Field)>,
+    /// What is needed to put their submeshes together afterwards.
+    pub common: Common,
+}
+
+/// What no worker has: the whole set of points.
+#[derive(Debug)]
+pub struct Common {
     /// Kernel coordinates by vertex less 1.
     pub points: Vec<Point>,
     /// Input index by vertex less 1.
@@ -126,8 +136,8 @@ pub struct Prepared {
     pub duplicates: Vec<(VertexId, VertexId)>,
     /// How the points are computed with.
     pub mode: Mode,
-    /// Box, arithmetic and size of the whole mesh.
-    pub setting: Setting,
+    /// Predicate calls of the coarse mesh.
+    pub predicates: PredicateStats,
 }
 
 fn coarse_mesh(points: &[Point], sample: &[u32]) -> Result<Mesh, BuildError> {

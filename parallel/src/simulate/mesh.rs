@@ -125,7 +125,6 @@ pub fn simulate_as<C: Conduct>(
         .collect();
     let Simulation { workers, summary, events, trace } = simulate(workers, options)?;
     let meshes = workers.into_iter().map(|worker| worker.into_parts().0).collect();
-    let gathered =
-        gather(meshes, prepared.points, &prepared.numbers, prepared.duplicates, prepared.mode)?;
+    let gathered = gather(meshes, prepared.common)?;
     Ok(Meshed { gathered, summary, events, trace })
 }
