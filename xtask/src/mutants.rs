@@ -51,8 +51,8 @@ const GROUPS: [Group; 4] = [
         name: "kernel",
         lean: Lean {
             folder: "core",
-            modules: "build cavity generate geometry hash invariants locate mesh order part points \
-                      predicates raw snapshot sphere sync tetmesh topology",
+            modules: "build cavity domain generate geometry hash invariants locate mesh order part \
+                      points predicates query raw snapshot sphere sync tetmesh topology",
             cases: &["accessors", "counts", "kernel"],
         },
         files: &[
@@ -65,7 +65,7 @@ const GROUPS: [Group; 4] = [
             "src/sphere.rs",
             "src/topology.rs",
         ],
-        skip: &["predicates::"],
+        skip: &["predicates::", "query::"],
     },
     Group {
         name: "checker",
