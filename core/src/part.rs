@@ -326,6 +326,9 @@ impl<H: Copy + Eq> Part<H> {
     /// Is tetrahedron `t` in conflict with `p`?
     pub fn in_conflict(&mut self, t: TetId, p: &Point) -> bool {
         self.geometry.stats.insphere_calls += 1;
+        if let Some(sign) = self.geometry.cached_side(t, p) {
+            return sign.is_positive();
+        }
         let mut conflict = self.geometry.conflict_of(p);
         conflict.in_conflict(&self.topology, t)
     }
