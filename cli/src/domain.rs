@@ -86,7 +86,8 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     let passed = report.passed() && after.is_none();
     if let Some(path) = &args.json {
         let text = json_report(&file.domain, file.oriented, &report, &snapped, after.as_ref());
-        let text = serde_json::to_string_pretty(&text).map_err(|e| Failure::Other(e.to_string()))?;
+        let text =
+            serde_json::to_string_pretty(&text).map_err(|e| Failure::Other(e.to_string()))?;
         write_json(path, &(text + "\n"))?;
     }
     if passed {

@@ -18,11 +18,9 @@ fn fixture(name: &str) -> Domain {
 
 #[test]
 fn the_model_problems_are_sound_and_have_their_volumes() {
-    for (name, cells, volume) in [
-        ("model.poly", 2, "47/48"),
-        ("cubeincube.poly", 2, "485/512"),
-        ("tee.poly", 1, "47/16"),
-    ] {
+    for (name, cells, volume) in
+        [("model.poly", 2, "47/48"), ("cubeincube.poly", 2, "485/512"), ("tee.poly", 1, "47/16")]
+    {
         let domain = fixture(name);
         let report = domain.check(&CheckOptions::default()).unwrap();
         assert!(report.passed(), "{name}: {:?}", report.defects);
@@ -48,9 +46,7 @@ fn cubes(places: &[[f64; 3]]) -> Domain {
     let mut domain = Domain::default();
     for place in places {
         let first = domain.vertices.len() as u32;
-        domain.vertices.extend((0..8).map(|i| {
-            [0, 1, 2].map(|k| place[k] + f64::from(i >> k & 1))
-        }));
+        domain.vertices.extend((0..8).map(|i| [0, 1, 2].map(|k| place[k] + f64::from(i >> k & 1))));
         for face in BOX {
             domain.facets.push(Facet::polygon(&face.map(|v| v + first), 0));
         }
@@ -253,9 +249,8 @@ fn shells_in_shells_are_voids_and_islands() {
     let filled: Vec<bool> = report.cells.as_ref().unwrap().iter().map(|c| c.filled).collect();
     assert_eq!(filled.iter().filter(|&&f| f).count(), 2);
     assert_eq!(report.voids.len(), 2);
-    let prepared = domain
-        .prepare(&PrepareOptions { oriented: true, ..PrepareOptions::default() })
-        .unwrap();
+    let prepared =
+        domain.prepare(&PrepareOptions { oriented: true, ..PrepareOptions::default() }).unwrap();
     // With the hole points it is the same domain to those who know of no orientation.
     let plain = check(&prepared.domain, false);
     assert!(plain.passed(), "{:?}", plain.defects);

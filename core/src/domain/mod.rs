@@ -25,9 +25,9 @@ pub mod triangulate;
 use crate::Point;
 pub use check::{Cell, CheckOptions, DomainReport, Volume};
 pub use defect::{DefectKind, DomainDefect, DomainError, Element, Severity};
+pub use lattice::{Lattice, Move, Snapped};
 pub use prepare::{PrepareError, PrepareOptions, Prepared};
 pub use triangulate::{Problem, Triangulated};
-pub use lattice::{Lattice, Move, Snapped};
 
 /// A piecewise linear complex.
 #[derive(Debug, Clone, Default, PartialEq)]

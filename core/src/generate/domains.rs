@@ -339,9 +339,8 @@ fn tee() -> Domain {
 
 /// The integer triples from `low` to below `high`.
 fn grid(low: i64, high: i64) -> impl Iterator<Item = [i64; 3]> {
-    (low..high).flat_map(move |x| {
-        (low..high).flat_map(move |y| (low..high).map(move |z| [x, y, z]))
-    })
+    (low..high)
+        .flat_map(move |x| (low..high).flat_map(move |y| (low..high).map(move |z| [x, y, z])))
 }
 
 /// The squares that bound a union of grid cubes; its vertices are sorted.
@@ -350,8 +349,7 @@ fn union_of_cubes(cubes: &[[i64; 3]], size: f64, marker: i32) -> Domain {
     let mut squares: Vec<[[i64; 3]; 4]> = Vec::new();
     for &cube in cubes {
         for face in BOX {
-            let square =
-                face.map(|corner| [0, 1, 2].map(|k| cube[k] + i64::from(corner >> k & 1)));
+            let square = face.map(|corner| [0, 1, 2].map(|k| cube[k] + i64::from(corner >> k & 1)));
             // The axis across the square is the one in which its corners agree.
             let axis = (0..3).find(|&k| square.iter().all(|c| c[k] == square[0][k])).unwrap_or(0);
             let mut next = cube;
@@ -446,11 +444,8 @@ fn two_material() -> Domain {
         let polygons = vec![side.into_iter().rev().collect(), vec![4 + i, 4 + next]];
         facets.push(Facet { polygons, holes: Vec::new(), marker: 1 });
     }
-    let region = |x: f64, attribute, max_volume| Region {
-        seed: [x, 0.5, 0.5],
-        attribute,
-        max_volume,
-    };
+    let region =
+        |x: f64, attribute, max_volume| Region { seed: [x, 0.5, 0.5], attribute, max_volume };
     let regions = vec![region(0.5, 1.0, None), region(1.5, 2.0, Some(0.001))];
     Domain { vertices, facets, regions, ..Domain::default() }
 }

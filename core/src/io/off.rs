@@ -8,9 +8,7 @@
 
 use super::error::{ParseError, Reason, excerpt};
 use super::surface::{Corners, Surface};
-use super::text::{
-    Line, Lines, capacity, count, point, push_integer, push_point, write_rows,
-};
+use super::text::{Line, Lines, capacity, count, point, push_integer, push_point, write_rows};
 use super::{DomainFile, Point, PointFile};
 use std::io::Write;
 

@@ -102,7 +102,12 @@ fn region(found: usize, fields: &mut Values<'_>) -> Result<Region, Reason> {
 }
 
 impl<'a> Reader<'a> {
-    fn next(&mut self, what: &'static str, announced: u64, found: u64) -> Result<Line<'a>, ParseError> {
+    fn next(
+        &mut self,
+        what: &'static str,
+        announced: u64,
+        found: u64,
+    ) -> Result<Line<'a>, ParseError> {
         let reason = Reason::Truncated { what, announced, found };
         self.lines.next().ok_or_else(|| ParseError::at(self.bytes, self.bytes.len(), reason))
     }

@@ -105,9 +105,7 @@ fn read_binary(body: &[u8], count: u32) -> Result<Distinct, ParseError> {
         let (corners, _) = numbers.as_chunks::<3>();
         for corner in corners {
             let p = corner.map(|c| f64::from(f32::from_le_bytes(c)));
-            let at = |reason| {
-                ParseError::new(Place::Byte((HEADER + t * TRIANGLE) as u64), reason)
-            };
+            let at = |reason| ParseError::new(Place::Byte((HEADER + t * TRIANGLE) as u64), reason);
             if let Some(c) = p.iter().find(|c| !c.is_finite()) {
                 return Err(at(Reason::NotFinite(c.to_string())));
             }

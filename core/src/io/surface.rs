@@ -5,7 +5,7 @@
 
 use super::error::{DataError, Reason, excerpt};
 use super::text::integer;
-use super::{DomainFile, Encoding, Format, off, obj, ply, stl};
+use super::{DomainFile, Encoding, Format, obj, off, ply, stl};
 use crate::Point;
 use crate::domain::{Domain, Facet, triangulate};
 use std::borrow::Cow;

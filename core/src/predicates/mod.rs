@@ -184,8 +184,7 @@ pub(crate) fn orient2d(a: &Point, b: &Point, c: &Point, plane: [usize; 2]) -> Si
 /// Where the projection of `d` lies with respect to the circle through those of `a, b, c`, which
 /// are oriented positively: positive inside.
 pub(crate) fn incircle(a: &Point, b: &Point, c: &Point, d: &Point, plane: [usize; 2]) -> Sign {
-    filter::incircle_any(a, b, c, d, plane)
-        .unwrap_or_else(|| exact::incircle(a, b, c, d, plane))
+    filter::incircle_any(a, b, c, d, plane).unwrap_or_else(|| exact::incircle(a, b, c, d, plane))
 }
 
 /// The order of the symbolic perturbation: by x, then y, then z. `-0.0` equals `0.0`.

@@ -6,6 +6,7 @@ use super::measure::{diametral_side, equatorial_side};
 use super::split::Step;
 use super::state::{FACE, State};
 use super::*;
+use crate::CancelToken;
 use crate::cavity::Role;
 use crate::domain::{Domain, PrepareOptions, Prepared};
 use crate::generate::{DomainKind, Shape, generate_domain};
@@ -13,7 +14,6 @@ use crate::invariants::check_all;
 use crate::mesh::Mesh;
 use crate::predicates::Sign;
 use crate::topology::{TetId, VertexId};
-use crate::CancelToken;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 fn ready(kind: DomainKind, shape: &Shape) -> Prepared {
@@ -152,9 +152,8 @@ fn regions_have_their_own_bounds_and_holes_are_left_out() {
     let count = |region| refined.tets().filter(|&t| refined.region(t) == region).count();
     assert!(count(1) > 3 * count(2), "{} {}", count(1), count(2));
     let mesh = refined.to_tet_mesh(false);
-    let volume = |t: &[u32; 4]| {
-        crate::quality::TetQuality::of(t.map(|v| &mesh.points[v as usize])).volume
-    };
+    let volume =
+        |t: &[u32; 4]| crate::quality::TetQuality::of(t.map(|v| &mesh.points[v as usize])).volume;
     let sum: f64 = mesh.tets.iter().map(volume).sum();
     assert!((sum - 2.0).abs() < 1e-12, "{sum}");
     let whole = refine(&Refiner::new(), &model());
@@ -282,7 +281,8 @@ fn transactions_are_idempotent_and_a_refusal_changes_nothing() {
 
 #[test]
 fn every_point_is_on_its_carrier() {
-    let refined = refine(&Refiner::new().max_volume(2e-3), &ready(DomainKind::Gear, &Shape::default()));
+    let refined =
+        refine(&Refiner::new().max_volume(2e-3), &ready(DomainKind::Gear, &Shape::default()));
     let state = &refined.state;
     let (mut on_segments, mut on_facets) = (0, 0);
     for (v, &carrier) in (0..).zip(&state.carriers).skip(1) {

@@ -76,9 +76,9 @@ fn edges(complex: &Complex<'_>) -> Vec<Side> {
         .into_par_iter()
         .flat_map_iter(|t| {
             let edges = sides_of(complex.triangles[t as usize]);
-            (0..3_u8).zip(edges).map(move |(k, [a, b])| {
-                (u64::from(a.min(b)) << 32 | u64::from(a.max(b)), t, k)
-            })
+            (0..3_u8)
+                .zip(edges)
+                .map(move |(k, [a, b])| (u64::from(a.min(b)) << 32 | u64::from(a.max(b)), t, k))
         })
         .collect();
     sides.par_sort_unstable();
@@ -93,8 +93,7 @@ fn ends(edge: u64) -> [u32; 2] {
 /// triangles count: their neighbours are not at fault.
 pub(super) fn open_edges(complex: &Complex<'_>, findings: &mut Findings) {
     let key = |[a, b]: [u32; 2]| u64::from(a.min(b)) << 32 | u64::from(a.max(b));
-    let broken: std::collections::HashSet<u64> =
-        complex.broken.iter().map(|&e| key(e)).collect();
+    let broken: std::collections::HashSet<u64> = complex.broken.iter().map(|&e| key(e)).collect();
     let sides = edges(complex);
     for group in sides.chunk_by(|a, b| a.0 == b.0) {
         if let [(edge, t, _)] = group
@@ -113,8 +112,7 @@ pub(super) fn leak(
     kind: DefectKind,
     findings: &mut Findings,
 ) {
-    let elements =
-        vec![Element::Edge(edge), Element::Facet(complex.facet_of[triangle as usize])];
+    let elements = vec![Element::Edge(edge), Element::Facet(complex.facet_of[triangle as usize])];
     findings.add(kind, elements, edge.map(|v| complex.points[v as usize]).to_vec());
 }
 
@@ -218,11 +216,7 @@ fn non_manifold(complex: &Complex<'_>, group: &[Side], findings: &mut Findings) 
 }
 
 /// Unites the cells of shells that are in one another; returns a side of the outside.
-fn join_shells(
-    complex: &Complex<'_>,
-    index: &RTree<Piece>,
-    sets: &mut Sets,
-) -> Option<u32> {
+fn join_shells(complex: &Complex<'_>, index: &RTree<Piece>, sets: &mut Sets) -> Option<u32> {
     let mut outside = None;
     let shells = shells(complex, sets);
     let casts: Vec<Option<Vec<Hit>>> =

@@ -58,9 +58,9 @@ impl<'a> Contacts<'a> {
 
     fn inside_in_plane(self, t: Triangle, p: &Point) -> bool {
         let (axes, turn) = self.axes(t);
-        sides_of(t).iter().all(|&[a, b]| {
-            orient2d(self.at(a), self.at(b), p, axes) * turn != Sign::Negative
-        })
+        sides_of(t)
+            .iter()
+            .all(|&[a, b]| orient2d(self.at(a), self.at(b), p, axes) * turn != Sign::Negative)
     }
 
     /// Is a vertex on the line segment, ends included?
@@ -141,9 +141,8 @@ impl<'a> Contacts<'a> {
             [_, Sign::Zero] => self.inside(t, e[1]).then_some(Contact::Touch(e[1])),
             [a, b] if a == b => None,
             _ => {
-                let past = |[b, c]: Edge| {
-                    orient3d(self.at(e[0]), self.at(e[1]), self.at(b), self.at(c))
-                };
+                let past =
+                    |[b, c]: Edge| orient3d(self.at(e[0]), self.at(e[1]), self.at(b), self.at(c));
                 let past = sides_of(t).map(past);
                 let has = |sign| past.contains(&sign);
                 if has(Sign::Positive) && has(Sign::Negative) {

@@ -163,7 +163,11 @@ impl Volume {
         }
         // The other factor of six is one of the units; the numerator is odd (or zero).
         let exponent = if numerator.is_zero() { 0 } else { self.exponent - 1 };
-        if exponent >= 0 { numerator <<= exponent } else { denominator <<= -exponent }
+        if exponent >= 0 {
+            numerator <<= exponent
+        } else {
+            denominator <<= -exponent
+        }
         [numerator, denominator]
     }
 }

@@ -1,13 +1,13 @@
 //! Every two pieces whose boxes meet, and the contacts between them.
 
-use super::complex::{Complex, Piece, Shape};
-use super::contact::{Contact, Contacts};
 use super::super::{DefectKind, Element};
 use super::Findings;
+use super::complex::{Complex, Piece, Shape};
+use super::contact::{Contact, Contacts};
 use rayon::prelude::*;
 use rstar::RTree;
-use std::collections::HashSet;
 use rstar::RTreeObject;
+use std::collections::HashSet;
 
 /// After so many contacts the rest is not looked for: the domain is beyond repair, and a heap of
 /// overlapping triangles would have quadratically many.

@@ -97,11 +97,7 @@ fn common(p: [Point; 3], q: [Point; 3]) -> Vec<Rational> {
     let q = q.map(|c| integers(&c));
     let normal = cross(minus(q[1], q[0]), minus(q[2], q[0]));
     let own = plane(normal, q[0]);
-    let mut part: Vec<Rational> = p
-        .iter()
-        .map(integers)
-        .map(|[x, y, z]| [x, y, z, 1])
-        .collect();
+    let mut part: Vec<Rational> = p.iter().map(integers).map(|[x, y, z]| [x, y, z, 1]).collect();
     part = clip(&part, &own);
     part = clip(&part, &own.map(|c| -c));
     for k in 0..3 {
@@ -114,9 +110,7 @@ fn common(p: [Point; 3], q: [Point; 3]) -> Vec<Rational> {
 /// Do the points lie in no line?
 fn has_area(points: &[Rational]) -> bool {
     let Some((a, rest)) = points.split_first() else { return false };
-    let from = |p: &Rational| -> [i128; 3] {
-        std::array::from_fn(|k| p[k] * a[3] - a[k] * p[3])
-    };
+    let from = |p: &Rational| -> [i128; 3] { std::array::from_fn(|k| p[k] * a[3] - a[k] * p[3]) };
     rest.iter().any(|b| rest.iter().any(|c| cross(from(b), from(c)) != [0; 3]))
 }
 
@@ -165,9 +159,9 @@ fn agree(points: &[Point], shared: usize) -> Result<(), TestCaseError> {
     let mut numbers: Vec<u32> = p.into_iter().chain(q).collect();
     numbers.sort_unstable();
     numbers.dedup();
-    let distinct = numbers.iter().all(|&v| {
-        numbers.iter().all(|&w| v == w || points[v as usize] != points[w as usize])
-    });
+    let distinct = numbers
+        .iter()
+        .all(|&v| numbers.iter().all(|&w| v == w || points[v as usize] != points[w as usize]));
     prop_assume!(distinct && !flat(p) && !flat(q));
     let (illegal, area) = oracle(points, p, q);
     for (one, other) in [(p, q), (q, p), ([p[1], p[2], p[0]], [q[2], q[1], q[0]])] {

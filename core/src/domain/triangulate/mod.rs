@@ -193,12 +193,7 @@ fn frame(points: &[Point], vertices: &[u32]) -> Option<([u32; 3], [usize; 2])> {
 }
 
 /// The general case.
-fn by_plane(
-    points: &[Point],
-    facet: &Facet,
-    vertices: &[u32],
-    axes: [usize; 2],
-) -> Triangulated {
+fn by_plane(points: &[Point], facet: &Facet, vertices: &[u32], axes: [usize; 2]) -> Triangulated {
     let local = |v: u32| vertices.partition_point(|&w| w < v) as u32;
     let coordinates = vertices.iter().map(|&v| points[v as usize]).collect();
     let global = |v: u32| vertices[v as usize];

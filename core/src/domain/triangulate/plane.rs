@@ -240,9 +240,7 @@ impl Plane {
         self.corners[u as usize] = [c, d, b];
         self.neighbours[t as usize] = [across_b, below_b, u];
         self.neighbours[u as usize] = [below_a, across_a, t];
-        for (outer, edge, now) in
-            [(below_b, [a, d], t), (across_a, [b, c], u)]
-        {
+        for (outer, edge, now) in [(below_b, [a, d], t), (across_a, [b, c], u)] {
             if outer != NONE {
                 let place = self.opposite_of(outer, edge);
                 self.neighbours[outer as usize][place] = now;
@@ -368,9 +366,7 @@ impl Plane {
     pub(super) fn remove_outside(&mut self) {
         let count = self.corners.len() as u32;
         for t in 0..count {
-            let open = |&k: &usize| {
-                self.neighbours[t as usize][k] == NONE && !self.is_forced(t, k)
-            };
+            let open = |&k: &usize| self.neighbours[t as usize][k] == NONE && !self.is_forced(t, k);
             if (0..3).any(|k| open(&k)) {
                 self.remove_from(t);
             }

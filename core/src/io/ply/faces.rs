@@ -77,10 +77,7 @@ fn faces(body: &mut Body<'_>, element: &Element) -> Result<Faces, ParseError> {
 }
 
 /// One face; its errors are `None` where the file ends.
-fn face(
-    body: &mut Body<'_>,
-    element: &Element,
-) -> Result<(Vec<i64>, Option<i32>), Option<Reason>> {
+fn face(body: &mut Body<'_>, element: &Element) -> Result<(Vec<i64>, Option<i32>), Option<Reason>> {
     let (mut corners, mut marker) = (Vec::new(), None);
     let whole = |value: f64| {
         exact_integer(value).ok_or_else(|| Some(Reason::NotAnInteger(format!("{value:?}"))))
