@@ -341,13 +341,16 @@ impl<'a> Refinement<'a> {
         if on_boundary || !state.touched.edges.is_empty() || !state.touched.inner.is_empty() {
             self.update_boundary(p, split, changes, work);
         }
+        let uncertain = !self.state.missing.is_empty() || !self.dirty.is_empty();
         if let Some(bounds) = &self.bounds {
             for &t in &self.created {
                 let v = self.state.vertices(t);
                 if v[3] == INFINITE {
                     continue;
                 }
-                if !self.state.missing.is_empty() {
+                // What replaces tetrahedra of uncertain region is uncertain, too, even when it
+                // brings the last missing subface back.
+                if uncertain {
                     self.dirty.push((t, v));
                 } else if let Some(weight) = bounds.excess(&self.state, t) {
                     work.put(Item::Tet(t, v), weight);
