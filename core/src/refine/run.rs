@@ -155,12 +155,24 @@ impl<'a> Refiner<'a> {
     /// # Errors
     /// [`RefineError`] says why there is no mesh of the domain.
     pub fn refine(&self, domain: &Domain, lattice: &Lattice) -> Result<Refined, RefineError> {
+        let (mut run, regions) = self.recovered(domain, lattice)?;
+        let clock = Instant::now();
+        run.refine(domain)?;
+        run.stats.refine_seconds = clock.elapsed().as_secs_f64();
+        Ok(run.finish(regions, *lattice))
+    }
+
+    /// The mesh with the boundary and the regions, and what there is to do in it.
+    pub(super) fn recovered(
+        &self,
+        domain: &Domain,
+        lattice: &Lattice,
+    ) -> Result<(Run<'a>, Vec<RegionInfo>), RefineError> {
         let clock = Instant::now();
         self.check_bounds(lattice)?;
         let plc = Plc::new(domain, lattice)?;
         let (mesh, kernel) = first_mesh(&plc, lattice)?;
-        let numbers = &mesh.numbers;
-        let carriers = numbers.iter().map(|&c| Carrier::Corner(c)).collect();
+        let carriers = mesh.numbers.iter().map(|&c| Carrier::Corner(c)).collect();
         let next_number = plc.corners.len() as Vertex;
         let floor = self.floor_in_steps(domain, lattice);
         let mut run = Run {
@@ -174,12 +186,10 @@ impl<'a> Refiner<'a> {
         };
         run.recover(&kernel)?;
         let regions = run.refinement.state.flood(&domain.holes, &domain.regions)?;
-        run.stats.recover_seconds = clock.elapsed().as_secs_f64();
-        let clock = Instant::now();
         run.refinement.bounds = Some(self.bounds(&regions, lattice));
-        run.refine(domain)?;
-        run.stats.refine_seconds = clock.elapsed().as_secs_f64();
-        Ok(run.finish(regions, *lattice))
+        run.put_all();
+        run.stats.recover_seconds = clock.elapsed().as_secs_f64();
+        Ok((run, regions))
     }
 
     /// Bounds that no mesh can meet are errors.
@@ -257,10 +267,10 @@ fn first_mesh(plc: &Plc, lattice: &Lattice) -> Result<(Mesh, Vec<VertexId>), Ref
 }
 
 /// One refinement under way.
-struct Run<'a> {
+pub(super) struct Run<'a> {
     refiner: Refiner<'a>,
-    refinement: Refinement<'a>,
-    work: Queues,
+    pub(super) refinement: Refinement<'a>,
+    pub(super) work: Queues,
     stats: RefineStats,
     steps: u64,
     /// The most points to insert.
@@ -289,7 +299,6 @@ impl Run<'_> {
 
     /// Splits tetrahedra until none is over its bounds, boundary items first.
     fn refine(&mut self, domain: &Domain) -> Result<(), RefineError> {
-        self.put_all();
         loop {
             if let Some(item) = self.work.next_boundary() {
                 self.step(item)?;
@@ -385,7 +394,8 @@ impl Run<'_> {
 
     /// Collects what is over its bounds.
     fn finish(self, regions: Vec<RegionInfo>, lattice: Lattice) -> Refined {
-        let Refinement { state, bounds, refused, .. } = self.refinement;
+        let Refinement { mut state, bounds, refused, next_number, .. } = self.refinement;
+        state.mesh.next_number = next_number;
         let mut excuses = Vec::new();
         if let Some(bounds) = &bounds {
             for t in state.mesh.tet_ids().filter(|&t| bounds.excess(&state, t).is_some()) {
@@ -430,7 +440,7 @@ pub struct Refined {
     pub stats: RefineStats,
     /// The lattice of all points.
     pub lattice: Lattice,
-    state: State,
+    pub(super) state: State,
 }
 
 impl Refined {

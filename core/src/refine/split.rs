@@ -157,7 +157,7 @@ impl<'a> Refinement<'a> {
                 Some(change) => changes.push(change),
                 None => {
                     self.state.mesh.set_back();
-                    return Step::Refused(Reason::Rounding);
+                    return Step::Refused(reason.unwrap_or(Reason::Rounding));
                 }
             }
         }
@@ -182,6 +182,7 @@ impl<'a> Refinement<'a> {
         if square < self.floor * self.floor {
             return Step::Refused(Reason::Floor);
         }
+        let reason = self.state.angles.facet_reason.get(&f).copied();
         for tolerance in [square.sqrt() * TOLERANCE, 1.0] {
             let plane = self.state.plc.facets[f as usize].plane;
             let Some(p) = plane.near(&centre, tolerance) else { continue };
@@ -191,7 +192,6 @@ impl<'a> Refinement<'a> {
                 Err(Step::Refused(_)) => continue,
                 Err(step) => return step,
             }
-            let reason = self.state.angles.facet_reason.get(&f).copied();
             if let Some(reason) = reason.filter(|_| self.is_too_near(item, &p)) {
                 self.state.mesh.set_back();
                 return Step::Refused(reason);
@@ -209,7 +209,7 @@ impl<'a> Refinement<'a> {
             }
             self.state.mesh.set_back();
         }
-        Step::Refused(Reason::Rounding)
+        Step::Refused(reason.unwrap_or(Reason::Rounding))
     }
 
     /// Rule 3: a tetrahedron is split near its circumcentre, unless that encroaches a subsegment or
@@ -296,12 +296,17 @@ impl<'a> Refinement<'a> {
             true => subfaces.collect(),
             false => segments.collect(),
         };
-        let mut reason = Reason::Rounding;
+        let mut reason = match item {
+            Item::Tet(_, v) => self.state.reason_near(v),
+            _ => Reason::Rounding,
+        };
         for first in all {
             if let Some(refusal) = self.refused.get(&first) {
                 let again = limit.zip(refusal.limit).is_some_and(|(new, old)| new < 0.99 * old);
                 if !again {
-                    reason = refusal.reason;
+                    if refusal.reason != Reason::Rounding {
+                        reason = refusal.reason;
+                    }
                     continue;
                 }
                 self.refused.remove(&first);
@@ -336,13 +341,16 @@ impl<'a> Refinement<'a> {
         if on_boundary || !state.touched.edges.is_empty() || !state.touched.inner.is_empty() {
             self.update_boundary(p, split, changes, work);
         }
+        let uncertain = !self.state.missing.is_empty() || !self.dirty.is_empty();
         if let Some(bounds) = &self.bounds {
             for &t in &self.created {
                 let v = self.state.vertices(t);
                 if v[3] == INFINITE {
                     continue;
                 }
-                if !self.state.missing.is_empty() {
+                // What replaces tetrahedra of uncertain region is uncertain, too, even when it
+                // brings the last missing subface back.
+                if uncertain {
                     self.dirty.push((t, v));
                 } else if let Some(weight) = bounds.excess(&self.state, t) {
                     work.put(Item::Tet(t, v), weight);

@@ -46,6 +46,31 @@ impl FlatFacet {
         })
     }
 
+    /// The plane: its normal without common divisors, the first entry that is not zero positive,
+    /// and its scalar product with the plane's points.
+    pub(crate) fn plane(&self, corners: &[Whole]) -> ([BigInt; 3], BigInt) {
+        let [o, a, b] = self.frame.map(|v| corners[v as usize].map(BigInt::from));
+        let (p, q) = ([0, 1, 2].map(|k| &a[k] - &o[k]), [0, 1, 2].map(|k| &b[k] - &o[k]));
+        let n = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &p[i] * &q[j] - &p[j] * &q[i]);
+        let mut divisor = BigInt::ZERO;
+        for c in &n {
+            let (mut x, mut y) = (divisor, c.clone());
+            // Euclid: ends because the remainders shrink.
+            while y != BigInt::ZERO {
+                (x, y) = (y.clone(), x % y);
+            }
+            divisor = x;
+        }
+        let negative = n.iter().find(|c| **c != BigInt::ZERO).is_some_and(|c| *c < BigInt::ZERO);
+        if negative != (divisor < BigInt::ZERO) {
+            divisor = -divisor;
+        }
+        // The corners are not collinear, so the divisor is not zero.
+        let n = n.map(|c| c / &divisor);
+        let level = n.iter().zip(&o).map(|(x, y)| x * y).sum();
+        (n, level)
+    }
+
     /// Is the centroid of a triangle in the facet?
     pub(crate) fn holds_centroid(&self, corners: [Whole; 3]) -> bool {
         let centre = self.axes.map(|k| corners.iter().map(|p| p[k]).sum());

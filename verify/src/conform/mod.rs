@@ -5,10 +5,12 @@
 //! 1. the mesh is sound: structure, positive orientation, no fold, every interior face locally
 //!    Delaunay (the tests of [`crate::check`]; the hull of a domain need not be convex);
 //! 2. every vertex of the domain is a vertex of the mesh;
-//! 3. every edge of every facet, and every segment, is a chain of edges of the mesh;
-//! 4. every facet is *tiled*: the faces of the mesh that lie in its plane and inside its polygons
-//!    have the facet's area, in integers. By 3 no face crosses the outline, and faces of a sound
-//!    mesh do not overlap, so equal area leaves no gap;
+//! 3. every edge of every facet, and every segment, is a chain of edges of the mesh. Where two
+//!    polygons of one plane meet along an edge and nothing else does, the facet simply continues:
+//!    such an edge need not be there. Facets of one plane are looked at together;
+//! 4. every plane's facets are *tiled*: the faces of the mesh that lie in the plane and inside
+//!    their polygons have their area, in integers. By 3 no face crosses the outline, and faces of
+//!    a sound mesh do not overlap, so equal area leaves no gap;
 //! 5. every face of only one tetrahedron lies on a facet;
 //! 6. tetrahedra that no facet separates have one tag; no tetrahedron holds the point of a hole;
 //!    every region's seed is in one;
@@ -83,7 +85,7 @@ pub enum Breach {
     SegmentBroken,
     /// A facet's corners are collinear. `ids`: the facet.
     FacetDegenerate,
-    /// The faces of the mesh do not tile a facet. `ids`: the facet.
+    /// The faces of the mesh do not tile the facets of one plane. `ids`: the first of these.
     FacetNotTiled,
     /// A face of one tetrahedron is on no facet. `ids`: the tetrahedron, and the face's vertices.
     HullFaceOffFacet,
@@ -266,9 +268,10 @@ impl Run<'_> {
             }
             facets.push(flat);
         }
+        let groups = groups(&facets, &corners);
         let on = self.vertices_on(&facets, &corners, points, &used);
-        self.edges(&corners, points, &on);
-        self.tiles(&facets, points, faces, &on)
+        self.edges(&corners, points, &on, &groups);
+        self.tiles(&facets, points, faces, &on, &groups)
     }
 
     /// Per vertex of the mesh the facets in whose plane and box it lies, ascending.
@@ -322,8 +325,28 @@ impl Run<'_> {
         on
     }
 
+    /// The edges inside the facets of one plane: of exactly two polygons there, and nothing else.
+    fn continued(&self, groups: &[u32]) -> HashSet<[u32; 2]> {
+        let mut uses: HashMap<[u32; 2], Vec<Option<u32>>> = HashMap::new();
+        for (f, facet) in self.plc.facets.iter().enumerate() {
+            for polygon in &facet.polygons {
+                let group = (polygon.len() > 2).then_some(groups[f]);
+                for (k, &a) in polygon.iter().enumerate() {
+                    let key = edge(a, polygon[(k + 1) % polygon.len()]);
+                    uses.entry(key).or_default().push(group);
+                }
+            }
+        }
+        for &[a, b] in &self.plc.segments {
+            uses.entry(edge(a, b)).or_default().push(None);
+        }
+        let inner = |uses: &[Option<u32>]| matches!(uses, [Some(a), Some(b)] if a == b);
+        uses.into_iter().filter(|(_, u)| inner(u)).map(|(edge, _)| edge).collect()
+    }
+
     /// Every edge of a polygon and every segment is a chain of edges of the mesh.
-    fn edges(&mut self, corners: &[Whole], points: &[Whole], on: &[Vec<u32>]) {
+    fn edges(&mut self, corners: &[Whole], points: &[Whole], on: &[Vec<u32>], groups: &[u32]) {
+        let continued = self.continued(groups);
         let mut by_facet: Vec<Vec<u32>> = vec![Vec::new(); self.plc.facets.len()];
         for (v, facets) in (0u32..).zip(on) {
             facets.iter().for_each(|&f| by_facet[f as usize].push(v));
@@ -347,7 +370,10 @@ impl Run<'_> {
         for (f, facet) in self.plc.facets.iter().enumerate() {
             for polygon in &facet.polygons {
                 for (k, &a) in polygon.iter().enumerate() {
-                    want([a, polygon[(k + 1) % polygon.len()]], &by_facet[f]);
+                    let b = polygon[(k + 1) % polygon.len()];
+                    if !continued.contains(&edge(a, b)) {
+                        want([a, b], &by_facet[f]);
+                    }
                 }
             }
         }
@@ -363,14 +389,27 @@ impl Run<'_> {
         broken.iter().for_each(|ends| self.add(Breach::SegmentBroken, ends));
     }
 
-    /// The faces on each facet have its area. Returns their codes, from both sides.
+    /// The faces on the facets of each plane have their area. Returns their codes, from both sides.
     fn tiles(
         &mut self,
         facets: &[Option<FlatFacet>],
         points: &[Whole],
         faces: &Faces,
         on: &[Vec<u32>],
+        groups: &[u32],
     ) -> HashSet<u32> {
+        // A face may cross from one facet of its plane to the next: by groups, then.
+        let on: Vec<Vec<u32>> = on
+            .iter()
+            .map(|facets| {
+                let mut planes: Vec<u32> = facets.iter().map(|&f| groups[f as usize]).collect();
+                planes.sort_unstable();
+                planes.dedup();
+                planes
+            })
+            .collect();
+        let mut members: Vec<Vec<u32>> = vec![Vec::new(); facets.len()];
+        (0u32..).zip(groups).for_each(|(f, &g)| members[g as usize].push(f));
         let mut areas: Vec<BigInt> = vec![BigInt::ZERO; facets.len()];
         let mut codes = HashSet::new();
         for (t, tet) in self.mesh.tets.iter().enumerate() {
@@ -385,10 +424,11 @@ impl Run<'_> {
                 let [a, b, c] = corners.map(|v| &on[v as usize]);
                 let places = corners.map(|v| points[v as usize]);
                 let mut found = false;
-                for &f in a.iter().filter(|f| b.contains(f) && c.contains(f)) {
-                    let Some(flat) = &facets[f as usize] else { continue };
-                    if flat.holds_centroid(places) {
-                        areas[f as usize] += flat.area_of(places);
+                for &g in a.iter().filter(|g| b.contains(g) && c.contains(g)) {
+                    let mut flats =
+                        members[g as usize].iter().filter_map(|&f| facets[f as usize].as_ref());
+                    if let Some(flat) = flats.find(|flat| flat.holds_centroid(places)) {
+                        areas[g as usize] += flat.area_of(places);
                         found = true;
                     }
                 }
@@ -399,9 +439,12 @@ impl Run<'_> {
                 }
             }
         }
-        for (f, (flat, area)) in (0u32..).zip(facets.iter().zip(areas)) {
-            if flat.as_ref().is_some_and(|flat| flat.area() != area) {
-                self.add(Breach::FacetNotTiled, &[f]);
+        for (list, area) in members.iter().zip(areas) {
+            let flats = list.iter().filter_map(|&f| facets[f as usize].as_ref());
+            if let Some(&first) = list.first()
+                && flats.map(FlatFacet::area).sum::<BigInt>() != area
+            {
+                self.add(Breach::FacetNotTiled, &[first]);
             }
         }
         codes
@@ -512,6 +555,16 @@ impl Run<'_> {
         self.out.tets = self.mesh.tets.len() as u64;
         parts.into_iter().flatten().for_each(|(breach, t)| self.add(breach, &[t]));
     }
+}
+
+/// Per facet the first one of its plane.
+fn groups(facets: &[Option<FlatFacet>], corners: &[Whole]) -> Vec<u32> {
+    let mut planes: HashMap<([BigInt; 3], BigInt), u32> = HashMap::new();
+    let group = |(f, flat): (u32, &Option<FlatFacet>)| match flat {
+        Some(flat) => *planes.entry(flat.plane(corners)).or_insert(f),
+        None => f,
+    };
+    (0u32..).zip(facets).map(group).collect()
 }
 
 /// Is `p` in the closed tetrahedron `t`?
