@@ -1,6 +1,7 @@
 //! `model-check`: the models of `verify/models`, three times: as they are (all states of small
 //! worlds, the museum, random runs), under loom, and under shuttle. The flags `--cfg loom` and
-//! `--cfg shuttle` rebuild everything, so that each has a target folder of its own.
+//! `--cfg shuttle` rebuild everything, so that each has a target folder of its own, and is built
+//! fast rather than well.
 //!
 //! Every model prints lines `row: MODEL | BOUNDS | EXPLORED | OUTCOME`; they are put together in a
 //! table at the end.
@@ -47,7 +48,8 @@ fn run_part(
         command
             .env("RUSTFLAGS", format!("{flags} --cfg {flag}").trim_start())
             .env("CARGO_TARGET_DIR", target().join(flag))
-            .env("CARGO_PROFILE_DEV_DEBUG", "0");
+            .env("CARGO_PROFILE_DEV_DEBUG", "0")
+            .env("CARGO_PROFILE_DEV_OPT_LEVEL", "1");
     }
     if deep {
         command.env("LTBW_DEEP", "1");

@@ -407,7 +407,8 @@ impl<C: Exhibit> Submesh for Hull<C> {
     }
 
     fn is_block_locked(&self, block: BlockId) -> bool {
-        self.cells().any(|cell| cell.piece.block() == block && cell.holder.is_some())
+        let touches = |e: &Piece| e.block() == block || e.links.iter().any(|l| l.block == block);
+        self.cells().any(|cell| touches(&cell.piece) && cell.holder.is_some())
     }
 
     fn extract(&mut self, block: BlockId, moved: &mut dyn FnMut(u8, Handle)) -> Vec<Piece> {

@@ -1,6 +1,6 @@
 //! Random worlds, for sizes that cannot be explored: one seed is one world.
 
-use crate::hull::Vertex;
+use crate::hull::{Vertex, orient};
 use crate::world::{World, brute_force};
 use ltbw::protocol::Rule;
 
@@ -87,10 +87,23 @@ fn convex(rng: &mut Rng, blocks: usize) -> (Vec<Vertex>, Vec<Vertex>) {
         angle = turn * random;
         points.push(place(3_100 + far, angle).0);
     }
+    // No three in a line, so that every subset has one hull: a cancelled run stops at any.
+    for k in (0..points.len()).rev() {
+        let others: Vec<Vertex> = polygon.iter().chain(&points).copied().collect();
+        if is_in_line(points[k], &others) {
+            points.swap_remove(k);
+        }
+    }
     let all: Vec<Vertex> = polygon.iter().chain(&points).copied().collect();
     let hull = brute_force(&all);
     points.retain(|p| hull.iter().any(|edge| edge[0] == *p));
     points.sort_unstable();
     points.dedup_by_key(|p| (p.x, p.y));
     (polygon, points)
+}
+
+/// Is `p` in a line with two of `others`, among which it may be itself?
+fn is_in_line(p: Vertex, others: &[Vertex]) -> bool {
+    let others: Vec<Vertex> = others.iter().filter(|v| **v != p).copied().collect();
+    others.iter().enumerate().any(|(k, &a)| others[..k].iter().any(|&b| orient(a, b, p) == 0))
 }

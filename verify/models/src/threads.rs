@@ -22,6 +22,9 @@ use shuttle::thread;
 /// Units of local work between two looks at the mailbox.
 const BURST: usize = 2;
 
+/// Rounds of a worker's loop after which it lets the others run.
+const PATIENCE: u32 = 64;
+
 /// What happened in a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Seen {
@@ -47,8 +50,14 @@ fn work<C: Exhibit>(
     let mut seen = BTreeSet::new();
     let (mut inbox, mut actions) = (Vec::new(), Vec::new());
     let mut moves = moves.iter().copied().peekable();
-    // Ends: the protocol does.
+    let mut rounds = 0;
+    // Ends: the protocol does, if every thread runs at last. PCT by itself starves threads of low
+    // priority while the token or a walk goes round among the others.
     while !node.is_stopped() {
+        rounds += 1;
+        if rounds % PATIENCE == 0 {
+            thread::yield_now();
+        }
         let heard = end.try_take(&mut inbox);
         if heard > 1 {
             seen.insert(Seen::Batch);

@@ -104,6 +104,16 @@ pub fn late_installation() -> World {
         .shows(&[SetBack, Crossing, Installation, Bounce, Stray, Walk, Move])
 }
 
+/// The same, asked for by an operation that holds nothing at worker 1, so that the block may leave
+/// while the question waits there. The block takes a point along, so that its owner is busy.
+pub fn late_elsewhere() -> World {
+    let polygon = hexagon([0, 2, 1, 1, 0, 0]);
+    let points = [(22, 13, 3), (29, 0, 3), (-22, -14, 2)];
+    World::new("an edge for a block that leaves", &[0, 1, 2, 0], &polygon, &points)
+        .moving(&[(2, 1), (2, 2)])
+        .shows(&[Installation, Bounce, Stray, Move])
+}
+
 /// A block leaves, edges are made where it was, and it returns.
 pub fn slots_again() -> World {
     let polygon = hexagon([0, 0, 1, 1, 0, 0]);
@@ -183,6 +193,7 @@ pub fn journeys() -> Vec<World> {
         there_and_back(),
         swap(),
         late_installation(),
+        late_elsewhere(),
         slots_again(),
         one_far_point(),
         token_same_two(),

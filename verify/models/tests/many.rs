@@ -13,14 +13,17 @@ use shuttle::{Config, Runner};
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
 
+/// Schedules of each world and scheduler.
+const SCHEDULES: usize = 100;
+
 /// Random worlds of 8 to 16 workers, without cancels: no thread could tell the others.
 fn worlds() -> Vec<World> {
-    let seeds = if is_deep() { 90 } else { 9 };
+    let seeds = if is_deep() { 450 } else { 45 };
     let world = |seed| World { cancels: false, ..world_of(seed, 8 + seed as usize % 9) };
     (0..seeds).map(world).collect()
 }
 
-fn explore(name: &str, runs: usize, check: impl Fn(Box<dyn Fn() + Send + Sync>, u64)) {
+fn explore(name: &str, check: impl Fn(Box<dyn Fn() + Send + Sync>, u64)) {
     let seen = Arc::new(Mutex::new(BTreeSet::new()));
     let worlds = worlds();
     let points: usize = worlds.iter().map(|world| world.points.len()).sum();
@@ -37,22 +40,22 @@ fn explore(name: &str, runs: usize, check: impl Fn(Box<dyn Fn() + Send + Sync>, 
         assert!(seen.contains(&witness), "never {witness:?}");
     }
     let bounds = format!("8 to 16 threads, {} worlds, {points} points", worlds.len());
-    let explored = format!("{} schedules, seen: {seen:?}", runs * worlds.len());
+    let explored = format!("{} schedules, seen: {seen:?}", SCHEDULES * worlds.len());
     row(name, &bounds, &explored, "all ends right");
 }
 
 #[test]
 fn random_schedules() {
-    explore("shuttle: random", 40, |model, seed| {
-        let scheduler = RandomScheduler::new_from_seed(seed, 40);
+    explore("shuttle: random", |model, seed| {
+        let scheduler = RandomScheduler::new_from_seed(seed, SCHEDULES);
         Runner::new(scheduler, Config::new()).run(model);
     });
 }
 
 #[test]
 fn schedules_with_few_preemptions() {
-    explore("shuttle: PCT, depth 3", 40, |model, seed| {
-        let scheduler = PctScheduler::new_from_seed(seed, 3, 40);
+    explore("shuttle: PCT, depth 3", |model, seed| {
+        let scheduler = PctScheduler::new_from_seed(seed, 3, SCHEDULES);
         Runner::new(scheduler, Config::new()).run(model);
     });
 }

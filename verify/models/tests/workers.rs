@@ -44,16 +44,16 @@ fn holds(world: World, preemptions: usize, least: usize, witnesses: &[Seen]) {
 /// The tiny combined model: one cavity at both workers.
 #[test]
 fn one_cavity() {
-    let preemptions = if is_deep() { 3 } else { 2 };
-    holds(worlds::one_on_two(), preemptions, 50, &[Seen::Sleep]);
+    let preemptions = if is_deep() { 5 } else { 3 };
+    holds(worlds::one_on_two(), preemptions, 200, &[Seen::Sleep]);
 }
 
 /// Two cavities that both workers contest.
 #[test]
 fn two_cavities() {
-    let preemptions = if is_deep() { 3 } else { 2 };
+    let preemptions = if is_deep() { 5 } else { 3 };
     let witnesses = [Seen::Sleep, Seen::Wait, Seen::SetBack];
-    holds(worlds::token_same_two(), preemptions, 50, &witnesses);
+    holds(worlds::token_same_two(), preemptions, 300, &witnesses);
 }
 
 /// Known bad: a worker sleeps for ever, because a wake-up was lost or because a lock was leaked.
