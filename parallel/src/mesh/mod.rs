@@ -130,6 +130,12 @@ impl LocalMesh {
         }
     }
 
+    /// All names of `t`.
+    fn names_of(&self, t: TetId) -> impl Iterator<Item = Name> + '_ {
+        let first = self.name_of.get(&t).copied();
+        first.into_iter().chain(self.aliases.get(&t).into_iter().flatten().copied())
+    }
+
     /// The name of `t`, a new one if it has none.
     fn ensure_name(&mut self, t: TetId) -> Name {
         match self.name_of.get(&t) {
@@ -259,7 +265,7 @@ impl Submesh for LocalMesh {
     fn piece(&self, t: TetId) -> Piece {
         Piece {
             tet: t,
-            name: self.name_of.get(&t).copied(),
+            names: self.names_of(t).collect(),
             v: self.sites(t),
             n: self.part.neighbours(t).map(|face| self.link_at(face)),
         }
