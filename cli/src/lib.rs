@@ -8,6 +8,7 @@
 //! | [`domain`] | `check` of a domain |
 //! | [`lists`] | a mesh as the lists that the checker takes |
 //! | [`files`] | `convert` and `generate` |
+//! | [`simulate`](mod@simulate) | `simulate`: the parallel kernel on simulated processors |
 //! | [`demo`] | `demo` |
 //! | [`report`] | the JSON report `ltbw.report/1` |
 //! | [`outcome`] | exit codes, and errors as one line |
@@ -29,6 +30,7 @@ mod lists;
 mod outcome;
 mod report;
 mod run;
+mod simulate;
 
 use args::{Args, Command};
 use clap::Parser;
@@ -65,6 +67,7 @@ fn dispatch(args: Args) -> Result<Exit, Failure> {
         Command::Check(args) => check::check(&args),
         Command::Convert(convert) => files::convert(&convert),
         Command::Generate(generate) => files::generate(&generate),
+        Command::Simulate(args) => simulate::simulate(&args),
         Command::Demo(demo) => demo::demo(&demo),
     }
 }

@@ -6,7 +6,7 @@ use super::{Options, Simulation, SimulationError, simulate};
 use crate::mesh::{Field, GatherError, Gathered, LocalMesh, Plan, gather};
 use crate::mesh::{Link, Moving, NewTet, Patch, Piece, Site};
 use crate::metrics::{Summary, Survey, Trace};
-use crate::protocol::{BlockId, Config, Conduct, Sound, Worker};
+use crate::protocol::{BlockId, Conduct, Config, Sound, Worker};
 use crate::{BuildError, PointSet};
 
 /// Vertex number and coordinates.
@@ -125,12 +125,7 @@ pub fn simulate_as<C: Conduct>(
         .collect();
     let Simulation { workers, summary, events, trace } = simulate(workers, options)?;
     let meshes = workers.into_iter().map(|worker| worker.into_parts().0).collect();
-    let gathered = gather(
-        meshes,
-        prepared.points,
-        &prepared.numbers,
-        prepared.duplicates,
-        prepared.mode,
-    )?;
+    let gathered =
+        gather(meshes, prepared.points, &prepared.numbers, prepared.duplicates, prepared.mode)?;
     Ok(Meshed { gathered, summary, events, trace })
 }
