@@ -56,7 +56,7 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
 }
 
 /// Sets the number of threads of rayon's global pool.
-fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
+pub(crate) fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
     let Some(threads) = threads else { return Ok(()) };
     rayon::ThreadPoolBuilder::new()
         .num_threads(usize::from(threads))
@@ -212,6 +212,8 @@ fn empty_report(job: &Job<'_>, input: Input, outcome: &'static str) -> Report {
         threads: rayon::current_num_threads(),
         peak_rss_bytes: None,
         outcome,
+        refinement: None,
+        quality: None,
         certificate: None,
         outputs: Vec::new(),
     }

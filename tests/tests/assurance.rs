@@ -91,7 +91,9 @@ fn check_test(args: &[&str]) -> Option<usize> {
         }
     }
     let folder = folder(package.expect("a package"));
-    let mut text = if lib { sources(&folder.join("src")) } else { String::new() };
+    // Neither the library nor a test program: all of the package.
+    let source = lib || programs.is_empty();
+    let mut text = if source { sources(&folder.join("src")) } else { String::new() };
     for program in &programs {
         let path = folder.join("tests").join(format!("{program}.rs"));
         text.push_str(&fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path:?}: {e}")));
@@ -102,7 +104,7 @@ fn check_test(args: &[&str]) -> Option<usize> {
             assert!(has_test(&text, name), "no test {name}");
             text.contains(&format!("fn {name}(")).then_some(1)
         }
-        None if lib => None,
+        None if source => None,
         None => Some(text.lines().filter(|line| line.trim() == "#[test]").count()),
     }
 }

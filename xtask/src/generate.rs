@@ -27,7 +27,13 @@ pub(crate) fn run() -> Result<(), String> {
 /// Every generated file: its path in the workspace, and its text.
 pub(crate) fn files() -> Result<Vec<(PathBuf, String)>, String> {
     let rust = formatted(&predicates::rust::file()?)?;
-    Ok(vec![("core/src/predicates/filter/generated.rs".into(), rust)])
+    let spheres = formatted(&predicates::spheres::rust())?;
+    Ok(vec![
+        ("core/src/sphere/constants.rs".into(), spheres),
+        ("verify/proofs/Constants.v".into(), predicates::spheres::coq()),
+        ("core/src/predicates/filter/generated.rs".into(), rust),
+        ("verify/proofs/Predicates.v".into(), predicates::coq::file()?),
+    ])
 }
 
 /// `source` as rustfmt writes it, with the settings of the workspace.

@@ -83,7 +83,7 @@ impl LocalMesh {
         let inside: std::collections::BTreeSet<(WorkerId, TetId)> =
             pieces().map(|(w, p)| (w, p.tet)).collect();
         let named: std::collections::BTreeSet<Name> =
-            pieces().flat_map(|(_, p)| p.names.iter().copied()).collect();
+            pieces().filter_map(|(_, p)| p.name).collect();
         let mut walls = Vec::new();
         for (worker, piece) in pieces() {
             for (slot, link) in piece.n.iter().enumerate() {

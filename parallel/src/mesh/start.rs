@@ -35,7 +35,7 @@ impl Plan {
     pub fn new(points: usize, workers: u32) -> Self {
         let workers = workers.max(1);
         let sample = (points / 100).max(60 * workers as usize);
-        Self { workers, blocks_per_worker: 16, cursors: 16, sample, roomy: false }
+        Self { workers, blocks_per_worker: 16, cursors: 64, sample, roomy: false }
     }
 
     /// Builds the coarse mesh and distributes it.

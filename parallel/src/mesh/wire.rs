@@ -54,8 +54,8 @@ pub enum Link {
 pub struct Piece {
     /// Its local handle.
     pub tet: TetId,
-    /// All its names: other workers may know it by any of them.
-    pub names: Vec<Name>,
+    /// Its name, if it has one.
+    pub name: Option<Name>,
     /// Its vertices, positively oriented.
     pub v: [Site; 4],
     /// Its neighbours, by the slot of the vertex opposite.
