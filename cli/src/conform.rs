@@ -16,10 +16,8 @@ const SHOWN: usize = 10;
 
 /// A domain as the checker takes it.
 pub(crate) fn plc_of(domain: &Domain) -> Plc {
-    let facet = |f: &ltbw::domain::Facet| PlcFacet {
-        polygons: f.polygons.clone(),
-        holes: f.holes.clone(),
-    };
+    let facet =
+        |f: &ltbw::domain::Facet| PlcFacet { polygons: f.polygons.clone(), holes: f.holes.clone() };
     Plc {
         vertices: domain.vertices.clone(),
         facets: domain.facets.iter().map(facet).collect(),

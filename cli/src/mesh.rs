@@ -283,9 +283,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
             "reason": e.reason.to_string(),
         })
     };
-    let region = |r: &ltbw::refine::RegionInfo| {
-        json!({ "seed": r.seed, "attribute": r.attribute, "max_volume": r.max_volume })
-    };
+    let region = |r: &ltbw::refine::RegionInfo| json!({ "seed": r.seed, "attribute": r.attribute, "max_volume": r.max_volume });
     json!({
         "segment_points": stats.segment_points,
         "facet_points": stats.facet_points,

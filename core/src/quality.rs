@@ -262,12 +262,17 @@ mod tests {
         let points = [regular, corner].concat();
         let all = Quality::of(&points, &[[0, 1, 2, 3], [4, 5, 6, 7]]).expect("two tetrahedra");
         assert_eq!(all.dihedral.total(), 12);
-        assert_eq!((all.dihedral.counts[14], all.dihedral.counts[18], all.dihedral.counts[10]), (6, 3, 3));
+        assert_eq!(
+            (all.dihedral.counts[14], all.dihedral.counts[18], all.dihedral.counts[10]),
+            (6, 3, 3)
+        );
         assert_eq!((all.volume.largest.tet, all.volume.least.tet), (0, 1));
         assert!(all.text().contains("70-75"));
         let svg = all.svg();
         assert_eq!(svg.matches("<rect").count(), 1 + 36 + 3 * 30);
-        assert!(Quality::of(&points, &[]).is_none() && Quality::of(&points, &[[0, 1, 2, 9]]).is_none());
+        assert!(
+            Quality::of(&points, &[]).is_none() && Quality::of(&points, &[[0, 1, 2, 9]]).is_none()
+        );
     }
 
     #[test]

@@ -43,7 +43,9 @@ fn main() -> Result<(), Failure> {
         println!("{costs:?}: {:.0} ns per point", whole / n as f64);
     }
     let [walk_step, test, created] = best;
-    println!("walk step {walk_step:.1} ns, conflict test {test:.1} ns, tetrahedron {created:.1} ns");
+    println!(
+        "walk step {walk_step:.1} ns, conflict test {test:.1} ns, tetrahedron {created:.1} ns"
+    );
     println!("the cost model has: {:?}", CostModel::default());
     Ok(())
 }

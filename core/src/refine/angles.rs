@@ -101,7 +101,8 @@ impl Angles {
                     self.facet_reason.entry(f).or_insert(reason);
                 }
                 for &f in of_s {
-                    for &g in of_r.iter().filter(|&&g| g != f && !share_segment(plc, f, g, corner)) {
+                    for &g in of_r.iter().filter(|&&g| g != f && !share_segment(plc, f, g, corner))
+                    {
                         self.relate_facets(f, g, reason);
                     }
                 }

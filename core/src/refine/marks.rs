@@ -7,8 +7,8 @@
 //! same side of the wall.
 
 use crate::cavity::OTHERS;
-use crate::topology::{TetId, slot_of, tet_of};
 use crate::mesh::Mesh;
+use crate::topology::{TetId, slot_of, tet_of};
 
 /// A word of marks.
 pub(crate) type Word = u32;

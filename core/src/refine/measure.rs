@@ -9,8 +9,8 @@
 
 use super::carrier::{cross, dot, minus};
 use crate::Point;
-use crate::predicates::filter::UNIT_ROUNDOFF;
 use crate::predicates::Sign;
+use crate::predicates::filter::UNIT_ROUNDOFF;
 use num_bigint::BigInt;
 
 /// A vector of whole numbers.
@@ -385,7 +385,8 @@ mod tests {
         assert_eq!(orient3d(a, b, d, c), Sign::Positive);
         let shape = Shape::of(corners);
         // det = 16, volume 16/6: a bound of 4 with the determinant 24 is met with equality.
-        let scaled: Vec<Point> = [[0.0; 3], [6.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]].to_vec();
+        let scaled: Vec<Point> =
+            [[0.0; 3], [6.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]].to_vec();
         let tall = [&scaled[0], &scaled[1], &scaled[2], &scaled[3]];
         assert!(!VolumeBound::new(4.0).exceeded(&Shape::of(tall), tall));
         assert!(VolumeBound::new(4.0f64.next_down()).exceeded(&Shape::of(tall), tall));

@@ -282,8 +282,7 @@ mod tests {
 
     #[test]
     fn a_bent_polygon_becomes_triangles_that_cover_it() {
-        let corners =
-            vec![[0, 0, 0], [4, 0, 1], [4, 4, 0], [2, 1, 0], [0, 4, 3]];
+        let corners = vec![[0, 0, 0], [4, 0, 1], [4, 4, 0], [2, 1, 0], [0, 4, 3]];
         let triangles = clip_ears(&corners, &[0, 1, 2, 3, 4], &[0, 0, 1]).expect("ears");
         assert_eq!(triangles.len(), 3);
         let area = |t: &[u32; 3]| normal_z(&corners, t);

@@ -165,9 +165,7 @@ impl State {
                 let (t, v, slot) = triangles[k];
                 for side in FACE[slot] {
                     let [a, b] = two_others(slot, side).map(|k| vertices[v[k] as usize]);
-                    let Some(&other) =
-                        built.neighbour(t, side).and_then(|u| number.get(&u))
-                    else {
+                    let Some(&other) = built.neighbour(t, side).and_then(|u| number.get(&u)) else {
                         continue;
                     };
                     if inside[other].is_none() && !self.segments.contains_key(&edge(a, b)) {

@@ -104,8 +104,8 @@ fn for_each_cell(level: i32, [x, y, z]: [[i64; 2]; 3], mut act: impl FnMut(Cell)
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use super::super::carrier::distance2;
+    use super::*;
 
     #[test]
     fn every_ball_around_a_point_is_found() {

@@ -430,8 +430,7 @@ impl<'a> Refinement<'a> {
         let (mut present, mut encroached) = (false, false);
         for &t in &self.created {
             let v = self.state.vertices(t);
-            let (Some(i), Some(j)) =
-                ((1..4).find(|&k| v[k] == a), (1..4).find(|&k| v[k] == b))
+            let (Some(i), Some(j)) = ((1..4).find(|&k| v[k] == a), (1..4).find(|&k| v[k] == b))
             else {
                 continue;
             };
@@ -459,7 +458,8 @@ impl State {
         if flip {
             std::mem::swap(&mut low, &mut high);
         }
-        let (sharp_low, sharp_high) = if flip { (sharp[1], sharp[0]) } else { (sharp[0], sharp[1]) };
+        let (sharp_low, sharp_high) =
+            if flip { (sharp[1], sharp[0]) } else { (sharp[0], sharp[1]) };
         if sharp_low == sharp_high {
             return Line::middle(low, high);
         }

@@ -135,12 +135,7 @@ impl State {
 
     /// Does vertex `v` (not the one at infinity) encroach a present subsegment of segment `of`,
     /// and is it not related to it?
-    pub(crate) fn vertex_encroaches_segment(
-        &self,
-        s: [VertexId; 2],
-        of: u32,
-        v: VertexId,
-    ) -> bool {
+    pub(crate) fn vertex_encroaches_segment(&self, s: [VertexId; 2], of: u32, v: VertexId) -> bool {
         v != INFINITE
             && !s.contains(&v)
             && !self.angles.related_segment(self.carriers[v as usize], of)

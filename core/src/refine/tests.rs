@@ -7,9 +7,7 @@ use crate::domain::{Domain, Facet, PrepareOptions};
 fn add_box(domain: &mut Domain, low: Point, high: Point) {
     let base = domain.vertices.len() as u32;
     for i in 0..8 {
-        domain
-            .vertices
-            .push([0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] }));
+        domain.vertices.push([0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] }));
     }
     for corners in
         [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
@@ -39,10 +37,7 @@ fn model() -> Domain {
 
 #[test]
 fn the_model_problem_is_met() {
-    let refined = Refiner::new()
-        .max_volume(1e-3)
-        .refine_ready(&model())
-        .expect("a mesh");
+    let refined = Refiner::new().max_volume(1e-3).refine_ready(&model()).expect("a mesh");
     println!("{} tets {:?} {:?}", refined.num_tets(), refined.outcome, refined.stats);
     println!("{:?} {:?}", refined.lost, refined.excuses.first());
     assert_eq!(refined.outcome, RefineOutcome::Met);

@@ -67,9 +67,8 @@ fn sides([a, b, c]: [[f64; 3]; 3], factor: f64) -> (f64, f64) {
 
 /// |N|², l² and D.
 fn big_sides([a, b, c]: &[[BigInt; 3]; 3]) -> (BigInt, BigInt, BigInt) {
-    let dot = |p: &[BigInt; 3], q: &[BigInt; 3]| -> BigInt {
-        p.iter().zip(q).map(|(x, y)| x * y).sum()
-    };
+    let dot =
+        |p: &[BigInt; 3], q: &[BigInt; 3]| -> BigInt { p.iter().zip(q).map(|(x, y)| x * y).sum() };
     let cross = |p: &[BigInt; 3], q: &[BigInt; 3]| {
         [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &p[i] * &q[j] - &p[j] * &q[i])
     };

@@ -115,8 +115,7 @@ fn encloses(polygon: &[Flat], p: Flat) -> bool {
 fn is_on_outline(polygon: &[Flat], p: Flat) -> bool {
     (0..polygon.len()).any(|k| {
         let (a, b) = (polygon[k], polygon[(k + 1) % polygon.len()]);
-        twice_area(a, b, p) == 0
-            && (0..2).all(|i| a[i].min(b[i]) <= p[i] && p[i] <= a[i].max(b[i]))
+        twice_area(a, b, p) == 0 && (0..2).all(|i| a[i].min(b[i]) <= p[i] && p[i] <= a[i].max(b[i]))
     })
 }
 

@@ -280,8 +280,7 @@ impl Run<'_> {
         used: &[bool],
     ) -> Vec<Vec<u32>> {
         // By the first coordinate, so that a facet looks at a slab only.
-        let mut order: Vec<u32> =
-            (0..points.len() as u32).filter(|&v| used[v as usize]).collect();
+        let mut order: Vec<u32> = (0..points.len() as u32).filter(|&v| used[v as usize]).collect();
         let orders = [0, 1, 2].map(|axis| {
             order.sort_unstable_by_key(|&v| points[v as usize][axis]);
             order.clone()
@@ -418,12 +417,7 @@ impl Run<'_> {
     }
 
     /// The component of each tetrahedron between facets; each has one tag.
-    fn cells(
-        &mut self,
-        faces: &Faces,
-        on_facets: &HashSet<u32>,
-        tags: Option<&[i64]>,
-    ) -> Vec<u32> {
+    fn cells(&mut self, faces: &Faces, on_facets: &HashSet<u32>, tags: Option<&[i64]>) -> Vec<u32> {
         let count = self.mesh.tets.len();
         let tag = |t: usize| tags.and_then(|tags| tags.get(t));
         let mut cell = vec![u32::MAX; count];

@@ -37,7 +37,8 @@ impl Units {
     fn fits(&self, c: f64) -> bool {
         let (mantissa, exponent) = dyadic(c);
         let bits = 64 - mantissa.unsigned_abs().leading_zeros();
-        mantissa == 0 || i64::from(exponent) + i64::from(bits) - i64::from(self.low) <= i64::from(BITS)
+        mantissa == 0
+            || i64::from(exponent) + i64::from(bits) - i64::from(self.low) <= i64::from(BITS)
     }
 
     /// A point in units; for a point that is not on them, rounded towards zero.
