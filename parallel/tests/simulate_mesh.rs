@@ -47,8 +47,8 @@ fn case(seed: u64) -> (PointSet, Plan, Rule, Options) {
     };
     let options = Options {
         network,
-        slow: if k % 6 == 0 { vec![(1, 100.0)] } else { Vec::new() },
-        storm: (k % 3 == 0).then_some(Storm { every: 50_000 + latency / 10 }),
+        slow: if k.is_multiple_of(6) { vec![(1, 100.0)] } else { Vec::new() },
+        storm: k.is_multiple_of(3).then_some(Storm { every: 50_000 + latency / 10 }),
         ..options(seed)
     };
     let rule = [Rule::WoundWait, Rule::WoundWait, Rule::WaitDie][k / 3 % 3];
