@@ -2,6 +2,7 @@
 
 use crate::console;
 use crate::outcome::{Exit, Failure};
+use crate::simulate::Simulate;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand, ValueEnum};
@@ -122,6 +123,18 @@ Examples:
 
 "))]
     Generate(Generate),
+    /// Run the parallel kernel on simulated processors: the paper's tables
+    #[command(after_long_help = concat_help("\
+Examples:
+  ltbw simulate                                            16 processors, 100,000 points
+  ltbw simulate --processors 64 --latency 100us --points 1000000 --json run.json
+  ltbw simulate --rule paper --distribution heavy-tail --trace t.json
+
+Time is virtual: work and messages cost what the printed cost model says. One seed gives one run,
+on every machine. The mesh is compared with the sequential kernel's.
+
+"))]
+    Simulate(Simulate),
     /// Show it: mesh 100,000 points, check the mesh, write demo.vtu
     #[command(after_long_help = EXIT_CODES)]
     Demo(Demo),

@@ -10,6 +10,7 @@
 //! | `domain` | `check` of a domain |
 //! | `lists` | a mesh as the lists that the checker takes |
 //! | `files` | `convert` and `generate` |
+//! | `simulate` | `simulate`: the parallel kernel on simulated processors |
 //! | `demo` | `demo` |
 //! | `report` | the JSON report `ltbw.report/1` |
 //! | `outcome` | exit codes, and errors as one line |
@@ -33,6 +34,7 @@ mod mesh;
 mod outcome;
 mod report;
 mod run;
+mod simulate;
 
 use args::{Args, Command};
 use clap::Parser;
@@ -70,6 +72,7 @@ fn dispatch(args: Args) -> Result<Exit, Failure> {
         Command::Check(args) => check::check(&args),
         Command::Convert(convert) => files::convert(&convert),
         Command::Generate(generate) => files::generate(&generate),
+        Command::Simulate(args) => simulate::simulate(&args),
         Command::Demo(demo) => demo::demo(&demo),
     }
 }

@@ -16,7 +16,7 @@ pub struct Balance {
     pub low: u64,
     /// How many others it asks.
     pub ask: usize,
-    /// How long it waits before it asks again; each time twice as long, up to 1024 times.
+    /// How long it waits before it asks again; each time twice as long, up to 65536 times.
     pub again: Nanos,
 }
 

@@ -366,7 +366,7 @@ where
         // At once the first time, later not before a while.
         let wait = match processor.asked {
             0 => 0,
-            times => balance.again.saturating_mul(1 << (times - 1).min(10)),
+            times => balance.again.saturating_mul(1 << (times - 1).min(16)),
         };
         processor.asking = Asking::Later;
         processor.asked += 1;
