@@ -31,11 +31,13 @@ pub struct Plan {
 impl Plan {
     /// The default layout for `points` points on `workers` workers.
     ///
-    /// The sample is one point in a hundred, but at least 60 a worker.
+    /// The sample is one point in a hundred, or 5,000 a worker if that is more, but at most one in
+    /// ten: the smaller a worker's part, the more cavities are interface cavities.
     pub fn new(points: usize, workers: u32) -> Self {
         let workers = workers.max(1);
-        let sample = (points / 100).max(60 * workers as usize);
-        Self { workers, blocks_per_worker: 16, cursors: 64, sample, roomy: false }
+        let most = (5000 * workers as usize).min(points / 10);
+        let sample = (points / 100).max(most).max(60);
+        Self { workers, blocks_per_worker: 16, cursors: 32, sample, roomy: false }
     }
 
     /// Builds the coarse mesh and distributes it.
