@@ -139,9 +139,10 @@ pub(crate) struct Delaunay {
     /// Where to write the mesh: .vtu .msh .mesh .ele (with .node); may be given several times
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
-    /// Threads for ordering, checking, hashing and output [default: one per core]
+    /// Threads: above 1, so many workers of the parallel kernel insert the points
     ///
-    /// Insertion itself is sequential. The mesh and its hash do not depend on this.
+    /// The mesh and its hash do not depend on this. By default one thread inserts, and all cores
+    /// order, check, hash and write. A worker should have some 5,000 points at least.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     /// Write the report as JSON (schema ltbw.report/1), `-` for stdout

@@ -2,18 +2,18 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`args`] | the command line and its help |
-//! | [`run`] | `delaunay`: read, build, check, hash, write, report |
-//! | [`mesh`] | `mesh`: read, prepare, refine, check, write, report |
-//! | [`check`] | `check`, and the check of our own output |
-//! | [`conform`] | `check --plc` |
-//! | [`domain`] | `check` of a domain |
-//! | [`lists`] | a mesh as the lists that the checker takes |
-//! | [`files`] | `convert` and `generate` |
-//! | [`demo`] | `demo` |
-//! | [`report`] | the JSON report `ltbw.report/1` |
-//! | [`outcome`] | exit codes, and errors as one line |
-//! | [`console`] | what goes to stdout and to stderr, progress, Ctrl-C |
+//! | `args` | the command line and its help |
+//! | `run` | `delaunay`: read, build, check, hash, write, report |
+//! | `mesh` | `mesh`: read, prepare, refine, check, write, report |
+//! | `check` | `check`, and the check of our own output |
+//! | `conform` | `check --plc` |
+//! | `domain` | `check` of a domain |
+//! | `lists` | a mesh as the lists that the checker takes |
+//! | `files` | `convert` and `generate` |
+//! | `demo` | `demo` |
+//! | `report` | the JSON report `ltbw.report/1` |
+//! | `outcome` | exit codes, and errors as one line |
+//! | `console` | what goes to stdout and to stderr, progress, Ctrl-C |
 //!
 //! stdout carries data (a hash, JSON), stderr what is meant for people.
 //!

@@ -272,6 +272,7 @@ fn report_of(refined: &Refined, ready: &Prepared, hash: String, seconds: Seconds
         quality: None,
         certificate: None,
         outputs: Vec::new(),
+        workers: Vec::new(),
     }
 }
 

@@ -17,7 +17,7 @@ pub(crate) struct Report {
     pub(crate) predicates: Predicates,
     /// Wall time.
     pub(crate) seconds: Seconds,
-    /// Threads for ordering, checking, hashing and output.
+    /// Threads for ordering, checking, hashing and output, and workers if they are several.
     pub(crate) threads: usize,
     /// The most memory that the process held, where the system tells.
     pub(crate) peak_rss_bytes: Option<u64>,
@@ -33,6 +33,8 @@ pub(crate) struct Report {
     pub(crate) certificate: Option<serde_json::Value>,
     /// Mesh files written.
     pub(crate) outputs: Vec<String>,
+    /// Figures of each worker of the parallel kernel; none if one thread inserted.
+    pub(crate) workers: Vec<ltbw::threads::WorkerStats>,
 }
 
 impl Report {

@@ -130,7 +130,7 @@ impl Mesh {
         mut geometry: Geometry,
         assembly: Assembly<'_>,
     ) -> Self {
-        let Assembly { points, numbers, duplicates, mode } = assembly;
+        let Assembly { points, numbers, duplicates, mode, .. } = assembly;
         let count = points.len();
         let mut used = vec![false; count + 1];
         for (_, tet) in topology.iter() {

@@ -14,7 +14,7 @@
 
 use crate::Point;
 use crate::cavity::{Cavity, Conflict, Open};
-use crate::geometry::{Geometry, PointConflict};
+use crate::geometry::{Geometry, PointConflict, PredicateStats};
 use crate::locate::{Found, Gate, walk_through};
 use crate::mesh::{Mesh, Vertex};
 use crate::points::Mode;
@@ -22,6 +22,11 @@ use crate::sphere::Sphere;
 use crate::topology::{FaceId, INFINITE, MAX_TETS, TetId, Topology, VertexId, slot_of, tet_of};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::ops::Range;
+
+/// Places of a part with a hint each.
+const PLACES: usize = 1024;
+/// Vertices that differ by less than this are likely to be near each other.
+const NEAR: VertexId = 64;
 
 /// Closed tetrahedra: the sphere that each had, and who holds it.
 type Closed<H> = FxHashMap<TetId, (Sphere, H)>;
@@ -85,12 +90,14 @@ pub struct Part<H> {
     watched: FxHashSet<TetId>,
     /// Those that the last insertion removed.
     gone: Vec<TetId>,
-    /// Where the last walks may start: tetrahedra made lately, the last one first.
+    /// Where walks may start: tetrahedra made lately, the last one first.
     hints: [TetId; 8],
+    /// The vertex inserted last.
+    last: VertexId,
+    /// The same by place: vertices with near numbers are near each other.
+    places: Vec<TetId>,
     /// Steps of walks so far.
     steps: u64,
-    /// Conflict tests of [`Part::in_conflict`] so far.
-    tests: u64,
     /// Tetrahedra made so far.
     made: u64,
 }
@@ -108,8 +115,9 @@ impl<H: Copy + Eq> Part<H> {
             watched: FxHashSet::default(),
             gone: Vec::new(),
             hints: [0; 8],
+            last: 0,
+            places: vec![TetId::MAX; PLACES],
             steps: 0,
-            tests: 0,
             made: 0,
         }
     }
@@ -124,9 +132,15 @@ impl<H: Copy + Eq> Part<H> {
     /// Says which vertices are the part's own: a tetrahedron with no other vertex belongs to it.
     pub fn set_home(&mut self, home: Range<VertexId>) {
         self.home = home;
-        let tets: Vec<TetId> = self.tets().map(|(t, _)| t).collect();
-        for t in tets {
+        let tets: Vec<(TetId, [VertexId; 4])> = self.tets().collect();
+        for (t, v) in tets {
             self.cache_sphere(t);
+            for v in v {
+                if self.home.contains(&v) {
+                    let place = self.place(v);
+                    self.places[place] = t;
+                }
+            }
         }
     }
 
@@ -169,17 +183,21 @@ impl<H: Copy + Eq> Part<H> {
 
     /// Steps of walks, conflict tests and tetrahedra made so far.
     pub fn work(&self) -> (u64, u64, u64) {
-        (self.steps, self.tests + self.geometry.stats.insphere_calls, self.made)
+        (self.steps, self.geometry.stats.insphere_calls, self.made)
     }
 
     /// Predicate calls so far.
-    pub fn predicate_stats(&self) -> crate::PredicateStats {
+    pub fn predicate_stats(&self) -> PredicateStats {
         self.geometry.stats
     }
 
-    /// Walks towards `p`, from `start` if that is a tetrahedron here, else from one made lately.
-    pub fn walk(&mut self, p: &Point, start: Option<TetId>) -> Stop {
-        let start = start.filter(|&t| self.is_live(t)).or_else(|| self.open_hint());
+    /// Walks towards `p`, which is to be vertex `v`, from `start` if that is a tetrahedron here,
+    /// else from one made lately near by.
+    pub fn walk(&mut self, v: VertexId, p: &Point, start: Option<TetId>) -> Stop {
+        let start = start
+            .filter(|&t| self.is_live(t))
+            .or_else(|| self.near(v))
+            .or_else(|| self.open_hint());
         let Some(start) = start else { return Stop::Empty };
         let Self { topology, geometry, closed, steps, .. } = self;
         let mut conflict = geometry.conflict_of(p);
@@ -203,6 +221,24 @@ impl<H: Copy + Eq> Part<H> {
         }
     }
 
+    /// An open tetrahedron made lately near vertex `v`, unless the one made last is as near.
+    fn near(&self, v: VertexId) -> Option<TetId> {
+        let open = |t: &TetId| self.is_live(*t) && !self.closed.contains_key(t);
+        if v.abs_diff(self.last) < NEAR && open(&self.hints[0]) {
+            return Some(self.hints[0]);
+        }
+        let place = self.place(v);
+        let around = [place, place.saturating_sub(1), (place + 1).min(PLACES - 1)];
+        around.into_iter().map(|k| self.places[k]).find(open)
+    }
+
+    /// The entry of vertex `v` in `places`.
+    fn place(&self, v: VertexId) -> usize {
+        let Range { start, end } = self.home;
+        let (offset, length) = (v.clamp(start, end) - start, end - start + 1);
+        (u64::from(offset) * PLACES as u64 / u64::from(length)) as usize
+    }
+
     /// An open tetrahedron made lately, else a closed one, else any.
     fn open_hint(&self) -> Option<TetId> {
         let live = || self.hints.iter().copied().filter(|&t| self.is_live(t));
@@ -212,9 +248,10 @@ impl<H: Copy + Eq> Part<H> {
             .or_else(|| self.tets().next().map(|(t, _)| t))
     }
 
+    /// Remembers a tetrahedron that did not come from an insertion.
     fn hint(&mut self, t: TetId) {
-        self.hints.rotate_right(1);
-        self.hints[0] = t;
+        self.hints[1..].rotate_right(1);
+        self.hints[1] = t;
     }
 
     /// Inserts `p` as vertex `v` if nothing is in the way: no proxy, no closed tetrahedron, and
@@ -263,8 +300,10 @@ impl<H: Copy + Eq> Part<H> {
         }
         geometry.stats.insphere_calls += cavity.tests() as u64;
         self.made += star.tets.len() as u64;
-        // A hint per cursor of the field of points would be better still; the last one is kept.
         self.hints[0] = hint;
+        self.last = v;
+        let place = self.place(v);
+        self.places[place] = hint;
         Local::Inserted
     }
 
@@ -286,7 +325,10 @@ impl<H: Copy + Eq> Part<H> {
 
     /// Is tetrahedron `t` in conflict with `p`?
     pub fn in_conflict(&mut self, t: TetId, p: &Point) -> bool {
-        self.tests += 1;
+        self.geometry.stats.insphere_calls += 1;
+        if let Some(sign) = self.geometry.cached_side(t, p) {
+            return sign.is_positive();
+        }
         let mut conflict = self.geometry.conflict_of(p);
         conflict.in_conflict(&self.topology, t)
     }
@@ -411,6 +453,8 @@ pub struct Assembly<'a> {
     pub duplicates: &'a [(VertexId, VertexId)],
     /// How the points are computed with.
     pub mode: Mode,
+    /// Predicate calls made elsewhere.
+    pub predicates: PredicateStats,
 }
 
 /// Puts all parts of a mesh together. `far` finds the part and face beyond a proxy by its words.
@@ -454,6 +498,7 @@ pub fn assemble<H: Copy + Eq + Send + Sync>(
         topology.erase(t);
     }
     geometry.reserve_spheres(topology.slots());
+    geometry.stats += assembly.predicates;
     Some(Mesh::assembled(topology, geometry, assembly))
 }
 

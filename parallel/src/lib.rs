@@ -29,5 +29,7 @@ pub mod metrics;
 pub mod protocol;
 pub mod simulate;
 mod sync;
+pub mod threads;
+pub mod transport;
 
 pub use ltbw_core::*;

@@ -7,7 +7,7 @@ use ltbw_core::build::independent;
 use ltbw_core::order::hilbert;
 use ltbw_core::part::Setting;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
-use ltbw_core::{BuildError, Builder, Mesh, Mode, Point, PointSet};
+use ltbw_core::{BuildError, Builder, Mesh, Mode, Point, PointSet, PredicateStats};
 
 /// Who names the tetrahedra of the coarse mesh: no worker has this number.
 const COARSE: WorkerId = WorkerId::MAX;
@@ -23,6 +23,9 @@ pub struct Plan {
     pub cursors: usize,
     /// Points of the coarse mesh, if there are so many.
     pub sample: usize,
+    /// Reserve memory for all tetrahedra to come, for uniform points: pages that stay unused cost
+    /// nothing but address space.
+    pub roomy: bool,
 }
 
 impl Plan {
@@ -32,7 +35,7 @@ impl Plan {
     pub fn new(points: usize, workers: u32) -> Self {
         let workers = workers.max(1);
         let sample = (points / 100).max(60 * workers as usize);
-        Self { workers, blocks_per_worker: 16, cursors: 16, sample }
+        Self { workers, blocks_per_worker: 16, cursors: 64, sample, roomy: false }
     }
 
     /// Builds the coarse mesh and distributes it.
@@ -49,7 +52,7 @@ impl Plan {
         let owners: Vec<WorkerId> =
             (0..blocks.len()).map(|block| block / self.blocks_per_worker).collect();
         let setting = Setting::of(&points, set.mode());
-        let mut workers = self.submeshes(&setting, &blocks, &owners);
+        let mut workers = self.submeshes(&setting, &blocks, points.len());
         distribute(&coarse, &sample, &points, &blocks, &owners, &mut workers);
         let mut duplicates = Vec::new();
         for &(duplicate, kept) in coarse.duplicates() {
@@ -62,7 +65,10 @@ impl Plan {
             .zip(0..)
             .map(|((mesh, field), me)| (Directory::new(me, &owners), mesh, field))
             .collect();
-        Ok(Prepared { workers, points, numbers: order, duplicates, mode: set.mode(), setting })
+        let predicates = coarse.predicate_stats();
+        let mode = set.mode();
+        let common = Common { points, numbers: order, duplicates, mode, predicates };
+        Ok(Prepared { workers, common })
     }
 
     /// Ranks of the sample, ascending: evenly along the curve, with four affinely independent
@@ -77,9 +83,17 @@ impl Plan {
         Ok(sample)
     }
 
-    fn submeshes(&self, setting: &Setting, blocks: &Blocks, owners: &[WorkerId]) -> Vec<LocalMesh> {
-        let _ = owners;
-        (0..self.workers).map(|me| LocalMesh::new(me, setting, blocks.clone())).collect()
+    fn submeshes(&self, setting: &Setting, blocks: &Blocks, points: usize) -> Vec<LocalMesh> {
+        let submesh = |me| {
+            let mut mesh = LocalMesh::new(me, setting, blocks.clone());
+            if self.roomy {
+                // The first one receives all others in the end.
+                let share = if me == 0 { points } else { points / self.workers as usize };
+                mesh.part.reserve(7 * share + share / 4 + 1024);
+            }
+            mesh
+        };
+        (0..self.workers).map(submesh).collect()
     }
 
     /// Each worker's own points that are not in the sample, in curve order.
@@ -102,11 +116,18 @@ impl Plan {
     }
 }
 
-/// Workers ready to run, and what is needed to put their submeshes together afterwards.
+/// Workers ready to run.
 #[derive(Debug)]
 pub struct Prepared {
     /// By worker: directory, submesh, points.
     pub workers: Vec<(Directory, LocalMesh, Field)>,
+    /// What is needed to put their submeshes together afterwards.
+    pub common: Common,
+}
+
+/// What no worker has: the whole set of points.
+#[derive(Debug)]
+pub struct Common {
     /// Kernel coordinates by vertex less 1.
     pub points: Vec<Point>,
     /// Input index by vertex less 1.
@@ -115,8 +136,8 @@ pub struct Prepared {
     pub duplicates: Vec<(VertexId, VertexId)>,
     /// How the points are computed with.
     pub mode: Mode,
-    /// Box, arithmetic and size of the whole mesh.
-    pub setting: Setting,
+    /// Predicate calls of the coarse mesh.
+    pub predicates: PredicateStats,
 }
 
 fn coarse_mesh(points: &[Point], sample: &[u32]) -> Result<Mesh, BuildError> {

@@ -82,7 +82,10 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         out: &mut Vec<Action<S>>,
     ) {
         match self.mesh.walk(&point, from) {
-            Walk::Known => out.push(Action::Note(Note::Known)),
+            Walk::Known => {
+                self.source.let_go(&point);
+                out.push(Action::Note(Note::Known));
+            }
             Walk::At(seed) => {
                 if self.mesh.insert(&point, seed, &self.directory) {
                     self.source.inserted(&self.mesh, &point);
@@ -104,6 +107,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             Walk::Nowhere => {
                 let ticket = ticket.unwrap_or_else(|| self.ticket());
                 let next = (self.id() + 1) % self.config.workers;
+                self.source.let_go(&point);
                 self.send(next, Message::Walk { ticket, attempt, point, at: None }, out);
             }
         }
@@ -120,6 +124,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     ) {
         let owner = self.directory.owner(at.block);
         if owner != self.id() {
+            self.source.let_go(&point);
             self.send(owner, Message::Walk { ticket, attempt, point, at: Some(at) }, out);
             return;
         }

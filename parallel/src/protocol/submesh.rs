@@ -99,7 +99,7 @@ pub trait Submesh: Sized {
         strays: &mut Vec<BlockId>,
     );
 
-    /// Is any tetrahedron of `block` locked?
+    /// Is any tetrahedron of `block`, or any neighbour here of one, locked?
     fn is_block_locked(&self, block: BlockId) -> bool;
 
     /// Removes and returns all tetrahedra of `block`, none of which is locked. Calls `moved` with
@@ -123,6 +123,16 @@ pub trait Source<S: Submesh> {
 
     /// Are there no more points now?
     fn is_empty(&self) -> bool;
+
+    /// Would [`Source::next`] give one? There may be points that had better wait for others.
+    fn is_ready(&self) -> bool {
+        !self.is_empty()
+    }
+
+    /// `point` has left for another worker, or was a vertex already.
+    fn let_go(&mut self, point: &S::Point) {
+        let _ = point;
+    }
 
     /// `point` is a vertex now; the tetrahedra around it are of this worker in part.
     fn inserted(&mut self, mesh: &S, point: &S::Point);

@@ -207,7 +207,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     pub fn has_work(&self) -> bool {
         !self.stopped
             && (!self.ready.is_empty()
-                || self.has_room() && !self.source.is_empty()
+                || self.has_room() && self.source.is_ready()
                 || self.is_passive() && self.safra.holds_token())
     }
 

@@ -1,0 +1,109 @@
+//! How a worker thread's messages travel: one trait, so that a worker cannot tell what is behind.
+
+use crate::mailbox::Endpoint;
+use crate::protocol::WorkerId;
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+/// A worker's way to the others. Messages of one sender to one receiver keep their order.
+pub trait Transport<M> {
+    /// Adds a message for worker `to`.
+    fn send(&mut self, to: WorkerId, message: M);
+
+    /// Lets go of all messages sent.
+    fn flush(&mut self);
+
+    /// Moves all messages that have arrived to the end of `into`, with their senders. Never waits.
+    fn take(&mut self, into: &mut Vec<(WorkerId, M)>);
+
+    /// Flushes, then waits until a message may be there, a worker has failed, or the time is over.
+    fn wait(&mut self, timeout: Option<Duration>);
+
+    /// A worker that has failed.
+    fn failed(&self) -> Option<WorkerId>;
+}
+
+impl<M> Transport<M> for Endpoint<M> {
+    fn send(&mut self, to: WorkerId, message: M) {
+        Endpoint::send(self, to, message);
+    }
+
+    fn flush(&mut self) {
+        Endpoint::flush(self);
+    }
+
+    fn take(&mut self, into: &mut Vec<(WorkerId, M)>) {
+        self.try_take(into);
+    }
+
+    fn wait(&mut self, timeout: Option<Duration>) {
+        match timeout {
+            Some(timeout) => self.wait_timeout(timeout),
+            None => Endpoint::wait(self),
+        }
+    }
+
+    fn failed(&self) -> Option<WorkerId> {
+        Endpoint::failed(self)
+    }
+}
+
+/// Threads with an injected latency: every message arrives that much after it was sent.
+pub struct Delayed<M> {
+    inner: Endpoint<(Instant, M)>,
+    latency: Duration,
+    /// Messages under way here, in the order of their arrival.
+    under_way: VecDeque<(Instant, WorkerId, M)>,
+    taken: Vec<(WorkerId, (Instant, M))>,
+}
+
+impl<M> Delayed<M> {
+    /// Delays what arrives at `inner` by `latency`.
+    pub fn new(inner: Endpoint<(Instant, M)>, latency: Duration) -> Self {
+        Self { inner, latency, under_way: VecDeque::new(), taken: Vec::new() }
+    }
+
+    fn receive(&mut self) {
+        self.inner.try_take(&mut self.taken);
+        for (from, (sent, message)) in self.taken.drain(..) {
+            self.under_way.push_back((sent + self.latency, from, message));
+        }
+    }
+}
+
+impl<M> Transport<M> for Delayed<M> {
+    fn send(&mut self, to: WorkerId, message: M) {
+        self.inner.send(to, (Instant::now(), message));
+    }
+
+    fn flush(&mut self) {
+        self.inner.flush();
+    }
+
+    fn take(&mut self, into: &mut Vec<(WorkerId, M)>) {
+        self.receive();
+        let now = Instant::now();
+        // A message that is due later holds up those behind it: the order is kept.
+        while self.under_way.front().is_some_and(|(due, ..)| *due <= now) {
+            if let Some((_, from, message)) = self.under_way.pop_front() {
+                into.push((from, message));
+            }
+        }
+    }
+
+    fn wait(&mut self, timeout: Option<Duration>) {
+        self.receive();
+        let due = self.under_way.front().map(|(due, ..)| *due - Instant::now().min(*due));
+        match (due, timeout) {
+            (None, None) => self.inner.wait(),
+            (due, timeout) => {
+                let least = due.into_iter().chain(timeout).min().unwrap_or_default();
+                self.inner.wait_timeout(least);
+            }
+        }
+    }
+
+    fn failed(&self) -> Option<WorkerId> {
+        self.inner.failed()
+    }
+}
