@@ -151,7 +151,7 @@ impl Plane {
     /// The point with parameters i and j; `None` outside the box.
     pub(crate) fn point(&self, i: i64, j: i64) -> Option<Point> {
         let mut p = [0.0; 3];
-        for k in 0..3 {
+        for (k, coordinate) in p.iter_mut().enumerate() {
             // Differences are at most 2^27, parameters of i64: below 2^92.
             let c = i128::from(self.origin[k]) * i128::from(UNIT)
                 + i128::from(i) * i128::from(self.u[k])
@@ -159,7 +159,7 @@ impl Plane {
             if c.abs() > LARGEST {
                 return None;
             }
-            p[k] = c as f64;
+            *coordinate = c as f64;
         }
         Some(p)
     }

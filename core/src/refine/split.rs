@@ -381,6 +381,7 @@ impl<'a> Refinement<'a> {
         // Subfaces inside the cavity that stay in their facet's triangulation are lost.
         for (s, _) in &touched.inner {
             if self.state.subfaces.contains_key(s) {
+                self.lift_limit(Item::Subface(*s));
                 self.state.miss(*s, work);
             }
         }
@@ -388,6 +389,7 @@ impl<'a> Refinement<'a> {
         for s in &touched.edges {
             let stays = walls.iter().any(|w| w.contains(&s[0]) && w.contains(&s[1]));
             if !stays && self.state.segments.contains_key(s) {
+                self.lift_limit(Item::Segment(*s));
                 self.state.pend(Item::Segment(*s), work);
             }
         }
@@ -411,6 +413,14 @@ impl<'a> Refinement<'a> {
             for &[a, b] in &change.rim {
                 self.add_subface([p, a, b], change.facet, work);
             }
+        }
+    }
+
+    /// A lost item has to be split, whatever a proposal was limited to when it was there.
+    fn lift_limit(&mut self, item: Item) {
+        self.limits.remove(&item);
+        if self.refused.get(&item).is_some_and(|refusal| refusal.limit.is_some()) {
+            self.refused.remove(&item);
         }
     }
 
