@@ -1,4 +1,5 @@
 //! `ltbw mesh` and `ltbw check --plc`, from file to file.
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 mod common;
 

@@ -126,8 +126,7 @@ mod tests {
 
     #[test]
     fn a_wall_passes_on_its_own_marks_only() {
-        for slot in 0..4 {
-            let others = OTHERS[slot];
+        for (slot, others) in OTHERS.into_iter().enumerate() {
             let own = [edge_bit(others[0], others[1]), edge_bit(others[0], others[2])];
             let word = face_bit(slot) | own[0] | own[1] | 5 << REGION_SHIFT;
             let passed = inherit(word, slot);

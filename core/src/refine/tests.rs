@@ -49,7 +49,7 @@ fn check_conforming(state: &State) {
     }
     assert_eq!(total, state.subfaces.len());
     let vertices = 1..state.carriers.len() as VertexId;
-    for (&[a, b], _) in &state.segments {
+    for &[a, b] in state.segments.keys() {
         let ends = [a, b].map(|v| state.at(v));
         for v in vertices.clone().filter(|v| ![a, b].contains(v)) {
             let side = diametral_side(&ends[0], &ends[1], &state.at(v));
@@ -75,8 +75,8 @@ fn check_marks(state: &State) {
             let expected = state.segments.contains_key(&edge(v[i], v[j]));
             assert_eq!(word >> (4 + k) & 1 == 1, expected, "edge {k} of {t}");
         }
-        for slot in 0..4 {
-            let [a, b, c] = FACE[slot].map(|k| v[k]);
+        for (slot, face) in FACE.into_iter().enumerate() {
+            let [a, b, c] = face.map(|k| v[k]);
             let expected = state.subfaces.contains_key(&triangle(a, b, c));
             assert_eq!(word & face_bit(slot) != 0, expected, "face {slot} of {t}");
         }
@@ -307,8 +307,8 @@ fn every_point_is_on_its_carrier() {
 
 #[test]
 fn equal_vertices_and_domains_without_an_inside_are_refused() {
-    let mut domain = Domain::default();
-    domain.vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
+    let vertices = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
+    let mut domain = Domain { vertices, ..Domain::default() };
     for face in [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] {
         domain.facets.push(crate::domain::Facet::polygon(&face, 0));
     }
