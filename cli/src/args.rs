@@ -2,6 +2,7 @@
 
 use crate::console;
 use crate::outcome::{Exit, Failure};
+use crate::simulate::Simulate;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand, ValueEnum};
@@ -12,7 +13,7 @@ use std::path::PathBuf;
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done and checked
-  1  `check` found a defect in the file it was given
+  1  `check` found a defect in the file it was given; a bound is not met everywhere
   2  usage: the command line makes no sense
   3  input rejected: one line on stderr names the file, the place and the reason
   4  cancelled (Ctrl-C); the mesh so far was written
@@ -22,6 +23,7 @@ Exit codes:
 const EXAMPLES: &str = "\
 Examples:
   ltbw demo                                      mesh 100,000 points, check, write demo.vtu
+  ltbw mesh part.stl --max-volume 0.1 -o m.vtu   mesh a domain, check the mesh, write it
   ltbw generate uniform 1000000 -o points.npy    a million random points
   ltbw delaunay points.npy -o mesh.vtu           mesh them, check the mesh, write it
   ltbw check mesh.vtu                            check anybody's mesh, exactly
@@ -64,10 +66,27 @@ Ctrl-C stops early: the mesh of the points inserted so far is written, unchecked
 
 "))]
     Delaunay(Delaunay),
+    /// Mesh a domain: conforming Delaunay refinement to bounds that are met exactly
+    #[command(after_long_help = concat_help("\
+Examples:
+  ltbw generate cube-octahedron -o model.poly
+  ltbw mesh model.poly --max-volume 1e-5 -o model.vtu
+  ltbw mesh part.stl --radius-edge 1.5 -o part.msh --json -
+  ltbw mesh model.poly --tetgen-switches pq1.4a0.001 -o model.ele
+  ltbw check model.vtu --plc model.poly --max-volume 1e-5     check it once more
+
+The vertices of the domain are moved to a lattice (the largest move is reported); every point of
+the mesh is then exact, and lies exactly on its facet. The mesh is of the inside alone unless
+--keep-exterior asks for more; tags are regions, 0 the exterior. What cannot be met, near small
+angles of the domain, is listed with its reason, and the exit code is 1.
+
+"))]
+    Mesh(MeshArgs),
     /// Check anybody's mesh: what is wrong, exactly and where
     #[command(after_long_help = concat_help("\
 Examples:
   ltbw check mesh.vtu                      verdict and first defects, on stderr
+  ltbw check mesh.vtu --plc domain.poly    does it conform to the domain?
   ltbw check mesh.ele --json cert.json     the certificate ltbw.cert/1, with every defect's place
   ltbw check domain.stl                    a domain: .poly .smesh .off .obj .stl .ply
 
@@ -104,6 +123,18 @@ Examples:
 
 "))]
     Generate(Generate),
+    /// Run the parallel kernel on simulated processors: the paper's tables
+    #[command(after_long_help = concat_help("\
+Examples:
+  ltbw simulate                                            16 processors, 100,000 points
+  ltbw simulate --processors 64 --latency 100us --points 1000000 --json run.json
+  ltbw simulate --rule paper --distribution heavy-tail --trace t.json
+
+Time is virtual: work and messages cost what the printed cost model says. One seed gives one run,
+on every machine. The mesh is compared with the sequential kernel's.
+
+"))]
+    Simulate(Simulate),
     /// Show it: mesh 100,000 points, check the mesh, write demo.vtu
     #[command(after_long_help = EXIT_CODES)]
     Demo(Demo),
@@ -162,9 +193,10 @@ pub(crate) struct Delaunay {
     /// Where to write the mesh: .vtu .msh .mesh .ele (with .node); may be given several times
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
-    /// Threads for ordering, checking, hashing and output [default: one per core]
+    /// Threads: above 1, so many workers of the parallel kernel insert the points
     ///
-    /// Insertion itself is sequential. The mesh and its hash do not depend on this.
+    /// The mesh and its hash do not depend on this. By default one thread inserts, and all cores
+    /// order, check, hash and write. A worker should have some 5,000 points at least.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     /// Write the report as JSON (schema ltbw.report/1), `-` for stdout
@@ -186,6 +218,50 @@ pub(crate) enum Depth {
     Full,
 }
 
+/// `ltbw mesh`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct MeshArgs {
+    /// The domain: .poly .smesh .off .obj .stl .ply
+    pub(crate) domain: PathBuf,
+    /// Where to write the mesh: .vtu .msh .mesh .ele (with .node); may be given several times
+    #[arg(short, long = "output", value_name = "MESH")]
+    pub(crate) output: Vec<PathBuf>,
+    /// Largest circumradius to shortest edge, at least 1 (sure to end from 2 on) [default: 2]
+    #[arg(long, value_name = "B")]
+    pub(crate) radius_edge: Option<f64>,
+    /// Largest volume of a tetrahedron
+    #[arg(long, value_name = "A")]
+    pub(crate) max_volume: Option<f64>,
+    /// Bounds as TetGen's switches give them: `q` with a ratio, `a` with a volume
+    #[arg(long, value_name = "SWITCHES", conflicts_with_all = ["radius_edge", "max_volume"])]
+    pub(crate) tetgen_switches: Option<String>,
+    /// Insert at most so many points
+    #[arg(long, value_name = "N")]
+    pub(crate) max_points: Option<u64>,
+    /// Write the exterior between domain and convex hull, too (tag 0)
+    #[arg(long)]
+    pub(crate) keep_exterior: bool,
+    /// Reject a domain that is not exactly on its lattice
+    #[arg(long)]
+    pub(crate) exact_input: bool,
+    /// Measure from the middle of the domain: keeps more bits of a domain far from the origin.
+    /// The mesh is then in those coordinates; the offset is reported
+    #[arg(long)]
+    pub(crate) local_frame: bool,
+    /// Write the histograms of quality as a picture
+    #[arg(long, value_name = "SVG")]
+    pub(crate) histogram: Option<PathBuf>,
+    /// Threads for checking, hashing and output [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Write the report as JSON (schema ltbw.report/1), `-` for stdout
+    #[arg(long, value_name = "FILE|-")]
+    pub(crate) json: Option<PathBuf>,
+    /// Whether the checker looks at the mesh before it is written
+    #[arg(long, value_enum, default_value_t = Depth::Fast)]
+    pub(crate) check: Depth,
+}
+
 /// `ltbw check`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Check {
@@ -200,6 +276,15 @@ pub(crate) struct Check {
     /// Reject a domain that is not exactly on its lattice
     #[arg(long)]
     pub(crate) exact_input: bool,
+    /// Check that the mesh conforms to this domain
+    #[arg(long, value_name = "DOMAIN")]
+    pub(crate) plc: Option<PathBuf>,
+    /// With --plc: no circumradius to shortest edge may exceed this
+    #[arg(long, value_name = "B", requires = "plc")]
+    pub(crate) radius_edge: Option<f64>,
+    /// With --plc: no volume may exceed this
+    #[arg(long, value_name = "A", requires = "plc")]
+    pub(crate) max_volume: Option<f64>,
 }
 
 /// `ltbw convert`.

@@ -1,6 +1,7 @@
 //! The glue to the checker: `check`, and the check of our own output.
 
 use crate::args::{Check, Depth};
+use crate::conform;
 use crate::console;
 use crate::domain;
 use crate::outcome::{Exit, Failure, show};
@@ -16,6 +17,9 @@ const SHOWN: usize = 10;
 pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     if domain::is_domain(&args.mesh) {
         return domain::check(args);
+    }
+    if let Some(plc) = &args.plc {
+        return conform::check(args, plc);
     }
     console::end_on_signal()?;
     if let Some(json) = &args.json {

@@ -27,6 +27,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         stop: &stop,
         start,
         read_seconds: 0.0,
+        workers: 1,
     };
     let exit = mesh_points(points(), &job)?;
     if exit == Exit::Done {

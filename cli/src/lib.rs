@@ -2,17 +2,20 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`args`] | the command line and its help |
-//! | [`run`] | `delaunay`: read, build, check, hash, write, report |
-//! | [`check`] | `check`, and the check of our own output |
-//! | [`domain`] | `check` of a domain |
-//! | [`lists`] | a mesh as the lists that the checker takes |
-//! | [`files`] | `convert` and `generate` |
-//! | [`demo`] | `demo` |
-//! | [`vectors`] | `vectors run`: a foreign program and the conformance kit |
-//! | [`report`] | the JSON report `ltbw.report/1` |
-//! | [`outcome`] | exit codes, and errors as one line |
-//! | [`console`] | what goes to stdout and to stderr, progress, Ctrl-C |
+//! | `args` | the command line and its help |
+//! | `run` | `delaunay`: read, build, check, hash, write, report |
+//! | `mesh` | `mesh`: read, prepare, refine, check, write, report |
+//! | `check` | `check`, and the check of our own output |
+//! | `conform` | `check --plc` |
+//! | `domain` | `check` of a domain |
+//! | `lists` | a mesh as the lists that the checker takes |
+//! | `files` | `convert` and `generate` |
+//! | `simulate` | `simulate`: the parallel kernel on simulated processors |
+//! | `demo` | `demo` |
+//! | `vectors` | `vectors run`: a foreign program and the conformance kit |
+//! | `report` | the JSON report `ltbw.report/1` |
+//! | `outcome` | exit codes, and errors as one line |
+//! | `console` | what goes to stdout and to stderr, progress, Ctrl-C |
 //!
 //! stdout carries data (a hash, JSON), stderr what is meant for people.
 //!
@@ -22,14 +25,17 @@
 
 mod args;
 mod check;
+mod conform;
 mod console;
 mod demo;
 mod domain;
 mod files;
 mod lists;
+mod mesh;
 mod outcome;
 mod report;
 mod run;
+mod simulate;
 mod vectors;
 
 use args::{Args, Command, Vectors};
@@ -64,9 +70,11 @@ pub fn main() -> ExitCode {
 fn dispatch(args: Args) -> Result<Exit, Failure> {
     match args.command {
         Command::Delaunay(delaunay) => run::delaunay(&delaunay),
+        Command::Mesh(args) => mesh::mesh(&args),
         Command::Check(args) => check::check(&args),
         Command::Convert(convert) => files::convert(&convert),
         Command::Generate(generate) => files::generate(&generate),
+        Command::Simulate(args) => simulate::simulate(&args),
         Command::Demo(demo) => demo::demo(&demo),
         Command::Vectors(Vectors::Run(args)) => vectors::run(&args),
     }

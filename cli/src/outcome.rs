@@ -2,6 +2,7 @@
 
 use ltbw::domain::PrepareError;
 use ltbw::io::IoError;
+use ltbw::refine::RefineError;
 use ltbw::{BuildError, PointError};
 use std::path::{Path, PathBuf};
 
@@ -10,7 +11,8 @@ use std::path::{Path, PathBuf};
 pub(crate) enum Exit {
     /// Done and checked.
     Done = 0,
-    /// `check` found a defect in the file that it was given.
+    /// `check` found a defect in the file that it was given; or a mesh was made, but a bound is
+    /// not met everywhere (the report says where and why).
     Defect = 1,
     /// The command line makes no sense.
     Usage = 2,
@@ -49,6 +51,14 @@ pub(crate) enum Failure {
         /// Why.
         error: PrepareError,
     },
+    /// The domain has no mesh.
+    #[error("{}: {error}", show(path))]
+    Refine {
+        /// The input file.
+        path: PathBuf,
+        /// Why.
+        error: RefineError,
+    },
     /// The points have no mesh.
     #[error("{}: {error}", show(path))]
     Build {
@@ -76,10 +86,13 @@ impl Failure {
                 | IoError::ReadOnly { .. },
             ) => Exit::Usage,
             Failure::Write(_) | Failure::Other(_) => Exit::Output,
-            Failure::Build { error: BuildError::Cancelled, .. } => Exit::Stopped,
+            Failure::Build { error: BuildError::Cancelled, .. }
+            | Failure::Refine { error: RefineError::Cancelled, .. } => Exit::Stopped,
+            Failure::Refine { error: RefineError::Bound { .. }, .. } => Exit::Usage,
             Failure::Read(_)
             | Failure::Points { .. }
             | Failure::Domain { .. }
+            | Failure::Refine { .. }
             | Failure::Build { .. } => Exit::Input,
         }
     }

@@ -7,7 +7,7 @@ use serde::Serialize;
 pub(crate) struct Report {
     /// Name and version of the schema.
     pub(crate) schema: &'static str,
-    /// The command, `delaunay` or `demo`.
+    /// The command: `delaunay`, `demo` or `mesh`.
     pub(crate) command: &'static str,
     /// The points.
     pub(crate) input: Input,
@@ -17,16 +17,24 @@ pub(crate) struct Report {
     pub(crate) predicates: Predicates,
     /// Wall time.
     pub(crate) seconds: Seconds,
-    /// Threads for ordering, checking, hashing and output.
+    /// Threads for ordering, checking, hashing and output, and workers if they are several.
     pub(crate) threads: usize,
     /// The most memory that the process held, where the system tells.
     pub(crate) peak_rss_bytes: Option<u64>,
-    /// `complete`, `cancelled` or `budget`.
+    /// `complete`, `cancelled` or `budget`; of a domain `met`, `excused` or `cancelled`.
     pub(crate) outcome: &'static str,
+    /// What refinement did, of a domain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) refinement: Option<serde_json::Value>,
+    /// Histograms and extremes, of a domain's mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) quality: Option<serde_json::Value>,
     /// The certificate `ltbw.cert/1`, if the mesh was checked.
     pub(crate) certificate: Option<serde_json::Value>,
     /// Mesh files written.
     pub(crate) outputs: Vec<String>,
+    /// Figures of each worker of the parallel kernel; none if one thread inserted.
+    pub(crate) workers: Vec<ltbw::threads::WorkerStats>,
 }
 
 impl Report {

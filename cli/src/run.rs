@@ -7,7 +7,8 @@ use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
 use ltbw::io::{self, PointFile};
-use ltbw::{BuildError, Builder, Built, Outcome, PointSet, TetMesh};
+use ltbw::threads::{Parallel, Run, RunError, WorkerStats};
+use ltbw::{BuildError, Builder, Built, Outcome, PointSet, Stats, TetMesh};
 use ltbw_verify as verify;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -30,6 +31,8 @@ pub(crate) struct Job<'a> {
     pub(crate) start: Instant,
     /// Seconds it took to read the points.
     pub(crate) read_seconds: f64,
+    /// Workers that insert the points.
+    pub(crate) workers: u32,
 }
 
 /// `ltbw delaunay`.
@@ -51,12 +54,13 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
         stop: &stop,
         start,
         read_seconds: start.elapsed().as_secs_f64(),
+        workers: args.threads.map_or(1, u32::from),
     };
     mesh_points(file, &job)
 }
 
 /// Sets the number of threads of rayon's global pool.
-fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
+pub(crate) fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
     let Some(threads) = threads else { return Ok(()) };
     rayon::ThreadPoolBuilder::new()
         .num_threads(usize::from(threads))
@@ -77,18 +81,22 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     let count = file.points.len();
     let set = PointSet::new(file.points)
         .map_err(|error| Failure::Points { path: job.name.to_owned(), error })?;
-    let built = match build(&set, job) {
+    let (built, workers) = match build(&set, job) {
         Ok(built) => built,
-        Err(BuildError::Cancelled) => {
+        Err(RunError::Build(BuildError::Cancelled)) => {
             let input = Input { points: count, ..Input::default() };
             let mut report = empty_report(job, input, "cancelled");
             finish(&mut report, job)?;
             console::people("ltbw: stopped before the first tetrahedron; no mesh was written");
             return Ok(Exit::Stopped);
         }
-        Err(error) => return Err(Failure::Build { path: job.name.to_owned(), error }),
+        Err(RunError::Build(error)) => {
+            return Err(Failure::Build { path: job.name.to_owned(), error });
+        }
+        Err(error) => return Err(Failure::Other(error.to_string())),
     };
     let mut report = report_of(&built, count, job);
+    report.workers = workers;
     let Built { mesh, outcome, .. } = built;
     if outcome == Outcome::Complete {
         job.stop.inserted();
@@ -142,9 +150,21 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     Ok(Exit::Stopped)
 }
 
-fn build(set: &PointSet, job: &Job<'_>) -> Result<Built, BuildError> {
-    let progress = Progress::new();
-    Builder::new().observer(&progress).cancel(job.stop.token()).build(set)
+/// One worker is the sequential kernel.
+fn build(set: &PointSet, job: &Job<'_>) -> Result<(Built, Vec<WorkerStats>), RunError> {
+    if job.workers <= 1 {
+        let progress = Progress::new();
+        let built = Builder::new().observer(&progress).cancel(job.stop.token()).build(set)?;
+        return Ok((built, Vec::new()));
+    }
+    let run = Parallel::new(job.workers).cancel(job.stop.token()).build(set)?;
+    let stats = Stats {
+        order_seconds: run.start_seconds,
+        insert_seconds: run.insert_seconds + run.gather_seconds,
+        predicates: run.mesh.predicate_stats(),
+    };
+    let Run { mesh, outcome, duplicates, workers, .. } = run;
+    Ok((Built { mesh, outcome, stats, duplicates }, workers))
 }
 
 /// The report of a build, without what comes after it.
@@ -212,8 +232,11 @@ fn empty_report(job: &Job<'_>, input: Input, outcome: &'static str) -> Report {
         threads: rayon::current_num_threads(),
         peak_rss_bytes: None,
         outcome,
+        refinement: None,
+        quality: None,
         certificate: None,
         outputs: Vec::new(),
+        workers: Vec::new(),
     }
 }
 

@@ -90,6 +90,18 @@ fn one_mesh_whatever_the_formats_and_threads() {
         let run = ltbw(dir.path(), &["delaunay", &name, "--threads", "1"]);
         assert_eq!(hash(&run), hash(&first), "{name}");
     }
+    for threads in ["2", "5"] {
+        let args =
+            ["delaunay", "p.npy", "--threads", threads, "--check", "full", "--json", "t.json"];
+        let run = ltbw(dir.path(), &args);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        assert_eq!(hash(&run), hash(&first), "{threads} threads");
+        let text = std::fs::read_to_string(dir.path().join("t.json")).unwrap();
+        let report = json(&text);
+        let workers = report["workers"].as_array().unwrap();
+        assert_eq!(workers.len().to_string(), threads);
+        assert!(workers.iter().any(|w| w["operations"].as_u64() > Some(0)), "{workers:?}");
+    }
     assert_eq!(ltbw(dir.path(), &["convert", "m.vtu", "n.ele"]).code, 0);
     for name in ["m.vtu", "m.mesh", "m.ele", "m.node", "n.ele"] {
         let run = ltbw(dir.path(), &["check", name]);

@@ -212,6 +212,13 @@ impl Cavity {
         }
     }
 
+    /// The walls of the open cavity: each one's vertices, which are a positively oriented
+    /// tetrahedron with the point before them, and the face seen from outside. After the filling
+    /// the k-th belongs to the k-th tetrahedron of the star.
+    pub(crate) fn walls(&self) -> impl Iterator<Item = ([VertexId; 3], FaceId)> + '_ {
+        self.walls.iter().map(|w| (w.v, w.outer))
+    }
+
     /// Number of conflict tests that the last [`Cavity::expand`] made.
     #[inline(always)]
     pub(crate) fn tests(&self) -> usize {

@@ -16,6 +16,8 @@
 //! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
 //! | [`part`] | [`part::Part`]: the part of a mesh that one worker of the parallel kernel owns |
 //! | [`query`] | questions to a [`Mesh`], from many threads: locate, nearest, Voronoi cells |
+//! | [`quality`] | histograms and extremes of angles, ratios, volumes, edges |
+//! | [`refine`] | conforming Delaunay refinement of domains |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
 //! | [`snapshot`] | [`Snapshot`]: a mesh to be stored, restored through validation |
 //! | `interop` | conversions from and to `nalgebra` (feature `nalgebra`) |
@@ -44,8 +46,10 @@ pub mod order;
 pub mod part;
 pub mod points;
 pub mod predicates;
+pub mod quality;
 pub mod query;
 mod raw;
+pub mod refine;
 #[cfg(feature = "serde")]
 mod serialise;
 pub mod snapshot;

@@ -106,8 +106,11 @@ fn scan<G: Gate>(topology: &Topology, conflict: &mut PointConflict<'_>, gate: &G
             closed = Some(t);
             continue;
         }
-        let at_vertex =
-            !tet.is_ghost() && tet.vertices().iter().any(|&v| *conflict.geometry().point(v) == p);
+        let at_vertex = tet.vertices().iter().any(|&v| *conflict.geometry().point(v) == p);
+        if at_vertex && tet.is_ghost() {
+            // A finite neighbour has the vertex too; no conflict is defined for equal points.
+            continue;
+        }
         if at_vertex {
             return Found::Inside(t);
         }
@@ -126,6 +129,15 @@ mod tests {
     use crate::generate::{PointKind, generate};
     use crate::{Builder, PointSet};
 
+    /// Lets no walk pass.
+    struct Shut;
+
+    impl Gate for Shut {
+        fn is_closed(&self, _: &Topology, _: &Geometry, _: TetId) -> bool {
+            true
+        }
+    }
+
     /// The fallback is never needed by a sound mesh: its answers are compared with the walk's.
     #[test]
     fn a_scan_finds_what_a_walk_finds() {
@@ -136,18 +148,28 @@ mod tests {
         queries.extend([[5.0, 5.0, 5.0], [-1.0, 0.5, 0.5]]);
         for p in &queries {
             let mut conflict = mesh.geometry.conflict_of(p);
-            let Found::Conflict(t) = scan(&mesh.topology, &mut conflict) else {
+            let Found::Conflict(t) = scan(&mesh.topology, &mut conflict, &()) else {
                 panic!("no conflict with {p:?}");
             };
             assert!(conflict.in_conflict(&mesh.topology, t));
             let t = match walk(&mesh.topology, &mut conflict, 0) {
                 Found::Conflict(t) | Found::Inside(t) | Found::Outside(t) => t,
+                Found::Closed(t) => panic!("{t} was closed by nobody"),
             };
             assert!(conflict.in_conflict(&mesh.topology, t));
+            let shut = scan(&mesh.topology, &mut conflict, &Shut);
+            assert!(matches!(shut, Found::Closed(_)), "{shut:?}");
+            // What a sphere decides needs no entry.
+            let steps = &mut 0;
+            match walk_through(&mesh.topology, &mut conflict, t, &Shut, steps) {
+                Found::Conflict(u) => assert!(u == t && conflict.surely(t)),
+                found => assert!(found == Found::Closed(t) && !conflict.surely(t)),
+            }
+            assert_eq!(*steps, 1);
         }
         for p in &points {
             let mut conflict = mesh.geometry.conflict_of(p);
-            let Found::Inside(t) = scan(&mesh.topology, &mut conflict) else {
+            let Found::Inside(t) = scan(&mesh.topology, &mut conflict, &()) else {
                 panic!("{p:?} is a vertex");
             };
             let tet = *mesh.topology.tet(t);

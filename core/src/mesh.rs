@@ -130,7 +130,7 @@ impl Mesh {
         mut geometry: Geometry,
         assembly: Assembly<'_>,
     ) -> Self {
-        let Assembly { points, numbers, duplicates, mode } = assembly;
+        let Assembly { points, numbers, duplicates, mode, .. } = assembly;
         let count = points.len();
         let mut used = vec![false; count + 1];
         for (_, tet) in topology.iter() {
@@ -194,28 +194,72 @@ impl Mesh {
         number: Vertex,
         admission: &mut A,
     ) -> Result<Placed, Setback> {
+        if let Some(v) = self.open(p, self.hint, admission)? {
+            return Ok(Placed::At(v));
+        }
+        self.fill(p, number);
+        Ok(Placed::New)
+    }
+
+    /// Finds the cavity of a point in kernel coordinates, walking from `from`; a vertex at the
+    /// point is returned instead. Afterwards the cavity is open: it has to be filled
+    /// ([`Mesh::fill`]) or set back ([`Mesh::set_back`]).
+    #[inline]
+    pub(crate) fn open<A: Admission>(
+        &mut self,
+        p: Point,
+        from: TetId,
+        admission: &mut A,
+    ) -> Result<Option<VertexId>, Setback> {
         let mut conflict = self.geometry.conflict_of(&p);
-        let start = match walk(&self.topology, &mut conflict, self.hint) {
+        let start = match walk(&self.topology, &mut conflict, from) {
             // No tetrahedron of a whole mesh is closed.
             Found::Conflict(t) | Found::Outside(t) | Found::Closed(t) => t,
             Found::Inside(t) => {
                 let geometry = conflict.geometry();
                 let corners = self.topology.tet(t).vertices();
                 if let Some(&v) = corners.iter().find(|&&v| *geometry.point(v) == p) {
-                    return Ok(Placed::At(v));
+                    return Ok(Some(v));
                 }
                 t
             }
         };
-        let v = self.numbers.len() as VertexId;
         self.cavity.expand(&mut self.topology, start, &mut conflict, admission)?;
+        Ok(None)
+    }
+
+    /// Fills the open cavity with the star of its point; returns the new vertex.
+    #[inline]
+    pub(crate) fn fill(&mut self, p: Point, number: Vertex) -> VertexId {
+        let v = self.numbers.len() as VertexId;
         self.geometry.push(p);
         self.numbers.push(number);
         self.cavity.reserve_vertices(self.numbers.len());
         self.hint = self.cavity.fill(&mut self.topology, v);
         self.geometry.created(self.topology.slots(), &self.cavity.star(), &p);
         self.geometry.stats.insphere_calls += self.cavity.tests() as u64;
-        Ok(Placed::New)
+        v
+    }
+
+    /// Gives the open cavity up: the mesh is as before, bit for bit.
+    pub(crate) fn set_back(&mut self) {
+        self.cavity.set_back(&mut self.topology);
+    }
+
+    /// The open cavity, or the last one filled.
+    pub(crate) fn cavity(&self) -> &Cavity {
+        &self.cavity
+    }
+
+    /// A tetrahedron of the last star.
+    pub(crate) fn hint(&self) -> TetId {
+        self.hint
+    }
+
+    /// Says that kernel coordinates are the input's times 2^`exponent`. The caller has made the
+    /// mesh of coordinates scaled so, all inside the exactness window.
+    pub(crate) fn scaled_by(&mut self, exponent: i32) {
+        self.mode = Mode::Rescaled { exponent };
     }
 
     /// Inserts one point.

@@ -14,7 +14,7 @@
 
 use crate::Point;
 use crate::cavity::{Cavity, Conflict, Open};
-use crate::geometry::{Geometry, PointConflict};
+use crate::geometry::{Geometry, PointConflict, PredicateStats};
 use crate::locate::{Found, Gate, walk_through};
 use crate::mesh::{Mesh, Vertex};
 use crate::points::Mode;
@@ -98,8 +98,6 @@ pub struct Part<H> {
     places: Vec<TetId>,
     /// Steps of walks so far.
     steps: u64,
-    /// Conflict tests of [`Part::in_conflict`] so far.
-    tests: u64,
     /// Tetrahedra made so far.
     made: u64,
 }
@@ -120,7 +118,6 @@ impl<H: Copy + Eq> Part<H> {
             last: 0,
             places: vec![TetId::MAX; PLACES],
             steps: 0,
-            tests: 0,
             made: 0,
         }
     }
@@ -186,11 +183,11 @@ impl<H: Copy + Eq> Part<H> {
 
     /// Steps of walks, conflict tests and tetrahedra made so far.
     pub fn work(&self) -> (u64, u64, u64) {
-        (self.steps, self.tests + self.geometry.stats.insphere_calls, self.made)
+        (self.steps, self.geometry.stats.insphere_calls, self.made)
     }
 
     /// Predicate calls so far.
-    pub fn predicate_stats(&self) -> crate::PredicateStats {
+    pub fn predicate_stats(&self) -> PredicateStats {
         self.geometry.stats
     }
 
@@ -328,7 +325,10 @@ impl<H: Copy + Eq> Part<H> {
 
     /// Is tetrahedron `t` in conflict with `p`?
     pub fn in_conflict(&mut self, t: TetId, p: &Point) -> bool {
-        self.tests += 1;
+        self.geometry.stats.insphere_calls += 1;
+        if let Some(sign) = self.geometry.cached_side(t, p) {
+            return sign.is_positive();
+        }
         let mut conflict = self.geometry.conflict_of(p);
         conflict.in_conflict(&self.topology, t)
     }
@@ -453,6 +453,8 @@ pub struct Assembly<'a> {
     pub duplicates: &'a [(VertexId, VertexId)],
     /// How the points are computed with.
     pub mode: Mode,
+    /// Predicate calls made elsewhere.
+    pub predicates: PredicateStats,
 }
 
 /// Puts all parts of a mesh together. `far` finds the part and face beyond a proxy by its words.
@@ -496,6 +498,7 @@ pub fn assemble<H: Copy + Eq + Send + Sync>(
         topology.erase(t);
     }
     geometry.reserve_spheres(topology.slots());
+    geometry.stats += assembly.predicates;
     Some(Mesh::assembled(topology, geometry, assembly))
 }
 

@@ -3,11 +3,15 @@
 //!
 //! Everything is in the *frame* of the mesh: coordinates shifted by the centre of the bounding
 //! box and scaled by a power of two, so that the box lies in [-1, 1]^3. A sphere stores centre
-//! and radius in single precision; [`TOLERANCE`] covers every rounding, so an answer is certain.
-//! The error bound is derived in `docs/numerics.md` (section "Cached spheres").
+//! and radius in single precision; [`TOLERANCE`] covers every rounding, so an answer is certain:
+//! `docs/numerics.md` (section "Cached spheres") says what of this is proved.
 //!
 //! A sphere that cannot be bounded (flat, huge, or a ghost's) has NaN as its radius, and a query
 //! outside the frame has NaN coordinates; every comparison then fails and the exact test is made.
+
+mod constants;
+
+pub(crate) use constants::{FLATNESS, LEAST_SQUARE, MAX_RADIUS, TOLERANCE};
 
 use crate::Point;
 use crate::cavity::SMALL;
@@ -18,21 +22,6 @@ use crate::topology::TetId;
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(16))]
 pub(crate) struct Sphere(pub(crate) [f32; 4]);
-
-/// A query whose computed distance to a stored centre differs from the stored radius by more than
-/// this (2^-20, in units of the frame) is certainly on that side of the true sphere.
-pub(crate) const TOLERANCE: f32 = 1.0 / (1 << 20) as f32;
-
-/// Largest radius (in units of the frame) that [`TOLERANCE`] covers.
-pub(crate) const MAX_RADIUS: f64 = 2.0;
-
-/// A determinant must exceed this times (longest edge at p)^2 times the computed radius, so that
-/// the computed centre is within 2^-26 of the true one...
-pub(crate) const FLATNESS: f64 = 1.0 / (1 << 15) as f64;
-
-/// ... provided that the computed squared radius is at least this part of (longest edge at p)^2.
-/// A true one is at least 1/4 of it; a smaller one is rounding noise, and so is the centre.
-pub(crate) const LEAST_SQUARE: f64 = 0.24;
 
 /// The frame of a mesh: where and how large its box is.
 #[derive(Clone, Copy, Debug)]

@@ -190,15 +190,17 @@ fn npy_headers_need_every_key() {
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.as_bytes());
     assert_eq!(says(npy::read(&bytes)), "header: `descr`, `fortran_order` or `shape` is missing");
-    // `=` is the machine's own byte order.
-    let header = "{'descr': '=f8', 'fortran_order': False, 'shape': (1, 3)}\n";
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((header.len() as u16).to_le_bytes());
-    bytes.extend(header.as_bytes());
-    for c in [1.5f64, -2.0, 1e300] {
-        bytes.extend(c.to_ne_bytes());
+    // `=`, `|` or nothing: the machine's own byte order.
+    for kind in ["=f8", "|f8", "f8"] {
+        let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (1, 3)}}\n");
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        for c in [1.5f64, -2.0, 1e300] {
+            bytes.extend(c.to_ne_bytes());
+        }
+        assert_eq!(npy::read(&bytes).expect(kind).points, [[1.5, -2.0, 1e300]]);
     }
-    assert_eq!(npy::read(&bytes).expect("native").points, [[1.5, -2.0, 1e300]]);
 }
 
 /// A `.vtu` file of two pieces; each argument is put into both, the tags into the first alone.
@@ -304,6 +306,20 @@ fn gmsh_elements_have_their_numbers_of_nodes() {
         let error = says(msh::read(file(kind, 8).as_bytes()));
         assert_eq!(error, format!("line 14: not supported: elements of type {kind}"));
     }
+}
+
+#[test]
+fn malformed_gmsh_heads_and_views() {
+    assert_eq!(
+        says(msh::read(b"$MeshFormat\n4.1 1 7\n")),
+        "line 2: not supported: a data size of 7"
+    );
+    let empty = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n0\n$EndNodes\n$Elements\n0\n\
+                 $EndElements\n";
+    let view = "$NodeData\n1\n\"tag\"\n1\n0\n1\n0\n$EndNodeData\n";
+    assert!(msh::read(empty.as_bytes()).is_ok());
+    let error = says(msh::read([empty, view].concat().as_bytes()));
+    assert!(error.ends_with(": a view without its number of values"), "{error}");
 }
 
 #[test]

@@ -124,7 +124,9 @@ impl<'a> Parallel<'a> {
     /// A run on `workers` threads, at least one.
     pub fn new(workers: u32) -> Self {
         let workers = workers.max(1);
-        let window = Config::new(workers).window;
+        // Between threads a message takes microseconds: few operations hide that, and few are in
+        // each other's way.
+        let window = 16;
         let rule = Rule::default();
         Self { workers, rule, window, latency: Duration::ZERO, plan: None, cancel: None }
     }
@@ -166,8 +168,7 @@ impl<'a> Parallel<'a> {
     pub fn build(&self, set: &PointSet) -> Result<Run, RunError> {
         let clock = Instant::now();
         let plan = self.plan.unwrap_or_else(|| Plan::new(set.len(), self.workers));
-        let Prepared { workers, points, numbers, duplicates, mode, .. } =
-            Plan { roomy: true, ..plan }.prepare(set)?;
+        let Prepared { workers, common } = Plan { roomy: true, ..plan }.prepare(set)?;
         let start_seconds = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         let config = Config { workers: self.workers, rule: self.rule, window: self.window };
@@ -186,7 +187,7 @@ impl<'a> Parallel<'a> {
         let cancelled = ends.iter().any(|end| end.cancelled);
         let stats = ends.iter().map(|end| end.stats).collect();
         let meshes = ends.into_iter().map(|end| end.mesh).collect();
-        let whole = gather(meshes, points, &numbers, duplicates, mode)?;
+        let whole = gather(meshes, common)?;
         Ok(Run {
             mesh: whole.mesh,
             outcome: if cancelled { Outcome::Cancelled } else { Outcome::Complete },

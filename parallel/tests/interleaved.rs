@@ -1,5 +1,6 @@
 //! Workers in one thread, their steps and messages in random order, FIFO between each pair: the
 //! mesh is the sequential kernel's, and nothing is left locked, awaited or under way.
+//! With the feature `serde` (always on in a workspace build) every message goes through bytes.
 
 use ltbw::generate::{PointKind, Random, generate};
 use ltbw::mesh::{Field, LocalMesh, Plan, gather};
@@ -21,6 +22,8 @@ struct World {
     blocks: u32,
     setbacks: u32,
     committed: u32,
+    /// Messages go through bytes.
+    bytes: bool,
 }
 
 impl World {
@@ -41,6 +44,7 @@ impl World {
             if queue.is_empty() {
                 self.channels.remove(&(from, to));
             }
+            let message = if self.bytes { through_bytes(message) } else { message };
             self.nodes[to].step(Event::Message { from: from as u32, message }, &mut out);
             to
         } else if let Some(&w) = busy.get(pick - open.len()) {
@@ -75,6 +79,20 @@ impl World {
     }
 }
 
+/// A message that went through bytes: nothing in it can point to shared memory.
+#[cfg(feature = "serde")]
+fn through_bytes(message: Message<LocalMesh>) -> Message<LocalMesh> {
+    let bytes = serde_json::to_vec(&message).expect("bytes");
+    let back: Message<LocalMesh> = serde_json::from_slice(&bytes).expect("a message");
+    assert_eq!(bytes, serde_json::to_vec(&back).expect("bytes"));
+    back
+}
+
+#[cfg(not(feature = "serde"))]
+fn through_bytes(message: Message<LocalMesh>) -> Message<LocalMesh> {
+    message
+}
+
 /// Runs `points` on `workers` workers; returns setbacks and operations committed.
 fn run(points: Vec<Point>, plan: Plan, rule: Rule, migrations: u32, seed: u64) -> (u32, u32) {
     let set = PointSet::new(points).expect("finite points");
@@ -96,6 +114,7 @@ fn run(points: Vec<Point>, plan: Plan, rule: Rule, migrations: u32, seed: u64) -
         blocks,
         setbacks: 0,
         committed: 0,
+        bytes: seed.is_multiple_of(3),
     };
     let limit = STEPS_PER_POINT * (set.len() + 100);
     let mut steps = 0;
@@ -117,9 +136,7 @@ fn run(points: Vec<Point>, plan: Plan, rule: Rule, migrations: u32, seed: u64) -
         assert!(node.source().is_empty());
     }
     let meshes = world.nodes.into_iter().map(|node| node.into_parts().0).collect();
-    let whole =
-        gather(meshes, prepared.points, &prepared.numbers, prepared.duplicates, prepared.mode)
-            .expect("a whole mesh");
+    let whole = gather(meshes, prepared.common).expect("a whole mesh");
     invariants::check_all(&whole.mesh).expect("invariants");
     assert_eq!(whole.duplicates, expected.duplicates, "seed {seed}");
     assert_eq!(whole.mesh.hash().expect("a hash"), expected.mesh.hash().expect("a hash"));

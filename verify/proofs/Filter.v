@@ -1,308 +1,370 @@
-(* ltbw: a filter theorem for every division-free predicate.
+(* ltbw: filters, and when their decisions are right.
    Licence: MIT OR Apache-2.0. Checked by `cargo xtask prove`.
 
-   Binary64 with gradual underflow; overflow is excluded by the exactness window, or shows itself
-   (an infinite permanent decides nothing). One induction over expressions covers orient2d,
-   orient3d, incircle and insphere:
-     |fl(e) - exact(e)| <= k(e) * mag(e),
-   and comparing |fl(e)| with C * permanent(e), both rounded, is sound if k(e) <= C (1-u) s(e). *)
-Require Import Reals QArith Qreals Qminmax Psatz ZArith Lia.
-From Flocq Require Import Core Relative.
+   A filter computes a value and a bound of its error; if the value is beyond the bound, its sign is
+   that of the exact value. [check_guard] and [check_window] are programs; the theorems say that
+   what they accept is right, so that each constant is proved by running them. *)
+Require Import Reals NArith ZArith List Lia Psatz Bool.
+From Flocq Require Import Core.
+Require Import Rounding Poly Expr Bound.
+Import ListNotations.
 Open Scope R_scope.
 
-Definition emin := (-1074)%Z.
-Definition prec := 53%Z.
-Notation fexp := (FLT_exp emin prec).
-Notation rnd := (round radix2 fexp ZnearestE).
-Global Instance prec_gt_0_ : Prec_gt_0 prec. Proof. now unfold Prec_gt_0, prec. Qed.
+(* A leaf is the rounded difference of two numbers of the input, or one of them. *)
+Inductive leaf := Diff (p q : nat) | Param (p : nat).
 
-Definition u : R := / 2 * bpow radix2 (-53 + 1).
-Lemma u_val : u = / IZR (2^53).
-Proof. unfold u. change (-53+1)%Z with (-52)%Z. simpl. lra. Qed.
+Record filter := Filter {
+  value : expr;
+  (* An expression of variables: [X t t] is the largest |leaf| of extent t. *)
+  bound : expr;
+  leaf_list : list leaf;
+  (* The leaves whose largest absolute value is variable 1, 2, ...; the first entry is not used. *)
+  extents : list (list nat);
+  (* The filter for any coordinates answers if variable t is in (2^low, 2^high). *)
+  lows : list Z;
+  highs : list Z
+}.
 
-(* multiples of 2^-m *)
-Notation mult m := (generic_format radix2 (FIX_exp (- m))).
+(* The exactness window: 0 or 2^-142 <= |c| < 2^200. *)
+Definition in_window (c : R) :=
+  float c /\ (c = 0 \/ bpow radix2 (-142) <= Rabs c) /\ Rabs c < bpow radix2 200.
 
-Lemma mult_weaken m m' x : (m <= m')%Z -> mult m x -> mult m' x.
+Lemma window_mult c : in_window c -> mult 194 c.
 Proof.
-intros H Hx. apply generic_format_FIX. apply FIX_format_generic in Hx. destruct Hx as [[k e] Hx He].
-simpl in He. subst e. exists (Float radix2 (k * Zpower radix2 (m' - m)) (-m')).
-- rewrite Hx. unfold F2R, Fnum, Fexp. rewrite mult_IZR. rewrite IZR_Zpower by lia.
-  rewrite Rmult_assoc, <- bpow_plus. do 2 f_equal. lia.
-- reflexivity.
-Qed.
-Lemma mult_plus m x y : mult m x -> mult m y -> mult m (x + y).
-Proof.
-intros Hx Hy. apply generic_format_FIX. apply FIX_format_generic in Hx; apply FIX_format_generic in Hy.
-destruct Hx as [[k e] Hx He]; destruct Hy as [[k' e'] Hy He']; simpl in *; subst e e'.
-exists (Float radix2 (k + k') (-m)); [|reflexivity]. rewrite Hx, Hy. unfold F2R; simpl. rewrite plus_IZR. ring.
-Qed.
-Lemma mult_opp m x : mult m x -> mult m (-x).
-Proof. apply generic_format_opp. Qed.
-Lemma mult_mul m m' x y : mult m x -> mult m' y -> mult (m + m') (x * y).
-Proof.
-intros Hx Hy. apply generic_format_FIX. apply FIX_format_generic in Hx; apply FIX_format_generic in Hy.
-destruct Hx as [[k e] Hx He]; destruct Hy as [[k' e'] Hy He']; simpl in *; subst e e'.
-exists (Float radix2 (k * k') (-(m+m'))); [|reflexivity]. rewrite Hx, Hy. unfold F2R; simpl. rewrite mult_IZR.
-replace (-(m+m'))%Z with (-m + -m')%Z by lia. rewrite bpow_plus. ring.
-Qed.
-Lemma mult_rnd m x : mult m x -> mult m (rnd x).
-Proof. intros Hx. apply generic_round_generic; auto with typeclass_instances. Qed.
-
-(* relative error of rounding, including the subnormal range, for multiples of 2^-1074 *)
-Lemma rnd_err x : mult 1074 x -> Rabs (rnd x - x) <= u * Rabs x.
-Proof.
-intros Hx. destruct (Rle_or_lt (bpow radix2 (emin + prec - 1)) (Rabs x)) as [H|H].
-- unfold u. apply (relative_error_N_FLT radix2 emin prec eq_refl). exact H.
-- rewrite round_generic; auto with typeclass_instances.
-  + rewrite Rminus_diag_eq, Rabs_R0 by reflexivity. apply Rmult_le_pos; [rewrite u_val|apply Rabs_pos].
-    apply Rlt_le, Rinv_0_lt_compat. apply IZR_lt. reflexivity.
-  + apply generic_format_FLT. apply FIX_format_generic in Hx. destruct Hx as [[k e] Hx He]. simpl in He. subst e.
-    exists (Float radix2 k (-1074)); [exact Hx| |simpl; unfold emin; lia].
-    simpl. apply lt_IZR. rewrite abs_IZR. rewrite Hx in H. unfold F2R in H. simpl Fnum in H; simpl Fexp in H.
-    rewrite Rabs_mult in H. rewrite (Rabs_pos_eq (bpow _ _)) in H by apply bpow_ge_0.
-    replace (emin + prec - 1)%Z with (52 + -1074)%Z in H by reflexivity. rewrite bpow_plus in H.
-    apply Rmult_lt_reg_r in H; [|apply bpow_gt_0]. apply Rlt_trans with (1:=H). 
-    rewrite <- IZR_Zpower by easy. apply IZR_lt. reflexivity.
+  intros [F [[-> | L] _]]; [apply mult_0|].
+  unfold generic_format in F. rewrite F. clear F.
+  assert (C : c <> 0).
+  { intros ->. rewrite Rabs_R0 in L. pose proof (bpow_gt_0 radix2 (-142)). lra. }
+  apply mult_weaken with (- cexp radix2 fexp c)%Z.
+  - unfold cexp, FLT_exp, emin, prec.
+    assert (M : (-142 < mag radix2 c)%Z).
+    { apply lt_bpow with radix2. apply Rle_lt_trans with (1 := L). now apply bpow_mag_gt. }
+    lia.
+  - apply mult_spec. eexists. unfold F2R. simpl. rewrite Z.opp_involutive. reflexivity.
 Qed.
 
-(* the leaves: f = rnd (p - q), x = p - q *)
-Lemma leaf_ok z : mult 1074 z -> Rabs (rnd z - z) <= u * Rabs (rnd z).
+Definition largest (f : nat -> R) (l : list nat) : R :=
+  fold_right (fun n r => Rmax (Rabs (f n)) r) 0 l.
+
+Lemma largest_pos f l : 0 <= largest f l.
 Proof.
-intros Hz. destruct (Rle_or_lt (bpow radix2 (emin + prec - 1)) (Rabs z)) as [H|H].
-- assert (H' : bpow radix2 (emin + prec - 1) <= Rabs (rnd z)) by (apply abs_round_ge_generic; auto with typeclass_instances; apply generic_format_bpow; unfold FLT_exp, emin, prec; lia).
-  apply Rle_trans with (1 := error_le_half_ulp_round radix2 fexp _ z).
-  pose proof (ulp_FLT_le radix2 emin prec _ H'). unfold u. replace (-53+1)%Z with (1 - prec)%Z by reflexivity. lra.
-- pose proof (rnd_err z Hz) as E. rewrite round_generic; auto with typeclass_instances.
-  + rewrite Rminus_diag_eq, Rabs_R0 by reflexivity. apply Rmult_le_pos; [rewrite u_val|apply Rabs_pos].
-    apply Rlt_le, Rinv_0_lt_compat. apply IZR_lt. reflexivity.
-  + apply generic_format_FLT. apply FIX_format_generic in Hz. destruct Hz as [[k e] Hx He]. simpl in He. subst e.
-    exists (Float radix2 k (-1074)); [exact Hx| |simpl; unfold emin; lia].
-    simpl. apply lt_IZR. rewrite abs_IZR. rewrite Hx in H. unfold F2R in H. simpl Fnum in H; simpl Fexp in H.
-    rewrite Rabs_mult in H. rewrite (Rabs_pos_eq (bpow _ _)) in H by apply bpow_ge_0.
-    replace (emin + prec - 1)%Z with (52 + -1074)%Z in H by reflexivity. rewrite bpow_plus in H.
-    apply Rmult_lt_reg_r in H; [|apply bpow_gt_0]. apply Rlt_trans with (1:=H).
-    rewrite <- IZR_Zpower by easy. apply IZR_lt. reflexivity.
+  induction l as [|n l IH]; simpl; [lra|]. apply Rle_trans with (1 := IH), Rmax_r.
 Qed.
-
-Inductive expr := V (n : nat) | Add (a b : expr) | Sub (a b : expr) | Mul (a b : expr).
-
-Section Filter.
-Variable q : Z.                  (* differences are multiples of 2^-q *)
-Hypothesis q_pos : (0 <= q)%Z.
-Variable f x : nat -> R.         (* rounded and exact coordinate differences *)
-Hypothesis f_mult : forall n, mult q (f n).
-Hypothesis leaf : forall n, Rabs (f n - x n) <= u * Rabs (f n).
-
-Fixpoint deg e := match e with V _ => 1 | Add a b | Sub a b => Z.max (deg a) (deg b) | Mul a b => deg a + deg b end%Z.
-Fixpoint fl e := match e with V n => f n | Add a b => rnd (fl a + fl b) | Sub a b => rnd (fl a - fl b) | Mul a b => rnd (fl a * fl b) end.
-Fixpoint ex e := match e with V n => x n | Add a b => ex a + ex b | Sub a b => ex a - ex b | Mul a b => ex a * ex b end.
-Fixpoint mag e := match e with V n => Rabs (f n) | Add a b | Sub a b => mag a + mag b | Mul a b => mag a * mag b end.
-(* the permanent as computed in floating point *)
-Fixpoint pfl e := match e with V n => Rabs (f n) | Add a b | Sub a b => rnd (pfl a + pfl b) | Mul a b => rnd (pfl a * pfl b) end.
-
-Definition uq : Q := 1 # (2^53)%positive.
-(* growth g: |fl e| <= g * mag ; error k: |fl e - ex e| <= k * mag ; depth h: mag*(1-u)^h <= pfl *)
-Fixpoint g e : Q := match e with V _ => 1 | Add a b | Sub a b => Qmax (g a) (g b) * (1 + uq) | Mul a b => g a * g b * (1 + uq) end%Q.
-Fixpoint k e : Q := match e with V _ => uq
-  | Add a b | Sub a b => uq * Qmax (g a) (g b) + Qmax (k a) (k b)
-  | Mul a b => uq * (g a * g b) + (g a * k b + (g b + k b) * k a) end%Q.
-Fixpoint s e : Q := match e with V _ => 1 | Add a b | Sub a b => Qmin (s a) (s b) * (1 - uq) | Mul a b => s a * s b * (1 - uq) end%Q.
-
-Lemma Q2R_uq : Q2R uq = u.
-Proof. rewrite u_val. unfold uq, Q2R, Qnum, Qden. change (Z.pos (2 ^ 53)) with (2^53)%Z. now rewrite Rmult_1_l. Qed.
-Lemma Q2R_max a b : Q2R (Qmax a b) = Rmax (Q2R a) (Q2R b).
+Lemma largest_in f l n : In n l -> Rabs (f n) <= largest f l.
 Proof.
-destruct (Q.max_spec a b) as [[H E]|[H E]]; rewrite (Qeq_eqR _ _ E).
-- rewrite Rmax_right; [reflexivity|]. apply Rlt_le, Qlt_Rlt, H.
-- rewrite Rmax_left; [reflexivity|]. apply Qle_Rle, H.
+  induction l as [|m l IH]; simpl; [easy|]. intros [-> | H]; [apply Rmax_l|].
+  apply Rle_trans with (1 := IH H), Rmax_r.
 Qed.
-Lemma Q2R_min a b : Q2R (Qmin a b) = Rmin (Q2R a) (Q2R b).
+Lemma largest_is (Q : R -> Prop) f l : Q 0 -> (forall n, Q (Rabs (f n))) -> Q (largest f l).
 Proof.
-destruct (Q.min_spec a b) as [[H E]|[H E]]; rewrite (Qeq_eqR _ _ E).
-- rewrite Rmin_left; [reflexivity|]. apply Rlt_le, Qlt_Rlt, H.
-- rewrite Rmin_right; [reflexivity|]. apply Qle_Rle, H.
+  intros Z H. induction l as [|n l IH]; simpl; [exact Z|].
+  unfold Rmax. destruct (Rle_dec _ _); auto.
 Qed.
-Lemma Q2R_1 : Q2R 1 = 1. Proof. unfold Q2R; simpl; lra. Qed.
+Lemma largest_le f l r : 0 <= r -> (forall n, Rabs (f n) <= r) -> largest f l <= r.
+Proof. intros. induction l; simpl; [lra|]. now apply Rmax_lub. Qed.
 
-Lemma u_pos : 0 < u. Proof. rewrite u_val. apply Rinv_0_lt_compat. apply IZR_lt. reflexivity. Qed.
-Lemma u_lt1 : u < 1.
-Proof. rewrite u_val. rewrite <- Rinv_1. apply Rinv_1_lt_contravar; [lra|]. apply IZR_lt. reflexivity. Qed.
-Lemma mag_pos e : 0 <= mag e.
-Proof. induction e; simpl; try (apply Rabs_pos); try lra. now apply Rmult_le_pos. Qed.
-Lemma deg_pos e : (1 <= deg e)%Z. Proof. induction e; simpl; lia. Qed.
+Section Filters.
+Variable F : filter.
 
-Lemma g_ge1 e : 1 <= Q2R (g e).
+(* Computed and exact leaves for the input [c]. *)
+Definition computed (c : nat -> R) (n : nat) : R :=
+  match nth_error (leaf_list F) n with
+  | Some (Diff p q) => rnd (c p - c q)
+  | Some (Param p) => c p
+  | None => 0
+  end.
+Definition exact (c : nat -> R) (n : nat) : R :=
+  match nth_error (leaf_list F) n with
+  | Some (Diff p q) => c p - c q
+  | Some (Param p) => c p
+  | None => 0
+  end.
+(* The variables; number 0 is the cost of an underflow. *)
+Definition sizes (eta : R) (c : nat -> R) (t : nat) : R :=
+  match t with O => eta | S _ => largest (computed c) (nth t (extents F) []) end.
+
+(* Value and bound in floating point; the exact value. *)
+Definition fl_value c := fl (computed c) (value F).
+Definition fl_bound c := fl (sizes 0 c) (bound F).
+Definition exact_value c := ex (exact c) (value F).
+
+(* Every leaf belongs to the extent that bounds it. *)
+Definition member (n t : nat) : bool :=
+  negb (Nat.eqb t 0) && existsb (Nat.eqb n) (nth t (extents F) []).
+Fixpoint well_measured (e : expr) : bool :=
+  match e with
+  | D n t => member n t
+  | X n t =>
+      member n t && match nth_error (leaf_list F) n with Some (Param _) => true | _ => false end
+  | K _ _ => true
+  | Add a b | Sub a b | Mul a b | Min a b => well_measured a && well_measured b
+  end.
+(* The bound uses the variables 1, 2, ... that there are. *)
+Fixpoint in_range (e : expr) : bool :=
+  match e with
+  | D _ _ => false
+  | X n t => Nat.eqb n t && negb (Nat.eqb t 0) && Nat.ltb t (length (extents F))
+  | K _ _ => true
+  | Add a b | Sub a b | Mul a b | Min a b => in_range a && in_range b
+  end.
+
+Definition high_window (t : nat) : Z := match t with O => 0 | _ => 201 end.
+Definition low_guard (t : nat) : Z := nth t (lows F) 0%Z.
+Definition high_guard (t : nat) : Z := match t with O => 0 | _ => nth t (highs F) 0%Z end.
+
+(* The bound covers the error; [low] is where the variables begin. *)
+Definition covers (low : nat -> Z) : bool :=
+  let l := lower (bound F) in
+  covered (map (settle low l) (snd (bounds (value F)))) l.
+Definition shape : bool :=
+  sound (value F) && sound (bound F) && is_bound (bound F) && well_measured (value F)
+  && in_range (bound F)
+  && forallb (fun x => Nat.leb (length (fst x)) (length (extents F))) (lower (bound F)).
+
+Definition check_window : bool :=
+  shape && Z.leb (fraction 194 (value F)) 1074 && Z.leb (fraction 194 (bound F)) 1074
+  && covers (fun _ => (-194)%Z)
+  && all_fit high_window (value F) && all_fit high_window (bound F).
+Definition check_guard : bool :=
+  shape && covers low_guard && normal low_guard (bound F)
+  && forallb (Z.leb 0) (highs F)
+  && all_fit high_guard (value F) && all_fit high_guard (bound F).
+
+Section Facts.
+Variable c : nat -> R.
+Hypothesis c_float : forall i, float (c i).
+
+Lemma computed_float n : float (computed c n).
 Proof.
-pose proof u_pos. induction e; simpl; rewrite ?Q2R_mult, ?Q2R_max, ?Q2R_plus, ?Q2R_uq, ?Q2R_1; try lra.
-- pose proof (Rmax_l (Q2R (g e1)) (Q2R (g e2))). nra.
-- pose proof (Rmax_l (Q2R (g e1)) (Q2R (g e2))). nra.
-- assert (1 <= Q2R (g e1) * Q2R (g e2)) by nra. nra.
+  unfold computed. destruct (nth_error _ n) as [[p q|p]|]; auto using float_rnd.
+  apply generic_format_0.
 Qed.
-Lemma k_pos e : 0 <= Q2R (k e).
+Lemma computed_err n : Rabs (computed c n - exact c n) <= u * Rabs (computed c n).
 Proof.
-pose proof u_pos. induction e; simpl; rewrite ?Q2R_plus, ?Q2R_mult, ?Q2R_max, ?Q2R_plus, ?Q2R_uq; try lra.
-- pose proof (Rmax_l (Q2R (g e1)) (Q2R (g e2))). pose proof (g_ge1 e1). pose proof (Rmax_l (Q2R (k e1)) (Q2R (k e2))).
-  assert (0 <= u * Rmax (Q2R (g e1)) (Q2R (g e2))) by (apply Rmult_le_pos; lra). lra.
-- pose proof (Rmax_l (Q2R (g e1)) (Q2R (g e2))). pose proof (g_ge1 e1). pose proof (Rmax_l (Q2R (k e1)) (Q2R (k e2))).
-  assert (0 <= u * Rmax (Q2R (g e1)) (Q2R (g e2))) by (apply Rmult_le_pos; lra). lra.
-- pose proof (g_ge1 e1). pose proof (g_ge1 e2). 
-  assert (0 <= Q2R (g e1) * Q2R (g e2)) by nra.
-  assert (0 <= Q2R (g e1) * Q2R (k e2)) by (apply Rmult_le_pos; lra).
-  assert (0 <= (Q2R (g e2) + Q2R (k e2)) * Q2R (k e1)) by (apply Rmult_le_pos; lra). nra.
+  pose proof u_pos. unfold computed, exact. destruct (nth_error _ n) as [[p q|p]|].
+  - apply difference_err, mult_minus; now apply float_mult.
+  - rewrite Rminus_diag_eq, Rabs_R0 by reflexivity.
+    apply Rmult_le_pos; [lra|apply Rabs_pos].
+  - rewrite Rminus_0_r, Rabs_R0. lra.
 Qed.
-
-Lemma fl_mult e : mult (q * deg e) (fl e).
+Lemma computed_window n : (forall i, in_window (c i)) -> mult 194 (computed c n).
 Proof.
-induction e; simpl.
-- replace (q*1)%Z with q by lia. apply f_mult.
-- apply mult_rnd, mult_plus; [apply mult_weaken with (2:=IHe1)|apply mult_weaken with (2:=IHe2)]; nia.
-- apply mult_rnd, mult_plus; [apply mult_weaken with (2:=IHe1)|apply mult_opp, mult_weaken with (2:=IHe2)]; nia.
-- rewrite Z.mul_add_distr_l. apply mult_rnd, mult_mul; assumption.
-Qed.
-Lemma arg_add a b : (q * Z.max (deg a) (deg b) <= 1074)%Z -> mult 1074 (fl a + fl b) /\ mult 1074 (fl a - fl b).
-Proof. intros H. split; apply mult_plus; [| |apply mult_weaken with (2:=fl_mult a); nia|apply mult_opp];
- [apply mult_weaken with (2:=fl_mult a); nia|apply mult_weaken with (2:=fl_mult b); nia|apply mult_weaken with (2:=fl_mult b); nia].
-Qed.
-Lemma arg_mul a b : (q * (deg a + deg b) <= 1074)%Z -> mult 1074 (fl a * fl b).
-Proof. intros H. apply mult_weaken with (m := (q * deg a + q * deg b)%Z); [lia|]. apply mult_mul; apply fl_mult. Qed.
-
-Lemma sum_bound ga gb ma mb A B : 0 <= ma -> 0 <= mb -> A <= ga * ma -> B <= gb * mb -> A + B <= Rmax ga gb * (ma + mb).
-Proof. intros. pose proof (Rmax_l ga gb). pose proof (Rmax_r ga gb). nra. Qed.
-
-Lemma rnd_abs z : mult 1074 z -> Rabs (rnd z) <= (1 + u) * Rabs z.
-Proof. intros Hz. pose proof (rnd_err z Hz). pose proof (Rabs_triang (rnd z - z) z). replace (rnd z - z + z) with (rnd z) in * by ring. lra. Qed.
-
-Lemma growth e : (q * deg e <= 1074)%Z -> Rabs (fl e) <= Q2R (g e) * mag e.
-Proof.
-pose proof u_pos as Hu.
-induction e; intros Hd; simpl; rewrite ?Q2R_mult, ?Q2R_max, ?Q2R_plus, ?Q2R_uq, ?Q2R_1; simpl in Hd.
-- lra.
-- destruct (arg_add _ _ Hd) as [M _]. apply Rle_trans with (1 := rnd_abs _ M).
-  assert (Ha := IHe1 ltac:(nia)). assert (Hb := IHe2 ltac:(nia)).
-  pose proof (sum_bound _ _ _ _ _ _ (mag_pos e1) (mag_pos e2) Ha Hb). pose proof (Rabs_triang (fl e1) (fl e2)).
-  pose proof (mag_pos e1); pose proof (mag_pos e2). nra.
-- destruct (arg_add _ _ Hd) as [_ M]. apply Rle_trans with (1 := rnd_abs _ M).
-  assert (Ha := IHe1 ltac:(nia)). assert (Hb := IHe2 ltac:(nia)).
-  pose proof (sum_bound _ _ _ _ _ _ (mag_pos e1) (mag_pos e2) Ha Hb). pose proof (Rabs_triang (fl e1) (- fl e2)).
-  rewrite Rabs_Ropp in H0. unfold Rminus. pose proof (mag_pos e1); pose proof (mag_pos e2). nra.
-- pose proof (arg_mul _ _ Hd) as M. apply Rle_trans with (1 := rnd_abs _ M). rewrite Rabs_mult.
-  pose proof (deg_pos e1); pose proof (deg_pos e2).
-  assert (Ha := IHe1 ltac:(nia)). assert (Hb := IHe2 ltac:(nia)).
-  pose proof (Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Ha Hb). nra.
-Qed.
-
-Theorem error_bound e : (q * deg e <= 1074)%Z -> Rabs (fl e - ex e) <= Q2R (k e) * mag e.
-Proof.
-pose proof u_pos as Hu.
-induction e; intros Hd; simpl; rewrite ?Q2R_plus, ?Q2R_mult, ?Q2R_max, ?Q2R_plus, ?Q2R_uq; simpl in Hd.
-- apply leaf.
-- destruct (arg_add _ _ Hd) as [M _]. assert (Ha := IHe1 ltac:(nia)). assert (Hb := IHe2 ltac:(nia)).
-  assert (Ga := growth e1 ltac:(nia)). assert (Gb := growth e2 ltac:(nia)).
-  pose proof (rnd_err _ M) as E. pose proof (Rabs_triang (fl e1) (fl e2)).
-  pose proof (sum_bound _ _ _ _ _ _ (mag_pos e1) (mag_pos e2) Ha Hb).
-  pose proof (sum_bound _ _ _ _ _ _ (mag_pos e1) (mag_pos e2) Ga Gb).
-  replace (rnd (fl e1 + fl e2) - (ex e1 + ex e2)) with ((rnd (fl e1 + fl e2) - (fl e1 + fl e2)) + ((fl e1 - ex e1) + (fl e2 - ex e2))) by ring.
-  eapply Rle_trans; [apply Rabs_triang|]. pose proof (Rabs_triang (fl e1 - ex e1) (fl e2 - ex e2)). nra.
-- destruct (arg_add _ _ Hd) as [_ M]. assert (Ha := IHe1 ltac:(nia)). assert (Hb := IHe2 ltac:(nia)).
-  assert (Ga := growth e1 ltac:(nia)). assert (Gb := growth e2 ltac:(nia)).
-  pose proof (rnd_err _ M) as E. pose proof (Rabs_triang (fl e1) (- fl e2)) as T. rewrite Rabs_Ropp in T. fold (Rminus (fl e1) (fl e2)) in T.
-  pose proof (sum_bound _ _ _ _ _ _ (mag_pos e1) (mag_pos e2) Ha Hb).
-  pose proof (sum_bound _ _ _ _ _ _ (mag_pos e1) (mag_pos e2) Ga Gb).
-  replace (rnd (fl e1 - fl e2) - (ex e1 - ex e2)) with ((rnd (fl e1 - fl e2) - (fl e1 - fl e2)) + ((fl e1 - ex e1) + - (fl e2 - ex e2))) by ring.
-  eapply Rle_trans; [apply Rabs_triang|]. pose proof (Rabs_triang (fl e1 - ex e1) (- (fl e2 - ex e2))) as T2. rewrite Rabs_Ropp in T2. nra.
-- pose proof (arg_mul _ _ Hd) as M. pose proof (deg_pos e1); pose proof (deg_pos e2).
-  assert (Ha := IHe1 ltac:(nia)). assert (Hb := IHe2 ltac:(nia)).
-  assert (Ga := growth e1 ltac:(nia)). assert (Gb := growth e2 ltac:(nia)).
-  pose proof (rnd_err _ M) as E. rewrite Rabs_mult in E.
-  assert (Xb : Rabs (ex e2) <= (Q2R (g e2) + Q2R (k e2)) * mag e2).
-  { pose proof (Rabs_triang (fl e2) (-(fl e2 - ex e2))) as T. rewrite Rabs_Ropp in T.
-    replace (fl e2 + -(fl e2 - ex e2)) with (ex e2) in T by ring. lra. }
-  replace (rnd (fl e1 * fl e2) - ex e1 * ex e2) with ((rnd (fl e1 * fl e2) - fl e1 * fl e2) + (fl e1 * (fl e2 - ex e2) + ex e2 * (fl e1 - ex e1))) by ring.
-  eapply Rle_trans; [apply Rabs_triang|]. 
-  pose proof (Rabs_triang (fl e1 * (fl e2 - ex e2)) (ex e2 * (fl e1 - ex e1))) as T. rewrite !Rabs_mult in T.
-  pose proof (Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Ga Gb) as P1.
-  pose proof (Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Ga Hb) as P2.
-  pose proof (Rmult_le_compat _ _ _ _ (Rabs_pos _) (Rabs_pos _) Xb Ha) as P3.
-  rewrite ?Q2R_mult in *. nra.
+  intros W. unfold computed. destruct (nth_error _ n) as [[p q|p]|].
+  - apply mult_rnd, mult_minus; now apply window_mult.
+  - now apply window_mult.
+  - apply mult_0.
 Qed.
 
-(* the permanent computed in floating point *)
-Lemma pfl_mult e : mult (q * deg e) (pfl e).
+Lemma member_spec eta n t : member n t = true -> Rabs (computed c n) <= sizes eta c t.
 Proof.
-induction e; simpl.
-- replace (q*1)%Z with q by lia. apply generic_format_abs, f_mult.
-- apply mult_rnd, mult_plus; [apply mult_weaken with (2:=IHe1)|apply mult_weaken with (2:=IHe2)]; nia.
-- apply mult_rnd, mult_plus; [apply mult_weaken with (2:=IHe1)|apply mult_weaken with (2:=IHe2)]; nia.
-- rewrite Z.mul_add_distr_l. apply mult_rnd, mult_mul; assumption.
+  unfold member. intros H. apply andb_prop in H. destruct H as [T H].
+  destruct t; [discriminate|]. apply existsb_exists in H. destruct H as [m [I E]].
+  apply Nat.eqb_eq in E. subst. now apply largest_in.
 Qed.
-Lemma rnd_low z : mult 1074 z -> 0 <= z -> z * (1 - u) <= rnd z.
-Proof. intros Hz P. pose proof (rnd_err z Hz) as E. rewrite (Rabs_pos_eq z P) in E. apply Rabs_le_inv in E. lra. Qed.
-Lemma s_range e : 0 < Q2R (s e) <= 1.
+Lemma measured eta e : well_measured e = true ->
+  leaves (computed c) (exact c) (sizes eta c) e.
 Proof.
-pose proof u_pos. pose proof u_lt1.
-induction e; simpl; rewrite ?Q2R_mult, ?Q2R_min, ?Q2R_minus, ?Q2R_uq, ?Q2R_1; [lra| | |].
-- pose proof (Rmin_l (Q2R (s e1)) (Q2R (s e2))). assert (0 < Rmin (Q2R (s e1)) (Q2R (s e2))) by (apply Rmin_pos; tauto). nra.
-- pose proof (Rmin_l (Q2R (s e1)) (Q2R (s e2))). assert (0 < Rmin (Q2R (s e1)) (Q2R (s e2))) by (apply Rmin_pos; tauto). nra.
-- assert (0 < Q2R (s e1) * Q2R (s e2)) by (apply Rmult_lt_0_compat; tauto).
-  assert (Q2R (s e1) * Q2R (s e2) <= 1) by nra. nra.
-Qed.
-Lemma perm_low e : (q * deg e <= 1074)%Z -> Q2R (s e) * mag e <= pfl e.
-Proof.
-pose proof u_pos. pose proof u_lt1.
-induction e; intros Hd; simpl; rewrite ?Q2R_mult, ?Q2R_min, ?Q2R_minus, ?Q2R_uq, ?Q2R_1; simpl in Hd; [lra| | |].
-1,2: assert (Ha := IHe1 ltac:(nia)); assert (Hb := IHe2 ltac:(nia));
-  assert (M : mult 1074 (pfl e1 + pfl e2)) by (apply mult_plus; [apply mult_weaken with (2:=pfl_mult e1)|apply mult_weaken with (2:=pfl_mult e2)]; nia);
-  pose proof (mag_pos e1); pose proof (mag_pos e2); pose proof (s_range e1); pose proof (s_range e2);
-  pose proof (Rmin_l (Q2R (s e1)) (Q2R (s e2))); pose proof (Rmin_r (Q2R (s e1)) (Q2R (s e2)));
-  assert (Rmin (Q2R (s e1)) (Q2R (s e2)) * (mag e1 + mag e2) <= pfl e1 + pfl e2) by nra;
-  assert (0 < Rmin (Q2R (s e1)) (Q2R (s e2))) by (apply Rmin_pos; tauto);
-  assert (0 <= pfl e1 + pfl e2) by nra;
-  pose proof (rnd_low _ M H9); nra.
-pose proof (deg_pos e1); pose proof (deg_pos e2). assert (Ha := IHe1 ltac:(nia)); assert (Hb := IHe2 ltac:(nia)).
-assert (M : mult 1074 (pfl e1 * pfl e2)) by (apply mult_weaken with (m := (q * deg e1 + q * deg e2)%Z); [lia|]; apply mult_mul; apply pfl_mult).
-pose proof (mag_pos e1); pose proof (mag_pos e2); pose proof (s_range e1); pose proof (s_range e2).
-assert (P : Q2R (s e1) * mag e1 * (Q2R (s e2) * mag e2) <= pfl e1 * pfl e2) by (apply Rmult_le_compat; nra).
-assert (0 <= pfl e1 * pfl e2) by (apply Rmult_le_pos; nra).
-pose proof (rnd_low _ M H7). nra.
+  pose proof u_pos. induction e; cbn [well_measured leaves]; intros W; auto.
+  - pose proof (member_spec eta _ _ W) as M. split; [exact M|].
+    apply Rle_trans with (1 := computed_err n). apply Rmult_le_compat_l; lra.
+  - apply andb_prop in W. destruct W as [W E]. split; [now apply member_spec|].
+    unfold computed, exact. destruct (nth_error _ n) as [[p q|p]|]; easy.
+  - apply andb_prop in W. destruct W. auto.
+  - apply andb_prop in W. destruct W. auto.
+  - apply andb_prop in W. destruct W. auto.
+  - apply andb_prop in W. destruct W. auto.
 Qed.
 
-(* Main: if |det| > C * pfl (real comparison) and k(e) <= C * s(e), the sign is right *)
-Theorem filter_sound e (C : Q) : (q * deg e <= 1074)%Z -> (k e <= C * s e)%Q ->
-  (Q2R C * pfl e < fl e -> 0 < ex e) /\ (fl e < - (Q2R C * pfl e) -> ex e < 0).
+Lemma sizes_pos eta t : 0 <= eta -> 0 <= sizes eta c t.
+Proof. intros. destruct t; [assumption|apply largest_pos]. Qed.
+Lemma sizes_float eta t : float eta -> float (sizes eta c t).
 Proof.
-intros Hd HC. apply Qle_Rle in HC. rewrite Q2R_mult in HC.
-pose proof (error_bound e Hd) as E. pose proof (perm_low e Hd) as P. pose proof (mag_pos e). pose proof (k_pos e). pose proof (s_range e).
-assert (0 <= Q2R C) by nra.
-assert (Rabs (fl e - ex e) <= Q2R C * pfl e) by nra.
-apply Rabs_le_inv in H3. split; intros; lra.
+  intros. destruct t; [assumption|]. cbn [sizes]. apply (largest_is (fun r => float r)); [apply
+      generic_format_0|].
+  intros. apply generic_format_abs, computed_float.
+Qed.
+(* The bound does not contain variable 0. *)
+Lemma bound_sizes eta e : in_range e = true -> fl (sizes eta c) e = fl (sizes 0 c) e.
+Proof.
+  induction e; cbn [in_range fl]; intros H; try discriminate; auto.
+  - apply andb_prop in H. destruct H as [H _]. apply andb_prop in H. destruct H as [H N].
+    apply Nat.eqb_eq in H. subst. now destruct t.
+  - apply andb_prop in H. destruct H. now rewrite IHe1, IHe2.
+  - apply andb_prop in H. destruct H. now rewrite IHe1, IHe2.
+  - apply andb_prop in H. destruct H. now rewrite IHe1, IHe2.
+  - apply andb_prop in H. destruct H. now rewrite IHe1, IHe2.
 Qed.
 
-(* overflow self-detection: the float permanent dominates the float determinant node by node *)
-Lemma pfl_pos e : 0 <= pfl e.
+Lemma bound_leaves eta e : in_range e = true ->
+  leaves (sizes 0 c) (sizes 0 c) (sizes eta c) e.
 Proof.
-induction e; simpl; [apply Rabs_pos| | |]; rewrite <- (round_0 radix2 fexp ZnearestE); apply round_le; auto with typeclass_instances; try lra; apply Rmult_le_pos; assumption.
-Qed.
-Lemma fl_le_pfl e : Rabs (fl e) <= pfl e.
-Proof.
-induction e; simpl; [lra| | |]; rewrite <- (round_NE_abs radix2 fexp) by auto with typeclass_instances; apply round_le; auto with typeclass_instances.
-- apply Rle_trans with (1 := Rabs_triang _ _). lra.
-- unfold Rminus. apply Rle_trans with (1 := Rabs_triang _ _). rewrite Rabs_Ropp. lra.
-- rewrite Rabs_mult. apply Rmult_le_compat; auto using Rabs_pos.
+  induction e; cbn [in_range leaves]; intros H; try discriminate; auto;
+    try (apply andb_prop in H; destruct H; auto; fail).
+  apply andb_prop in H. destruct H as [H _]. apply andb_prop in H. destruct H as [H N].
+  apply Nat.eqb_eq in H. subst. destruct t; [discriminate|]. split; [|reflexivity].
+  exact (Req_le _ _ (Rabs_pos_eq _ (sizes_pos 0 (S t) (Rle_refl 0)))).
 Qed.
 
-(* the test as executed: bound = rnd (Cf * pfl), Cf a binary64 constant that is a multiple of 2^-m *)
-Theorem filter_sound_fl e (Cf : Q) m : (0 <= m)%Z -> (q * deg e + m <= 1074)%Z -> mult m (Q2R Cf) -> (0 <= Cf)%Q ->
-  (k e <= Cf * (1 - uq) * s e)%Q ->
-  (rnd (Q2R Cf * pfl e) < fl e -> 0 < ex e) /\ (fl e < - rnd (Q2R Cf * pfl e) -> ex e < 0).
+(* What both theorems come down to. *)
+Lemma sound_by eta low q : (eta = 0 \/ eta = bpow radix2 (-1074)) ->
+  (eta = 0 -> (0 <= q)%Z /\ (forall n, mult q (computed c n))
+              /\ (fraction q (value F) <= 1074)%Z) ->
+  (eta <> 0 -> targets_above (sizes eta c) low (lower (bound F))) ->
+  precise (sizes eta c) (bound F) -> shape = true -> covers low = true ->
+  Rabs (fl_value c - exact_value c) <= fl_bound c.
 Proof.
-intros Hm Hd HM HC0 HC.
-assert (M : mult 1074 (Q2R Cf * pfl e)).
-{ apply mult_weaken with (m := (m + q * deg e)%Z); [lia|]. apply mult_mul; [exact HM|apply pfl_mult]. }
-assert (P : 0 <= Q2R Cf * pfl e). { apply Rmult_le_pos; [|apply pfl_pos]. replace 0 with (Q2R 0) by (unfold Q2R; simpl; lra). apply Qle_Rle, HC0. }
-pose proof (rnd_low _ M P) as L.
-destruct (filter_sound e (Cf * (1 - uq))%Q) as [A B]; [lia|exact HC|].
-rewrite Q2R_mult, Q2R_minus, Q2R_uq, Q2R_1 in A, B.
-split; intros; [apply A|apply B]; nra.
+  intros R W G P S C. unfold shape in S. do 5 (apply andb_prop in S; destruct S as [S ?]).
+  assert (E0 : 0 <= eta) by (destruct R as [-> | ->]; [lra|apply bpow_ge_0]).
+  assert (EF : float eta).
+  { destruct R as [-> | ->]; [apply generic_format_0|apply float_bpow; lia]. }
+  pose proof (fun t => sizes_pos eta t E0) as A.
+  unfold fl_bound. rewrite <- (bound_sizes eta) by assumption.
+  eapply Rle_trans; [|apply (lower_bound (sizes eta c) A); auto; intros; now apply sizes_float].
+  destruct (Req_dec eta 0) as [Z|Z].
+  - destruct (W Z) as [Q [M N]].
+    eapply Rle_trans.
+    { refine (proj2 (bounded (computed c) (exact c) (sizes eta c) A computed_float q Q
+                       (or_intror (conj Z M)) (value F) _ _ _)); auto.
+      - now apply measured.
+      - intros _. exact N. }
+    eapply Rle_trans; [|apply (covered_spec _ A); exact C].
+    apply settle_all; [exact A|]. left. exact Z.
+  - destruct R as [R|R]; [easy|].
+    eapply Rle_trans.
+    { refine (proj2 (bounded (computed c) (exact c) (sizes eta c) A computed_float 0
+                       (Z.le_refl 0) (or_introl R) (value F) _ _ _)); auto.
+      - now apply measured.
+      - intros H'. cbn [sizes] in H'. easy. }
+    eapply Rle_trans; [|apply (covered_spec _ A); exact C].
+    apply settle_all; [exact A|]. right. split; [exact R|]. auto.
 Qed.
-End Filter.
+
+(* Every computed value is below 2^1024. *)
+Fixpoint parts (e : expr) : list expr :=
+  e :: match e with
+       | D _ _ | X _ _ | K _ _ => []
+       | Add a b | Sub a b | Mul a b | Min a b => parts a ++ parts b
+       end.
+Lemma fits_by eta high q f x e : (eta = 0 \/ eta = bpow radix2 (-1074)) ->
+  (eta = 0 -> (0 <= q)%Z /\ (forall n, mult q (f n)) /\ (fraction q e <= 1074)%Z) ->
+  (forall n, float (f n)) ->
+  (forall t, (0 <= high t)%Z) -> (forall t, sizes eta c t <= bpow radix2 (high t)) ->
+  leaves f x (sizes eta c) e -> sound e = true -> all_fit high e = true ->
+  Forall (fun p => Rabs (fl f p) < bpow radix2 1024) (parts e).
+Proof.
+  intros R W FF H B L S V.
+  assert (E0 : 0 <= eta) by (destruct R as [-> | ->]; [lra|apply bpow_ge_0]).
+  pose proof (fun t => sizes_pos eta t E0) as A.
+  assert (G : forall e, leaves f x (sizes eta c) e -> sound e = true ->
+    (eta = 0 -> (fraction q e <= 1074)%Z) -> fits high (fst (bounds e)) = true ->
+    Rabs (fl f e) < bpow radix2 1024).
+  { intros e' L' S' W' V'. eapply Rle_lt_trans; [|exact (fits_spec _ A high H B _ V')].
+    destruct (Req_dec eta 0) as [Z|Z].
+    - destruct (W Z) as [Q [M _]].
+      refine (proj1 (bounded f x _ A FF q Q (or_intror (conj Z M)) e' S' L' _)).
+      intros _. now apply W'.
+    - destruct R as [R|R]; [easy|].
+      refine (proj1 (bounded f x _ A FF 0 (Z.le_refl 0) (or_introl R) e' S' L' _)).
+      intros H'. cbn [sizes] in H'. easy. }
+  assert (W2 : eta = 0 -> (0 <= q)%Z /\ (fraction q e <= 1074)%Z) by (intros Z; destruct (W Z);
+      tauto).
+  clear W.
+  induction e; cbn [all_fit parts] in *; apply andb_prop in V; destruct V as [V1 V2];
+    (constructor; [apply G; auto; intros Z; apply (W2 Z)|]); try constructor;
+    cbn [sound leaves] in *; apply andb_prop in S; destruct S; destruct L;
+    apply andb_prop in V2; destruct V2; apply Forall_app; split;
+    (apply IHe1 || apply IHe2); auto; intros Z; destruct (W2 Z) as [Q N]; split; auto;
+    cbn [fraction] in N; pose proof (fraction_pos q Q e1); pose proof (fraction_pos q Q e2); lia.
+Qed.
+End Facts.
+
+Definition finite f e := Forall (fun p => Rabs (fl f p) < bpow radix2 1024) (parts e).
+
+(* In the exactness window, without a guard. *)
+Theorem window_sound c : check_window = true -> (forall i, in_window (c i)) ->
+  Rabs (fl_value c - exact_value c) <= fl_bound c
+  /\ finite (computed c) (value F) /\ finite (sizes 0 c) (bound F).
+Proof.
+  unfold check_window. intros C W. do 5 (apply andb_prop in C; destruct C as [C ?]).
+  apply Z.leb_le in H2, H3.
+  assert (CF : forall i, float (c i)) by (intros i; apply (W i)).
+  assert (M : forall n, mult 194 (computed c n)) by (intros; now apply computed_window).
+  assert (MS : forall t, mult 194 (sizes 0 c t)).
+  { intros [|t]; [apply mult_0|]. apply (largest_is (fun r => mult 194 r)); [apply mult_0|].
+    intros. now apply generic_format_abs. }
+  assert (B : forall t, sizes 0 c t <= bpow radix2 (high_window t)).
+  { intros [|t]; cbn [sizes high_window]; [simpl; lra|]. apply largest_le; [apply bpow_ge_0|].
+    intros n. unfold computed. destruct (nth_error _ n) as [[p q|p]|].
+    - apply abs_round_le_generic; auto with typeclass_instances; [apply float_bpow; lia|].
+      destruct (W p) as [_ [_ Wp]]. destruct (W q) as [_ [_ Wq]].
+      unfold Rminus. apply Rle_trans with (1 := Rabs_triang _ _). rewrite Rabs_Ropp.
+      change 201%Z with (1 + 200)%Z. rewrite bpow_plus. change (bpow radix2 1) with 2. lra.
+    - destruct (W p) as [_ [_ Wp]]. pose proof (bpow_le radix2 200 201 ltac:(lia)). lra.
+    - rewrite Rabs_R0. apply bpow_ge_0. }
+  pose proof C as S. unfold shape in S. do 5 (apply andb_prop in S; destruct S as [S ?]).
+  split; [|split].
+  - apply sound_by with (eta := 0) (q := 194%Z) (low := fun _ => (-194)%Z); auto.
+    + intros _. repeat split; auto; lia.
+    + easy.
+    + apply precise_window with 194%Z; auto. lia.
+  - apply (fits_by c 0 high_window 194 (computed c) (exact c)); auto using computed_float.
+    + intros _. repeat split; auto; lia.
+    + intros [|t]; simpl; lia.
+    + now apply measured.
+  - apply (fits_by c 0 high_window 194 (sizes 0 c) (sizes 0 c)); auto.
+    + intros _. repeat split; auto; lia.
+    + intros. apply sizes_float; [assumption|apply generic_format_0].
+    + intros [|t]; simpl; lia.
+    + now apply bound_leaves.
+Qed.
+
+(* For any coordinates, under the guard. *)
+Theorem guard_sound c : check_guard = true -> (forall i, float (c i)) ->
+  (forall t, (0 < t < length (extents F))%nat ->
+     bpow radix2 (low_guard t) <= sizes 0 c t <= bpow radix2 (high_guard t)) ->
+  Rabs (fl_value c - exact_value c) <= fl_bound c
+  /\ finite (computed c) (value F) /\ finite (sizes 0 c) (bound F).
+Proof.
+  unfold check_guard. intros C CF G. do 5 (apply andb_prop in C; destruct C as [C ?]).
+  set (eta := bpow radix2 (-1074)).
+  assert (E0 : 0 <= eta) by apply bpow_ge_0.
+  assert (N0 : eta <> 0) by (pose proof (bpow_gt_0 radix2 (-1074)); unfold eta; lra).
+  assert (SE : forall t, (0 < t)%nat -> sizes eta c t = sizes 0 c t) by (now intros [|t]).
+  assert (HP : forall t, (0 <= high_guard t)%Z).
+  { intros [|t]; [simpl; lia|]. unfold high_guard.
+    destruct (nth_in_or_default (S t) (highs F) 0%Z) as [I| ->]; [|lia].
+    apply Z.leb_le. apply (proj1 (forallb_forall _ _) H1 _ I). }
+  assert (B : forall eta', eta' <= 1 -> forall t, sizes eta' c t <= bpow radix2 (high_guard t)).
+  { intros eta' L [|t]; [simpl; lra|].
+    destruct (Nat.lt_ge_cases (S t) (length (extents F))) as [I|I].
+    - change (sizes eta' c (S t)) with (sizes 0 c (S t)). apply G. lia.
+    - cbn [sizes]. rewrite nth_overflow by exact I. apply bpow_ge_0. }
+  assert (L1 : eta <= 1) by (apply (bpow_le radix2 _ 0); lia).
+  pose proof C as S. unfold shape in S. do 5 (apply andb_prop in S; destruct S as [S ?]).
+  assert (AB : forall e, in_range e = true -> above (sizes eta c) low_guard e).
+  { induction e; cbn [in_range above]; intros I; try discriminate; auto;
+      try (apply andb_prop in I; destruct I; auto; fail).
+    apply andb_prop in I. destruct I as [I I3]. apply andb_prop in I. destruct I as [I1 I2].
+    apply Nat.ltb_lt in I3. destruct t; [discriminate|]. rewrite SE by lia. apply G. lia. }
+  split; [|split].
+  - apply sound_by with (eta := eta) (q := 0%Z) (low := low_guard); auto.
+    + easy.
+    + intros _. apply Forall_forall. intros [m k] I. cbn [fst].
+      pose proof (proj1 (forallb_forall _ _) H4 _ I) as L. cbn [fst] in L.
+      apply Nat.leb_le in L. destruct m as [|[|e] m]; auto. cbn [length] in L. clear I.
+      assert (forall i m, (0 < i)%nat -> (i + length m <= length (extents F))%nat ->
+                all_above (sizes eta c) low_guard i m) as A.
+      { intros i m0. revert i. induction m0 as [|e m0 IH]; intros i I1 I2; [exact Logic.I|].
+        cbn [length] in I2. split; [left; rewrite SE by lia; apply G; lia|apply IH; lia]. }
+      apply A; lia.
+    + apply precise_guard with low_guard; auto.
+      intros. now apply sizes_pos.
+  - apply (fits_by c eta high_guard 0 (computed c) (exact c)); auto using computed_float.
+    + easy.
+    + now apply measured.
+  - apply (fits_by c eta high_guard 0 (sizes 0 c) (sizes 0 c)); auto.
+    + easy.
+    + intros. apply sizes_float; [assumption|apply generic_format_0].
+    + now apply bound_leaves.
+Qed.
+End Filters.

@@ -104,6 +104,7 @@
 #![forbid(unsafe_code)]
 
 mod check;
+mod conform;
 mod defect;
 mod exact;
 mod faces;
@@ -121,6 +122,7 @@ mod sweep;
 mod topology;
 
 pub use check::check;
+pub use conform::{Breach, Conformity, Finding, Fraction, Limits, Plc, PlcFacet, conforms};
 pub use defect::{Defect, Kind, Level};
 pub use hash::{HashError, canonical_hash};
 pub use mesh::{Depth, Mesh, NO_NEIGHBOUR, Options, Point, VertexOrder};

@@ -28,6 +28,14 @@ fn a_defect_names_tetrahedra_points_and_coordinates() {
     let kind = Kind::IndexOutOfRange;
     assert_eq!(text, format!("{kind}: tets [1], {corners}{}", kind.text()));
 
+    // A facet claimed twice belongs to no tetrahedron.
+    let hull = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3], [1, 2, 3]];
+    let mesh = Mesh::new(&POINTS, &[[0, 1, 2, 3]]);
+    let report = check(&mesh.with_hull(&hull), &Options::default());
+    let kind = Kind::HullFacetExtra;
+    let extra = report.defects.iter().find(|d| d.kind == kind).expect("named");
+    assert!(extra.to_string().starts_with(&format!("{kind}: 1 at (1.0, 0.0, 0.0), 2 at ")));
+
     let mut flat = POINTS;
     flat[3] = [1.0, 1.0, 0.0];
     let report = check(&Mesh::new(&flat, &[[0, 1, 2, 3]]), &Options::default());

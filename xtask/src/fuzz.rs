@@ -50,7 +50,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     let chosen = all.iter().filter(|t| *t != CANARY && (named.is_empty() || named.contains(t)));
     let fuzzer = Fuzzer::new()?;
     let start = Instant::now();
-    shell::run(&mut fuzzer.cargo(&["build"]))?;
+    fuzzer.build()?;
     println!("fuzz: built in {} s", start.elapsed().as_secs());
     fuzzer.canary()?;
     let mut findings = Vec::new();
@@ -86,7 +86,7 @@ fn parse(args: &[String]) -> Result<(u32, Vec<String>), String> {
     Ok((seconds, named))
 }
 
-/// cargo-fuzz on this machine.
+/// The fuzzers of this machine.
 struct Fuzzer {
     /// The triple this machine compiles for.
     host: String,
@@ -99,20 +99,14 @@ impl Fuzzer {
         Ok(Self { host: host()?, folder: target_folder().join("fuzz") })
     }
 
-    /// `cargo fuzz ARGS`, with a target folder of its own.
-    fn cargo(&self, args: &[&str]) -> Command {
-        let mut cargo = cargo();
-        cargo
-            .env("RUSTC_BOOTSTRAP", "1")
-            .env("CARGO_TARGET_DIR", self.folder.join("build"))
-            // The CGAL reference is the one that the tests have compiled.
-            .env("LTBW_CGAL_FOLDER", target_folder().join("cgal"))
-            // Small meshes: a second thread would cost more than it does.
-            .env("RAYON_NUM_THREADS", "1")
-            .arg("fuzz")
-            .args(args)
-            .args(["--target", &self.host]);
-        cargo
+    /// Builds every target, in a target folder of its own.
+    fn build(&self) -> Result<(), String> {
+        shell::run(
+            cargo()
+                .env("RUSTC_BOOTSTRAP", "1")
+                .env("CARGO_TARGET_DIR", self.folder.join("build"))
+                .args(["fuzz", "build", "--target", &self.host]),
+        )
     }
 
     /// Fuzzes one target, from its committed corpus and what earlier runs have found. The output
@@ -149,10 +143,13 @@ impl Fuzzer {
         let log = self.folder.join(format!("{target}.log"));
         let file = File::create(&log).map_err(|e| format!("{}: {e}", log.display()))?;
         let clone = file.try_clone().map_err(|e| format!("{}: {e}", log.display()))?;
-        let status = self
-            .cargo(&["run", target])
+        let program = self.folder.join("build").join(&self.host).join("release").join(target);
+        let status = command(&program.to_string_lossy())
+            // The CGAL reference is the one that the tests have compiled.
+            .env("LTBW_CGAL_FOLDER", target_folder().join("cgal"))
+            // Small meshes: a second thread would cost more than it does.
+            .env("RAYON_NUM_THREADS", "1")
             .args(corpora)
-            .arg("--")
             .arg(format!("-max_total_time={seconds}"))
             .arg(format!("-artifact_prefix={}/", artifacts.display()))
             // Memory grows with what the corpus reaches, not with one input; a hang is a finding.
@@ -161,7 +158,7 @@ impl Fuzzer {
             .stdout(clone)
             .stderr(file)
             .status()
-            .map_err(|error| format!("cargo fuzz: {error}"))?;
+            .map_err(|error| format!("{}: {error}", program.display()))?;
         let text = fs::read(&log).map_err(|e| format!("{}: {e}", log.display()))?;
         let run = Run::of(&String::from_utf8_lossy(&text), status.success());
         Ok((run, log))

@@ -27,7 +27,17 @@ pub(crate) fn run() -> Result<(), String> {
 /// Every generated file: its path in the workspace, and its text.
 pub(crate) fn files() -> Result<Vec<(PathBuf, String)>, String> {
     let rust = formatted(&predicates::rust::file()?)?;
-    Ok(vec![("core/src/predicates/filter/generated.rs".into(), rust)])
+    let spheres = formatted(&predicates::spheres::rust())?;
+    let mut files: Vec<(PathBuf, String)> = vec![
+        ("core/src/sphere/constants.rs".into(), spheres),
+        ("verify/proofs/Constants.v".into(), predicates::spheres::coq()),
+        ("core/src/predicates/filter/generated.rs".into(), rust),
+        ("verify/proofs/Predicates.v".into(), predicates::coq::file()?),
+    ];
+    let folder = PathBuf::from("verify/proofs/gappa");
+    let scripts = predicates::gappa::files()?;
+    files.extend(scripts.into_iter().map(|(name, text)| (folder.join(name), text)));
+    Ok(files)
 }
 
 /// `source` as rustfmt writes it, with the settings of the workspace.

@@ -30,9 +30,9 @@ cargo xtask COMMAND
                         cargo-fuzz
   vectors               writes the conformance kit verify/vectors
   prove                 the proofs of the filters: coqc and gappa
-  model-check           the models of verify/models, under loom
+  model-check [--deep]  the models of verify/models: all states, the museum, loom, shuttle
   coverage              the lines of core and verify that their tests run: at least 95 %
-  mutants [predicates|kernel|checker]... [--shard K/N] [-- ARG...]
+  mutants [predicates|filters|kernel|checker]... [--shard K/N] [-- ARG...]
                         does a test fail for every change that cargo-mutants makes? (predicates
                         if no group is named; ARGs go to cargo-mutants)
 

@@ -46,6 +46,7 @@ pub(crate) fn ltbw(dir: &Path, args: &[&str]) -> Run {
 }
 
 /// The files in a folder.
+#[allow(dead_code, reason = "not every test asks")]
 pub(crate) fn names(dir: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(dir)
         .unwrap()

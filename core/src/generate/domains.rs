@@ -289,26 +289,27 @@ fn gear() -> Domain {
     const TEETH: usize = 12;
     // Per tooth of 30 degrees: the root, the rising flank, the tip, the falling flank.
     const PARTS: [(f64, f64); 4] = [(0.0, 0.8), (12.6, 0.8), (15.6, 1.0), (27.0, 1.0)];
-    let ring = |radius: fn(f64) -> f64, z: f64| {
+    // `bore`: the radius of a ring that is round.
+    let ring = |bore: Option<f64>, z: f64| {
         (0..TEETH).flat_map(move |tooth| {
             PARTS.map(|(degrees, outer)| {
+                let radius = bore.unwrap_or(outer);
                 let full = degrees + 30.0 * tooth as f64;
                 // The series is for angles up to 180 degrees.
                 let (sine, cosine) = sine_cosine(if full > 180.0 { full - 360.0 } else { full });
-                [radius(outer) * cosine, radius(outer) * sine, z]
+                [radius * cosine, radius * sine, z]
             })
         })
     };
     let n = 4 * TEETH as u32;
-    let (outer, bore): (fn(f64) -> f64, fn(f64) -> f64) = (|r| r, |_| 0.3);
     let (low, high) = (0.0, 0.25);
-    let vertices =
-        ring(outer, low).chain(ring(bore, low)).chain(ring(outer, high)).chain(ring(bore, high));
+    let level = |z: f64| ring(None, z).chain(ring(Some(0.3), z));
+    let vertices = level(low).chain(level(high)).collect();
     // Outer and inner ring of a level, seen from above.
-    let level = |start: u32| {
+    let rings = |start: u32| {
         [(start..start + n).collect::<Vec<_>>(), (start + n..start + 2 * n).rev().collect()]
     };
-    let [below, above] = [level(0), level(2 * n)];
+    let [below, above] = [rings(0), rings(2 * n)];
     let below = below.map(|ring| ring.into_iter().rev().collect());
     let facet = |polygons: [Vec<u32>; 2], z: f64, marker| Facet {
         polygons: polygons.to_vec(),
@@ -321,7 +322,7 @@ fn gear() -> Domain {
         facets.push(Facet::polygon(&[i, next, 2 * n + next, 2 * n + i], 3));
         facets.push(Facet::polygon(&[n + next, n + i, 3 * n + i, 3 * n + next], 4));
     }
-    Domain { vertices: vertices.collect(), facets, ..Domain::default() }
+    Domain { vertices, facets, ..Domain::default() }
 }
 
 fn tee() -> Domain {
@@ -441,7 +442,7 @@ fn two_material() -> Domain {
         let next = (i + 1) % 4;
         // Six corners, two of them where the wall ends; and the edge of the wall.
         let side = vec![i, next, 4 + next, 8 + next, 8 + i, 4 + i];
-        let polygons = vec![side.into_iter().rev().collect(), vec![4 + i, 4 + next]];
+        let polygons = vec![side, vec![4 + i, 4 + next]];
         facets.push(Facet { polygons, holes: Vec::new(), marker: 1 });
     }
     let region =

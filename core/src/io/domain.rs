@@ -107,6 +107,8 @@ pub fn not_kept(domain: &Domain, format: Format) -> Vec<String> {
     let marked = domain.facets.iter().any(|f| f.marker != 0);
     say(marked && format != Format::Ply, "markers of facets");
     let parts = |f: &crate::domain::Facet| f.polygons.len() > 1 || !f.holes.is_empty();
-    say(domain.facets.iter().any(parts), "facets of several polygons (as their triangles they)");
+    if domain.facets.iter().any(parts) {
+        lost.push("facets of several polygons are written as their triangles".to_owned());
+    }
     lost
 }

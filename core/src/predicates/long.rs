@@ -99,6 +99,7 @@ pub(crate) fn parts(value: f64) -> (u64, i32, bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::predicates::filter::power_of_two;
     use num_bigint::BigInt;
     use proptest::prelude::*;
 
@@ -151,6 +152,21 @@ mod tests {
             check::<4, DEGREE_4>(
                 &terms.iter().map(|t| [t[0], t[1], t[2], t[3]]).collect::<Vec<_>>());
             check::<5, DEGREE_5>(&terms);
+        }
+    }
+
+    /// Bits that are all ones, over many more words than one product has, and one more at the end.
+    #[test]
+    fn a_carry_runs_as_far_as_it_must() {
+        let ones = (1u64 << 53) as f64 - 1.0;
+        for (least, count) in [(-1000, 36), (-1000, 9), (0, 18)] {
+            let mut sum = Sum::<DEGREE_2>::new();
+            for k in 0..count {
+                sum.add([ones, power_of_two(least + 53 * k)], Sign::Positive);
+            }
+            sum.add([1.0, power_of_two(least)], Sign::Positive);
+            sum.add([1.0, power_of_two(least + 53 * count)], Sign::Negative);
+            assert_eq!(sum.sign(), Sign::Zero, "{count} times 53 bits from 2^{least}");
         }
     }
 

@@ -128,3 +128,48 @@ pub fn side_of_hull_facet(a: &Point, b: &Point, c: &Point, p: &Point) -> Sign {
     let beyond = orient3d(a, b, c, p);
     if beyond.is_zero() { side_of_circle(a, b, c, p) } else { beyond }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::predicates::cmp_xyz;
+
+    /// All points of {-1, 0, 1}^3, the zeros with either sign.
+    fn lattice() -> impl Iterator<Item = Point> + Clone {
+        (0..64).map(|i| [i & 3, i >> 2 & 3, i >> 4].map(|k| [-1.0, -0.0, 0.0, 1.0][k as usize]))
+    }
+
+    #[test]
+    fn the_branch_free_order_is_that_by_coordinates() {
+        for p in lattice() {
+            for q in lattice() {
+                assert_eq!(exceeds(&p, &q), cmp_xyz(&p, &q).is_gt(), "{p:?} {q:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn points_are_handed_out_from_the_largest_each_once() {
+        let points: Vec<Point> = lattice().collect();
+        for i in 0..64 {
+            let five = [0, 7, 21, 38, 49].map(|k| &points[(i * (k + 1) + k) % 64]);
+            let order: Vec<usize> = Descending::new(five).collect();
+            let mut sorted = order.clone();
+            sorted.sort_unstable();
+            assert_eq!(sorted, [0, 1, 2, 3, 4]);
+            assert!(order.is_sorted_by(|&j, &k| cmp_xyz(five[j], five[k]).is_ge()), "{five:?}");
+        }
+    }
+
+    /// Equal points are outside the contract; the answer is some sign all the same.
+    #[test]
+    fn equal_points_get_some_sign() {
+        let [o, x, y, z] = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        for p in [&o, &x, &y, &z] {
+            assert!(!perturbed_side(&o, &x, &y, &z, p).is_zero());
+        }
+        for p in [&o, &x, &y] {
+            assert!(!side_of_circle(&o, &x, &y, p).is_zero());
+        }
+    }
+}

@@ -12,13 +12,16 @@ use std::sync::Arc;
 pub struct Blocks {
     /// First vertex of each block, and one past the last vertex of all.
     starts: Arc<[VertexId]>,
+    /// Blocks by vertices, in 2^-32: blocks are nearly even, so that this guesses a block.
+    density: u64,
 }
 
 impl Blocks {
     /// Cuts vertices 1 to `vertices` into `blocks` blocks of nearly equal size.
     pub fn even(vertices: u32, blocks: BlockId) -> Self {
         let (n, k) = (u64::from(vertices), u64::from(blocks.max(1)));
-        Self { starts: (0..=k).map(|b| 1 + (b * n / k) as VertexId).collect() }
+        let density = (k << 32) / n.max(1);
+        Self { starts: (0..=k).map(|b| 1 + (b * n / k) as VertexId).collect(), density }
     }
 
     /// Number of blocks.
@@ -39,8 +42,17 @@ impl Blocks {
     /// The block of a finite vertex.
     #[inline]
     pub fn of_vertex(&self, v: VertexId) -> BlockId {
-        let block = self.starts.partition_point(|&start| start <= v);
-        (block.saturating_sub(1) as BlockId).min(self.len() - 1)
+        let last = self.starts.len() - 2;
+        let guess = (u64::from(v.saturating_sub(1)) * self.density) >> 32;
+        let mut block = (guess as usize).min(last);
+        // A few steps at most: the guess is off by rounding, or by empty blocks.
+        while block < last && self.starts[block + 1] <= v {
+            block += 1;
+        }
+        while block > 0 && self.starts[block] > v {
+            block -= 1;
+        }
+        block as BlockId
     }
 
     /// The block of a tetrahedron: that of most of its finite vertices; of equals, the smallest.
@@ -50,6 +62,9 @@ impl Blocks {
         let mut blocks = [BlockId::MAX; 4];
         for (block, &v) in blocks.iter_mut().zip(&v[..finite]) {
             *block = self.of_vertex(v);
+        }
+        if blocks[..finite].iter().all(|&block| block == blocks[0]) {
+            return blocks[0];
         }
         let blocks = &mut blocks[..finite];
         blocks.sort_unstable();
@@ -80,6 +95,16 @@ mod tests {
         assert_eq!(blocks.of_tet([9, 8, 1, 2]), 0, "two and two: the smaller block");
         assert_eq!(blocks.of_tet([9, 1, 4, 6]), 0, "four different ones");
         assert_eq!(blocks.of_tet([9, 8, 1, INFINITE]), 3);
+    }
+
+    #[test]
+    fn every_vertex_lies_in_its_block() {
+        for (n, k) in [(1, 1), (1, 9), (7, 3), (1000, 7), (97, 96), (97, 98), (100_003, 1024)] {
+            let blocks = Blocks::even(n, k);
+            for v in 1..=n {
+                assert!(blocks.vertices(blocks.of_vertex(v)).contains(&v), "{v} of {n} in {k}");
+            }
+        }
     }
 
     #[test]

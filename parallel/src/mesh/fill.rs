@@ -6,7 +6,7 @@ use super::{At, LocalMesh, NewTet, Patch, Piece, Relink, Site, To};
 use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::topology::{TetId, VertexId};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeMap;
 
 /// A face of the cavity's boundary, and the new tetrahedron on it.
@@ -80,10 +80,8 @@ impl LocalMesh {
         directory: &Directory,
     ) -> Vec<Wall> {
         let pieces = || parts.iter().flat_map(|(w, list)| list.iter().map(move |p| (*w, p)));
-        let inside: std::collections::BTreeSet<(WorkerId, TetId)> =
-            pieces().map(|(w, p)| (w, p.tet)).collect();
-        let named: std::collections::BTreeSet<Name> =
-            pieces().filter_map(|(_, p)| p.name).collect();
+        let inside: FxHashSet<(WorkerId, TetId)> = pieces().map(|(w, p)| (w, p.tet)).collect();
+        let named: FxHashSet<Name> = pieces().filter_map(|(_, p)| p.name).collect();
         let mut walls = Vec::new();
         for (worker, piece) in pieces() {
             for (slot, link) in piece.n.iter().enumerate() {
@@ -163,6 +161,7 @@ fn lead(walls: &[Wall], wall: &Wall, slot: usize) -> To {
 /// Finds the walls beside each other: every edge of the boundary is passed once in each direction.
 fn join(walls: &mut [Wall]) {
     let mut edges: FxHashMap<(VertexId, VertexId), (usize, u8)> = FxHashMap::default();
+    edges.reserve(3 * walls.len());
     let around = |v: &[Site; 4]| {
         let [_, a, b, c] = v.map(|site| site.vertex);
         [(a, b, 3), (b, c, 1), (c, a, 2)]

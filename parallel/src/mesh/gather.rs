@@ -1,10 +1,10 @@
 //! The end of a parallel run: submeshes put together to one mesh.
 
-use super::{LocalMesh, handle};
+use super::{Common, LocalMesh, handle};
 use crate::protocol::Name;
 use ltbw_core::part::{Assembly, assemble};
-use ltbw_core::topology::{TetId, VertexId};
-use ltbw_core::{Mesh, Mode, Point, Vertex};
+use ltbw_core::topology::TetId;
+use ltbw_core::{Mesh, Vertex};
 use rustc_hash::FxHashMap;
 
 /// What a run leaves behind.
@@ -35,17 +35,10 @@ pub enum GatherError {
 
 /// Puts the submeshes of a finished run together.
 ///
-/// `points` and `numbers` are kernel coordinates and input index by vertex less 1.
-///
 /// # Errors
 /// [`GatherError`] if there are too many tetrahedra, or if the submeshes do not fit together.
-pub fn gather(
-    meshes: Vec<LocalMesh>,
-    points: Vec<Point>,
-    numbers: &[u32],
-    mut duplicates: Vec<(VertexId, VertexId)>,
-    mode: Mode,
-) -> Result<Gathered, GatherError> {
+pub fn gather(meshes: Vec<LocalMesh>, common: Common) -> Result<Gathered, GatherError> {
+    let Common { points, numbers, mut duplicates, mode, predicates } = common;
     if meshes.iter().any(|mesh| mesh.full) {
         return Err(GatherError::TooManyTets);
     }
@@ -70,7 +63,8 @@ pub fn gather(
         Some((part, 4 * t + u32::from(there.face)))
     };
     let parts = meshes.into_iter().map(|mesh| mesh.part).collect();
-    let assembly = Assembly { points, numbers, duplicates: &duplicates, mode };
+    let assembly =
+        Assembly { points, numbers: &numbers, duplicates: &duplicates, mode, predicates };
     let mesh = assemble(parts, far, assembly).ok_or(GatherError::TooManyTets)?;
     Ok(Gathered { duplicates: mesh.duplicates().to_vec(), mesh })
 }

@@ -24,7 +24,7 @@ mod wire;
 pub use blocks::Blocks;
 pub use field::Field;
 pub use gather::{GatherError, Gathered, gather};
-pub use start::{Plan, Prepared};
+pub use start::{Common, Plan, Prepared};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Site, To};
 
 use crate::protocol::{
@@ -42,8 +42,6 @@ pub struct LocalMesh {
     me: WorkerId,
     names: FxHashMap<Name, TetId>,
     name_of: FxHashMap<TetId, Name>,
-    /// Further names: a home may name a tetrahedron that its owner names at the same time.
-    aliases: FxHashMap<TetId, Vec<Name>>,
     /// Names given so far.
     named: u32,
     /// Where points were located that could not be inserted at once.
@@ -66,7 +64,6 @@ impl LocalMesh {
             me,
             names: FxHashMap::default(),
             name_of: FxHashMap::default(),
-            aliases: FxHashMap::default(),
             named: 0,
             located: FxHashMap::default(),
             strays: FxHashMap::default(),
@@ -107,19 +104,17 @@ impl LocalMesh {
 
     fn set_name(&mut self, t: TetId, name: Name) {
         self.names.insert(name, t);
-        if let Some(first) = self.name_of.insert(t, name) {
-            self.name_of.insert(t, first);
-            self.aliases.entry(t).or_default().push(name);
-        }
+        let before = self.name_of.insert(t, name);
+        debug_assert!(
+            before.is_none_or(|n| n == name),
+            "P1: {t} has names {before:?} and {name:?}"
+        );
         self.part.watch(t);
     }
 
     fn drop_name(&mut self, t: TetId) {
         if let Some(name) = self.name_of.remove(&t) {
             self.names.remove(&name);
-            for alias in self.aliases.remove(&t).unwrap_or_default() {
-                self.names.remove(&alias);
-            }
         }
     }
 
@@ -287,7 +282,13 @@ impl Submesh for LocalMesh {
     }
 
     fn is_block_locked(&self, block: BlockId) -> bool {
-        self.part.closed().any(|t| self.block_of(t) == block)
+        // A locked neighbour outside the block counts, too. Its home may be about to name it; if
+        // moving the block gave it a name as well, it would have two.
+        self.part.closed().any(|t| {
+            let around = self.part.neighbours(t).map(tet_of);
+            let near = around.into_iter().filter(|&u| self.part.is_live(u));
+            near.chain([t]).any(|t| self.block_of(t) == block)
+        })
     }
 
     fn extract(&mut self, block: BlockId, moved: &mut dyn FnMut(TetId, Handle)) -> Vec<Moving> {

@@ -7,7 +7,7 @@ use ltbw_core::build::independent;
 use ltbw_core::order::hilbert;
 use ltbw_core::part::Setting;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
-use ltbw_core::{BuildError, Builder, Mesh, Mode, Point, PointSet};
+use ltbw_core::{BuildError, Builder, Mesh, Mode, Point, PointSet, PredicateStats};
 
 /// Who names the tetrahedra of the coarse mesh: no worker has this number.
 const COARSE: WorkerId = WorkerId::MAX;
@@ -31,11 +31,13 @@ pub struct Plan {
 impl Plan {
     /// The default layout for `points` points on `workers` workers.
     ///
-    /// The sample is one point in a hundred, but at least 60 a worker.
+    /// The sample is one point in a hundred, or 5,000 a worker if that is more, but at most one in
+    /// ten: the smaller a worker's part, the more cavities are interface cavities.
     pub fn new(points: usize, workers: u32) -> Self {
         let workers = workers.max(1);
-        let sample = (points / 100).max(60 * workers as usize);
-        Self { workers, blocks_per_worker: 16, cursors: 64, sample, roomy: false }
+        let most = (5000 * workers as usize).min(points / 10);
+        let sample = (points / 100).max(most).max(60);
+        Self { workers, blocks_per_worker: 16, cursors: 32, sample, roomy: false }
     }
 
     /// Builds the coarse mesh and distributes it.
@@ -65,7 +67,10 @@ impl Plan {
             .zip(0..)
             .map(|((mesh, field), me)| (Directory::new(me, &owners), mesh, field))
             .collect();
-        Ok(Prepared { workers, points, numbers: order, duplicates, mode: set.mode(), setting })
+        let predicates = coarse.predicate_stats();
+        let mode = set.mode();
+        let common = Common { points, numbers: order, duplicates, mode, predicates };
+        Ok(Prepared { workers, common })
     }
 
     /// Ranks of the sample, ascending: evenly along the curve, with four affinely independent
@@ -113,11 +118,18 @@ impl Plan {
     }
 }
 
-/// Workers ready to run, and what is needed to put their submeshes together afterwards.
+/// Workers ready to run.
 #[derive(Debug)]
 pub struct Prepared {
     /// By worker: directory, submesh, points.
     pub workers: Vec<(Directory, LocalMesh, Field)>,
+    /// What is needed to put their submeshes together afterwards.
+    pub common: Common,
+}
+
+/// What no worker has: the whole set of points.
+#[derive(Debug)]
+pub struct Common {
     /// Kernel coordinates by vertex less 1.
     pub points: Vec<Point>,
     /// Input index by vertex less 1.
@@ -126,8 +138,8 @@ pub struct Prepared {
     pub duplicates: Vec<(VertexId, VertexId)>,
     /// How the points are computed with.
     pub mode: Mode,
-    /// Box, arithmetic and size of the whole mesh.
-    pub setting: Setting,
+    /// Predicate calls of the coarse mesh.
+    pub predicates: PredicateStats,
 }
 
 fn coarse_mesh(points: &[Point], sample: &[u32]) -> Result<Mesh, BuildError> {

@@ -39,7 +39,7 @@ pub type Nanos = u64;
 
 /// The size of a worker's submesh and of its boundary (Table III).
 pub trait Survey {
-    /// Tetrahedra, ghosts not counted.
+    /// Tetrahedra, ghosts included.
     fn tets(&self) -> u64;
 
     /// Faces of these whose other side is another worker's.

@@ -31,6 +31,7 @@ mod owner;
 mod rule;
 mod submesh;
 mod termination;
+mod view;
 mod worker;
 
 pub use conduct::{Conduct, Sound};

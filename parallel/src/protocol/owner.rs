@@ -48,6 +48,10 @@ pub(super) struct Request<S: Submesh> {
 }
 
 impl<S: Submesh> Request<S> {
+    pub(super) fn attempt_mut(&mut self) -> &mut Attempt {
+        &mut self.attempt
+    }
+
     /// What it is doing, for people.
     pub(super) fn describe(&self) -> String {
         let Self { home, attempt, wants, held, owed, stalled, .. } = self;

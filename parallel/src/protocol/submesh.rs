@@ -99,7 +99,7 @@ pub trait Submesh: Sized {
         strays: &mut Vec<BlockId>,
     );
 
-    /// Is any tetrahedron of `block` locked?
+    /// Is any tetrahedron of `block`, or any neighbour here of one, locked?
     fn is_block_locked(&self, block: BlockId) -> bool;
 
     /// Removes and returns all tetrahedra of `block`, none of which is locked. Calls `moved` with

@@ -58,6 +58,12 @@ impl Safra {
         self.token = Some(token);
     }
 
+    /// Back to the state at the start, for models without termination detection.
+    pub(crate) fn forget(&mut self) {
+        self.count = 0;
+        self.black = false;
+    }
+
     pub(crate) fn holds_token(&self) -> bool {
         self.token.is_some()
     }

@@ -16,7 +16,7 @@ pub struct Balance {
     pub low: u64,
     /// How many others it asks.
     pub ask: usize,
-    /// How long it waits before it asks again; each time twice as long, up to 1024 times.
+    /// How long it waits before it asks again; each time twice as long, up to 65536 times.
     pub again: Nanos,
 }
 
@@ -29,12 +29,7 @@ impl Default for Balance {
 /// What a balancer must know of a supply of points.
 pub trait Stock {
     /// Points left.
-    fn len(&self) -> u64;
-
-    /// Are there none?
-    fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
+    fn left(&self) -> u64;
 
     /// Points left in `block`.
     fn in_block(&self, block: BlockId) -> u64;
@@ -87,7 +82,7 @@ impl Balancer {
         worker: &Worker<S, Q, C>,
         to: WorkerId,
     ) -> Vec<BlockId> {
-        let mine = worker.source().len();
+        let mine = worker.source().left();
         let theirs = self.loads.get(to as usize).copied().unwrap_or(mine);
         let mut spare = mine.saturating_sub(theirs) / 2;
         if mine <= 2 * self.settings.low || spare < self.settings.low / 2 {

@@ -298,7 +298,7 @@ where
         processor.worker.step(event, &mut actions);
         let (work, walk) = processor.work_time(&self.options.costs);
         let worked = begin + receiving + work;
-        let load = processor.worker.source().len();
+        let load = processor.worker.source().left();
         let mut end = worked;
         for action in &actions {
             if let Action::Send { message, .. } = action {
@@ -356,7 +356,7 @@ where
     fn watch(&mut self, id: WorkerId) {
         let Some(balance) = self.options.balance else { return };
         let processor = &mut self.processors[id as usize];
-        if processor.worker.source().len() >= balance.low {
+        if processor.worker.source().left() >= balance.low {
             processor.asked = 0;
             return;
         }
@@ -366,7 +366,7 @@ where
         // At once the first time, later not before a while.
         let wait = match processor.asked {
             0 => 0,
-            times => balance.again.saturating_mul(1 << (times - 1).min(10)),
+            times => balance.again.saturating_mul(1 << (times - 1).min(16)),
         };
         processor.asking = Asking::Later;
         processor.asked += 1;
@@ -377,7 +377,7 @@ where
     fn ask(&mut self, id: WorkerId) {
         let begin = self.poll(id, false);
         let processor = &mut self.processors[id as usize];
-        let load = processor.worker.source().len();
+        let load = processor.worker.source().left();
         let whom = processor.balancer.as_mut().map_or(Vec::new(), |b| b.ask(load));
         let mut end = begin.max(self.now + 1);
         let sending = processor.time(self.options.costs.sending(LOAD_BYTES));

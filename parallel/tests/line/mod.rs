@@ -342,7 +342,7 @@ impl Source<Line> for Supply {
 }
 
 impl Stock for Supply {
-    fn len(&self) -> u64 {
+    fn left(&self) -> u64 {
         self.left
     }
 

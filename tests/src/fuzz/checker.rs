@@ -4,7 +4,7 @@
 //! points ([`snap`]).
 
 use crate::families::snap;
-use crate::plant::{Plant, Subject, try_plant};
+use crate::plant::{PLANTS, Subject, try_plant};
 use arbitrary::Unstructured;
 use ltbw::{Builder, PointSet};
 
@@ -24,7 +24,7 @@ pub fn checker(bytes: &[u8]) {
     let mesh = Subject::of(&built.mesh);
     mesh.passes().unwrap_or_else(|why| panic!("sound, but {why}: {:?}", set.points()));
     for (plant, choice) in plants {
-        let plant = Plant::ALL[usize::from(plant) % Plant::ALL.len()];
+        let plant = PLANTS[usize::from(plant) % PLANTS.len()];
         if let Err(why) = try_plant(&mesh, plant, choice as usize) {
             panic!("{why}: {:?}", set.points());
         }

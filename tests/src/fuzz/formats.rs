@@ -1,10 +1,11 @@
 //! `formats`: bytes to a file of any format.
 //!
-//! The first byte chooses the reader, the others are the file. For the pair `.node` and `.ele`
-//! they are the one, a line `%`, and the other.
+//! The first byte chooses the reader, the others are the file. For a pair (`.node` and `.ele`,
+//! `.node` and `.poly`) they are the one, a line `%`, and the other.
 
-use ltbw::io::{Encoding, Format, MeshFile, MshVersion, ParseError, PointFile};
-use ltbw::io::{csv, medit, msh, npy, obj, off, ply, stl, tetgen, vtu, xyz};
+use ltbw::domain::Domain;
+use ltbw::io::{DomainFile, Encoding, Format, MeshFile, MshVersion, ParseError, PointFile};
+use ltbw::io::{csv, medit, msh, npy, obj, off, ply, poly, stl, tetgen, vtu, xyz};
 use ltbw::{Point, TetMesh};
 
 /// A reader.
@@ -31,17 +32,44 @@ const MESHES: [(Format, Read<MeshFile>); 5] = [
     (Format::Node, pair),
 ];
 
+/// The readers of domains, the last.
+const DOMAINS: [(Format, Read<DomainFile>); 8] = [
+    (Format::Poly, poly::read_poly),
+    (Format::Smesh, poly::read_smesh),
+    (Format::Off, off::read_domain),
+    (Format::Obj, obj::read_domain),
+    (Format::Stl, stl::read_domain),
+    (Format::Ply, ply::read_domain),
+    (Format::Poly, node_and_poly),
+    (Format::Smesh, node_and_smesh),
+];
+
 /// An `.ele` file beside four points.
 fn tetrahedra(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     tetgen::read_pair(b"4 3\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n", bytes)
 }
 
-/// A `.node` file, a line `%`, an `.ele` file.
-fn pair(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+/// What is before the first line `%`, and what is after it.
+fn halves(bytes: &[u8]) -> (&[u8], &[u8]) {
     const BETWEEN: &[u8] = b"\n%\n";
     let at = bytes.windows(BETWEEN.len()).position(|w| w == BETWEEN).unwrap_or(bytes.len());
-    let (node, rest) = bytes.split_at(at);
-    tetgen::read_pair(node, rest.get(BETWEEN.len()..).unwrap_or_default())
+    let (first, rest) = bytes.split_at(at);
+    (first, rest.get(BETWEEN.len()..).unwrap_or_default())
+}
+
+fn pair(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let (node, ele) = halves(bytes);
+    tetgen::read_pair(node, ele)
+}
+
+fn node_and_poly(bytes: &[u8]) -> Result<DomainFile, ParseError> {
+    let (node, poly) = halves(bytes);
+    poly::read_poly_with(poly, tetgen::parse_node(node)?)
+}
+
+fn node_and_smesh(bytes: &[u8]) -> Result<DomainFile, ParseError> {
+    let (node, smesh) = halves(bytes);
+    poly::read_smesh_with(smesh, tetgen::parse_node(node)?)
 }
 
 /// Reads all but the first byte, which chooses the format. What can be read is written in the
@@ -52,12 +80,16 @@ fn pair(bytes: &[u8]) -> Result<MeshFile, ParseError> {
 /// back the same.
 pub fn formats(bytes: &[u8]) {
     let Some((&choice, bytes)) = bytes.split_first() else { return };
-    let choice = usize::from(choice) % (POINTS.len() + MESHES.len());
-    let error = if let Some((_, read)) = POINTS.get(choice) {
+    let choice = usize::from(choice) % (POINTS.len() + MESHES.len() + DOMAINS.len());
+    let (points, meshes) = (POINTS.get(choice), POINTS.len()..POINTS.len() + MESHES.len());
+    let error = if let Some((_, read)) = points {
         read(bytes).map(|file| points_come_back(&file)).err()
-    } else {
-        let (_, read) = MESHES[choice - POINTS.len()];
+    } else if meshes.contains(&choice) {
+        let (_, read) = MESHES[choice - meshes.start];
         read(bytes).map(|file| mesh_comes_back(&file.mesh)).err()
+    } else {
+        let (_, read) = DOMAINS[choice - meshes.end];
+        read(bytes).map(|file| domain_comes_back(&file.domain)).err()
     };
     if let Some(error) = error {
         assert!(!error.to_string().contains('\n'), "{error:?}");
@@ -131,9 +163,27 @@ fn mesh_comes_back(mesh: &TetMesh) {
     }
 }
 
+/// Whatever was read has a sound structure or is refused for it, and `.poly` keeps all of it.
+fn domain_comes_back(domain: &Domain) {
+    if let Err(error) = domain.check_structure() {
+        assert!(!error.to_string().contains('\n'), "{error:?}");
+        return;
+    }
+    let mut out = Vec::new();
+    poly::write_poly(&mut out, domain).expect("memory");
+    let back = poly::read_poly(&out).expect("we wrote it").domain;
+    assert_eq!(&back, domain);
+    assert_eq!(bits(&back.vertices), bits(&domain.vertices));
+    let mut out = Vec::new();
+    // A facet may be no single polygon.
+    if poly::write_smesh(&mut out, domain).is_ok() {
+        assert_eq!(&poly::read_smesh(&out).expect("we wrote it").domain, domain);
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Format, MESHES, POINTS};
+    use super::{DOMAINS, Format, MESHES, POINTS};
 
     /// A new format without a reader here would never be fuzzed.
     #[test]
@@ -141,6 +191,8 @@ mod tests {
         for format in Format::ALL {
             let points = POINTS.iter().any(|(f, _)| *f == format);
             let meshes = MESHES.iter().any(|(f, _)| *f == format);
+            let domains = DOMAINS.iter().any(|(f, _)| *f == format);
+            assert_eq!(domains, format.holds_domain(), "{format:?}");
             assert_eq!(points, format.holds_points(), "{format:?}");
             assert_eq!(meshes, format.holds_mesh(), "{format:?}");
         }

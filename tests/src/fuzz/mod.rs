@@ -8,12 +8,14 @@
 //! | [`triangulate`] | one mesh for all orders, refusals and queries; equal to CGAL's; certified |
 //! | [`formats`] | a reader reads or says why not, and what it read can be written and read back |
 //! | [`checker`] | the checker passes a sound mesh and finds every planted defect |
+//! | [`domains`] | the check of a domain ends, whatever the order of its facets; a prepared one is one |
 //! | [`cli`] | the command line is understood, or refused in one line with exit code 2 |
 //! | [`canary`] | **fails on purpose**: its predicate has a planted bug, which must be found |
 
 pub mod canary;
 pub mod checker;
 pub mod cli;
+pub mod domains;
 pub mod formats;
 pub mod predicates;
 pub mod triangulate;
@@ -22,10 +24,11 @@ pub mod triangulate;
 pub type Target = fn(&[u8]);
 
 /// Every target but the canary, which fails on purpose.
-pub const TARGETS: [(&str, Target); 5] = [
+pub const TARGETS: [(&str, Target); 6] = [
     ("predicates", predicates::predicates),
     ("triangulate", triangulate::triangulate),
     ("formats", formats::formats),
     ("checker", checker::checker),
     ("cli", cli::cli),
+    ("domains", domains::domains),
 ];

@@ -15,7 +15,7 @@
 //! place: the mesh stays a triangulation. As the Delaunay one is unique up to ties, the flipped
 //! one is not Delaunay, or it differs in a tie, which the exact in-sphere test tells.
 
-use super::{Expected, Subject, TIES, opposite};
+use super::{Expected, Subject, TIES, TOPOLOGY, opposite};
 use crate::oracle;
 use ltbw::Sign;
 use ltbw_verify::{Kind, Level, NO_NEIGHBOUR};
@@ -56,7 +56,19 @@ fn across(mesh: &Subject, t: usize, slot: usize) -> Option<(usize, u32)> {
     Some((n as usize, apex))
 }
 
-pub(super) fn flip23(mesh: &mut Subject, t: usize, slot: usize) -> Option<Expected> {
+/// A tetrahedron is turned inside out. A mesh of one is mirrored then, which is no defect.
+pub(super) fn flipped(mesh: &mut Subject, choice: usize) -> Option<Expected> {
+    if mesh.tets.len() == 1 {
+        return None;
+    }
+    let (tet, slot) = mesh.place(choice);
+    mesh.tets[tet].swap(slot, (slot + 1) % 4);
+    mesh.neighbours[tet].swap(slot, (slot + 1) % 4);
+    Some(Expected::new(TOPOLOGY, &[Kind::InvertedTet]))
+}
+
+pub(super) fn flip23(mesh: &mut Subject, choice: usize) -> Option<Expected> {
+    let (t, slot) = mesh.place(choice);
     let (u, e) = across(mesh, t, slot)?;
     let d = mesh.tets[t][slot];
     // Outward of t: d is below a, b, c and e above.
@@ -72,7 +84,12 @@ fn turned([a, b, c, d]: [u32; 4]) -> [u32; 4] {
 /// The edges of a tetrahedron.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
-/// The tetrahedra around an inner edge of `t`, in a row, with the vertices of the ring between
+/// The tetrahedron and the edge of it that a number names.
+fn edge_of(mesh: &Subject, choice: usize) -> (usize, [usize; 2]) {
+    (choice / 6 % mesh.tets.len(), EDGES[choice % 6])
+}
+
+/// The tetrahedra around an inner edge, in a row, with the vertices of the ring between
 /// them; `None` if the edge is on the hull or there are not `count` of them.
 struct Ring {
     edge: [u32; 2],
@@ -81,8 +98,9 @@ struct Ring {
 }
 
 impl Ring {
-    fn of(mesh: &Subject, t: usize, choice: usize, count: usize) -> Option<Self> {
-        let edge = EDGES[choice % 6].map(|i| mesh.tets[t][i]);
+    fn of(mesh: &Subject, choice: usize, count: usize) -> Option<Self> {
+        let (t, edge) = edge_of(mesh, choice);
+        let edge = edge.map(|i| mesh.tets[t][i]);
         let others = |t: usize| -> Vec<u32> {
             mesh.tets[t].into_iter().filter(|v| !edge.contains(v)).collect()
         };
@@ -104,8 +122,8 @@ impl Ring {
     }
 }
 
-pub(super) fn flip32(mesh: &mut Subject, t: usize, choice: usize) -> Option<Expected> {
-    let Ring { edge: [d, e], tets, vertices } = Ring::of(mesh, t, choice, 3)?;
+pub(super) fn flip32(mesh: &mut Subject, choice: usize) -> Option<Expected> {
+    let Ring { edge: [d, e], tets, vertices } = Ring::of(mesh, choice, 3)?;
     let [a, b, c] = vertices.try_into().ok()?;
     // On different sides of the face a b c, if the edge goes through it.
     let new = [[a, b, c, d], [b, a, c, e]];
@@ -113,8 +131,8 @@ pub(super) fn flip32(mesh: &mut Subject, t: usize, choice: usize) -> Option<Expe
     replace(mesh, &tets, &new)
 }
 
-pub(super) fn flip44(mesh: &mut Subject, t: usize, choice: usize) -> Option<Expected> {
-    let Ring { edge: [a, b], tets, vertices } = Ring::of(mesh, t, choice, 4)?;
+pub(super) fn flip44(mesh: &mut Subject, choice: usize) -> Option<Expected> {
+    let Ring { edge: [a, b], tets, vertices } = Ring::of(mesh, choice, 4)?;
     let [p, q, r, s] = vertices.try_into().ok()?;
     // Around pr, the ring is a q b s, the way that the sign of the first one tells; all four must
     // then go the same way.
@@ -123,9 +141,9 @@ pub(super) fn flip44(mesh: &mut Subject, t: usize, choice: usize) -> Option<Expe
     replace(mesh, &tets, &new)
 }
 
-pub(super) fn flip22(mesh: &mut Subject, t: usize, choice: usize) -> Option<Expected> {
+pub(super) fn flip22(mesh: &mut Subject, choice: usize) -> Option<Expected> {
     // The edge ac is on the hull, in the two tetrahedra alone: t and u, which share the face ace.
-    let [i, k] = EDGES[choice % 6];
+    let (t, [i, k]) = edge_of(mesh, choice);
     let [a, c] = [i, k].map(|j| mesh.tets[t][j]);
     let [x, y] = [0, 1].map(|n| (0..4).filter(|&j| j != i && j != k).nth(n));
     for (out, inn) in [(x?, y?), (y?, x?)] {

@@ -1,7 +1,30 @@
 //! Model checks of ltbw's concurrent code, over the real code: `cargo xtask model-check`.
 //!
-//! Only with `--cfg loom` is there anything here. Today the sequential kernel shares one word
-//! between threads, the flag of [`ltbw::CancelToken`]; the protocol's models join it when the
-//! parallel kernel does. Every model asserts *witnesses* (outcomes that must have been reached)
-//! and a least number of executions, and has a known-bad twin that must fail.
+//! * **States** (stateright and a liveness pass of our own): every order in which messages arrive
+//!   and workers act, in small closed [`world`]s. Each transition is one call of the real
+//!   `Worker::step`; only the mesh is abstract, a convex hull in the plane ([`hull`]).
+//! * **Threads** (loom, shuttle): the real mailbox, alone and under workers that run the same
+//!   step. Only with `--cfg loom` or `--cfg shuttle`.
+//! * **The museum** ([`museum`]): every known defect, as a conduct of its own that a checker must
+//!   catch. A checker that has never found anything shows nothing.
+//!
+//! Every model asserts *witnesses*, what must have been reached, and a least size.
 #![forbid(unsafe_code)]
+
+#[cfg(not(any(loom, shuttle)))]
+pub mod graph;
+pub mod hull;
+pub mod museum;
+#[cfg(not(any(loom, shuttle)))]
+mod properties;
+pub mod random;
+pub mod report;
+#[cfg(not(any(loom, shuttle)))]
+pub mod runs;
+#[cfg(not(any(loom, shuttle)))]
+pub mod system;
+#[cfg(any(loom, shuttle))]
+pub mod threads;
+pub mod witness;
+pub mod world;
+pub mod worlds;

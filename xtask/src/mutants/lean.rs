@@ -24,20 +24,22 @@ pub(super) fn package(lean: &Lean, below: &Path) -> Result<PathBuf, String> {
 }
 
 fn write(lean: &Lean, package: &Path) -> std::io::Result<()> {
-    let (from, source) = (root().join(lean.folder), package.join("src"));
-    if source.exists() {
-        fs::remove_dir_all(&source)?;
-    }
-    copy(&from.join("src"), &source)?;
-    if !lean.cases.is_empty() {
-        copy(&from.join("tests"), &source.join("cases"))?;
+    let from = root().join(lean.folder);
+    // Test programs name their data by a path from where they are.
+    for folder in ["src", "tests", "testdata"] {
+        if package.join(folder).exists() {
+            fs::remove_dir_all(package.join(folder))?;
+        }
+        if from.join(folder).exists() {
+            copy(&from.join(folder), &package.join(folder))?;
+        }
     }
     let manifest = fs::read_to_string(from.join("Cargo.toml"))?;
     let workspace = fs::read_to_string(root().join("Cargo.toml"))?;
     fs::write(package.join("Cargo.toml"), format!("{manifest}\n{}", shared(&workspace)))?;
     fs::copy(root().join("Cargo.lock"), package.join("Cargo.lock"))?;
     let library = library(&fs::read_to_string(from.join("src/lib.rs"))?, &manifest, lean);
-    fs::write(source.join("lib.rs"), library)
+    fs::write(package.join("src/lib.rs"), library)
 }
 
 /// The manifest of the workspace without its lists of members.
@@ -68,7 +70,9 @@ fn library(library: &str, manifest: &str, lean: &Lean) -> String {
     let name = name.trim_matches('"').replace('-', "_");
     text.push_str(&format!("#[cfg(test)]\nextern crate self as {name};\n"));
     for case in lean.cases {
-        text.push_str(&format!("#[cfg(test)]\n#[path = \"cases/{case}.rs\"]\nmod test_{case};\n"));
+        text.push_str(&format!(
+            "#[cfg(test)]\n#[path = \"../tests/{case}.rs\"]\nmod test_{case};\n"
+        ));
     }
     text
 }
@@ -113,7 +117,7 @@ mod tests {
             library(whole, "[package]\nname = \"x-y\"\n", &lean),
             "//! Text.\n#![deny(x)]\npub mod a;\nmod c;\npub use a::A;\n\n/// One.\npub type T = \
              u8;\n#[cfg(test)]\nextern crate self as x_y;\n#[cfg(test)]\n#[path = \
-             \"cases/k.rs\"]\nmod test_k;\n"
+             \"../tests/k.rs\"]\nmod test_k;\n"
         );
     }
 }

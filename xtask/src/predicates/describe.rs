@@ -25,7 +25,7 @@ const REFINEMENT_GUARD: Guard =
     Guard { low: -100, high: 100, parameter_low: -20, parameter_high: 20 };
 
 /// Every predicate with a filter.
-pub(crate) const PREDICATES: &[Predicate] = &[
+pub(crate) const PREDICATES: &[Predicate<'static>] = &[
     ORIENT3D,
     INSPHERE,
     ORIENT2D,
@@ -37,7 +37,7 @@ pub(crate) const PREDICATES: &[Predicate] = &[
 ];
 
 /// Shewchuk's order of evaluation; his sign is opposite to ours.
-const ORIENT3D: Predicate = Predicate {
+const ORIENT3D: Predicate<'static> = Predicate {
     name: "orient3d",
     about: "`orient3d`: positive for the unit tetrahedron (0, x, y, z).",
     points: &["a", "b", "c", "d"],
@@ -55,10 +55,11 @@ const ORIENT3D: Predicate = Predicate {
     guard: GUARD,
     window: true,
     lattice_bits: Some(16),
+    integers: true,
 };
 
 /// Shewchuk's order of evaluation; his sign is opposite to ours.
-const INSPHERE: Predicate = Predicate {
+const INSPHERE: Predicate<'static> = Predicate {
     name: "insphere",
     about: "`insphere`: positive if `e` lies inside the sphere through the positively oriented \
             tetrahedron `a, b, c, d`.",
@@ -89,9 +90,10 @@ const INSPHERE: Predicate = Predicate {
     guard: GUARD,
     window: true,
     lattice_bits: Some(9),
+    integers: true,
 };
 
-const ORIENT2D: Predicate = Predicate {
+const ORIENT2D: Predicate<'static> = Predicate {
     name: "orient2d",
     about: "The orientation of the projections of `a, b, c` to the axes of `plane`: positive \
             counterclockwise.",
@@ -106,9 +108,10 @@ const ORIENT2D: Predicate = Predicate {
     guard: GUARD,
     window: false,
     lattice_bits: None,
+    integers: true,
 };
 
-const INCIRCLE: Predicate = Predicate {
+const INCIRCLE: Predicate<'static> = Predicate {
     name: "incircle",
     about: "The in-circle determinant of four points of one plane, projected to the axes of \
             `plane`: the lift is the squared distance in space, so that circles stay circles. \
@@ -133,10 +136,11 @@ const INCIRCLE: Predicate = Predicate {
     guard: GUARD,
     window: false,
     lattice_bits: None,
+    integers: true,
 };
 
 /// (a - p) . (b - p), negative inside.
-const IN_DIAMETRAL_BALL: Predicate = Predicate {
+const IN_DIAMETRAL_BALL: Predicate<'static> = Predicate {
     name: "in_diametral_ball",
     about: "Where `p` lies with respect to the ball of which `a, b` is a diameter: positive \
             inside, negative outside.",
@@ -151,11 +155,12 @@ const IN_DIAMETRAL_BALL: Predicate = Predicate {
     guard: GUARD,
     window: false,
     lattice_bits: None,
+    integers: false,
 };
 
 /// With u = a - b, v = a - c, w = a - p and n = u x v:
 /// |n|^2 |w|^2 + |v|^2 (u . (v - u)) (w . u) - |u|^2 (v . (v - u)) (w . v), negative inside.
-const IN_EQUATORIAL_BALL: Predicate = Predicate {
+const IN_EQUATORIAL_BALL: Predicate<'static> = Predicate {
     name: "in_equatorial_ball",
     about: "Where `p` lies with respect to the smallest ball whose boundary passes through \
             `a, b, c`, which are not collinear: positive inside, negative outside.",
@@ -182,11 +187,12 @@ const IN_EQUATORIAL_BALL: Predicate = Predicate {
     guard: REFINEMENT_GUARD,
     window: false,
     lattice_bits: None,
+    integers: false,
 };
 
 /// The circumcentre is d + n / (2 det) for n = |a|^2 (b x c) + |b|^2 (c x a) + |c|^2 (a x b), a, b
 /// and c being the differences to d: |n|^2 is compared with (2 ratio det)^2 l^2.
-const EXCEEDS_RADIUS_EDGE: Predicate = Predicate {
+const EXCEEDS_RADIUS_EDGE: Predicate<'static> = Predicate {
     name: "exceeds_radius_edge",
     about: "Whether the circumradius of `a, b, c, d` exceeds `ratio` (positive) times its \
             shortest edge: positive if it does, negative if it is less.",
@@ -228,10 +234,11 @@ const EXCEEDS_RADIUS_EDGE: Predicate = Predicate {
     guard: REFINEMENT_GUARD,
     window: false,
     lattice_bits: None,
+    integers: false,
 };
 
 /// The determinant, here with our sign, against six times the volume.
-const EXCEEDS_VOLUME: Predicate = Predicate {
+const EXCEEDS_VOLUME: Predicate<'static> = Predicate {
     name: "exceeds_volume",
     about: "Whether the signed volume of `a, b, c, d` (of the sign of `orient3d`) exceeds \
             `volume` (positive): positive if it does, negative if it is less.",
@@ -253,4 +260,5 @@ const EXCEEDS_VOLUME: Predicate = Predicate {
     guard: GUARD,
     window: false,
     lattice_bits: None,
+    integers: false,
 };

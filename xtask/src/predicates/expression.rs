@@ -48,6 +48,14 @@ impl Expression {
         }
     }
 
+    /// Is `operation` done in it?
+    pub(crate) fn uses(&self, operation: Operation) -> bool {
+        match self {
+            Name(_) | Integer(_) => false,
+            Binary(found, a, b) => *found == operation || a.uses(operation) || b.uses(operation),
+        }
+    }
+
     /// As Rust: no more parentheses than the tree needs.
     pub(crate) fn rust(&self) -> String {
         self.rust_in(0)

@@ -5,7 +5,7 @@ use super::expression::Expression;
 /// A predicate with a floating-point filter: a value, computed from coordinate differences in one
 /// order of evaluation, and a bound of its error.
 #[derive(Clone, Debug)]
-pub(crate) struct Predicate {
+pub(crate) struct Predicate<'a> {
     /// Its name in Rust and Coq.
     pub(crate) name: &'static str,
     /// Documentation of the filters: what a positive sign says.
@@ -23,7 +23,7 @@ pub(crate) struct Predicate {
     /// Is the sign of the predicate the opposite of the value's?
     pub(crate) negate: bool,
     /// The factors of the error bound: name and value.
-    pub(crate) constants: &'static [(&'static str, Constant)],
+    pub(crate) constants: &'a [(&'static str, Constant)],
     /// The error bound, from extents, parameters and constants, in steps like the value's.
     pub(crate) bound: &'static [(&'static str, &'static str)],
     /// The guard of the filter for any coordinates.
@@ -33,6 +33,8 @@ pub(crate) struct Predicate {
     /// The number of steps of a lattice up to which differences are decided without error, as an
     /// exponent of two, if there is such a filter.
     pub(crate) lattice_bits: Option<u32>,
+    /// Is the value also computed in integers of fixed width, by the exact stages?
+    pub(crate) integers: bool,
 }
 
 /// A named intermediate value.
@@ -95,7 +97,7 @@ impl Step {
 /// The axes that a name may end in.
 const AXES: &[u8] = b"xyzij";
 
-impl Predicate {
+impl Predicate<'_> {
     /// The vector and the axis of the difference `name`, `adx`; `None` if it is no difference.
     pub(crate) fn difference<'a>(&self, name: &'a str) -> Option<(&'a str, char)> {
         let axis = *name.as_bytes().last()?;

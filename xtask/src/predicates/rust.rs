@@ -29,7 +29,7 @@ pub(crate) fn file() -> Result<String, String> {
 }
 
 /// All that is generated of one predicate.
-fn section(predicate: &Predicate) -> Result<String, String> {
+fn section(predicate: &Predicate<'_>) -> Result<String, String> {
     let mut out = String::new();
     for (name, constant) in predicate.constants {
         let _ = writeln!(
@@ -52,7 +52,7 @@ fn section(predicate: &Predicate) -> Result<String, String> {
 }
 
 /// The arguments of a filter.
-fn arguments(predicate: &Predicate) -> String {
+fn arguments(predicate: &Predicate<'_>) -> String {
     let points = predicate.points.iter().map(|point| format!("{point}: &Point"));
     let parameters = predicate.parameters.iter().map(|name| format!("{name}: f64"));
     let mut all: Vec<String> = points.chain(parameters).collect();
@@ -63,7 +63,7 @@ fn arguments(predicate: &Predicate) -> String {
 }
 
 /// The arguments handed on.
-fn handed(predicate: &Predicate) -> String {
+fn handed(predicate: &Predicate<'_>) -> String {
     let mut all: Vec<&str> = predicate.points.iter().chain(predicate.parameters).copied().collect();
     if planar(predicate) {
         all.push("plane");
@@ -71,7 +71,7 @@ fn handed(predicate: &Predicate) -> String {
     all.join(", ")
 }
 
-fn planar(predicate: &Predicate) -> bool {
+fn planar(predicate: &Predicate<'_>) -> bool {
     matches!(predicate.extents, Extents::Plane | Extents::PlaneInSpace)
 }
 
@@ -89,7 +89,7 @@ fn largest_of(mut names: Vec<String>) -> String {
 }
 
 /// The function that computes value and extents.
-fn value(predicate: &Predicate, out: &mut String) -> Result<(), String> {
+fn value(predicate: &Predicate<'_>, out: &mut String) -> Result<(), String> {
     let count = predicate.extent_names().len();
     let _ = write!(
         out,
@@ -131,7 +131,7 @@ fn value(predicate: &Predicate, out: &mut String) -> Result<(), String> {
 }
 
 /// The coordinate differences by name.
-fn differences(predicate: &Predicate, axes: &[char], out: &mut String) {
+fn differences(predicate: &Predicate<'_>, axes: &[char], out: &mut String) {
     if planar(predicate) {
         out.push_str("let [i, j] = plane;\n");
     }
@@ -150,7 +150,7 @@ fn differences(predicate: &Predicate, axes: &[char], out: &mut String) {
 }
 
 /// The function that computes the bound of the error.
-fn bound(predicate: &Predicate, out: &mut String) -> Result<(), String> {
+fn bound(predicate: &Predicate<'_>, out: &mut String) -> Result<(), String> {
     let names = predicate.extent_names();
     let parameters = predicate.parameters.iter().map(|name| format!(", {name}: f64"));
     let _ = write!(
@@ -178,7 +178,7 @@ fn bound(predicate: &Predicate, out: &mut String) -> Result<(), String> {
 }
 
 /// `let (value, extents) = ...;` and the call of the bound.
-fn evaluate(predicate: &Predicate) -> (String, String) {
+fn evaluate(predicate: &Predicate<'_>) -> (String, String) {
     let name = predicate.name;
     let parameters = predicate.parameters.iter().map(|name| format!(", {name}"));
     (
@@ -187,7 +187,7 @@ fn evaluate(predicate: &Predicate) -> (String, String) {
     )
 }
 
-fn window(predicate: &Predicate, out: &mut String) {
+fn window(predicate: &Predicate<'_>, out: &mut String) {
     let (name, (values, bound)) = (predicate.name, evaluate(predicate));
     let _ = write!(
         out,
@@ -200,14 +200,14 @@ fn window(predicate: &Predicate, out: &mut String) {
 }
 
 /// The arguments of a lattice filter; five points are too many arguments, together with the step.
-fn lattice_arguments(predicate: &Predicate) -> String {
+fn lattice_arguments(predicate: &Predicate<'_>) -> String {
     match predicate.points {
         [a, b, c, d, e] => format!("[{a}, {b}, {c}, {d}]: [&Point; 4], {e}: &Point"),
         _ => arguments(predicate),
     }
 }
 
-fn lattice(predicate: &Predicate, bits: u32, out: &mut String) {
+fn lattice(predicate: &Predicate<'_>, bits: u32, out: &mut String) {
     let (name, (values, bound)) = (predicate.name, evaluate(predicate));
     let _ = write!(
         out,
@@ -224,7 +224,7 @@ fn lattice(predicate: &Predicate, bits: u32, out: &mut String) {
     );
 }
 
-fn any(predicate: &Predicate, out: &mut String) {
+fn any(predicate: &Predicate<'_>, out: &mut String) {
     let (name, (values, bound)) = (predicate.name, evaluate(predicate));
     let guard = predicate.guard;
     let extents = predicate.extent_names();
@@ -271,7 +271,7 @@ fn any(predicate: &Predicate, out: &mut String) {
 }
 
 /// Documentation in lines of at most 96 characters.
-fn wrapped(text: &str) -> String {
+pub(super) fn wrapped(text: &str) -> String {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
         let last = lines.len() - 1;

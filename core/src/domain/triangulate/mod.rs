@@ -1,7 +1,7 @@
 //! Triangles of a facet, exactly.
 //!
 //! The facet is projected along the axis nearest to its normal; the edges of its polygons are
-//! forced into the Delaunay triangulation of its vertices ([`plane`]); what is outside them or
+//! forced into the Delaunay triangulation of its vertices (`plane.rs`); what is outside them or
 //! around a hole point falls away. In a plane the projection changes nothing; a facet that is not
 //! planar becomes the piecewise linear surface over it, if its projection does not cross itself.
 //!

@@ -43,6 +43,43 @@ pub(super) struct Plane {
     removed: Vec<bool>,
 }
 
+/// The triangles at a vertex: counterclockwise until the start or the hull, then clockwise from the
+/// start until the hull.
+struct Star<'a> {
+    plane: &'a Plane,
+    v: u32,
+    first: u32,
+    /// [`NONE`] at the end.
+    next: u32,
+    step: usize,
+}
+
+impl Star<'_> {
+    /// The triangle beside `t`.
+    fn beside(&self, t: u32) -> u32 {
+        self.plane.neighbours[t as usize][(self.plane.place(t, self.v) + self.step) % 3]
+    }
+}
+
+impl Iterator for Star<'_> {
+    type Item = u32;
+
+    fn next(&mut self) -> Option<u32> {
+        let t = self.next;
+        if t == NONE {
+            return None;
+        }
+        self.next = self.beside(t);
+        if self.next == NONE && self.step == 1 {
+            self.step = 2;
+            self.next = self.beside(self.first);
+        } else if self.next == self.first {
+            self.next = NONE;
+        }
+        Some(t)
+    }
+}
+
 fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
@@ -192,31 +229,24 @@ impl Plane {
     }
 
     /// The triangles at a vertex, each once.
-    fn star(&self, v: u32) -> Vec<u32> {
+    fn star(&self, v: u32) -> Star<'_> {
         let first = self.at_vertex[v as usize];
-        let mut star = vec![first];
-        // Counterclockwise until the start or the hull, then clockwise until the hull. Every turn
-        // takes a triangle that was not there.
-        for step in [1, 2] {
-            let mut t = first;
-            loop {
-                t = self.neighbours[t as usize][(self.place(t, v) + step) % 3];
-                if t == NONE {
-                    break;
-                }
-                if t == first {
-                    return star;
-                }
-                star.push(t);
-            }
-        }
-        star
+        Star { plane: self, v, first, next: first, step: 1 }
     }
 
-    /// A triangle with the edge, and the place of its corner across from the edge.
+    /// A triangle with the edge, and the place of its corner across from the edge. Looks around both
+    /// ends in turn: one of them may have very many triangles.
     fn find_edge(&self, [a, b]: [u32; 2]) -> Option<(u32, usize)> {
-        let t = self.star(a).into_iter().find(|&t| self.corners[t as usize].contains(&b))?;
-        Some((t, self.opposite_of(t, [a, b])))
+        let (mut at_a, mut at_b) = (self.star(a), self.star(b));
+        // Ends with the shorter of the stars.
+        loop {
+            for (star, other) in [(&mut at_a, b), (&mut at_b, a)] {
+                let t = star.next()?;
+                if self.corners[t as usize].contains(&other) {
+                    return Some((t, self.opposite_of(t, [a, b])));
+                }
+            }
+        }
     }
 
     /// Flips the edge of triangle `t` across from its corner at `place`:

@@ -1,0 +1,158 @@
+//! The glue to the checker's test of conformity: `check --plc`, and the check of our own meshes.
+
+use crate::args::Check;
+use crate::check::{check_json, keep_input, write_json};
+use crate::console;
+use crate::outcome::{Exit, Failure, show};
+use ltbw::domain::{Domain, PrepareOptions, Prepared};
+use ltbw::{TetMesh, io};
+use ltbw_verify as verify;
+use serde_json::{Value, json};
+use std::path::Path;
+use verify::{Conformity, Limits, Plc, PlcFacet};
+
+/// Breaches that people are shown.
+const SHOWN: usize = 10;
+
+/// A domain as the checker takes it.
+pub(crate) fn plc_of(domain: &Domain) -> Plc {
+    let facet =
+        |f: &ltbw::domain::Facet| PlcFacet { polygons: f.polygons.clone(), holes: f.holes.clone() };
+    Plc {
+        vertices: domain.vertices.clone(),
+        facets: domain.facets.iter().map(facet).collect(),
+        segments: domain.segments.iter().map(|(ends, _)| *ends).collect(),
+        holes: domain.holes.clone(),
+        regions: domain.regions.iter().map(|r| r.seed).collect(),
+    }
+}
+
+/// Reads and prepares a domain.
+pub(crate) fn prepare(
+    path: &Path,
+    exact_input: bool,
+    local_frame: bool,
+) -> Result<Prepared, Failure> {
+    let file = io::read_domain(path).map_err(Failure::Read)?;
+    file.notes.iter().for_each(|n| console::people(&format!("note: {}: {n}", show(path))));
+    let options = PrepareOptions { exact_input, local_frame, oriented: file.oriented };
+    let failed = |error| Failure::Domain { path: path.to_owned(), error };
+    file.domain.prepare(&options).map_err(failed)
+}
+
+/// `ltbw check MESH --plc DOMAIN`.
+pub(crate) fn check(args: &Check, plc: &Path) -> Result<Exit, Failure> {
+    console::end_on_signal()?;
+    if let Some(json) = &args.json {
+        let inputs = io::mesh_files(&args.mesh).into_iter().chain(io::domain_files(plc));
+        inputs.into_iter().try_for_each(|input| keep_input(&input, json))?;
+        check_json(json)?;
+    }
+    let file = io::read_mesh_file(&args.mesh).map_err(Failure::Read)?;
+    let name = show(&args.mesh);
+    file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
+    let ready = prepare(plc, args.exact_input, false)?;
+    let inside = without_exterior(&file.mesh);
+    let limits = Limits {
+        radius_edge: args.radius_edge,
+        max_volume: args.max_volume,
+        region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
+    };
+    let order = match args.any_order {
+        true => verify::VertexOrder::Any,
+        false => verify::VertexOrder::Oriented,
+    };
+    let options = verify::Options { vertex_order: order, ..verify::Options::default() };
+    let mesh = verify::Mesh::new(&inside.points, &inside.tets);
+    let tags = inside.tet_tags.as_deref();
+    let mut found = verify::conforms(&mesh, &plc_of(&ready.domain), tags, &limits, &options);
+    let same = same_volume(&ready, &found);
+    if let Some(path) = &args.json {
+        let text = serde_json::to_string_pretty(&certificate(&found, same))
+            .map_err(|e| Failure::Other(e.to_string()))?;
+        write_json(path, &(text + "\n"))?;
+    }
+    print(&mut found);
+    if found.passed() && same {
+        console::people(&format!("checked   {}", summary(&found)));
+        return Ok(Exit::Done);
+    }
+    if !same {
+        console::people("defect    the mesh has not the volume of the domain");
+    }
+    console::people(&format!("ltbw: {name}: does not conform to {}", show(plc)));
+    Ok(Exit::Defect)
+}
+
+/// The tetrahedra whose tag is not 0, if there are tags and some of them are not 0.
+fn without_exterior(mesh: &TetMesh) -> TetMesh {
+    let Some(tags) = mesh.tet_tags.as_ref().filter(|tags| tags.iter().any(|&t| t != 0)) else {
+        return mesh.clone();
+    };
+    let kept = || (0..mesh.tets.len()).filter(|&t| tags.get(t).is_none_or(|&tag| tag != 0));
+    TetMesh {
+        points: mesh.points.clone(),
+        tets: kept().map(|t| mesh.tets[t]).collect(),
+        point_tags: None,
+        tet_tags: Some(kept().filter_map(|t| tags.get(t).copied()).collect()),
+    }
+}
+
+/// Has the mesh the exact volume that the check of the domain computed from its facets? That is
+/// the kernel's own check, not the checker's; a domain whose volume is not known passes.
+pub(crate) fn same_volume(ready: &Prepared, found: &Conformity) -> bool {
+    match (ready.report.volume(), &found.volume) {
+        (Some(a), Some(b)) => a.to_string() == b.to_string(),
+        _ => true,
+    }
+}
+
+/// Shows the first breaches and defects.
+pub(crate) fn print(found: &mut Conformity) {
+    for defect in found.mesh_defects.iter().take(SHOWN) {
+        console::people(&format!("defect    {defect}"));
+    }
+    for finding in found.findings.iter().take(SHOWN) {
+        console::people(&format!("defect    {finding}"));
+    }
+    let all = found.mesh_defect_count + found.counts.values().sum::<u64>();
+    let listed = found.mesh_defects.len().min(SHOWN) + found.findings.len().min(SHOWN);
+    if let Some(more) = all.checked_sub(listed as u64).filter(|&more| more > 0) {
+        console::people(&format!("          and {more} more"));
+    }
+}
+
+/// What was found, in a line.
+pub(crate) fn summary(found: &Conformity) -> String {
+    let volume = found.volume.as_ref().map(ToString::to_string).unwrap_or_default();
+    let volume = if volume.len() <= 40 { format!(", volume {volume}") } else { String::new() };
+    format!(
+        "structure, orientation, delaunay, conformity, bounds: no defect ({} subfaces, {} cells{volume}; \
+         {} tests by filter, {} exactly)",
+        found.subfaces, found.cells, found.tests.0, found.tests.1
+    )
+}
+
+/// The certificate of conformity as JSON.
+pub(crate) fn certificate(found: &Conformity, same_volume: bool) -> Value {
+    let counts: Vec<Value> = found
+        .counts
+        .iter()
+        .map(|(breach, count)| json!({ "breach": breach, "count": count }))
+        .collect();
+    json!({
+        "schema": "ltbw.conformity/1",
+        "checker": concat!("ltbw-verify ", env!("CARGO_PKG_VERSION")),
+        "passed": found.passed() && same_volume,
+        "volume": found.volume.as_ref().map(ToString::to_string),
+        "volume_is_the_domains": same_volume,
+        "tets": found.tets,
+        "subfaces": found.subfaces,
+        "cells": found.cells,
+        "tests": { "filter": found.tests.0, "exact": found.tests.1 },
+        "breach_counts": counts,
+        "breaches": found.findings,
+        "mesh_defect_count": found.mesh_defect_count,
+        "mesh_defects": found.mesh_defects,
+    })
+}

@@ -1,0 +1,129 @@
+//! The command line of `simulate`.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use ltbw::generate::PointKind;
+use ltbw::points::MAX_POINTS;
+use ltbw::protocol::Rule;
+use ltbw::simulate::Distribution;
+use std::path::PathBuf;
+
+/// `ltbw simulate`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Simulate {
+    /// Simulated processors
+    #[arg(long, value_name = "P", default_value_t = 16)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) processors: u32,
+    /// Mean time from sending a message to its arrival: a number with ns, us, ms or s
+    #[arg(long, value_name = "TIME", default_value = "10us", value_parser = nanos)]
+    pub(crate) latency: u64,
+    /// How single latencies spread around the mean
+    #[arg(long, default_value = "constant", value_parser = distributions())]
+    pub(crate) distribution: Distribution,
+    /// Bandwidth of each processor's link, in Gbit/s
+    #[arg(long, value_name = "GBIT/S", default_value_t = 10.0, value_parser = positive)]
+    pub(crate) bandwidth: f64,
+    /// About how many points (grids round up)
+    #[arg(long, value_name = "N", default_value_t = 100_000)]
+    #[arg(value_parser = clap::value_parser!(u32).range(4..=MAX_POINTS as i64))]
+    pub(crate) points: u32,
+    /// What kind of point set
+    #[arg(long, default_value = "uniform", value_parser = kinds())]
+    pub(crate) kind: PointKind,
+    /// Determines the points and all that is random in the run
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// What happens when a request meets a locked tetrahedron
+    #[arg(long, default_value = "wound-wait", value_parser = rules())]
+    pub(crate) rule: Rule,
+    /// Operations that a worker starts at most at a time
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(crate) window: Option<u32>,
+    /// Insertion cursors of each worker
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(crate) cursors: Option<u32>,
+    /// Blocks of each worker at the start
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub(crate) blocks: Option<u32>,
+    /// Points of the coarse mesh that is distributed at the start
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..))]
+    pub(crate) sample: Option<u32>,
+    /// Processor 0 takes so many times longer for everything
+    #[arg(long, value_name = "FACTOR", value_parser = positive)]
+    pub(crate) slow: Option<f64>,
+    /// Move a random block to a random worker each TIME
+    #[arg(long, value_name = "TIME", value_parser = nanos)]
+    pub(crate) storm: Option<u64>,
+    /// Give no blocks to workers that run out of points
+    #[arg(long)]
+    pub(crate) no_balance: bool,
+    /// Write the report as JSON (schema ltbw.report/1), `-` for stdout
+    #[arg(long, value_name = "FILE|-")]
+    pub(crate) json: Option<PathBuf>,
+    /// Write a timeline for Perfetto or chrome://tracing: a track for each worker
+    #[arg(long, value_name = "FILE")]
+    pub(crate) trace: Option<PathBuf>,
+}
+
+fn kinds() -> impl TypedValueParser<Value = PointKind> {
+    let values = PointKind::ALL.map(|k| clap::builder::PossibleValue::new(k.name()));
+    PossibleValuesParser::new(values).try_map(|name| name.parse::<PointKind>())
+}
+
+fn distributions() -> impl TypedValueParser<Value = Distribution> {
+    let names = Distribution::ALL.map(Distribution::name);
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<Distribution>())
+}
+
+fn rules() -> impl TypedValueParser<Value = Rule> {
+    PossibleValuesParser::new(["wound-wait", "wait-die", "paper"])
+        .try_map(|name| name.parse::<Rule>())
+}
+
+/// A finite number above 0.
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number <= 1e6 => Ok(number),
+        _ => Err("not a number above 0 and up to 1000000".to_owned()),
+    }
+}
+
+/// A time with its unit, as nanoseconds.
+fn nanos(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, f64); 5] =
+        [("ns", 1.0), ("us", 1e3), ("µs", 1e3), ("ms", 1e6), ("s", 1e9)];
+    let explain =
+        || format!("`{text}` is no time such as 300ns, 100us, 1.5ms or 2s (a day at most)");
+    if text == "0" {
+        return Ok(0);
+    }
+    let unit = UNITS.iter().find_map(|(name, ns)| Some((text.strip_suffix(name)?, ns)));
+    let (number, unit) = unit.ok_or_else(explain)?;
+    let number: f64 = number.trim().parse().map_err(|_| explain())?;
+    let time = (number * unit).round();
+    if (0.0..=86_400e9).contains(&time) { Ok(time as u64) } else { Err(explain()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_have_units() {
+        let good = [("0", 0), ("300ns", 300), ("100us", 100_000), ("1.5ms", 1_500_000)];
+        for (text, ns) in good.into_iter().chain([("2 s", 2_000_000_000), ("7µs", 7000)]) {
+            assert_eq!(nanos(text), Ok(ns), "{text}");
+        }
+        for text in ["", "5", "us", "-1us", "NaNs", "infs", "1e9s", "1min", "1us2"] {
+            assert!(nanos(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn factors_are_finite_and_positive() {
+        assert_eq!(positive("2.5"), Ok(2.5));
+        for text in ["0", "-1", "NaN", "inf", "x", ""] {
+            assert!(positive(text).is_err(), "{text}");
+        }
+    }
+}

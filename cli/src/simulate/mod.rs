@@ -1,0 +1,163 @@
+//! `simulate`: the parallel kernel on simulated processors, and the paper's tables.
+
+mod args;
+mod report;
+mod tables;
+
+pub(crate) use args::Simulate;
+
+use crate::check::{check_json, is_stdout, write_json};
+use crate::console;
+use crate::outcome::{Exit, Failure, show};
+use ltbw::generate::generate;
+use ltbw::io;
+use ltbw::mesh::Plan;
+use ltbw::metrics::Trace;
+use ltbw::protocol::Config;
+use ltbw::simulate::{MeshError, Meshed, Network, Options, Storm, simulate_mesh};
+use ltbw::{Builder, PointSet};
+use report::{Report, Run};
+use std::path::{Path, PathBuf};
+
+/// Stretches of time that a trace keeps of each worker: enough for some ten thousand insertions.
+const SPANS: usize = 200_000;
+
+/// `ltbw simulate`.
+pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
+    console::end_on_signal()?;
+    args.json.as_deref().map_or(Ok(()), check_json)?;
+    args.trace.as_deref().map_or(Ok(()), io::check_bytes_writable).map_err(Failure::Write)?;
+    let name = PathBuf::from(format!("{} {}", args.points, args.kind.name()));
+    let points = generate(args.kind, args.points as usize, args.seed);
+    let set =
+        PointSet::new(points).map_err(|error| Failure::Points { path: name.clone(), error })?;
+    let built =
+        Builder::new().build(&set).map_err(|error| Failure::Build { path: name.clone(), error })?;
+    let expected = built.mesh.hash().map_err(|e| Failure::Other(e.to_string()))?.to_string();
+    drop(built);
+
+    let (plan, config) = layout(args, set.len());
+    let options = options(args);
+    let mut meshed = mesh(&set, &plan, config, &options, &name)?;
+    let hash = meshed.gathered.mesh.hash().map_err(|e| Failure::Other(e.to_string()))?.to_string();
+    let alone = alone(&set, &plan, config, &options, &name, &meshed)?;
+    let run = Run { args, plan: &plan, config: &config, options: &options };
+    let report = Report::new(run, &meshed, alone, &hash, set.len());
+    if let Some(path) = &args.trace {
+        write_trace(path, meshed.trace.take())?;
+    }
+    if let Some(path) = &args.json {
+        let text = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
+        write_json(path, &text)?;
+    }
+    let text = format!(
+        "{} points on {} processors, rule {}, latency {} ns ({}), seed {}\n{}\n{}\nltbw.mesh/1 {hash}\n",
+        set.len(),
+        plan.workers,
+        config.rule,
+        options.network.latency,
+        options.network.distribution.name(),
+        args.seed,
+        tables::tables(&meshed.summary, Some(alone)),
+        tables::cost_model(&options.costs),
+    );
+    if args.json.as_deref().is_some_and(is_stdout) {
+        console::people(text.trim_end());
+    } else {
+        console::data(&text)?;
+    }
+    if hash == expected {
+        return Ok(Exit::Done);
+    }
+    console::people(&format!("defect    the sequential kernel's mesh is {expected}"));
+    Ok(Exit::OwnDefect)
+}
+
+/// How the points are laid out, and how the workers behave.
+fn layout(args: &Simulate, points: usize) -> (Plan, Config) {
+    let mut plan = Plan::new(points, args.processors);
+    let mut config = Config { rule: args.rule, ..Config::new(args.processors) };
+    if let Some(window) = args.window {
+        config.window = window as usize;
+    }
+    if let Some(cursors) = args.cursors {
+        plan.cursors = cursors as usize;
+    }
+    if let Some(blocks) = args.blocks {
+        plan.blocks_per_worker = blocks;
+    }
+    if let Some(sample) = args.sample {
+        plan.sample = sample as usize;
+    }
+    (plan, config)
+}
+
+fn options(args: &Simulate) -> Options {
+    let default = Options::default();
+    Options {
+        seed: args.seed,
+        network: Network {
+            latency: args.latency,
+            distribution: args.distribution,
+            byte: 8.0 / args.bandwidth,
+            bursts: None,
+        },
+        slow: args.slow.map(|factor| (0, factor)).into_iter().collect(),
+        balance: default.balance.filter(|_| !args.no_balance),
+        storm: args.storm.map(|every| Storm { every }),
+        backoff: 2 * args.latency + default.backoff,
+        spans: if args.trace.is_some() { SPANS } else { 0 },
+        ..default
+    }
+}
+
+fn mesh(
+    set: &PointSet,
+    plan: &Plan,
+    config: Config,
+    options: &Options,
+    name: &Path,
+) -> Result<Meshed, Failure> {
+    simulate_mesh(set, plan, config, options).map_err(|error| match error {
+        MeshError::Build(error) => Failure::Build { path: name.to_owned(), error },
+        other => Failure::Other(format!("{}: {other}", show(name))),
+    })
+}
+
+/// How long one processor takes for the same work.
+fn alone(
+    set: &PointSet,
+    plan: &Plan,
+    config: Config,
+    options: &Options,
+    name: &Path,
+    meshed: &Meshed,
+) -> Result<u64, Failure> {
+    if plan.workers == 1 {
+        return Ok(meshed.summary.makespan);
+    }
+    let one = Plan { workers: 1, ..*plan };
+    let options = Options {
+        slow: Vec::new(),
+        storm: None,
+        spans: 0,
+        costs: options.costs,
+        ..Options::default()
+    };
+    Ok(mesh(set, &one, Config { workers: 1, ..config }, &options, name)?.summary.makespan)
+}
+
+fn write_trace(path: &Path, trace: Option<Trace>) -> Result<(), Failure> {
+    let Some(trace) = trace else { return Ok(()) };
+    let mut text = Vec::new();
+    trace.write(&mut text).map_err(|e| Failure::Other(e.to_string()))?;
+    io::write_bytes(path, &text).map_err(Failure::Write)?;
+    if !trace.is_complete {
+        console::people(&format!(
+            "note: {}: only the first {SPANS} stretches of each worker's time",
+            show(path)
+        ));
+    }
+    console::people(&format!("wrote     {}: open it in ui.perfetto.dev", show(path)));
+    Ok(())
+}

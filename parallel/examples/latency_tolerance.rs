@@ -1,0 +1,43 @@
+//! The bars of latency tolerance, on simulated processors:
+//! `cargo run --release -p ltbw --example latency_tolerance -- 60000`.
+//!
+//! 16 and 32 processors with so many points each, latencies from 1 to 300 µs: LT at least 0.94,
+//! LT strict at least 0.90, setbacks below 2 % of operations. Fails if a run misses one of them.
+
+use ltbw::PointSet;
+use ltbw::generate::{PointKind, generate};
+use ltbw::mesh::Plan;
+use ltbw::protocol::Config;
+use ltbw::simulate::{Network, Options, simulate_mesh};
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() -> Result<(), Failure> {
+    let each: usize = std::env::args().nth(1).map_or(Ok(60_000), |text| text.parse())?;
+    println!("{:?}", Options::default().costs);
+    println!("processors  latency     LT  LT strict  setbacks  worst  messages/int.  active");
+    let mut missed = 0;
+    for processors in [16, 32] {
+        let set = PointSet::new(generate(PointKind::Uniform, each * processors as usize, 1))?;
+        for latency in [1_000, 10_000, 100_000, 300_000] {
+            let network = Network { latency, ..Network::default() };
+            let options = Options { network, ..Options::default() };
+            let plan = Plan::new(set.len(), processors);
+            let s = simulate_mesh(&set, &plan, Config::new(processors), &options)?.summary;
+            let met = s.lt() >= 0.94 && s.lt_strict() >= 0.90 && s.setback_share() < 0.02;
+            missed += u32::from(!met);
+            println!(
+                "{processors:>10} {:>5} µs {:>7.4} {:>9.4} {:>8.2} % {:>6} {:>13.1} {:>6.1} %{}",
+                latency / 1000,
+                s.lt(),
+                s.lt_strict(),
+                100.0 * s.setback_share(),
+                s.worst_setbacks(),
+                s.messages_per_interface_cavity(),
+                100.0 * s.cavities.share_active(),
+                if met { "" } else { "  missed" }
+            );
+        }
+    }
+    if missed == 0 { Ok(()) } else { Err(format!("{missed} runs miss a bar").into()) }
+}

@@ -1,0 +1,61 @@
+//! What model checkers look at, and how they fold runs that differ in a counter only.
+
+use super::conduct::Conduct;
+use super::owner::Waiter;
+use super::submesh::{Source, Submesh};
+use super::worker::Worker;
+use super::{Attempt, Message, Ticket};
+
+impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
+    /// Is an operation of this ticket at home here, and not committed yet?
+    pub fn is_home_of(&self, ticket: Ticket) -> bool {
+        self.ops.contains_key(&ticket)
+    }
+
+    /// Does a request wait for a tetrahedron that is not installed yet?
+    pub fn awaits_installation(&self) -> bool {
+        self.absent.values().flatten().any(|waiter| matches!(waiter, Waiter::Request(_)))
+    }
+
+    /// Calls `f` with every attempt number in the worker's state. Attempts are only ever compared
+    /// for equality with others of the same ticket: shifting all those of a ticket by the same
+    /// amount, here and in all messages, changes no behaviour.
+    pub fn visit_attempts(&mut self, f: &mut dyn FnMut(Ticket, &mut Attempt)) {
+        for (&ticket, op) in self.ops.iter_mut().chain(self.late.iter_mut()) {
+            f(ticket, &mut op.attempt);
+        }
+        for (&ticket, request) in &mut self.requests {
+            f(ticket, request.attempt_mut());
+        }
+        for (_, ticket, attempt) in self.parked.values_mut().flatten() {
+            f(*ticket, attempt);
+        }
+    }
+
+    /// Forgets the message counts and colours of termination detection, for models that do not
+    /// run it.
+    pub fn forget_counts(&mut self) {
+        self.safra.forget();
+    }
+}
+
+impl<S: Submesh> Message<S> {
+    /// The attempt number that it carries, with its ticket.
+    pub fn attempt_mut(&mut self) -> Option<(Ticket, &mut Attempt)> {
+        match self {
+            Self::Walk { ticket, attempt, .. }
+            | Self::Expand { ticket, attempt, .. }
+            | Self::Grant { ticket, attempt, .. }
+            | Self::Deny { ticket, attempt }
+            | Self::Unpark { ticket, attempt }
+            | Self::Wound { ticket, attempt }
+            | Self::Abort { ticket, attempt }
+            | Self::Aborted { ticket, attempt } => Some((*ticket, attempt)),
+            Self::Commit { .. }
+            | Self::Migrate { .. }
+            | Self::Stray { .. }
+            | Self::Token(_)
+            | Self::Stop => None,
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! The real mesh on simulated processors.
+
+use super::balance::Stock;
+use super::cost::Payload;
+use super::{Options, Simulation, SimulationError, simulate};
+use crate::mesh::{Field, GatherError, Gathered, LocalMesh, Plan, gather};
+use crate::mesh::{Link, Moving, NewTet, Patch, Piece, Site};
+use crate::metrics::{Summary, Survey, Trace};
+use crate::protocol::{BlockId, Conduct, Config, Sound, Worker};
+use crate::{BuildError, PointSet};
+
+/// Vertex number and coordinates.
+const SITE: u64 = 28;
+/// A name, or none.
+const NAME: u64 = 9;
+/// A kind and a handle: the longest of the ways to say where a face leads.
+const FACE: u64 = 14;
+/// A tetrahedron of four sites and four faces.
+const TET: u64 = NAME + 4 * (SITE + FACE);
+
+impl Payload for LocalMesh {
+    fn point_bytes(_: &Site) -> u64 {
+        SITE
+    }
+
+    fn piece_bytes(piece: &Piece) -> u64 {
+        let near = |link: &Link| matches!(link, Link::Near { .. });
+        // A near link has a handle, a slot, a block and perhaps a name.
+        let more = piece.n.iter().filter(|link| near(link)).count() as u64 * (NAME - 3);
+        4 + TET + more
+    }
+
+    fn patch_bytes(patch: &Patch) -> u64 {
+        let Patch { remove, create, relink } = patch;
+        let new = |_: &NewTet| TET;
+        12 + 4 * remove.len() as u64
+            + create.iter().map(new).sum::<u64>()
+            + relink.len() as u64 * (NAME + 1 + NAME + FACE)
+    }
+
+    fn cargo_bytes(cargo: &Vec<Moving>) -> u64 {
+        4 + cargo.len() as u64 * TET
+    }
+}
+
+impl Survey for LocalMesh {
+    fn tets(&self) -> u64 {
+        self.num_tets() as u64
+    }
+
+    fn interface_faces(&self) -> u64 {
+        self.num_interface_faces() as u64
+    }
+}
+
+impl Stock for Field {
+    fn left(&self) -> u64 {
+        Field::left(self) as u64
+    }
+
+    fn in_block(&self, block: BlockId) -> u64 {
+        Field::in_block(self, block) as u64
+    }
+}
+
+/// A mesh built on simulated processors.
+#[derive(Debug)]
+pub struct Meshed {
+    /// The mesh: the one of its points, as always.
+    pub gathered: Gathered,
+    /// What the processors did with their time, from when the coarse mesh is distributed.
+    pub summary: Summary,
+    /// Events of the simulation.
+    pub events: u64,
+    /// The timeline, if one was asked for.
+    pub trace: Option<Trace>,
+}
+
+/// Why there is no mesh.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// The points have no mesh.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The run did not end properly.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The submeshes do not fit together.
+    #[error(transparent)]
+    Gather(#[from] GatherError),
+}
+
+/// Meshes `set` on simulated processors, one for each worker of `plan`.
+///
+/// # Errors
+///
+/// [`MeshError`].
+pub fn simulate_mesh(
+    set: &PointSet,
+    plan: &Plan,
+    config: Config,
+    options: &Options,
+) -> Result<Meshed, MeshError> {
+    simulate_as::<Sound>(set, plan, config, options)
+}
+
+/// [`simulate_mesh`] with another conduct: for checkers that must find a defect.
+///
+/// # Errors
+///
+/// [`MeshError`].
+pub fn simulate_as<C: Conduct>(
+    set: &PointSet,
+    plan: &Plan,
+    config: Config,
+    options: &Options,
+) -> Result<Meshed, MeshError> {
+    let prepared = plan.prepare(set)?;
+    let config = Config { workers: plan.workers, ..config };
+    let workers = prepared
+        .workers
+        .into_iter()
+        .map(|(directory, mesh, field)| Worker::<_, _, C>::new(config, directory, mesh, field))
+        .collect();
+    let Simulation { workers, summary, events, trace } = simulate(workers, options)?;
+    let meshes = workers.into_iter().map(|worker| worker.into_parts().0).collect();
+    let gathered = gather(meshes, prepared.common)?;
+    Ok(Meshed { gathered, summary, events, trace })
+}

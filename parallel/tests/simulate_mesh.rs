@@ -1,0 +1,106 @@
+//! The real mesh on simulated processors: always the sequential kernel's mesh.
+
+use ltbw::generate::{PointKind, generate};
+use ltbw::mesh::Plan;
+use ltbw::protocol::{Config, Rule};
+use ltbw::simulate::{Bursts, Distribution, Meshed, Network, Options, Storm, simulate_mesh};
+use ltbw::{Builder, PointSet};
+
+fn options(seed: u64) -> Options {
+    Options { seed, max_events: 50_000_000, ..Options::default() }
+}
+
+/// Runs and compares with the sequential kernel.
+fn run(set: &PointSet, plan: Plan, rule: Rule, options: &Options) -> Meshed {
+    let config = Config { rule, ..Config::new(plan.workers) };
+    let meshed = simulate_mesh(set, &plan, config, options).expect("a run ends");
+    let expected = Builder::new().build(set).expect("a mesh").mesh;
+    let hash = |mesh: &ltbw::Mesh| mesh.hash().expect("a hash");
+    assert_eq!(hash(&meshed.gathered.mesh), hash(&expected));
+    for worker in &meshed.summary.workers {
+        assert_eq!(worker.times.all(), meshed.summary.makespan);
+    }
+    meshed
+}
+
+/// Runs of `LTBW_CASES` seeds, or of these many.
+fn seeds(default: u64) -> std::ops::Range<u64> {
+    let cases = std::env::var("LTBW_CASES").ok().and_then(|text| text.parse().ok());
+    0..cases.unwrap_or(default)
+}
+
+/// What a seed stands for: kind, size, processors, rule, network, storm.
+fn case(seed: u64) -> (PointSet, Plan, Rule, Options) {
+    let k = seed as usize;
+    let kind = PointKind::ALL[k % PointKind::ALL.len()];
+    // Of the moment curve and of lines the mesh has quadratic size.
+    let most = if matches!(kind, PointKind::Moment | PointKind::Lines) { 3 } else { 12 };
+    let points = generate(kind, 100 + 100 * (k / 3 % most), seed);
+    let set = PointSet::new(points).expect("finite points");
+    let workers = [2, 3, 5, 8, 16, 40, 100, 1024][k / 2 % 8];
+    let latency = [0, 1_000, 100_000, 10_000_000, 1_000_000_000][k % 5];
+    let network = Network {
+        latency,
+        distribution: Distribution::ALL[k / 3 % 4],
+        bursts: (k % 4 == 1).then_some(Bursts { every: 2_000_000, length: 500_000 }),
+        ..Network::default()
+    };
+    let options = Options {
+        network,
+        slow: if k.is_multiple_of(6) { vec![(1, 100.0)] } else { Vec::new() },
+        storm: k.is_multiple_of(3).then_some(Storm { every: 50_000 + latency / 10 }),
+        ..options(seed)
+    };
+    let rule = [Rule::WoundWait, Rule::WoundWait, Rule::WaitDie][k / 3 % 3];
+    let plan = Plan { blocks_per_worker: 4, sample: 10, ..Plan::new(set.len(), workers) };
+    (set, plan, rule, options)
+}
+
+#[test]
+fn the_sequential_mesh_on_any_processors() {
+    let (mut setbacks, mut moves) = (0, 0);
+    for seed in seeds(60) {
+        let (set, plan, rule, options) = case(seed);
+        let meshed = run(&set, plan, rule, &options);
+        setbacks += meshed.summary.setbacks();
+        moves += meshed.summary.workers.iter().map(|w| w.migrations).sum::<u64>();
+    }
+    assert!(setbacks > 100 && moves > 100, "{setbacks} setbacks, {moves} moves");
+}
+
+#[test]
+fn a_tetrahedron_is_known_by_any_of_its_names() {
+    // Its owner names a tetrahedron when its neighbour's block moves, and a home names it too: a
+    // later home took a face between two tetrahedra of its cavity for a part of the boundary.
+    let points = generate(PointKind::Cospherical, 1650, 9);
+    let set = PointSet::new(points).expect("finite points");
+    let network = Network {
+        latency: 1_000_000_000,
+        distribution: Distribution::HeavyTail,
+        bursts: Some(Bursts { every: 2_000_000, length: 500_000 }),
+        ..Network::default()
+    };
+    let storm = Some(Storm { every: 100_050_000 });
+    let plan = Plan { blocks_per_worker: 4, ..Plan::new(1650, 16) };
+    run(&set, plan, Rule::WoundWait, &Options { network, storm, ..options(9) });
+}
+
+#[test]
+fn the_paper_gets_the_same_mesh() {
+    let set = PointSet::new(generate(PointKind::Uniform, 1500, 4)).expect("finite points");
+    let meshed = run(&set, Plan::new(1500, 6), Rule::Paper, &options(4));
+    assert!(meshed.summary.setbacks() > 0);
+}
+
+#[test]
+fn a_seed_reproduces_a_run() {
+    let set = PointSet::new(generate(PointKind::Clusters, 3000, 2)).expect("finite points");
+    let network = Network { distribution: Distribution::HeavyTail, ..Network::default() };
+    let storm = Some(Storm { every: 100_000 });
+    let options = Options { network, storm, spans: 1_000_000, ..options(7) };
+    let of = || {
+        let meshed = run(&set, Plan::new(3000, 9), Rule::WoundWait, &options);
+        (meshed.summary, meshed.events, meshed.trace)
+    };
+    assert_eq!(of(), of());
+}

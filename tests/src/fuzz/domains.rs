@@ -1,0 +1,142 @@
+//! `domains`: bytes to a small domain, checked and prepared.
+//!
+//! The bytes: 4 of style and 4 of plan, then cells of 4 bytes. The plan says how many of them are
+//! vertices ([`snap`]) and which solid there is to begin with; the others are polygons, segments,
+//! holes and regions.
+
+use crate::families::snap;
+use arbitrary::Unstructured;
+use ltbw::Point;
+use ltbw::domain::{CheckOptions, Domain, DomainReport, Facet, PrepareOptions, Region};
+
+/// Corners of a tetrahedron and of a cube, in numbers of vertices, outward for the points of
+/// [`corners`].
+const TETRAHEDRON: &[&[u32]] = &[&[0, 2, 4], &[0, 4, 1], &[0, 1, 2], &[4, 2, 1]];
+const CUBE: &[&[u32]] =
+    &[&[0, 1, 3, 2], &[4, 6, 7, 5], &[0, 4, 5, 1], &[2, 3, 7, 6], &[0, 2, 6, 4], &[1, 5, 7, 3]];
+
+/// The corners of a box from 0 to `size`, by bits.
+fn corners(size: f64) -> impl Iterator<Item = Point> {
+    (0..8u32).map(move |i| [i >> 2, i >> 1 & 1, i & 1].map(|b| f64::from(b & 1) * size))
+}
+
+/// The domain of some bytes.
+#[must_use]
+pub fn domain(bytes: &[u8]) -> Domain {
+    let mut u = Unstructured::new(bytes);
+    // Where the bytes end, zeros follow.
+    let style: u32 = u.arbitrary().unwrap_or_default();
+    let [count, solid, size, void]: [u8; 4] = u.arbitrary().unwrap_or_default();
+    let (cells, _) = u.take_rest().as_chunks::<4>();
+    let (points, parts) = cells.split_at(cells.len().min(usize::from(count % 12)));
+    let mut domain = Domain::default();
+    if solid % 4 != 0 {
+        domain.vertices.extend(corners(f64::from(size % 9 + 1)));
+        let faces = if solid % 4 == 1 { TETRAHEDRON } else { CUBE };
+        domain.facets.extend(faces.iter().map(|corners| Facet::polygon(corners, 1)));
+    }
+    if solid % 4 == 3 {
+        // A smaller box inside, turned round.
+        let first = domain.vertices.len() as u32;
+        let place = f64::from(void % 16) / 4.0;
+        domain.vertices.extend(corners(f64::from(void / 16)).map(|p| p.map(|c| c + place)));
+        domain.facets.extend(CUBE.iter().map(|face| {
+            let corners: Vec<u32> = face.iter().rev().map(|v| first + v).collect();
+            Facet::polygon(&corners, 2)
+        }));
+    }
+    domain.vertices.extend(snap(style, points));
+    let n = domain.vertices.len().max(1) as u32;
+    for &[kind, a, b, c] in &parts[..parts.len().min(24)] {
+        let [i, j, k] = [a, b, c].map(|x| u32::from(x) % n);
+        let place = [a, b, c].map(|x| f64::from(x) / 16.0);
+        match kind % 8 {
+            0..=2 => domain.facets.push(Facet::polygon(&[i, j, k], i32::from(kind))),
+            3 => domain.facets.push(Facet::polygon(&[i, j, k, (i + 1) % n], 0)),
+            4 => domain.segments.push(([i, j], i32::from(c))),
+            5 => domain.holes.push(place),
+            6 => {
+                domain.regions.push(Region { seed: place, attribute: 1.0, max_volume: Some(0.5) });
+            }
+            // Another polygon, or a hole, in a facet that there is.
+            _ => {
+                let count = domain.facets.len().max(1);
+                if let Some(facet) = domain.facets.get_mut(usize::from(kind / 8) % count) {
+                    if a % 2 == 0 {
+                        facet.polygons.push(vec![i, j, k]);
+                    } else {
+                        facet.holes.push(place);
+                    }
+                }
+            }
+        }
+    }
+    domain
+}
+
+/// The same domain, with its facets in the opposite order and their corners turned on by one.
+fn told_otherwise(domain: &Domain) -> Domain {
+    let mut other = domain.clone();
+    other.facets.reverse();
+    for polygon in other.facets.iter_mut().flat_map(|f| &mut f.polygons) {
+        polygon.rotate_left(1);
+    }
+    other
+}
+
+/// Checks and prepares the domain of `bytes`, in both meanings of its facets.
+///
+/// # Panics
+/// If the check panics or its verdict depends on the order of things, if a prepared domain is not
+/// one, or if the reason for a refusal is not one line.
+pub fn domains(bytes: &[u8]) {
+    let domain = domain(bytes);
+    for oriented in [false, true] {
+        let options = CheckOptions { oriented, ..CheckOptions::default() };
+        let verdict = |domain: &Domain| domain.check(&options).map(|report| verdict_of(&report));
+        match (verdict(&domain), verdict(&told_otherwise(&domain))) {
+            (Ok(one), Ok(other)) => assert_eq!(one, other, "oriented {oriented}: {domain:?}"),
+            (Err(error), Err(_)) => one_line(&error.to_string()),
+            (one, other) => panic!("{one:?}, told otherwise {other:?}: {domain:?}"),
+        }
+        let options = PrepareOptions { oriented, ..PrepareOptions::default() };
+        match domain.prepare(&options) {
+            Err(error) => one_line(&error.to_string()),
+            Ok(prepared) => {
+                assert!(prepared.report.is_meshable(), "{domain:?}");
+                let again = prepared.domain.prepare(&PrepareOptions::default());
+                let again =
+                    again.unwrap_or_else(|error| panic!("{error} once prepared: {domain:?}"));
+                assert_eq!(again.moved, 0, "{domain:?}");
+                let volumes = [&prepared.report, &again.report].map(DomainReport::volume);
+                assert_eq!(volumes[0], volumes[1], "{domain:?}");
+            }
+        }
+    }
+}
+
+/// What must not depend on the order of facets. (Of a domain with errors, whether cells are told
+/// at all does depend on it.)
+fn verdict_of(report: &DomainReport) -> (bool, bool, Option<ltbw::domain::Volume>) {
+    let volume = if report.is_meshable() { report.volume() } else { None };
+    (report.is_meshable(), report.passed(), volume)
+}
+
+fn one_line(text: &str) {
+    assert!(!text.is_empty() && !text.contains('\n'), "{text:?}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{domain, domains};
+
+    #[test]
+    fn the_solids_are_sound() {
+        for solid in [[0, 1, 0, 0], [0, 2, 3, 0], [0, 3, 7, 0x24]] {
+            let bytes = [[0; 4], solid].concat();
+            let prepared = domain(&bytes).prepare(&Default::default());
+            assert!(prepared.is_ok(), "{solid:?}: {:?}", prepared.err());
+            domains(&bytes);
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! Small worlds: a convex polygon dealt out to workers, points to insert, blocks that may move.
+
+use crate::hull::{Hull, Link, Piece, Vertex, block_of, orient};
+use crate::museum::Exhibit;
+use crate::witness::Witness;
+use ltbw::protocol::{BlockId, Config, Directory, Name, Rule, Source, Worker, WorkerId};
+use std::collections::BTreeMap;
+
+/// The points of one worker.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Points(Vec<Vertex>);
+
+impl<C: Exhibit> Source<Hull<C>> for Points {
+    fn next(&mut self, _: &Hull<C>) -> Option<Vertex> {
+        (!self.0.is_empty()).then(|| self.0.remove(0))
+    }
+
+    fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    fn inserted(&mut self, _: &Hull<C>, _: &Vertex) {}
+
+    fn take_block(&mut self, block: BlockId) -> Vec<Vertex> {
+        let (taken, kept) = self.0.iter().partition(|v| u32::from(v.block) == block);
+        self.0 = kept;
+        taken
+    }
+
+    fn give(&mut self, _: BlockId, points: Vec<Vertex>) {
+        self.0.extend(points);
+        self.0.sort_unstable();
+    }
+
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+}
+
+/// A worker over the abstract mesh.
+pub type Node<C> = Worker<Hull<C>, Points, C>;
+
+/// How messages travel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Network {
+    /// Those of one sender to one receiver keep their order.
+    Fifo,
+    /// Any message may overtake any other.
+    Unordered,
+}
+
+/// A closed world: everything that can happen follows from it.
+#[derive(Clone, Debug)]
+pub struct World {
+    /// Its name in reports.
+    pub name: &'static str,
+    /// By block: the worker that owns it at the start.
+    pub owners: Vec<WorkerId>,
+    /// A convex polygon, counter-clockwise.
+    pub polygon: Vec<Vertex>,
+    /// Points to insert, at the worker that owns their block.
+    pub points: Vec<Vertex>,
+    /// Moves of blocks to workers, in this order. A move may happen at any time that the protocol
+    /// allows it, or never.
+    pub moves: Vec<(BlockId, WorkerId)>,
+    /// May every worker be cancelled, at any time?
+    pub cancels: bool,
+    /// The conflict rule.
+    pub rule: Rule,
+    /// The network.
+    pub network: Network,
+    /// Does the token run? Without it a run ends when nothing is left to do.
+    pub termination: bool,
+    /// Operations that a worker starts at most at a time.
+    pub window: usize,
+    /// What must happen in it.
+    pub witnesses: Vec<Witness>,
+}
+
+impl World {
+    /// A world under wound-wait on ordered channels, without token, moves or cancels.
+    pub fn new(
+        name: &'static str,
+        owners: &[WorkerId],
+        polygon: &[(i16, i16, u8)],
+        points: &[(i16, i16, u8)],
+    ) -> Self {
+        let vertex = |&(x, y, block): &(i16, i16, u8)| Vertex { x, y, block };
+        Self {
+            name,
+            owners: owners.to_vec(),
+            polygon: polygon.iter().map(vertex).collect(),
+            points: points.iter().map(vertex).collect(),
+            moves: Vec::new(),
+            cancels: false,
+            rule: Rule::WoundWait,
+            network: Network::Fifo,
+            termination: false,
+            window: 2,
+            witnesses: Vec::new(),
+        }
+    }
+
+    /// The same under another rule.
+    pub fn rule(mut self, rule: Rule) -> Self {
+        self.rule = rule;
+        self
+    }
+
+    /// The same on another network.
+    pub fn network(mut self, network: Network) -> Self {
+        self.network = network;
+        self
+    }
+
+    /// The same with the token of termination detection.
+    pub fn terminating(mut self) -> Self {
+        self.termination = true;
+        self
+    }
+
+    /// The same with moves of blocks.
+    pub fn moving(mut self, moves: &[(BlockId, WorkerId)]) -> Self {
+        self.moves = moves.to_vec();
+        self
+    }
+
+    /// The same with cancels.
+    pub fn cancelled(mut self) -> Self {
+        self.cancels = true;
+        self
+    }
+
+    /// The same with things that must happen in it.
+    pub fn shows(mut self, witnesses: &[Witness]) -> Self {
+        self.witnesses = witnesses.to_vec();
+        self
+    }
+
+    /// Number of workers.
+    pub fn workers(&self) -> u32 {
+        self.owners.iter().max().map_or(1, |&w| w + 1)
+    }
+
+    /// The polygon's edges with their owners.
+    fn edges(&self) -> Vec<(WorkerId, Piece)> {
+        let n = self.polygon.len();
+        let ends = |k: usize| [self.polygon[k % n], self.polygon[(k + 1) % n]];
+        let owner = |k| self.owners[block_of(ends(k)) as usize];
+        let mut given = vec![0; self.workers() as usize];
+        let links: Vec<Link> = (0..n)
+            .map(|k| {
+                let by = owner(k);
+                let number = given[by as usize];
+                given[by as usize] += 1;
+                Link { name: Name { by, number }, block: block_of(ends(k)) }
+            })
+            .collect();
+        let piece = |k: usize| Piece {
+            name: links[k].name,
+            ends: ends(k),
+            links: [links[(k + 1) % n], links[(k + n - 1) % n]],
+        };
+        (0..n).map(|k| (owner(k), piece(k))).collect()
+    }
+
+    /// The workers at the start.
+    pub fn nodes<C: Exhibit>(&self) -> Vec<Node<C>> {
+        let edges = self.edges();
+        let node = |me| {
+            let mine = edges.iter().filter(|(w, _)| *w == me).map(|&(_, edge)| edge).collect();
+            let home = |v: &&Vertex| self.owners[usize::from(v.block)] == me;
+            let points = Points(self.points.iter().filter(home).copied().collect());
+            let config = Config { workers: self.workers(), rule: self.rule, window: self.window };
+            Worker::new(config, Directory::new(me, &self.owners), Hull::new(me, mine), points)
+        };
+        (0..self.workers()).map(node).collect()
+    }
+
+    /// For every point: owners of the edges that it sees in the polygon.
+    pub fn cavities(&self) -> Vec<Vec<WorkerId>> {
+        let edges = self.edges();
+        let sees = |p: Vertex| {
+            let seen = edges.iter().filter(move |(_, e)| orient(e.ends[0], e.ends[1], p) < 0);
+            seen.map(|&(w, _)| w).collect()
+        };
+        self.points.iter().map(|&p| sees(p)).collect()
+    }
+
+    /// What is wrong at the end of a run: something left over, or another mesh than the only right
+    /// one. If the run was `cancelled`, any subset of the points may have been inserted.
+    pub fn fault_at_end<C: Exhibit>(
+        &self,
+        nodes: &[&Node<C>],
+        cancelled: bool,
+    ) -> Option<&'static str> {
+        if let Some(what) = nodes.iter().find_map(|node| node.mesh().broken) {
+            return Some(what);
+        }
+        if !nodes.iter().all(|node| node.is_quiescent()) {
+            return Some("something is left over at the end");
+        }
+        if nodes.iter().any(|node| node.mesh().has_locks()) {
+            return Some("a lock is left at the end");
+        }
+        let mut found = Vec::new();
+        let mut edges = BTreeMap::new();
+        for node in nodes {
+            for cell in node.mesh().cells() {
+                if !node.directory().is_mine(cell.piece.block()) {
+                    return Some("a cell is at the wrong worker");
+                }
+                found.push(cell.piece.ends);
+                edges.insert(cell.piece.name, cell.piece);
+            }
+        }
+        if !links_are_mutual(&edges) {
+            return Some("links are not mutual at the end");
+        }
+        let mut points = self.polygon.clone();
+        match cancelled {
+            false => points.extend(&self.points),
+            true => points.extend(found.iter().flatten()),
+        }
+        points.sort_unstable();
+        points.dedup();
+        found.sort_unstable();
+        (found != brute_force(&points)).then_some("the mesh is wrong at the end")
+    }
+}
+
+/// The convex hull by brute force: a directed pair is an edge if all other points are to its left.
+pub fn brute_force(points: &[Vertex]) -> Vec<[Vertex; 2]> {
+    let mut hull = Vec::new();
+    for &a in points {
+        for &b in points.iter().filter(|&&b| b != a) {
+            let left = |&c: &Vertex| c == a || c == b || orient(a, b, c) > 0;
+            if points.iter().all(left) {
+                hull.push([a, b]);
+            }
+        }
+    }
+    hull.sort_unstable();
+    hull
+}
+
+/// Does every link lead to the cell behind it and back?
+fn links_are_mutual(edges: &BTreeMap<Name, Piece>) -> bool {
+    edges.values().all(|edge| {
+        let shared: [Vertex; 2] = [edge.ends[1], edge.ends[0]];
+        (0..2).all(|side| {
+            edges.get(&edge.links[side].name).is_some_and(|far| {
+                let back = 1 - side;
+                far.links[back].name == edge.name && far.ends[side] == shared[side]
+            })
+        })
+    })
+}

@@ -1,0 +1,73 @@
+//! The real step over the real mailbox on 8 to 16 threads, under shuttle: random schedules, and
+//! schedules with few but well placed preemptions (PCT). Statistical, sequentially consistent.
+#![cfg(shuttle)]
+
+use ltbw::protocol::Sound;
+use ltbw_models::museum::LostWakeUp;
+use ltbw_models::random::world_of;
+use ltbw_models::report::{caught, is_deep, row};
+use ltbw_models::threads::{Seen, run};
+use ltbw_models::world::World;
+use shuttle::scheduler::{PctScheduler, RandomScheduler};
+use shuttle::{Config, Runner};
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex};
+
+/// Schedules of each world and scheduler.
+const SCHEDULES: usize = 100;
+
+/// Random worlds of 8 to 16 workers, without cancels: no thread could tell the others.
+fn worlds() -> Vec<World> {
+    let seeds = if is_deep() { 450 } else { 45 };
+    let world = |seed| World { cancels: false, ..world_of(seed, 8 + seed as usize % 9) };
+    (0..seeds).map(world).collect()
+}
+
+fn explore(name: &str, check: impl Fn(Box<dyn Fn() + Send + Sync>, u64)) {
+    let seen = Arc::new(Mutex::new(BTreeSet::new()));
+    let worlds = worlds();
+    let points: usize = worlds.iter().map(|world| world.points.len()).sum();
+    for (seed, world) in (0..).zip(&worlds) {
+        let (world, record) = (world.clone(), seen.clone());
+        let model = move || {
+            let outcome = run::<Sound>(&world);
+            record.lock().expect("no panic while locked").extend(outcome);
+        };
+        check(Box::new(model), seed);
+    }
+    let seen = seen.lock().expect("no panic while locked");
+    for witness in [Seen::Sleep, Seen::Batch, Seen::SetBack, Seen::Wait, Seen::Move] {
+        assert!(seen.contains(&witness), "never {witness:?}");
+    }
+    let bounds = format!("8 to 16 threads, {} worlds, {points} points", worlds.len());
+    let explored = format!("{} schedules, seen: {seen:?}", SCHEDULES * worlds.len());
+    row(name, &bounds, &explored, "all ends right");
+}
+
+#[test]
+fn random_schedules() {
+    explore("shuttle: random", |model, seed| {
+        let scheduler = RandomScheduler::new_from_seed(seed, SCHEDULES);
+        Runner::new(scheduler, Config::new()).run(model);
+    });
+}
+
+#[test]
+fn schedules_with_few_preemptions() {
+    explore("shuttle: PCT, depth 3", |model, seed| {
+        let scheduler = PctScheduler::new_from_seed(seed, 3, SCHEDULES);
+        Runner::new(scheduler, Config::new()).run(model);
+    });
+}
+
+/// Known bad.
+#[test]
+fn a_lost_wake_up_is_caught() {
+    let world = World { cancels: false, ..world_of(1, 8) };
+    let said = caught(|| {
+        let scheduler = RandomScheduler::new_from_seed(1, 2_000);
+        Runner::new(scheduler, Config::new()).run(move || drop(run::<LostWakeUp>(&world)));
+    });
+    assert!(said.contains("deadlock"), "{said}");
+    row("museum: lost wake-up", "shuttle, 8 threads", "until it fails", "caught: deadlock");
+}

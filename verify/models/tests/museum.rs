@@ -1,0 +1,133 @@
+//! The museum: every known defect is caught, and the sound protocol passes where it is caught.
+//! The mailbox's pieces are in `tests/mailbox.rs` (loom).
+#![cfg(not(any(loom, shuttle)))]
+
+use ltbw::protocol::{Rule, Sound};
+use ltbw_models::graph::{Graph, Limits};
+use ltbw_models::museum::{self, Exhibit};
+use ltbw_models::random::world;
+use ltbw_models::report::row;
+use ltbw_models::runs::{Outcome, run};
+use ltbw_models::system::System;
+use ltbw_models::world::World;
+use ltbw_models::worlds;
+
+/// How a piece shows itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Caught {
+    Deadlock,
+    Fault(&'static str),
+}
+
+/// Piece `C` is caught in `world` as `expected`, at the nearest state; the sound protocol is not.
+fn caught<C: Exhibit>(world: World, expected: Caught) {
+    let sound = System::<Sound>::new(world.clone());
+    let sound = Graph::explore(&sound, Limits { states: 1_000_000, first_fault: true });
+    assert!(sound.complete && sound.faults.is_empty() && sound.deadlocks.is_empty());
+
+    let system = System::<C>::new(world.clone());
+    let graph = Graph::explore(&system, Limits { states: 1_000_000, first_fault: true });
+    let (state, found) = match (graph.faults.first(), graph.deadlocks.first()) {
+        (Some(&(state, what)), _) => (state, Caught::Fault(what)),
+        (None, Some(&state)) => (state, Caught::Deadlock),
+        (None, None) => panic!("{} is not caught in {}", C::TITLE, world.name),
+    };
+    assert_eq!(found, expected, "{}", C::TITLE);
+    let outcome = format!("caught: {found:?} after {} steps", graph.way(state).len());
+    let bounds = format!("{}, {}", world.name, world.rule);
+    row(&format!("museum: {}", C::TITLE), &bounds, &format!("{} states", graph.states()), &outcome);
+}
+
+#[test]
+fn closure_ring_not_locked() {
+    caught::<museum::BareCavity>(worlds::three_on_all(), Caught::Deadlock);
+}
+
+#[test]
+fn rollback_leaks_a_lock() {
+    caught::<museum::LeakyRollback>(worlds::same_two(), Caught::Deadlock);
+}
+
+#[test]
+fn rollback_forgets_the_queue() {
+    caught::<museum::ForgetfulRollback>(worlds::same_two(), Caught::Deadlock);
+}
+
+#[test]
+fn naive_wait_die_regrant() {
+    let world = worlds::three_on_all().rule(Rule::WaitDie);
+    caught::<museum::NaiveRegrant>(world, Caught::Deadlock);
+}
+
+#[test]
+fn restart_before_the_releases_are_acknowledged() {
+    caught::<museum::HastyRestart>(worlds::there_and_back(), Caught::Deadlock);
+}
+
+#[test]
+fn wound_after_commit_obeyed() {
+    let fault = Caught::Fault("a committed operation is set back");
+    caught::<museum::LateWound>(worlds::three_on_all(), fault);
+}
+
+#[test]
+fn safra_without_blackening() {
+    caught::<museum::WhiteSafra>(worlds::one_far_point(), Caught::Fault("stopped too early"));
+}
+
+#[test]
+fn migration_by_an_idle_worker() {
+    caught::<museum::IdleMigration>(worlds::token_move(), Caught::Fault("stopped too early"));
+}
+
+#[test]
+fn missing_forward_pointer() {
+    let (lost, wrong) = ("a ring cell is not here", "the mesh is wrong at the end");
+    caught::<museum::NoForwarding>(worlds::swap(), Caught::Fault(lost));
+    caught::<museum::NoForwarding>(worlds::slots_again(), Caught::Fault(wrong));
+}
+
+#[test]
+fn waiters_not_moved() {
+    caught::<museum::LeftWaiters>(worlds::late_elsewhere(), Caught::Deadlock);
+}
+
+#[test]
+fn stale_interface_handle() {
+    let links = Caught::Fault("links are not mutual at the end");
+    caught::<museum::StaleInterface>(worlds::same_two(), links);
+}
+
+#[test]
+fn reused_slot_without_generation() {
+    let twice = Caught::Fault("a name is given twice");
+    caught::<museum::ReusedName>(worlds::slots_again(), twice);
+}
+
+#[test]
+fn expand_before_installation_not_held() {
+    let lost = Caught::Fault("a ring cell is not here");
+    caught::<museum::ImpatientExpand>(worlds::late_installation(), lost);
+}
+
+/// Random runs find the pieces too: what they say about sizes that cannot be explored is worth
+/// something.
+#[test]
+fn random_runs_catch_the_museum() {
+    let mut seeds = Vec::new();
+    let mut hunt = |title: &str, first: &dyn Fn(u64) -> bool| {
+        let seed = (0..5_000).find(|&seed| first(seed));
+        seeds.push(format!("{title} {}", seed.expect("a random run catches it") + 1));
+    };
+    macro_rules! hunt {
+        ($($piece:ident)*) => {$(
+            hunt(museum::$piece::TITLE, &|seed| {
+                let system = System::<museum::$piece>::new(world(seed));
+                run(&system, seed, 20_000).0 != Outcome::Done
+            });
+        )*};
+    }
+    hunt!(BareCavity LeakyRollback ForgetfulRollback NaiveRegrant HastyRestart LateWound WhiteSafra);
+    hunt!(NoForwarding StaleInterface ReusedName ImpatientExpand);
+    println!("seeds needed: {}", seeds.join(", "));
+}

@@ -1,0 +1,75 @@
+//! The real step over the real mailbox, on 2 threads under loom: every interleaving with at most
+//! so many preemptions.
+#![cfg(loom)]
+
+use ltbw::protocol::Sound;
+use ltbw_models::museum::{Exhibit, LeakyRollback, LostWakeUp};
+use ltbw_models::report::{caught, is_deep, row};
+use ltbw_models::threads::{Seen, run};
+use ltbw_models::world::World;
+use ltbw_models::worlds;
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex};
+
+/// Runs `world` with at most `preemptions`; returns what happened in some execution, and how many
+/// executions there were.
+fn explore<C: Exhibit>(world: World, preemptions: usize) -> (BTreeSet<Seen>, usize) {
+    let seen = Arc::new(Mutex::new((BTreeSet::new(), 0)));
+    let record = seen.clone();
+    let mut builder = loom::model::Builder::new();
+    builder.preemption_bound = Some(preemptions);
+    builder.max_branches = 20_000;
+    builder.check(move || {
+        let outcome = run::<C>(&world);
+        let mut record = record.lock().expect("no panic while locked");
+        record.0.extend(outcome);
+        record.1 += 1;
+    });
+    let seen = seen.lock().expect("no panic while locked");
+    (seen.0.clone(), seen.1)
+}
+
+fn holds(world: World, preemptions: usize, least: usize, witnesses: &[Seen]) {
+    let name = world.name;
+    let bounds = format!("2 threads, {} points, {preemptions} preemptions", world.points.len());
+    let (seen, executions) = explore::<Sound>(world, preemptions);
+    let explored = format!("{executions} executions, seen: {seen:?}");
+    for witness in witnesses {
+        assert!(seen.contains(witness), "never {witness:?}: {explored}");
+    }
+    assert!(executions >= least, "{explored}");
+    row(&format!("loom: workers, {name}"), &bounds, &explored, "all ends right");
+}
+
+/// The tiny combined model: one cavity at both workers.
+#[test]
+fn one_cavity() {
+    let preemptions = if is_deep() { 5 } else { 3 };
+    holds(worlds::one_on_two(), preemptions, 200, &[Seen::Sleep]);
+}
+
+/// Two cavities that both workers contest.
+#[test]
+fn two_cavities() {
+    let preemptions = if is_deep() { 5 } else { 3 };
+    let witnesses = [Seen::Sleep, Seen::Wait, Seen::SetBack];
+    holds(worlds::token_same_two(), preemptions, 300, &witnesses);
+}
+
+/// Known bad: a worker sleeps for ever, because a wake-up was lost or because a lock was leaked.
+fn hangs<C: Exhibit>(world: World) {
+    let bounds = format!("loom, 2 threads, {}", world.name);
+    let said = caught(|| drop(explore::<C>(world, 2)));
+    assert!(said.contains("deadlock"), "{}: {said}", C::TITLE);
+    row(&format!("museum: {}", C::TITLE), &bounds, "until it fails", "caught: deadlock");
+}
+
+#[test]
+fn a_lost_wake_up_hangs_the_workers() {
+    hangs::<LostWakeUp>(worlds::one_on_two());
+}
+
+#[test]
+fn a_leaked_lock_hangs_the_workers() {
+    hangs::<LeakyRollback>(worlds::token_same_two());
+}

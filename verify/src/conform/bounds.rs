@@ -1,0 +1,103 @@
+//! Exact tests of the bounds: circumradius to shortest edge, and volume.
+//!
+//! A filter in f64 whose errors are bounded generously (u = 2^-53, m the largest |difference| of
+//! the tetrahedron), then big integers. Coordinates are units, so nothing underflows.
+
+use super::whole::{Whole, six_volumes};
+use crate::exact::dyadic;
+use num_bigint::BigInt;
+
+const UNIT_ROUNDOFF: f64 = 1.0 / (1u64 << 53) as f64;
+
+/// A positive finite number as mantissa · 2^exponent.
+fn parts(x: f64) -> (BigInt, i32) {
+    let (mantissa, exponent) = dyadic(x);
+    (BigInt::from(mantissa), exponent)
+}
+
+/// The sign of a · 2^p - b.
+fn exceeds(a: &BigInt, p: i32, b: &BigInt) -> bool {
+    if p >= 0 { (a << p) > *b } else { *a > (b << -p) }
+}
+
+/// Is the volume of a tetrahedron above `bound` cubic units?
+pub(crate) fn volume_exceeds(corners: [Whole; 4], bound: f64) -> bool {
+    let six = six_volumes(corners);
+    let six = if six < BigInt::ZERO { -six } else { six };
+    let (mantissa, exponent) = parts(bound);
+    // six > 6 mantissa 2^exponent
+    exceeds(&six, -exponent, &(6 * mantissa))
+}
+
+/// Is circumradius to shortest edge above `bound`?
+pub(crate) fn ratio_exceeds([a, b, c, d]: [Whole; 4], bound: f64) -> bool {
+    let rows = [a, b, c].map(|p| [0, 1, 2].map(|k| p[k] - d[k]));
+    let f = rows.map(|row| row.map(|x| x as f64));
+    let m = f.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let (left, right) = sides(f, 4.0 * bound * bound);
+    // At most 972 (left) and 108 · 4B² (right) products of eight differences with fewer than 45
+    // roundings each, those of the conversion and of 4B² included.
+    let m4 = m * m * m * m;
+    let error = 45.0 * UNIT_ROUNDOFF * (972.0 + 432.0 * bound * bound) * m4 * m4;
+    if (left - right).abs() > error {
+        return left > right;
+    }
+    let big = rows.map(|row| row.map(BigInt::from));
+    let (normal2, edge2, det) = big_sides(&big);
+    let (mantissa, exponent) = parts(bound);
+    // |N|² > 4 B² l² D²
+    exceeds(&normal2, -2 * exponent, &(4 * &mantissa * &mantissa * edge2 * &det * &det))
+}
+
+/// |N|² and `factor` · l² · D², rounded.
+fn sides([a, b, c]: [[f64; 3]; 3], factor: f64) -> (f64, f64) {
+    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    let cross = |p: [f64; 3], q: [f64; 3]| {
+        [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+    };
+    let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
+    let (aa, bb, cc) = (dot(a, a), dot(b, b), dot(c, c));
+    let n = [0, 1, 2].map(|k| aa * bc[k] + bb * ca[k] + cc * ab[k]);
+    let det = dot(a, bc);
+    let others = [minus(a, b), minus(b, c), minus(c, a)].map(|e| dot(e, e));
+    let edge2 = others.into_iter().chain([aa, bb, cc]).fold(f64::INFINITY, f64::min);
+    (dot(n, n), factor * edge2 * det * det)
+}
+
+/// |N|², l² and D.
+fn big_sides([a, b, c]: &[[BigInt; 3]; 3]) -> (BigInt, BigInt, BigInt) {
+    let dot =
+        |p: &[BigInt; 3], q: &[BigInt; 3]| -> BigInt { p.iter().zip(q).map(|(x, y)| x * y).sum() };
+    let cross = |p: &[BigInt; 3], q: &[BigInt; 3]| {
+        [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &p[i] * &q[j] - &p[j] * &q[i])
+    };
+    let minus = |p: &[BigInt; 3], q: &[BigInt; 3]| [0, 1, 2].map(|k| &p[k] - &q[k]);
+    let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
+    let (aa, bb, cc) = (dot(a, a), dot(b, b), dot(c, c));
+    let n = [0, 1, 2].map(|k| &aa * &bc[k] + &bb * &ca[k] + &cc * &ab[k]);
+    let others = [minus(a, b), minus(b, c), minus(c, a)].map(|e| dot(&e, &e));
+    let edge2 = others.into_iter().chain([aa, bb, cc]).min().unwrap_or(BigInt::ZERO);
+    (dot(&n, &n), edge2, dot(a, &bc))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bounds_are_exact_at_equality() {
+        // Three edges of a cube of side s: volume s³/6, circumradius √3/2 s, shortest edge s.
+        for s in [1i128, 12, 1 << 50] {
+            let corners = [[0; 3], [s, 0, 0], [0, s, 0], [0, 0, s]];
+            assert!(!ratio_exceeds(corners, 0.8660254037844387));
+            assert!(ratio_exceeds(corners, 0.8660254037844386));
+        }
+        let corners = [[0; 3], [12, 0, 0], [0, 1, 0], [0, 0, 1]];
+        assert!(!volume_exceeds(corners, 2.0));
+        assert!(volume_exceeds(corners, 2f64.next_down()));
+        // Shortest edge 2, circumradius 3: the ratio is 3/2 exactly.
+        let corners = [[2, 0, 0], [0, 0, 0], [0, 4, 0], [0, 0, 4]];
+        assert!(!ratio_exceeds(corners, 1.5) && ratio_exceeds(corners, 1.5f64.next_down()));
+    }
+}
