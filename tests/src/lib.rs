@@ -11,6 +11,7 @@
 //! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash |
 //! | [`plant`] | defects planted into sound meshes, for the checker to find |
 //! | [`fuzz`] | the bodies of the fuzz targets, so that `cargo test` replays their corpora |
+//! | [`interleave`] | the parallel kernel, one event at a time in a chosen order |
 //! | [`require`] | what is skipped when a tool is missing, and when that is a failure |
 #![forbid(unsafe_code)]
 
@@ -20,6 +21,7 @@ pub mod epsilon;
 pub mod families;
 pub mod fives;
 pub mod fuzz;
+pub mod interleave;
 pub mod oracle;
 pub mod plant;
 pub mod require;
