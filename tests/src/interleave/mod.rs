@@ -170,7 +170,8 @@ struct World {
     case: Case,
     nodes: Vec<Node>,
     channels: BTreeMap<(usize, usize), VecDeque<Message<LocalMesh>>>,
-    backoff: Vec<(usize, Event<LocalMesh>)>,
+    /// Worker, event, and the turn from which on it may happen.
+    backoff: Vec<(usize, Event<LocalMesh>, usize)>,
     /// Moves left.
     moves: u32,
     /// Workers that have heard of the cancel.
@@ -197,7 +198,11 @@ impl World {
         let mut all: Vec<Choice> =
             self.channels.keys().map(|&(from, to)| Choice::Deliver(from, to)).collect();
         all.extend(workers.clone().filter(|&w| self.nodes[w].has_work()).map(Choice::Work));
-        all.extend((0..self.backoff.len()).map(Choice::Retry));
+        let due = |&k: &usize| self.backoff[k].2 <= self.figures.turns;
+        all.extend((0..self.backoff.len()).filter(due).map(Choice::Retry));
+        if all.is_empty() {
+            all.extend((0..self.backoff.len()).map(Choice::Retry));
+        }
         if self.case.cancel.is_some_and(|turn| turn <= self.figures.turns) {
             let open = |&w: &usize| !self.cancelled[w] && !self.nodes[w].is_stopped();
             all.extend(workers.filter(open).map(Choice::Cancel));
@@ -242,7 +247,7 @@ impl World {
                 w
             }
             Choice::Retry(k) => {
-                let (w, event) = self.backoff.swap_remove(k);
+                let (w, event, _) = self.backoff.swap_remove(k);
                 self.nodes[w].step(event, &mut out);
                 w
             }
@@ -253,7 +258,7 @@ impl World {
                 w
             }
         };
-        self.carry_out(w, out);
+        self.carry_out(w, out, chooser);
         // Nothing gives a cancelled worker more to do, be it a block that moves in.
         assert!(!self.cancelled[w] || self.nodes[w].source().is_empty(), "{w} is cancelled");
         true
@@ -283,13 +288,18 @@ impl World {
         owner
     }
 
-    fn carry_out(&mut self, w: usize, out: Vec<Action<LocalMesh>>) {
+    fn carry_out(&mut self, w: usize, out: Vec<Action<LocalMesh>>, chooser: &mut Chooser) {
         for action in out {
             match action {
                 Action::Send { to, message } => {
                     self.channels.entry((w, to as usize)).or_default().push_back(message);
                 }
-                Action::Backoff { ticket, .. } => self.backoff.push((w, Event::Retry(ticket))),
+                Action::Backoff { ticket, attempt } => {
+                    // Up to twice as long with each setback: the paper's rule may never end else.
+                    let longest = 16_u64 << attempt.min(10);
+                    let due = self.figures.turns + chooser.rest.below(longest) as usize;
+                    self.backoff.push((w, Event::Retry(ticket), due));
+                }
                 Action::Note(Note::SetBack { .. }) => self.figures.setbacks += 1,
                 Action::Note(Note::Committed { .. }) => self.figures.committed += 1,
                 Action::Note(Note::Migrated(_)) => self.figures.moved += 1,
