@@ -1,7 +1,7 @@
 //! Our mesh against CGAL's: the same tetrahedra, the same hull, the same hash, or the same refusal.
 
 use crate::cgal::{Cgal, Failure, Reply};
-use ltbw::{BuildError, Builder, Order, Point, PointSet};
+use ltbw::{BuildError, Builder, Mesh, Order, Point, PointSet};
 
 /// Builds `points` in `order` and compares with CGAL; `Err` says what differs.
 pub fn compare(cgal: &mut Cgal, points: &[Point], order: Order) -> Result<(), String> {
@@ -12,18 +12,22 @@ pub fn compare(cgal: &mut Cgal, points: &[Point], order: Order) -> Result<(), St
 /// As [`compare`], with CGAL's reply at hand.
 pub fn compare_with(reply: &Reply, points: &[Point], order: Order) -> Result<(), String> {
     let set = PointSet::new(points.to_vec()).map_err(|error| error.to_string())?;
-    let built = match Builder::new().order(order).build(&set) {
-        Ok(built) => built,
-        Err(error) => return refusal(reply, &error),
-    };
+    match Builder::new().order(order).build(&set) {
+        Ok(built) => compare_mesh(reply, &built.mesh),
+        Err(error) => refusal(reply, &error),
+    }
+}
+
+/// A mesh, however it was made, against CGAL's reply for its points; `Err` says what differs.
+pub fn compare_mesh(reply: &Reply, mesh: &Mesh) -> Result<(), String> {
     if reply.dimension < 3 {
         return Err(format!("we built a mesh, but the dimension is {}", reply.dimension));
     }
-    let tets: Vec<[u32; 4]> = built.mesh.tets().collect();
-    let hull: Vec<[u32; 3]> = built.mesh.hull_facets().collect();
+    let tets: Vec<[u32; 4]> = mesh.tets().collect();
+    let hull: Vec<[u32; 3]> = mesh.hull_facets().collect();
     same("tetrahedra", &tets, &reply.tets)?;
     same("hull facets", &hull, &reply.hull)?;
-    let hash = built.mesh.hash().map_err(|error| error.to_string())?;
+    let hash = mesh.hash().map_err(|error| error.to_string())?;
     if reply.hash == Some(hash) {
         Ok(())
     } else {
@@ -32,7 +36,7 @@ pub fn compare_with(reply: &Reply, points: &[Point], order: Order) -> Result<(),
 }
 
 /// Is our refusal the one that CGAL's dimension calls for?
-fn refusal(reply: &Reply, error: &BuildError) -> Result<(), String> {
+pub fn refusal(reply: &Reply, error: &BuildError) -> Result<(), String> {
     let agrees = match error {
         BuildError::TooFewPoints { .. } => reply.distinct < 4,
         BuildError::Collinear { .. } => reply.dimension == 1,

@@ -12,6 +12,7 @@
 //! | [`plant`] | defects planted into sound meshes, for the checker to find |
 //! | [`fuzz`] | the bodies of the fuzz targets, so that `cargo test` replays their corpora |
 //! | [`vectors`] | the conformance kit: its cases, from the real code and its twins |
+//! | [`interleave`] | the parallel kernel, one event at a time in a chosen order |
 //! | [`require`] | what is skipped when a tool is missing, and when that is a failure |
 #![forbid(unsafe_code)]
 
@@ -21,6 +22,7 @@ pub mod epsilon;
 pub mod families;
 pub mod fives;
 pub mod fuzz;
+pub mod interleave;
 pub mod oracle;
 pub mod plant;
 pub mod require;

@@ -98,7 +98,9 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     ) {
         let me = self.id();
         self.directory.learn(block, me, epoch);
-        self.source.give(block, points);
+        if !self.cancelled {
+            self.source.give(block, points);
+        }
         self.install(cargo, out);
     }
 

@@ -134,6 +134,8 @@ pub struct Worker<S: Submesh, Q, C = Sound> {
     pub(super) late: BTreeMap<Ticket, Op<S>>,
     pub(super) safra: Safra,
     stopped: bool,
+    /// Points that arrive are dropped: it was told to start no more.
+    pub(super) cancelled: bool,
     /// Messages to itself, taken in the same step.
     own: VecDeque<Message<S>>,
     conduct: PhantomData<C>,
@@ -158,6 +160,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             parked: BTreeMap::new(),
             late: BTreeMap::new(),
             stopped: false,
+            cancelled: false,
             own: VecDeque::new(),
             conduct: PhantomData,
         }
@@ -259,7 +262,10 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             Event::Work => self.work(out),
             Event::Retry(ticket) => self.retry(ticket),
             Event::Migrate { block, to } => self.migrate(block, to, out),
-            Event::Cancel => self.source.clear(),
+            Event::Cancel => {
+                self.cancelled = true;
+                self.source.clear();
+            }
         }
         // Ends: a message to itself follows from one seed, grant, commit or release of the step.
         let me = self.id();

@@ -9,6 +9,7 @@
 //! | [`formats`] | a reader reads or says why not, and what it read can be written and read back |
 //! | [`checker`] | the checker passes a sound mesh and finds every planted defect |
 //! | [`domains`] | the check of a domain ends, whatever the order of its facets; a prepared one is one |
+//! | [`protocol`] | the parallel kernel ends at rest with the one mesh, whatever the order of events |
 //! | [`cli`] | the command line is understood, or refused in one line with exit code 2 |
 //! | [`canary`] | **fails on purpose**: its predicate has a planted bug, which must be found |
 
@@ -18,17 +19,33 @@ pub mod cli;
 pub mod domains;
 pub mod formats;
 pub mod predicates;
+pub mod protocol;
 pub mod triangulate;
+
+use crate::cgal::{Cgal, Failure};
+use std::sync::{Mutex, OnceLock};
+
+/// The one CGAL server of this process; none where CGAL is missing.
+fn reference() -> Option<&'static Mutex<Cgal>> {
+    static SERVER: OnceLock<Option<Mutex<Cgal>>> = OnceLock::new();
+    let start = || match Cgal::start() {
+        Ok(cgal) => Some(Mutex::new(cgal)),
+        Err(Failure::Missing(_)) => None,
+        Err(failure) => panic!("{failure}"),
+    };
+    SERVER.get_or_init(start).as_ref()
+}
 
 /// A fuzz target by name.
 pub type Target = fn(&[u8]);
 
 /// Every target but the canary, which fails on purpose.
-pub const TARGETS: [(&str, Target); 6] = [
+pub const TARGETS: [(&str, Target); 7] = [
     ("predicates", predicates::predicates),
     ("triangulate", triangulate::triangulate),
     ("formats", formats::formats),
     ("checker", checker::checker),
     ("cli", cli::cli),
     ("domains", domains::domains),
+    ("protocol", protocol::protocol),
 ];

@@ -4,7 +4,7 @@
 //! those of [`snap`]; the plan adds a second style, duplicates and a second scale, and says where
 //! the interleaved life begins, which admission is refused and how points are shuffled.
 
-use crate::cgal::{Cgal, Failure};
+use super::reference;
 use crate::compare::{canonical, compare_with};
 use crate::families::{Rng, snap, two_to};
 use crate::oracle::{self, brute_force, exact};
@@ -13,7 +13,7 @@ use ltbw::query::{Conflicts, Location};
 use ltbw::topology::Topology;
 use ltbw::{Builder, InsertError, Mesh, Order, Point, PointSet};
 use ltbw_verify::Options;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::PoisonError;
 
 /// Sets of at most this many points are also triangulated by definition.
 const FEW: usize = 8;
@@ -221,15 +221,4 @@ fn ask(mesh: &Mesh, p: Point) {
     assert_eq!(cursor.is_on_hull(v), Some(on_hull), "{v} of the mesh around {p:?}");
     let bounded = cursor.cell(v).map(|cell| cell.is_bounded());
     assert_eq!(bounded, Some(!on_hull), "the cell of {v} around {p:?}");
-}
-
-/// The one CGAL server of this process; none where CGAL is missing.
-fn reference() -> Option<&'static Mutex<Cgal>> {
-    static SERVER: OnceLock<Option<Mutex<Cgal>>> = OnceLock::new();
-    let start = || match Cgal::start() {
-        Ok(cgal) => Some(Mutex::new(cgal)),
-        Err(Failure::Missing(_)) => None,
-        Err(failure) => panic!("{failure}"),
-    };
-    SERVER.get_or_init(start).as_ref()
 }

@@ -1,0 +1,320 @@
+//! The parallel kernel one event at a time, in an order that the caller chooses: workers'
+//! units of work, deliveries (first in, first out between each pair of workers), ends of backoffs,
+//! moves of blocks and a cancel.
+//!
+//! [`Case::play`] runs a point set to its end and checks what must hold there, whatever the order
+//! was: nothing locked, awaited or under way; one owner for each block, and a way to it from every
+//! worker; the mesh whole, certified by the independent checker, and the sequential kernel's.
+
+mod ending;
+
+use crate::families::Rng;
+use ltbw::mesh::{Field, LocalMesh, Plan};
+use ltbw::protocol::{Action, Config, Event, Message, Note, Rule, Source, Worker};
+use ltbw::{BuildError, Mesh, PointSet};
+use std::collections::{BTreeMap, VecDeque};
+
+type Node = Worker<LocalMesh, Field>;
+
+/// Turns after which a run counts as hanging, per point.
+const TURNS_PER_POINT: usize = 4000;
+
+/// Each so many turns, an event that [`Tempo`] or slowness holds back may happen all the same.
+const RESPITE: usize = 16;
+
+/// Which events come before others, while there are any.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tempo {
+    /// All are alike.
+    Even,
+    /// Local work first: messages are under way for long.
+    LateMail,
+    /// Messages first.
+    EarlyMail,
+    /// Messages between workers whose numbers differ by an odd number are under way for long: the
+    /// others overtake them.
+    FarHalf,
+}
+
+impl Tempo {
+    /// Every one of them.
+    pub const ALL: [Self; 4] = [Self::Even, Self::LateMail, Self::EarlyMail, Self::FarHalf];
+
+    fn prefers(self, choice: Choice) -> bool {
+        match (self, choice) {
+            (Self::LateMail, Choice::Deliver(..)) => false,
+            (Self::EarlyMail, Choice::Work(_)) => false,
+            (Self::FarHalf, Choice::Deliver(from, to)) => (from + to).is_multiple_of(2),
+            _ => true,
+        }
+    }
+}
+
+/// What can happen next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Choice {
+    Deliver(usize, usize),
+    Work(usize),
+    /// The end of a backoff, by its place in the list.
+    Retry(usize),
+    Move,
+    Cancel(usize),
+}
+
+/// How a run goes, but for the order of its events.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Case {
+    /// Workers, blocks, cursors, sample.
+    pub plan: Plan,
+    /// The conflict rule.
+    pub rule: Rule,
+    /// Which events come first.
+    pub tempo: Tempo,
+    /// A worker to which something happens each 16th turn only, while it does to others.
+    pub slow: Option<usize>,
+    /// Moves of blocks that are tried.
+    pub moves: u32,
+    /// The turn from which on workers hear of a cancel, each at its own time.
+    pub cancel: Option<usize>,
+}
+
+/// Figures of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Figures {
+    /// Events.
+    pub turns: usize,
+    /// Operations set back, each time counted.
+    pub setbacks: usize,
+    /// Operations whose closure was locked.
+    pub committed: usize,
+    /// Blocks that have moved.
+    pub moved: usize,
+}
+
+/// A run that ended as it must.
+#[derive(Debug)]
+pub struct Played {
+    /// The mesh gathered.
+    pub mesh: Mesh,
+    /// Figures of the run.
+    pub figures: Figures,
+}
+
+/// Who chooses: first the bytes, then a seed.
+#[derive(Clone, Debug)]
+pub struct Chooser<'a> {
+    bytes: std::slice::Iter<'a, u8>,
+    rest: Rng,
+}
+
+impl<'a> Chooser<'a> {
+    /// Each byte is one choice; when there are none left, `seed` goes on.
+    #[must_use]
+    pub fn new(bytes: &'a [u8], seed: u64) -> Self {
+        Self { bytes: bytes.iter(), rest: Rng::new(seed) }
+    }
+
+    /// A number below `bound`, which is not 0.
+    fn below(&mut self, bound: usize) -> usize {
+        match self.bytes.next() {
+            Some(&byte) => usize::from(byte) % bound,
+            None => self.rest.below(bound as u64) as usize,
+        }
+    }
+}
+
+impl Case {
+    /// Builds `set` in the order that `chooser` makes; checks the end.
+    ///
+    /// # Errors
+    /// That of the sequential kernel, which the start of the run has to share.
+    ///
+    /// # Panics
+    /// If the run does not end, or not as it must.
+    pub fn play(&self, set: &PointSet, chooser: &mut Chooser) -> Result<Played, BuildError> {
+        let expected = ltbw::Builder::new().build(set);
+        let (prepared, expected) = match (self.plan.prepare(set), expected) {
+            (Ok(prepared), Ok(built)) => (prepared, built.mesh),
+            (Err(error), Err(_)) => return Err(error),
+            (one, other) => panic!("one is refused: {:?}, {:?}", one.err(), other.err()),
+        };
+        let config = Config { rule: self.rule, ..Config::new(self.plan.workers) };
+        let nodes = prepared
+            .workers
+            .into_iter()
+            .map(|(directory, mesh, field)| Worker::new(config, directory, mesh, field))
+            .collect();
+        let mut world = World::new(*self, nodes);
+        let limit = TURNS_PER_POINT * (set.len() + 100);
+        while world.turn(chooser) {
+            assert!(world.figures.turns < limit, "no end:\n{}", world.describe());
+        }
+        world.check_rest();
+        let World { nodes, figures, .. } = world;
+        let meshes = nodes.into_iter().map(|node| node.into_parts().0).collect();
+        let gathered = ltbw::mesh::gather(meshes, prepared.common);
+        let mesh = gathered.unwrap_or_else(|error| panic!("{error}")).mesh;
+        ending::certify(set, &mesh, self.cancel.is_none());
+        if self.cancel.is_none() {
+            assert_eq!(mesh.hash().ok(), expected.hash().ok(), "not the sequential mesh");
+            assert_eq!(mesh.duplicates(), expected.duplicates());
+        } else {
+            ending::same_as_anew(&mesh);
+        }
+        Ok(Played { mesh, figures })
+    }
+}
+
+/// Workers, and what is under way between them.
+struct World {
+    case: Case,
+    nodes: Vec<Node>,
+    channels: BTreeMap<(usize, usize), VecDeque<Message<LocalMesh>>>,
+    /// Worker, event, and the turn from which on it may happen.
+    backoff: Vec<(usize, Event<LocalMesh>, usize)>,
+    /// Moves left.
+    moves: u32,
+    /// Workers that have heard of the cancel.
+    cancelled: Vec<bool>,
+    figures: Figures,
+}
+
+impl World {
+    fn new(case: Case, nodes: Vec<Node>) -> Self {
+        Self {
+            case,
+            cancelled: vec![false; nodes.len()],
+            nodes,
+            channels: BTreeMap::new(),
+            backoff: Vec::new(),
+            moves: case.moves,
+            figures: Figures::default(),
+        }
+    }
+
+    /// What can happen now. Nothing can when all is done.
+    fn choices(&self) -> Vec<Choice> {
+        let workers = 0..self.nodes.len();
+        let mut all: Vec<Choice> =
+            self.channels.keys().map(|&(from, to)| Choice::Deliver(from, to)).collect();
+        all.extend(workers.clone().filter(|&w| self.nodes[w].has_work()).map(Choice::Work));
+        let due = |&k: &usize| self.backoff[k].2 <= self.figures.turns;
+        all.extend((0..self.backoff.len()).filter(due).map(Choice::Retry));
+        if all.is_empty() {
+            all.extend((0..self.backoff.len()).map(Choice::Retry));
+        }
+        if self.case.cancel.is_some_and(|turn| turn <= self.figures.turns) {
+            let open = |&w: &usize| !self.cancelled[w] && !self.nodes[w].is_stopped();
+            all.extend(workers.filter(open).map(Choice::Cancel));
+        }
+        // A move alone keeps no run going.
+        if self.moves > 0 && !all.is_empty() {
+            all.push(Choice::Move);
+        }
+        all
+    }
+
+    /// The worker to which it happens.
+    fn place(&self, choice: Choice) -> Option<usize> {
+        match choice {
+            Choice::Deliver(_, w) | Choice::Work(w) | Choice::Cancel(w) => Some(w),
+            Choice::Retry(k) => Some(self.backoff[k].0),
+            Choice::Move => None,
+        }
+    }
+
+    /// One event; `false` if nothing can happen any more.
+    fn turn(&mut self, chooser: &mut Chooser) -> bool {
+        let mut choices = self.choices();
+        if choices.is_empty() {
+            return false;
+        }
+        self.figures.turns += 1;
+        if !self.figures.turns.is_multiple_of(RESPITE) {
+            let Case { tempo, slow, .. } = self.case;
+            let mut first = choices.clone();
+            first.retain(|&c| tempo.prefers(c) && (slow.is_none() || self.place(c) != slow));
+            if first.iter().any(|&c| c != Choice::Move) {
+                choices = first;
+            }
+        }
+        let choice = choices[chooser.below(choices.len())];
+        let mut out = Vec::new();
+        let w = match choice {
+            Choice::Deliver(from, to) => self.deliver(from, to, &mut out),
+            Choice::Work(w) => {
+                self.nodes[w].step(Event::Work, &mut out);
+                w
+            }
+            Choice::Retry(k) => {
+                let (w, event, _) = self.backoff.swap_remove(k);
+                self.nodes[w].step(event, &mut out);
+                w
+            }
+            Choice::Move => self.move_block(chooser, &mut out),
+            Choice::Cancel(w) => {
+                self.nodes[w].step(Event::Cancel, &mut out);
+                self.cancelled[w] = true;
+                w
+            }
+        };
+        self.carry_out(w, out, chooser);
+        // Nothing gives a cancelled worker more to do, be it a block that moves in.
+        assert!(!self.cancelled[w] || self.nodes[w].source().is_empty(), "{w} is cancelled");
+        true
+    }
+
+    fn deliver(&mut self, from: usize, to: usize, out: &mut Vec<Action<LocalMesh>>) -> usize {
+        let Some(queue) = self.channels.get_mut(&(from, to)) else { return to };
+        let message = queue.pop_front();
+        if queue.is_empty() {
+            self.channels.remove(&(from, to));
+        }
+        if let Some(message) = message {
+            self.nodes[to].step(Event::Message { from: from as u32, message }, out);
+        }
+        to
+    }
+
+    /// A block's owner is told to give it away. It need not.
+    fn move_block(&mut self, chooser: &mut Chooser, out: &mut Vec<Action<LocalMesh>>) -> usize {
+        self.moves -= 1;
+        let block = chooser.below(self.nodes[0].directory().blocks() as usize) as u32;
+        let to = chooser.below(self.nodes.len()) as u32;
+        // None: it is under way.
+        let owner = self.nodes.iter().position(|node| node.directory().is_mine(block));
+        let owner = owner.unwrap_or(0);
+        self.nodes[owner].step(Event::Migrate { block, to }, out);
+        owner
+    }
+
+    fn carry_out(&mut self, w: usize, out: Vec<Action<LocalMesh>>, chooser: &mut Chooser) {
+        for action in out {
+            match action {
+                Action::Send { to, message } => {
+                    self.channels.entry((w, to as usize)).or_default().push_back(message);
+                }
+                Action::Backoff { ticket, attempt } => {
+                    // Up to twice as long with each setback: the paper's rule may never end else.
+                    let longest = 16_u64 << attempt.min(10);
+                    let due = self.figures.turns + chooser.rest.below(longest) as usize;
+                    self.backoff.push((w, Event::Retry(ticket), due));
+                }
+                Action::Note(Note::SetBack { .. }) => self.figures.setbacks += 1,
+                Action::Note(Note::Committed { .. }) => self.figures.committed += 1,
+                Action::Note(Note::Migrated(_)) => self.figures.moved += 1,
+                Action::Note(_) => {}
+            }
+        }
+    }
+
+    fn describe(&self) -> String {
+        let nodes: Vec<String> = self.nodes.iter().map(Node::describe).collect();
+        let mail: Vec<_> = self
+            .channels
+            .iter()
+            .map(|(pair, queue)| (pair, queue.len(), queue[0].kind()))
+            .collect();
+        format!("{:?}\n{}\n{mail:?}", self.case, nodes.join("\n"))
+    }
+}
