@@ -233,7 +233,12 @@ pub(crate) struct MeshArgs {
     #[arg(long, value_name = "A")]
     pub(crate) max_volume: Option<f64>,
     /// Bounds as TetGen's switches give them: `q` with a ratio, `a` with a volume
-    #[arg(long, value_name = "SWITCHES", conflicts_with_all = ["radius_edge", "max_volume"])]
+    #[arg(
+        long,
+        value_name = "SWITCHES",
+        allow_hyphen_values = true,
+        conflicts_with_all = ["radius_edge", "max_volume"]
+    )]
     pub(crate) tetgen_switches: Option<String>,
     /// Insert at most so many points
     #[arg(long, value_name = "N")]

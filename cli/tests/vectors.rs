@@ -1,7 +1,6 @@
 //! `ltbw vectors run`: levels and flags of a right executor, of wrong ones, and of none.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-#[expect(dead_code, reason = "other tests use the rest")]
 mod common;
 #[path = "../../tests/src/require.rs"]
 #[expect(unreachable_pub, reason = "it is public in the library that owns it")]

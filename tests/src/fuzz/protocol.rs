@@ -45,7 +45,7 @@ fn read(bytes: &[u8]) -> (Vec<Point>, Case, Chooser<'_>) {
         // Half of the values: no slow worker.
         slow: (slow % 2 == 1).then_some(usize::from(slow / 2) % workers as usize),
         moves: u32::from(moves) % 64,
-        cancel: (cancel >= 192).then_some(8 * usize::from(cancel - 192)),
+        cancel: cancel.checked_sub(192).map(|k| 8 * usize::from(k)),
     };
     (points, case, Chooser::new(&rest[4 * cells.len()..], u64::from(seed)))
 }
