@@ -33,7 +33,8 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
         Err(Failure::Usage(text))
     } else if !from.holds_mesh() && to.holds_domain() {
         Err(Failure::Usage(format!("{}: points are no domain", show(input))))
-    } else if to.holds_domain() {
+    } else if to.holds_domain() && to != Format::Ply {
+        // A .ply file may hold the points alone.
         Err(Failure::Usage(format!("{}: a mesh is no domain", show(input))))
     } else if !from.holds_mesh() {
         let text = format!(

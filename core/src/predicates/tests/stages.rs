@@ -94,3 +94,11 @@ fn lattice_filters_decide_few_steps_exactly_and_no_more() {
     }
     assert!(zeros > 1000 && beyond > 10, "{zeros} zeros, {beyond} left to the exact stages");
 }
+
+#[test]
+fn the_constants_that_the_bounds_are_made_of() {
+    assert_eq!(filter::UNIT_ROUNDOFF, 2f64.powi(-53));
+    assert!(1.0 + filter::UNIT_ROUNDOFF == 1.0 && 1.0 - filter::UNIT_ROUNDOFF < 1.0);
+    assert_eq!(filter::GUARD_LOW, 2f64.powi(-190));
+    assert_eq!(filter::GUARD_HIGH, 2f64.powi(200));
+}
