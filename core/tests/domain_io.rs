@@ -272,6 +272,25 @@ fn formats_that_hold_no_domain() {
     assert_eq!(empty.to_string(), "a.poly: cannot write: the domain has no facets");
 }
 
+/// Found by the test below: a segment forced across the rim of its facet's triangulation.
+#[test]
+fn a_damaged_block_is_no_reason_to_panic() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.ply");
+    let shape = Shape { count: Some(3), ..Shape::default() };
+    let domain = generate_domain(DomainKind::LBlock, &shape).unwrap();
+    let options = WriteOptions { encoding: Encoding::Binary, ..WriteOptions::default() };
+    io::write_domain_with(&path, &domain, options).unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let place = |index: u64, len: usize| ((u128::from(index) * len as u128) >> 64) as usize;
+    let at = place(11_592_801_428_035_175_399, bytes.len());
+    bytes.insert(at, 32);
+    let at = place(5_159_741_458_298_468_786, bytes.len());
+    bytes.remove(at);
+    let file = ply::read_domain(&bytes).unwrap();
+    assert!(!file.domain.check(&Default::default()).unwrap().defects.is_empty());
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
 

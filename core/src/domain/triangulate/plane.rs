@@ -310,6 +310,10 @@ impl Plane {
             left = left.checked_sub(1).ok_or(stuck)?;
             let (t, place) = self.find_edge(other).ok_or(stuck)?;
             let u = self.neighbours[t as usize][place];
+            if u == NONE {
+                // An edge of the rim cannot be flipped: only garbage forces a segment across it.
+                return Err(stuck);
+            }
             let c = self.corners[t as usize][place];
             let d = self.corners[u as usize][self.opposite_of(u, other)];
             let [p, q] = other;
