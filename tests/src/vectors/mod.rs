@@ -7,7 +7,7 @@
 //! | [`predicates`] | `predicates/` |
 //! | [`order`] | `order/` |
 //! | [`meshes`] | `cavity/`, `insert/`, `delaunay/` |
-//! | [`line`] | the mesh of `protocol/`: intervals on a line |
+//! | [`mod@line`] | the mesh of `protocol/`: intervals on a line |
 //! | [`letters`] | its messages as JSON |
 //! | [`protocol`] | `protocol/`, `interleavings/` |
 

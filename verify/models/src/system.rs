@@ -1,5 +1,5 @@
 //! All states of a world: workers, messages under way, timers. Every transition is one call of the
-//! real [`Worker::step`].
+//! real [`Worker::step`](ltbw::protocol::Worker::step).
 
 use crate::hull::{Hull, Letter};
 use crate::museum::Exhibit;
