@@ -364,3 +364,29 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_segment_in_a_facet_is_drawn_in_it_or_crosses_it() {
+    let plain = cubes(&[[0.0; 3]]);
+    for ends in [[0, 3], [1, 2], [3, 0], [2, 1]] {
+        // Whichever diagonal the triangles of the facet have.
+        let mut crossed = plain.clone();
+        crossed.segments.push((ends, 0));
+        let report = crossed.check(&CheckOptions::default()).unwrap();
+        assert_eq!(report.count(DefectKind::Intersection), 1, "{ends:?}: {:?}", report.defects);
+        // A polygon of two corners makes it an edge of the facet.
+        let mut drawn = plain.clone();
+        let facet =
+            drawn.facets.iter_mut().find(|f| ends.iter().all(|v| f.polygons[0].contains(v)));
+        facet.unwrap().polygons.push(ends.to_vec());
+        for segments in [Vec::new(), vec![(ends, 0)]] {
+            drawn.segments = segments;
+            let report = drawn.check(&CheckOptions::default()).unwrap();
+            assert!(report.passed(), "{ends:?}: {:?}", report.defects);
+        }
+    }
+    // A segment along an edge of the box is one of its edges.
+    let mut along = plain;
+    along.segments.push(([0, 1], 0));
+    assert!(along.check(&CheckOptions::default()).unwrap().passed());
+}

@@ -189,7 +189,8 @@ pub enum DefectKind {
     NonPlanar,
     /// Two facets of one plane overlap, or a facet is there twice.
     Overlap,
-    /// Two facets, or a segment and a facet, or two segments cross.
+    /// Two facets, or a segment and a facet, or two segments cross; or a segment lies in a facet
+    /// that does not draw it (as a polygon of two corners).
     Intersection,
     /// A vertex lies inside an edge or a facet that does not name it.
     TJunction,

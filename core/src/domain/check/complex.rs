@@ -50,6 +50,9 @@ pub(super) enum Shape {
 
 /// A domain in pieces. Vertices of equal coordinates have one number here: the least.
 pub(super) struct Complex<'a> {
+    domain: &'a Domain,
+    /// For each vertex its number here, if any two are equal.
+    same: Option<Vec<u32>>,
     pub(super) points: &'a [Point],
     pub(super) triangles: Vec<[u32; 3]>,
     /// The facet of each triangle.
@@ -73,6 +76,8 @@ impl<'a> Complex<'a> {
         }
         let map = |v: u32| same.as_ref().map_or(v, |s| s[v as usize]);
         let mut complex = Self {
+            domain,
+            same: same.clone(),
             points,
             triangles: Vec::with_capacity(domain.facets.len()),
             facet_of: Vec::with_capacity(domain.facets.len()),
@@ -207,6 +212,14 @@ impl<'a> Complex<'a> {
             Shape::Edge(_) => self.loose[n - self.triangles.len()].1,
             Shape::Vertex(v) => Element::Vertex(v),
         }
+    }
+
+    /// Is an edge drawn in a facet, as a side of one of its polygons? (Its triangles have more.)
+    pub(super) fn draws(&self, facet: u32, edge: [u32; 2]) -> bool {
+        let map = |v: u32| self.same.as_ref().map_or(v, |s| s[v as usize]);
+        let polygons = &self.domain.facets[facet as usize].polygons;
+        let mut drawn = polygons.iter().flat_map(|p| edges(p)).map(|e| e.map(map));
+        drawn.any(|[a, b]| edge == [a, b] || edge == [b, a])
     }
 
     /// A piece with its box.

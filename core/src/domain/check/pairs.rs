@@ -59,6 +59,12 @@ fn contacts_of(
         }
         let contact = match (complex.shape(number), complex.shape(other)) {
             (Shape::Triangle(t), Shape::Triangle(u)) => contacts.triangles(t, u),
+            // A segment along a side of a triangle that its facet does not draw lies inside the
+            // facet: that triangles have this side is chance.
+            (Shape::Triangle(t), Shape::Edge(e)) if e.iter().all(|v| t.contains(v)) => {
+                let drawn = complex.draws(complex.facet_of[number as usize], e);
+                (!drawn).then_some(Contact::Crossing)
+            }
             (Shape::Triangle(t), Shape::Edge(e)) => contacts.edge_on_triangle(e, t),
             (Shape::Triangle(t), Shape::Vertex(v)) => contacts.vertex_on_triangle(v, t),
             (Shape::Edge(e), Shape::Edge(f)) => contacts.edges(e, f),
