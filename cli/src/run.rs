@@ -219,7 +219,7 @@ fn build(set: &PointSet, job: &Job<'_>) -> Result<BuiltBy, RunError> {
     if job.json.is_some() || job.parallel.tables || job.parallel.trace.is_some() {
         kernel = kernel.measure(if job.parallel.trace.is_some() { SPANS } else { 0 });
     }
-    let run = kernel.run(set)?;
+    let run = kernel.build_distributed(set)?;
     let count = if in_parts { run.parts() } else { 0 };
     let parts = (0..count).map(|part| run.tets(part).collect()).collect();
     let run = run.gather()?;

@@ -112,7 +112,7 @@ fn blocks_move_in_a_cancelled_run() {
 #[test]
 fn a_mesh_may_stay_distributed() {
     let set = set(PointKind::Uniform, 5000, 8);
-    let parts = Parallel::new(4).run(&set).expect("a mesh");
+    let parts = Parallel::new(4).build_distributed(&set).expect("a mesh");
     assert_eq!((parts.parts(), parts.outcome()), (4, Outcome::Complete));
     let mut tets: Vec<[u32; 4]> = (0..4).flat_map(|part| parts.tets(part)).collect();
     assert!((0..4).all(|part| parts.tets(part).count() > 1000), "parts are nearly even");

@@ -201,14 +201,14 @@ impl<'a> Parallel<'a> {
     /// # Errors
     /// [`RunError`] says why there is no mesh.
     pub fn build(&self, set: &PointSet) -> Result<Run, RunError> {
-        self.run(set)?.gather()
+        self.build_distributed(set)?.gather()
     }
 
     /// Builds the mesh and leaves it distributed: every worker has its submesh.
     ///
     /// # Errors
     /// [`RunError`] says why there is no mesh.
-    pub fn run(&self, set: &PointSet) -> Result<Distributed, RunError> {
+    pub fn build_distributed(&self, set: &PointSet) -> Result<Distributed, RunError> {
         let clock = Instant::now();
         let plan = self.plan.unwrap_or_else(|| Plan::new(set.len(), self.workers));
         let Prepared { workers, common } = Plan { roomy: true, ..plan }.prepare(set)?;

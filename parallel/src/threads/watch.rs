@@ -60,9 +60,8 @@ impl<'a> ThreadWatch<'a> {
 
     /// Ends the measuring.
     pub(super) fn finish(self, mesh: &impl Survey) -> (WorkerStats, Option<Collector>) {
-        let end = nanos(self.start);
         let collector = self.meter.map(|mut meter| {
-            meter.collector.finish(end, mesh);
+            meter.collector.finish(meter.last, mesh);
             meter.collector
         });
         (self.stats, collector)
