@@ -17,9 +17,11 @@ fn run(points: Vec<Point>, plan: Plan, rule: Rule, moves: u32, seed: u64) -> (us
 }
 
 fn play(points: Vec<Point>, case: Case, seed: u64) -> Figures {
+    // Shown if the test fails.
+    println!("seed {seed}, {} points, {case:?}", points.len());
     let set = PointSet::new(points).expect("finite points");
     let played = case.play(&set, &mut Chooser::new(&[], seed));
-    played.unwrap_or_else(|error| panic!("{error}: seed {seed}, {case:?}")).figures
+    played.unwrap_or_else(|error| panic!("{error}")).figures
 }
 
 fn plan(workers: u32, sample: usize) -> Plan {

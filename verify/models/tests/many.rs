@@ -34,7 +34,7 @@ fn explore(name: &str, check: impl Fn(Box<dyn Fn() + Send + Sync>, u64)) {
     let given = Arc::new(AtomicUsize::new(0));
     let worlds = worlds();
     let points: usize = worlds.iter().map(|world| world.points.len()).sum();
-    for (seed, world) in (0..).zip(&worlds) {
+    for (seed, world) in (0_u64..).zip(&worlds) {
         // In every second world blocks move only because workers run out of points.
         let mut world = world.clone();
         let balance = seed.is_multiple_of(2).then(|| {
