@@ -37,11 +37,11 @@ use rustc_hash::FxHashMap;
 /// The tetrahedra of one worker, with names for those that others know.
 #[derive(Debug)]
 pub struct LocalMesh {
-    part: Part<Ticket>,
+    /// Tetrahedra that others know are watched, with their names.
+    part: Part<Ticket, Name>,
     blocks: Blocks,
     me: WorkerId,
     names: FxHashMap<Name, TetId>,
-    name_of: FxHashMap<TetId, Name>,
     /// Names given so far.
     named: u32,
     /// Where points were located that could not be inserted at once.
@@ -53,6 +53,7 @@ pub struct LocalMesh {
     /// The limit of tetrahedra was met: the mesh is not whole.
     full: bool,
     reported: (u64, u64, u64),
+    edges: fill::Edges,
 }
 
 impl LocalMesh {
@@ -63,18 +64,18 @@ impl LocalMesh {
             blocks,
             me,
             names: FxHashMap::default(),
-            name_of: FxHashMap::default(),
             named: 0,
             located: FxHashMap::default(),
             strays: FxHashMap::default(),
             duplicates: Vec::new(),
             full: false,
             reported: (0, 0, 0),
+            edges: fill::Edges::default(),
         }
     }
 
     /// The kernel's part of the mesh.
-    pub fn part(&self) -> &Part<Ticket> {
+    pub fn part(&self) -> &Part<Ticket, Name> {
         &self.part
     }
 
@@ -104,31 +105,31 @@ impl LocalMesh {
 
     fn set_name(&mut self, t: TetId, name: Name) {
         self.names.insert(name, t);
-        let before = self.name_of.insert(t, name);
+        let before = self.part.label(t);
         debug_assert!(
             before.is_none_or(|n| n == name),
             "P1: {t} has names {before:?} and {name:?}"
         );
-        self.part.watch(t);
+        self.part.watch(t, name);
     }
 
     fn drop_name(&mut self, t: TetId) {
-        if let Some(name) = self.name_of.remove(&t) {
+        if let Some(name) = self.part.unwatch(t) {
             self.names.remove(&name);
         }
     }
 
     /// Forgets the names of tetrahedra that an insertion removed.
     fn forget_gone(&mut self) {
-        for k in 0..self.part.gone().len() {
-            self.drop_name(self.part.gone()[k]);
+        for name in self.part.take_gone() {
+            self.names.remove(&name);
         }
     }
 
     /// The name of `t`, a new one if it has none.
     fn ensure_name(&mut self, t: TetId) -> Name {
-        match self.name_of.get(&t) {
-            Some(&name) => name,
+        match self.part.label(t) {
+            Some(name) => name,
             None => {
                 let name = self.fresh_name();
                 self.set_name(t, name);
@@ -154,11 +155,12 @@ impl LocalMesh {
         let tet = tet_of(face);
         match self.part.load(tet) {
             Some(load) => Link::Far(handle(load)),
+            None if self.part.is_inside(tet) => Link::Inside,
             None => Link::Near {
                 tet,
                 slot: slot_of(face) as u8,
                 block: self.block_of(tet),
-                name: self.name_of.get(&tet).copied(),
+                name: self.part.label(tet),
             },
         }
     }
@@ -232,9 +234,13 @@ impl Submesh for LocalMesh {
 
     fn set_holder(&mut self, t: TetId, holder: Option<Ticket>) {
         match holder {
-            Some(ticket) => self.part.close(t, ticket),
+            Some(ticket) => self.part.close(t, ticket, false),
             None => self.part.open(t),
         }
+    }
+
+    fn lock(&mut self, t: TetId, holder: Ticket, in_conflict: bool) {
+        self.part.close(t, holder, in_conflict);
     }
 
     fn in_conflict(&mut self, t: TetId, point: &Site) -> bool {
@@ -254,7 +260,7 @@ impl Submesh for LocalMesh {
     fn piece(&self, t: TetId) -> Piece {
         Piece {
             tet: t,
-            name: self.name_of.get(&t).copied(),
+            name: self.part.label(t),
             v: self.sites(t),
             n: self.part.neighbours(t).map(|face| self.link_at(face)),
         }

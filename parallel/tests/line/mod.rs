@@ -322,7 +322,7 @@ impl Source<Line> for Supply {
 
     fn inserted(&mut self, _: &Line, _: &i64) {}
 
-    fn take_block(&mut self, block: BlockId) -> Vec<i64> {
+    fn take_block(&mut self, _: &Line, block: BlockId) -> Vec<i64> {
         let points: Vec<i64> = self.blocks.remove(&block).map(Vec::from).unwrap_or_default();
         self.left -= points.len() as u64;
         points
