@@ -151,6 +151,37 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         }
     }
 
+    /// Says that the vertices of `range` are not the part's own any more. What lies on the smaller
+    /// side of them is not, either: the part's own vertices stay one range.
+    pub fn leave(&mut self, range: Range<VertexId>) {
+        let Range { start, end } = self.home;
+        let below = start..range.start.clamp(start, end);
+        let above = range.end.clamp(start, end)..end;
+        let home = if below.len() < above.len() { above } else { below };
+        if home == self.home {
+            return;
+        }
+        self.home = home;
+        self.places.fill(TetId::MAX);
+        for t in 0..self.topology.slots() as TetId {
+            if !self.is_live(t) {
+                continue;
+            }
+            let v = self.topology.tet(t).vertices();
+            for w in v.into_iter().filter(|&w| w != INFINITE) {
+                if self.home.contains(&w) {
+                    let place = self.place(w);
+                    self.places[place] = t;
+                } else {
+                    self.geometry.set_sphere(t, Sphere::UNKNOWN);
+                    if let Some(special) = self.specials.get_mut(t) {
+                        special.sphere = Sphere::UNKNOWN;
+                    }
+                }
+            }
+        }
+    }
+
     /// The tetrahedra, proxies and free slots included.
     pub fn topology(&self) -> &Topology {
         &self.topology
@@ -373,10 +404,10 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         special.closed = Some((holder, inside));
     }
 
-    /// Is `t` closed as a tetrahedron of its holder's cavity?
+    /// Who holds the closed tetrahedron `t`, and whether as one of its cavity; `None` if it is open.
     #[inline]
-    pub fn is_inside(&self, t: TetId) -> bool {
-        self.specials.get(t).is_some_and(|s| matches!(s.closed, Some((_, true))))
+    pub fn closed_by(&self, t: TetId) -> Option<(H, bool)> {
+        self.specials.get(t)?.closed
     }
 
     /// Opens `t`; nothing happens if it is open.

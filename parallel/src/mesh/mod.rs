@@ -31,7 +31,7 @@ use crate::protocol::{
     BlockId, Conduct, Costs, Directory, Handle, Name, Neighbour, Submesh, Ticket, Walk, WorkerId,
 };
 use ltbw_core::part::{Local, Part, Setting, Stop};
-use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
+use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, slot_of, tet_of};
 use rustc_hash::FxHashMap;
 
 /// The tetrahedra of one worker, with names for those that others know.
@@ -94,6 +94,12 @@ impl LocalMesh {
         self.full
     }
 
+    /// A tetrahedron whose block is not this worker's. There is none but those on their way.
+    pub fn misplaced(&self, directory: &Directory) -> Option<TetId> {
+        let mut tets = self.part.tets();
+        tets.find(|&(_, v)| !directory.is_mine(self.blocks.of_tet(v))).map(|(t, _)| t)
+    }
+
     fn block_of(&self, t: TetId) -> BlockId {
         self.blocks.of_tet(self.part.vertices(t))
     }
@@ -150,18 +156,26 @@ impl LocalMesh {
         self.part.vertices(t).map(|v| self.site(v))
     }
 
-    /// The neighbour of `t` at `slot`, as a worker other than the protocol sees it.
-    fn link_at(&self, face: u32) -> Link {
-        let tet = tet_of(face);
-        match self.part.load(tet) {
-            Some(load) => Link::Far(handle(load)),
-            None if self.part.is_inside(tet) => Link::Inside,
-            None => Link::Near {
-                tet,
-                slot: slot_of(face) as u8,
-                block: self.block_of(tet),
-                name: self.part.label(tet),
-            },
+    /// The neighbour beyond a face of a tetrahedron that `holder` has locked, as the home sees it.
+    fn link_at(&self, face: FaceId, holder: Option<Ticket>) -> Link {
+        let (tet, slot) = (tet_of(face), slot_of(face) as u8);
+        if let Some(load) = self.part.load(tet) {
+            return Link::Far(handle(load));
+        }
+        let (closed_by, name) = (self.part.closed_by(tet), self.part.label(tet));
+        if let (Some((by, true)), Some(mine)) = (closed_by, holder)
+            && by == mine
+        {
+            return Link::Inside;
+        }
+        let block = self.block_of(tet);
+        match name {
+            // It has come here after the operation had asked for it where it was: whether it is in
+            // conflict is open, and will be known by its name.
+            Some(name) if closed_by.map(|(by, _)| by) != holder => {
+                Link::Far(Handle { name, block, face: slot })
+            }
+            _ => Link::Near { tet, slot, block, name },
         }
     }
 }
@@ -258,11 +272,12 @@ impl Submesh for LocalMesh {
     }
 
     fn piece(&self, t: TetId) -> Piece {
+        let holder = self.part.holder(t);
         Piece {
             tet: t,
             name: self.part.label(t),
             v: self.sites(t),
-            n: self.part.neighbours(t).map(|face| self.link_at(face)),
+            n: self.part.neighbours(t).map(|face| self.link_at(face, holder)),
         }
     }
 
