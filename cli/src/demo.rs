@@ -3,7 +3,7 @@
 use crate::args::{Demo, Depth};
 use crate::console::{self, Stop};
 use crate::outcome::{Exit, Failure, show};
-use crate::run::{Job, check_outputs, mesh_points};
+use crate::run::{Job, ParallelJob, check_outputs, mesh_points};
 use ltbw::generate::{PointKind, generate};
 use ltbw::io::PointFile;
 use std::path::Path;
@@ -28,6 +28,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         start,
         read_seconds: 0.0,
         workers: 1,
+        parallel: ParallelJob::default(),
     };
     let exit = mesh_points(points(), &job)?;
     if exit == Exit::Done {

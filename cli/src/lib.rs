@@ -29,6 +29,7 @@ mod conform;
 mod console;
 mod demo;
 mod domain;
+mod figures;
 mod files;
 mod lists;
 mod mesh;

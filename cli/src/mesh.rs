@@ -273,6 +273,7 @@ fn report_of(refined: &Refined, ready: &Prepared, hash: String, seconds: Seconds
         certificate: None,
         outputs: Vec::new(),
         workers: Vec::new(),
+        parallel: None,
     }
 }
 

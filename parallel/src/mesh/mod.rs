@@ -320,6 +320,10 @@ impl Submesh for LocalMesh {
         self.adopt_all(cargo, made);
     }
 
+    fn is_full(&self) -> bool {
+        self.full
+    }
+
     fn take_costs(&mut self) -> Costs {
         let (walk_steps, tests, created) = self.part.work();
         let before = std::mem::replace(&mut self.reported, (walk_steps, tests, created));

@@ -98,7 +98,9 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     ) {
         let me = self.id();
         self.directory.learn(block, me, epoch);
-        if !self.cancelled {
+        if self.cancelled && C::STAYS_CANCELLED {
+            self.dropped |= !points.is_empty();
+        } else {
             self.source.give(block, points);
         }
         self.install(cargo, out);

@@ -116,6 +116,11 @@ pub trait Submesh: Sized {
     /// Installs extracted tetrahedra. Pushes their names to `made`.
     fn adopt(&mut self, cargo: Self::Cargo, made: &mut Vec<Name>);
 
+    /// Is there no room for more tetrahedra? Then no more points are started here.
+    fn is_full(&self) -> bool {
+        false
+    }
+
     /// The work done since the last call.
     fn take_costs(&mut self) -> Costs {
         Costs::default()

@@ -3,6 +3,7 @@
 use crate::hull::{Hull, Link, Piece, Vertex, block_of, orient};
 use crate::museum::Exhibit;
 use crate::witness::Witness;
+use ltbw::balance::Stock;
 use ltbw::protocol::{BlockId, Config, Directory, Name, Rule, Source, Worker, WorkerId};
 use std::collections::BTreeMap;
 
@@ -34,6 +35,16 @@ impl<C: Exhibit> Source<Hull<C>> for Points {
 
     fn clear(&mut self) {
         self.0.clear();
+    }
+}
+
+impl Stock for Points {
+    fn left(&self) -> u64 {
+        self.0.len() as u64
+    }
+
+    fn in_block(&self, block: BlockId) -> u64 {
+        self.0.iter().filter(|v| u32::from(v.block) == block).count() as u64
     }
 }
 
