@@ -390,3 +390,43 @@ fn a_segment_in_a_facet_is_drawn_in_it_or_crosses_it() {
     along.segments.push(([0, 1], 0));
     assert!(along.check(&CheckOptions::default()).unwrap().passed());
 }
+
+#[test]
+fn a_facet_along_a_diagonal_of_another_crosses_it() {
+    let plain = cubes(&[[0.0; 3]]);
+    // From a face's diagonal to one corner or two of the opposite face: whichever diagonals the
+    // triangles have.
+    for (corners, faces) in
+        [(&[0, 3, 7][..], 1), (&[1, 2, 6], 1), (&[0, 3, 7, 4], 2), (&[1, 2, 6, 5], 2)]
+    {
+        let sheet = Facet::polygon(corners, 0);
+        let mut crossed = plain.clone();
+        crossed.facets.push(sheet.clone());
+        for turn in 0..4 {
+            crossed.facets.iter_mut().for_each(|facet| facet.polygons[0].rotate_left(1));
+            let report = check(&crossed, false);
+            let crossings = report.count(DefectKind::Intersection);
+            assert_eq!(crossings, faces, "{corners:?} {turn}: {:?}", report.defects);
+        }
+        // Drawn in the faces, the diagonals are where the sheet ends.
+        let mut drawn = plain.clone();
+        for facet in &mut drawn.facets {
+            let [a, b, c, d] = facet.polygons[0][..] else { unreachable!("faces of a cube") };
+            let diagonals = [[a, c], [b, d]].into_iter();
+            let ends = diagonals.filter(|ends| ends.iter().all(|v| corners.contains(v)));
+            facet.polygons.extend(ends.map(Vec::from));
+        }
+        drawn.facets.push(sheet);
+        let report = check(&drawn, false);
+        assert!(report.is_meshable(), "{corners:?}: {:?}", report.defects);
+    }
+    // Two rectangles through each other, along a diagonal that both have.
+    let mut two = Domain::default();
+    two.vertices.extend([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]]);
+    two.vertices.extend([[1.0, 1.0, -1.0], [1.0, 1.0, 1.0]]);
+    two.facets.extend([[0, 1, 2, 3], [0, 4, 2, 5]].map(|p| Facet::polygon(&p, 0)));
+    for turn in 0..4 {
+        two.facets[turn % 2].polygons[0].rotate_left(1);
+        assert_eq!(check(&two, false).count(DefectKind::Intersection), 1, "{turn}");
+    }
+}

@@ -189,8 +189,8 @@ pub enum DefectKind {
     NonPlanar,
     /// Two facets of one plane overlap, or a facet is there twice.
     Overlap,
-    /// Two facets, or a segment and a facet, or two segments cross; or a segment lies in a facet
-    /// that does not draw it (as a polygon of two corners).
+    /// Two facets, or a segment and a facet, or two segments cross; or a segment or a facet's edge
+    /// lies in a facet that does not draw it (as a polygon of two corners).
     Intersection,
     /// A vertex lies inside an edge or a facet that does not name it.
     TJunction,
