@@ -430,3 +430,27 @@ fn a_facet_along_a_diagonal_of_another_crosses_it() {
         assert_eq!(check(&two, false).count(DefectKind::Intersection), 1, "{turn}");
     }
 }
+
+/// What Delaunay means is a matter of the projection alone, if the corners are not in one plane: by
+/// distances in space, flips of edges would go round in circles.
+#[test]
+fn facets_that_are_far_from_planar_have_triangles() {
+    let mut random = Random::new(11);
+    for round in 0..2000 {
+        let count = 5 + round % 12;
+        let mut domain = Domain::default();
+        for i in 0..count {
+            let angle = f64::from(i) / f64::from(count) * std::f64::consts::TAU;
+            let radius = 0.5 + random.unit();
+            let height = 2.0 * (random.unit() - 0.5);
+            domain.vertices.push([radius * angle.cos(), radius * angle.sin(), height]);
+        }
+        domain.facets.push(Facet::polygon(&(0..count).collect::<Vec<_>>(), 0));
+        let found = domain.triangulate(0).unwrap();
+        assert!(!found.planar);
+        // Along another axis the polygon may cross itself.
+        if found.is_sound() {
+            assert_eq!(found.triangles.len(), count as usize - 2, "{domain:?}");
+        }
+    }
+}
