@@ -192,8 +192,11 @@ impl Draw {
     fn parameter(&mut self, kind: Parameter, points: &[[i64; 3]]) -> BigInt {
         match kind {
             Parameter::No => BigInt::zero(),
-            // From ½ to 3.
-            Parameter::Ratio => BigInt::from(128 + self.below(640)),
+            // From 1 to 2 or to 1000.
+            Parameter::Ratio => {
+                let range = [256, 256_000][self.below(2) as usize];
+                BigInt::from(256 + self.below(range))
+            }
             // About a third of the tetrahedron's, as far as an `f64` can tell it.
             Parameter::Volume => {
                 let third: BigInt = exact::orient3d(&places(points)).abs() / 18;
@@ -337,6 +340,21 @@ fn between(low: i32, high: i32, decided: impl Fn(f64) -> bool) {
     ] {
         assert_eq!(decided(value), expected, "{value:e}");
     }
+}
+
+/// What the limit adds to the bound of a volume is much less than the rest of it: seen where the
+/// arithmetic is exact.
+#[test]
+fn the_bound_of_a_volume_grows_with_the_limit() {
+    let [p, q, r] = [131_072.0, 131_072.0, 131_074.0];
+    let corners = [O, [p, 0.0, 0.0], [0.0, q, 0.0], [0.0, 0.0, r]];
+    let [a, b, c, d] = corners;
+    // In units of u p q r, nearly a quarter, the bound is 52 and 1/16 and a sixth of 12.
+    let limit = |excess: f64| (p * q * r - excess) / 6.0;
+    assert_eq!(6.0 * limit(13.0), p * q * r - 13.0, "exact");
+    assert_eq!(filter::exceeds_volume_any(&a, &b, &c, &d, limit(13.0)), None);
+    assert_eq!(6.0 * limit(16.0), p * q * r - 16.0, "exact");
+    assert_eq!(filter::exceeds_volume_any(&a, &b, &c, &d, limit(16.0)), Some(Sign::Positive));
 }
 
 #[test]
