@@ -454,3 +454,21 @@ fn facets_that_are_far_from_planar_have_triangles() {
         }
     }
 }
+
+#[test]
+fn a_shell_too_small_to_be_found_is_a_finding() {
+    let tiny = |size: f64| {
+        let mut domain = cubes(&[[-0.5; 3], [0.0; 3]]);
+        for p in &mut domain.vertices[8..] {
+            *p = p.map(|c| c * size);
+        }
+        check(&domain, false)
+    };
+    let report = tiny(2f64.powi(-26));
+    assert!(report.passed(), "{:?}", report.defects);
+    assert_eq!(report.cells.unwrap().len(), 2);
+    let report = tiny(1e-200);
+    assert_eq!(report.count(DefectKind::Unresolved), 1, "{:?}", report.defects);
+    assert!(!report.is_meshable() && report.cells.is_none());
+    assert_eq!(report.defects[0].elements.len(), 1);
+}

@@ -189,6 +189,13 @@ impl<'a> Complex<'a> {
         findings.add(kind, elements, at);
     }
 
+    /// Reports the part of the surface that a triangle is in as one that could not be placed.
+    pub(super) fn unresolved(&self, triangle: u32, findings: &mut Findings) {
+        let n = triangle as usize;
+        let at = self.triangles[n].map(|v| self.points[v as usize]).to_vec();
+        findings.add(DefectKind::Unresolved, vec![Element::Facet(self.facet_of[n])], at);
+    }
+
     /// The number of pieces.
     pub(super) fn count(&self) -> usize {
         self.triangles.len() + self.loose.len() + self.unused.len()
