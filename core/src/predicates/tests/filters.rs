@@ -185,18 +185,16 @@ impl Draw {
         (self.0 >> 3) % bound
     }
 
-    fn coordinate(&mut self) -> i64 {
-        self.below(2 << BITS) as i64 - (1 << BITS)
+    /// A coordinate in an axis: those of z may be as much less as `flat` says.
+    fn coordinate(&mut self, axis: usize, flat: u32) -> i64 {
+        (self.below(2 << BITS) as i64 - (1 << BITS)) >> if axis == 2 { flat } else { 0 }
     }
 
-    fn parameter(&mut self, kind: Parameter, points: &[[i64; 3]]) -> BigInt {
+    fn parameter(&mut self, kind: Parameter, points: &[[i64; 3]], flat: u32) -> BigInt {
         match kind {
             Parameter::No => BigInt::zero(),
-            // From 1 to 2 or to 1000.
-            Parameter::Ratio => {
-                let range = [256, 256_000][self.below(2) as usize];
-                BigInt::from(256 + self.below(range))
-            }
+            // From ½ to 3, or to 200 if tetrahedra are flat.
+            Parameter::Ratio => BigInt::from((128 + self.below(640)) << flat),
             // About a third of the tetrahedron's, as far as an `f64` can tell it.
             Parameter::Volume => {
                 let third: BigInt = exact::orient3d(&places(points)).abs() / 18;
@@ -287,11 +285,13 @@ fn filters_decide_beyond_their_bounds_and_not_below() {
         // How many of each sort, and changes of sign.
         let mut counts = [0; 4];
         for round in 0..400 {
-            let points: Vec<[i64; 3]> =
-                (0..filter.points).map(|_| [0; 3].map(|_| draw.coordinate())).collect();
-            let parameter = draw.parameter(filter.parameter, &points);
+            let flat = [0, 6][round % 2];
+            let points: Vec<[i64; 3]> = (0..filter.points)
+                .map(|_| [0, 1, 2].map(|axis| draw.coordinate(axis, flat)))
+                .collect();
+            let parameter = draw.parameter(filter.parameter, &points, flat);
             let mover = (round % filter.points, round / filter.points % 3);
-            let (low, high) = (draw.coordinate(), draw.coordinate());
+            let [low, high] = [0; 2].map(|_| draw.coordinate(mover.1, flat));
             let probe = Probe { filter, points, parameter, mover };
             let Some(change) = probe.change(low.min(high), low.max(high)) else {
                 continue;
@@ -302,7 +302,7 @@ fn filters_decide_beyond_their_bounds_and_not_below() {
                     counts[(probe.check(at) + 1) as usize] += 1;
                 }
             }
-            if counts[3] == 12 {
+            if counts[3] == 16 {
                 break;
             }
         }
