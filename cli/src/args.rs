@@ -137,7 +137,7 @@ on every machine. The mesh is compared with the sequential kernel's.
 
 "))]
     Simulate(Simulate),
-    /// Show it: mesh 100,000 points, check the mesh, write demo.vtu
+    /// Show it: mesh the paper's model problem, check the mesh, write demo.vtu and demo.html
     #[command(after_long_help = EXIT_CODES)]
     Demo(Demo),
     /// Hold another implementation to the conformance kit verify/vectors
@@ -244,6 +244,17 @@ pub(crate) struct MeshArgs {
     /// Largest volume of a tetrahedron
     #[arg(long, value_name = "A")]
     pub(crate) max_volume: Option<f64>,
+    /// Largest edge length: no volume above that of the regular tetrahedron with such edges
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    pub(crate) size: Option<f64>,
+    /// Edge lengths at the vertices of the domain, linear in between: TetGen's .mtr file
+    ///
+    /// A header `COUNT 1`, then a length for each vertex.
+    #[arg(long, value_name = "MTR")]
+    pub(crate) sizes: Option<PathBuf>,
+    /// The mesh whose points --sizes is about, instead of the domain's vertices
+    #[arg(long, value_name = "MESH", requires = "sizes")]
+    pub(crate) background: Option<PathBuf>,
     /// Bounds as TetGen's switches give them: `q` with a ratio, `a` with a volume
     #[arg(
         long,
@@ -265,6 +276,9 @@ pub(crate) struct MeshArgs {
     /// The mesh is then in those coordinates; the offset is reported
     #[arg(long)]
     pub(crate) local_frame: bool,
+    /// Write a page that shows a cut through the mesh, the histograms and the report
+    #[arg(long, value_name = "HTML")]
+    pub(crate) page: Option<PathBuf>,
     /// Write the histograms of quality as a picture
     #[arg(long, value_name = "SVG")]
     pub(crate) histogram: Option<PathBuf>,
@@ -350,6 +364,13 @@ pub(crate) enum Kind {
     Domain(DomainKind),
 }
 
+/// A length.
+fn length(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
+    let good = value.is_finite() && value > 0.0;
+    good.then_some(value).ok_or_else(|| "a length is positive and finite".to_owned())
+}
+
 /// No more points than a point set may have.
 fn counts() -> impl TypedValueParser<Value = u32> {
     clap::value_parser!(u32).range(..=MAX_POINTS as i64)
@@ -369,7 +390,7 @@ fn kinds() -> impl TypedValueParser<Value = Kind> {
 /// `ltbw demo`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Demo {
-    /// Where to write the mesh
+    /// Where to write the mesh; the page goes beside it, with the extension .html
     #[arg(long, value_name = "MESH", default_value = "demo.vtu")]
     pub(crate) out: PathBuf,
 }

@@ -119,11 +119,11 @@ pub struct Worker<S: Submesh, Q, C = Sound> {
     /// Tickets issued.
     sequence: u32,
     /// Operations at home here.
-    pub(super) ops: BTreeMap<Ticket, Op<S>>,
+    pub(super) ops: BTreeMap<Ticket, Box<Op<S>>>,
     /// Those that can start (again): the paper's QL.
     pub(super) ready: BTreeSet<Ticket>,
     /// Closures of which a part is here.
-    pub(super) requests: BTreeMap<Ticket, Request<S>>,
+    pub(super) requests: BTreeMap<Ticket, Box<Request<S>>>,
     /// Who waits for a locked tetrahedron.
     pub(super) waiting: BTreeMap<S::Tet, Vec<Waiter>>,
     /// Who waits for a tetrahedron that is not installed yet.
@@ -131,7 +131,7 @@ pub struct Worker<S: Submesh, Q, C = Sound> {
     /// By holder: denied operations that start again when it has released its locks.
     pub(super) parked: BTreeMap<Ticket, Vec<(WorkerId, Ticket, Attempt)>>,
     /// Committed operations, kept by the unsound conduct that obeys late wounds.
-    pub(super) late: BTreeMap<Ticket, Op<S>>,
+    pub(super) late: BTreeMap<Ticket, Box<Op<S>>>,
     pub(super) safra: Safra,
     stopped: bool,
     /// Points that arrive are dropped: it was told to start no more.

@@ -374,7 +374,7 @@ impl Source<Line> for Queue {
 
     fn inserted(&mut self, _: &Line, _: &i64) {}
 
-    fn take_block(&mut self, block: BlockId) -> Vec<i64> {
+    fn take_block(&mut self, _: &Line, block: BlockId) -> Vec<i64> {
         let cuts = self.cuts;
         let goes = |p: &i64| cuts.is_some_and(|cuts| cuts.block(*p) == block);
         let taken = self.points.iter().copied().filter(goes).collect();

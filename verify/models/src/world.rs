@@ -22,7 +22,7 @@ impl<C: Exhibit> Source<Hull<C>> for Points {
 
     fn inserted(&mut self, _: &Hull<C>, _: &Vertex) {}
 
-    fn take_block(&mut self, block: BlockId) -> Vec<Vertex> {
+    fn take_block(&mut self, _: &Hull<C>, block: BlockId) -> Vec<Vertex> {
         let (taken, kept) = self.0.iter().partition(|v| u32::from(v.block) == block);
         self.0 = kept;
         taken
