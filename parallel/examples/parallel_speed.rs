@@ -1,6 +1,6 @@
 //! Time of the thread runtime against the sequential kernel, runs interleaved.
 //!
-//! `cargo run --release -p ltbw --example parallel_speed -- KIND N THREADS[,THREADS...] RUNS`
+//! `cargo run --release -p ltbw --example parallel_speed -- KIND N THREADS[,THREADS...] RUNS [WINDOW]`
 //! prints one JSON line: medians of seconds, and ratios to the sequential kernel of the same run.
 //! `-p` in front of KIND skips the sequential kernel: for profilers.
 
@@ -40,9 +40,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if alone {
         words.remove(0);
     }
-    let [kind, count, threads, runs] = words.as_slice() else {
-        return Err("usage: parallel_speed [-p] KIND N THREADS[,THREADS...] RUNS".into());
+    let [kind, count, threads, runs, window @ ..] = words.as_slice() else {
+        return Err("usage: parallel_speed [-p] KIND N THREADS[,THREADS...] RUNS [WINDOW]".into());
     };
+    let window: Option<usize> = window.first().map(|word| word.parse()).transpose()?;
     let kind: PointKind = kind.parse()?;
     let set = PointSet::new(generate(kind, count.parse()?, 1))?;
     let threads: Vec<u32> = threads.split(',').map(str::parse).collect::<Result<_, _>>()?;
@@ -61,7 +62,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         for (k, &threads) in threads.iter().enumerate() {
             let clock = Instant::now();
-            let mut run = Parallel::new(threads).build(&set)?;
+            let parallel_run = Parallel::new(threads);
+            let parallel_run = match window {
+                Some(window) => parallel_run.window(window),
+                None => parallel_run,
+            };
+            let mut run = parallel_run.build(&set)?;
             let seconds = clock.elapsed().as_secs_f64();
             ratios[k].push(base / seconds);
             // Only the figures are kept.

@@ -58,26 +58,38 @@ impl Blocks {
     /// The block of a tetrahedron: that of most of its finite vertices; of equals, the smallest.
     #[inline]
     pub fn of_tet(&self, v: [VertexId; 4]) -> BlockId {
-        let finite = if v[3] == INFINITE { 3 } else { 4 };
-        // Most tetrahedra lie in one block.
         let first = self.of_vertex(v[0]);
         let range = self.vertices(first);
-        if v[1..finite].iter().all(|w| range.contains(w)) {
+        // Most tetrahedra lie in one block.
+        if v[1..].iter().all(|w| range.contains(w)) {
             return first;
         }
-        let mut blocks = [first; 4];
-        for (block, &v) in blocks.iter_mut().zip(&v[..finite]).skip(1) {
-            *block = self.of_vertex(v);
+        let [b, c] = [self.of_vertex(v[1]), self.of_vertex(v[2])];
+        if v[3] == INFINITE {
+            return match () {
+                () if first == b || first == c => first,
+                () if b == c => b,
+                () => first.min(b).min(c),
+            };
         }
-        let blocks = &blocks[..finite];
-        let (mut best, mut most) = (BlockId::MAX, 0);
-        for &block in blocks {
-            let count = blocks.iter().filter(|&&other| other == block).count();
-            if count > most || count == most && block < best {
-                (best, most) = (block, count);
-            }
-        }
-        best
+        majority(first, b, c, self.of_vertex(v[3]))
+    }
+}
+
+/// The most frequent of four numbers; of equally frequent ones, the least.
+#[inline]
+fn majority(a: BlockId, b: BlockId, c: BlockId, d: BlockId) -> BlockId {
+    // A pair, and perhaps the pair of the other two; else all differ.
+    let pair = |same: BlockId, x: BlockId, y: BlockId| if x == y { same.min(x) } else { same };
+    match () {
+        () if a == b && (a == c || a == d) => a,
+        () if c == d && (c == a || c == b) => c,
+        () if a == b => pair(a, c, d),
+        () if a == c => pair(a, b, d),
+        () if a == d => pair(a, b, c),
+        () if b == c || b == d => b,
+        () if c == d => c,
+        () => a.min(b).min(c).min(d),
     }
 }
 
@@ -98,6 +110,17 @@ mod tests {
         assert_eq!(blocks.of_tet([9, 8, 1, 2]), 0, "two and two: the smaller block");
         assert_eq!(blocks.of_tet([9, 1, 4, 6]), 0, "four different ones");
         assert_eq!(blocks.of_tet([9, 8, 1, INFINITE]), 3);
+    }
+
+    #[test]
+    fn the_majority_of_four_is_that_of_the_definition() {
+        for n in 0..256 {
+            let blocks = [0, 2, 4, 6].map(|shift| n >> shift & 3);
+            let count = |block: u32| blocks.iter().filter(|&&other| other == block).count();
+            let [a, b, c, d] = blocks;
+            let expected = (0..4).min_by_key(|&block| (4 - count(block), block));
+            assert_eq!(Some(majority(a, b, c, d)), expected, "{blocks:?}");
+        }
     }
 
     #[test]

@@ -195,6 +195,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             *open = open.saturating_sub(answers);
         }
         let mut seeds: Table<WorkerId, Vec<Handle>> = Table::default();
+        op.whereabouts.reserve(foreign.len() + bounced.len());
         // Several faces of one tetrahedron may be among the foreign ones: it is asked for once.
         // A bounced one is asked for again, perhaps of the same worker: the block may be back.
         for handle in foreign {

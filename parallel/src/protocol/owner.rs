@@ -95,8 +95,8 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
                 // A typical closure.
                 wants: Vec::with_capacity(64),
                 held: Vec::with_capacity(64),
-                pieces: Vec::new(),
-                foreign: Vec::new(),
+                pieces: Vec::with_capacity(32),
+                foreign: Vec::with_capacity(16),
                 bounced: Vec::new(),
                 owed: 0,
                 stalled: false,

@@ -12,6 +12,11 @@ impl<K, V> Default for Table<K, V> {
 }
 
 impl<K: Ord + Copy, V> Table<K, V> {
+    /// Room for so many entries. A hint.
+    pub(super) fn reserve(&mut self, entries: usize) {
+        self.0.reserve(entries);
+    }
+
     fn place(&self, key: K) -> Result<usize, usize> {
         self.0.binary_search_by(|(k, _)| k.cmp(&key))
     }

@@ -243,7 +243,10 @@ impl<'a> Parallel<'a> {
     }
 
     fn watch(&self, id: WorkerId, start: Instant) -> ThreadWatch<'a> {
-        ThreadWatch::new(id, start, self.cancel, BACKOFF + 4 * self.latency, self.spans)
+        let backoff = BACKOFF + 4 * self.latency;
+        let processors = std::thread::available_parallelism().map_or(1, usize::from);
+        let crowded = self.workers as usize > processors;
+        ThreadWatch::new(id, start, self.cancel, backoff, self.spans, crowded)
     }
 
     fn loops<T: Transport<Mail<LocalMesh>>, W: Watch<LocalMesh>>(

@@ -15,6 +15,10 @@ const NAP: Duration = Duration::from_millis(20);
 /// How often a backoff doubles.
 const DOUBLINGS: u32 = 10;
 
+/// Looks for messages of a worker with nothing to do, some ten microseconds in all, before it
+/// sleeps.
+const LOOKS: u32 = 100;
+
 /// The watch of a worker thread.
 #[derive(Debug)]
 pub(super) struct ThreadWatch<'a> {
@@ -25,6 +29,7 @@ pub(super) struct ThreadWatch<'a> {
     /// A backoff's longest time, before it is doubled.
     backoff: Duration,
     random: u64,
+    looks: u32,
     pub(super) stats: WorkerStats,
     meter: Option<Meter>,
 }
@@ -40,13 +45,14 @@ struct Meter {
 
 impl<'a> ThreadWatch<'a> {
     /// The watch of `worker` in a run that began at `start`; with `spans`, all is measured, and so
-    /// many stretches of time are kept.
+    /// many stretches of time are kept. In a `crowded` run there are more workers than processors.
     pub(super) fn new(
         worker: WorkerId,
         start: Instant,
         cancel: Option<&'a CancelToken>,
         backoff: Duration,
         spans: Option<usize>,
+        crowded: bool,
     ) -> Self {
         let meter = spans.map(|spans| Meter {
             collector: Collector::new(worker, spans),
@@ -55,7 +61,8 @@ impl<'a> ThreadWatch<'a> {
         });
         let random = 0x9e37_79b9_7f4a_7c15 ^ u64::from(worker) << 32 | 1;
         let stats = WorkerStats::default();
-        Self { start, cancel, told: false, backoff, random, stats, meter }
+        let looks = if crowded { 0 } else { LOOKS };
+        Self { start, cancel, told: false, backoff, random, looks, stats, meter }
     }
 
     /// Ends the measuring.
@@ -104,6 +111,10 @@ impl<S: Payload> Watch<S> for ThreadWatch<'_> {
 
     fn nap(&self) -> Option<Duration> {
         self.cancel.filter(|_| !self.told).map(|_| NAP)
+    }
+
+    fn looks_before_sleep(&self) -> u32 {
+        self.looks
     }
 
     fn looks(&mut self) {

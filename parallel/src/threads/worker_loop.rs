@@ -37,6 +37,12 @@ pub trait Watch<S: Submesh> {
     /// After how long a sleeping worker must look for orders; `None` if it need not.
     fn nap(&self) -> Option<Duration>;
 
+    /// How often a worker with nothing to do looks for messages before it sleeps: to be woken takes
+    /// longer than most answers do.
+    fn looks_before_sleep(&self) -> u32 {
+        0
+    }
+
     /// A look for messages begins.
     fn looks(&mut self) {}
 
@@ -109,6 +115,7 @@ where
     ///
     /// Ends: the protocol does (`docs/protocol.md`), and a failure wakes every worker.
     pub fn run(mut self) -> Option<Ended<S, Q, C, T, W>> {
+        let mut idle = 0;
         while !self.node.is_stopped() {
             if self.way.failed().is_some() {
                 return None;
@@ -119,8 +126,14 @@ where
             let asked = self.ask();
             self.way.flush();
             self.watch.sent(asked);
-            if !heard && !worked && !self.node.is_stopped() {
+            if heard || worked || self.node.is_stopped() {
+                idle = 0;
+            } else if idle < self.watch.looks_before_sleep() {
+                idle += 1;
+                std::hint::spin_loop();
+            } else {
                 self.sleep();
+                idle = 0;
             }
         }
         self.way.flush();
