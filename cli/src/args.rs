@@ -60,6 +60,8 @@ Examples:
   ltbw delaunay points.xyz                             only the hash, on stdout
   ltbw delaunay points.npy -o mesh.vtu -o mesh.ele     two files (and mesh.node)
   ltbw delaunay points.csv --json - --check full       the report, on stdout
+  ltbw delaunay points.npy --threads 4 -o mesh.pvtu    a file for each of 4 workers
+  ltbw delaunay points.npy --threads 4 --tables        what the workers did with their time
 
 Duplicate points are meshed once, under their smallest index; the report counts and maps them.
 Ctrl-C stops early: the mesh of the points inserted so far is written, unchecked.
@@ -135,7 +137,7 @@ on every machine. The mesh is compared with the sequential kernel's.
 
 "))]
     Simulate(Simulate),
-    /// Show it: mesh 100,000 points, check the mesh, write demo.vtu
+    /// Show it: mesh the paper's model problem, check the mesh, write demo.vtu and demo.html
     #[command(after_long_help = EXIT_CODES)]
     Demo(Demo),
     /// Hold another implementation to the conformance kit verify/vectors
@@ -190,7 +192,8 @@ fn concat_help(text: &str) -> String {
 pub(crate) struct Delaunay {
     /// The points: .npy .xyz .csv .node .ply .off .obj .stl
     pub(crate) points: PathBuf,
-    /// Where to write the mesh: .vtu .msh .mesh .ele (with .node); may be given several times
+    /// Where to write the mesh: .vtu .msh .mesh .ele (with .node); may be given several times.
+    /// As .pvtu it is left distributed: a .vtu beside it for each worker
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
     /// Threads: above 1, so many workers of the parallel kernel insert the points
@@ -199,9 +202,18 @@ pub(crate) struct Delaunay {
     /// order, check, hash and write. A worker should have some 5,000 points at least.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
+    /// Give blocks to workers that run out of points
+    #[arg(long, requires = "threads")]
+    pub(crate) balance: bool,
     /// Write the report as JSON (schema ltbw.report/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,
+    /// Print the workers' figures as the paper's tables
+    #[arg(long, requires = "threads")]
+    pub(crate) tables: bool,
+    /// Write a timeline for Perfetto or chrome://tracing: a track for each worker
+    #[arg(long, value_name = "FILE", requires = "threads")]
+    pub(crate) trace: Option<PathBuf>,
     /// How deep the checker looks at the mesh before it is written
     #[arg(long, value_enum, default_value_t = Depth::Fast)]
     pub(crate) check: Depth,
@@ -232,6 +244,17 @@ pub(crate) struct MeshArgs {
     /// Largest volume of a tetrahedron
     #[arg(long, value_name = "A")]
     pub(crate) max_volume: Option<f64>,
+    /// Largest edge length: no volume above that of the regular tetrahedron with such edges
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    pub(crate) size: Option<f64>,
+    /// Edge lengths at the vertices of the domain, linear in between: TetGen's .mtr file
+    ///
+    /// A header `COUNT 1`, then a length for each vertex.
+    #[arg(long, value_name = "MTR")]
+    pub(crate) sizes: Option<PathBuf>,
+    /// The mesh whose points --sizes is about, instead of the domain's vertices
+    #[arg(long, value_name = "MESH", requires = "sizes")]
+    pub(crate) background: Option<PathBuf>,
     /// Bounds as TetGen's switches give them: `q` with a ratio, `a` with a volume
     #[arg(
         long,
@@ -253,6 +276,9 @@ pub(crate) struct MeshArgs {
     /// The mesh is then in those coordinates; the offset is reported
     #[arg(long)]
     pub(crate) local_frame: bool,
+    /// Write a page that shows a cut through the mesh, the histograms and the report
+    #[arg(long, value_name = "HTML")]
+    pub(crate) page: Option<PathBuf>,
     /// Write the histograms of quality as a picture
     #[arg(long, value_name = "SVG")]
     pub(crate) histogram: Option<PathBuf>,
@@ -338,6 +364,13 @@ pub(crate) enum Kind {
     Domain(DomainKind),
 }
 
+/// A length.
+fn length(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
+    let good = value.is_finite() && value > 0.0;
+    good.then_some(value).ok_or_else(|| "a length is positive and finite".to_owned())
+}
+
 /// No more points than a point set may have.
 fn counts() -> impl TypedValueParser<Value = u32> {
     clap::value_parser!(u32).range(..=MAX_POINTS as i64)
@@ -357,7 +390,7 @@ fn kinds() -> impl TypedValueParser<Value = Kind> {
 /// `ltbw demo`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Demo {
-    /// Where to write the mesh
+    /// Where to write the mesh; the page goes beside it, with the extension .html
     #[arg(long, value_name = "MESH", default_value = "demo.vtu")]
     pub(crate) out: PathBuf,
 }

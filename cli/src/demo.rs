@@ -1,53 +1,60 @@
-//! `demo`: a mesh worth looking at, in seconds.
+//! `demo`: the paper's model problem, meshed and checked in seconds, and a page to look at.
 
 use crate::args::{Demo, Depth};
+use crate::bounds::Asked;
 use crate::console::{self, Stop};
+use crate::mesh::{Job, mesh_domain};
 use crate::outcome::{Exit, Failure, show};
-use crate::run::{Job, check_outputs, mesh_points};
-use ltbw::generate::{PointKind, generate};
-use ltbw::io::PointFile;
+use crate::run::check_outputs;
+use ltbw::domain::PrepareOptions;
+use ltbw::generate::{DomainKind, Shape, generate_domain};
+use ltbw::io;
 use std::path::Path;
 use std::time::Instant;
 
-/// Points of the thin shell, and of the clusters inside it.
-const SHELL: usize = 60_000;
-const CLUSTERS: usize = 40_000;
+/// The paper's bound, for some 106,000 tetrahedra.
+const MAX_VOLUME: f64 = 1.73783e-5;
+const RADIUS_EDGE: f64 = 2.0;
 
 /// `ltbw demo`.
 pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
     let start = Instant::now();
+    let page = args.out.with_extension("html");
     check_outputs(std::slice::from_ref(&args.out))?;
+    io::check_bytes_writable(&page).map_err(Failure::Write)?;
     let stop = Stop::on_signal()?;
+    let name = Path::new("a cube with a suspended octahedral hole");
+    let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default())
+        .map_err(|e| Failure::Other(e.to_string()))?;
+    let failed = |error| Failure::Domain { path: name.to_owned(), error };
+    let ready = domain.prepare(&PrepareOptions::default()).map_err(failed)?;
     let job = Job {
         command: "demo",
-        name: Path::new("a thin shell with clusters inside"),
+        name,
+        asked: Asked { radius_edge: Some(RADIUS_EDGE), max_volume: Some(MAX_VOLUME), size: None },
+        field: None,
+        max_points: None,
         outputs: std::slice::from_ref(&args.out),
+        keep_exterior: false,
         json: None,
+        histogram: None,
+        page: Some(&page),
         check: Depth::Full,
         stop: &stop,
         start,
-        read_seconds: 0.0,
-        workers: 1,
     };
-    let exit = mesh_points(points(), &job)?;
+    let exit = mesh_domain(&ready, &job)?;
     if exit == Exit::Done {
-        let out = show(&args.out);
+        let (out, page) = (show(&args.out), show(&page));
         console::people(&format!(
             "\nNext:\n  \
-             open {out} in ParaView: clip it, show edges, colour by `tag`\n  \
-             ltbw check {out}\n  \
+             open {page} in a browser\n  \
+             open {out} in ParaView: clip it, show edges, colour by `dihedral_min`\n  \
+             ltbw generate cube-octahedron -o model.poly\n  \
+             ltbw check {out} --plc model.poly --max-volume {MAX_VOLUME:e}\n  \
              ltbw generate uniform 1000000 -o points.npy\n  \
              ltbw delaunay points.npy -o mesh.vtu"
         ));
     }
     Ok(exit)
-}
-
-/// A thin shell of radius 1 (tag 1) around ten clusters of size 0.8 down to 8e-10 (tag 2).
-fn points() -> PointFile {
-    let mut points = generate(PointKind::Shell, SHELL, 1);
-    let clusters = generate(PointKind::Clusters, CLUSTERS, 1);
-    points.extend(clusters.iter().map(|p| p.map(|c| (c - 0.5) * 0.8)));
-    let tags = (0..SHELL + CLUSTERS).map(|i| if i < SHELL { 1 } else { 2 }).collect();
-    PointFile { points, point_tags: Some(tags), notes: Vec::new() }
 }

@@ -6,6 +6,8 @@
 //! | `run` | `delaunay`: read, build, check, hash, write, report |
 //! | `mesh` | `mesh`: read, prepare, refine, check, write, report |
 //! | `check` | `check`, and the check of our own output |
+//! | `bounds` | what a mesh of a domain is asked for: bounds and sizes |
+//! | `page` | a page of HTML about a mesh |
 //! | `conform` | `check --plc` |
 //! | `domain` | `check` of a domain |
 //! | `lists` | a mesh as the lists that the checker takes |
@@ -24,15 +26,18 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod bounds;
 mod check;
 mod conform;
 mod console;
 mod demo;
 mod domain;
+mod figures;
 mod files;
 mod lists;
 mod mesh;
 mod outcome;
+mod page;
 mod report;
 mod run;
 mod simulate;

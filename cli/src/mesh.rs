@@ -1,29 +1,53 @@
 //! `mesh`: read a domain, prepare it, refine, hash, check, write, report.
 
 use crate::args::{Depth, MeshArgs};
+use crate::bounds::{Asked, Field, asked, field};
 use crate::check::{check_json, is_stdout, keep_input, write_json};
 use crate::conform::{certificate, plc_of, prepare, print, same_volume, summary};
 use crate::console::{self, Progress, Stop};
 use crate::outcome::{Exit, Failure, show};
+use crate::page::Page;
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
 use crate::run::{check_outputs, set_threads};
 use ltbw::domain::Prepared;
-use ltbw::quality::{Histogram, Quality};
-use ltbw::refine::{RefineOutcome, Refined, Refiner};
-use ltbw::{TetMesh, canonical_hash, io};
+use ltbw::quality::{self, Extreme, Histogram, Quality};
+use ltbw::refine::{Reason, RefineOutcome, Refined};
+use ltbw::{Extras, TetMesh, canonical_hash, io};
 use ltbw_verify::{self as verify, Breach, Conformity, Limits};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Excuses that the report lists.
 const LISTED: usize = 100;
 
-/// The bounds asked for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Asked {
-    radius_edge: Option<f64>,
-    max_volume: Option<f64>,
+/// What to do with a domain.
+pub(crate) struct Job<'a> {
+    /// `mesh` or `demo`.
+    pub(crate) command: &'static str,
+    /// What the domain is called in messages.
+    pub(crate) name: &'a Path,
+    /// Bounds.
+    pub(crate) asked: Asked,
+    /// Wanted edge lengths.
+    pub(crate) field: Option<Field>,
+    /// The most points to insert.
+    pub(crate) max_points: Option<u64>,
+    /// Mesh files to write.
+    pub(crate) outputs: &'a [PathBuf],
+    /// With the exterior.
+    pub(crate) keep_exterior: bool,
+    /// Where the report, the histograms, and the page go.
+    pub(crate) json: Option<&'a Path>,
+    pub(crate) histogram: Option<&'a Path>,
+    pub(crate) page: Option<&'a Path>,
+    /// Whether to check.
+    pub(crate) check: Depth,
+    /// Cancels the refinement.
+    pub(crate) stop: &'a Stop,
+    /// When the program started.
+    pub(crate) start: Instant,
 }
 
 /// `ltbw mesh`.
@@ -33,16 +57,40 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     let asked = asked(args)?;
     check_outputs(&args.output)?;
     args.json.as_deref().map_or(Ok(()), check_json)?;
+    let pages = [&args.histogram, &args.page].into_iter().flatten();
+    pages.clone().try_for_each(|p| io::check_bytes_writable(p)).map_err(Failure::Write)?;
     let written = args.output.iter().flat_map(|path| io::mesh_files(path));
-    let written = written.chain(args.json.clone()).chain(args.histogram.clone());
-    written.into_iter().try_for_each(|path| keep_input(&args.domain, &path))?;
+    let written: Vec<PathBuf> = written.chain(args.json.clone()).chain(pages.cloned()).collect();
+    let inputs = [Some(&args.domain), args.sizes.as_ref(), args.background.as_ref()];
+    for input in inputs.into_iter().flatten() {
+        written.iter().try_for_each(|path| keep_input(input, path))?;
+    }
     let stop = Stop::on_signal()?;
     let ready = prepare(&args.domain, args.exact_input, args.local_frame)?;
-    let mut seconds = Seconds { read: start.elapsed().as_secs_f64(), ..Seconds::default() };
-    print_domain(args, &ready);
+    let job = Job {
+        command: "mesh",
+        name: &args.domain,
+        asked,
+        field: field(args, &ready)?,
+        max_points: args.max_points,
+        outputs: &args.output,
+        keep_exterior: args.keep_exterior,
+        json: args.json.as_deref(),
+        histogram: args.histogram.as_deref(),
+        page: args.page.as_deref(),
+        check: args.check,
+        stop: &stop,
+        start,
+    };
+    mesh_domain(&ready, &job)
+}
 
+/// Refines a prepared domain, checks the mesh, writes and reports.
+pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failure> {
+    let mut seconds = Seconds { read: job.start.elapsed().as_secs_f64(), ..Seconds::default() };
+    print_domain(job, ready);
     let clock = Instant::now();
-    let refined = refine(args, asked, &ready, &stop)?;
+    let refined = refine(job, ready)?;
     seconds.refine = clock.elapsed().as_secs_f64();
     let inside = refined.to_tet_mesh(false);
     let clock = Instant::now();
@@ -50,89 +98,63 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         .map_err(|e| Failure::Other(e.to_string()))?
         .to_string();
     seconds.hash = clock.elapsed().as_secs_f64();
-    let mut report = report_of(&refined, &ready, hash, seconds);
-    print_mesh(&refined, &inside);
+    let mut report = report_of(job, &refined, ready, hash, seconds);
+    let quality = Quality::of(&inside.points, &inside.tets);
+    print_mesh(&refined, &inside, quality.as_ref());
+    report.quality = quality.as_ref().map(quality_json);
     if refined.outcome != RefineOutcome::Cancelled {
-        stop.inserted();
+        job.stop.inserted();
     }
 
-    if args.check != Depth::Off && refined.outcome != RefineOutcome::Cancelled {
+    let mut verdict = "not checked".to_owned();
+    if job.check != Depth::Off && refined.outcome != RefineOutcome::Cancelled {
         let clock = Instant::now();
-        let mut found = check_own(&inside, &ready, asked);
-        let same = same_volume(&ready, &found) || !refined.lost.is_empty();
+        let mut found = check_own(&inside, ready, job.asked);
+        let same = same_volume(ready, &found) || !refined.lost.is_empty();
         report.certificate = Some(certificate(&found, same));
         report.seconds.check = clock.elapsed().as_secs_f64();
         if !(is_explained(&found, &refined) && same) {
             print(&mut found);
-            if let Err(failure) = finish(&mut report, args, start) {
+            if let Err(failure) = finish(&mut report, job) {
                 console::people(&format!("note: {failure}"));
             }
             console::people("ltbw: defect in our own output; no mesh was written");
             return Ok(Exit::OwnDefect);
         }
-        if found.passed() {
-            console::people(&format!("checked   {}", summary(&found)));
-        } else {
-            console::people("checked   sound; over its bounds only where it was excused");
-        }
+        verdict = match found.passed() {
+            true => summary(&found),
+            false => "sound; over its bounds only where it was excused".to_owned(),
+        };
+        console::people(&format!("checked   {verdict}"));
     }
-    report.quality = Quality::of(&inside.points, &inside.tets).map(|q| quality_json(&q));
-    write(args, &refined, &inside, &mut report)?;
-    finish(&mut report, args, start)?;
+    write(job, &refined, &inside, &mut report)?;
+    if let (Some(path), Some(quality)) = (job.page, &quality) {
+        let page = Page { name: &show(job.name), report: &report, verdict: &verdict, quality };
+        write_text(path, &page.html(&inside))?;
+    }
+    if let (Some(path), Some(quality)) = (job.histogram, &quality) {
+        write_text(path, &quality.svg())?;
+    }
+    finish(&mut report, job)?;
     Ok(ending(&refined))
 }
 
-/// The bounds of the command line; TetGen's switches as far as they mean something here.
-fn asked(args: &MeshArgs) -> Result<Asked, Failure> {
-    let Some(switches) = &args.tetgen_switches else {
-        let radius_edge = args.radius_edge.or(Some(2.0));
-        return Ok(Asked { radius_edge, max_volume: args.max_volume });
-    };
-    let bad = |why: String| Failure::Usage(format!("--tetgen-switches {switches}: {why}"));
-    let mut asked = Asked { radius_edge: None, max_volume: None };
-    let mut rest = switches.trim_start_matches('-');
-    while let Some(letter) = rest.chars().next() {
-        rest = &rest[letter.len_utf8()..];
-        // A number, and after a slash a second one (a minimal angle), which has no meaning here.
-        let end = rest.find(|c: char| !(c.is_ascii_digit() || ".eE+-/".contains(c)));
-        // An `e` that no digit follows is no part of a number.
-        let (text, after) = rest.split_at(end.unwrap_or(rest.len()));
-        let number = text.split('/').next().unwrap_or_default();
-        let value = || number.parse::<f64>().map_err(|e| bad(format!("`{number}`: {e}")));
-        match letter {
-            'q' if number.is_empty() => asked.radius_edge = Some(2.0),
-            'q' => asked.radius_edge = Some(value()?),
-            'a' if number.is_empty() => {}
-            'a' => asked.max_volume = Some(value()?),
-            'p' | 'A' | 'Q' | 'V' | 'C' | 'z' | 'n' | 'f' | 'e' | 'k' => {}
-            other => return Err(bad(format!("there is nothing like `{other}`"))),
-        }
-        if matches!(letter, 'q' | 'a') {
-            rest = after;
-        }
-    }
-    Ok(asked)
+fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    io::write_bytes(path, text.as_bytes()).map_err(Failure::Write)?;
+    console::people(&format!("wrote     {}", show(path)));
+    Ok(())
 }
 
-fn refine(
-    args: &MeshArgs,
-    asked: Asked,
-    ready: &Prepared,
-    stop: &Stop,
-) -> Result<Refined, Failure> {
+fn refine(job: &Job<'_>, ready: &Prepared) -> Result<Refined, Failure> {
     let progress = Progress::new();
-    let mut refiner = Refiner::new().observer(&progress).cancel(stop.token());
-    refiner = match asked.radius_edge {
-        Some(bound) => refiner.radius_edge(bound),
-        None => refiner.any_shape(),
-    };
-    if let Some(bound) = asked.max_volume {
-        refiner = refiner.max_volume(bound);
+    let mut refiner = job.asked.refiner().observer(&progress).cancel(job.stop.token());
+    if let Some(field) = &job.field {
+        refiner = refiner.sizing(field);
     }
-    if let Some(count) = args.max_points {
+    if let Some(count) = job.max_points {
         refiner = refiner.max_points(count);
     }
-    let failed = |error| Failure::Refine { path: args.domain.clone(), error };
+    let failed = |error| Failure::Refine { path: job.name.to_owned(), error };
     refiner.refine(&ready.domain, &ready.lattice).map_err(failed)
 }
 
@@ -160,38 +182,39 @@ fn is_explained(found: &Conformity, refined: &Refined) -> bool {
 }
 
 fn ending(refined: &Refined) -> Exit {
-    match refined.outcome {
-        RefineOutcome::Met => Exit::Done,
-        RefineOutcome::Excused => {
-            let mut reasons: BTreeMap<String, usize> = BTreeMap::new();
-            let lost = refined.lost.iter().map(|(_, reason)| reason);
-            for reason in refined.excuses.iter().map(|e| &e.reason).chain(lost) {
-                *reasons.entry(reason.to_string()).or_default() += 1;
-            }
-            let text: Vec<String> =
-                reasons.iter().take(5).map(|(reason, n)| format!("{n} for {reason}")).collect();
-            let more = reasons.len().saturating_sub(5);
-            let more = if more > 0 { format!(", and {more} more reasons") } else { String::new() };
-            console::people(&format!(
-                "ltbw: excused: {} tetrahedra over a bound, {} boundary items not in the mesh: {}{more}",
-                refined.excuses.len(),
-                refined.lost.len(),
-                text.join(", ")
-            ));
-            Exit::Defect
-        }
+    let exit = match refined.outcome {
+        RefineOutcome::Met => return Exit::Done,
+        RefineOutcome::Excused => Exit::Defect,
+        RefineOutcome::Budget => Exit::Stopped,
         RefineOutcome::Cancelled => {
             console::people("ltbw: cancelled: the mesh is Delaunay, but need not meet the bounds");
-            Exit::Stopped
+            return Exit::Stopped;
         }
+    };
+    let mut reasons: BTreeMap<Reason, usize> = BTreeMap::new();
+    let lost = refined.lost.iter().map(|(_, reason)| reason);
+    for &reason in refined.excuses.iter().map(|e| &e.reason).chain(lost) {
+        *reasons.entry(reason).or_default() += 1;
     }
+    let text: Vec<String> =
+        reasons.iter().take(5).map(|(reason, n)| format!("{n} for {reason}")).collect();
+    let more = reasons.len().saturating_sub(5);
+    let more = if more > 0 { format!(", and {more} more reasons") } else { String::new() };
+    console::people(&format!(
+        "ltbw: {}: {} tetrahedra over a bound, {} boundary items not in the mesh: {}{more}",
+        if exit == Exit::Stopped { "budget used up" } else { "excused" },
+        refined.excuses.len(),
+        refined.lost.len(),
+        text.join(", ")
+    ));
+    exit
 }
 
-fn print_domain(args: &MeshArgs, ready: &Prepared) {
+fn print_domain(job: &Job<'_>, ready: &Prepared) {
     let (domain, lattice) = (&ready.domain, &ready.lattice);
     console::people(&format!(
         "domain    {}: {} vertices, {} facets, {} holes, {} regions",
-        show(&args.domain),
+        show(job.name),
         domain.vertices.len(),
         domain.facets.len(),
         domain.holes.len(),
@@ -217,7 +240,7 @@ fn print_domain(args: &MeshArgs, ready: &Prepared) {
     }
 }
 
-fn print_mesh(refined: &Refined, inside: &TetMesh) {
+fn print_mesh(refined: &Refined, inside: &TetMesh, quality: Option<&Quality>) {
     let stats = &refined.stats;
     console::people(&format!(
         "mesh      {} vertices, {} tetrahedra inside, {} regions",
@@ -229,7 +252,7 @@ fn print_mesh(refined: &Refined, inside: &TetMesh) {
         "points    {} on segments, {} on facets, {} inside",
         stats.segment_points, stats.facet_points, stats.free_points
     ));
-    if let Some(quality) = Quality::of(&inside.points, &inside.tets) {
+    if let Some(quality) = quality {
         let (d, r) = (&quality.dihedral, &quality.radius_edge);
         console::people(&format!(
             "quality   dihedral {:.2} to {:.2} degrees, radius-edge at most {:.4}",
@@ -238,13 +261,19 @@ fn print_mesh(refined: &Refined, inside: &TetMesh) {
     }
 }
 
-fn report_of(refined: &Refined, ready: &Prepared, hash: String, seconds: Seconds) -> Report {
+fn report_of(
+    job: &Job<'_>,
+    refined: &Refined,
+    ready: &Prepared,
+    hash: String,
+    seconds: Seconds,
+) -> Report {
     let points = ready.vertex_map.len();
     let distinct = ready.domain.vertices.len();
     let p = refined.mesh().predicate_stats();
     Report {
         schema: Report::SCHEMA,
-        command: "mesh",
+        command: job.command,
         input: Input { points, distinct, duplicates: points - distinct, duplicate_of: Vec::new() },
         mesh: MeshPart {
             vertices: refined.mesh().num_vertices(),
@@ -266,6 +295,7 @@ fn report_of(refined: &Refined, ready: &Prepared, hash: String, seconds: Seconds
         outcome: match refined.outcome {
             RefineOutcome::Met => "met",
             RefineOutcome::Excused => "excused",
+            RefineOutcome::Budget => "budget",
             RefineOutcome::Cancelled => "cancelled",
         },
         refinement: Some(refinement_json(refined, ready)),
@@ -273,6 +303,7 @@ fn report_of(refined: &Refined, ready: &Prepared, hash: String, seconds: Seconds
         certificate: None,
         outputs: Vec::new(),
         workers: Vec::new(),
+        parallel: None,
     }
 }
 
@@ -307,7 +338,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
 }
 
 fn quality_json(quality: &Quality) -> Value {
-    let extreme = |e: ltbw::quality::Extreme| json!({ "value": e.value, "tet": e.tet });
+    let extreme = |e: Extreme| json!({ "value": e.value, "tet": e.tet });
     let histogram = |h: &Histogram| {
         json!({
             "name": h.name,
@@ -327,79 +358,45 @@ fn quality_json(quality: &Quality) -> Value {
 }
 
 fn write(
-    args: &MeshArgs,
+    job: &Job<'_>,
     refined: &Refined,
     inside: &TetMesh,
     report: &mut Report,
 ) -> Result<(), Failure> {
     let clock = Instant::now();
-    let whole = args.keep_exterior.then(|| refined.to_tet_mesh(true));
-    for path in &args.output {
-        io::write_mesh(path, whole.as_ref().unwrap_or(inside)).map_err(Failure::Write)?;
-        report.outputs.push(path.to_string_lossy().into_owned());
-        console::people(&format!("wrote     {}", show(path)));
-    }
-    if let (Some(path), Some(quality)) =
-        (&args.histogram, Quality::of(&inside.points, &inside.tets))
-    {
-        io::write_bytes(path, quality.svg().as_bytes()).map_err(Failure::Write)?;
-        console::people(&format!("wrote     {}", show(path)));
+    let whole = job.keep_exterior.then(|| refined.to_tet_mesh(true));
+    let mesh = whole.as_ref().unwrap_or(inside);
+    if !job.outputs.is_empty() {
+        let values = quality::arrays(&mesh.points, &mesh.tets);
+        let extras = Extras { values, faces: refined.boundary(job.keep_exterior) };
+        for path in job.outputs {
+            let options = io::WriteOptions::default();
+            io::write_mesh_and(path, mesh, &extras, options).map_err(Failure::Write)?;
+            report.outputs.push(path.to_string_lossy().into_owned());
+            console::people(&format!("wrote     {}", show(path)));
+        }
     }
     report.seconds.write = clock.elapsed().as_secs_f64();
     Ok(())
 }
 
 /// Tells how long it took, prints the hash and writes the report.
-fn finish(report: &mut Report, args: &MeshArgs, start: Instant) -> Result<(), Failure> {
+fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
     report.peak_rss_bytes = crate::report::peak_rss_bytes();
-    report.seconds.total = start.elapsed().as_secs_f64();
+    report.seconds.total = job.start.elapsed().as_secs_f64();
     let s = &report.seconds;
     console::people(&format!(
         "seconds   {:.2}: read {:.2}, refine {:.2}, hash {:.2}, check {:.2}, write {:.2}",
         s.total, s.read, s.refine, s.hash, s.check, s.write
     ));
-    if let Some(path) = &args.json {
+    if let Some(path) = job.json {
         let text = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
         write_json(path, &text)?;
     }
     if let Some(hash) = report.mesh.hash.as_ref()
-        && !args.json.as_deref().is_some_and(is_stdout)
+        && !job.json.is_some_and(is_stdout)
     {
         console::data(&format!("ltbw.mesh/1 {hash}\n"))?;
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::args::{Args, Command};
-    use clap::Parser;
-
-    fn asked_by(words: &[&str]) -> Result<Asked, Failure> {
-        let all = ["ltbw", "mesh", "x.poly"].iter().chain(words);
-        let Command::Mesh(args) = Args::try_parse_from(all).expect("arguments").command else {
-            panic!("another command");
-        };
-        asked(&args)
-    }
-
-    #[test]
-    fn bounds_come_from_options_or_from_tetgens_switches() {
-        let both = |q, a| Asked { radius_edge: q, max_volume: a };
-        assert_eq!(asked_by(&[]).expect("bounds"), both(Some(2.0), None));
-        let cases = [
-            ("pq1.4a0.1", both(Some(1.4), Some(0.1))),
-            ("-pqa1e-5Q", both(Some(2.0), Some(1e-5))),
-            ("pa2", both(None, Some(2.0))),
-            ("pq1.5/10A", both(Some(1.5), None)),
-        ];
-        for (switches, expected) in cases {
-            let found = asked_by(&["--tetgen-switches", switches]).expect("bounds");
-            assert_eq!(found, expected, "{switches}");
-        }
-        for switches in ["pq1.4X", "pqa1..2", "ö"] {
-            assert!(asked_by(&["--tetgen-switches", switches]).is_err(), "{switches}");
-        }
-    }
 }

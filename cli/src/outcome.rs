@@ -2,7 +2,7 @@
 
 use ltbw::domain::PrepareError;
 use ltbw::io::IoError;
-use ltbw::refine::RefineError;
+use ltbw::refine::{BackgroundError, RefineError};
 use ltbw::{BuildError, PointError};
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ pub(crate) enum Exit {
     Usage = 2,
     /// The input was rejected.
     Input = 3,
-    /// Cancelled; the mesh so far was written.
+    /// Cancelled, or the budget of points was used up; the mesh so far was written.
     Stopped = 4,
     /// The checker found a defect in our own output; nothing was written.
     OwnDefect = 5,
@@ -59,6 +59,14 @@ pub(crate) enum Failure {
         /// Why.
         error: RefineError,
     },
+    /// Edge lengths that cannot be used.
+    #[error("{}: {error}", show(path))]
+    Sizes {
+        /// The file with the lengths.
+        path: PathBuf,
+        /// Why.
+        error: BackgroundError,
+    },
     /// The points have no mesh.
     #[error("{}: {error}", show(path))]
     Build {
@@ -87,12 +95,16 @@ impl Failure {
             ) => Exit::Usage,
             Failure::Write(_) | Failure::Other(_) => Exit::Output,
             Failure::Build { error: BuildError::Cancelled, .. }
-            | Failure::Refine { error: RefineError::Cancelled, .. } => Exit::Stopped,
+            | Failure::Refine {
+                error: RefineError::Cancelled | RefineError::Unrecovered { .. },
+                ..
+            } => Exit::Stopped,
             Failure::Refine { error: RefineError::Bound { .. }, .. } => Exit::Usage,
             Failure::Read(_)
             | Failure::Points { .. }
             | Failure::Domain { .. }
             | Failure::Refine { .. }
+            | Failure::Sizes { .. }
             | Failure::Build { .. } => Exit::Input,
         }
     }

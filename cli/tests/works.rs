@@ -203,17 +203,32 @@ fn generate_is_the_same_everywhere() {
 }
 
 #[test]
-fn the_demo_checks_and_writes() {
+fn the_demo_meshes_the_model_problem_and_shows_it() {
     let dir = tempfile::tempdir().unwrap();
     let run = ltbw(dir.path(), &["demo"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
-    for word in ["100000", "tetrahedra", "canonical: no defect", "seconds", "ParaView"] {
+    for word in ["tetrahedra", "no defect", "volume 47/48", "seconds", "browser", "ParaView"] {
         assert!(run.stderr.contains(word), "{word}: {}", run.stderr);
     }
-    assert_eq!(names(dir.path()), ["demo.vtu"]);
-    let check = ltbw(dir.path(), &["check", "demo.vtu"]);
-    assert_eq!(check.code, 0, "{}", check.stderr);
-    assert_eq!(hash(&check), hash(&run));
+    assert_eq!(names(dir.path()), ["demo.html", "demo.vtu"]);
+    // The page needs nothing from outside, and its cut has a polygon for each of some thousands.
+    let page = std::fs::read_to_string(dir.path().join("demo.html")).unwrap();
+    assert!(page.starts_with("<!doctype html>") && page.ends_with("</html>\n"));
+    for word in ["<script", "href=", "src=", "url(", "NaN", "inf"] {
+        assert!(!page.contains(word), "{word}");
+    }
+    assert_eq!(page.matches("<svg").count(), 2);
+    assert!(page.matches('Z').count() > 1000, "{}", page.matches('Z').count());
+    assert!(page.contains(hash(&run)) && page.contains("ltbw.report/1"));
+    // The commands that it names work.
+    let next: Vec<&str> =
+        run.stderr.lines().filter_map(|line| line.strip_prefix("  ltbw ")).take(2).collect();
+    assert!(next.len() == 2 && next[1].starts_with("check "), "{next:?}");
+    for command in next {
+        let args: Vec<&str> = command.split(' ').collect();
+        let run = ltbw(dir.path(), &args);
+        assert_eq!(run.code, 0, "{command}: {}", run.stderr);
+    }
 }
 
 /// Ctrl-C ends a long build with exit 4 and a file that is whole, or none.

@@ -53,6 +53,7 @@ pub mod refine;
 #[cfg(feature = "serde")]
 mod serialise;
 pub mod snapshot;
+mod special;
 mod sphere;
 mod sync;
 pub mod tetmesh;
@@ -68,7 +69,7 @@ pub use points::{Mode, PointError, PointSet};
 pub use predicates::Sign;
 pub use snapshot::{Snapshot, SnapshotError};
 pub use sync::CancelToken;
-pub use tetmesh::TetMesh;
+pub use tetmesh::{BoundaryFace, Extras, TetMesh};
 
 /// A point: three finite coordinates.
 pub type Point = [f64; 3];

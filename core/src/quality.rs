@@ -1,7 +1,9 @@
 //! How good tetrahedra are: histograms and extremes of dihedral angles, circumradius to shortest
-//! edge, volume and edge length; as text and as SVG.
+//! edge, volume and edge length; as text and as SVG; and a cut through a mesh ([`cut`]).
 //!
 //! Values are rounded: they are for people. Bounds are tested exactly elsewhere.
+
+pub mod cut;
 
 use crate::Point;
 use std::fmt::Write as _;
@@ -135,6 +137,22 @@ impl Histogram {
     fn total(&self) -> u64 {
         self.counts.iter().sum()
     }
+}
+
+/// Figures of every tetrahedron, with the names under which mesh files carry them: `radius_edge`,
+/// `volume`, and `dihedral_min` and `dihedral_max` in degrees. All vertices have to be points.
+#[must_use]
+pub fn arrays(points: &[Point], tets: &[[u32; 4]]) -> Vec<(&'static str, Vec<f64>)> {
+    let names = ["radius_edge", "volume", "dihedral_min", "dihedral_max"];
+    let mut arrays = names.map(|name| (name, Vec::with_capacity(tets.len())));
+    for tet in tets {
+        let q = TetQuality::of(tet.map(|v| &points[v as usize]));
+        let least = q.dihedral.into_iter().fold(f64::INFINITY, f64::min);
+        let largest = q.dihedral.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let values = [q.radius_edge, q.volume, least, largest];
+        arrays.iter_mut().zip(values).for_each(|(array, value)| array.1.push(value));
+    }
+    arrays.into()
 }
 
 impl Quality {

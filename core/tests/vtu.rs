@@ -1,8 +1,8 @@
 //! `.vtu`: the ways in which arrays are stored, and malformed input of the binary ones.
 
 use flate2::{Compression, write::ZlibEncoder};
-use ltbw_core::TetMesh;
 use ltbw_core::io::{Encoding, vtu};
+use ltbw_core::{BoundaryFace, Extras, TetMesh};
 use std::io::Write;
 
 /// How a file stores its arrays.
@@ -199,4 +199,40 @@ fn binary_is_smaller_and_text_is_text() {
     assert!(text.is_ascii() && !text.windows(8).any(|w| w == b"appended"));
     // 24 bytes for a point, 16 + 4 + 1 for a tetrahedron, and less than 1200 for what is around.
     assert!(binary.len() < 24 * 100 + 21 * 300 + 1200, "{}", binary.len());
+}
+
+#[test]
+fn figures_and_boundary_leave_the_mesh_as_it_is() {
+    let mesh = TetMesh {
+        points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]],
+        tets: vec![[0, 1, 2, 3], [1, 2, 3, 4]],
+        point_tags: None,
+        tet_tags: Some(vec![1, 2]),
+    };
+    let faces = vec![
+        BoundaryFace { corners: [0, 2, 1], marker: -7, tet: 0 },
+        BoundaryFace { corners: [1, 2, 4], marker: 8, tet: 1 },
+    ];
+    let extras = Extras { values: vec![("volume", vec![0.25, f64::INFINITY])], faces };
+    for encoding in [Encoding::Binary, Encoding::Ascii] {
+        let mut bytes = Vec::new();
+        vtu::write_with(&mut bytes, &mesh, &extras, encoding).expect("memory");
+        let file = vtu::read(&bytes).expect("our own file");
+        assert_eq!(file.mesh, mesh);
+        assert_eq!(file.notes.len(), 2, "{:?}", file.notes);
+    }
+    let mut bytes = Vec::new();
+    vtu::write_with(&mut bytes, &mesh, &extras, Encoding::Ascii).expect("memory");
+    let text = String::from_utf8(bytes).expect("text");
+    let array = |name: &str| {
+        let (_, rest) =
+            text.split_once(&format!("Name=\"{name}\" format=\"ascii\">\n")).expect(name);
+        rest.split_once("</").expect("an end").0.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(array("connectivity"), "0 1 2 3 1 2 3 4 0 2 1 1 2 4");
+    assert_eq!(array("offsets"), "4 8 11 14");
+    assert_eq!(array("types"), "10 10 5 5");
+    assert_eq!(array("region"), "1 2 1 2", "a triangle looks like its tetrahedron");
+    assert_eq!(array("marker"), "0 0 -7 8");
+    assert_eq!(array("volume"), "0.25 inf 0.25 inf");
 }

@@ -135,6 +135,12 @@ pub enum DataError {
         /// The facet.
         facet: u32,
     },
+    /// A boundary triangle names a point or a tetrahedron that does not exist.
+    #[error("boundary triangle {face} names a point or tetrahedron that is not there")]
+    Face {
+        /// Its place in the list.
+        face: usize,
+    },
     /// A tetrahedron names a point that does not exist.
     #[error("tetrahedron {tet} names point {point}, but there are {points} points")]
     Index {

@@ -10,7 +10,7 @@
 use super::MeshFile;
 use super::error::{ParseError, Reason, excerpt};
 use super::text::{Tokens, capacity, count, float, integer, push_integer, push_point, write_rows};
-use crate::{Point, TetMesh};
+use crate::{BoundaryFace, Point, TetMesh};
 use std::io::Write;
 
 /// The comment before a section whose references are tags although all are 0.
@@ -163,6 +163,15 @@ fn number_from_0(corners: &[[i64; 4]], points: usize) -> Result<Vec<[u32; 4]>, R
 
 /// Writes a `.mesh` file.
 pub fn write(out: &mut dyn Write, mesh: &TetMesh) -> std::io::Result<()> {
+    write_with(out, mesh, &[])
+}
+
+/// Writes a `.mesh` file with boundary triangles, whose references are the markers of their facets.
+pub fn write_with(
+    out: &mut dyn Write,
+    mesh: &TetMesh,
+    faces: &[BoundaryFace],
+) -> std::io::Result<()> {
     let tag = |tags: &Option<Vec<i64>>, i: usize| {
         tags.as_ref().and_then(|t| t.get(i)).copied().unwrap_or(0)
     };
@@ -190,5 +199,16 @@ pub fn write(out: &mut dyn Write, mesh: &TetMesh) -> std::io::Result<()> {
         push_integer(row, tag(&mesh.tet_tags, i));
         row.push(b'\n');
     })?;
+    if !faces.is_empty() {
+        writeln!(out, "Triangles\n{}", faces.len())?;
+        write_rows(out, faces.len(), |i, row| {
+            for v in faces[i].corners {
+                push_integer(row, i64::from(v) + 1);
+                row.push(b' ');
+            }
+            push_integer(row, faces[i].marker);
+            row.push(b'\n');
+        })?;
+    }
     out.write_all(b"End\n")
 }

@@ -16,6 +16,7 @@
 //! | `.msh` | mesh (Gmsh 4.1, 2.2) | view `tag`, physical groups | [`msh`] |
 //! | `.mesh` | mesh (Medit, ASCII) | references | [`medit`] |
 //! | `.vtu` | mesh (VTK, text or binary) | arrays `tag`, `region` | [`vtu`] |
+//! | `.pvtu` | mesh in parts, `.vtu` files beside it (written only) | array `tag` | [`write_parts`] |
 //!
 //! Readers take any bytes and never panic: each is a fuzz target. A count in a header is a claim
 //! to verify, never an amount of memory to reserve. Text carries floats in the shortest form that
@@ -38,6 +39,7 @@ pub mod msh;
 pub mod npy;
 pub mod obj;
 pub mod off;
+mod parts;
 pub mod ply;
 pub mod poly;
 mod scalar;
@@ -48,7 +50,7 @@ mod text;
 pub mod vtu;
 pub mod xyz;
 
-use crate::{Point, TetMesh};
+use crate::{BoundaryFace, Extras, Point, TetMesh};
 use aside::Aside;
 pub use domain::{
     DomainFile, check_domain_writable, domain_files, not_kept, read_domain, write_domain,
@@ -57,6 +59,7 @@ pub use domain::{
 pub use error::{DataError, IoError, ParseError, Place, Reason};
 pub use format::{Encoding, Format, WriteOptions};
 pub use msh::MshVersion;
+pub use parts::{check_parts_writable, is_parts, part_files, write_parts};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -113,6 +116,11 @@ pub fn read_mesh_file(path: &Path) -> Result<MeshFile, IoError> {
     parse(&load(path)?).map_err(|error| parse_error(path, error))
 }
 
+/// Reads edge lengths at points: an `.mtr` file, whatever its extension.
+pub fn read_sizes(path: &Path) -> Result<Vec<f64>, IoError> {
+    tetgen::read_mtr(&load(path)?).map_err(|error| parse_error(path, error))
+}
+
 fn read_pair(path: &Path) -> Result<MeshFile, IoError> {
     let (node_path, ele_path) = pair(path);
     let node = tetgen::parse_node(&load(&node_path)?).map_err(|e| parse_error(&node_path, e))?;
@@ -166,19 +174,33 @@ pub fn write_mesh(path: &Path, mesh: &TetMesh) -> Result<(), IoError> {
 
 /// Writes a mesh as [`write_mesh`] does, with a choice where the format leaves one.
 pub fn write_mesh_with(path: &Path, mesh: &TetMesh, options: WriteOptions) -> Result<(), IoError> {
+    write_mesh_and(path, mesh, &Extras::default(), options)
+}
+
+/// Writes a mesh as [`write_mesh_with`] does, and what the format has a place for of `extras`:
+/// `.vtu` all of it; `.mesh`, and `.ele` with a `.face` file beside it, the boundary; `.msh` nothing.
+pub fn write_mesh_and(
+    path: &Path,
+    mesh: &TetMesh,
+    extras: &Extras,
+    options: WriteOptions,
+) -> Result<(), IoError> {
     let format = writable(path, false)?;
-    check_mesh(mesh).map_err(|r| data_error(path, r))?;
-    let write: fn(&mut dyn Write, &TetMesh, WriteOptions) -> _ = match format {
-        Format::Vtu => |out, mesh, options| vtu::write(out, mesh, options.encoding),
+    check_mesh(mesh).and_then(|()| check_extras(mesh, extras)).map_err(|r| data_error(path, r))?;
+    let faces = &extras.faces;
+    let write: fn(&mut dyn Write, &TetMesh, &Extras, WriteOptions) -> _ = match format {
+        Format::Vtu => {
+            |out, mesh, extras, options| vtu::write_with(out, mesh, extras, options.encoding)
+        }
         Format::Msh => {
             msh::check(mesh).map_err(|r| data_error(path, r))?;
-            |out, mesh, options| msh::write(out, mesh, options.msh_version, options.encoding)
+            |out, mesh, _, options| msh::write(out, mesh, options.msh_version, options.encoding)
         }
-        Format::Medit => |out, mesh, _| medit::write(out, mesh),
-        Format::Node | Format::Ele => return write_pair(path, mesh),
+        Format::Medit => |out, mesh, extras, _| medit::write_with(out, mesh, &extras.faces),
+        Format::Node | Format::Ele => return write_pair(path, mesh, faces),
         format => return Err(wrong_kind(path, format, "a mesh is")),
     };
-    Aside::write(path, |out| write(out, mesh, options))?.publish()
+    Aside::write(path, |out| write(out, mesh, extras, options))?.publish()
 }
 
 /// The format of `path`, if points (or else meshes) can be written in it.
@@ -194,14 +216,25 @@ fn writable(path: &Path, points: bool) -> Result<Format, IoError> {
     }
 }
 
-fn write_pair(path: &Path, mesh: &TetMesh) -> Result<(), IoError> {
+fn write_pair(path: &Path, mesh: &TetMesh, faces: &[BoundaryFace]) -> Result<(), IoError> {
     let (node_path, ele_path) = pair(path);
     let ele = Aside::write(&ele_path, |out| tetgen::write_ele(out, mesh))?;
     let tags = mesh.point_tags.as_deref();
     let node = Aside::write(&node_path, |out| tetgen::write_node(out, &mesh.points, tags))?;
+    let face_path = face_path(path);
+    let face = match faces {
+        [] => None,
+        _ => Some(Aside::write(&face_path, |out| tetgen::write_face(out, faces))?),
+    };
     node.publish()?;
     // A `.node` of this mesh beside an `.ele` of another would be worse than none.
-    ele.publish().inspect_err(|_| drop(std::fs::remove_file(&node_path)))
+    ele.publish().inspect_err(|_| drop(std::fs::remove_file(&node_path)))?;
+    face.map_or(Ok(()), Aside::publish)
+}
+
+/// The `.face` file of the mesh that an `.ele` or `.node` file names.
+fn face_path(path: &Path) -> PathBuf {
+    path.with_extension("face")
 }
 
 /// Tells, before long work starts, what would certainly keep points from being written to
@@ -219,7 +252,8 @@ pub fn check_mesh_writable(path: &Path) -> Result<(), IoError> {
         Format::Node | Format::Ele => {
             let (node, ele) = pair(path);
             aside::check(&node)?;
-            aside::check(&ele)
+            aside::check(&ele)?;
+            aside::check(&face_path(path))
         }
         _ => aside::check(path),
     }
@@ -297,6 +331,20 @@ fn check_mesh(mesh: &TetMesh) -> Result<(), DataError> {
         }
     }
     Ok(())
+}
+
+fn check_extras(mesh: &TetMesh, extras: &Extras) -> Result<(), DataError> {
+    let (points, tets) = (mesh.points.len(), mesh.tets.len());
+    if let Some((_, values)) = extras.values.iter().find(|(_, values)| values.len() != tets) {
+        return Err(DataError::Tags { what: "tetrahedra", tags: values.len(), count: tets });
+    }
+    let known = |f: &BoundaryFace| {
+        f.tet < tets && f.corners.iter().all(|&corner| (corner as usize) < points)
+    };
+    match extras.faces.iter().position(|f| !known(f)) {
+        Some(face) => Err(DataError::Face { face }),
+        None => Ok(()),
+    }
 }
 
 fn wrong_kind(path: &Path, format: Format, wanted: &'static str) -> IoError {

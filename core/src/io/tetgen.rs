@@ -13,7 +13,7 @@ use super::text::{
     Lines, capacity, count, float, integer, point, push_integer, push_point, write_rows,
 };
 use super::{MeshFile, Point, PointFile};
-use crate::TetMesh;
+use crate::{BoundaryFace, TetMesh};
 use std::io::Write;
 
 /// A parsed `.node` file, and the number of its first point.
@@ -228,6 +228,36 @@ pub fn write_node(
     })
 }
 
+/// Reads an `.mtr` file, TetGen's edge lengths at points: a header `points 1`, then for each point a
+/// number.
+pub fn read_mtr(bytes: &[u8]) -> Result<Vec<f64>, ParseError> {
+    let mut lines = Lines::new(bytes);
+    let [announced, metrics, ..] = header(bytes, &mut lines)?;
+    if metrics != 1 {
+        let text = format!("{metrics} values for a point; only one is understood");
+        return Err(bad_header(bytes, &lines, text));
+    }
+    let mut sizes = Vec::with_capacity(capacity(announced, bytes.len(), 2));
+    for line in lines {
+        let at = |reason| ParseError::at(bytes, line.offset, reason);
+        if sizes.len() as u64 == announced {
+            return Err(at(Reason::Surplus("size")));
+        }
+        let mut fields = line.fields();
+        let field = fields.next().ok_or(Reason::TooFewValues { expected: 1, found: 0 });
+        sizes.push(field.and_then(float).map_err(at)?);
+        if fields.next().is_some() {
+            return Err(at(Reason::TooManyValues { expected: 1 }));
+        }
+    }
+    let found = sizes.len() as u64;
+    if found < announced {
+        let reason = Reason::Truncated { what: "sizes", announced, found };
+        return Err(ParseError::at(bytes, bytes.len(), reason));
+    }
+    Ok(sizes)
+}
+
 /// Writes an `.ele` file, numbered from 0.
 pub fn write_ele(out: &mut dyn Write, mesh: &TetMesh) -> std::io::Result<()> {
     let tags = mesh.tet_tags.as_deref();
@@ -241,6 +271,19 @@ pub fn write_ele(out: &mut dyn Write, mesh: &TetMesh) -> std::io::Result<()> {
         if let Some(&tag) = tags.and_then(|t| t.get(i)) {
             row.push(b' ');
             push_integer(row, tag);
+        }
+        row.push(b'\n');
+    })
+}
+
+/// Writes a `.face` file: boundary triangles with their markers, numbered from 0.
+pub fn write_face(out: &mut dyn Write, faces: &[BoundaryFace]) -> std::io::Result<()> {
+    writeln!(out, "{} 1", faces.len())?;
+    write_rows(out, faces.len(), |i, row| {
+        push_integer(row, i as i64);
+        for value in faces[i].corners.map(i64::from).into_iter().chain([faces[i].marker]) {
+            row.push(b' ');
+            push_integer(row, value);
         }
         row.push(b'\n');
     })

@@ -5,8 +5,10 @@ use super::state::State;
 use crate::Point;
 use crate::topology::TetId;
 
-/// A regular tetrahedron with edges of length h has the volume h³ √2/12.
-const REGULAR_VOLUME: f64 = std::f64::consts::SQRT_2 / 12.0;
+/// The volume of a regular tetrahedron with edges of length h: h³ √2/12.
+pub(crate) fn regular_volume(h: f64) -> f64 {
+    std::f64::consts::SQRT_2 / 12.0 * (h * h * h)
+}
 
 /// A wanted edge length, as a function of the place in the input's coordinates.
 pub type SizeField<'a> = dyn Fn(Point) -> f64 + Sync + 'a;
@@ -69,7 +71,7 @@ impl Bounds<'_> {
         let [a, b, c, d] = corners;
         let centroid = [0, 1, 2].map(|k| (a[k] + b[k] + c[k] + d[k]) * 0.25 * self.fine_step);
         let h = field(centroid) / self.fine_step;
-        let volume = REGULAR_VOLUME * (h * h * h);
+        let volume = regular_volume(h);
         (volume > 0.0 && volume.is_finite()).then(|| VolumeBound::new(volume))
     }
 }

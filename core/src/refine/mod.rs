@@ -19,8 +19,11 @@
 //! | `recover` | from the mesh of the corners to one that has the boundary |
 //! | `split` | the three rules |
 //! | `region` | inside, outside, regions |
+//! | `background` | sizing by a background mesh, or at input vertices |
+//! | `output` | the mesh and its boundary as plain arrays |
 
 mod angles;
+mod background;
 mod bounds;
 mod carrier;
 mod facet;
@@ -28,6 +31,7 @@ mod item;
 mod marks;
 mod measure;
 mod outcome;
+mod output;
 mod plc;
 mod recover;
 mod region;
@@ -44,6 +48,7 @@ use crate::build::BuildError;
 use crate::domain::Element;
 use crate::points::PointError;
 
+pub use background::{Background, BackgroundError};
 pub use bounds::SizeField;
 pub use item::{Item, Queues, Work};
 pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats};
@@ -109,6 +114,20 @@ pub enum RefineError {
     /// The vertices have no mesh.
     #[error(transparent)]
     Build(#[from] BuildError),
+    /// The budget of points was used up before the boundary was complete, and without it there is no
+    /// inside.
+    #[error(
+        "the budget of points was used up before the boundary was recovered: {segments} segments and \
+         {subfaces} subfaces are missing, one of them at {at:?}"
+    )]
+    Unrecovered {
+        /// Subsegments that the mesh lacks.
+        segments: usize,
+        /// Subfaces that the mesh lacks.
+        subfaces: usize,
+        /// A point on one of them.
+        at: Point,
+    },
     /// The work was cancelled before there was a mesh of the domain.
     #[error("cancelled before the boundary was recovered")]
     Cancelled,

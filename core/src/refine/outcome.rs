@@ -62,6 +62,9 @@ pub enum RefineOutcome {
     /// Some tetrahedra are over a bound, or some of the boundary is not in the mesh: each is listed
     /// with its reason.
     Excused,
+    /// The budget of points was used up first; the mesh is valid and Delaunay, but need not meet the
+    /// bounds.
+    Budget,
     /// The cancel token was set; the mesh is valid and Delaunay, but need not meet the bounds.
     Cancelled,
 }

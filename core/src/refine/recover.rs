@@ -158,7 +158,7 @@ impl State {
                 continue;
             }
             // A component between subsegments is in the facet as a whole, or not at all.
-            let verdict = Some(self.is_in_facet(facet, axis, keys[first]));
+            let verdict = Some(self.patch_of(facet, axis, keys[first]).is_some());
             let mut stack = vec![first];
             inside[first] = verdict;
             while let Some(k) = stack.pop() {
@@ -178,13 +178,19 @@ impl State {
         Ok(keys.into_iter().zip(inside).filter(|(_, i)| *i == Some(true)).map(|(k, _)| k).collect())
     }
 
-    /// Is the centroid of a triangle in some patch of the facet, and not in a hole of it?
-    fn is_in_facet(&self, facet: &Facet, axis: usize, corners: [VertexId; 3]) -> bool {
+    /// The patch that the centroid of a triangle is in, and not in a hole of it; `None` if it is in
+    /// no part of the facet.
+    fn patch_of<'f>(
+        &self,
+        facet: &'f Facet,
+        axis: usize,
+        corners: [VertexId; 3],
+    ) -> Option<&'f Patch> {
         let p = corners.map(|v| self.at(v));
         let axes = [(axis + 1) % 3, (axis + 2) % 3];
         // Three times the centroid, whole.
         let centre = axes.map(|k| (0..3).map(|i| p[i][k] as i128).sum::<i128>());
-        facet.patches.iter().any(|patch| {
+        facet.patches.iter().find(|patch| {
             let own = self.enclosing(patch, axes, centre);
             own.contains(&true)
                 && !patch.holes.iter().any(|hole| {
@@ -192,6 +198,18 @@ impl State {
                     self.enclosing(patch, axes, hole) == own
                 })
         })
+    }
+
+    /// The marker of a subface: that of the polygons which it is part of.
+    pub(crate) fn marker(&self, subface: [VertexId; 3]) -> i32 {
+        let Some(&f) = self.subfaces.get(&subface) else { return 0 };
+        let facet = &self.plc.facets[f as usize];
+        let first = facet.patches.first().map_or(0, |p| p.marker);
+        if facet.patches.iter().all(|p| p.marker == first) {
+            return first;
+        }
+        let patch = self.patch_of(facet, dominant(&facet.plane.normal()), subface);
+        patch.map_or(first, |p| p.marker)
     }
 
     /// Which polygons of a patch enclose a point, given three times its coordinates: those whose

@@ -1,7 +1,7 @@
 //! The driver: recover the boundary, find the regions, split what is over its bounds.
 
 use super::RefineError;
-use super::bounds::{Bounds, SizeField};
+use super::bounds::{Bounds, SizeField, regular_volume};
 use super::carrier::{Carrier, corner_point};
 use super::item::{Item, Queues, Work};
 use super::measure::{RatioBound, VolumeBound};
@@ -15,7 +15,6 @@ use crate::cavity::Open;
 use crate::domain::{Domain, Lattice};
 use crate::mesh::{Mesh, Vertex};
 use crate::sync::CancelToken;
-use crate::tetmesh::TetMesh;
 use crate::topology::{TetId, VertexId};
 use crate::{Point, PointSet};
 use std::time::Instant;
@@ -128,8 +127,8 @@ impl<'a> Refiner<'a> {
     }
 
     /// Inserts at most so many points. By default a million, 64 for each vertex of the domain and 4
-    /// for each tetrahedron of the largest allowed volume that the domain's box could hold: far
-    /// more than a domain takes whose details the lattice resolves.
+    /// for each tetrahedron of the largest allowed volume that the domain's box could hold (of a
+    /// sizing field: the least at the domain's vertices): far more than a domain takes whose details the lattice resolves.
     pub fn max_points(mut self, count: u64) -> Self {
         self.max_points = Some(count);
         self
@@ -185,7 +184,8 @@ impl<'a> Refiner<'a> {
             stop: None,
         };
         run.recover(&kernel)?;
-        let regions = run.refinement.state.flood(&domain.holes, &domain.regions)?;
+        let flooded = run.refinement.state.flood(&domain.holes, &domain.regions);
+        let regions = flooded.map_err(|error| run.unrecovered(lattice).unwrap_or(error))?;
         run.refinement.bounds = Some(self.bounds(&regions, lattice));
         run.put_all();
         run.stats.recover_seconds = clock.elapsed().as_secs_f64();
@@ -223,7 +223,10 @@ impl<'a> Refiner<'a> {
         let (low, high) = domain.bounds().unwrap_or(([0.0; 3], [1.0; 3]));
         let volume: f64 = (0..3).map(|k| high[k] - low[k]).product();
         let regions = domain.regions.iter().filter_map(|r| r.max_volume);
-        let least = regions.chain(self.max_volume).fold(f64::INFINITY, f64::min);
+        // A sizing field is looked at where the domain has vertices: more is not known of it.
+        let field = |p: &Point| self.field.map(|field| regular_volume(field(*p)));
+        let fields = domain.vertices.iter().filter_map(field).filter(|&v| v > 0.0);
+        let least = regions.chain(self.max_volume).chain(fields).fold(f64::INFINITY, f64::min);
         // A conversion of floats saturates.
         let by_volume = (STEINER_PER_VOLUME * volume / least) as u64;
         let by_corners = STEINER_PER_CORNER * domain.vertices.len() as u64;
@@ -295,6 +298,20 @@ impl Run<'_> {
             self.step(item)?;
         }
         Ok(())
+    }
+
+    /// What is missing of the boundary because the budget was used up; `None` if it was not.
+    fn unrecovered(&self, lattice: &Lattice) -> Option<RefineError> {
+        let state = &self.refinement.state;
+        if self.stop != Some(Reason::Budget) {
+            return None;
+        }
+        let present = state.present_segments();
+        let lost = state.segments.keys().filter(|s| !present.contains(*s));
+        let first = lost.clone().map(|s| s[0]).chain(state.missing.iter().map(|s| s[0])).min()?;
+        let at = state.at(first).map(|c| c * lattice.fine_step());
+        let (segments, subfaces) = (lost.count(), state.missing.len());
+        Some(RefineError::Unrecovered { segments, subfaces, at })
     }
 
     /// Splits tetrahedra until none is over its bounds, boundary items first.
@@ -418,6 +435,7 @@ impl Run<'_> {
         lost.sort_unstable();
         let outcome = match self.stop {
             Some(Reason::Cancelled) => RefineOutcome::Cancelled,
+            Some(_) if !(excuses.is_empty() && lost.is_empty()) => RefineOutcome::Budget,
             _ if excuses.is_empty() && lost.is_empty() => RefineOutcome::Met,
             _ => RefineOutcome::Excused,
         };
@@ -467,37 +485,5 @@ impl Refined {
     /// Bytes held by the large arrays.
     pub fn memory_bytes(&self) -> usize {
         self.state.memory_bytes()
-    }
-
-    /// The mesh as plain arrays, tetrahedra tagged with their regions; with the exterior (tag 0)
-    /// on request.
-    pub fn to_tet_mesh(&self, exterior: bool) -> TetMesh {
-        let mut mesh = TetMesh { tets: Vec::new(), ..self.state.mesh.to_tet_mesh() };
-        let mut tags = Vec::new();
-        for t in self.state.mesh.tet_ids() {
-            let region = self.region(t);
-            if exterior || region != 0 {
-                mesh.tets.extend(self.state.mesh.tet(t));
-                tags.push(i64::from(region));
-            }
-        }
-        mesh.tet_tags = Some(tags);
-        mesh
-    }
-
-    /// The subfaces that the mesh has: corners as vertex numbers, ascending.
-    pub fn subfaces(&self) -> Vec<[Vertex; 3]> {
-        let state = &self.state;
-        let present = state.subfaces.keys().filter(|s| !state.missing.contains(*s));
-        let number = |v: &VertexId| state.mesh.numbers[*v as usize];
-        let mut all: Vec<[Vertex; 3]> = present
-            .map(|s| {
-                let mut corners = [number(&s[0]), number(&s[1]), number(&s[2])];
-                corners.sort_unstable();
-                corners
-            })
-            .collect();
-        all.sort_unstable();
-        all
     }
 }

@@ -198,7 +198,7 @@ fn bounds_that_no_mesh_meets_are_errors() {
 #[test]
 fn a_budget_ends_the_work_and_is_the_excuse() {
     let refined = refine(&Refiner::new().max_volume(1e-3).max_points(300), &model());
-    assert_eq!(refined.outcome, RefineOutcome::Excused);
+    assert_eq!(refined.outcome, RefineOutcome::Budget);
     let stats = refined.stats;
     assert_eq!(stats.segment_points + stats.facet_points + stats.free_points, 300);
     assert!(refined.excuses.iter().all(|e| e.reason == Reason::Budget));
@@ -321,4 +321,78 @@ fn equal_vertices_and_domains_without_an_inside_are_refused() {
     let snapped = domain.snap().expect("a lattice");
     let error = refiner.refine(&snapped.domain, &snapped.lattice).expect_err("a leak");
     assert_eq!(error, RefineError::NoInterior);
+}
+
+#[test]
+fn the_boundary_has_the_markers_of_its_facets_and_points_outwards() {
+    let mut ready = ready(DomainKind::TwoMaterial, &Shape::default());
+    let count = ready.domain.facets.len() as i32;
+    for (marker, facet) in (10..).zip(&mut ready.domain.facets) {
+        facet.marker = marker;
+    }
+    let refined = refine(&Refiner::new().max_volume(2e-2), &ready);
+    for exterior in [false, true] {
+        let (mesh, faces) = (refined.to_tet_mesh(exterior), refined.boundary(exterior));
+        assert_eq!(faces.len(), refined.subfaces().len(), "every triangle once");
+        let mut seen = vec![0.0; count as usize];
+        for face in &faces {
+            let tet = mesh.tets[face.tet];
+            let apex = tet.into_iter().find(|v| !face.corners.contains(v)).expect("a corner");
+            let [a, b, c] = face.corners.map(|v| mesh.points[v as usize]);
+            let side = crate::predicates::orient3d(&a, &b, &c, &mesh.points[apex as usize]);
+            assert_eq!(side, Sign::Negative, "it points out of its tetrahedron");
+            // All its corners lie in the plane of the facet with this marker.
+            let facet = &ready.domain.facets[(face.marker - 10) as usize];
+            let at = |k: usize| &ready.domain.vertices[facet.polygons[0][k] as usize];
+            for p in [&a, &b, &c] {
+                assert_eq!(crate::predicates::orient3d(at(0), at(1), at(2), p), Sign::Zero);
+            }
+            let n = carrier::cross(&carrier::minus(&b, &a), &carrier::minus(&c, &a));
+            seen[(face.marker - 10) as usize] += carrier::dot(&n, &n).sqrt() / 2.0;
+        }
+        // Every facet is covered by the triangles that have its marker.
+        for (area, facet) in seen.into_iter().zip(&ready.domain.facets) {
+            let corners = &facet.polygons[0];
+            let at = |k: usize| ready.domain.vertices[corners[k] as usize];
+            let fan = (2..corners.len()).map(|k| {
+                carrier::cross(&carrier::minus(&at(k - 1), &at(0)), &carrier::minus(&at(k), &at(0)))
+            });
+            let n = fan.fold([0.0; 3], |s, n| [s[0] + n[0], s[1] + n[1], s[2] + n[2]]);
+            assert!((carrier::dot(&n, &n).sqrt() / 2.0 - area).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn coplanar_facets_keep_markers_of_their_own() {
+    // A unit cube whose lid is two rectangles with different markers.
+    let mut domain = Domain::default();
+    domain.vertices = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+    domain.vertices.extend([[0.25, 0.0, 1.0], [0.25, 1.0, 1.0]]);
+    let faces: [&[u32]; 7] = [
+        &[0, 2, 3, 1],
+        &[0, 1, 5, 8, 4],
+        &[2, 6, 9, 7, 3],
+        &[0, 4, 6, 2],
+        &[1, 3, 7, 5],
+        &[4, 8, 9, 6],
+        &[8, 5, 7, 9],
+    ];
+    for (marker, corners) in (1..).zip(faces) {
+        domain.facets.push(crate::domain::Facet::polygon(corners, marker));
+    }
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let refined = refine(&Refiner::new().max_volume(1e-2), &ready);
+    let mesh = refined.to_tet_mesh(false);
+    let mut lid = [0, 0];
+    for face in refined.boundary(false) {
+        let p = face.corners.map(|v| mesh.points[v as usize]);
+        if face.marker >= 6 {
+            assert!(p.iter().all(|p| p[2] == 1.0));
+            let left = p.iter().all(|p| p[0] <= 0.25);
+            assert_eq!(left, face.marker == 6, "{p:?}");
+            lid[(face.marker - 6) as usize] += 1;
+        }
+    }
+    assert!(lid[0] > 0 && lid[1] > lid[0], "{lid:?}");
 }

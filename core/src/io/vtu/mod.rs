@@ -1,7 +1,8 @@
 //! `.vtu`: VTK's XML format of unstructured grids, which ParaView opens.
 //!
 //! Written: one piece, `Float64` points, `Int64` arrays named `tag` (points) and `region` (cells)
-//! where there are tags; arrays are appended raw, or text. Read: any number of pieces; arrays as
+//! where there are tags; figures of tetrahedra and boundary triangles on request; arrays are
+//! appended raw, or text. Read: any number of pieces; arrays as
 //! text, inline in base64, or appended raw or in base64; uncompressed or compressed by zlib;
 //! either byte order. Tetrahedra (VTK type 10) become the mesh; cells of dimension 0 to 2 and
 //! other arrays are not read, and a note says so; other cells are refused.
@@ -18,10 +19,12 @@ use crate::TetMesh;
 use array::{Layout, Stream};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
-pub use write::write;
+pub use write::{write, write_with};
 
 /// VTK's number for a tetrahedron.
 const TETRAHEDRON: i64 = 10;
+/// And for a triangle.
+const TRIANGLE: i64 = 5;
 
 /// The arrays of a piece that are read.
 #[derive(Debug, Clone, Copy, PartialEq)]

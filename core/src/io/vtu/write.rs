@@ -1,9 +1,12 @@
 //! Writing `.vtu` files: appended raw arrays, or text.
+//!
+//! Boundary triangles follow the tetrahedra as cells. Arrays of cells have a value for every cell, so
+//! a triangle has those of its tetrahedron, and looks like it; tetrahedra have the marker 0.
 
-use super::TETRAHEDRON;
-use crate::TetMesh;
+use super::{TETRAHEDRON, TRIANGLE};
 use crate::io::Encoding;
-use crate::io::text::{push_integer, push_point, write_rows};
+use crate::io::text::{push_float, push_integer, push_point, write_rows};
+use crate::{Extras, TetMesh};
 use std::io::Write;
 
 /// Writes the row of a number as text or as bytes.
@@ -13,11 +16,11 @@ type Row<'a> = Box<dyn Fn(usize, &mut Vec<u8>) + Sync + 'a>;
 struct Array<'a> {
     /// The element that it stands in, with its attributes.
     section: &'static str,
-    name: &'static str,
+    name: &'a str,
     kind: &'static str,
     rows: usize,
-    /// Bytes of a row in binary.
-    width: usize,
+    /// Bytes of all rows in binary.
+    bytes: usize,
     row: Row<'a>,
 }
 
@@ -28,7 +31,22 @@ struct Array<'a> {
 /// # Errors
 /// Those of `out`.
 pub fn write(out: &mut dyn Write, mesh: &TetMesh, encoding: Encoding) -> std::io::Result<()> {
-    let arrays = arrays(mesh, encoding);
+    write_with(out, mesh, &Extras::default(), encoding)
+}
+
+/// Writes a `.vtu` file as [`write`] does, with arrays for the figures of the tetrahedra, and with the
+/// boundary as triangles and an array `marker`.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_with(
+    out: &mut dyn Write,
+    mesh: &TetMesh,
+    extras: &Extras,
+    encoding: Encoding,
+) -> std::io::Result<()> {
+    let mut arrays = geometry(mesh, extras, encoding);
+    arrays.extend(data(mesh, extras, encoding));
     let header = match encoding {
         Encoding::Binary => " header_type=\"UInt64\"",
         Encoding::Ascii => "",
@@ -39,11 +57,11 @@ pub fn write(out: &mut dyn Write, mesh: &TetMesh, encoding: Encoding) -> std::io
          <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\"{header}>\n\
          <UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
         mesh.points.len(),
-        mesh.tets.len()
+        mesh.tets.len() + extras.faces.len()
     )?;
     let mut offset = 0;
     for (k, array) in arrays.iter().enumerate() {
-        let Array { section, name, kind, rows, width, row } = array;
+        let Array { section, name, kind, rows, bytes, row } = array;
         // Several arrays may stand in one section.
         if k == 0 || arrays[k - 1].section != *section {
             writeln!(out, "<{section}>")?;
@@ -58,7 +76,7 @@ pub fn write(out: &mut dyn Write, mesh: &TetMesh, encoding: Encoding) -> std::io
                 out.write_all(b"</DataArray>\n")?;
             }
         }
-        offset += 8 + rows * width;
+        offset += 8 + bytes;
         if arrays.get(k + 1).is_none_or(|next| next.section != *section) {
             let element = section.split(' ').next().unwrap_or_default();
             writeln!(out, "</{element}>")?;
@@ -67,8 +85,8 @@ pub fn write(out: &mut dyn Write, mesh: &TetMesh, encoding: Encoding) -> std::io
     out.write_all(b"</Piece>\n</UnstructuredGrid>\n")?;
     if encoding == Encoding::Binary {
         out.write_all(b"<AppendedData encoding=\"raw\">\n_")?;
-        for Array { rows, width, row, .. } in &arrays {
-            out.write_all(&((rows * width) as u64).to_le_bytes())?;
+        for Array { rows, bytes, row, .. } in &arrays {
+            out.write_all(&(*bytes as u64).to_le_bytes())?;
             write_rows(out, *rows, row)?;
         }
         out.write_all(b"\n</AppendedData>\n")?;
@@ -76,11 +94,12 @@ pub fn write(out: &mut dyn Write, mesh: &TetMesh, encoding: Encoding) -> std::io
     out.write_all(b"</VTKFile>\n")
 }
 
-/// The arrays of a grid: the points first.
-fn arrays(mesh: &TetMesh, encoding: Encoding) -> Vec<Array<'_>> {
-    let TetMesh { points, tets, point_tags, tet_tags } = mesh;
+/// The arrays of points and cells: the points first.
+fn geometry<'a>(mesh: &'a TetMesh, extras: &'a Extras, encoding: Encoding) -> Vec<Array<'a>> {
+    let (points, tets, faces) = (&mesh.points, &mesh.tets, &extras.faces);
+    let (cells, corner_count) = (tets.len() + faces.len(), 4 * tets.len() + 3 * faces.len());
     let ascii = encoding == Encoding::Ascii;
-    let wide = ascii || i32::try_from(points.len().max(4 * tets.len())).is_err();
+    let wide = ascii || i32::try_from(points.len().max(corner_count)).is_err();
     let index = move |value: usize, row: &mut Vec<u8>| {
         if ascii {
             push_integer(row, value as i64);
@@ -91,9 +110,7 @@ fn arrays(mesh: &TetMesh, encoding: Encoding) -> Vec<Array<'_>> {
             row.extend((value as i32).to_le_bytes());
         }
     };
-    let (int, bytes) = if wide { ("Int64", 8) } else { ("Int32", 4) };
-    let array =
-        |section, name, kind, rows, width, row| Array { section, name, kind, rows, width, row };
+    let (int, width) = if wide { ("Int64", 8) } else { ("Int32", 4) };
     let coordinates: Row<'_> = Box::new(move |i, row| {
         if ascii {
             push_point(row, &points[i], b' ');
@@ -103,44 +120,88 @@ fn arrays(mesh: &TetMesh, encoding: Encoding) -> Vec<Array<'_>> {
         }
     });
     let corners: Row<'_> = Box::new(move |i, row| {
-        for (k, &v) in tets[i].iter().enumerate() {
+        let corners: &[u32] = match tets.get(i) {
+            Some(tet) => tet,
+            None => &faces[i - tets.len()].corners,
+        };
+        for (k, &v) in corners.iter().enumerate() {
             index(v as usize, row);
-            // Four on a line.
-            if let (true, true, Some(end)) = (ascii, k < 3, row.last_mut()) {
+            // Those of a cell on a line.
+            if let (true, true, Some(end)) = (ascii, k + 1 < corners.len(), row.last_mut()) {
                 *end = b' ';
             }
         }
     });
-    let types: Row<'_> = Box::new(move |_, row| {
+    let types: Row<'_> = Box::new(move |i, row| {
+        let kind = if i < tets.len() { TETRAHEDRON } else { TRIANGLE };
         if ascii {
-            push_integer(row, TETRAHEDRON);
+            push_integer(row, kind);
             row.push(b'\n');
         } else {
-            row.push(TETRAHEDRON as u8);
+            row.push(kind as u8);
         }
     });
-    let offsets: Row<'_> = Box::new(move |i, row| index(4 * (i + 1), row));
-    let mut arrays = vec![
-        array("Points", "Points", "Float64", points.len(), 24, coordinates),
-        array("Cells", "connectivity", int, tets.len(), 4 * bytes, corners),
-        array("Cells", "offsets", int, tets.len(), bytes, offsets),
-        array("Cells", "types", "UInt8", tets.len(), 1, types),
-    ];
-    let tags = [
-        ("PointData Scalars=\"tag\"", "tag", point_tags),
-        ("CellData Scalars=\"region\"", "region", tet_tags),
-    ];
-    for (section, name, tags) in tags {
-        let Some(tags) = tags else { continue };
-        let values: Row<'_> = Box::new(move |i, row| {
+    let offsets: Row<'_> = Box::new(move |i, row| {
+        let more = (i + 1).saturating_sub(tets.len());
+        index(4 * (i + 1 - more) + 3 * more, row);
+    });
+    let array =
+        |section, name, kind, rows, bytes, row| Array { section, name, kind, rows, bytes, row };
+    vec![
+        array("Points", "Points", "Float64", points.len(), 24 * points.len(), coordinates),
+        array("Cells", "connectivity", int, cells, width * corner_count, corners),
+        array("Cells", "offsets", int, cells, width * cells, offsets),
+        array("Cells", "types", "UInt8", cells, cells, types),
+    ]
+}
+
+/// The arrays of tags, markers and figures.
+fn data<'a>(mesh: &'a TetMesh, extras: &'a Extras, encoding: Encoding) -> Vec<Array<'a>> {
+    let (tets, faces) = (mesh.tets.len(), &extras.faces);
+    let ascii = encoding == Encoding::Ascii;
+    let integers =
+        move |section, name, rows: usize, value: Box<dyn Fn(usize) -> i64 + Sync + 'a>| {
+            let row: Row<'a> = Box::new(move |i, row| {
+                if ascii {
+                    push_integer(row, value(i));
+                    row.push(b'\n');
+                } else {
+                    row.extend(value(i).to_le_bytes());
+                }
+            });
+            Array { section, name, kind: "Int64", rows, bytes: 8 * rows, row }
+        };
+    let cells = tets + faces.len();
+    // The tetrahedron that a cell is or belongs to.
+    let owner = move |i: usize| if i < tets { i } else { faces[i - tets].tet };
+    let mut arrays = Vec::new();
+    if let Some(tags) = &mesh.point_tags {
+        let section = "PointData Scalars=\"tag\"";
+        arrays.push(integers(section, "tag", tags.len(), Box::new(move |i| tags[i])));
+    }
+    let section = match mesh.tet_tags {
+        Some(_) => "CellData Scalars=\"region\"",
+        None => "CellData",
+    };
+    if let Some(tags) = &mesh.tet_tags {
+        arrays.push(integers(section, "region", cells, Box::new(move |i| tags[owner(i)])));
+    }
+    if !faces.is_empty() {
+        let marker = move |i: usize| if i < tets { 0 } else { faces[i - tets].marker };
+        arrays.push(integers(section, "marker", cells, Box::new(marker)));
+    }
+    for (name, values) in &extras.values {
+        let row: Row<'a> = Box::new(move |i, row| {
+            let value = values[owner(i)];
             if ascii {
-                push_integer(row, tags[i]);
+                push_float(row, value);
                 row.push(b'\n');
             } else {
-                row.extend(tags[i].to_le_bytes());
+                row.extend(value.to_le_bytes());
             }
         });
-        arrays.push(array(section, name, "Int64", tags.len(), 8, values));
+        let (kind, bytes) = ("Float64", 8 * cells);
+        arrays.push(Array { section, name, kind, rows: cells, bytes, row });
     }
     arrays
 }

@@ -1,0 +1,140 @@
+//! What a mesh of a domain is asked for: bounds of the command line, TetGen's switches, sizes.
+
+use crate::args::MeshArgs;
+use crate::outcome::Failure;
+use ltbw::domain::Prepared;
+use ltbw::refine::{Background, BackgroundError, Refiner};
+use ltbw::{Point, io};
+
+/// The bounds asked for.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Asked {
+    pub(crate) radius_edge: Option<f64>,
+    pub(crate) max_volume: Option<f64>,
+    /// An edge length for all places.
+    pub(crate) size: Option<f64>,
+}
+
+impl Asked {
+    /// A refiner with these bounds, but for the edge length.
+    pub(crate) fn refiner<'a>(self) -> Refiner<'a> {
+        let refiner = match self.radius_edge {
+            Some(bound) => Refiner::new().radius_edge(bound),
+            None => Refiner::new().any_shape(),
+        };
+        match self.max_volume {
+            Some(bound) => refiner.max_volume(bound),
+            None => refiner,
+        }
+    }
+}
+
+/// The edge length at a place of the prepared domain.
+pub(crate) type Field = Box<dyn Fn(Point) -> f64 + Sync>;
+
+/// The sizing field of the command line, if it asks for one.
+pub(crate) fn field(args: &MeshArgs, ready: &Prepared) -> Result<Option<Field>, Failure> {
+    let constant = args.size.unwrap_or(f64::INFINITY);
+    let Some(path) = &args.sizes else {
+        return Ok(args.size.map(|_| -> Field { Box::new(move |_| constant) }));
+    };
+    let sizes = io::read_sizes(path).map_err(Failure::Read)?;
+    let failed = |error| Failure::Sizes { path: path.clone(), error };
+    let background = match &args.background {
+        Some(mesh) => {
+            let mesh = io::read_mesh(mesh).map_err(Failure::Read)?;
+            Background::new(&mesh, &sizes).map_err(failed)?
+        }
+        None => at_vertices(ready, &sizes).map_err(failed)?,
+    };
+    // A background mesh is in the coordinates of the file, the domain perhaps in those of a frame.
+    let offset = match args.background {
+        Some(_) => ready.lattice.offset(),
+        None => [0.0; 3],
+    };
+    Ok(Some(Box::new(move |p| background.at([0, 1, 2].map(|k| p[k] + offset[k])).min(constant))))
+}
+
+/// Sizes at the vertices of the file; where several became one, the least counts.
+fn at_vertices(ready: &Prepared, sizes: &[f64]) -> Result<Background, BackgroundError> {
+    let (vertices, points) = (&ready.domain.vertices, ready.vertex_map.len());
+    if sizes.len() != points {
+        return Err(BackgroundError::Count { sizes: sizes.len(), points });
+    }
+    if let Some(number) = sizes.iter().position(|s| !(s.is_finite() && *s > 0.0)) {
+        return Err(BackgroundError::Size { number, size: sizes[number] });
+    }
+    let mut own = vec![f64::INFINITY; vertices.len()];
+    for (&v, &size) in ready.vertex_map.iter().zip(sizes) {
+        if let Some(own) = own.get_mut(v as usize) {
+            *own = own.min(size);
+        }
+    }
+    Background::of_points(vertices, &own)
+}
+
+/// The bounds of the command line; TetGen's switches as far as they mean something here.
+pub(crate) fn asked(args: &MeshArgs) -> Result<Asked, Failure> {
+    let Some(switches) = &args.tetgen_switches else {
+        let radius_edge = args.radius_edge.or(Some(2.0));
+        return Ok(Asked { radius_edge, max_volume: args.max_volume, size: args.size });
+    };
+    let bad = |why: String| Failure::Usage(format!("--tetgen-switches {switches}: {why}"));
+    let mut asked = Asked { size: args.size, ..Asked::default() };
+    let mut rest = switches.trim_start_matches('-');
+    while let Some(letter) = rest.chars().next() {
+        rest = &rest[letter.len_utf8()..];
+        // A number, and after a slash a second one (a minimal angle), which has no meaning here.
+        let end = rest.find(|c: char| !(c.is_ascii_digit() || ".eE+-/".contains(c)));
+        // An `e` that no digit follows is no part of a number.
+        let (text, after) = rest.split_at(end.unwrap_or(rest.len()));
+        let number = text.split('/').next().unwrap_or_default();
+        let value = || number.parse::<f64>().map_err(|e| bad(format!("`{number}`: {e}")));
+        match letter {
+            'q' if number.is_empty() => asked.radius_edge = Some(2.0),
+            'q' => asked.radius_edge = Some(value()?),
+            'a' if number.is_empty() => {}
+            'a' => asked.max_volume = Some(value()?),
+            'p' | 'A' | 'Q' | 'V' | 'C' | 'z' | 'n' | 'f' | 'e' | 'k' => {}
+            other => return Err(bad(format!("there is nothing like `{other}`"))),
+        }
+        if matches!(letter, 'q' | 'a') {
+            rest = after;
+        }
+    }
+    Ok(asked)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::{Args, Command};
+    use clap::Parser;
+
+    fn asked_by(words: &[&str]) -> Result<Asked, Failure> {
+        let all = ["ltbw", "mesh", "x.poly"].iter().chain(words);
+        let Command::Mesh(args) = Args::try_parse_from(all).expect("arguments").command else {
+            panic!("another command");
+        };
+        asked(&args)
+    }
+
+    #[test]
+    fn bounds_come_from_options_or_from_tetgens_switches() {
+        let both = |q, a| Asked { radius_edge: q, max_volume: a, size: None };
+        assert_eq!(asked_by(&[]).expect("bounds"), both(Some(2.0), None));
+        let cases = [
+            ("pq1.4a0.1", both(Some(1.4), Some(0.1))),
+            ("-pqa1e-5Q", both(Some(2.0), Some(1e-5))),
+            ("pa2", both(None, Some(2.0))),
+            ("pq1.5/10A", both(Some(1.5), None)),
+        ];
+        for (switches, expected) in cases {
+            let found = asked_by(&["--tetgen-switches", switches]).expect("bounds");
+            assert_eq!(found, expected, "{switches}");
+        }
+        for switches in ["pq1.4X", "pqa1..2", "ö"] {
+            assert!(asked_by(&["--tetgen-switches", switches]).is_err(), "{switches}");
+        }
+    }
+}
