@@ -487,7 +487,8 @@ fn segments_meet_in_their_ends_alone() {
         [0.25, 0.5, 0.5],
     ];
     // Numbers of the places above: segments, and what is wrong with them.
-    let cases: [(&[[u32; 2]], &[(DefectKind, u64)]); 9] = [
+    type Case<'a> = (&'a [[u32; 2]], &'a [(DefectKind, u64)]);
+    let cases: [Case<'_>; 9] = [
         (&[[0, 1]], &[]),
         (&[[0, 1], [2, 3]], &[(DefectKind::Intersection, 1)]),
         (&[[0, 1], [5, 6]], &[]),
