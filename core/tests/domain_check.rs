@@ -472,3 +472,75 @@ fn a_shell_too_small_to_be_found_is_a_finding() {
     assert!(!report.is_meshable() && report.cells.is_none());
     assert_eq!(report.defects[0].elements.len(), 1);
 }
+
+#[test]
+fn segments_meet_in_their_ends_alone() {
+    let plain = cubes(&[[0.0; 3]]);
+    let places = [
+        [0.25, 0.5, 0.5],
+        [0.75, 0.5, 0.5],
+        [0.5, 0.25, 0.5],
+        [0.5, 0.75, 0.5],
+        [0.5, 0.5, 0.5],
+        [0.5, 0.25, 0.75],
+        [0.5, 0.75, 0.75],
+        [0.25, 0.5, 0.5],
+    ];
+    // Numbers of the places above: segments, and what is wrong with them.
+    type Case<'a> = (&'a [[u32; 2]], &'a [(DefectKind, u64)]);
+    let cases: [Case<'_>; 9] = [
+        (&[[0, 1]], &[]),
+        (&[[0, 1], [2, 3]], &[(DefectKind::Intersection, 1)]),
+        (&[[0, 1], [5, 6]], &[]),
+        (&[[0, 1], [1, 0]], &[(DefectKind::Overlap, 1)]),
+        (&[[0, 1], [4, 3]], &[(DefectKind::TJunction, 1)]),
+        (&[[4, 3], [0, 1]], &[(DefectKind::TJunction, 1)]),
+        (&[[0, 4], [4, 1], [2, 4], [4, 3]], &[]),
+        // Along each other: each has an end on the other, or one has both.
+        (&[[0, 1], [0, 4]], &[(DefectKind::TJunction, 1)]),
+        // Between equal places.
+        (&[[0, 7]], &[(DefectKind::Degenerate, 1)]),
+    ];
+    for (segments, wrong) in cases {
+        let mut domain = plain.clone();
+        let mut names = BTreeMap::new();
+        for &v in segments.iter().flatten() {
+            names.entry(v).or_insert_with(|| {
+                domain.vertices.push(places[v as usize]);
+                domain.vertices.len() as u32 - 1
+            });
+        }
+        domain.segments = segments.iter().map(|ends| (ends.map(|v| names[&v]), 0)).collect();
+        let report = check(&domain, false);
+        let errors: Vec<_> = report
+            .counts
+            .iter()
+            .filter(|(kind, _)| kind.severity() == Severity::Error)
+            .map(|(&kind, &count)| (kind, count))
+            .collect();
+        assert_eq!(errors, wrong, "{segments:?}: {:?}", report.defects);
+    }
+    // A vertex that nothing names, on a segment.
+    let mut domain = plain;
+    domain.vertices.extend([places[0], places[1], places[4]]);
+    domain.segments.push(([8, 9], 0));
+    let report = check(&domain, false);
+    assert_eq!(report.count(DefectKind::TJunction), 1, "{:?}", report.defects);
+    assert_eq!(report.count(DefectKind::UnusedVertex), 1);
+}
+
+#[test]
+fn hole_points_of_facets_lie_in_pieces_of_them() {
+    let hole = |at: [f64; 3]| {
+        let mut domain = cubes(&[[0.0; 3]]);
+        domain.facets[0].holes.push(at);
+        let report = check(&domain, false);
+        report.defects.iter().map(|defect| (defect.kind, defect.elements[0])).next()
+    };
+    let element = Element::FacetHole { facet: 0, hole: 0 };
+    assert_eq!(hole([2.0, 2.0, 0.0]), Some((DefectKind::SeedOutside, element)));
+    assert_eq!(hole([0.5, 0.0, 0.0]), Some((DefectKind::SeedOnFacet, element)));
+    assert_eq!(hole([1.0, 1.0, 0.0]), Some((DefectKind::SeedOnFacet, element)));
+    // All of the facet falls away.
+    assert_eq!(hole([0.5, 0.25, 0.0]), Some((DefectKind::Degenerate, Element::Facet(0))));
+}

@@ -18,8 +18,8 @@ const PACKAGES: [&str; 2] = ["core", "verify"];
 /// core has for it (`part.rs`); those of refinement and its checker.
 const TESTS: [&[&str]; 3] = [
     &["-p", "ltbw-core", "-p", "ltbw-verify", "--all-features"],
-    &["-p", "ltbw", "--all-features", "--test", "threads", "--test", "interleaved"],
-    &["-p", "ltbw-tests", "--test", "refine"],
+    &["-p", "ltbw", "--all-features", "--test", "threads"],
+    &["-p", "ltbw-tests", "--test", "interleaved", "--test", "refine"],
 ];
 /// Debian's tools, if they are there; else cargo-llvm-cov looks for rustup's. Their version must
 /// not be older than the format of the profiles, which has been the same since LLVM 19.

@@ -17,6 +17,8 @@
 mod big;
 mod differences;
 mod fixed;
+#[cfg(test)]
+mod tests;
 
 use super::{PLANES, Sign};
 use crate::Point;
@@ -64,10 +66,10 @@ pub fn insphere(a: &Point, b: &Point, c: &Point, d: &Point, e: &Point) -> Sign {
         return Sign::from_ordering(((wd - wc) + (wb - wa)).cmp(&0));
     }
     if let Some([a, b, c, d]) = differences.small() {
-        return insphere_small(&a, &b, &c, &d);
+        return insphere_small(&a, &b, &c, &d).sign();
     }
     if let Some([a, b, c, d]) = differences.medium() {
-        return insphere_medium(&a, &b, &c, &d);
+        return insphere_medium(&a, &b, &c, &d).sign();
     }
     big::insphere(a, b, c, d, e)
 }
@@ -117,21 +119,12 @@ pub fn orient2d(a: &Point, b: &Point, c: &Point, plane: [usize; 2]) -> Sign {
 #[inline(never)]
 #[must_use]
 pub fn incircle(a: &Point, b: &Point, c: &Point, d: &Point, plane: [usize; 2]) -> Sign {
-    let [i, j] = plane;
     let differences = Differences::new([a, b, c], d);
     if let Some([a, b, c]) = differences.small() {
-        // 18 · 2^4B and a sign: 254 bits.
-        let term = |p: &[i64; 3], u: &[i64; 3], v: &[i64; 3]| -> Int<4> {
-            Int::from_i128(lift_small(p)).mul(&Int::from_i128(minor(u, v, i, j)))
-        };
-        return term(&a, &b, &c).add(&term(&b, &c, &a)).add(&term(&c, &a, &b)).sign();
+        return incircle_small(&a, &b, &c, plane).sign();
     }
     if let Some([a, b, c]) = differences.medium() {
-        // 18 · 2^4B and a sign: 502 bits.
-        let term = |p: &[i128; 3], u: &[i128; 3], v: &[i128; 3]| -> Int<8> {
-            lift_medium(p).mul(&minor_medium(u, v, i, j))
-        };
-        return term(&a, &b, &c).add(&term(&b, &c, &a)).add(&term(&c, &a, &b)).sign();
+        return incircle_medium(&a, &b, &c, plane).sign();
     }
     big::incircle(a, b, c, d, plane)
 }
@@ -180,7 +173,7 @@ fn det3_small(a: &[i64; 3], b: &[i64; 3], c: &[i64; 3]) -> Int<3> {
 }
 
 /// The in-sphere determinant. B <= 62: 5B + 6.2 = 316.2 bits and a sign.
-fn insphere_small(a: &[i64; 3], b: &[i64; 3], c: &[i64; 3], d: &[i64; 3]) -> Sign {
+fn insphere_small(a: &[i64; 3], b: &[i64; 3], c: &[i64; 3], d: &[i64; 3]) -> Int<5> {
     let m = |p, q| minor(p, q, 0, 1);
     let [ab, bc, cd, da, ac, bd] = [m(b, a), m(c, b), m(d, c), m(a, d), m(c, a), m(d, b)];
     let p = product_small;
@@ -192,7 +185,16 @@ fn insphere_small(a: &[i64; 3], b: &[i64; 3], c: &[i64; 3], d: &[i64; 3]) -> Sig
     let lift = |p: &[i64; 3]| Int::from_i128(lift_small(p));
     let [wa, wb, wc, wd]: [Int<5>; 4] =
         [lift(a).mul(&bcd), lift(b).mul(&cda), lift(c).mul(&dab), lift(d).mul(&abc)];
-    wd.sub(&wc).add(&wb.sub(&wa)).sign()
+    wd.sub(&wc).add(&wb.sub(&wa))
+}
+
+/// The in-circle determinant. B <= 62: 18 · 2^4B and a sign, 254 bits.
+#[inline(always)]
+fn incircle_small(a: &[i64; 3], b: &[i64; 3], c: &[i64; 3], [i, j]: [usize; 2]) -> Int<4> {
+    let term = |p: &[i64; 3], u: &[i64; 3], v: &[i64; 3]| -> Int<4> {
+        Int::from_i128(lift_small(p)).mul(&Int::from_i128(minor(u, v, i, j)))
+    };
+    term(a, b, c).add(&term(b, c, a)).add(&term(c, a, b))
 }
 
 /// p[i]·q[j] - q[i]·p[j]. B <= 124: at most 249 bits and a sign.
@@ -218,11 +220,20 @@ fn det3_medium(a: &[i128; 3], b: &[i128; 3], c: &[i128; 3]) -> Int<6> {
 }
 
 /// The in-sphere determinant. B <= 124: 5B + 6.2 = 626.2 bits and a sign.
-fn insphere_medium(a: &[i128; 3], b: &[i128; 3], c: &[i128; 3], d: &[i128; 3]) -> Sign {
+fn insphere_medium(a: &[i128; 3], b: &[i128; 3], c: &[i128; 3], d: &[i128; 3]) -> Int<10> {
     let term = |p: &[i128; 3], u: &[i128; 3], v: &[i128; 3], w: &[i128; 3]| -> Int<10> {
         lift_medium(p).mul(&det3_medium(u, v, w))
     };
     // Expansion of the 4x4 determinant along its lift column, negated: positive inside.
     let [wa, wb, wc, wd] = [term(a, b, c, d), term(b, a, c, d), term(c, a, b, d), term(d, a, b, c)];
-    wa.sub(&wb).add(&wc.sub(&wd)).sign()
+    wa.sub(&wb).add(&wc.sub(&wd))
+}
+
+/// The in-circle determinant. B <= 124: 18 · 2^4B and a sign, 502 bits.
+#[inline(always)]
+fn incircle_medium(a: &[i128; 3], b: &[i128; 3], c: &[i128; 3], [i, j]: [usize; 2]) -> Int<8> {
+    let term = |p: &[i128; 3], u: &[i128; 3], v: &[i128; 3]| -> Int<8> {
+        lift_medium(p).mul(&minor_medium(u, v, i, j))
+    };
+    term(a, b, c).add(&term(b, c, a)).add(&term(c, a, b))
 }

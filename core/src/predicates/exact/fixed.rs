@@ -77,6 +77,12 @@ impl<const N: usize> Int<N> {
     }
 }
 
+#[cfg(test)]
+pub(super) fn big<const N: usize>(value: &Int<N>) -> num_bigint::BigInt {
+    let bytes: Vec<u8> = value.0.iter().flat_map(|limb| limb.to_le_bytes()).collect();
+    num_bigint::BigInt::from_signed_bytes_le(&bytes)
+}
+
 /// `from -= what` if `condition`, without a branch; both have the same length.
 #[inline(always)]
 fn subtract_if(condition: bool, from: &mut [u64], what: &[u64]) {
@@ -92,14 +98,6 @@ mod tests {
     use super::*;
     use num_bigint::BigInt;
     use proptest::prelude::*;
-
-    fn big<const N: usize>(value: &Int<N>) -> BigInt {
-        let mut bytes = Vec::new();
-        for limb in value.0 {
-            bytes.extend(limb.to_le_bytes());
-        }
-        BigInt::from_signed_bytes_le(&bytes)
-    }
 
     /// Limbs that are often all zeros or all ones, where carries and signs go wrong.
     fn limb() -> impl Strategy<Value = u64> {

@@ -5,5 +5,5 @@ mod families;
 mod fast_is_slow;
 mod filters;
 mod perturbation;
-mod references;
+pub(super) mod references;
 mod stages;
