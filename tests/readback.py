@@ -259,6 +259,22 @@ def surfaces_to_ltbw(mesh):
         agree(f"p.stl binary={binary} from PyVista", *by_place)
 
 
+def parts_to_python():
+    """A mesh that its workers left distributed is one mesh to PyVista."""
+    run("delaunay", "points.npy", "--threads", 3, "-o", "whole.vtu", "-o", "parts.pvtu")
+    whole, parts = (pyvista.read(FOLDER / name) for name in ["whole.vtu", "parts.pvtu"])
+
+    def rows(grid):
+        # By coordinates: a point between parts is in several. Corners and tetrahedra sorted.
+        corners = np.asarray(grid.points)[grid.cells_dict[pyvista.CellType.TETRA]]
+        order = [np.lexsort(tet.T) for tet in corners]
+        corners = np.array([tet[k] for tet, k in zip(corners, order)]).reshape(-1, 12)
+        return corners[np.lexsort(corners.T)]
+
+    agree("parts.pvtu by PyVista: cells", parts.n_cells, whole.n_cells)
+    agree("parts.pvtu by PyVista: tetrahedra", rows(parts), rows(whole))
+
+
 def main():
     run("generate", "uniform", 400, "--seed", 3, "-o", "points.npy")
     points = np.load(FOLDER / "points.npy")
@@ -277,6 +293,7 @@ def main():
     # Regions that are no physical groups.
     mesh.regions = rng.integers(-3, 4, len(mesh.tets))
     ltbw_to_python(mesh)
+    parts_to_python()
     for failure in failures:
         print(f"FAILED: {failure}")
     print(f"{checks} comparisons, {len(failures)} failed")

@@ -60,6 +60,8 @@ Examples:
   ltbw delaunay points.xyz                             only the hash, on stdout
   ltbw delaunay points.npy -o mesh.vtu -o mesh.ele     two files (and mesh.node)
   ltbw delaunay points.csv --json - --check full       the report, on stdout
+  ltbw delaunay points.npy --threads 4 -o mesh.pvtu    a file for each of 4 workers
+  ltbw delaunay points.npy --threads 4 --tables        what the workers did with their time
 
 Duplicate points are meshed once, under their smallest index; the report counts and maps them.
 Ctrl-C stops early: the mesh of the points inserted so far is written, unchecked.
@@ -191,7 +193,8 @@ fn concat_help(text: &str) -> String {
 pub(crate) struct Delaunay {
     /// The points: .npy .xyz .csv .node .ply .off .obj .stl
     pub(crate) points: PathBuf,
-    /// Where to write the mesh: .vtu .msh .mesh .ele (with .node); may be given several times
+    /// Where to write the mesh: .vtu .msh .mesh .ele (with .node); may be given several times.
+    /// As .pvtu it is left distributed: a .vtu beside it for each worker
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
     /// Threads: above 1, so many workers of the parallel kernel insert the points
@@ -200,9 +203,18 @@ pub(crate) struct Delaunay {
     /// order, check, hash and write. A worker should have some 5,000 points at least.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
+    /// Give blocks to workers that run out of points
+    #[arg(long, requires = "threads")]
+    pub(crate) balance: bool,
     /// Write the report as JSON (schema ltbw.report/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,
+    /// Print the workers' figures as the paper's tables
+    #[arg(long, requires = "threads")]
+    pub(crate) tables: bool,
+    /// Write a timeline for Perfetto or chrome://tracing: a track for each worker
+    #[arg(long, value_name = "FILE", requires = "threads")]
+    pub(crate) trace: Option<PathBuf>,
     /// How deep the checker looks at the mesh before it is written
     #[arg(long, value_enum, default_value_t = Depth::Fast)]
     pub(crate) check: Depth,

@@ -32,6 +32,7 @@ mod conform;
 mod console;
 mod demo;
 mod domain;
+mod figures;
 mod files;
 mod lists;
 mod mesh;

@@ -304,6 +304,7 @@ fn report_of(
         certificate: None,
         outputs: Vec::new(),
         workers: Vec::new(),
+        parallel: None,
     }
 }
 

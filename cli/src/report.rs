@@ -35,6 +35,9 @@ pub(crate) struct Report {
     pub(crate) outputs: Vec<String>,
     /// Figures of each worker of the parallel kernel; none if one thread inserted.
     pub(crate) workers: Vec<ltbw::threads::WorkerStats>,
+    /// What they did with their time, in nanoseconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) parallel: Option<crate::figures::Figures>,
 }
 
 impl Report {

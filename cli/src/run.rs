@@ -3,10 +3,13 @@
 use crate::args::{Delaunay, Depth};
 use crate::check::{check_json, check_own, is_stdout, keep_input, write_json};
 use crate::console::{self, Progress, Stop};
+use crate::figures::{Figures, SPANS, tables, write_trace};
 use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
+use ltbw::balance::Balance;
 use ltbw::io::{self, PointFile};
+use ltbw::metrics::{Summary, Trace};
 use ltbw::threads::{Parallel, Run, RunError, WorkerStats};
 use ltbw::{BuildError, Builder, Built, Outcome, PointSet, Stats, TetMesh};
 use ltbw_verify as verify;
@@ -33,16 +36,42 @@ pub(crate) struct Job<'a> {
     pub(crate) read_seconds: f64,
     /// Workers that insert the points.
     pub(crate) workers: u32,
+    /// What else is asked of them.
+    pub(crate) parallel: ParallelJob<'a>,
+}
+
+/// What is asked of the parallel kernel.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct ParallelJob<'a> {
+    /// Blocks go to workers that run out of points.
+    pub(crate) balance: bool,
+    /// The figures are printed.
+    pub(crate) tables: bool,
+    /// Where the timeline goes.
+    pub(crate) trace: Option<&'a Path>,
 }
 
 /// `ltbw delaunay`.
 pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let start = Instant::now();
     set_threads(args.threads)?;
-    check_outputs(&args.output)?;
+    let workers = args.threads.map_or(1, u32::from);
+    let (parts, whole): (Vec<_>, Vec<_>) =
+        args.output.iter().cloned().partition(|path| io::is_parts(path));
+    check_outputs(&whole)?;
+    for path in &parts {
+        io::check_parts_writable(path, workers as usize).map_err(Failure::Write)?;
+    }
     args.json.as_deref().map_or(Ok(()), check_json)?;
-    let written = args.output.iter().flat_map(|path| io::mesh_files(path));
-    written.chain(args.json.clone()).try_for_each(|path| keep_input(&args.points, &path))?;
+    args.trace.as_deref().map_or(Ok(()), io::check_bytes_writable).map_err(Failure::Write)?;
+    if workers < 2 && (args.trace.is_some() || args.tables || args.balance) {
+        let text = "--trace, --tables and --balance are about several workers: --threads 2 or more";
+        return Err(Failure::Usage(text.to_owned()));
+    }
+    let written = whole.iter().flat_map(|path| io::mesh_files(path));
+    let written = written.chain(parts.iter().flat_map(|p| io::part_files(p, workers as usize)));
+    let written = written.chain(args.json.clone()).chain(args.trace.clone());
+    written.into_iter().try_for_each(|path| keep_input(&args.points, &path))?;
     let stop = Stop::on_signal()?;
     let file = io::read_points(&args.points).map_err(Failure::Read)?;
     let job = Job {
@@ -54,7 +83,12 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
         stop: &stop,
         start,
         read_seconds: start.elapsed().as_secs_f64(),
-        workers: args.threads.map_or(1, u32::from),
+        workers,
+        parallel: ParallelJob {
+            balance: args.balance,
+            tables: args.tables,
+            trace: args.trace.as_deref(),
+        },
     };
     mesh_points(file, &job)
 }
@@ -81,7 +115,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     let count = file.points.len();
     let set = PointSet::new(file.points)
         .map_err(|error| Failure::Points { path: job.name.to_owned(), error })?;
-    let (built, workers) = match build(&set, job) {
+    let BuiltBy { built, workers, parts, summary, trace } = match build(&set, job) {
         Ok(built) => built,
         Err(RunError::Build(BuildError::Cancelled)) => {
             let input = Input { points: count, ..Input::default() };
@@ -97,11 +131,18 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     };
     let mut report = report_of(&built, count, job);
     report.workers = workers;
+    report.parallel = summary.as_ref().map(Figures::of);
     let Built { mesh, outcome, .. } = built;
     if outcome == Outcome::Complete {
         job.stop.inserted();
     }
     print_mesh(&name, &report);
+    if let Some(summary) = summary.filter(|_| job.parallel.tables) {
+        console::people(tables(&summary, None).trim_end());
+    }
+    if let Some(path) = job.parallel.trace {
+        write_trace(path, trace)?;
+    }
 
     let clock = Instant::now();
     let hash = mesh.hash().map_err(|e| Failure::Other(e.to_string()))?.to_string();
@@ -138,7 +179,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         Outcome::Budget | Outcome::TooManyTets => "budget",
     };
     let mesh = TetMesh { points: set.points().to_vec(), tets, point_tags, tet_tags: None };
-    write_outputs(&mesh, &mut report, job)?;
+    write_outputs(&mesh, &parts, &mut report, job)?;
     finish(&mut report, job)?;
     if outcome == Outcome::Complete {
         return Ok(Exit::Done);
@@ -150,21 +191,46 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     Ok(Exit::Stopped)
 }
 
+/// A mesh, and by whom it was built.
+struct BuiltBy {
+    built: Built,
+    /// None if one thread inserted.
+    workers: Vec<WorkerStats>,
+    /// The tetrahedra of each worker, if an output is to be in parts.
+    parts: Vec<Vec<[u32; 4]>>,
+    summary: Option<Summary>,
+    trace: Option<Trace>,
+}
+
 /// One worker is the sequential kernel.
-fn build(set: &PointSet, job: &Job<'_>) -> Result<(Built, Vec<WorkerStats>), RunError> {
+fn build(set: &PointSet, job: &Job<'_>) -> Result<BuiltBy, RunError> {
+    let in_parts = job.outputs.iter().any(|path| io::is_parts(path));
     if job.workers <= 1 {
         let progress = Progress::new();
         let built = Builder::new().observer(&progress).cancel(job.stop.token()).build(set)?;
-        return Ok((built, Vec::new()));
+        let parts = if in_parts { vec![built.mesh.tets().collect()] } else { Vec::new() };
+        return Ok(BuiltBy { built, workers: Vec::new(), parts, summary: None, trace: None });
     }
-    let run = Parallel::new(job.workers).cancel(job.stop.token()).build(set)?;
+    let mut kernel = Parallel::new(job.workers).cancel(job.stop.token());
+    if job.parallel.balance {
+        kernel = kernel.balance(Balance::default());
+    }
+    // Taking the time takes some.
+    if job.json.is_some() || job.parallel.tables || job.parallel.trace.is_some() {
+        kernel = kernel.measure(if job.parallel.trace.is_some() { SPANS } else { 0 });
+    }
+    let run = kernel.build_distributed(set)?;
+    let count = if in_parts { run.parts() } else { 0 };
+    let parts = (0..count).map(|part| run.tets(part).collect()).collect();
+    let run = run.gather()?;
     let stats = Stats {
         order_seconds: run.start_seconds,
         insert_seconds: run.insert_seconds + run.gather_seconds,
         predicates: run.mesh.predicate_stats(),
     };
-    let Run { mesh, outcome, duplicates, workers, .. } = run;
-    Ok((Built { mesh, outcome, stats, duplicates }, workers))
+    let Run { mesh, outcome, duplicates, workers, summary, trace, .. } = run;
+    let built = Built { mesh, outcome, stats, duplicates };
+    Ok(BuiltBy { built, workers, parts, summary, trace })
 }
 
 /// The report of a build, without what comes after it.
@@ -210,15 +276,45 @@ fn print_mesh(name: &str, report: &Report) {
     ));
 }
 
-fn write_outputs(mesh: &TetMesh, report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
+fn write_outputs(
+    mesh: &TetMesh,
+    parts: &[Vec<[u32; 4]>],
+    report: &mut Report,
+    job: &Job<'_>,
+) -> Result<(), Failure> {
     let clock = Instant::now();
     for path in job.outputs {
-        io::write_mesh(path, mesh).map_err(Failure::Write)?;
-        report.outputs.push(path.to_string_lossy().into_owned());
-        console::people(&format!("wrote     {}", show(path)));
+        let files = if io::is_parts(path) {
+            let parts: Vec<TetMesh> = parts.iter().map(|tets| part_of(mesh, tets)).collect();
+            io::write_parts(path, &parts).map_err(Failure::Write)?;
+            io::part_files(path, parts.len())
+        } else {
+            io::write_mesh(path, mesh).map_err(Failure::Write)?;
+            vec![path.clone()]
+        };
+        for path in files {
+            report.outputs.push(path.to_string_lossy().into_owned());
+            console::people(&format!("wrote     {}", show(&path)));
+        }
     }
     report.seconds.write = clock.elapsed().as_secs_f64();
     Ok(())
+}
+
+/// Some tetrahedra of a mesh, with their points alone, in the order of the mesh.
+fn part_of(mesh: &TetMesh, tets: &[[u32; 4]]) -> TetMesh {
+    let mut used: Vec<u32> = tets.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    // Every corner is among those used.
+    let place = |v: u32| used.binary_search(&v).unwrap_or_default() as u32;
+    let tags = |tags: &Vec<i64>| used.iter().map(|&v| tags[v as usize]).collect();
+    TetMesh {
+        points: used.iter().map(|&v| mesh.points[v as usize]).collect(),
+        tets: tets.iter().map(|tet| tet.map(place)).collect(),
+        point_tags: mesh.point_tags.as_ref().map(tags),
+        tet_tags: None,
+    }
 }
 
 fn empty_report(job: &Job<'_>, input: Input, outcome: &'static str) -> Report {
@@ -237,6 +333,7 @@ fn empty_report(job: &Job<'_>, input: Input, outcome: &'static str) -> Report {
         certificate: None,
         outputs: Vec::new(),
         workers: Vec::new(),
+        parallel: None,
     }
 }
 

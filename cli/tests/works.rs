@@ -219,7 +219,7 @@ fn the_demo_meshes_the_model_problem_and_shows_it() {
     }
     assert_eq!(page.matches("<svg").count(), 2);
     assert!(page.matches('Z').count() > 1000, "{}", page.matches('Z').count());
-    assert!(page.contains(hash(&run).as_str()) && page.contains("ltbw.report/1"));
+    assert!(page.contains(hash(&run)) && page.contains("ltbw.report/1"));
     // The commands that it names work.
     let next: Vec<&str> =
         run.stderr.lines().filter_map(|line| line.strip_prefix("  ltbw ")).take(2).collect();

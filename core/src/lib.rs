@@ -53,6 +53,7 @@ pub mod refine;
 #[cfg(feature = "serde")]
 mod serialise;
 pub mod snapshot;
+mod special;
 mod sphere;
 mod sync;
 pub mod tetmesh;

@@ -18,18 +18,16 @@ use crate::geometry::{Geometry, PointConflict, PredicateStats};
 use crate::locate::{Found, Gate, walk_through};
 use crate::mesh::{Mesh, Vertex};
 use crate::points::Mode;
+use crate::special::Specials;
 use crate::sphere::Sphere;
 use crate::topology::{FaceId, INFINITE, MAX_TETS, TetId, Topology, VertexId, slot_of, tet_of};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Places of a part with a hint each.
 const PLACES: usize = 1024;
 /// Vertices that differ by less than this are likely to be near each other.
 const NEAR: VertexId = 64;
-
-/// Closed tetrahedra: the sphere that each had, and who holds it.
-type Closed<H> = FxHashMap<TetId, (Sphere, H)>;
 
 /// Where a walk in a part ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,25 +69,34 @@ pub struct Setting {
 impl Setting {
     /// That of a mesh with these points, in kernel coordinates under `mode`.
     pub fn of(points: &[Point], mode: Mode) -> Self {
-        let (low, high) = crate::build::bounding_box(points);
         let wide = mode == Mode::Wide;
-        let step = if wide { 0.0 } else { crate::geometry::common_step(points) };
+        let of_chunk = |chunk: &[Point]| {
+            let (low, high) = crate::build::bounding_box(chunk);
+            (low, high, if wide { 0.0 } else { crate::geometry::common_step(chunk) })
+        };
+        let join = |(low, high, step): (Point, Point, f64), other: (Point, Point, f64)| {
+            let low = [0, 1, 2].map(|k| low[k].min(other.0[k]));
+            let high = [0, 1, 2].map(|k| high[k].max(other.1[k]));
+            (low, high, step.min(other.2))
+        };
+        let none = || of_chunk(&[]);
+        let (low, high, step) = points.par_chunks(1 << 14).map(of_chunk).reduce(none, join);
         Self { low, high, wide, step, vertices: points.len() }
     }
 }
 
-/// A part of a mesh. `H` names the holder of a closed tetrahedron.
+/// A part of a mesh. `H` names the holder of a closed tetrahedron, `L` is the label of a watched
+/// one.
 #[derive(Debug)]
-pub struct Part<H> {
+pub struct Part<H, L> {
     topology: Topology,
     geometry: Geometry,
     cavity: Cavity,
-    closed: Closed<H>,
+    /// Tetrahedra that are closed, or that the caller must hear of when an insertion removes them.
+    specials: Specials<H, L>,
     home: Range<VertexId>,
-    /// Tetrahedra that the caller must hear of when an insertion removes them.
-    watched: FxHashSet<TetId>,
-    /// Those that the last insertion removed.
-    gone: Vec<TetId>,
+    /// Labels of the watched ones that the last insertion removed.
+    gone: Vec<L>,
     /// Where walks may start: tetrahedra made lately, the last one first.
     hints: [TetId; 8],
     /// The vertex inserted last.
@@ -102,7 +109,7 @@ pub struct Part<H> {
     made: u64,
 }
 
-impl<H: Copy + Eq> Part<H> {
+impl<H: Copy + Eq, L: Copy> Part<H, L> {
     /// A part without tetrahedra.
     pub fn new(setting: &Setting) -> Self {
         let Setting { low, high, wide, step, vertices } = *setting;
@@ -110,9 +117,8 @@ impl<H: Copy + Eq> Part<H> {
             topology: Topology::default(),
             geometry: Geometry::part(low, high, wide, step, vertices),
             cavity: Cavity::for_vertices(vertices + 1),
-            closed: Closed::default(),
+            specials: Specials::new(),
             home: 0..0,
-            watched: FxHashSet::default(),
             gone: Vec::new(),
             hints: [0; 8],
             last: 0,
@@ -127,6 +133,7 @@ impl<H: Copy + Eq> Part<H> {
         debug_assert!(self.topology.is_empty());
         self.topology = Topology::with_capacity(tets.min(MAX_TETS));
         self.geometry.reserve_sphere_capacity(tets.min(MAX_TETS));
+        self.specials.reserve(tets.min(MAX_TETS));
     }
 
     /// Says which vertices are the part's own: a tetrahedron with no other vertex belongs to it.
@@ -139,6 +146,37 @@ impl<H: Copy + Eq> Part<H> {
                 if self.home.contains(&v) {
                     let place = self.place(v);
                     self.places[place] = t;
+                }
+            }
+        }
+    }
+
+    /// Says that the vertices of `range` are not the part's own any more. What lies on the smaller
+    /// side of them is not, either: the part's own vertices stay one range.
+    pub fn leave(&mut self, range: Range<VertexId>) {
+        let Range { start, end } = self.home;
+        let below = start..range.start.clamp(start, end);
+        let above = range.end.clamp(start, end)..end;
+        let home = if below.len() < above.len() { above } else { below };
+        if home == self.home {
+            return;
+        }
+        self.home = home;
+        self.places.fill(TetId::MAX);
+        for t in 0..self.topology.slots() as TetId {
+            if !self.is_live(t) {
+                continue;
+            }
+            let v = self.topology.tet(t).vertices();
+            for w in v.into_iter().filter(|&w| w != INFINITE) {
+                if self.home.contains(&w) {
+                    let place = self.place(w);
+                    self.places[place] = t;
+                } else {
+                    self.geometry.set_sphere(t, Sphere::UNKNOWN);
+                    if let Some(special) = self.specials.get_mut(t) {
+                        special.sphere = Sphere::UNKNOWN;
+                    }
                 }
             }
         }
@@ -199,17 +237,17 @@ impl<H: Copy + Eq> Part<H> {
             .or_else(|| self.near(v))
             .or_else(|| self.open_hint());
         let Some(start) = start else { return Stop::Empty };
-        let Self { topology, geometry, closed, steps, .. } = self;
+        let Self { topology, geometry, specials, steps, .. } = self;
         let mut conflict = geometry.conflict_of(p);
         // A walk that comes in through a hull facet ends there. From a ghost a walk goes to the
         // facet's other side first, perhaps to where it came from, and so on without end.
-        if topology.tet(start).is_ghost() && !closed.contains_key(&start) {
+        if topology.tet(start).is_ghost() && !specials.is_closed(start) {
             let [a, b, c, _] = topology.tet(start).vertices();
             if conflict.geometry().orient([a, b, c], p).is_positive() {
                 return Stop::Conflict(start);
             }
         }
-        match walk_through(topology, &mut conflict, start, &Doors(closed), steps) {
+        match walk_through(topology, &mut conflict, start, &Doors(specials), steps) {
             Found::Conflict(t) | Found::Outside(t) => Stop::Conflict(t),
             Found::Closed(t) if topology.tet(t).is_proxy() => Stop::Proxy(t),
             Found::Closed(t) => Stop::Closed(t),
@@ -223,7 +261,7 @@ impl<H: Copy + Eq> Part<H> {
 
     /// An open tetrahedron made lately near vertex `v`, unless the one made last is as near.
     fn near(&self, v: VertexId) -> Option<TetId> {
-        let open = |t: &TetId| self.is_live(*t) && !self.closed.contains_key(t);
+        let open = |t: &TetId| self.is_live(*t) && !self.specials.is_closed(*t);
         if v.abs_diff(self.last) < NEAR && open(&self.hints[0]) {
             return Some(self.hints[0]);
         }
@@ -243,7 +281,7 @@ impl<H: Copy + Eq> Part<H> {
     fn open_hint(&self) -> Option<TetId> {
         let live = || self.hints.iter().copied().filter(|&t| self.is_live(t));
         live()
-            .find(|t| !self.closed.contains_key(t))
+            .find(|t| !self.specials.is_closed(*t))
             .or_else(|| live().next())
             .or_else(|| self.tets().next().map(|(t, _)| t))
     }
@@ -264,13 +302,12 @@ impl<H: Copy + Eq> Part<H> {
         seed: TetId,
         owns: impl Fn([VertexId; 4]) -> bool,
     ) -> Local {
-        let Self { topology, geometry, cavity, closed, home, watched, .. } = self;
+        let Self { topology, geometry, cavity, specials, home, .. } = self;
         let strange = |w: VertexId| w != INFINITE && !home.contains(&w);
         let mut conflict = PartConflict {
-            closed,
+            specials,
             home,
-            watched,
-            met: watched.contains(&seed),
+            met: specials.is_watched(seed),
             blocked: false,
             border: strange(v) || topology.tet(seed).vertices().into_iter().any(strange),
             inner: geometry.conflict_of(p),
@@ -285,7 +322,7 @@ impl<H: Copy + Eq> Part<H> {
         }
         self.gone.clear();
         if met {
-            self.gone.extend(cavity.tets().filter(|t| self.watched.remove(t)));
+            self.gone.extend(cavity.tets().filter_map(|t| specials.unwatch(t)));
         }
         geometry.set_point(v, *p);
         let hint = cavity.fill(topology, v);
@@ -307,20 +344,34 @@ impl<H: Copy + Eq> Part<H> {
         Local::Inserted
     }
 
-    /// The watched tetrahedra that the last successful [`Part::insert`] removed. They are not
-    /// watched any more.
-    pub fn gone(&self) -> &[TetId] {
-        &self.gone
+    /// Takes the labels of the watched tetrahedra that the last successful [`Part::insert`]
+    /// removed. They are not watched any more.
+    pub fn take_gone(&mut self) -> std::vec::Drain<'_, L> {
+        self.gone.drain(..)
     }
 
-    /// Watches `t`: should an insertion remove it, it is in [`Part::gone`] then.
-    pub fn watch(&mut self, t: TetId) {
-        if self.watched.insert(t) {
-            match self.closed.get_mut(&t) {
-                Some((sphere, _)) => *sphere = Sphere::UNKNOWN,
-                None => self.geometry.set_sphere(t, Sphere::UNKNOWN),
-            }
-        }
+    /// Watches `t`: should an insertion remove it, its label is among [`Part::take_gone`] then.
+    pub fn watch(&mut self, t: TetId, label: L) {
+        let special = self.specials.entry(t);
+        special.label = Some(label);
+        special.sphere = Sphere::UNKNOWN;
+        self.geometry.set_sphere(t, Sphere::UNKNOWN);
+    }
+
+    /// The label of `t`, if it is watched.
+    #[inline]
+    pub fn label(&self, t: TetId) -> Option<L> {
+        self.specials.get(t)?.label
+    }
+
+    /// Stops to watch `t`; returns its label.
+    pub fn unwatch(&mut self, t: TetId) -> Option<L> {
+        self.specials.unwatch(t)
+    }
+
+    /// The watched tetrahedra, with their labels.
+    pub fn watched(&self) -> impl Iterator<Item = (TetId, L)> + '_ {
+        self.specials.watched()
     }
 
     /// Is tetrahedron `t` in conflict with `p`?
@@ -336,24 +387,32 @@ impl<H: Copy + Eq> Part<H> {
     /// Who holds the closed tetrahedron `t`; `None` if it is open.
     #[inline]
     pub fn holder(&self, t: TetId) -> Option<H> {
-        self.closed.get(&t).map(|&(_, holder)| holder)
+        self.specials.get(t)?.closed.map(|(holder, _)| holder)
     }
 
     /// The closed tetrahedra.
     pub fn closed(&self) -> impl Iterator<Item = TetId> + '_ {
-        self.closed.keys().copied()
+        self.specials.closed()
     }
 
-    /// Closes `t`, which is open.
-    pub fn close(&mut self, t: TetId, holder: H) {
+    /// Closes `t`, which is open, as a tetrahedron of the holder's cavity (`inside`) or not.
+    pub fn close(&mut self, t: TetId, holder: H, inside: bool) {
         let sphere = self.geometry.sphere(t);
         self.geometry.set_sphere(t, Sphere::UNKNOWN);
-        self.closed.insert(t, (sphere, holder));
+        let special = self.specials.entry(t);
+        special.sphere = sphere;
+        special.closed = Some((holder, inside));
+    }
+
+    /// Who holds the closed tetrahedron `t`, and whether as one of its cavity; `None` if it is open.
+    #[inline]
+    pub fn closed_by(&self, t: TetId) -> Option<(H, bool)> {
+        self.specials.get(t)?.closed
     }
 
     /// Opens `t`; nothing happens if it is open.
     pub fn open(&mut self, t: TetId) {
-        if let Some((sphere, _)) = self.closed.remove(&t) {
+        if let Some(sphere) = self.specials.open(t) {
             self.geometry.set_sphere(t, sphere);
         }
     }
@@ -361,6 +420,13 @@ impl<H: Copy + Eq> Part<H> {
     /// Gives vertex `v` its coordinates.
     pub fn set_point(&mut self, v: VertexId, p: Point) {
         self.geometry.set_point(v, p);
+    }
+
+    /// Gives the vertices from `first` on their coordinates.
+    pub fn set_points(&mut self, first: VertexId, points: &[Point]) {
+        for (v, p) in (first..).zip(points) {
+            self.geometry.set_point(v, *p);
+        }
     }
 
     /// Makes a tetrahedron, whose neighbours are still to be linked and whose sphere is still to be
@@ -379,9 +445,8 @@ impl<H: Copy + Eq> Part<H> {
     /// Caches the sphere of `t`, unless it must have none.
     pub fn cache_sphere(&mut self, t: TetId) {
         let v = self.topology.tet(t).vertices();
-        let ours =
-            v.iter().all(|w| *w == INFINITE || self.home.contains(w)) && !self.watched.contains(&t);
-        if !self.closed.contains_key(&t) {
+        let ours = v.iter().all(|w| *w == INFINITE || self.home.contains(w));
+        if self.specials.get(t).is_none() {
             let sphere = if ours { self.geometry.compute_sphere(v) } else { Sphere::UNKNOWN };
             self.geometry.set_sphere(t, sphere);
         }
@@ -415,8 +480,8 @@ impl<H: Copy + Eq> Part<H> {
     /// Removes tetrahedron `t`, which is open, and the proxies at its faces. What links to it is
     /// still to be linked anew.
     pub fn remove(&mut self, t: TetId) {
-        debug_assert!(!self.closed.contains_key(&t));
-        self.watched.remove(&t);
+        debug_assert!(!self.specials.is_closed(t));
+        self.specials.unwatch(t);
         for slot in 0..4 {
             self.forget_proxy(4 * t + slot);
         }
@@ -463,8 +528,8 @@ pub struct Assembly<'a> {
 /// tetrahedron has are left out.
 ///
 /// Cost: O(tetrahedra), less those of the first part.
-pub fn assemble<H: Copy + Eq + Send + Sync>(
-    parts: Vec<Part<H>>,
+pub fn assemble<H: Copy + Eq + Send + Sync, L: Copy + Send + Sync>(
+    parts: Vec<Part<H, L>>,
     far: impl Fn([u32; 4]) -> Option<(usize, FaceId)>,
     assembly: Assembly<'_>,
 ) -> Option<Mesh> {
@@ -503,22 +568,21 @@ pub fn assemble<H: Copy + Eq + Send + Sync>(
 }
 
 /// The gate of walks: proxies and closed tetrahedra.
-struct Doors<'a, H>(&'a Closed<H>);
+struct Doors<'a, H, L>(&'a Specials<H, L>);
 
-impl<H> Gate for Doors<'_, H> {
+impl<H: Copy, L: Copy> Gate for Doors<'_, H, L> {
     #[inline(always)]
     fn is_closed(&self, topology: &Topology, geometry: &Geometry, t: TetId) -> bool {
         // Both have no sphere.
-        geometry.sphere(t).0[3].is_nan() && (topology.tet(t).is_proxy() || self.0.contains_key(&t))
+        geometry.sphere(t).0[3].is_nan() && (topology.tet(t).is_proxy() || self.0.is_closed(t))
     }
 }
 
 /// [`Conflict`] that sees proxies and closed tetrahedra, and vertices outside the home range.
-struct PartConflict<'a, H> {
+struct PartConflict<'a, H, L> {
     inner: PointConflict<'a>,
-    closed: &'a Closed<H>,
+    specials: &'a Specials<H, L>,
     home: &'a Range<VertexId>,
-    watched: &'a FxHashSet<TetId>,
     /// A watched tetrahedron was met.
     met: bool,
     /// A proxy or a closed tetrahedron was met.
@@ -527,7 +591,7 @@ struct PartConflict<'a, H> {
     border: bool,
 }
 
-impl<H> Conflict for PartConflict<'_, H> {
+impl<H: Copy, L: Copy> Conflict for PartConflict<'_, H, L> {
     #[inline(always)]
     fn prefetch(&self, t: TetId) {
         self.inner.prefetch(t);
@@ -543,13 +607,13 @@ impl<H> Conflict for PartConflict<'_, H> {
         let mut open = 0;
         for (slot, &t) in tets.iter().enumerate().filter(|&(slot, _)| unknown >> slot & 1 == 1) {
             let tet = topology.tet(t);
-            if tet.is_proxy() || self.closed.contains_key(&t) {
+            if tet.is_proxy() || self.specials.is_closed(t) {
                 self.blocked = true;
             } else {
                 open |= 1 << slot;
                 let strange = |&v: &VertexId| v != INFINITE && !self.home.contains(&v);
                 self.border |= tet.vertices().iter().any(strange);
-                self.met |= self.watched.contains(&t);
+                self.met |= self.specials.is_watched(t);
             }
         }
         // Once blocked, the cavity is set back: nothing more is taken into it.

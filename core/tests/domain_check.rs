@@ -390,3 +390,85 @@ fn a_segment_in_a_facet_is_drawn_in_it_or_crosses_it() {
     along.segments.push(([0, 1], 0));
     assert!(along.check(&CheckOptions::default()).unwrap().passed());
 }
+
+#[test]
+fn a_facet_along_a_diagonal_of_another_crosses_it() {
+    let plain = cubes(&[[0.0; 3]]);
+    // From a face's diagonal to one corner or two of the opposite face: whichever diagonals the
+    // triangles have.
+    for (corners, faces) in
+        [(&[0, 3, 7][..], 1), (&[1, 2, 6], 1), (&[0, 3, 7, 4], 2), (&[1, 2, 6, 5], 2)]
+    {
+        let sheet = Facet::polygon(corners, 0);
+        let mut crossed = plain.clone();
+        crossed.facets.push(sheet.clone());
+        for turn in 0..4 {
+            crossed.facets.iter_mut().for_each(|facet| facet.polygons[0].rotate_left(1));
+            let report = check(&crossed, false);
+            let crossings = report.count(DefectKind::Intersection);
+            assert_eq!(crossings, faces, "{corners:?} {turn}: {:?}", report.defects);
+        }
+        // Drawn in the faces, the diagonals are where the sheet ends.
+        let mut drawn = plain.clone();
+        for facet in &mut drawn.facets {
+            let [a, b, c, d] = facet.polygons[0][..] else { unreachable!("faces of a cube") };
+            let diagonals = [[a, c], [b, d]].into_iter();
+            let ends = diagonals.filter(|ends| ends.iter().all(|v| corners.contains(v)));
+            facet.polygons.extend(ends.map(Vec::from));
+        }
+        drawn.facets.push(sheet);
+        let report = check(&drawn, false);
+        assert!(report.is_meshable(), "{corners:?}: {:?}", report.defects);
+    }
+    // Two rectangles through each other, along a diagonal that both have.
+    let mut two = Domain::default();
+    two.vertices.extend([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]]);
+    two.vertices.extend([[1.0, 1.0, -1.0], [1.0, 1.0, 1.0]]);
+    two.facets.extend([[0, 1, 2, 3], [0, 4, 2, 5]].map(|p| Facet::polygon(&p, 0)));
+    for turn in 0..4 {
+        two.facets[turn % 2].polygons[0].rotate_left(1);
+        assert_eq!(check(&two, false).count(DefectKind::Intersection), 1, "{turn}");
+    }
+}
+
+/// What Delaunay means is a matter of the projection alone, if the corners are not in one plane: by
+/// distances in space, flips of edges would go round in circles.
+#[test]
+fn facets_that_are_far_from_planar_have_triangles() {
+    let mut random = Random::new(11);
+    for round in 0..2000 {
+        let count = 5 + round % 12;
+        let mut domain = Domain::default();
+        for i in 0..count {
+            let angle = f64::from(i) / f64::from(count) * std::f64::consts::TAU;
+            let radius = 0.5 + random.unit();
+            let height = 2.0 * (random.unit() - 0.5);
+            domain.vertices.push([radius * angle.cos(), radius * angle.sin(), height]);
+        }
+        domain.facets.push(Facet::polygon(&(0..count).collect::<Vec<_>>(), 0));
+        let found = domain.triangulate(0).unwrap();
+        assert!(!found.planar);
+        // Along another axis the polygon may cross itself.
+        if found.is_sound() {
+            assert_eq!(found.triangles.len(), count as usize - 2, "{domain:?}");
+        }
+    }
+}
+
+#[test]
+fn a_shell_too_small_to_be_found_is_a_finding() {
+    let tiny = |size: f64| {
+        let mut domain = cubes(&[[-0.5; 3], [0.0; 3]]);
+        for p in &mut domain.vertices[8..] {
+            *p = p.map(|c| c * size);
+        }
+        check(&domain, false)
+    };
+    let report = tiny(2f64.powi(-26));
+    assert!(report.passed(), "{:?}", report.defects);
+    assert_eq!(report.cells.unwrap().len(), 2);
+    let report = tiny(1e-200);
+    assert_eq!(report.count(DefectKind::Unresolved), 1, "{:?}", report.defects);
+    assert!(!report.is_meshable() && report.cells.is_none());
+    assert_eq!(report.defects[0].elements.len(), 1);
+}

@@ -23,6 +23,7 @@
 //! the coordinates alone. The crate `ltbw-verify` checks meshes, by code of its own.
 #![forbid(unsafe_code)]
 
+pub mod balance;
 pub mod mailbox;
 pub mod mesh;
 pub mod metrics;

@@ -1,9 +1,18 @@
 //! How a worker thread's messages travel: one trait, so that a worker cannot tell what is behind.
 
 use crate::mailbox::Endpoint;
-use crate::protocol::WorkerId;
+use crate::protocol::{Conduct, Message, Submesh, WorkerId};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
+
+/// What workers send each other: a message of the protocol, with a word about the sender's load.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Mail<S: Submesh> {
+    /// The sender's points left; 0 if nobody wants to know.
+    pub load: u64,
+    /// None: the sender has few points left and asks for blocks.
+    pub message: Option<Message<S>>,
+}
 
 /// A worker's way to the others. Messages of one sender to one receiver keep their order.
 pub trait Transport<M> {
@@ -23,7 +32,7 @@ pub trait Transport<M> {
     fn failed(&self) -> Option<WorkerId>;
 }
 
-impl<M> Transport<M> for Endpoint<M> {
+impl<M, C: Conduct> Transport<M> for Endpoint<M, C> {
     fn send(&mut self, to: WorkerId, message: M) {
         Endpoint::send(self, to, message);
     }

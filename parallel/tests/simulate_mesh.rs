@@ -1,6 +1,6 @@
 //! The real mesh on simulated processors: always the sequential kernel's mesh.
 
-use ltbw::generate::{PointKind, generate};
+use ltbw::generate::{PointKind, Random, generate};
 use ltbw::mesh::Plan;
 use ltbw::protocol::{Config, Rule};
 use ltbw::simulate::{Bursts, Distribution, Meshed, Network, Options, Storm, simulate_mesh};
@@ -66,6 +66,33 @@ fn the_sequential_mesh_on_any_processors() {
         moves += meshed.summary.workers.iter().map(|w| w.migrations).sum::<u64>();
     }
     assert!(setbacks > 100 && moves > 100, "{setbacks} setbacks, {moves} moves");
+}
+
+/// The bar's sizes: 2,000 to 200,000 points on 2 to 1024 processors, blocks moving in each run.
+/// `LTBW_CASES=1000 cargo test --release -p ltbw --test simulate_mesh -- --ignored` is all of it.
+#[test]
+#[ignore = "hours for all thousand seeds"]
+fn large_sets_on_any_processors() {
+    let (mut points, mut moves) = (0, 0);
+    let mut worst = 0;
+    for seed in seeds(10) {
+        let kinds = [PointKind::Uniform, PointKind::Grid, PointKind::Clusters, PointKind::Sphere];
+        // Evenly distributed over the orders of magnitude.
+        let size = 2000.0 * 100f64.powf(Random::new(seed).unit());
+        let set = PointSet::new(generate(kinds[seed as usize % 4], size as usize, seed));
+        let set = set.expect("finite points");
+        let (_, plan, rule, options) = case(seed);
+        let every = 5_000_000 + options.network.latency;
+        let options = Options { storm: Some(Storm { every }), max_events: 1 << 32, ..options };
+        let plan = Plan { blocks_per_worker: 8, ..Plan::new(set.len(), plan.workers) };
+        let meshed = run(&set, plan, rule, &options);
+        points += set.len();
+        moves += meshed.summary.workers.iter().map(|w| w.migrations).sum::<u64>();
+        worst = worst.max(meshed.summary.worst_setbacks());
+        println!("seed {seed}: {} points on {}, {rule}", set.len(), plan.workers);
+    }
+    println!("{points} points, {moves} moves, at most {worst} setbacks of one operation");
+    assert!(moves > 0);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The thread runtime: the sequential kernel's mesh for any number of threads.
 
+use ltbw::balance::Balance;
 use ltbw::generate::{PointKind, generate};
 use ltbw::protocol::Rule;
 use ltbw::threads::{Parallel, RunError};
@@ -69,4 +70,84 @@ fn a_cancelled_run_has_a_mesh_of_some_points() {
     assert_eq!(run.outcome, Outcome::Cancelled);
     assert!((4..20_000).contains(&run.mesh.num_vertices()), "{}", run.mesh.num_vertices());
     invariants::check_all(&run.mesh).expect("invariants");
+}
+
+#[test]
+fn blocks_that_move_change_nothing() {
+    let set = set(PointKind::Clusters, 20_000, 4);
+    let expected = Builder::new().build(&set).expect("a mesh").mesh.hash().expect("a hash");
+    let mut moved = 0;
+    // Sixteen threads on fewer cores do not run out of points at the same time: sooner or later,
+    // as a rule at once, one has blocks to give to another.
+    for _ in 0..20 {
+        let run = Parallel::new(16).balance(Balance::default()).build(&set).expect("a mesh");
+        assert_eq!(run.mesh.hash().expect("a hash"), expected);
+        assert_eq!(run.outcome, Outcome::Complete);
+        moved += run.workers.iter().map(|w| w.migrated).sum::<u64>();
+        if moved > 0 {
+            return;
+        }
+    }
+    panic!("no block has ever moved");
+}
+
+#[test]
+fn blocks_move_in_a_cancelled_run() {
+    let set = set(PointKind::Uniform, 100_000, 4);
+    let token = CancelToken::new();
+    let run = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            std::thread::sleep(Duration::from_millis(20));
+            token.cancel();
+        });
+        let balance = Balance { low: 2000, ask: 4, again: 10_000 };
+        let kernel = Parallel::new(12).balance(balance).cancel(&token);
+        kernel.latency(Duration::from_millis(2)).build(&set)
+    });
+    let run = run.expect("a mesh");
+    assert_eq!(run.outcome, Outcome::Cancelled);
+    invariants::check_all(&run.mesh).expect("invariants");
+}
+
+#[test]
+fn a_mesh_may_stay_distributed() {
+    let set = set(PointKind::Uniform, 5000, 8);
+    let parts = Parallel::new(4).build_distributed(&set).expect("a mesh");
+    assert_eq!((parts.parts(), parts.outcome()), (4, Outcome::Complete));
+    let mut tets: Vec<[u32; 4]> = (0..4).flat_map(|part| parts.tets(part)).collect();
+    assert!((0..4).all(|part| parts.tets(part).count() > 1000), "parts are nearly even");
+    assert_eq!(parts.tets(4).count(), 0);
+    let sort = |tets: &mut Vec<[u32; 4]>| {
+        tets.iter_mut().for_each(|tet| tet.sort_unstable());
+        tets.sort_unstable();
+    };
+    let mut whole: Vec<[u32; 4]> = parts.gather().expect("a mesh").mesh.tets().collect();
+    sort(&mut tets);
+    sort(&mut whole);
+    assert_eq!(tets, whole);
+}
+
+#[test]
+fn figures_are_taken_if_wanted() {
+    let set = set(PointKind::Uniform, 5000, 8);
+    let run = Parallel::new(3).build(&set).expect("a mesh");
+    assert!(run.summary.is_none() && run.trace.is_none());
+    let run = Parallel::new(3).measure(0).build(&set).expect("a mesh");
+    assert!(run.trace.is_none());
+    let run = Parallel::new(3).measure(1 << 20).build(&set).expect("a mesh");
+    let (summary, trace) = (run.summary.expect("figures"), run.trace.expect("a timeline"));
+    assert!(trace.is_complete);
+    let counted = |w: &ltbw::threads::WorkerStats| w.local + w.operations;
+    assert_eq!(summary.operations(), run.workers.iter().map(counted).sum::<u64>());
+    assert_eq!(summary.setbacks(), run.workers.iter().map(|w| w.setbacks).sum::<u64>());
+    let messages: u64 = run.workers.iter().map(|w| w.messages).sum();
+    assert_eq!(summary.all_messages().count, messages);
+    for (worker, stats) in summary.workers.iter().zip(&run.workers) {
+        assert_eq!(worker.times.all(), summary.makespan, "all time is accounted for");
+        assert_eq!([worker.polls.total, worker.polls.useful], stats.polls);
+        assert!(worker.tets > 0 && worker.times.meshing > 0);
+        let spans: Vec<_> = trace.spans.iter().filter(|s| s.worker == worker.worker).collect();
+        assert!(spans.windows(2).all(|pair| pair[0].end == pair[1].begin), "a gap");
+    }
+    assert!((0.0..=1.0).contains(&summary.lt()));
 }

@@ -32,6 +32,7 @@ fn case(random: &mut Random) -> Case {
         slow: (below(4) == 0).then(|| below(workers as u64)),
         moves: [0, 10, 40][below(3)],
         cancel: None,
+        bytes: false,
     }
 }
 
@@ -44,8 +45,6 @@ fn simulated(case: &Case, set: &PointSet, random: &mut Random) -> Result<Mesh, B
         network: Network { latency, distribution, ..Network::default() },
         slow: case.slow.map(|w| (w as u32, 100.0)).into_iter().collect(),
         storm: (case.moves > 0).then_some(Storm { every: 20_000 + latency / 10 }),
-        // The paper's rule may never end if an operation is retried before news arrive.
-        backoff: 50_000 + 4 * latency,
         max_events: 1_000_000,
         ..Options::default()
     };

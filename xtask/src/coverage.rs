@@ -1,17 +1,26 @@
-//! `coverage`: how many lines of core and verify their own tests run, through cargo-llvm-cov.
+//! `coverage`: how many lines of core and verify the tests run, through cargo-llvm-cov.
 //!
-//! Lines of tests are not counted. At least [`BAR`] percent of each package must be run; a file
+//! The tests are their own, and those of other packages that are about code which is theirs
+//! ([`TESTS`]). Lines of tests are not counted. At least [`BAR`] percent of each package must be run; a file
 //! with lines that are not must be explained in `docs/coverage.md`.
 
 use crate::require;
 use crate::shell::{self, cargo, command, root, target};
 use std::collections::BTreeMap;
 use std::fs;
+use std::process::Command;
 
 /// Percentage of lines that must be run, for each package.
 const BAR: f64 = 95.0;
 /// Folders of the packages.
 const PACKAGES: [&str; 2] = ["core", "verify"];
+/// The tests that run: those of the packages; those of the parallel kernel, which alone uses what
+/// core has for it (`part.rs`); those of refinement and its checker.
+const TESTS: [&[&str]; 3] = [
+    &["-p", "ltbw-core", "-p", "ltbw-verify", "--all-features"],
+    &["-p", "ltbw", "--all-features", "--test", "threads", "--test", "interleaved"],
+    &["-p", "ltbw-tests", "--test", "refine"],
+];
 /// Debian's tools, if they are there; else cargo-llvm-cov looks for rustup's. Their version must
 /// not be older than the format of the profiles, which has been the same since LLVM 19.
 const DEBIAN: [(&str, &str); 2] =
@@ -30,28 +39,33 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
         return require::skip("coverage", "llvm-cov", reason);
     }
     let report = target().join("coverage.lcov");
-    let mut measure = cargo();
-    for (variable, tool) in DEBIAN {
-        if std::env::var_os(variable).is_none() && shell::works(command(tool).arg("--version")) {
-            measure.env(variable, tool);
-        }
+    shell::run(llvm_cov().args(["clean", "--profraw-only"]))?;
+    for tests in TESTS {
+        shell::run(llvm_cov().args(["--quiet", "--no-report"]).args(tests))?;
     }
-    shell::run(
-        measure
-            // Never install anything, never ask.
-            .env("CARGO_LLVM_COV_SETUP", "no")
-            .args(["llvm-cov", "--quiet", "-p", "ltbw-core", "-p", "ltbw-verify"])
-            .args(["--all-features", "--lcov", "--output-path"])
-            .arg(&report),
-    )?;
+    shell::run(llvm_cov().args(["report", "--lcov", "--output-path"]).arg(&report))?;
     let text = fs::read_to_string(&report).map_err(|e| format!("{}: {e}", report.display()))?;
     let mut files = parse(&text)?;
+    files.retain(|file, _| PACKAGES.iter().any(|p| file.starts_with(&format!("{p}/src/"))));
     for (file, lines) in &mut files {
         let source = fs::read_to_string(root().join(file)).map_err(|e| format!("{file}: {e}"))?;
         let tests = first_test_line(&source);
         lines.retain(|line, _| *line < tests);
     }
     judge(&files)
+}
+
+/// `cargo llvm-cov`, with Debian's tools if they are there.
+fn llvm_cov() -> Command {
+    let mut measure = cargo();
+    for (variable, tool) in DEBIAN {
+        if std::env::var_os(variable).is_none() && shell::works(command(tool).arg("--version")) {
+            measure.env(variable, tool);
+        }
+    }
+    // Never install anything, never ask.
+    measure.env("CARGO_LLVM_COV_SETUP", "no").arg("llvm-cov");
+    measure
 }
 
 /// Prints the figures; an error if a package is below the bar or a file is not explained.

@@ -10,6 +10,7 @@ mod mutants;
 mod predicates;
 mod prove;
 mod shell;
+mod tsan;
 
 // The rule about missing tools is the tests' own, not a copy of it.
 #[path = "../../tests/src/require.rs"]
@@ -33,6 +34,7 @@ cargo xtask COMMAND
   vectors               writes the conformance kit verify/vectors
   prove                 the proofs of the filters: coqc and gappa
   model-check [--deep]  the models of verify/models: all states, the museum, loom, shuttle
+  tsan                  the thread runtime under ThreadSanitizer, and its canary
   coverage              the lines of core and verify that their tests run: at least 95 %
   mutants [predicates|filters|kernel|checker]... [--shard K/N] [-- ARG...]
                         does a test fail for every change that cargo-mutants makes? (predicates
@@ -50,6 +52,7 @@ fn main() -> ExitCode {
         "vectors" => vectors::run(),
         "prove" => prove::run(),
         "model-check" => model_check::run(rest),
+        "tsan" => tsan::run(),
         "coverage" => coverage::run(rest),
         "mutants" => mutants::run(rest),
         "help" | "--help" | "-h" => {

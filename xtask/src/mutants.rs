@@ -4,7 +4,8 @@
 //! the package's own tests run, from an incremental build of the modules in question as one
 //! program, with little optimisation and no debug information, and stop at the first failure.
 //! Random tests draw from a fixed seed and do not shrink, so that a run can be repeated and a
-//! verdict does not depend on luck.
+//! verdict does not depend on luck. The mutants of the generated filters, nearly a thousand, are
+//! one program (`switched.rs`).
 //!
 //! A mutant that no test catches is an error unless `xtask/mutants.txt` says why it changes
 //! nothing that could be observed; an entry whose mutant is caught now is an error too. A test
@@ -13,6 +14,7 @@
 
 mod excused;
 mod lean;
+mod switched;
 
 use crate::fuzz::host;
 use crate::require;
@@ -29,6 +31,8 @@ struct Group {
     files: &'static [&'static str],
     /// Tests whose names hold one of these do not run: they are about other files.
     skip: &'static [&'static str],
+    /// Tried in one program (`switched.rs`): tests that catch most of the mutants at once.
+    switched: Option<&'static [&'static str]>,
 }
 
 /// Not `predicates/filter/generated.rs` in the first: a test of this package compares it with what
@@ -40,12 +44,14 @@ const GROUPS: [Group; 4] = [
         lean: Lean { folder: "core", modules: "predicates", cases: &[] },
         files: &["src/predicates/*.rs", "src/predicates/exact/*.rs"],
         skip: &[],
+        switched: None,
     },
     Group {
         name: "filters",
         lean: Lean { folder: "core", modules: "predicates", cases: &[] },
-        files: &["src/predicates/filter/*.rs"],
+        files: &["src/predicates/filter/generated.rs"],
         skip: &[],
+        switched: Some(&["predicates::tests::filters", "predicates::filter"]),
     },
     Group {
         name: "kernel",
@@ -66,6 +72,7 @@ const GROUPS: [Group; 4] = [
             "src/topology.rs",
         ],
         skip: &["predicates::", "query::"],
+        switched: None,
     },
     Group {
         name: "checker",
@@ -77,6 +84,7 @@ const GROUPS: [Group; 4] = [
         },
         files: &["src/*.rs"],
         skip: &[],
+        switched: None,
     },
 ];
 
@@ -178,6 +186,12 @@ impl Group {
 
 /// Runs cargo-mutants on one group; its own log stays below the target folder.
 fn test(group: &Group, plan: &Plan<'_>) -> Result<excused::Found, String> {
+    if let (Some(first), [file]) = (group.switched, group.files) {
+        return match plan.whole {
+            true => switched::test(group, file, first),
+            false => Err(format!("the {} are one program: no parts", group.name)),
+        };
+    }
     let folder = target().join("mutants").join(group.name);
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut command = cargo();
@@ -234,7 +248,7 @@ mod tests {
         assert_eq!(parse(&[]), plan("predicates", "", true));
         assert_eq!(parse(&["kernel", "checker"]), plan("kernel checker", "", true));
         assert_eq!(parse(&["kernel", "--shard", "1/8"]), plan("kernel", "--shard 1/8", false));
-        assert_eq!(parse(&["filters", "--", "--re", "x"]), plan("filters", "--re x", false));
+        assert_eq!(parse(&["checker", "--", "--re", "x"]), plan("checker", "--re x", false));
         assert!(parse(&["kernels"]).is_err() && parse(&["--shard"]).is_err());
     }
 

@@ -2,25 +2,21 @@
 
 mod args;
 mod report;
-mod tables;
 
 pub(crate) use args::Simulate;
 
 use crate::check::{check_json, is_stdout, write_json};
 use crate::console;
+use crate::figures::{SPANS, cost_model, tables, write_trace};
 use crate::outcome::{Exit, Failure, show};
 use ltbw::generate::generate;
 use ltbw::io;
 use ltbw::mesh::Plan;
-use ltbw::metrics::Trace;
 use ltbw::protocol::Config;
 use ltbw::simulate::{MeshError, Meshed, Network, Options, Storm, simulate_mesh};
 use ltbw::{Builder, PointSet};
 use report::{Report, Run};
 use std::path::{Path, PathBuf};
-
-/// Stretches of time that a trace keeps of each worker: enough for some ten thousand insertions.
-const SPANS: usize = 200_000;
 
 /// `ltbw simulate`.
 pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
@@ -58,8 +54,8 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
         options.network.latency,
         options.network.distribution.name(),
         args.seed,
-        tables::tables(&meshed.summary, Some(alone)),
-        tables::cost_model(&options.costs),
+        tables(&meshed.summary, Some(alone)),
+        cost_model(&options.costs),
     );
     if args.json.as_deref().is_some_and(is_stdout) {
         console::people(text.trim_end());
@@ -105,7 +101,6 @@ fn options(args: &Simulate) -> Options {
         slow: args.slow.map(|factor| (0, factor)).into_iter().collect(),
         balance: default.balance.filter(|_| !args.no_balance),
         storm: args.storm.map(|every| Storm { every }),
-        backoff: 2 * args.latency + default.backoff,
         spans: if args.trace.is_some() { SPANS } else { 0 },
         ..default
     }
@@ -145,19 +140,4 @@ fn alone(
         ..Options::default()
     };
     Ok(mesh(set, &one, Config { workers: 1, ..config }, &options, name)?.summary.makespan)
-}
-
-fn write_trace(path: &Path, trace: Option<Trace>) -> Result<(), Failure> {
-    let Some(trace) = trace else { return Ok(()) };
-    let mut text = Vec::new();
-    trace.write(&mut text).map_err(|e| Failure::Other(e.to_string()))?;
-    io::write_bytes(path, &text).map_err(Failure::Write)?;
-    if !trace.is_complete {
-        console::people(&format!(
-            "note: {}: only the first {SPANS} stretches of each worker's time",
-            show(path)
-        ));
-    }
-    console::people(&format!("wrote     {}: open it in ui.perfetto.dev", show(path)));
-    Ok(())
 }

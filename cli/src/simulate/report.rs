@@ -1,12 +1,11 @@
 //! The JSON report of `simulate`, in the schema `ltbw.report/1`.
 
 use super::Simulate;
+use crate::figures::Figures;
 use ltbw::mesh::Plan;
-use ltbw::metrics::{Cavities, Messages, Polls, Times, WorkerFigures};
 use ltbw::protocol::Config;
 use ltbw::simulate::{CostModel, Meshed, Options};
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// What was asked for.
 #[derive(Clone, Copy)]
@@ -44,37 +43,13 @@ struct Mesh {
 
 #[derive(Serialize)]
 struct Simulation {
-    lt: f64,
-    lt_strict: f64,
-    setbacks: u64,
-    operations: u64,
-    worst_setbacks: u32,
+    #[serde(flatten)]
+    figures: Figures,
     efficiency: f64,
-    makespan: u64,
     one_processor: u64,
-    messages: AllMessages,
-    polls: Polls,
-    cavities: Cavities,
-    share_active: f64,
-    times: Times,
-    successful: u64,
-    local_active: u64,
-    interface_active: u64,
-    set_back: u64,
-    surface_to_volume: f64,
-    imbalance_tets: u64,
     events: u64,
-    workers: Vec<WorkerFigures>,
     cost_model: CostModel,
     settings: Settings,
-}
-
-#[derive(Serialize)]
-struct AllMessages {
-    count: u64,
-    bytes: u64,
-    per_interface_cavity: f64,
-    kinds: BTreeMap<&'static str, Messages>,
 }
 
 #[derive(Serialize)]
@@ -103,7 +78,6 @@ impl Report {
         points: usize,
     ) -> Self {
         let s = &meshed.summary;
-        let all = s.all_messages();
         let mesh = &meshed.gathered.mesh;
         Self {
             schema: crate::report::Report::SCHEMA,
@@ -119,32 +93,10 @@ impl Report {
                 hash: hash.to_owned(),
             },
             simulation: Simulation {
-                lt: s.lt(),
-                lt_strict: s.lt_strict(),
-                setbacks: s.setbacks(),
-                operations: s.operations(),
-                worst_setbacks: s.worst_setbacks(),
+                figures: Figures::of(s),
                 efficiency: s.efficiency(one_processor),
-                makespan: s.makespan,
                 one_processor,
-                messages: AllMessages {
-                    count: all.count,
-                    bytes: all.bytes,
-                    per_interface_cavity: s.messages_per_interface_cavity(),
-                    kinds: s.messages.clone(),
-                },
-                polls: s.polls,
-                cavities: s.cavities,
-                share_active: s.cavities.share_active(),
-                times: s.times,
-                successful: s.successful,
-                local_active: s.local_active,
-                interface_active: s.interface_active,
-                set_back: s.set_back,
-                surface_to_volume: s.surface_to_volume(),
-                imbalance_tets: s.imbalance_tets(),
                 events: meshed.events,
-                workers: s.workers.clone(),
                 cost_model: run.options.costs,
                 settings: Settings::new(run),
             },

@@ -189,8 +189,8 @@ pub enum DefectKind {
     NonPlanar,
     /// Two facets of one plane overlap, or a facet is there twice.
     Overlap,
-    /// Two facets, or a segment and a facet, or two segments cross; or a segment lies in a facet
-    /// that does not draw it (as a polygon of two corners).
+    /// Two facets, or a segment and a facet, or two segments cross; or a segment or a facet's edge
+    /// lies in a facet that does not draw it (as a polygon of two corners).
     Intersection,
     /// A vertex lies inside an edge or a facet that does not name it.
     TJunction,
@@ -206,11 +206,14 @@ pub enum DefectKind {
     SeedOnFacet,
     /// A hole or region point, or that of a facet's hole, lies outside.
     SeedOutside,
+    /// A connected part of the surface is so small or thin, against the domain, that what lies
+    /// around it could not be found: the domain is not understood.
+    Unresolved,
 }
 
 impl DefectKind {
     /// Every kind.
-    pub const ALL: [DefectKind; 13] = [
+    pub const ALL: [DefectKind; 14] = [
         DefectKind::DuplicateVertex,
         DefectKind::UnusedVertex,
         DefectKind::Degenerate,
@@ -224,6 +227,7 @@ impl DefectKind {
         DefectKind::NonManifold,
         DefectKind::SeedOnFacet,
         DefectKind::SeedOutside,
+        DefectKind::Unresolved,
     ];
 
     /// A short code that stays the same between versions, for programs to match on.
@@ -243,6 +247,7 @@ impl DefectKind {
             DefectKind::NonManifold => "domain.non-manifold",
             DefectKind::SeedOnFacet => "domain.seed-on-facet",
             DefectKind::SeedOutside => "domain.seed-outside",
+            DefectKind::Unresolved => "domain.unresolved",
         }
     }
 
@@ -276,6 +281,7 @@ impl DefectKind {
             DefectKind::NonManifold => "an edge of more than two facets",
             DefectKind::SeedOnFacet => "a hole or region point on a facet",
             DefectKind::SeedOutside => "a hole or region point outside",
+            DefectKind::Unresolved => "a part of the surface too small to be placed",
         }
     }
 }

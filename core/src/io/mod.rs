@@ -16,6 +16,7 @@
 //! | `.msh` | mesh (Gmsh 4.1, 2.2) | view `tag`, physical groups | [`msh`] |
 //! | `.mesh` | mesh (Medit, ASCII) | references | [`medit`] |
 //! | `.vtu` | mesh (VTK, text or binary) | arrays `tag`, `region` | [`vtu`] |
+//! | `.pvtu` | mesh in parts, `.vtu` files beside it (written only) | array `tag` | [`write_parts`] |
 //!
 //! Readers take any bytes and never panic: each is a fuzz target. A count in a header is a claim
 //! to verify, never an amount of memory to reserve. Text carries floats in the shortest form that
@@ -38,6 +39,7 @@ pub mod msh;
 pub mod npy;
 pub mod obj;
 pub mod off;
+mod parts;
 pub mod ply;
 pub mod poly;
 mod scalar;
@@ -57,6 +59,7 @@ pub use domain::{
 pub use error::{DataError, IoError, ParseError, Place, Reason};
 pub use format::{Encoding, Format, WriteOptions};
 pub use msh::MshVersion;
+pub use parts::{check_parts_writable, is_parts, part_files, write_parts};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

@@ -23,7 +23,7 @@ fn dyadic(value: f64) -> BigInt {
     let (mantissa, exponent) =
         if field == 0 { (fraction, -1074) } else { (fraction | 1 << 52, field - 1075) };
     let magnitude = BigInt::from(mantissa) << (exponent - LEAST_EXPONENT);
-    if value < 0.0 { -magnitude } else { magnitude }
+    if value.is_sign_negative() { -magnitude } else { magnitude }
 }
 
 fn dyadic_point(p: &Point) -> [BigInt; 3] {

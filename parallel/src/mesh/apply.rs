@@ -105,6 +105,8 @@ impl LocalMesh {
         moved: &mut dyn FnMut(TetId, Handle),
     ) -> Vec<Moving> {
         let tets = self.strays.remove(&block).unwrap_or_else(|| {
+            // From now on an insertion beside the block may make tetrahedra that belong to it.
+            self.part.leave(self.blocks.vertices(block));
             let all = self.part.tets().filter(|&(_, v)| self.blocks.of_tet(v) == block);
             all.map(|(t, _)| t).collect()
         });

@@ -59,19 +59,22 @@ impl Blocks {
     #[inline]
     pub fn of_tet(&self, v: [VertexId; 4]) -> BlockId {
         let finite = if v[3] == INFINITE { 3 } else { 4 };
-        let mut blocks = [BlockId::MAX; 4];
-        for (block, &v) in blocks.iter_mut().zip(&v[..finite]) {
+        // Most tetrahedra lie in one block.
+        let first = self.of_vertex(v[0]);
+        let range = self.vertices(first);
+        if v[1..finite].iter().all(|w| range.contains(w)) {
+            return first;
+        }
+        let mut blocks = [first; 4];
+        for (block, &v) in blocks.iter_mut().zip(&v[..finite]).skip(1) {
             *block = self.of_vertex(v);
         }
-        if blocks[..finite].iter().all(|&block| block == blocks[0]) {
-            return blocks[0];
-        }
-        let blocks = &mut blocks[..finite];
-        blocks.sort_unstable();
-        let (mut best, mut most) = (blocks[0], 0);
-        for run in blocks.chunk_by(|a, b| a == b) {
-            if run.len() > most {
-                (best, most) = (run[0], run.len());
+        let blocks = &blocks[..finite];
+        let (mut best, mut most) = (BlockId::MAX, 0);
+        for &block in blocks {
+            let count = blocks.iter().filter(|&&other| other == block).count();
+            if count > most || count == most && block < best {
+                (best, most) = (block, count);
             }
         }
         best

@@ -12,20 +12,42 @@ use ltbw_core::Point;
 use ltbw_core::order::round_of;
 use ltbw_core::topology::VertexId;
 use std::collections::VecDeque;
+use std::ops::Range;
+
+/// The points that a cursor is to give.
+#[derive(Clone, Debug)]
+enum Track {
+    /// Vertices of a round in a piece of the worker's range; `next` is one if it is not `end`.
+    /// The submesh has their coordinates.
+    Own { next: VertexId, end: VertexId, round: u32 },
+    /// Points that have moved here.
+    Moved(VecDeque<(VertexId, Point)>),
+}
 
 /// A piece of a Hilbert curve.
 #[derive(Clone, Debug)]
 struct Cursor {
     /// What is left of it.
-    points: VecDeque<(VertexId, Point)>,
+    track: Track,
     /// The point given last, if it is not inserted yet.
     given: Option<VertexId>,
+}
+
+/// The worker's range of vertices: which of them are not to be given, for they are in the coarse
+/// mesh or have moved away; and in which round each comes.
+#[derive(Clone, Debug)]
+struct Own {
+    range: Range<VertexId>,
+    /// A bit for each vertex.
+    out: Vec<u64>,
+    rounds: u32,
 }
 
 /// Points of one worker, on many cursors.
 #[derive(Clone, Debug)]
 pub struct Field {
     blocks: Blocks,
+    own: Own,
     /// Rounds to come.
     rounds: VecDeque<Vec<Cursor>>,
     /// Cursors in work.
@@ -37,25 +59,66 @@ pub struct Field {
     ready: usize,
 }
 
+impl Own {
+    fn place(&self, v: VertexId) -> (usize, u64) {
+        let bit = v - self.range.start;
+        (bit as usize / 64, 1 << (bit % 64))
+    }
+
+    /// Is `v`, of this range, out? Then it stays so.
+    fn take_out(&mut self, v: VertexId) -> bool {
+        let (word, bit) = self.place(v);
+        let was = self.out[word] & bit != 0;
+        self.out[word] |= bit;
+        was
+    }
+
+    fn is_out(&self, v: VertexId) -> bool {
+        let (word, bit) = self.place(v);
+        self.out[word] & bit != 0
+    }
+
+    /// The first vertex of a round in `from..end`, or `end`.
+    fn first(&self, from: VertexId, end: VertexId, round: u32) -> VertexId {
+        let gives = |&v: &VertexId| !self.is_out(v) && round_of(v, self.rounds) == round;
+        (from..end).find(gives).unwrap_or(end)
+    }
+}
+
 impl Field {
-    /// The `points` in curve order, in rounds of `cursors` cursors each.
-    pub fn new(blocks: Blocks, points: &[(VertexId, Point)], cursors: usize) -> Self {
-        let rounds = match points.len() {
+    /// The vertices `range` in curve order, in rounds of `cursors` cursors each. Those of `out` are
+    /// not to be given.
+    pub fn new(
+        blocks: Blocks,
+        range: Range<VertexId>,
+        out: impl IntoIterator<Item = VertexId>,
+        cursors: usize,
+    ) -> Self {
+        let rounds = match range.len() {
             0..4096 => 0,
             4096..65536 => 1,
             _ => 2,
         };
-        let mut lists: Vec<Vec<(VertexId, Point)>> = vec![Vec::new(); rounds as usize + 1];
-        for &(v, p) in points {
-            lists[round_of(v, rounds) as usize].push((v, p));
+        let words = vec![0; range.len().div_ceil(64)];
+        let mut own = Own { range: range.clone(), out: words, rounds };
+        let mut left = range.len();
+        for v in out {
+            if range.contains(&v) && !own.take_out(v) {
+                left -= 1;
+            }
         }
-        let cut = |list: Vec<(VertexId, Point)>| {
-            let size = list.len().div_ceil(cursors.max(1)).max(1);
-            list.chunks(size).map(Cursor::new).collect::<Vec<_>>()
+        let size = range.len().div_ceil(cursors.max(1)).max(1);
+        let cut = |round| {
+            let starts = range.clone().step_by(size);
+            let piece = |start: VertexId| {
+                let end = range.end.min(start.saturating_add(size as VertexId));
+                Cursor::new(Track::Own { next: own.first(start, end, round), end, round })
+            };
+            starts.map(piece).filter(|cursor| !cursor.is_empty()).collect::<Vec<_>>()
         };
-        let rounds = lists.into_iter().map(cut).filter(|round| !round.is_empty()).collect();
-        let left = points.len();
-        let mut field = Self { blocks, rounds, cursors: Vec::new(), current: 0, left, ready: 0 };
+        let rounds = (0..=rounds).map(cut).filter(|round| !round.is_empty()).collect();
+        let (cursors, current) = (Vec::new(), 0);
+        let mut field = Self { blocks, own, rounds, cursors, current, left, ready: 0 };
         field.turn();
         field
     }
@@ -68,23 +131,29 @@ impl Field {
     /// Number of points left in `block`.
     pub fn in_block(&self, block: BlockId) -> usize {
         let range = self.blocks.vertices(block);
-        let cursors = self.cursors.iter().chain(self.rounds.iter().flatten());
-        cursors.flat_map(|c| &c.points).filter(|(v, _)| range.contains(v)).count()
+        let own = &self.own;
+        let count = |cursor: &Cursor| match &cursor.track {
+            Track::Own { next, end, round } => {
+                let both = (*next).max(range.start)..(*end).min(range.end);
+                let gives = |v: &VertexId| !own.is_out(*v) && round_of(*v, own.rounds) == *round;
+                both.filter(gives).count()
+            }
+            Track::Moved(points) => points.iter().filter(|(v, _)| range.contains(v)).count(),
+        };
+        self.cursors.iter().chain(self.rounds.iter().flatten()).map(count).sum()
     }
 
     /// Drops empty cursors, goes to the next round when none is left, counts anew.
     fn turn(&mut self) {
-        self.cursors.retain(|c| !c.points.is_empty());
+        self.cursors.retain(|c| !c.is_empty());
         while self.cursors.is_empty()
             && let Some(round) = self.rounds.pop_front()
         {
             self.cursors = round;
-            self.cursors.retain(|c| !c.points.is_empty());
+            self.cursors.retain(|c| !c.is_empty());
         }
         self.current = 0;
         self.ready = self.cursors.iter().filter(|c| c.given.is_none()).count();
-        let cursors = self.cursors.iter().chain(self.rounds.iter().flatten());
-        self.left = cursors.map(|c| c.points.len()).sum();
     }
 
     /// The cursor that gave `vertex` may go on.
@@ -103,13 +172,33 @@ impl Field {
 }
 
 impl Cursor {
-    fn new(points: &[(VertexId, Point)]) -> Self {
-        Self { points: points.iter().copied().collect(), given: None }
+    fn new(track: Track) -> Self {
+        Self { track, given: None }
+    }
+
+    fn is_empty(&self) -> bool {
+        match &self.track {
+            Track::Own { next, end, .. } => next == end,
+            Track::Moved(points) => points.is_empty(),
+        }
+    }
+
+    /// The next point.
+    fn next(&mut self, own: &Own, mesh: &LocalMesh) -> Option<Site> {
+        match &mut self.track {
+            Track::Own { next, end, .. } if next == end => None,
+            Track::Own { next, end, round } => {
+                let v = *next;
+                *next = own.first(v + 1, *end, *round);
+                Some(mesh.site(v))
+            }
+            Track::Moved(points) => points.pop_front().map(|(v, p)| Site::new(v, p)),
+        }
     }
 }
 
 impl Source<LocalMesh> for Field {
-    fn next(&mut self, _: &LocalMesh) -> Option<Site> {
+    fn next(&mut self, mesh: &LocalMesh) -> Option<Site> {
         if self.ready == 0 {
             return None;
         }
@@ -118,15 +207,15 @@ impl Source<LocalMesh> for Field {
             self.current = (self.current + 1) % self.cursors.len();
         }
         let cursor = &mut self.cursors[self.current];
-        let (v, p) = cursor.points.pop_front()?;
+        let site = cursor.next(&self.own, mesh)?;
         self.left -= 1;
-        if cursor.points.is_empty() {
+        if cursor.is_empty() {
             self.turn();
         } else {
-            cursor.given = Some(v);
+            cursor.given = Some(site.vertex);
             self.ready -= 1;
         }
-        Some(Site::new(v, p))
+        Some(site)
     }
 
     fn is_empty(&self) -> bool {
@@ -145,31 +234,45 @@ impl Source<LocalMesh> for Field {
         self.free(point.vertex);
     }
 
-    fn take_block(&mut self, block: BlockId) -> Vec<Site> {
-        let range = self.blocks.vertices(block);
+    fn take_block(&mut self, mesh: &LocalMesh, block: BlockId) -> Vec<Site> {
+        let Self { blocks, own, rounds, cursors, .. } = self;
+        let range = blocks.vertices(block);
         let mut taken = Vec::new();
-        for cursor in self.cursors.iter_mut().chain(self.rounds.iter_mut().flatten()) {
-            cursor.points.retain(|&(v, p)| {
-                let goes = range.contains(&v);
-                if goes {
-                    taken.push(Site::new(v, p));
+        for cursor in cursors.iter_mut().chain(rounds.iter_mut().flatten()) {
+            match &mut cursor.track {
+                Track::Own { next, end, round } => {
+                    for v in (*next).max(range.start)..(*end).min(range.end) {
+                        if round_of(v, own.rounds) == *round && !own.take_out(v) {
+                            taken.push(mesh.site(v));
+                        }
+                    }
+                    *next = own.first(*next, *end, *round);
                 }
-                !goes
-            });
+                Track::Moved(points) => points.retain(|&(v, p)| {
+                    let goes = range.contains(&v);
+                    if goes {
+                        taken.push(Site::new(v, p));
+                    }
+                    !goes
+                }),
+            }
         }
+        self.left -= taken.len();
         self.turn();
         taken
     }
 
     fn give(&mut self, _: BlockId, points: Vec<Site>) {
-        let points: Vec<_> = points.iter().map(|site| (site.vertex, site.point())).collect();
-        self.cursors.push(Cursor::new(&points));
+        self.left += points.len();
+        let points = points.iter().map(|site| (site.vertex, site.point())).collect();
+        self.cursors.push(Cursor::new(Track::Moved(points)));
         self.turn();
     }
 
     fn clear(&mut self) {
         self.rounds.clear();
         self.cursors.clear();
+        self.left = 0;
         self.turn();
     }
 }
@@ -181,11 +284,11 @@ mod tests {
     use ltbw_core::part::Setting;
 
     fn field(count: u32) -> (Field, LocalMesh) {
-        let points: Vec<(u32, Point)> = (1..=count).map(|v| (v, [f64::from(v); 3])).collect();
         let blocks = Blocks::even(count, 4);
-        let all: Vec<Point> = points.iter().map(|&(_, p)| p).collect();
-        let mesh = LocalMesh::new(0, &Setting::of(&all, Mode::Normal), blocks.clone());
-        (Field::new(blocks, &points, 3), mesh)
+        let all: Vec<Point> = (1..=count).map(|v| [f64::from(v); 3]).collect();
+        let mut mesh = LocalMesh::new(0, &Setting::of(&all, Mode::Normal), blocks.clone());
+        mesh.part.set_points(1, &all);
+        (Field::new(blocks, 1..count + 1, [], 3), mesh)
     }
 
     #[test]
@@ -232,7 +335,7 @@ mod tests {
         }
         let before = field.left();
         assert_eq!(field.in_block(3), 250);
-        let taken = field.take_block(3);
+        let taken = field.take_block(&mesh, 3);
         assert_eq!((taken.len(), field.left(), field.in_block(3)), (250, before - 250, 0));
         field.give(3, taken);
         assert_eq!((field.in_block(3), field.left()), (250, before));

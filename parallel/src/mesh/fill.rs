@@ -6,8 +6,6 @@ use super::{At, LocalMesh, NewTet, Patch, Piece, Relink, Site, To};
 use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::topology::{TetId, VertexId};
-use rustc_hash::{FxHashMap, FxHashSet};
-use std::collections::BTreeMap;
 
 /// A face of the cavity's boundary, and the new tetrahedron on it.
 struct Wall {
@@ -41,34 +39,34 @@ impl LocalMesh {
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, Patch)> {
-        let mut patches: BTreeMap<WorkerId, Patch> = BTreeMap::new();
-        for (worker, pieces) in parts {
-            if !pieces.is_empty() {
-                let removed = pieces.iter().map(|piece| piece.tet);
-                patches.entry(*worker).or_default().remove.extend(removed);
-            }
-        }
         let mut walls = self.walls(point, parts, whereabouts, directory);
-        let mut counts: BTreeMap<WorkerId, u32> = BTreeMap::new();
-        for wall in &mut walls {
-            let count = counts.entry(wall.owner).or_default();
-            wall.index = *count;
-            *count += 1;
+        // By worker; few have a part.
+        let mut patches: Vec<(WorkerId, Patch)> = Vec::with_capacity(parts.len());
+        for (worker, pieces) in parts.iter().filter(|(_, pieces)| !pieces.is_empty()) {
+            let patch = patch_of(&mut patches, *worker, walls.len());
+            patch.remove.extend(pieces.iter().map(|piece| piece.tet));
         }
-        join(&mut walls);
+        let mut counts: Vec<(WorkerId, u32)> = Vec::with_capacity(parts.len());
+        for wall in &mut walls {
+            let place = place_of(&mut counts, wall.owner, || 0);
+            wall.index = counts[place].1;
+            counts[place].1 += 1;
+        }
+        self.edges.join(&mut walls);
         self.name_walls(&mut walls);
         for wall in &walls {
             let n = [0, 1, 2, 3].map(|slot| lead(&walls, wall, slot));
             let new = NewTet { name: wall.name, v: wall.v, n };
-            patches.entry(wall.owner).or_default().create.push(new);
+            patch_of(&mut patches, wall.owner, walls.len()).create.push(new);
             if wall.worker != wall.owner
                 && let Some(to) = handle_of(wall, 0)
             {
                 let relink = Relink { at: wall.at, slot: wall.slot, name: wall.ring_name, to };
-                patches.entry(wall.worker).or_default().relink.push(relink);
+                patch_of(&mut patches, wall.worker, walls.len()).relink.push(relink);
             }
         }
-        patches.into_iter().collect()
+        patches.sort_unstable_by_key(|&(worker, _)| worker);
+        patches
     }
 
     /// The boundary of the cavity.
@@ -80,14 +78,15 @@ impl LocalMesh {
         directory: &Directory,
     ) -> Vec<Wall> {
         let pieces = || parts.iter().flat_map(|(w, list)| list.iter().map(move |p| (*w, p)));
-        let inside: FxHashSet<(WorkerId, TetId)> = pieces().map(|(w, p)| (w, p.tet)).collect();
-        let named: FxHashSet<Name> = pieces().filter_map(|(_, p)| p.name).collect();
-        let mut walls = Vec::new();
+        let mut named: Vec<Name> = pieces().filter_map(|(_, p)| p.name).collect();
+        named.sort_unstable();
+        let links = || pieces().flat_map(|(_, p)| &p.n);
+        let mut walls = Vec::with_capacity(links().filter(|&l| *l != Link::Inside).count());
         for (worker, piece) in pieces() {
             for (slot, link) in piece.n.iter().enumerate() {
                 let (worker, at, slot_there, ring_block, ring_name) = match *link {
-                    Link::Near { tet, .. } if inside.contains(&(worker, tet)) => continue,
-                    Link::Far(handle) if named.contains(&handle.name) => continue,
+                    Link::Inside => continue,
+                    Link::Far(handle) if named.binary_search(&handle.name).is_ok() => continue,
                     Link::Near { tet, slot, block, name } => {
                         (worker, At::Tet(tet), slot, block, name)
                     }
@@ -120,19 +119,20 @@ impl LocalMesh {
     /// Names what another worker must know: new tetrahedra beside those of others, and ring
     /// tetrahedra behind those of others.
     fn name_walls(&mut self, walls: &mut [Wall]) {
-        let owners: Vec<WorkerId> = walls.iter().map(|wall| wall.owner).collect();
-        let mut ring: FxHashMap<(WorkerId, TetId), Name> = FxHashMap::default();
-        for wall in walls {
-            let beside = wall.beside[1..].iter().any(|&(k, _)| owners[k] != wall.owner);
-            if beside || wall.worker != wall.owner {
-                wall.name = Some(self.fresh_name());
+        // Several faces of one ring tetrahedron may be among the walls: few have a new name.
+        let mut ring: Vec<((WorkerId, TetId), Name)> = Vec::new();
+        for k in 0..walls.len() {
+            let (owner, worker) = (walls[k].owner, walls[k].worker);
+            let beside = walls[k].beside[1..].iter().any(|&(other, _)| walls[other].owner != owner);
+            if beside || worker != owner {
+                walls[k].name = Some(self.fresh_name());
             }
-            if let At::Tet(tet) = wall.at
-                && wall.worker != wall.owner
-                && wall.ring_name.is_none()
+            if let At::Tet(tet) = walls[k].at
+                && worker != owner
+                && walls[k].ring_name.is_none()
             {
-                let name = *ring.entry((wall.worker, tet)).or_insert_with(|| self.fresh_name());
-                wall.ring_name = Some(name);
+                let place = place_of(&mut ring, (worker, tet), || self.fresh_name());
+                walls[k].ring_name = Some(ring[place].1);
             }
         }
     }
@@ -158,25 +158,65 @@ fn lead(walls: &[Wall], wall: &Wall, slot: usize) -> To {
     }
 }
 
-/// Finds the walls beside each other: every edge of the boundary is passed once in each direction.
-fn join(walls: &mut [Wall]) {
-    let mut edges: FxHashMap<(VertexId, VertexId), (usize, u8)> = FxHashMap::default();
-    edges.reserve(3 * walls.len());
-    let around = |v: &[Site; 4]| {
-        let [_, a, b, c] = v.map(|site| site.vertex);
-        [(a, b, 3), (b, c, 1), (c, a, 2)]
-    };
-    for (k, wall) in walls.iter().enumerate() {
-        for (from, to, slot) in around(&wall.v) {
-            edges.insert((from, to), (k, slot));
-        }
-    }
-    for wall in walls {
-        for (from, to, slot) in around(&wall.v) {
-            // A closed surface has the opposite edge, too.
-            if let Some(&beside) = edges.get(&(to, from)) {
-                wall.beside[slot as usize] = beside;
+/// The place of `key` in a short list, where it is put with `value` if it is not there.
+fn place_of<K: PartialEq, V>(list: &mut Vec<(K, V)>, key: K, value: impl FnOnce() -> V) -> usize {
+    list.iter().position(|(k, _)| *k == key).unwrap_or_else(|| {
+        list.push((key, value()));
+        list.len() - 1
+    })
+}
+
+/// The patch of a worker, with room for `create` new tetrahedra.
+fn patch_of(patches: &mut Vec<(WorkerId, Patch)>, worker: WorkerId, create: usize) -> &mut Patch {
+    let empty = || Patch { create: Vec::with_capacity(create), ..Patch::default() };
+    let place = place_of(patches, worker, empty);
+    &mut patches[place].1
+}
+
+/// Edges of the boundary: a table with open addressing, kept for the next cavity.
+#[derive(Debug, Default)]
+pub(super) struct Edges {
+    /// Both vertices in one word; `u64::MAX` where the table is empty.
+    keys: Vec<u64>,
+    /// Wall and slot.
+    sides: Vec<(u32, u8)>,
+}
+
+impl Edges {
+    /// Finds the walls beside each other: two of them have an edge in common.
+    fn join(&mut self, walls: &mut [Wall]) {
+        // At most half full: every search meets an empty place.
+        let size = (4 * walls.len()).next_power_of_two();
+        self.keys.clear();
+        self.keys.resize(size, u64::MAX);
+        self.sides.resize(self.sides.len().max(size), (0, 0));
+        for k in 0..walls.len() {
+            let [_, a, b, c] = walls[k].v.map(|site| site.vertex);
+            for (from, to, slot) in [(a, b, 3), (b, c, 1), (c, a, 2)] {
+                let place = self.place(from, to);
+                let (other, there) = self.sides[place];
+                if self.keys[place] == u64::MAX {
+                    self.keys[place] = key_of(from, to);
+                    self.sides[place] = (k as u32, slot);
+                } else {
+                    walls[k].beside[slot as usize] = (other as usize, there);
+                    walls[other as usize].beside[there as usize] = (k, slot);
+                }
             }
         }
     }
+
+    /// Where an edge is, or would be.
+    fn place(&self, from: VertexId, to: VertexId) -> usize {
+        let (key, last) = (key_of(from, to), self.keys.len() - 1);
+        let mut place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize & last;
+        while self.keys[place] != key && self.keys[place] != u64::MAX {
+            place = (place + 1) & last;
+        }
+        place
+    }
+}
+
+fn key_of(a: VertexId, b: VertexId) -> u64 {
+    u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }

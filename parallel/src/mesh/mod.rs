@@ -31,17 +31,17 @@ use crate::protocol::{
     BlockId, Conduct, Costs, Directory, Handle, Name, Neighbour, Submesh, Ticket, Walk, WorkerId,
 };
 use ltbw_core::part::{Local, Part, Setting, Stop};
-use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
+use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, slot_of, tet_of};
 use rustc_hash::FxHashMap;
 
 /// The tetrahedra of one worker, with names for those that others know.
 #[derive(Debug)]
 pub struct LocalMesh {
-    part: Part<Ticket>,
+    /// Tetrahedra that others know are watched, with their names.
+    part: Part<Ticket, Name>,
     blocks: Blocks,
     me: WorkerId,
     names: FxHashMap<Name, TetId>,
-    name_of: FxHashMap<TetId, Name>,
     /// Names given so far.
     named: u32,
     /// Where points were located that could not be inserted at once.
@@ -53,6 +53,7 @@ pub struct LocalMesh {
     /// The limit of tetrahedra was met: the mesh is not whole.
     full: bool,
     reported: (u64, u64, u64),
+    edges: fill::Edges,
 }
 
 impl LocalMesh {
@@ -63,18 +64,18 @@ impl LocalMesh {
             blocks,
             me,
             names: FxHashMap::default(),
-            name_of: FxHashMap::default(),
             named: 0,
             located: FxHashMap::default(),
             strays: FxHashMap::default(),
             duplicates: Vec::new(),
             full: false,
             reported: (0, 0, 0),
+            edges: fill::Edges::default(),
         }
     }
 
     /// The kernel's part of the mesh.
-    pub fn part(&self) -> &Part<Ticket> {
+    pub fn part(&self) -> &Part<Ticket, Name> {
         &self.part
     }
 
@@ -93,6 +94,12 @@ impl LocalMesh {
         self.full
     }
 
+    /// A tetrahedron whose block is not this worker's. There is none but those on their way.
+    pub fn misplaced(&self, directory: &Directory) -> Option<TetId> {
+        let mut tets = self.part.tets();
+        tets.find(|&(_, v)| !directory.is_mine(self.blocks.of_tet(v))).map(|(t, _)| t)
+    }
+
     fn block_of(&self, t: TetId) -> BlockId {
         self.blocks.of_tet(self.part.vertices(t))
     }
@@ -104,31 +111,31 @@ impl LocalMesh {
 
     fn set_name(&mut self, t: TetId, name: Name) {
         self.names.insert(name, t);
-        let before = self.name_of.insert(t, name);
+        let before = self.part.label(t);
         debug_assert!(
             before.is_none_or(|n| n == name),
             "P1: {t} has names {before:?} and {name:?}"
         );
-        self.part.watch(t);
+        self.part.watch(t, name);
     }
 
     fn drop_name(&mut self, t: TetId) {
-        if let Some(name) = self.name_of.remove(&t) {
+        if let Some(name) = self.part.unwatch(t) {
             self.names.remove(&name);
         }
     }
 
     /// Forgets the names of tetrahedra that an insertion removed.
     fn forget_gone(&mut self) {
-        for k in 0..self.part.gone().len() {
-            self.drop_name(self.part.gone()[k]);
+        for name in self.part.take_gone() {
+            self.names.remove(&name);
         }
     }
 
     /// The name of `t`, a new one if it has none.
     fn ensure_name(&mut self, t: TetId) -> Name {
-        match self.name_of.get(&t) {
-            Some(&name) => name,
+        match self.part.label(t) {
+            Some(name) => name,
             None => {
                 let name = self.fresh_name();
                 self.set_name(t, name);
@@ -149,17 +156,26 @@ impl LocalMesh {
         self.part.vertices(t).map(|v| self.site(v))
     }
 
-    /// The neighbour of `t` at `slot`, as a worker other than the protocol sees it.
-    fn link_at(&self, face: u32) -> Link {
-        let tet = tet_of(face);
-        match self.part.load(tet) {
-            Some(load) => Link::Far(handle(load)),
-            None => Link::Near {
-                tet,
-                slot: slot_of(face) as u8,
-                block: self.block_of(tet),
-                name: self.name_of.get(&tet).copied(),
-            },
+    /// The neighbour beyond a face of a tetrahedron that `holder` has locked, as the home sees it.
+    fn link_at(&self, face: FaceId, holder: Option<Ticket>) -> Link {
+        let (tet, slot) = (tet_of(face), slot_of(face) as u8);
+        if let Some(load) = self.part.load(tet) {
+            return Link::Far(handle(load));
+        }
+        let (closed_by, name) = (self.part.closed_by(tet), self.part.label(tet));
+        if let (Some((by, true)), Some(mine)) = (closed_by, holder)
+            && by == mine
+        {
+            return Link::Inside;
+        }
+        let block = self.block_of(tet);
+        match name {
+            // It has come here after the operation had asked for it where it was: whether it is in
+            // conflict is open, and will be known by its name.
+            Some(name) if closed_by.map(|(by, _)| by) != holder => {
+                Link::Far(Handle { name, block, face: slot })
+            }
+            _ => Link::Near { tet, slot, block, name },
         }
     }
 }
@@ -232,9 +248,13 @@ impl Submesh for LocalMesh {
 
     fn set_holder(&mut self, t: TetId, holder: Option<Ticket>) {
         match holder {
-            Some(ticket) => self.part.close(t, ticket),
+            Some(ticket) => self.part.close(t, ticket, false),
             None => self.part.open(t),
         }
+    }
+
+    fn lock(&mut self, t: TetId, holder: Ticket, in_conflict: bool) {
+        self.part.close(t, holder, in_conflict);
     }
 
     fn in_conflict(&mut self, t: TetId, point: &Site) -> bool {
@@ -252,11 +272,12 @@ impl Submesh for LocalMesh {
     }
 
     fn piece(&self, t: TetId) -> Piece {
+        let holder = self.part.holder(t);
         Piece {
             tet: t,
-            name: self.name_of.get(&t).copied(),
+            name: self.part.label(t),
             v: self.sites(t),
-            n: self.part.neighbours(t).map(|face| self.link_at(face)),
+            n: self.part.neighbours(t).map(|face| self.link_at(face, holder)),
         }
     }
 
@@ -297,6 +318,10 @@ impl Submesh for LocalMesh {
 
     fn adopt(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {
         self.adopt_all(cargo, made);
+    }
+
+    fn is_full(&self) -> bool {
+        self.full
     }
 
     fn take_costs(&mut self) -> Costs {

@@ -8,6 +8,8 @@ use ltbw_core::order::hilbert;
 use ltbw_core::part::Setting;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{BuildError, Builder, Mesh, Mode, Point, PointSet, PredicateStats};
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// Who names the tetrahedra of the coarse mesh: no worker has this number.
 const COARSE: WorkerId = WorkerId::MAX;
@@ -32,11 +34,13 @@ impl Plan {
     /// The default layout for `points` points on `workers` workers.
     ///
     /// The sample is one point in a hundred, or 5,000 a worker if that is more, but at most one in
-    /// ten: the smaller a worker's part, the more cavities are interface cavities.
+    /// ten: the smaller a worker's part, the more cavities are interface cavities. One worker alone
+    /// has no interface, and starts with a few.
     pub fn new(points: usize, workers: u32) -> Self {
         let workers = workers.max(1);
         let most = (5000 * workers as usize).min(points / 10);
-        let sample = (points / 100).max(most).max(60);
+        // A single worker has nobody to share the coarse mesh with.
+        let sample = if workers == 1 { 60 } else { (points / 100).max(most).max(60) };
         Self { workers, blocks_per_worker: 16, cursors: 32, sample, roomy: false }
     }
 
@@ -47,25 +51,30 @@ impl Plan {
     pub fn prepare(&self, set: &PointSet) -> Result<Prepared, BuildError> {
         let kernel = set.kernel_points();
         let order = hilbert(&kernel);
-        let points: Vec<Point> = order.iter().map(|&i| kernel[i as usize]).collect();
+        let points: Vec<Point> = order.par_iter().map(|&i| kernel[i as usize]).collect();
         let sample = self.sample_of(&points)?;
         let coarse = coarse_mesh(&points, &sample)?;
         let blocks = Blocks::even(points.len() as u32, self.workers * self.blocks_per_worker);
         let owners: Vec<WorkerId> =
             (0..blocks.len()).map(|block| block / self.blocks_per_worker).collect();
         let setting = Setting::of(&points, set.mode());
-        let mut workers = self.submeshes(&setting, &blocks, points.len());
+        let mut workers = self.submeshes(&setting, &blocks, &points);
         distribute(&coarse, &sample, &points, &blocks, &owners, &mut workers);
         let mut duplicates = Vec::new();
         for &(duplicate, kept) in coarse.duplicates() {
             duplicates.push((1 + sample[duplicate as usize], 1 + sample[kept as usize]));
         }
-        let fields = self.fields(&points, &sample, &blocks);
         let workers = workers
-            .into_iter()
-            .zip(fields)
-            .zip(0..)
-            .map(|((mesh, field), me)| (Directory::new(me, &owners), mesh, field))
+            .into_par_iter()
+            .zip(0..self.workers)
+            .map(|(mesh, me)| {
+                let range = self.range(me, &blocks);
+                let ranks = [range.start, range.end]
+                    .map(|v| sample.partition_point(|&rank| rank < v.saturating_sub(1)));
+                let out = sample[ranks[0]..ranks[1]].iter().map(|rank| rank + 1);
+                let field = Field::new(blocks.clone(), range, out, self.cursors);
+                (Directory::new(me, &owners), mesh, field)
+            })
             .collect();
         let predicates = coarse.predicate_stats();
         let mode = set.mode();
@@ -85,36 +94,26 @@ impl Plan {
         Ok(sample)
     }
 
-    fn submeshes(&self, setting: &Setting, blocks: &Blocks, points: usize) -> Vec<LocalMesh> {
+    /// A submesh for each worker, without tetrahedra, with the points of its range.
+    fn submeshes(&self, setting: &Setting, blocks: &Blocks, points: &[Point]) -> Vec<LocalMesh> {
         let submesh = |me| {
             let mut mesh = LocalMesh::new(me, setting, blocks.clone());
+            let range = self.range(me, blocks);
             if self.roomy {
                 // The first one receives all others in the end.
-                let share = if me == 0 { points } else { points / self.workers as usize };
+                let share = if me == 0 { points.len() } else { range.len() };
                 mesh.part.reserve(7 * share + share / 4 + 1024);
             }
+            mesh.part.set_points(range.start, &points[range.start as usize - 1..][..range.len()]);
             mesh
         };
-        (0..self.workers).map(submesh).collect()
+        (0..self.workers).into_par_iter().map(submesh).collect()
     }
 
-    /// Each worker's own points that are not in the sample, in curve order.
-    fn fields(&self, points: &[Point], sample: &[u32], blocks: &Blocks) -> Vec<Field> {
-        let mut sampled = vec![false; points.len()];
-        for &rank in sample {
-            sampled[rank as usize] = true;
-        }
-        (0..self.workers)
-            .map(|me| {
-                let first = blocks.vertices(me * self.blocks_per_worker).start;
-                let last = blocks.vertices((me + 1) * self.blocks_per_worker - 1).end;
-                let own: Vec<(VertexId, Point)> = (first..last)
-                    .map(|v| (v, points[v as usize - 1]))
-                    .filter(|&(v, _)| !sampled[v as usize - 1])
-                    .collect();
-                Field::new(blocks.clone(), &own, self.cursors)
-            })
-            .collect()
+    /// The vertices of a worker at the start.
+    fn range(&self, me: WorkerId, blocks: &Blocks) -> Range<VertexId> {
+        let first = blocks.vertices(me * self.blocks_per_worker).start;
+        first..blocks.vertices((me + 1) * self.blocks_per_worker - 1).end
     }
 }
 

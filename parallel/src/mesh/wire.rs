@@ -33,6 +33,8 @@ impl Site {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Link {
+    /// A tetrahedron of the same owner, in conflict, too: no face of the cavity.
+    Inside,
     /// A tetrahedron of the same owner.
     Near {
         /// Its local handle.

@@ -151,6 +151,15 @@ impl Collector {
         *sum += bytes;
     }
 
+    /// The worker handed over messages, where a runtime does not do that in the step that sends.
+    pub fn communicate(&mut self, begin: Nanos, end: Nanos) {
+        self.idle_until(begin);
+        let time = self.advance(end);
+        self.figures.times.communication += time;
+        self.count_active(time, self.active > 0);
+        self.span(begin, end, SpanKind::Poll, None);
+    }
+
     /// The worker dealt with messages that are not the protocol's until `end`.
     pub fn control(&mut self, begin: Nanos, end: Nanos) {
         self.idle_until(begin);
@@ -205,10 +214,15 @@ impl Collector {
 
     /// The run is over at `end`; `mesh` is the worker's submesh.
     pub fn finish(&mut self, end: Nanos, mesh: &impl Survey) {
-        self.idle_until(end);
-        self.figures.times.idle_at_end = self.idle_since_work;
+        self.rest_until(end);
         self.figures.tets = mesh.tets();
         self.figures.interface_faces = mesh.interface_faces();
+    }
+
+    /// The worker has ended, and the run lasts until `end`.
+    pub fn rest_until(&mut self, end: Nanos) {
+        self.idle_until(end);
+        self.figures.times.idle_at_end = self.idle_since_work;
     }
 
     /// The worker's figures so far.

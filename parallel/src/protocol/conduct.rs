@@ -32,6 +32,8 @@ pub trait Conduct: 'static {
     const FRESH_NAMES: bool = true;
     /// An `Expand` that names a tetrahedron which is not installed yet waits for it.
     const AWAITS_INSTALLATION: bool = true;
+    /// A worker that was told of a cancel drops the points of a block that moves to it.
+    const STAYS_CANCELLED: bool = true;
     /// A worker tests its inbox and goes to sleep in one critical section. (The mailbox obeys.)
     const TESTS_BEFORE_SLEEP: bool = true;
 }

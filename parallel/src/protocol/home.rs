@@ -4,10 +4,10 @@ use super::conduct::Conduct;
 use super::directory::WorkerId;
 use super::owner::{Waiter, Want};
 use super::submesh::{Source, Submesh, Walk};
+use super::table::Table;
 use super::worker::{Action, Note, Worker};
 use super::{Attempt, Handle, Message, Name, Rule, Ticket};
-use std::collections::btree_map::Entry;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// An operation at its home.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -16,11 +16,11 @@ pub(super) struct Op<S: Submesh> {
     pub(super) attempt: Attempt,
     pub(super) phase: Phase,
     /// Workers asked in this attempt, with the number of `Expand` not answered yet.
-    asked: BTreeMap<WorkerId, u32>,
+    asked: Table<WorkerId, u32>,
     /// Every handle asked for in this attempt, and whom.
-    whereabouts: BTreeMap<Name, WorkerId>,
+    whereabouts: Table<Name, WorkerId>,
     /// The tetrahedra granted, by owner.
-    parts: BTreeMap<WorkerId, Vec<S::Piece>>,
+    parts: Table<WorkerId, Vec<S::Piece>>,
     /// Workers whose denial was not lifted yet.
     parked: BTreeSet<WorkerId>,
 }
@@ -41,21 +41,21 @@ pub(super) enum Phase {
 }
 
 impl<S: Submesh> Op<S> {
-    fn new(point: S::Point, attempt: Attempt, phase: Phase) -> Self {
-        Self {
+    fn new(point: S::Point, attempt: Attempt, phase: Phase) -> Box<Self> {
+        Box::new(Self {
             point,
             attempt,
             phase,
-            asked: BTreeMap::new(),
-            whereabouts: BTreeMap::new(),
-            parts: BTreeMap::new(),
+            asked: Table::default(),
+            whereabouts: Table::default(),
+            parts: Table::default(),
             parked: BTreeSet::new(),
-        }
+        })
     }
 
     /// A copy; deriving `Clone` would ask for it of the submesh.
-    fn copy(&self) -> Self {
-        Self {
+    fn copy(&self) -> Box<Self> {
+        Box::new(Self {
             point: self.point.clone(),
             attempt: self.attempt,
             phase: self.phase,
@@ -63,7 +63,7 @@ impl<S: Submesh> Op<S> {
             whereabouts: self.whereabouts.clone(),
             parts: self.parts.clone(),
             parked: self.parked.clone(),
-        }
+        })
     }
 
     fn is_collecting(&self, attempt: Attempt) -> bool {
@@ -165,7 +165,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         let me = self.id();
         out.push(Action::Note(Note::Began(ticket)));
         let mut op = Op::new(point.clone(), attempt, Phase::Expanding);
-        op.asked.insert(me, 1);
+        op.asked.insert_new(me, || 1);
         self.ops.insert(ticket, op);
         self.request(me, ticket, attempt, point, [Want::Tet(seed)], out);
     }
@@ -185,30 +185,35 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         let Some(op) = self.ops.get_mut(&ticket).filter(|op| op.is_collecting(attempt)) else {
             return;
         };
-        op.parts.entry(from).or_default().extend(pieces);
-        if let Some(open) = op.asked.get_mut(&from) {
+        let part = op.parts.entry(from, Vec::new);
+        if part.is_empty() {
+            *part = pieces;
+        } else {
+            part.extend(pieces);
+        }
+        if let Some(open) = op.asked.get_mut(from) {
             *open = open.saturating_sub(answers);
         }
-        let mut seeds: BTreeMap<WorkerId, Vec<Handle>> = BTreeMap::new();
+        let mut seeds: Table<WorkerId, Vec<Handle>> = Table::default();
         // Several faces of one tetrahedron may be among the foreign ones: it is asked for once.
         // A bounced one is asked for again, perhaps of the same worker: the block may be back.
         for handle in foreign {
-            if let Entry::Vacant(entry) = op.whereabouts.entry(handle.name) {
-                let owner = *entry.insert(self.directory.owner(handle.block));
-                seeds.entry(owner).or_default().push(handle);
+            let owner = self.directory.owner(handle.block);
+            if op.whereabouts.insert_new(handle.name, || owner) {
+                seeds.entry(owner, Vec::new).push(handle);
             }
         }
         for handle in bounced {
             let owner = self.directory.owner(handle.block);
-            op.whereabouts.insert(handle.name, owner);
-            seeds.entry(owner).or_default().push(handle);
+            *op.whereabouts.entry(handle.name, || owner) = owner;
+            seeds.entry(owner, Vec::new).push(handle);
         }
-        for &owner in seeds.keys() {
-            *op.asked.entry(owner).or_default() += 1;
+        for owner in seeds.keys() {
+            *op.asked.entry(owner, || 0) += 1;
         }
         let point = op.point.clone();
         let complete = op.asked.values().all(|&open| open == 0);
-        for (owner, seeds) in seeds {
+        for (owner, seeds) in seeds.into_entries() {
             let point = point.clone();
             self.send(owner, Message::Expand { ticket, attempt, point, seeds }, out);
         }
@@ -223,17 +228,18 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         if !C::IGNORES_LATE_WOUND {
             self.late.insert(ticket, op.copy());
         }
-        let Op { point, attempt, asked, whereabouts, parts, .. } = op;
-        let parts: Vec<_> = parts.into_iter().collect();
-        let find = |name: Name| whereabouts.get(&name).copied();
-        let patches = self.mesh.fill(&point, &parts, &find, &self.directory);
-        let mut patches: BTreeMap<_, _> = patches.into_iter().collect();
+        let Op { point, attempt, asked, whereabouts, parts, .. } = *op;
+        let parts = parts.into_entries();
+        let find = |name: Name| whereabouts.get(name).copied();
+        let mut patches = self.mesh.fill(&point, &parts, &find, &self.directory);
         let note = Note::Committed { ticket, setbacks: attempt, parts: asked.len() as u32 };
         out.push(Action::Note(note));
-        for to in asked.into_keys() {
-            let patch = patches.remove(&to);
+        for to in asked.keys() {
+            let patch = patches.iter().position(|&(worker, _)| worker == to);
+            let patch = patch.map(|place| patches.swap_remove(place).1);
             self.send(to, Message::Commit { ticket, patch }, out);
         }
+        patches.sort_unstable_by_key(|&(to, _)| to);
         for (to, patch) in patches {
             self.send(to, Message::Commit { ticket, patch: Some(patch) }, out);
         }
@@ -291,7 +297,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         let attempt = op.attempt;
         op.phase = Phase::Releasing(if C::AWAITS_RELEASES { asked.len() as u32 } else { 0 });
         out.push(Action::Note(Note::SetBack { ticket, attempt: attempt + 1 }));
-        for to in asked.into_keys() {
+        for to in asked.keys() {
             self.send(to, Message::Abort { ticket, attempt }, out);
         }
         self.start_again(ticket, out);

@@ -30,7 +30,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         let cargo = self.take_out(block);
         let epoch = self.directory.epoch(block) + 1;
         self.directory.learn(block, to, epoch);
-        let points = self.source.take_block(block);
+        let points = self.source.take_block(&self.mesh, block);
         out.push(Action::Note(Note::Migrated(block)));
         self.send(to, Message::Migrate { block, epoch, cargo, points }, out);
         if C::MOVES_WAITERS {
@@ -98,7 +98,9 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     ) {
         let me = self.id();
         self.directory.learn(block, me, epoch);
-        if !self.cancelled {
+        if self.cancelled && C::STAYS_CANCELLED {
+            self.dropped |= !points.is_empty();
+        } else {
             self.source.give(block, points);
         }
         self.install(cargo, out);

@@ -30,6 +30,7 @@ mod migration;
 mod owner;
 mod rule;
 mod submesh;
+mod table;
 mod termination;
 mod view;
 mod worker;

@@ -87,18 +87,21 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         wants: impl IntoIterator<Item = Want<S::Tet>>,
         out: &mut Vec<Action<S>>,
     ) {
-        let request = self.requests.entry(ticket).or_insert_with(|| Request {
-            home,
-            attempt,
-            point,
-            wants: Vec::new(),
-            held: Vec::new(),
-            pieces: Vec::new(),
-            foreign: Vec::new(),
-            bounced: Vec::new(),
-            owed: 0,
-            stalled: false,
-            wounded: false,
+        let request = self.requests.entry(ticket).or_insert_with(|| {
+            Box::new(Request {
+                home,
+                attempt,
+                point,
+                // A typical closure.
+                wants: Vec::with_capacity(64),
+                held: Vec::with_capacity(64),
+                pieces: Vec::new(),
+                foreign: Vec::new(),
+                bounced: Vec::new(),
+                owed: 0,
+                stalled: false,
+                wounded: false,
+            })
         });
         request.wants.extend(wants);
         request.owed += 1;
@@ -153,7 +156,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     fn take(&mut self, ticket: Ticket, request: &mut Request<S>, t: S::Tet) {
         let in_conflict = self.mesh.in_conflict(t, &request.point);
         if in_conflict || C::LOCKS_RING {
-            self.mesh.set_holder(t, Some(ticket));
+            self.mesh.lock(t, ticket, in_conflict);
             request.held.push(t);
         }
         if in_conflict {
@@ -270,6 +273,9 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         let mut woken = Vec::new();
         for &t in held {
             self.mesh.set_holder(t, None);
+            if self.waiting.is_empty() {
+                continue;
+            }
             let Some(queue) = self.waiting.get_mut(&t) else { continue };
             if C::REGRANT_ASKS_ALL {
                 woken.append(queue);

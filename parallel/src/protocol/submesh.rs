@@ -70,13 +70,20 @@ pub trait Submesh: Sized {
     /// Locks or unlocks `t`.
     fn set_holder(&mut self, t: Self::Tet, holder: Option<Ticket>);
 
+    /// Locks `t` for an operation whose point it is in conflict with or not. [`Submesh::piece`]
+    /// may leave out what leads from one tetrahedron in conflict to another.
+    fn lock(&mut self, t: Self::Tet, holder: Ticket, in_conflict: bool) {
+        let _ = in_conflict;
+        self.set_holder(t, Some(holder));
+    }
+
     /// Is `t` in conflict with `point`?
     fn in_conflict(&mut self, t: Self::Tet, point: &Self::Point) -> bool;
 
     /// Calls `f` with every face neighbour of `t`.
     fn neighbours(&self, t: Self::Tet, f: impl FnMut(Neighbour<Self::Tet>));
 
-    /// Describes `t` to a home.
+    /// Describes `t`, which is locked and in conflict, to a home. Its neighbours here are locked.
     fn piece(&self, t: Self::Tet) -> Self::Piece;
 
     /// The point of a piece's or patch's operation replaces the cavity made of `parts`: what
@@ -109,6 +116,11 @@ pub trait Submesh: Sized {
     /// Installs extracted tetrahedra. Pushes their names to `made`.
     fn adopt(&mut self, cargo: Self::Cargo, made: &mut Vec<Name>);
 
+    /// Is there no room for more tetrahedra? Then no more points are started here.
+    fn is_full(&self) -> bool {
+        false
+    }
+
     /// The work done since the last call.
     fn take_costs(&mut self) -> Costs {
         Costs::default()
@@ -138,7 +150,7 @@ pub trait Source<S: Submesh> {
     fn inserted(&mut self, mesh: &S, point: &S::Point);
 
     /// Takes out the points of `block`, which moves away.
-    fn take_block(&mut self, block: BlockId) -> Vec<S::Point>;
+    fn take_block(&mut self, mesh: &S, block: BlockId) -> Vec<S::Point>;
 
     /// Takes in points of a block that has moved here.
     fn give(&mut self, block: BlockId, points: Vec<S::Point>);

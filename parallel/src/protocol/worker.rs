@@ -119,11 +119,11 @@ pub struct Worker<S: Submesh, Q, C = Sound> {
     /// Tickets issued.
     sequence: u32,
     /// Operations at home here.
-    pub(super) ops: BTreeMap<Ticket, Op<S>>,
+    pub(super) ops: BTreeMap<Ticket, Box<Op<S>>>,
     /// Those that can start (again): the paper's QL.
     pub(super) ready: BTreeSet<Ticket>,
     /// Closures of which a part is here.
-    pub(super) requests: BTreeMap<Ticket, Request<S>>,
+    pub(super) requests: BTreeMap<Ticket, Box<Request<S>>>,
     /// Who waits for a locked tetrahedron.
     pub(super) waiting: BTreeMap<S::Tet, Vec<Waiter>>,
     /// Who waits for a tetrahedron that is not installed yet.
@@ -131,11 +131,13 @@ pub struct Worker<S: Submesh, Q, C = Sound> {
     /// By holder: denied operations that start again when it has released its locks.
     pub(super) parked: BTreeMap<Ticket, Vec<(WorkerId, Ticket, Attempt)>>,
     /// Committed operations, kept by the unsound conduct that obeys late wounds.
-    pub(super) late: BTreeMap<Ticket, Op<S>>,
+    pub(super) late: BTreeMap<Ticket, Box<Op<S>>>,
     pub(super) safra: Safra,
     stopped: bool,
     /// Points that arrive are dropped: it was told to start no more.
     pub(super) cancelled: bool,
+    /// Some point was dropped.
+    pub(super) dropped: bool,
     /// Messages to itself, taken in the same step.
     own: VecDeque<Message<S>>,
     conduct: PhantomData<C>,
@@ -161,6 +163,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             late: BTreeMap::new(),
             stopped: false,
             cancelled: false,
+            dropped: false,
             own: VecDeque::new(),
             conduct: PhantomData,
         }
@@ -199,6 +202,11 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     /// Is all work done everywhere, as far as this worker knows?
     pub fn is_stopped(&self) -> bool {
         self.stopped
+    }
+
+    /// Was a point dropped, because of a cancel or for want of room?
+    pub fn has_dropped_points(&self) -> bool {
+        self.dropped
     }
 
     /// Is there no operation at home here, and no point left?
@@ -262,10 +270,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             Event::Work => self.work(out),
             Event::Retry(ticket) => self.retry(ticket),
             Event::Migrate { block, to } => self.migrate(block, to, out),
-            Event::Cancel => {
-                self.cancelled = true;
-                self.source.clear();
-            }
+            Event::Cancel => self.cancel(),
         }
         // Ends: a message to itself follows from one seed, grant, commit or release of the step.
         let me = self.id();
@@ -311,6 +316,9 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         if self.stopped {
             return;
         }
+        if self.mesh.is_full() {
+            self.cancel();
+        }
         if let Some(ticket) = self.ready.pop_first() {
             if let Some(op) = self.ops.remove(&ticket) {
                 self.start(Some(ticket), op.attempt, op.point, None, out);
@@ -332,6 +340,13 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
                 }
             }
         }
+    }
+
+    /// Starts no more points, be they here or on their way here.
+    fn cancel(&mut self) {
+        self.cancelled = true;
+        self.dropped |= !self.source.is_empty();
+        self.source.clear();
     }
 
     fn stop(&mut self, out: &mut Vec<Action<S>>) {

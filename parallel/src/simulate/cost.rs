@@ -105,7 +105,7 @@ const HANDLE: u64 = 13;
 const NEWS: u64 = 12;
 
 /// Bytes of `message`, as a compact encoding would have them.
-pub(super) fn bytes<S: Payload>(message: &Message<S>) -> u64 {
+pub(crate) fn bytes<S: Payload>(message: &Message<S>) -> u64 {
     HEADER
         + match message {
             Message::Walk { point, at, .. } => S::point_bytes(point) + 1 + at.map_or(0, |_| HANDLE),
@@ -127,7 +127,7 @@ pub(super) fn bytes<S: Payload>(message: &Message<S>) -> u64 {
 }
 
 /// Bytes of a message about load alone.
-pub(super) const LOAD_BYTES: u64 = HEADER;
+pub(crate) const LOAD_BYTES: u64 = HEADER;
 
 fn handles(count: usize) -> u64 {
     4 + HANDLE * count as u64

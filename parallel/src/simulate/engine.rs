@@ -1,11 +1,11 @@
 //! The simulator's loop.
 
-use super::balance::{Balancer, Stock};
 use super::cost::{LOAD_BYTES, Payload, bytes};
 use super::error::SimulationError;
 use super::network::Wires;
 use super::options::Options;
 use super::processor::{Asking, Envelope, Next, Processor};
+use crate::balance::{Balancer, Stock};
 use crate::generate::Random;
 use crate::metrics::{Cause, Collector, Nanos, Step, Summary, Survey, Trace};
 use crate::protocol::{Action, Conduct, Event, Note, Source, Submesh, Ticket, Worker, WorkerId};
@@ -137,7 +137,6 @@ where
                     slowness: slow.map_or(1.0, |&(_, factor)| factor),
                     balancer: options.balance.map(|b| Balancer::new(b, id, count)),
                     asking: Asking::No,
-                    asked: 0,
                     collector: Collector::new(id, options.spans),
                     worker,
                 }
@@ -256,9 +255,7 @@ where
                 self.step(id, event, polled, 0);
             }
         }
-        if self.processors[id as usize].balancer.is_some() {
-            self.watch(id);
-        }
+        self.watch(id);
     }
 
     /// A look for messages; returns when it ends.
@@ -330,7 +327,9 @@ where
                     self.at(arrival, What::Arrive(to, envelope));
                 }
                 Action::Backoff { ticket, attempt } => {
-                    let longest = self.options.backoff.saturating_mul(1 << attempt.min(10));
+                    let Options { backoff, network, .. } = self.options;
+                    let longest = backoff.saturating_add(network.latency.saturating_mul(4));
+                    let longest = longest.saturating_mul(1 << attempt.min(10));
                     let wait = 1 + self.random.below(longest);
                     self.at(time + wait, What::Retry(id, ticket));
                 }
@@ -354,23 +353,16 @@ where
 
     /// Sees to it that a worker with few points left asks for more.
     fn watch(&mut self, id: WorkerId) {
-        let Some(balance) = self.options.balance else { return };
         let processor = &mut self.processors[id as usize];
-        if processor.worker.source().left() >= balance.low {
-            processor.asked = 0;
+        let load = processor.worker.source().left();
+        let Some(balancer) = processor.balancer.as_mut() else { return };
+        if !balancer.is_low(load) || processor.asking != Asking::No || processor.worker.is_stopped()
+        {
             return;
         }
-        if processor.asking != Asking::No || processor.worker.is_stopped() {
-            return;
-        }
-        // At once the first time, later not before a while.
-        let wait = match processor.asked {
-            0 => 0,
-            times => balance.again.saturating_mul(1 << (times - 1).min(16)),
-        };
         processor.asking = Asking::Later;
-        processor.asked += 1;
-        self.at(self.now + wait, What::Ask(id));
+        let time = self.now + balancer.pause();
+        self.at(time, What::Ask(id));
     }
 
     /// A worker with few points left asks for more.

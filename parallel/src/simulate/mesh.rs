@@ -1,12 +1,11 @@
 //! The real mesh on simulated processors.
 
-use super::balance::Stock;
 use super::cost::Payload;
 use super::{Options, Simulation, SimulationError, simulate};
-use crate::mesh::{Field, GatherError, Gathered, LocalMesh, Plan, gather};
+use crate::mesh::{GatherError, Gathered, LocalMesh, Plan, gather};
 use crate::mesh::{Link, Moving, NewTet, Patch, Piece, Site};
 use crate::metrics::{Summary, Survey, Trace};
-use crate::protocol::{BlockId, Conduct, Config, Sound, Worker};
+use crate::protocol::{Conduct, Config, Sound, Worker};
 use crate::{BuildError, PointSet};
 
 /// Vertex number and coordinates.
@@ -50,16 +49,6 @@ impl Survey for LocalMesh {
 
     fn interface_faces(&self) -> u64 {
         self.num_interface_faces() as u64
-    }
-}
-
-impl Stock for Field {
-    fn left(&self) -> u64 {
-        Field::left(self) as u64
-    }
-
-    fn in_block(&self, block: BlockId) -> u64 {
-        Field::in_block(self, block) as u64
     }
 }
 

@@ -13,7 +13,6 @@
 //!
 //! [`Worker::step`]: crate::protocol::Worker::step
 
-mod balance;
 mod cost;
 mod engine;
 mod error;
@@ -22,8 +21,8 @@ mod network;
 mod options;
 mod processor;
 
-pub use balance::{Balance, Balancer, Stock};
 pub use cost::{CostModel, Payload};
+pub(crate) use cost::{LOAD_BYTES, bytes};
 pub use engine::{Simulation, simulate};
 pub use error::SimulationError;
 pub use mesh::{MeshError, Meshed, simulate_as, simulate_mesh};

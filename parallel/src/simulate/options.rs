@@ -1,8 +1,9 @@
 //! How a simulated run goes.
 
+use super::CostModel;
 use super::error::SimulationError;
 use super::network::Distribution;
-use super::{Balance, CostModel};
+use crate::balance::Balance;
 use crate::metrics::Nanos;
 use crate::protocol::WorkerId;
 
@@ -59,8 +60,9 @@ pub struct Options {
     pub storm: Option<Storm>,
     /// When all workers are told to start no more points.
     pub cancel: Option<Nanos>,
-    /// Under the paper's rule an operation starts again after a random time up to this, doubled
-    /// with each setback up to 1024 times; without it the rule may never end.
+    /// Under the paper's rule an operation starts again after a random time up to this and four
+    /// latencies, doubled with each setback up to 1024 times: the rule may never end if operations
+    /// start again before they can have heard of each other.
     pub backoff: Nanos,
     /// The run fails after so many events.
     pub max_events: u64,

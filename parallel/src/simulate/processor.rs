@@ -1,7 +1,7 @@
 //! One simulated processor: a worker, its inbox, and what is known of its time.
 
-use super::balance::{Balancer, Stock};
 use super::cost::CostModel;
+use crate::balance::{Balancer, Stock};
 use crate::metrics::{Collector, Nanos};
 use crate::protocol::{Conduct, Event, Message, Source, Submesh, Ticket, Worker, WorkerId};
 use std::collections::VecDeque;
@@ -52,8 +52,6 @@ pub(super) struct Processor<S: Submesh, Q, C> {
     pub(super) slowness: f64,
     pub(super) balancer: Option<Balancer>,
     pub(super) asking: Asking,
-    /// How often it has asked since it had more than few points.
-    pub(super) asked: u32,
     pub(super) collector: Collector,
 }
 

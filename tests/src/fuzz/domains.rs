@@ -7,7 +7,7 @@
 use crate::families::snap;
 use arbitrary::Unstructured;
 use ltbw::Point;
-use ltbw::domain::{CheckOptions, Domain, DomainReport, Facet, PrepareOptions, Region};
+use ltbw::domain::{CheckOptions, DefectKind, Domain, DomainReport, Facet, PrepareOptions, Region};
 
 /// Corners of a tetrahedron and of a cube, in numbers of vertices, outward for the points of
 /// [`corners`].
@@ -95,7 +95,10 @@ pub fn domains(bytes: &[u8]) {
         let options = CheckOptions { oriented, ..CheckOptions::default() };
         let verdict = |domain: &Domain| domain.check(&options).map(|report| verdict_of(&report));
         match (verdict(&domain), verdict(&told_otherwise(&domain))) {
-            (Ok(one), Ok(other)) => assert_eq!(one, other, "oriented {oriented}: {domain:?}"),
+            (Ok(Some(one)), Ok(Some(other))) => {
+                assert_eq!(one, other, "oriented {oriented}: {domain:?}");
+            }
+            (Ok(_), Ok(_)) => {}
             (Err(error), Err(_)) => one_line(&error.to_string()),
             (one, other) => panic!("{one:?}, told otherwise {other:?}: {domain:?}"),
         }
@@ -116,10 +119,13 @@ pub fn domains(bytes: &[u8]) {
 }
 
 /// What must not depend on the order of facets. (Of a domain with errors, whether cells are told
-/// at all does depend on it.)
-fn verdict_of(report: &DomainReport) -> (bool, bool, Option<ltbw::domain::Volume>) {
+/// at all does depend on it.) `None` if the check has given up on facets of nearly no size, which
+/// is a matter of luck.
+fn verdict_of(report: &DomainReport) -> Option<(bool, bool, Option<ltbw::domain::Volume>)> {
     let volume = if report.is_meshable() { report.volume() } else { None };
-    (report.is_meshable(), report.passed(), volume)
+    let known = report.count(DefectKind::Unresolved) == 0;
+    assert!(known || !report.is_meshable());
+    known.then(|| (report.is_meshable(), report.passed(), volume))
 }
 
 fn one_line(text: &str) {

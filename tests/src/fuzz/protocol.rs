@@ -46,6 +46,7 @@ fn read(bytes: &[u8]) -> (Vec<Point>, Case, Chooser<'_>) {
         slow: (slow % 2 == 1).then_some(usize::from(slow / 2) % workers as usize),
         moves: u32::from(moves) % 64,
         cancel: cancel.checked_sub(192).map(|k| 8 * usize::from(k)),
+        bytes: mix & 6 == 6,
     };
     (points, case, Chooser::new(&rest[4 * cells.len()..], u64::from(seed)))
 }

@@ -11,6 +11,8 @@ impl World {
             let at_rest = node.is_stopped() && node.is_quiescent() && node.source().is_empty();
             assert!(at_rest, "worker {} is not at rest:\n{}", node.id(), self.describe());
             assert_eq!(node.mesh().part().closed().count(), 0, "a lock:\n{}", self.describe());
+            let misplaced = node.mesh().misplaced(node.directory());
+            assert_eq!(misplaced, None, "a tetrahedron of another worker:\n{}", self.describe());
         }
         assert!(self.channels.is_empty() && self.backoff.is_empty());
         for block in 0..self.nodes[0].directory().blocks() {

@@ -76,6 +76,8 @@ pub struct Case {
     pub moves: u32,
     /// The turn from which on workers hear of a cancel, each at its own time.
     pub cancel: Option<usize>,
+    /// Every message goes through bytes: nothing in it can point to shared memory.
+    pub bytes: bool,
 }
 
 /// Figures of a run.
@@ -271,6 +273,7 @@ impl World {
             self.channels.remove(&(from, to));
         }
         if let Some(message) = message {
+            let message = if self.case.bytes { through_bytes(&message) } else { message };
             self.nodes[to].step(Event::Message { from: from as u32, message }, out);
         }
         to
@@ -317,4 +320,14 @@ impl World {
             .collect();
         format!("{:?}\n{}\n{mail:?}", self.case, nodes.join("\n"))
     }
+}
+
+/// The message, written to bytes and read back.
+fn through_bytes(message: &Message<LocalMesh>) -> Message<LocalMesh> {
+    let bytes = serde_json::to_vec(message).unwrap_or_else(|error| panic!("{error}"));
+    let back: Message<LocalMesh> =
+        serde_json::from_slice(&bytes).unwrap_or_else(|error| panic!("{error}"));
+    let again = serde_json::to_vec(&back).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(bytes, again, "a message changes on its way");
+    back
 }

@@ -3,12 +3,16 @@
 //! Cells are intervals between neighbouring integers of a set; the outermost ends are -1 and the
 //! range. A point conflicts with the interval that holds it, its ring are the neighbours of that, and
 //! two intervals fill the cavity. `verify/vectors/README.md` defines it for ports. Nothing here
-//! panics: runs of broken conducts meet states that must not be.
+//! panics but [`joined`]: runs of broken conducts meet states that must not be.
 
+use ltbw::balance::Stock;
+use ltbw::metrics::Survey;
 use ltbw::protocol::{
-    BlockId, Conduct, Directory, Handle, Name, Neighbour, Source, Submesh, Ticket, Walk, WorkerId,
+    BlockId, Conduct, Costs, Directory, Handle, Name, Neighbour, Source, Submesh, Ticket, Walk,
+    Worker, WorkerId,
 };
-use std::collections::{BTreeMap, VecDeque};
+use ltbw::simulate::Payload;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// Who names the cells of the start.
 pub const START: WorkerId = WorkerId::MAX;
@@ -64,6 +68,7 @@ pub struct Line {
     cells: BTreeMap<Name, Cell>,
     locks: BTreeMap<Name, Ticket>,
     named: u32,
+    costs: Costs,
 }
 
 impl Line {
@@ -79,7 +84,7 @@ impl Line {
             let links = [k.checked_sub(1).map(at), (k + 1 < count).then(|| at(k + 1))];
             cells.insert(at(k).0, Cell { ends: (ends[k], ends[k + 1]), links });
         }
-        Self { me, cuts, cells, locks: BTreeMap::new(), named: 0 }
+        Self { me, cuts, cells, locks: BTreeMap::new(), named: 0, costs: Costs::default() }
     }
 
     /// The ends of all cells, from the left.
@@ -94,6 +99,7 @@ impl Line {
     fn split(&mut self, cell: &Cell, p: i64) -> [Piece; 2] {
         let [left, right] = [1, 2].map(|k| Name { by: self.me, number: self.named + k });
         self.named += 2;
+        self.costs.created += 2;
         let (a, b) = cell.ends;
         let [here, there] = [(left, self.cuts.block(a)), (right, self.cuts.block(p))];
         [
@@ -129,6 +135,7 @@ impl Submesh for Line {
     type Cargo = Vec<Piece>;
 
     fn walk(&mut self, &p: &i64, from: Option<Name>) -> Walk<Name> {
+        self.costs.walk_steps += 3;
         let holds = |cell: &Cell| cell.ends.0 <= p && p <= cell.ends.1;
         let named = from.filter(|name| self.cells.get(name).is_some_and(holds));
         let nearest = || {
@@ -184,6 +191,7 @@ impl Submesh for Line {
     }
 
     fn in_conflict(&mut self, t: Name, &p: &i64) -> bool {
+        self.costs.tests += 1;
         self.cells.get(&t).is_some_and(|cell| cell.ends.0 < p && p < cell.ends.1)
     }
 
@@ -276,6 +284,68 @@ impl Submesh for Line {
             self.cells.insert(name, cell);
         }
     }
+
+    fn take_costs(&mut self) -> Costs {
+        std::mem::take(&mut self.costs)
+    }
+}
+
+impl Survey for Line {
+    fn tets(&self) -> u64 {
+        self.cells.len() as u64
+    }
+
+    fn interface_faces(&self) -> u64 {
+        let links = self.cells.values().flat_map(|cell| cell.links.into_iter().flatten());
+        links.filter(|(name, _)| !self.cells.contains_key(name)).count() as u64
+    }
+}
+
+impl Payload for Line {
+    fn point_bytes(_: &i64) -> u64 {
+        8
+    }
+
+    fn piece_bytes(_: &Piece) -> u64 {
+        48
+    }
+
+    fn patch_bytes(patch: &Patch) -> u64 {
+        8 * patch.remove.len() as u64 + 48 * patch.add.len() as u64 + 24 * patch.relink.len() as u64
+    }
+
+    fn cargo_bytes(cargo: &Vec<Piece>) -> u64 {
+        48 * cargo.len() as u64
+    }
+}
+
+/// The vertices of a finished run's lines together.
+///
+/// # Panics
+/// If the cells do not cover the line, are locked or at the wrong worker, or if links are not
+/// mutual.
+#[must_use]
+pub fn joined<C: Conduct>(workers: &[Worker<Line, Queue, C>]) -> BTreeSet<i64> {
+    let mut ends: Vec<(i64, i64)> = workers.iter().flat_map(|w| w.mesh().ends()).collect();
+    ends.sort_unstable();
+    assert!(ends.windows(2).all(|pair| pair[0].1 == pair[1].0), "a gap or an overlap");
+    let mut all: BTreeMap<Name, &Cell> = BTreeMap::new();
+    workers.iter().for_each(|w| all.extend(w.mesh().cells.iter().map(|(&name, c)| (name, c))));
+    for worker in workers {
+        let line = worker.mesh();
+        assert!(line.locks.is_empty(), "a lock is left");
+        for (&name, cell) in &line.cells {
+            let block = line.cuts.block(cell.ends.0);
+            assert!(worker.directory().is_mine(block), "a cell is not where its block is");
+            for (side, link) in cell.links.iter().enumerate() {
+                let Some((far, block)) = link else { continue };
+                let back = all.get(far).and_then(|other| other.links[1 - side]);
+                assert_eq!(back.map(|(name, _)| name), Some(name), "links are not mutual");
+                assert_eq!(line.cuts.block(all[far].ends.0), *block, "a link to another block");
+            }
+        }
+    }
+    ends[1..].iter().map(|cell| cell.0).collect()
 }
 
 /// Points in a queue.
@@ -304,7 +374,7 @@ impl Source<Line> for Queue {
 
     fn inserted(&mut self, _: &Line, _: &i64) {}
 
-    fn take_block(&mut self, block: BlockId) -> Vec<i64> {
+    fn take_block(&mut self, _: &Line, block: BlockId) -> Vec<i64> {
         let cuts = self.cuts;
         let goes = |p: &i64| cuts.is_some_and(|cuts| cuts.block(*p) == block);
         let taken = self.points.iter().copied().filter(goes).collect();
@@ -318,5 +388,16 @@ impl Source<Line> for Queue {
 
     fn clear(&mut self) {
         self.points.clear();
+    }
+}
+
+impl Stock for Queue {
+    fn left(&self) -> u64 {
+        self.points.len() as u64
+    }
+
+    fn in_block(&self, block: BlockId) -> u64 {
+        let Some(cuts) = self.cuts else { return 0 };
+        self.points.iter().filter(|&&p| cuts.block(p) == block).count() as u64
     }
 }

@@ -3,8 +3,8 @@
 //! * **States** (stateright and a liveness pass of our own): every order in which messages arrive
 //!   and workers act, in small closed [`world`]s. Each transition is one call of the real
 //!   `Worker::step`; only the mesh is abstract, a convex hull in the plane ([`hull`]).
-//! * **Threads** (loom, shuttle): the real mailbox, alone and under workers that run the same
-//!   step. Only with `--cfg loom` or `--cfg shuttle`.
+//! * **Threads** (loom, shuttle): the real mailbox, alone and under the real loop of a worker,
+//!   which runs the same step. Only with `--cfg loom` or `--cfg shuttle`.
 //! * **The museum** ([`museum`]): every known defect, as a conduct of its own that a checker must
 //!   catch. A checker that has never found anything shows nothing.
 //!

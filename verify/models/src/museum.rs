@@ -59,6 +59,8 @@ pieces! {
     ReusedName: "reused slot without generation", FRESH_NAMES;
     /// A seed that is not installed yet is taken for nothing.
     ImpatientExpand: "Expand before installation not held", AWAITS_INSTALLATION;
+    /// A cancelled worker goes on with the points of a block that moves to it.
+    RestlessCancel: "cancelled worker takes in moved points", STAYS_CANCELLED;
     /// A worker tests its inbox in one critical section and goes to sleep in another.
     LostWakeUp: "lost wake-up", TESTS_BEFORE_SLEEP;
 }

@@ -4,6 +4,7 @@
 use crate::hull::{Hull, Letter};
 use crate::museum::Exhibit;
 use crate::world::{Network, Node, World};
+use ltbw::balance::Stock;
 use ltbw::protocol::{Action, Attempt, BlockId, Event, Message, Note, Rule, Ticket, WorkerId};
 use std::collections::hash_map::DefaultHasher;
 use std::collections::{BTreeMap, BTreeSet};
@@ -241,6 +242,12 @@ impl<C: Exhibit> System<C> {
             if basic || !state.nodes.iter().all(|node| node.is_quiescent()) {
                 return Some("stopped too early");
             }
+        }
+        let has_points = |&at: &WorkerId| {
+            state.nodes.get(at as usize).is_some_and(|node| node.source().left() > 0)
+        };
+        if state.cancelled.iter().any(has_points) {
+            return Some("a cancelled worker has points");
         }
         if !self.is_final(state) {
             return None;

@@ -1,14 +1,19 @@
-//! Workers on threads: the real mailbox and the real step, under loom or shuttle.
+//! Workers on threads: the real mailbox, the real loop and the real step, under loom or shuttle.
 //!
-//! The loop is that of the thread runtime, in the same order: take, answer, work, flush, sleep.
-//! It has no clock: no rule with a backoff runs here.
+//! What is ours is the [`Watch`]: it has no clock (a backoff is over at once, and no rule with one
+//! runs here), orders the moves of the world, and notes what happens.
 
-use crate::hull::{Hull, Letter};
+use crate::hull::Hull;
 use crate::museum::Exhibit;
-use crate::world::{Node, World};
+use crate::world::{Node, Points, World};
+use ltbw::balance::Balance;
 use ltbw::mailbox::{Endpoint, connect_as};
-use ltbw::protocol::{Action, Event, Note};
+use ltbw::metrics::Nanos;
+use ltbw::protocol::{Action, Attempt, BlockId, Event, Note, WorkerId};
+use ltbw::threads::{Ended, Loop, Watch};
+use ltbw::transport::{Mail, Transport};
 use std::collections::BTreeSet;
+use std::time::Duration;
 
 /// A failed model unwinds threads that are asleep, when its locks are gone already: endpoints,
 /// which would lock in their destructor, are leaked then.
@@ -18,9 +23,6 @@ pub use std::mem::ManuallyDrop as Kept;
 use loom::thread;
 #[cfg(shuttle)]
 use shuttle::thread;
-
-/// Units of local work between two looks at the mailbox.
-const BURST: usize = 2;
 
 /// Rounds of a worker's loop after which it lets the others run.
 const PATIENCE: u32 = 64;
@@ -38,90 +40,127 @@ pub enum Seen {
     Wait,
     /// A block was given away.
     Move,
+    /// A worker asked for blocks.
+    Ask,
 }
 
-/// Runs a worker until it is stopped.
-fn work<C: Exhibit>(
-    mut node: Node<C>,
-    end: Endpoint<Letter<C>, C>,
-    moves: &[(u32, u32)],
-) -> (Node<C>, BTreeSet<Seen>) {
-    let mut end = Kept::new(end);
-    let mut seen = BTreeSet::new();
-    let (mut inbox, mut actions) = (Vec::new(), Vec::new());
-    let mut moves = moves.iter().copied().peekable();
-    let mut rounds = 0;
-    // Ends: the protocol does, if every thread runs at last. PCT by itself starves threads of low
-    // priority while the token or a walk goes round among the others.
-    while !node.is_stopped() {
-        rounds += 1;
-        if rounds % PATIENCE == 0 {
+/// The way of a worker, see [`Kept`].
+struct Way<C: Exhibit>(Kept<Endpoint<Mail<Hull<C>>, C>>);
+
+impl<C: Exhibit> Transport<Mail<Hull<C>>> for Way<C> {
+    fn send(&mut self, to: WorkerId, mail: Mail<Hull<C>>) {
+        Transport::send(&mut *self.0, to, mail);
+    }
+
+    fn flush(&mut self) {
+        Transport::flush(&mut *self.0);
+    }
+
+    fn take(&mut self, into: &mut Vec<(WorkerId, Mail<Hull<C>>)>) {
+        Transport::take(&mut *self.0, into);
+    }
+
+    fn wait(&mut self, timeout: Option<Duration>) {
+        Transport::wait(&mut *self.0, timeout);
+    }
+
+    fn failed(&self) -> Option<WorkerId> {
+        Transport::failed(&*self.0)
+    }
+}
+
+/// A worker's watch.
+struct Notes {
+    seen: BTreeSet<Seen>,
+    /// Moves to order, the next one last.
+    moves: Vec<(BlockId, WorkerId)>,
+    rounds: u32,
+}
+
+impl<C: Exhibit> Watch<Hull<C>> for Notes {
+    const BURST: usize = 2;
+
+    fn now(&mut self) -> Nanos {
+        0
+    }
+
+    fn until(&mut self, _: Nanos) -> Option<Duration> {
+        None
+    }
+
+    fn backoff(&mut self, _: Attempt) -> Nanos {
+        0
+    }
+
+    fn order(&mut self, may_move: impl Fn(BlockId) -> bool) -> Option<Event<Hull<C>>> {
+        let (block, to) = self.moves.pop_if(|&mut (block, _)| may_move(block))?;
+        Some(Event::Migrate { block, to })
+    }
+
+    fn nap(&self) -> Option<Duration> {
+        None
+    }
+
+    fn looked(&mut self, found: usize) {
+        if found > 1 {
+            self.seen.insert(Seen::Batch);
+        }
+        // PCT by itself starves threads of low priority while the token or a walk goes round
+        // among the others.
+        self.rounds += 1;
+        if self.rounds.is_multiple_of(PATIENCE) {
             thread::yield_now();
         }
-        let heard = end.try_take(&mut inbox);
-        if heard > 1 {
-            seen.insert(Seen::Batch);
-        }
-        let mut events: Vec<Event<Hull<C>>> =
-            inbox.drain(..).map(|(from, message)| Event::Message { from, message }).collect();
-        if let Some((block, to)) = moves.next_if(|&(block, _)| node.can_migrate(block)) {
-            events.push(Event::Migrate { block, to });
-        }
-        let mut worked = false;
-        for event in events {
-            step(&mut node, event, &mut end, &mut actions, &mut seen);
-        }
-        for _ in 0..BURST {
-            if node.has_work() {
-                worked = true;
-                step(&mut node, Event::Work, &mut end, &mut actions, &mut seen);
-            }
-        }
-        end.flush();
-        if heard == 0 && !worked && !node.is_stopped() {
-            seen.insert(Seen::Sleep);
-            end.wait();
+    }
+
+    fn ended(&mut self, actions: &[Action<Hull<C>>]) {
+        for action in actions {
+            let seen = match action {
+                Action::Note(Note::SetBack { .. }) => Seen::SetBack,
+                Action::Note(Note::Waits(_)) => Seen::Wait,
+                Action::Note(Note::Migrated(_)) => Seen::Move,
+                _ => continue,
+            };
+            self.seen.insert(seen);
         }
     }
-    drop(Kept::into_inner(end));
-    (node, seen)
+
+    fn sent(&mut self, asked: usize) {
+        if asked > 0 {
+            self.seen.insert(Seen::Ask);
+        }
+    }
+
+    fn sleeps(&mut self) {
+        self.seen.insert(Seen::Sleep);
+    }
 }
 
-fn step<C: Exhibit>(
-    node: &mut Node<C>,
-    event: Event<Hull<C>>,
-    end: &mut Endpoint<Letter<C>, C>,
-    actions: &mut Vec<Action<Hull<C>>>,
-    seen: &mut BTreeSet<Seen>,
-) {
-    node.step(event, actions);
-    for action in actions.drain(..) {
-        match action {
-            Action::Send { to, message } => end.send(to, message),
-            Action::Note(Note::SetBack { .. }) => drop(seen.insert(Seen::SetBack)),
-            Action::Note(Note::Waits(_)) => drop(seen.insert(Seen::Wait)),
-            Action::Note(Note::Migrated(_)) => drop(seen.insert(Seen::Move)),
-            Action::Note(_) | Action::Backoff { .. } => {}
-        }
-    }
+type Worked<C> = Loop<Hull<C>, Points, C, Way<C>, Notes>;
+
+/// Runs a worker until it is stopped.
+fn work<C: Exhibit>(worker: Worked<C>) -> (Node<C>, BTreeSet<Seen>) {
+    // Nobody fails here: a panic ends the model.
+    let Some(Ended { node, way, watch }) = worker.run() else { panic!("another worker failed") };
+    drop(Kept::into_inner(way.0));
+    (node, watch.seen)
 }
 
 /// Runs `world`, one thread per worker, and checks its end. Worker 0 runs on the caller's thread.
+/// With a `balance` workers that run out of points ask others for blocks.
 ///
 /// # Panics
 /// If the end is wrong, naming what is.
-pub fn run<C: Exhibit>(world: &World) -> BTreeSet<Seen> {
-    let ends = connect_as::<Letter<C>, C>(world.workers());
-    let mut pairs = world.nodes::<C>().into_iter().zip(ends);
-    let first = pairs.next();
-    let others: Vec<_> = pairs
-        .map(|(node, end)| {
-            let moves = world.moves.clone();
-            thread::spawn(move || work(node, end, &moves))
-        })
-        .collect();
-    let mut done: Vec<_> =
-        first.map(|(node, end)| work(node, end, &world.moves)).into_iter().collect();
+pub fn run<C: Exhibit>(world: &World, balance: Option<Balance>) -> BTreeSet<Seen> {
+    let ends = connect_as::<Mail<Hull<C>>, C>(world.workers());
+    let moves: Vec<_> = world.moves.iter().rev().copied().collect();
+    let mut loops = world.nodes::<C>().into_iter().zip(ends).map(|(node, end)| {
+        let notes = Notes { seen: BTreeSet::new(), moves: moves.clone(), rounds: 0 };
+        Worked::new(node, world.workers(), Way(Kept::new(end)), notes, balance)
+    });
+    let first = loops.next();
+    let others: Vec<_> = loops.map(|worker| thread::spawn(move || work(worker))).collect();
+    let mut done: Vec<_> = first.map(work).into_iter().collect();
     done.extend(others.into_iter().map(|thread| thread.join().expect("workers do not panic")));
     let nodes: Vec<&Node<C>> = done.iter().map(|(node, _)| node).collect();
     if let Some(what) = world.fault_at_end(&nodes, false) {

@@ -3,6 +3,7 @@
 use crate::hull::{Hull, Link, Piece, Vertex, block_of, orient};
 use crate::museum::Exhibit;
 use crate::witness::Witness;
+use ltbw::balance::Stock;
 use ltbw::protocol::{BlockId, Config, Directory, Name, Rule, Source, Worker, WorkerId};
 use std::collections::BTreeMap;
 
@@ -21,7 +22,7 @@ impl<C: Exhibit> Source<Hull<C>> for Points {
 
     fn inserted(&mut self, _: &Hull<C>, _: &Vertex) {}
 
-    fn take_block(&mut self, block: BlockId) -> Vec<Vertex> {
+    fn take_block(&mut self, _: &Hull<C>, block: BlockId) -> Vec<Vertex> {
         let (taken, kept) = self.0.iter().partition(|v| u32::from(v.block) == block);
         self.0 = kept;
         taken
@@ -34,6 +35,16 @@ impl<C: Exhibit> Source<Hull<C>> for Points {
 
     fn clear(&mut self) {
         self.0.clear();
+    }
+}
+
+impl Stock for Points {
+    fn left(&self) -> u64 {
+        self.0.len() as u64
+    }
+
+    fn in_block(&self, block: BlockId) -> u64 {
+        self.0.iter().filter(|v| u32::from(v.block) == block).count() as u64
     }
 }
 

@@ -181,6 +181,15 @@ pub fn cancels() -> World {
     ])
 }
 
+/// A block moves with its point, and all are cancelled at any time.
+pub fn cancels_with_a_move() -> World {
+    World { name: "cancels, a block moves", ..late_elsewhere() }
+        .moving(&[(2, 1)])
+        .terminating()
+        .cancelled()
+        .shows(&[Move])
+}
+
 /// The worlds in which all three rules are explored.
 pub fn contests() -> Vec<World> {
     vec![same_two(), two_on_three(), three_rings(), three_on_two(), three_on_all(), three_cycle()]
@@ -201,6 +210,7 @@ pub fn journeys() -> Vec<World> {
         token_move(),
         walks_unordered(),
         cancels(),
+        cancels_with_a_move(),
     ]
 }
 

@@ -1,7 +1,8 @@
-//! The real step over the real mailbox on 8 to 16 threads, under shuttle: random schedules, and
-//! schedules with few but well placed preemptions (PCT). Statistical, sequentially consistent.
+//! The real loop and step over the real mailbox on 8 to 16 threads, under shuttle: random schedules,
+//! and schedules with few but well placed preemptions (PCT). Statistical, sequentially consistent.
 #![cfg(shuttle)]
 
+use ltbw::balance::Balance;
 use ltbw::protocol::Sound;
 use ltbw_models::museum::LostWakeUp;
 use ltbw_models::random::world_of;
@@ -11,10 +12,15 @@ use ltbw_models::world::World;
 use shuttle::scheduler::{PctScheduler, RandomScheduler};
 use shuttle::{Config, Runner};
 use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 /// Schedules of each world and scheduler.
 const SCHEDULES: usize = 100;
+
+/// What must happen.
+const WITNESSES: [Seen; 6] =
+    [Seen::Sleep, Seen::Batch, Seen::SetBack, Seen::Wait, Seen::Move, Seen::Ask];
 
 /// Random worlds of 8 to 16 workers, without cancels: no thread could tell the others.
 fn worlds() -> Vec<World> {
@@ -25,22 +31,35 @@ fn worlds() -> Vec<World> {
 
 fn explore(name: &str, check: impl Fn(Box<dyn Fn() + Send + Sync>, u64)) {
     let seen = Arc::new(Mutex::new(BTreeSet::new()));
+    let given = Arc::new(AtomicUsize::new(0));
     let worlds = worlds();
     let points: usize = worlds.iter().map(|world| world.points.len()).sum();
     for (seed, world) in (0..).zip(&worlds) {
-        let (world, record) = (world.clone(), seen.clone());
+        // In every second world blocks move only because workers run out of points.
+        let mut world = world.clone();
+        let balance = seed.is_multiple_of(2).then(|| {
+            world.moves.clear();
+            Balance { low: 1, ask: 2, again: 1 }
+        });
+        let (record, given) = (seen.clone(), given.clone());
         let model = move || {
-            let outcome = run::<Sound>(&world);
+            let outcome = run::<Sound>(&world, balance);
+            if balance.is_some() && outcome.contains(&Seen::Move) {
+                given.fetch_add(1, Ordering::Relaxed);
+            }
             record.lock().expect("no panic while locked").extend(outcome);
         };
         check(Box::new(model), seed);
     }
     let seen = seen.lock().expect("no panic while locked");
-    for witness in [Seen::Sleep, Seen::Batch, Seen::SetBack, Seen::Wait, Seen::Move] {
+    for witness in WITNESSES {
         assert!(seen.contains(&witness), "never {witness:?}");
     }
+    let given = given.load(Ordering::Relaxed);
+    assert!(given > 0, "no block was ever given to a worker that asked");
     let bounds = format!("8 to 16 threads, {} worlds, {points} points", worlds.len());
-    let explored = format!("{} schedules, seen: {seen:?}", SCHEDULES * worlds.len());
+    let explored =
+        format!("{} schedules, blocks given in {given}, seen: {seen:?}", SCHEDULES * worlds.len());
     row(name, &bounds, &explored, "all ends right");
 }
 
@@ -66,7 +85,7 @@ fn a_lost_wake_up_is_caught() {
     let world = World { cancels: false, ..world_of(1, 8) };
     let said = caught(|| {
         let scheduler = RandomScheduler::new_from_seed(1, 2_000);
-        Runner::new(scheduler, Config::new()).run(move || drop(run::<LostWakeUp>(&world)));
+        Runner::new(scheduler, Config::new()).run(move || drop(run::<LostWakeUp>(&world, None)));
     });
     assert!(said.contains("deadlock"), "{said}");
     row("museum: lost wake-up", "shuttle, 8 threads", "until it fails", "caught: deadlock");

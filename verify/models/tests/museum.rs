@@ -105,6 +105,12 @@ fn reused_slot_without_generation() {
 }
 
 #[test]
+fn cancelled_worker_takes_in_moved_points() {
+    let fault = Caught::Fault("a cancelled worker has points");
+    caught::<museum::RestlessCancel>(worlds::cancels_with_a_move(), fault);
+}
+
+#[test]
 fn expand_before_installation_not_held() {
     let lost = Caught::Fault("a ring cell is not here");
     caught::<museum::ImpatientExpand>(worlds::late_installation(), lost);
@@ -128,6 +134,6 @@ fn random_runs_catch_the_museum() {
         )*};
     }
     hunt!(BareCavity LeakyRollback ForgetfulRollback NaiveRegrant HastyRestart LateWound WhiteSafra);
-    hunt!(NoForwarding StaleInterface ReusedName ImpatientExpand);
+    hunt!(NoForwarding StaleInterface ReusedName ImpatientExpand RestlessCancel);
     println!("seeds needed: {}", seeds.join(", "));
 }

@@ -1,5 +1,5 @@
-//! The real step over the real mailbox, on 2 threads under loom: every interleaving with at most
-//! so many preemptions.
+//! The real loop of a worker and the real step over the real mailbox, on 2 threads under loom: every
+//! interleaving with at most so many preemptions.
 #![cfg(loom)]
 
 use ltbw::protocol::Sound;
@@ -20,7 +20,7 @@ fn explore<C: Exhibit>(world: World, preemptions: usize) -> (BTreeSet<Seen>, usi
     builder.preemption_bound = Some(preemptions);
     builder.max_branches = 20_000;
     builder.check(move || {
-        let outcome = run::<C>(&world);
+        let outcome = run::<C>(&world, None);
         let mut record = record.lock().expect("no panic while locked");
         record.0.extend(outcome);
         record.1 += 1;
@@ -45,7 +45,7 @@ fn holds(world: World, preemptions: usize, least: usize, witnesses: &[Seen]) {
 #[test]
 fn one_cavity() {
     let preemptions = if is_deep() { 5 } else { 3 };
-    holds(worlds::one_on_two(), preemptions, 200, &[Seen::Sleep]);
+    holds(worlds::one_on_two(), preemptions, 1_000, &[Seen::Sleep]);
 }
 
 /// Two cavities that both workers contest.
@@ -53,7 +53,7 @@ fn one_cavity() {
 fn two_cavities() {
     let preemptions = if is_deep() { 5 } else { 3 };
     let witnesses = [Seen::Sleep, Seen::Wait, Seen::SetBack];
-    holds(worlds::token_same_two(), preemptions, 300, &witnesses);
+    holds(worlds::token_same_two(), preemptions, 2_500, &witnesses);
 }
 
 /// Known bad: a worker sleeps for ever, because a wake-up was lost or because a lock was leaked.

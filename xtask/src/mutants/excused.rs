@@ -35,12 +35,12 @@ impl Found {
     }
 }
 
-fn read_source(file: &str) -> Result<String, String> {
+pub(super) fn read_source(file: &str) -> Result<String, String> {
     fs::read_to_string(root().join(file)).map_err(|error| format!("{file}: {error}"))
 }
 
 /// `core/src/x.rs:5:9: replace + with - in f` to `core/src/x.rs: replace + with - in f: a »+ b`.
-fn known_by(
+pub(super) fn known_by(
     mutant: &str,
     source: &impl Fn(&str) -> Result<String, String>,
 ) -> Result<String, String> {

@@ -117,13 +117,15 @@ pub(super) fn leak(
 }
 
 impl Cells {
-    /// Finds the cells of a complex in which triangles meet in common edges and vertices only.
-    /// `None` if no segment could be cast that meets no edge.
+    /// Finds the cells of a complex of one triangle at least, in which triangles meet in common edges and vertices only.
+    ///
+    /// # Errors
+    /// A triangle of a shell through which no segment could be cast that meets no edge.
     pub(super) fn new(
         complex: &Complex<'_>,
         index: &RTree<Piece>,
         findings: &mut Findings,
-    ) -> Option<Self> {
+    ) -> Result<Self, u32> {
         let count = complex.triangles.len();
         let mut sets = Sets::new(2 * count);
         let mut open = Vec::new();
@@ -156,7 +158,7 @@ impl Cells {
             let next = names.len() as u32;
             of_side.push(*names.entry(sets.find(side)).or_insert(next));
         }
-        Some(Self { of_side, count: names.len() as u32, open })
+        Ok(Self { of_side, count: names.len() as u32, open })
     }
 
     /// The cells in front of and behind a triangle.
@@ -215,21 +217,22 @@ fn non_manifold(complex: &Complex<'_>, group: &[Side], findings: &mut Findings) 
     findings.add(DefectKind::NonManifold, elements, at);
 }
 
-/// Unites the cells of shells that are in one another; returns a side of the outside.
-fn join_shells(complex: &Complex<'_>, index: &RTree<Piece>, sets: &mut Sets) -> Option<u32> {
+/// Unites the cells of shells that are in one another; returns a side of the outside, or a triangle
+/// of a shell that no segment hits.
+fn join_shells(complex: &Complex<'_>, index: &RTree<Piece>, sets: &mut Sets) -> Result<u32, u32> {
     let mut outside = None;
     let shells = shells(complex, sets);
     let casts: Vec<Option<Vec<Hit>>> =
         shells.par_iter().map(|shell| to_shell(complex, index, shell)).collect();
-    for hits in casts {
-        let hits = hits?;
-        let first = hits.first()?.near();
+    for (hits, shell) in casts.into_iter().zip(&shells) {
+        let hits = hits.ok_or(shell[0])?;
+        let first = hits[0].near();
         sets.unite(first, *outside.get_or_insert(first));
         for pair in hits.windows(2) {
             sets.unite(pair[0].far(), pair[1].near());
         }
     }
-    outside.map(|side| sets.find(side))
+    Ok(sets.find(outside.unwrap_or_default()))
 }
 
 /// A few triangles of each shell (triangles that edges connect), the largest first.

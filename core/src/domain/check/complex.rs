@@ -1,8 +1,9 @@
 //! A domain as triangles, free-standing edges and unused vertices, with an index over their boxes.
 
 use super::super::triangulate::{self, Problem, Triangulated, edges};
-use super::super::{DefectKind, Domain, Element};
+use super::super::{DefectKind, Domain, Element, Facet};
 use super::Findings;
+use super::contact::sides_of;
 use crate::Point;
 use rayon::prelude::*;
 use rstar::{AABB, RTree, RTreeObject};
@@ -50,13 +51,13 @@ pub(super) enum Shape {
 
 /// A domain in pieces. Vertices of equal coordinates have one number here: the least.
 pub(super) struct Complex<'a> {
-    domain: &'a Domain,
-    /// For each vertex its number here, if any two are equal.
-    same: Option<Vec<u32>>,
     pub(super) points: &'a [Point],
     pub(super) triangles: Vec<[u32; 3]>,
     /// The facet of each triangle.
     pub(super) facet_of: Vec<u32>,
+    /// Which sides of each triangle its facet draws, as sides of polygons; the others lie inside
+    /// the facet, and that its triangles have them is chance.
+    drawn: Vec<[bool; 3]>,
     /// Free-standing edges, and what they are part of.
     pub(super) loose: Vec<([u32; 2], Element)>,
     /// Vertices that nothing names.
@@ -76,11 +77,10 @@ impl<'a> Complex<'a> {
         }
         let map = |v: u32| same.as_ref().map_or(v, |s| s[v as usize]);
         let mut complex = Self {
-            domain,
-            same: same.clone(),
             points,
             triangles: Vec::with_capacity(domain.facets.len()),
             facet_of: Vec::with_capacity(domain.facets.len()),
+            drawn: Vec::with_capacity(domain.facets.len()),
             loose: Vec::new(),
             unused: unused(domain),
             broken: Vec::new(),
@@ -114,7 +114,7 @@ impl<'a> Complex<'a> {
         /// Facets that are held in triangles at once.
         const WAVE: usize = 1 << 16;
         for (wave, facets) in domain.facets.chunks(WAVE).enumerate() {
-            let triangulated: Vec<Triangulated> = facets
+            let triangulated: Vec<(Triangulated, Vec<[bool; 3]>)> = facets
                 .par_iter()
                 .map(|facet| {
                     let mut facet = Cow::Borrowed(facet);
@@ -122,10 +122,12 @@ impl<'a> Complex<'a> {
                         let corners = facet.to_mut().polygons.iter_mut().flatten();
                         corners.for_each(|v| *v = map(*v));
                     }
-                    triangulate::facet(self.points, &facet)
+                    let found = triangulate::facet(self.points, &facet);
+                    let drawn = drawn(&facet, &found.triangles);
+                    (found, drawn)
                 })
                 .collect();
-            for (i, found) in triangulated.into_iter().enumerate() {
+            for (i, (found, drawn)) in triangulated.into_iter().enumerate() {
                 let number = (wave * WAVE + i) as u32;
                 if !found.planar {
                     let at = domain.facets[number as usize].polygons.iter().flatten();
@@ -143,6 +145,7 @@ impl<'a> Complex<'a> {
                 }
                 self.facet_of.extend(found.triangles.iter().map(|_| number));
                 self.triangles.extend(found.triangles);
+                self.drawn.extend(drawn);
                 let loose = found.loose.into_iter();
                 self.loose.extend(loose.map(|e| (e, Element::Facet(number))));
             }
@@ -186,6 +189,13 @@ impl<'a> Complex<'a> {
         findings.add(kind, elements, at);
     }
 
+    /// Reports the part of the surface that a triangle is in as one that could not be placed.
+    pub(super) fn unresolved(&self, triangle: u32, findings: &mut Findings) {
+        let n = triangle as usize;
+        let at = self.triangles[n].map(|v| self.points[v as usize]).to_vec();
+        findings.add(DefectKind::Unresolved, vec![Element::Facet(self.facet_of[n])], at);
+    }
+
     /// The number of pieces.
     pub(super) fn count(&self) -> usize {
         self.triangles.len() + self.loose.len() + self.unused.len()
@@ -214,12 +224,11 @@ impl<'a> Complex<'a> {
         }
     }
 
-    /// Is an edge drawn in a facet, as a side of one of its polygons? (Its triangles have more.)
-    pub(super) fn draws(&self, facet: u32, edge: [u32; 2]) -> bool {
-        let map = |v: u32| self.same.as_ref().map_or(v, |s| s[v as usize]);
-        let polygons = &self.domain.facets[facet as usize].polygons;
-        let mut drawn = polygons.iter().flat_map(|p| edges(p)).map(|e| e.map(map));
-        drawn.any(|[a, b]| edge == [a, b] || edge == [b, a])
+    /// Does the facet of a triangle draw this edge, if it is a side of the triangle?
+    pub(super) fn draws(&self, triangle: u32, [a, b]: [u32; 2]) -> bool {
+        let n = triangle as usize;
+        let sides = sides_of(self.triangles[n]).into_iter().zip(self.drawn[n]);
+        sides.into_iter().all(|(side, drawn)| drawn || (side != [a, b] && side != [b, a]))
     }
 
     /// A piece with its box.
@@ -237,6 +246,19 @@ impl<'a> Complex<'a> {
         let pieces = (0..self.count() as u32).into_par_iter().map(|n| self.piece(n));
         RTree::bulk_load(pieces.collect())
     }
+}
+
+/// Which sides of its triangles a facet draws.
+fn drawn(facet: &Facet, triangles: &[[u32; 3]]) -> Vec<[bool; 3]> {
+    if let [_] = triangles {
+        return vec![[true; 3]];
+    }
+    let sorted = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
+    let mut sides: Vec<[u32; 2]> =
+        facet.polygons.iter().flat_map(|p| edges(p)).map(sorted).collect();
+    sides.sort_unstable();
+    let drawn = |side| sides.binary_search(&sorted(side)).is_ok();
+    triangles.iter().map(|&t| sides_of(t).map(drawn)).collect()
 }
 
 /// For each vertex the least one with its coordinates; `None` if all are distinct.

@@ -220,6 +220,11 @@ pub(super) fn sides_of([a, b, c]: Triangle) -> [Edge; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
+/// The side that two triangles have in common.
+pub(super) fn shared_side(t: Triangle, u: Triangle) -> Option<Edge> {
+    sides_of(t).into_iter().find(|side| side.iter().all(|v| u.contains(v)))
+}
+
 /// Are the corners of `t` that `other` does not have all strictly on one side of it?
 fn apart(t: Triangle, other: Triangle, sides: [Sign; 3]) -> bool {
     [Sign::Positive, Sign::Negative]

@@ -6,6 +6,7 @@
 //!    (`pairs.rs`, `contact.rs`)?
 //! 3. If all that is sound, the surface divides space into cells, which are found exactly
 //!    (`cells.rs`): gaps through which the outside leaks in, seeds in no cell, orientation, volumes.
+//!    A part of the surface too small for any segment that is tried is a finding, too.
 //!
 //! Every decision is made by exact predicates; floating point only chooses where to look, with
 //! boxes that are exact. Cost: sorting and searching in n triangles, about n log n, as long as few
@@ -157,10 +158,21 @@ impl Domain {
         };
         if findings.has(&unsound) {
             cells::open_edges(&complex, &mut findings);
-        } else if let Some(cells) = Cells::new(&complex, &index, &mut findings) {
-            seeds::assign(self, &complex, &index, cells, options, &mut findings, &mut report);
-        } else {
-            cells::open_edges(&complex, &mut findings);
+        } else if !complex.triangles.is_empty() {
+            match Cells::new(&complex, &index, &mut findings) {
+                Ok(cells) => {
+                    seeds::assign(
+                        self,
+                        &complex,
+                        &index,
+                        cells,
+                        options,
+                        &mut findings,
+                        &mut report,
+                    );
+                }
+                Err(triangle) => complex.unresolved(triangle, &mut findings),
+            }
         }
         report.defects = findings.defects.into_values().flatten().collect();
         report.counts = findings.counts;

@@ -3,7 +3,7 @@
 use super::super::{DefectKind, Element};
 use super::Findings;
 use super::complex::{Complex, Piece, Shape};
-use super::contact::{Contact, Contacts};
+use super::contact::{Contact, Contacts, shared_side};
 use rayon::prelude::*;
 use rstar::RTree;
 use rstar::RTreeObject;
@@ -58,12 +58,14 @@ fn contacts_of(
             continue;
         }
         let contact = match (complex.shape(number), complex.shape(other)) {
-            (Shape::Triangle(t), Shape::Triangle(u)) => contacts.triangles(t, u),
-            // A segment along a side of a triangle that its facet does not draw lies inside the
-            // facet: that triangles have this side is chance.
-            (Shape::Triangle(t), Shape::Edge(e)) if e.iter().all(|v| t.contains(v)) => {
-                let drawn = complex.draws(complex.facet_of[number as usize], e);
+            (Shape::Triangle(t), Shape::Triangle(u)) => contacts.triangles(t, u).or_else(|| {
+                let shared = shared_side(t, u)?;
+                let drawn = complex.draws(number, shared) && complex.draws(other, shared);
                 (!drawn).then_some(Contact::Crossing)
+            }),
+            // What lies along a side that a facet does not draw lies inside the facet.
+            (Shape::Triangle(t), Shape::Edge(e)) if e.iter().all(|v| t.contains(v)) => {
+                (!complex.draws(number, e)).then_some(Contact::Crossing)
             }
             (Shape::Triangle(t), Shape::Edge(e)) => contacts.edge_on_triangle(e, t),
             (Shape::Triangle(t), Shape::Vertex(v)) => contacts.vertex_on_triangle(v, t),

@@ -103,9 +103,12 @@ pub(crate) fn facet(points: &[Point], facet: &Facet) -> Triangulated {
     };
     let [a, b, c] = corners.map(|v| &points[v as usize]);
     let planar = vertices.iter().all(|&v| orient3d(a, b, c, &points[v as usize]).is_zero());
-    let mut found = by_plane(points, facet, &vertices, axes);
-    found.planar = planar;
-    found
+    let mut places: Vec<Point> = vertices.iter().map(|&v| points[v as usize]).collect();
+    if !planar {
+        // Delaunay means the projection's circles then, and not those of distances in space.
+        places.iter_mut().for_each(|p| p[3 - axes[0] - axes[1]] = 0.0);
+    }
+    Triangulated { planar, ..by_plane(points, facet, &vertices, places, axes) }
 }
 
 /// A triangle or a strictly convex quadrilateral, the commonest facets by far.
@@ -192,10 +195,15 @@ fn frame(points: &[Point], vertices: &[u32]) -> Option<([u32; 3], [usize; 2])> {
     Some((triple, axes))
 }
 
-/// The general case.
-fn by_plane(points: &[Point], facet: &Facet, vertices: &[u32], axes: [usize; 2]) -> Triangulated {
+/// The general case: `places` are those of the `vertices`, in one plane.
+fn by_plane(
+    points: &[Point],
+    facet: &Facet,
+    vertices: &[u32],
+    places: Vec<Point>,
+    axes: [usize; 2],
+) -> Triangulated {
     let local = |v: u32| vertices.partition_point(|&w| w < v) as u32;
-    let coordinates = vertices.iter().map(|&v| points[v as usize]).collect();
     let global = |v: u32| vertices[v as usize];
     let wrong = |problem: Problem| Triangulated {
         problems: vec![match problem {
@@ -208,7 +216,7 @@ fn by_plane(points: &[Point], facet: &Facet, vertices: &[u32], axes: [usize; 2])
         }],
         ..Triangulated::default()
     };
-    let mut plane = match Plane::new(coordinates, axes) {
+    let mut plane = match Plane::new(places, axes) {
         Ok(plane) => plane,
         Err(problem) => return wrong(problem),
     };

@@ -85,8 +85,8 @@ fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
 }
 
 impl Plane {
-    /// The Delaunay triangulation of `points`, projected to two axes, of which three have to be
-    /// not collinear. The projections have to be distinct.
+    /// The Delaunay triangulation of `points` of one plane, projected to two axes, of which three
+    /// have to be not collinear. The projections have to be distinct.
     pub(super) fn new(points: Vec<Point>, axes: [usize; 2]) -> Result<Self, Problem> {
         let n = points.len();
         let mut order: Vec<u32> = (0..n as u32).collect();
@@ -281,7 +281,8 @@ impl Plane {
     }
 
     /// Flips edges until those of `stack`, and what their flips concern, are locally Delaunay.
-    /// Terminates: every flip lowers the lifted surface, of which there are finitely many.
+    /// Terminates: every flip lowers the lifted surface, of which there are finitely many. (Of
+    /// points that are not in one plane there is no such surface: see `incircle`.)
     fn flip_to_delaunay(&mut self, stack: &mut Vec<[u32; 2]>) {
         while let Some(edge) = stack.pop() {
             let Some((t, place)) = self.find_edge(edge) else { continue };

@@ -140,7 +140,7 @@ fn in_units(value: f64, unit: i32) -> Option<i128> {
         return None;
     }
     let magnitude = i128::from(mantissa >> zeros) << shift;
-    Some(if value < 0.0 { -magnitude } else { magnitude })
+    Some(if value.is_sign_negative() { -magnitude } else { magnitude })
 }
 
 #[cfg(test)]
@@ -191,6 +191,30 @@ mod tests {
         assert!(found.small().is_none());
         let medium = found.medium().expect("63 bits");
         assert_eq!(medium[0][0], (1 << 123) - (1 << 60));
+    }
+
+    #[test]
+    fn small_integers_do_not_depend_on_the_unit() {
+        let tiny = power_of_two(-60);
+        let at = |unit: f64| {
+            differences([[unit + unit * f64::EPSILON, 0.0, unit]; 4], [unit * tiny, 0.0, 0.0])
+        };
+        let expected = at(1.0).small();
+        assert!(expected.is_some());
+        for exponent in [-900, -100, -1, 1, 100, 900] {
+            assert_eq!(at(power_of_two(exponent)).small(), expected, "2^{exponent}");
+        }
+        for exponent in [-901, 901] {
+            assert_eq!(at(power_of_two(exponent)).small(), None, "2^{exponent}");
+        }
+    }
+
+    #[test]
+    fn no_integer_is_infinite_or_not_a_number() {
+        for value in [f64::INFINITY, -f64::INFINITY, f64::NAN] {
+            assert_eq!(in_units(value, 900), None);
+        }
+        assert_eq!(in_units(-power_of_two(1023), 900), Some(-(1 << 123)));
     }
 
     #[test]

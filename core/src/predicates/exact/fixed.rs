@@ -62,7 +62,7 @@ impl<const N: usize> Int<N> {
 
     #[inline(always)]
     fn is_negative(&self) -> bool {
-        N > 0 && (self.0[N - 1] as i64) < 0
+        self.0.last().is_some_and(|&top| (top as i64) < 0)
     }
 
     #[inline(always)]

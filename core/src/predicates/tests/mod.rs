@@ -3,5 +3,7 @@
 
 mod families;
 mod fast_is_slow;
+mod filters;
 mod perturbation;
+mod references;
 mod stages;

@@ -96,6 +96,30 @@ fn lattice_filters_decide_few_steps_exactly_and_no_more() {
 }
 
 #[test]
+fn lattice_filters_decide_zeros_up_to_their_number_of_steps() {
+    let decided = |yes: bool| yes.then_some(Sign::Zero);
+    for exponent in [-120, -40, -1, 0, 1, 40, 120] {
+        let step = families::two_to(exponent);
+        for (turn, extent) in
+            (0..3).flat_map(|turn| [511, 512, 513, 65_535, 65_536, 65_537].map(|e| (turn, e)))
+        {
+            let at = |x: u32, y: u32, z: u32| {
+                let mut p = [x, y, z].map(|c| f64::from(1000 + c) * step);
+                p.rotate_left(turn);
+                p
+            };
+            // Five corners of a box, and the four of a parallelogram.
+            let box_of = [at(0, 0, 0), at(extent, 5, 0), at(extent, 0, 7), at(0, 5, 7)];
+            let side = filter::insphere_lattice(box_of.each_ref(), &at(extent, 5, 7), step);
+            assert_eq!(side, decided(extent <= 512), "{extent} {exponent}");
+            let [a, b, c, d] = [at(0, 0, 0), at(extent, 3, 1), at(extent, 5, 8), at(0, 2, 7)];
+            let side = filter::orient3d_lattice(&a, &b, &c, &d, step);
+            assert_eq!(side, decided(extent <= 65_536), "{extent} {exponent}");
+        }
+    }
+}
+
+#[test]
 fn the_constants_that_the_bounds_are_made_of() {
     let of =
         |constant: f64, exponent| assert_eq!(constant.to_bits(), 2f64.powi(exponent).to_bits());

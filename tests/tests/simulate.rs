@@ -1,15 +1,60 @@
 //! The simulator, on the smallest mesh that there is.
 
-mod line;
-
-use line::{Line, Problem, Supply, joined};
+use ltbw::balance::Balance;
+use ltbw::generate::Random;
 use ltbw::metrics::{SpanKind, Summary};
-use ltbw::protocol::{Config, Rule, Sound};
+use ltbw::protocol::{Conduct, Config, Directory, Rule, Sound, Worker, WorkerId};
 use ltbw::simulate::{
-    Balance, Bursts, Distribution, Network, Options, Simulation, SimulationError, Storm, simulate,
+    Bursts, Distribution, Network, Options, Simulation, SimulationError, Storm, simulate,
 };
+use ltbw_tests::vectors::line::{Cuts, Line, Queue, joined};
+use std::collections::BTreeSet;
 
-type Run = Simulation<Line, Supply, Sound>;
+type Run = Simulation<Line, Queue, Sound>;
+
+/// A set of integers, some of which are vertices at the start.
+#[derive(Clone, Debug)]
+struct Problem {
+    start: BTreeSet<i64>,
+    points: Vec<i64>,
+    range: i64,
+}
+
+impl Problem {
+    /// `n` random points and `start` vertices.
+    fn new(n: usize, start: usize, seed: u64) -> Self {
+        let mut random = Random::new(seed);
+        let range = 4 * (n + start) as i64 + 4;
+        let mut any = || random.below(range as u64) as i64;
+        let start = (0..start).map(|_| any()).collect();
+        Self { start, points: (0..n).map(|_| any()).collect(), range }
+    }
+
+    /// All vertices at the end.
+    fn expected(&self) -> BTreeSet<i64> {
+        self.start.iter().chain(&self.points).copied().collect()
+    }
+
+    /// The problem cut into blocks, and these given to workers; `even` or most to worker 0.
+    fn workers<C: Conduct>(
+        &self,
+        config: Config,
+        per_worker: u32,
+        even: bool,
+    ) -> Vec<Worker<Line, Queue, C>> {
+        let cuts = Cuts { range: self.range, blocks: config.workers * per_worker };
+        let owner = |b| if even || b >= cuts.blocks / 4 * 3 { b / per_worker } else { 0 };
+        let owners: Vec<WorkerId> = (0..cuts.blocks).map(owner).collect();
+        let start: Vec<i64> = self.start.iter().copied().collect();
+        let worker = |me| {
+            let mine = |p: &&i64| owners[cuts.block(**p) as usize] == me;
+            let points: Vec<i64> = self.points.iter().filter(mine).copied().collect();
+            let line = Line::new(me, cuts, &start, &owners);
+            Worker::new(config, Directory::new(me, &owners), line, Queue::new(&points, cuts))
+        };
+        (0..config.workers).map(worker).collect()
+    }
+}
 
 /// Options for a run in which nothing is excused: it ends soon or fails.
 fn options(seed: u64) -> Options {
@@ -125,7 +170,7 @@ fn more_workers_than_points() {
 
 #[test]
 fn blocks_go_to_those_that_run_out_of_points() {
-    let problem = Problem::new(20_000, 400, 1);
+    let problem = Problem::new(8_000, 400, 1);
     let makespan = |balance| {
         let workers = problem.workers::<Sound>(Config::new(8), 16, false);
         let run = simulate(workers, &Options { balance, ..options(1) }).expect("a run ends");

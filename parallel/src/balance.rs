@@ -6,6 +6,7 @@
 //! asks those that it believes to have most. The donor decides: blocks that even out the two loads,
 //! as far as they are not locked at that moment.
 
+use crate::mesh::Field;
 use crate::metrics::Nanos;
 use crate::protocol::{BlockId, Conduct, Source, Submesh, Worker, WorkerId};
 
@@ -35,12 +36,24 @@ pub trait Stock {
     fn in_block(&self, block: BlockId) -> u64;
 }
 
+impl Stock for Field {
+    fn left(&self) -> u64 {
+        Field::left(self) as u64
+    }
+
+    fn in_block(&self, block: BlockId) -> u64 {
+        Field::in_block(self, block) as u64
+    }
+}
+
 /// One worker's view of the others' loads, and its decisions.
 #[derive(Clone, Debug)]
 pub struct Balancer {
     settings: Balance,
     me: WorkerId,
     loads: Vec<u64>,
+    /// How often it has asked since it had more than few points.
+    asked: u32,
 }
 
 /// What a worker is believed to have before it is heard of, in units of what is few.
@@ -49,7 +62,28 @@ const UNKNOWN: u64 = 4096;
 impl Balancer {
     /// The balancer of worker `me`, which knows nothing of the others.
     pub fn new(settings: Balance, me: WorkerId, workers: usize) -> Self {
-        Self { settings, me, loads: vec![settings.low.saturating_mul(UNKNOWN); workers] }
+        let loads = vec![settings.low.saturating_mul(UNKNOWN); workers];
+        Self { settings, me, loads, asked: 0 }
+    }
+
+    /// Is `load` little? If not, the next time that it is this worker asks at once.
+    pub fn is_low(&mut self, load: u64) -> bool {
+        let low = load < self.settings.low;
+        if !low {
+            self.asked = 0;
+        }
+        low
+    }
+
+    /// How long to wait before asking, now that the load is low: not at all the first time, then
+    /// each time twice as long.
+    pub fn pause(&mut self) -> Nanos {
+        let pause = match self.asked {
+            0 => 0,
+            times => self.settings.again.saturating_mul(1 << (times - 1).min(16)),
+        };
+        self.asked += 1;
+        pause
     }
 
     /// Worker `from` has `load` points left.

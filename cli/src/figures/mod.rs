@@ -1,0 +1,96 @@
+//! What the workers of a parallel run did with their time: as JSON, as the paper's tables, and as a
+//! timeline. The same for threads and for simulated processors.
+
+mod tables;
+
+pub(crate) use tables::{cost_model, tables};
+
+use crate::console;
+use crate::outcome::{Failure, show};
+use ltbw::io;
+use ltbw::metrics::{Cavities, Messages, Polls, Summary, Times, Trace, WorkerFigures};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Stretches of time that a trace keeps of each worker: enough for some ten thousand insertions.
+pub(crate) const SPANS: usize = 200_000;
+
+/// The figures of a run; times are in nanoseconds. `docs/protocol.md` defines them.
+#[derive(Debug, Serialize)]
+pub(crate) struct Figures {
+    lt: f64,
+    lt_strict: f64,
+    setbacks: u64,
+    operations: u64,
+    worst_setbacks: u32,
+    makespan: u64,
+    messages: AllMessages,
+    polls: Polls,
+    cavities: Cavities,
+    share_active: f64,
+    times: Times,
+    successful: u64,
+    local_active: u64,
+    interface_active: u64,
+    set_back: u64,
+    surface_to_volume: f64,
+    imbalance_tets: u64,
+    workers: Vec<WorkerFigures>,
+}
+
+#[derive(Debug, Serialize)]
+struct AllMessages {
+    count: u64,
+    bytes: u64,
+    per_interface_cavity: f64,
+    kinds: BTreeMap<&'static str, Messages>,
+}
+
+impl Figures {
+    /// Those of a run.
+    pub(crate) fn of(s: &Summary) -> Self {
+        let all = s.all_messages();
+        Self {
+            lt: s.lt(),
+            lt_strict: s.lt_strict(),
+            setbacks: s.setbacks(),
+            operations: s.operations(),
+            worst_setbacks: s.worst_setbacks(),
+            makespan: s.makespan,
+            messages: AllMessages {
+                count: all.count,
+                bytes: all.bytes,
+                per_interface_cavity: s.messages_per_interface_cavity(),
+                kinds: s.messages.clone(),
+            },
+            polls: s.polls,
+            cavities: s.cavities,
+            share_active: s.cavities.share_active(),
+            times: s.times,
+            successful: s.successful,
+            local_active: s.local_active,
+            interface_active: s.interface_active,
+            set_back: s.set_back,
+            surface_to_volume: s.surface_to_volume(),
+            imbalance_tets: s.imbalance_tets(),
+            workers: s.workers.clone(),
+        }
+    }
+}
+
+/// Writes a timeline, if there is one.
+pub(crate) fn write_trace(path: &Path, trace: Option<Trace>) -> Result<(), Failure> {
+    let Some(trace) = trace else { return Ok(()) };
+    let mut text = Vec::new();
+    trace.write(&mut text).map_err(|e| Failure::Other(e.to_string()))?;
+    io::write_bytes(path, &text).map_err(Failure::Write)?;
+    if !trace.is_complete {
+        console::people(&format!(
+            "note: {}: only the first {SPANS} stretches of each worker's time",
+            show(path)
+        ));
+    }
+    console::people(&format!("wrote     {}: open it in ui.perfetto.dev", show(path)));
+    Ok(())
+}

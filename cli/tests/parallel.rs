@@ -1,0 +1,184 @@
+//! The parallel kernel on the command line: threads, meshes in parts, the simulator.
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod common;
+
+use common::{ltbw, names};
+use ltbw::io::read_mesh;
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// The fields that a report's figures must have.
+const FIGURES: [&str; 8] = [
+    "lt",
+    "lt_strict",
+    "setbacks",
+    "operations",
+    "worst_setbacks",
+    "makespan",
+    "messages",
+    "polls",
+];
+
+fn json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn points(dir: &Path, count: &str) {
+    let run = ltbw(dir, &["generate", "uniform", count, "-o", "p.npy"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+}
+
+/// The tetrahedra of a mesh, by the bits of their corners.
+fn tets(path: &Path) -> Vec<[[u64; 3]; 4]> {
+    let mesh = read_mesh(path).unwrap();
+    let corner = |v: u32| mesh.points[v as usize].map(f64::to_bits);
+    mesh.tets.iter().map(|tet| tet.map(corner)).collect()
+}
+
+#[test]
+fn a_mesh_in_parts_is_the_mesh() {
+    let dir = tempfile::tempdir().unwrap();
+    points(dir.path(), "3000");
+    for threads in ["1", "3"] {
+        let args = ["delaunay", "p.npy", "--threads", threads, "-o", "whole.vtu", "-o", "m.pvtu"];
+        let run = ltbw(dir.path(), &args);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let list = std::fs::read_to_string(dir.path().join("m.pvtu")).unwrap();
+        let parts: usize = threads.parse().unwrap();
+        assert_eq!(list.matches("<Piece ").count(), parts, "{list}");
+        let sorted = |mut tet: [[u64; 3]; 4]| {
+            tet.sort_unstable();
+            tet
+        };
+        let whole: BTreeSet<_> =
+            tets(&dir.path().join("whole.vtu")).into_iter().map(sorted).collect();
+        let mut owners = BTreeMap::new();
+        for k in 0..parts {
+            let path = dir.path().join(format!("m_{k}.vtu"));
+            let part = tets(&path);
+            assert!(!part.is_empty(), "part {k} of {threads}");
+            for tet in part {
+                assert_eq!(owners.insert(sorted(tet), k), None, "a tetrahedron in two parts");
+            }
+            // A part is a mesh by itself, and its tetrahedra are Delaunay's: not convex as a rule.
+            let corners: BTreeSet<_> = tets(&path).into_iter().flatten().collect();
+            assert_eq!(read_mesh(&path).unwrap().points.len(), corners.len(), "unused points");
+        }
+        assert!(owners.keys().eq(whole.iter()), "the parts are not the mesh");
+    }
+}
+
+#[test]
+fn parts_are_refused_where_they_cannot_be() {
+    let dir = tempfile::tempdir().unwrap();
+    points(dir.path(), "100");
+    let run = ltbw(dir.path(), &["delaunay", "p.npy", "-o", "nowhere/m.pvtu"]);
+    assert_eq!(run.code, 6, "{}", run.stderr);
+    for option in ["--balance", "--tables", "--trace=t.json"] {
+        let run = ltbw(dir.path(), &["delaunay", "p.npy", "--threads", "1", option]);
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(run.error().contains("--threads 2"), "{}", run.stderr);
+    }
+    assert_eq!(names(dir.path()), ["p.npy"]);
+}
+
+#[test]
+fn threads_tell_what_they_did() {
+    let dir = tempfile::tempdir().unwrap();
+    points(dir.path(), "6000");
+    let alone = ltbw(dir.path(), &["delaunay", "p.npy"]);
+    let args = ["delaunay", "p.npy", "--threads", "3", "--balance", "--tables"];
+    let run = ltbw(dir.path(), &[&args[..], &["--json", "r.json", "--trace", "t.json"]].concat());
+    assert_eq!((run.code, &run.stdout), (0, &alone.stdout), "{}", run.stderr);
+    assert!(run.stderr.contains("Table V: time of all workers"), "{}", run.stderr);
+    let report = json(&dir.path().join("r.json"));
+    let parallel = &report["parallel"];
+    for field in FIGURES {
+        assert!(!parallel[field].is_null(), "{field}");
+    }
+    let workers = parallel["workers"].as_array().unwrap();
+    assert_eq!(workers.len(), 3);
+    let makespan = parallel["makespan"].as_u64().unwrap();
+    let (mut inserted, mut known) = (0, 0);
+    for worker in workers {
+        let times = &worker["times"];
+        let of = |name: &str| times[name].as_u64().unwrap();
+        let all = ["meshing", "communication", "polling", "balancing", "idle"].map(of);
+        assert_eq!(all.iter().sum::<u64>(), makespan, "all time is accounted for: {times}");
+        known += worker["known"].as_u64().unwrap();
+        let cavities = worker["cavities"].as_object().unwrap();
+        inserted += cavities.values().map(|n| n.as_u64().unwrap()).sum::<u64>();
+    }
+    assert_eq!(parallel["operations"], inserted);
+    // The others are in the coarse mesh.
+    assert!(inserted + known <= 6000 && inserted > 3000, "{inserted} inserted");
+    let counted: u64 = report["workers"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|w| w["local"].as_u64().unwrap() + w["operations"].as_u64().unwrap())
+        .sum();
+    assert_eq!(counted, inserted, "two counts of one thing");
+    let trace = json(&dir.path().join("t.json"));
+    let events = trace["traceEvents"].as_array().unwrap();
+    let tracks: BTreeSet<u64> = events.iter().filter_map(|e| e["tid"].as_u64()).collect();
+    assert_eq!(tracks.len(), 3, "a track for each worker");
+    let kinds: BTreeSet<&str> = events.iter().filter_map(|e| e["name"].as_str()).collect();
+    assert!(kinds.contains("fill") && kinds.contains("poll"), "{kinds:?}");
+}
+
+#[test]
+fn the_simulator_prints_its_tables() {
+    let dir = tempfile::tempdir().unwrap();
+    let args = ["simulate", "--processors", "4", "--points", "2000", "--latency", "100us"];
+    let args = [&args[..], &["--seed", "3", "--trace", "t.json", "--json"]].concat();
+    let run = ltbw(dir.path(), &[&args[..], &["a.json"]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    for table in ["Table III", "Table IV", "Table V", "Table VI", "Figures 5 and 7", "Cost model"] {
+        assert!(run.stdout.contains(table), "{table}: {}", run.stdout);
+    }
+    let report = json(&dir.path().join("a.json"));
+    assert_eq!(
+        (&report["schema"], &report["command"]),
+        (&"ltbw.report/1".into(), &"simulate".into())
+    );
+    let simulation = &report["simulation"];
+    for field in FIGURES.into_iter().chain(["efficiency", "workers", "cost_model"]) {
+        assert!(!simulation[field].is_null(), "{field}");
+    }
+    assert_eq!(simulation["workers"].as_array().unwrap().len(), 4);
+    assert!((0.0..=1.0).contains(&simulation["lt"].as_f64().unwrap()));
+    assert_eq!(simulation["settings"]["latency"], 100_000);
+    assert!(!json(&dir.path().join("t.json"))["traceEvents"].as_array().unwrap().is_empty());
+    // The mesh is that of the points, and one seed is one run.
+    let generated = ["generate", "uniform", "2000", "--seed", "3", "-o", "p.npy"];
+    assert_eq!(ltbw(dir.path(), &generated).code, 0);
+    let mesh = ltbw(dir.path(), &["delaunay", "p.npy"]);
+    let hash = report["mesh"]["hash"].as_str().unwrap();
+    assert!(mesh.stdout.contains(hash), "{} {hash}", mesh.stdout);
+    ltbw(dir.path(), &[&args[..], &["b.json"]].concat());
+    assert_eq!(json(&dir.path().join("b.json")), report);
+}
+
+#[test]
+fn every_option_of_the_simulator_is_obeyed() {
+    let dir = tempfile::tempdir().unwrap();
+    let base = ["simulate", "--points", "600", "--processors", "3", "--json", "a.json"];
+    let options: [(&[&str], &str, Value); 6] = [
+        (&["--rule", "paper"], "rule", "paper".into()),
+        (&["--distribution", "exponential"], "distribution", "exponential".into()),
+        (&["--window", "5"], "window", 5.into()),
+        (&["--slow", "20"], "slow", 20.0.into()),
+        (&["--storm", "300us"], "storm", 300_000.into()),
+        (&["--no-balance"], "balance", false.into()),
+    ];
+    for (option, name, value) in options {
+        let run = ltbw(dir.path(), &[&base[..], option].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        assert_eq!(json(&dir.path().join("a.json"))["simulation"]["settings"][name], value);
+    }
+    let run = ltbw(dir.path(), &["simulate", "--latency", "5"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+}

@@ -1,0 +1,90 @@
+//! A map of few entries: a sorted vector. Of equal contents there is one form, so that models can
+//! compare states.
+
+/// A map from `K` to `V`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Table<K, V>(Vec<(K, V)>);
+
+impl<K, V> Default for Table<K, V> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<K: Ord + Copy, V> Table<K, V> {
+    fn place(&self, key: K) -> Result<usize, usize> {
+        self.0.binary_search_by(|(k, _)| k.cmp(&key))
+    }
+
+    pub(super) fn get(&self, key: K) -> Option<&V> {
+        self.place(key).ok().map(|place| &self.0[place].1)
+    }
+
+    pub(super) fn get_mut(&mut self, key: K) -> Option<&mut V> {
+        let place = self.place(key).ok()?;
+        Some(&mut self.0[place].1)
+    }
+
+    /// The value of `key`; `value()` is put there if there is none.
+    pub(super) fn entry(&mut self, key: K, value: impl FnOnce() -> V) -> &mut V {
+        let place = self.place(key).unwrap_or_else(|place| {
+            self.0.insert(place, (key, value()));
+            place
+        });
+        &mut self.0[place].1
+    }
+
+    /// Puts a value there if there is none: was there none?
+    pub(super) fn insert_new(&mut self, key: K, value: impl FnOnce() -> V) -> bool {
+        match self.place(key) {
+            Ok(_) => false,
+            Err(place) => {
+                self.0.insert(place, (key, value()));
+                true
+            }
+        }
+    }
+
+    pub(super) fn values(&self) -> impl Iterator<Item = &V> {
+        self.0.iter().map(|(_, value)| value)
+    }
+
+    pub(super) fn keys(&self) -> impl Iterator<Item = K> + '_ {
+        self.0.iter().map(|&(key, _)| key)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    pub(super) fn into_entries(self) -> Vec<(K, V)> {
+        self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn a_table_is_a_sorted_map() {
+        let (mut table, mut map) = (Table::default(), BTreeMap::new());
+        for k in [5, 1, 9, 5, 3, 1, 7] {
+            assert_eq!(table.insert_new(k, || 10 * k), !map.contains_key(&k));
+            map.entry(k).or_insert(10 * k);
+            *table.entry(k + 1, || 0) += 1;
+            *map.entry(k + 1).or_insert(0) += 1;
+        }
+        assert!(table.get(2).is_some() && table.get(11).is_none());
+        *table.get_mut(2).expect("an entry") += 7;
+        *map.get_mut(&2).expect("an entry") += 7;
+        assert!(table.keys().eq(map.keys().copied()) && table.values().eq(map.values()));
+        assert_eq!(table.len(), map.len());
+        assert_eq!(table.into_entries(), map.into_iter().collect::<Vec<_>>());
+    }
+}

@@ -1,9 +1,0 @@
-//! The only file of this crate that says where locks come from: the standard library, or one of
-//! the model checkers of `verify/models`, which run every interleaving (loom) or many (shuttle).
-
-#[cfg(loom)]
-pub(crate) use loom::sync::{Arc, Condvar, Mutex, MutexGuard};
-#[cfg(shuttle)]
-pub(crate) use shuttle::sync::{Arc, Condvar, Mutex, MutexGuard};
-#[cfg(not(any(loom, shuttle)))]
-pub(crate) use std::sync::{Arc, Condvar, Mutex, MutexGuard};

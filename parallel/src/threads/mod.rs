@@ -1,0 +1,374 @@
+//! The thread runtime: one thread for each worker, in one process.
+//!
+//! Threads share nothing but mailboxes. A worker takes its messages before every burst of local
+//! work (the paper's queues QR before QL before LB) and sleeps when there is neither.
+
+mod distributed;
+mod watch;
+mod worker_loop;
+
+pub use distributed::Distributed;
+pub use worker_loop::{Ended, Loop, Watch};
+
+use crate::balance::Balance;
+use crate::mailbox::connect;
+use crate::mesh::{Field, GatherError, LocalMesh, Plan, Prepared};
+use crate::metrics::{Collector, Summary, Trace};
+use crate::protocol::{Config, Note, Rule, Sound, Worker, WorkerId};
+use crate::transport::{Delayed, Mail, Transport};
+use ltbw_core::{BuildError, CancelToken, Mesh, Outcome, PointSet, Vertex};
+use std::time::{Duration, Instant};
+use watch::ThreadWatch;
+
+/// Shortest backoff of the paper's rule, beside four latencies.
+const BACKOFF: Duration = Duration::from_micros(20);
+
+type Node = Worker<LocalMesh, Field>;
+
+/// Why there is no mesh.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// There is no first tetrahedron.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// A worker has panicked: a defect of this crate.
+    #[error("worker {worker} has failed: {message}")]
+    Failed {
+        /// The worker.
+        worker: WorkerId,
+        /// What it said.
+        message: String,
+    },
+    /// The submeshes could not be put together.
+    #[error(transparent)]
+    Gather(#[from] GatherError),
+}
+
+/// Figures of one worker.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct WorkerStats {
+    /// Points inserted at once, without a lock.
+    pub local: u64,
+    /// Operations committed.
+    pub operations: u64,
+    /// Those of more than one worker.
+    pub interface: u64,
+    /// Attempts set back.
+    pub setbacks: u64,
+    /// Most setbacks of one operation.
+    pub worst_setbacks: u32,
+    /// Messages sent.
+    pub messages: u64,
+    /// Blocks given away.
+    pub migrated: u64,
+    /// Looks at the mailbox, and those that found something.
+    pub polls: [u64; 2],
+}
+
+impl WorkerStats {
+    fn note(&mut self, note: Note) {
+        match note {
+            Note::Local => self.local += 1,
+            Note::SetBack { attempt, .. } => {
+                self.setbacks += 1;
+                self.worst_setbacks = self.worst_setbacks.max(attempt);
+            }
+            Note::Committed { parts, .. } => {
+                self.operations += 1;
+                self.interface += u64::from(parts > 1);
+            }
+            Note::Migrated(_) => self.migrated += 1,
+            Note::Known | Note::Began(_) | Note::Waits(_) | Note::Stopped => {}
+        }
+    }
+}
+
+/// A mesh and how it came about.
+#[derive(Debug)]
+pub struct Run {
+    /// The mesh: of all points if `outcome` is [`Outcome::Complete`].
+    pub mesh: Mesh,
+    /// How far the run came.
+    pub outcome: Outcome,
+    /// Input indices of duplicates met, each with the index of the vertex kept; ascending.
+    pub duplicates: Vec<(Vertex, Vertex)>,
+    /// Seconds to order the points, to build and distribute the coarse mesh.
+    pub start_seconds: f64,
+    /// Seconds of the workers.
+    pub insert_seconds: f64,
+    /// Seconds to put the submeshes together.
+    pub gather_seconds: f64,
+    /// By worker.
+    pub workers: Vec<WorkerStats>,
+    /// What the workers did with their time, if [`Parallel::measure`] asked for it.
+    pub summary: Option<Summary>,
+    /// The timeline of the run, if one was asked for.
+    pub trace: Option<Trace>,
+}
+
+/// Builds the Delaunay mesh of a point set on several threads.
+///
+/// The mesh is that of [`ltbw_core::Builder`], whatever the number of workers and the timing.
+///
+/// ```
+/// use ltbw::{Builder, PointSet, threads::Parallel};
+/// let points = (0..200).map(|i| [i * 37 % 101, i * 53 % 103, i * 71 % 107].map(f64::from));
+/// let set = PointSet::new(points.collect())?;
+/// let run = Parallel::new(2).build(&set)?;
+/// assert_eq!(run.mesh.hash()?, Builder::new().build(&set)?.mesh.hash()?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Parallel<'a> {
+    workers: u32,
+    rule: Rule,
+    window: usize,
+    latency: Duration,
+    plan: Option<Plan>,
+    balance: Option<Balance>,
+    spans: Option<usize>,
+    cancel: Option<&'a CancelToken>,
+}
+
+impl<'a> Parallel<'a> {
+    /// A run on `workers` threads, at least one.
+    pub fn new(workers: u32) -> Self {
+        let workers = workers.max(1);
+        // Between threads a message takes microseconds: few operations hide that, and few are in
+        // each other's way.
+        let window = 16;
+        let rule = Rule::default();
+        Self {
+            workers,
+            rule,
+            window,
+            latency: Duration::ZERO,
+            plan: None,
+            balance: None,
+            spans: None,
+            cancel: None,
+        }
+    }
+
+    /// Sets the conflict rule.
+    pub fn rule(mut self, rule: Rule) -> Self {
+        self.rule = rule;
+        self
+    }
+
+    /// Sets how many operations a worker has under way at most.
+    pub fn window(mut self, window: usize) -> Self {
+        self.window = window.max(1);
+        self
+    }
+
+    /// Delays every message: to see how the kernel tolerates it.
+    pub fn latency(mut self, latency: Duration) -> Self {
+        self.latency = latency;
+        self
+    }
+
+    /// Sets the layout; its number of workers is replaced by that of the run.
+    pub fn plan(mut self, plan: Plan) -> Self {
+        self.plan = Some(Plan { workers: self.workers, ..plan });
+        self
+    }
+
+    /// Lets workers that run out of points ask others for blocks. Not done otherwise: the blocks
+    /// are even at the start, and what moves has to be found out about by all.
+    pub fn balance(mut self, balance: Balance) -> Self {
+        self.balance = Some(balance);
+        self
+    }
+
+    /// Takes the time of every step, for [`Run::summary`]; keeps up to `spans` stretches of each
+    /// worker's time, for [`Run::trace`]. Costs two looks at the clock per insertion.
+    pub fn measure(mut self, spans: usize) -> Self {
+        self.spans = Some(spans);
+        self
+    }
+
+    /// Sets the token that cancels the run. The result is the mesh of the points inserted before.
+    pub fn cancel(mut self, token: &'a CancelToken) -> Self {
+        self.cancel = Some(token);
+        self
+    }
+
+    /// Builds the mesh.
+    ///
+    /// # Errors
+    /// [`RunError`] says why there is no mesh.
+    pub fn build(&self, set: &PointSet) -> Result<Run, RunError> {
+        self.build_distributed(set)?.gather()
+    }
+
+    /// Builds the mesh and leaves it distributed: every worker has its submesh.
+    ///
+    /// # Errors
+    /// [`RunError`] says why there is no mesh.
+    pub fn build_distributed(&self, set: &PointSet) -> Result<Distributed, RunError> {
+        let clock = Instant::now();
+        let plan = self.plan.unwrap_or_else(|| Plan::new(set.len(), self.workers));
+        let Prepared { workers, common } = Plan { roomy: true, ..plan }.prepare(set)?;
+        let start_seconds = clock.elapsed().as_secs_f64();
+        let clock = Instant::now();
+        let config = Config { workers: self.workers, rule: self.rule, window: self.window };
+        let nodes: Vec<Node> = workers
+            .into_iter()
+            .map(|(directory, mesh, field)| Worker::new(config, directory, mesh, field))
+            .collect();
+        let watch = |id| self.watch(id, clock);
+        let ends = if self.latency.is_zero() {
+            run_all(self.loops(nodes, connect(self.workers), watch))?
+        } else {
+            let ways = connect(self.workers).into_iter();
+            let ways = ways.map(|way| Delayed::new(way, self.latency)).collect();
+            run_all(self.loops(nodes, ways, watch))?
+        };
+        let insert_seconds = clock.elapsed().as_secs_f64();
+        let cancelled = ends.iter().any(|(node, _)| node.has_dropped_points());
+        let (mut meshes, mut stats, mut collectors) = (Vec::new(), Vec::new(), Vec::new());
+        for (node, watch) in ends {
+            let (figures, collector) = watch.finish(node.mesh());
+            stats.push(figures);
+            collectors.extend(collector);
+            meshes.push(node.into_parts().0);
+        }
+        let (summary, trace) = self.summary(collectors);
+        let outcome = if cancelled { Outcome::Cancelled } else { Outcome::Complete };
+        let seconds = [start_seconds, insert_seconds];
+        Ok(Distributed { meshes, common, outcome, seconds, workers: stats, summary, trace })
+    }
+
+    fn watch(&self, id: WorkerId, start: Instant) -> ThreadWatch<'a> {
+        ThreadWatch::new(id, start, self.cancel, BACKOFF + 4 * self.latency, self.spans)
+    }
+
+    fn loops<T: Transport<Mail<LocalMesh>>, W: Watch<LocalMesh>>(
+        &self,
+        nodes: Vec<Node>,
+        ways: Vec<T>,
+        watch: impl Fn(WorkerId) -> W,
+    ) -> Vec<Loop<LocalMesh, Field, Sound, T, W>> {
+        let pairs = nodes.into_iter().zip(ways);
+        pairs
+            .map(|(node, way)| {
+                let watch = watch(node.id());
+                Loop::new(node, self.workers, way, watch, self.balance)
+            })
+            .collect()
+    }
+
+    fn summary(&self, mut collectors: Vec<Collector>) -> (Option<Summary>, Option<Trace>) {
+        let Some(spans) = self.spans else { return (None, None) };
+        let makespan = collectors.iter().map(Collector::clock).max().unwrap_or(0);
+        collectors.iter_mut().for_each(|collector| collector.rest_until(makespan));
+        let summary = Summary::new(&collectors, makespan);
+        (Some(summary), (spans > 0).then(|| Trace::take(&mut collectors)))
+    }
+}
+
+/// A worker at its end, and its watch.
+type End<W> = (Node, W);
+
+/// Runs every loop on a thread of its own. A loop that panics takes its way along, which tells the
+/// others.
+fn run_all<T, W>(loops: Vec<Loop<LocalMesh, Field, Sound, T, W>>) -> Result<Vec<End<W>>, RunError>
+where
+    T: Transport<Mail<LocalMesh>> + Send,
+    W: Watch<LocalMesh> + Send,
+{
+    let results: Vec<_> = std::thread::scope(|scope| {
+        let threads: Vec<_> =
+            loops.into_iter().map(|worker| scope.spawn(move || worker.run())).collect();
+        threads.into_iter().map(std::thread::ScopedJoinHandle::join).collect()
+    });
+    let mut ends = Vec::with_capacity(results.len());
+    let mut failed = None;
+    for (worker, result) in (0..).zip(results) {
+        match result {
+            Ok(Some(Ended { node, watch, .. })) => ends.push((node, watch)),
+            // It stopped because another one failed.
+            Ok(None) => {}
+            Err(panic) => failed = failed.or(Some((worker, panic))),
+        }
+    }
+    let Some((worker, panic)) = failed else { return Ok(ends) };
+    let text = panic.downcast_ref::<String>().cloned();
+    let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_string()));
+    let message = text.unwrap_or_else(|| "it panicked".to_string());
+    Err(RunError::Failed { worker, message })
+}
+
+#[cfg(all(test, not(any(loom, shuttle))))]
+mod tests {
+    use super::*;
+    use crate::metrics::Nanos;
+    use crate::protocol::{Action, Attempt, BlockId, Event};
+    use ltbw_core::generate::{PointKind, generate};
+
+    /// A watch that fails after some steps.
+    struct Bomb<'a> {
+        inner: ThreadWatch<'a>,
+        steps: u32,
+    }
+
+    impl Watch<LocalMesh> for Bomb<'_> {
+        const BURST: usize = 16;
+
+        fn now(&mut self) -> Nanos {
+            Watch::<LocalMesh>::now(&mut self.inner)
+        }
+
+        fn until(&mut self, due: Nanos) -> Option<Duration> {
+            Watch::<LocalMesh>::until(&mut self.inner, due)
+        }
+
+        fn backoff(&mut self, attempt: Attempt) -> Nanos {
+            Watch::<LocalMesh>::backoff(&mut self.inner, attempt)
+        }
+
+        fn order(&mut self, may_move: impl Fn(BlockId) -> bool) -> Option<Event<LocalMesh>> {
+            self.inner.order(may_move)
+        }
+
+        fn nap(&self) -> Option<Duration> {
+            Watch::<LocalMesh>::nap(&self.inner)
+        }
+
+        fn looked(&mut self, found: usize) {
+            Watch::<LocalMesh>::looked(&mut self.inner, found);
+        }
+
+        fn ended(&mut self, _: &[Action<LocalMesh>]) {
+            self.steps = self.steps.checked_sub(1).expect("planted");
+        }
+    }
+
+    #[test]
+    fn a_worker_that_fails_ends_the_run_by_name() {
+        let set = PointSet::new(generate(PointKind::Uniform, 2000, 1)).expect("finite points");
+        for (victim, latency) in [(0, 0), (1, 0), (2, 0), (1, 300)] {
+            let kernel = Parallel::new(3).latency(Duration::from_micros(latency));
+            let config = Config { window: 16, ..Config::new(3) };
+            let prepared = Plan::new(set.len(), 3).prepare(&set).expect("a start");
+            let nodes: Vec<Node> = prepared
+                .workers
+                .into_iter()
+                .map(|(directory, mesh, field)| Worker::new(config, directory, mesh, field))
+                .collect();
+            let clock = Instant::now();
+            let watch = |id| {
+                let steps = if id == victim { 100 } else { u32::MAX };
+                Bomb { inner: kernel.watch(id, clock), steps }
+            };
+            let ways = connect(3).into_iter();
+            let ways = ways.map(|way| Delayed::new(way, kernel.latency)).collect();
+            let error = run_all(kernel.loops(nodes, ways, watch)).map(drop);
+            let said = RunError::Failed { worker: victim, message: "planted".to_string() };
+            assert_eq!(error, Err(said));
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! What a worker thread adds to the loop: a clock, a cancel token, counters, and figures if they
+//! are wanted.
+
+use super::WorkerStats;
+use super::worker_loop::Watch;
+use crate::metrics::{Cause, Collector, Nanos, Step, Survey};
+use crate::protocol::{Action, Attempt, BlockId, Event, WorkerId};
+use crate::simulate::{LOAD_BYTES, Payload, bytes};
+use ltbw_core::CancelToken;
+use std::time::{Duration, Instant};
+
+/// A cancel token wakes nobody: a sleeping worker looks at it now and then.
+const NAP: Duration = Duration::from_millis(20);
+
+/// How often a backoff doubles.
+const DOUBLINGS: u32 = 10;
+
+/// The watch of a worker thread.
+#[derive(Debug)]
+pub(super) struct ThreadWatch<'a> {
+    start: Instant,
+    cancel: Option<&'a CancelToken>,
+    /// The worker was told of the cancel.
+    told: bool,
+    /// A backoff's longest time, before it is doubled.
+    backoff: Duration,
+    random: u64,
+    pub(super) stats: WorkerStats,
+    meter: Option<Meter>,
+}
+
+/// Takes the time of everything.
+#[derive(Debug)]
+struct Meter {
+    collector: Collector,
+    /// When the last thing measured ended.
+    last: Nanos,
+    cause: Cause,
+}
+
+impl<'a> ThreadWatch<'a> {
+    /// The watch of `worker` in a run that began at `start`; with `spans`, all is measured, and so
+    /// many stretches of time are kept.
+    pub(super) fn new(
+        worker: WorkerId,
+        start: Instant,
+        cancel: Option<&'a CancelToken>,
+        backoff: Duration,
+        spans: Option<usize>,
+    ) -> Self {
+        let meter = spans.map(|spans| Meter {
+            collector: Collector::new(worker, spans),
+            last: 0,
+            cause: Cause::Work,
+        });
+        let random = 0x9e37_79b9_7f4a_7c15 ^ u64::from(worker) << 32 | 1;
+        let stats = WorkerStats::default();
+        Self { start, cancel, told: false, backoff, random, stats, meter }
+    }
+
+    /// Ends the measuring.
+    pub(super) fn finish(self, mesh: &impl Survey) -> (WorkerStats, Option<Collector>) {
+        let collector = self.meter.map(|mut meter| {
+            meter.collector.finish(meter.last, mesh);
+            meter.collector
+        });
+        (self.stats, collector)
+    }
+}
+
+/// Nanoseconds since `start`: 584 years fit.
+fn nanos(start: Instant) -> Nanos {
+    start.elapsed().as_nanos() as Nanos
+}
+
+impl<S: Payload> Watch<S> for ThreadWatch<'_> {
+    const BURST: usize = 16;
+
+    fn now(&mut self) -> Nanos {
+        nanos(self.start)
+    }
+
+    fn until(&mut self, due: Nanos) -> Option<Duration> {
+        Some(Duration::from_nanos(due.saturating_sub(nanos(self.start))))
+    }
+
+    /// A random time that doubles with every attempt.
+    fn backoff(&mut self, attempt: Attempt) -> Nanos {
+        self.random ^= self.random << 13;
+        self.random ^= self.random >> 7;
+        self.random ^= self.random << 17;
+        let most = self.backoff * (1 << attempt.min(DOUBLINGS));
+        let time = most.mul_f64((self.random >> 11) as f64 / (1u64 << 53) as f64);
+        nanos(self.start) + time.as_nanos() as Nanos
+    }
+
+    fn order(&mut self, _: impl Fn(BlockId) -> bool) -> Option<Event<S>> {
+        if self.told || !self.cancel.is_some_and(CancelToken::is_cancelled) {
+            return None;
+        }
+        self.told = true;
+        Some(Event::Cancel)
+    }
+
+    fn nap(&self) -> Option<Duration> {
+        self.cancel.filter(|_| !self.told).map(|_| NAP)
+    }
+
+    fn looks(&mut self) {
+        if let Some(meter) = &mut self.meter {
+            meter.last = nanos(self.start);
+        }
+    }
+
+    fn looked(&mut self, found: usize) {
+        self.stats.polls[0] += 1;
+        self.stats.polls[1] += u64::from(found > 0);
+        if let Some(meter) = &mut self.meter {
+            let end = nanos(self.start);
+            meter.collector.poll(meter.last, end, found > 0);
+            meter.last = end;
+        }
+    }
+
+    fn begins(&mut self, event: &Event<S>) {
+        if let Some(meter) = &mut self.meter {
+            meter.cause = Cause::of(event);
+        }
+    }
+
+    fn ended(&mut self, actions: &[Action<S>]) {
+        for action in actions {
+            match action {
+                Action::Send { message, .. } => {
+                    self.stats.messages += 1;
+                    if let Some(meter) = &mut self.meter {
+                        meter.collector.sent(message.kind(), bytes(message));
+                    }
+                }
+                Action::Note(note) => self.stats.note(*note),
+                Action::Backoff { .. } => {}
+            }
+        }
+        if let Some(meter) = &mut self.meter {
+            let (begin, end) = (meter.last, nanos(self.start));
+            let step = Step { begin, end, communication: 0, walk: 0 };
+            meter.collector.step(meter.cause, step, actions);
+            meter.last = end;
+        }
+    }
+
+    fn sent(&mut self, asked: usize) {
+        if let Some(meter) = &mut self.meter {
+            let end = nanos(self.start);
+            (0..asked).for_each(|_| meter.collector.sent("load", LOAD_BYTES));
+            meter.collector.communicate(meter.last, end);
+            meter.last = end;
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! The loop of one worker: the same on threads and in the models that run threads.
+//!
+//! ```text
+//! take and answer all messages (QR) -> obey an order -> some local work (QL, then LB)
+//!   -> ask for blocks, if points run out -> hand over what was sent -> sleep, if there was nothing
+//! ```
+//!
+//! What differs between the runtimes is behind [`Transport`] (how messages travel) and [`Watch`]
+//! (the time, orders from outside, and who looks on). Both are known when the code is compiled.
+
+use crate::balance::{Balance, Balancer, Stock};
+use crate::metrics::Nanos;
+use crate::protocol::{
+    Action, Attempt, BlockId, Conduct, Event, Source, Submesh, Ticket, Worker, WorkerId,
+};
+use crate::transport::{Mail, Transport};
+use std::time::Duration;
+
+/// What a runtime adds to the loop: time, orders, and a look at what happens.
+pub trait Watch<S: Submesh> {
+    /// Units of local work between two looks for messages.
+    const BURST: usize;
+
+    /// Nanoseconds since some moment; always 0 if there is no clock.
+    fn now(&mut self) -> Nanos;
+
+    /// How long it is until `due`; `None` if there is no clock to wait for.
+    fn until(&mut self, due: Nanos) -> Option<Duration>;
+
+    /// When an operation may start again that was set back so many times (the paper's rule).
+    fn backoff(&mut self, attempt: Attempt) -> Nanos;
+
+    /// An order from outside: to stop, or to give a block away. `may_move` tells whether a block
+    /// may be given away now.
+    fn order(&mut self, may_move: impl Fn(BlockId) -> bool) -> Option<Event<S>>;
+
+    /// After how long a sleeping worker must look for orders; `None` if it need not.
+    fn nap(&self) -> Option<Duration>;
+
+    /// A look for messages begins.
+    fn looks(&mut self) {}
+
+    /// It has ended, and found so many.
+    fn looked(&mut self, found: usize);
+
+    /// A step begins.
+    fn begins(&mut self, event: &Event<S>) {
+        let _ = event;
+    }
+
+    /// The step has ended in these actions.
+    fn ended(&mut self, actions: &[Action<S>]);
+
+    /// What was sent is handed over, requests for blocks to `asked` others among it.
+    fn sent(&mut self, asked: usize) {
+        let _ = asked;
+    }
+
+    /// The worker has found nothing to do and sleeps.
+    fn sleeps(&mut self) {}
+}
+
+/// A worker with its way to the others.
+pub struct Loop<S: Submesh, Q, C, T, W> {
+    node: Worker<S, Q, C>,
+    way: T,
+    watch: W,
+    balancer: Option<Balancer>,
+    /// When it asks for blocks, if it is going to.
+    asks: Option<Nanos>,
+    actions: Vec<Action<S>>,
+    inbox: Vec<(WorkerId, Mail<S>)>,
+    /// Operations that back off, with the end of their time.
+    resting: Vec<(Nanos, Ticket)>,
+}
+
+/// What a loop leaves that has come to its end.
+pub struct Ended<S: Submesh, Q, C, T, W> {
+    /// The worker. Nothing is locked or awaited, here or anywhere.
+    pub node: Worker<S, Q, C>,
+    /// Its way to the others.
+    pub way: T,
+    /// The watch.
+    pub watch: W,
+}
+
+impl<S, Q, C, T, W> Loop<S, Q, C, T, W>
+where
+    S: Submesh,
+    Q: Source<S> + Stock,
+    C: Conduct,
+    T: Transport<Mail<S>>,
+    W: Watch<S>,
+{
+    /// The loop of worker `node`, one of `workers`; it asks for blocks if there is a `balance`.
+    pub fn new(
+        node: Worker<S, Q, C>,
+        workers: u32,
+        way: T,
+        watch: W,
+        balance: Option<Balance>,
+    ) -> Self {
+        let balancer = balance.map(|b| Balancer::new(b, node.id(), workers as usize));
+        let (actions, inbox, resting) = (Vec::new(), Vec::new(), Vec::new());
+        Self { node, way, watch, balancer, asks: None, actions, inbox, resting }
+    }
+
+    /// Runs until all work is done everywhere; `None` if another worker has failed.
+    ///
+    /// Ends: the protocol does (`docs/protocol.md`), and a failure wakes every worker.
+    pub fn run(mut self) -> Option<Ended<S, Q, C, T, W>> {
+        while !self.node.is_stopped() {
+            if self.way.failed().is_some() {
+                return None;
+            }
+            let heard = self.hear();
+            self.obey();
+            let worked = self.work();
+            let asked = self.ask();
+            self.way.flush();
+            self.watch.sent(asked);
+            if !heard && !worked && !self.node.is_stopped() {
+                self.sleep();
+            }
+        }
+        self.way.flush();
+        let Self { node, way, watch, .. } = self;
+        Some(Ended { node, way, watch })
+    }
+
+    /// Answers all messages that are there.
+    fn hear(&mut self) -> bool {
+        let mut inbox = std::mem::take(&mut self.inbox);
+        self.watch.looks();
+        self.way.take(&mut inbox);
+        self.watch.looked(inbox.len());
+        let heard = !inbox.is_empty();
+        for (from, Mail { load, message }) in inbox.drain(..) {
+            if let Some(balancer) = &mut self.balancer {
+                balancer.heard(from, load);
+            }
+            match message {
+                Some(message) => self.step(Event::Message { from, message }),
+                None => self.give(from),
+            }
+        }
+        self.inbox = inbox;
+        heard
+    }
+
+    /// Obeys an order from outside.
+    fn obey(&mut self) {
+        let node = &self.node;
+        if let Some(event) = self.watch.order(|block| node.can_migrate(block)) {
+            self.step(event);
+        }
+    }
+
+    /// Some local work.
+    fn work(&mut self) -> bool {
+        let mut worked = false;
+        if !self.resting.is_empty() {
+            let now = self.watch.now();
+            while let Some(k) = self.resting.iter().position(|&(due, _)| due <= now) {
+                let (_, ticket) = self.resting.swap_remove(k);
+                self.step(Event::Retry(ticket));
+                worked = true;
+            }
+        }
+        for _ in 0..W::BURST {
+            if !self.node.has_work() {
+                break;
+            }
+            self.step(Event::Work);
+            worked = true;
+        }
+        worked
+    }
+
+    /// A worker with few points left asks others for blocks, at first at once, then less and less
+    /// often. Returns how many it asks now.
+    fn ask(&mut self) -> usize {
+        let Some(balancer) = &mut self.balancer else { return 0 };
+        let load = self.node.source().left();
+        if self.node.is_stopped() || !balancer.is_low(load) {
+            self.asks = None;
+            return 0;
+        }
+        let now = self.watch.now();
+        let due = *self.asks.get_or_insert_with(|| now.saturating_add(balancer.pause()));
+        if due > now {
+            return 0;
+        }
+        self.asks = None;
+        let others = balancer.ask(load);
+        for &to in &others {
+            self.way.send(to, Mail { load, message: None });
+        }
+        others.len()
+    }
+
+    /// Worker `to` has asked for blocks.
+    fn give(&mut self, to: WorkerId) {
+        let Some(balancer) = &mut self.balancer else { return };
+        for block in balancer.give(&self.node, to) {
+            self.step(Event::Migrate { block, to });
+        }
+    }
+
+    fn sleep(&mut self) {
+        self.watch.sleeps();
+        let due = self.resting.iter().map(|&(due, _)| due).chain(self.asks).min();
+        let rest = due.and_then(|due| self.watch.until(due));
+        self.way.wait(rest.into_iter().chain(self.watch.nap()).min());
+    }
+
+    fn step(&mut self, event: Event<S>) {
+        self.watch.begins(&event);
+        self.node.step(event, &mut self.actions);
+        self.watch.ended(&self.actions);
+        let load = self.balancer.as_ref().map_or(0, |_| self.node.source().left());
+        for action in self.actions.drain(..) {
+            match action {
+                Action::Send { to, message } => {
+                    self.way.send(to, Mail { load, message: Some(message) });
+                }
+                Action::Note(_) => {}
+                Action::Backoff { ticket, attempt } => {
+                    let due = self.watch.backoff(attempt);
+                    self.resting.push((due, ticket));
+                }
+            }
+        }
+    }
+}

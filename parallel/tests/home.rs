@@ -1,0 +1,78 @@
+//! Every tetrahedron is with the owner of its block, also beside a block that has moved away.
+
+use ltbw::generate::{PointKind, Random, generate};
+use ltbw::mesh::{Field, LocalMesh, Plan, gather};
+use ltbw::protocol::{Action, Config, Event, Message, Worker};
+use ltbw::{Builder, PointSet};
+use std::collections::VecDeque;
+
+type Node = Worker<LocalMesh, Field>;
+
+/// Steps of local work between two deliveries of messages.
+const BURST: usize = 20;
+
+struct World {
+    nodes: Vec<Node>,
+    /// Sender, receiver, message, in the order in which they were sent.
+    under_way: VecDeque<(u32, u32, Message<LocalMesh>)>,
+}
+
+impl World {
+    fn step(&mut self, worker: u32, event: Event<LocalMesh>) {
+        let mut out = Vec::new();
+        self.nodes[worker as usize].step(event, &mut out);
+        for action in out {
+            if let Action::Send { to, message } = action {
+                self.under_way.push_back((worker, to, message));
+            }
+        }
+    }
+
+    fn deliver(&mut self) {
+        while let Some((from, to, message)) = self.under_way.pop_front() {
+            self.step(to, Event::Message { from, message });
+        }
+    }
+
+    /// A burst of work of every worker, then all messages; `false` when all have stopped.
+    fn turn(&mut self) -> bool {
+        for worker in 0..self.nodes.len() as u32 {
+            for _ in 0..BURST {
+                self.step(worker, Event::Work);
+            }
+        }
+        self.deliver();
+        !self.nodes.iter().all(Node::is_stopped)
+    }
+}
+
+#[test]
+fn tetrahedra_beside_blocks_that_have_moved_belong_to_them() {
+    let (points, workers) = (3000, 3);
+    let set = PointSet::new(generate(PointKind::Clusters, points, 2)).expect("finite points");
+    let expected = Builder::new().build(&set).expect("a mesh").mesh.hash();
+    let plan = Plan { blocks_per_worker: 48, ..Plan::new(points, workers) };
+    let prepared = plan.prepare(&set).expect("a start");
+    let node = |(directory, mesh, field)| Worker::new(Config::new(workers), directory, mesh, field);
+    let nodes: Vec<Node> = prepared.workers.into_iter().map(node).collect();
+    let mut world = World { nodes, under_way: VecDeque::new() };
+    let (mut turns, mut random) = (0, Random::new(1));
+    while world.turn() {
+        turns += 1;
+        assert!(turns < points, "no end");
+        // No message is under way: every tetrahedron is where it belongs.
+        for node in &world.nodes {
+            let misplaced = node.mesh().misplaced(node.directory());
+            assert_eq!(misplaced, None, "worker {}, turn {turns}", node.id());
+        }
+        for _ in 0..4 {
+            let block = random.below(u64::from(48 * workers)) as u32;
+            let to = random.below(u64::from(workers)) as u32;
+            let from = world.nodes[0].directory().owner(block);
+            world.step(from, Event::Migrate { block, to });
+        }
+    }
+    let meshes = world.nodes.into_iter().map(|node| node.into_parts().0).collect();
+    let whole = gather(meshes, prepared.common).expect("parts that fit");
+    assert_eq!(whole.mesh.hash(), expected);
+}

@@ -1,0 +1,131 @@
+//! The real mesh under `interleave`: events in random order, first in, first out between each pair
+//! of workers. The mesh is the sequential kernel's, and nothing is left locked, awaited or under
+//! way. Every third run sends all messages through bytes.
+
+use ltbw::generate::{PointKind, generate};
+use ltbw::mesh::Plan;
+use ltbw::protocol::Rule;
+use ltbw::{Point, PointSet};
+use ltbw_tests::interleave::{Case, Chooser, Figures, Tempo};
+
+/// Plays `points`; returns setbacks and operations committed.
+fn run(points: Vec<Point>, plan: Plan, rule: Rule, moves: u32, seed: u64) -> (usize, usize) {
+    let bytes = seed.is_multiple_of(3);
+    let case = Case { plan, rule, tempo: Tempo::Even, slow: None, moves, cancel: None, bytes };
+    let Figures { setbacks, committed, .. } = play(points, case, seed);
+    (setbacks, committed)
+}
+
+fn play(points: Vec<Point>, case: Case, seed: u64) -> Figures {
+    let set = PointSet::new(points).expect("finite points");
+    let played = case.play(&set, &mut Chooser::new(&[], seed));
+    played.unwrap_or_else(|error| panic!("{error}: seed {seed}, {case:?}")).figures
+}
+
+fn plan(workers: u32, sample: usize) -> Plan {
+    Plan { workers, blocks_per_worker: 4, cursors: 4, sample, roomy: false }
+}
+
+#[test]
+fn one_worker_is_the_sequential_kernel() {
+    for kind in [PointKind::Uniform, PointKind::Grid] {
+        let (setbacks, committed) =
+            run(generate(kind, 2000, 1), plan(1, 10), Rule::WoundWait, 0, 1);
+        assert_eq!((setbacks, committed), (0, 0), "nothing is in the way of one worker");
+    }
+}
+
+#[test]
+fn the_mesh_is_one_for_any_number_of_workers_and_any_timing() {
+    let mut total = (0, 0);
+    for seed in 0..12u64 {
+        for workers in [2, 3, 5, 8] {
+            for kind in [PointKind::Uniform, PointKind::Grid, PointKind::Clusters] {
+                let points = generate(kind, 400, seed);
+                let (setbacks, committed) =
+                    run(points, plan(workers, 20), Rule::WoundWait, 0, seed);
+                total = (total.0 + setbacks, total.1 + committed);
+            }
+        }
+    }
+    assert!(total.0 > 20 && total.1 > 5000, "too tame to show anything: {total:?}");
+}
+
+#[test]
+fn every_rule_gives_the_mesh() {
+    for rule in [Rule::WaitDie, Rule::Paper] {
+        let mut setbacks = 0;
+        for seed in 0..8 {
+            for workers in [2, 4, 7] {
+                let points = generate(PointKind::Uniform, 300, seed);
+                setbacks += run(points, plan(workers, 20), rule, 0, seed).0;
+            }
+        }
+        assert!(setbacks > 50, "{rule} is hardly ever set back: {setbacks}");
+    }
+}
+
+#[test]
+fn blocks_that_move_change_nothing() {
+    for rule in [Rule::WoundWait, Rule::WaitDie] {
+        for seed in 0..12 {
+            for workers in [2, 3, 6] {
+                let kind = if seed % 2 == 0 { PointKind::Uniform } else { PointKind::Grid };
+                run(generate(kind, 300, seed), plan(workers, 20), rule, 60, seed);
+            }
+        }
+    }
+}
+
+#[test]
+fn small_sets_empty_workers_and_one_block() {
+    for seed in 0..40 {
+        for count in [4, 5, 6, 8, 10, 20] {
+            for workers in [2, 9, 30] {
+                let points = generate(PointKind::Uniform, count, seed);
+                run(points, plan(workers, 4), Rule::WoundWait, 10, seed);
+            }
+        }
+    }
+    // All points but one in the block of one worker; many points equal.
+    let mut points = generate(PointKind::Uniform, 200, 7);
+    points.extend(points.clone());
+    points.push([1e6; 3]);
+    run(points, plan(6, 10), Rule::WoundWait, 10, 3);
+}
+
+#[test]
+fn degenerate_and_wide_sets() {
+    for seed in 0..4 {
+        for kind in [PointKind::Grid, PointKind::Sphere, PointKind::Lines, PointKind::Moment] {
+            run(generate(kind, 216, seed), plan(4, 12), Rule::WoundWait, 20, seed);
+        }
+        let scales = [1.0, 1e-300, 1e300];
+        let points = generate(PointKind::Uniform, 200, seed);
+        let wide = points.iter().zip((0..3).cycle()).map(|(p, k)| p.map(|c| c * scales[k]));
+        run(wide.collect(), plan(3, 12), Rule::WoundWait, 10, seed);
+    }
+}
+
+/// Whoever is told of a cancel starts no more points, not even those of a block that moves to it
+/// afterwards. (The world looks at that after every event.)
+#[test]
+fn a_cancelled_worker_takes_in_no_points() {
+    let (mut moved, mut inserted) = (0, 0);
+    for seed in 0..40 {
+        let cancel = Some(100 + 20 * seed as usize);
+        let case = Case {
+            plan: plan(4, 20),
+            rule: Rule::WoundWait,
+            tempo: Tempo::LateMail,
+            slow: None,
+            moves: 400,
+            cancel,
+            bytes: false,
+        };
+        let figures = play(generate(PointKind::Uniform, 300, seed), case, seed);
+        moved += figures.moved;
+        inserted += figures.committed;
+    }
+    assert!(moved > 100 && inserted > 100, "too tame: {moved} moves, {inserted} operations");
+}
