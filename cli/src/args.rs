@@ -16,13 +16,13 @@ Exit codes:
   1  `check` found a defect in the file it was given; a bound is not met everywhere
   2  usage: the command line makes no sense
   3  input rejected: one line on stderr names the file, the place and the reason
-  4  cancelled (Ctrl-C); the mesh so far was written
+  4  cancelled (Ctrl-C), or the budget of points was used up; the mesh so far was written
   5  the checker found a defect in our own output; nothing was written
   6  an output could not be written; nothing is left under its name";
 
 const EXAMPLES: &str = "\
 Examples:
-  ltbw demo                                      mesh 100,000 points, check, write demo.vtu
+  ltbw demo                                      the paper's model problem, meshed and shown
   ltbw mesh part.stl --max-volume 0.1 -o m.vtu   mesh a domain, check the mesh, write it
   ltbw generate uniform 1000000 -o points.npy    a million random points
   ltbw delaunay points.npy -o mesh.vtu           mesh them, check the mesh, write it
@@ -75,6 +75,7 @@ Examples:
   ltbw mesh model.poly --max-volume 1e-5 -o model.vtu
   ltbw mesh part.stl --radius-edge 1.5 -o part.msh --json -
   ltbw mesh model.poly --tetgen-switches pq1.4a0.001 -o model.ele
+  ltbw mesh model.poly --sizes model.mtr -o model.vtu         edge lengths at the vertices
   ltbw check model.vtu --plc model.poly --max-volume 1e-5     check it once more
 
 The vertices of the domain are moved to a lattice (the largest move is reported); every point of

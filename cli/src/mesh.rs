@@ -229,7 +229,8 @@ fn print_domain(job: &Job<'_>, ready: &Prepared) {
             m.distance
         ));
     }
-    if lattice.lost_bits() > 0 {
+    // Whatever has a corner at the origin loses one.
+    if lattice.lost_bits() > 1 {
         console::people(&format!(
             "note: {} bits are lost to the distance from the origin (--local-frame keeps them)",
             lattice.lost_bits()

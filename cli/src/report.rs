@@ -21,7 +21,7 @@ pub(crate) struct Report {
     pub(crate) threads: usize,
     /// The most memory that the process held, where the system tells.
     pub(crate) peak_rss_bytes: Option<u64>,
-    /// `complete`, `cancelled` or `budget`; of a domain `met`, `excused` or `cancelled`.
+    /// `complete`, `cancelled` or `budget`; of a domain `met`, `excused`, `budget` or `cancelled`.
     pub(crate) outcome: &'static str,
     /// What refinement did, of a domain.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -7,6 +7,7 @@
 //! | [`epsilon`] | the perturbation by its definition: polynomials in ε |
 //! | [`small_world`] | all meshes of all subsets of a few points, by definition |
 //! | [`families`] | the input families of the bars, deterministic by seed |
+//! | [`domains`] | random domains |
 //! | [`fives`] | five points at a time, for the predicates |
 //! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash |
 //! | [`plant`] | defects planted into sound meshes, for the checker to find |
@@ -18,6 +19,7 @@
 
 pub mod cgal;
 pub mod compare;
+pub mod domains;
 pub mod epsilon;
 pub mod families;
 pub mod fives;

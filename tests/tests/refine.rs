@@ -6,6 +6,7 @@ use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::generate::{DomainKind, Shape, generate_domain};
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
 use ltbw_tests::cases;
+use ltbw_tests::domains::random_domain;
 use ltbw_verify::{Breach, Conformity, Limits, Mesh, Options, Plc, PlcFacet, conforms};
 
 fn prepared(domain: &Domain) -> Prepared {
@@ -136,93 +137,13 @@ fn a_damaged_mesh_does_not_conform() {
     assert!(found.count(Breach::VolumeExceeded) > 0 && found.count(Breach::RatioExceeded) > 0);
 }
 
-/// xorshift, for domains that are the same on every machine.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
-/// A unit box with a box hole turned about its middle.
-fn box_with_turned_hole(random: &mut Random) -> Domain {
-    let mut domain = Domain::default();
-    let corners = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -1.0 } else { 1.0 });
-    domain.vertices.extend((0..8).map(|i| corners(i).map(|c: f64| 0.5 + c / 2.0)));
-    // An orthogonal matrix from a quaternion.
-    let q = [0; 4].map(|_| random.next() - 0.5);
-    let n = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let [w, x, y, z] = q.map(|c| c / n);
-    let rows = [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
-        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
-        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
-    ];
-    let size = [0; 3].map(|_| 0.08 + 0.12 * random.next());
-    for i in 0..8 {
-        let c = corners(i);
-        let turned = rows.map(|r| 0.5 + (0..3).map(|k| r[k] * c[k] * size[k]).sum::<f64>());
-        domain.vertices.push(turned);
-    }
-    let faces =
-        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    for base in [0, 8] {
-        domain.facets.extend(faces.map(|f| Facet::polygon(&f.map(|c| base + c), 0)));
-    }
-    domain.holes.push([0.5; 3]);
-    domain
-}
-
-/// A polyhedron that is star-shaped from its middle: the octahedron divided once, its corners
-/// moved along their rays.
-fn star(random: &mut Random) -> Domain {
-    let mut domain = Domain::default();
-    let mut place = |p: [f64; 3]| -> u32 {
-        let n = p.iter().map(|c| c * c).sum::<f64>().sqrt();
-        let unit = p.map(|c| c / n);
-        let known = domain.vertices.iter().position(|v| *v == unit);
-        known.unwrap_or_else(|| {
-            domain.vertices.push(unit);
-            domain.vertices.len() - 1
-        }) as u32
-    };
-    let mut triangles = Vec::new();
-    for i in 0..8 {
-        let s = [0, 1, 2].map(|k| if i >> k & 1 == 0 { 1.0 } else { -1.0 });
-        let [a, b, c] = [[s[0], 0.0, 0.0], [0.0, s[1], 0.0], [0.0, 0.0, s[2]]];
-        let mid = |p: [f64; 3], q: [f64; 3]| [0, 1, 2].map(|k| p[k] + q[k]);
-        let [ab, bc, ca] = [mid(a, b), mid(b, c), mid(c, a)];
-        for t in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
-            triangles.push(t.map(&mut place));
-        }
-    }
-    for v in &mut domain.vertices {
-        let r = 0.7 + 0.6 * random.next();
-        *v = v.map(|c| c * r);
-    }
-    domain.facets.extend(triangles.iter().map(|t| Facet::polygon(t, 0)));
-    domain
-}
-
 #[test]
 fn random_domains_are_certified() {
     let count = cases(40);
     let mut met = 0;
+    let mut work = Vec::new();
     for seed in 0..count as u64 {
-        let mut random =
-            Random(0x9e37_79b9_7f4a_7c15 ^ (seed + 1).wrapping_mul(0x2545_f491_4f6c_dd1d));
-        let (name, domain) = match seed % 3 {
-            0 => ("turned hole", box_with_turned_hole(&mut random)),
-            1 => ("star", star(&mut random)),
-            _ => {
-                let shape = Shape { seed, count: Some(8), ..Shape::default() };
-                ("voxels", generate_domain(DomainKind::Voxels, &shape).expect("voxels"))
-            }
-        };
+        let (name, domain) = random_domain(seed);
         let ready = prepared(&domain);
         let (refined, found) = refine_and_judge(&ready, None, 2.0);
         // Small angles may leave bounds unmet, by name; the boundary is always there.
@@ -240,6 +161,15 @@ fn random_domains_are_certified() {
             assert_eq!(refined.outcome, RefineOutcome::Met, "{name} {seed}");
         }
         met += u64::from(refined.outcome == RefineOutcome::Met);
+        let stats = refined.stats;
+        let inserted = stats.segment_points + stats.facet_points + stats.free_points;
+        let steps = inserted + stats.deferred + stats.refused;
+        work.push((steps as f64 / refined.num_tets() as f64, name, seed));
     }
+    // No domain takes more than ten times the transactions that others take for a tetrahedron.
+    work.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (median, most) = (work[work.len() / 2], work[work.len() - 1]);
+    println!("transactions for a tetrahedron: median {:.3}, most {:.3}", median.0, most.0);
+    assert!(most.0 <= 10.0 * median.0, "{most:?} against {median:?}");
     println!("{count} random domains certified, {met} of them with every bound met");
 }

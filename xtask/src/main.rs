@@ -24,6 +24,8 @@ const HELP: &str = "\
 cargo xtask COMMAND
 
   bench [SET]...        our order + insert against CGAL's, interleaved pairs, median of 7
+  bench refine          refinement against TetGen's (the Python package tetgen), and over 500 random
+                        domains
   bars                  the full-size bars: hashes equal to CGAL's, times within their limits
   generate              write what is generated from the descriptions of the predicates
   fuzz [--seconds N] [TARGET]...

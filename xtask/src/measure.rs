@@ -1,10 +1,14 @@
-//! `bench` and `bars`: the program `measure` of the tests package, built with the release profile.
+//! `bench` and `bars`: the programs `measure` and `measure_refine` of the tests package, built with the
+//! release profile.
 
 use crate::require;
 use crate::shell::{self, cargo, command, target};
 
-/// Builds and runs `measure` with `mode` and `args`.
+/// Builds and runs `measure` with `mode` and `args`, or `measure_refine` for `bench refine`.
 pub(crate) fn run(mode: &str, args: &[String]) -> Result<(), String> {
+    if mode == "bench" && args == ["refine"] {
+        return refine();
+    }
     // One thread, ordering included: that is what CGAL's sequential version gets.
     shell::run(
         cargo()
@@ -22,7 +26,18 @@ pub(crate) fn run(mode: &str, args: &[String]) -> Result<(), String> {
             ])
             .args(args),
     )?;
-    if mode == "bench" && args.is_empty() { instructions() } else { Ok(()) }
+    if mode == "bench" && args.is_empty() {
+        refine()?;
+        return instructions();
+    }
+    Ok(())
+}
+
+/// Refinement against TetGen.
+fn refine() -> Result<(), String> {
+    println!();
+    let program = ["--release", "-p", "ltbw-tests", "--bin", "measure_refine"];
+    shell::run(cargo().env("RAYON_NUM_THREADS", "1").args(["run", "--quiet"]).args(program))
 }
 
 /// Instructions of a build of 100,000 uniform points, by callgrind: a figure for regressions that

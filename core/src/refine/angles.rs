@@ -3,11 +3,13 @@
 //! Facets that meet along a segment at a dihedral angle below arccos(1/3) = 70.53°, and facets and
 //! segments that meet only at a corner, at less than 60°, are *related*. Vertices of one encroach
 //! subfaces and subsegments of the other again and again, the nearer to the segment or corner the
-//! more; so such an encroachment counts only where the item is missing from the mesh.
+//! more; so such an encroachment counts only where the item is missing from the mesh. Features with
+//! narrow gaps between them (`near`) are related, too.
 //!
 //! Angles are computed in `f64`: they choose how hard to try, never what is true of the result.
 
 use super::carrier::{Carrier, cross, dot, minus};
+use super::near::{self, Pair};
 use super::outcome::Reason;
 use super::plc::Plc;
 use super::table::{Map, Set, edge};
@@ -29,6 +31,8 @@ pub(crate) struct Angles {
     segments: Set<(u32, u32)>,
     /// Two segments.
     sharp: Set<[u32; 2]>,
+    /// Corner and facet.
+    corners: Set<(u32, u32)>,
     pub(crate) facet_reason: Map<u32, Reason>,
     pub(crate) segment_reason: Map<u32, Reason>,
 }
@@ -45,8 +49,9 @@ pub(crate) fn is_sharp(a: &Point, b: &Point) -> bool {
 }
 
 impl Angles {
-    /// Looks at all segments and corners.
-    pub(crate) fn of(plc: &Plc) -> Self {
+    /// Looks at all segments and corners, and at features nearer to each other than `limit` steps of
+    /// the grid.
+    pub(crate) fn of(plc: &Plc, limit: f64) -> Self {
         let mut angles = Self::default();
         let inward = inward_directions(plc);
         for (s, segment) in (0..).zip(&plc.segments) {
@@ -65,7 +70,40 @@ impl Angles {
         for corner in 0..plc.corners.len() as u32 {
             angles.look_at_corner(plc, corner);
         }
+        near::pairs(plc, limit).into_iter().for_each(|pair| angles.relate_near(plc, pair));
         angles
+    }
+
+    /// Relates two features that are near each other, and what they are part of.
+    fn relate_near(&mut self, plc: &Plc, pair: Pair) {
+        match pair {
+            Pair::CornerFacet(corner, f) => {
+                let reason = Reason::NearFacet { corner };
+                self.corners.insert((corner, f));
+                for &s in &plc.segments_at[corner as usize] {
+                    self.segments.insert((s, f));
+                    self.segment_reason.entry(s).or_insert(reason);
+                }
+                for &g in plc.facets_at[corner as usize].iter().filter(|&&g| g != f) {
+                    self.relate_facets(f, g, reason);
+                }
+            }
+            Pair::Segments(s, r) => {
+                let [a, b] = [s, r].map(|s| &plc.segments[s as usize]);
+                let reason = Reason::NearSegments { first: a.ends, second: b.ends };
+                self.sharp.insert(edge(s, r));
+                self.segments.extend(b.facets.iter().map(|&f| (s, f)));
+                self.segments.extend(a.facets.iter().map(|&f| (r, f)));
+                for s in [s, r] {
+                    self.segment_reason.entry(s).or_insert(reason);
+                }
+                for &f in &a.facets {
+                    for &g in b.facets.iter().filter(|&&g| g != f) {
+                        self.relate_facets(f, g, reason);
+                    }
+                }
+            }
+        }
     }
 
     fn relate_facets(&mut self, f: u32, g: u32, reason: Reason) {
@@ -128,7 +166,8 @@ impl Angles {
                 self.segments.contains(&(s, f))
                     || of_s.iter().any(|&g| self.facets.contains(&edge(f, g)))
             }
-            Carrier::Corner(_) | Carrier::Free => false,
+            Carrier::Corner(c) => self.corners.contains(&(c, f)),
+            Carrier::Free => false,
         }
     }
 }

@@ -33,24 +33,18 @@ impl Bounds<'_> {
         }
         let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
         let corners = [&a, &b, &c, &d];
+        let volume = self.volumes.get(region).copied().flatten();
+        let volume = volume.filter(|bound| bound.exceeded(corners));
+        let field = self.field_bound(corners).filter(|bound| bound.exceeded(corners));
+        let ratio = self.ratio.filter(|bound| bound.exceeded(corners));
+        // Most meet their bounds, which the filters tell without the shape.
+        if volume.is_none() && field.is_none() && ratio.is_none() {
+            return None;
+        }
         let shape = Shape::of(corners);
-        let mut excess = None;
-        if let Some(bound) = self.volumes.get(region).copied().flatten()
-            && bound.exceeded(&shape, corners)
-        {
-            excess = Some(bound.excess(&shape).max(1.0));
-        }
-        if let Some(bound) = self.field_bound(corners)
-            && bound.exceeded(&shape, corners)
-        {
-            excess = Some(bound.excess(&shape).max(excess.unwrap_or(1.0)));
-        }
-        if let Some(bound) = &self.ratio
-            && bound.exceeded(&shape, corners)
-        {
-            excess = Some(shape.ratio_over(bound).max(excess.unwrap_or(1.0)));
-        }
-        excess
+        let sizes = volume.into_iter().chain(field).map(|bound| bound.excess(&shape));
+        let ratios = ratio.map(|bound| shape.ratio_over(&bound));
+        Some(sizes.chain(ratios).fold(1.0, f64::max))
     }
 
     /// The edge length that splitting `t` may go down to near small angles: its own shortest edge,

@@ -1,16 +1,11 @@
 //! The tests that refinement decides with: closed balls of segments and triangles, and the bounds
-//! of tetrahedra. Each is a filter, then exact integers.
+//! of tetrahedra. Each is the proved filter of [`crate::predicates::filter`], then exact integers.
 //!
-//! Coordinates are in fine steps: whole numbers of at most 2^53 in magnitude. Filters compare the
-//! rounded value with a bound on its error; the bounds are argued beside them, with u = 2^-53 and m
-//! the largest absolute computed difference (its own rounding included: differences are below 2^54
-//! and have relative error u). Nothing overflows: the highest degree is 8, and 2^(8·54) is far below
-//! the largest `f64`.
+//! Coordinates are in fine steps: whole numbers of at most 2^53 in magnitude.
 
 use super::carrier::{cross, dot, minus};
 use crate::Point;
-use crate::predicates::Sign;
-use crate::predicates::filter::UNIT_ROUNDOFF;
+use crate::predicates::{Sign, filter};
 use num_bigint::BigInt;
 
 /// A vector of whole numbers.
@@ -35,27 +30,15 @@ fn cross_wide(a: &Wide, b: &Wide) -> Wide {
     [minor(1, 2), minor(2, 0), minor(0, 1)]
 }
 
-/// The largest |entry|.
-fn extent<const N: usize>(rows: [&Point; N]) -> f64 {
-    rows.iter().flat_map(|r| r.iter()).fold(0.0, |m: f64, c| m.max(c.abs()))
-}
-
 fn sign_of(value: &BigInt) -> Sign {
     Sign::from_ordering(value.cmp(&BigInt::ZERO))
 }
 
-/// The sign of `value` if it is beyond `bound`.
-fn decided(value: f64, bound: f64) -> Option<Sign> {
-    (value.abs() > bound).then(|| Sign::from_f64(value))
-}
-
 /// Is `p` in the closed ball with the diameter `ab`?
 pub(crate) fn in_diametral_ball(a: &Point, b: &Point, p: &Point) -> bool {
-    let (x, y) = (minus(a, p), minus(b, p));
-    let m = extent([&x, &y]);
-    // Three products, each with 3 roundings and 2 more from the sum: 3 · 5u m², and its slack.
-    let sign = decided(dot(&x, &y), 16.0 * UNIT_ROUNDOFF * m * m);
-    sign.unwrap_or_else(|| diametral_side(a, b, p)) != Sign::Positive
+    // The filter is positive inside, the exact expression outside.
+    let outside = filter::in_diametral_ball_any(a, b, p).map(|inside| -inside);
+    outside.unwrap_or_else(|| diametral_side(a, b, p)) != Sign::Positive
 }
 
 /// The exact sign of (a - p)·(b - p): positive outside. Products are below 2^108.
@@ -67,23 +50,12 @@ pub(crate) fn diametral_side(a: &Point, b: &Point, p: &Point) -> Sign {
 
 /// Is `p` in the closed ball that has the circle through `a`, `b`, `c` as its equator?
 pub(crate) fn in_equatorial_ball(a: &Point, b: &Point, c: &Point, p: &Point) -> bool {
-    let (u, v, w) = (minus(b, a), minus(c, a), minus(p, a));
-    let (s, m) = (extent([&u, &v]), extent([&w]));
-    // Expanded, at most 162 products of four or five differences of the triangle and two or one
-    // to the point, each with fewer than 20 roundings.
-    let bound = 4096.0 * UNIT_ROUNDOFF * (s * s) * (s * s) * m * m.max(s);
-    let sign = decided(equatorial(dot(&u, &u), dot(&u, &v), dot(&v, &v), [&u, &v, &w]), bound);
-    sign.unwrap_or_else(|| equatorial_side(a, b, c, p)) != Sign::Positive
+    let outside = filter::in_equatorial_ball_any(a, b, c, p).map(|inside| -inside);
+    outside.unwrap_or_else(|| equatorial_side(a, b, c, p)) != Sign::Positive
 }
 
-/// G w² - X (w·u) - Y (w·v), with G = u² v² - (u·v)², X = v² (u² - u·v), Y = u² (v² - u·v).
-fn equatorial(uu: f64, uv: f64, vv: f64, [u, v, w]: [&Point; 3]) -> f64 {
-    let g = uu * vv - uv * uv;
-    let (x, y) = (vv * (uu - uv), uu * (vv - uv));
-    g * dot(w, w) - x * dot(w, u) - y * dot(w, v)
-}
-
-/// The exact sign of the same: positive outside the ball.
+/// The exact sign of G w² - X (w·u) - Y (w·v), with u = b - a, v = c - a, w = p - a,
+/// G = u² v² - (u·v)², X = v² (u² - u·v), Y = u² (v² - u·v): positive outside the ball.
 pub(crate) fn equatorial_side(a: &Point, b: &Point, c: &Point, p: &Point) -> Sign {
     if let Some(sign) = equatorial_few_bits(a, b, c, p) {
         return sign;
@@ -118,32 +90,26 @@ fn equatorial_few_bits(a: &Point, b: &Point, c: &Point, p: &Point) -> Option<Sig
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RatioBound {
     bound: f64,
-    /// 4B², rounded.
-    four_squares: f64,
 }
 
 impl RatioBound {
     /// The bound B, which must be positive and finite.
     pub(crate) fn new(bound: f64) -> Self {
-        Self { bound, four_squares: 4.0 * bound * bound }
+        Self { bound }
     }
 
     /// Does circumradius to shortest edge exceed the bound? Never for equal.
-    pub(crate) fn exceeded(&self, shape: &Shape, corners: [&Point; 4]) -> bool {
-        let (left, right) = (shape.normal2, self.four_squares * shape.edge2 * shape.det2());
-        let m2 = shape.extent * shape.extent;
-        let m8 = m2 * m2 * m2 * m2;
-        // |N|² expands to 972 products of eight differences, 4B² l² D² to 108 · 4B²; each has
-        // fewer than 40 roundings, those of 4B² included.
-        let error = (40.0 * 972.0 + 40.0 * 108.0 * self.four_squares) * UNIT_ROUNDOFF * m8;
-        if (left - right).abs() > error {
-            return left > right;
+    #[inline(always)]
+    pub(crate) fn exceeded(&self, [p, q, r, s]: [&Point; 4]) -> bool {
+        match filter::exceeds_radius_edge_any(p, q, r, s, self.bound) {
+            Some(sign) => sign.is_positive(),
+            None => self.exceeded_exactly([p, q, r, s]),
         }
-        self.exceeded_exactly(corners)
     }
 
     /// The same in big integers: |N|² > 4B² l² D² with N = a²(b×c) + b²(c×a) + c²(a×b) and
     /// D = a·(b×c), a, b, c being the differences to the last corner.
+    #[cold]
     pub(crate) fn exceeded_exactly(&self, [p, q, r, s]: [&Point; 4]) -> bool {
         let (a, b, c) = (wide(p, s), wide(q, s), wide(r, s));
         let (bc, ca, ab) = (cross_wide(&b, &c), cross_wide(&c, &a), cross_wide(&a, &b));
@@ -165,28 +131,25 @@ impl RatioBound {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VolumeBound {
     bound: f64,
-    /// Six times the bound, rounded.
-    six: f64,
 }
 
 impl VolumeBound {
     /// A bound in cubes of fine steps, positive and finite.
     pub(crate) fn new(bound: f64) -> Self {
-        Self { bound, six: 6.0 * bound }
+        Self { bound }
     }
 
     /// Does the volume of a positively oriented tetrahedron exceed the bound?
-    pub(crate) fn exceeded(&self, shape: &Shape, corners: [&Point; 4]) -> bool {
-        let m = shape.extent;
-        // Six products of three differences with at most 8 roundings; one for `six`.
-        let error = UNIT_ROUNDOFF * (50.0 * m * m * m + 2.0 * self.six);
-        if (shape.det - self.six).abs() > error {
-            return shape.det > self.six;
+    #[inline(always)]
+    pub(crate) fn exceeded(&self, [p, q, r, s]: [&Point; 4]) -> bool {
+        match filter::exceeds_volume_any(p, q, r, s, self.bound) {
+            Some(sign) => sign.is_positive(),
+            None => self.exceeded_exactly([p, q, r, s]),
         }
-        self.exceeded_exactly(corners)
     }
 
     /// The same in big integers.
+    #[cold]
     pub(crate) fn exceeded_exactly(&self, [p, q, r, s]: [&Point; 4]) -> bool {
         let (a, b, c) = (wide(p, s), wide(q, s), wide(r, s));
         let det = dot_wide(&a, &cross_wide(&b, &c));
@@ -202,7 +165,7 @@ impl VolumeBound {
 
     /// The volume over the bound, rounded.
     pub(crate) fn excess(&self, shape: &Shape) -> f64 {
-        shape.det / self.six
+        shape.det / (6.0 * self.bound)
     }
 }
 
@@ -221,7 +184,7 @@ fn fraction(value: f64) -> (BigInt, u32) {
     }
 }
 
-/// What the bounds and the circumcentre need of a tetrahedron, rounded.
+/// What the circumcentre and the order of work need of a tetrahedron, rounded.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shape {
     /// N of the circumcentre s + N / 2D, and |N|².
@@ -231,13 +194,10 @@ pub(crate) struct Shape {
     pub(crate) det: f64,
     /// The shortest edge, squared.
     pub(crate) edge2: f64,
-    /// The largest |difference|.
-    extent: f64,
 }
 
 impl Shape {
     /// The shape of a positively oriented tetrahedron.
-    #[inline(always)]
     pub(crate) fn of([p, q, r, s]: [&Point; 4]) -> Self {
         let (a, b, c) = (minus(p, s), minus(q, s), minus(r, s));
         let (bc, ca, ab) = (cross(&b, &c), cross(&c, &a), cross(&a, &b));
@@ -248,17 +208,7 @@ impl Shape {
             dot(&d, &d)
         };
         let edge2 = aa.min(bb).min(cc).min(side(&a, &b)).min(side(&b, &c)).min(side(&c, &a));
-        Self {
-            normal,
-            normal2: dot(&normal, &normal),
-            det: -dot(&a, &bc),
-            edge2,
-            extent: extent([&a, &b, &c]),
-        }
-    }
-
-    fn det2(&self) -> f64 {
-        self.det * self.det
+        Self { normal, normal2: dot(&normal, &normal), det: -dot(&a, &bc), edge2 }
     }
 
     /// The circumcentre, rounded, given the last corner; `None` if it is not finite.
@@ -358,11 +308,11 @@ mod tests {
             prop_assume!(!orient3d(p, q, r, s).is_zero());
             let shape = Shape::of(corners);
             let ratio = RatioBound::new(bound);
-            prop_assert_eq!(ratio.exceeded(&shape, corners), ratio.exceeded_exactly(corners));
+            prop_assert_eq!(ratio.exceeded(corners), ratio.exceeded_exactly(corners));
             for bound in [bound * shape.det.abs(), shape.det.abs() / 6.0] {
                 let volume = VolumeBound::new(bound);
                 let exact = volume.exceeded_exactly(corners);
-                prop_assert_eq!(volume.exceeded(&shape, corners), exact);
+                prop_assert_eq!(volume.exceeded(corners), exact);
             }
         }
     }
@@ -376,20 +326,19 @@ mod tests {
         assert_eq!(orient3d(a, b, c, d), Sign::Positive);
         let shape = Shape::of(corners);
         assert!((shape.ratio() - 0.75f64.sqrt()).abs() < 1e-15);
-        assert!(!RatioBound::new(0.8660254037844387).exceeded(&shape, corners));
-        assert!(RatioBound::new(0.8660254037844386).exceeded(&shape, corners));
+        assert!(!RatioBound::new(0.8660254037844387).exceeded(corners));
+        assert!(RatioBound::new(0.8660254037844386).exceeded(corners));
         // The regular tetrahedron in a cube of side 2: volume 8/3, R/l = √3/√8 as 3/8 of squares.
         let corners = [[0.0, 0.0, 0.0], [2.0, 2.0, 0.0], [2.0, 0.0, 2.0], [0.0, 2.0, 2.0]];
         let [a, b, c, d] = &corners;
         let corners = [a, b, d, c];
         assert_eq!(orient3d(a, b, d, c), Sign::Positive);
-        let shape = Shape::of(corners);
         // det = 16, volume 16/6: a bound of 4 with the determinant 24 is met with equality.
         let scaled: Vec<Point> =
             [[0.0; 3], [6.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]].to_vec();
         let tall = [&scaled[0], &scaled[1], &scaled[2], &scaled[3]];
-        assert!(!VolumeBound::new(4.0).exceeded(&Shape::of(tall), tall));
-        assert!(VolumeBound::new(4.0f64.next_down()).exceeded(&Shape::of(tall), tall));
-        assert!(VolumeBound::new(1.0).exceeded(&shape, corners));
+        assert!(!VolumeBound::new(4.0).exceeded(tall));
+        assert!(VolumeBound::new(4.0f64.next_down()).exceeded(tall));
+        assert!(VolumeBound::new(1.0).exceeded(corners));
     }
 }

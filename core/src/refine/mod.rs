@@ -16,6 +16,7 @@
 //! | `item` | what there is to do, and the source of it |
 //! | `registry` | pending boundary items by place |
 //! | `state`, `facet` | mesh, marks and tables; how a point changes a facet |
+//! | `angles`, `near` | where the theory gives no guarantee: small angles, narrow gaps |
 //! | `recover` | from the mesh of the corners to one that has the boundary |
 //! | `split` | the three rules |
 //! | `region` | inside, outside, regions |
@@ -30,6 +31,7 @@ mod facet;
 mod item;
 mod marks;
 mod measure;
+mod near;
 mod outcome;
 mod output;
 mod plc;

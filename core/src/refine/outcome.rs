@@ -16,10 +16,18 @@ pub enum Reason {
         /// Index of the input vertex.
         corner: u32,
     },
-    /// A segment and a facet come so near to each other that neither can be split further.
-    SegmentFacet {
-        /// The corners of the segment.
-        segment: [u32; 2],
+    /// This corner is so near to a facet that it is not on that tetrahedra between them would be flat
+    /// or too many.
+    NearFacet {
+        /// Index of the input vertex.
+        corner: u32,
+    },
+    /// The same of two segments.
+    NearSegments {
+        /// The corners of the one.
+        first: [u32; 2],
+        /// The corners of the other.
+        second: [u32; 2],
     },
     /// Splitting it would make an edge shorter than the floor.
     Floor,
@@ -36,7 +44,10 @@ impl std::fmt::Display for Reason {
         match self {
             Self::SmallDihedral { segment: [a, b] } => write!(f, "small dihedral angle at {a}-{b}"),
             Self::SmallFaceAngle { corner } => write!(f, "small angle at vertex {corner}"),
-            Self::SegmentFacet { segment: [a, b] } => write!(f, "segment {a}-{b} near a facet"),
+            Self::NearFacet { corner } => write!(f, "vertex {corner} too near to a facet"),
+            Self::NearSegments { first: [a, b], second: [c, d] } => {
+                write!(f, "segments {a}-{b} and {c}-{d} too near to each other")
+            }
             Self::Floor => write!(f, "floor of edge lengths"),
             Self::Budget => write!(f, "budget"),
             Self::Cancelled => write!(f, "cancelled"),

@@ -2,7 +2,7 @@
 
 use super::RefineError;
 use super::bounds::{Bounds, SizeField, regular_volume};
-use super::carrier::{Carrier, corner_point};
+use super::carrier::{Carrier, UNIT, corner_point};
 use super::item::{Item, Queues, Work};
 use super::measure::{RatioBound, VolumeBound};
 use super::outcome::{Excuse, Reason, RefineOutcome, RefineStats};
@@ -24,6 +24,9 @@ const CHECK_EVERY: u64 = 1024;
 
 /// Default floor of edge lengths: this part of the box.
 const FLOOR: f64 = 1.0 / (1 << 20) as f64;
+
+/// Features nearer to each other than this many floors are not refined towards each other.
+const NEAR: f64 = 16.0;
 
 /// Default limit on inserted points: this many, and so many for each corner and for each
 /// tetrahedron of the largest allowed volume that the box could hold.
@@ -174,9 +177,10 @@ impl<'a> Refiner<'a> {
         let carriers = mesh.numbers.iter().map(|&c| Carrier::Corner(c)).collect();
         let next_number = plc.corners.len() as Vertex;
         let floor = self.floor_in_steps(domain, lattice);
+        let near = NEAR * floor / UNIT as f64;
         let mut run = Run {
             refiner: *self,
-            refinement: Refinement::new(State::new(mesh, plc, carriers), next_number, floor),
+            refinement: Refinement::new(State::new(mesh, plc, carriers, near), next_number, floor),
             work: Queues::default(),
             stats: RefineStats::default(),
             steps: 0,

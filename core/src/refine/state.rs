@@ -53,11 +53,13 @@ pub(crate) struct State {
 }
 
 impl State {
-    pub(crate) fn new(mesh: Mesh, plc: Plc, carriers: Vec<Carrier>) -> Self {
+    /// The state before anything of the boundary is entered; features nearer to each other than
+    /// `near` steps of the grid are not refined towards each other.
+    pub(crate) fn new(mesh: Mesh, plc: Plc, carriers: Vec<Carrier>, near: f64) -> Self {
         let marks = Marks::new(mesh.topology().slots());
         Self {
             mesh,
-            angles: Angles::of(&plc),
+            angles: Angles::of(&plc, near),
             plc,
             marks,
             carriers,

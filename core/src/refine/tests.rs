@@ -366,9 +366,10 @@ fn the_boundary_has_the_markers_of_its_facets_and_points_outwards() {
 #[test]
 fn coplanar_facets_keep_markers_of_their_own() {
     // A unit cube whose lid is two rectangles with different markers.
-    let vertices = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+    let mut vertices: Vec<Point> =
+        (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+    vertices.extend([[0.25, 0.0, 1.0], [0.25, 1.0, 1.0]]);
     let mut domain = Domain { vertices, ..Domain::default() };
-    domain.vertices.extend([[0.25, 0.0, 1.0], [0.25, 1.0, 1.0]]);
     let faces: [&[u32]; 7] = [
         &[0, 2, 3, 1],
         &[0, 1, 5, 8, 4],

@@ -1,0 +1,94 @@
+//! Random domains, the same on every machine.
+
+use ltbw::domain::{Domain, Facet};
+use ltbw::generate::{DomainKind, Shape, generate_domain};
+
+/// A random domain and the kind of it: a box with a turned box hole, a star-shaped polyhedron, or a
+/// union of cubes, in turn.
+///
+/// # Panics
+/// If the library does not know the kind: it does.
+#[must_use]
+pub fn random_domain(seed: u64) -> (&'static str, Domain) {
+    let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ (seed + 1).wrapping_mul(0x2545_f491_4f6c_dd1d));
+    match seed % 3 {
+        0 => ("turned hole", box_with_turned_hole(&mut random)),
+        1 => ("star", star(&mut random)),
+        _ => {
+            let shape = Shape { seed, count: Some(8), ..Shape::default() };
+            ("voxels", generate_domain(DomainKind::Voxels, &shape).expect("voxels"))
+        }
+    }
+}
+
+/// xorshift, for domains that are the same on every machine.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// A unit box with a box hole turned about its middle.
+fn box_with_turned_hole(random: &mut Random) -> Domain {
+    let mut domain = Domain::default();
+    let corners = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -1.0 } else { 1.0 });
+    domain.vertices.extend((0..8).map(|i| corners(i).map(|c: f64| 0.5 + c / 2.0)));
+    // An orthogonal matrix from a quaternion.
+    let q = [0; 4].map(|_| random.next() - 0.5);
+    let n = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let [w, x, y, z] = q.map(|c| c / n);
+    let rows = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)],
+        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)],
+        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)],
+    ];
+    let size = [0; 3].map(|_| 0.08 + 0.12 * random.next());
+    for i in 0..8 {
+        let c = corners(i);
+        let turned = rows.map(|r| 0.5 + (0..3).map(|k| r[k] * c[k] * size[k]).sum::<f64>());
+        domain.vertices.push(turned);
+    }
+    let faces =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    for base in [0, 8] {
+        domain.facets.extend(faces.map(|f| Facet::polygon(&f.map(|c| base + c), 0)));
+    }
+    domain.holes.push([0.5; 3]);
+    domain
+}
+
+/// A polyhedron that is star-shaped from its middle: the octahedron divided once, its corners
+/// moved along their rays.
+fn star(random: &mut Random) -> Domain {
+    let mut domain = Domain::default();
+    let mut place = |p: [f64; 3]| -> u32 {
+        let n = p.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let unit = p.map(|c| c / n);
+        let known = domain.vertices.iter().position(|v| *v == unit);
+        known.unwrap_or_else(|| {
+            domain.vertices.push(unit);
+            domain.vertices.len() - 1
+        }) as u32
+    };
+    let mut triangles = Vec::new();
+    for i in 0..8 {
+        let s = [0, 1, 2].map(|k| if i >> k & 1 == 0 { 1.0 } else { -1.0 });
+        let [a, b, c] = [[s[0], 0.0, 0.0], [0.0, s[1], 0.0], [0.0, 0.0, s[2]]];
+        let mid = |p: [f64; 3], q: [f64; 3]| [0, 1, 2].map(|k| p[k] + q[k]);
+        let [ab, bc, ca] = [mid(a, b), mid(b, c), mid(c, a)];
+        for t in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
+            triangles.push(t.map(&mut place));
+        }
+    }
+    for v in &mut domain.vertices {
+        let r = 0.7 + 0.6 * random.next();
+        *v = v.map(|c| c * r);
+    }
+    domain.facets.extend(triangles.iter().map(|t| Facet::polygon(t, 0)));
+    domain
+}

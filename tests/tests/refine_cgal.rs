@@ -1,0 +1,30 @@
+//! The full Delaunay mesh of a refined domain's vertices, exterior included, against CGAL's: points on
+//! lattices, facets and segments are as degenerate as points come.
+//!
+//! Random domains: 10 by default, `LTBW_CASES` for more (100 for the full bar).
+
+use ltbw::domain::PrepareOptions;
+use ltbw::refine::Refiner;
+use ltbw_tests::cases;
+use ltbw_tests::cgal::Cgal;
+use ltbw_tests::compare::compare_mesh;
+use ltbw_tests::domains::random_domain;
+
+#[test]
+fn meshes_of_random_domains_equal_cgal() {
+    let Some(mut cgal) = Cgal::for_test("meshes_of_random_domains_equal_cgal") else { return };
+    let (count, mut points) = (cases(10), 0);
+    for seed in 0..u64::from(count) {
+        let (name, domain) = random_domain(seed);
+        let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+        let refined = Refiner::new().refine(&ready.domain, &ready.lattice).expect("a mesh");
+        let mesh = refined.mesh();
+        let reply = cgal.triangulate(&mesh.to_tet_mesh().points).expect("CGAL answers");
+        if let Err(difference) = compare_mesh(&reply, mesh) {
+            panic!("{name} {seed}: {difference}");
+        }
+        points += mesh.num_vertices();
+    }
+    assert!(points > 100 * count as usize, "{points}");
+    println!("{count} refined domains of {points} vertices in all equal CGAL");
+}
