@@ -17,7 +17,8 @@ fn meshes_of_random_domains_equal_cgal() {
     for seed in 0..u64::from(count) {
         let (name, domain) = random_domain(seed);
         let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
-        let refined = Refiner::new().refine(&ready.domain, &ready.lattice).expect("a mesh");
+        let refiner = Refiner::new().max_volume(2e-3);
+        let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
         let mesh = refined.mesh();
         let reply = cgal.triangulate(&mesh.to_tet_mesh().points).expect("CGAL answers");
         if let Err(difference) = compare_mesh(&reply, mesh) {
