@@ -4,7 +4,9 @@
 //! each a piece of the Hilbert curve. One cursor is followed while its points are inserted at
 //! once. A point that has to wait for another worker keeps its cursor: its neighbours on the curve
 //! would only meet its locks. Meanwhile other cursors are followed. With a single one a worker
-//! would mostly wait.
+//! would mostly wait. A cursor that has waited comes first when it may go on: it lies at the
+//! interface, and what waits for other workers had better be under way while there is work that
+//! does not, or a round would end in nothing but waiting.
 
 use super::{Blocks, LocalMesh, Site};
 use crate::protocol::{BlockId, Source};
@@ -54,6 +56,8 @@ pub struct Field {
     cursors: Vec<Cursor>,
     /// The one that is followed.
     current: usize,
+    /// Those that have waited and may go on.
+    urgent: Vec<usize>,
     left: usize,
     /// Cursors in work that could give a point.
     ready: usize,
@@ -117,8 +121,8 @@ impl Field {
             starts.map(piece).filter(|cursor| !cursor.is_empty()).collect::<Vec<_>>()
         };
         let rounds = (0..=rounds).map(cut).filter(|round| !round.is_empty()).collect();
-        let (cursors, current) = (Vec::new(), 0);
-        let mut field = Self { blocks, own, rounds, cursors, current, left, ready: 0 };
+        let (cursors, urgent) = (Vec::new(), Vec::new());
+        let mut field = Self { blocks, own, rounds, cursors, current: 0, urgent, left, ready: 0 };
         field.turn();
         field
     }
@@ -153,6 +157,7 @@ impl Field {
             self.cursors.retain(|c| !c.is_empty());
         }
         self.current = 0;
+        self.urgent.clear();
         self.ready = self.cursors.iter().filter(|c| c.given.is_none()).count();
     }
 
@@ -167,6 +172,9 @@ impl Field {
         if let Some(k) = cursor {
             self.cursors[k].given = None;
             self.ready += 1;
+            if !followed {
+                self.urgent.push(k);
+            }
         }
     }
 }
@@ -201,6 +209,9 @@ impl Source<LocalMesh> for Field {
     fn next(&mut self, mesh: &LocalMesh) -> Option<Site> {
         if self.ready == 0 {
             return None;
+        }
+        if let Some(k) = self.urgent.pop() {
+            self.current = k;
         }
         // Ends: some cursor is ready.
         while self.cursors[self.current].given.is_some() {
