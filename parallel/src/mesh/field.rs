@@ -161,21 +161,18 @@ impl Field {
         self.ready = self.cursors.iter().filter(|c| c.given.is_none()).count();
     }
 
-    /// The cursor that gave `vertex` may go on.
-    fn free(&mut self, vertex: VertexId) {
+    /// The cursor that gave `vertex` may go on; returns its place.
+    fn free(&mut self, vertex: VertexId) -> Option<usize> {
         let followed = self.cursors.get(self.current).is_some_and(|c| c.given == Some(vertex));
         let cursor = if followed {
             Some(self.current)
         } else {
             self.cursors.iter().position(|c| c.given == Some(vertex))
         };
-        if let Some(k) = cursor {
-            self.cursors[k].given = None;
-            self.ready += 1;
-            if !followed {
-                self.urgent.push(k);
-            }
-        }
+        let k = cursor?;
+        self.cursors[k].given = None;
+        self.ready += 1;
+        Some(k)
     }
 }
 
@@ -238,11 +235,20 @@ impl Source<LocalMesh> for Field {
     }
 
     fn inserted(&mut self, _: &LocalMesh, point: &Site) {
-        self.free(point.vertex);
+        if let Some(k) = self.free(point.vertex)
+            && k != self.current
+        {
+            self.urgent.push(k);
+        }
     }
 
     fn let_go(&mut self, point: &Site) {
-        self.free(point.vertex);
+        // It has walked to another worker. The next ones of its cursor would follow it there and
+        // meet its locks: other cursors first.
+        if self.free(point.vertex) == Some(self.current) {
+            self.current = (self.current + 1) % self.cursors.len();
+            self.urgent.clear();
+        }
     }
 
     fn take_block(&mut self, mesh: &LocalMesh, block: BlockId) -> Vec<Site> {

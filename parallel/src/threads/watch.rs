@@ -81,7 +81,7 @@ fn nanos(start: Instant) -> Nanos {
 }
 
 impl<S: Payload> Watch<S> for ThreadWatch<'_> {
-    const BURST: usize = 16;
+    const BURST: usize = 4;
 
     fn now(&mut self) -> Nanos {
         nanos(self.start)
