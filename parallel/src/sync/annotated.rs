@@ -10,7 +10,7 @@
 //! With the variable `LTBW_TSAN_CANARY` the shadows are not read: then races must be reported.
 
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{LockResult, OnceLock, PoisonError, WaitTimeoutResult};
+use std::sync::{LockResult, PoisonError, WaitTimeoutResult};
 use std::time::Duration;
 
 /// [`std::sync::Mutex`] with a shadow.
@@ -33,9 +33,19 @@ impl Drop for Release<'_> {
     }
 }
 
+/// Asked of the environment each time at first: the standard library's cells for what is computed
+/// once are not compiled with the sanitizer, which would see a race in them.
 fn is_canary() -> bool {
-    static CANARY: OnceLock<bool> = OnceLock::new();
-    *CANARY.get_or_init(|| std::env::var_os("LTBW_TSAN_CANARY").is_some())
+    /// 0: not asked yet; 1: no; 2: yes.
+    static CANARY: AtomicU32 = AtomicU32::new(0);
+    match CANARY.load(Ordering::Relaxed) {
+        0 => {
+            let canary = std::env::var_os("LTBW_TSAN_CANARY").is_some();
+            CANARY.store(1 + u32::from(canary), Ordering::Relaxed);
+            canary
+        }
+        known => known == 2,
+    }
 }
 
 fn guard<'a, T>(

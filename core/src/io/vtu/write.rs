@@ -34,7 +34,7 @@ pub fn write(out: &mut dyn Write, mesh: &TetMesh, encoding: Encoding) -> std::io
     write_with(out, mesh, &Extras::default(), encoding)
 }
 
-/// Writes a `.vtu` file as [`write`] does, with arrays for the figures of the tetrahedra, and with the
+/// Writes a `.vtu` file as [`write()`] does, with arrays for the figures of the tetrahedra, and with the
 /// boundary as triangles and an array `marker`.
 ///
 /// # Errors
