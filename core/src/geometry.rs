@@ -107,11 +107,11 @@ impl Geometry {
         *self.spheres.at_mut(t) = sphere;
     }
 
-    /// Appends the spheres of another part to those of `slots` slots.
-    pub(crate) fn append_spheres(&mut self, slots: usize, other: &Self, other_slots: usize) {
+    /// Appends the spheres of another part's `other_slots` slots to those of `slots` slots.
+    pub(crate) fn append_spheres(&mut self, slots: usize, other: Self, other_slots: usize) {
         self.reserve_spheres(slots);
-        let theirs = other.spheres.all();
-        self.spheres.extend((0..other_slots).map(|t| *theirs.get(t).unwrap_or(&Sphere::UNKNOWN)));
+        self.spheres.append(other.spheres, other_slots, |sphere| sphere);
+        self.reserve_spheres(slots + other_slots);
     }
 
     /// Replaces the coordinates of all vertices, the one at infinity included.

@@ -130,27 +130,29 @@ impl Mesh {
         mut geometry: Geometry,
         assembly: Assembly<'_>,
     ) -> Self {
-        let Assembly { points, numbers, duplicates, mode, .. } = assembly;
+        let Assembly { mut points, numbers, duplicates, mode, .. } = assembly;
         let count = points.len();
-        let mut used = vec![false; count + 1];
-        for (_, tet) in topology.iter() {
-            for v in tet.vertices() {
-                used[v as usize] = true;
-            }
-        }
+        let used = topology.used_vertices(count);
         let mut kept = vec![Vertex::MAX];
-        let mut arena = Arena::with_capacity(count + 1);
-        arena.push([f64::NAN; 3]);
-        let mut renamed = vec![INFINITE; count + 1];
-        for (v, p) in (1..).zip(points).filter(|&(v, _)| used[v]) {
-            renamed[v] = kept.len() as VertexId;
-            kept.push(numbers[v - 1]);
-            arena.push(p);
+        let renamed: Vec<VertexId>;
+        points.insert(0, [f64::NAN; 3]);
+        if used[1..].iter().all(|&used| used) {
+            renamed = (0..=count as VertexId).collect();
+            kept.extend(numbers);
+            geometry.set_points(Arena::of(points));
+        } else {
+            let mut names = vec![INFINITE; count + 1];
+            let mut arena = Arena::with_capacity(count + 1);
+            arena.push(points[0]);
+            for v in (1..=count).filter(|&v| used[v]) {
+                names[v] = kept.len() as VertexId;
+                kept.push(numbers[v - 1]);
+                arena.push(points[v]);
+            }
+            topology.rename(|v| if v == INFINITE { v } else { names[v as usize] });
+            geometry.set_points(arena);
+            renamed = names;
         }
-        if kept.len() <= count {
-            topology.rename(|v| if v == INFINITE { v } else { renamed[v as usize] });
-        }
-        geometry.set_points(arena);
         let vertices = kept.len();
         let mut mesh = Self {
             topology,

@@ -537,13 +537,10 @@ pub fn assemble<H: Copy + Eq + Send + Sync, L: Copy + Send + Sync>(
     let Part { mut topology, mut geometry, .. } = parts.next()?;
     let mut offsets = vec![0];
     for part in parts {
-        let slots = topology.slots();
-        let (offset, ()) = rayon::join(
-            || topology.append(&part.topology),
-            || geometry.append_spheres(slots, &part.geometry, part.topology.slots()),
-        );
-        offsets.push(offset?);
+        let (slots, theirs) = (topology.slots(), part.topology.slots());
         geometry.stats += part.geometry.stats;
+        offsets.push(topology.append(part.topology)?);
+        geometry.append_spheres(slots, part.geometry, theirs);
     }
     let proxies: Vec<(TetId, FaceId, [u32; 4])> = topology
         .iter()

@@ -8,7 +8,9 @@
 
 use crate::Point;
 use crate::sphere::{Maker, Query, Sphere};
-use crate::topology::{TetId, VertexId};
+use crate::topology::{Tet, TetId, VertexId};
+use rayon::prelude::*;
+use std::mem::MaybeUninit;
 
 /// An array that is indexed without bounds checks in release: the large arrays of a mesh.
 ///
@@ -39,14 +41,52 @@ impl<T> Arena<T> {
         Self(vec![entry; len])
     }
 
+    /// The entries of `array`.
+    pub(crate) fn of(array: Vec<T>) -> Self {
+        Self(array)
+    }
+
     #[inline(always)]
     pub(crate) fn push(&mut self, entry: T) {
         self.0.push(entry);
     }
 
-    /// Appends entries.
-    pub(crate) fn extend(&mut self, entries: impl ExactSizeIterator<Item = T>) {
-        self.0.extend(entries);
+    /// Appends `f` of the first `count` entries of `other`, piece by piece on all threads. The
+    /// memory of a piece is given back as soon as it is copied, so that the next one may use it:
+    /// fresh memory costs more than copying.
+    pub(crate) fn append(&mut self, mut other: Self, count: usize, f: impl Fn(T) -> T + Sync)
+    where
+        T: Zeroable,
+    {
+        let (old, len) = (self.0.len(), count.min(other.0.len()));
+        let capacity = self.0.capacity();
+        self.0.reserve(len);
+        if self.0.capacity() != capacity {
+            advise_huge(&self.0);
+        }
+        let source = &mut other.0[..len];
+        // Pieces of whole huge pages; entries are smaller than one and fill it.
+        let offset = (source.as_ptr() as usize).next_multiple_of(HUGE) - source.as_ptr() as usize;
+        let head = (offset / size_of::<T>()).min(len);
+        let (head, rest) = source.split_at_mut(head);
+        let spare = &mut self.0.spare_capacity_mut()[..len];
+        let (spare_head, spare_rest) = spare.split_at_mut(head.len());
+        let copy = |source: &mut [T], spare: &mut [MaybeUninit<T>]| {
+            for (entry, place) in source.iter().zip(spare) {
+                place.write(f(*entry));
+            }
+            forget_memory(source);
+        };
+        let piece = HUGE / size_of::<T>();
+        rayon::join(
+            || copy(head, spare_head),
+            || {
+                let pieces = rest.par_chunks_mut(piece).zip(spare_rest.par_chunks_mut(piece));
+                pieces.for_each(|(source, spare)| copy(source, spare));
+            },
+        );
+        // SAFETY: room for `len` more was reserved, and each of them was written.
+        unsafe { self.0.set_len(old + len) };
     }
 
     /// Grows to `len` entries, never shrinks.
@@ -107,12 +147,48 @@ impl<T> Default for Arena<T> {
     }
 }
 
+/// Size of a huge page.
+const HUGE: usize = 1 << 21;
+
+/// Types of which every bit pattern is a value, zeros among them.
+///
+/// # Safety
+/// The type consists of numbers alone.
+pub(crate) unsafe trait Zeroable: Copy + Send + Sync {}
+
+// SAFETY: eight 32-bit integers.
+unsafe impl Zeroable for Tet {}
+// SAFETY: four 32-bit floats.
+unsafe impl Zeroable for Sphere {}
+
+/// Gives the memory behind `entries` back to the system where it makes whole pages; they may read
+/// as zero afterwards. A hint: nothing depends on it.
+fn forget_memory<T: Zeroable>(entries: &mut [T]) {
+    #[cfg(target_os = "linux")]
+    {
+        // Not less than the largest page that is not huge.
+        const PAGE: usize = 1 << 16;
+        let range = entries.as_mut_ptr_range();
+        let start = (range.start as usize).next_multiple_of(PAGE);
+        let end = range.end as usize & !(PAGE - 1);
+        if end > start {
+            // SAFETY: start..end lies in `entries`, which nobody else uses meanwhile, and is
+            // page-aligned. Anonymous memory reads as zero after MADV_DONTNEED, and zeros are
+            // values of `T`. A failure is harmless.
+            unsafe {
+                libc::madvise(start as *mut libc::c_void, end - start, libc::MADV_DONTNEED);
+            }
+        }
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = entries;
+}
+
 /// Asks for huge pages behind the whole capacity of `array`: fewer page faults and TLB misses.
 /// A hint: nothing depends on it.
 fn advise_huge<T>(array: &Vec<T>) {
     #[cfg(target_os = "linux")]
     {
-        const HUGE: usize = 1 << 21;
         let start = (array.as_ptr() as usize).next_multiple_of(HUGE);
         let end = (array.as_ptr() as usize + array.capacity() * size_of::<T>()) & !(HUGE - 1);
         if end > start {
@@ -383,6 +459,21 @@ mod tests {
             s ^= s >> 7;
             s ^= s << 17;
             ((s >> 40) % 65) as f64 / 32.0 - 1.0
+        }
+    }
+
+    #[test]
+    fn appended_entries_come_in_their_order() {
+        let sphere = |k: usize| Sphere([k as f32, 1.0, 2.0, 3.0]);
+        // From nothing to some huge pages' worth.
+        for count in [0, 1, 1000, 131_072, 300_001] {
+            let mut array = Arena::of((0..10).map(sphere).collect());
+            let other = Arena::of((10..20 + count).map(sphere).collect());
+            array.append(other, count, |s| Sphere([s.0[0], s.0[1], s.0[2], 4.0]));
+            assert_eq!(array.all().len(), 10 + count);
+            for (k, s) in array.all().iter().enumerate() {
+                assert_eq!(s.0, [k as f32, 1.0, 2.0, if k < 10 { 3.0 } else { 4.0 }]);
+            }
         }
     }
 

@@ -10,6 +10,7 @@
 //! * I4: outside an insertion no tetrahedron is marked.
 
 use crate::raw::Arena;
+use rayon::prelude::*;
 
 /// Index of a tetrahedron's slot.
 pub type TetId = u32;
@@ -229,19 +230,40 @@ impl Topology {
 
     /// Appends the slots of `other`, with its links changed to match; returns their offset. `None`
     /// if there would be too many.
-    pub(crate) fn append(&mut self, other: &Self) -> Option<TetId> {
-        let offset = self.slots();
-        if offset + other.slots() > MAX_TETS {
+    pub(crate) fn append(&mut self, other: Self) -> Option<TetId> {
+        let (offset, slots) = (self.slots(), other.slots());
+        if offset + slots > MAX_TETS {
             return None;
         }
         let shift = 4 * offset as u32;
-        self.tets.extend(other.tets.all().iter().map(|tet| {
-            let n = if tet.is_free() { tet.n } else { tet.n.map(|face| face + shift) };
-            Tet { v: tet.v, n }
-        }));
         self.free.extend(other.free.iter().map(|&t| t + offset as u32));
         self.ghosts += other.ghosts;
+        self.tets.append(other.tets, slots, |tet| {
+            let n = if tet.is_free() { tet.n } else { tet.n.map(|face| face + shift) };
+            Tet { v: tet.v, n }
+        });
         Some(offset as TetId)
+    }
+
+    /// By vertex, of which there are `count` finite ones: has a tetrahedron got it?
+    pub(crate) fn used_vertices(&self, count: usize) -> Vec<bool> {
+        let tets = self.tets.all();
+        let of_chunk = |chunk: &[Tet]| {
+            let mut used = vec![false; count + 1];
+            for tet in chunk.iter().filter(|tet| !tet.is_free()) {
+                for v in tet.vertices() {
+                    used[v as usize] = true;
+                }
+            }
+            used
+        };
+        let join = |mut used: Vec<bool>, other: Vec<bool>| {
+            used.iter_mut().zip(other).for_each(|(used, other)| *used |= other);
+            used
+        };
+        let chunk = tets.len().div_ceil(rayon::current_num_threads()).max(1);
+        let used = tets.par_chunks(chunk).map(of_chunk).reduce_with(join);
+        used.unwrap_or_else(|| vec![false; count + 1])
     }
 
     /// Renames every vertex of every tetrahedron.

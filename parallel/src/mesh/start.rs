@@ -51,7 +51,9 @@ impl Plan {
     pub fn prepare(&self, set: &PointSet) -> Result<Prepared, BuildError> {
         let kernel = set.kernel_points();
         let order = hilbert(&kernel);
-        let points: Vec<Point> = order.par_iter().map(|&i| kernel[i as usize]).collect();
+        // With room for the vertex at infinity, which the gathered mesh has in front.
+        let mut points: Vec<Point> = Vec::with_capacity(order.len() + 1);
+        points.par_extend(order.par_iter().map(|&i| kernel[i as usize]));
         let sample = self.sample_of(&points)?;
         let coarse = coarse_mesh(&points, &sample)?;
         let blocks = Blocks::even(points.len() as u32, self.workers * self.blocks_per_worker);
