@@ -16,6 +16,9 @@ use ltbw_core::topology::VertexId;
 use std::collections::VecDeque;
 use std::ops::Range;
 
+/// No piece of the curve with fewer points is cut in two.
+const SHORTEST: usize = 4;
+
 /// The points that a cursor is to give.
 #[derive(Clone, Debug)]
 enum Track {
@@ -52,15 +55,15 @@ pub struct Field {
     own: Own,
     /// Rounds to come.
     rounds: VecDeque<Vec<Cursor>>,
-    /// Cursors in work.
-    cursors: Vec<Cursor>,
-    /// The one that is followed.
-    current: usize,
-    /// Those that have waited and may go on.
-    urgent: Vec<usize>,
+    /// The cursor that is followed.
+    current: Option<Cursor>,
+    /// Those that have waited and may go on, the one to follow next last.
+    urgent: Vec<Cursor>,
+    /// Others that may go on, the one to follow next first.
+    ready: VecDeque<Cursor>,
+    /// Those whose point is under way.
+    waiting: Vec<Cursor>,
     left: usize,
-    /// Cursors in work that could give a point.
-    ready: usize,
 }
 
 impl Own {
@@ -121,10 +124,9 @@ impl Field {
             starts.map(piece).filter(|cursor| !cursor.is_empty()).collect::<Vec<_>>()
         };
         let rounds = (0..=rounds).map(cut).filter(|round| !round.is_empty()).collect();
-        let (cursors, urgent) = (Vec::new(), Vec::new());
-        let mut field = Self { blocks, own, rounds, cursors, current: 0, urgent, left, ready: 0 };
-        field.turn();
-        field
+        let (current, urgent) = (None, Vec::new());
+        let (ready, waiting) = (VecDeque::new(), Vec::new());
+        Self { blocks, own, rounds, current, urgent, ready, waiting, left }
     }
 
     /// Number of points left.
@@ -144,35 +146,92 @@ impl Field {
             }
             Track::Moved(points) => points.iter().filter(|(v, _)| range.contains(v)).count(),
         };
-        self.cursors.iter().chain(self.rounds.iter().flatten()).map(count).sum()
+        let Self { rounds, current, urgent, ready, waiting, .. } = self;
+        let begun = current.iter().chain(urgent).chain(ready).chain(waiting);
+        begun.chain(rounds.iter().flatten()).map(count).sum()
     }
 
-    /// Drops empty cursors, goes to the next round when none is left, counts anew.
-    fn turn(&mut self) {
-        self.cursors.retain(|c| !c.is_empty());
-        while self.cursors.is_empty()
-            && let Some(round) = self.rounds.pop_front()
-        {
-            self.cursors = round;
-            self.cursors.retain(|c| !c.is_empty());
+    /// Sees to it that the cursor that is followed may give a point; false if none may.
+    ///
+    /// The next round begins when no cursor of those begun may go on. After the last one what lies
+    /// before a waiting point is followed from its middle on: the far half of a piece of the curve
+    /// is far from the point that waits.
+    fn choose(&mut self) -> bool {
+        if self.urgent.is_empty() && self.current.as_ref().is_some_and(Cursor::is_ready) {
+            return true;
         }
-        self.current = 0;
-        self.urgent.clear();
-        self.ready = self.cursors.iter().filter(|c| c.given.is_none()).count();
+        let next = self.urgent.pop().or_else(|| self.ready.pop_front());
+        let Some(next) = next.or_else(|| self.begin_round()).or_else(|| self.split()) else {
+            return false;
+        };
+        match self.current.replace(next) {
+            Some(before) if before.is_ready() => self.ready.push_front(before),
+            Some(before) => self.waiting.push(before),
+            None => {}
+        }
+        true
     }
 
-    /// The cursor that gave `vertex` may go on; returns its place.
-    fn free(&mut self, vertex: VertexId) -> Option<usize> {
-        let followed = self.cursors.get(self.current).is_some_and(|c| c.given == Some(vertex));
-        let cursor = if followed {
-            Some(self.current)
-        } else {
-            self.cursors.iter().position(|c| c.given == Some(vertex))
-        };
-        let k = cursor?;
-        self.cursors[k].given = None;
-        self.ready += 1;
-        Some(k)
+    /// The first cursor of the next round.
+    fn begin_round(&mut self) -> Option<Cursor> {
+        let round = self.rounds.pop_front()?;
+        self.ready.extend(round);
+        self.ready.pop_front()
+    }
+
+    /// The far half of the longest piece before a point that waits. Ends: a piece whose far half
+    /// has no point loses it.
+    fn split(&mut self) -> Option<Cursor> {
+        let Self { own, waiting, current, .. } = self;
+        loop {
+            let all = waiting.iter_mut().chain(current.as_mut());
+            let half = all.max_by_key(|c| c.length(own))?.split(own)?;
+            if !half.is_empty() {
+                return Some(half);
+            }
+        }
+    }
+
+    /// Could a point be given?
+    fn can_give(&self) -> bool {
+        let Self { own, rounds, current, urgent, ready, waiting, .. } = self;
+        current.as_ref().is_some_and(Cursor::is_ready)
+            || !urgent.is_empty()
+            || !ready.is_empty()
+            || !rounds.is_empty()
+            || waiting.iter().chain(current).any(|c| c.length(own) >= SHORTEST)
+    }
+
+    /// Takes out the cursor, not the one followed, that gave `vertex`.
+    fn free(&mut self, vertex: VertexId) -> Option<Cursor> {
+        let k = self.waiting.iter().position(|c| c.given == Some(vertex))?;
+        let mut cursor = self.waiting.swap_remove(k);
+        cursor.given = None;
+        Some(cursor)
+    }
+
+    /// If the cursor that is followed gave `vertex` it may go on.
+    fn free_current(&mut self, vertex: VertexId) -> bool {
+        match &mut self.current {
+            Some(cursor) if cursor.given == Some(vertex) => {
+                cursor.given = None;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Drops empty cursors.
+    fn tidy(&mut self) {
+        let Self { rounds, current, urgent, ready, waiting, .. } = self;
+        current.take_if(|cursor| cursor.is_empty());
+        urgent.retain(|c| !c.is_empty());
+        ready.retain(|c| !c.is_empty());
+        waiting.retain(|c| !c.is_empty());
+        for round in rounds.iter_mut() {
+            round.retain(|c| !c.is_empty());
+        }
+        rounds.retain(|round| !round.is_empty());
     }
 }
 
@@ -186,6 +245,39 @@ impl Cursor {
             Track::Own { next, end, .. } => next == end,
             Track::Moved(points) => points.is_empty(),
         }
+    }
+
+    /// Is no point of it under way?
+    fn is_ready(&self) -> bool {
+        self.given.is_none()
+    }
+
+    /// About how many points it has.
+    fn length(&self, own: &Own) -> usize {
+        match &self.track {
+            Track::Own { next, end, round } => {
+                (end - next) as usize >> (3 * (own.rounds - round))
+            }
+            Track::Moved(points) => points.len(),
+        }
+    }
+
+    /// Cuts off the second half, if it is not short.
+    fn split(&mut self, own: &Own) -> Option<Self> {
+        if self.length(own) < SHORTEST {
+            return None;
+        }
+        let track = match &mut self.track {
+            Track::Own { next, end, round } => {
+                let middle = *next + (*end - *next) / 2;
+                let half =
+                    Track::Own { next: own.first(middle, *end, *round), end: *end, round: *round };
+                *end = middle;
+                half
+            }
+            Track::Moved(points) => Track::Moved(points.split_off(points.len() / 2)),
+        };
+        Some(Self::new(track))
     }
 
     /// The next point.
@@ -204,24 +296,15 @@ impl Cursor {
 
 impl Source<LocalMesh> for Field {
     fn next(&mut self, mesh: &LocalMesh) -> Option<Site> {
-        if self.ready == 0 {
+        if !self.choose() {
             return None;
         }
-        if let Some(k) = self.urgent.pop() {
-            self.current = k;
-        }
-        // Ends: some cursor is ready.
-        while self.cursors[self.current].given.is_some() {
-            self.current = (self.current + 1) % self.cursors.len();
-        }
-        let cursor = &mut self.cursors[self.current];
+        let cursor = self.current.as_mut()?;
         let site = cursor.next(&self.own, mesh)?;
         self.left -= 1;
+        cursor.given = Some(site.vertex);
         if cursor.is_empty() {
-            self.turn();
-        } else {
-            cursor.given = Some(site.vertex);
-            self.ready -= 1;
+            self.current = None;
         }
         Some(site)
     }
@@ -231,31 +314,34 @@ impl Source<LocalMesh> for Field {
     }
 
     fn is_ready(&self) -> bool {
-        self.ready > 0
+        self.can_give()
     }
 
     fn inserted(&mut self, _: &LocalMesh, point: &Site) {
-        if let Some(k) = self.free(point.vertex)
-            && k != self.current
+        if !self.free_current(point.vertex)
+            && let Some(cursor) = self.free(point.vertex)
         {
-            self.urgent.push(k);
+            self.urgent.push(cursor);
         }
     }
 
     fn let_go(&mut self, point: &Site) {
-        // It has walked to another worker. The next ones of its cursor would follow it there and
-        // meet its locks: other cursors first.
-        if self.free(point.vertex) == Some(self.current) {
-            self.current = (self.current + 1) % self.cursors.len();
-            self.urgent.clear();
+        if self.free_current(point.vertex) {
+            // It has walked to another worker. The next ones of its cursor would follow it there
+            // and meet its locks: other cursors first.
+            self.ready.extend(self.current.take());
+            self.ready.extend(self.urgent.drain(..));
+        } else if let Some(cursor) = self.free(point.vertex) {
+            self.ready.push_back(cursor);
         }
     }
 
     fn take_block(&mut self, mesh: &LocalMesh, block: BlockId) -> Vec<Site> {
-        let Self { blocks, own, rounds, cursors, .. } = self;
+        let Self { blocks, own, rounds, current, urgent, ready, waiting, .. } = self;
         let range = blocks.vertices(block);
         let mut taken = Vec::new();
-        for cursor in cursors.iter_mut().chain(rounds.iter_mut().flatten()) {
+        let begun = current.iter_mut().chain(urgent).chain(ready).chain(waiting);
+        for cursor in begun.chain(rounds.iter_mut().flatten()) {
             match &mut cursor.track {
                 Track::Own { next, end, round } => {
                     for v in (*next).max(range.start)..(*end).min(range.end) {
@@ -275,22 +361,25 @@ impl Source<LocalMesh> for Field {
             }
         }
         self.left -= taken.len();
-        self.turn();
+        self.tidy();
         taken
     }
 
     fn give(&mut self, _: BlockId, points: Vec<Site>) {
         self.left += points.len();
-        let points = points.iter().map(|site| (site.vertex, site.point())).collect();
-        self.cursors.push(Cursor::new(Track::Moved(points)));
-        self.turn();
+        let points: VecDeque<_> = points.iter().map(|s| (s.vertex, s.point())).collect();
+        if !points.is_empty() {
+            self.ready.push_back(Cursor::new(Track::Moved(points)));
+        }
     }
 
     fn clear(&mut self) {
         self.rounds.clear();
-        self.cursors.clear();
+        self.current = None;
+        self.urgent.clear();
+        self.ready.clear();
+        self.waiting.clear();
         self.left = 0;
-        self.turn();
     }
 }
 
