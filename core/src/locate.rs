@@ -25,6 +25,9 @@ pub(crate) enum Found {
 
 /// Says which tetrahedra a walk may enter.
 pub(crate) trait Gate {
+    /// Are there any that it may not enter? Then it goes around them as long as it can.
+    const SHUTS: bool;
+
     /// May the walk not enter `t`? Asked of tetrahedra whose sphere does not hold the target for
     /// certain.
     fn is_closed(&self, topology: &Topology, geometry: &Geometry, t: TetId) -> bool;
@@ -32,6 +35,8 @@ pub(crate) trait Gate {
 
 /// Lets every walk pass: the sequential kernel. Compiles to nothing.
 impl Gate for () {
+    const SHUTS: bool = false;
+
     #[inline(always)]
     fn is_closed(&self, _: &Topology, _: &Geometry, _: TetId) -> bool {
         false
@@ -81,10 +86,20 @@ pub(crate) fn walk_through<G: Gate>(
         let neighbours = tet.neighbours();
         // The face opposite `slot` with p in place of the vertex there, p moved to the end.
         let faces = [[c, b, d], [d, a, c], [b, a, d], [a, b, c]];
-        let exit = (0..4).filter(|&slot| slot != entry).find(|&slot| {
+        let mut exit = (0..4).filter(|&slot| slot != entry).find(|&slot| {
             let side = geometry.orient(faces[slot], &p);
             side == Sign::Negative
         });
+        if G::SHUTS
+            && let Some(first) = exit
+            && gate.is_closed(topology, geometry, tet_of(neighbours[first]))
+        {
+            let around = (first + 1..4).filter(|&slot| slot != entry).find(|&slot| {
+                !gate.is_closed(topology, geometry, tet_of(neighbours[slot]))
+                    && geometry.orient(faces[slot], &p) == Sign::Negative
+            });
+            exit = around.or(exit);
+        }
         match exit {
             None => return Found::Inside(t),
             Some(slot) => {
@@ -133,6 +148,8 @@ mod tests {
     struct Shut;
 
     impl Gate for Shut {
+        const SHUTS: bool = true;
+
         fn is_closed(&self, _: &Topology, _: &Geometry, _: TetId) -> bool {
             true
         }

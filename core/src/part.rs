@@ -26,6 +26,8 @@ use std::ops::Range;
 
 /// Places of a part with a hint each.
 const PLACES: usize = 1024;
+/// So many places on both sides are looked at.
+const SPREAD: usize = 2;
 /// Vertices that differ by less than this are likely to be near each other.
 const NEAR: VertexId = 64;
 
@@ -259,15 +261,20 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         }
     }
 
-    /// An open tetrahedron made lately near vertex `v`, unless the one made last is as near.
+    /// The tetrahedron made last, if that was near vertex `v`; else the open one of some made
+    /// lately near by that has the nearest vertex.
     fn near(&self, v: VertexId) -> Option<TetId> {
-        let open = |t: &TetId| self.is_live(*t) && !self.specials.is_closed(*t);
-        if v.abs_diff(self.last) < NEAR && open(&self.hints[0]) {
+        let open = |t: TetId| self.is_live(t) && !self.specials.is_closed(t);
+        if v.abs_diff(self.last) < NEAR && open(self.hints[0]) {
             return Some(self.hints[0]);
         }
         let place = self.place(v);
-        let around = [place, place.saturating_sub(1), (place + 1).min(PLACES - 1)];
-        around.into_iter().map(|k| self.places[k]).find(open)
+        let around = &self.places[place.saturating_sub(SPREAD)..(place + SPREAD + 1).min(PLACES)];
+        let far = |t: TetId| {
+            let corners = self.topology.tet(t).vertices();
+            corners.into_iter().map(|w| w.abs_diff(v)).min()
+        };
+        around.iter().copied().filter(|&t| open(t)).min_by_key(|&t| far(t))
     }
 
     /// The entry of vertex `v` in `places`.
@@ -287,9 +294,15 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     }
 
     /// Remembers a tetrahedron that did not come from an insertion.
-    fn hint(&mut self, t: TetId) {
+    fn hint(&mut self, t: TetId, v: [VertexId; 4]) {
         self.hints[1..].rotate_right(1);
         self.hints[1] = t;
+        for w in v {
+            if self.home.contains(&w) {
+                let place = self.place(w);
+                self.places[place] = t;
+            }
+        }
     }
 
     /// Inserts `p` as vertex `v` if nothing is in the way: no proxy, no closed tetrahedron, and
@@ -438,7 +451,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         self.geometry.reserve_spheres(self.topology.slots());
         self.geometry.set_sphere(t, Sphere::UNKNOWN);
         self.made += 1;
-        self.hint(t);
+        self.hint(t, v);
         Some(t)
     }
 
@@ -568,6 +581,8 @@ pub fn assemble<H: Copy + Eq + Send + Sync, L: Copy + Send + Sync>(
 struct Doors<'a, H, L>(&'a Specials<H, L>);
 
 impl<H: Copy, L: Copy> Gate for Doors<'_, H, L> {
+    const SHUTS: bool = true;
+
     #[inline(always)]
     fn is_closed(&self, topology: &Topology, geometry: &Geometry, t: TetId) -> bool {
         // Both have no sphere.
