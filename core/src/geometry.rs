@@ -95,10 +95,22 @@ impl Geometry {
         *self.points.at_mut(v) = p;
     }
 
+    /// Says that `count` vertices from `first` on get coordinates. A hint.
+    pub(crate) fn prepare_points(&self, first: VertexId, count: usize) {
+        let first = first as usize;
+        self.points.prepare(first..first.saturating_add(count));
+    }
+
     /// The cached sphere of `t`.
     #[inline(always)]
     pub(crate) fn sphere(&self, t: TetId) -> Sphere {
         *self.spheres.at(t)
+    }
+
+    /// Asks the processor to fetch the cached sphere of `t`.
+    #[inline(always)]
+    pub(crate) fn prefetch_sphere(&self, t: TetId) {
+        self.spheres.prefetch(t);
     }
 
     /// Replaces the cached sphere of `t`.
@@ -238,7 +250,12 @@ impl Geometry {
 
     /// What the cached sphere of `t` alone says of `p`: `None` if nothing.
     pub(crate) fn cached_side(&self, t: TetId, p: &Point) -> Option<Sign> {
-        match self.spheres.at(t).test(&self.frame?.query(p)) {
+        self.side(*self.spheres.at(t), p)
+    }
+
+    /// What a sphere of this frame says of `p`: `None` if nothing.
+    pub(crate) fn side(&self, sphere: Sphere, p: &Point) -> Option<Sign> {
+        match sphere.test(&self.frame?.query(p)) {
             Verdict::Inside => Some(Sign::Positive),
             Verdict::Outside => Some(Sign::Negative),
             Verdict::Unknown => None,

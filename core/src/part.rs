@@ -12,11 +12,14 @@
 //! [`Part::set_home`]), or that the caller must hear of when it goes ([`Part::watch`]), never has
 //! a sphere.
 
+mod assemble;
+
+pub use assemble::{Assembly, Misfit, assemble};
+
 use crate::Point;
 use crate::cavity::{Cavity, Conflict, Open};
 use crate::geometry::{Geometry, PointConflict, PredicateStats};
 use crate::locate::{Found, Gate, walk_through};
-use crate::mesh::{Mesh, Vertex};
 use crate::points::Mode;
 use crate::special::Specials;
 use crate::sphere::Sphere;
@@ -135,7 +138,6 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         debug_assert!(self.topology.is_empty());
         self.topology = Topology::with_capacity(tets.min(MAX_TETS));
         self.geometry.reserve_sphere_capacity(tets.min(MAX_TETS));
-        self.specials.reserve(tets.min(MAX_TETS));
     }
 
     /// Says which vertices are the part's own: a tetrahedron with no other vertex belongs to it.
@@ -175,9 +177,9 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
                     let place = self.place(w);
                     self.places[place] = t;
                 } else {
-                    self.geometry.set_sphere(t, Sphere::UNKNOWN);
-                    if let Some(special) = self.specials.get_mut(t) {
-                        special.sphere = Sphere::UNKNOWN;
+                    match self.specials.get_mut(self.geometry.sphere(t)) {
+                        Some(special) => special.sphere = Sphere::UNKNOWN,
+                        None => self.geometry.set_sphere(t, Sphere::UNKNOWN),
                     }
                 }
             }
@@ -208,6 +210,13 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     /// The faces on the other sides of those of `t`, by the slot of the vertex opposite.
     pub fn neighbours(&self, t: TetId) -> [FaceId; 4] {
         self.topology.tet(t).neighbours()
+    }
+
+    /// Asks the processor to fetch tetrahedron `t`.
+    #[inline]
+    pub fn prefetch(&self, t: TetId) {
+        self.topology.prefetch(t);
+        self.geometry.prefetch_sphere(t);
     }
 
     /// The coordinates of vertex `v`.
@@ -243,7 +252,8 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         let mut conflict = geometry.conflict_of(p);
         // A walk that comes in through a hull facet ends there. From a ghost a walk goes to the
         // facet's other side first, perhaps to where it came from, and so on without end.
-        if topology.tet(start).is_ghost() && !specials.is_closed(start) {
+        if topology.tet(start).is_ghost() && !specials.is_closed(conflict.geometry().sphere(start))
+        {
             let [a, b, c, _] = topology.tet(start).vertices();
             if conflict.geometry().orient([a, b, c], p).is_positive() {
                 return Stop::Conflict(start);
@@ -264,7 +274,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     /// The tetrahedron made last, if that was near vertex `v`; else the open one of some made
     /// lately near by that has the nearest vertex.
     fn near(&self, v: VertexId) -> Option<TetId> {
-        let open = |t: TetId| self.is_live(t) && !self.specials.is_closed(t);
+        let open = |t: TetId| self.is_live(t) && !self.is_closed(t);
         if v.abs_diff(self.last) < NEAR && open(self.hints[0]) {
             return Some(self.hints[0]);
         }
@@ -288,20 +298,19 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     fn open_hint(&self) -> Option<TetId> {
         let live = || self.hints.iter().copied().filter(|&t| self.is_live(t));
         live()
-            .find(|t| !self.specials.is_closed(*t))
+            .find(|t| !self.is_closed(*t))
             .or_else(|| live().next())
             .or_else(|| self.tets().next().map(|(t, _)| t))
     }
 
-    /// Remembers a tetrahedron that did not come from an insertion.
-    fn hint(&mut self, t: TetId, v: [VertexId; 4]) {
+    /// Remembers a tetrahedron that did not come from an insertion here; its first vertex is the
+    /// one that was inserted, if any.
+    fn hint(&mut self, t: TetId, v: VertexId) {
         self.hints[1..].rotate_right(1);
         self.hints[1] = t;
-        for w in v {
-            if self.home.contains(&w) {
-                let place = self.place(w);
-                self.places[place] = t;
-            }
+        if self.home.contains(&v) {
+            let place = self.place(v);
+            self.places[place] = t;
         }
     }
 
@@ -320,7 +329,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         let mut conflict = PartConflict {
             specials,
             home,
-            met: specials.is_watched(seed),
+            met: specials.is_watched(geometry.sphere(seed)),
             blocked: false,
             border: strange(v) || topology.tet(seed).vertices().into_iter().any(strange),
             inner: geometry.conflict_of(p),
@@ -335,7 +344,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         }
         self.gone.clear();
         if met {
-            self.gone.extend(cavity.tets().filter_map(|t| specials.unwatch(t)));
+            self.gone.extend(cavity.tets().filter_map(|t| unwatch(specials, geometry, t)));
         }
         geometry.set_point(v, *p);
         let hint = cavity.fill(topology, v);
@@ -365,21 +374,20 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
 
     /// Watches `t`: should an insertion remove it, its label is among [`Part::take_gone`] then.
     pub fn watch(&mut self, t: TetId, label: L) {
-        let special = self.specials.entry(t);
-        special.label = Some(label);
-        special.sphere = Sphere::UNKNOWN;
-        self.geometry.set_sphere(t, Sphere::UNKNOWN);
+        let mut sphere = self.geometry.sphere(t);
+        self.specials.entry(t, &mut sphere).label = Some(label);
+        self.geometry.set_sphere(t, sphere);
     }
 
     /// The label of `t`, if it is watched.
     #[inline]
     pub fn label(&self, t: TetId) -> Option<L> {
-        self.specials.get(t)?.label
+        self.specials.get(self.geometry.sphere(t))?.label
     }
 
     /// Stops to watch `t`; returns its label.
     pub fn unwatch(&mut self, t: TetId) -> Option<L> {
-        self.specials.unwatch(t)
+        unwatch(&mut self.specials, &mut self.geometry, t)
     }
 
     /// The watched tetrahedra, with their labels.
@@ -390,7 +398,9 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     /// Is tetrahedron `t` in conflict with `p`?
     pub fn in_conflict(&mut self, t: TetId, p: &Point) -> bool {
         self.geometry.stats.insphere_calls += 1;
-        if let Some(sign) = self.geometry.cached_side(t, p) {
+        let sphere = self.geometry.sphere(t);
+        let sphere = self.specials.get(sphere).map_or(sphere, |special| special.sphere);
+        if let Some(sign) = self.geometry.side(sphere, p) {
             return sign.is_positive();
         }
         let mut conflict = self.geometry.conflict_of(p);
@@ -400,7 +410,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     /// Who holds the closed tetrahedron `t`; `None` if it is open.
     #[inline]
     pub fn holder(&self, t: TetId) -> Option<H> {
-        self.specials.get(t)?.closed.map(|(holder, _)| holder)
+        self.closed_by(t).map(|(holder, _)| holder)
     }
 
     /// The closed tetrahedra.
@@ -410,24 +420,26 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
 
     /// Closes `t`, which is open, as a tetrahedron of the holder's cavity (`inside`) or not.
     pub fn close(&mut self, t: TetId, holder: H, inside: bool) {
-        let sphere = self.geometry.sphere(t);
-        self.geometry.set_sphere(t, Sphere::UNKNOWN);
-        let special = self.specials.entry(t);
-        special.sphere = sphere;
-        special.closed = Some((holder, inside));
+        let mut sphere = self.geometry.sphere(t);
+        self.specials.entry(t, &mut sphere).closed = Some((holder, inside));
+        self.geometry.set_sphere(t, sphere);
     }
 
     /// Who holds the closed tetrahedron `t`, and whether as one of its cavity; `None` if it is open.
     #[inline]
     pub fn closed_by(&self, t: TetId) -> Option<(H, bool)> {
-        self.specials.get(t)?.closed
+        self.specials.get(self.geometry.sphere(t))?.closed
+    }
+
+    fn is_closed(&self, t: TetId) -> bool {
+        self.specials.is_closed(self.geometry.sphere(t))
     }
 
     /// Opens `t`; nothing happens if it is open.
     pub fn open(&mut self, t: TetId) {
-        if let Some(sphere) = self.specials.open(t) {
-            self.geometry.set_sphere(t, sphere);
-        }
+        let mut sphere = self.geometry.sphere(t);
+        self.specials.open(&mut sphere);
+        self.geometry.set_sphere(t, sphere);
     }
 
     /// Gives vertex `v` its coordinates.
@@ -437,6 +449,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
 
     /// Gives the vertices from `first` on their coordinates.
     pub fn set_points(&mut self, first: VertexId, points: &[Point]) {
+        self.geometry.prepare_points(first, points.len());
         for (v, p) in (first..).zip(points) {
             self.geometry.set_point(v, *p);
         }
@@ -451,7 +464,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         self.geometry.reserve_spheres(self.topology.slots());
         self.geometry.set_sphere(t, Sphere::UNKNOWN);
         self.made += 1;
-        self.hint(t, v);
+        self.hint(t, v[0]);
         Some(t)
     }
 
@@ -459,9 +472,10 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     pub fn cache_sphere(&mut self, t: TetId) {
         let v = self.topology.tet(t).vertices();
         let ours = v.iter().all(|w| *w == INFINITE || self.home.contains(w));
-        if self.specials.get(t).is_none() {
-            let sphere = if ours { self.geometry.compute_sphere(v) } else { Sphere::UNKNOWN };
-            self.geometry.set_sphere(t, sphere);
+        let sphere = if ours { self.geometry.compute_sphere(v) } else { Sphere::UNKNOWN };
+        match self.specials.get_mut(self.geometry.sphere(t)) {
+            Some(special) => special.sphere = sphere,
+            None => self.geometry.set_sphere(t, sphere),
         }
     }
 
@@ -493,8 +507,8 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     /// Removes tetrahedron `t`, which is open, and the proxies at its faces. What links to it is
     /// still to be linked anew.
     pub fn remove(&mut self, t: TetId) {
-        debug_assert!(!self.specials.is_closed(t));
-        self.specials.unwatch(t);
+        debug_assert!(!self.is_closed(t));
+        self.unwatch(t);
         for slot in 0..4 {
             self.forget_proxy(4 * t + slot);
         }
@@ -520,61 +534,16 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     }
 }
 
-/// What [`assemble`] needs beside the parts.
-#[derive(Debug)]
-pub struct Assembly<'a> {
-    /// Kernel coordinates by vertex less 1.
-    pub points: Vec<Point>,
-    /// Public number by vertex less 1.
-    pub numbers: &'a [Vertex],
-    /// Vertices whose points were vertices already, each with that vertex.
-    pub duplicates: &'a [(VertexId, VertexId)],
-    /// How the points are computed with.
-    pub mode: Mode,
-    /// Predicate calls made elsewhere.
-    pub predicates: PredicateStats,
-}
-
-/// Puts all parts of a mesh together. `far` finds the part and face beyond a proxy by its words.
-///
-/// `None` if there are too many tetrahedra, or if `far` finds nothing. Vertices that no
-/// tetrahedron has are left out.
-///
-/// Cost: O(tetrahedra), less those of the first part.
-pub fn assemble<H: Copy + Eq + Send + Sync, L: Copy + Send + Sync>(
-    parts: Vec<Part<H, L>>,
-    far: impl Fn([u32; 4]) -> Option<(usize, FaceId)>,
-    assembly: Assembly<'_>,
-) -> Option<Mesh> {
-    let mut parts = parts.into_iter();
-    let Part { mut topology, mut geometry, .. } = parts.next()?;
-    let mut offsets = vec![0];
-    for part in parts {
-        let (slots, theirs) = (topology.slots(), part.topology.slots());
-        geometry.stats += part.geometry.stats;
-        offsets.push(topology.append(part.topology)?);
-        geometry.append_spheres(slots, part.geometry, theirs);
-    }
-    let proxies: Vec<(TetId, FaceId, [u32; 4])> = topology
-        .iter()
-        .filter(|(_, tet)| tet.is_proxy())
-        .map(|(t, tet)| (t, tet.neighbours()[0], tet.words()))
-        .collect();
-    for &(t, face, mut words) in &proxies {
-        // Appending shifts the links of a proxy, two of which are words.
-        let at = offsets.partition_point(|&offset| offset <= t) - 1;
-        for word in &mut words[2..] {
-            *word -= 4 * offsets[at];
-        }
-        let (part, beyond) = far(words)?;
-        topology.point_to(face, beyond + 4 * offsets.get(part)?);
-    }
-    for (t, ..) in proxies {
-        topology.erase(t);
-    }
-    geometry.reserve_spheres(topology.slots());
-    geometry.stats += assembly.predicates;
-    Some(Mesh::assembled(topology, geometry, assembly))
+/// Takes the label of `t` away.
+fn unwatch<H: Copy, L: Copy>(
+    specials: &mut Specials<H, L>,
+    geometry: &mut Geometry,
+    t: TetId,
+) -> Option<L> {
+    let mut sphere = geometry.sphere(t);
+    let label = specials.unwatch(&mut sphere);
+    geometry.set_sphere(t, sphere);
+    label
 }
 
 /// The gate of walks: proxies and closed tetrahedra.
@@ -586,7 +555,8 @@ impl<H: Copy, L: Copy> Gate for Doors<'_, H, L> {
     #[inline(always)]
     fn is_closed(&self, topology: &Topology, geometry: &Geometry, t: TetId) -> bool {
         // Both have no sphere.
-        geometry.sphere(t).0[3].is_nan() && (topology.tet(t).is_proxy() || self.0.is_closed(t))
+        let sphere = geometry.sphere(t);
+        sphere.0[3].is_nan() && (topology.tet(t).is_proxy() || self.0.is_closed(sphere))
     }
 }
 
@@ -619,13 +589,14 @@ impl<H: Copy, L: Copy> Conflict for PartConflict<'_, H, L> {
         let mut open = 0;
         for (slot, &t) in tets.iter().enumerate().filter(|&(slot, _)| unknown >> slot & 1 == 1) {
             let tet = topology.tet(t);
-            if tet.is_proxy() || self.specials.is_closed(t) {
+            let sphere = self.inner.geometry().sphere(t);
+            if tet.is_proxy() || self.specials.is_closed(sphere) {
                 self.blocked = true;
             } else {
                 open |= 1 << slot;
                 let strange = |&v: &VertexId| v != INFINITE && !self.home.contains(&v);
                 self.border |= tet.vertices().iter().any(strange);
-                self.met |= self.specials.is_watched(t);
+                self.met |= self.specials.is_watched(sphere);
             }
         }
         // Once blocked, the cavity is set back: nothing more is taken into it.

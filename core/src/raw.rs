@@ -11,6 +11,7 @@ use crate::sphere::{Maker, Query, Sphere};
 use crate::topology::{Tet, TetId, VertexId};
 use rayon::prelude::*;
 use std::mem::MaybeUninit;
+use std::ops::Range;
 
 /// An array that is indexed without bounds checks in release: the large arrays of a mesh.
 ///
@@ -39,6 +40,14 @@ impl<T> Arena<T> {
         T: Clone,
     {
         Self(vec![entry; len])
+    }
+
+    /// Asks for huge pages behind some entries: they are all to be written. A hint.
+    pub(crate) fn prepare(&self, entries: Range<usize>) {
+        if let Some(entries) = self.0.get(entries) {
+            let range = entries.as_ptr_range();
+            advise(range.start as usize..range.end as usize);
+        }
     }
 
     /// The entries of `array`.
@@ -187,10 +196,16 @@ fn forget_memory<T: Zeroable>(entries: &mut [T]) {
 /// Asks for huge pages behind the whole capacity of `array`: fewer page faults and TLB misses.
 /// A hint: nothing depends on it.
 fn advise_huge<T>(array: &Vec<T>) {
+    let start = array.as_ptr() as usize;
+    advise(start..start + array.capacity() * size_of::<T>());
+}
+
+/// Asks for huge pages at these addresses, which belong to one array.
+fn advise(addresses: Range<usize>) {
     #[cfg(target_os = "linux")]
     {
-        let start = (array.as_ptr() as usize).next_multiple_of(HUGE);
-        let end = (array.as_ptr() as usize + array.capacity() * size_of::<T>()) & !(HUGE - 1);
+        let start = addresses.start.next_multiple_of(HUGE);
+        let end = addresses.end & !(HUGE - 1);
         if end > start {
             // SAFETY: start..end lies in the array's own allocation and is page-aligned;
             // MADV_HUGEPAGE changes no content. A failure (an old kernel) is harmless.
@@ -200,7 +215,7 @@ fn advise_huge<T>(array: &Vec<T>) {
         }
     }
     #[cfg(not(target_os = "linux"))]
-    let _ = array;
+    let _ = addresses;
 }
 
 /// Caches spheres with AVX2, four at a time, bit for bit as [`Maker::sphere`] does; `false` if

@@ -1,7 +1,8 @@
 //! The few tetrahedra of a part that are closed or watched: a table beside the tetrahedra.
 //!
-//! Most tetrahedra are neither, so that the state of the others lies apart, found by an index of
-//! four bytes a tetrahedron. Only those pages of the index are ever touched that have one.
+//! Most tetrahedra are neither, so that the state of the others lies apart. A tetrahedron that has
+//! an entry has its number in place of its sphere: whoever looks at a tetrahedron has read that
+//! anyway.
 
 use crate::sphere::Sphere;
 use crate::topology::TetId;
@@ -10,7 +11,7 @@ use crate::topology::TetId;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Special<H, L> {
     tet: TetId,
-    /// The sphere that it had when it was closed.
+    /// The sphere that it has when it is neither any more.
     pub(crate) sphere: Sphere,
     /// Who has closed it, and whether as part of its cavity.
     pub(crate) closed: Option<(H, bool)>,
@@ -18,11 +19,9 @@ pub(crate) struct Special<H, L> {
     pub(crate) label: Option<L>,
 }
 
-/// All of them.
+/// All of them. A tetrahedron's entry is found by what it has in place of a sphere.
 #[derive(Debug)]
 pub(crate) struct Specials<H, L> {
-    /// By tetrahedron: 1 + its place in `entries`, or 0.
-    index: Vec<u32>,
     /// Those with neither holder nor label are free.
     entries: Vec<Special<H, L>>,
     free: Vec<u32>,
@@ -30,48 +29,37 @@ pub(crate) struct Specials<H, L> {
 
 impl<H: Copy, L: Copy> Specials<H, L> {
     pub(crate) fn new() -> Self {
-        Self { index: Vec::new(), entries: Vec::new(), free: Vec::new() }
-    }
-
-    /// Room for tetrahedra `0..tets`; untouched memory until they are special.
-    pub(crate) fn reserve(&mut self, tets: usize) {
-        if self.entries.is_empty() {
-            self.index = vec![0; tets];
-        }
+        Self { entries: Vec::new(), free: Vec::new() }
     }
 
     #[inline]
-    pub(crate) fn get(&self, t: TetId) -> Option<&Special<H, L>> {
-        let place = *self.index.get(t as usize)?;
-        self.entries.get((place as usize).wrapping_sub(1))
+    pub(crate) fn get(&self, sphere: Sphere) -> Option<&Special<H, L>> {
+        self.entries.get(sphere.entry()? as usize)
     }
 
     #[inline]
-    pub(crate) fn get_mut(&mut self, t: TetId) -> Option<&mut Special<H, L>> {
-        let place = *self.index.get(t as usize)?;
-        self.entries.get_mut((place as usize).wrapping_sub(1))
+    pub(crate) fn get_mut(&mut self, sphere: Sphere) -> Option<&mut Special<H, L>> {
+        self.entries.get_mut(sphere.entry()? as usize)
     }
 
-    /// Is `t` closed?
+    /// Is it closed?
     #[inline]
-    pub(crate) fn is_closed(&self, t: TetId) -> bool {
-        self.get(t).is_some_and(|s| s.closed.is_some())
+    pub(crate) fn is_closed(&self, sphere: Sphere) -> bool {
+        self.get(sphere).is_some_and(|s| s.closed.is_some())
     }
 
-    /// Is `t` watched?
+    /// Is it watched?
     #[inline]
-    pub(crate) fn is_watched(&self, t: TetId) -> bool {
-        self.get(t).is_some_and(|s| s.label.is_some())
+    pub(crate) fn is_watched(&self, sphere: Sphere) -> bool {
+        self.get(sphere).is_some_and(|s| s.label.is_some())
     }
 
-    /// The entry of `t`, a new one if it has none.
-    pub(crate) fn entry(&mut self, t: TetId) -> &mut Special<H, L> {
-        let slot = t as usize;
-        if slot >= self.index.len() {
-            self.index.resize((slot + 1).max(2 * self.index.len()), 0);
-        }
-        if self.index[slot] == 0 {
-            let new = Special { tet: t, sphere: Sphere::UNKNOWN, closed: None, label: None };
+    /// The entry of tetrahedron `t` that has `sphere`; a new one if that is none yet. `sphere` is
+    /// then what the tetrahedron is to have in its place.
+    #[inline]
+    pub(crate) fn entry(&mut self, t: TetId, sphere: &mut Sphere) -> &mut Special<H, L> {
+        let place = sphere.entry().unwrap_or_else(|| {
+            let new = Special { tet: t, sphere: *sphere, closed: None, label: None };
             let place = match self.free.pop() {
                 Some(place) => {
                     self.entries[place as usize] = new;
@@ -82,33 +70,45 @@ impl<H: Copy, L: Copy> Specials<H, L> {
                     (self.entries.len() - 1) as u32
                 }
             };
-            self.index[slot] = place + 1;
+            *sphere = Sphere::of_entry(place);
+            place
+        });
+        &mut self.entries[place as usize]
+    }
+
+    /// Frees the entry if there is nothing to know any more; `sphere` is then the sphere.
+    #[inline]
+    fn tidy(&mut self, sphere: &mut Sphere) {
+        if let Some(place) = sphere.entry() {
+            let special = &self.entries[place as usize];
+            if special.closed.is_none() && special.label.is_none() {
+                *sphere = special.sphere;
+                self.free.push(place);
+            }
         }
-        &mut self.entries[self.index[slot] as usize - 1]
     }
 
-    /// Frees the entry of `t` if there is nothing to know any more.
-    fn tidy(&mut self, t: TetId) {
-        if self.get(t).is_some_and(|s| s.closed.is_none() && s.label.is_none()) {
-            self.free.push(self.index[t as usize] - 1);
-            self.index[t as usize] = 0;
+    /// Takes the holder away; `sphere` is then what the tetrahedron is to have.
+    #[inline]
+    pub(crate) fn open(&mut self, sphere: &mut Sphere) {
+        if let Some(special) = self.get_mut(*sphere) {
+            special.closed = None;
+            self.tidy(sphere);
         }
     }
 
-    /// Takes the holder of `t` away; returns the sphere that it had.
-    pub(crate) fn open(&mut self, t: TetId) -> Option<Sphere> {
-        let special = self.get_mut(t)?;
-        special.closed.take()?;
-        let sphere = special.sphere;
-        self.tidy(t);
-        Some(sphere)
-    }
-
-    /// Takes the label of `t` away.
-    pub(crate) fn unwatch(&mut self, t: TetId) -> Option<L> {
-        let label = self.get_mut(t)?.label.take();
-        self.tidy(t);
+    /// Takes the label away; `sphere` is then what the tetrahedron is to have.
+    #[inline]
+    pub(crate) fn unwatch(&mut self, sphere: &mut Sphere) -> Option<L> {
+        let label = self.get_mut(*sphere)?.label.take();
+        self.tidy(sphere);
         label
+    }
+
+    /// The tetrahedra that have an entry, with their spheres.
+    pub(crate) fn spheres(&self) -> impl Iterator<Item = (TetId, Sphere)> + '_ {
+        let used = |s: &&Special<H, L>| s.closed.is_some() || s.label.is_some();
+        self.entries.iter().filter(used).map(|s| (s.tet, s.sphere))
     }
 
     /// The closed ones.
@@ -129,21 +129,24 @@ mod tests {
     #[test]
     fn an_entry_lives_as_long_as_there_is_something_to_know() {
         let mut specials: Specials<char, u32> = Specials::new();
-        assert!(specials.get(7).is_none() && specials.open(7).is_none());
-        specials.entry(7).label = Some(70);
-        specials.entry(7).closed = Some(('a', true));
-        specials.entry(3).closed = Some(('b', false));
+        // Of three tetrahedra.
+        let [mut a, mut b, mut c] = [1.0, 2.0, 3.0].map(|x| Sphere([x, 0.0, 0.0, 4.0]));
+        specials.open(&mut a);
+        assert!(specials.get(a).is_none() && a.0[0] == 1.0);
+        specials.entry(7, &mut a).label = Some(70);
+        specials.entry(7, &mut a).closed = Some(('a', true));
+        specials.entry(3, &mut b).closed = Some(('b', false));
+        assert!(a.0[3].is_nan() && b.0[3].is_nan());
         assert_eq!(specials.closed().collect::<Vec<_>>(), [7, 3]);
         assert_eq!(specials.watched().collect::<Vec<_>>(), [(7, 70)]);
-        assert!(specials.open(7).is_some() && specials.open(7).is_none());
-        assert!(!specials.is_closed(7) && specials.is_watched(7) && specials.is_closed(3));
-        assert_eq!(specials.unwatch(7), Some(70));
-        assert!(specials.get(7).is_none() && specials.unwatch(7).is_none());
+        specials.open(&mut a);
+        assert!(!specials.is_closed(a) && specials.is_watched(a) && specials.is_closed(b));
+        assert_eq!(specials.unwatch(&mut a), Some(70));
+        assert_eq!(a.0, [1.0, 0.0, 0.0, 4.0], "the sphere is back");
+        assert!(specials.get(a).is_none() && specials.unwatch(&mut a).is_none());
         // Its place is taken again.
-        specials.entry(1000).label = Some(1);
+        specials.entry(1000, &mut c).label = Some(1);
         assert_eq!(specials.entries.len(), 2);
-        assert!(specials.is_watched(1000) && specials.is_closed(3));
-        specials.reserve(10);
-        assert!(specials.is_watched(1000), "reserving forgets nothing");
+        assert!(specials.is_watched(c) && specials.is_closed(b));
     }
 }

@@ -18,6 +18,9 @@ use crate::cavity::SMALL;
 use crate::raw::{self, Arena};
 use crate::topology::TetId;
 
+/// The radius of what stands in place of a sphere: a NaN that no computation makes.
+const ENTRY: u32 = 0x7fc5_e715;
+
 /// Centre and radius, in the frame. A radius that is NaN decides nothing.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(16))]
@@ -83,6 +86,20 @@ impl Query {
 impl Sphere {
     /// The sphere that decides nothing.
     pub(crate) const UNKNOWN: Self = Self([0.0, 0.0, 0.0, f32::NAN]);
+
+    /// In place of a sphere: the tetrahedron has an entry of this number in a table beside the
+    /// tetrahedra. It decides nothing. `entry` is below 2^30.
+    #[inline]
+    pub(crate) fn of_entry(entry: u32) -> Self {
+        // Numbers from 1 up: none is subnormal, which would be slow to compute with.
+        Self([f32::from_bits(1f32.to_bits() + entry), 0.0, 0.0, f32::from_bits(ENTRY)])
+    }
+
+    /// The number that [`Sphere::of_entry`] was given, if this is one of those.
+    #[inline(always)]
+    pub(crate) fn entry(self) -> Option<u32> {
+        (self.0[3].to_bits() == ENTRY).then(|| self.0[0].to_bits() - 1f32.to_bits())
+    }
 
     /// Its four numbers, to the bit.
     pub(crate) fn bits(&self) -> [u32; 4] {

@@ -245,25 +245,31 @@ impl Topology {
         Some(offset as TetId)
     }
 
-    /// By vertex, of which there are `count` finite ones: has a tetrahedron got it?
-    pub(crate) fn used_vertices(&self, count: usize) -> Vec<bool> {
+    /// One look at all slots: by vertex, of which there are `count` finite ones, whether a
+    /// tetrahedron has it; and the proxies, ascending.
+    pub(crate) fn survey(&self, count: usize) -> (Vec<bool>, Vec<TetId>) {
         let tets = self.tets.all();
-        let of_chunk = |chunk: &[Tet]| {
-            let mut used = vec![false; count + 1];
-            for tet in chunk.iter().filter(|tet| !tet.is_free()) {
+        let size = tets.len().div_ceil(rayon::current_num_threads()).max(1);
+        let of_chunk = |(number, chunk): (usize, &[Tet])| {
+            let (mut used, mut proxies) = (vec![false; count + 1], Vec::new());
+            for (t, tet) in (number * size..).zip(chunk).filter(|(_, tet)| !tet.is_free()) {
+                if tet.is_proxy() {
+                    proxies.push(t as TetId);
+                    continue;
+                }
                 for v in tet.vertices() {
                     used[v as usize] = true;
                 }
             }
-            used
+            (used, proxies)
         };
-        let join = |mut used: Vec<bool>, other: Vec<bool>| {
-            used.iter_mut().zip(other).for_each(|(used, other)| *used |= other);
-            used
+        let join = |mut one: (Vec<bool>, Vec<TetId>), other: (Vec<bool>, Vec<TetId>)| {
+            one.0.iter_mut().zip(other.0).for_each(|(used, other)| *used |= other);
+            one.1.extend(other.1);
+            one
         };
-        let chunk = tets.len().div_ceil(rayon::current_num_threads()).max(1);
-        let used = tets.par_chunks(chunk).map(of_chunk).reduce_with(join);
-        used.unwrap_or_else(|| vec![false; count + 1])
+        let all = tets.par_chunks(size).enumerate().map(of_chunk).reduce_with(join);
+        all.unwrap_or_else(|| (vec![false; count + 1], Vec::new()))
     }
 
     /// Renames every vertex of every tetrahedron.
