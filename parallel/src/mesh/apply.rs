@@ -1,8 +1,8 @@
 //! Patches and moves: what changes a submesh from outside.
 
-use super::{At, Lead, LocalMesh, Moving, NewTet, Patch, Relink, To, handle, load};
+use super::{At, Lead, LocalMesh, Moving, Patch, Relink, Site, To, handle, load};
 use crate::protocol::{BlockId, Directory, Handle, Name};
-use ltbw_core::topology::{INFINITE, TetId, slot_of, tet_of};
+use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use rustc_hash::FxHashMap;
 
 impl LocalMesh {
@@ -19,7 +19,10 @@ impl LocalMesh {
             self.drop_name(t);
             self.part.remove(t);
         }
-        let Some(tets) = self.create_all(&patch.create) else { return };
+        self.set_sites(&patch.sites);
+        let vertex = |k: u32| patch.sites[k as usize].vertex;
+        let new = patch.create.iter().map(|new| (new.name, new.v.map(vertex)));
+        let Some(tets) = self.create_all(new) else { return };
         for (&t, new) in tets.iter().zip(&patch.create) {
             for (slot, to) in (0..).zip(&new.n) {
                 let face = 4 * t + slot;
@@ -44,26 +47,33 @@ impl LocalMesh {
         for (&t, new) in tets.iter().zip(&patch.create) {
             self.part.cache_sphere(t);
             made.extend(new.name);
-            let block = self.block_of(t);
-            if !directory.is_mine(block) {
-                self.strays.entry(block).or_default().push(t);
-                strays.push(block);
+            if !directory.is_mine(new.block) {
+                self.strays.entry(new.block).or_default().push(t);
+                strays.push(new.block);
             }
         }
     }
 
-    /// Makes new tetrahedra, named but not linked; `None` at the limit of tetrahedra.
-    fn create_all(&mut self, create: &[NewTet]) -> Option<Vec<TetId>> {
-        let mut tets = Vec::with_capacity(create.len());
-        for new in create {
-            for site in new.v.iter().filter(|site| site.vertex != INFINITE) {
-                self.part.set_point(site.vertex, site.point());
-            }
-            let Some(t) = self.part.create(new.v.map(|site| site.vertex)) else {
+    /// Takes the coordinates of vertices.
+    fn set_sites(&mut self, sites: &[Site]) {
+        for site in sites.iter().filter(|site| site.vertex != INFINITE) {
+            self.part.set_point(site.vertex, site.point());
+        }
+    }
+
+    /// Makes new tetrahedra, given by name and vertices, which are not linked yet; `None` at the
+    /// limit of tetrahedra.
+    fn create_all(
+        &mut self,
+        new: impl ExactSizeIterator<Item = (Option<Name>, [VertexId; 4])>,
+    ) -> Option<Vec<TetId>> {
+        let mut tets = Vec::with_capacity(new.len());
+        for (name, v) in new {
+            let Some(t) = self.part.create(v) else {
                 self.full = true;
                 return None;
             };
-            if let Some(name) = new.name {
+            if let Some(name) = name {
                 self.set_name(t, name);
             }
             tets.push(t);
@@ -146,11 +156,11 @@ impl LocalMesh {
 
     /// Installs tetrahedra that come from another worker.
     pub(super) fn adopt_all(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {
-        let new: Vec<NewTet> = cargo
-            .iter()
-            .map(|m| NewTet { name: Some(m.name), v: m.v, n: [To::New(0, 0); 4] })
-            .collect();
-        let Some(tets) = self.create_all(&new) else { return };
+        for moving in &cargo {
+            self.set_sites(&moving.v);
+        }
+        let new = cargo.iter().map(|m| (Some(m.name), m.v.map(|site| site.vertex)));
+        let Some(tets) = self.create_all(new) else { return };
         for (&t, moving) in tets.iter().zip(&cargo) {
             for (slot, lead) in (0..).zip(&moving.n) {
                 let face = 4 * t + slot;

@@ -255,9 +255,7 @@ impl Cursor {
     /// About how many points it has.
     fn length(&self, own: &Own) -> usize {
         match &self.track {
-            Track::Own { next, end, round } => {
-                (end - next) as usize >> (3 * (own.rounds - round))
-            }
+            Track::Own { next, end, round } => (end - next) as usize >> (3 * (own.rounds - round)),
             Track::Moved(points) => points.len(),
         }
     }

@@ -5,25 +5,37 @@ use super::wire::Link;
 use super::{At, LocalMesh, NewTet, Patch, Piece, Relink, Site, To};
 use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
 use ltbw_core::cavity::OTHERS;
-use ltbw_core::topology::{TetId, VertexId};
+use ltbw_core::topology::TetId;
 
 /// A face of the cavity's boundary, and the new tetrahedron on it.
+#[derive(Debug)]
 struct Wall {
-    /// The new tetrahedron: the point, then the face.
-    v: [Site; 4],
+    /// The face, as indices of the cavity's corners.
+    v: [u32; 3],
+    /// The new tetrahedron's block.
     block: BlockId,
     /// Its owner, and its index among that owner's new ones.
     owner: WorkerId,
     index: u32,
     name: Option<Name>,
     /// Neighbours by slot, other walls: wall and slot there. Entry 0 is not used.
-    beside: [(usize, u8); 4],
+    beside: [(u32, u8); 4],
     /// The ring tetrahedron behind the face: who has it, where, the slot, its block and name.
     worker: WorkerId,
     at: At,
     slot: u8,
     ring_block: BlockId,
     ring_name: Option<Name>,
+}
+
+/// What is used while a cavity is filled, kept for the next one.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    corners: Corners,
+    walls: Vec<Wall>,
+    /// Names of the cavity's tetrahedra, ascending.
+    named: Vec<Name>,
+    edges: Edges,
 }
 
 /// The handle of wall `wall`'s new tetrahedron at `slot`.
@@ -39,50 +51,63 @@ impl LocalMesh {
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, Patch)> {
-        let mut walls = self.walls(point, parts, whereabouts, directory);
-        // By worker; few have a part.
-        let mut patches: Vec<(WorkerId, Patch)> = Vec::with_capacity(parts.len());
-        for (worker, pieces) in parts.iter().filter(|(_, pieces)| !pieces.is_empty()) {
-            let patch = patch_of(&mut patches, *worker, walls.len());
-            patch.remove.extend(pieces.iter().map(|piece| piece.tet));
-        }
-        let mut counts: Vec<(WorkerId, u32)> = Vec::with_capacity(parts.len());
-        for wall in &mut walls {
+        let mut scratch = std::mem::take(&mut self.scratch);
+        self.find_walls(&mut scratch, point, parts, whereabouts, directory);
+        let Scratch { corners, walls, edges, .. } = &mut scratch;
+        let mut counts: Vec<(WorkerId, u32)> = Vec::with_capacity(parts.len() + 1);
+        for wall in &mut *walls {
             let place = place_of(&mut counts, wall.owner, || 0);
             wall.index = counts[place].1;
             counts[place].1 += 1;
         }
-        self.edges.join(&mut walls);
-        self.name_walls(&mut walls);
-        for wall in &walls {
-            let n = [0, 1, 2, 3].map(|slot| lead(&walls, wall, slot));
-            let new = NewTet { name: wall.name, v: wall.v, n };
-            patch_of(&mut patches, wall.owner, walls.len()).create.push(new);
+        edges.join(walls);
+        self.name_walls(walls);
+        // By worker; few have a part.
+        let mut patches: Vec<(WorkerId, Patch)> = Vec::with_capacity(parts.len() + 1);
+        for (owner, count) in counts {
+            let create = Vec::with_capacity(count as usize);
+            let sites = corners.sites.clone();
+            patches.push((owner, Patch { sites, create, ..Patch::default() }));
+        }
+        for (worker, pieces) in parts.iter().filter(|(_, pieces)| !pieces.is_empty()) {
+            let patch = patch_of(&mut patches, *worker);
+            patch.remove.extend(pieces.iter().map(|piece| piece.tet));
+        }
+        for wall in &*walls {
+            let n = [0, 1, 2, 3].map(|slot| lead(walls, wall, slot));
+            let [a, b, c] = wall.v;
+            let new = NewTet { name: wall.name, v: [0, a, b, c], block: wall.block, n };
+            patch_of(&mut patches, wall.owner).create.push(new);
             if wall.worker != wall.owner
                 && let Some(to) = handle_of(wall, 0)
             {
                 let relink = Relink { at: wall.at, slot: wall.slot, name: wall.ring_name, to };
-                patch_of(&mut patches, wall.worker, walls.len()).relink.push(relink);
+                patch_of(&mut patches, wall.worker).relink.push(relink);
             }
         }
         patches.sort_unstable_by_key(|&(worker, _)| worker);
+        self.scratch = scratch;
         patches
     }
 
-    /// The boundary of the cavity.
-    fn walls(
+    /// The boundary of the cavity, and its corners.
+    fn find_walls(
         &self,
+        scratch: &mut Scratch,
         point: &Site,
         parts: &[(WorkerId, Vec<Piece>)],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
-    ) -> Vec<Wall> {
+    ) {
+        let Scratch { corners, walls, named, .. } = scratch;
         let pieces = || parts.iter().flat_map(|(w, list)| list.iter().map(move |p| (*w, p)));
-        let mut named: Vec<Name> = pieces().filter_map(|(_, p)| p.name).collect();
+        named.clear();
+        named.extend(pieces().filter_map(|(_, p)| p.name));
         named.sort_unstable();
-        let links = || pieces().flat_map(|(_, p)| &p.n);
-        let mut walls = Vec::with_capacity(links().filter(|&l| *l != Link::Inside).count());
+        walls.clear();
+        corners.start(point, parts.iter().map(|(_, list)| list.len()).sum());
         for (worker, piece) in pieces() {
+            let v = piece.v.each_ref().map(|site| corners.index(site));
             for (slot, link) in piece.n.iter().enumerate() {
                 let (worker, at, slot_there, ring_block, ring_name) = match *link {
                     Link::Inside => continue,
@@ -95,11 +120,11 @@ impl LocalMesh {
                         (worker, At::Named(name), face, block, Some(name))
                     }
                 };
-                let [a, b, c] = OTHERS[slot].map(|k| piece.v[k]);
-                let v = [*point, a, b, c];
-                let block = self.blocks.of_tet(v.map(|site| site.vertex));
+                let [a, b, c] = OTHERS[slot];
+                let face = [a, b, c].map(|k| piece.v[k].vertex);
+                let block = self.blocks.of_tet([point.vertex, face[0], face[1], face[2]]);
                 walls.push(Wall {
-                    v,
+                    v: [a, b, c].map(|k| v[k]),
                     block,
                     owner: directory.owner(block),
                     index: 0,
@@ -113,7 +138,6 @@ impl LocalMesh {
                 });
             }
         }
-        walls
     }
 
     /// Names what another worker must know: new tetrahedra beside those of others, and ring
@@ -123,7 +147,8 @@ impl LocalMesh {
         let mut ring: Vec<((WorkerId, TetId), Name)> = Vec::new();
         for k in 0..walls.len() {
             let (owner, worker) = (walls[k].owner, walls[k].worker);
-            let beside = walls[k].beside[1..].iter().any(|&(other, _)| walls[other].owner != owner);
+            let beside =
+                walls[k].beside[1..].iter().any(|&(other, _)| walls[other as usize].owner != owner);
             if beside || worker != owner {
                 walls[k].name = Some(self.fresh_name());
             }
@@ -151,7 +176,7 @@ fn lead(walls: &[Wall], wall: &Wall, slot: usize) -> To {
         };
     }
     let (other, there) = wall.beside[slot];
-    let other = &walls[other];
+    let other = &walls[other as usize];
     match handle_of(other, there) {
         Some(handle) if other.owner != wall.owner => To::Far(handle),
         _ => To::New(other.index, there),
@@ -166,17 +191,53 @@ fn place_of<K: PartialEq, V>(list: &mut Vec<(K, V)>, key: K, value: impl FnOnce(
     })
 }
 
-/// The patch of a worker, with room for `create` new tetrahedra.
-fn patch_of(patches: &mut Vec<(WorkerId, Patch)>, worker: WorkerId, create: usize) -> &mut Patch {
-    let empty = || Patch { create: Vec::with_capacity(create), ..Patch::default() };
-    let place = place_of(patches, worker, empty);
+/// The patch of a worker.
+fn patch_of(patches: &mut Vec<(WorkerId, Patch)>, worker: WorkerId) -> &mut Patch {
+    let place = place_of(patches, worker, Patch::default);
     &mut patches[place].1
+}
+
+/// The corners of a cavity, the point among them, each once.
+#[derive(Debug, Default)]
+struct Corners {
+    /// The point, then the others.
+    sites: Vec<Site>,
+    /// By vertex, with open addressing: 1 + index, or 0.
+    table: Vec<u32>,
+}
+
+impl Corners {
+    /// Forgets all; a cavity of `pieces` tetrahedra is to come, around `point`.
+    fn start(&mut self, point: &Site, pieces: usize) {
+        self.sites.clear();
+        self.sites.push(*point);
+        self.table.clear();
+        // At most half full, even if all tetrahedra were apart: every search meets an empty place.
+        self.table.resize((8 * pieces).next_power_of_two(), 0);
+    }
+
+    /// The index of a corner.
+    fn index(&mut self, site: &Site) -> u32 {
+        let last = self.table.len() - 1;
+        let mut place = (site.vertex.wrapping_mul(0x9e37_79b9) >> 12) as usize & last;
+        loop {
+            match self.table[place] {
+                0 => {
+                    self.sites.push(*site);
+                    self.table[place] = self.sites.len() as u32;
+                    return self.table[place] - 1;
+                }
+                k if self.sites[k as usize - 1].vertex == site.vertex => return k - 1,
+                _ => place = (place + 1) & last,
+            }
+        }
+    }
 }
 
 /// Edges of the boundary: a table with open addressing, kept for the next cavity.
 #[derive(Debug, Default)]
-pub(super) struct Edges {
-    /// Both vertices in one word; `u64::MAX` where the table is empty.
+struct Edges {
+    /// Both corners in one word; `u64::MAX` where the table is empty.
     keys: Vec<u64>,
     /// Wall and slot.
     sides: Vec<(u32, u8)>,
@@ -191,7 +252,7 @@ impl Edges {
         self.keys.resize(size, u64::MAX);
         self.sides.resize(self.sides.len().max(size), (0, 0));
         for k in 0..walls.len() {
-            let [_, a, b, c] = walls[k].v.map(|site| site.vertex);
+            let [a, b, c] = walls[k].v;
             for (from, to, slot) in [(a, b, 3), (b, c, 1), (c, a, 2)] {
                 let place = self.place(from, to);
                 let (other, there) = self.sides[place];
@@ -199,15 +260,15 @@ impl Edges {
                     self.keys[place] = key_of(from, to);
                     self.sides[place] = (k as u32, slot);
                 } else {
-                    walls[k].beside[slot as usize] = (other as usize, there);
-                    walls[other as usize].beside[there as usize] = (k, slot);
+                    walls[k].beside[slot as usize] = (other, there);
+                    walls[other as usize].beside[there as usize] = (k as u32, slot);
                 }
             }
         }
     }
 
     /// Where an edge is, or would be.
-    fn place(&self, from: VertexId, to: VertexId) -> usize {
+    fn place(&self, from: u32, to: u32) -> usize {
         let (key, last) = (key_of(from, to), self.keys.len() - 1);
         let mut place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize & last;
         while self.keys[place] != key && self.keys[place] != u64::MAX {
@@ -217,6 +278,6 @@ impl Edges {
     }
 }
 
-fn key_of(a: VertexId, b: VertexId) -> u64 {
+fn key_of(a: u32, b: u32) -> u64 {
     u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }

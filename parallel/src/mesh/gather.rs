@@ -1,8 +1,8 @@
 //! The end of a parallel run: submeshes put together to one mesh.
 
 use super::{Common, LocalMesh, handle};
-use crate::protocol::Name;
-use ltbw_core::part::{Assembly, assemble};
+use crate::protocol::{Name, WorkerId};
+use ltbw_core::part::{Assembly, Misfit, assemble};
 use ltbw_core::topology::TetId;
 use ltbw_core::{Mesh, Vertex};
 use rustc_hash::FxHashMap;
@@ -28,6 +28,9 @@ pub enum GatherError {
         /// The name it leads to.
         name: Name,
     },
+    /// There is no submesh.
+    #[error("there is no submesh to put together")]
+    NoParts,
     /// The mesh cannot name so many tetrahedra.
     #[error("the mesh would exceed the limit of tetrahedra, hull ghosts included")]
     TooManyTets,
@@ -47,14 +50,6 @@ pub fn gather(meshes: Vec<LocalMesh>, common: Common) -> Result<Gathered, Gather
         places.extend(mesh.names.iter().map(|(&name, &t)| (name, (k, t))));
     }
     for mesh in &meshes {
-        for (_, tet) in mesh.part.topology().iter().filter(|(_, tet)| tet.is_proxy()) {
-            let there = handle(tet.words());
-            if !places.contains_key(&there.name) {
-                return Err(GatherError::Dangling { worker: mesh.me, name: there.name });
-            }
-        }
-    }
-    for mesh in &meshes {
         duplicates.extend(&mesh.duplicates);
     }
     let far = |words: [u32; 4]| {
@@ -62,9 +57,15 @@ pub fn gather(meshes: Vec<LocalMesh>, common: Common) -> Result<Gathered, Gather
         let &(part, t) = places.get(&there.name)?;
         Some((part, 4 * t + u32::from(there.face)))
     };
+    let workers: Vec<WorkerId> = meshes.iter().map(|mesh| mesh.me).collect();
     let parts = meshes.into_iter().map(|mesh| mesh.part).collect();
-    let assembly =
-        Assembly { points, numbers: &numbers, duplicates: &duplicates, mode, predicates };
-    let mesh = assemble(parts, far, assembly).ok_or(GatherError::TooManyTets)?;
+    let assembly = Assembly { points, numbers, duplicates: &duplicates, mode, predicates };
+    let mesh = assemble(parts, far, assembly).map_err(|misfit| match misfit {
+        Misfit::Dangling { part, words } => {
+            GatherError::Dangling { worker: workers[part], name: handle(words).name }
+        }
+        Misfit::TooManyTets => GatherError::TooManyTets,
+        Misfit::NoParts => GatherError::NoParts,
+    })?;
     Ok(Gathered { duplicates: mesh.duplicates().to_vec(), mesh })
 }

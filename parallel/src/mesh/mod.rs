@@ -53,7 +53,7 @@ pub struct LocalMesh {
     /// The limit of tetrahedra was met: the mesh is not whole.
     full: bool,
     reported: (u64, u64, u64),
-    edges: fill::Edges,
+    scratch: fill::Scratch,
 }
 
 impl LocalMesh {
@@ -70,7 +70,7 @@ impl LocalMesh {
             duplicates: Vec::new(),
             full: false,
             reported: (0, 0, 0),
-            edges: fill::Edges::default(),
+            scratch: fill::Scratch::default(),
         }
     }
 
@@ -262,8 +262,9 @@ impl Submesh for LocalMesh {
     }
 
     fn neighbours(&self, t: TetId, mut f: impl FnMut(Neighbour<TetId>)) {
-        for face in self.part.neighbours(t) {
-            let u = tet_of(face);
+        let around = self.part.neighbours(t).map(tet_of);
+        around.into_iter().for_each(|u| self.part.prefetch(u));
+        for u in around {
             f(match self.part.load(u) {
                 Some(load) => Neighbour::Far(handle(load)),
                 None => Neighbour::Near(u),

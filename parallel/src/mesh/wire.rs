@@ -82,8 +82,10 @@ pub enum To {
 pub struct NewTet {
     /// Its name, if another worker knows it.
     pub name: Option<Name>,
-    /// Its vertices, positively oriented.
-    pub v: [Site; 4],
+    /// Its vertices, positively oriented: indices of the patch's sites.
+    pub v: [u32; 4],
+    /// Its block.
+    pub block: BlockId,
     /// Its neighbours.
     pub n: [To; 4],
 }
@@ -118,6 +120,8 @@ pub struct Relink {
 pub struct Patch {
     /// Tetrahedra of the cavity.
     pub remove: Vec<TetId>,
+    /// The vertices of the new tetrahedra, each once: the inserted point first.
+    pub sites: Vec<Site>,
     /// New tetrahedra; the inserted point is the first vertex of each.
     pub create: Vec<NewTet>,
     /// Faces of the ring.

@@ -7,6 +7,7 @@ use super::rule::Verdict;
 use super::submesh::{Neighbour, Source, Submesh};
 use super::worker::{Action, Note, Worker};
 use super::{Attempt, Handle, Message, Rule, Ticket};
+use std::hash::{Hash, Hasher};
 
 /// A tetrahedron to lock and test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -48,6 +49,36 @@ pub(super) struct Request<S: Submesh> {
 }
 
 impl<S: Submesh> Request<S> {
+    fn new(home: WorkerId, attempt: Attempt, point: S::Point) -> Box<Self> {
+        Box::new(Self {
+            home,
+            attempt,
+            point,
+            // A typical closure.
+            wants: Vec::with_capacity(64),
+            held: Vec::with_capacity(64),
+            pieces: Vec::with_capacity(32),
+            foreign: Vec::with_capacity(16),
+            bounced: Vec::new(),
+            owed: 0,
+            stalled: false,
+            wounded: false,
+        })
+    }
+
+    /// A new request in the memory of one that has ended.
+    fn renew(mut self: Box<Self>, home: WorkerId, attempt: Attempt, point: S::Point) -> Box<Self> {
+        let Self { wants, held, pieces, foreign, bounced, .. } = &mut *self;
+        wants.clear();
+        held.clear();
+        pieces.clear();
+        foreign.clear();
+        bounced.clear();
+        (self.home, self.attempt, self.point) = (home, attempt, point);
+        (self.owed, self.stalled, self.wounded) = (0, false, false);
+        self
+    }
+
     pub(super) fn attempt_mut(&mut self) -> &mut Attempt {
         &mut self.attempt
     }
@@ -87,21 +118,10 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         wants: impl IntoIterator<Item = Want<S::Tet>>,
         out: &mut Vec<Action<S>>,
     ) {
-        let request = self.requests.entry(ticket).or_insert_with(|| {
-            Box::new(Request {
-                home,
-                attempt,
-                point,
-                // A typical closure.
-                wants: Vec::with_capacity(64),
-                held: Vec::with_capacity(64),
-                pieces: Vec::with_capacity(32),
-                foreign: Vec::with_capacity(16),
-                bounced: Vec::new(),
-                owed: 0,
-                stalled: false,
-                wounded: false,
-            })
+        let spare = &mut self.spare.0;
+        let request = self.requests.entry(ticket).or_insert_with(|| match spare.pop() {
+            Some(ended) => ended.renew(home, attempt, point),
+            None => Request::new(home, attempt, point),
         });
         request.wants.extend(wants);
         request.owed += 1;
@@ -180,7 +200,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             attempt: request.attempt,
             answers: std::mem::take(&mut request.owed),
             pieces: request.pieces.drain(..).map(|t| mesh.piece(t)).collect(),
-            foreign: std::mem::take(&mut request.foreign),
+            foreign: request.foreign.drain(..).collect(),
             bounced,
             moved: blocks.into_iter().map(news).collect(),
         };
@@ -235,6 +255,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             if C::WAKES_ON_ABORT {
                 self.wake(woken, out);
             }
+            self.spare.put(request);
         }
         self.send(from, Message::Aborted { ticket, attempt }, out);
     }
@@ -261,8 +282,11 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
                 self.send_stray(block, out);
             }
         }
-        if let Some(request) = request.filter(|r| r.home == self.id()) {
-            self.source.inserted(&self.mesh, &request.point);
+        if let Some(request) = request {
+            if request.home == self.id() {
+                self.source.inserted(&self.mesh, &request.point);
+            }
+            self.spare.put(request);
         }
         self.unpark(ticket, out);
         self.wake(woken, out);
@@ -308,6 +332,44 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             }
         }
     }
+}
+
+/// Requests that have ended, for their memory. No part of a worker's state: two workers that differ
+/// only in it are the same.
+#[derive(Debug)]
+pub(super) struct Spare<S: Submesh>(Vec<Box<Request<S>>>);
+
+impl<S: Submesh> Spare<S> {
+    /// As many as are kept.
+    const MOST: usize = 64;
+
+    pub(super) fn new() -> Self {
+        Self(Vec::new())
+    }
+
+    fn put(&mut self, request: Box<Request<S>>) {
+        if self.0.len() < Self::MOST {
+            self.0.push(request);
+        }
+    }
+}
+
+impl<S: Submesh> Clone for Spare<S> {
+    fn clone(&self) -> Self {
+        Self::new()
+    }
+}
+
+impl<S: Submesh> PartialEq for Spare<S> {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl<S: Submesh> Eq for Spare<S> {}
+
+impl<S: Submesh> Hash for Spare<S> {
+    fn hash<H: Hasher>(&self, _: &mut H) {}
 }
 
 /// Removes `waiter` from all queues.

@@ -3,7 +3,7 @@
 use super::conduct::{Conduct, Sound};
 use super::directory::{BlockId, Directory, WorkerId};
 use super::home::Op;
-use super::owner::{Request, Waiter};
+use super::owner::{Request, Spare, Waiter};
 use super::submesh::{Source, Submesh};
 use super::termination::{Pass, Safra};
 use super::{Attempt, Message, Name, Rule, Ticket};
@@ -124,6 +124,7 @@ pub struct Worker<S: Submesh, Q, C = Sound> {
     pub(super) ready: BTreeSet<Ticket>,
     /// Closures of which a part is here.
     pub(super) requests: BTreeMap<Ticket, Box<Request<S>>>,
+    pub(super) spare: Spare<S>,
     /// Who waits for a locked tetrahedron.
     pub(super) waiting: BTreeMap<S::Tet, Vec<Waiter>>,
     /// Who waits for a tetrahedron that is not installed yet.
@@ -157,6 +158,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             ops: BTreeMap::new(),
             ready: BTreeSet::new(),
             requests: BTreeMap::new(),
+            spare: Spare::new(),
             waiting: BTreeMap::new(),
             absent: BTreeMap::new(),
             parked: BTreeMap::new(),

@@ -3,7 +3,7 @@
 use super::cost::Payload;
 use super::{Options, Simulation, SimulationError, simulate};
 use crate::mesh::{GatherError, Gathered, LocalMesh, Plan, gather};
-use crate::mesh::{Link, Moving, NewTet, Patch, Piece, Site};
+use crate::mesh::{Link, Moving, Patch, Piece, Site};
 use crate::metrics::{Summary, Survey, Trace};
 use crate::protocol::{Conduct, Config, Sound, Worker};
 use crate::{BuildError, PointSet};
@@ -16,6 +16,8 @@ const NAME: u64 = 9;
 const FACE: u64 = 14;
 /// A tetrahedron of four sites and four faces.
 const TET: u64 = NAME + 4 * (SITE + FACE);
+/// A new tetrahedron: a name, four indices of sites, a block, four faces.
+const NEW: u64 = NAME + 4 * 2 + 4 + 4 * FACE;
 
 impl Payload for LocalMesh {
     fn point_bytes(_: &Site) -> u64 {
@@ -30,10 +32,10 @@ impl Payload for LocalMesh {
     }
 
     fn patch_bytes(patch: &Patch) -> u64 {
-        let Patch { remove, create, relink } = patch;
-        let new = |_: &NewTet| TET;
-        12 + 4 * remove.len() as u64
-            + create.iter().map(new).sum::<u64>()
+        let Patch { remove, sites, create, relink } = patch;
+        16 + 4 * remove.len() as u64
+            + SITE * sites.len() as u64
+            + create.len() as u64 * NEW
             + relink.len() as u64 * (NAME + 1 + NAME + FACE)
     }
 
