@@ -27,10 +27,16 @@ use crate::topology::{FaceId, INFINITE, MAX_TETS, TetId, Topology, VertexId, slo
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Places of a part with a hint each.
-const PLACES: usize = 1024;
-/// So many places on both sides are looked at.
+/// Places of a part with a hint each: a power of two.
+const PLACES: usize = 4096;
+/// Of these, so many are for the part's own vertices at the start.
+const HOME_PLACES: usize = 1024;
+/// So many places on both sides are looked at for a start.
 const SPREAD: usize = 2;
+/// The same for other starts, when a walk has met a proxy.
+const WIDE_SPREAD: usize = 16;
+/// How many other starts are tried then.
+const TRIES: usize = 4;
 /// Vertices that differ by less than this are likely to be near each other.
 const NEAR: VertexId = 64;
 
@@ -54,8 +60,10 @@ pub enum Stop {
 pub enum Local {
     /// The point is a vertex.
     Inserted,
-    /// A proxy, a closed tetrahedron or a new tetrahedron of another part is in the way. The part
-    /// is as before.
+    /// A closed tetrahedron is in the way. The part is as before.
+    Closed(TetId),
+    /// No closed tetrahedron of the part is in the way, but a proxy or a new tetrahedron of another
+    /// part. The part is as before.
     Blocked,
     /// The part would exceed the limit of tetrahedra. It is as before.
     Full,
@@ -108,6 +116,8 @@ pub struct Part<H, L> {
     last: VertexId,
     /// The same by place: vertices with near numbers are near each other.
     places: Vec<TetId>,
+    /// Vertices of a place.
+    grain: VertexId,
     /// Steps of walks so far.
     steps: u64,
     /// Tetrahedra made so far.
@@ -128,6 +138,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
             hints: [0; 8],
             last: 0,
             places: vec![TetId::MAX; PLACES],
+            grain: 1,
             steps: 0,
             made: 0,
         }
@@ -142,16 +153,12 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
 
     /// Says which vertices are the part's own: a tetrahedron with no other vertex belongs to it.
     pub fn set_home(&mut self, home: Range<VertexId>) {
+        self.grain = (home.len() / HOME_PLACES + 1) as VertexId;
         self.home = home;
         let tets: Vec<(TetId, [VertexId; 4])> = self.tets().collect();
         for (t, v) in tets {
             self.cache_sphere(t);
-            for v in v {
-                if self.home.contains(&v) {
-                    let place = self.place(v);
-                    self.places[place] = t;
-                }
-            }
+            self.hint(t, v);
         }
     }
 
@@ -166,21 +173,15 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
             return;
         }
         self.home = home;
-        self.places.fill(TetId::MAX);
         for t in 0..self.topology.slots() as TetId {
             if !self.is_live(t) {
                 continue;
             }
             let v = self.topology.tet(t).vertices();
-            for w in v.into_iter().filter(|&w| w != INFINITE) {
-                if self.home.contains(&w) {
-                    let place = self.place(w);
-                    self.places[place] = t;
-                } else {
-                    match self.specials.get_mut(self.geometry.sphere(t)) {
-                        Some(special) => special.sphere = Sphere::UNKNOWN,
-                        None => self.geometry.set_sphere(t, Sphere::UNKNOWN),
-                    }
+            if v.into_iter().any(|w| w != INFINITE && !self.home.contains(&w)) {
+                match self.specials.get_mut(self.geometry.sphere(t)) {
+                    Some(special) => special.sphere = Sphere::UNKNOWN,
+                    None => self.geometry.set_sphere(t, Sphere::UNKNOWN),
                 }
             }
         }
@@ -241,13 +242,34 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     }
 
     /// Walks towards `p`, which is to be vertex `v`, from `start` if that is a tetrahedron here,
-    /// else from one made lately near by.
+    /// else from one made lately near by. Such a walk is free to start elsewhere when it meets a
+    /// proxy: the part need not be convex, and steps here cost less than to ask another part.
     pub fn walk(&mut self, v: VertexId, p: &Point, start: Option<TetId>) -> Stop {
-        let start = start
-            .filter(|&t| self.is_live(t))
-            .or_else(|| self.near(v))
-            .or_else(|| self.open_hint());
-        let Some(start) = start else { return Stop::Empty };
+        let start = start.filter(|&t| self.is_live(t));
+        let free = start.is_none();
+        let Some(start) = start.or_else(|| self.near(v)).or_else(|| self.open_hint()) else {
+            return Stop::Empty;
+        };
+        let stop = self.walk_from(p, start);
+        if !free || !matches!(stop, Stop::Proxy(_)) {
+            return stop;
+        }
+        let others: Vec<TetId> = self
+            .around(v, WIDE_SPREAD)
+            .filter(|&t| t != start && self.is_live(t) && !self.is_closed(t))
+            .take(TRIES)
+            .collect();
+        for t in others {
+            let stop = self.walk_from(p, t);
+            if !matches!(stop, Stop::Proxy(_)) {
+                return stop;
+            }
+        }
+        stop
+    }
+
+    /// Walks towards `p` from tetrahedron `start`.
+    fn walk_from(&mut self, p: &Point, start: TetId) -> Stop {
         let Self { topology, geometry, specials, steps, .. } = self;
         let mut conflict = geometry.conflict_of(p);
         // A walk that comes in through a hull facet ends there. From a ghost a walk goes to the
@@ -278,20 +300,24 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         if v.abs_diff(self.last) < NEAR && open(self.hints[0]) {
             return Some(self.hints[0]);
         }
-        let place = self.place(v);
-        let around = &self.places[place.saturating_sub(SPREAD)..(place + SPREAD + 1).min(PLACES)];
+        let around = self.around(v, SPREAD);
         let far = |t: TetId| {
             let corners = self.topology.tet(t).vertices();
             corners.into_iter().map(|w| w.abs_diff(v)).min()
         };
-        around.iter().copied().filter(|&t| open(t)).min_by_key(|&t| far(t))
+        around.filter(|&t| open(t)).min_by_key(|&t| far(t))
     }
 
-    /// The entry of vertex `v` in `places`.
+    /// The entry of vertex `v` in `places`. Vertices far apart may share one.
     fn place(&self, v: VertexId) -> usize {
-        let Range { start, end } = self.home;
-        let (offset, length) = (v.clamp(start, end) - start, end - start + 1);
-        (u64::from(offset) * PLACES as u64 / u64::from(length)) as usize
+        (v / self.grain) as usize % PLACES
+    }
+
+    /// The entries at most `spread` places from vertex `v`, the nearest first.
+    fn around(&self, v: VertexId, spread: usize) -> impl Iterator<Item = TetId> + '_ {
+        let place = self.place(v);
+        let both = (1..=spread).flat_map(|k| [PLACES - k, k]);
+        std::iter::once(0).chain(both).map(move |k| self.places[(place + k) % PLACES])
     }
 
     /// An open tetrahedron made lately, else a closed one, else any.
@@ -303,13 +329,12 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
             .or_else(|| self.tets().next().map(|(t, _)| t))
     }
 
-    /// Remembers a tetrahedron that did not come from an insertion here; its first vertex is the
-    /// one that was inserted, if any.
-    fn hint(&mut self, t: TetId, v: VertexId) {
+    /// Remembers a tetrahedron that did not come from an insertion.
+    fn hint(&mut self, t: TetId, v: [VertexId; 4]) {
         self.hints[1..].rotate_right(1);
         self.hints[1] = t;
-        if self.home.contains(&v) {
-            let place = self.place(v);
+        for w in v.into_iter().filter(|&w| w != INFINITE) {
+            let place = self.place(w);
             self.places[place] = t;
         }
     }
@@ -331,6 +356,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
             home,
             met: specials.is_watched(geometry.sphere(seed)),
             blocked: false,
+            closed: None,
             border: strange(v) || topology.tet(seed).vertices().into_iter().any(strange),
             inner: geometry.conflict_of(p),
         };
@@ -338,6 +364,10 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
             return Local::Full;
         }
         let (blocked, border, met) = (conflict.blocked, conflict.border, conflict.met);
+        if let Some(t) = conflict.closed {
+            cavity.set_back(topology);
+            return Local::Closed(t);
+        }
         if blocked || border && !cavity.faces().all(|[a, b, c]| owns([v, a, b, c])) {
             cavity.set_back(topology);
             return Local::Blocked;
@@ -464,7 +494,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         self.geometry.reserve_spheres(self.topology.slots());
         self.geometry.set_sphere(t, Sphere::UNKNOWN);
         self.made += 1;
-        self.hint(t, v[0]);
+        self.hint(t, v);
         Some(t)
     }
 
@@ -567,8 +597,10 @@ struct PartConflict<'a, H, L> {
     home: &'a Range<VertexId>,
     /// A watched tetrahedron was met.
     met: bool,
-    /// A proxy or a closed tetrahedron was met.
+    /// A proxy was met.
     blocked: bool,
+    /// A closed tetrahedron that was met.
+    closed: Option<TetId>,
     /// A vertex outside the home range was met.
     border: bool,
 }
@@ -586,12 +618,13 @@ impl<H: Copy, L: Copy> Conflict for PartConflict<'_, H, L> {
 
     #[inline(never)]
     fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
-        let mut open = 0;
+        let mut open = 0u32;
         for (slot, &t) in tets.iter().enumerate().filter(|&(slot, _)| unknown >> slot & 1 == 1) {
-            let tet = topology.tet(t);
-            let sphere = self.inner.geometry().sphere(t);
-            if tet.is_proxy() || self.specials.is_closed(sphere) {
+            let (tet, sphere) = (topology.tet(t), self.inner.geometry().sphere(t));
+            if tet.is_proxy() {
                 self.blocked = true;
+            } else if self.specials.is_closed(sphere) {
+                self.closed = Some(t);
             } else {
                 open |= 1 << slot;
                 let strange = |&v: &VertexId| v != INFINITE && !self.home.contains(&v);
@@ -599,8 +632,19 @@ impl<H: Copy, L: Copy> Conflict for PartConflict<'_, H, L> {
                 self.met |= self.specials.is_watched(sphere);
             }
         }
-        // Once blocked, the cavity is set back: nothing more is taken into it.
-        if self.blocked || open == 0 { 0 } else { self.inner.decide(topology, tets, open) }
+        // Once it has met a closed one the cavity is set back: nothing more is taken into it.
+        if self.closed.is_some() || open == 0 {
+            return 0;
+        }
+        // A proxy has no vertices to look at: an open one stands in for it.
+        let stand_in = tets[open.trailing_zeros() as usize & 3];
+        let mut slot = 0;
+        let tets = tets.map(|t| {
+            let t = if open >> slot & 1 == 1 { t } else { stand_in };
+            slot += 1;
+            t
+        });
+        self.inner.decide(topology, tets, open)
     }
 
     #[cold]

@@ -34,6 +34,13 @@ pub trait Stock {
 
     /// Points left in `block`.
     fn in_block(&self, block: BlockId) -> u64;
+
+    /// Is it worth while to move `block`, which has `points` left? Its mesh moves along: a block
+    /// that is nearly done costs more on its way than its points do where it is.
+    fn is_worth_moving(&self, block: BlockId, points: u64) -> bool {
+        let _ = block;
+        points > 0
+    }
 }
 
 impl Stock for Field {
@@ -43,6 +50,10 @@ impl Stock for Field {
 
     fn in_block(&self, block: BlockId) -> u64 {
         Field::in_block(self, block) as u64
+    }
+
+    fn is_worth_moving(&self, block: BlockId, points: u64) -> bool {
+        points > 0 && 2 * points >= self.size_of(block) as u64
     }
 }
 
@@ -127,7 +138,8 @@ impl Balancer {
         // From one end of the curve on: what goes away hangs together, and so does what stays.
         for block in (0..directory.blocks()).rev().filter(|&b| directory.is_mine(b)) {
             let points = worker.source().in_block(block);
-            if points > 0 && points <= spare && worker.can_migrate(block) {
+            let is_due = points <= spare && worker.source().is_worth_moving(block, points);
+            if is_due && worker.can_migrate(block) {
                 spare -= points;
                 self.loads[to as usize] += points;
                 given.push(block);

@@ -6,7 +6,8 @@
 //! would only meet its locks. Meanwhile other cursors are followed. With a single one a worker
 //! would mostly wait. A cursor that has waited comes first when it may go on: it lies at the
 //! interface, and what waits for other workers had better be under way while there is work that
-//! does not, or a round would end in nothing but waiting.
+//! does not, or a round would end in nothing but waiting. When all cursors wait the next round
+//! begins; in the last round the far half of a waiting cursor's piece becomes a cursor of its own.
 
 use super::{Blocks, LocalMesh, Site};
 use crate::protocol::{BlockId, Source};
@@ -16,7 +17,7 @@ use ltbw_core::topology::VertexId;
 use std::collections::VecDeque;
 use std::ops::Range;
 
-/// No piece of the curve with fewer points is cut in two.
+/// No piece of the curve with fewer points is cut in two. At least 2: the halves are shorter.
 const SHORTEST: usize = 4;
 
 /// The points that a cursor is to give.
@@ -132,6 +133,11 @@ impl Field {
     /// Number of points left.
     pub fn left(&self) -> usize {
         self.left
+    }
+
+    /// Number of vertices of `block`, be they inserted or not.
+    pub fn size_of(&self, block: BlockId) -> usize {
+        self.blocks.vertices(block).len()
     }
 
     /// Number of points left in `block`.
@@ -420,14 +426,33 @@ mod tests {
     }
 
     #[test]
-    fn a_cursor_whose_point_waits_gives_no_other() {
+    fn points_that_wait_are_far_from_each_other() {
         let (mut field, mesh) = field(900);
-        let given: Vec<Site> = std::iter::from_fn(|| field.next(&mesh)).collect();
-        assert_eq!(given.len(), 3, "one point of each cursor");
+        let mut given: Vec<VertexId> = Vec::new();
+        while let Some(site) = field.next(&mesh) {
+            given.push(site.vertex);
+        }
         assert!(!field.is_ready() && !field.is_empty());
-        field.let_go(&given[1]);
+        assert_eq!(given[..3], [1, 301, 601], "one point of each cursor");
+        assert_eq!(given[3..6].iter().map(|v| v / 300).max(), Some(2), "{given:?}");
+        given.sort_unstable();
+        // What lies between two of them is too short to be cut.
+        let gaps: Vec<u32> = given.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        assert!(gaps.iter().all(|&gap| gap > 1 && gap <= 1 + SHORTEST as u32), "{gaps:?}");
+        let site = Site::new(given[1], [0.0; 3]);
+        field.let_go(&site);
         let next = field.next(&mesh).expect("a point");
-        assert_eq!(next.vertex, given[1].vertex + 1);
+        assert_eq!(next.vertex, given[1] + 1);
+        assert!(!field.is_ready());
+    }
+
+    #[test]
+    fn the_next_round_begins_when_all_cursors_wait() {
+        let (mut field, mesh) = field(9000);
+        let round = |site: &Site| round_of(site.vertex, 1);
+        let rounds: Vec<u32> =
+            std::iter::from_fn(|| field.next(&mesh)).take(6).map(|s| round(&s)).collect();
+        assert_eq!(rounds, [0, 0, 0, 1, 1, 1]);
     }
 
     #[test]

@@ -28,7 +28,8 @@ pub use start::{Common, Plan, Prepared};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Site, To};
 
 use crate::protocol::{
-    BlockId, Conduct, Costs, Directory, Handle, Name, Neighbour, Submesh, Ticket, Walk, WorkerId,
+    BlockId, Conduct, Costs, Directory, Handle, Insert, Name, Neighbour, Submesh, Ticket, Walk,
+    WorkerId,
 };
 use ltbw_core::part::{Local, Part, Setting, Stop};
 use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, slot_of, tet_of};
@@ -219,21 +220,25 @@ impl Submesh for LocalMesh {
         }
     }
 
-    fn insert(&mut self, point: &Site, seed: TetId, directory: &Directory) -> bool {
+    fn insert(&mut self, point: &Site, seed: TetId, directory: &Directory) -> Insert<TetId> {
         let Self { part, blocks, .. } = self;
         let owns = |v| directory.is_mine(blocks.of_tet(v));
         match part.insert(point.vertex, &point.point(), seed, owns) {
             Local::Inserted => {
                 self.forget_gone();
-                true
+                Insert::Done
+            }
+            Local::Closed(t) => {
+                self.located.insert(point.vertex, seed);
+                Insert::Locked(t)
             }
             Local::Blocked => {
                 self.located.insert(point.vertex, seed);
-                false
+                Insert::Blocked
             }
             Local::Full => {
                 self.full = true;
-                true
+                Insert::Done
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::conduct::Conduct;
 use super::directory::WorkerId;
 use super::owner::{Waiter, Want};
-use super::submesh::{Source, Submesh, Walk};
+use super::submesh::{Insert, Source, Submesh, Walk};
 use super::table::Table;
 use super::worker::{Action, Note, Worker};
 use super::{Attempt, Handle, Message, Name, Rule, Ticket};
@@ -86,20 +86,22 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
                 self.source.let_go(&point);
                 out.push(Action::Note(Note::Known));
             }
-            Walk::At(seed) => {
-                if self.mesh.insert(&point, seed, &self.directory) {
+            Walk::At(seed) => match self.mesh.insert(&point, seed, &self.directory) {
+                Insert::Done => {
                     self.source.inserted(&self.mesh, &point);
                     out.push(Action::Note(Note::Local));
-                } else {
+                }
+                // What it would hold while it waits would be in others' way, and an older one would
+                // set it back. The paper's rule knows no waiting.
+                Insert::Locked(t) if self.config.rule != Rule::Paper => {
+                    self.wait_outside(ticket, attempt, point, t);
+                }
+                Insert::Blocked | Insert::Locked(_) => {
                     let ticket = ticket.unwrap_or_else(|| self.ticket());
                     self.begin(ticket, attempt, point, seed, out);
                 }
-            }
-            Walk::Locked(t) => {
-                let ticket = ticket.unwrap_or_else(|| self.ticket());
-                self.ops.insert(ticket, Op::new(point, attempt, Phase::Walking));
-                self.waiting.entry(t).or_default().push(Waiter::Walk(ticket));
-            }
+            },
+            Walk::Locked(t) => self.wait_outside(ticket, attempt, point, t),
             Walk::Leaves(at) => {
                 let ticket = ticket.unwrap_or_else(|| self.ticket());
                 self.walk_out(ticket, attempt, point, at, out);
@@ -111,6 +113,19 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
                 self.send(next, Message::Walk { ticket, attempt, point, at: None }, out);
             }
         }
+    }
+
+    /// Waits for a locked tetrahedron without a lock of its own, then walks on.
+    fn wait_outside(
+        &mut self,
+        ticket: Option<Ticket>,
+        attempt: Attempt,
+        point: S::Point,
+        t: S::Tet,
+    ) {
+        let ticket = ticket.unwrap_or_else(|| self.ticket());
+        self.ops.insert(ticket, Op::new(point, attempt, Phase::Walking));
+        self.waiting.entry(t).or_default().push(Waiter::Walk(ticket));
     }
 
     /// The walk leaves through an interface face.

@@ -38,7 +38,7 @@ mod worker;
 pub use conduct::{Conduct, Sound};
 pub use directory::{BlockId, Directory, WorkerId};
 pub use rule::Rule;
-pub use submesh::{Costs, Neighbour, Source, Submesh, Walk};
+pub use submesh::{Costs, Insert, Neighbour, Source, Submesh, Walk};
 pub use termination::Token;
 pub use worker::{Action, Config, Event, Note, Worker};
 

@@ -28,6 +28,18 @@ pub enum Walk<T> {
     Nowhere,
 }
 
+/// How an insertion at once went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Insert<T> {
+    /// The point is a vertex.
+    Done,
+    /// This tetrahedron of the closure is locked. Nothing has changed.
+    Locked(T),
+    /// No tetrahedron of the closure here is locked, but the closure or the new tetrahedra are in
+    /// part another worker's. Nothing has changed.
+    Blocked,
+}
+
 /// Work done in a submesh, for cost models.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Costs {
@@ -57,9 +69,13 @@ pub trait Submesh: Sized {
     fn walk(&mut self, point: &Self::Point, from: Option<Name>) -> Walk<Self::Tet>;
 
     /// Inserts `point`, which conflicts with `seed`, if the closure and all new tetrahedra are
-    /// this worker's and no tetrahedron of the closure is locked. Else changes nothing and returns
-    /// `false`.
-    fn insert(&mut self, point: &Self::Point, seed: Self::Tet, directory: &Directory) -> bool;
+    /// this worker's and no tetrahedron of the closure is locked. Else changes nothing.
+    fn insert(
+        &mut self,
+        point: &Self::Point,
+        seed: Self::Tet,
+        directory: &Directory,
+    ) -> Insert<Self::Tet>;
 
     /// The tetrahedron of this name, if it is here.
     fn resolve(&self, name: Name) -> Option<Self::Tet>;

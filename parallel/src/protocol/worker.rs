@@ -24,7 +24,7 @@ pub struct Config {
 impl Config {
     /// The default rule and window for `workers` workers.
     pub fn new(workers: u32) -> Self {
-        Self { workers, rule: Rule::default(), window: 64 }
+        Self { workers, rule: Rule::default(), window: 256 }
     }
 }
 

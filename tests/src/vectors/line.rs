@@ -8,8 +8,8 @@
 use ltbw::balance::Stock;
 use ltbw::metrics::Survey;
 use ltbw::protocol::{
-    BlockId, Conduct, Costs, Directory, Handle, Name, Neighbour, Source, Submesh, Ticket, Walk,
-    Worker, WorkerId,
+    BlockId, Conduct, Costs, Directory, Handle, Insert, Name, Neighbour, Source, Submesh, Ticket,
+    Walk, Worker, WorkerId,
 };
 use ltbw::simulate::Payload;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -158,12 +158,16 @@ impl Submesh for Line {
         cell.links[usize::from(p > b)].map_or(Walk::Nowhere, |link| Walk::Leaves(handle(link)))
     }
 
-    fn insert(&mut self, &p: &i64, seed: Name, directory: &Directory) -> bool {
-        let Some(cell) = self.cells.get(&seed).cloned() else { return false };
+    fn insert(&mut self, &p: &i64, seed: Name, directory: &Directory) -> Insert<Name> {
+        let Some(cell) = self.cells.get(&seed).cloned() else { return Insert::Blocked };
+        let ring = cell.links.iter().flatten().map(|&(name, _)| name);
+        if let Some(locked) = [seed].into_iter().chain(ring).find(|n| self.locks.contains_key(n)) {
+            return Insert::Locked(locked);
+        }
         let mine = [cell.ends.0, p].iter().all(|&v| directory.is_mine(self.cuts.block(v)));
         let free = |link: &Link| link.is_none_or(|(name, _)| self.is_free(name));
         if !mine || !self.is_free(seed) || !cell.links.iter().all(free) {
-            return false;
+            return Insert::Blocked;
         }
         self.cells.remove(&seed);
         for (side, (name, made)) in self.split(&cell, p).into_iter().enumerate() {
@@ -172,7 +176,7 @@ impl Submesh for Line {
             }
             self.cells.insert(name, made);
         }
-        true
+        Insert::Done
     }
 
     fn resolve(&self, name: Name) -> Option<Name> {

@@ -18,7 +18,8 @@
 
 use crate::museum::Exhibit;
 use ltbw::protocol::{
-    BlockId, Conduct, Directory, Handle, Message, Name, Neighbour, Submesh, Ticket, Walk, WorkerId,
+    BlockId, Conduct, Directory, Handle, Insert, Message, Name, Neighbour, Submesh, Ticket, Walk,
+    WorkerId,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use std::marker::PhantomData;
@@ -247,24 +248,28 @@ impl<C: Exhibit> Hull<C> {
     }
 
     /// The closure of `point` around `seed`, if all of it is here and unlocked.
-    fn local_cavity(&self, point: Vertex, seed: u8) -> Option<Vec<Piece>> {
+    fn local_cavity(&self, point: Vertex, seed: u8) -> Result<Vec<Piece>, Insert<u8>> {
         let mut cavity: Vec<Piece> = Vec::new();
+        let mut is_whole = true;
         let mut todo = vec![seed];
         // Ends: every cell is tested once per neighbour.
         while let Some(t) = todo.pop() {
-            let cell = self.cell(t)?;
+            let cell = self.cell(t).ok_or(Insert::Blocked)?;
             if cell.holder.is_some() {
-                return None;
+                return Err(Insert::Locked(t));
             }
             let [a, b] = cell.piece.ends;
             if orient(a, b, point) < 0 && !cavity.iter().any(|e| e.name == cell.piece.name) {
                 cavity.push(cell.piece);
                 for link in cell.piece.links {
-                    todo.push(self.resolve(link.name)?);
+                    match self.resolve(link.name) {
+                        Some(next) => todo.push(next),
+                        None => is_whole = false,
+                    }
                 }
             }
         }
-        Some(cavity)
+        if is_whole { Ok(cavity) } else { Err(Insert::Blocked) }
     }
 }
 
@@ -301,23 +306,26 @@ impl<C: Exhibit> Submesh for Hull<C> {
         Walk::Known
     }
 
-    fn insert(&mut self, point: &Vertex, seed: u8, directory: &Directory) -> bool {
-        let Some(cavity) = self.local_cavity(*point, seed) else { return false };
+    fn insert(&mut self, point: &Vertex, seed: u8, directory: &Directory) -> Insert<u8> {
+        let cavity = match self.local_cavity(*point, seed) {
+            Ok(cavity) => cavity,
+            Err(obstacle) => return obstacle,
+        };
         let ends = match Self::chain(&[(self.me, cavity.clone())]) {
             Ok(chain) => [chain[0].1.ends[0], chain[chain.len() - 1].1.ends[1]],
             Err(what) => {
                 self.fail(what);
-                return false;
+                return Insert::Blocked;
             }
         };
         let mine = |v| directory.is_mine(block_of([v, *point]));
         if !ends.into_iter().all(mine) {
-            return false;
+            return Insert::Blocked;
         }
         for (_, patch) in self.star(*point, &[(self.me, cavity)], &|_| None, directory) {
             self.apply::<C>(patch, directory, &mut Vec::new(), &mut Vec::new());
         }
-        true
+        Insert::Done
     }
 
     fn resolve(&self, name: Name) -> Option<u8> {
