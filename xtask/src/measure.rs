@@ -1,13 +1,17 @@
-//! `bench` and `bars`: the programs `measure` and `measure_refine` of the tests package, built with the
+//! `bench` and `bars`: the programs `measure`, `measure_refine` and `measure_threads` of the tests package, built with the
 //! release profile.
 
 use crate::require;
 use crate::shell::{self, cargo, command, target};
 
-/// Builds and runs `measure` with `mode` and `args`, or `measure_refine` for `bench refine`.
+/// Builds and runs `measure` with `mode` and `args`, or `measure_refine` for `bench refine` and
+/// `measure_threads` for `bench threads`.
 pub(crate) fn run(mode: &str, args: &[String]) -> Result<(), String> {
     if mode == "bench" && args == ["refine"] {
         return refine();
+    }
+    if mode == "bench" && args.first().is_some_and(|name| name == "threads") {
+        return threads(&args[1..]);
     }
     // One thread, ordering included: that is what CGAL's sequential version gets.
     shell::run(
@@ -31,6 +35,12 @@ pub(crate) fn run(mode: &str, args: &[String]) -> Result<(), String> {
         return instructions();
     }
     Ok(())
+}
+
+/// The parallel kernel against the sequential one and CGAL's parallel version.
+fn threads(args: &[String]) -> Result<(), String> {
+    let program = ["--release", "-p", "ltbw-tests", "--bin", "measure_threads"];
+    shell::run(cargo().args(["run", "--quiet"]).args(program).arg("--").args(args))
 }
 
 /// Refinement against TetGen.

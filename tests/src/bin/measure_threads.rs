@@ -1,0 +1,109 @@
+//! `measure_threads [N]`: the parallel kernel on one and two threads against the sequential kernel
+//! and CGAL's parallel version, side by side, on N points (4,000,000) of three kinds.
+//!
+//! Times are from points in memory to one mesh, distribution and gathering included. Runs are
+//! interleaved (sequential, one thread, two threads, CGAL, and again), and medians of the rounds'
+//! ratios are reported. `cargo xtask bench threads` builds this with the release profile.
+
+use ltbw::generate::{PointKind, generate};
+use ltbw::threads::Parallel;
+use ltbw::{Builder, PointSet};
+use ltbw_tests::cgal::{Ask, Cgal};
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Rounds for a median.
+const ROUNDS: usize = 5;
+/// Threads of both parallel versions.
+const THREADS: u32 = 2;
+/// At least this part of the sequential kernel's speed on one thread ...
+const ALONE: f64 = 0.95;
+/// ... and at most this part of CGAL's time on two.
+const CGAL: f64 = 0.50;
+/// Kinds of points, and how many times as fast as the sequential kernel two threads should be.
+const KINDS: [(&str, PointKind, f64); 3] = [
+    ("uniform", PointKind::Uniform, 1.7),
+    ("clusters", PointKind::Clusters, 1.5),
+    ("shell", PointKind::Shell, 1.5),
+];
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() -> ExitCode {
+    let count = std::env::args().nth(1).map_or(Ok(4_000_000), |text| text.parse());
+    match count.map_err(Failure::from).and_then(run) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("measure_threads: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(count: usize) -> Result<(), Failure> {
+    println!(
+        "| set | points | sequential, s | speed of 1 thread (aim {ALONE}) | of {THREADS} | aim | \
+         time / CGAL's on {THREADS} (aim {CGAL}) | interface | set back |"
+    );
+    println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|");
+    let mut met = true;
+    for (name, kind, aim) in KINDS {
+        met &= measure(name, generate(kind, count, 1), aim)?;
+    }
+    println!(
+        "\nmedians of {ROUNDS} interleaved rounds; aims {}",
+        if met { "met" } else { "MISSED" }
+    );
+    Ok(())
+}
+
+/// One row of the table; true if its aims are met.
+fn measure(name: &str, points: Vec<[f64; 3]>, aim: f64) -> Result<bool, Failure> {
+    let mut cgal = Cgal::start_tbb().ok();
+    let set = PointSet::new(points)?;
+    let (mut base, mut alone, mut both, mut theirs) = (vec![], vec![], vec![], vec![]);
+    let mut shares = (0.0, 0.0);
+    for _ in 0..ROUNDS {
+        let sequential = timed(|| Builder::new().build(&set).map(drop))?;
+        let one = timed(|| Parallel::new(1).build(&set).map(drop))?;
+        let mut figures = (0, 0);
+        let two = timed(|| {
+            Parallel::new(THREADS).build(&set).map(|run| {
+                let sum =
+                    |f: fn(&ltbw::threads::WorkerStats) -> u64| run.workers.iter().map(f).sum();
+                figures = (sum(|w| w.interface), sum(|w| w.setbacks));
+            })
+        })?;
+        let whole = set.len() as f64;
+        shares = (100.0 * figures.0 as f64 / whole, 100.0 * figures.1 as f64 / whole);
+        base.push(sequential);
+        alone.push(sequential / one);
+        both.push(sequential / two);
+        if let Some(cgal) = &mut cgal {
+            let ask = Ask { threads: THREADS as u16, ..Ask::default() };
+            theirs.push(two / cgal.ask(set.points(), ask)?.seconds);
+        }
+    }
+    let (alone, both) = (median(&mut alone), median(&mut both));
+    let theirs = if theirs.is_empty() { None } else { Some(median(&mut theirs)) };
+    println!(
+        "| {name} | {} | {:.3} | {alone:.2} | {both:.2} | {aim} | {} | {:.2} % | {:.3} % |",
+        set.len(),
+        median(&mut base),
+        theirs.map_or("no TBB".to_string(), |ratio| format!("{ratio:.2}")),
+        shares.0,
+        shares.1,
+    );
+    Ok(alone >= ALONE && both >= aim && theirs.is_none_or(|ratio| ratio <= CGAL))
+}
+
+fn timed<E: Into<Failure>>(work: impl FnOnce() -> Result<(), E>) -> Result<f64, Failure> {
+    let clock = Instant::now();
+    work().map_err(Into::into)?;
+    Ok(clock.elapsed().as_secs_f64())
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
