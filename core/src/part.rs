@@ -18,7 +18,7 @@ pub use assemble::{Assembly, Misfit, assemble};
 
 use crate::Point;
 use crate::cavity::{Cavity, Conflict, Open};
-use crate::geometry::{Geometry, PointConflict, PredicateStats};
+use crate::geometry::{Geometry, PointConflict};
 use crate::locate::{Found, Gate, walk_through};
 use crate::points::Mode;
 use crate::special::Specials;
@@ -234,11 +234,6 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     /// Steps of walks, conflict tests and tetrahedra made so far.
     pub fn work(&self) -> (u64, u64, u64) {
         (self.steps, self.geometry.stats.insphere_calls, self.made)
-    }
-
-    /// Predicate calls so far.
-    pub fn predicate_stats(&self) -> PredicateStats {
-        self.geometry.stats
     }
 
     /// Walks towards `p`, which is to be vertex `v`, from `start` if that is a tetrahedron here,
@@ -543,12 +538,6 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
             self.forget_proxy(4 * t + slot);
         }
         self.topology.erase(t);
-    }
-
-    /// Does a proxy stand at a face of `t`?
-    pub fn is_interface(&self, t: TetId) -> bool {
-        let tet = self.topology.tet(t);
-        tet.neighbours().into_iter().zip(0..).any(|(n, k)| self.is_proxy_of(tet_of(n), 4 * t + k))
     }
 
     /// Is slot `t` a proxy at `face`? Links that are not made yet lead anywhere.

@@ -23,10 +23,14 @@ fn run(set: &PointSet, plan: Plan, rule: Rule, options: &Options) -> Meshed {
     meshed
 }
 
-/// Runs of `LTBW_CASES` seeds, or of these many.
+/// The seeds to run: `LTBW_CASES` (their number, or `first..end`, so that a long run can be done in
+/// pieces), or these many.
 fn seeds(default: u64) -> std::ops::Range<u64> {
-    let cases = std::env::var("LTBW_CASES").ok().and_then(|text| text.parse().ok());
-    0..cases.unwrap_or(default)
+    let Ok(text) = std::env::var("LTBW_CASES") else { return 0..default };
+    let (first, end) = text.split_once("..").unwrap_or(("0", &text));
+    // A typo must not turn the full bar into the small one.
+    let number = |text: &str| text.parse().expect("LTBW_CASES is 1000 or 0..1000");
+    number(first)..number(end)
 }
 
 /// What a seed stands for: kind, size, processors, rule, network, storm.
@@ -69,7 +73,8 @@ fn the_sequential_mesh_on_any_processors() {
 }
 
 /// The bar's sizes: 2,000 to 200,000 points on 2 to 1024 processors, blocks moving in each run.
-/// `LTBW_CASES=1000 cargo test --release -p ltbw --test simulate_mesh -- --ignored` is all of it.
+/// `LTBW_CASES=1000 cargo test --release -p ltbw --test simulate_mesh -- --ignored --nocapture` is all
+/// of it: some five seconds a seed, single ones minutes.
 #[test]
 #[ignore = "hours for all thousand seeds"]
 fn large_sets_on_any_processors() {

@@ -124,4 +124,18 @@ mod tests {
         refused("n.pvtu", &[TetMesh::default()]);
         assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
     }
+
+    #[test]
+    fn a_list_without_room_is_an_error_at_every_byte() {
+        let names = [PathBuf::from("m_0.vtu"), PathBuf::from("m_1.vtu")];
+        for tagged in [false, true] {
+            let mut whole = Vec::new();
+            write_list(&mut whole, &names, tagged).expect("room enough");
+            for room in 0..whole.len() {
+                let mut medium = vec![0; room];
+                let error = write_list(&mut medium.as_mut_slice(), &names, tagged);
+                assert_eq!(error.expect_err("no room").kind(), std::io::ErrorKind::WriteZero);
+            }
+        }
+    }
 }

@@ -108,15 +108,19 @@ impl LocalMesh {
         self.link_handle(4 * t + u32::from(relink.slot), relink.to);
     }
 
-    /// Removes the tetrahedra of a block: all of them, or those made after it had moved.
+    /// Removes the tetrahedra of a block: all of them, or those made after it had moved. `leaves`
+    /// is false for the unsound conduct only.
     pub(super) fn extract_block(
         &mut self,
         block: BlockId,
+        leaves: bool,
         moved: &mut dyn FnMut(TetId, Handle),
     ) -> Vec<Moving> {
         let tets = self.strays.remove(&block).unwrap_or_else(|| {
             // From now on an insertion beside the block may make tetrahedra that belong to it.
-            self.part.leave(self.blocks.vertices(block));
+            if leaves {
+                self.part.leave(self.blocks.vertices(block));
+            }
             let all = self.part.tets().filter(|&(_, v)| self.blocks.of_tet(v) == block);
             all.map(|(t, _)| t).collect()
         });

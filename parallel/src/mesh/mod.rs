@@ -318,8 +318,12 @@ impl Submesh for LocalMesh {
         })
     }
 
-    fn extract(&mut self, block: BlockId, moved: &mut dyn FnMut(TetId, Handle)) -> Vec<Moving> {
-        self.extract_block(block, moved)
+    fn extract<C: Conduct>(
+        &mut self,
+        block: BlockId,
+        moved: &mut dyn FnMut(TetId, Handle),
+    ) -> Vec<Moving> {
+        self.extract_block(block, C::LEAVES_BLOCKS, moved)
     }
 
     fn adopt(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {

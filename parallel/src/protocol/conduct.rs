@@ -34,6 +34,9 @@ pub trait Conduct: 'static {
     const AWAITS_INSTALLATION: bool = true;
     /// A worker that was told of a cancel drops the points of a block that moves to it.
     const STAYS_CANCELLED: bool = true;
+    /// A worker that gives a block away asks from then on whose the tetrahedra beside it are that
+    /// it makes. (The submesh obeys this one.)
+    const LEAVES_BLOCKS: bool = true;
     /// A worker tests its inbox and goes to sleep in one critical section. (The mailbox obeys.)
     const TESTS_BEFORE_SLEEP: bool = true;
 }

@@ -39,10 +39,12 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         }
     }
 
-    /// Extracts the tetrahedra of `block`; what requests still want of them is far now.
+    /// Extracts the tetrahedra of `block`; what requests still want of them is far now. Such a
+    /// want is a near neighbour of a piece: in a submesh where a locked neighbour keeps the block
+    /// from moving ([`Submesh::is_block_locked`]) there is none.
     fn take_out(&mut self, block: BlockId) -> S::Cargo {
         let mut handles: BTreeMap<S::Tet, Handle> = BTreeMap::new();
-        let cargo = self.mesh.extract(block, &mut |t, handle| {
+        let cargo = self.mesh.extract::<C>(block, &mut |t, handle| {
             handles.insert(t, handle);
         });
         for request in self.requests.values_mut() {

@@ -122,12 +122,17 @@ pub trait Submesh: Sized {
         strays: &mut Vec<BlockId>,
     );
 
-    /// Is any tetrahedron of `block`, or any neighbour here of one, locked?
+    /// Is any tetrahedron of `block` locked? A submesh whose pieces have names for their neighbours
+    /// counts a locked neighbour of one, too: else home and owner might name it twice.
     fn is_block_locked(&self, block: BlockId) -> bool;
 
     /// Removes and returns all tetrahedra of `block`, none of which is locked. Calls `moved` with
     /// every local handle that a neighbour had and that stops to be one, and its far handle.
-    fn extract(&mut self, block: BlockId, moved: &mut dyn FnMut(Self::Tet, Handle)) -> Self::Cargo;
+    fn extract<C: Conduct>(
+        &mut self,
+        block: BlockId,
+        moved: &mut dyn FnMut(Self::Tet, Handle),
+    ) -> Self::Cargo;
 
     /// Installs extracted tetrahedra. Pushes their names to `made`.
     fn adopt(&mut self, cargo: Self::Cargo, made: &mut Vec<Name>);

@@ -267,7 +267,11 @@ impl Submesh for Line {
         self.locks.keys().any(|&name| self.block_of(name) == Some(block))
     }
 
-    fn extract(&mut self, block: BlockId, moved: &mut dyn FnMut(Name, Handle)) -> Vec<Piece> {
+    fn extract<C: Conduct>(
+        &mut self,
+        block: BlockId,
+        moved: &mut dyn FnMut(Name, Handle),
+    ) -> Vec<Piece> {
         let mut out: Vec<Piece> = Vec::new();
         let cuts = self.cuts;
         self.cells.retain(|&name, cell| {

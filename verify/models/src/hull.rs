@@ -419,7 +419,11 @@ impl<C: Exhibit> Submesh for Hull<C> {
         self.cells().any(|cell| touches(&cell.piece) && cell.holder.is_some())
     }
 
-    fn extract(&mut self, block: BlockId, moved: &mut dyn FnMut(u8, Handle)) -> Vec<Piece> {
+    fn extract<D: Conduct>(
+        &mut self,
+        block: BlockId,
+        moved: &mut dyn FnMut(u8, Handle),
+    ) -> Vec<Piece> {
         let mut cargo = Vec::new();
         for t in 0..self.cells.len() {
             let Some(cell) = self.cells[t].as_ref().filter(|c| c.piece.block() == block) else {

@@ -43,7 +43,9 @@ pieces! {
     NaiveRegrant: "naive wait-die re-grant", REGRANT_ASKS_ALL;
     /// The next attempt meets its own last one.
     HastyRestart: "restart before the releases are acknowledged", AWAITS_RELEASES;
-    /// A committed operation is set back.
+    /// A committed operation is set back. With channels in order its `Abort` finds nothing to release
+    /// and its second walk finds the point as a vertex: the result is right all the same, so that
+    /// no checker can catch it but by this rule itself.
     LateWound: "wound after commit obeyed", IGNORES_LATE_WOUND;
     /// The token misses a message that was taken behind its back.
     WhiteSafra: "Safra without blackening", BLACKENS;
@@ -61,6 +63,8 @@ pieces! {
     ImpatientExpand: "Expand before installation not held", AWAITS_INSTALLATION;
     /// A cancelled worker goes on with the points of a block that moves to it.
     RestlessCancel: "cancelled worker takes in moved points", STAYS_CANCELLED;
+    /// Beside a block that has left, tetrahedra are made that belong to it and stay behind.
+    KeptHome: "block that left taken for one's own", LEAVES_BLOCKS;
     /// A worker tests its inbox in one critical section and goes to sleep in another.
     LostWakeUp: "lost wake-up", TESTS_BEFORE_SLEEP;
 }

@@ -2,7 +2,11 @@
 //! The mailbox's pieces are in `tests/mailbox.rs` (loom).
 #![cfg(not(any(loom, shuttle)))]
 
-use ltbw::protocol::{Rule, Sound};
+use ltbw::generate::{PointKind, generate};
+use ltbw::mesh::Plan;
+use ltbw::protocol::{Config, Rule, Sound};
+use ltbw::simulate::{MeshError, Options, SimulationError, Storm, simulate_as};
+use ltbw::{Builder, MeshHash, PointSet};
 use ltbw_models::graph::{Graph, Limits};
 use ltbw_models::museum::{self, Exhibit};
 use ltbw_models::random::world;
@@ -114,6 +118,37 @@ fn cancelled_worker_takes_in_moved_points() {
 fn expand_before_installation_not_held() {
     let lost = Caught::Fault("a ring cell is not here");
     caught::<museum::ImpatientExpand>(worlds::late_installation(), lost);
+}
+
+/// The real mesh on simulated processors while blocks move. The network takes 10 µs: 20 ms without an
+/// insertion, while some worker has work, are a wait for ever.
+fn in_a_storm<C: Exhibit>(set: &PointSet, plan: &Plan, seed: u64) -> Result<MeshHash, MeshError> {
+    let storm = Some(Storm { every: 20_000 });
+    let options = Options { seed, storm, patience: 20_000_000, ..Options::default() };
+    let meshed = simulate_as::<C>(set, plan, Config::new(plan.workers), &options)?;
+    Ok(meshed.gathered.mesh.hash().expect("a hash"))
+}
+
+/// The abstract mesh has nothing that a worker takes for its own without asking; the real one has.
+#[test]
+fn block_that_left_taken_for_ones_own() {
+    let (points, workers, seeds) = (3000, 3, 8);
+    let set = PointSet::new(generate(PointKind::Clusters, points, 2)).expect("finite points");
+    let expected = Builder::new().build(&set).expect("a mesh").mesh.hash().expect("a hash");
+    let plan = Plan { blocks_per_worker: 48, ..Plan::new(points, workers) };
+    let mut stuck = 0;
+    for seed in 0..seeds {
+        assert_eq!(in_a_storm::<Sound>(&set, &plan, seed), Ok(expected), "seed {seed}");
+        match in_a_storm::<museum::KeptHome>(&set, &plan, seed) {
+            Err(MeshError::Simulation(SimulationError::NoProgress { .. })) => stuck += 1,
+            other => assert_eq!(other, Ok(expected), "seed {seed}"),
+        }
+    }
+    assert!(stuck > 0, "{} is not caught", museum::KeptHome::TITLE);
+    let model = format!("museum: {}", museum::KeptHome::TITLE);
+    let bounds = format!("{points} points, {workers} processors, blocks move");
+    let outcome = format!("caught: no progress in {stuck}");
+    row(&model, &bounds, &format!("{seeds} simulated runs"), &outcome);
 }
 
 /// Random runs find the pieces too: what they say about sizes that cannot be explored is worth
