@@ -20,6 +20,10 @@ use std::ops::Range;
 /// No piece of the curve with fewer points is cut in two. At least 2: the halves are shorter.
 const SHORTEST: usize = 4;
 
+/// So many points of a cursor are given in a row while others may go on, too: what lies at the
+/// interface is to be found before all else is done.
+const TURN: u32 = 64;
+
 /// The points that a cursor is to give.
 #[derive(Clone, Debug)]
 enum Track {
@@ -58,6 +62,8 @@ pub struct Field {
     rounds: VecDeque<Vec<Cursor>>,
     /// The cursor that is followed.
     current: Option<Cursor>,
+    /// Points that it has given in a row.
+    in_a_row: u32,
     /// Those that have waited and may go on, the one to follow next last.
     urgent: Vec<Cursor>,
     /// Others that may go on, the one to follow next first.
@@ -127,7 +133,7 @@ impl Field {
         let rounds = (0..=rounds).map(cut).filter(|round| !round.is_empty()).collect();
         let (current, urgent) = (None, Vec::new());
         let (ready, waiting) = (VecDeque::new(), Vec::new());
-        Self { blocks, own, rounds, current, urgent, ready, waiting, left }
+        Self { blocks, own, rounds, current, in_a_row: 0, urgent, ready, waiting, left }
     }
 
     /// Number of points left.
@@ -163,7 +169,9 @@ impl Field {
     /// before a waiting point is followed from its middle on: the far half of a piece of the curve
     /// is far from the point that waits.
     fn choose(&mut self) -> bool {
-        if self.urgent.is_empty() && self.current.as_ref().is_some_and(Cursor::is_ready) {
+        let is_due = self.in_a_row >= TURN && !self.ready.is_empty();
+        let is_ready = self.current.as_ref().is_some_and(Cursor::is_ready);
+        if is_ready && self.urgent.is_empty() && !is_due {
             return true;
         }
         let next = self.urgent.pop().or_else(|| self.ready.pop_front());
@@ -171,10 +179,12 @@ impl Field {
             return false;
         };
         match self.current.replace(next) {
+            Some(before) if before.is_ready() && is_due => self.ready.push_back(before),
             Some(before) if before.is_ready() => self.ready.push_front(before),
             Some(before) => self.waiting.push(before),
             None => {}
         }
+        self.in_a_row = 0;
         true
     }
 
@@ -307,6 +317,7 @@ impl Source<LocalMesh> for Field {
         let site = cursor.next(&self.own, mesh)?;
         self.left -= 1;
         cursor.given = Some(site.vertex);
+        self.in_a_row += 1;
         if cursor.is_empty() {
             self.current = None;
         }

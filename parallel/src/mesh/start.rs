@@ -41,7 +41,7 @@ impl Plan {
         let most = (5000 * workers as usize).min(points / 10);
         // A single worker has nobody to share the coarse mesh with.
         let sample = if workers == 1 { 60 } else { (points / 100).max(most).max(60) };
-        Self { workers, blocks_per_worker: 16, cursors: 32, sample, roomy: false }
+        Self { workers, blocks_per_worker: 16, cursors: 128, sample, roomy: false }
     }
 
     /// Builds the coarse mesh and distributes it.
