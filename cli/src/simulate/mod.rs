@@ -71,7 +71,7 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
 
 /// How the points are laid out, and how the workers behave.
 fn layout(args: &Simulate, points: usize) -> (Plan, Config) {
-    let mut plan = Plan::new(points, args.processors);
+    let mut plan = Plan::patient(points, args.processors);
     let mut config = Config { rule: args.rule, ..Config::new(args.processors) };
     if let Some(window) = args.window {
         config.window = window as usize;

@@ -20,10 +20,6 @@ use std::ops::Range;
 /// No piece of the curve with fewer points is cut in two. At least 2: the halves are shorter.
 const SHORTEST: usize = 4;
 
-/// So many points of a cursor are given in a row while others may go on, too: what lies at the
-/// interface is to be found before all else is done.
-const TURN: u32 = 64;
-
 /// The points that a cursor is to give.
 #[derive(Clone, Debug)]
 enum Track {
@@ -64,6 +60,8 @@ pub struct Field {
     current: Option<Cursor>,
     /// Points that it has given in a row.
     in_a_row: u32,
+    /// So many may be while others may go on, too.
+    turn: u32,
     /// Those that have waited and may go on, the one to follow next last.
     urgent: Vec<Cursor>,
     /// Others that may go on, the one to follow next first.
@@ -133,7 +131,15 @@ impl Field {
         let rounds = (0..=rounds).map(cut).filter(|round| !round.is_empty()).collect();
         let (current, urgent) = (None, Vec::new());
         let (ready, waiting) = (VecDeque::new(), Vec::new());
-        Self { blocks, own, rounds, current, in_a_row: 0, urgent, ready, waiting, left }
+        let (in_a_row, turn) = (0, u32::MAX);
+        Self { blocks, own, rounds, current, in_a_row, turn, urgent, ready, waiting, left }
+    }
+
+    /// Sets how many points of a cursor are given in a row while others may go on, too.
+    #[must_use]
+    pub fn turn(mut self, turn: u32) -> Self {
+        self.turn = turn;
+        self
     }
 
     /// Number of points left.
@@ -169,7 +175,7 @@ impl Field {
     /// before a waiting point is followed from its middle on: the far half of a piece of the curve
     /// is far from the point that waits.
     fn choose(&mut self) -> bool {
-        let is_due = self.in_a_row >= TURN && !self.ready.is_empty();
+        let is_due = self.in_a_row >= self.turn && !self.ready.is_empty();
         let is_ready = self.current.as_ref().is_some_and(Cursor::is_ready);
         if is_ready && self.urgent.is_empty() && !is_due {
             return true;

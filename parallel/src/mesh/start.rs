@@ -23,6 +23,10 @@ pub struct Plan {
     pub blocks_per_worker: u32,
     /// Cursors of each worker's field of points, per round.
     pub cursors: usize,
+    /// So many points of a cursor are given in a row while others may go on, too. With short turns
+    /// what lies at the interface is found before all else is done; with long ones the points that
+    /// follow each other are near each other, and what they touch is in the cache.
+    pub turn: u32,
     /// Points of the coarse mesh, if there are so many.
     pub sample: usize,
     /// Reserve memory for all tetrahedra to come, for uniform points: pages that stay unused cost
@@ -41,7 +45,13 @@ impl Plan {
         let most = (5000 * workers as usize).min(points / 10);
         // A single worker has nobody to share the coarse mesh with.
         let sample = if workers == 1 { 60 } else { (points / 100).max(most).max(60) };
-        Self { workers, blocks_per_worker: 16, cursors: 128, sample, roomy: false }
+        let (blocks_per_worker, cursors, turn) = (16, 32, u32::MAX);
+        Self { workers, blocks_per_worker, cursors, turn, sample, roomy: false }
+    }
+
+    /// The layout for processors whose messages take long: many cursors, in short turns.
+    pub fn patient(points: usize, workers: u32) -> Self {
+        Self { cursors: 128, turn: 64, ..Self::new(points, workers) }
     }
 
     /// Builds the coarse mesh and distributes it.
@@ -74,7 +84,7 @@ impl Plan {
                 let ranks = [range.start, range.end]
                     .map(|v| sample.partition_point(|&rank| rank < v.saturating_sub(1)));
                 let out = sample[ranks[0]..ranks[1]].iter().map(|rank| rank + 1);
-                let field = Field::new(blocks.clone(), range, out, self.cursors);
+                let field = Field::new(blocks.clone(), range, out, self.cursors).turn(self.turn);
                 (Directory::new(me, &owners), mesh, field)
             })
             .collect();
