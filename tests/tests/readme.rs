@@ -66,6 +66,7 @@ fn its_cargo_commands_exist() {
             }
             ["test", "--workspace"] | ["xtask"] => true,
             ["xtask", task] => XTASK.contains(&format!("\"{task}\"")),
+            ["xtask", task, what] => XTASK.contains(&format!("\n  {task} {what} ")),
             _ => false,
         };
         assert!(exists, "README: {command}");

@@ -24,7 +24,8 @@ const HELP: &str = "\
 cargo xtask COMMAND
 
   bench [SET]...        our order + insert against CGAL's, interleaved pairs, median of 7
-  bench threads [N]     one and two threads against the sequential kernel and CGAL on TBB, N points
+  bench threads [N [ROUNDS]]
+                        one and two threads against the sequential kernel and CGAL on TBB, N points
   bench refine          refinement against TetGen's (the Python package tetgen), and over 500 random
                         domains
   bars                  the full-size bars: hashes equal to CGAL's, times within their limits

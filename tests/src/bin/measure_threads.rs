@@ -1,19 +1,19 @@
-//! `measure_threads [N]`: the parallel kernel on one and two threads against the sequential kernel
+//! `measure_threads [N [ROUNDS]]`: the parallel kernel on one and two threads against the sequential kernel
 //! and CGAL's parallel version, side by side, on N points (4,000,000) of three kinds.
 //!
 //! Times are from points in memory to one mesh, distribution and gathering included. Runs are
-//! interleaved (sequential, one thread, two threads, CGAL, and again), and medians of the rounds'
-//! ratios are reported. `cargo xtask bench threads` builds this with the release profile.
+//! interleaved in rounds, in which each comes first in its turn, and medians of the rounds' ratios
+//! are reported. `cargo xtask bench threads` builds this with the release profile.
 
 use ltbw::generate::{PointKind, generate};
-use ltbw::threads::Parallel;
+use ltbw::threads::{Parallel, WorkerStats};
 use ltbw::{Builder, PointSet};
 use ltbw_tests::cgal::{Ask, Cgal};
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Rounds for a median.
-const ROUNDS: usize = 5;
+/// Rounds for a median, if not said otherwise.
+const ROUNDS: usize = 8;
 /// Threads of both parallel versions.
 const THREADS: u32 = 2;
 /// At least this part of the sequential kernel's speed on one thread ...
@@ -30,8 +30,9 @@ const KINDS: [(&str, PointKind, f64); 3] = [
 type Failure = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    let count = std::env::args().nth(1).map_or(Ok(4_000_000), |text| text.parse());
-    match count.map_err(Failure::from).and_then(run) {
+    let number = |k, default| std::env::args().nth(k).map_or(Ok(default), |text| text.parse());
+    let numbers = number(1, 4_000_000).and_then(|count| Ok((count, number(2, ROUNDS)?)));
+    match numbers.map_err(Failure::from).and_then(|(count, rounds)| run(count, rounds)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             eprintln!("measure_threads: {failure}");
@@ -40,7 +41,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(count: usize) -> Result<(), Failure> {
+fn run(count: usize, rounds: usize) -> Result<(), Failure> {
     println!(
         "| set | points | sequential, s | speed of 1 thread (aim {ALONE}) | of {THREADS} | aim | \
          time / CGAL's on {THREADS} (aim {CGAL}) | interface | set back |"
@@ -48,42 +49,53 @@ fn run(count: usize) -> Result<(), Failure> {
     println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|");
     let mut met = true;
     for (name, kind, aim) in KINDS {
-        met &= measure(name, generate(kind, count, 1), aim)?;
+        met &= measure(name, generate(kind, count, 1), rounds.max(1), aim)?;
     }
     println!(
-        "\nmedians of {ROUNDS} interleaved rounds; aims {}",
+        "\nmedians of {rounds} interleaved rounds; aims {}",
         if met { "met" } else { "MISSED" }
     );
     Ok(())
 }
 
 /// One row of the table; true if its aims are met.
-fn measure(name: &str, points: Vec<[f64; 3]>, aim: f64) -> Result<bool, Failure> {
+fn measure(name: &str, points: Vec<[f64; 3]>, rounds: usize, aim: f64) -> Result<bool, Failure> {
     let mut cgal = Cgal::start_tbb().ok();
     let set = PointSet::new(points)?;
     let (mut base, mut alone, mut both, mut theirs) = (vec![], vec![], vec![], vec![]);
-    let mut shares = (0.0, 0.0);
-    for _ in 0..ROUNDS {
-        let sequential = timed(|| Builder::new().build(&set).map(drop))?;
-        let one = timed(|| Parallel::new(1).build(&set).map(drop))?;
-        let mut figures = (0, 0);
-        let two = timed(|| {
-            Parallel::new(THREADS).build(&set).map(|run| {
-                let sum =
-                    |f: fn(&ltbw::threads::WorkerStats) -> u64| run.workers.iter().map(f).sum();
-                figures = (sum(|w| w.interface), sum(|w| w.setbacks));
-            })
-        })?;
-        let whole = set.len() as f64;
-        shares = (100.0 * figures.0 as f64 / whole, 100.0 * figures.1 as f64 / whole);
+    let mut figures = (0, 0);
+    for round in 0..rounds {
+        let mut seconds = [0.0; 4];
+        for turn in 0..4 {
+            // Who comes first may find memory that was never used: slow on some machines.
+            let who = (turn + round) % 4;
+            seconds[who] = match who {
+                0 => timed(|| Builder::new().build(&set).map(drop))?,
+                1 => timed(|| Parallel::new(1).build(&set).map(drop))?,
+                2 => timed(|| {
+                    Parallel::new(THREADS).build(&set).map(|run| {
+                        let sum = |f: fn(&WorkerStats) -> u64| run.workers.iter().map(f).sum();
+                        figures = (sum(|w| w.interface), sum(|w| w.setbacks));
+                    })
+                })?,
+                _ => match &mut cgal {
+                    Some(cgal) => {
+                        let ask = Ask { threads: THREADS as u16, ..Ask::default() };
+                        cgal.ask(set.points(), ask)?.seconds
+                    }
+                    None => 0.0,
+                },
+            };
+        }
+        let [sequential, one, two, other] = seconds;
         base.push(sequential);
         alone.push(sequential / one);
         both.push(sequential / two);
-        if let Some(cgal) = &mut cgal {
-            let ask = Ask { threads: THREADS as u16, ..Ask::default() };
-            theirs.push(two / cgal.ask(set.points(), ask)?.seconds);
+        if other > 0.0 {
+            theirs.push(two / other);
         }
     }
+    let share = |count: u64| 100.0 * count as f64 / set.len() as f64;
     let (alone, both) = (median(&mut alone), median(&mut both));
     let theirs = if theirs.is_empty() { None } else { Some(median(&mut theirs)) };
     println!(
@@ -91,8 +103,8 @@ fn measure(name: &str, points: Vec<[f64; 3]>, aim: f64) -> Result<bool, Failure>
         set.len(),
         median(&mut base),
         theirs.map_or("no TBB".to_string(), |ratio| format!("{ratio:.2}")),
-        shares.0,
-        shares.1,
+        share(figures.0),
+        share(figures.1),
     );
     Ok(alone >= ALONE && both >= aim && theirs.is_none_or(|ratio| ratio <= CGAL))
 }
@@ -105,5 +117,5 @@ fn timed<E: Into<Failure>>(work: impl FnOnce() -> Result<(), E>) -> Result<f64, 
 
 fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
+    (values[(values.len() - 1) / 2] + values[values.len() / 2]) / 2.0
 }
