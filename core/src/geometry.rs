@@ -123,7 +123,6 @@ impl Geometry {
     pub(crate) fn append_spheres(&mut self, slots: usize, other: Self, other_slots: usize) {
         self.reserve_spheres(slots);
         self.spheres.append(other.spheres, other_slots, |sphere| sphere);
-        self.reserve_spheres(slots + other_slots);
     }
 
     /// Replaces the coordinates of all vertices, the one at infinity included.
@@ -327,7 +326,7 @@ impl PointConflict<'_> {
 impl Conflict for PointConflict<'_> {
     #[inline(always)]
     fn prefetch(&self, t: TetId) {
-        self.geometry.spheres.prefetch(t);
+        self.geometry.prefetch_sphere(t);
     }
 
     #[inline(always)]

@@ -6,9 +6,12 @@
 //! `docs/decisions.md`.
 #![allow(unsafe_code)]
 
+mod memory;
+
 use crate::Point;
 use crate::sphere::{Maker, Query, Sphere};
-use crate::topology::{Tet, TetId, VertexId};
+use crate::topology::{TetId, VertexId};
+use memory::{Advice, HUGE, Zeroable, advise, advise_huge, forget_memory};
 use rayon::prelude::*;
 use std::mem::MaybeUninit;
 use std::ops::Range;
@@ -46,7 +49,7 @@ impl<T> Arena<T> {
     pub(crate) fn prepare(&self, entries: Range<usize>) {
         if let Some(entries) = self.0.get(entries) {
             let range = entries.as_ptr_range();
-            advise(range.start as usize..range.end as usize);
+            advise(range.start as usize..range.end as usize, Advice::Huge);
         }
     }
 
@@ -154,68 +157,6 @@ impl<T> Default for Arena<T> {
     fn default() -> Self {
         Self(Vec::new())
     }
-}
-
-/// Size of a huge page.
-const HUGE: usize = 1 << 21;
-
-/// Types of which every bit pattern is a value, zeros among them.
-///
-/// # Safety
-/// The type consists of numbers alone.
-pub(crate) unsafe trait Zeroable: Copy + Send + Sync {}
-
-// SAFETY: eight 32-bit integers.
-unsafe impl Zeroable for Tet {}
-// SAFETY: four 32-bit floats.
-unsafe impl Zeroable for Sphere {}
-
-/// Gives the memory behind `entries` back to the system where it makes whole pages; they may read
-/// as zero afterwards. A hint: nothing depends on it.
-fn forget_memory<T: Zeroable>(entries: &mut [T]) {
-    #[cfg(target_os = "linux")]
-    {
-        // Not less than the largest page that is not huge.
-        const PAGE: usize = 1 << 16;
-        let range = entries.as_mut_ptr_range();
-        let start = (range.start as usize).next_multiple_of(PAGE);
-        let end = range.end as usize & !(PAGE - 1);
-        if end > start {
-            // SAFETY: start..end lies in `entries`, which nobody else uses meanwhile, and is
-            // page-aligned. Anonymous memory reads as zero after MADV_DONTNEED, and zeros are
-            // values of `T`. A failure is harmless.
-            unsafe {
-                libc::madvise(start as *mut libc::c_void, end - start, libc::MADV_DONTNEED);
-            }
-        }
-    }
-    #[cfg(not(target_os = "linux"))]
-    let _ = entries;
-}
-
-/// Asks for huge pages behind the whole capacity of `array`: fewer page faults and TLB misses.
-/// A hint: nothing depends on it.
-fn advise_huge<T>(array: &Vec<T>) {
-    let start = array.as_ptr() as usize;
-    advise(start..start + array.capacity() * size_of::<T>());
-}
-
-/// Asks for huge pages at these addresses, which belong to one array.
-fn advise(addresses: Range<usize>) {
-    #[cfg(target_os = "linux")]
-    {
-        let start = addresses.start.next_multiple_of(HUGE);
-        let end = addresses.end & !(HUGE - 1);
-        if end > start {
-            // SAFETY: start..end lies in the array's own allocation and is page-aligned;
-            // MADV_HUGEPAGE changes no content. A failure (an old kernel) is harmless.
-            unsafe {
-                libc::madvise(start as *mut libc::c_void, end - start, libc::MADV_HUGEPAGE);
-            }
-        }
-    }
-    #[cfg(not(target_os = "linux"))]
-    let _ = addresses;
 }
 
 /// Caches spheres with AVX2, four at a time, bit for bit as [`Maker::sphere`] does; `false` if

@@ -40,3 +40,10 @@ pub fn cases(default: u32) -> u32 {
     std::env::var("LTBW_CASES")
         .map_or(default, |text| text.parse().expect("LTBW_CASES is a whole number"))
 }
+
+/// The median of at least one number; of an even count, the mean of the middle two.
+#[must_use]
+pub fn median(numbers: &mut [f64]) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    (numbers[(numbers.len() - 1) / 2] + numbers[numbers.len() / 2]) / 2.0
+}

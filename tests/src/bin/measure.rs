@@ -10,6 +10,7 @@
 use ltbw::{Builder, Order, PointSet};
 use ltbw_tests::cgal::{Ask, Cgal};
 use ltbw_tests::families::{Family, Size, all, more_speed, uniform, wide};
+use ltbw_tests::median;
 use std::process::{Command, ExitCode};
 
 /// Pairs per set for a median.
@@ -219,10 +220,4 @@ fn once(name: &str) -> Result<bool, Failure> {
 fn reset_peak() {
     // Linux: see clear_refs in proc(5). Elsewhere, or refused, the peak is an upper bound.
     let _ = std::fs::write("/proc/self/clear_refs", "5");
-}
-
-/// The middle of at least one number; of an even count, the upper of the two.
-fn median(numbers: &mut [f64]) -> f64 {
-    numbers.sort_by(f64::total_cmp);
-    numbers[numbers.len() / 2]
 }

@@ -9,6 +9,7 @@ use ltbw::generate::{PointKind, generate};
 use ltbw::threads::{Parallel, WorkerStats};
 use ltbw::{Builder, PointSet};
 use ltbw_tests::cgal::{Ask, Cgal};
+use ltbw_tests::median;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -113,9 +114,4 @@ fn timed<E: Into<Failure>>(work: impl FnOnce() -> Result<(), E>) -> Result<f64, 
     let clock = Instant::now();
     work().map_err(Into::into)?;
     Ok(clock.elapsed().as_secs_f64())
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    (values[(values.len() - 1) / 2] + values[values.len() / 2]) / 2.0
 }
