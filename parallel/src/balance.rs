@@ -35,6 +35,11 @@ pub trait Stock {
     /// Points left in `block`.
     fn in_block(&self, block: BlockId) -> u64;
 
+    /// Points given so far; 0 if nobody counts them, and then blocks move to the very end.
+    fn given(&self) -> u64 {
+        0
+    }
+
     /// Is it worth while to move `block`, which has `points` left? Its mesh moves along: a block
     /// that is nearly done costs more on its way than its points do where it is.
     fn is_worth_moving(&self, block: BlockId, points: u64) -> bool {
@@ -52,6 +57,10 @@ impl Stock for Field {
         Field::in_block(self, block) as u64
     }
 
+    fn given(&self) -> u64 {
+        Field::given(self) as u64
+    }
+
     fn is_worth_moving(&self, block: BlockId, points: u64) -> bool {
         points > 0 && 2 * points >= self.size_of(block) as u64
     }
@@ -66,6 +75,9 @@ pub struct Balancer {
     /// How often it has asked since it had more than few points.
     asked: u32,
 }
+
+/// A worker that has done so many times what is left gives nothing away.
+const SHORT: u64 = 2;
 
 /// What a worker is believed to have before it is heard of, in units of what is few.
 const UNKNOWN: u64 = 4096;
@@ -131,6 +143,12 @@ impl Balancer {
         let theirs = self.loads.get(to as usize).copied().unwrap_or(mine);
         let mut spare = mine.saturating_sub(theirs) / 2;
         if mine <= 2 * self.settings.low || spare < self.settings.low / 2 {
+            return Vec::new();
+        }
+        // Who asks has needed for its points as long as this worker for those it has given so far.
+        // When the rest takes much less than that, what a block saves there is lost at the new
+        // interfaces that it makes.
+        if mine.saturating_mul(SHORT) < worker.source().given() {
             return Vec::new();
         }
         let directory = worker.directory();

@@ -24,7 +24,7 @@ fn case(random: &mut Random) -> Case {
             workers: workers as u32,
             blocks_per_worker: 1 + below(4) as u32,
             cursors: 1 + below(4),
-            turn: 1 + below(8) as u32,
+            abreast: below(8),
             sample: 4 + below(8),
             roomy: false,
         },

@@ -4,7 +4,8 @@
 //! threads; both full bars are
 //! `LTBW_CASES=20 cargo test --release -p ltbw-tests --test parallel_families -- --include-ignored --nocapture`:
 //! the moderate sets on 1 to 16 threads, 20 times, and the full ones (a million points where the
-//! family says so) on 1, 2, 4 and 16 threads, 3 times.
+//! family says so) on 1, 2, 4 and 16 threads, 3 times. `LTBW_FAMILIES=uniform,grid` asks for some
+//! families alone, so that a long run can be done in pieces.
 
 use ltbw::threads::Parallel;
 use ltbw::{Builder, MeshHash, PointSet};
@@ -22,7 +23,13 @@ fn on_threads(set: &PointSet, threads: u32) -> (MeshHash, u64, u64) {
 /// Every family on every number of threads so many times; returns the number of runs.
 fn all_equal(families: Vec<Family>, threads: &[u32], repetitions: u32) -> u64 {
     let (mut runs, mut all_messages) = (0, 0);
+    let asked = std::env::var("LTBW_FAMILIES").ok();
+    let is_asked = |name: &str| asked.as_ref().is_none_or(|all| all.split(',').any(|n| n == name));
     for Family { name, points } in families {
+        if !is_asked(&name) {
+            println!("{name}: not asked for");
+            continue;
+        }
         let set = PointSet::new(points).expect("finite points");
         let built = Builder::new().build(&set).expect("a mesh");
         let expected = built.mesh.hash().expect("a hash");

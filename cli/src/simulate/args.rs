@@ -42,6 +42,9 @@ pub(crate) struct Simulate {
     /// Insertion cursors of each worker
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(crate) cursors: Option<u32>,
+    /// Points of a worker under way before points that need no other worker go first; 0: as they lie
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4096))]
+    pub(crate) abreast: Option<u32>,
     /// Blocks of each worker at the start
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
     pub(crate) blocks: Option<u32>,

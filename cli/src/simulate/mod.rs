@@ -79,6 +79,9 @@ fn layout(args: &Simulate, points: usize) -> (Plan, Config) {
     if let Some(cursors) = args.cursors {
         plan.cursors = cursors as usize;
     }
+    if let Some(abreast) = args.abreast {
+        plan.abreast = abreast as usize;
+    }
     if let Some(blocks) = args.blocks {
         plan.blocks_per_worker = blocks;
     }

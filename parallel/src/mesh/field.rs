@@ -8,93 +8,48 @@
 //! interface, and what waits for other workers had better be under way while there is work that
 //! does not, or a round would end in nothing but waiting. When all cursors wait the next round
 //! begins; in the last round the far half of a waiting cursor's piece becomes a cursor of its own.
+//!
+//! Where messages take long that is not enough. The coarse mesh tells where the interface is: there
+//! cursors are short, and go first while fewer than a number of points are under way
+//! ([`Field::interface`]).
+
+mod cursor;
 
 use super::{Blocks, LocalMesh, Site};
 use crate::protocol::{BlockId, Source};
-use ltbw_core::Point;
-use ltbw_core::order::round_of;
+use cursor::{Cursor, Own, SHORTEST, Track};
 use ltbw_core::topology::VertexId;
 use std::collections::VecDeque;
 use std::ops::Range;
 
-/// No piece of the curve with fewer points is cut in two. At least 2: the halves are shorter.
-const SHORTEST: usize = 4;
-
-/// The points that a cursor is to give.
-#[derive(Clone, Debug)]
-enum Track {
-    /// Vertices of a round in a piece of the worker's range; `next` is one if it is not `end`.
-    /// The submesh has their coordinates.
-    Own { next: VertexId, end: VertexId, round: u32 },
-    /// Points that have moved here.
-    Moved(VecDeque<(VertexId, Point)>),
-}
-
-/// A piece of a Hilbert curve.
-#[derive(Clone, Debug)]
-struct Cursor {
-    /// What is left of it.
-    track: Track,
-    /// The point given last, if it is not inserted yet.
-    given: Option<VertexId>,
-}
-
-/// The worker's range of vertices: which of them are not to be given, for they are in the coarse
-/// mesh or have moved away; and in which round each comes.
-#[derive(Clone, Debug)]
-struct Own {
-    range: Range<VertexId>,
-    /// A bit for each vertex.
-    out: Vec<u64>,
-    rounds: u32,
-}
+/// Times this, numbers in a row lie far apart: 2^32 times the golden section.
+const SCATTER: u32 = 0x9E37_79B9;
 
 /// Points of one worker, on many cursors.
 #[derive(Clone, Debug)]
 pub struct Field {
     blocks: Blocks,
     own: Own,
-    /// Rounds to come.
-    rounds: VecDeque<Vec<Cursor>>,
+    /// Cursors of a round.
+    cursors: usize,
+    /// The round to begin next.
+    next_round: u32,
+    /// Points of the rounds to come.
+    to_come: usize,
     /// The cursor that is followed.
     current: Option<Cursor>,
-    /// Points that it has given in a row.
-    in_a_row: u32,
-    /// So many may be while others may go on, too.
-    turn: u32,
+    /// While fewer cursors wait those at the interface go first.
+    abreast: usize,
     /// Those that have waited and may go on, the one to follow next last.
     urgent: Vec<Cursor>,
+    /// Those at the interface that may go on, the one to follow next first.
+    interface: VecDeque<Cursor>,
     /// Others that may go on, the one to follow next first.
     ready: VecDeque<Cursor>,
     /// Those whose point is under way.
     waiting: Vec<Cursor>,
     left: usize,
-}
-
-impl Own {
-    fn place(&self, v: VertexId) -> (usize, u64) {
-        let bit = v - self.range.start;
-        (bit as usize / 64, 1 << (bit % 64))
-    }
-
-    /// Is `v`, of this range, out? Then it stays so.
-    fn take_out(&mut self, v: VertexId) -> bool {
-        let (word, bit) = self.place(v);
-        let was = self.out[word] & bit != 0;
-        self.out[word] |= bit;
-        was
-    }
-
-    fn is_out(&self, v: VertexId) -> bool {
-        let (word, bit) = self.place(v);
-        self.out[word] & bit != 0
-    }
-
-    /// The first vertex of a round in `from..end`, or `end`.
-    fn first(&self, from: VertexId, end: VertexId, round: u32) -> VertexId {
-        let gives = |&v: &VertexId| !self.is_out(v) && round_of(v, self.rounds) == round;
-        (from..end).find(gives).unwrap_or(end)
-    }
+    given: usize,
 }
 
 impl Field {
@@ -106,45 +61,47 @@ impl Field {
         out: impl IntoIterator<Item = VertexId>,
         cursors: usize,
     ) -> Self {
-        let rounds = match range.len() {
-            0..4096 => 0,
-            4096..65536 => 1,
-            _ => 2,
-        };
-        let words = vec![0; range.len().div_ceil(64)];
-        let mut own = Own { range: range.clone(), out: words, rounds };
         let mut left = range.len();
+        let mut own = Own::new(range.clone());
         for v in out {
             if range.contains(&v) && !own.take_out(v) {
                 left -= 1;
             }
         }
-        let size = range.len().div_ceil(cursors.max(1)).max(1);
-        let cut = |round| {
-            let starts = range.clone().step_by(size);
-            let piece = |start: VertexId| {
-                let end = range.end.min(start.saturating_add(size as VertexId));
-                Cursor::new(Track::Own { next: own.first(start, end, round), end, round })
-            };
-            starts.map(piece).filter(|cursor| !cursor.is_empty()).collect::<Vec<_>>()
-        };
-        let rounds = (0..=rounds).map(cut).filter(|round| !round.is_empty()).collect();
-        let (current, urgent) = (None, Vec::new());
-        let (ready, waiting) = (VecDeque::new(), Vec::new());
-        let (in_a_row, turn) = (0, u32::MAX);
-        Self { blocks, own, rounds, current, in_a_row, turn, urgent, ready, waiting, left }
+        Self {
+            blocks,
+            own,
+            cursors,
+            next_round: 0,
+            to_come: left,
+            current: None,
+            abreast: 0,
+            urgent: Vec::new(),
+            interface: VecDeque::new(),
+            ready: VecDeque::new(),
+            waiting: Vec::new(),
+            left,
+            given: 0,
+        }
     }
 
-    /// Sets how many points of a cursor are given in a row while others may go on, too.
+    /// Lets the points of the pieces `interface`, ascending and disjoint, go first while fewer than
+    /// `abreast` points are under way.
     #[must_use]
-    pub fn turn(mut self, turn: u32) -> Self {
-        self.turn = turn;
+    pub fn interface(mut self, interface: Vec<Range<VertexId>>, abreast: usize) -> Self {
+        self.own.interface = interface;
+        self.abreast = abreast;
         self
     }
 
     /// Number of points left.
     pub fn left(&self) -> usize {
         self.left
+    }
+
+    /// Number of points given so far.
+    pub fn given(&self) -> usize {
+        self.given
     }
 
     /// Number of vertices of `block`, be they inserted or not.
@@ -155,18 +112,14 @@ impl Field {
     /// Number of points left in `block`.
     pub fn in_block(&self, block: BlockId) -> usize {
         let range = self.blocks.vertices(block);
-        let own = &self.own;
-        let count = |cursor: &Cursor| match &cursor.track {
-            Track::Own { next, end, round } => {
-                let both = (*next).max(range.start)..(*end).min(range.end);
-                let gives = |v: &VertexId| !own.is_out(*v) && round_of(*v, own.rounds) == *round;
-                both.filter(gives).count()
-            }
-            Track::Moved(points) => points.iter().filter(|(v, _)| range.contains(v)).count(),
-        };
-        let Self { rounds, current, urgent, ready, waiting, .. } = self;
-        let begun = current.iter().chain(urgent).chain(ready).chain(waiting);
-        begun.chain(rounds.iter().flatten()).map(count).sum()
+        let begun: usize = self.begun().map(|c| c.count_in(&range, &self.own)).sum();
+        begun + self.own.since_round(&range, self.next_round).count()
+    }
+
+    /// All cursors.
+    fn begun(&self) -> impl Iterator<Item = &Cursor> {
+        let Self { current, urgent, interface, ready, waiting, .. } = self;
+        current.iter().chain(urgent).chain(interface).chain(ready).chain(waiting)
     }
 
     /// Sees to it that the cursor that is followed may give a point; false if none may.
@@ -175,30 +128,65 @@ impl Field {
     /// before a waiting point is followed from its middle on: the far half of a piece of the curve
     /// is far from the point that waits.
     fn choose(&mut self) -> bool {
-        let is_due = self.in_a_row >= self.turn && !self.ready.is_empty();
-        let is_ready = self.current.as_ref().is_some_and(Cursor::is_ready);
-        if is_ready && self.urgent.is_empty() && !is_due {
+        let under_way =
+            self.waiting.len() + usize::from(!self.current.as_ref().is_none_or(Cursor::is_ready));
+        let interface_first = !self.interface.is_empty() && under_way < self.abreast;
+        let goes_on = |c: &Cursor| c.is_ready() && (c.is_interface || !interface_first);
+        if self.urgent.is_empty() && self.current.as_ref().is_some_and(goes_on) {
             return true;
         }
-        let next = self.urgent.pop().or_else(|| self.ready.pop_front());
-        let Some(next) = next.or_else(|| self.begin_round()).or_else(|| self.split()) else {
-            return false;
-        };
+        let Some(next) = self.following(interface_first) else { return false };
         match self.current.replace(next) {
-            Some(before) if before.is_ready() && is_due => self.ready.push_back(before),
-            Some(before) if before.is_ready() => self.ready.push_front(before),
-            Some(before) => self.waiting.push(before),
+            Some(before) if !before.is_ready() => self.waiting.push(before),
+            Some(before) if before.is_interface => self.interface.push_front(before),
+            Some(before) => self.ready.push_front(before),
             None => {}
         }
-        self.in_a_row = 0;
         true
     }
 
-    /// The first cursor of the next round.
+    /// The cursor to follow next, not the current one.
+    fn following(&mut self, interface_first: bool) -> Option<Cursor> {
+        let next = self.urgent.pop();
+        let next = next.or_else(|| self.interface.pop_front_if(|_| interface_first));
+        let next = next.or_else(|| self.ready.pop_front());
+        let next = next.or_else(|| self.interface.pop_front());
+        next.or_else(|| self.begin_round()).or_else(|| self.split())
+    }
+
+    /// The first cursor of the next round. Ends: a round without points is followed by another one
+    /// as long as some have points.
     fn begin_round(&mut self) -> Option<Cursor> {
-        let round = self.rounds.pop_front()?;
-        self.ready.extend(round);
-        self.ready.pop_front()
+        while self.to_come > 0 {
+            let round = self.next_round;
+            self.next_round += 1;
+            let range = self.own.range.clone();
+            self.to_come = self.own.since_round(&range, self.next_round).count();
+            let size = range.len().div_ceil(self.cursors.max(1)).max(1);
+            let mut interface = Vec::new();
+            for start in range.clone().step_by(size) {
+                let piece = start..range.end.min(start.saturating_add(size as VertexId));
+                for (Range { start, end }, is_interface) in self.own.stretches(piece) {
+                    let next = self.own.first(start, end, round);
+                    let track = Track::Own { next, end, round };
+                    let cursor = Cursor { is_interface, ..Cursor::new(track) };
+                    if !cursor.is_empty() && is_interface {
+                        interface.push((start, cursor));
+                    } else if !cursor.is_empty() {
+                        self.ready.push_back(cursor);
+                    }
+                }
+            }
+            // What follows each other on the curve would be under way together, and in each
+            // other's way.
+            interface.sort_unstable_by_key(|(start, _)| start.wrapping_mul(SCATTER));
+            self.interface.extend(interface.into_iter().map(|(_, cursor)| cursor));
+            let first = self.interface.pop_front().or_else(|| self.ready.pop_front());
+            if first.is_some() {
+                return first;
+            }
+        }
+        None
     }
 
     /// The far half of the longest piece before a point that waits. Ends: a piece whose far half
@@ -216,15 +204,15 @@ impl Field {
 
     /// Could a point be given?
     fn can_give(&self) -> bool {
-        let Self { own, rounds, current, urgent, ready, waiting, .. } = self;
+        let Self { own, current, urgent, interface, ready, waiting, to_come, .. } = self;
         current.as_ref().is_some_and(Cursor::is_ready)
-            || !urgent.is_empty()
-            || !ready.is_empty()
-            || !rounds.is_empty()
+            || !(urgent.is_empty() && interface.is_empty() && ready.is_empty())
             || waiting.iter().chain(current).any(|c| c.length(own) >= SHORTEST)
+            || *to_come > 0
     }
 
-    /// Takes out the cursor, not the one followed, that gave `vertex`.
+    /// Takes out the cursor, not the one followed, that gave `vertex`. Its insertion had to wait,
+    /// or has left.
     fn free(&mut self, vertex: VertexId) -> Option<Cursor> {
         let k = self.waiting.iter().position(|c| c.given == Some(vertex))?;
         let mut cursor = self.waiting.swap_remove(k);
@@ -243,74 +231,23 @@ impl Field {
         }
     }
 
+    /// A cursor whose turn comes after that of others.
+    fn put_last(&mut self, cursor: Cursor) {
+        if cursor.is_interface {
+            self.interface.push_back(cursor);
+        } else {
+            self.ready.push_back(cursor);
+        }
+    }
+
     /// Drops empty cursors.
     fn tidy(&mut self) {
-        let Self { rounds, current, urgent, ready, waiting, .. } = self;
+        let Self { current, urgent, interface, ready, waiting, .. } = self;
         current.take_if(|cursor| cursor.is_empty());
         urgent.retain(|c| !c.is_empty());
+        interface.retain(|c| !c.is_empty());
         ready.retain(|c| !c.is_empty());
         waiting.retain(|c| !c.is_empty());
-        for round in rounds.iter_mut() {
-            round.retain(|c| !c.is_empty());
-        }
-        rounds.retain(|round| !round.is_empty());
-    }
-}
-
-impl Cursor {
-    fn new(track: Track) -> Self {
-        Self { track, given: None }
-    }
-
-    fn is_empty(&self) -> bool {
-        match &self.track {
-            Track::Own { next, end, .. } => next == end,
-            Track::Moved(points) => points.is_empty(),
-        }
-    }
-
-    /// Is no point of it under way?
-    fn is_ready(&self) -> bool {
-        self.given.is_none()
-    }
-
-    /// About how many points it has.
-    fn length(&self, own: &Own) -> usize {
-        match &self.track {
-            Track::Own { next, end, round } => (end - next) as usize >> (3 * (own.rounds - round)),
-            Track::Moved(points) => points.len(),
-        }
-    }
-
-    /// Cuts off the second half, if it is not short.
-    fn split(&mut self, own: &Own) -> Option<Self> {
-        if self.length(own) < SHORTEST {
-            return None;
-        }
-        let track = match &mut self.track {
-            Track::Own { next, end, round } => {
-                let middle = *next + (*end - *next) / 2;
-                let half =
-                    Track::Own { next: own.first(middle, *end, *round), end: *end, round: *round };
-                *end = middle;
-                half
-            }
-            Track::Moved(points) => Track::Moved(points.split_off(points.len() / 2)),
-        };
-        Some(Self::new(track))
-    }
-
-    /// The next point.
-    fn next(&mut self, own: &Own, mesh: &LocalMesh) -> Option<Site> {
-        match &mut self.track {
-            Track::Own { next, end, .. } if next == end => None,
-            Track::Own { next, end, round } => {
-                let v = *next;
-                *next = own.first(v + 1, *end, *round);
-                Some(mesh.site(v))
-            }
-            Track::Moved(points) => points.pop_front().map(|(v, p)| Site::new(v, p)),
-        }
     }
 }
 
@@ -322,8 +259,8 @@ impl Source<LocalMesh> for Field {
         let cursor = self.current.as_mut()?;
         let site = cursor.next(&self.own, mesh)?;
         self.left -= 1;
+        self.given += 1;
         cursor.given = Some(site.vertex);
-        self.in_a_row += 1;
         if cursor.is_empty() {
             self.current = None;
         }
@@ -350,37 +287,22 @@ impl Source<LocalMesh> for Field {
         if self.free_current(point.vertex) {
             // It has walked to another worker. The next ones of its cursor would follow it there
             // and meet its locks: other cursors first.
-            self.ready.extend(self.current.take());
-            self.ready.extend(self.urgent.drain(..));
+            let later = self.current.take().into_iter().chain(std::mem::take(&mut self.urgent));
+            later.for_each(|cursor| self.put_last(cursor));
         } else if let Some(cursor) = self.free(point.vertex) {
-            self.ready.push_back(cursor);
+            self.put_last(cursor);
         }
     }
 
     fn take_block(&mut self, mesh: &LocalMesh, block: BlockId) -> Vec<Site> {
-        let Self { blocks, own, rounds, current, urgent, ready, waiting, .. } = self;
+        let Self { blocks, own, current, urgent, interface, ready, waiting, .. } = self;
         let range = blocks.vertices(block);
         let mut taken = Vec::new();
-        let begun = current.iter_mut().chain(urgent).chain(ready).chain(waiting);
-        for cursor in begun.chain(rounds.iter_mut().flatten()) {
-            match &mut cursor.track {
-                Track::Own { next, end, round } => {
-                    for v in (*next).max(range.start)..(*end).min(range.end) {
-                        if round_of(v, own.rounds) == *round && !own.take_out(v) {
-                            taken.push(mesh.site(v));
-                        }
-                    }
-                    *next = own.first(*next, *end, *round);
-                }
-                Track::Moved(points) => points.retain(|&(v, p)| {
-                    let goes = range.contains(&v);
-                    if goes {
-                        taken.push(Site::new(v, p));
-                    }
-                    !goes
-                }),
-            }
-        }
+        let begun = current.iter_mut().chain(urgent).chain(interface).chain(ready).chain(waiting);
+        begun.for_each(|cursor| cursor.take_in(&range, own, mesh, &mut taken));
+        let to_come: Vec<VertexId> = own.since_round(&range, self.next_round).collect();
+        self.to_come -= to_come.len();
+        taken.extend(to_come.into_iter().filter(|&v| !own.take_out(v)).map(|v| mesh.site(v)));
         self.left -= taken.len();
         self.tidy();
         taken
@@ -395,9 +317,10 @@ impl Source<LocalMesh> for Field {
     }
 
     fn clear(&mut self) {
-        self.rounds.clear();
+        self.to_come = 0;
         self.current = None;
         self.urgent.clear();
+        self.interface.clear();
         self.ready.clear();
         self.waiting.clear();
         self.left = 0;
@@ -407,8 +330,9 @@ impl Source<LocalMesh> for Field {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ltbw_core::Mode;
+    use ltbw_core::order::round_of;
     use ltbw_core::part::Setting;
+    use ltbw_core::{Mode, Point};
 
     fn field(count: u32) -> (Field, LocalMesh) {
         let blocks = Blocks::even(count, 4);
@@ -470,6 +394,45 @@ mod tests {
         let rounds: Vec<u32> =
             std::iter::from_fn(|| field.next(&mesh)).take(6).map(|s| round(&s)).collect();
         assert_eq!(rounds, [0, 0, 0, 1, 1, 1]);
+    }
+
+    #[test]
+    fn what_lies_at_the_interface_goes_first_in_short_pieces_far_from_each_other() {
+        let (field, mesh) = field(9000);
+        let pieces = [1000..1400, 5000..5200];
+        let at = |v: VertexId| pieces.iter().any(|piece| piece.contains(&v));
+        let mut field = field.interface(pieces.to_vec(), 4);
+        let mut next = |field: &mut Field| field.next(&mesh).expect("a point");
+        let given: Vec<Site> = (0..4).map(|_| next(&mut field)).collect();
+        assert!(given.iter().all(|site| at(site.vertex)), "{given:?}");
+        let pairs = given.iter().flat_map(|a| given.iter().map(|b| (a.vertex, b.vertex)));
+        let near = pairs.filter(|(a, b)| a < b).map(|(a, b)| b - a).min();
+        assert!(near >= Some(32), "pieces, not points of one piece: {given:?}");
+        // Four are under way: others go on, as they lie.
+        let others: Vec<Site> = (0..3)
+            .map(|_| {
+                let site = next(&mut field);
+                field.inserted(&mesh, &site);
+                site
+            })
+            .collect();
+        assert!(others.windows(2).all(|pair| pair[0].vertex < pair[1].vertex), "{others:?}");
+        assert!(!others.iter().any(|site| at(site.vertex)), "{others:?}");
+        // One of them is inserted: its piece goes on.
+        field.inserted(&mesh, &given[2]);
+        let after = next(&mut field);
+        assert!(after.vertex > given[2].vertex && after.vertex < given[2].vertex + 64);
+        // Every point comes once all the same.
+        let mut seen = vec![0; 9001];
+        let so_far = given.iter().chain(&others).chain([&after]);
+        so_far.for_each(|site| seen[site.vertex as usize] += 1);
+        given.iter().chain([&after]).for_each(|site| field.inserted(&mesh, site));
+        while let Some(site) = field.next(&mesh) {
+            seen[site.vertex as usize] += 1;
+            field.inserted(&mesh, &site);
+        }
+        assert!(seen[1..].iter().all(|&n| n == 1) && field.is_empty());
+        assert_eq!(field.given(), 9000);
     }
 
     #[test]

@@ -23,10 +23,9 @@ pub struct Plan {
     pub blocks_per_worker: u32,
     /// Cursors of each worker's field of points, per round.
     pub cursors: usize,
-    /// So many points of a cursor are given in a row while others may go on, too. With short turns
-    /// what lies at the interface is found before all else is done; with long ones the points that
-    /// follow each other are near each other, and what they touch is in the cache.
-    pub turn: u32,
+    /// So many points of a worker are to be under way before points that need no other worker go
+    /// first; 0 if points are to come as they lie.
+    pub abreast: usize,
     /// Points of the coarse mesh, if there are so many.
     pub sample: usize,
     /// Reserve memory for all tetrahedra to come, for uniform points: pages that stay unused cost
@@ -45,13 +44,13 @@ impl Plan {
         let most = (5000 * workers as usize).min(points / 10);
         // A single worker has nobody to share the coarse mesh with.
         let sample = if workers == 1 { 60 } else { (points / 100).max(most).max(60) };
-        let (blocks_per_worker, cursors, turn) = (16, 32, u32::MAX);
-        Self { workers, blocks_per_worker, cursors, turn, sample, roomy: false }
+        let (blocks_per_worker, cursors) = (16, 32);
+        Self { workers, blocks_per_worker, cursors, abreast: 0, sample, roomy: false }
     }
 
-    /// The layout for processors whose messages take long: many cursors, in short turns.
+    /// The layout for processors whose messages take long: what lies at the interface goes first.
     pub fn patient(points: usize, workers: u32) -> Self {
-        Self { cursors: 128, turn: 64, ..Self::new(points, workers) }
+        Self { abreast: 80, ..Self::new(points, workers) }
     }
 
     /// Builds the coarse mesh and distributes it.
@@ -72,6 +71,10 @@ impl Plan {
         let setting = Setting::of(&points, set.mode());
         let mut workers = self.submeshes(&setting, &blocks, &points);
         distribute(&coarse, &sample, &points, &blocks, &owners, &mut workers);
+        let interface = match self.abreast {
+            0 => Vec::new(),
+            _ => self.interface(&coarse, &sample, &blocks, points.len() as u32),
+        };
         let mut duplicates = Vec::new();
         for &(duplicate, kept) in coarse.duplicates() {
             duplicates.push((1 + sample[duplicate as usize], 1 + sample[kept as usize]));
@@ -84,7 +87,8 @@ impl Plan {
                 let ranks = [range.start, range.end]
                     .map(|v| sample.partition_point(|&rank| rank < v.saturating_sub(1)));
                 let out = sample[ranks[0]..ranks[1]].iter().map(|rank| rank + 1);
-                let field = Field::new(blocks.clone(), range, out, self.cursors).turn(self.turn);
+                let field = Field::new(blocks.clone(), range, out, self.cursors)
+                    .interface(interface.clone(), self.abreast);
                 (Directory::new(me, &owners), mesh, field)
             })
             .collect();
@@ -104,6 +108,42 @@ impl Plan {
         sample.sort_unstable();
         sample.dedup();
         Ok(sample)
+    }
+
+    /// The pieces of the curve around those vertices of the sample that have a tetrahedron with
+    /// vertices of several workers.
+    fn interface(
+        &self,
+        coarse: &Mesh,
+        sample: &[u32],
+        blocks: &Blocks,
+        vertices: u32,
+    ) -> Vec<Range<VertexId>> {
+        let owner = |k: u32| blocks.of_vertex(1 + sample[k as usize]) / self.blocks_per_worker;
+        let mut at_interface = vec![false; sample.len()];
+        for (_, tet) in coarse.topology().iter() {
+            let numbers = tet.vertices().map(|v| coarse.number(v));
+            let mut owners = numbers.iter().flatten().map(|&k| owner(k));
+            let first = owners.next();
+            if owners.any(|other| Some(other) != first) {
+                numbers.iter().flatten().for_each(|&k| at_interface[k as usize] = true);
+            }
+        }
+        // A vertex stands for those that are nearer to it on the curve than to others.
+        let middle = |k: usize| match (k.checked_sub(1), sample.get(k)) {
+            (None, _) => 1,
+            (_, None) => vertices + 1,
+            (Some(before), Some(&after)) => 1 + sample[before].midpoint(after),
+        };
+        let mut pieces: Vec<Range<VertexId>> = Vec::new();
+        for k in (0..sample.len()).filter(|&k| at_interface[k]) {
+            let (start, end) = (middle(k), middle(k + 1));
+            match pieces.last_mut() {
+                Some(last) if last.end == start => last.end = end,
+                _ => pieces.push(start..end),
+            }
+        }
+        pieces
     }
 
     /// A submesh for each worker, without tetrahedra, with the points of its range.

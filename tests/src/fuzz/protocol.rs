@@ -37,7 +37,7 @@ fn read(bytes: &[u8]) -> (Vec<Point>, Case, Chooser<'_>) {
             workers,
             blocks_per_worker: 1 + u32::from(blocks) % 4,
             cursors: 1 + usize::from(cursors) % 6,
-            turn: 1 + u32::from(cursors) / 6 % 8,
+            abreast: usize::from(cursors) / 6 % 8,
             sample: 4 + usize::from(sample) % 24,
             roomy: false,
         },
