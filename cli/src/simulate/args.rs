@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use ltbw::generate::PointKind;
 use ltbw::points::MAX_POINTS;
-use ltbw::protocol::Rule;
+use ltbw::protocol::{Closure, Rule};
 use ltbw::simulate::Distribution;
 use std::path::PathBuf;
 
@@ -36,6 +36,10 @@ pub(crate) struct Simulate {
     /// What happens when a request meets a locked tetrahedron
     #[arg(long, default_value = "wound-wait", value_parser = rules())]
     pub(crate) rule: Rule,
+    /// What an operation locks: the cavity and its face neighbours, or all that touches the cavity
+    /// (the paper's equation 5)
+    #[arg(long, default_value = "face", value_parser = closures())]
+    pub(crate) closure: Closure,
     /// Operations that a worker starts at most at a time
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(crate) window: Option<u32>,
@@ -81,6 +85,10 @@ fn distributions() -> impl TypedValueParser<Value = Distribution> {
 fn rules() -> impl TypedValueParser<Value = Rule> {
     PossibleValuesParser::new(["wound-wait", "wait-die", "paper"])
         .try_map(|name| name.parse::<Rule>())
+}
+
+fn closures() -> impl TypedValueParser<Value = Closure> {
+    PossibleValuesParser::new(["face", "vertex"]).try_map(|name| name.parse::<Closure>())
 }
 
 /// A finite number above 0.

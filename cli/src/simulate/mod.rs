@@ -72,7 +72,8 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
 /// How the points are laid out, and how the workers behave.
 fn layout(args: &Simulate, points: usize) -> (Plan, Config) {
     let mut plan = Plan::patient(points, args.processors);
-    let mut config = Config { rule: args.rule, ..Config::new(args.processors) };
+    let mut config =
+        Config { rule: args.rule, closure: args.closure, ..Config::new(args.processors) };
     if let Some(window) = args.window {
         config.window = window as usize;
     }

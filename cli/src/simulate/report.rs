@@ -56,6 +56,7 @@ struct Simulation {
 struct Settings {
     processors: u32,
     rule: String,
+    closure: String,
     latency: u64,
     distribution: &'static str,
     byte: f64,
@@ -117,6 +118,7 @@ impl Settings {
         Self {
             processors: plan.workers,
             rule: config.rule.to_string(),
+            closure: config.closure.to_string(),
             latency: options.network.latency,
             distribution: options.network.distribution.name(),
             byte: options.network.byte,

@@ -33,7 +33,7 @@ use crate::protocol::{
 };
 use ltbw_core::part::{Local, Part, Setting, Stop};
 use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, slot_of, tet_of};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// The tetrahedra of one worker, with names for those that others know.
 #[derive(Debug)]
@@ -157,6 +157,45 @@ impl LocalMesh {
         self.part.vertices(t).map(|v| self.site(v))
     }
 
+    /// What of the vertex closure of `point` is in the way of inserting it at once: a locked
+    /// tetrahedron, else another worker's.
+    fn vertex_closure(&mut self, point: &Site, seed: TetId) -> Option<Insert<TetId>> {
+        let (mut seen, mut far, mut locked) = (FxHashSet::default(), false, None);
+        let mut corners: Vec<VertexId> = self.part.vertices(seed).to_vec();
+        let mut cavity = vec![seed];
+        seen.insert(seed);
+        // The cavity; then, from it on, what touches it.
+        let mut next = 0;
+        while let Some(&t) = cavity.get(next) {
+            next += 1;
+            for u in self.part.neighbours(t).map(tet_of) {
+                if self.part.load(u).is_some() {
+                    far = true;
+                } else if self.in_conflict(u, point) && seen.insert(u) {
+                    corners.extend(self.part.vertices(u));
+                    cavity.push(u);
+                }
+            }
+        }
+        corners.retain(|&v| v != INFINITE);
+        corners.sort_unstable();
+        corners.dedup();
+        let mut all = cavity;
+        while let Some(t) = all.pop() {
+            if self.part.holder(t).is_some() {
+                locked = locked.or(Some(Insert::Locked(t)));
+            }
+            for u in self.part.neighbours(t).map(tet_of) {
+                if self.part.load(u).is_some() {
+                    far = true;
+                } else if self.touches(u, &corners) && seen.insert(u) {
+                    all.push(u);
+                }
+            }
+        }
+        locked.or(far.then_some(Insert::Blocked))
+    }
+
     /// The neighbour beyond a face of a tetrahedron that `holder` has locked, as the home sees it.
     fn link_at(&self, face: FaceId, holder: Option<Ticket>) -> Link {
         let (tet, slot) = (tet_of(face), slot_of(face) as u8);
@@ -275,6 +314,27 @@ impl Submesh for LocalMesh {
                 None => Neighbour::Near(u),
             });
         }
+    }
+
+    fn corners(parts: &[(WorkerId, Vec<Piece>)]) -> Vec<u32> {
+        let pieces = parts.iter().flat_map(|(_, pieces)| pieces);
+        let mut all: Vec<u32> = pieces.flat_map(|p| p.v.iter().map(|site| site.vertex)).collect();
+        all.retain(|&v| v != INFINITE);
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    fn touches(&self, t: TetId, corners: &[u32]) -> bool {
+        self.part.vertices(t).iter().any(|v| corners.binary_search(v).is_ok())
+    }
+
+    fn in_the_way(&mut self, point: &Site, seed: TetId) -> Option<Insert<TetId>> {
+        let way = self.vertex_closure(point, seed);
+        if way.is_some() {
+            self.located.insert(point.vertex, seed);
+        }
+        way
     }
 
     fn piece(&self, t: TetId) -> Piece {

@@ -6,7 +6,7 @@ use super::owner::{Waiter, Want};
 use super::submesh::{Insert, Source, Submesh, Walk};
 use super::table::Table;
 use super::worker::{Action, Note, Worker};
-use super::{Attempt, Handle, Message, Name, Rule, Ticket};
+use super::{Attempt, Closure, Handle, Message, Name, Rule, Ticket};
 use std::collections::BTreeSet;
 
 /// An operation at its home.
@@ -21,6 +21,8 @@ pub(super) struct Op<S: Submesh> {
     whereabouts: Table<Name, WorkerId>,
     /// The tetrahedra granted, by owner.
     parts: Table<WorkerId, Vec<S::Piece>>,
+    /// The cavity's vertices, when it is complete and what touches it is collected.
+    around: Vec<u32>,
     /// Workers whose denial was not lifted yet.
     parked: BTreeSet<WorkerId>,
 }
@@ -49,6 +51,7 @@ impl<S: Submesh> Op<S> {
             asked: Table::default(),
             whereabouts: Table::default(),
             parts: Table::default(),
+            around: Vec::new(),
             parked: BTreeSet::new(),
         })
     }
@@ -62,6 +65,7 @@ impl<S: Submesh> Op<S> {
             asked: self.asked.clone(),
             whereabouts: self.whereabouts.clone(),
             parts: self.parts.clone(),
+            around: self.around.clone(),
             parked: self.parked.clone(),
         })
     }
@@ -86,7 +90,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
                 self.source.let_go(&point);
                 out.push(Action::Note(Note::Known));
             }
-            Walk::At(seed) => match self.mesh.insert(&point, seed, &self.directory) {
+            Walk::At(seed) => match self.insert(&point, seed) {
                 Insert::Done => {
                     self.source.inserted(&self.mesh, &point);
                     out.push(Action::Note(Note::Local));
@@ -113,6 +117,15 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
                 self.send(next, Message::Walk { ticket, attempt, point, at: None }, out);
             }
         }
+    }
+
+    /// Inserts a point at once if nothing of its closure is in the way.
+    fn insert(&mut self, point: &S::Point, seed: S::Tet) -> Insert<S::Tet> {
+        let in_the_way = match self.config.closure {
+            Closure::Face => None,
+            Closure::Vertex => self.mesh.in_the_way(point, seed),
+        };
+        in_the_way.unwrap_or_else(|| self.mesh.insert(point, seed, &self.directory))
     }
 
     /// Waits for a locked tetrahedron without a lock of its own, then walks on.
@@ -182,7 +195,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         let mut op = Op::new(point.clone(), attempt, Phase::Expanding);
         op.asked.insert_new(me, || 1);
         self.ops.insert(ticket, op);
-        self.request(me, ticket, attempt, point, [Want::Tet(seed)], out);
+        self.request(me, ticket, attempt, point, ([Want::Tet(seed)], Vec::new()), out);
     }
 
     /// An owner has locked and tested all that it was asked for.
@@ -227,14 +240,42 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         for owner in seeds.keys() {
             *op.asked.entry(owner, || 0) += 1;
         }
-        let point = op.point.clone();
         let complete = op.asked.values().all(|&open| open == 0);
+        if complete && self.config.closure == Closure::Vertex && op.around.is_empty() {
+            self.surround(ticket, out);
+            return;
+        }
+        let (point, around) = (op.point.clone(), op.around.clone());
         for (owner, seeds) in seeds.into_entries() {
-            let point = point.clone();
-            self.send(owner, Message::Expand { ticket, attempt, point, seeds }, out);
+            let (point, around) = (point.clone(), around.clone());
+            self.send(owner, Message::Expand { ticket, attempt, point, seeds, around }, out);
         }
         if complete {
             self.fill(ticket, out);
+        }
+    }
+
+    /// The cavity is complete: all that touches it is asked for, too.
+    fn surround(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
+        let Some(op) = self.ops.get_mut(&ticket) else { return };
+        let parts = std::mem::take(&mut op.parts).into_entries();
+        op.around = S::corners(&parts);
+        for (worker, pieces) in parts {
+            op.parts.entry(worker, || pieces);
+        }
+        if op.around.is_empty() {
+            self.fill(ticket, out);
+            return;
+        }
+        let asked: Vec<WorkerId> = op.asked.keys().collect();
+        for &worker in &asked {
+            *op.asked.entry(worker, || 0) += 1;
+        }
+        let (attempt, point, around) = (op.attempt, op.point.clone(), op.around.clone());
+        for worker in asked {
+            let (point, around) = (point.clone(), around.clone());
+            let seeds = Vec::new();
+            self.send(worker, Message::Expand { ticket, attempt, point, seeds, around }, out);
         }
     }
 
@@ -310,6 +351,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         let asked = std::mem::take(&mut op.asked);
         op.whereabouts.clear();
         op.parts.clear();
+        op.around.clear();
         let attempt = op.attempt;
         op.phase = Phase::Releasing(if C::AWAITS_RELEASES { asked.len() as u32 } else { 0 });
         out.push(Action::Note(Note::SetBack { ticket, attempt: attempt + 1 }));

@@ -37,7 +37,7 @@ mod worker;
 
 pub use conduct::{Conduct, Sound};
 pub use directory::{BlockId, Directory, WorkerId};
-pub use rule::Rule;
+pub use rule::{Closure, Rule};
 pub use submesh::{Costs, Insert, Neighbour, Source, Submesh, Walk};
 pub use termination::Token;
 pub use worker::{Action, Config, Event, Note, Worker};
@@ -118,6 +118,11 @@ pub enum Message<S: Submesh> {
         point: S::Point,
         /// Tetrahedra to lock and test; the part spreads from those in conflict.
         seeds: Vec<Handle>,
+        /// Empty while the cavity is collected. Then, if the closure is [`Closure::Vertex`], the
+        /// cavity's vertices: to lock is what touches them, without a test; it spreads from the
+        /// seeds and from all that is locked.
+        #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
+        around: Vec<u32>,
     },
     /// The answer to `answers` messages `Expand`: everything asked for is locked.
     Grant {

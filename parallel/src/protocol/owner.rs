@@ -42,6 +42,8 @@ pub(super) struct Request<S: Submesh> {
     bounced: Vec<Handle>,
     /// `Expand` not answered yet.
     owed: u32,
+    /// The cavity's vertices, when all of it is known: what touches them is to be locked.
+    around: Vec<u32>,
     /// Waiting, or denied: an event has to come first.
     stalled: bool,
     /// Its home was told that an older operation waits for it.
@@ -61,6 +63,7 @@ impl<S: Submesh> Request<S> {
             foreign: Vec::with_capacity(16),
             bounced: Vec::new(),
             owed: 0,
+            around: Vec::new(),
             stalled: false,
             wounded: false,
         })
@@ -68,7 +71,8 @@ impl<S: Submesh> Request<S> {
 
     /// A new request in the memory of one that has ended.
     fn renew(mut self: Box<Self>, home: WorkerId, attempt: Attempt, point: S::Point) -> Box<Self> {
-        let Self { wants, held, pieces, foreign, bounced, .. } = &mut *self;
+        let Self { wants, held, pieces, foreign, bounced, around, .. } = &mut *self;
+        around.clear();
         wants.clear();
         held.clear();
         pieces.clear();
@@ -102,10 +106,11 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         ticket: Ticket,
         attempt: Attempt,
         point: S::Point,
-        seeds: Vec<Handle>,
+        (seeds, around): (Vec<Handle>, Vec<u32>),
         out: &mut Vec<Action<S>>,
     ) {
-        self.request(home, ticket, attempt, point, seeds.into_iter().map(Want::Seed), out);
+        let wants = seeds.into_iter().map(Want::Seed);
+        self.request(home, ticket, attempt, point, (wants, around), out);
     }
 
     /// Adds to the request of `ticket`, or makes one.
@@ -115,7 +120,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         ticket: Ticket,
         attempt: Attempt,
         point: S::Point,
-        wants: impl IntoIterator<Item = Want<S::Tet>>,
+        (wants, around): (impl IntoIterator<Item = Want<S::Tet>>, Vec<u32>),
         out: &mut Vec<Action<S>>,
     ) {
         let spare = &mut self.spare.0;
@@ -124,6 +129,11 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             None => Request::new(home, attempt, point),
         });
         request.wants.extend(wants);
+        if request.around.is_empty() && !around.is_empty() {
+            request.around = around;
+            let Request { held, wants, foreign, .. } = &mut **request;
+            held.iter().for_each(|&t| spread(&self.mesh, t, wants, foreign));
+        }
         request.owed += 1;
         if !request.stalled {
             self.advance(ticket, out);
@@ -174,6 +184,14 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
 
     /// Locks and tests a tetrahedron that is free.
     fn take(&mut self, ticket: Ticket, request: &mut Request<S>, t: S::Tet) {
+        if !request.around.is_empty() {
+            if self.mesh.touches(t, &request.around) {
+                self.mesh.lock(t, ticket, false);
+                request.held.push(t);
+                spread(&self.mesh, t, &mut request.wants, &mut request.foreign);
+            }
+            return;
+        }
         let in_conflict = self.mesh.in_conflict(t, &request.point);
         if in_conflict || C::LOCKS_RING {
             self.mesh.lock(t, ticket, in_conflict);
@@ -181,10 +199,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         }
         if in_conflict {
             request.pieces.push(t);
-            self.mesh.neighbours(t, |neighbour| match neighbour {
-                Neighbour::Near(u) => request.wants.push(Want::Tet(u)),
-                Neighbour::Far(handle) => request.foreign.push(handle),
-            });
+            spread(&self.mesh, t, &mut request.wants, &mut request.foreign);
         }
     }
 
@@ -332,6 +347,19 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             }
         }
     }
+}
+
+/// Wants the neighbours of a locked tetrahedron.
+fn spread<S: Submesh>(
+    mesh: &S,
+    t: S::Tet,
+    wants: &mut Vec<Want<S::Tet>>,
+    foreign: &mut Vec<Handle>,
+) {
+    mesh.neighbours(t, |neighbour| match neighbour {
+        Neighbour::Near(u) => wants.push(Want::Tet(u)),
+        Neighbour::Far(handle) => foreign.push(handle),
+    });
 }
 
 /// Requests that have ended, for their memory. No part of a worker's state: two workers that differ

@@ -18,6 +18,39 @@ pub enum Rule {
     Paper,
 }
 
+/// What an operation locks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Closure {
+    /// The cavity and its face neighbours: what is needed.
+    #[default]
+    Face,
+    /// The paper's equation (5): all tetrahedra that share a finite vertex with the cavity. Some
+    /// ten times as many; to reproduce the paper's figures.
+    Vertex,
+}
+
+impl std::str::FromStr for Closure {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "face" => Ok(Self::Face),
+            "vertex" => Ok(Self::Vertex),
+            other => Err(format!("no closure `{other}`: face or vertex")),
+        }
+    }
+}
+
+impl std::fmt::Display for Closure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Face => "face",
+            Self::Vertex => "vertex",
+        })
+    }
+}
+
 /// Consequence of a conflict for the request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {

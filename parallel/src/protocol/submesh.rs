@@ -99,6 +99,25 @@ pub trait Submesh: Sized {
     /// Calls `f` with every face neighbour of `t`.
     fn neighbours(&self, t: Self::Tet, f: impl FnMut(Neighbour<Self::Tet>));
 
+    /// The finite vertices of a cavity, ascending; none if the submesh knows the face closure only.
+    fn corners(parts: &[(WorkerId, Vec<Self::Piece>)]) -> Vec<u32> {
+        let _ = parts;
+        Vec::new()
+    }
+
+    /// Has `t` one of these vertices?
+    fn touches(&self, t: Self::Tet, corners: &[u32]) -> bool {
+        let _ = (t, corners);
+        false
+    }
+
+    /// What of the vertex closure of a local insertion is in its way: something locked
+    /// ([`Insert::Locked`]), or another worker's part ([`Insert::Blocked`]).
+    fn in_the_way(&mut self, point: &Self::Point, seed: Self::Tet) -> Option<Insert<Self::Tet>> {
+        let _ = (point, seed);
+        None
+    }
+
     /// Describes `t`, which is locked and in conflict, to a home. Its neighbours here are locked.
     fn piece(&self, t: Self::Tet) -> Self::Piece;
 

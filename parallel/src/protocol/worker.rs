@@ -6,7 +6,7 @@ use super::home::Op;
 use super::owner::{Request, Spare, Waiter};
 use super::submesh::{Source, Submesh};
 use super::termination::{Pass, Safra};
-use super::{Attempt, Message, Name, Rule, Ticket};
+use super::{Attempt, Closure, Message, Name, Rule, Ticket};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::marker::PhantomData;
 
@@ -17,6 +17,8 @@ pub struct Config {
     pub workers: u32,
     /// The conflict rule.
     pub rule: Rule,
+    /// What an operation locks.
+    pub closure: Closure,
     /// Operations that a worker starts at most at a time. Those that walk in are not counted.
     pub window: usize,
 }
@@ -24,7 +26,7 @@ pub struct Config {
 impl Config {
     /// The default rule and window for `workers` workers.
     pub fn new(workers: u32) -> Self {
-        Self { workers, rule: Rule::default(), window: 256 }
+        Self { workers, rule: Rule::default(), closure: Closure::default(), window: 256 }
     }
 }
 
@@ -289,8 +291,8 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             Message::Walk { ticket, attempt, point, at } => {
                 self.walk_in(ticket, attempt, point, at, out);
             }
-            Message::Expand { ticket, attempt, point, seeds } => {
-                self.expand(from, ticket, attempt, point, seeds, out);
+            Message::Expand { ticket, attempt, point, seeds, around } => {
+                self.expand(from, ticket, attempt, point, (seeds, around), out);
             }
             Message::Grant { ticket, attempt, answers, pieces, foreign, bounced, moved } => {
                 for (block, owner, epoch) in moved {

@@ -109,7 +109,9 @@ pub(crate) fn bytes<S: Payload>(message: &Message<S>) -> u64 {
     HEADER
         + match message {
             Message::Walk { point, at, .. } => S::point_bytes(point) + 1 + at.map_or(0, |_| HANDLE),
-            Message::Expand { point, seeds, .. } => S::point_bytes(point) + handles(seeds.len()),
+            Message::Expand { point, seeds, around, .. } => {
+                S::point_bytes(point) + handles(seeds.len()) + 4 * around.len() as u64
+            }
             Message::Grant { pieces, foreign, bounced, moved, .. } => {
                 8 + pieces.iter().map(S::piece_bytes).sum::<u64>()
                     + handles(foreign.len() + bounced.len())

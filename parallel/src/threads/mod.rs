@@ -14,7 +14,7 @@ use crate::balance::Balance;
 use crate::mailbox::connect;
 use crate::mesh::{Field, GatherError, LocalMesh, Plan, Prepared};
 use crate::metrics::{Collector, Summary, Trace};
-use crate::protocol::{Config, Note, Rule, Sound, Worker, WorkerId};
+use crate::protocol::{Closure, Config, Note, Rule, Sound, Worker, WorkerId};
 use crate::transport::{Delayed, Mail, Transport};
 use ltbw_core::{BuildError, CancelToken, Mesh, Outcome, PointSet, Vertex};
 use std::time::{Duration, Instant};
@@ -124,6 +124,7 @@ pub struct Run {
 pub struct Parallel<'a> {
     workers: u32,
     rule: Rule,
+    closure: Closure,
     window: usize,
     latency: Duration,
     plan: Option<Plan>,
@@ -143,6 +144,7 @@ impl<'a> Parallel<'a> {
         Self {
             workers,
             rule,
+            closure: Closure::default(),
             window,
             latency: Duration::ZERO,
             plan: None,
@@ -155,6 +157,12 @@ impl<'a> Parallel<'a> {
     /// Sets the conflict rule.
     pub fn rule(mut self, rule: Rule) -> Self {
         self.rule = rule;
+        self
+    }
+
+    /// Sets what an operation locks.
+    pub fn closure(mut self, closure: Closure) -> Self {
+        self.closure = closure;
         self
     }
 
@@ -214,7 +222,8 @@ impl<'a> Parallel<'a> {
         let Prepared { workers, common } = Plan { roomy: true, ..plan }.prepare(set)?;
         let start_seconds = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
-        let config = Config { workers: self.workers, rule: self.rule, window: self.window };
+        let Self { workers: count, rule, closure, window, .. } = *self;
+        let config = Config { workers: count, rule, closure, window };
         let nodes: Vec<Node> = workers
             .into_iter()
             .map(|(directory, mesh, field)| Worker::new(config, directory, mesh, field))

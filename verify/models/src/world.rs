@@ -182,7 +182,8 @@ impl World {
             let mine = edges.iter().filter(|(w, _)| *w == me).map(|&(_, edge)| edge).collect();
             let home = |v: &&Vertex| self.owners[usize::from(v.block)] == me;
             let points = Points(self.points.iter().filter(home).copied().collect());
-            let config = Config { workers: self.workers(), rule: self.rule, window: self.window };
+            let config =
+                Config { rule: self.rule, window: self.window, ..Config::new(self.workers()) };
             Worker::new(config, Directory::new(me, &self.owners), Hull::new(me, mine), points)
         };
         (0..self.workers()).map(node).collect()
