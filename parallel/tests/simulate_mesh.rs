@@ -1,9 +1,12 @@
 //! The real mesh on simulated processors: always the sequential kernel's mesh.
 
 use ltbw::generate::{PointKind, Random, generate};
-use ltbw::mesh::Plan;
-use ltbw::protocol::{Config, Rule};
-use ltbw::simulate::{Bursts, Distribution, Meshed, Network, Options, Storm, simulate_mesh};
+use ltbw::mesh::{Ownership, Plan};
+use ltbw::protocol::{Closure, Config, Rule};
+use ltbw::simulate::{
+    Bursts, Distribution, MeshError, Meshed, Network, Options, SimulationError, Storm,
+    simulate_mesh,
+};
 use ltbw::{Builder, PointSet};
 
 fn options(seed: u64) -> Options {
@@ -12,7 +15,11 @@ fn options(seed: u64) -> Options {
 
 /// Runs and compares with the sequential kernel.
 fn run(set: &PointSet, plan: Plan, rule: Rule, options: &Options) -> Meshed {
-    let config = Config { rule, ..Config::new(plan.workers) };
+    run_as(set, plan, Config { rule, ..Config::new(plan.workers) }, options)
+}
+
+/// [`run`] with all settings of the protocol.
+fn run_as(set: &PointSet, plan: Plan, config: Config, options: &Options) -> Meshed {
     let meshed = simulate_mesh(set, &plan, config, options).expect("a run ends");
     let expected = Builder::new().build(set).expect("a mesh").mesh;
     let hash = |mesh: &ltbw::Mesh| mesh.hash().expect("a hash");
@@ -144,4 +151,39 @@ fn a_seed_reproduces_a_run() {
         (meshed.summary, meshed.events, meshed.trace)
     };
     assert_eq!(of(), of());
+}
+
+#[test]
+fn the_papers_variants_get_the_same_mesh() {
+    let (mut setbacks, mut moves) = ([0; 2], 0);
+    for seed in 0..24 {
+        let kinds = [PointKind::Uniform, PointKind::Grid, PointKind::Cospherical];
+        let points = generate(kinds[seed as usize % 3], 600, seed);
+        let set = PointSet::new(points).expect("finite points");
+        let ownership = if seed / 3 % 2 == 0 { Ownership::Block } else { Ownership::Creator };
+        let rule = [Rule::WoundWait, Rule::WaitDie, Rule::Paper][seed as usize / 6 % 3];
+        let workers = [2, 5, 9][seed as usize / 2 % 3];
+        let plan = Plan { ownership, blocks_per_worker: 4, sample: 60, ..Plan::new(600, workers) };
+        let options = match ownership {
+            Ownership::Block => Options { storm: Some(Storm { every: 20_000 }), ..options(seed) },
+            Ownership::Creator => Options { balance: None, ..options(seed) },
+        };
+        for (closure, sum) in [Closure::Face, Closure::Vertex].into_iter().zip(&mut setbacks) {
+            let config = Config { rule, closure, ..Config::new(workers) };
+            let meshed = run_as(&set, plan, config, &options);
+            *sum += meshed.summary.setbacks();
+            moves += meshed.summary.workers.iter().map(|w| w.migrations).sum::<u64>();
+        }
+    }
+    let [face, vertex] = setbacks;
+    assert!(face > 0 && vertex > 2 * face && moves > 50, "{face}, {vertex}, {moves} moves");
+}
+
+#[test]
+fn what_a_creator_owns_does_not_move() {
+    let set = PointSet::new(generate(PointKind::Uniform, 200, 1)).expect("finite points");
+    let plan = Plan { ownership: Ownership::Creator, ..Plan::new(200, 2) };
+    let error = simulate_mesh(&set, &plan, Config::new(2), &options(1)).expect_err("balanced");
+    assert!(matches!(error, MeshError::Simulation(SimulationError::Options(_))), "{error}");
+    assert!(error.to_string().contains("creator"), "{error}");
 }

@@ -2,7 +2,8 @@
 
 use ltbw::balance::Balance;
 use ltbw::generate::{PointKind, generate};
-use ltbw::protocol::Rule;
+use ltbw::mesh::{Ownership, Plan};
+use ltbw::protocol::{Closure, Rule};
 use ltbw::threads::{Parallel, RunError};
 use ltbw::{BuildError, Builder, CancelToken, Outcome, PointSet, invariants};
 use std::time::Duration;
@@ -44,6 +45,23 @@ fn rules_and_latency_change_nothing() {
             let run = Parallel::new(4).rule(rule).latency(Duration::from_micros(latency));
             let run = run.build(&set).expect("a mesh");
             assert_eq!(run.mesh.hash().expect("a hash"), expected, "{rule}, {latency} us");
+        }
+    }
+}
+
+#[test]
+fn the_papers_closure_and_ownership_change_nothing() {
+    let set = set(PointKind::Uniform, 1500, 3);
+    let expected = Builder::new().build(&set).expect("a mesh").mesh.hash().expect("a hash");
+    for workers in [2, 5] {
+        for ownership in [Ownership::Block, Ownership::Creator] {
+            let plan = Plan { ownership, ..Plan::new(set.len(), workers) };
+            let kernel = Parallel::new(workers).closure(Closure::Vertex).plan(plan);
+            let run = kernel.build(&set).expect("a mesh");
+            assert_eq!(run.mesh.hash().expect("a hash"), expected, "{ownership:?} on {workers}");
+            let refused = kernel.balance(Balance::default()).build(&set).map(drop);
+            let is_refused = matches!(refused, Err(RunError::Settings(_)));
+            assert_eq!(is_refused, ownership == Ownership::Creator, "{refused:?}");
         }
     }
 }

@@ -25,7 +25,7 @@ fn play(points: Vec<Point>, case: Case, seed: u64) -> Figures {
 }
 
 fn plan(workers: u32, sample: usize) -> Plan {
-    Plan { workers, blocks_per_worker: 4, cursors: 4, abreast: 5, sample, roomy: false }
+    Plan { workers, blocks_per_worker: 4, cursors: 4, abreast: 5, sample, ..Plan::new(0, 1) }
 }
 
 #[test]

@@ -26,7 +26,7 @@ fn case(random: &mut Random) -> Case {
             cursors: 1 + below(4),
             abreast: below(8),
             sample: 4 + below(8),
-            roomy: false,
+            ..Plan::new(0, 1)
         },
         rule: [Rule::WoundWait, Rule::WoundWait, Rule::WaitDie, Rule::Paper][below(4)],
         tempo: Tempo::ALL[below(4)],

@@ -40,6 +40,10 @@ pub(crate) struct Simulate {
     /// (the paper's equation 5)
     #[arg(long, default_value = "face", value_parser = closures())]
     pub(crate) closure: Closure,
+    /// A new tetrahedron belongs to the processor that created it, as in the paper; blocks do not
+    /// move then
+    #[arg(long, conflicts_with = "storm")]
+    pub(crate) creator_owns: bool,
     /// Operations that a worker starts at most at a time
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(crate) window: Option<u32>,

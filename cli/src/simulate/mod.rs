@@ -11,8 +11,8 @@ use crate::figures::{SPANS, cost_model, tables, write_trace};
 use crate::outcome::{Exit, Failure, show};
 use ltbw::generate::generate;
 use ltbw::io;
-use ltbw::mesh::Plan;
-use ltbw::protocol::Config;
+use ltbw::mesh::{Ownership, Plan};
+use ltbw::protocol::{Closure, Config};
 use ltbw::simulate::{MeshError, Meshed, Network, Options, Storm, simulate_mesh};
 use ltbw::{Builder, PointSet};
 use report::{Report, Run};
@@ -80,6 +80,9 @@ fn layout(args: &Simulate, points: usize) -> (Plan, Config) {
     if let Some(cursors) = args.cursors {
         plan.cursors = cursors as usize;
     }
+    if args.creator_owns {
+        plan.ownership = Ownership::Creator;
+    }
     if let Some(abreast) = args.abreast {
         plan.abreast = abreast as usize;
     }
@@ -103,7 +106,7 @@ fn options(args: &Simulate) -> Options {
             bursts: None,
         },
         slow: args.slow.map(|factor| (0, factor)).into_iter().collect(),
-        balance: default.balance.filter(|_| !args.no_balance),
+        balance: default.balance.filter(|_| !args.no_balance && !args.creator_owns),
         storm: args.storm.map(|every| Storm { every }),
         spans: if args.trace.is_some() { SPANS } else { 0 },
         ..default
@@ -135,7 +138,9 @@ fn alone(
     if plan.workers == 1 {
         return Ok(meshed.summary.makespan);
     }
-    let one = Plan { workers: 1, ..*plan };
+    // One alone has nothing to lock, and nobody to own anything else.
+    let one = Plan { workers: 1, ownership: Ownership::default(), ..*plan };
+    let config = Config { workers: 1, closure: Closure::default(), ..config };
     let options = Options {
         slow: Vec::new(),
         storm: None,
@@ -143,5 +148,5 @@ fn alone(
         costs: options.costs,
         ..Options::default()
     };
-    Ok(mesh(set, &one, Config { workers: 1, ..config }, &options, name)?.summary.makespan)
+    Ok(mesh(set, &one, config, &options, name)?.summary.makespan)
 }

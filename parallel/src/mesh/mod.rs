@@ -24,7 +24,7 @@ mod wire;
 pub use blocks::Blocks;
 pub use field::Field;
 pub use gather::{GatherError, Gathered, gather};
-pub use start::{Common, Plan, Prepared};
+pub use start::{Common, Ownership, Plan, Prepared};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Site, To};
 
 use crate::protocol::{
@@ -41,6 +41,8 @@ pub struct LocalMesh {
     /// Tetrahedra that others know are watched, with their names.
     part: Part<Ticket, Name>,
     blocks: Blocks,
+    /// The block that all tetrahedra here belong to, if the creator owns what it creates.
+    creator: Option<BlockId>,
     me: WorkerId,
     names: FxHashMap<Name, TetId>,
     /// Names given so far.
@@ -63,6 +65,7 @@ impl LocalMesh {
         Self {
             part: Part::new(setting),
             blocks,
+            creator: None,
             me,
             names: FxHashMap::default(),
             named: 0,
@@ -98,11 +101,16 @@ impl LocalMesh {
     /// A tetrahedron whose block is not this worker's. There is none but those on their way.
     pub fn misplaced(&self, directory: &Directory) -> Option<TetId> {
         let mut tets = self.part.tets();
-        tets.find(|&(_, v)| !directory.is_mine(self.blocks.of_tet(v))).map(|(t, _)| t)
+        tets.find(|&(_, v)| !directory.is_mine(self.block_of_new(v))).map(|(t, _)| t)
     }
 
     fn block_of(&self, t: TetId) -> BlockId {
-        self.blocks.of_tet(self.part.vertices(t))
+        self.block_of_new(self.part.vertices(t))
+    }
+
+    /// The block of a tetrahedron with vertices `v` that is created here.
+    fn block_of_new(&self, v: [VertexId; 4]) -> BlockId {
+        self.creator.unwrap_or_else(|| self.blocks.of_tet(v))
     }
 
     fn fresh_name(&mut self) -> Name {
@@ -260,8 +268,8 @@ impl Submesh for LocalMesh {
     }
 
     fn insert(&mut self, point: &Site, seed: TetId, directory: &Directory) -> Insert<TetId> {
-        let Self { part, blocks, .. } = self;
-        let owns = |v| directory.is_mine(blocks.of_tet(v));
+        let Self { part, blocks, creator, .. } = self;
+        let owns = |v| creator.is_some() || directory.is_mine(blocks.of_tet(v));
         match part.insert(point.vertex, &point.point(), seed, owns) {
             Local::Inserted => {
                 self.forget_gone();

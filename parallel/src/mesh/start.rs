@@ -14,6 +14,23 @@ use std::ops::Range;
 /// Who names the tetrahedra of the coarse mesh: no worker has this number.
 const COARSE: WorkerId = WorkerId::MAX;
 
+/// Who owns a new tetrahedron.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Ownership {
+    /// The owner of its block, a function of its vertices: submeshes keep their shape.
+    #[default]
+    Block,
+    /// The paper's: who created it, the home of the operation. Submeshes grow into each other, and
+    /// blocks do not move. To reproduce the paper's figures.
+    Creator,
+}
+
+impl Ownership {
+    /// What to say when blocks are to move although creators own what they create.
+    pub(crate) const STAYS: &str =
+        "blocks cannot move where the creator owns new tetrahedra: no balance, no storm";
+}
+
 /// How a run is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
@@ -28,6 +45,8 @@ pub struct Plan {
     pub abreast: usize,
     /// Points of the coarse mesh, if there are so many.
     pub sample: usize,
+    /// Who owns a new tetrahedron.
+    pub ownership: Ownership,
     /// Reserve memory for all tetrahedra to come, for uniform points: pages that stay unused cost
     /// nothing but address space.
     pub roomy: bool,
@@ -45,7 +64,15 @@ impl Plan {
         // A single worker has nobody to share the coarse mesh with.
         let sample = if workers == 1 { 60 } else { (points / 100).max(most).max(60) };
         let (blocks_per_worker, cursors) = (16, 32);
-        Self { workers, blocks_per_worker, cursors, abreast: 0, sample, roomy: false }
+        Self {
+            workers,
+            blocks_per_worker,
+            cursors,
+            abreast: 0,
+            sample,
+            ownership: Ownership::default(),
+            roomy: false,
+        }
     }
 
     /// The layout for processors whose messages take long: what lies at the interface goes first.
@@ -150,6 +177,9 @@ impl Plan {
     fn submeshes(&self, setting: &Setting, blocks: &Blocks, points: &[Point]) -> Vec<LocalMesh> {
         let submesh = |me| {
             let mut mesh = LocalMesh::new(me, setting, blocks.clone());
+            if self.ownership == Ownership::Creator {
+                mesh.creator = Some(me * self.blocks_per_worker);
+            }
             let range = self.range(me, blocks);
             if self.roomy {
                 // The first one receives all others in the end.
@@ -242,7 +272,7 @@ fn distribute(
             mesh.full |= mesh.part.link_far(4 * local + slot, super::load(far)).is_none();
             mesh.set_name(local, Name { by: COARSE, number: t });
         }
-        debug_assert_eq!(block, mesh.block_of(local));
+        debug_assert!(mesh.creator.is_some() || block == mesh.block_of(local));
     }
     for (mesh, me) in workers.iter_mut().zip(0..) {
         let own = |block: u32| owners[block as usize] == me;

@@ -2,7 +2,7 @@
 
 use super::cost::Payload;
 use super::{Options, Simulation, SimulationError, simulate};
-use crate::mesh::{GatherError, Gathered, LocalMesh, Plan, gather};
+use crate::mesh::{GatherError, Gathered, LocalMesh, Ownership, Plan, gather};
 use crate::mesh::{Link, Moving, Patch, Piece, Site};
 use crate::metrics::{Summary, Survey, Trace};
 use crate::protocol::{Conduct, Config, Sound, Worker};
@@ -107,6 +107,11 @@ pub fn simulate_as<C: Conduct>(
     config: Config,
     options: &Options,
 ) -> Result<Meshed, MeshError> {
+    if plan.ownership == Ownership::Creator
+        && (options.storm.is_some() || options.balance.is_some())
+    {
+        return Err(SimulationError::Options(Ownership::STAYS.to_owned()).into());
+    }
     let prepared = plan.prepare(set)?;
     let config = Config { workers: plan.workers, ..config };
     let workers = prepared

@@ -12,7 +12,7 @@ pub use worker_loop::{Ended, Loop, Watch};
 
 use crate::balance::Balance;
 use crate::mailbox::connect;
-use crate::mesh::{Field, GatherError, LocalMesh, Plan, Prepared};
+use crate::mesh::{Field, GatherError, LocalMesh, Ownership, Plan, Prepared};
 use crate::metrics::{Collector, Summary, Trace};
 use crate::protocol::{Closure, Config, Note, Rule, Sound, Worker, WorkerId};
 use crate::transport::{Delayed, Mail, Transport};
@@ -40,6 +40,9 @@ pub enum RunError {
         /// What it said.
         message: String,
     },
+    /// The settings contradict each other.
+    #[error("{0}")]
+    Settings(String),
     /// The submeshes could not be put together.
     #[error(transparent)]
     Gather(#[from] GatherError),
@@ -219,6 +222,9 @@ impl<'a> Parallel<'a> {
     pub fn build_distributed(&self, set: &PointSet) -> Result<Distributed, RunError> {
         let clock = Instant::now();
         let plan = self.plan.unwrap_or_else(|| Plan::new(set.len(), self.workers));
+        if plan.ownership == Ownership::Creator && self.balance.is_some() {
+            return Err(RunError::Settings(Ownership::STAYS.to_owned()));
+        }
         let Prepared { workers, common } = Plan { roomy: true, ..plan }.prepare(set)?;
         let start_seconds = clock.elapsed().as_secs_f64();
         let clock = Instant::now();

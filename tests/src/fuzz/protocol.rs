@@ -39,7 +39,7 @@ fn read(bytes: &[u8]) -> (Vec<Point>, Case, Chooser<'_>) {
             cursors: 1 + usize::from(cursors) % 6,
             abreast: usize::from(cursors) / 6 % 8,
             sample: 4 + usize::from(sample) % 24,
-            roomy: false,
+            ..Plan::new(0, 1)
         },
         rule: [Rule::WoundWait, Rule::WaitDie, Rule::Paper][usize::from(rule) % 3],
         tempo: Tempo::ALL[usize::from(tempo) % 4],

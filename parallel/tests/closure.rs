@@ -1,0 +1,98 @@
+//! What an operation locks: the cavity and its face neighbours, or all that touches the cavity.
+
+use ltbw::PointSet;
+use ltbw::generate::{PointKind, generate};
+use ltbw::mesh::{Field, LocalMesh, Ownership, Plan};
+use ltbw::protocol::{Action, Closure, Config, Event, Message, Worker};
+use std::collections::VecDeque;
+
+type Node = Worker<LocalMesh, Field>;
+
+/// Operations one after the other, each alone, on three workers. Their messages are delivered by
+/// hand.
+struct World {
+    workers: Vec<Node>,
+    /// From, to, message.
+    messages: VecDeque<(u32, u32, Message<LocalMesh>)>,
+    /// The vertices around which the operation under way locks.
+    around: Vec<u32>,
+}
+
+impl World {
+    fn new(closure: Closure, ownership: Ownership) -> Self {
+        let set = PointSet::new(generate(PointKind::Uniform, 3000, 7)).expect("finite points");
+        let plan = Plan { ownership, ..Plan::new(set.len(), 3) };
+        let config = Config { closure, ..Config::new(3) };
+        let prepared = plan.prepare(&set).expect("a start");
+        let worker = |(directory, mesh, field)| Worker::new(config, directory, mesh, field);
+        let workers = prepared.workers.into_iter().map(worker).collect();
+        Self { workers, messages: VecDeque::new(), around: Vec::new() }
+    }
+
+    fn step(&mut self, worker: u32, event: Event<LocalMesh>) {
+        let mut actions = Vec::new();
+        self.workers[worker as usize].step(event, &mut actions);
+        for action in actions {
+            if let Action::Send { to, message } = action {
+                if let Message::Expand { around, .. } = &message
+                    && !around.is_empty()
+                {
+                    self.around.clone_from(around);
+                }
+                self.messages.push_back((worker, to, message));
+            }
+        }
+    }
+
+    /// How many tetrahedra are locked, and how many either are or touch the cavity, but not both.
+    fn locked(&self) -> (usize, usize) {
+        let (mut locked, mut wrong) = (0, 0);
+        for worker in &self.workers {
+            let part = worker.mesh().part();
+            for (t, v) in part.tets() {
+                let touches = v.iter().any(|v| self.around.binary_search(v).is_ok());
+                let is_locked = part.holder(t).is_some();
+                locked += usize::from(is_locked);
+                wrong += usize::from(touches != is_locked);
+            }
+        }
+        (locked, wrong)
+    }
+
+    /// Runs so many operations of more than one worker; returns how many tetrahedra they locked.
+    fn run(&mut self, operations: usize) -> usize {
+        let (mut done, mut all) = (0, 0);
+        while done < operations {
+            self.around.clear();
+            let worker = (0..3).find(|&w| self.workers[w as usize].has_work());
+            self.step(worker.expect("points left"), Event::Work);
+            let mut last = None;
+            while let Some((from, to, message)) = self.messages.pop_front() {
+                // If it is the last grant all is locked.
+                if matches!(message, Message::Grant { .. }) && self.messages.is_empty() {
+                    last = Some(self.locked());
+                }
+                self.step(to, Event::Message { from, message });
+                // A setback of the only operation there is would be a defect.
+                assert!(!self.messages.iter().any(|m| matches!(m.2, Message::Abort { .. })));
+                if last.is_some() && self.messages.iter().any(|m| m.2.kind() == "commit") {
+                    let (locked, wrong) = last.take().expect("just looked");
+                    assert!(locked > 0 && (self.around.is_empty() || wrong == 0), "{wrong} wrong");
+                    all += locked;
+                    done += 1;
+                }
+            }
+        }
+        all
+    }
+}
+
+#[test]
+fn the_vertex_closure_is_all_that_touches_the_cavity() {
+    for ownership in [Ownership::Block, Ownership::Creator] {
+        let vertex = World::new(Closure::Vertex, ownership).run(200);
+        let face = World::new(Closure::Face, ownership).run(200);
+        println!("{ownership:?}: {} locked by an operation, {} by faces", vertex / 200, face / 200);
+        assert!(vertex > 3 * face, "{vertex} and {face} locked");
+    }
+}
