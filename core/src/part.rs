@@ -417,11 +417,6 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         unwatch(&mut self.specials, &mut self.geometry, t)
     }
 
-    /// The watched tetrahedra, with their labels.
-    pub fn watched(&self) -> impl Iterator<Item = (TetId, L)> + '_ {
-        self.specials.watched()
-    }
-
     /// Is tetrahedron `t` in conflict with `p`?
     pub fn in_conflict(&mut self, t: TetId, p: &Point) -> bool {
         self.geometry.stats.insphere_calls += 1;

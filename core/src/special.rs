@@ -115,11 +115,6 @@ impl<H: Copy, L: Copy> Specials<H, L> {
     pub(crate) fn closed(&self) -> impl Iterator<Item = TetId> + '_ {
         self.entries.iter().filter(|s| s.closed.is_some()).map(|s| s.tet)
     }
-
-    /// The watched ones, with their labels.
-    pub(crate) fn watched(&self) -> impl Iterator<Item = (TetId, L)> + '_ {
-        self.entries.iter().filter_map(|s| Some((s.tet, s.label?)))
-    }
 }
 
 #[cfg(test)]
@@ -138,7 +133,6 @@ mod tests {
         specials.entry(3, &mut b).closed = Some(('b', false));
         assert!(a.0[3].is_nan() && b.0[3].is_nan());
         assert_eq!(specials.closed().collect::<Vec<_>>(), [7, 3]);
-        assert_eq!(specials.watched().collect::<Vec<_>>(), [(7, 70)]);
         specials.open(&mut a);
         assert!(!specials.is_closed(a) && specials.is_watched(a) && specials.is_closed(b));
         assert_eq!(specials.unwatch(&mut a), Some(70));

@@ -402,7 +402,7 @@ mod tests {
         let pieces = [1000..1400, 5000..5200];
         let at = |v: VertexId| pieces.iter().any(|piece| piece.contains(&v));
         let mut field = field.interface(pieces.to_vec(), 4);
-        let mut next = |field: &mut Field| field.next(&mesh).expect("a point");
+        let next = |field: &mut Field| field.next(&mesh).expect("a point");
         let given: Vec<Site> = (0..4).map(|_| next(&mut field)).collect();
         assert!(given.iter().all(|site| at(site.vertex)), "{given:?}");
         let pairs = given.iter().flat_map(|a| given.iter().map(|b| (a.vertex, b.vertex)));

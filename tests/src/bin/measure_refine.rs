@@ -10,9 +10,9 @@ use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::generate::{DomainKind, Shape, generate_domain};
 use ltbw::io;
 use ltbw::refine::{RefineOutcome, Refiner};
-use ltbw_tests::cases;
 use ltbw_tests::domains::random_domain;
 use ltbw_tests::require::skip;
+use ltbw_tests::{cases, median};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
@@ -150,18 +150,20 @@ fn table(own: &PathBuf, theirs: impl Fn() -> Command) -> Result<bool, Failure> {
             pairs.push((ours, run(theirs().arg(volume))?));
         }
         let last = k + 1 == VOLUMES.len();
-        let median = |number: &dyn Fn(&(Taken, Taken)) -> f64| middle(pairs.iter().map(number));
-        let ratio = median(&|(a, b)| a.microseconds_each() / b.microseconds_each());
+        let middle = |number: &dyn Fn(&(Taken, Taken)) -> f64| {
+            median(&mut pairs.iter().map(number).collect::<Vec<_>>())
+        };
+        let ratio = middle(&|(a, b)| a.microseconds_each() / b.microseconds_each());
         let (ours, theirs) = pairs[0];
         println!(
             "| {volume} | {} | {} | {:.2} | {:.2} | {ratio:.2} | {} | {:.0} | {:.0} |",
             ours.tets,
             theirs.tets,
-            median(&|p| p.0.microseconds_each()),
-            median(&|p| p.1.microseconds_each()),
+            middle(&|p| p.0.microseconds_each()),
+            middle(&|p| p.1.microseconds_each()),
             if last { format!("{SLOWEST:.2}") } else { "-".to_owned() },
-            median(&|p| p.0.peak) / 1024.0,
-            median(&|p| p.1.peak) / 1024.0,
+            middle(&|p| p.0.peak) / 1024.0,
+            middle(&|p| p.1.peak) / 1024.0,
         );
         met &= ours.tets <= most && (!last || ratio <= SLOWEST && ours.peak <= MEMORY);
     }
@@ -217,11 +219,4 @@ fn evenness() -> Result<bool, Failure> {
         ratio
     );
     Ok(ratio <= UNEVEN)
-}
-
-/// The middle of at least one number; of an even count, the upper of the two.
-fn middle(numbers: impl Iterator<Item = f64>) -> f64 {
-    let mut numbers: Vec<f64> = numbers.collect();
-    numbers.sort_by(f64::total_cmp);
-    numbers[numbers.len() / 2]
 }
