@@ -166,9 +166,12 @@ fn the_simulator_prints_its_tables() {
 fn every_option_of_the_simulator_is_obeyed() {
     let dir = tempfile::tempdir().unwrap();
     let base = ["simulate", "--points", "600", "--processors", "3", "--json", "a.json"];
-    let options: [(&[&str], &str, Value); 6] = [
+    let options: [(&[&str], &str, Value); 9] = [
         (&["--rule", "paper"], "rule", "paper".into()),
         (&["--distribution", "exponential"], "distribution", "exponential".into()),
+        (&["--closure", "vertex"], "closure", "vertex".into()),
+        (&["--creator-owns"], "creator_owns", true.into()),
+        (&["--abreast", "7"], "abreast", 7.into()),
         (&["--window", "5"], "window", 5.into()),
         (&["--slow", "20"], "slow", 20.0.into()),
         (&["--storm", "300us"], "storm", 300_000.into()),
@@ -179,6 +182,8 @@ fn every_option_of_the_simulator_is_obeyed() {
         assert_eq!(run.code, 0, "{}", run.stderr);
         assert_eq!(json(&dir.path().join("a.json"))["simulation"]["settings"][name], value);
     }
-    let run = ltbw(dir.path(), &["simulate", "--latency", "5"]);
-    assert_eq!(run.code, 2, "{}", run.stderr);
+    for wrong in [&["--latency", "5"][..], &["--creator-owns", "--storm", "1ms"]] {
+        let run = ltbw(dir.path(), &[&["simulate"], wrong].concat());
+        assert_eq!(run.code, 2, "{}", run.stderr);
+    }
 }

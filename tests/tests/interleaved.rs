@@ -3,15 +3,27 @@
 //! way. Every third run sends all messages through bytes.
 
 use ltbw::generate::{PointKind, generate};
-use ltbw::mesh::Plan;
-use ltbw::protocol::Rule;
+use ltbw::mesh::{Ownership, Plan};
+use ltbw::protocol::{Closure, Rule};
 use ltbw::{Point, PointSet};
 use ltbw_tests::interleave::{Case, Chooser, Figures, Tempo};
 
 /// Plays `points`; returns setbacks and operations committed.
 fn run(points: Vec<Point>, plan: Plan, rule: Rule, moves: u32, seed: u64) -> (usize, usize) {
+    run_as(points, plan, (rule, Closure::Face), moves, seed)
+}
+
+/// [`run`] with a closure.
+fn run_as(
+    points: Vec<Point>,
+    plan: Plan,
+    (rule, closure): (Rule, Closure),
+    moves: u32,
+    seed: u64,
+) -> (usize, usize) {
     let bytes = seed.is_multiple_of(3);
-    let case = Case { plan, rule, tempo: Tempo::Even, slow: None, moves, cancel: None, bytes };
+    let tempo = Tempo::Even;
+    let case = Case { plan, rule, closure, tempo, slow: None, moves, cancel: None, bytes };
     let Figures { setbacks, committed, .. } = play(points, case, seed);
     (setbacks, committed)
 }
@@ -80,6 +92,24 @@ fn blocks_that_move_change_nothing() {
 }
 
 #[test]
+fn the_papers_closure_and_ownership_give_the_mesh() {
+    let mut setbacks = 0;
+    for seed in 0..12 {
+        let rule = [Rule::WoundWait, Rule::WaitDie, Rule::Paper][seed as usize % 3];
+        let kind = if seed % 2 == 0 { PointKind::Uniform } else { PointKind::Grid };
+        for workers in [2, 5] {
+            let points = || generate(kind, 250, seed);
+            let plan = plan(workers, 20);
+            let choice = (rule, Closure::Vertex);
+            setbacks += run_as(points(), plan, choice, 40, seed).0;
+            let plan = Plan { ownership: Ownership::Creator, ..plan };
+            setbacks += run_as(points(), plan, choice, 0, seed).0;
+        }
+    }
+    assert!(setbacks > 500, "hardly ever set back: {setbacks}");
+}
+
+#[test]
 fn small_sets_empty_workers_and_one_block() {
     for seed in 0..40 {
         for count in [4, 5, 6, 8, 10, 20] {
@@ -119,6 +149,7 @@ fn a_cancelled_worker_takes_in_no_points() {
         let case = Case {
             plan: plan(4, 20),
             rule: Rule::WoundWait,
+            closure: Closure::Face,
             tempo: Tempo::LateMail,
             slow: None,
             moves: 400,

@@ -5,9 +5,10 @@
 //! Events happen in a random order, of which the simulator's virtual time, in every fifth case, is
 //! one.
 
+use ltbw::balance::Balance;
 use ltbw::generate::Random;
-use ltbw::mesh::Plan;
-use ltbw::protocol::{Config, Rule};
+use ltbw::mesh::{Ownership, Plan};
+use ltbw::protocol::{Closure, Config, Rule};
 use ltbw::simulate::{Distribution, MeshError, Network, Options, Storm, simulate_mesh};
 use ltbw::{BuildError, Mesh, PointSet};
 use ltbw_tests::cases;
@@ -19,6 +20,7 @@ use ltbw_tests::interleave::{Case, Chooser, Figures, Tempo};
 fn case(random: &mut Random) -> Case {
     let mut below = |n: u64| random.below(n) as usize;
     let workers = 2 + below(7);
+    let creator = below(5) == 0;
     Case {
         plan: Plan {
             workers: workers as u32,
@@ -26,12 +28,15 @@ fn case(random: &mut Random) -> Case {
             cursors: 1 + below(4),
             abreast: below(8),
             sample: 4 + below(8),
+            ownership: if creator { Ownership::Creator } else { Ownership::Block },
             ..Plan::new(0, 1)
         },
+        closure: if below(4) == 0 { Closure::Vertex } else { Closure::Face },
         rule: [Rule::WoundWait, Rule::WoundWait, Rule::WaitDie, Rule::Paper][below(4)],
         tempo: Tempo::ALL[below(4)],
         slow: (below(4) == 0).then(|| below(workers as u64)),
-        moves: [0, 10, 40][below(3)],
+        // What a creator owns does not move.
+        moves: if creator { 0 } else { [0, 10, 40][below(3)] },
         cancel: None,
         bytes: false,
     }
@@ -46,10 +51,12 @@ fn simulated(case: &Case, set: &PointSet, random: &mut Random) -> Result<Mesh, B
         network: Network { latency, distribution, ..Network::default() },
         slow: case.slow.map(|w| (w as u32, 100.0)).into_iter().collect(),
         storm: (case.moves > 0).then_some(Storm { every: 20_000 + latency / 10 }),
+        balance: Some(Balance::default()).filter(|_| case.plan.ownership == Ownership::Block),
         max_events: 1_000_000,
         ..Options::default()
     };
-    let config = Config { rule: case.rule, ..Config::new(case.plan.workers) };
+    let config =
+        Config { rule: case.rule, closure: case.closure, ..Config::new(case.plan.workers) };
     match simulate_mesh(set, &case.plan, config, &options) {
         Ok(meshed) => Ok(meshed.gathered.mesh),
         Err(MeshError::Build(error)) => Err(error),

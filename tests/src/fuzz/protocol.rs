@@ -9,8 +9,8 @@ use crate::compare::{compare_mesh, refusal};
 use crate::families::snap;
 use crate::interleave::{Case, Chooser, Tempo};
 use arbitrary::Unstructured;
-use ltbw::mesh::Plan;
-use ltbw::protocol::Rule;
+use ltbw::mesh::{Ownership, Plan};
+use ltbw::protocol::{Closure, Rule};
 use ltbw::{Point, PointSet};
 use std::sync::PoisonError;
 
@@ -32,6 +32,13 @@ fn read(bytes: &[u8]) -> (Vec<Point>, Case, Chooser<'_>) {
         }
     }
     let workers = 2 + u32::from(workers) % 7;
+    let (closure, ownership) = match rule / 3 % 4 {
+        0 | 1 => (Closure::Face, Ownership::Block),
+        2 => (Closure::Vertex, Ownership::Block),
+        _ => (Closure::Vertex, Ownership::Creator),
+    };
+    // What a creator owns does not move.
+    let moves = if ownership == Ownership::Block { u32::from(moves) % 64 } else { 0 };
     let case = Case {
         plan: Plan {
             workers,
@@ -39,13 +46,15 @@ fn read(bytes: &[u8]) -> (Vec<Point>, Case, Chooser<'_>) {
             cursors: 1 + usize::from(cursors) % 6,
             abreast: usize::from(cursors) / 6 % 8,
             sample: 4 + usize::from(sample) % 24,
+            ownership,
             ..Plan::new(0, 1)
         },
         rule: [Rule::WoundWait, Rule::WaitDie, Rule::Paper][usize::from(rule) % 3],
+        closure,
         tempo: Tempo::ALL[usize::from(tempo) % 4],
         // Half of the values: no slow worker.
         slow: (slow % 2 == 1).then_some(usize::from(slow / 2) % workers as usize),
-        moves: u32::from(moves) % 64,
+        moves,
         cancel: cancel.checked_sub(192).map(|k| 8 * usize::from(k)),
         bytes: mix & 6 == 6,
     };

@@ -10,7 +10,7 @@ mod ending;
 
 use crate::families::Rng;
 use ltbw::mesh::{Field, LocalMesh, Plan};
-use ltbw::protocol::{Action, Config, Event, Message, Note, Rule, Source, Worker};
+use ltbw::protocol::{Action, Closure, Config, Event, Message, Note, Rule, Source, Worker};
 use ltbw::{BuildError, Mesh, PointSet};
 use std::collections::{BTreeMap, VecDeque};
 
@@ -68,6 +68,8 @@ pub struct Case {
     pub plan: Plan,
     /// The conflict rule.
     pub rule: Rule,
+    /// What operations lock.
+    pub closure: Closure,
     /// Which events come first.
     pub tempo: Tempo,
     /// A worker to which something happens each 16th turn only, while it does to others.
@@ -140,7 +142,8 @@ impl Case {
             (Err(error), Err(_)) => return Err(error),
             (one, other) => panic!("one is refused: {:?}, {:?}", one.err(), other.err()),
         };
-        let config = Config { rule: self.rule, ..Config::new(self.plan.workers) };
+        let config =
+            Config { rule: self.rule, closure: self.closure, ..Config::new(self.plan.workers) };
         let nodes = prepared
             .workers
             .into_iter()
