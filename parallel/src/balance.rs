@@ -76,8 +76,12 @@ pub struct Balancer {
     asked: u32,
 }
 
-/// A worker that has done so many times what is left gives nothing away.
+/// A worker that has done more than so many times what is left gives nothing away ...
 const SHORT: u64 = 2;
+
+/// ... if fewer than these are left: the cost was measured with such numbers. It grows with the
+/// surface of what moves, what is saved with the volume.
+const FEW: u64 = 1 << 15;
 
 /// What a worker is believed to have before it is heard of, in units of what is few.
 const UNKNOWN: u64 = 4096;
@@ -148,7 +152,7 @@ impl Balancer {
         // Who asks has needed for its points as long as this worker for those it has given so far.
         // When the rest takes much less than that, what a block saves there is lost at the new
         // interfaces that it makes.
-        if mine.saturating_mul(SHORT) < worker.source().given() {
+        if mine < FEW && mine.saturating_mul(SHORT) < worker.source().given() {
             return Vec::new();
         }
         let directory = worker.directory();
@@ -170,6 +174,34 @@ impl Balancer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::generate::{PointKind, generate};
+    use crate::mesh::Plan;
+    use crate::protocol::Config;
+    use ltbw_core::PointSet;
+
+    #[test]
+    fn who_has_nearly_done_gives_nothing() {
+        let set = PointSet::new(generate(PointKind::Uniform, 6000, 1)).expect("finite points");
+        let plan = Plan { sample: 60, ..Plan::new(6000, 2) };
+        let gives = |done: u64| {
+            let prepared = plan.prepare(&set).expect("a start");
+            let (directory, mesh, mut field) = prepared.workers.into_iter().next().expect("one");
+            for _ in 0..done {
+                let site = field.next(&mesh).expect("a point");
+                field.inserted(&mesh, &site);
+            }
+            let all = field.left() as u64 + done;
+            let worker: Worker<_, _> = Worker::new(Config::new(2), directory, mesh, field);
+            let mut balancer = Balancer::new(Balance::default(), 0, 2);
+            balancer.heard(1, 0);
+            (all, !balancer.give(&worker, 1).is_empty())
+        };
+        let (all, at_once) = gives(0);
+        // Twice what is left is the last time.
+        let (_, late) = gives(2 * all / 3);
+        let (_, too_late) = gives(2 * all / 3 + 2);
+        assert_eq!((at_once, late, too_late), (true, true, false));
+    }
 
     #[test]
     fn asks_those_with_most() {

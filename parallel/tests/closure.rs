@@ -4,7 +4,7 @@ use ltbw::PointSet;
 use ltbw::generate::{PointKind, generate};
 use ltbw::mesh::{Field, LocalMesh, Ownership, Plan};
 use ltbw::protocol::{Action, Closure, Config, Event, Message, Worker};
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 type Node = Worker<LocalMesh, Field>;
 
@@ -16,6 +16,8 @@ struct World {
     messages: VecDeque<(u32, u32, Message<LocalMesh>)>,
     /// The vertices around which the operation under way locks.
     around: Vec<u32>,
+    /// Workers asked for it.
+    asked: BTreeSet<u32>,
 }
 
 impl World {
@@ -26,7 +28,7 @@ impl World {
         let prepared = plan.prepare(&set).expect("a start");
         let worker = |(directory, mesh, field)| Worker::new(config, directory, mesh, field);
         let workers = prepared.workers.into_iter().map(worker).collect();
-        Self { workers, messages: VecDeque::new(), around: Vec::new() }
+        Self { workers, messages: VecDeque::new(), around: Vec::new(), asked: BTreeSet::new() }
     }
 
     fn step(&mut self, worker: u32, event: Event<LocalMesh>) {
@@ -34,21 +36,25 @@ impl World {
         self.workers[worker as usize].step(event, &mut actions);
         for action in actions {
             if let Action::Send { to, message } = action {
-                if let Message::Expand { around, .. } = &message
-                    && !around.is_empty()
-                {
-                    self.around.clone_from(around);
+                if let Message::Expand { around, .. } = &message {
+                    self.asked.insert(to);
+                    if !around.is_empty() {
+                        self.around.clone_from(around);
+                    }
                 }
                 self.messages.push_back((worker, to, message));
             }
         }
     }
 
-    /// How many tetrahedra are locked, and how many either are or touch the cavity, but not both.
+    /// How many tetrahedra are locked, and how many either are or touch the cavity, but not both;
+    /// a worker that was asked and holds nothing counts there, too.
     fn locked(&self) -> (usize, usize) {
         let (mut locked, mut wrong) = (0, 0);
         for worker in &self.workers {
             let part = worker.mesh().part();
+            let is_asked = self.asked.contains(&worker.id());
+            wrong += usize::from(is_asked && part.closed().next().is_none());
             for (t, v) in part.tets() {
                 let touches = v.iter().any(|v| self.around.binary_search(v).is_ok());
                 let is_locked = part.holder(t).is_some();
@@ -64,6 +70,7 @@ impl World {
         let (mut done, mut all) = (0, 0);
         while done < operations {
             self.around.clear();
+            self.asked.clear();
             let worker = (0..3).find(|&w| self.workers[w as usize].has_work());
             self.step(worker.expect("points left"), Event::Work);
             let mut last = None;
@@ -94,5 +101,16 @@ fn the_vertex_closure_is_all_that_touches_the_cavity() {
         let face = World::new(Closure::Face, ownership).run(200);
         println!("{ownership:?}: {} locked by an operation, {} by faces", vertex / 200, face / 200);
         assert!(vertex > 3 * face, "{vertex} and {face} locked");
+    }
+}
+
+#[test]
+fn what_a_creator_owns_is_not_given_away() {
+    for (ownership, moves) in [(Ownership::Block, 1), (Ownership::Creator, 0)] {
+        let mut world = World::new(Closure::Face, ownership);
+        let directory = world.workers[0].directory();
+        let block = (0..directory.blocks()).find(|&b| directory.is_mine(b)).expect("a block");
+        world.step(0, Event::Migrate { block, to: 1 });
+        assert_eq!(world.messages.len(), moves, "{ownership:?}");
     }
 }

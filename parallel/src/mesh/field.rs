@@ -38,7 +38,7 @@ pub struct Field {
     to_come: usize,
     /// The cursor that is followed.
     current: Option<Cursor>,
-    /// While fewer cursors wait those at the interface go first.
+    /// While fewer points are under way those at the interface go first.
     abreast: usize,
     /// Those that have waited and may go on, the one to follow next last.
     urgent: Vec<Cursor>,
@@ -88,8 +88,14 @@ impl Field {
     /// Lets the points of the pieces `interface`, ascending and disjoint, go first while fewer than
     /// `abreast` points are under way.
     #[must_use]
-    pub fn interface(mut self, interface: Vec<Range<VertexId>>, abreast: usize) -> Self {
-        self.own.interface = interface;
+    pub fn interface(
+        mut self,
+        interface: impl IntoIterator<Item = Range<VertexId>>,
+        abreast: usize,
+    ) -> Self {
+        let Range { start, end } = self.own.range;
+        let meets = |piece: &Range<VertexId>| piece.start < end && start < piece.end;
+        self.own.interface = interface.into_iter().filter(meets).collect();
         self.abreast = abreast;
         self
     }
@@ -113,7 +119,10 @@ impl Field {
     pub fn in_block(&self, block: BlockId) -> usize {
         let range = self.blocks.vertices(block);
         let begun: usize = self.begun().map(|c| c.count_in(&range, &self.own)).sum();
-        begun + self.own.since_round(&range, self.next_round).count()
+        match self.to_come {
+            0 => begun,
+            _ => begun + self.own.since_round(&range, self.next_round).count(),
+        }
     }
 
     /// All cursors.
@@ -211,13 +220,12 @@ impl Field {
             || *to_come > 0
     }
 
-    /// Takes out the cursor, not the one followed, that gave `vertex`. Its insertion had to wait,
-    /// or has left.
+    /// Takes out the cursor, not the one followed, that gave `vertex`; `None` if it has no more.
     fn free(&mut self, vertex: VertexId) -> Option<Cursor> {
         let k = self.waiting.iter().position(|c| c.given == Some(vertex))?;
         let mut cursor = self.waiting.swap_remove(k);
         cursor.given = None;
-        Some(cursor)
+        (!cursor.is_empty()).then_some(cursor)
     }
 
     /// If the cursor that is followed gave `vertex` it may go on.
@@ -225,6 +233,7 @@ impl Field {
         match &mut self.current {
             Some(cursor) if cursor.given == Some(vertex) => {
                 cursor.given = None;
+                self.current.take_if(|cursor| cursor.is_empty());
                 true
             }
             _ => false,
@@ -240,14 +249,14 @@ impl Field {
         }
     }
 
-    /// Drops empty cursors.
+    /// Drops empty cursors whose last point is not under way.
     fn tidy(&mut self) {
         let Self { current, urgent, interface, ready, waiting, .. } = self;
-        current.take_if(|cursor| cursor.is_empty());
+        current.take_if(|cursor| cursor.is_ready() && cursor.is_empty());
         urgent.retain(|c| !c.is_empty());
         interface.retain(|c| !c.is_empty());
         ready.retain(|c| !c.is_empty());
-        waiting.retain(|c| !c.is_empty());
+        waiting.retain(|c| !c.is_ready() || !c.is_empty());
     }
 }
 
@@ -261,9 +270,6 @@ impl Source<LocalMesh> for Field {
         self.left -= 1;
         self.given += 1;
         cursor.given = Some(site.vertex);
-        if cursor.is_empty() {
-            self.current = None;
-        }
         Some(site)
     }
 
@@ -433,6 +439,31 @@ mod tests {
         }
         assert!(seen[1..].iter().all(|&n| n == 1) && field.is_empty());
         assert_eq!(field.given(), 9000);
+    }
+
+    #[test]
+    fn no_more_points_than_said_are_under_way_while_others_may_go() {
+        // Three rounds: in the first one an interface cursor has a single point or none.
+        let (field, mesh) = field(70_000);
+        let pieces = [20_000..26_000, 28_000..31_000];
+        let at = |v: VertexId| pieces.iter().any(|piece| piece.contains(&v));
+        let mut field = field.interface(pieces.clone(), 10);
+        let (mut under_way, mut most) = (Vec::new(), 0);
+        while !field.is_empty() {
+            // What is under way when nothing else may go is another matter.
+            if field.ready.is_empty() {
+                under_way.drain(..).for_each(|site: Site| field.inserted(&mesh, &site));
+            }
+            let others = !field.ready.is_empty();
+            let site = field.next(&mesh).expect("a point");
+            if at(site.vertex) {
+                under_way.push(site);
+                most = most.max(if others { under_way.len() } else { 0 });
+            } else {
+                field.inserted(&mesh, &site);
+            }
+        }
+        assert_eq!(most, 10);
     }
 
     #[test]

@@ -165,6 +165,14 @@ impl LocalMesh {
         self.part.vertices(t).map(|v| self.site(v))
     }
 
+    /// The neighbours of `t` across faces that have one of `corners`.
+    fn around(&self, t: TetId, corners: &[VertexId]) -> impl Iterator<Item = TetId> {
+        let is_corner = self.part.vertices(t).map(|v| corners.binary_search(&v).is_ok());
+        let others = move |slot: usize| (1..4).any(|k| is_corner[(slot + k) % 4]);
+        let neighbours = self.part.neighbours(t).map(tet_of).into_iter().enumerate();
+        neighbours.filter(move |&(slot, _)| others(slot)).map(|(_, u)| u)
+    }
+
     /// What of the vertex closure of `point` is in the way of inserting it at once: a locked
     /// tetrahedron, else another worker's.
     fn vertex_closure(&mut self, point: &Site, seed: TetId) -> Option<Insert<TetId>> {
@@ -193,10 +201,10 @@ impl LocalMesh {
             if self.part.holder(t).is_some() {
                 locked = locked.or(Some(Insert::Locked(t)));
             }
-            for u in self.part.neighbours(t).map(tet_of) {
+            for u in self.around(t, &corners) {
                 if self.part.load(u).is_some() {
                     far = true;
-                } else if self.touches(u, &corners) && seen.insert(u) {
+                } else if seen.insert(u) {
                     all.push(u);
                 }
             }
@@ -333,8 +341,13 @@ impl Submesh for LocalMesh {
         all
     }
 
-    fn touches(&self, t: TetId, corners: &[u32]) -> bool {
-        self.part.vertices(t).iter().any(|v| corners.binary_search(v).is_ok())
+    fn neighbours_around(&self, t: TetId, corners: &[u32], mut f: impl FnMut(Neighbour<TetId>)) {
+        for u in self.around(t, corners) {
+            f(match self.part.load(u) {
+                Some(load) => Neighbour::Far(handle(load)),
+                None => Neighbour::Near(u),
+            });
+        }
     }
 
     fn in_the_way(&mut self, point: &Site, seed: TetId) -> Option<Insert<TetId>> {
@@ -379,11 +392,13 @@ impl Submesh for LocalMesh {
     fn is_block_locked(&self, block: BlockId) -> bool {
         // A locked neighbour outside the block counts, too. Its home may be about to name it; if
         // moving the block gave it a name as well, it would have two.
-        self.part.closed().any(|t| {
-            let around = self.part.neighbours(t).map(tet_of);
-            let near = around.into_iter().filter(|&u| self.part.is_live(u));
-            near.chain([t]).any(|t| self.block_of(t) == block)
-        })
+        // What a creator owns does not move at all.
+        self.creator.is_some()
+            || self.part.closed().any(|t| {
+                let around = self.part.neighbours(t).map(tet_of);
+                let near = around.into_iter().filter(|&u| self.part.is_live(u));
+                near.chain([t]).any(|t| self.block_of(t) == block)
+            })
     }
 
     fn extract<C: Conduct>(

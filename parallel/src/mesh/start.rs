@@ -115,7 +115,7 @@ impl Plan {
                     .map(|v| sample.partition_point(|&rank| rank < v.saturating_sub(1)));
                 let out = sample[ranks[0]..ranks[1]].iter().map(|rank| rank + 1);
                 let field = Field::new(blocks.clone(), range, out, self.cursors)
-                    .interface(interface.clone(), self.abreast);
+                    .interface(interface.iter().cloned(), self.abreast);
                 (Directory::new(me, &owners), mesh, field)
             })
             .collect();

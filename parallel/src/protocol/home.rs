@@ -258,11 +258,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     /// The cavity is complete: all that touches it is asked for, too.
     fn surround(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
         let Some(op) = self.ops.get_mut(&ticket) else { return };
-        let parts = std::mem::take(&mut op.parts).into_entries();
-        op.around = S::corners(&parts);
-        for (worker, pieces) in parts {
-            op.parts.entry(worker, || pieces);
-        }
+        op.around = S::corners(op.parts.entries());
         if op.around.is_empty() {
             self.fill(ticket, out);
             return;

@@ -40,7 +40,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     }
 
     /// Extracts the tetrahedra of `block`; what requests still want of them is far now. Such a
-    /// want is a near neighbour of a piece: in a submesh where a locked neighbour keeps the block
+    /// want is a near neighbour of what a request has locked: in a submesh where a locked neighbour keeps the block
     /// from moving ([`Submesh::is_block_locked`]) there is none.
     fn take_out(&mut self, block: BlockId) -> S::Cargo {
         let mut handles: BTreeMap<S::Tet, Handle> = BTreeMap::new();

@@ -121,7 +121,7 @@ pub enum Message<S: Submesh> {
         /// Empty while the cavity is collected. Then, if the closure is [`Closure::Vertex`], the
         /// cavity's vertices: to lock is what touches them, without a test; it spreads from the
         /// seeds and from all that is locked.
-        #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
+        #[cfg_attr(feature = "serde", serde(default))]
         around: Vec<u32>,
     },
     /// The answer to `answers` messages `Expand`: everything asked for is locked.

@@ -36,7 +36,7 @@ pub(super) struct Request<S: Submesh> {
     held: Vec<S::Tet>,
     /// Those in conflict, since the last grant.
     pieces: Vec<S::Tet>,
-    /// Far neighbours of those.
+    /// Far neighbours of those, or of all that is held when what touches the cavity is wanted.
     pub(super) foreign: Vec<Handle>,
     /// Seeds whose block is not here any more.
     bounced: Vec<Handle>,
@@ -131,8 +131,10 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         request.wants.extend(wants);
         if request.around.is_empty() && !around.is_empty() {
             request.around = around;
-            let Request { held, wants, foreign, .. } = &mut **request;
-            held.iter().for_each(|&t| spread(&self.mesh, t, wants, foreign));
+            let Request { held, wants, foreign, around, .. } = &mut **request;
+            for &t in &*held {
+                self.mesh.neighbours_around(t, around, |n| want(n, wants, foreign));
+            }
         }
         request.owed += 1;
         if !request.stalled {
@@ -141,7 +143,8 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     }
 
     /// Locks and tests until nothing is wanted or something is in the way. Ends: every tetrahedron
-    /// is locked once, and each adds at most four to what is wanted.
+    /// is locked once, and each adds at most four to what is wanted (with the vertex closure, the
+    /// cavity and its ring once more).
     pub(super) fn advance(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
         let Some(mut request) = self.requests.remove(&ticket) else { return };
         request.stalled = false;
@@ -185,11 +188,10 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     /// Locks and tests a tetrahedron that is free.
     fn take(&mut self, ticket: Ticket, request: &mut Request<S>, t: S::Tet) {
         if !request.around.is_empty() {
-            if self.mesh.touches(t, &request.around) {
-                self.mesh.lock(t, ticket, false);
-                request.held.push(t);
-                spread(&self.mesh, t, &mut request.wants, &mut request.foreign);
-            }
+            self.mesh.lock(t, ticket, false);
+            request.held.push(t);
+            let Request { wants, foreign, around, .. } = request;
+            self.mesh.neighbours_around(t, around, |n| want(n, wants, foreign));
             return;
         }
         let in_conflict = self.mesh.in_conflict(t, &request.point);
@@ -199,7 +201,8 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         }
         if in_conflict {
             request.pieces.push(t);
-            spread(&self.mesh, t, &mut request.wants, &mut request.foreign);
+            let Request { wants, foreign, .. } = request;
+            self.mesh.neighbours(t, |n| want(n, wants, foreign));
         }
     }
 
@@ -349,17 +352,12 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     }
 }
 
-/// Wants the neighbours of a locked tetrahedron.
-fn spread<S: Submesh>(
-    mesh: &S,
-    t: S::Tet,
-    wants: &mut Vec<Want<S::Tet>>,
-    foreign: &mut Vec<Handle>,
-) {
-    mesh.neighbours(t, |neighbour| match neighbour {
+/// Wants a neighbour of a locked tetrahedron.
+fn want<T>(neighbour: Neighbour<T>, wants: &mut Vec<Want<T>>, foreign: &mut Vec<Handle>) {
+    match neighbour {
         Neighbour::Near(u) => wants.push(Want::Tet(u)),
         Neighbour::Far(handle) => foreign.push(handle),
-    });
+    }
 }
 
 /// Requests that have ended, for their memory. No part of a worker's state: two workers that differ

@@ -105,10 +105,15 @@ pub trait Submesh: Sized {
         Vec::new()
     }
 
-    /// Has `t` one of these vertices?
-    fn touches(&self, t: Self::Tet, corners: &[u32]) -> bool {
-        let _ = (t, corners);
-        false
+    /// Calls `f` with every neighbour of `t` across a face that has one of these vertices. The star
+    /// of a vertex hangs together by such faces.
+    fn neighbours_around(
+        &self,
+        t: Self::Tet,
+        corners: &[u32],
+        f: impl FnMut(Neighbour<Self::Tet>),
+    ) {
+        let _ = (t, corners, f);
     }
 
     /// What of the vertex closure of a local insertion is in its way: something locked

@@ -66,6 +66,10 @@ impl<K: Ord + Copy, V> Table<K, V> {
         self.0.clear();
     }
 
+    pub(super) fn entries(&self) -> &[(K, V)] {
+        &self.0
+    }
+
     pub(super) fn into_entries(self) -> Vec<(K, V)> {
         self.0
     }

@@ -276,7 +276,8 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             Event::Migrate { block, to } => self.migrate(block, to, out),
             Event::Cancel => self.cancel(),
         }
-        // Ends: a message to itself follows from one seed, grant, commit or release of the step.
+        // Ends: a message to itself follows from one seed, grant, cavity, commit or release of the
+        // step.
         let me = self.id();
         while let Some(message) = self.own.pop_front() {
             self.receive(me, message, out);

@@ -83,7 +83,7 @@ impl Own {
             all.push((from..start, false));
             let short = |start| (start..end.min(start + LONGEST), true);
             all.extend((start..end).step_by(LONGEST as usize).map(short));
-            from = end;
+            from = from.max(end);
         }
         all.push((from..piece.end, false));
         all.retain(|(range, _)| !range.is_empty());
