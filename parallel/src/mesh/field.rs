@@ -34,8 +34,8 @@ pub struct Field {
     cursors: usize,
     /// The round to begin next.
     next_round: u32,
-    /// Points of the rounds to come.
-    to_come: usize,
+    /// Has one of the rounds to come a point?
+    more: bool,
     /// The cursor that is followed.
     current: Option<Cursor>,
     /// While fewer points are under way those at the interface go first.
@@ -73,7 +73,7 @@ impl Field {
             own,
             cursors,
             next_round: 0,
-            to_come: left,
+            more: left > 0,
             current: None,
             abreast: 0,
             urgent: Vec::new(),
@@ -119,9 +119,10 @@ impl Field {
     pub fn in_block(&self, block: BlockId) -> usize {
         let range = self.blocks.vertices(block);
         let begun: usize = self.begun().map(|c| c.count_in(&range, &self.own)).sum();
-        match self.to_come {
-            0 => begun,
-            _ => begun + self.own.since_round(&range, self.next_round).count(),
+        if self.more {
+            begun + self.own.since_round(&range, self.next_round).count()
+        } else {
+            begun
         }
     }
 
@@ -166,11 +167,11 @@ impl Field {
     /// The first cursor of the next round. Ends: a round without points is followed by another one
     /// as long as some have points.
     fn begin_round(&mut self) -> Option<Cursor> {
-        while self.to_come > 0 {
+        while self.more {
             let round = self.next_round;
             self.next_round += 1;
             let range = self.own.range.clone();
-            self.to_come = self.own.since_round(&range, self.next_round).count();
+            self.look_for_more();
             let size = range.len().div_ceil(self.cursors.max(1)).max(1);
             let mut interface = Vec::new();
             for start in range.clone().step_by(size) {
@@ -198,6 +199,13 @@ impl Field {
         None
     }
 
+    /// Finds out whether a round to come has a point: near the front, if there is one.
+    fn look_for_more(&mut self) {
+        let Self { own, next_round, .. } = self;
+        self.more =
+            *next_round <= own.rounds && own.since_round(&own.range, *next_round).next().is_some();
+    }
+
     /// The far half of the longest piece before a point that waits. Ends: a piece whose far half
     /// has no point loses it.
     fn split(&mut self) -> Option<Cursor> {
@@ -213,11 +221,11 @@ impl Field {
 
     /// Could a point be given?
     fn can_give(&self) -> bool {
-        let Self { own, current, urgent, interface, ready, waiting, to_come, .. } = self;
+        let Self { own, current, urgent, interface, ready, waiting, more, .. } = self;
         current.as_ref().is_some_and(Cursor::is_ready)
             || !(urgent.is_empty() && interface.is_empty() && ready.is_empty())
             || waiting.iter().chain(current).any(|c| c.length(own) >= SHORTEST)
-            || *to_come > 0
+            || *more
     }
 
     /// Takes out the cursor, not the one followed, that gave `vertex`; `None` if it has no more.
@@ -307,8 +315,11 @@ impl Source<LocalMesh> for Field {
         let begun = current.iter_mut().chain(urgent).chain(interface).chain(ready).chain(waiting);
         begun.for_each(|cursor| cursor.take_in(&range, own, mesh, &mut taken));
         let to_come: Vec<VertexId> = own.since_round(&range, self.next_round).collect();
-        self.to_come -= to_come.len();
-        taken.extend(to_come.into_iter().filter(|&v| !own.take_out(v)).map(|v| mesh.site(v)));
+        for v in to_come {
+            own.take_out(v);
+            taken.push(mesh.site(v));
+        }
+        self.look_for_more();
         self.left -= taken.len();
         self.tidy();
         taken
@@ -323,7 +334,7 @@ impl Source<LocalMesh> for Field {
     }
 
     fn clear(&mut self) {
-        self.to_come = 0;
+        self.more = false;
         self.current = None;
         self.urgent.clear();
         self.interface.clear();

@@ -122,7 +122,7 @@ impl LocalMesh {
                 };
                 let [a, b, c] = OTHERS[slot];
                 let face = [a, b, c].map(|k| piece.v[k].vertex);
-                let block = self.block_of_new([point.vertex, face[0], face[1], face[2]]);
+                let block = self.block_with([point.vertex, face[0], face[1], face[2]]);
                 walls.push(Wall {
                     v: [a, b, c].map(|k| v[k]),
                     block,

@@ -101,15 +101,15 @@ impl LocalMesh {
     /// A tetrahedron whose block is not this worker's. There is none but those on their way.
     pub fn misplaced(&self, directory: &Directory) -> Option<TetId> {
         let mut tets = self.part.tets();
-        tets.find(|&(_, v)| !directory.is_mine(self.block_of_new(v))).map(|(t, _)| t)
+        tets.find(|&(_, v)| !directory.is_mine(self.block_with(v))).map(|(t, _)| t)
     }
 
     fn block_of(&self, t: TetId) -> BlockId {
-        self.block_of_new(self.part.vertices(t))
+        self.block_with(self.part.vertices(t))
     }
 
-    /// The block of a tetrahedron with vertices `v` that is created here.
-    fn block_of_new(&self, v: [VertexId; 4]) -> BlockId {
+    /// The block of a tetrahedron here with vertices `v`.
+    fn block_with(&self, v: [VertexId; 4]) -> BlockId {
         self.creator.unwrap_or_else(|| self.blocks.of_tet(v))
     }
 
@@ -165,6 +165,15 @@ impl LocalMesh {
         self.part.vertices(t).map(|v| self.site(v))
     }
 
+    /// What stands in slot `u` beside a tetrahedron.
+    #[inline]
+    fn neighbour(&self, u: TetId) -> Neighbour<TetId> {
+        match self.part.load(u) {
+            Some(load) => Neighbour::Far(handle(load)),
+            None => Neighbour::Near(u),
+        }
+    }
+
     /// The neighbours of `t` across faces that have one of `corners`.
     fn around(&self, t: TetId, corners: &[VertexId]) -> impl Iterator<Item = TetId> {
         let is_corner = self.part.vertices(t).map(|v| corners.binary_search(&v).is_ok());
@@ -193,9 +202,7 @@ impl LocalMesh {
                 }
             }
         }
-        corners.retain(|&v| v != INFINITE);
-        corners.sort_unstable();
-        corners.dedup();
+        let corners = finite(corners);
         let mut all = cavity;
         while let Some(t) = all.pop() {
             if self.part.holder(t).is_some() {
@@ -234,6 +241,14 @@ impl LocalMesh {
             _ => Link::Near { tet, slot, block, name },
         }
     }
+}
+
+/// The finite ones of some vertices, each once, ascending.
+fn finite(mut vertices: Vec<VertexId>) -> Vec<VertexId> {
+    vertices.retain(|&v| v != INFINITE);
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
 }
 
 /// The handle in a proxy's words.
@@ -324,30 +339,16 @@ impl Submesh for LocalMesh {
     fn neighbours(&self, t: TetId, mut f: impl FnMut(Neighbour<TetId>)) {
         let around = self.part.neighbours(t).map(tet_of);
         around.into_iter().for_each(|u| self.part.prefetch(u));
-        for u in around {
-            f(match self.part.load(u) {
-                Some(load) => Neighbour::Far(handle(load)),
-                None => Neighbour::Near(u),
-            });
-        }
+        around.into_iter().for_each(|u| f(self.neighbour(u)));
     }
 
     fn corners(parts: &[(WorkerId, Vec<Piece>)]) -> Vec<u32> {
         let pieces = parts.iter().flat_map(|(_, pieces)| pieces);
-        let mut all: Vec<u32> = pieces.flat_map(|p| p.v.iter().map(|site| site.vertex)).collect();
-        all.retain(|&v| v != INFINITE);
-        all.sort_unstable();
-        all.dedup();
-        all
+        finite(pieces.flat_map(|p| p.v.iter().map(|site| site.vertex)).collect())
     }
 
     fn neighbours_around(&self, t: TetId, corners: &[u32], mut f: impl FnMut(Neighbour<TetId>)) {
-        for u in self.around(t, corners) {
-            f(match self.part.load(u) {
-                Some(load) => Neighbour::Far(handle(load)),
-                None => Neighbour::Near(u),
-            });
-        }
+        self.around(t, corners).for_each(|u| f(self.neighbour(u)));
     }
 
     fn in_the_way(&mut self, point: &Site, seed: TetId) -> Option<Insert<TetId>> {

@@ -228,8 +228,8 @@ impl<'a> Parallel<'a> {
         let Prepared { workers, common } = Plan { roomy: true, ..plan }.prepare(set)?;
         let start_seconds = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
-        let Self { workers: count, rule, closure, window, .. } = *self;
-        let config = Config { workers: count, rule, closure, window };
+        let Self { rule, closure, window, .. } = *self;
+        let config = Config { rule, closure, window, ..Config::new(self.workers) };
         let nodes: Vec<Node> = workers
             .into_iter()
             .map(|(directory, mesh, field)| Worker::new(config, directory, mesh, field))

@@ -1,5 +1,6 @@
-//! `measure_threads [N [ROUNDS]]`: the parallel kernel on one and two threads against the sequential kernel
-//! and CGAL's parallel version, side by side, on N points (4,000,000) of three kinds.
+//! `measure_threads [N [ROUNDS]]`: the parallel kernel on one and two threads against the
+//! sequential kernel and CGAL's parallel version, side by side, on N points (4,000,000) of three
+//! kinds.
 //!
 //! Times are from points in memory to one mesh, distribution and gathering included. Runs are
 //! interleaved in rounds, in which each comes first in its turn, and medians of the rounds' ratios

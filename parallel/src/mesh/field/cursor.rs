@@ -52,15 +52,19 @@ impl Own {
         was
     }
 
-    pub(super) fn is_out(&self, v: VertexId) -> bool {
+    fn is_out(&self, v: VertexId) -> bool {
         let (word, bit) = self.place(v);
         self.out[word] & bit != 0
     }
 
+    /// Is `v` to be given in `round`?
+    fn gives(&self, v: VertexId, round: u32) -> bool {
+        !self.is_out(v) && round_of(v, self.rounds) == round
+    }
+
     /// The first vertex of a round in `from..end`, or `end`.
     pub(super) fn first(&self, from: VertexId, end: VertexId, round: u32) -> VertexId {
-        let gives = |&v: &VertexId| !self.is_out(v) && round_of(v, self.rounds) == round;
-        (from..end).find(gives).unwrap_or(end)
+        (from..end).find(|&v| self.gives(v, round)).unwrap_or(end)
     }
 
     /// Vertices of `range` and of rounds from `first` on, which are not out.
@@ -160,8 +164,7 @@ impl Cursor {
         match &self.track {
             Track::Own { next, end, round } => {
                 let both = (*next).max(range.start)..(*end).min(range.end);
-                let gives = |v: &VertexId| !own.is_out(*v) && round_of(*v, own.rounds) == *round;
-                both.filter(gives).count()
+                both.filter(|&v| own.gives(v, *round)).count()
             }
             Track::Moved(points) => points.iter().filter(|(v, _)| range.contains(v)).count(),
         }
