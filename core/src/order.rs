@@ -67,17 +67,18 @@ fn refine(points: &[Point], keyed: &mut [(u64, u32)], depth: usize) {
     if depth == MAX_DEPTH {
         return;
     }
-    for run in keyed.chunk_by_mut(|a, b| a.0 == b.0).filter(|run| run.len() > SHORT_RUN) {
+    let runs = keyed.par_chunk_by_mut(|a, b| a.0 == b.0);
+    runs.filter(|run| run.len() > SHORT_RUN).for_each(|run| {
         let frame = Cube::around(run.iter().map(|&(_, i)| &points[i as usize]));
         if frame.side == 0.0 {
-            continue; // all the same point
+            return; // all the same point
         }
         for (key, i) in run.iter_mut() {
             *key = frame.key(&points[*i as usize]);
         }
         run.sort_unstable();
         refine(points, run, depth + 1);
-    }
+    });
 }
 
 /// An axis-parallel cube that holds some points. Coordinates are halved, so that the side of the

@@ -356,8 +356,12 @@ mod x86 {
         let scale = _mm256_set1_pd(maker.scale);
         let column = |f: &[[u8; 4]; 4], k: usize| [f[0][k], f[1][k], f[2][k], f[3][k]];
         for (tets, faces) in tets.chunks(4).zip(faces.chunks(4)) {
-            let mut f = [[0u8; 4]; 4];
-            f[..faces.len()].copy_from_slice(faces);
+            // All but the last are whole: no call to copy.
+            let f: [[u8; 4]; 4] = faces.try_into().unwrap_or_else(|_| {
+                let mut f = [[0; 4]; 4];
+                f.iter_mut().zip(faces).for_each(|(to, from)| *to = *from);
+                f
+            });
             let [ax, ay, az, la] = lanes(&maker.rim, column(&f, 0));
             let [bx, by, bz, lb] = lanes(&maker.rim, column(&f, 1));
             let [cx, cy, cz, lc] = lanes(&maker.rim, column(&f, 2));
