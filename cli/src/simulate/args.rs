@@ -87,12 +87,12 @@ fn distributions() -> impl TypedValueParser<Value = Distribution> {
 }
 
 fn rules() -> impl TypedValueParser<Value = Rule> {
-    PossibleValuesParser::new(["wound-wait", "wait-die", "paper"])
-        .try_map(|name| name.parse::<Rule>())
+    PossibleValuesParser::new(Rule::ALL.map(Rule::name)).try_map(|name| name.parse::<Rule>())
 }
 
 fn closures() -> impl TypedValueParser<Value = Closure> {
-    PossibleValuesParser::new(["face", "vertex"]).try_map(|name| name.parse::<Closure>())
+    let names = Closure::ALL.map(Closure::name);
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<Closure>())
 }
 
 /// A finite number above 0.

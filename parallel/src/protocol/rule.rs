@@ -30,24 +30,16 @@ pub enum Closure {
     Vertex,
 }
 
-impl std::str::FromStr for Closure {
-    type Err = String;
+impl Closure {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Face, Self::Vertex];
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "face" => Ok(Self::Face),
-            "vertex" => Ok(Self::Vertex),
-            other => Err(format!("no closure `{other}`: face or vertex")),
-        }
-    }
-}
-
-impl std::fmt::Display for Closure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
             Self::Face => "face",
             Self::Vertex => "vertex",
-        })
+        }
     }
 }
 
@@ -60,6 +52,18 @@ pub(crate) enum Verdict {
 }
 
 impl Rule {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::WoundWait, Self::WaitDie, Self::Paper];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::WoundWait => "wound-wait",
+            Self::WaitDie => "wait-die",
+            Self::Paper => "paper",
+        }
+    }
+
     pub(crate) fn decide(self, request: Ticket, holder: Ticket) -> Verdict {
         let older = request < holder;
         match self {
@@ -71,25 +75,27 @@ impl Rule {
     }
 }
 
-impl std::str::FromStr for Rule {
-    type Err = String;
+/// Reads and writes the names of `ALL`.
+macro_rules! named {
+    ($($type:ident: $what:literal),*) => {$(
+        impl std::str::FromStr for $type {
+            type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "wound-wait" => Ok(Self::WoundWait),
-            "wait-die" => Ok(Self::WaitDie),
-            "paper" => Ok(Self::Paper),
-            other => Err(format!("no rule `{other}`: wound-wait, wait-die or paper")),
+            fn from_str(text: &str) -> Result<Self, String> {
+                let found = Self::ALL.into_iter().find(|one| one.name() == text);
+                found.ok_or_else(|| {
+                    let names = Self::ALL.map(Self::name).join(", ");
+                    format!("no {} `{text}`; there are {names}", $what)
+                })
+            }
         }
-    }
+
+        impl std::fmt::Display for $type {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+    )*};
 }
 
-impl std::fmt::Display for Rule {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::WoundWait => "wound-wait",
-            Self::WaitDie => "wait-die",
-            Self::Paper => "paper",
-        })
-    }
-}
+named!(Rule: "rule", Closure: "closure");
