@@ -8,14 +8,16 @@
 //! A tetrahedron can be *closed*, with a holder: no walk enters it and no cavity takes it. Closing
 //! takes away the cached sphere, so that open tetrahedra are tested as fast as in a whole mesh:
 //! what no sphere decides is looked at more closely, and then the lock or the proxy is seen. For
-//! the same reason a tetrahedron that has a vertex outside the part's own range (see
-//! [`Part::set_home`]), or that the caller must hear of when it goes ([`Part::watch`]), never has
-//! a sphere.
+//! the same reason a tetrahedron that the caller must hear of when it goes ([`Part::watch`]) never
+//! has a sphere.
 
 mod assemble;
+mod closure;
 mod conflict;
+mod star;
 
 pub use assemble::{Assembly, Misfit, assemble};
+pub use closure::Closed;
 
 use crate::Point;
 use crate::cavity::{Cavity, Conflict, Open};
@@ -110,6 +112,8 @@ pub struct Part<H, L> {
     /// Tetrahedra that are closed, or that the caller must hear of when an insertion removes them.
     specials: Specials<H, L>,
     home: Range<VertexId>,
+    /// There are vertices outside the home range.
+    others: bool,
     /// Labels of the watched ones that the last insertion removed.
     gone: Vec<L>,
     /// Where walks may start: tetrahedra made lately, the last one first.
@@ -136,6 +140,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
             cavity: Cavity::for_vertices(vertices + 1),
             specials: Specials::new(),
             home: 0..0,
+            others: true,
             gone: Vec::new(),
             hints: [0; 8],
             last: 0,
@@ -155,6 +160,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
 
     /// Says which vertices are the part's own: a tetrahedron with no other vertex belongs to it.
     pub fn set_home(&mut self, home: Range<VertexId>) {
+        self.others = home.start > 1 || (home.end as usize) < self.geometry.points().len();
         self.grain = (home.len() / HOME_PLACES + 1) as VertexId;
         self.home = home;
         let tets: Vec<(TetId, [VertexId; 4])> = self.tets().collect();
@@ -170,23 +176,8 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         let Range { start, end } = self.home;
         let below = start..range.start.clamp(start, end);
         let above = range.end.clamp(start, end)..end;
-        let home = if below.len() < above.len() { above } else { below };
-        if home == self.home {
-            return;
-        }
-        self.home = home;
-        for t in 0..self.topology.slots() as TetId {
-            if !self.is_live(t) {
-                continue;
-            }
-            let v = self.topology.tet(t).vertices();
-            if v.into_iter().any(|w| w != INFINITE && !self.home.contains(&w)) {
-                match self.specials.get_mut(self.geometry.sphere(t)) {
-                    Some(special) => special.sphere = Sphere::UNKNOWN,
-                    None => self.geometry.set_sphere(t, Sphere::UNKNOWN),
-                }
-            }
-        }
+        self.home = if below.len() < above.len() { above } else { below };
+        self.others = true;
     }
 
     /// The tetrahedra, proxies and free slots included.
@@ -346,26 +337,37 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         seed: TetId,
         owns: impl Fn([VertexId; 4]) -> bool,
     ) -> Local {
-        let Self { topology, geometry, cavity, specials, home, .. } = self;
-        let strange = |w: VertexId| w != INFINITE && !home.contains(&w);
+        let Self { topology, geometry, cavity, specials, home, others, .. } = self;
         let mut conflict = PartConflict {
             specials,
-            home,
             met: specials.is_watched(geometry.sphere(seed)),
             blocked: false,
             closed: None,
-            border: strange(v) || topology.tet(seed).vertices().into_iter().any(strange),
+            holder: None,
             inner: geometry.conflict_of(p),
         };
         if cavity.expand(topology, seed, &mut conflict, &mut Open).is_err() {
             return Local::Full;
         }
-        let (blocked, border, met) = (conflict.blocked, conflict.border, conflict.met);
+        let (blocked, met) = (conflict.blocked, conflict.met);
         if let Some(t) = conflict.closed {
             cavity.set_back(topology);
             return Local::Closed(t);
         }
-        if blocked || border && !cavity.faces().all(|[a, b, c]| owns([v, a, b, c])) {
+        // All corners of the cavity are looked at, without a branch for each: most cavities are far
+        // from others. A ghost's corner at infinity may count: a closer look costs little.
+        // Below 2^31, so that a sign tells a number before the range or after it.
+        let (first, last) = (home.start, home.end.wrapping_sub(1));
+        let strange = |w: VertexId| w.wrapping_sub(first) | last.wrapping_sub(w);
+        let border = *others && {
+            let signs = cavity.tets().fold([strange(v); 4], |signs, t| {
+                let w = topology.tet(t).vertices();
+                [0, 1, 2, 3].map(|k| signs[k] | strange(w[k]))
+            });
+            signs.into_iter().any(|sign| sign >> 31 == 1)
+        };
+        let owned = || cavity.faces().all(|[a, b, c]| owns([v, a, b, c]));
+        if blocked || border && !owned() {
             cavity.set_back(topology);
             return Local::Blocked;
         }
@@ -377,13 +379,6 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         let hint = cavity.fill(topology, v);
         let star = cavity.star();
         geometry.created(topology.slots(), &star, p);
-        if border {
-            for &t in star.tets {
-                if topology.tet(t).vertices().into_iter().any(strange) {
-                    geometry.set_sphere(t, Sphere::UNKNOWN);
-                }
-            }
-        }
         geometry.stats.insphere_calls += cavity.tests() as u64;
         self.made += star.tets.len() as u64;
         self.hints[0] = hint;
@@ -490,11 +485,9 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         Some(t)
     }
 
-    /// Caches the sphere of `t`, unless it must have none.
+    /// Caches the sphere of `t`.
     pub fn cache_sphere(&mut self, t: TetId) {
-        let v = self.topology.tet(t).vertices();
-        let ours = v.iter().all(|w| *w == INFINITE || self.home.contains(w));
-        let sphere = if ours { self.geometry.compute_sphere(v) } else { Sphere::UNKNOWN };
+        let sphere = self.geometry.compute_sphere(self.topology.tet(t).vertices());
         match self.specials.get_mut(self.geometry.sphere(t)) {
             Some(special) => special.sphere = sphere,
             None => self.geometry.set_sphere(t, sphere),

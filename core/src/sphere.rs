@@ -62,13 +62,16 @@ impl Frame {
     pub(crate) fn query(&self, p: &Point) -> Query {
         let q = self.place(p);
         let inside = q.iter().all(|c| c.abs() <= 1.0);
-        Query(if inside { q.map(|c| c as f32) } else { [f32::NAN; 3] })
+        let q = [q[0], q[1], q[2], 0.0].map(|c| c as f32);
+        Query(if inside { q } else { [f32::NAN; 4] })
     }
 }
 
-/// A point in the frame, rounded to single precision.
+/// A point in the frame, rounded to single precision; the fourth number means nothing. It is
+/// written and read as one: a processor waits where it reads at once what was written in pieces.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Query(pub(crate) [f32; 3]);
+#[repr(C, align(16))]
+pub(crate) struct Query(pub(crate) [f32; 4]);
 
 /// What a cached sphere says of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,7 +83,7 @@ pub(crate) enum Verdict {
 
 impl Query {
     /// A point that no sphere decides.
-    pub(crate) const NOWHERE: Self = Self([f32::NAN; 3]);
+    pub(crate) const NOWHERE: Self = Self([f32::NAN; 4]);
 }
 
 impl Sphere {
@@ -99,6 +102,12 @@ impl Sphere {
     #[inline(always)]
     pub(crate) fn entry(self) -> Option<u32> {
         (self.0[3].to_bits() == ENTRY).then(|| self.0[0].to_bits() - 1f32.to_bits())
+    }
+
+    /// Can it decide nothing, of whatever point?
+    #[inline(always)]
+    pub(crate) fn is_blank(self) -> bool {
+        self.0[3].is_nan()
     }
 
     /// Its four numbers, to the bit.

@@ -4,8 +4,7 @@ use crate::cavity::Conflict;
 use crate::geometry::{Geometry, PointConflict};
 use crate::locate::Gate;
 use crate::special::Specials;
-use crate::topology::{INFINITE, TetId, Topology, VertexId};
-use std::ops::Range;
+use crate::topology::{TetId, Topology};
 
 /// The gate of walks: proxies and closed tetrahedra.
 pub(super) struct Doors<'a, H, L>(pub(super) &'a Specials<H, L>);
@@ -17,26 +16,25 @@ impl<H: Copy, L: Copy> Gate for Doors<'_, H, L> {
     fn is_closed(&self, topology: &Topology, geometry: &Geometry, t: TetId) -> bool {
         // Both have no sphere.
         let sphere = geometry.sphere(t);
-        sphere.0[3].is_nan() && (topology.tet(t).is_proxy() || self.0.is_closed(sphere))
+        sphere.is_blank() && (topology.tet(t).is_proxy() || self.0.is_closed(sphere))
     }
 }
 
-/// [`Conflict`] that sees proxies and closed tetrahedra, and vertices outside the home range.
+/// [`Conflict`] that sees proxies and closed tetrahedra.
 pub(super) struct PartConflict<'a, H, L> {
     pub(super) inner: PointConflict<'a>,
     pub(super) specials: &'a Specials<H, L>,
-    pub(super) home: &'a Range<VertexId>,
     /// A watched tetrahedron was met.
     pub(super) met: bool,
     /// A proxy was met.
     pub(super) blocked: bool,
     /// A closed tetrahedron that was met.
     pub(super) closed: Option<TetId>,
-    /// A vertex outside the home range was met.
-    pub(super) border: bool,
+    /// What this holder has closed is passed over as if it were not in conflict.
+    pub(super) holder: Option<H>,
 }
 
-impl<H: Copy, L: Copy> Conflict for PartConflict<'_, H, L> {
+impl<H: Copy + Eq, L: Copy> Conflict for PartConflict<'_, H, L> {
     #[inline(always)]
     fn prefetch(&self, t: TetId) {
         self.inner.prefetch(t);
@@ -49,18 +47,26 @@ impl<H: Copy, L: Copy> Conflict for PartConflict<'_, H, L> {
 
     #[inline(never)]
     fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
-        let mut open = 0u32;
-        for (slot, &t) in tets.iter().enumerate().filter(|&(slot, _)| unknown >> slot & 1 == 1) {
-            let (tet, sphere) = (topology.tet(t), self.inner.geometry().sphere(t));
-            if tet.is_proxy() {
+        // What has a sphere, although that decides nothing, is open and a tetrahedron.
+        let blank = tets.map(|t| self.inner.geometry().sphere(t).is_blank());
+        let blank = (0..4).map(|slot| u32::from(blank[slot]) << slot).sum::<u32>() & unknown;
+        if blank == 0 {
+            return self.inner.decide(topology, tets, unknown);
+        }
+        let mut open = unknown & !blank;
+        for (slot, &t) in tets.iter().enumerate().filter(|&(slot, _)| blank >> slot & 1 == 1) {
+            if topology.tet(t).is_proxy() {
                 self.blocked = true;
-            } else if self.specials.is_closed(sphere) {
-                self.closed = Some(t);
-            } else {
-                open |= 1 << slot;
-                let strange = |&v: &VertexId| v != INFINITE && !self.home.contains(&v);
-                self.border |= tet.vertices().iter().any(strange);
-                self.met |= self.specials.is_watched(sphere);
+                continue;
+            }
+            let special = self.specials.get(self.inner.geometry().sphere(t));
+            match special.and_then(|special| special.closed) {
+                Some((by, _)) if self.holder == Some(by) => {}
+                Some(_) => self.closed = Some(t),
+                None => {
+                    open |= 1 << slot;
+                    self.met |= special.is_some();
+                }
             }
         }
         // Once it has met a closed one the cavity is set back: nothing more is taken into it.

@@ -20,20 +20,25 @@ impl LocalMesh {
             self.part.remove(t);
         }
         self.set_sites(&patch.sites);
-        let vertex = |k: u32| patch.sites[k as usize].vertex;
-        let new = patch.create.iter().map(|new| (new.name, new.v.map(vertex)));
-        let Some(tets) = self.create_all(new) else { return };
+        let mut tets = std::mem::take(&mut self.star);
+        let corners: Vec<VertexId> = patch.sites.iter().map(|site| site.vertex).collect();
+        let walls = patch.create.iter().map(|new| [new.v[1], new.v[2], new.v[3]]);
+        if !patch.create.is_empty() && self.part.create_star(&corners, walls, &mut tets).is_none() {
+            self.full = true;
+            return;
+        }
         for (&t, new) in tets.iter().zip(&patch.create) {
+            if let Some(name) = new.name {
+                self.set_name(t, name);
+            }
             for (slot, to) in (0..).zip(&new.n) {
                 let face = 4 * t + slot;
                 match *to {
                     To::New(k, there) => {
-                        self.part.link(face, 4 * tets[k as usize] + u32::from(there))
+                        self.part.point_to(face, 4 * tets[k as usize] + u32::from(there));
                     }
-                    To::Old(u, there) => {
-                        self.part.link(face, 4 * u + u32::from(there));
-                    }
-                    To::Far(handle) => self.link_handle(face, handle),
+                    To::Old(u, there) => self.part.link_new(face, 4 * u + u32::from(there)),
+                    To::Far(handle) => self.link_new_far(face, handle),
                 }
             }
         }
@@ -45,13 +50,13 @@ impl LocalMesh {
             }
         }
         for (&t, new) in tets.iter().zip(&patch.create) {
-            self.part.cache_sphere(t);
             made.extend(new.name);
             if !directory.is_mine(new.block) {
                 self.strays.entry(new.block).or_default().push(t);
                 strays.push(new.block);
             }
         }
+        self.star = tets;
     }
 
     /// Takes the coordinates of vertices.
@@ -88,6 +93,14 @@ impl LocalMesh {
                 self.part.link(face, 4 * u + u32::from(handle.face));
             }
             None => self.full |= self.part.link_far(face, load(handle)).is_none(),
+        }
+    }
+
+    /// The same for a face of a new tetrahedron, at which nothing stands.
+    fn link_new_far(&mut self, face: u32, handle: Handle) {
+        match self.names.get(&handle.name) {
+            Some(&u) => self.part.link_new(face, 4 * u + u32::from(handle.face)),
+            None => self.full |= self.part.put_far(face, load(handle)).is_none(),
         }
     }
 

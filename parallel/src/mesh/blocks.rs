@@ -65,14 +65,19 @@ impl Blocks {
             return first;
         }
         let [b, c] = [self.of_vertex(v[1]), self.of_vertex(v[2])];
-        if v[3] == INFINITE {
-            return match () {
-                () if first == b || first == c => first,
-                () if b == c => b,
-                () => first.min(b).min(c),
-            };
-        }
-        majority(first, b, c, self.of_vertex(v[3]))
+        let d = (v[3] != INFINITE).then(|| self.of_vertex(v[3]));
+        prevailing([first, b, c], d)
+    }
+}
+
+/// The block of a tetrahedron by those of its vertices; a ghost has three.
+#[inline]
+pub(super) fn prevailing([a, b, c]: [BlockId; 3], d: Option<BlockId>) -> BlockId {
+    match d {
+        Some(d) => majority(a, b, c, d),
+        None if a == b || a == c => a,
+        None if b == c => b,
+        None => a.min(b).min(c),
     }
 }
 

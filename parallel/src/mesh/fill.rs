@@ -1,11 +1,11 @@
 //! The home's retriangulation: the star of the point over the cavity's boundary, as one patch for
 //! every worker that loses, gets or links a tetrahedron.
 
-use super::wire::Link;
-use super::{At, LocalMesh, NewTet, Patch, Piece, Relink, Site, To};
+use super::blocks::prevailing;
+use super::corners::Corners;
+use super::{At, Link, LocalMesh, NewTet, Patch, Piece, Relink, Site, To};
 use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
-use ltbw_core::cavity::OTHERS;
-use ltbw_core::topology::TetId;
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
 
 /// A face of the cavity's boundary, and the new tetrahedron on it.
 #[derive(Debug)]
@@ -14,8 +14,9 @@ struct Wall {
     v: [u32; 3],
     /// The new tetrahedron's block.
     block: BlockId,
-    /// Its owner, and its index among that owner's new ones.
+    /// Its owner, the place of that one's patch, and its index among the new ones there.
     owner: WorkerId,
+    patch: u32,
     index: u32,
     name: Option<Name>,
     /// Neighbours by slot, other walls: wall and slot there. Entry 0 is not used.
@@ -31,10 +32,14 @@ struct Wall {
 /// What is used while a cavity is filled, kept for the next one.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    corners: Corners,
+    pub(super) corners: Corners,
+    /// The blocks of the corners; that of the one at infinity means nothing.
+    corner_blocks: Vec<BlockId>,
     walls: Vec<Wall>,
     /// Names of the cavity's tetrahedra, ascending.
     named: Vec<Name>,
+    /// The corners of one owner's part, as indices of the cavity's corners.
+    places: Vec<u32>,
     edges: Edges,
 }
 
@@ -54,16 +59,17 @@ impl LocalMesh {
         let mut scratch = std::mem::take(&mut self.scratch);
         self.find_walls(&mut scratch, point, parts, whereabouts, directory);
         let Scratch { corners, walls, edges, .. } = &mut scratch;
+        // By worker; few have a part.
         let mut counts: Vec<(WorkerId, u32)> = Vec::with_capacity(parts.len() + 1);
         for wall in &mut *walls {
             let place = place_of(&mut counts, wall.owner, || 0);
+            wall.patch = place as u32;
             wall.index = counts[place].1;
             counts[place].1 += 1;
         }
-        edges.join(walls);
+        edges.join(walls, corners.sites.len());
         self.name_walls(walls);
-        // By worker; few have a part.
-        let mut patches: Vec<(WorkerId, Patch)> = Vec::with_capacity(parts.len() + 1);
+        let mut patches: Vec<(WorkerId, Patch)> = Vec::with_capacity(counts.len() + parts.len());
         for (owner, count) in counts {
             let create = Vec::with_capacity(count as usize);
             let sites = corners.sites.clone();
@@ -71,18 +77,23 @@ impl LocalMesh {
         }
         for (worker, pieces) in parts.iter().filter(|(_, pieces)| !pieces.is_empty()) {
             let patch = patch_of(&mut patches, *worker);
-            patch.remove.extend(pieces.iter().map(|piece| piece.tet));
+            patch.remove.reserve_exact(pieces.iter().map(|piece| piece.tets.len()).sum());
+            patch.remove.extend(pieces.iter().flat_map(|piece| &piece.tets));
         }
         for wall in &*walls {
             let n = [0, 1, 2, 3].map(|slot| lead(walls, wall, slot));
             let [a, b, c] = wall.v;
             let new = NewTet { name: wall.name, v: [0, a, b, c], block: wall.block, n };
-            patch_of(&mut patches, wall.owner).create.push(new);
+            patches[wall.patch as usize].1.create.push(new);
             if wall.worker != wall.owner
                 && let Some(to) = handle_of(wall, 0)
             {
                 let relink = Relink { at: wall.at, slot: wall.slot, name: wall.ring_name, to };
-                patch_of(&mut patches, wall.worker).relink.push(relink);
+                let relinks = &mut patch_of(&mut patches, wall.worker).relink;
+                if relinks.is_empty() {
+                    relinks.reserve(16);
+                }
+                relinks.push(relink);
             }
         }
         patches.sort_unstable_by_key(|&(worker, _)| worker);
@@ -99,45 +110,67 @@ impl LocalMesh {
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) {
-        let Scratch { corners, walls, named, .. } = scratch;
+        let Scratch { corners, corner_blocks, walls, named, places, .. } = scratch;
         let pieces = || parts.iter().flat_map(|(w, list)| list.iter().map(move |p| (*w, p)));
         named.clear();
-        named.extend(pieces().filter_map(|(_, p)| p.name));
+        named.extend(pieces().flat_map(|(_, piece)| &piece.names));
         named.sort_unstable();
         walls.clear();
-        corners.start(point, parts.iter().map(|(_, list)| list.len()).sum());
+        corners.start(1 + pieces().map(|(_, piece)| piece.sites.len()).sum::<usize>());
+        corners.index(point.vertex, || *point);
+        corner_blocks.clear();
         for (worker, piece) in pieces() {
-            let v = piece.v.each_ref().map(|site| corners.index(site));
-            for (slot, link) in piece.n.iter().enumerate() {
-                let (worker, at, slot_there, ring_block, ring_name) = match *link {
-                    Link::Inside => continue,
+            places.clear();
+            places.extend(piece.sites.iter().map(|site| corners.index(site.vertex, || *site)));
+            let new = &corners.sites[corner_blocks.len()..];
+            corner_blocks.extend(new.iter().map(|site| self.blocks.of_vertex(site.vertex)));
+            for side in &piece.sides {
+                let v = side.v.map(|k| places[k as usize]);
+                let [a, b, c] = v.map(|k| corners.sites[k as usize].vertex);
+                let (worker, at, slot, ring_block, ring_name) = match side.link {
                     Link::Far(handle) if named.binary_search(&handle.name).is_ok() => continue,
-                    Link::Near { tet, slot, block, name } => {
-                        (worker, At::Tet(tet), slot, block, name)
+                    Link::Near { tet, slot, apex, name } => {
+                        let block = (worker, apex);
+                        (worker, At::Tet(tet), slot, Err(block), name)
                     }
                     Link::Far(Handle { name, block, face }) => {
                         let worker = whereabouts(name).unwrap_or_else(|| directory.owner(block));
-                        (worker, At::Named(name), face, block, Some(name))
+                        (worker, At::Named(name), face, Ok(block), Some(name))
                     }
                 };
-                let [a, b, c] = OTHERS[slot];
-                let face = [a, b, c].map(|k| piece.v[k].vertex);
-                let block = self.block_with([point.vertex, face[0], face[1], face[2]]);
+                let block = self.block_by(corner_blocks, v, c);
+                let owner = directory.owner(block);
+                // Only who has not got the ring tetrahedron must know its block.
+                let ring_block = match ring_block {
+                    Ok(block) => block,
+                    Err(_) if worker == owner => 0,
+                    Err((worker, apex)) => self.block_at(worker, ghost_last([a, b, c, apex])),
+                };
                 walls.push(Wall {
-                    v: [a, b, c].map(|k| v[k]),
+                    v,
                     block,
-                    owner: directory.owner(block),
+                    owner,
+                    patch: 0,
                     index: 0,
                     name: None,
                     beside: [(0, 0); 4],
                     worker,
                     at,
-                    slot: slot_there,
+                    slot,
                     ring_block,
                     ring_name,
                 });
             }
         }
+    }
+
+    /// The block of a new tetrahedron on corners `v`, the last of which is vertex `last`.
+    fn block_by(&self, blocks: &[BlockId], v: [u32; 3], last: VertexId) -> BlockId {
+        if let Some(each) = self.creators {
+            return self.me * each;
+        }
+        let [a, b, c] = v.map(|k| blocks[k as usize]);
+        prevailing([blocks[0], a, b], (last != INFINITE).then_some(c))
     }
 
     /// Names what another worker must know: new tetrahedra beside those of others, and ring
@@ -161,6 +194,14 @@ impl LocalMesh {
             }
         }
     }
+}
+
+/// A tetrahedron's vertices with the one at infinity last.
+fn ghost_last(mut v: [VertexId; 4]) -> [VertexId; 4] {
+    if let Some(place) = v.iter().position(|&v| v == INFINITE) {
+        v.swap(place, 3);
+    }
+    v
 }
 
 /// Where face `slot` of the new tetrahedron of `wall` leads.
@@ -197,63 +238,69 @@ fn patch_of(patches: &mut Vec<(WorkerId, Patch)>, worker: WorkerId) -> &mut Patc
     &mut patches[place].1
 }
 
-/// The corners of a cavity, the point among them, each once.
-#[derive(Debug, Default)]
-struct Corners {
-    /// The point, then the others.
-    sites: Vec<Site>,
-    /// By vertex, with open addressing: 1 + index, or 0.
-    table: Vec<u32>,
-}
+/// Corners of a small cavity, the point among them.
+const SMALL: usize = 64;
+/// No wall.
+const NONE: u16 = u16::MAX;
 
-impl Corners {
-    /// Forgets all; a cavity of `pieces` tetrahedra is to come, around `point`.
-    fn start(&mut self, point: &Site, pieces: usize) {
-        self.sites.clear();
-        self.sites.push(*point);
-        self.table.clear();
-        // At most half full, even if all tetrahedra were apart: every search meets an empty place.
-        self.table.resize((8 * pieces).next_power_of_two(), 0);
-    }
-
-    /// The index of a corner.
-    fn index(&mut self, site: &Site) -> u32 {
-        let last = self.table.len() - 1;
-        let mut place = (site.vertex.wrapping_mul(0x9e37_79b9) >> 12) as usize & last;
-        loop {
-            match self.table[place] {
-                0 => {
-                    self.sites.push(*site);
-                    self.table[place] = self.sites.len() as u32;
-                    return self.table[place] - 1;
-                }
-                k if self.sites[k as usize - 1].vertex == site.vertex => return k - 1,
-                _ => place = (place + 1) & last,
-            }
-        }
-    }
-}
-
-/// Edges of the boundary: a table with open addressing, kept for the next cavity.
+/// Edges of the boundary, kept for the next cavity.
 #[derive(Debug, Default)]
 struct Edges {
-    /// Both corners in one word; `u64::MAX` where the table is empty.
+    /// Small cavities: by the corners from which and to which a wall passes the edge, its number
+    /// and slot as a face.
+    table: Vec<u16>,
+    /// Large ones, with open addressing: both corners in one word, `u64::MAX` where it is empty.
     keys: Vec<u64>,
     /// Wall and slot.
     sides: Vec<(u32, u8)>,
 }
 
+/// The edges of a wall, with the slots opposite them.
+fn edges_of([a, b, c]: [u32; 3]) -> [(u32, u32, u8); 3] {
+    [(a, b, 3), (b, c, 1), (c, a, 2)]
+}
+
 impl Edges {
-    /// Finds the walls beside each other: two of them have an edge in common.
-    fn join(&mut self, walls: &mut [Wall]) {
+    /// Finds the walls beside each other: two of them have an edge in common, which they pass in
+    /// opposite directions.
+    fn join(&mut self, walls: &mut [Wall], corners: usize) {
+        if corners <= SMALL && walls.len() < usize::from(NONE) / 4 {
+            self.join_small(walls);
+        } else {
+            self.join_large(walls);
+        }
+    }
+
+    fn join_small(&mut self, walls: &mut [Wall]) {
+        self.table.resize(SMALL * SMALL, NONE);
+        let table = &mut self.table[..SMALL * SMALL];
+        let at = |from: u32, to: u32| (from as usize % SMALL) * SMALL + to as usize % SMALL;
+        for (from, to, _) in walls.iter().flat_map(|wall| edges_of(wall.v)) {
+            table[at(to, from)] = NONE;
+        }
+        for (k, wall) in (0..).zip(&*walls) {
+            for (from, to, slot) in edges_of(wall.v) {
+                table[at(from, to)] = 4 * k + u16::from(slot);
+            }
+        }
+        for wall in walls {
+            for (from, to, slot) in edges_of(wall.v) {
+                let face = table[at(to, from)];
+                if face != NONE {
+                    wall.beside[slot as usize] = (u32::from(face / 4), (face % 4) as u8);
+                }
+            }
+        }
+    }
+
+    fn join_large(&mut self, walls: &mut [Wall]) {
         // At most half full: every search meets an empty place.
         let size = (4 * walls.len()).next_power_of_two();
         self.keys.clear();
         self.keys.resize(size, u64::MAX);
         self.sides.resize(self.sides.len().max(size), (0, 0));
         for k in 0..walls.len() {
-            let [a, b, c] = walls[k].v;
-            for (from, to, slot) in [(a, b, 3), (b, c, 1), (c, a, 2)] {
+            for (from, to, slot) in edges_of(walls[k].v) {
                 let place = self.place(from, to);
                 let (other, there) = self.sides[place];
                 if self.keys[place] == u64::MAX {

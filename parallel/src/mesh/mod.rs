@@ -4,6 +4,8 @@
 //! |---|---|
 //! | `wire` | the values that submeshes send each other |
 //! | `blocks` | ownership: the block of a vertex and of a tetrahedron |
+//! | `corners` | the corners of a cavity, each once |
+//! | `piece` | the owner's side: what is in conflict, locked at once and described |
 //! | `fill` | the home's retriangulation of a cavity, as one patch per owner |
 //! | `apply` | patches, and tetrahedra that move |
 //! | `start` | the coarse mesh, distributed |
@@ -15,9 +17,11 @@
 
 mod apply;
 mod blocks;
+mod corners;
 mod field;
 mod fill;
 mod gather;
+mod piece;
 mod start;
 mod wire;
 
@@ -25,14 +29,14 @@ pub use blocks::Blocks;
 pub use field::Field;
 pub use gather::{GatherError, Gathered, gather};
 pub use start::{Common, Ownership, Plan, Prepared};
-pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Site, To};
+pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, Site, To};
 
 use crate::protocol::{
-    BlockId, Conduct, Costs, Directory, Handle, Insert, Name, Neighbour, Submesh, Ticket, Walk,
-    WorkerId,
+    BlockId, Conduct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Submesh, Ticket,
+    Walk, WorkerId,
 };
-use ltbw_core::part::{Local, Part, Setting, Stop};
-use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, slot_of, tet_of};
+use ltbw_core::part::{Closed, Local, Part, Setting, Stop};
+use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// The tetrahedra of one worker, with names for those that others know.
@@ -41,8 +45,9 @@ pub struct LocalMesh {
     /// Tetrahedra that others know are watched, with their names.
     part: Part<Ticket, Name>,
     blocks: Blocks,
-    /// The block that all tetrahedra here belong to, if the creator owns what it creates.
-    creator: Option<BlockId>,
+    /// Blocks of every worker, if the creator owns what it creates: all that it has then belongs to
+    /// its first one.
+    creators: Option<BlockId>,
     me: WorkerId,
     names: FxHashMap<Name, TetId>,
     /// Names given so far.
@@ -57,6 +62,9 @@ pub struct LocalMesh {
     full: bool,
     reported: (u64, u64, u64),
     scratch: fill::Scratch,
+    closed: Closed,
+    /// New tetrahedra of a patch.
+    star: Vec<TetId>,
 }
 
 impl LocalMesh {
@@ -65,7 +73,7 @@ impl LocalMesh {
         Self {
             part: Part::new(setting),
             blocks,
-            creator: None,
+            creators: None,
             me,
             names: FxHashMap::default(),
             named: 0,
@@ -75,6 +83,8 @@ impl LocalMesh {
             full: false,
             reported: (0, 0, 0),
             scratch: fill::Scratch::default(),
+            closed: Closed::default(),
+            star: Vec::new(),
         }
     }
 
@@ -110,7 +120,12 @@ impl LocalMesh {
 
     /// The block of a tetrahedron here with vertices `v`.
     fn block_with(&self, v: [VertexId; 4]) -> BlockId {
-        self.creator.unwrap_or_else(|| self.blocks.of_tet(v))
+        self.block_at(self.me, v)
+    }
+
+    /// The block of a tetrahedron of `worker` with vertices `v`.
+    fn block_at(&self, worker: WorkerId, v: [VertexId; 4]) -> BlockId {
+        self.creators.map_or_else(|| self.blocks.of_tet(v), |each| worker * each)
     }
 
     fn fresh_name(&mut self) -> Name {
@@ -154,11 +169,7 @@ impl LocalMesh {
     }
 
     fn site(&self, v: VertexId) -> Site {
-        if v == INFINITE {
-            Site { vertex: INFINITE, bits: [0; 3] }
-        } else {
-            Site::new(v, self.part.point(v))
-        }
+        site(&self.part, v)
     }
 
     fn sites(&self, t: TetId) -> [Site; 4] {
@@ -218,28 +229,14 @@ impl LocalMesh {
         }
         locked.or(far.then_some(Insert::Blocked))
     }
+}
 
-    /// The neighbour beyond a face of a tetrahedron that `holder` has locked, as the home sees it.
-    fn link_at(&self, face: FaceId, holder: Option<Ticket>) -> Link {
-        let (tet, slot) = (tet_of(face), slot_of(face) as u8);
-        if let Some(load) = self.part.load(tet) {
-            return Link::Far(handle(load));
-        }
-        let (closed_by, name) = (self.part.closed_by(tet), self.part.label(tet));
-        if let (Some((by, true)), Some(mine)) = (closed_by, holder)
-            && by == mine
-        {
-            return Link::Inside;
-        }
-        let block = self.block_of(tet);
-        match name {
-            // It has come here after the operation had asked for it where it was: whether it is in
-            // conflict is open, and will be known by its name.
-            Some(name) if closed_by.map(|(by, _)| by) != holder => {
-                Link::Far(Handle { name, block, face: slot })
-            }
-            _ => Link::Near { tet, slot, block, name },
-        }
+/// A vertex that a part knows, with its coordinates.
+fn site(part: &Part<Ticket, Name>, v: VertexId) -> Site {
+    if v == INFINITE {
+        Site { vertex: INFINITE, bits: [0; 3] }
+    } else {
+        Site::new(v, part.point(v))
     }
 }
 
@@ -291,8 +288,8 @@ impl Submesh for LocalMesh {
     }
 
     fn insert(&mut self, point: &Site, seed: TetId, directory: &Directory) -> Insert<TetId> {
-        let Self { part, blocks, creator, .. } = self;
-        let owns = |v| creator.is_some() || directory.is_mine(blocks.of_tet(v));
+        let Self { part, blocks, creators, .. } = self;
+        let owns = |v| creators.is_some() || directory.is_mine(blocks.of_tet(v));
         match part.insert(point.vertex, &point.point(), seed, owns) {
             Local::Inserted => {
                 self.forget_gone();
@@ -344,7 +341,7 @@ impl Submesh for LocalMesh {
 
     fn corners(parts: &[(WorkerId, Vec<Piece>)]) -> Vec<u32> {
         let pieces = parts.iter().flat_map(|(_, pieces)| pieces);
-        finite(pieces.flat_map(|p| p.v.iter().map(|site| site.vertex)).collect())
+        finite(pieces.flat_map(|p| p.sites.iter().map(|site| site.vertex)).collect())
     }
 
     fn neighbours_around(&self, t: TetId, corners: &[u32], mut f: impl FnMut(Neighbour<TetId>)) {
@@ -359,14 +356,18 @@ impl Submesh for LocalMesh {
         way
     }
 
-    fn piece(&self, t: TetId) -> Piece {
-        let holder = self.part.holder(t);
-        Piece {
-            tet: t,
-            name: self.part.label(t),
-            v: self.sites(t),
-            n: self.part.neighbours(t).map(|face| self.link_at(face, holder)),
-        }
+    fn lock_all(
+        &mut self,
+        seed: TetId,
+        point: &Site,
+        holder: Ticket,
+        found: &mut Found<'_, Self>,
+    ) -> bool {
+        self.lock_closure(seed, point, holder, found)
+    }
+
+    fn pieces(&mut self, tets: &[TetId]) -> Vec<Piece> {
+        if tets.is_empty() { Vec::new() } else { vec![self.describe(tets)] }
     }
 
     fn fill(
@@ -394,7 +395,7 @@ impl Submesh for LocalMesh {
         // A locked neighbour outside the block counts, too. Its home may be about to name it; if
         // moving the block gave it a name as well, it would have two.
         // What a creator owns does not move at all.
-        self.creator.is_some()
+        self.creators.is_some()
             || self.part.closed().any(|t| {
                 let around = self.part.neighbours(t).map(tet_of);
                 let near = around.into_iter().filter(|&u| self.part.is_live(u));

@@ -178,7 +178,7 @@ impl Plan {
         let submesh = |me| {
             let mut mesh = LocalMesh::new(me, setting, blocks.clone());
             if self.ownership == Ownership::Creator {
-                mesh.creator = Some(me * self.blocks_per_worker);
+                mesh.creators = Some(self.blocks_per_worker);
             }
             let range = self.range(me, blocks);
             if self.roomy {
@@ -272,7 +272,7 @@ fn distribute(
             mesh.full |= mesh.part.link_far(4 * local + slot, super::load(far)).is_none();
             mesh.set_name(local, Name { by: COARSE, number: t });
         }
-        debug_assert!(mesh.creator.is_some() || block == mesh.block_of(local));
+        debug_assert!(mesh.creators.is_some() || block == mesh.block_of(local));
     }
     for (mesh, me) in workers.iter_mut().zip(0..) {
         let own = |block: u32| owners[block as usize] == me;

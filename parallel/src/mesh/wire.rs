@@ -29,39 +29,48 @@ impl Site {
     }
 }
 
-/// A face neighbour as an owner describes it to a home.
+/// What lies behind a face of a part of a cavity, as its owner describes it to the home.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Link {
-    /// A tetrahedron of the same owner, in conflict, too: no face of the cavity.
-    Inside,
-    /// A tetrahedron of the same owner.
+    /// A tetrahedron of the same owner, not in conflict.
     Near {
         /// Its local handle.
         tet: TetId,
         /// The slot there of the vertex opposite the common face.
         slot: u8,
-        /// Its block.
-        block: BlockId,
+        /// The vertex there.
+        apex: VertexId,
         /// Its name, if it has one.
         name: Option<Name>,
     },
-    /// A tetrahedron of another worker.
+    /// A tetrahedron of another worker, in conflict or not.
     Far(Handle),
 }
 
-/// A tetrahedron in conflict, as its owner describes it to the home.
+/// A face of a part of a cavity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Side {
+    /// Its vertices, indices of the piece's sites: with the point before them they are a positively
+    /// oriented tetrahedron.
+    pub v: [u32; 3],
+    /// What lies behind it.
+    pub link: Link,
+}
+
+/// One owner's tetrahedra in conflict, as it describes them to the home.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Piece {
-    /// Its local handle.
-    pub tet: TetId,
-    /// Its name, if it has one.
-    pub name: Option<Name>,
-    /// Its vertices, positively oriented.
-    pub v: [Site; 4],
-    /// Its neighbours, by the slot of the vertex opposite.
-    pub n: [Link; 4],
+    /// Their local handles.
+    pub tets: Vec<TetId>,
+    /// The names of those that have one.
+    pub names: Vec<Name>,
+    /// Their vertices, each once.
+    pub sites: Vec<Site>,
+    /// Their faces, but those between two of them.
+    pub sides: Vec<Side>,
 }
 
 /// Where a face of a new tetrahedron leads.

@@ -223,13 +223,14 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             *open = open.saturating_sub(answers);
         }
         let mut seeds: Table<WorkerId, Vec<Handle>> = Table::default();
-        op.whereabouts.reserve(foreign.len() + bounced.len());
+        let far = foreign.len() + bounced.len();
+        op.whereabouts.reserve(far);
         // Several faces of one tetrahedron may be among the foreign ones: it is asked for once.
         // A bounced one is asked for again, perhaps of the same worker: the block may be back.
         for handle in foreign {
             let owner = self.directory.owner(handle.block);
             if op.whereabouts.insert_new(handle.name, || owner) {
-                seeds.entry(owner, Vec::new).push(handle);
+                seeds.entry(owner, || Vec::with_capacity(far)).push(handle);
             }
         }
         for handle in bounced {

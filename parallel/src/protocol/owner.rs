@@ -4,7 +4,7 @@
 use super::conduct::Conduct;
 use super::directory::{BlockId, WorkerId};
 use super::rule::Verdict;
-use super::submesh::{Neighbour, Source, Submesh};
+use super::submesh::{Found, Neighbour, Source, Submesh};
 use super::worker::{Action, Note, Worker};
 use super::{Attempt, Handle, Message, Rule, Ticket};
 use std::hash::{Hash, Hasher};
@@ -34,8 +34,10 @@ pub(super) struct Request<S: Submesh> {
     pub(super) wants: Vec<Want<S::Tet>>,
     /// All tetrahedra locked.
     held: Vec<S::Tet>,
-    /// Those in conflict, since the last grant.
-    pieces: Vec<S::Tet>,
+    /// Those in conflict, since the last grant, that were locked one by one ...
+    cavity: Vec<S::Tet>,
+    /// ... and those locked at once.
+    pieces: Vec<S::Piece>,
     /// Far neighbours of those, or of all that is held when what touches the cavity is wanted.
     pub(super) foreign: Vec<Handle>,
     /// Seeds whose block is not here any more.
@@ -59,7 +61,8 @@ impl<S: Submesh> Request<S> {
             // A typical closure.
             wants: Vec::with_capacity(64),
             held: Vec::with_capacity(64),
-            pieces: Vec::with_capacity(32),
+            cavity: Vec::with_capacity(32),
+            pieces: Vec::new(),
             foreign: Vec::with_capacity(16),
             bounced: Vec::new(),
             owed: 0,
@@ -71,10 +74,11 @@ impl<S: Submesh> Request<S> {
 
     /// A new request in the memory of one that has ended.
     fn renew(mut self: Box<Self>, home: WorkerId, attempt: Attempt, point: S::Point) -> Box<Self> {
-        let Self { wants, held, pieces, foreign, bounced, around, .. } = &mut *self;
+        let Self { wants, held, cavity, pieces, foreign, bounced, around, .. } = &mut *self;
         around.clear();
         wants.clear();
         held.clear();
+        cavity.clear();
         pieces.clear();
         foreign.clear();
         bounced.clear();
@@ -148,6 +152,8 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     pub(super) fn advance(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
         let Some(mut request) = self.requests.remove(&ticket) else { return };
         request.stalled = false;
+        // Once something is in the way of that, the rest is locked one by one, up to there.
+        let mut at_once = C::LOCKS_RING;
         while let Some(want) = request.wants.pop() {
             let t = match want {
                 Want::Tet(t) => t,
@@ -176,13 +182,25 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
                     self.conflict(ticket, &request, t, holder, out);
                     break;
                 }
-                None => self.take(ticket, &mut request, t),
+                None => {
+                    at_once = at_once && self.take_all(ticket, &mut request, t);
+                    if !at_once {
+                        self.take(ticket, &mut request, t);
+                    }
+                }
             }
         }
         if !request.stalled {
             self.grant(ticket, &mut request, out);
         }
         self.requests.insert(ticket, request);
+    }
+
+    /// Locks and tests all that follows from a tetrahedron that is free, if all of it is free.
+    fn take_all(&mut self, ticket: Ticket, request: &mut Request<S>, t: S::Tet) -> bool {
+        let Request { point, held, pieces, foreign, around, .. } = request;
+        around.is_empty()
+            && self.mesh.lock_all(t, point, ticket, &mut Found { held, pieces, foreign })
     }
 
     /// Locks and tests a tetrahedron that is free.
@@ -200,14 +218,16 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             request.held.push(t);
         }
         if in_conflict {
-            request.pieces.push(t);
+            request.cavity.push(t);
             let Request { wants, foreign, .. } = request;
             self.mesh.neighbours(t, |n| want(n, wants, foreign));
         }
     }
 
     fn grant(&mut self, ticket: Ticket, request: &mut Request<S>, out: &mut Vec<Action<S>>) {
-        let mesh = &self.mesh;
+        let mut pieces = std::mem::take(&mut request.pieces);
+        pieces.extend(self.mesh.pieces(&request.cavity));
+        request.cavity.clear();
         let bounced = std::mem::take(&mut request.bounced);
         let mut blocks: Vec<BlockId> = bounced.iter().map(|h| h.block).collect();
         blocks.sort_unstable();
@@ -217,7 +237,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             ticket,
             attempt: request.attempt,
             answers: std::mem::take(&mut request.owed),
-            pieces: request.pieces.drain(..).map(|t| mesh.piece(t)).collect(),
+            pieces,
             foreign: request.foreign.drain(..).collect(),
             bounced,
             moved: blocks.into_iter().map(news).collect(),

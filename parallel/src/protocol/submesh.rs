@@ -51,13 +51,24 @@ pub struct Costs {
     pub created: u64,
 }
 
+/// Where what [`Submesh::lock_all`] finds is appended.
+#[derive(Debug)]
+pub struct Found<'a, S: Submesh> {
+    /// All tetrahedra that it locks.
+    pub held: &'a mut Vec<S::Tet>,
+    /// Those in conflict, as [`Submesh::pieces`] would describe them.
+    pub pieces: &'a mut Vec<S::Piece>,
+    /// The far neighbours of those.
+    pub foreign: &'a mut Vec<Handle>,
+}
+
 /// The tetrahedra of one worker. Local handles (`Tet`) of locked tetrahedra are stable.
 pub trait Submesh: Sized {
     /// Local handle of a tetrahedron.
     type Tet: Copy + Eq + Ord + Hash + Debug;
     /// A point to insert.
     type Point: Clone + Eq + Hash + Debug;
-    /// A tetrahedron in conflict, as its owner describes it to the home.
+    /// A tetrahedron in conflict, or some of them, as their owner describes them to the home.
     type Piece: Clone + Eq + Hash + Debug;
     /// What a filled cavity changes in one worker's submesh.
     type Patch: Clone + Eq + Hash + Debug;
@@ -86,11 +97,26 @@ pub trait Submesh: Sized {
     /// Locks or unlocks `t`.
     fn set_holder(&mut self, t: Self::Tet, holder: Option<Ticket>);
 
-    /// Locks `t` for an operation whose point it is in conflict with or not. [`Submesh::piece`]
+    /// Locks `t` for an operation whose point it is in conflict with or not. [`Submesh::pieces`]
     /// may leave out what leads from one tetrahedron in conflict to another.
     fn lock(&mut self, t: Self::Tet, holder: Ticket, in_conflict: bool) {
         let _ = in_conflict;
         self.set_holder(t, Some(holder));
+    }
+
+    /// Locks at once what would be locked from `seed` on, which is not locked, one tetrahedron after
+    /// the other: itself, and all that hangs together with it in conflict with `point`, with its
+    /// neighbours. Changes nothing and returns `false` if one of these is locked by another
+    /// operation, or if the submesh has no such way.
+    fn lock_all(
+        &mut self,
+        seed: Self::Tet,
+        point: &Self::Point,
+        holder: Ticket,
+        found: &mut Found<'_, Self>,
+    ) -> bool {
+        let _ = (seed, point, holder, found);
+        false
     }
 
     /// Is `t` in conflict with `point`?
@@ -123,8 +149,9 @@ pub trait Submesh: Sized {
         None
     }
 
-    /// Describes `t`, which is locked and in conflict, to a home. Its neighbours here are locked.
-    fn piece(&self, t: Self::Tet) -> Self::Piece;
+    /// Describes tetrahedra to a home: they are in conflict, and all of them and of their neighbours
+    /// here are locked by one operation.
+    fn pieces(&mut self, tets: &[Self::Tet]) -> Vec<Self::Piece>;
 
     /// The point of a piece's or patch's operation replaces the cavity made of `parts`: what
     /// changes, by worker. `whereabouts` has, for every handle met, the worker that has locked it.

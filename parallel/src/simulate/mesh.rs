@@ -3,7 +3,7 @@
 use super::cost::Payload;
 use super::{Options, Simulation, SimulationError, simulate};
 use crate::mesh::{GatherError, Gathered, LocalMesh, Ownership, Plan, gather};
-use crate::mesh::{Link, Moving, Patch, Piece, Site};
+use crate::mesh::{Link, Moving, Patch, Piece, Side, Site};
 use crate::metrics::{Summary, Survey, Trace};
 use crate::protocol::{Conduct, Config, Sound, Worker};
 use crate::{BuildError, PointSet};
@@ -25,10 +25,15 @@ impl Payload for LocalMesh {
     }
 
     fn piece_bytes(piece: &Piece) -> u64 {
-        let near = |link: &Link| matches!(link, Link::Near { .. });
+        let Piece { tets, names, sites, sides } = piece;
+        let near = |side: &&Side| matches!(side.link, Link::Near { .. });
         // A near link has a handle, a slot, a block and perhaps a name.
-        let more = piece.n.iter().filter(|link| near(link)).count() as u64 * (NAME - 3);
-        4 + TET + more
+        let more = sides.iter().filter(near).count() as u64 * (NAME - 3);
+        16 + 4 * tets.len() as u64
+            + (NAME - 1) * names.len() as u64
+            + SITE * sites.len() as u64
+            + (3 * 2 + FACE) * sides.len() as u64
+            + more
     }
 
     fn patch_bytes(patch: &Patch) -> u64 {

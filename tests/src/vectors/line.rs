@@ -209,9 +209,9 @@ impl Submesh for Line {
         }
     }
 
-    fn piece(&self, t: Name) -> Piece {
-        let lost = Cell { ends: (-1, self.cuts.range), links: [None; 2] };
-        (t, self.cells.get(&t).cloned().unwrap_or(lost))
+    fn pieces(&mut self, tets: &[Name]) -> Vec<Piece> {
+        let lost = || Cell { ends: (-1, self.cuts.range), links: [None; 2] };
+        tets.iter().map(|&t| (t, self.cells.get(&t).cloned().unwrap_or_else(lost))).collect()
     }
 
     fn fill(

@@ -364,13 +364,11 @@ impl<C: Exhibit> Submesh for Hull<C> {
         }
     }
 
-    fn piece(&self, t: u8) -> Piece {
+    fn pieces(&mut self, tets: &[u8]) -> Vec<Piece> {
         let nobody = Vertex { x: 0, y: 0, block: 0 };
         let nowhere = Link { name: Name { by: u32::MAX, number: 0 }, block: 0 };
-        self.cell(t)
-            .map_or(Piece { name: nowhere.name, ends: [nobody; 2], links: [nowhere; 2] }, |cell| {
-                cell.piece
-            })
+        let lost = Piece { name: nowhere.name, ends: [nobody; 2], links: [nowhere; 2] };
+        tets.iter().map(|&t| self.cell(t).map_or(lost, |cell| cell.piece)).collect()
     }
 
     fn fill(

@@ -1,0 +1,67 @@
+//! Stars whose tetrahedra the caller names: what a part gets of a cavity that others share.
+
+use super::Part;
+use crate::cavity::{SMALL, SMALL_WALLS, Star};
+use crate::sphere::Sphere;
+use crate::topology::{FaceId, TetId, VertexId};
+
+impl<H: Copy + Eq, L: Copy> Part<H, L> {
+    /// Makes the tetrahedra of `corners[0]` with three other corners each, given by their indices
+    /// `walls`, positively oriented. Their handles are put in `tets`, in the same order; their
+    /// spheres are cached, their faces are still to be linked. `None` at the limit of tetrahedra.
+    pub fn create_star(
+        &mut self,
+        corners: &[VertexId],
+        walls: impl ExactSizeIterator<Item = [u32; 3]>,
+        tets: &mut Vec<TetId>,
+    ) -> Option<()> {
+        tets.clear();
+        self.topology.reserve(walls.len()).ok()?;
+        // As in a cavity of the kernel, large stars have no spheres.
+        let small = corners.len() <= SMALL + 1 && walls.len() <= SMALL_WALLS;
+        let rim = if small { &corners[1..] } else { &[] };
+        let mut faces = [[0; 4]; SMALL_WALLS];
+        for (k, wall) in walls.enumerate() {
+            let [a, b, c] = wall.map(|corner| corners[corner as usize]);
+            let t = self.topology.take();
+            self.topology.write(t, [corners[0], a, b, c]);
+            tets.push(t);
+            if small {
+                let [a, b, c] = wall.map(|corner| corner as u8 - 1);
+                faces[k] = [a, b, c, 0];
+            }
+        }
+        let Some(&hint) = tets.last() else { return Some(()) };
+        let star = Star { tets, rim, faces: &faces[..tets.len().min(SMALL_WALLS)] };
+        let p = *self.geometry.point(corners[0]);
+        self.geometry.created(self.topology.slots(), &star, &p);
+        self.made += tets.len() as u64;
+        self.hints[1..].rotate_right(1);
+        self.hints[1] = hint;
+        let place = self.place(corners[0]);
+        self.places[place] = hint;
+        Some(())
+    }
+
+    /// Says that `beyond` lies beyond `face`, both of new tetrahedra, without the other direction.
+    pub fn point_to(&mut self, face: FaceId, beyond: FaceId) {
+        self.topology.point_to(face, beyond);
+    }
+
+    /// Links a face of a new tetrahedron with that of an old one. A proxy that stood there is gone.
+    pub fn link_new(&mut self, new: FaceId, old: FaceId) {
+        self.forget_proxy(old);
+        self.topology.link(new, old);
+    }
+
+    /// Puts a proxy that carries `load` at a face of a new tetrahedron. `None` at the limit of
+    /// tetrahedra.
+    pub fn put_far(&mut self, new: FaceId, load: [u32; 4]) -> Option<()> {
+        self.topology.reserve(1).ok()?;
+        let proxy = self.topology.take();
+        self.geometry.reserve_spheres(self.topology.slots());
+        self.topology.put_proxy(proxy, new, load);
+        self.geometry.set_sphere(proxy, Sphere::UNKNOWN);
+        Some(())
+    }
+}

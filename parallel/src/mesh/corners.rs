@@ -1,0 +1,61 @@
+//! The corners of a cavity, each once.
+
+use super::Site;
+use ltbw_core::topology::VertexId;
+
+/// The corners met so far, kept for the next cavity.
+#[derive(Debug, Default)]
+pub(super) struct Corners {
+    /// In the order in which they were met.
+    pub(super) sites: Vec<Site>,
+    /// By vertex, with open addressing: 1 + index, or 0.
+    table: Vec<u32>,
+}
+
+impl Corners {
+    /// Forgets all; at most so many are to come.
+    pub(super) fn start(&mut self, most: usize) {
+        self.sites.clear();
+        self.table.clear();
+        // At most half full: every search meets an empty place.
+        self.table.resize((2 * most).next_power_of_two(), 0);
+    }
+
+    /// The index of a corner; `site` is asked for if it is a new one.
+    pub(super) fn index(&mut self, vertex: VertexId, site: impl FnOnce() -> Site) -> u32 {
+        let last = self.table.len() - 1;
+        let mut place = (vertex.wrapping_mul(0x9e37_79b9) >> 12) as usize & last;
+        loop {
+            match self.table[place] {
+                0 => {
+                    self.sites.push(site());
+                    self.table[place] = self.sites.len() as u32;
+                    return self.table[place] - 1;
+                }
+                k if self.sites[k as usize - 1].vertex == vertex => return k - 1,
+                _ => place = (place + 1) & last,
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_corner_has_one_index() {
+        let mut corners = Corners::default();
+        // The second time with what the first one has left; vertices collide in the table.
+        for most in [64, 40] {
+            corners.start(most);
+            let vertices: Vec<VertexId> = (0..most as u32).map(|k| k * 4096).collect();
+            let all = || vertices.iter().chain(&vertices);
+            let indices: Vec<u32> =
+                all().map(|&v| corners.index(v, || Site { vertex: v, bits: [0; 3] })).collect();
+            let expected = (0..most as u32).chain(0..most as u32);
+            assert!(indices.into_iter().eq(expected));
+            assert!(corners.sites.iter().map(|site| site.vertex).eq(vertices));
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! The owner's side of an operation: what is in conflict here, locked at once, and described to the
+//! home by its faces.
+
+use super::{Link, LocalMesh, Piece, Side, Site, handle, site};
+use crate::protocol::{Found, Handle, Name, Ticket};
+use ltbw_core::cavity::OTHERS;
+use ltbw_core::part::{Closed, Part};
+use ltbw_core::topology::{FaceId, TetId, slot_of, tet_of};
+
+impl LocalMesh {
+    /// Locks what belongs to the closure of `point` from `seed` on; nothing, and it returns
+    /// `false`, if another operation has locked some of it.
+    pub(super) fn lock_closure(
+        &mut self,
+        seed: TetId,
+        point: &Site,
+        holder: Ticket,
+        found: &mut Found<'_, Self>,
+    ) -> bool {
+        let mut closed = std::mem::take(&mut self.closed);
+        let all = self.part.close_all(seed, &point.point(), holder, &mut closed);
+        if all {
+            found.held.extend_from_slice(&closed.held);
+            let proxies =
+                closed.walls.iter().filter_map(|&(_, outer)| self.part.load(tet_of(outer)));
+            found.foreign.extend(proxies.map(handle));
+            if closed.inside > 0 {
+                found.pieces.push(self.describe_closed(&closed));
+            }
+        }
+        self.closed = closed;
+        all
+    }
+
+    /// Describes what was closed at once.
+    fn describe_closed(&mut self, closed: &Closed) -> Piece {
+        let Self { part, scratch, .. } = self;
+        let tets = &closed.held[..closed.inside];
+        let corners = &mut scratch.corners;
+        corners.start((3 * closed.walls.len()).min(4 * tets.len()));
+        let mut sides = Vec::with_capacity(closed.walls.len());
+        for &(v, outer) in &closed.walls {
+            let v = v.map(|v| corners.index(v, || site(part, v)));
+            let link = match part.load(tet_of(outer)) {
+                Some(load) => Link::Far(handle(load)),
+                None => near(part, outer),
+            };
+            sides.push(Side { v, link });
+        }
+        let mut names = Vec::with_capacity(8);
+        names.extend(tets.iter().filter_map(|&t| part.label(t)));
+        Piece { tets: tets.to_vec(), names, sites: corners.sites.clone(), sides }
+    }
+
+    /// Describes tetrahedra that are in conflict with the point of the operation that has locked
+    /// them.
+    pub(super) fn describe(&mut self, tets: &[TetId]) -> Piece {
+        let holder = tets.first().and_then(|&t| self.part.holder(t));
+        let mut corners = std::mem::take(&mut self.scratch.corners);
+        corners.start(4 * tets.len());
+        let mut names = Vec::new();
+        // A ball of k tetrahedra has at most 2 k + 2 faces.
+        let mut sides = Vec::with_capacity(2 * tets.len() + 2);
+        for &t in tets {
+            names.extend(self.part.label(t));
+            let v = self.part.vertices(t).map(|v| corners.index(v, || site(&self.part, v)));
+            for (slot, face) in self.part.neighbours(t).into_iter().enumerate() {
+                if let Some(link) = self.link_at(face, holder) {
+                    sides.push(Side { v: OTHERS[slot].map(|k| v[k]), link });
+                }
+            }
+        }
+        let sites = corners.sites.clone();
+        self.scratch.corners = corners;
+        Piece { tets: tets.to_vec(), names, sites, sides }
+    }
+
+    /// What lies beyond a face of a tetrahedron that `holder` has locked, as the home sees it;
+    /// `None` if that is in conflict, too.
+    fn link_at(&self, face: FaceId, holder: Option<Ticket>) -> Option<Link> {
+        let tet = tet_of(face);
+        if let Some(load) = self.part.load(tet) {
+            return Some(Link::Far(handle(load)));
+        }
+        let (closed_by, name) = (self.part.closed_by(tet), self.part.label(tet));
+        if let (Some((by, true)), Some(mine)) = (closed_by, holder)
+            && by == mine
+        {
+            return None;
+        }
+        Some(match name {
+            // It has come here after the operation had asked for it where it was: whether it is in
+            // conflict is open, and will be known by its name.
+            Some(name) if closed_by.map(|(by, _)| by) != holder => {
+                Link::Far(Handle { name, block: self.block_of(tet), face: slot_of(face) as u8 })
+            }
+            _ => near(&self.part, face),
+        })
+    }
+}
+
+/// What is here beyond a face of a cavity.
+fn near(part: &Part<Ticket, Name>, face: FaceId) -> Link {
+    let (tet, slot) = (tet_of(face), slot_of(face));
+    Link::Near { tet, slot: slot as u8, apex: part.vertices(tet)[slot], name: part.label(tet) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PointSet;
+    use crate::generate::{PointKind, generate};
+    use crate::mesh::Plan;
+    use crate::protocol::{Neighbour, Source, Submesh, Walk};
+
+    const MINE: Ticket = Ticket { clock: 1, worker: 0, sequence: 1 };
+    const OTHER: Ticket = Ticket { clock: 0, worker: 1, sequence: 1 };
+
+    /// All that was locked, the far neighbours, and what is said of it, in an order of their own.
+    #[derive(Debug, Default, PartialEq)]
+    struct Closure {
+        held: Vec<TetId>,
+        foreign: Vec<Handle>,
+        tets: Vec<TetId>,
+        names: Vec<Name>,
+        sites: Vec<Site>,
+        sides: Vec<([u32; 3], String)>,
+    }
+
+    impl Closure {
+        fn new(mut held: Vec<TetId>, mut foreign: Vec<Handle>, pieces: Vec<Piece>) -> Self {
+            held.sort_unstable();
+            foreign.sort_unstable_by_key(|h| (h.name, h.face));
+            let mut all = Self { held, foreign, ..Self::default() };
+            for Piece { tets, names, sites, sides } in pieces {
+                let vertex = |k: u32| sites[k as usize].vertex;
+                let side = |s: &Side| (s.v.map(vertex), format!("{:?}", s.link));
+                all.sides.extend(sides.iter().map(side));
+                all.tets.extend(tets);
+                all.names.extend(names);
+                all.sites.extend(sites);
+            }
+            all.tets.sort_unstable();
+            all.names.sort_unstable();
+            all.sites.sort_unstable_by_key(|site| site.vertex);
+            all.sides.sort_unstable();
+            all
+        }
+    }
+
+    fn at_once(mesh: &mut LocalMesh, seed: TetId, point: &Site) -> Option<Closure> {
+        let (mut held, mut pieces, mut foreign) = Default::default();
+        let mut found = Found { held: &mut held, pieces: &mut pieces, foreign: &mut foreign };
+        let all = mesh.lock_all(seed, point, MINE, &mut found);
+        all.then(|| Closure::new(held, foreign, pieces))
+    }
+
+    /// As an owner does it that knows no other way.
+    fn one_by_one(mesh: &mut LocalMesh, seed: TetId, point: &Site) -> Closure {
+        let (mut held, mut cavity, mut foreign, mut wants) = (vec![], vec![], vec![], vec![seed]);
+        while let Some(t) = wants.pop() {
+            if mesh.holder(t).is_some() {
+                continue;
+            }
+            let inside = mesh.in_conflict(t, point);
+            mesh.lock(t, MINE, inside);
+            held.push(t);
+            if inside {
+                cavity.push(t);
+                mesh.neighbours(t, |n| match n {
+                    Neighbour::Near(u) => wants.push(u),
+                    Neighbour::Far(handle) => foreign.push(handle),
+                });
+            }
+        }
+        let pieces = mesh.pieces(&cavity);
+        Closure::new(held, foreign, pieces)
+    }
+
+    #[test]
+    fn what_is_locked_at_once_is_what_is_locked_one_by_one() {
+        for kind in [PointKind::Uniform, PointKind::Grid, PointKind::Clusters] {
+            let set = PointSet::new(generate(kind, 2000, 1)).expect("finite points");
+            let prepared = Plan::new(set.len(), 3).prepare(&set).expect("a mesh");
+            let (mut far, mut named, mut lone) = (0, 0, 0);
+            for (_, mut mesh, mut field) in prepared.workers {
+                while let Some(point) = field.next(&mesh) {
+                    field.inserted(&mesh, &point);
+                    let Walk::At(seed) = mesh.walk(&point, None) else { continue };
+                    let expected = one_by_one(&mut mesh, seed, &point);
+                    let open = |mesh: &mut LocalMesh, held: &[TetId]| {
+                        held.iter().for_each(|&t| mesh.set_holder(t, None));
+                        assert_eq!(mesh.part.closed().count(), 0);
+                    };
+                    open(&mut mesh, &expected.held);
+                    let closure = at_once(&mut mesh, seed, &point).expect("nothing is locked");
+                    assert_eq!(closure, expected);
+                    open(&mut mesh, &expected.held);
+
+                    // Not one is locked if another operation has one of them ...
+                    let last = expected.held.iter().copied().rfind(|&t| t != seed);
+                    if let Some(t) = last {
+                        mesh.lock(t, OTHER, false);
+                        assert_eq!(at_once(&mut mesh, seed, &point), None);
+                        assert_eq!(mesh.part.closed().collect::<Vec<_>>(), [t]);
+                        mesh.set_holder(t, None);
+                    }
+                    // ... and what this one has in its ring already stays as it is.
+                    let ring = last.filter(|t| !expected.tets.contains(t));
+                    if let Some(t) = ring {
+                        mesh.lock(t, MINE, false);
+                        let rest = at_once(&mut mesh, seed, &point).expect("nothing is locked");
+                        assert_eq!(rest.sides, expected.sides);
+                        assert_eq!(rest.held.len() + 1, expected.held.len());
+                        open(&mut mesh, &expected.held);
+                    }
+                    far += expected.foreign.len();
+                    named += expected.names.len();
+                    lone += usize::from(expected.tets.is_empty());
+                }
+            }
+            assert!(far > 100 && named > 100 && lone == 0, "{kind:?}: {far} {named} {lone}");
+        }
+    }
+
+    #[test]
+    fn a_seed_that_is_not_in_conflict_is_locked_alone() {
+        let set = PointSet::new(generate(PointKind::Uniform, 500, 1)).expect("finite points");
+        let prepared = Plan::new(set.len(), 2).prepare(&set).expect("a mesh");
+        let (_, mut mesh, mut field) = prepared.workers.into_iter().next().expect("a worker");
+        let point = field.next(&mesh).expect("a point");
+        let all: Vec<TetId> = mesh.part.tets().map(|(t, _)| t).collect();
+        let seed = all.into_iter().find(|&t| !mesh.in_conflict(t, &point)).expect("one far away");
+        let closure = at_once(&mut mesh, seed, &point).expect("nothing is locked");
+        assert_eq!(closure, Closure { held: vec![seed], ..Closure::default() });
+    }
+}
