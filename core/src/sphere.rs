@@ -67,8 +67,9 @@ impl Frame {
     }
 }
 
-/// A point in the frame, rounded to single precision; the fourth number means nothing. It is
-/// written and read as one: a processor waits where it reads at once what was written in pieces.
+/// A point in the frame, rounded to single precision; the fourth number means nothing. Of 16 bytes,
+/// so that it can be written and read as one: a processor waits where it reads at once what was
+/// written in pieces.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(16))]
 pub(crate) struct Query(pub(crate) [f32; 4]);

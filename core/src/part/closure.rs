@@ -47,12 +47,12 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
             cavity.set_back(topology);
             return false;
         }
-        // Is `t` one of the cavity's, closed before?
+        // Was `t` closed before as one of the cavity? Then the face is none of its boundary.
         let mut close = |t: TetId, inside: bool| {
             let mut sphere = geometry.sphere(t);
             let special = specials.entry(t, &mut sphere);
-            if let Some((_, inside)) = special.closed {
-                return inside;
+            if let Some((_, before)) = special.closed {
+                return before;
             }
             special.closed = Some((holder, inside));
             geometry.set_sphere(t, sphere);

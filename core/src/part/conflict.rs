@@ -47,7 +47,8 @@ impl<H: Copy + Eq, L: Copy> Conflict for PartConflict<'_, H, L> {
 
     #[inline(never)]
     fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
-        // What has a sphere, although that decides nothing, is open and a tetrahedron.
+        // What has a sphere, although that decides nothing, is open and a tetrahedron. What is not
+        // in `unknown` is one, too, or has no say: a link leads to no free slot.
         let blank = tets.map(|t| self.inner.geometry().sphere(t).is_blank());
         let blank = (0..4).map(|slot| u32::from(blank[slot]) << slot).sum::<u32>() & unknown;
         if blank == 0 {

@@ -8,7 +8,8 @@ use crate::topology::{FaceId, TetId, VertexId};
 impl<H: Copy + Eq, L: Copy> Part<H, L> {
     /// Makes the tetrahedra of `corners[0]` with three other corners each, given by their indices
     /// `walls`, positively oriented. Their handles are put in `tets`, in the same order; their
-    /// spheres are cached, their faces are still to be linked. `None` at the limit of tetrahedra.
+    /// spheres are cached, unless there are more than 64 other corners; their faces are still to be
+    /// linked. `None` at the limit of tetrahedra.
     pub fn create_star(
         &mut self,
         corners: &[VertexId],

@@ -70,7 +70,7 @@ impl LocalMesh {
     /// limit of tetrahedra.
     fn create_all(
         &mut self,
-        new: impl ExactSizeIterator<Item = (Option<Name>, [VertexId; 4])>,
+        new: impl ExactSizeIterator<Item = (Name, [VertexId; 4])>,
     ) -> Option<Vec<TetId>> {
         let mut tets = Vec::with_capacity(new.len());
         for (name, v) in new {
@@ -78,9 +78,7 @@ impl LocalMesh {
                 self.full = true;
                 return None;
             };
-            if let Some(name) = name {
-                self.set_name(t, name);
-            }
+            self.set_name(t, name);
             tets.push(t);
         }
         Some(tets)
@@ -176,7 +174,7 @@ impl LocalMesh {
         for moving in &cargo {
             self.set_sites(&moving.v);
         }
-        let new = cargo.iter().map(|m| (Some(m.name), m.v.map(|site| site.vertex)));
+        let new = cargo.iter().map(|m| (m.name, m.v.map(|site| site.vertex)));
         let Some(tets) = self.create_all(new) else { return };
         for (&t, moving) in tets.iter().zip(&cargo) {
             for (slot, lead) in (0..).zip(&moving.n) {

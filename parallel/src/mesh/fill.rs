@@ -328,3 +328,58 @@ impl Edges {
 fn key_of(a: u32, b: u32) -> u64 {
     u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two pyramids over a ring of `n` corners, as seen from corner 0 inside.
+    fn walls(n: u32) -> Vec<Wall> {
+        let faces = (0..n).flat_map(|k| {
+            let (a, b) = (3 + k, 3 + (k + 1) % n);
+            [[1, a, b], [2, b, a]]
+        });
+        let wall = |v| Wall {
+            v,
+            block: 0,
+            owner: 0,
+            patch: 0,
+            index: 0,
+            name: None,
+            beside: [(0, 0); 4],
+            worker: 0,
+            at: At::Tet(0),
+            slot: 0,
+            ring_block: 0,
+            ring_name: None,
+        };
+        faces.map(wall).collect()
+    }
+
+    #[test]
+    fn walls_meet_at_common_edges_in_both_tables() {
+        let mut edges = Edges::default();
+        // Large and small ones in turn: the tables are used again.
+        for n in [3, 61, 5, 62, 200, 4] {
+            let (mut walls, mut again) = (walls(n), walls(n));
+            edges.join(&mut walls, n as usize + 3);
+            edges.join_large(&mut again);
+            for (k, wall) in (0..).zip(&walls) {
+                assert_eq!(wall.beside, again[k as usize].beside, "wall {k} of {n}");
+                for slot in 1..4 {
+                    let (other, there) = wall.beside[slot];
+                    let other = &walls[other as usize];
+                    assert_eq!(other.beside[there as usize], (k, slot as u8));
+                    // All corners but the one opposite are common.
+                    let kept = |v: [u32; 3], out: usize| {
+                        let mut v = v.to_vec();
+                        v.remove(out - 1);
+                        v.sort_unstable();
+                        v
+                    };
+                    assert_eq!(kept(wall.v, slot), kept(other.v, there as usize));
+                }
+            }
+        }
+    }
+}

@@ -177,6 +177,51 @@ mod tests {
         Closure::new(held, foreign, pieces)
     }
 
+    /// Locks `before` with their neighbours one by one, then the rest of the cavity `tets` at once.
+    fn mixed(mesh: &mut LocalMesh, before: &[TetId], tets: &[TetId], point: &Site) -> Closure {
+        let (mut held, mut pieces, mut foreign) = (vec![], vec![], vec![]);
+        for &t in before {
+            mesh.lock(t, MINE, true);
+            held.push(t);
+            mesh.neighbours(t, |n| foreign.extend(Some(n).and_then(far)));
+        }
+        for &t in tets {
+            if mesh.holder(t).is_none() {
+                let (held, pieces, foreign) = (&mut held, &mut pieces, &mut foreign);
+                let mut found = Found { held, pieces, foreign };
+                assert!(mesh.lock_all(t, point, MINE, &mut found));
+            }
+        }
+        for &t in before {
+            let mut ring = Vec::new();
+            mesh.neighbours(t, |n| ring.extend(Some(n).and_then(near)));
+            for u in ring {
+                if mesh.holder(u).is_none() {
+                    mesh.lock(u, MINE, false);
+                    held.push(u);
+                }
+            }
+        }
+        pieces.extend(mesh.pieces(before));
+        let mut closure = Closure::new(held, foreign, pieces);
+        closure.sites.dedup();
+        closure
+    }
+
+    fn far(neighbour: Neighbour<TetId>) -> Option<Handle> {
+        match neighbour {
+            Neighbour::Far(handle) => Some(handle),
+            Neighbour::Near(_) => None,
+        }
+    }
+
+    fn near(neighbour: Neighbour<TetId>) -> Option<TetId> {
+        match neighbour {
+            Neighbour::Near(t) => Some(t),
+            Neighbour::Far(_) => None,
+        }
+    }
+
     #[test]
     fn what_is_locked_at_once_is_what_is_locked_one_by_one() {
         for kind in [PointKind::Uniform, PointKind::Grid, PointKind::Clusters] {
@@ -214,6 +259,12 @@ mod tests {
                         assert_eq!(rest.held.len() + 1, expected.held.len());
                         open(&mut mesh, &expected.held);
                     }
+                    // What was locked one by one before, here every other of the cavity with its
+                    // neighbours, and what is locked at once fit together.
+                    let before: Vec<TetId> = expected.tets.iter().copied().step_by(2).collect();
+                    let mixed = mixed(&mut mesh, &before, &expected.tets, &point);
+                    assert_eq!(mixed, expected);
+                    open(&mut mesh, &expected.held);
                     far += expected.foreign.len();
                     named += expected.names.len();
                     lone += usize::from(expected.tets.is_empty());

@@ -152,8 +152,9 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     pub(super) fn advance(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
         let Some(mut request) = self.requests.remove(&ticket) else { return };
         request.stalled = false;
-        // Once something is in the way of that, the rest is locked one by one, up to there.
-        let mut at_once = C::LOCKS_RING;
+        // Once something is in the way of that, the rest is locked one by one, up to there; and so
+        // is what is left when it goes on, or every wake-up would search in vain.
+        let mut at_once = C::LOCKS_RING && request.held.is_empty();
         while let Some(want) = request.wants.pop() {
             let t = match want {
                 Want::Tet(t) => t,

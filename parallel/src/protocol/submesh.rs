@@ -108,6 +108,10 @@ pub trait Submesh: Sized {
     /// the other: itself, and all that hangs together with it in conflict with `point`, with its
     /// neighbours. Changes nothing and returns `false` if one of these is locked by another
     /// operation, or if the submesh has no such way.
+    ///
+    /// It describes what is in conflict before the grant: that is sound only where
+    /// [`Submesh::is_block_locked`] counts locked neighbours, too, so that what lies beside a locked
+    /// tetrahedron stays and keeps its name.
     fn lock_all(
         &mut self,
         seed: Self::Tet,

@@ -27,7 +27,7 @@ impl Payload for LocalMesh {
     fn piece_bytes(piece: &Piece) -> u64 {
         let Piece { tets, names, sites, sides } = piece;
         let near = |side: &&Side| matches!(side.link, Link::Near { .. });
-        // A near link has a handle, a slot, a block and perhaps a name.
+        // A near link has a local number, a slot, a vertex and perhaps a name.
         let more = sides.iter().filter(near).count() as u64 * (NAME - 3);
         16 + 4 * tets.len() as u64
             + (NAME - 1) * names.len() as u64
