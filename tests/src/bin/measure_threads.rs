@@ -2,20 +2,20 @@
 //! sequential kernel and CGAL's parallel version, side by side, on N points (4,000,000) of three
 //! kinds.
 //!
-//! Times are from points in memory to one mesh, distribution and gathering included. Runs are
-//! interleaved in rounds, in which each comes first in its turn, and medians of the rounds' ratios
-//! are reported. Before each, memory is touched and given back: in a virtual machine the host takes
-//! free memory away after some seconds, and who comes next would wait for it. Beside them stands what the machine gives to two sequential builds at once, which
-//! have nothing to do with each other: their speed together, that of one alone being 1. It is below
-//! 2 where processors share caches, memory, or more. `cargo xtask bench threads` builds this with the
-//! release profile.
+//! Times are from points in memory to one mesh, distribution and gathering included. Every build has
+//! a process of its own: what one has left behind, memory above all, is not the next one's gain or
+//! loss. Runs are interleaved in rounds, in which each comes first in its turn, and medians of the
+//! rounds' ratios are reported. Beside them stands what the machine gives to two sequential builds
+//! at once, which have nothing to do with each other: their speed together, where one alone has 1. It
+//! is below 2 where processors share caches, memory, or more. `cargo xtask bench threads` builds this
+//! with the release profile.
 
 use ltbw::generate::{PointKind, generate};
 use ltbw::threads::{Parallel, WorkerStats};
 use ltbw::{Builder, PointSet};
 use ltbw_tests::cgal::{Ask, Cgal};
 use ltbw_tests::median;
-use std::process::ExitCode;
+use std::process::{Child, Command, ExitCode, Stdio};
 use std::time::Instant;
 
 /// Rounds for a median, if not said otherwise.
@@ -35,10 +35,21 @@ const KINDS: [(&str, PointKind, f64); 3] = [
 
 type Failure = Box<dyn std::error::Error>;
 
+/// First argument of a process that builds once.
+const ONCE: &str = "--once";
+
 fn main() -> ExitCode {
-    let number = |k, default| std::env::args().nth(k).map_or(Ok(default), |text| text.parse());
-    let numbers = number(1, 4_000_000).and_then(|count| Ok((count, number(2, ROUNDS)?)));
-    match numbers.map_err(Failure::from).and_then(|(count, rounds)| run(count, rounds)) {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    let done = match words.as_slice() {
+        [ONCE, kind, count, threads] => once(kind, count, threads),
+        [] => run(4_000_000, ROUNDS),
+        [count] => count.parse().map_err(Failure::from).and_then(|count| run(count, ROUNDS)),
+        [count, rounds, ..] => {
+            (count.parse().map_err(Failure::from)).and_then(|count| run(count, rounds.parse()?))
+        }
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             eprintln!("measure_threads: {failure}");
@@ -49,13 +60,13 @@ fn main() -> ExitCode {
 
 fn run(count: usize, rounds: usize) -> Result<(), Failure> {
     println!(
-        "| set | points | sequential, s | speed of 1 thread (aim {ALONE}) | of {THREADS} | aim | two at once | \
-         time / CGAL's on {THREADS} (aim {CGAL}) | interface | set back |"
+        "| set | points | sequential, s | speed of 1 thread (aim {ALONE}) | of {THREADS} | aim | \
+         two at once | time / CGAL's on {THREADS} (aim {CGAL}) | interface | set back |"
     );
     println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
     let mut met = true;
     for (name, kind, aim) in KINDS {
-        met &= measure(name, generate(kind, count, 1), rounds.max(1), aim)?;
+        met &= measure(name, kind, count, rounds.max(1), aim)?;
     }
     println!(
         "\nmedians of {rounds} interleaved rounds; aims {}",
@@ -64,35 +75,76 @@ fn run(count: usize, rounds: usize) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Builds once on `threads` threads, 0 for the sequential kernel; prints the seconds that it took,
+/// how many operations were interface operations, and how many were set back.
+fn once(kind: &str, count: &str, threads: &str) -> Result<(), Failure> {
+    let set = PointSet::new(generate(kind.parse()?, count.parse()?, 1))?;
+    let threads: u32 = threads.parse()?;
+    let clock = Instant::now();
+    let (mut interface, mut setbacks) = (0, 0);
+    if threads == 0 {
+        let built = Builder::new().build(&set)?;
+        println!("{}", clock.elapsed().as_secs_f64());
+        drop(built);
+    } else {
+        let run = Parallel::new(threads).build(&set)?;
+        println!("{}", clock.elapsed().as_secs_f64());
+        let sum = |f: fn(&WorkerStats) -> u64| run.workers.iter().map(f).sum::<u64>();
+        (interface, setbacks) = (sum(|w| w.interface), sum(|w| w.setbacks));
+    }
+    println!("{interface} {setbacks}");
+    Ok(())
+}
+
+/// A process that builds once: seconds, interface operations, setbacks.
+struct Once(Child);
+
+impl Once {
+    fn start(kind: PointKind, count: usize, threads: u32) -> Result<Self, Failure> {
+        let words = [ONCE.to_string(), kind.to_string(), count.to_string(), threads.to_string()];
+        let mut command = Command::new(std::env::current_exe()?);
+        Ok(Self(command.args(words).stdout(Stdio::piped()).spawn()?))
+    }
+
+    fn finish(self) -> Result<(f64, u64, u64), Failure> {
+        let output = self.0.wait_with_output()?;
+        let text = String::from_utf8(output.stdout)?;
+        let mut words = text.split_whitespace();
+        let mut word = || words.next().ok_or("a build has failed");
+        Ok((word()?.parse()?, word()?.parse()?, word()?.parse()?))
+    }
+}
+
 /// One row of the table; true if its aims are met.
-fn measure(name: &str, points: Vec<[f64; 3]>, rounds: usize, aim: f64) -> Result<bool, Failure> {
+fn measure(
+    name: &str,
+    kind: PointKind,
+    count: usize,
+    rounds: usize,
+    aim: f64,
+) -> Result<bool, Failure> {
     let mut cgal = Cgal::start_tbb().ok();
-    let set = PointSet::new(points)?;
+    let set = PointSet::new(generate(kind, count, 1))?;
     let (mut base, mut alone, mut both, mut twice, mut theirs) =
         (vec![], vec![], vec![], vec![], vec![]);
-    let sequential = || Builder::new().build(&set).map(drop);
+    let build = |threads| Once::start(kind, count, threads)?.finish();
     let mut figures = (0, 0);
     for round in 0..rounds {
         let mut seconds = [0.0; 5];
         for turn in 0..5 {
-            touch_memory(set.len());
             let who = (turn + round) % 5;
             seconds[who] = match who {
-                0 => timed(sequential)?,
-                1 => timed(|| Parallel::new(1).build(&set).map(drop))?,
-                2 => timed(|| {
-                    Parallel::new(THREADS).build(&set).map(|run| {
-                        let sum = |f: fn(&WorkerStats) -> u64| run.workers.iter().map(f).sum();
-                        figures = (sum(|w| w.interface), sum(|w| w.setbacks));
-                    })
-                })?,
-                3 => timed(|| {
-                    let (one, other) = std::thread::scope(|scope| {
-                        let other = scope.spawn(sequential);
-                        (sequential(), other.join().expect("no panic in a build"))
-                    });
-                    one.and(other)
-                })?,
+                0 => build(0)?.0,
+                1 => build(1)?.0,
+                2 => {
+                    let (seconds, interface, setbacks) = build(THREADS)?;
+                    figures = (interface, setbacks);
+                    seconds
+                }
+                3 => {
+                    let [one, other] = [Once::start(kind, count, 0)?, Once::start(kind, count, 0)?];
+                    one.finish()?.0.max(other.finish()?.0)
+                }
                 _ => match &mut cgal {
                     Some(cgal) => {
                         let ask = Ask { threads: THREADS as u16, ..Ask::default() };
@@ -124,17 +176,4 @@ fn measure(name: &str, points: Vec<[f64; 3]>, rounds: usize, aim: f64) -> Result
         share(figures.1),
     );
     Ok(alone >= ALONE && both >= aim && theirs.is_none_or(|ratio| ratio <= CGAL))
-}
-
-/// Uses about as much memory as two builds of `points` points, and gives it back.
-fn touch_memory(points: usize) {
-    let mut memory = vec![0_u8; 1500 * points];
-    memory.iter_mut().step_by(4096).for_each(|byte| *byte = 1);
-    std::hint::black_box(&memory);
-}
-
-fn timed<E: Into<Failure>>(work: impl FnOnce() -> Result<(), E>) -> Result<f64, Failure> {
-    let clock = Instant::now();
-    work().map_err(Into::into)?;
-    Ok(clock.elapsed().as_secs_f64())
 }
