@@ -144,13 +144,14 @@ fn degenerate_and_wide_sets() {
 #[test]
 fn a_cancelled_worker_takes_in_no_points() {
     let (mut moved, mut inserted) = (0, 0);
-    for seed in 0..40 {
-        let cancel = Some(100 + 20 * seed as usize);
+    for seed in 0..80 {
+        // Also before a worker has given its first point.
+        let cancel = Some(10 * seed as usize);
         let case = Case {
             plan: plan(4, 20),
             rule: Rule::WoundWait,
             closure: Closure::Face,
-            tempo: Tempo::LateMail,
+            tempo: Tempo::ALL[seed as usize % 4],
             slow: None,
             moves: 400,
             cancel,

@@ -334,6 +334,8 @@ impl Source<LocalMesh> for Field {
     }
 
     fn clear(&mut self) {
+        // A block that moves away later has no points in rounds to come.
+        self.next_round = self.own.rounds + 1;
         self.more = false;
         self.current = None;
         self.urgent.clear();
@@ -492,5 +494,24 @@ mod tests {
         assert_eq!((field.in_block(3), field.left()), (250, before));
         field.clear();
         assert!(field.is_empty() && field.next(&mesh).is_none());
+    }
+
+    /// A cancelled worker may be told to give a block away: it has no points, though rounds had
+    /// not begun when it was cancelled.
+    #[test]
+    fn a_block_moves_without_points_once_the_field_is_cleared() {
+        for begun in [0, 10] {
+            let (mut field, mesh) = field(9000);
+            for _ in 0..begun {
+                let site = field.next(&mesh).expect("a point");
+                field.inserted(&mesh, &site);
+            }
+            field.clear();
+            for block in 0..4 {
+                assert_eq!(field.take_block(&mesh, block).len(), 0, "block {block}");
+                assert_eq!(field.in_block(block), 0);
+            }
+            assert!(field.is_empty() && !field.is_ready() && field.next(&mesh).is_none());
+        }
     }
 }

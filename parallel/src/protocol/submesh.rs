@@ -231,6 +231,6 @@ pub trait Source<S: Submesh> {
     /// Takes in points of a block that has moved here.
     fn give(&mut self, block: BlockId, points: Vec<S::Point>);
 
-    /// Drops all points: the run is cancelled.
+    /// Drops all points: the run is cancelled. A block that moves away afterwards takes none along.
     fn clear(&mut self);
 }
