@@ -293,11 +293,16 @@ impl Cavity {
 
     /// Forgets the cavity; the mesh is as before [`Cavity::expand`], bit for bit.
     pub(crate) fn set_back(&mut self, topology: &mut Topology) {
+        self.unmark(topology);
+        self.tets.clear();
+        self.walls.clear();
+    }
+
+    /// The same, but what [`Cavity::expand`] found can still be read.
+    pub(crate) fn unmark(&mut self, topology: &mut Topology) {
         for &t in self.tets.iter() {
             topology.unmark(t);
         }
-        self.tets.clear();
-        self.walls.clear();
     }
 
     /// Replaces the cavity by the star of the point; returns one of its tetrahedra.

@@ -59,6 +59,17 @@ pub enum Stop {
     Empty,
 }
 
+/// Which new tetrahedra of a local insertion would be the part's own.
+#[derive(Clone, Copy, Debug)]
+pub enum Owns<F> {
+    /// All: none is looked at.
+    All,
+    /// None: the point is not inserted, but what is closed is met.
+    None,
+    /// Those of home vertices alone, and otherwise those of whose vertices this is true.
+    By(F),
+}
+
 /// What became of a local insertion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Local {
@@ -109,6 +120,9 @@ pub struct Part<H, L> {
     topology: Topology,
     geometry: Geometry,
     cavity: Cavity,
+    /// Seed and point of the cavity in `cavity`, if that was blocked and is, with its walls, what
+    /// would be found now: whatever links, makes, removes, closes or opens a tetrahedron ends that.
+    blocked: Option<(TetId, Point)>,
     /// Tetrahedra that are closed, or that the caller must hear of when an insertion removes them.
     specials: Specials<H, L>,
     home: Range<VertexId>,
@@ -138,6 +152,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
             topology: Topology::default(),
             geometry: Geometry::part(low, high, wide, step, vertices),
             cavity: Cavity::for_vertices(vertices + 1),
+            blocked: None,
             specials: Specials::new(),
             home: 0..0,
             others: true,
@@ -328,15 +343,15 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     }
 
     /// Inserts `p` as vertex `v` if nothing is in the way: no proxy, no closed tetrahedron, and
-    /// every new tetrahedron is the part's own, which `owns` decides where a vertex is not of the
-    /// home range. `seed` must be open and in conflict with `p`.
+    /// every new tetrahedron is the part's own. `seed` must be open and in conflict with `p`.
     pub fn insert(
         &mut self,
         v: VertexId,
         p: &Point,
         seed: TetId,
-        owns: impl Fn([VertexId; 4]) -> bool,
+        owns: Owns<impl Fn([VertexId; 4]) -> bool>,
     ) -> Local {
+        self.blocked = None;
         let Self { topology, geometry, cavity, specials, home, others, .. } = self;
         let mut conflict = PartConflict {
             specials,
@@ -359,16 +374,23 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         // Below 2^31, so that a sign tells a number before the range or after it.
         let (first, last) = (home.start, home.end.wrapping_sub(1));
         let strange = |w: VertexId| w.wrapping_sub(first) | last.wrapping_sub(w);
-        let border = *others && {
+        let border = || {
             let signs = cavity.tets().fold([strange(v); 4], |signs, t| {
                 let w = topology.tet(t).vertices();
                 [0, 1, 2, 3].map(|k| signs[k] | strange(w[k]))
             });
             signs.into_iter().any(|sign| sign >> 31 == 1)
         };
-        let owned = || cavity.faces().all(|[a, b, c]| owns([v, a, b, c]));
-        if blocked || border && !owned() {
-            cavity.set_back(topology);
+        let owned = || match owns {
+            Owns::All => true,
+            Owns::None => false,
+            Owns::By(owns) => {
+                !*others || !border() || cavity.faces().all(|[a, b, c]| owns([v, a, b, c]))
+            }
+        };
+        if blocked || !owned() {
+            cavity.unmark(topology);
+            self.blocked = Some((seed, *p));
             return Local::Blocked;
         }
         self.gone.clear();
@@ -437,6 +459,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
 
     /// Closes `t`, which is open, as a tetrahedron of the holder's cavity (`inside`) or not.
     pub fn close(&mut self, t: TetId, holder: H, inside: bool) {
+        self.blocked = None;
         let mut sphere = self.geometry.sphere(t);
         self.specials.entry(t, &mut sphere).closed = Some((holder, inside));
         self.geometry.set_sphere(t, sphere);
@@ -454,6 +477,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
 
     /// Opens `t`; nothing happens if it is open.
     pub fn open(&mut self, t: TetId) {
+        self.blocked = None;
         let mut sphere = self.geometry.sphere(t);
         self.specials.open(&mut sphere);
         self.geometry.set_sphere(t, sphere);
@@ -475,6 +499,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     /// Makes a tetrahedron, whose neighbours are still to be linked and whose sphere is still to be
     /// cached. `None` at the limit of tetrahedra.
     pub fn create(&mut self, v: [VertexId; 4]) -> Option<TetId> {
+        self.blocked = None;
         self.topology.reserve(1).ok()?;
         let t = self.topology.take();
         self.topology.write(t, v);
@@ -497,6 +522,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     /// Makes two faces of tetrahedra of this part each other's neighbour. A proxy that stood at
     /// either is gone.
     pub fn link(&mut self, a: FaceId, b: FaceId) {
+        self.blocked = None;
         self.forget_proxy(a);
         self.forget_proxy(b);
         self.topology.link(a, b);
@@ -505,23 +531,19 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     /// Puts a proxy that carries `load` at `face`, or gives the one there a new load. `None` at
     /// the limit of tetrahedra.
     pub fn link_far(&mut self, face: FaceId, load: [u32; 4]) -> Option<()> {
+        self.blocked = None;
         let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
-        let proxy = if self.is_proxy_of(there, face) {
-            there
-        } else {
-            self.topology.reserve(1).ok()?;
-            let t = self.topology.take();
-            self.geometry.reserve_spheres(self.topology.slots());
-            t
-        };
-        self.topology.put_proxy(proxy, face, load);
-        self.geometry.set_sphere(proxy, Sphere::UNKNOWN);
+        if !self.is_proxy_of(there, face) {
+            return self.put_far(face, load);
+        }
+        self.topology.put_proxy(there, face, load);
         Some(())
     }
 
     /// Removes tetrahedron `t`, which is open, and the proxies at its faces. What links to it is
     /// still to be linked anew.
     pub fn remove(&mut self, t: TetId) {
+        self.blocked = None;
         debug_assert!(!self.is_closed(t));
         self.unwatch(t);
         for slot in 0..4 {

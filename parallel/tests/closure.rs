@@ -96,7 +96,7 @@ impl World {
 
 #[test]
 fn the_vertex_closure_is_all_that_touches_the_cavity() {
-    for ownership in [Ownership::Block, Ownership::Creator] {
+    for ownership in Ownership::ALL {
         let vertex = World::new(Closure::Vertex, ownership).run(200);
         let face = World::new(Closure::Face, ownership).run(200);
         println!("{ownership:?}: {} locked by an operation, {} by faces", vertex / 200, face / 200);
@@ -105,8 +105,9 @@ fn the_vertex_closure_is_all_that_touches_the_cavity() {
 }
 
 #[test]
-fn what_a_creator_owns_is_not_given_away() {
-    for (ownership, moves) in [(Ownership::Block, 1), (Ownership::Creator, 0)] {
+fn what_is_not_owned_by_blocks_is_not_given_away() {
+    for ownership in Ownership::ALL {
+        let moves = usize::from(ownership == Ownership::Block);
         let mut world = World::new(Closure::Face, ownership);
         let directory = world.workers[0].directory();
         let block = (0..directory.blocks()).find(|&b| directory.is_mine(b)).expect("a block");

@@ -156,17 +156,17 @@ fn a_seed_reproduces_a_run() {
 #[test]
 fn the_papers_variants_get_the_same_mesh() {
     let (mut setbacks, mut moves) = ([0; 2], 0);
-    for seed in 0..24 {
+    for seed in 0..36 {
         let kinds = [PointKind::Uniform, PointKind::Grid, PointKind::Cospherical];
         let points = generate(kinds[seed as usize % 3], 600, seed);
         let set = PointSet::new(points).expect("finite points");
-        let ownership = if seed / 3 % 2 == 0 { Ownership::Block } else { Ownership::Creator };
+        let ownership = Ownership::ALL[seed as usize / 3 % 3];
         let rule = [Rule::WoundWait, Rule::WaitDie, Rule::Paper][seed as usize / 6 % 3];
         let workers = [2, 5, 9][seed as usize / 2 % 3];
         let plan = Plan { ownership, blocks_per_worker: 4, sample: 60, ..Plan::new(600, workers) };
         let options = match ownership {
             Ownership::Block => Options { storm: Some(Storm { every: 20_000 }), ..options(seed) },
-            Ownership::Creator => Options { balance: None, ..options(seed) },
+            Ownership::Newest | Ownership::Creator => Options { balance: None, ..options(seed) },
         };
         for (closure, sum) in [Closure::Face, Closure::Vertex].into_iter().zip(&mut setbacks) {
             let config = Config { rule, closure, ..Config::new(workers) };
@@ -180,10 +180,12 @@ fn the_papers_variants_get_the_same_mesh() {
 }
 
 #[test]
-fn what_a_creator_owns_does_not_move() {
+fn what_is_not_owned_by_blocks_does_not_move() {
     let set = PointSet::new(generate(PointKind::Uniform, 200, 1)).expect("finite points");
-    let plan = Plan { ownership: Ownership::Creator, ..Plan::new(200, 2) };
-    let error = simulate_mesh(&set, &plan, Config::new(2), &options(1)).expect_err("balanced");
-    assert!(matches!(error, MeshError::Simulation(SimulationError::Options(_))), "{error}");
-    assert!(error.to_string().contains("creator"), "{error}");
+    for ownership in [Ownership::Newest, Ownership::Creator] {
+        let plan = Plan { ownership, ..Plan::new(200, 2) };
+        let error = simulate_mesh(&set, &plan, Config::new(2), &options(1)).expect_err("balanced");
+        assert!(matches!(error, MeshError::Simulation(SimulationError::Options(_))), "{error}");
+        assert!(error.to_string().contains("creator"), "{error}");
+    }
 }

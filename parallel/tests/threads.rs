@@ -50,18 +50,19 @@ fn rules_and_latency_change_nothing() {
 }
 
 #[test]
-fn the_papers_closure_and_ownership_change_nothing() {
+fn closures_and_ownerships_change_nothing() {
     let set = set(PointKind::Uniform, 1500, 3);
     let expected = Builder::new().build(&set).expect("a mesh").mesh.hash().expect("a hash");
-    for workers in [2, 5] {
-        for ownership in [Ownership::Block, Ownership::Creator] {
+    for (workers, closure) in [2, 5].into_iter().flat_map(|w| Closure::ALL.map(|c| (w, c))) {
+        for ownership in Ownership::ALL {
             let plan = Plan { ownership, ..Plan::new(set.len(), workers) };
-            let kernel = Parallel::new(workers).closure(Closure::Vertex).plan(plan);
+            let kernel = Parallel::new(workers).closure(closure).plan(plan);
             let run = kernel.build(&set).expect("a mesh");
-            assert_eq!(run.mesh.hash().expect("a hash"), expected, "{ownership:?} on {workers}");
+            let hash = run.mesh.hash().expect("a hash");
+            assert_eq!(hash, expected, "{ownership:?}, {closure} on {workers}");
             let refused = kernel.balance(Balance::default()).build(&set).map(drop);
             let is_refused = matches!(refused, Err(RunError::Settings(_)));
-            assert_eq!(is_refused, ownership == Ownership::Creator, "{refused:?}");
+            assert_eq!(is_refused, ownership != Ownership::Block, "{refused:?}");
         }
     }
 }

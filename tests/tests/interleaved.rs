@@ -8,9 +8,13 @@ use ltbw::protocol::{Closure, Rule};
 use ltbw::{Point, PointSet};
 use ltbw_tests::interleave::{Case, Chooser, Figures, Tempo};
 
-/// Plays `points`; returns setbacks and operations committed.
+/// Plays `points` with ownership by the newest vertex, and by blocks, which move; returns setbacks and
+/// operations committed of the latter.
 fn run(points: Vec<Point>, plan: Plan, rule: Rule, moves: u32, seed: u64) -> (usize, usize) {
-    run_as(points, plan, (rule, Closure::Face), moves, seed)
+    let choice = (rule, Closure::Face);
+    let newest = Plan { ownership: Ownership::Newest, ..plan };
+    run_as(points.clone(), newest, choice, 0, seed);
+    run_as(points, plan, choice, moves, seed)
 }
 
 /// [`run`] with a closure.
@@ -110,6 +114,22 @@ fn the_papers_closure_and_ownership_give_the_mesh() {
 }
 
 #[test]
+fn stars_of_the_newest_vertex_give_the_mesh() {
+    let mut setbacks = 0;
+    for seed in 0..40 {
+        let rule = [Rule::WoundWait, Rule::WaitDie, Rule::Paper][seed as usize % 3];
+        let kind =
+            [PointKind::Uniform, PointKind::Grid, PointKind::Clusters][seed as usize / 3 % 3];
+        for workers in [2, 3, 8] {
+            let plan = Plan { ownership: Ownership::Newest, ..plan(workers, 20) };
+            let choice = (rule, Closure::ALL[seed as usize / 9 % 2]);
+            setbacks += run_as(generate(kind, 250, seed), plan, choice, 0, seed).0;
+        }
+    }
+    assert!(setbacks > 100, "hardly ever set back: {setbacks}");
+}
+
+#[test]
 fn small_sets_empty_workers_and_one_block() {
     for seed in 0..40 {
         for count in [4, 5, 6, 8, 10, 20] {
@@ -144,22 +164,24 @@ fn degenerate_and_wide_sets() {
 #[test]
 fn a_cancelled_worker_takes_in_no_points() {
     let (mut moved, mut inserted) = (0, 0);
-    for seed in 0..80 {
+    for (seed, ownership) in (0..80).flat_map(|seed| Ownership::ALL.map(|o| (seed, o))) {
         // Also before a worker has given its first point.
         let cancel = Some(10 * seed as usize);
         let case = Case {
-            plan: plan(4, 20),
+            plan: Plan { ownership, ..plan(4, 20) },
             rule: Rule::WoundWait,
             closure: Closure::Face,
             tempo: Tempo::ALL[seed as usize % 4],
             slow: None,
-            moves: 400,
+            moves: if ownership == Ownership::Block { 400 } else { 0 },
             cancel,
             bytes: false,
         };
         let figures = play(generate(PointKind::Uniform, 300, seed), case, seed);
         moved += figures.moved;
-        inserted += figures.committed;
+        if ownership == Ownership::Block {
+            inserted += figures.committed;
+        }
     }
     assert!(moved > 100 && inserted > 100, "too tame: {moved} moves, {inserted} operations");
 }

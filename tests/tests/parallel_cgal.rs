@@ -20,7 +20,11 @@ use ltbw_tests::interleave::{Case, Chooser, Figures, Tempo};
 fn case(random: &mut Random) -> Case {
     let mut below = |n: u64| random.below(n) as usize;
     let workers = 2 + below(7);
-    let creator = below(5) == 0;
+    let ownership = match below(5) {
+        0 => Ownership::Creator,
+        1 | 2 => Ownership::Newest,
+        _ => Ownership::Block,
+    };
     Case {
         plan: Plan {
             workers: workers as u32,
@@ -28,15 +32,15 @@ fn case(random: &mut Random) -> Case {
             cursors: 1 + below(4),
             abreast: below(8),
             sample: 4 + below(8),
-            ownership: if creator { Ownership::Creator } else { Ownership::Block },
+            ownership,
             ..Plan::new(0, 1)
         },
         closure: if below(4) == 0 { Closure::Vertex } else { Closure::Face },
         rule: [Rule::WoundWait, Rule::WoundWait, Rule::WaitDie, Rule::Paper][below(4)],
         tempo: Tempo::ALL[below(4)],
         slow: (below(4) == 0).then(|| below(workers as u64)),
-        // What a creator owns does not move.
-        moves: if creator { 0 } else { [0, 10, 40][below(3)] },
+        // What is not owned by blocks does not move.
+        moves: if ownership == Ownership::Block { [0, 10, 40][below(3)] } else { 0 },
         cancel: None,
         bytes: false,
     }

@@ -2,7 +2,7 @@
 
 use super::{Part, PartConflict};
 use crate::Point;
-use crate::cavity::Open;
+use crate::cavity::{Cavity, Open};
 use crate::topology::{FaceId, TetId, VertexId, tet_of};
 
 /// What [`Part::close_all`] has closed, and where it ended.
@@ -26,27 +26,19 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         closed.held.clear();
         closed.walls.clear();
         closed.inside = 0;
-        if !self.in_conflict(seed, p) {
+        // Most often the point could not be inserted a moment ago: its cavity is still there.
+        let found = self.blocked.take() == Some((seed, *p));
+        if !found && !self.in_conflict(seed, p) {
             self.close(seed, holder, false);
             closed.held.push(seed);
             return true;
         }
+        if found {
+            self.check_found(seed, p, holder);
+        } else if !self.find_open(seed, p, holder) {
+            return false;
+        }
         let Self { topology, geometry, cavity, specials, .. } = self;
-        let mut conflict = PartConflict {
-            specials,
-            met: false,
-            blocked: false,
-            closed: None,
-            holder: Some(holder),
-            inner: geometry.conflict_of(p),
-        };
-        if cavity.expand(topology, seed, &mut conflict, &mut Open).is_err() {
-            return false;
-        }
-        if conflict.closed.is_some() {
-            cavity.set_back(topology);
-            return false;
-        }
         // Was `t` closed before as one of the cavity? Then the face is none of its boundary.
         let mut close = |t: TetId, inside: bool| {
             let mut sphere = geometry.sphere(t);
@@ -69,9 +61,40 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
             }
         }
         closed.inside = cavity.tets().count();
-        cavity.set_back(topology);
-        // One was tested above.
-        geometry.stats.insphere_calls += closed.held.len() as u64 - 1;
+        // One was tested above, if it was not found before.
+        geometry.stats.insphere_calls += closed.held.len() as u64 - u64::from(!found);
         true
+    }
+
+    /// In debug builds: is what was found before what would be found now?
+    fn check_found(&mut self, seed: TetId, p: &Point, holder: H) {
+        if cfg!(debug_assertions) {
+            let found = |cavity: &Cavity| {
+                (cavity.tets().collect::<Vec<_>>(), cavity.walls().collect::<Vec<_>>())
+            };
+            let (before, stats) = (found(&self.cavity), self.geometry.stats);
+            assert!(self.find_open(seed, p, holder), "{seed}: nothing was closed");
+            assert!(found(&self.cavity) == before, "{seed}: the cavity is another one now");
+            self.geometry.stats = stats;
+        }
+    }
+
+    /// Finds the cavity of `p` here, from `seed` on, as far as `holder` has not closed it; false if
+    /// some of its closure is closed for somebody else. Nothing is marked afterwards.
+    fn find_open(&mut self, seed: TetId, p: &Point, holder: H) -> bool {
+        let Self { topology, geometry, cavity, specials, .. } = self;
+        let mut conflict = PartConflict {
+            specials,
+            met: false,
+            blocked: false,
+            closed: None,
+            holder: Some(holder),
+            inner: geometry.conflict_of(p),
+        };
+        if cavity.expand(topology, seed, &mut conflict, &mut Open).is_err() {
+            return false;
+        }
+        cavity.unmark(topology);
+        conflict.closed.is_none()
     }
 }

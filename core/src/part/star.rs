@@ -16,6 +16,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         walls: impl ExactSizeIterator<Item = [u32; 3]>,
         tets: &mut Vec<TetId>,
     ) -> Option<()> {
+        self.blocked = None;
         tets.clear();
         self.topology.reserve(walls.len()).ok()?;
         // As in a cavity of the kernel, large stars have no spheres.
@@ -46,22 +47,25 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
 
     /// Says that `beyond` lies beyond `face`, both of new tetrahedra, without the other direction.
     pub fn point_to(&mut self, face: FaceId, beyond: FaceId) {
+        self.blocked = None;
         self.topology.point_to(face, beyond);
     }
 
     /// Links a face of a new tetrahedron with that of an old one. A proxy that stood there is gone.
     pub fn link_new(&mut self, new: FaceId, old: FaceId) {
+        self.blocked = None;
         self.forget_proxy(old);
         self.topology.link(new, old);
     }
 
-    /// Puts a proxy that carries `load` at a face of a new tetrahedron. `None` at the limit of
-    /// tetrahedra.
-    pub fn put_far(&mut self, new: FaceId, load: [u32; 4]) -> Option<()> {
+    /// Puts a proxy that carries `load` at a face, such as a new tetrahedron's, where none stands.
+    /// `None` at the limit of tetrahedra.
+    pub fn put_far(&mut self, face: FaceId, load: [u32; 4]) -> Option<()> {
+        self.blocked = None;
         self.topology.reserve(1).ok()?;
         let proxy = self.topology.take();
         self.geometry.reserve_spheres(self.topology.slots());
-        self.topology.put_proxy(proxy, new, load);
+        self.topology.put_proxy(proxy, face, load);
         self.geometry.set_sphere(proxy, Sphere::UNKNOWN);
         Some(())
     }

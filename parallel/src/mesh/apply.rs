@@ -21,9 +21,11 @@ impl LocalMesh {
         }
         self.set_sites(&patch.sites);
         let mut tets = std::mem::take(&mut self.star);
-        let corners: Vec<VertexId> = patch.sites.iter().map(|site| site.vertex).collect();
+        self.rim.clear();
+        self.rim.extend(patch.sites.iter().map(|site| site.vertex));
         let walls = patch.create.iter().map(|new| [new.v[1], new.v[2], new.v[3]]);
-        if !patch.create.is_empty() && self.part.create_star(&corners, walls, &mut tets).is_none() {
+        if !patch.create.is_empty() && self.part.create_star(&self.rim, walls, &mut tets).is_none()
+        {
             self.full = true;
             return;
         }

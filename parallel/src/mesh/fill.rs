@@ -127,24 +127,21 @@ impl LocalMesh {
             for side in &piece.sides {
                 let v = side.v.map(|k| places[k as usize]);
                 let [a, b, c] = v.map(|k| corners.sites[k as usize].vertex);
-                let (worker, at, slot, ring_block, ring_name) = match side.link {
+                let (worker, at, slot, ring_name) = match side.link {
                     Link::Far(handle) if named.binary_search(&handle.name).is_ok() => continue,
-                    Link::Near { tet, slot, apex, name } => {
-                        let block = (worker, apex);
-                        (worker, At::Tet(tet), slot, Err(block), name)
-                    }
+                    Link::Near { tet, slot, name, .. } => (worker, At::Tet(tet), slot, name),
                     Link::Far(Handle { name, block, face }) => {
                         let worker = whereabouts(name).unwrap_or_else(|| directory.owner(block));
-                        (worker, At::Named(name), face, Ok(block), Some(name))
+                        (worker, At::Named(name), face, Some(name))
                     }
                 };
                 let block = self.block_by(corner_blocks, v, c);
                 let owner = directory.owner(block);
-                // Only who has not got the ring tetrahedron must know its block.
-                let ring_block = match ring_block {
-                    Ok(block) => block,
-                    Err(_) if worker == owner => 0,
-                    Err((worker, apex)) => self.block_at(worker, ghost_last([a, b, c, apex])),
+                let ring_block = match side.link {
+                    Link::Far(handle) => handle.block,
+                    // Only who has not got the ring tetrahedron must know its block.
+                    Link::Near { .. } if worker == owner => 0,
+                    Link::Near { apex, .. } => self.block_at(worker, ghost_last([a, b, c, apex])),
                 };
                 walls.push(Wall {
                     v,
@@ -166,8 +163,8 @@ impl LocalMesh {
 
     /// The block of a new tetrahedron on corners `v`, the last of which is vertex `last`.
     fn block_by(&self, blocks: &[BlockId], v: [u32; 3], last: VertexId) -> BlockId {
-        if let Some(each) = self.creators {
-            return self.me * each;
+        if let Some(fixed) = self.fixed {
+            return fixed.block_of(fixed.owner_of_new(blocks[0], self.me));
         }
         let [a, b, c] = v.map(|k| blocks[k as usize]);
         prevailing([blocks[0], a, b], (last != INFINITE).then_some(c))

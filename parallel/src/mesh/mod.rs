@@ -35,7 +35,7 @@ use crate::protocol::{
     BlockId, Conduct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Submesh, Ticket,
     Walk, WorkerId,
 };
-use ltbw_core::part::{Closed, Local, Part, Setting, Stop};
+use ltbw_core::part::{Closed, Local, Owns, Part, Setting, Stop};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -45,9 +45,8 @@ pub struct LocalMesh {
     /// Tetrahedra that others know are watched, with their names.
     part: Part<Ticket, Name>,
     blocks: Blocks,
-    /// Blocks of every worker, if the creator owns what it creates: all that it has then belongs to
-    /// its first one.
-    creators: Option<BlockId>,
+    /// How tetrahedra are owned, if not by blocks.
+    fixed: Option<Fixed>,
     me: WorkerId,
     names: FxHashMap<Name, TetId>,
     /// Names given so far.
@@ -63,8 +62,30 @@ pub struct LocalMesh {
     reported: (u64, u64, u64),
     scratch: fill::Scratch,
     closed: Closed,
-    /// New tetrahedra of a patch.
+    /// New tetrahedra of a patch, and their vertices.
     star: Vec<TetId>,
+    rim: Vec<VertexId>,
+}
+
+/// Ownership that is no function of a tetrahedron's vertices: all that a worker has belongs to its
+/// first block.
+#[derive(Clone, Copy, Debug)]
+struct Fixed {
+    ownership: Ownership,
+    /// Blocks of every worker.
+    each: BlockId,
+}
+
+impl Fixed {
+    /// The block that all of `worker` belongs to.
+    fn block_of(self, worker: WorkerId) -> BlockId {
+        worker * self.each
+    }
+
+    /// Who owns the star of a point of block `block` that `home` inserts.
+    fn owner_of_new(self, block: BlockId, home: WorkerId) -> WorkerId {
+        if self.ownership == Ownership::Creator { home } else { block / self.each }
+    }
 }
 
 impl LocalMesh {
@@ -73,7 +94,7 @@ impl LocalMesh {
         Self {
             part: Part::new(setting),
             blocks,
-            creators: None,
+            fixed: None,
             me,
             names: FxHashMap::default(),
             named: 0,
@@ -85,6 +106,7 @@ impl LocalMesh {
             scratch: fill::Scratch::default(),
             closed: Closed::default(),
             star: Vec::new(),
+            rim: Vec::new(),
         }
     }
 
@@ -108,10 +130,18 @@ impl LocalMesh {
         self.full
     }
 
-    /// A tetrahedron whose block is not this worker's. There is none but those on their way.
+    /// A tetrahedron that is not this worker's. There is none but those on their way.
+    ///
+    /// By blocks that is one whose block is another's. What belongs to the owner of its newest
+    /// vertex has a vertex of this worker; what its creator owns cannot be told.
     pub fn misplaced(&self, directory: &Directory) -> Option<TetId> {
-        let mut tets = self.part.tets();
-        tets.find(|&(_, v)| !directory.is_mine(self.block_with(v))).map(|(t, _)| t)
+        let block = |v: VertexId| self.blocks.of_vertex(v);
+        let is_mine = |v: [VertexId; 4]| match self.fixed {
+            None => directory.is_mine(self.block_with(v)),
+            Some(Fixed { ownership: Ownership::Creator, .. }) => true,
+            Some(_) => v.iter().any(|&v| v != INFINITE && directory.is_mine(block(v))),
+        };
+        self.part.tets().find(|&(_, v)| !is_mine(v)).map(|(t, _)| t)
     }
 
     fn block_of(&self, t: TetId) -> BlockId {
@@ -125,7 +155,7 @@ impl LocalMesh {
 
     /// The block of a tetrahedron of `worker` with vertices `v`.
     fn block_at(&self, worker: WorkerId, v: [VertexId; 4]) -> BlockId {
-        self.creators.map_or_else(|| self.blocks.of_tet(v), |each| worker * each)
+        self.fixed.map_or_else(|| self.blocks.of_tet(v), |fixed| fixed.block_of(worker))
     }
 
     fn fresh_name(&mut self) -> Name {
@@ -288,8 +318,14 @@ impl Submesh for LocalMesh {
     }
 
     fn insert(&mut self, point: &Site, seed: TetId, directory: &Directory) -> Insert<TetId> {
-        let Self { part, blocks, creators, .. } = self;
-        let owns = |v| creators.is_some() || directory.is_mine(blocks.of_tet(v));
+        let Self { part, blocks, fixed, me, .. } = self;
+        let owns = match fixed {
+            None => Owns::By(|v| directory.is_mine(blocks.of_tet(v))),
+            Some(fixed) => {
+                let owner = fixed.owner_of_new(blocks.of_vertex(point.vertex), *me);
+                if owner == *me { Owns::All } else { Owns::None }
+            }
+        };
         match part.insert(point.vertex, &point.point(), seed, owns) {
             Local::Inserted => {
                 self.forget_gone();
@@ -363,7 +399,18 @@ impl Submesh for LocalMesh {
         holder: Ticket,
         found: &mut Found<'_, Self>,
     ) -> bool {
-        self.lock_closure(seed, point, holder, found)
+        let mut closed = std::mem::take(&mut self.closed);
+        let all = self.part.close_all(seed, &point.point(), holder, &mut closed);
+        if all {
+            found.held.extend_from_slice(&closed.held);
+            let outer = closed.walls.iter().map(|&(_, outer)| tet_of(outer));
+            found.foreign.extend(outer.filter_map(|t| self.part.load(t)).map(handle));
+            if closed.inside > 0 {
+                found.pieces.push(self.describe_closed(&closed));
+            }
+        }
+        self.closed = closed;
+        all
     }
 
     fn pieces(&mut self, tets: &[TetId]) -> Vec<Piece> {
@@ -394,8 +441,8 @@ impl Submesh for LocalMesh {
     fn is_block_locked(&self, block: BlockId) -> bool {
         // A locked neighbour outside the block counts, too. Its home may be about to name it; if
         // moving the block gave it a name as well, it would have two.
-        // What a creator owns does not move at all.
-        self.creators.is_some()
+        // What is not owned by blocks does not move at all.
+        self.fixed.is_some()
             || self.part.closed().any(|t| {
                 let around = self.part.neighbours(t).map(tet_of);
                 let near = around.into_iter().filter(|&u| self.part.is_live(u));

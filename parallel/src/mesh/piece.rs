@@ -1,39 +1,15 @@
 //! The owner's side of an operation: what is in conflict here, locked at once, and described to the
 //! home by its faces.
 
-use super::{Link, LocalMesh, Piece, Side, Site, handle, site};
-use crate::protocol::{Found, Handle, Name, Ticket};
+use super::{Link, LocalMesh, Piece, Side, handle, site};
+use crate::protocol::{Handle, Name, Ticket};
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::part::{Closed, Part};
 use ltbw_core::topology::{FaceId, TetId, slot_of, tet_of};
 
 impl LocalMesh {
-    /// Locks what belongs to the closure of `point` from `seed` on; nothing, and it returns
-    /// `false`, if another operation has locked some of it.
-    pub(super) fn lock_closure(
-        &mut self,
-        seed: TetId,
-        point: &Site,
-        holder: Ticket,
-        found: &mut Found<'_, Self>,
-    ) -> bool {
-        let mut closed = std::mem::take(&mut self.closed);
-        let all = self.part.close_all(seed, &point.point(), holder, &mut closed);
-        if all {
-            found.held.extend_from_slice(&closed.held);
-            let proxies =
-                closed.walls.iter().filter_map(|&(_, outer)| self.part.load(tet_of(outer)));
-            found.foreign.extend(proxies.map(handle));
-            if closed.inside > 0 {
-                found.pieces.push(self.describe_closed(&closed));
-            }
-        }
-        self.closed = closed;
-        all
-    }
-
     /// Describes what was closed at once.
-    fn describe_closed(&mut self, closed: &Closed) -> Piece {
+    pub(super) fn describe_closed(&mut self, closed: &Closed) -> Piece {
         let Self { part, scratch, .. } = self;
         let tets = &closed.held[..closed.inside];
         let corners = &mut scratch.corners;
@@ -110,8 +86,8 @@ mod tests {
     use super::*;
     use crate::PointSet;
     use crate::generate::{PointKind, generate};
-    use crate::mesh::Plan;
-    use crate::protocol::{Neighbour, Source, Submesh, Walk};
+    use crate::mesh::{Plan, Site};
+    use crate::protocol::{Found, Neighbour, Source, Submesh, Walk};
 
     const MINE: Ticket = Ticket { clock: 1, worker: 0, sequence: 1 };
     const OTHER: Ticket = Ticket { clock: 0, worker: 1, sequence: 1 };

@@ -1,12 +1,12 @@
 //! The start of a parallel run: vertices along the curve, a coarse mesh of a sample, its
 //! tetrahedra distributed to their owners.
 
-use super::{Blocks, Field, LocalMesh};
-use crate::protocol::{Directory, Handle, Name, WorkerId};
+use super::{Blocks, Field, Fixed, LocalMesh};
+use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
 use ltbw_core::build::independent;
 use ltbw_core::order::hilbert;
 use ltbw_core::part::Setting;
-use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
+use ltbw_core::topology::{INFINITE, Tet, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{BuildError, Builder, Mesh, Mode, Point, PointSet, PredicateStats};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -20,15 +20,22 @@ pub enum Ownership {
     /// The owner of its block, a function of its vertices: submeshes keep their shape.
     #[default]
     Block,
+    /// The owner of its newest vertex's block: the star of a point is not divided, and what a worker
+    /// inserts at once is its own without a look. Submeshes have rougher borders, and blocks do not
+    /// move: what a worker has cannot be told from the vertices.
+    Newest,
     /// The paper's: who created it, the home of the operation. Submeshes grow into each other, and
     /// blocks do not move. To reproduce the paper's figures.
     Creator,
 }
 
 impl Ownership {
-    /// What to say when blocks are to move although creators own what they create.
-    pub(crate) const STAYS: &str =
-        "blocks cannot move where the creator owns new tetrahedra: no balance, no storm";
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Block, Self::Newest, Self::Creator];
+
+    /// What to say when blocks are to move although they do not tell who owns what.
+    pub(crate) const STAYS: &str = "blocks cannot move where new tetrahedra belong to their creator or \
+                                    to the owner of their newest vertex: no balance, no storm";
 }
 
 /// How a run is laid out.
@@ -91,12 +98,16 @@ impl Plan {
         let mut points: Vec<Point> = Vec::with_capacity(order.len() + 1);
         points.par_extend(order.par_iter().map(|&i| kernel[i as usize]));
         let sample = self.sample_of(&points)?;
-        let coarse = coarse_mesh(&points, &sample)?;
         let blocks = Blocks::even(points.len() as u32, self.workers * self.blocks_per_worker);
         let owners: Vec<WorkerId> =
             (0..blocks.len()).map(|block| block / self.blocks_per_worker).collect();
         let setting = Setting::of(&points, set.mode());
-        let mut workers = self.submeshes(&setting, &blocks, &points);
+        // The one is sequential, the other mostly waits for memory.
+        let (coarse, mut workers) = rayon::join(
+            || coarse_mesh(&points, &sample),
+            || self.submeshes(&setting, &blocks, &points),
+        );
+        let coarse = coarse?;
         distribute(&coarse, &sample, &points, &blocks, &owners, &mut workers);
         let interface = match self.abreast {
             0 => Vec::new(),
@@ -177,8 +188,9 @@ impl Plan {
     fn submeshes(&self, setting: &Setting, blocks: &Blocks, points: &[Point]) -> Vec<LocalMesh> {
         let submesh = |me| {
             let mut mesh = LocalMesh::new(me, setting, blocks.clone());
-            if self.ownership == Ownership::Creator {
-                mesh.creators = Some(self.blocks_per_worker);
+            if self.ownership != Ownership::Block {
+                mesh.fixed =
+                    Some(Fixed { ownership: self.ownership, each: self.blocks_per_worker });
             }
             let range = self.range(me, blocks);
             if self.roomy {
@@ -240,45 +252,63 @@ fn distribute(
     owners: &[WorkerId],
     workers: &mut [LocalMesh],
 ) {
-    let vertex = |v: VertexId| coarse.number(v).map_or(INFINITE, |k| 1 + sample[k as usize]);
     let topology = coarse.topology();
+    let vertex = |v: VertexId| coarse.number(v).map_or(INFINITE, |k| 1 + sample[k as usize]);
+    let corners = |t: TetId| topology.get(t).map(|tet| tet.vertices().map(vertex));
+    let tets: Vec<TetId> = topology.iter().map(|(t, _)| t).collect();
     // By coarse tetrahedron: its block, its owner and its handle there.
-    let mut place: Vec<(u32, WorkerId, TetId)> = vec![(0, 0, 0); topology.slots()];
-    for (t, tet) in topology.iter() {
-        let v = tet.vertices().map(vertex);
-        let block = blocks.of_tet(v);
+    let mut place: Vec<(BlockId, WorkerId, TetId)> = vec![(0, 0, 0); topology.slots()];
+    let block_of = |&t: &TetId| corners(t).map_or(0, |v| blocks.of_tet(v));
+    let block_of_each: Vec<BlockId> = tets.par_iter().map(block_of).collect();
+    let mut theirs: Vec<Vec<TetId>> = vec![Vec::new(); workers.len()];
+    for (&t, block) in tets.iter().zip(block_of_each) {
         let owner = owners[block as usize];
-        let mesh = &mut workers[owner as usize];
-        for &w in v.iter().filter(|&&w| w != INFINITE) {
-            mesh.part.set_point(w, points[w as usize - 1]);
-        }
-        match mesh.part.create(v) {
-            Some(local) => place[t as usize] = (block, owner, local),
-            None => mesh.full = true,
-        }
+        place[t as usize] = (block, owner, 0);
+        theirs[owner as usize].push(t);
     }
-    for (t, tet) in topology.iter() {
-        let (block, owner, local) = place[t as usize];
-        let mesh = &mut workers[owner as usize];
-        for (slot, face) in (0..).zip(tet.neighbours()) {
-            let (u, there) = (tet_of(face), slot_of(face) as u32);
-            let (other_block, other_owner, other_local) = place[u as usize];
-            if other_owner == owner {
-                mesh.part.link(4 * local + slot, 4 * other_local + there);
-                continue;
+    let create = |(mesh, tets): (&mut LocalMesh, &Vec<TetId>)| {
+        let mut made = Vec::with_capacity(tets.len());
+        for v in tets.iter().filter_map(|&t| corners(t)) {
+            for &w in v.iter().filter(|&&w| w != INFINITE) {
+                mesh.part.set_point(w, points[w as usize - 1]);
             }
-            let name = Name { by: COARSE, number: u };
-            let far = Handle { name, block: other_block, face: there as u8 };
-            mesh.full |= mesh.part.link_far(4 * local + slot, super::load(far)).is_none();
-            mesh.set_name(local, Name { by: COARSE, number: t });
+            let local = mesh.part.create(v);
+            mesh.full |= local.is_none();
+            made.push(local.unwrap_or_default());
         }
-        debug_assert!(mesh.creators.is_some() || block == mesh.block_of(local));
+        made
+    };
+    let made: Vec<Vec<TetId>> = workers.par_iter_mut().zip(&theirs).map(create).collect();
+    for (&t, local) in theirs.iter().flatten().zip(made.into_iter().flatten()) {
+        place[t as usize].2 = local;
     }
-    for (mesh, me) in workers.iter_mut().zip(0..) {
-        let own = |block: u32| owners[block as usize] == me;
+    workers.par_iter_mut().zip(&theirs).for_each(|(mesh, tets)| {
+        for &t in tets {
+            link(mesh, coarse, t, &place);
+        }
+        let own = |block: BlockId| owners[block as usize] == mesh.me;
         let ranges = || (0..blocks.len()).filter(|&b| own(b)).map(|b| blocks.vertices(b));
         let first = ranges().map(|r| r.start).min().unwrap_or(0);
         let last = ranges().map(|r| r.end).max().unwrap_or(0);
         mesh.part.set_home(first..last);
+    });
+}
+
+/// Links the faces of coarse tetrahedron `t`, which `mesh` has got.
+fn link(mesh: &mut LocalMesh, coarse: &Mesh, t: TetId, place: &[(BlockId, WorkerId, TetId)]) {
+    let (block, owner, local) = place[t as usize];
+    debug_assert!(mesh.fixed.is_some() || block == mesh.block_of(local));
+    let faces = coarse.topology().get(t).map(Tet::neighbours).unwrap_or_default();
+    for (slot, face) in (0..).zip(faces) {
+        let (u, there) = (tet_of(face), slot_of(face) as u32);
+        let (other_block, other_owner, other_local) = place[u as usize];
+        if other_owner == owner {
+            mesh.part.link(4 * local + slot, 4 * other_local + there);
+            continue;
+        }
+        let name = Name { by: COARSE, number: u };
+        let far = Handle { name, block: other_block, face: there as u8 };
+        mesh.full |= mesh.part.link_far(4 * local + slot, super::load(far)).is_none();
+        mesh.set_name(local, Name { by: COARSE, number: t });
     }
 }

@@ -43,6 +43,18 @@ pub(super) enum Phase {
 }
 
 impl<S: Submesh> Op<S> {
+    /// A new operation in the memory of one that has ended.
+    fn renew(mut self: Box<Self>, point: S::Point, attempt: Attempt, phase: Phase) -> Box<Self> {
+        let Self { asked, whereabouts, parts, around, parked, .. } = &mut *self;
+        asked.clear();
+        whereabouts.clear();
+        parts.clear();
+        around.clear();
+        parked.clear();
+        (self.point, self.attempt, self.phase) = (point, attempt, phase);
+        self
+    }
+
     fn new(point: S::Point, attempt: Attempt, phase: Phase) -> Box<Self> {
         Box::new(Self {
             point,
@@ -192,7 +204,11 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     ) {
         let me = self.id();
         out.push(Action::Note(Note::Began(ticket)));
-        let mut op = Op::new(point.clone(), attempt, Phase::Expanding);
+        let phase = Phase::Expanding;
+        let mut op = match self.spare.ops.pop() {
+            Some(ended) => ended.renew(point.clone(), attempt, phase),
+            None => Op::new(point.clone(), attempt, phase),
+        };
         op.asked.insert_new(me, || 1);
         self.ops.insert(ticket, op);
         self.request(me, ticket, attempt, point, ([Want::Tet(seed)], Vec::new()), out);
@@ -278,16 +294,15 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
 
     /// The whole closure is locked: the commit point.
     fn fill(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
-        let Some(op) = self.ops.remove(&ticket) else { return };
+        let Some(mut op) = self.ops.remove(&ticket) else { return };
         if !C::IGNORES_LATE_WOUND {
             self.late.insert(ticket, op.copy());
         }
-        let Op { point, attempt, asked, whereabouts, parts, .. } = *op;
-        let parts = parts.into_entries();
+        let Op { point, attempt, asked, whereabouts, parts, .. } = &*op;
         let find = |name: Name| whereabouts.get(name).copied();
-        let mut patches = self.mesh.fill(&point, &parts, &find, &self.directory);
-        let note = Note::Committed { ticket, setbacks: attempt, parts: asked.len() as u32 };
-        out.push(Action::Note(note));
+        let mut patches = self.mesh.fill(point, parts.entries(), &find, &self.directory);
+        let (setbacks, parts) = (*attempt, asked.len() as u32);
+        out.push(Action::Note(Note::Committed { ticket, setbacks, parts }));
         for to in asked.keys() {
             let patch = patches.iter().position(|&(worker, _)| worker == to);
             let patch = patch.map(|place| patches.swap_remove(place).1);
@@ -297,6 +312,8 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         for (to, patch) in patches {
             self.send(to, Message::Commit { ticket, patch: Some(patch) }, out);
         }
+        op.parts.clear();
+        self.spare.put_op(op);
     }
 
     /// An older operation waits for a lock of this one.

@@ -3,10 +3,11 @@
 
 use super::conduct::Conduct;
 use super::directory::{BlockId, WorkerId};
+use super::home::Op;
 use super::rule::Verdict;
 use super::submesh::{Found, Neighbour, Source, Submesh};
 use super::worker::{Action, Note, Worker};
-use super::{Attempt, Handle, Message, Rule, Ticket};
+use super::{Attempt, Handle, Message, Name, Rule, Ticket};
 use std::hash::{Hash, Hasher};
 
 /// A tetrahedron to lock and test.
@@ -127,7 +128,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         (wants, around): (impl IntoIterator<Item = Want<S::Tet>>, Vec<u32>),
         out: &mut Vec<Action<S>>,
     ) {
-        let spare = &mut self.spare.0;
+        let spare = &mut self.spare.requests;
         let request = self.requests.entry(ticket).or_insert_with(|| match spare.pop() {
             Some(ended) => ended.renew(home, attempt, point),
             None => Request::new(home, attempt, point),
@@ -312,9 +313,13 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             None => Vec::new(),
         };
         if let Some(patch) = patch {
-            let (mut made, mut strays) = (Vec::new(), Vec::new());
-            self.mesh.apply::<C>(patch, &self.directory, &mut made, &mut strays);
-            woken.extend(made.into_iter().filter_map(|name| self.absent.remove(&name)).flatten());
+            let (made, mut strays) = (&mut self.spare.made, Vec::new());
+            made.clear();
+            self.mesh.apply::<C>(patch, &self.directory, made, &mut strays);
+            if !self.absent.is_empty() {
+                let awaited = made.iter().filter_map(|name| self.absent.remove(name));
+                woken.extend(awaited.flatten());
+            }
             strays.sort_unstable();
             strays.dedup();
             for block in strays {
@@ -381,22 +386,33 @@ fn want<T>(neighbour: Neighbour<T>, wants: &mut Vec<Want<T>>, foreign: &mut Vec<
     }
 }
 
-/// Requests that have ended, for their memory. No part of a worker's state: two workers that differ
-/// only in it are the same.
+/// What has ended, for its memory. No part of a worker's state: two workers that differ only in it
+/// are the same.
 #[derive(Debug)]
-pub(super) struct Spare<S: Submesh>(Vec<Box<Request<S>>>);
+pub(super) struct Spare<S: Submesh> {
+    requests: Vec<Box<Request<S>>>,
+    pub(super) ops: Vec<Box<Op<S>>>,
+    /// Names of tetrahedra that a patch has made.
+    made: Vec<Name>,
+}
 
 impl<S: Submesh> Spare<S> {
     /// As many as are kept.
     const MOST: usize = 64;
 
     pub(super) fn new() -> Self {
-        Self(Vec::new())
+        Self { requests: Vec::new(), ops: Vec::new(), made: Vec::new() }
     }
 
     fn put(&mut self, request: Box<Request<S>>) {
-        if self.0.len() < Self::MOST {
-            self.0.push(request);
+        if self.requests.len() < Self::MOST {
+            self.requests.push(request);
+        }
+    }
+
+    pub(super) fn put_op(&mut self, op: Box<Op<S>>) {
+        if self.ops.len() < Self::MOST {
+            self.ops.push(op);
         }
     }
 }

@@ -112,8 +112,7 @@ pub fn simulate_as<C: Conduct>(
     config: Config,
     options: &Options,
 ) -> Result<Meshed, MeshError> {
-    if plan.ownership == Ownership::Creator
-        && (options.storm.is_some() || options.balance.is_some())
+    if plan.ownership != Ownership::Block && (options.storm.is_some() || options.balance.is_some())
     {
         return Err(SimulationError::Options(Ownership::STAYS.to_owned()).into());
     }

@@ -138,6 +138,9 @@ pub struct Parallel<'a> {
 
 impl<'a> Parallel<'a> {
     /// A run on `workers` threads, at least one.
+    ///
+    /// Without [`Parallel::plan`] the layout is [`Plan::new`], with [`Ownership::Newest`] unless
+    /// [`Parallel::balance`] lets blocks move.
     pub fn new(workers: u32) -> Self {
         let workers = workers.max(1);
         // Between threads a message takes microseconds: few operations hide that, and few are in
@@ -181,7 +184,8 @@ impl<'a> Parallel<'a> {
         self
     }
 
-    /// Sets the layout; its number of workers is replaced by that of the run.
+    /// Sets the layout; its number of workers is replaced by that of the run. [`Plan::new`] owns by
+    /// blocks, which is slower and needed only if they are to move.
     pub fn plan(mut self, plan: Plan) -> Self {
         self.plan = Some(Plan { workers: self.workers, ..plan });
         self
@@ -221,8 +225,8 @@ impl<'a> Parallel<'a> {
     /// [`RunError`] says why there is no mesh.
     pub fn build_distributed(&self, set: &PointSet) -> Result<Distributed, RunError> {
         let clock = Instant::now();
-        let plan = self.plan.unwrap_or_else(|| Plan::new(set.len(), self.workers));
-        if plan.ownership == Ownership::Creator && self.balance.is_some() {
+        let plan = self.plan.unwrap_or_else(|| self.default_plan(set.len()));
+        if plan.ownership != Ownership::Block && self.balance.is_some() {
             return Err(RunError::Settings(Ownership::STAYS.to_owned()));
         }
         let Prepared { workers, common } = Plan { roomy: true, ..plan }.prepare(set)?;
@@ -255,6 +259,15 @@ impl<'a> Parallel<'a> {
         let outcome = if cancelled { Outcome::Cancelled } else { Outcome::Complete };
         let seconds = [start_seconds, insert_seconds];
         Ok(Distributed { meshes, common, outcome, seconds, workers: stats, summary, trace })
+    }
+
+    /// Where no block moves a point's star need not be divided.
+    fn default_plan(&self, points: usize) -> Plan {
+        let ownership = match self.balance {
+            Some(_) => Ownership::Block,
+            None => Ownership::Newest,
+        };
+        Plan { ownership, ..Plan::new(points, self.workers) }
     }
 
     fn watch(&self, id: WorkerId, start: Instant) -> ThreadWatch<'a> {

@@ -37,7 +37,8 @@ fn read(bytes: &[u8]) -> (Vec<Point>, Case, Chooser<'_>) {
         2 => (Closure::Vertex, Ownership::Block),
         _ => (Closure::Vertex, Ownership::Creator),
     };
-    // What a creator owns does not move.
+    let ownership = if mix & 24 == 24 { Ownership::Newest } else { ownership };
+    // What is not owned by blocks does not move.
     let moves = if ownership == Ownership::Block { u32::from(moves) % 64 } else { 0 };
     let case = Case {
         plan: Plan {
