@@ -7,8 +7,10 @@
 //! loss. Runs are interleaved in rounds, in which each comes first in its turn, and medians of the
 //! rounds' ratios are reported. Beside them stands what the machine gives to two sequential builds
 //! at once, which have nothing to do with each other: their speed together, where one alone has 1. It
-//! is below 2 where processors share caches, memory, or more. `cargo xtask bench threads` builds this
-//! with the release profile.
+//! is below 2 where processors share caches, memory, or more. On a virtual machine the last column has
+//! the part of the busy processors' time that the host took away meanwhile: with more than a few
+//! percent of it, a thread waits for one that does not run, and figures tell of the host.
+//! `cargo xtask bench threads` builds this with the release profile.
 
 use ltbw::generate::{PointKind, generate};
 use ltbw::threads::{Parallel, WorkerStats};
@@ -61,9 +63,9 @@ fn main() -> ExitCode {
 fn run(count: usize, rounds: usize) -> Result<(), Failure> {
     println!(
         "| set | points | sequential, s | speed of 1 thread (aim {ALONE}) | of {THREADS} | aim | \
-         two at once | time / CGAL's on {THREADS} (aim {CGAL}) | interface | set back |"
+         two at once | time / CGAL's on {THREADS} (aim {CGAL}) | interface | set back | stolen |"
     );
-    println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
+    println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
     let mut met = true;
     for (name, kind, aim) in KINDS {
         met &= measure(name, kind, count, rounds.max(1), aim)?;
@@ -115,6 +117,18 @@ impl Once {
     }
 }
 
+/// Time of all processors so far, in ticks: when they were busy or wanted to be, and what of it the
+/// host of a virtual machine took (`/proc/stat`, proc(5)). `None` where there is no such file.
+fn busy_and_stolen() -> Option<(u64, u64)> {
+    let text = std::fs::read_to_string("/proc/stat").ok()?;
+    let words = text.lines().next()?.split_whitespace().skip(1);
+    let ticks: Vec<u64> = words.map_while(|word| word.parse().ok()).collect();
+    let [user, nice, system, _idle, _iowait, irq, softirq, stolen, ..] = ticks[..] else {
+        return None;
+    };
+    Some((user + nice + system + irq + softirq + stolen, stolen))
+}
+
 /// One row of the table; true if its aims are met.
 fn measure(
     name: &str,
@@ -129,6 +143,7 @@ fn measure(
         (vec![], vec![], vec![], vec![], vec![]);
     let build = |threads| Once::start(kind, count, threads)?.finish();
     let mut figures = (0, 0);
+    let before = busy_and_stolen();
     for round in 0..rounds {
         let mut seconds = [0.0; 5];
         for turn in 0..5 {
@@ -163,17 +178,22 @@ fn measure(
             theirs.push(two / other);
         }
     }
+    let stolen = before.zip(busy_and_stolen()).map(|((busy, stolen), (busy_now, stolen_now))| {
+        100.0 * stolen_now.saturating_sub(stolen) as f64
+            / busy_now.saturating_sub(busy).max(1) as f64
+    });
     let share = |count: u64| 100.0 * count as f64 / set.len() as f64;
     let (alone, both) = (median(&mut alone), median(&mut both));
     let theirs = if theirs.is_empty() { None } else { Some(median(&mut theirs)) };
     println!(
-        "| {name} | {} | {:.3} | {alone:.2} | {both:.2} | {aim} | {:.2} | {} | {:.2} % | {:.3} % |",
+        "| {name} | {} | {:.3} | {alone:.2} | {both:.2} | {aim} | {:.2} | {} | {:.2} % | {:.3} % | {} |",
         set.len(),
         median(&mut base),
         median(&mut twice),
         theirs.map_or("no TBB".to_string(), |ratio| format!("{ratio:.2}")),
         share(figures.0),
         share(figures.1),
+        stolen.map_or("unknown".to_string(), |percent| format!("{percent:.0} %")),
     );
     Ok(alone >= ALONE && both >= aim && theirs.is_none_or(|ratio| ratio <= CGAL))
 }
