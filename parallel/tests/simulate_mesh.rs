@@ -7,7 +7,7 @@ use ltbw::simulate::{
     Bursts, Distribution, MeshError, Meshed, Network, Options, SimulationError, Storm,
     simulate_mesh,
 };
-use ltbw::{Builder, PointSet};
+use ltbw::{Builder, PointSet, invariants};
 
 fn options(seed: u64) -> Options {
     Options { seed, max_events: 50_000_000, ..Options::default() }
@@ -131,6 +131,31 @@ fn a_tetrahedron_is_known_by_any_of_its_names() {
     let storm = Some(Storm { every: 100_050_000 });
     let plan = Plan { blocks_per_worker: 4, ..Plan::new(1650, 16) };
     run(&set, plan, Rule::WoundWait, &Options { network, storm, ..options(9) });
+}
+
+/// Blocks go on moving in a cancelled run, and take no points along: each processor forgets its own,
+/// be it before its first insertion.
+#[test]
+fn a_cancelled_run_ends_while_blocks_move() {
+    // So many that each processor inserts its points in two rounds.
+    let set = PointSet::new(generate(PointKind::Uniform, 20_000, 3)).expect("finite points");
+    let plan = Plan { blocks_per_worker: 4, sample: 10, ..Plan::new(20_000, 3) };
+    // Long enough for moves between the cancel and the end of the run.
+    let network = Network { latency: 300_000, ..Network::default() };
+    let mut moves = 0;
+    let mut size_before = 0;
+    for cancel in [0, 100_000, 1_000_000, 5_000_000] {
+        let storm = Some(Storm { every: 20_000 });
+        let cancel = Some(cancel);
+        let options = Options { network, storm, cancel, max_events: 1_000_000, ..options(1) };
+        let run = simulate_mesh(&set, &plan, Config::new(3), &options).expect("a run ends");
+        invariants::check_all(&run.gathered.mesh).expect("invariants");
+        let size = run.gathered.mesh.num_vertices();
+        assert!(size_before <= size && size < 20_000, "{size} vertices, {size_before} before");
+        size_before = size;
+        moves += run.summary.workers.iter().map(|w| w.migrations).sum::<u64>();
+    }
+    assert!(moves > 20, "{moves} moves");
 }
 
 #[test]
