@@ -7,7 +7,9 @@
 //! table at the end.
 
 use crate::shell::{cargo, target};
+use std::fs;
 use std::io::{BufRead, BufReader};
+use std::path::Path;
 use std::process::Stdio;
 use std::time::Instant;
 
@@ -41,8 +43,17 @@ fn run_part(
     rows: &mut Vec<String>,
 ) -> Result<(), String> {
     let mut command = cargo();
-    command.args(["test", "-p", "ltbw-models", "--tests", "--no-fail-fast", "--"]);
-    command.arg("--include-ignored").args(args).stdout(Stdio::piped());
+    command.args(["test", "--no-fail-fast"]).stdout(Stdio::piped());
+    if part.is_none() {
+        // With the features of the whole workspace: what its tests have built is not built again.
+        command.arg("--workspace");
+        for name in models()? {
+            command.args(["--test", &name]);
+        }
+    } else {
+        command.args(["-p", "ltbw-models", "--tests"]);
+    }
+    command.args(["--", "--include-ignored"]).args(args);
     if let Some(flag) = part {
         let flags = std::env::var("RUSTFLAGS").unwrap_or_default();
         command
@@ -65,6 +76,20 @@ fn run_part(
     }
     let status = child.wait().map_err(|error| error.to_string())?;
     if status.success() { Ok(()) } else { Err(status.to_string()) }
+}
+
+/// The names of the models' test programs.
+fn models() -> Result<Vec<String>, String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../verify/models/tests");
+    let entries = fs::read_dir(&folder).and_then(|entries| entries.collect::<Result<Vec<_>, _>>());
+    let entries = entries.map_err(|error| format!("{}: {error}", folder.display()))?;
+    let files = entries.iter().map(|entry| entry.path());
+    let mut names: Vec<String> = files
+        .filter(|file| file.extension().is_some_and(|extension| extension == "rs"))
+        .filter_map(|file| Some(file.file_stem()?.to_str()?.to_string()))
+        .collect();
+    names.sort();
+    Ok(names)
 }
 
 /// Prints the rows in columns, those of a kind together.
