@@ -8,7 +8,7 @@
 //! it the fuzzers run the same compiler as the tests.
 
 use crate::require;
-use crate::shell::{self, cargo, command, root, target as target_folder, works};
+use crate::shell::{self, cargo, command, root, rust_files, target as target_folder, works};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
         let reason = "cargo-fuzz is not installed (cargo install cargo-fuzz)";
         return require::skip("fuzz", "fuzz", reason);
     }
-    let all = targets()?;
+    let all = rust_files("fuzz/fuzz_targets")?;
     if let Some(unknown) = named.iter().find(|name| !all.contains(name)) {
         return Err(format!("no such target: {unknown}; there are {}", all.join(", ")));
     }
@@ -211,21 +211,6 @@ pub(crate) fn host() -> Result<String, String> {
         .lines()
         .find_map(|line| line.strip_prefix("host: ").map(str::to_string))
         .ok_or_else(|| format!("{rustc} -vV names no host"))
-}
-
-/// Names of the fuzz targets, sorted.
-fn targets() -> Result<Vec<String>, String> {
-    let folder = root().join("fuzz/fuzz_targets");
-    let entries =
-        fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let mut names: Vec<String> = entries
-        .filter_map(Result::ok)
-        .map(|entry| entry.path())
-        .filter(|path| path.extension().is_some_and(|e| e == "rs"))
-        .filter_map(|path| path.file_stem().map(|stem| stem.to_string_lossy().into_owned()))
-        .collect();
-    names.sort();
-    Ok(names)
 }
 
 #[cfg(test)]

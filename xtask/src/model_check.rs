@@ -6,10 +6,8 @@
 //! Every model prints lines `row: MODEL | BOUNDS | EXPLORED | OUTCOME`; they are put together in a
 //! table at the end.
 
-use crate::shell::{cargo, target};
-use std::fs;
+use crate::shell::{cargo, rust_files, target};
 use std::io::{BufRead, BufReader};
-use std::path::Path;
 use std::process::Stdio;
 use std::time::Instant;
 
@@ -47,7 +45,7 @@ fn run_part(
     if part.is_none() {
         // With the features of the whole workspace: what its tests have built is not built again.
         command.arg("--workspace");
-        for name in models()? {
+        for name in rust_files("verify/models/tests")? {
             command.args(["--test", &name]);
         }
     } else {
@@ -76,20 +74,6 @@ fn run_part(
     }
     let status = child.wait().map_err(|error| error.to_string())?;
     if status.success() { Ok(()) } else { Err(status.to_string()) }
-}
-
-/// The names of the models' test programs.
-fn models() -> Result<Vec<String>, String> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../verify/models/tests");
-    let entries = fs::read_dir(&folder).and_then(|entries| entries.collect::<Result<Vec<_>, _>>());
-    let entries = entries.map_err(|error| format!("{}: {error}", folder.display()))?;
-    let files = entries.iter().map(|entry| entry.path());
-    let mut names: Vec<String> = files
-        .filter(|file| file.extension().is_some_and(|extension| extension == "rs"))
-        .filter_map(|file| Some(file.file_stem()?.to_str()?.to_string()))
-        .collect();
-    names.sort();
-    Ok(names)
 }
 
 /// Prints the rows in columns, those of a kind together.

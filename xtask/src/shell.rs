@@ -1,5 +1,6 @@
 //! Running other programs, from the root of the workspace.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -12,6 +13,21 @@ pub(crate) fn root() -> PathBuf {
 /// The cargo target folder, as cargo itself would choose it.
 pub(crate) fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+}
+
+/// The names, without `.rs`, of the Rust files in `folder` of the workspace, sorted.
+pub(crate) fn rust_files(folder: &str) -> Result<Vec<String>, String> {
+    let folder = root().join(folder);
+    let entries =
+        fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut names: Vec<String> = entries
+        .filter_map(Result::ok)
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|e| e == "rs"))
+        .filter_map(|path| path.file_stem().map(|stem| stem.to_string_lossy().into_owned()))
+        .collect();
+    names.sort();
+    Ok(names)
 }
 
 /// A command that runs in the root of the workspace.

@@ -397,7 +397,7 @@ pub(super) struct Spare<S: Submesh> {
 }
 
 impl<S: Submesh> Spare<S> {
-    /// As many as are kept.
+    /// As many as are kept of each.
     const MOST: usize = 64;
 
     pub(super) fn new() -> Self {
@@ -405,14 +405,16 @@ impl<S: Submesh> Spare<S> {
     }
 
     fn put(&mut self, request: Box<Request<S>>) {
-        if self.requests.len() < Self::MOST {
-            self.requests.push(request);
-        }
+        Self::keep(&mut self.requests, request);
     }
 
     pub(super) fn put_op(&mut self, op: Box<Op<S>>) {
-        if self.ops.len() < Self::MOST {
-            self.ops.push(op);
+        Self::keep(&mut self.ops, op);
+    }
+
+    fn keep<T>(ended: &mut Vec<T>, one: T) {
+        if ended.len() < Self::MOST {
+            ended.push(one);
         }
     }
 }

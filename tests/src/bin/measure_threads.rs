@@ -45,10 +45,10 @@ fn main() -> ExitCode {
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     let done = match words.as_slice() {
         [ONCE, kind, count, threads] => once(kind, count, threads),
-        [] => run(4_000_000, ROUNDS),
-        [count] => count.parse().map_err(Failure::from).and_then(|count| run(count, ROUNDS)),
-        [count, rounds, ..] => {
-            (count.parse().map_err(Failure::from)).and_then(|count| run(count, rounds.parse()?))
+        words => {
+            let number = |k: usize, default| words.get(k).map_or(Ok(default), |word| word.parse());
+            let numbers = number(0, 4_000_000).and_then(|count| Ok((count, number(1, ROUNDS)?)));
+            numbers.map_err(Failure::from).and_then(|(count, rounds)| run(count, rounds))
         }
     };
     match done {
