@@ -14,6 +14,8 @@ pub trait Conduct: 'static {
     const WAKES_ON_ABORT: bool = true;
     /// A released lock makes all who wait for it apply the rule anew, not the oldest alone.
     const REGRANT_ASKS_ALL: bool = true;
+    /// What an `Expand` adds to a stalled request goes beneath the want that the request waits for.
+    const KEEPS_PLACE: bool = true;
     /// An operation starts again only when all its releases are acknowledged.
     const AWAITS_RELEASES: bool = true;
     /// A wound that arrives after the commit point is ignored.

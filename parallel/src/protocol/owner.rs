@@ -133,7 +133,10 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             Some(ended) => ended.renew(home, attempt, point),
             None => Request::new(home, attempt, point),
         });
+        // A stalled request waits for the last of its wants, and has to keep its place in that queue.
+        let first = request.wants.pop_if(|_| C::KEEPS_PLACE && request.stalled);
         request.wants.extend(wants);
+        request.wants.extend(first);
         if request.around.is_empty() && !around.is_empty() {
             request.around = around;
             let Request { held, wants, foreign, around, .. } = &mut **request;

@@ -17,6 +17,22 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         self.absent.values().flatten().any(|waiter| matches!(waiter, Waiter::Request(_)))
     }
 
+    /// Calls `f` with every locked tetrahedron that a request waits for, and its ticket.
+    pub fn visit_waiting(&self, f: &mut dyn FnMut(S::Tet, Ticket)) {
+        for (&t, queue) in &self.waiting {
+            for waiter in queue {
+                if let Waiter::Request(ticket) = *waiter {
+                    f(t, ticket);
+                }
+            }
+        }
+    }
+
+    /// Has an operation of this ticket a request here?
+    pub fn has_request(&self, ticket: Ticket) -> bool {
+        self.requests.contains_key(&ticket)
+    }
+
     /// Calls `f` with every attempt number in the worker's state. Attempts are only ever compared
     /// for equality with others of the same ticket: shifting all those of a ticket by the same
     /// amount, here and in all messages, changes no behaviour.

@@ -19,7 +19,8 @@ pub struct Config {
     pub rule: Rule,
     /// What an operation locks.
     pub closure: Closure,
-    /// Operations that a worker starts at most at a time. Those that walk in are not counted.
+    /// A worker starts a point only while fewer operations than this are at home here. Walks that
+    /// come in are always taken, and count like its own operations.
     pub window: usize,
 }
 

@@ -41,6 +41,9 @@ pieces! {
     ForgetfulRollback: "rollback forgets the queue", WAKES_ON_ABORT;
     /// The others keep waiting for a holder that they were never compared with.
     NaiveRegrant: "naive wait-die re-grant", REGRANT_ASKS_ALL;
+    /// A request that is asked again while it waits for a lock turns to the new wants when the lock is
+    /// released, and a younger operation takes the lock: it can be wounded for it again and again.
+    LostPlace: "new wants above the one waited for", KEEPS_PLACE;
     /// The next attempt meets its own last one.
     HastyRestart: "restart before the releases are acknowledged", AWAITS_RELEASES;
     /// A committed operation is set back. With channels in order its `Abort` finds nothing to release

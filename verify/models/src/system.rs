@@ -5,7 +5,9 @@ use crate::hull::{Hull, Letter};
 use crate::museum::Exhibit;
 use crate::world::{Network, Node, World};
 use ltbw::balance::Stock;
-use ltbw::protocol::{Action, Attempt, BlockId, Event, Message, Note, Rule, Ticket, WorkerId};
+use ltbw::protocol::{
+    Action, Attempt, BlockId, Event, Message, Note, Rule, Submesh, Ticket, WorkerId,
+};
 use std::collections::hash_map::DefaultHasher;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;
@@ -69,6 +71,9 @@ pub struct State<C: Exhibit> {
     pub cancelled: BTreeSet<WorkerId>,
     /// Operations that have committed.
     pub committed: BTreeSet<Ticket>,
+    /// Requests that have waited for a lock and neither got it nor ended since: worker, cell and
+    /// operation. In the correct protocol these are the requests that wait.
+    pub claims: BTreeSet<(WorkerId, u8, Ticket)>,
     /// What has gone wrong.
     pub fault: Option<&'static str>,
 }
@@ -111,6 +116,7 @@ impl<C: Exhibit> System<C> {
             moved: 0,
             cancelled: BTreeSet::new(),
             committed: BTreeSet::new(),
+            claims: BTreeSet::new(),
             fault: None,
         }
     }
@@ -147,11 +153,15 @@ impl<C: Exhibit> System<C> {
     pub fn after(&self, state: &State<C>, choice: Choice) -> State<C> {
         let mut next = state.clone();
         let (at, event) = self.event(&mut next, choice);
-        let mut node = (*next.nodes[at as usize].value).clone();
+        let before = next.nodes[at as usize].value.clone();
+        let mut node = (*before).clone();
         let mut actions = Vec::new();
         node.step(event, &mut actions);
         if let Some(what) = node.mesh().broken {
             next.fault = Some(what);
+        }
+        if let Some(what) = claim(&mut next.claims, at, &before, &node) {
+            next.fault = next.fault.or(Some(what));
         }
         if !self.world.termination {
             node.forget_counts();
@@ -258,6 +268,31 @@ impl<C: Exhibit> System<C> {
         let nodes: Vec<&Node<C>> = state.nodes.iter().map(|node| &**node).collect();
         self.world.fault_at_end(&nodes, !state.cancelled.is_empty())
     }
+}
+
+/// Theorem 2 rests on this: a lock for which a request waits goes to that request, or to an older
+/// one, unless the request ends first. Updates the claims at worker `at` after a step, and returns
+/// what is wrong.
+fn claim<C: Exhibit>(
+    claims: &mut BTreeSet<(WorkerId, u8, Ticket)>,
+    at: WorkerId,
+    before: &Node<C>,
+    after: &Node<C>,
+) -> Option<&'static str> {
+    let mut overtaken = false;
+    claims.retain(|&(worker, t, ticket)| {
+        let holder = after.mesh().holder(t);
+        if worker != at {
+            return true;
+        }
+        let is_new = holder != before.mesh().holder(t);
+        overtaken |= is_new && holder.is_some_and(|h| h > ticket) && after.has_request(ticket);
+        after.has_request(ticket) && holder != Some(ticket)
+    });
+    after.visit_waiting(&mut |t, ticket| {
+        claims.insert((at, t, ticket));
+    });
+    overtaken.then_some("a younger operation takes a lock that an older one waits for")
 }
 
 /// Folds states that differ only in how often operations were set back: shifts the attempts of

@@ -73,6 +73,25 @@ pub fn four_owners() -> World {
         .shows(&[SetBack, Crossing, Installation, Walk])
 }
 
+/// The oldest operation has three cells, its ring is at worker 1 on both sides: while it waits for
+/// one side, which a second operation holds, it asks for the other side, which a third one holds.
+pub fn asked_again() -> World {
+    // A regular octagon, less its symmetry.
+    let polygon = [
+        (-24, 10, 3),
+        (-25, -10, 4),
+        (-10, -25, 5),
+        (11, -24, 2),
+        (24, -10, 2),
+        (25, 10, 0),
+        (10, 25, 1),
+        (-10, 24, 2),
+    ];
+    let points = [(0, 80, 1), (19, -20, 2), (-19, -20, 4)];
+    World::new("an owner asked twice while it waits", &[1, 0, 2, 1, 3, 2], &polygon, &points)
+        .shows(&[SetBack])
+}
+
 /// Two contested cavities while a block goes away and comes back.
 pub fn there_and_back() -> World {
     let moves = [(2, 1), (2, 2)];
@@ -199,6 +218,7 @@ pub fn contests() -> Vec<World> {
 pub fn journeys() -> Vec<World> {
     vec![
         four_owners(),
+        asked_again(),
         there_and_back(),
         swap(),
         late_installation(),

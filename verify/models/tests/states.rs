@@ -143,4 +143,5 @@ fn cavities_have_the_stated_patterns() {
     assert_eq!(worlds::three_rings().cavities(), [[0, 1], [1, 2], [2, 0]]);
     assert_eq!(worlds::three_on_two().cavities(), [[0, 1, 0]; 3]);
     assert_eq!(worlds::three_on_all().cavities(), [[1, 2, 0]; 3]);
+    assert_eq!(worlds::asked_again().cavities(), [vec![1, 0, 2], vec![2], vec![3]]);
 }
