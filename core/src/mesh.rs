@@ -12,7 +12,7 @@ use crate::part::Assembly;
 use crate::points::{Mode, PointError};
 use crate::raw::Arena;
 use crate::tetmesh::TetMesh;
-use crate::topology::{INFINITE, MAX_TETS, TetId, Topology, VertexId, tet_of};
+use crate::topology::{INFINITE, TetId, Topology, VertexId, tet_of};
 use crate::{Point, PredicateStats, Sign};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -307,7 +307,7 @@ impl Mesh {
             }
             Ok(Placed::At(v)) => Ok(Inserted::Duplicate(self.numbers[v as usize])),
             Err(Setback::Refused(tet)) => Err(InsertError::Refused { tet }),
-            Err(Setback::Full) => Err(InsertError::TooManyTets { limit: MAX_TETS }),
+            Err(Setback::Full) => Err(InsertError::TooManyTets { limit: self.topology.limit() }),
         }
     }
 

@@ -92,6 +92,7 @@ pub struct Setting {
     wide: bool,
     step: f64,
     vertices: usize,
+    max_tets: usize,
 }
 
 impl Setting {
@@ -109,7 +110,13 @@ impl Setting {
         };
         let none = || of_chunk(&[]);
         let (low, high, step) = points.par_chunks(1 << 14).map(of_chunk).reduce(none, join);
-        Self { low, high, wide, step, vertices: points.len() }
+        Self { low, high, wide, step, vertices: points.len(), max_tets: MAX_TETS }
+    }
+
+    /// Sets how many tetrahedra, hull ghosts and proxies included, a part may have at most: no more
+    /// than [`MAX_TETS`], which is the default.
+    pub fn at_most(self, max_tets: usize) -> Self {
+        Self { max_tets, ..self }
     }
 }
 
@@ -147,9 +154,11 @@ pub struct Part<H, L> {
 impl<H: Copy + Eq, L: Copy> Part<H, L> {
     /// A part without tetrahedra.
     pub fn new(setting: &Setting) -> Self {
-        let Setting { low, high, wide, step, vertices } = *setting;
+        let Setting { low, high, wide, step, vertices, max_tets } = *setting;
+        let mut topology = Topology::default();
+        topology.set_limit(max_tets);
         Self {
-            topology: Topology::default(),
+            topology,
             geometry: Geometry::part(low, high, wide, step, vertices),
             cavity: Cavity::for_vertices(vertices + 1),
             blocked: None,
@@ -169,8 +178,20 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     /// Reserves room for `tets` tetrahedra. A hint.
     pub fn reserve(&mut self, tets: usize) {
         debug_assert!(self.topology.is_empty());
-        self.topology = Topology::with_capacity(tets.min(MAX_TETS));
-        self.geometry.reserve_sphere_capacity(tets.min(MAX_TETS));
+        let limit = self.topology.limit();
+        self.topology = Topology::with_capacity(tets.min(limit));
+        self.topology.set_limit(limit);
+        self.geometry.reserve_sphere_capacity(tets.min(limit));
+    }
+
+    /// The largest number of tetrahedra that the part may have, hull ghosts and proxies included.
+    pub fn max_tets(&self) -> usize {
+        self.topology.limit()
+    }
+
+    /// Is there room for `tets` more tetrahedra and proxies?
+    pub fn has_room(&self, tets: usize) -> bool {
+        self.topology.reserve(tets).is_ok()
     }
 
     /// Says which vertices are the part's own: a tetrahedron with no other vertex belongs to it.

@@ -93,12 +93,20 @@ pub fn slot_of(face: FaceId) -> usize {
 }
 
 /// All tetrahedra of a mesh, ghosts included.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Topology {
     tets: Arena<Tet>,
     /// Free slots, last in first out.
     free: Vec<TetId>,
     ghosts: usize,
+    /// Most slots that there may be.
+    limit: usize,
+}
+
+impl Default for Topology {
+    fn default() -> Self {
+        Self::with_capacity(0)
+    }
 }
 
 /// The slot limit is reached.
@@ -107,7 +115,18 @@ pub(crate) struct Full;
 
 impl Topology {
     pub(crate) fn with_capacity(tets: usize) -> Self {
-        Self { tets: Arena::with_capacity(tets), free: Vec::new(), ghosts: 0 }
+        let (tets, free) = (Arena::with_capacity(tets), Vec::new());
+        Self { tets, free, ghosts: 0, limit: MAX_TETS }
+    }
+
+    /// Sets how many slots there may be at most; more than [`MAX_TETS`] there never are.
+    pub(crate) fn set_limit(&mut self, limit: usize) {
+        self.limit = limit.min(MAX_TETS);
+    }
+
+    /// The largest number of slots that there may be.
+    pub(crate) fn limit(&self) -> usize {
+        self.limit
     }
 
     /// The tetrahedron in slot `t`, which may be a free slot; `None` if there is no such slot.
@@ -178,9 +197,9 @@ impl Topology {
     }
 
     /// Makes sure that `count` slots can be taken.
-    pub(crate) fn reserve(&mut self, count: usize) -> Result<(), Full> {
+    pub(crate) fn reserve(&self, count: usize) -> Result<(), Full> {
         let fresh = count.saturating_sub(self.free.len());
-        if self.tets.all().len() + fresh > MAX_TETS { Err(Full) } else { Ok(()) }
+        if self.tets.all().len() + fresh > self.limit { Err(Full) } else { Ok(()) }
     }
 
     /// Takes a slot: the last freed one, else a fresh one at the end.
@@ -232,7 +251,7 @@ impl Topology {
     /// if there would be too many.
     pub(crate) fn append(&mut self, other: Self) -> Option<TetId> {
         let (offset, slots) = (self.slots(), other.slots());
-        if offset + slots > MAX_TETS {
+        if offset + slots > self.limit {
             return None;
         }
         let shift = 4 * offset as u32;

@@ -30,6 +30,9 @@ pub trait Transport<M> {
 
     /// A worker that has failed.
     fn failed(&self) -> Option<WorkerId>;
+
+    /// Tells all workers that this one has failed. What was sent and not flushed may be lost.
+    fn fail(&mut self);
 }
 
 impl<M, C: Conduct> Transport<M> for Endpoint<M, C> {
@@ -54,6 +57,10 @@ impl<M, C: Conduct> Transport<M> for Endpoint<M, C> {
 
     fn failed(&self) -> Option<WorkerId> {
         Endpoint::failed(self)
+    }
+
+    fn fail(&mut self) {
+        Endpoint::fail(self);
     }
 }
 
@@ -114,5 +121,9 @@ impl<M> Transport<M> for Delayed<M> {
 
     fn failed(&self) -> Option<WorkerId> {
         self.inner.failed()
+    }
+
+    fn fail(&mut self) {
+        self.inner.fail();
     }
 }

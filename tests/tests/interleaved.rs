@@ -4,9 +4,9 @@
 
 use ltbw::generate::{PointKind, generate};
 use ltbw::mesh::{Ownership, Plan};
-use ltbw::protocol::{Closure, Rule};
+use ltbw::protocol::{Closure, Rule, SubmeshError};
 use ltbw::{Point, PointSet};
-use ltbw_tests::interleave::{Case, Chooser, Figures, Tempo};
+use ltbw_tests::interleave::{Case, Chooser, Figures, Refusal, Tempo};
 
 /// Plays `points` with ownership by the newest vertex, and by blocks, which move; returns setbacks and
 /// operations committed of the latter.
@@ -184,4 +184,38 @@ fn a_cancelled_worker_takes_in_no_points() {
         }
     }
     assert!(moved > 100 && inserted > 100, "too tame: {moved} moves, {inserted} operations");
+}
+
+/// The limit of tetrahedra, lowered: whatever the order, the run ends with a typed error, or with
+/// the whole mesh.
+#[test]
+fn a_run_without_room_fails_and_says_why() {
+    let (mut whole, mut failed) = (0, 0);
+    for seed in 0..90 {
+        let kind = [PointKind::Uniform, PointKind::Lines, PointKind::Grid][seed as usize % 3];
+        let points = generate(kind, 60, seed);
+        let set = PointSet::new(points).expect("finite points");
+        let ownership = Ownership::ALL[seed as usize / 3 % 3];
+        let max_tets = 60 + 25 * (seed as usize % 19);
+        let case = Case {
+            plan: Plan { ownership, max_tets, ..plan(2 + seed as u32 % 3, 12) },
+            rule: Rule::WoundWait,
+            closure: Closure::Face,
+            tempo: Tempo::ALL[seed as usize % 4],
+            slow: None,
+            moves: if ownership == Ownership::Block { 10 } else { 0 },
+            cancel: None,
+            bytes: seed % 2 == 0,
+        };
+        println!("seed {seed}, {case:?}");
+        match case.play(&set, &mut Chooser::new(&[], seed)) {
+            Ok(_) => whole += 1,
+            Err(Refusal::Submesh(worker, SubmeshError::NoRoom { limit })) => {
+                assert!(worker < case.plan.workers && limit == max_tets);
+                failed += 1;
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+    assert!(whole > 10 && failed > 20, "{whole} whole, {failed} failed");
 }

@@ -15,7 +15,7 @@ use ltbw_tests::cases;
 use ltbw_tests::cgal::Cgal;
 use ltbw_tests::compare::{compare_mesh, refusal};
 use ltbw_tests::families::snapped;
-use ltbw_tests::interleave::{Case, Chooser, Figures, Tempo};
+use ltbw_tests::interleave::{Case, Chooser, Figures, Refusal, Tempo};
 
 fn case(random: &mut Random) -> Case {
     let mut below = |n: u64| random.below(n) as usize;
@@ -78,6 +78,10 @@ fn check(cgal: &mut Cgal, seed: u64) -> Option<Figures> {
         simulated(&case, &set, &mut random).map(|mesh| (mesh, Figures::default()))
     } else {
         let played = case.play(&set, &mut Chooser::new(&[], seed));
+        let played = played.map_err(|refusal| match refusal {
+            Refusal::Build(error) => error,
+            other => panic!("{other}"),
+        });
         played.map(|played| (played.mesh, played.figures))
     };
     let reply = cgal.triangulate(&points).unwrap_or_else(|failure| panic!("{failure}"));

@@ -2,7 +2,7 @@
 
 use super::Part;
 use crate::geometry::Geometry;
-use crate::topology::{FaceId, Topology, VertexId};
+use crate::topology::{FaceId, MAX_TETS, Topology, VertexId};
 use crate::{Mesh, Mode, Point, PredicateStats, Vertex};
 
 /// What [`assemble`] needs beside the parts.
@@ -51,6 +51,8 @@ pub fn assemble<H: Copy + Eq + Send + Sync, L: Copy + Send + Sync>(
 ) -> Result<Mesh, Misfit> {
     let mut parts = parts.into_iter().map(Part::settle);
     let (mut topology, mut geometry) = parts.next().ok_or(Misfit::NoParts)?;
+    // The limit of a part is not that of the whole mesh.
+    topology.set_limit(MAX_TETS);
     let mut offsets = vec![0];
     for (their_topology, their_geometry) in parts {
         let (slots, theirs) = (topology.slots(), their_topology.slots());

@@ -1,12 +1,23 @@
 //! Patches and moves: what changes a submesh from outside.
 
 use super::{At, Lead, LocalMesh, Moving, Patch, Relink, Site, To, handle, load};
-use crate::protocol::{BlockId, Directory, Handle, Name};
+use crate::protocol::{BlockId, Directory, Handle, Name, Ticket};
+use ltbw_core::part::Part;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use rustc_hash::FxHashMap;
 
+/// Slots that a patch may take beside those that it frees: for its tetrahedra, and for a proxy at
+/// each face that may lead to another worker's.
+fn slots_of(patch: &Patch) -> usize {
+    let is_far = |to: &&To| matches!(to, To::Far(_));
+    let far: usize = patch.create.iter().map(|new| new.n.iter().filter(is_far).count()).sum();
+    (patch.create.len() + far + patch.relink.len()).saturating_sub(patch.remove.len())
+}
+
 impl LocalMesh {
     /// Applies a patch; nothing of it is locked. `relinks` is false for the unsound conduct only.
+    ///
+    /// Without room for all of it nothing changes, and the submesh has failed.
     pub(super) fn apply_patch(
         &mut self,
         patch: Patch,
@@ -15,6 +26,10 @@ impl LocalMesh {
         made: &mut Vec<Name>,
         strays: &mut Vec<BlockId>,
     ) {
+        if !self.part.has_room(slots_of(&patch)) {
+            self.fail_for_room();
+            return;
+        }
         for &t in &patch.remove {
             self.drop_name(t);
             self.part.remove(t);
@@ -26,7 +41,7 @@ impl LocalMesh {
         let walls = patch.create.iter().map(|new| [new.v[1], new.v[2], new.v[3]]);
         if !patch.create.is_empty() && self.part.create_star(&self.rim, walls, &mut tets).is_none()
         {
-            self.full = true;
+            self.fail_for_room();
             return;
         }
         for (&t, new) in tets.iter().zip(&patch.create) {
@@ -77,7 +92,7 @@ impl LocalMesh {
         let mut tets = Vec::with_capacity(new.len());
         for (name, v) in new {
             let Some(t) = self.part.create(v) else {
-                self.full = true;
+                self.fail_for_room();
                 return None;
             };
             self.set_name(t, name);
@@ -92,7 +107,7 @@ impl LocalMesh {
             Some(&u) => {
                 self.part.link(face, 4 * u + u32::from(handle.face));
             }
-            None => self.full |= self.part.link_far(face, load(handle)).is_none(),
+            None => self.put(|part| part.link_far(face, load(handle))),
         }
     }
 
@@ -100,7 +115,14 @@ impl LocalMesh {
     fn link_new_far(&mut self, face: u32, handle: Handle) {
         match self.names.get(&handle.name) {
             Some(&u) => self.part.link_new(face, 4 * u + u32::from(handle.face)),
-            None => self.full |= self.part.put_far(face, load(handle)).is_none(),
+            None => self.put(|part| part.put_far(face, load(handle))),
+        }
+    }
+
+    /// Puts a proxy somewhere, for which there is room.
+    fn put(&mut self, proxy: impl FnOnce(&mut Part<Ticket, Name>) -> Option<()>) {
+        if proxy(&mut self.part).is_none() {
+            self.fail_for_room();
         }
     }
 
@@ -161,8 +183,13 @@ impl LocalMesh {
             });
             cargo.push(Moving { name, v: self.sites(t), n });
         }
+        // Nothing is removed unless there is room for what stands in its place.
+        if !self.part.has_room(far.len()) {
+            self.fail_for_room();
+            return Vec::new();
+        }
         for (face, handle) in far {
-            self.full |= self.part.link_far(face, load(handle)).is_none();
+            self.put(|part| part.link_far(face, load(handle)));
         }
         for &t in &tets {
             self.drop_name(t);
@@ -171,8 +198,14 @@ impl LocalMesh {
         cargo
     }
 
-    /// Installs tetrahedra that come from another worker.
+    /// Installs tetrahedra that come from another worker. Without room for all of them nothing
+    /// changes, and the submesh has failed.
     pub(super) fn adopt_all(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {
+        let far = |moving: &Moving| moving.n.iter().filter(|n| matches!(n, Lead::Far(_))).count();
+        if !self.part.has_room(cargo.len() + cargo.iter().map(far).sum::<usize>()) {
+            self.fail_for_room();
+            return;
+        }
         for moving in &cargo {
             self.set_sites(&moving.v);
         }

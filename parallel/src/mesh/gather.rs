@@ -1,7 +1,7 @@
 //! The end of a parallel run: submeshes put together to one mesh.
 
 use super::{Common, LocalMesh, handle};
-use crate::protocol::{Name, WorkerId};
+use crate::protocol::{Name, SubmeshError, WorkerId};
 use ltbw_core::part::{Assembly, Misfit, assemble};
 use ltbw_core::topology::TetId;
 use ltbw_core::{Mesh, Vertex};
@@ -28,6 +28,14 @@ pub enum GatherError {
         /// The name it leads to.
         name: Name,
     },
+    /// A submesh has failed: the run had no end.
+    #[error("worker {worker}: {error}")]
+    Failed {
+        /// The worker.
+        worker: WorkerId,
+        /// Why its submesh has failed.
+        error: SubmeshError,
+    },
     /// There is no submesh.
     #[error("there is no submesh to put together")]
     NoParts,
@@ -42,8 +50,8 @@ pub enum GatherError {
 /// [`GatherError`] if there are too many tetrahedra, or if the submeshes do not fit together.
 pub fn gather(meshes: Vec<LocalMesh>, common: Common) -> Result<Gathered, GatherError> {
     let Common { points, numbers, mut duplicates, mode, predicates } = common;
-    if meshes.iter().any(|mesh| mesh.full) {
-        return Err(GatherError::TooManyTets);
+    if let Some((worker, error)) = meshes.iter().find_map(|m| Some((m.me, m.error?))) {
+        return Err(GatherError::Failed { worker, error });
     }
     let mut places: FxHashMap<Name, (usize, TetId)> = FxHashMap::default();
     for (k, mesh) in meshes.iter().enumerate() {

@@ -32,8 +32,8 @@ pub use start::{Common, Ownership, Plan, Prepared};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, Site, To};
 
 use crate::protocol::{
-    BlockId, Conduct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Submesh, Ticket,
-    Walk, WorkerId,
+    BlockId, Conduct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Submesh,
+    SubmeshError, Ticket, Walk, WorkerId,
 };
 use ltbw_core::part::{Closed, Local, Owns, Part, Setting, Stop};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
@@ -57,8 +57,8 @@ pub struct LocalMesh {
     strays: FxHashMap<BlockId, Vec<TetId>>,
     /// Points that were vertices already: number of the point, and of the vertex.
     duplicates: Vec<(VertexId, VertexId)>,
-    /// The limit of tetrahedra was met: the mesh is not whole.
-    full: bool,
+    /// Why the submesh has failed: it changes nothing any more.
+    error: Option<SubmeshError>,
     reported: (u64, u64, u64),
     scratch: fill::Scratch,
     closed: Closed,
@@ -101,7 +101,7 @@ impl LocalMesh {
             located: FxHashMap::default(),
             strays: FxHashMap::default(),
             duplicates: Vec::new(),
-            full: false,
+            error: None,
             reported: (0, 0, 0),
             scratch: fill::Scratch::default(),
             closed: Closed::default(),
@@ -123,11 +123,6 @@ impl LocalMesh {
     /// Number of interface faces.
     pub fn num_interface_faces(&self) -> usize {
         self.part.topology().iter().filter(|(_, tet)| tet.is_proxy()).count()
-    }
-
-    /// Was the limit of tetrahedra met? Then the mesh is not whole.
-    pub fn is_full(&self) -> bool {
-        self.full
     }
 
     /// A tetrahedron that is not this worker's. There is none but those on their way.
@@ -156,6 +151,11 @@ impl LocalMesh {
     /// The block of a tetrahedron of `worker` with vertices `v`.
     fn block_at(&self, worker: WorkerId, v: [VertexId; 4]) -> BlockId {
         self.fixed.map_or_else(|| self.blocks.of_tet(v), |fixed| fixed.block_of(worker))
+    }
+
+    /// Says that there is no room for more tetrahedra: the run fails.
+    fn fail_for_room(&mut self) {
+        self.error = Some(SubmeshError::NoRoom { limit: self.part.max_tets() });
     }
 
     fn fresh_name(&mut self) -> Name {
@@ -340,8 +340,8 @@ impl Submesh for LocalMesh {
                 Insert::Blocked
             }
             Local::Full => {
-                self.full = true;
-                Insert::Done
+                self.fail_for_room();
+                Insert::Failed
             }
         }
     }
@@ -462,8 +462,9 @@ impl Submesh for LocalMesh {
         self.adopt_all(cargo, made);
     }
 
-    fn is_full(&self) -> bool {
-        self.full
+    #[inline]
+    fn error(&self) -> Option<SubmeshError> {
+        self.error
     }
 
     fn take_costs(&mut self) -> Costs {

@@ -6,7 +6,7 @@ use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
 use ltbw_core::build::independent;
 use ltbw_core::order::hilbert;
 use ltbw_core::part::Setting;
-use ltbw_core::topology::{INFINITE, Tet, TetId, VertexId, slot_of, tet_of};
+use ltbw_core::topology::{INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{BuildError, Builder, Mesh, Mode, Point, PointSet, PredicateStats};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -57,6 +57,9 @@ pub struct Plan {
     /// Reserve memory for all tetrahedra to come, for uniform points: pages that stay unused cost
     /// nothing but address space.
     pub roomy: bool,
+    /// Most tetrahedra of a worker, hull ghosts and interface faces included: a run that needs more
+    /// fails. The default is the largest number that can be named.
+    pub max_tets: usize,
 }
 
 impl Plan {
@@ -79,6 +82,7 @@ impl Plan {
             sample,
             ownership: Ownership::default(),
             roomy: false,
+            max_tets: MAX_TETS,
         }
     }
 
@@ -101,7 +105,7 @@ impl Plan {
         let blocks = Blocks::even(points.len() as u32, self.workers * self.blocks_per_worker);
         let owners: Vec<WorkerId> =
             (0..blocks.len()).map(|block| block / self.blocks_per_worker).collect();
-        let setting = Setting::of(&points, set.mode());
+        let setting = Setting::of(&points, set.mode()).at_most(self.max_tets);
         // The one is sequential, the other mostly waits for memory.
         let (coarse, mut workers) = rayon::join(
             || coarse_mesh(&points, &sample),
@@ -272,17 +276,22 @@ fn distribute(
             for &w in v.iter().filter(|&&w| w != INFINITE) {
                 mesh.part.set_point(w, points[w as usize - 1]);
             }
-            let local = mesh.part.create(v);
-            mesh.full |= local.is_none();
-            made.push(local.unwrap_or_default());
+            // Without room the run fails before anything looks at the submesh.
+            let Some(local) = mesh.part.create(v) else {
+                mesh.fail_for_room();
+                break;
+            };
+            made.push(local);
         }
+        made.resize(tets.len(), 0);
         made
     };
     let made: Vec<Vec<TetId>> = workers.par_iter_mut().zip(&theirs).map(create).collect();
     for (&t, local) in theirs.iter().flatten().zip(made.into_iter().flatten()) {
         place[t as usize].2 = local;
     }
-    workers.par_iter_mut().zip(&theirs).for_each(|(mesh, tets)| {
+    let whole = workers.par_iter_mut().zip(&theirs).filter(|(mesh, _)| mesh.error.is_none());
+    whole.for_each(|(mesh, tets)| {
         for &t in tets {
             link(mesh, coarse, t, &place);
         }
@@ -308,7 +317,9 @@ fn link(mesh: &mut LocalMesh, coarse: &Mesh, t: TetId, place: &[(BlockId, Worker
         }
         let name = Name { by: COARSE, number: u };
         let far = Handle { name, block: other_block, face: there as u8 };
-        mesh.full |= mesh.part.link_far(4 * local + slot, super::load(far)).is_none();
+        if mesh.part.link_far(4 * local + slot, super::load(far)).is_none() {
+            mesh.fail_for_room();
+        }
         mesh.set_name(local, Name { by: COARSE, number: t });
     }
 }

@@ -112,6 +112,8 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
                 Insert::Locked(t) if self.config.rule != Rule::Paper => {
                     self.wait_outside(ticket, attempt, point, t);
                 }
+                // The run has failed.
+                Insert::Failed => {}
                 Insert::Blocked | Insert::Locked(_) => {
                     let ticket = ticket.unwrap_or_else(|| self.ticket());
                     self.begin(ticket, attempt, point, seed, out);

@@ -38,7 +38,7 @@ mod worker;
 pub use conduct::{Conduct, Sound};
 pub use directory::{BlockId, Directory, WorkerId};
 pub use rule::{Closure, Rule};
-pub use submesh::{Costs, Found, Insert, Neighbour, Source, Submesh, Walk};
+pub use submesh::{Costs, Found, Insert, Neighbour, Source, Submesh, SubmeshError, Walk};
 pub use termination::Token;
 pub use worker::{Action, Config, Event, Note, Worker};
 

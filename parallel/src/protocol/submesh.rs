@@ -38,6 +38,30 @@ pub enum Insert<T> {
     /// No tetrahedron of the closure here is locked, but the closure or the new tetrahedra are in
     /// part another worker's. Nothing has changed.
     Blocked,
+    /// There is no room for the new tetrahedra. Nothing has changed, but the submesh has failed:
+    /// [`Submesh::error`] says why.
+    Failed,
+}
+
+/// Why a submesh could not do what it was asked for. It has changed nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
+#[non_exhaustive]
+pub enum SubmeshError {
+    /// The submesh has no room for more tetrahedra.
+    #[error("a submesh would exceed {limit} tetrahedra, hull ghosts and interface faces included")]
+    NoRoom {
+        /// The most that it may have.
+        limit: usize,
+    },
+    /// A message names something by a number that is none here: the worker that sent it does not
+    /// obey the protocol.
+    #[error("a message names {what} {number}, which is not there")]
+    Unknown {
+        /// What it is a number of.
+        what: &'static str,
+        /// The number.
+        number: u32,
+    },
 }
 
 /// Work done in a submesh, for cost models.
@@ -192,9 +216,9 @@ pub trait Submesh: Sized {
     /// Installs extracted tetrahedra. Pushes their names to `made`.
     fn adopt(&mut self, cargo: Self::Cargo, made: &mut Vec<Name>);
 
-    /// Is there no room for more tetrahedra? Then no more points are started here.
-    fn is_full(&self) -> bool {
-        false
+    /// Why the submesh has failed, if it has. It changes nothing any more, and the run fails.
+    fn error(&self) -> Option<SubmeshError> {
+        None
     }
 
     /// The work done since the last call.

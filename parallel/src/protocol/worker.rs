@@ -4,7 +4,7 @@ use super::conduct::{Conduct, Sound};
 use super::directory::{BlockId, Directory, WorkerId};
 use super::home::Op;
 use super::owner::{Request, Spare, Waiter};
-use super::submesh::{Source, Submesh};
+use super::submesh::{Source, Submesh, SubmeshError};
 use super::termination::{Pass, Safra};
 use super::{Attempt, Closure, Message, Name, Rule, Ticket};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -209,7 +209,13 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         self.stopped
     }
 
-    /// Was a point dropped, because of a cancel or for want of room?
+    /// Why the worker's submesh has failed, if it has. The worker answers no event any more: the
+    /// whole run has failed, and whoever runs the workers has to end it.
+    pub fn error(&self) -> Option<SubmeshError> {
+        self.mesh.error()
+    }
+
+    /// Was a point dropped, because of a cancel?
     pub fn has_dropped_points(&self) -> bool {
         self.dropped
     }
@@ -222,6 +228,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     /// Would [`Event::Work`] do anything?
     pub fn has_work(&self) -> bool {
         !self.stopped
+            && self.error().is_none()
             && (!self.ready.is_empty()
                 || self.has_room() && self.source.is_ready()
                 || self.is_passive() && self.safra.holds_token())
@@ -264,7 +271,20 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     }
 
     /// Answers an event. Actions are to be carried out in their order.
+    ///
+    /// A worker that fails in the step ([`Worker::error`]), or has failed before, wants nothing done.
     pub fn step(&mut self, event: Event<S>, out: &mut Vec<Action<S>>) {
+        let before = out.len();
+        self.answer(event, out);
+        if self.error().is_some() {
+            out.truncate(before);
+        }
+    }
+
+    fn answer(&mut self, event: Event<S>, out: &mut Vec<Action<S>>) {
+        if self.error().is_some() {
+            return;
+        }
         match event {
             Event::Message { from, message } => {
                 if message.is_basic() {
@@ -280,7 +300,9 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         // Ends: a message to itself follows from one seed, grant, cavity, commit or release of the
         // step.
         let me = self.id();
-        while let Some(message) = self.own.pop_front() {
+        while self.error().is_none()
+            && let Some(message) = self.own.pop_front()
+        {
             self.receive(me, message, out);
         }
     }
@@ -321,9 +343,6 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     fn work(&mut self, out: &mut Vec<Action<S>>) {
         if self.stopped {
             return;
-        }
-        if self.mesh.is_full() {
-            self.cancel();
         }
         if let Some(ticket) = self.ready.pop_first() {
             if let Some(op) = self.ops.remove(&ticket) {

@@ -66,6 +66,14 @@ enum What<S: Submesh> {
     Cancel,
 }
 
+/// Why a worker has failed, if it has.
+fn failure_of<S: Submesh, Q: Source<S>, C: Conduct>(
+    worker: &Worker<S, Q, C>,
+) -> Option<SimulationError> {
+    let submesh = |error| SimulationError::Submesh { worker: worker.id(), error };
+    worker.error().map(submesh)
+}
+
 struct Entry<S: Submesh> {
     time: Nanos,
     sequence: u64,
@@ -109,6 +117,8 @@ struct Engine<'a, S: Submesh, Q, C> {
     setbacks: u64,
     last_insertion: Nanos,
     stopped: usize,
+    /// A worker has failed.
+    failed: Option<SimulationError>,
     actions: Vec<Action<S>>,
 }
 
@@ -155,8 +165,10 @@ where
             setbacks: 0,
             last_insertion: 0,
             stopped: 0,
+            failed: None,
             actions: Vec::new(),
         };
+        engine.failed = engine.processors.iter().find_map(|p| failure_of(&p.worker));
         for id in 0..count as WorkerId {
             engine.at(0, What::Free(id));
         }
@@ -181,6 +193,9 @@ where
             self.events += 1;
             self.check_progress()?;
             self.happen(what);
+            if let Some(error) = self.failed.take() {
+                return Err(error);
+            }
         }
         Ok(())
     }
@@ -293,6 +308,7 @@ where
         let cause = Cause::of(&event);
         let processor = &mut self.processors[id as usize];
         processor.worker.step(event, &mut actions);
+        self.failed = failure_of(&processor.worker);
         let (work, walk) = processor.work_time(&self.options.costs);
         let worked = begin + receiving + work;
         let load = processor.worker.source().left();

@@ -1,7 +1,7 @@
 //! Why a simulated run has no result.
 
 use crate::metrics::Nanos;
-use crate::protocol::WorkerId;
+use crate::protocol::{SubmeshError, WorkerId};
 
 /// Why a simulated run has no result.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -17,6 +17,14 @@ pub enum SimulationError {
         place: usize,
         /// The worker there.
         id: WorkerId,
+    },
+    /// A worker's submesh has failed: it has no room for more tetrahedra, say.
+    #[error("worker {worker}: {error}")]
+    Submesh {
+        /// The worker.
+        worker: WorkerId,
+        /// Why it has failed.
+        error: SubmeshError,
     },
     /// The limit on events is reached.
     #[error("{events} events, and no end: {operations} points inserted by {time} ns")]

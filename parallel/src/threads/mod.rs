@@ -8,15 +8,16 @@ mod watch;
 mod worker_loop;
 
 pub use distributed::Distributed;
-pub use worker_loop::{Ended, Loop, Watch};
+pub use worker_loop::{Broken, Ended, Loop, Watch};
 
 use crate::balance::Balance;
 use crate::mailbox::connect;
 use crate::mesh::{Field, GatherError, LocalMesh, Ownership, Plan, Prepared};
 use crate::metrics::{Collector, Summary, Trace};
-use crate::protocol::{Closure, Config, Note, Rule, Sound, Worker, WorkerId};
+use crate::protocol::{Closure, Config, Note, Rule, Sound, SubmeshError, Worker, WorkerId};
 use crate::transport::{Delayed, Mail, Transport};
 use ltbw_core::{BuildError, CancelToken, Mesh, Outcome, PointSet, Vertex};
+use std::any::Any;
 use std::time::{Duration, Instant};
 use watch::ThreadWatch;
 
@@ -39,6 +40,14 @@ pub enum RunError {
         worker: WorkerId,
         /// What it said.
         message: String,
+    },
+    /// A worker's submesh has failed: it has no room for more tetrahedra, say.
+    #[error("worker {worker}: {error}")]
+    Submesh {
+        /// The worker.
+        worker: WorkerId,
+        /// Why it has failed.
+        error: SubmeshError,
     },
     /// The settings contradict each other.
     #[error("{0}")]
@@ -317,20 +326,27 @@ where
         threads.into_iter().map(std::thread::ScopedJoinHandle::join).collect()
     });
     let mut ends = Vec::with_capacity(results.len());
-    let mut failed = None;
+    let (mut panics, mut errors) = (Vec::new(), Vec::new());
     for (worker, result) in (0..).zip(results) {
         match result {
-            Ok(Some(Ended { node, watch, .. })) => ends.push((node, watch)),
+            Ok(Ok(Ended { node, watch, .. })) => ends.push((node, watch)),
+            Ok(Err(Broken::Here(error))) => errors.push(RunError::Submesh { worker, error }),
             // It stopped because another one failed.
-            Ok(None) => {}
-            Err(panic) => failed = failed.or(Some((worker, panic))),
+            Ok(Err(Broken::Elsewhere(_))) => {}
+            Err(panic) => panics.push(RunError::Failed { worker, message: text_of(&*panic) }),
         }
     }
-    let Some((worker, panic)) = failed else { return Ok(ends) };
+    match panics.into_iter().chain(errors).next() {
+        Some(error) => Err(error),
+        None => Ok(ends),
+    }
+}
+
+/// What a panic said.
+fn text_of(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().cloned();
     let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_string()));
-    let message = text.unwrap_or_else(|| "it panicked".to_string());
-    Err(RunError::Failed { worker, message })
+    text.unwrap_or_else(|| "it panicked".to_string())
 }
 
 #[cfg(all(test, not(any(loom, shuttle))))]

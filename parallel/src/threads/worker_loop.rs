@@ -11,7 +11,8 @@
 use crate::balance::{Balance, Balancer, Stock};
 use crate::metrics::Nanos;
 use crate::protocol::{
-    Action, Attempt, BlockId, Conduct, Event, Source, Submesh, Ticket, Worker, WorkerId,
+    Action, Attempt, BlockId, Conduct, Event, Source, Submesh, SubmeshError, Ticket, Worker,
+    WorkerId,
 };
 use crate::transport::{Mail, Transport};
 use std::time::Duration;
@@ -90,6 +91,15 @@ pub struct Ended<S: Submesh, Q, C, T, W> {
     pub watch: W,
 }
 
+/// Why a loop has not come to its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Broken {
+    /// Its own submesh has failed; the other workers have been told.
+    Here(SubmeshError),
+    /// Another worker has failed.
+    Elsewhere(WorkerId),
+}
+
 impl<S, Q, C, T, W> Loop<S, Q, C, T, W>
 where
     S: Submesh,
@@ -111,14 +121,21 @@ where
         Self { node, way, watch, balancer, asks: None, actions, inbox, resting }
     }
 
-    /// Runs until all work is done everywhere; `None` if another worker has failed.
+    /// Runs until all work is done everywhere.
     ///
     /// Ends: the protocol does (`docs/protocol.md`), and a failure wakes every worker.
-    pub fn run(mut self) -> Option<Ended<S, Q, C, T, W>> {
+    ///
+    /// # Errors
+    /// [`Broken`] if a worker has failed: this one or another.
+    pub fn run(mut self) -> Result<Ended<S, Q, C, T, W>, Broken> {
         let mut idle = 0;
         while !self.node.is_stopped() {
-            if self.way.failed().is_some() {
-                return None;
+            if let Some(error) = self.node.error() {
+                self.way.fail();
+                return Err(Broken::Here(error));
+            }
+            if let Some(worker) = self.way.failed() {
+                return Err(Broken::Elsewhere(worker));
             }
             let heard = self.hear();
             self.obey();
@@ -131,14 +148,14 @@ where
             } else if idle < self.watch.looks_before_sleep() {
                 idle += 1;
                 std::hint::spin_loop();
-            } else {
+            } else if self.node.error().is_none() {
                 self.sleep();
                 idle = 0;
             }
         }
         self.way.flush();
         let Self { node, way, watch, .. } = self;
-        Some(Ended { node, way, watch })
+        Ok(Ended { node, way, watch })
     }
 
     /// Answers all messages that are there.

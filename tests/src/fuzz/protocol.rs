@@ -7,7 +7,7 @@
 use super::reference;
 use crate::compare::{compare_mesh, refusal};
 use crate::families::snap;
-use crate::interleave::{Case, Chooser, Tempo};
+use crate::interleave::{Case, Chooser, Refusal, Tempo};
 use arbitrary::Unstructured;
 use ltbw::mesh::{Ownership, Plan};
 use ltbw::protocol::{Closure, Rule};
@@ -79,7 +79,8 @@ pub fn protocol(bytes: &[u8]) {
     let reply = cgal.triangulate(&points).unwrap_or_else(|failure| panic!("{failure}"));
     let same = match played {
         Ok(played) => compare_mesh(&reply, &played.mesh),
-        Err(error) => refusal(&reply, &error),
+        Err(Refusal::Build(error)) => refusal(&reply, &error),
+        Err(error) => panic!("{error}"),
     };
     same.unwrap_or_else(|difference| panic!("{difference}: {case:?} {points:?}"));
 }

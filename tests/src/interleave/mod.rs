@@ -10,7 +10,9 @@ mod ending;
 
 use crate::families::Rng;
 use ltbw::mesh::{Field, LocalMesh, Plan};
-use ltbw::protocol::{Action, Closure, Config, Event, Message, Note, Rule, Source, Worker};
+use ltbw::protocol::{
+    Action, Closure, Config, Event, Message, Note, Rule, Source, SubmeshError, Worker,
+};
 use ltbw::{BuildError, Mesh, PointSet};
 use std::collections::{BTreeMap, VecDeque};
 
@@ -127,19 +129,38 @@ impl<'a> Chooser<'a> {
     }
 }
 
+/// Why a run has no mesh.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// The points have none: the sequential kernel says so, too.
+    Build(BuildError),
+    /// This worker's submesh has failed.
+    Submesh(u32, SubmeshError),
+}
+
+impl std::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Build(error) => error.fmt(f),
+            Self::Submesh(worker, error) => write!(f, "worker {worker}: {error}"),
+        }
+    }
+}
+
 impl Case {
     /// Builds `set` in the order that `chooser` makes; checks the end.
     ///
     /// # Errors
-    /// That of the sequential kernel, which the start of the run has to share.
+    /// That of the sequential kernel, which the start of the run has to share, or that of a
+    /// submesh that has failed.
     ///
     /// # Panics
     /// If the run does not end, or not as it must.
-    pub fn play(&self, set: &PointSet, chooser: &mut Chooser) -> Result<Played, BuildError> {
+    pub fn play(&self, set: &PointSet, chooser: &mut Chooser) -> Result<Played, Refusal> {
         let expected = ltbw::Builder::new().build(set);
         let (prepared, expected) = match (self.plan.prepare(set), expected) {
             (Ok(prepared), Ok(built)) => (prepared, built.mesh),
-            (Err(error), Err(_)) => return Err(error),
+            (Err(error), Err(_)) => return Err(Refusal::Build(error)),
             (one, other) => panic!("one is refused: {:?}, {:?}", one.err(), other.err()),
         };
         let config =
@@ -151,7 +172,14 @@ impl Case {
             .collect();
         let mut world = World::new(*self, nodes);
         let limit = TURNS_PER_POINT * (set.len() + 100);
-        while world.turn(chooser) {
+        loop {
+            let failed = world.nodes.iter().find_map(|node| Some((node.id(), node.error()?)));
+            if let Some((worker, error)) = failed {
+                return Err(Refusal::Submesh(worker, error));
+            }
+            if !world.turn(chooser) {
+                break;
+            }
             assert!(world.figures.turns < limit, "no end:\n{}", world.describe());
         }
         world.check_rest();

@@ -67,6 +67,10 @@ impl<C: Exhibit> Transport<Mail<Hull<C>>> for Way<C> {
     fn failed(&self) -> Option<WorkerId> {
         Transport::failed(&*self.0)
     }
+
+    fn fail(&mut self) {
+        Transport::fail(&mut *self.0);
+    }
 }
 
 /// A worker's watch.
@@ -141,7 +145,7 @@ type Worked<C> = Loop<Hull<C>, Points, C, Way<C>, Notes>;
 /// Runs a worker until it is stopped.
 fn work<C: Exhibit>(worker: Worked<C>) -> (Node<C>, BTreeSet<Seen>) {
     // Nobody fails here: a panic ends the model.
-    let Some(Ended { node, way, watch }) = worker.run() else { panic!("another worker failed") };
+    let Ok(Ended { node, way, watch }) = worker.run() else { panic!("a worker failed") };
     drop(Kept::into_inner(way.0));
     (node, watch.seen)
 }
