@@ -11,8 +11,8 @@
 mod lists;
 
 use lists::lists;
-use ltbw::generate::{PointKind, generate};
 use ltbw::{Builder, PointSet};
+use ltbw_generate::{PointKind, generate};
 use ltbw_verify as verify;
 use std::error::Error;
 use std::time::Instant;

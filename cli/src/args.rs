@@ -6,8 +6,8 @@ use crate::simulate::Simulate;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand, ValueEnum};
-use ltbw::generate::{DomainKind, PointKind};
 use ltbw::points::MAX_POINTS;
+use ltbw_generate::{DomainKind, PointKind};
 use std::path::PathBuf;
 
 const EXIT_CODES: &str = "\

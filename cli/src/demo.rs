@@ -7,8 +7,8 @@ use crate::mesh::{Job, mesh_domain};
 use crate::outcome::{Exit, Failure, show};
 use crate::run::check_outputs;
 use ltbw::domain::PrepareOptions;
-use ltbw::generate::{DomainKind, Shape, generate_domain};
 use ltbw::io;
+use ltbw_generate::{DomainKind, Shape, generate_domain};
 use std::path::Path;
 use std::time::Instant;
 

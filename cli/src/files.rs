@@ -4,8 +4,8 @@ use crate::args::{Convert, Generate, Kind};
 use crate::console;
 use crate::outcome::{Exit, Failure, show};
 use ltbw::domain::{Domain, DomainError};
-use ltbw::generate::{Shape, generate_domain};
 use ltbw::io::{self, DomainFile, Encoding, Format, MshVersion, PointFile, WriteOptions};
+use ltbw_generate::{Shape, generate_domain};
 use std::path::Path;
 
 /// `ltbw convert`.
@@ -129,7 +129,7 @@ pub(crate) fn generate(args: &Generate) -> Result<Exit, Failure> {
     io::check_points_writable(&args.output).map_err(Failure::Write)?;
     let format = Format::from_path(&args.output).map_err(Failure::Write)?;
     let count = args.count.unwrap_or(1000) as usize;
-    let points = ltbw::generate::generate(kind, count, args.seed);
+    let points = ltbw_generate::generate(kind, count, args.seed);
     let file = PointFile { points, ..PointFile::default() };
     write_points(&args.output, format, &file, WriteOptions::default())
 }

@@ -38,6 +38,7 @@ mod lists;
 mod mesh;
 mod outcome;
 mod page;
+mod picture;
 mod report;
 mod run;
 mod simulate;

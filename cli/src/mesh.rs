@@ -133,7 +133,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
         write_text(path, &page.html(&inside))?;
     }
     if let (Some(path), Some(quality)) = (job.histogram, &quality) {
-        write_text(path, &quality.svg())?;
+        write_text(path, &crate::picture::histograms::svg(quality))?;
     }
     finish(&mut report, job)?;
     Ok(ending(&refined))

@@ -1,9 +1,10 @@
 //! A page to look at: a cut through the mesh, histograms, the report. One file of HTML that needs
 //! nothing beside it, and no script.
 
+use crate::picture::{cut, histograms};
 use crate::report::Report;
 use ltbw::TetMesh;
-use ltbw::quality::{Quality, cut};
+use ltbw::quality::Quality;
 
 /// What a page tells.
 pub(crate) struct Page<'a> {
@@ -43,7 +44,7 @@ impl Page<'_> {
             self.table(),
             key(),
             cut::svg(&mesh.points, &mesh.tets, 2, middle, WIDTH),
-            self.quality.svg(),
+            histograms::svg(self.quality),
             escape(&self.report.to_json().unwrap_or_default()),
         )
     }

@@ -12,10 +12,10 @@
 //! What a message costs over a network is not measured: it is an assumption of the cost model.
 
 use ltbw::PointSet;
-use ltbw::generate::{PointKind, generate};
 use ltbw::mesh::{Field, LocalMesh, Plan, Site};
 use ltbw::protocol::{Config, Costs, Event, Submesh, Worker};
 use ltbw::simulate::CostModel;
+use ltbw_generate::{PointKind, generate};
 
 type Failure = Box<dyn std::error::Error>;
 type Alone = Worker<LocalMesh, Field>;

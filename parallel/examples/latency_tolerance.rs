@@ -5,10 +5,10 @@
 //! LT strict at least 0.90, setbacks below 2 % of operations. Fails if a run misses one of them.
 
 use ltbw::PointSet;
-use ltbw::generate::{PointKind, generate};
 use ltbw::mesh::Plan;
 use ltbw::protocol::Config;
 use ltbw::simulate::{Network, Options, simulate_mesh};
+use ltbw_generate::{PointKind, generate};
 
 type Failure = Box<dyn std::error::Error>;
 

@@ -4,9 +4,9 @@
 //! prints one JSON line: medians of seconds, and ratios to the sequential kernel of the same run.
 //! `-p` in front of KIND skips the sequential kernel: for profilers.
 
-use ltbw::generate::{PointKind, generate};
 use ltbw::threads::{Parallel, Run};
 use ltbw::{Builder, PointSet};
+use ltbw_generate::{PointKind, generate};
 use std::time::Instant;
 
 fn median(mut values: Vec<f64>) -> f64 {

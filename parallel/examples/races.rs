@@ -5,9 +5,9 @@
 //! have ended, has no thread here: it orders memory by fences, which the sanitizer does not know.
 
 use ltbw::balance::Balance;
-use ltbw::generate::{PointKind, generate};
 use ltbw::threads::Parallel;
 use ltbw::{Builder, CancelToken, Outcome, PointSet};
+use ltbw_generate::{PointKind, generate};
 use std::time::Duration;
 
 type Failure = Box<dyn std::error::Error>;

@@ -174,10 +174,10 @@ impl Balancer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::generate::{PointKind, generate};
     use crate::mesh::Plan;
     use crate::protocol::Config;
-    use ltbw_core::PointSet;
+    use ltbw_exact::PointSet;
+    use ltbw_generate::{PointKind, generate};
 
     #[test]
     fn who_has_nearly_done_gives_nothing() {

@@ -34,3 +34,11 @@ pub mod threads;
 pub mod transport;
 
 pub use ltbw_core::*;
+#[doc(no_inline)]
+pub use ltbw_domain::{self as domain, quality, refine};
+pub use ltbw_domain::{Domain, DomainDefect, DomainError, Facet, Lattice, Region, Snapped};
+#[cfg(feature = "nalgebra")]
+pub use ltbw_exact::interop;
+pub use ltbw_exact::{points, predicates};
+#[doc(no_inline)]
+pub use ltbw_formats as io;

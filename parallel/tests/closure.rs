@@ -1,9 +1,9 @@
 //! What an operation locks: the cavity and its face neighbours, or all that touches the cavity.
 
 use ltbw::PointSet;
-use ltbw::generate::{PointKind, generate};
 use ltbw::mesh::{Field, LocalMesh, Ownership, Plan};
 use ltbw::protocol::{Action, Closure, Config, Event, Message, Worker};
+use ltbw_generate::{PointKind, generate};
 use std::collections::{BTreeSet, VecDeque};
 
 type Node = Worker<LocalMesh, Field>;

@@ -1,9 +1,9 @@
 //! Every tetrahedron is with the owner of its block, also beside a block that has moved away.
 
-use ltbw::generate::{PointKind, Random, generate};
 use ltbw::mesh::{Field, LocalMesh, Plan, gather};
 use ltbw::protocol::{Action, Config, Event, Message, Worker};
 use ltbw::{Builder, PointSet};
+use ltbw_generate::{PointKind, Random, generate};
 use std::collections::VecDeque;
 
 type Node = Worker<LocalMesh, Field>;

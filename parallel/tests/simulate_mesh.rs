@@ -1,6 +1,5 @@
 //! The real mesh on simulated processors: always the sequential kernel's mesh.
 
-use ltbw::generate::{PointKind, Random, generate};
 use ltbw::mesh::{Ownership, Plan};
 use ltbw::protocol::{Closure, Config, Rule};
 use ltbw::simulate::{
@@ -8,6 +7,7 @@ use ltbw::simulate::{
     simulate_mesh,
 };
 use ltbw::{Builder, PointSet, invariants};
+use ltbw_generate::{PointKind, Random, generate};
 
 fn options(seed: u64) -> Options {
     Options { seed, max_events: 50_000_000, ..Options::default() }

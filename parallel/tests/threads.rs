@@ -1,11 +1,11 @@
 //! The thread runtime: the sequential kernel's mesh for any number of threads.
 
 use ltbw::balance::Balance;
-use ltbw::generate::{PointKind, generate};
 use ltbw::mesh::{Ownership, Plan};
 use ltbw::protocol::{Closure, Rule};
 use ltbw::threads::{Parallel, RunError};
 use ltbw::{BuildError, Builder, CancelToken, Outcome, PointSet, invariants};
+use ltbw_generate::{PointKind, generate};
 use std::time::Duration;
 
 fn set(kind: PointKind, count: u64, seed: u64) -> PointSet {

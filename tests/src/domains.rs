@@ -1,7 +1,7 @@
 //! Random domains, the same on every machine.
 
 use ltbw::domain::{Domain, Facet};
-use ltbw::generate::{DomainKind, Shape, generate_domain};
+use ltbw_generate::{DomainKind, Shape, generate_domain};
 
 /// A random domain and the kind of it: a box with a turned box hole, a star-shaped polyhedron, or a
 /// union of cubes, in turn.

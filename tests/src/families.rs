@@ -5,9 +5,9 @@
 //! rings, planes, lines).
 
 use ltbw::Point;
-use ltbw::generate::{PointKind, generate};
+use ltbw_generate::{PointKind, generate};
 
-pub use ltbw::generate::Random as Rng;
+pub use ltbw_generate::Random as Rng;
 
 /// A named point set.
 #[derive(Debug, Clone)]

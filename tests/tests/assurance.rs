@@ -46,11 +46,15 @@ fn root() -> PathBuf {
 /// The folder of a package of the workspace.
 fn folder(package: &str) -> PathBuf {
     let name = format!("name = \"{package}\"");
-    let folders = ["core", "parallel", "verify", "verify/models", "cli", "xtask", "tests"];
-    let found = folders.into_iter().map(|folder| root().join(folder)).find(|folder| {
-        let manifest = fs::read_to_string(folder.join("Cargo.toml")).expect("a manifest");
-        manifest.lines().any(|line| line == name)
-    });
+    let core = ["exact", "kernel", "domain", "formats", "generate"].map(|c| format!("core/{c}"));
+    let rest = ["parallel", "verify/checker", "verify/models", "cli", "xtask", "tests"];
+    let found =
+        core.into_iter().chain(rest.map(String::from)).map(|folder| root().join(folder)).find(
+            |folder| {
+                let manifest = fs::read_to_string(folder.join("Cargo.toml")).expect("a manifest");
+                manifest.lines().any(|line| line == name)
+            },
+        );
     found.unwrap_or_else(|| panic!("no package {package}"))
 }
 

@@ -2,10 +2,10 @@
 //! of workers. The mesh is the sequential kernel's, and nothing is left locked, awaited or under
 //! way. Every third run sends all messages through bytes.
 
-use ltbw::generate::{PointKind, generate};
 use ltbw::mesh::{Ownership, Plan};
 use ltbw::protocol::{Closure, Rule, SubmeshError};
 use ltbw::{Point, PointSet};
+use ltbw_generate::{PointKind, generate};
 use ltbw_tests::interleave::{Case, Chooser, Figures, Refusal, Tempo};
 
 /// Plays `points` with ownership by the newest vertex, and by blocks, which move; returns setbacks and

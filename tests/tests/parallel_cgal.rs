@@ -6,11 +6,11 @@
 //! one.
 
 use ltbw::balance::Balance;
-use ltbw::generate::Random;
 use ltbw::mesh::{Ownership, Plan};
 use ltbw::protocol::{Closure, Config, Rule};
 use ltbw::simulate::{Distribution, MeshError, Network, Options, Storm, simulate_mesh};
 use ltbw::{BuildError, Mesh, PointSet};
+use ltbw_generate::Random;
 use ltbw_tests::cases;
 use ltbw_tests::cgal::Cgal;
 use ltbw_tests::compare::{compare_mesh, refusal};

@@ -3,8 +3,8 @@
 //! Random domains: 40 by default, `LTBW_CASES` for more (500 for the full bar).
 
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
-use ltbw::generate::{DomainKind, Shape, generate_domain};
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
+use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_tests::cases;
 use ltbw_tests::domains::random_domain;
 use ltbw_verify::{Breach, Conformity, Limits, Mesh, Options, Plc, PlcFacet, conforms};

@@ -3,8 +3,8 @@
 //! "Soon" is told in transactions, which no noise touches: some 100,000 of them take a second.
 
 use ltbw::domain::{Domain, Facet, PrepareError, PrepareOptions};
-use ltbw::generate::{DomainKind, Shape, generate_domain};
 use ltbw::refine::{Reason, RefineError, RefineOutcome, Refined, Refiner};
+use ltbw_generate::{DomainKind, Shape, generate_domain};
 
 /// The most points that such a domain may take.
 const FEW: u64 = 100_000;

@@ -1,12 +1,12 @@
 //! The simulator, on the smallest mesh that there is.
 
 use ltbw::balance::Balance;
-use ltbw::generate::Random;
 use ltbw::metrics::{SpanKind, Summary};
 use ltbw::protocol::{Conduct, Config, Directory, Rule, Sound, Worker, WorkerId};
 use ltbw::simulate::{
     Bursts, Distribution, Network, Options, Simulation, SimulationError, Storm, simulate,
 };
+use ltbw_generate::Random;
 use ltbw_tests::vectors::line::{Cuts, Line, Queue, joined};
 use std::collections::BTreeSet;
 

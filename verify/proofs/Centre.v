@@ -1,7 +1,7 @@
 (* ltbw: how far the computed centre of a sphere can be from the true one.
    Licence: MIT OR Apache-2.0. Checked by `cargo xtask prove`.
 
-   core/src/sphere.rs keeps a sphere only if three conditions on what it has computed hold. *)
+   core/kernel/src/sphere.rs keeps a sphere only if three conditions on what it has computed hold. *)
 Require Import Reals Psatz.
 From Flocq Require Import Core.
 Require Import Rounding Constants.

@@ -1,4 +1,4 @@
-(* ltbw: the filter that compares two distances, core/src/predicates/distance.rs.
+(* ltbw: the filter that compares two distances, core/exact/src/predicates/distance.rs.
    Licence: MIT OR Apache-2.0. Checked by `cargo xtask prove`. *)
 Require Import Reals ZArith Lia Psatz.
 From Flocq Require Import Core Relative.

@@ -2,7 +2,7 @@
    Licence: MIT OR Apache-2.0. Checked by `cargo xtask prove`.
 
    If the stored centre, radius and query are close enough to the true ones, what
-   core/src/sphere.rs says of a query is true. *)
+   core/kernel/src/sphere.rs says of a query is true. *)
 Require Import Reals Psatz ZArith Lia.
 From Flocq Require Import Core Relative.
 Require Import Constants.

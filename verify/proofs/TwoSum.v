@@ -5,7 +5,7 @@ From Flocq Require Import Core Pff.Pff2Flocq.
 Require Import Rounding.
 Open Scope R_scope.
 
-(* As in core/src/predicates/exact/differences.rs. *)
+(* As in core/exact/src/predicates/exact/differences.rs. *)
 Definition high (a b : R) : R := rnd (a - b).
 Definition b_virtual (a b : R) : R := rnd (a - high a b).
 Definition a_virtual (a b : R) : R := rnd (high a b + b_virtual a b).

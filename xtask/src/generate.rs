@@ -29,9 +29,9 @@ pub(crate) fn files() -> Result<Vec<(PathBuf, String)>, String> {
     let rust = formatted(&predicates::rust::file()?)?;
     let spheres = formatted(&predicates::spheres::rust())?;
     let mut files: Vec<(PathBuf, String)> = vec![
-        ("core/src/sphere/constants.rs".into(), spheres),
+        ("core/kernel/src/sphere/constants.rs".into(), spheres),
         ("verify/proofs/Constants.v".into(), predicates::spheres::coq()),
-        ("core/src/predicates/filter/generated.rs".into(), rust),
+        ("core/exact/src/predicates/filter/generated.rs".into(), rust),
         ("verify/proofs/Predicates.v".into(), predicates::coq::file()?),
     ];
     let folder = PathBuf::from("verify/proofs/gappa");

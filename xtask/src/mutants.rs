@@ -41,14 +41,14 @@ struct Group {
 const GROUPS: [Group; 4] = [
     Group {
         name: "predicates",
-        lean: Lean { folder: "core", modules: "predicates", cases: &[] },
+        lean: Lean { folder: "core/exact", modules: "points predicates", cases: &[] },
         files: &["src/predicates/*.rs", "src/predicates/exact/*.rs"],
         skip: &[],
         switched: None,
     },
     Group {
         name: "filters",
-        lean: Lean { folder: "core", modules: "predicates", cases: &[] },
+        lean: Lean { folder: "core/exact", modules: "points predicates", cases: &[] },
         files: &["src/predicates/filter/generated.rs"],
         skip: &[],
         switched: Some(&["predicates::tests::filters", "predicates::filter"]),
@@ -56,9 +56,9 @@ const GROUPS: [Group; 4] = [
     Group {
         name: "kernel",
         lean: Lean {
-            folder: "core",
-            modules: "build cavity domain generate geometry hash invariants locate mesh order part \
-                      points predicates query raw snapshot sphere sync tetmesh topology",
+            folder: "core/kernel",
+            modules: "build cavity geometry hash invariants locate ltbw_exact mesh order part \
+                      query random raw snapshot special sphere sync tetmesh topology",
             cases: &["accessors", "counts", "kernel"],
         },
         files: &[
@@ -71,13 +71,13 @@ const GROUPS: [Group; 4] = [
             "src/sphere.rs",
             "src/topology.rs",
         ],
-        skip: &["predicates::", "query::"],
+        skip: &["query::"],
         switched: None,
     },
     Group {
         name: "checker",
         lean: Lean {
-            folder: "verify",
+            folder: "verify/checker",
             modules: "check defect exact faces geometry glued hash hull mesh perturb places \
                       predicates report structure sweep topology",
             cases: &["defects", "meshes", "words"],
@@ -262,10 +262,13 @@ mod tests {
                 assert_eq!(count(&file), 1, "{file}");
             }
         }
-        for file in ["core/src/predicates/perturb.rs", "core/src/predicates/filter/generated.rs"] {
+        for file in [
+            "core/exact/src/predicates/perturb.rs",
+            "core/exact/src/predicates/filter/generated.rs",
+        ] {
             assert_eq!(count(file), 1, "{file}");
         }
-        assert_eq!(count("core/src/predicates/exact/big.rs"), 1);
-        assert_eq!(count("core/src/io/ply.rs"), 0);
+        assert_eq!(count("core/exact/src/predicates/exact/big.rs"), 1);
+        assert_eq!(count("core/formats/src/ply.rs"), 0);
     }
 }

@@ -1,10 +1,10 @@
 //! The command line of `simulate`.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use ltbw::generate::PointKind;
 use ltbw::points::MAX_POINTS;
 use ltbw::protocol::{Closure, Rule};
 use ltbw::simulate::Distribution;
+use ltbw_generate::PointKind;
 use std::path::PathBuf;
 
 /// `ltbw simulate`.

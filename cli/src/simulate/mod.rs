@@ -9,12 +9,12 @@ use crate::check::{check_json, is_stdout, write_json};
 use crate::console;
 use crate::figures::{SPANS, cost_model, tables, write_trace};
 use crate::outcome::{Exit, Failure, show};
-use ltbw::generate::generate;
 use ltbw::io;
 use ltbw::mesh::{Ownership, Plan};
 use ltbw::protocol::{Closure, Config};
 use ltbw::simulate::{MeshError, Meshed, Network, Options, Storm, simulate_mesh};
 use ltbw::{Builder, PointSet};
+use ltbw_generate::generate;
 use report::{Report, Run};
 use std::path::{Path, PathBuf};
 

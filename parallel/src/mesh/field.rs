@@ -351,7 +351,7 @@ mod tests {
     use super::*;
     use ltbw_core::order::round_of;
     use ltbw_core::part::Setting;
-    use ltbw_core::{Mode, Point};
+    use ltbw_exact::{Mode, Point};
 
     fn field(count: u32) -> (Field, LocalMesh) {
         let blocks = Blocks::even(count, 4);

@@ -84,10 +84,10 @@ fn near(part: &Part<Ticket, Name>, face: FaceId) -> Link {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::PointSet;
-    use crate::generate::{PointKind, generate};
     use crate::mesh::{Plan, Site};
     use crate::protocol::{Found, Neighbour, Source, Submesh, Walk};
+    use ltbw_exact::PointSet;
+    use ltbw_generate::{PointKind, generate};
 
     const MINE: Ticket = Ticket { clock: 1, worker: 0, sequence: 1 };
     const OTHER: Ticket = Ticket { clock: 0, worker: 1, sequence: 1 };

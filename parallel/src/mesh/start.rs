@@ -7,7 +7,8 @@ use ltbw_core::build::independent;
 use ltbw_core::order::hilbert;
 use ltbw_core::part::Setting;
 use ltbw_core::topology::{INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
-use ltbw_core::{BuildError, Builder, Mesh, Mode, Point, PointSet, PredicateStats};
+use ltbw_core::{BuildError, Builder, Mesh, PredicateStats};
+use ltbw_exact::{Mode, Point, PointSet};
 use rayon::prelude::*;
 use std::ops::Range;
 

@@ -1,8 +1,8 @@
 //! What submeshes tell each other: plain values, with coordinates as bits.
 
 use crate::protocol::{BlockId, Handle, Name};
-use ltbw_core::Point;
 use ltbw_core::topology::{TetId, VertexId};
+use ltbw_exact::Point;
 
 /// A vertex with its coordinates, as bits: the protocol never sees a float.
 ///

@@ -6,9 +6,9 @@ use super::network::Wires;
 use super::options::Options;
 use super::processor::{Asking, Envelope, Next, Processor};
 use crate::balance::{Balancer, Stock};
-use crate::generate::Random;
 use crate::metrics::{Cause, Collector, Nanos, Step, Summary, Survey, Trace};
 use crate::protocol::{Action, Conduct, Event, Note, Source, Submesh, Ticket, Worker, WorkerId};
+use ltbw_core::Random;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 

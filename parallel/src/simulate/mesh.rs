@@ -6,7 +6,8 @@ use crate::mesh::{GatherError, Gathered, LocalMesh, Ownership, Plan, gather};
 use crate::mesh::{Link, Moving, Patch, Piece, Side, Site};
 use crate::metrics::{Summary, Survey, Trace};
 use crate::protocol::{Conduct, Config, Sound, Worker};
-use crate::{BuildError, PointSet};
+use ltbw_core::BuildError;
+use ltbw_exact::PointSet;
 
 /// Vertex number and coordinates.
 const SITE: u64 = 28;

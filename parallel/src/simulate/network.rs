@@ -1,9 +1,9 @@
 //! When messages arrive.
 
 use super::options::Network;
-use crate::generate::Random;
 use crate::metrics::Nanos;
 use crate::protocol::WorkerId;
+use ltbw_core::Random;
 
 /// How the latencies of single messages spread around their mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

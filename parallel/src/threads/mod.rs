@@ -16,7 +16,8 @@ use crate::mesh::{Field, GatherError, LocalMesh, Ownership, Plan, Prepared};
 use crate::metrics::{Collector, Summary, Trace};
 use crate::protocol::{Closure, Config, Note, Rule, Sound, SubmeshError, Worker, WorkerId};
 use crate::transport::{Delayed, Mail, Transport};
-use ltbw_core::{BuildError, CancelToken, Mesh, Outcome, PointSet, Vertex};
+use ltbw_core::{BuildError, CancelToken, Mesh, Outcome, Vertex};
+use ltbw_exact::PointSet;
 use std::any::Any;
 use std::time::{Duration, Instant};
 use watch::ThreadWatch;
@@ -354,7 +355,7 @@ mod tests {
     use super::*;
     use crate::metrics::Nanos;
     use crate::protocol::{Action, Attempt, BlockId, Event};
-    use ltbw_core::generate::{PointKind, generate};
+    use ltbw_generate::{PointKind, generate};
 
     /// A watch that fails after some steps.
     struct Bomb<'a> {

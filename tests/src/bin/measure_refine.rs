@@ -7,9 +7,9 @@
 //! has it.
 
 use ltbw::domain::{PrepareOptions, Prepared};
-use ltbw::generate::{DomainKind, Shape, generate_domain};
 use ltbw::io;
 use ltbw::refine::{RefineOutcome, Refiner};
+use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_tests::domains::random_domain;
 use ltbw_tests::require::skip;
 use ltbw_tests::{cases, median};

@@ -12,9 +12,9 @@
 //! percent of it, a thread waits for one that does not run, and figures tell of the host.
 //! `cargo xtask bench threads` builds this with the release profile.
 
-use ltbw::generate::{PointKind, generate};
 use ltbw::threads::{Parallel, WorkerStats};
 use ltbw::{Builder, PointSet};
+use ltbw_generate::{PointKind, generate};
 use ltbw_tests::cgal::{Ask, Cgal};
 use ltbw_tests::median;
 use std::process::{Child, Command, ExitCode, Stdio};

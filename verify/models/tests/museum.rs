@@ -2,11 +2,11 @@
 //! The mailbox's pieces are in `tests/mailbox.rs` (loom).
 #![cfg(not(any(loom, shuttle)))]
 
-use ltbw::generate::{PointKind, generate};
 use ltbw::mesh::Plan;
 use ltbw::protocol::{Config, Rule, Sound};
 use ltbw::simulate::{MeshError, Options, SimulationError, Storm, simulate_as};
 use ltbw::{Builder, MeshHash, PointSet};
+use ltbw_generate::{PointKind, generate};
 use ltbw_models::graph::{Graph, Limits};
 use ltbw_models::museum::{self, Exhibit};
 use ltbw_models::random::world;

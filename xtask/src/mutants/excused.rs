@@ -39,7 +39,7 @@ pub(super) fn read_source(file: &str) -> Result<String, String> {
     fs::read_to_string(root().join(file)).map_err(|error| format!("{file}: {error}"))
 }
 
-/// `core/src/x.rs:5:9: replace + with - in f` to `core/src/x.rs: replace + with - in f: a »+ b`.
+/// `core/kernel/src/x.rs:5:9: replace + with - in f` to `core/kernel/src/x.rs: replace + with - in f: a »+ b`.
 pub(super) fn known_by(
     mutant: &str,
     source: &impl Fn(&str) -> Result<String, String>,
@@ -127,8 +127,8 @@ mod tests {
 
     #[test]
     fn a_mutant_is_known_by_its_line_and_place() {
-        let known = known_by("core/src/x.rs:2:7: replace + with - in f", &source);
-        assert_eq!(known.as_deref(), Ok("core/src/x.rs: replace + with - in f: a »+ b"));
+        let known = known_by("core/kernel/src/x.rs:2:7: replace + with - in f", &source);
+        assert_eq!(known.as_deref(), Ok("core/kernel/src/x.rs: replace + with - in f: a »+ b"));
         for wrong in ["", "x.rs:1: y", "x.rs:9:1: past the end", "x.rs:a:1: y", "x.rs:1:1:1: y"] {
             assert!(known_by(wrong, &source).is_err(), "{wrong}");
         }

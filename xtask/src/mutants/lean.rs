@@ -36,16 +36,17 @@ fn write(lean: &Lean, package: &Path) -> std::io::Result<()> {
     }
     let manifest = fs::read_to_string(from.join("Cargo.toml"))?;
     let workspace = fs::read_to_string(root().join("Cargo.toml"))?;
-    fs::write(package.join("Cargo.toml"), format!("{manifest}\n{}", shared(&workspace)))?;
+    let shared = shared(&workspace, &root().display().to_string());
+    fs::write(package.join("Cargo.toml"), format!("{manifest}\n{shared}"))?;
     fs::copy(root().join("Cargo.lock"), package.join("Cargo.lock"))?;
     let library = library(&fs::read_to_string(from.join("src/lib.rs"))?, &manifest, lean);
     fs::write(package.join("src/lib.rs"), library)
 }
 
-/// The manifest of the workspace without its lists of members.
-fn shared(workspace: &str) -> String {
+/// The manifest of the workspace in `root` without its list of members; paths start at `root`.
+fn shared(workspace: &str, root: &str) -> String {
     let rest = workspace.find("[workspace.package]").map_or("", |at| &workspace[at..]);
-    format!("[workspace]\n{rest}")
+    format!("[workspace]\n{}", rest.replace("path = \"", &format!("path = \"{root}/")))
 }
 
 /// `library` (a `lib.rs`) with the lean package's modules alone, and its test programs.
@@ -104,8 +105,12 @@ mod tests {
 
     #[test]
     fn members_are_left_out_and_versions_kept() {
-        let workspace = "[workspace]\nmembers = []\n\n[workspace.package]\nedition = \"2024\"\n";
-        assert_eq!(shared(workspace), "[workspace]\n[workspace.package]\nedition = \"2024\"\n");
+        let workspace =
+            "[workspace]\nmembers = []\n\n[workspace.package]\na = { path = \"core/a\" }\n";
+        assert_eq!(
+            shared(workspace, "/r"),
+            "[workspace]\n[workspace.package]\na = { path = \"/r/core/a\" }\n"
+        );
     }
 
     #[test]

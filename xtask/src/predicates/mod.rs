@@ -2,10 +2,10 @@
 //!
 //! | module | writes | for |
 //! |---|---|---|
-//! | [`rust`] | `core/src/predicates/filter/generated.rs` | the kernel |
+//! | [`rust`] | `core/exact/src/predicates/filter/generated.rs` | the kernel |
 //! | [`coq`] | `verify/proofs/Predicates.v` | the proofs |
 //! | [`gappa`] | `verify/proofs/gappa/*.g` | a second opinion on the constants |
-//! | [`spheres`] | `core/src/sphere/constants.rs`, `verify/proofs/Constants.v` | both |
+//! | [`spheres`] | `core/kernel/src/sphere/constants.rs`, `verify/proofs/Constants.v` | both |
 //!
 //! The files are checked in; `cargo xtask generate` writes them, a test compares them byte for
 //! byte. So the source that is compiled is the term that is proved.

@@ -1,4 +1,4 @@
-//! Writes the filters of `core/src/predicates/filter/generated.rs`.
+//! Writes the filters of `core/exact/src/predicates/filter/generated.rs`.
 
 use super::describe::PREDICATES;
 use super::expression::Expression;

@@ -1,9 +1,9 @@
 //! A worker's range of vertices, and cursors on it.
 
 use crate::mesh::{LocalMesh, Site};
-use ltbw_core::Point;
 use ltbw_core::order::round_of;
 use ltbw_core::topology::VertexId;
+use ltbw_exact::Point;
 use std::collections::VecDeque;
 use std::ops::Range;
 

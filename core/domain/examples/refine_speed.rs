@@ -1,0 +1,38 @@
+//! Refines a domain file and prints times, counts and the outcome:
+//! `refine_speed DOMAIN [MAX_VOLUME|0 [RADIUS_EDGE [REPEATS]]]`.
+
+use ltbw_domain::PrepareOptions;
+use ltbw_domain::refine::Refiner;
+use ltbw_formats::read_domain;
+use std::path::Path;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut args = std::env::args().skip(1);
+    let path = args.next().ok_or("which domain?")?;
+    let volume: f64 = args.next().map_or(Ok(0.0), |s| s.parse())?;
+    let ratio: f64 = args.next().map_or(Ok(2.0), |s| s.parse())?;
+    let repeats: usize = args.next().map_or(Ok(1), |s| s.parse())?;
+    let file = read_domain(Path::new(&path))?;
+    let options = PrepareOptions { oriented: file.oriented, ..PrepareOptions::default() };
+    let ready = file.domain.prepare(&options)?;
+    let mut refiner = Refiner::new().radius_edge(ratio);
+    if volume > 0.0 {
+        refiner = refiner.max_volume(volume);
+    }
+    for _ in 0..repeats {
+        let refined = refiner.refine(&ready.domain, &ready.lattice)?;
+        let stats = refined.stats;
+        println!(
+            "recover {:.3} s, refine {:.3} s, {} tets, {} vertices, {:?}, {} excuses, {} lost",
+            stats.recover_seconds,
+            stats.refine_seconds,
+            refined.num_tets(),
+            refined.mesh().num_vertices(),
+            refined.outcome,
+            refined.excuses.len(),
+            refined.lost.len()
+        );
+        println!("{stats:?}\n{:?}", refined.mesh().predicate_stats());
+    }
+    Ok(())
+}

@@ -1,0 +1,243 @@
+//! What the cells mean: which are to be meshed, which are voids, where the outside leaks in.
+
+use super::cells::{self, Cells, OUTSIDE};
+use super::complex::{Complex, Piece, Shape};
+use super::contact::Contacts;
+use super::exact::Volume;
+use super::rays::cast;
+use super::{Cell, CheckOptions, DomainReport, Findings};
+use crate::{DefectKind, Domain, Element};
+use ltbw_core::Random;
+use ltbw_exact::Point;
+use rstar::{AABB, RTree};
+
+/// Everything that is asked.
+struct Question<'a> {
+    domain: &'a Domain,
+    complex: &'a Complex<'a>,
+    index: &'a RTree<Piece>,
+    cells: Cells,
+}
+
+/// Assigns seeds and meanings to the cells, and reports what is wrong with them.
+pub(super) fn assign(
+    domain: &Domain,
+    complex: &Complex<'_>,
+    index: &RTree<Piece>,
+    cells: Cells,
+    options: &CheckOptions,
+    findings: &mut Findings,
+    report: &mut DomainReport,
+) {
+    let question = Question { domain, complex, index, cells };
+    let closed = question.open_edges(options, findings);
+    let mut found = question.volumes();
+    let depth = if options.oriented { question.depth() } else { None };
+    if let Some(odd) = &depth {
+        for (cell, odd) in found.iter_mut().zip(&odd[1..]) {
+            cell.filled = *odd;
+        }
+    }
+    question.seeds(&mut found, findings);
+    if closed && options.oriented {
+        report.inward = question.inward(&found, findings);
+        report.voids = question.voids(&found);
+    }
+    report.cells = Some(found);
+}
+
+impl Question<'_> {
+    fn at(&self, v: u32) -> Point {
+        self.complex.points[v as usize]
+    }
+
+    /// Reports edges of one facet only; is there none of them outside?
+    fn open_edges(&self, options: &CheckOptions, findings: &mut Findings) -> bool {
+        let mut closed = true;
+        for &(edge, t) in &self.cells.open {
+            // Both sides of this triangle are in one cell.
+            let inside = self.cells.beside(t as usize)[0] != OUTSIDE;
+            let kind = if inside && !options.oriented {
+                DefectKind::Dangling
+            } else {
+                closed = false;
+                DefectKind::Leak
+            };
+            cells::leak(self.complex, edge, t, kind, findings);
+        }
+        closed
+    }
+
+    /// The bounded cells with their volumes, all of them filled.
+    fn volumes(&self) -> Vec<Cell> {
+        let mut borders: Vec<Vec<([u32; 3], i32)>> = vec![Vec::new(); self.cells.count as usize];
+        for (t, &corners) in self.complex.triangles.iter().enumerate() {
+            let [front, back] = self.cells.beside(t);
+            if front != back {
+                // Seen from the cell behind it, a triangle points outwards.
+                borders[front as usize].push((corners, -1));
+                borders[back as usize].push((corners, 1));
+            }
+        }
+        borders[1..]
+            .iter()
+            .map(|border| Cell {
+                volume: Volume::of_cone(self.complex.points, border),
+                filled: true,
+                holes: Vec::new(),
+                regions: Vec::new(),
+            })
+            .collect()
+    }
+
+    /// For each cell whether the number of facets between it and the outside is odd; `None` if that
+    /// depends on the way.
+    fn depth(&self) -> Option<Vec<bool>> {
+        let count = self.cells.count as usize;
+        let mut pairs: Vec<[u32; 2]> = (0..self.complex.triangles.len())
+            .map(|t| self.cells.beside(t))
+            .map(|[a, b]| [a.min(b), a.max(b)])
+            .collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); count];
+        for [a, b] in pairs {
+            neighbours[a as usize].push(b);
+            neighbours[b as usize].push(a);
+        }
+        let mut odd: Vec<Option<bool>> = vec![None; count];
+        odd[OUTSIDE as usize] = Some(false);
+        let mut stack = vec![OUTSIDE];
+        // Every cell is pushed once.
+        while let Some(cell) = stack.pop() {
+            let own = odd[cell as usize]?;
+            for &next in &neighbours[cell as usize] {
+                match odd[next as usize] {
+                    Some(other) if other == own => return None,
+                    Some(_) => {}
+                    None => {
+                        odd[next as usize] = Some(!own);
+                        stack.push(next);
+                    }
+                }
+            }
+        }
+        odd.into_iter().collect()
+    }
+
+    /// Finds the cells of the hole points, and then of the region points.
+    fn seeds(&self, found: &mut [Cell], findings: &mut Findings) {
+        for (h, p) in (0..).zip(&self.domain.holes) {
+            if let Some(cell) = self.cell_of(p, Element::Hole(h), found, findings) {
+                cell.holes.push(h);
+                cell.filled = false;
+            }
+        }
+        for (r, region) in (0..).zip(&self.domain.regions) {
+            let element = Element::Region(r);
+            match self.cell_of(&region.seed, element, found, findings) {
+                Some(cell) if cell.filled => cell.regions.push(r),
+                Some(_) => {
+                    findings.add(DefectKind::SeedOutside, vec![element], vec![region.seed]);
+                }
+                None => {}
+            }
+        }
+    }
+
+    /// The bounded cell in which a seed lies; if there is none, that is reported.
+    fn cell_of<'c>(
+        &self,
+        p: &Point,
+        element: Element,
+        found: &'c mut [Cell],
+        findings: &mut Findings,
+    ) -> Option<&'c mut Cell> {
+        let contacts = Contacts { points: self.complex.points };
+        let here = self.index.locate_in_envelope_intersecting(AABB::from_point(*p));
+        for piece in here {
+            let Shape::Triangle(t) = self.complex.shape(piece.number) else { continue };
+            if contacts.point_on_triangle(p, t) {
+                let elements = vec![element, self.complex.element(piece.number)];
+                findings.add(DefectKind::SeedOnFacet, elements, vec![*p]);
+                return None;
+            }
+        }
+        match cells::locate(self.complex, self.index, &self.cells, p) {
+            Some(cell) if cell != OUTSIDE => found.get_mut(cell as usize - 1),
+            _ => {
+                findings.add(DefectKind::SeedOutside, vec![element], vec![*p]);
+                None
+            }
+        }
+    }
+
+    fn is_filled(&self, found: &[Cell], cell: u32) -> bool {
+        cell != OUTSIDE && found[cell as usize - 1].filled
+    }
+
+    /// The facets that point into what is filled, if others do not, or if the rule is clear.
+    fn inward(&self, found: &[Cell], findings: &mut Findings) -> Vec<u32> {
+        let mut inward: Vec<u32> = Vec::new();
+        for t in 0..self.complex.triangles.len() {
+            let [front, back] = self.cells.beside(t).map(|cell| self.is_filled(found, cell));
+            let facet = self.complex.facet_of[t];
+            // Between two filled cells both orientations are right. The triangles of a facet
+            // follow each other.
+            if front && !back && inward.last() != Some(&facet) {
+                inward.push(facet);
+                let corners = self.complex.triangles[t].map(|v| self.at(v)).to_vec();
+                findings.add(DefectKind::Orientation, vec![Element::Facet(facet)], corners);
+            }
+        }
+        inward
+    }
+
+    /// A point inside each bounded cell that is not filled and has no hole point.
+    fn voids(&self, found: &[Cell]) -> Vec<Point> {
+        let mut wanted: Vec<Vec<u32>> = vec![Vec::new(); self.cells.count as usize];
+        for t in 0..self.complex.triangles.len() {
+            for cell in self.cells.beside(t) {
+                if cell != OUTSIDE {
+                    let cell_found = &found[cell as usize - 1];
+                    if !cell_found.filled && cell_found.holes.is_empty() {
+                        wanted[cell as usize].push(t as u32);
+                    }
+                }
+            }
+        }
+        (0..).zip(wanted).filter_map(|(cell, border)| self.point_in(cell, border)).collect()
+    }
+
+    /// A point in a cell with this border: half-way from one of its larger triangles to what lies
+    /// across; proved to be in the cell by locating it.
+    fn point_in(&self, cell: u32, mut border: Vec<u32>) -> Option<Point> {
+        const TRIES: usize = 64;
+        let area = |t: &u32| cells::area(self.complex, *t);
+        border.sort_by(|t, u| area(u).total_cmp(&area(t)));
+        let (low, high) = self.domain.bounds()?;
+        let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+        let mut random = Random::new(3);
+        for (_, &t) in (0..TRIES).zip(border.iter().cycle()) {
+            let middle = cells::middle(self.complex, t, &mut random);
+            let normal = cells::normal(self.complex, t);
+            let length = cells::area(self.complex, t).sqrt();
+            let shift = |s: f64| [0, 1, 2].map(|k| middle[k] + s * size * (normal[k] / length));
+            let (from, to) = (shift(-2.0), shift(2.0));
+            let Ok(hits) = cast(self.complex, self.index, &from, &to) else { continue };
+            let in_cell = |side: u32| self.cells.of_side[side as usize] == cell;
+            for pair in hits.windows(2) {
+                let own = pair[0].triangle == t || pair[1].triangle == t;
+                if !own || !in_cell(pair[0].far()) {
+                    continue;
+                }
+                let s = (pair[0].along.to_f64() + pair[1].along.to_f64()) / 2.0;
+                let p = [0, 1, 2].map(|k| from[k] + s * (to[k] - from[k]));
+                if cells::locate(self.complex, self.index, &self.cells, &p) == Some(cell) {
+                    return Some(p);
+                }
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,38 @@
+//! Polyhedral domains of `ltbw`: piecewise linear complexes (PLCs), their exact check, and their
+//! refinement to a conforming Delaunay mesh of guaranteed quality.
+//!
+//! A [`Domain`] is plain data in TetGen's meaning: vertices; facets, each a set of polygons in one
+//! plane with holes in them; free-standing segments; seeds of holes and of regions. It says what a
+//! file said, right or wrong. The way to a mesh is
+//!
+//! ```text
+//! read -> structure (indices, finite numbers) -> snap to the lattice -> check -> refine
+//! ```
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`plc`] | [`Domain`], [`Facet`], [`Region`], and the check of their structure |
+//! | [`lattice`] | [`Lattice`]: the grid on which input vertices live, and snapping to it |
+//! | [`check`] | the exact check: [`DomainReport`], cells, volumes |
+//! | [`prepare`] | all steps to a domain that can be meshed: [`Prepared`] |
+//! | [`triangulate`] | triangles of a facet, exactly |
+//! | [`defect`] | [`DomainError`], [`DomainDefect`]: what is wrong, with ids and coordinates |
+//! | [`refine`] | conforming Delaunay refinement |
+//! | [`quality`] | histograms and extremes of angles, ratios, volumes, edges |
+#![forbid(unsafe_code)]
+
+pub mod check;
+pub mod defect;
+pub mod lattice;
+pub mod plc;
+pub mod prepare;
+pub mod quality;
+pub mod refine;
+pub mod triangulate;
+
+pub use check::{Cell, CheckOptions, DomainReport, Volume};
+pub use defect::{DefectKind, DomainDefect, DomainError, Element, Severity};
+pub use lattice::{Lattice, Move, Snapped};
+pub use plc::{Domain, Facet, Region};
+pub use prepare::{PrepareError, PrepareOptions, Prepared};
+pub use triangulate::{Problem, Triangulated};

@@ -1,0 +1,257 @@
+//! How good tetrahedra are: histograms and extremes of dihedral angles, circumradius to shortest
+//! edge, volume and edge length; as text.
+//!
+//! Values are rounded: they are for people. Bounds are tested exactly elsewhere.
+
+use ltbw_exact::Point;
+use std::fmt::Write as _;
+
+/// A value and the tetrahedron (its place in the list) that has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extreme {
+    /// The value.
+    pub value: f64,
+    /// The tetrahedron.
+    pub tet: usize,
+}
+
+/// Counts of values in bins of equal width.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Histogram {
+    /// What is counted.
+    pub name: &'static str,
+    /// Lower end of the first bin.
+    pub low: f64,
+    /// Upper end of the last bin.
+    pub high: f64,
+    /// The bins; values outside are in the first or the last one.
+    pub counts: Vec<u64>,
+    /// The least value.
+    pub least: Extreme,
+    /// The largest value.
+    pub largest: Extreme,
+}
+
+/// The quality of a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quality {
+    /// Number of tetrahedra.
+    pub tets: usize,
+    /// Dihedral angles in degrees, six for each tetrahedron, in bins of 5°.
+    pub dihedral: Histogram,
+    /// Circumradius to shortest edge.
+    pub radius_edge: Histogram,
+    /// Volumes.
+    pub volume: Histogram,
+    /// Edge lengths, six for each tetrahedron.
+    pub edge: Histogram,
+}
+
+/// What is measured of one tetrahedron.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TetQuality {
+    /// Dihedral angles in degrees, at the edges 01, 02, 03, 12, 13, 23.
+    pub dihedral: [f64; 6],
+    /// Circumradius to shortest edge; infinite for a flat tetrahedron.
+    pub radius_edge: f64,
+    /// Volume, never negative.
+    pub volume: f64,
+    /// Edge lengths, in the order of the angles.
+    pub edges: [f64; 6],
+}
+
+/// The edges by their slots, and the two other slots.
+const EDGES: [[usize; 4]; 6] =
+    [[0, 1, 2, 3], [0, 2, 1, 3], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 0, 2], [2, 3, 0, 1]];
+
+fn minus(a: &Point, b: &Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: &Point, b: &Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: &Point, b: &Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+impl TetQuality {
+    /// Measures a tetrahedron.
+    #[must_use]
+    pub fn of(corners: [&Point; 4]) -> Self {
+        let edges = EDGES.map(|[i, j, ..]| {
+            let d = minus(corners[i], corners[j]);
+            dot(&d, &d).sqrt()
+        });
+        // The angle between the two faces at an edge is that between their normals, both taken
+        // from the edge towards the third corner.
+        let dihedral = EDGES.map(|[i, j, k, l]| {
+            let e = minus(corners[j], corners[i]);
+            let m = cross(&e, &minus(corners[k], corners[i]));
+            let n = cross(&e, &minus(corners[l], corners[i]));
+            let c = cross(&m, &n);
+            dot(&c, &c).sqrt().atan2(dot(&m, &n)).to_degrees()
+        });
+        let [a, b, c] = [0, 1, 2].map(|k| minus(corners[k], corners[3]));
+        let (bc, ca, ab) = (cross(&b, &c), cross(&c, &a), cross(&a, &b));
+        let (aa, bb, cc) = (dot(&a, &a), dot(&b, &b), dot(&c, &c));
+        let n = [0, 1, 2].map(|k| aa * bc[k] + bb * ca[k] + cc * ab[k]);
+        let det = dot(&a, &bc).abs();
+        let shortest = edges.into_iter().fold(f64::INFINITY, f64::min);
+        let ratio = dot(&n, &n).sqrt() / (2.0 * det) / shortest;
+        let radius_edge = if ratio.is_nan() { f64::INFINITY } else { ratio };
+        Self { dihedral, radius_edge, volume: det / 6.0, edges }
+    }
+}
+
+impl Histogram {
+    fn new(name: &'static str, low: f64, high: f64, bins: usize) -> Self {
+        let least = Extreme { value: f64::INFINITY, tet: 0 };
+        let largest = Extreme { value: f64::NEG_INFINITY, tet: 0 };
+        Self { name, low, high, counts: vec![0; bins], least, largest }
+    }
+
+    fn add(&mut self, value: f64, tet: usize) {
+        if value < self.least.value {
+            self.least = Extreme { value, tet };
+        }
+        if value > self.largest.value {
+            self.largest = Extreme { value, tet };
+        }
+        let bins = self.counts.len();
+        let place = (value - self.low) / (self.high - self.low) * bins as f64;
+        // The conversion saturates: NaN (no width) and values below go to 0.
+        self.counts[(place as usize).min(bins - 1)] += 1;
+    }
+
+    /// Bounds of bin `k`.
+    #[must_use]
+    pub fn bin(&self, k: usize) -> (f64, f64) {
+        let width = (self.high - self.low) / self.counts.len() as f64;
+        (self.low + k as f64 * width, self.low + (k + 1) as f64 * width)
+    }
+
+    fn total(&self) -> u64 {
+        self.counts.iter().sum()
+    }
+}
+
+/// Figures of every tetrahedron, with the names under which mesh files carry them: `radius_edge`,
+/// `volume`, and `dihedral_min` and `dihedral_max` in degrees. All vertices have to be points.
+#[must_use]
+pub fn arrays(points: &[Point], tets: &[[u32; 4]]) -> Vec<(&'static str, Vec<f64>)> {
+    let names = ["radius_edge", "volume", "dihedral_min", "dihedral_max"];
+    let mut arrays = names.map(|name| (name, Vec::with_capacity(tets.len())));
+    for tet in tets {
+        let q = TetQuality::of(tet.map(|v| &points[v as usize]));
+        let least = q.dihedral.into_iter().fold(f64::INFINITY, f64::min);
+        let largest = q.dihedral.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let values = [q.radius_edge, q.volume, least, largest];
+        arrays.iter_mut().zip(values).for_each(|(array, value)| array.1.push(value));
+    }
+    arrays.into()
+}
+
+impl Quality {
+    /// Measures all tetrahedra; `None` if there are none or if one names a point that is not there.
+    #[must_use]
+    pub fn of(points: &[Point], tets: &[[u32; 4]]) -> Option<Self> {
+        let known = tets.iter().flatten().all(|&v| (v as usize) < points.len());
+        if tets.is_empty() || !known {
+            return None;
+        }
+        let measure = |tet: &[u32; 4]| TetQuality::of(tet.map(|v| &points[v as usize]));
+        let (mut volume, mut edge) = (0.0, 0.0);
+        for tet in tets.iter().map(measure) {
+            volume = tet.volume.max(volume);
+            edge = tet.edges.into_iter().fold(edge, f64::max);
+        }
+        let mut all = Self {
+            tets: tets.len(),
+            dihedral: Histogram::new("dihedral angle, degrees", 0.0, 180.0, 36),
+            radius_edge: Histogram::new("circumradius / shortest edge", 0.6, 2.1, 30),
+            volume: Histogram::new("volume", 0.0, volume, 30),
+            edge: Histogram::new("edge length", 0.0, edge, 30),
+        };
+        for (t, tet) in tets.iter().map(measure).enumerate() {
+            tet.dihedral.into_iter().for_each(|angle| all.dihedral.add(angle, t));
+            tet.edges.into_iter().for_each(|length| all.edge.add(length, t));
+            all.radius_edge.add(tet.radius_edge, t);
+            all.volume.add(tet.volume, t);
+        }
+        Some(all)
+    }
+
+    /// The four histograms.
+    #[must_use]
+    pub fn histograms(&self) -> [&Histogram; 4] {
+        [&self.dihedral, &self.radius_edge, &self.volume, &self.edge]
+    }
+
+    /// Extremes and the histogram of dihedral angles, as text for people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        for h in self.histograms() {
+            let (least, largest) = (h.least, h.largest);
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                text,
+                "{:<28} {:.6e} (tet {}) to {:.6e} (tet {})",
+                h.name, least.value, least.tet, largest.value, largest.tet
+            );
+        }
+        let h = &self.dihedral;
+        let most = h.counts.iter().copied().max().unwrap_or(0).max(1);
+        for (k, &count) in h.counts.iter().enumerate() {
+            let (low, high) = h.bin(k);
+            let bar = "#".repeat((count * 50 / most) as usize);
+            let share = 100.0 * count as f64 / h.total().max(1) as f64;
+            let _ = writeln!(text, "{low:>4.0}-{high:<4.0} {share:>6.2} % {bar}");
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_regular_tetrahedron_and_a_corner() {
+        let regular = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+        let [a, b, c, d] = &regular;
+        let q = TetQuality::of([a, b, c, d]);
+        let angle = (1.0f64 / 3.0).acos().to_degrees();
+        assert!(q.dihedral.iter().all(|x| (x - angle).abs() < 1e-12), "{:?}", q.dihedral);
+        assert!((q.radius_edge - 0.375f64.sqrt()).abs() < 1e-15);
+        assert!((q.volume - 8.0 / 3.0).abs() < 1e-15);
+        assert!(q.edges.iter().all(|x| (x - 8f64.sqrt()).abs() < 1e-15));
+        let corner = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let [a, b, c, d] = &corner;
+        let q = TetQuality::of([a, b, c, d]);
+        assert!(q.dihedral[..3].iter().all(|x| (x - 90.0).abs() < 1e-12));
+        assert!((q.dihedral[3] - (1.0f64 / 3f64.sqrt()).acos().to_degrees()).abs() < 1e-12);
+        let points = [regular, corner].concat();
+        let all = Quality::of(&points, &[[0, 1, 2, 3], [4, 5, 6, 7]]).expect("two tetrahedra");
+        assert_eq!(all.dihedral.total(), 12);
+        assert_eq!(
+            (all.dihedral.counts[14], all.dihedral.counts[18], all.dihedral.counts[10]),
+            (6, 3, 3)
+        );
+        assert_eq!((all.volume.largest.tet, all.volume.least.tet), (0, 1));
+        assert!(all.text().contains("70-75"));
+        assert!(
+            Quality::of(&points, &[]).is_none() && Quality::of(&points, &[[0, 1, 2, 9]]).is_none()
+        );
+    }
+
+    #[test]
+    fn a_flat_tetrahedron_does_no_harm() {
+        let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+        let all = Quality::of(&points, &[[0, 1, 2, 3]]).expect("a tetrahedron");
+        assert!(all.radius_edge.largest.value.is_infinite());
+        assert_eq!(all.volume.counts.iter().sum::<u64>(), 1);
+    }
+}

@@ -1,0 +1,225 @@
+//! Small angles of the input: where the theory of refinement gives no guarantee.
+//!
+//! Facets that meet along a segment at a dihedral angle below arccos(1/3) = 70.53°, and facets and
+//! segments that meet only at a corner, at less than 60°, are *related*. Vertices of one encroach
+//! subfaces and subsegments of the other again and again, the nearer to the segment or corner the
+//! more; so such an encroachment counts only where the item is missing from the mesh. Features with
+//! narrow gaps between them (`near`) are related, too.
+//!
+//! Angles are computed in `f64`: they choose how hard to try, never what is true of the result.
+
+use super::carrier::{Carrier, cross, dot, minus};
+use super::near::{self, Pair};
+use super::outcome::Reason;
+use super::plc::Plc;
+use super::table::{Map, Set, edge};
+use ltbw_exact::Point;
+
+/// cos² of the dihedral angle below which facets are related; a little below 1/9, so that
+/// rounding relates none at the limit.
+const DIHEDRAL: f64 = (1.0 + 1e-9) / 9.0;
+/// cos² of the angle at corners.
+const CORNER: f64 = 0.25 * (1.0 + 1e-9);
+/// Corners with more facets than this are not looked at in pairs.
+const CROWD: usize = 64;
+
+/// The related pairs, and per facet and segment the reason why it is in one.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Angles {
+    facets: Set<[u32; 2]>,
+    /// Segment and facet.
+    segments: Set<(u32, u32)>,
+    /// Two segments.
+    sharp: Set<[u32; 2]>,
+    /// Corner and facet.
+    corners: Set<(u32, u32)>,
+    pub(crate) facet_reason: Map<u32, Reason>,
+    pub(crate) segment_reason: Map<u32, Reason>,
+}
+
+/// Is the angle between two directions below the one whose squared cosine is `limit`?
+fn is_small(a: &Point, b: &Point, limit: f64) -> bool {
+    let product = dot(a, b);
+    product > 0.0 && product * product > limit * dot(a, a) * dot(b, b)
+}
+
+/// Do two segments with these directions leave a corner at less than 60°?
+pub(crate) fn is_sharp(a: &Point, b: &Point) -> bool {
+    is_small(a, b, CORNER)
+}
+
+impl Angles {
+    /// Looks at all segments and corners, and at features nearer to each other than `limit` steps of
+    /// the grid.
+    pub(crate) fn of(plc: &Plc, limit: f64) -> Self {
+        let mut angles = Self::default();
+        let inward = inward_directions(plc);
+        for (s, segment) in (0..).zip(&plc.segments) {
+            let none = Vec::new();
+            for (k, &f) in segment.facets.iter().enumerate() {
+                for &g in &segment.facets[..k] {
+                    let [x, y] = [f, g].map(|f| inward.get(&(s, f)).unwrap_or(&none));
+                    if x.iter().any(|a| y.iter().any(|b| is_small(a, b, DIHEDRAL))) {
+                        let reason = Reason::SmallDihedral { segment: segment.ends };
+                        angles.relate_facets(f, g, reason);
+                        angles.segment_reason.entry(s).or_insert(reason);
+                    }
+                }
+            }
+        }
+        for corner in 0..plc.corners.len() as u32 {
+            angles.look_at_corner(plc, corner);
+        }
+        near::pairs(plc, limit).into_iter().for_each(|pair| angles.relate_near(plc, pair));
+        angles
+    }
+
+    /// Relates two features that are near each other, and what they are part of.
+    fn relate_near(&mut self, plc: &Plc, pair: Pair) {
+        match pair {
+            Pair::CornerFacet(corner, f) => {
+                let reason = Reason::NearFacet { corner };
+                self.corners.insert((corner, f));
+                for &s in &plc.segments_at[corner as usize] {
+                    self.segments.insert((s, f));
+                    self.segment_reason.entry(s).or_insert(reason);
+                }
+                for &g in plc.facets_at[corner as usize].iter().filter(|&&g| g != f) {
+                    self.relate_facets(f, g, reason);
+                }
+            }
+            Pair::Segments(s, r) => {
+                let [a, b] = [s, r].map(|s| &plc.segments[s as usize]);
+                let reason = Reason::NearSegments { first: a.ends, second: b.ends };
+                self.sharp.insert(edge(s, r));
+                self.segments.extend(b.facets.iter().map(|&f| (s, f)));
+                self.segments.extend(a.facets.iter().map(|&f| (r, f)));
+                for s in [s, r] {
+                    self.segment_reason.entry(s).or_insert(reason);
+                }
+                for &f in &a.facets {
+                    for &g in b.facets.iter().filter(|&&g| g != f) {
+                        self.relate_facets(f, g, reason);
+                    }
+                }
+            }
+        }
+    }
+
+    fn relate_facets(&mut self, f: u32, g: u32, reason: Reason) {
+        self.facets.insert(edge(f, g));
+        self.facet_reason.entry(f).or_insert(reason);
+        self.facet_reason.entry(g).or_insert(reason);
+    }
+
+    /// Relates what meets at one corner alone.
+    fn look_at_corner(&mut self, plc: &Plc, corner: u32) {
+        let segments = &plc.segments_at[corner as usize];
+        let reason = Reason::SmallFaceAngle { corner };
+        let facets = &plc.facets_at[corner as usize];
+        if segments.len() > CROWD || facets.len() > CROWD {
+            return;
+        }
+        let small = |s: u32, r: u32| {
+            let [a, b] = [s, r].map(|s| direction(plc, s, corner));
+            is_sharp(&a, &b)
+        };
+        for (k, &s) in segments.iter().enumerate() {
+            for &r in segments[..k].iter().filter(|&&r| small(s, r)) {
+                self.segment_reason.entry(s).or_insert(reason);
+                self.segment_reason.entry(r).or_insert(reason);
+                self.sharp.insert(edge(s, r));
+                let [of_s, of_r] = [s, r].map(|s| &plc.segments[s as usize].facets);
+                for &f in of_r.iter().filter(|f| !of_s.contains(f)) {
+                    self.segments.insert((s, f));
+                    self.facet_reason.entry(f).or_insert(reason);
+                }
+                for &f in of_s.iter().filter(|f| !of_r.contains(f)) {
+                    self.segments.insert((r, f));
+                    self.facet_reason.entry(f).or_insert(reason);
+                }
+                for &f in of_s {
+                    for &g in of_r.iter().filter(|&&g| g != f && !share_segment(plc, f, g, corner))
+                    {
+                        self.relate_facets(f, g, reason);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Is a vertex that lives on `carrier` related to segment `s`?
+    pub(crate) fn related_segment(&self, carrier: Carrier, s: u32) -> bool {
+        match carrier {
+            Carrier::Facet(g) => self.segments.contains(&(s, g)),
+            Carrier::Segment(r, _) => self.sharp.contains(&edge(r, s)),
+            Carrier::Corner(_) | Carrier::Free => false,
+        }
+    }
+
+    /// Is a vertex that lives on `carrier` related to facet `f`?
+    pub(crate) fn related(&self, plc: &Plc, carrier: Carrier, f: u32) -> bool {
+        match carrier {
+            Carrier::Facet(g) => self.facets.contains(&edge(f, g)),
+            Carrier::Segment(s, _) => {
+                let of_s = &plc.segments[s as usize].facets;
+                self.segments.contains(&(s, f))
+                    || of_s.iter().any(|&g| self.facets.contains(&edge(f, g)))
+            }
+            Carrier::Corner(c) => self.corners.contains(&(c, f)),
+            Carrier::Free => false,
+        }
+    }
+}
+
+/// The direction of segment `s` away from one of its corners.
+pub(crate) fn direction(plc: &Plc, s: u32, corner: u32) -> Point {
+    let ends = plc.segments[s as usize].ends;
+    let far = ends[usize::from(ends[0] == corner)];
+    let [a, b] = [corner, far].map(|c| plc.corners[c as usize].map(|x| x as f64));
+    minus(&b, &a)
+}
+
+/// Do two facets share a segment at `corner`?
+fn share_segment(plc: &Plc, f: u32, g: u32, corner: u32) -> bool {
+    plc.segments_at[corner as usize].iter().any(|&s| {
+        let facets = &plc.segments[s as usize].facets;
+        facets.contains(&f) && facets.contains(&g)
+    })
+}
+
+/// For each segment and facet at it: the directions in the facet's plane, normal to the segment,
+/// in which the facet extends. Where a patch has several polygons, both sides are taken.
+fn inward_directions(plc: &Plc) -> Map<(u32, u32), Vec<Point>> {
+    let by_ends: Map<[u32; 2], u32> = (0..).zip(&plc.segments).map(|(s, e)| (e.ends, s)).collect();
+    let mut inward: Map<(u32, u32), Vec<Point>> = Map::default();
+    for (f, facet) in (0..).zip(&plc.facets) {
+        let n = facet.plane.normal();
+        for patch in &facet.patches {
+            for polygon in &patch.polygons {
+                let at = |v: u32| plc.corners[v as usize].map(|c| c as f64);
+                let turn: f64 = (1..polygon.len())
+                    .map(|k| {
+                        let o = at(polygon[0]);
+                        let (a, b) = (minus(&at(polygon[k - 1]), &o), minus(&at(polygon[k]), &o));
+                        dot(&cross(&a, &b), &n)
+                    })
+                    .sum();
+                for (k, &a) in polygon.iter().enumerate() {
+                    let b = polygon[(k + 1) % polygon.len()];
+                    let Some(&s) = by_ends.get(&edge(a, b)) else { continue };
+                    let side = cross(&n, &minus(&at(b), &at(a)));
+                    let list = inward.entry((s, f)).or_default();
+                    let single = patch.polygons.len() == 1 && turn != 0.0;
+                    if !single || turn > 0.0 {
+                        list.push(side);
+                    }
+                    if !single || turn < 0.0 {
+                        list.push(side.map(|c| -c));
+                    }
+                }
+            }
+        }
+    }
+    inward
+}

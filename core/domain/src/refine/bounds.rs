@@ -1,0 +1,71 @@
+//! The bounds that a mesh has to meet, and the decision whether a tetrahedron does.
+
+use super::measure::{RatioBound, Shape, VolumeBound};
+use super::state::State;
+use ltbw_core::topology::TetId;
+use ltbw_exact::Point;
+
+/// The volume of a regular tetrahedron with edges of length h: h³ √2/12.
+pub(crate) fn regular_volume(h: f64) -> f64 {
+    std::f64::consts::SQRT_2 / 12.0 * (h * h * h)
+}
+
+/// A wanted edge length, as a function of the place in the input's coordinates.
+pub type SizeField<'a> = dyn Fn(Point) -> f64 + Sync + 'a;
+
+/// All bounds, in fine steps.
+pub(crate) struct Bounds<'a> {
+    pub(crate) ratio: Option<RatioBound>,
+    /// The bound of every region; that of the exterior is not used.
+    pub(crate) volumes: Vec<Option<VolumeBound>>,
+    pub(crate) field: Option<&'a SizeField<'a>>,
+    /// The length of a fine step in the input's coordinates.
+    pub(crate) fine_step: f64,
+}
+
+impl Bounds<'_> {
+    /// How far tetrahedron `t` of the domain is over its bounds, if it is: at least 1.
+    #[inline(always)]
+    pub(crate) fn excess(&self, state: &State, t: TetId) -> Option<f64> {
+        let region = state.marks.region(t) as usize;
+        if region == 0 {
+            return None;
+        }
+        let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
+        let corners = [&a, &b, &c, &d];
+        let volume = self.volumes.get(region).copied().flatten();
+        let volume = volume.filter(|bound| bound.exceeded(corners));
+        let field = self.field_bound(corners).filter(|bound| bound.exceeded(corners));
+        let ratio = self.ratio.filter(|bound| bound.exceeded(corners));
+        // Most meet their bounds, which the filters tell without the shape.
+        if volume.is_none() && field.is_none() && ratio.is_none() {
+            return None;
+        }
+        let shape = Shape::of(corners);
+        let sizes = volume.into_iter().chain(field).map(|bound| bound.excess(&shape));
+        let ratios = ratio.map(|bound| shape.ratio_over(&bound));
+        Some(sizes.chain(ratios).fold(1.0, f64::max))
+    }
+
+    /// The edge length that splitting `t` may go down to near small angles: its own shortest edge,
+    /// or, if it is too large, that of a cube of the volume wanted.
+    pub(crate) fn grain(&self, state: &State, t: TetId, shape: &Shape) -> f64 {
+        let edge = shape.edge2.sqrt();
+        let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
+        let own = self.volumes.get(state.marks.region(t) as usize).copied().flatten();
+        let bounds = [own, self.field_bound([&a, &b, &c, &d])];
+        let exceeded = bounds.into_iter().flatten().filter(|bound| bound.excess(shape) >= 1.0);
+        exceeded.map(|bound| bound.volume().cbrt()).fold(edge, f64::min)
+    }
+
+    /// The bound of the sizing field at the centroid: the volume of the regular tetrahedron with
+    /// edges of the wanted length. A length that is not positive and finite bounds nothing.
+    fn field_bound(&self, corners: [&Point; 4]) -> Option<VolumeBound> {
+        let field = self.field?;
+        let [a, b, c, d] = corners;
+        let centroid = [0, 1, 2].map(|k| (a[k] + b[k] + c[k] + d[k]) * 0.25 * self.fine_step);
+        let h = field(centroid) / self.fine_step;
+        let volume = regular_volume(h);
+        (volume > 0.0 && volume.is_finite()).then(|| VolumeBound::new(volume))
+    }
+}

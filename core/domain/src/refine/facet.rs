@@ -1,0 +1,129 @@
+//! The triangulation of a facet, kept up to date without a two-dimensional mesh.
+//!
+//! For a point p of facet f, a subface of f is in f's planar cavity of p exactly if both its
+//! tetrahedra are in the cavity of p: the perturbed circumsphere of a tetrahedron on the subface
+//! meets the plane in the subface's perturbed circumcircle. So the planar cavity is the subfaces of
+//! f inside the open cavity, and those missing subfaces of f whose perturbed circle holds p, as far
+//! as they can be reached from where p is without crossing a subsegment. (Subsegments that wait for
+//! their repair make f's triangulation a constrained Delaunay one for a while.) p joined to the rim
+//! of the planar cavity are the new subfaces.
+
+use super::carrier::Carrier;
+use super::state::State;
+use super::table::edge;
+use ltbw_core::topology::VertexId;
+use ltbw_exact::Point;
+use ltbw_exact::predicates::{Sign, coplanar_orient, perturb};
+
+/// The change of one facet's triangulation.
+#[derive(Debug)]
+pub(crate) struct Change {
+    pub(crate) facet: u32,
+    /// Subfaces that go.
+    pub(crate) removed: Vec<[VertexId; 3]>,
+    /// Edges that the new point is joined to.
+    pub(crate) rim: Vec<[VertexId; 2]>,
+}
+
+/// Where the search for a planar cavity starts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Seed {
+    /// At the subfaces along the subsegment that is split.
+    Along([VertexId; 2]),
+    /// At the subface that is split.
+    At([VertexId; 3]),
+}
+
+/// The edges of a triangle, each with the corner opposite.
+fn sides([a, b, c]: [VertexId; 3]) -> [([VertexId; 2], VertexId); 3] {
+    [(edge(a, b), c), (edge(b, c), a), (edge(a, c), b)]
+}
+
+impl State {
+    /// The change that `p` makes to the triangulation of facet `f`; `None` if `p` does not see its
+    /// whole rim, which means that it lies elsewhere.
+    pub(crate) fn plan(&mut self, f: u32, p: &Point, seed: Seed) -> Option<Change> {
+        let mut candidates: Vec<[VertexId; 3]> =
+            self.touched.inner.iter().filter(|(_, g)| *g == f).map(|(s, _)| *s).collect();
+        let missing = self.missing_near(f, p);
+        candidates.extend(missing.into_iter().filter(|s| self.conflicts(*s, p, seed)));
+        let mut taken = vec![false; candidates.len()];
+        let mut list: Vec<usize> = Vec::new();
+        for (k, s) in candidates.iter().enumerate() {
+            let starts = match seed {
+                Seed::Along([a, b]) => s.contains(&a) && s.contains(&b),
+                Seed::At(target) => *s == target,
+            };
+            if starts {
+                taken[k] = true;
+                list.push(k);
+            }
+        }
+        // Breadth first; each candidate enters once.
+        let mut next = 0;
+        while let Some(&k) = list.get(next) {
+            next += 1;
+            for (side, _) in sides(candidates[k]) {
+                if self.segments.contains_key(&side) {
+                    continue;
+                }
+                for (other, s) in candidates.iter().enumerate() {
+                    if !taken[other] && s.contains(&side[0]) && s.contains(&side[1]) {
+                        taken[other] = true;
+                        list.push(other);
+                    }
+                }
+            }
+        }
+        let removed: Vec<[VertexId; 3]> = list.iter().map(|&k| candidates[k]).collect();
+        self.rim(&removed, p, seed).map(|rim| Change { facet: f, removed, rim })
+    }
+
+    /// Is `p` in the perturbed circle of a missing subface, or on its edge that is split?
+    fn conflicts(&self, s: [VertexId; 3], p: &Point, seed: Seed) -> bool {
+        if let Seed::Along([x, y]) = seed
+            && s.contains(&x)
+            && s.contains(&y)
+        {
+            return true;
+        }
+        let [a, b, c] = s.map(|v| self.at(v));
+        perturb::side_of_circle(&a, &b, &c, p) == Sign::Positive
+    }
+
+    /// The edges of the removed subfaces that border on nothing removed, but for the one that is
+    /// split; `None` if `p` is not strictly on the inner side of each.
+    fn rim(&self, removed: &[[VertexId; 3]], p: &Point, seed: Seed) -> Option<Vec<[VertexId; 2]>> {
+        let mut rim = Vec::new();
+        for (k, s) in removed.iter().enumerate() {
+            for (side, opposite) in sides(*s) {
+                let split = matches!(seed, Seed::Along(e) if e == side);
+                let shared = removed
+                    .iter()
+                    .enumerate()
+                    .any(|(l, r)| l != k && r.contains(&side[0]) && r.contains(&side[1]));
+                // Across a subsegment both subfaces may go, but the subsegment stays.
+                if split || shared && !self.segments.contains_key(&side) {
+                    continue;
+                }
+                let (a, b) = (self.at(side[0]), self.at(side[1]));
+                let inner = coplanar_orient(&a, &b, &self.at(opposite));
+                if coplanar_orient(&a, &b, p) != inner {
+                    return None;
+                }
+                rim.push(side);
+            }
+        }
+        Some(rim)
+    }
+
+    /// The facets that a point on `carrier` lies on.
+    pub(crate) fn facets_of(&self, carrier: Carrier) -> Vec<u32> {
+        match carrier {
+            Carrier::Corner(c) => self.plc.facets_at[c as usize].clone(),
+            Carrier::Segment(s, _) => self.plc.segments[s as usize].facets.clone(),
+            Carrier::Facet(f) => vec![f],
+            Carrier::Free => Vec::new(),
+        }
+    }
+}

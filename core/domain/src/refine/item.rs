@@ -1,0 +1,98 @@
+//! What there is to do: segments, subfaces and tetrahedra that have to be split, and where such
+//! items come from.
+
+use ltbw_core::topology::{TetId, VertexId};
+use std::collections::VecDeque;
+
+/// Something to be split. Each names its vertices, so that it can be found gone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Item {
+    /// A subsegment: its ends, ascending.
+    Segment([VertexId; 2]),
+    /// A subface: its corners, ascending.
+    Subface([VertexId; 3]),
+    /// A tetrahedron: its slot, and the vertices that it had there.
+    Tet(TetId, [VertexId; 4]),
+}
+
+/// Where items come from and go to: the paper's list of bad elements.
+///
+/// A transaction takes nothing itself: it is given an item and puts what it finds. The sequential
+/// kernel drains one such list; a parallel one has a list per worker.
+pub trait Work {
+    /// Adds an item; `weight` says how far a tetrahedron is over its bounds.
+    fn put(&mut self, item: Item, weight: f64);
+    /// Adds a tetrahedron that has to wait for boundary items put just before.
+    fn put_back(&mut self, item: Item);
+    /// The next boundary item: segments before subfaces.
+    fn next_boundary(&mut self) -> Option<Item>;
+    /// The next tetrahedron. Asked for only when no boundary item is left.
+    fn next_tet(&mut self) -> Option<Item>;
+}
+
+/// Buckets of tetrahedra by weight: powers of two.
+const BUCKETS: usize = 24;
+
+/// First in, first out, in the order of priority; of tetrahedra, those farthest over their bounds
+/// first.
+#[derive(Debug)]
+pub struct Queues {
+    segments: VecDeque<[VertexId; 2]>,
+    subfaces: VecDeque<[VertexId; 3]>,
+    tets: [VecDeque<(TetId, [VertexId; 4])>; BUCKETS],
+    /// No bucket above this one has entries.
+    highest: usize,
+}
+
+impl Default for Queues {
+    fn default() -> Self {
+        Self {
+            segments: VecDeque::new(),
+            subfaces: VecDeque::new(),
+            tets: std::array::from_fn(|_| VecDeque::new()),
+            highest: 0,
+        }
+    }
+}
+
+impl Work for Queues {
+    fn put(&mut self, item: Item, weight: f64) {
+        match item {
+            Item::Segment(s) => self.segments.push_back(s),
+            Item::Subface(s) => self.subfaces.push_back(s),
+            Item::Tet(t, v) => {
+                let bucket = bucket(weight);
+                self.highest = self.highest.max(bucket);
+                self.tets[bucket].push_back((t, v));
+            }
+        }
+    }
+
+    fn put_back(&mut self, item: Item) {
+        match item {
+            Item::Segment(s) => self.segments.push_front(s),
+            Item::Subface(s) => self.subfaces.push_front(s),
+            Item::Tet(t, v) => self.tets[self.highest].push_front((t, v)),
+        }
+    }
+
+    fn next_boundary(&mut self) -> Option<Item> {
+        let segment = self.segments.pop_front().map(Item::Segment);
+        segment.or_else(|| self.subfaces.pop_front().map(Item::Subface))
+    }
+
+    fn next_tet(&mut self) -> Option<Item> {
+        loop {
+            if let Some((t, v)) = self.tets[self.highest].pop_front() {
+                return Some(Item::Tet(t, v));
+            }
+            self.highest = self.highest.checked_sub(1)?;
+        }
+    }
+}
+
+/// The bucket of a weight, which is at least 1.
+fn bucket(weight: f64) -> usize {
+    let exponent = (weight.max(1.0).to_bits() >> 52) as usize - 1023;
+    exponent.min(BUCKETS - 1)
+}

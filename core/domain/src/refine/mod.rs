@@ -1,0 +1,136 @@
+//! Conforming Delaunay refinement of domains.
+//!
+//! The boundary of a domain is *marks on faces and edges* of a plain Delaunay mesh; the mesh is
+//! refined by three rules until every subsegment and subface of the boundary is in it and every
+//! tetrahedron of the domain meets its bounds. All points lie on the domain's lattice, those of
+//! segments and facets exactly on their carrier; every decision is exact.
+//!
+//! The rules, their order and their termination: `docs/refinement.md`.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `plc` | the complex: corners, segments, facets as maximal coplanar groups |
+//! | `carrier` | points of segments and facets, with whole parameters |
+//! | `measure` | closed balls and bounds: filters and exact integers |
+//! | `marks` | marks of faces and edges, regions: one word per tetrahedron |
+//! | `item` | what there is to do, and the source of it |
+//! | `registry` | pending boundary items by place |
+//! | `state`, `facet` | mesh, marks and tables; how a point changes a facet |
+//! | `angles`, `near` | where the theory gives no guarantee: small angles, narrow gaps |
+//! | `recover` | from the mesh of the corners to one that has the boundary |
+//! | `split` | the three rules |
+//! | `region` | inside, outside, regions |
+//! | `background` | sizing by a background mesh, or at input vertices |
+//! | `output` | the mesh and its boundary as plain arrays |
+
+mod angles;
+mod background;
+mod bounds;
+mod carrier;
+mod facet;
+mod item;
+mod marks;
+mod measure;
+mod near;
+mod outcome;
+mod output;
+mod plc;
+mod recover;
+mod region;
+mod registry;
+mod run;
+mod split;
+mod state;
+mod table;
+#[cfg(test)]
+mod tests;
+
+use crate::Element;
+use ltbw_core::build::BuildError;
+use ltbw_exact::Point;
+use ltbw_exact::points::PointError;
+
+pub use background::{Background, BackgroundError};
+pub use bounds::SizeField;
+pub use item::{Item, Queues, Work};
+pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats};
+pub use region::RegionInfo;
+pub use run::{Refined, Refiner};
+
+/// Why there is no mesh of a domain.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RefineError {
+    /// A vertex is not on the lattice: the domain was not snapped.
+    #[error("vertex {vertex} at {at:?} is not on the lattice")]
+    OffLattice {
+        /// The vertex.
+        vertex: u32,
+        /// Its coordinates.
+        at: Point,
+    },
+    /// Two vertices lie at the same place.
+    #[error("vertices {first} and {second} are at the same place")]
+    DuplicateVertex {
+        /// One of them.
+        first: u32,
+        /// The other.
+        second: u32,
+    },
+    /// A facet that is not planar cannot be divided into triangles.
+    #[error("{element} is not planar and cannot be divided")]
+    NotPlanar {
+        /// The facet.
+        element: Element,
+    },
+    /// A facet has no area.
+    #[error("{element} has no area")]
+    Degenerate {
+        /// The facet.
+        element: Element,
+    },
+    /// The seed of a hole or region is on the boundary.
+    #[error("the point {at:?} of {element} is on the boundary")]
+    Seed {
+        /// The hole or region.
+        element: Element,
+        /// The point.
+        at: Point,
+    },
+    /// The facets enclose nothing.
+    #[error("the facets enclose no region: the boundary is not watertight, or all is hole")]
+    NoInterior,
+    /// A bound cannot be met by any refinement.
+    #[error("the bound {name} = {value:e} cannot be met: {limit}")]
+    Bound {
+        /// Which bound.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it would have to be.
+        limit: String,
+    },
+    /// The vertices are not a point set.
+    #[error(transparent)]
+    Points(#[from] PointError),
+    /// The vertices have no mesh.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The budget of points was used up before the boundary was complete, and without it there is no
+    /// inside.
+    #[error(
+        "the budget of points was used up before the boundary was recovered: {segments} segments and \
+         {subfaces} subfaces are missing, one of them at {at:?}"
+    )]
+    Unrecovered {
+        /// Subsegments that the mesh lacks.
+        segments: usize,
+        /// Subfaces that the mesh lacks.
+        subfaces: usize,
+        /// A point on one of them.
+        at: Point,
+    },
+    /// The work was cancelled before there was a mesh of the domain.
+    #[error("cancelled before the boundary was recovered")]
+    Cancelled,
+}

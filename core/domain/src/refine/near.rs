@@ -1,0 +1,214 @@
+//! Features that come so near to each other that a mesh with bounds would need too many points: their
+//! distance is below 16 floors, and they are 256 times as wide as that or more.
+//!
+//! Between two such facets every tetrahedron is either flat or tiny. As with small angles, vertices of
+//! one then do not encroach items of the other that the mesh has, and what is over its bounds between
+//! them is excused by name.
+//!
+//! Distances are computed in `f64`: they choose how hard to try, never what is true of the result.
+
+use super::carrier::{cross, distance2, dot, minus};
+use super::plc::{Facet, Plc};
+use ltbw_exact::Point;
+use rstar::primitives::GeomWithData;
+use rstar::{AABB, RTree, RTreeObject};
+
+/// How many times as wide as their distance features have to be.
+const WIDE: f64 = 256.0;
+
+/// Two features near each other; ids are those of the complex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pair {
+    /// A corner and a facet.
+    CornerFacet(u32, u32),
+    /// Two segments.
+    Segments(u32, u32),
+}
+
+/// A box in the tree, and what is in it.
+type Boxed = GeomWithData<rstar::primitives::Rectangle<Point>, u32>;
+
+fn boxed(points: impl Iterator<Item = Point>, id: u32) -> Option<Boxed> {
+    let ends = points.fold(None, |ends: Option<(Point, Point)>, p| {
+        let (low, high) = ends.unwrap_or((p, p));
+        Some(([0, 1, 2].map(|k| low[k].min(p[k])), [0, 1, 2].map(|k| high[k].max(p[k]))))
+    });
+    ends.map(|(low, high)| GeomWithData::new(AABB::from_corners(low, high).into(), id))
+}
+
+/// A box, larger by `by` on all sides.
+fn grown(envelope: &AABB<Point>, by: f64) -> AABB<Point> {
+    let (low, high) = (envelope.lower().map(|c| c - by), envelope.upper().map(|c| c + by));
+    AABB::from_corners(low, high)
+}
+
+/// The largest side of a box.
+fn side(envelope: &AABB<Point>) -> f64 {
+    let (low, high) = (envelope.lower(), envelope.upper());
+    (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)
+}
+
+fn at(plc: &Plc, corner: u32) -> Point {
+    plc.corners[corner as usize].map(|c| c as f64)
+}
+
+/// The pairs of features of a complex that are wide and nearer to each other than `limit`, in steps
+/// of the grid, and do not meet.
+pub(crate) fn pairs(plc: &Plc, limit: f64) -> Vec<Pair> {
+    let facet = |(f, facet): (u32, &Facet)| boxed(facet.corners.iter().map(|&v| at(plc, v)), f);
+    let facets = RTree::bulk_load((0..).zip(&plc.facets).filter_map(facet).collect());
+    let segment = |(s, segment): (u32, &super::plc::Segment)| {
+        boxed(segment.ends.iter().map(|&v| at(plc, v)), s)
+    };
+    let segments = RTree::bulk_load((0..).zip(&plc.segments).filter_map(segment).collect());
+    let mut found = Vec::new();
+    for corner in 0..plc.corners.len() as u32 {
+        near_corner(plc, &facets, corner, limit, &mut found);
+    }
+    for one in &segments {
+        for other in segments.locate_in_envelope_intersecting(grown(&one.envelope(), limit)) {
+            let (s, r) = (one.data, other.data);
+            let wide = side(&one.envelope()).min(side(&other.envelope()));
+            let distance = segment_distance(plc, s, r);
+            if s < r && distance.is_some_and(|d| d < limit && d * WIDE < wide) {
+                found.push(Pair::Segments(s, r));
+            }
+        }
+    }
+    found.sort_unstable_by_key(|pair| match *pair {
+        Pair::CornerFacet(v, f) => (0, v, f),
+        Pair::Segments(s, r) => (1, s, r),
+    });
+    found
+}
+
+/// The facets near a corner that is not on them.
+fn near_corner(plc: &Plc, facets: &RTree<Boxed>, corner: u32, limit: f64, found: &mut Vec<Pair>) {
+    let (p, own) = (at(plc, corner), &plc.facets_at[corner as usize]);
+    for facet in facets.locate_in_envelope_intersecting(grown(&AABB::from_point(p), limit)) {
+        let g = facet.data;
+        if own.binary_search(&g).is_ok() {
+            continue;
+        }
+        // What is at the corner: the widest of its segments.
+        let lengths = plc.segments_at[corner as usize].iter().map(|&s| {
+            let [a, b] = plc.segments[s as usize].ends.map(|v| at(plc, v));
+            distance2(&a, &b).sqrt()
+        });
+        let wide = lengths.fold(0.0, f64::max).min(side(&facet.envelope()));
+        let distance = corner_distance(plc, &p, &plc.facets[g as usize]);
+        if distance.is_some_and(|d| d < limit && d * WIDE < wide) {
+            found.push(Pair::CornerFacet(corner, g));
+        }
+    }
+}
+
+/// The distance of a point from a facet's plane, if it lies over the facet (holes are not looked at).
+fn corner_distance(plc: &Plc, p: &Point, facet: &Facet) -> Option<f64> {
+    let n = facet.plane.normal();
+    let first = at(plc, *facet.corners.first()?);
+    let distance = dot(&n, &minus(p, &first)).abs() / dot(&n, &n).sqrt();
+    let larger = |a: usize, b: usize| if n[b].abs() > n[a].abs() { b } else { a };
+    let axis = larger(larger(0, 1), 2);
+    let (x, y) = ((axis + 1) % 3, (axis + 2) % 3);
+    let over = |polygon: &Vec<u32>| {
+        let mut inside = false;
+        for (k, &v) in polygon.iter().enumerate() {
+            let (a, b) = (at(plc, v), at(plc, polygon[(k + 1) % polygon.len()]));
+            if (a[y] > p[y]) != (b[y] > p[y]) {
+                inside ^= p[x] < a[x] + (p[y] - a[y]) / (b[y] - a[y]) * (b[x] - a[x]);
+            }
+        }
+        inside
+    };
+    facet.patches.iter().flat_map(|patch| &patch.polygons).any(over).then_some(distance)
+}
+
+/// The distance of two segments that have no corner in common, if it is between points inside both.
+fn segment_distance(plc: &Plc, s: u32, r: u32) -> Option<f64> {
+    let (s, r) = (&plc.segments[s as usize], &plc.segments[r as usize]);
+    if s.ends.iter().any(|v| r.ends.contains(v)) {
+        return None;
+    }
+    let [a, b, c, d] = [s.ends[0], s.ends[1], r.ends[0], r.ends[1]].map(|v| at(plc, v));
+    let (u, v, w) = (minus(&b, &a), minus(&d, &c), minus(&c, &a));
+    let n = cross(&u, &v);
+    let square = dot(&n, &n);
+    if square <= 1e-12 * dot(&u, &u) * dot(&v, &v) {
+        return parallel_distance(&a, &u, [&c, &d]);
+    }
+    let (i, j) = (dot(&cross(&w, &v), &n) / square, dot(&cross(&w, &u), &n) / square);
+    let inside = |t: f64| (0.0..=1.0).contains(&t);
+    (inside(i) && inside(j)).then(|| dot(&w, &n).abs() / square.sqrt())
+}
+
+/// The distance of a segment from `a` along `u` from a parallel one, if they are beside each other.
+fn parallel_distance(a: &Point, u: &Point, others: [&Point; 2]) -> Option<f64> {
+    let square = dot(u, u);
+    let [i, j] = others.map(|p| dot(&minus(p, a), u) / square);
+    let beside = i.max(j) > 0.0 && i.min(j) < 1.0;
+    let n = cross(&minus(others[0], a), u);
+    beside.then(|| (dot(&n, &n) / square).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Domain, Facet as Polygon};
+
+    fn complex(vertices: &[Point], facets: &[&[u32]]) -> Plc {
+        let mut domain = Domain { vertices: vertices.to_vec(), ..Domain::default() };
+        domain.facets.extend(facets.iter().map(|f| Polygon::polygon(f, 0)));
+        let snapped = domain.snap().expect("a lattice");
+        Plc::new(&snapped.domain, &snapped.lattice).expect("a complex")
+    }
+
+    /// How many steps of the grid a length is for vertices whose largest coordinate is 1.
+    const ONE: f64 = (1 << 26) as f64;
+
+    #[test]
+    fn corners_over_a_facet_are_near_it_and_others_are_not() {
+        let square = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        // A triangle at a height with a corner over the square, two beside it.
+        let at = |h: f64| [[0.5, 0.5, h], [-0.5, 0.25, h], [-0.5, 0.75, h]];
+        for (height, near) in [(1e-6, true), (1e-3, false)] {
+            let vertices = [&square[..], &at(height)].concat();
+            let plc = complex(&vertices, &[&[0, 1, 2, 3], &[4, 5, 6]]);
+            let pairs = pairs(&plc, 1e-5 * ONE);
+            assert_eq!(pairs.contains(&Pair::CornerFacet(4, 0)), near, "{pairs:?}");
+            // Two sides of the triangle cross the square's side x = 0, at the height.
+            let crossing = pairs.iter().filter(|p| matches!(p, Pair::Segments(..))).count();
+            assert_eq!((pairs.len(), crossing), if near { (3, 2) } else { (0, 0) }, "{pairs:?}");
+        }
+    }
+
+    #[test]
+    fn small_features_are_not_wide() {
+        let small = |c: f64| 0.5 + c * 1e-6;
+        let corner = |x: f64, y: f64, z: f64| [small(x), small(y), small(z)];
+        let vertices = [
+            [0.0; 3],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            corner(0.0, 0.0, 1.0),
+            corner(1.0, 0.0, 1.0),
+            corner(0.0, 1.0, 1.0),
+            corner(0.0, 0.0, 2.0),
+            corner(1.0, 0.0, 2.0),
+            corner(0.0, 1.0, 2.0),
+        ];
+        let plc = complex(&vertices, &[&[0, 1, 2], &[3, 4, 5], &[6, 7, 8]]);
+        assert_eq!(pairs(&plc, 1e-5 * ONE), []);
+    }
+
+    #[test]
+    fn parallel_segments_are_near_where_they_are_beside_each_other() {
+        let strip = |y: f64, x: f64| [[x, y, 0.0], [x + 0.25, y, 0.0], [x, y, 0.5]];
+        for (x, near) in [(0.1, true), (0.6, false)] {
+            let vertices = [strip(0.0, 0.0), strip(1e-6, x)].concat();
+            let plc = complex(&vertices, &[&[0, 1, 2], &[3, 4, 5]]);
+            let pairs = pairs(&plc, 1e-5 * ONE);
+            assert_eq!(pairs.iter().any(|p| matches!(p, Pair::Segments(..))), near, "{pairs:?}");
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! What became of a refinement.
+
+use ltbw_core::topology::TetId;
+
+/// Why something could not be split. Ids are those of the domain's complex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Reason {
+    /// Two facets meet along this segment at a dihedral angle below the theory's limit.
+    SmallDihedral {
+        /// The corners of the segment: indices of input vertices.
+        segment: [u32; 2],
+    },
+    /// Two segments, or a segment and a facet, meet at this corner at a small angle.
+    SmallFaceAngle {
+        /// Index of the input vertex.
+        corner: u32,
+    },
+    /// This corner is so near to a facet that it is not on that tetrahedra between them would be flat
+    /// or too many.
+    NearFacet {
+        /// Index of the input vertex.
+        corner: u32,
+    },
+    /// The same of two segments.
+    NearSegments {
+        /// The corners of the one.
+        first: [u32; 2],
+        /// The corners of the other.
+        second: [u32; 2],
+    },
+    /// Splitting it would make an edge shorter than the floor.
+    Floor,
+    /// The budget was exhausted first.
+    Budget,
+    /// The work was cancelled first.
+    Cancelled,
+    /// No point of the lattice near the ideal one does what it has to.
+    Rounding,
+}
+
+impl std::fmt::Display for Reason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::SmallDihedral { segment: [a, b] } => write!(f, "small dihedral angle at {a}-{b}"),
+            Self::SmallFaceAngle { corner } => write!(f, "small angle at vertex {corner}"),
+            Self::NearFacet { corner } => write!(f, "vertex {corner} too near to a facet"),
+            Self::NearSegments { first: [a, b], second: [c, d] } => {
+                write!(f, "segments {a}-{b} and {c}-{d} too near to each other")
+            }
+            Self::Floor => write!(f, "floor of edge lengths"),
+            Self::Budget => write!(f, "budget"),
+            Self::Cancelled => write!(f, "cancelled"),
+            Self::Rounding => write!(f, "rounding"),
+        }
+    }
+}
+
+/// A tetrahedron of the domain that is over a bound, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Excuse {
+    /// The tetrahedron, by its id in [`super::Refined::mesh`].
+    pub tet: TetId,
+    /// Why it was not split.
+    pub reason: Reason,
+}
+
+/// How a refinement ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RefineOutcome {
+    /// Every bound is met, exactly; the mesh conforms to the domain.
+    Met,
+    /// Some tetrahedra are over a bound, or some of the boundary is not in the mesh: each is listed
+    /// with its reason.
+    Excused,
+    /// The budget of points was used up first; the mesh is valid and Delaunay, but need not meet the
+    /// bounds.
+    Budget,
+    /// The cancel token was set; the mesh is valid and Delaunay, but need not meet the bounds.
+    Cancelled,
+}
+
+/// Figures of a refinement.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RefineStats {
+    /// Points inserted on segments.
+    pub segment_points: u64,
+    /// Points inserted on facets.
+    pub facet_points: u64,
+    /// Points inserted inside.
+    pub free_points: u64,
+    /// Proposed points that were given up for a boundary item.
+    pub deferred: u64,
+    /// Items refused.
+    pub refused: u64,
+    /// Times that regions had to be found again around a lost subface.
+    pub relabelled: u64,
+    /// Seconds for the first mesh and the recovery of the boundary.
+    pub recover_seconds: f64,
+    /// Seconds for the splitting of tetrahedra.
+    pub refine_seconds: f64,
+}

@@ -1,0 +1,247 @@
+//! Recovery of the boundary: from the Delaunay mesh of the corners to one that has every subsegment
+//! and every subface.
+//!
+//! First the segments. Then each facet gets its planar Delaunay triangulation: that of its
+//! vertices together with one apex off the plane, whose tetrahedra stand on the triangles wanted
+//! (the perturbation is the same, and the apex has no part in a decision between coplanar points).
+//! Those of its triangles that lie in the facet's polygons are its subfaces.
+
+use super::RefineError;
+use super::carrier::UNIT;
+use super::item::{Item, Work};
+use super::marks::{ENDS, face_bit};
+use super::plc::{Facet, Patch};
+use super::state::{FACE, State};
+use super::table::{Map, Set, edge, triangle};
+use ltbw_core::Builder;
+use ltbw_core::topology::{TetId, VertexId};
+use ltbw_exact::{Point, PointSet};
+
+/// How far an apex is from its facet along an axis, in fine steps.
+const APEX: f64 = (1u64 << 52) as f64;
+
+impl State {
+    /// Enters all segments; marks those that the mesh has, puts those that it lacks or that are
+    /// encroached. `kernel` is the kernel vertex of each corner.
+    pub(crate) fn enter_segments<W: Work>(&mut self, kernel: &[VertexId], work: &mut W) {
+        for (s, segment) in (0..).zip(&self.plc.segments) {
+            let [a, b] = segment.ends.map(|c| kernel[c as usize]);
+            self.segments.insert(edge(a, b), s);
+        }
+        let mut found: Set<[VertexId; 2]> = Set::default();
+        let mut encroached = Vec::new();
+        for t in self.mesh.tet_ids().collect::<Vec<TetId>>() {
+            let v = self.vertices(t);
+            for (k, [i, j]) in ENDS.into_iter().enumerate() {
+                let key = edge(v[i], v[j]);
+                if let Some(&s) = self.segments.get(&key) {
+                    found.insert(key);
+                    self.marks.set(t, 1 << (4 + k));
+                    if v.iter().any(|&w| self.vertex_encroaches_segment(key, s, w)) {
+                        encroached.push(key);
+                    }
+                }
+            }
+        }
+        self.mark_ghost_edges();
+        let mut keys: Vec<[VertexId; 2]> = self.segments.keys().copied().collect();
+        keys.sort_unstable();
+        for key in keys {
+            if !found.contains(&key) || encroached.contains(&key) {
+                self.pend(Item::Segment(key), work);
+            }
+        }
+    }
+
+    /// The subsegments that the mesh has.
+    pub(crate) fn present_segments(&self) -> Set<[VertexId; 2]> {
+        let mut present = Set::default();
+        for (t, tet) in self.mesh.topology().iter() {
+            let (word, v) = (self.marks.of(t), tet.vertices());
+            for (k, [i, j]) in ENDS.into_iter().enumerate() {
+                if word >> (4 + k) & 1 == 1 {
+                    present.insert(edge(v[i], v[j]));
+                }
+            }
+        }
+        present
+    }
+
+    /// Ghosts carry marks like all others: a wall may border on one.
+    fn mark_ghost_edges(&mut self) {
+        let ghosts: Vec<TetId> =
+            self.mesh.topology().iter().filter(|(_, t)| t.is_ghost()).map(|(t, _)| t).collect();
+        for t in ghosts {
+            let v = self.vertices(t);
+            for (k, [i, j]) in ENDS.into_iter().enumerate() {
+                if self.segments.contains_key(&edge(v[i], v[j])) {
+                    self.marks.set(t, 1 << (4 + k));
+                }
+            }
+        }
+    }
+
+    /// Enters the subfaces of all facets, marks those that the mesh has and puts those that it
+    /// lacks or that are encroached.
+    ///
+    /// # Errors
+    /// A facet that has no triangulation.
+    pub(crate) fn enter_subfaces<W: Work>(&mut self, work: &mut W) -> Result<(), RefineError> {
+        let mut on: Vec<Vec<VertexId>> = vec![Vec::new(); self.plc.facets.len()];
+        for (v, &carrier) in (0..).zip(&self.carriers).skip(1) {
+            for f in self.facets_of(carrier) {
+                on[f as usize].push(v);
+            }
+        }
+        for (f, vertices) in (0..).zip(on) {
+            for key in self.triangulate(f, &vertices)? {
+                self.subfaces.insert(key, f);
+            }
+        }
+        let mut present: Set<[VertexId; 3]> = Set::default();
+        let mut pending = Vec::new();
+        let all: Vec<TetId> = self.mesh.topology().iter().map(|(t, _)| t).collect();
+        for t in all {
+            let v = self.vertices(t);
+            for slot in 0..4 {
+                let [a, b, c] = FACE[slot].map(|k| v[k]);
+                let key = triangle(a, b, c);
+                let Some(&f) = self.subfaces.get(&key) else { continue };
+                self.marks.set(t, face_bit(slot));
+                present.insert(key);
+                if self.vertex_encroaches_subface(key, f, v[slot]) {
+                    pending.push(key);
+                }
+            }
+        }
+        let mut missing: Vec<[VertexId; 3]> =
+            self.subfaces.keys().filter(|k| !present.contains(*k)).copied().collect();
+        missing.sort_unstable();
+        missing.into_iter().for_each(|key| self.miss(key, work));
+        pending.into_iter().for_each(|key| self.pend(Item::Subface(key), work));
+        Ok(())
+    }
+
+    /// The triangles of facet `f`'s planar Delaunay triangulation that lie in the facet.
+    pub(crate) fn triangulate(
+        &self,
+        f: u32,
+        vertices: &[VertexId],
+    ) -> Result<Vec<[VertexId; 3]>, RefineError> {
+        let facet = &self.plc.facets[f as usize];
+        let axis = dominant(&facet.plane.normal());
+        let mut points: Vec<Point> = vertices.iter().map(|&v| self.at(v)).collect();
+        let mut apex = points[0];
+        apex[axis] += if apex[axis] > 0.0 { -APEX } else { APEX };
+        points.push(apex);
+        let count = vertices.len() as u32;
+        let set = PointSet::new(points)?;
+        let built = Builder::new().build(&set)?.mesh;
+        // The triangles, each with those across its edges.
+        let mut number: Map<TetId, usize> = Map::default();
+        let mut triangles = Vec::new();
+        for t in built.tet_ids() {
+            let Some(v) = built.tet(t) else { continue };
+            let Some(slot) = v.iter().position(|&w| w == count) else { continue };
+            number.insert(t, triangles.len());
+            triangles.push((t, v, slot));
+        }
+        let keys: Vec<[VertexId; 3]> = triangles
+            .iter()
+            .map(|&(_, v, slot)| {
+                let [a, b, c] = FACE[slot].map(|k| vertices[v[k] as usize]);
+                triangle(a, b, c)
+            })
+            .collect();
+        let mut inside = vec![None; triangles.len()];
+        for first in 0..triangles.len() {
+            if inside[first].is_some() {
+                continue;
+            }
+            // A component between subsegments is in the facet as a whole, or not at all.
+            let verdict = Some(self.patch_of(facet, axis, keys[first]).is_some());
+            let mut stack = vec![first];
+            inside[first] = verdict;
+            while let Some(k) = stack.pop() {
+                let (t, v, slot) = triangles[k];
+                for side in FACE[slot] {
+                    let [a, b] = two_others(slot, side).map(|k| vertices[v[k] as usize]);
+                    let Some(&other) = built.neighbour(t, side).and_then(|u| number.get(&u)) else {
+                        continue;
+                    };
+                    if inside[other].is_none() && !self.segments.contains_key(&edge(a, b)) {
+                        inside[other] = verdict;
+                        stack.push(other);
+                    }
+                }
+            }
+        }
+        Ok(keys.into_iter().zip(inside).filter(|(_, i)| *i == Some(true)).map(|(k, _)| k).collect())
+    }
+
+    /// The patch that the centroid of a triangle is in, and not in a hole of it; `None` if it is in
+    /// no part of the facet.
+    fn patch_of<'f>(
+        &self,
+        facet: &'f Facet,
+        axis: usize,
+        corners: [VertexId; 3],
+    ) -> Option<&'f Patch> {
+        let p = corners.map(|v| self.at(v));
+        let axes = [(axis + 1) % 3, (axis + 2) % 3];
+        // Three times the centroid, whole.
+        let centre = axes.map(|k| (0..3).map(|i| p[i][k] as i128).sum::<i128>());
+        facet.patches.iter().find(|patch| {
+            let own = self.enclosing(patch, axes, centre);
+            own.contains(&true)
+                && !patch.holes.iter().any(|hole| {
+                    let hole = axes.map(|k| (3.0 * hole[k]).round() as i128);
+                    self.enclosing(patch, axes, hole) == own
+                })
+        })
+    }
+
+    /// The marker of a subface: that of the polygons which it is part of.
+    pub(crate) fn marker(&self, subface: [VertexId; 3]) -> i32 {
+        let Some(&f) = self.subfaces.get(&subface) else { return 0 };
+        let facet = &self.plc.facets[f as usize];
+        let first = facet.patches.first().map_or(0, |p| p.marker);
+        if facet.patches.iter().all(|p| p.marker == first) {
+            return first;
+        }
+        let patch = self.patch_of(facet, dominant(&facet.plane.normal()), subface);
+        patch.map_or(first, |p| p.marker)
+    }
+
+    /// Which polygons of a patch enclose a point, given three times its coordinates: those whose
+    /// outline a ray from it crosses an odd number of times.
+    fn enclosing(&self, patch: &Patch, axes: [usize; 2], [x, y]: [i128; 2]) -> Vec<bool> {
+        let at = |v: u32| axes.map(|k| 3 * i128::from(self.plc.corners[v as usize][k] * UNIT));
+        let encloses = |polygon: &Vec<u32>| {
+            let mut inside = false;
+            for (k, &a) in polygon.iter().enumerate() {
+                let ([ax, ay], [bx, by]) = (at(a), at(polygon[(k + 1) % polygon.len()]));
+                if (ay > y) != (by > y) {
+                    // Strictly to the right of x, so that of two polygons along one edge just one
+                    // has a point of it. Coordinates are below 2^56.
+                    let side = (bx - ax) * (y - ay) - (x - ax) * (by - ay);
+                    inside ^= if by > ay { side > 0 } else { side < 0 };
+                }
+            }
+            inside
+        };
+        patch.polygons.iter().map(encloses).collect()
+    }
+}
+
+/// The slots other than two.
+fn two_others(a: usize, b: usize) -> [usize; 2] {
+    let mut rest = (0..4).filter(|&k| k != a && k != b);
+    [rest.next().unwrap_or(0), rest.next().unwrap_or(0)]
+}
+
+/// The axis of the largest entry.
+fn dominant(n: &Point) -> usize {
+    let larger = |a: usize, b: usize| if n[b].abs() > n[a].abs() { b } else { a };
+    larger(larger(0, 1), 2)
+}

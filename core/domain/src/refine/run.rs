@@ -1,0 +1,493 @@
+//! The driver: recover the boundary, find the regions, split what is over its bounds.
+
+use super::RefineError;
+use super::bounds::{Bounds, SizeField, regular_volume};
+use super::carrier::{Carrier, UNIT, corner_point};
+use super::item::{Item, Queues, Work};
+use super::measure::{RatioBound, VolumeBound};
+use super::outcome::{Excuse, Reason, RefineOutcome, RefineStats};
+use super::plc::Plc;
+use super::region::RegionInfo;
+use super::split::{Refinement, Refusal, Step};
+use super::state::State;
+use crate::{Domain, Lattice};
+use ltbw_core::CancelToken;
+use ltbw_core::build::{Builder, Observer};
+use ltbw_core::cavity::Open;
+use ltbw_core::mesh::{Mesh, Vertex};
+use ltbw_core::topology::{TetId, VertexId};
+use ltbw_exact::{Point, PointSet};
+use std::time::Instant;
+
+/// Transactions between two looks at the cancel token and the observer.
+const CHECK_EVERY: u64 = 1024;
+
+/// Default floor of edge lengths: this part of the box.
+const FLOOR: f64 = 1.0 / (1 << 20) as f64;
+
+/// Features nearer to each other than this many floors are not refined towards each other.
+const NEAR: f64 = 16.0;
+
+/// Default limit on inserted points: this many, and so many for each corner and for each
+/// tetrahedron of the largest allowed volume that the box could hold.
+const STEINER_BASE: u64 = 1_000_000;
+/// See [`STEINER_BASE`].
+const STEINER_PER_CORNER: u64 = 64;
+/// See [`STEINER_BASE`].
+const STEINER_PER_VOLUME: f64 = 4.0;
+
+/// Refines domains.
+///
+/// ```
+/// use ltbw_domain::{Domain, Facet, PrepareOptions};
+/// use ltbw_domain::refine::{RefineOutcome, Refiner};
+/// let mut cube = Domain::default();
+/// cube.vertices = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+/// for corners in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
+///     cube.facets.push(Facet::polygon(&corners, 0));
+/// }
+/// let ready = cube.prepare(&PrepareOptions::default())?;
+/// let refined = Refiner::new().max_volume(0.01).refine(&ready.domain, &ready.lattice)?;
+/// assert_eq!(refined.outcome, RefineOutcome::Met);
+/// println!("{} tetrahedra", refined.num_tets());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy)]
+pub struct Refiner<'a> {
+    radius_edge: Option<f64>,
+    max_volume: Option<f64>,
+    field: Option<&'a SizeField<'a>>,
+    floor: Option<f64>,
+    max_points: Option<u64>,
+    cancel: Option<&'a CancelToken>,
+    observer: Option<&'a dyn Observer>,
+}
+
+impl std::fmt::Debug for Refiner<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Refiner")
+            .field("radius_edge", &self.radius_edge)
+            .field("max_volume", &self.max_volume)
+            .field("field", &self.field.is_some())
+            .field("floor", &self.floor)
+            .field("max_points", &self.max_points)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Default for Refiner<'_> {
+    fn default() -> Self {
+        Self {
+            radius_edge: Some(2.0),
+            max_volume: None,
+            field: None,
+            floor: None,
+            max_points: None,
+            cancel: None,
+            observer: None,
+        }
+    }
+}
+
+impl<'a> Refiner<'a> {
+    /// Circumradius to shortest edge at most 2, no bound on volumes.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Bounds circumradius to shortest edge.
+    pub fn radius_edge(mut self, bound: f64) -> Self {
+        self.radius_edge = Some(bound);
+        self
+    }
+
+    /// Leaves circumradius to shortest edge unbounded.
+    pub fn any_shape(mut self) -> Self {
+        self.radius_edge = None;
+        self
+    }
+
+    /// Bounds volumes, in all regions that have no smaller bound of their own.
+    pub fn max_volume(mut self, bound: f64) -> Self {
+        self.max_volume = Some(bound);
+        self
+    }
+
+    /// Asks for an edge length at each place, in the coordinates of the snapped domain: a
+    /// tetrahedron may have the volume of the regular one with edges of the length that the field
+    /// has at its centroid. The function has to give the same answer for the same point.
+    pub fn sizing(mut self, field: &'a SizeField<'a>) -> Self {
+        self.field = Some(field);
+        self
+    }
+
+    /// Sets the least distance between a new vertex on the boundary and the ends of what it
+    /// splits, and the least circumradius that is split; default 2^-20 of the domain's largest
+    /// side.
+    pub fn floor(mut self, length: f64) -> Self {
+        self.floor = Some(length);
+        self
+    }
+
+    /// Inserts at most so many points. By default a million, 64 for each vertex of the domain and 4
+    /// for each tetrahedron of the largest allowed volume that the domain's box could hold (of a
+    /// sizing field: the least at the domain's vertices): far more than a domain takes whose details the lattice resolves.
+    pub fn max_points(mut self, count: u64) -> Self {
+        self.max_points = Some(count);
+        self
+    }
+
+    /// Sets the token that cancels the work.
+    pub fn cancel(mut self, token: &'a CancelToken) -> Self {
+        self.cancel = Some(token);
+        self
+    }
+
+    /// Sets the observer of progress: points inserted, of an unknown number (given as 0).
+    pub fn observer(mut self, observer: &'a dyn Observer) -> Self {
+        self.observer = Some(observer);
+        self
+    }
+
+    /// Refines a domain whose vertices are on the lattice.
+    ///
+    /// It has to be one that the geometric check finds no error in: [`Domain::prepare`] makes such
+    /// domains.
+    ///
+    /// # Errors
+    /// [`RefineError`] says why there is no mesh of the domain.
+    pub fn refine(&self, domain: &Domain, lattice: &Lattice) -> Result<Refined, RefineError> {
+        let (mut run, regions) = self.recovered(domain, lattice)?;
+        let clock = Instant::now();
+        run.refine(domain)?;
+        run.stats.refine_seconds = clock.elapsed().as_secs_f64();
+        Ok(run.finish(regions, *lattice))
+    }
+
+    /// The mesh with the boundary and the regions, and what there is to do in it.
+    pub(super) fn recovered(
+        &self,
+        domain: &Domain,
+        lattice: &Lattice,
+    ) -> Result<(Run<'a>, Vec<RegionInfo>), RefineError> {
+        let clock = Instant::now();
+        self.check_bounds(lattice)?;
+        let plc = Plc::new(domain, lattice)?;
+        let (mesh, kernel) = first_mesh(&plc, lattice)?;
+        let carriers = mesh.numbers().iter().map(|&c| Carrier::Corner(c)).collect();
+        let next_number = plc.corners.len() as Vertex;
+        let floor = self.floor_in_steps(domain, lattice);
+        let near = NEAR * floor / UNIT as f64;
+        let mut run = Run {
+            refiner: *self,
+            refinement: Refinement::new(State::new(mesh, plc, carriers, near), next_number, floor),
+            work: Queues::default(),
+            stats: RefineStats::default(),
+            steps: 0,
+            most: self.max_points.unwrap_or_else(|| self.default_budget(domain)),
+            stop: None,
+        };
+        run.recover(&kernel)?;
+        let flooded = run.refinement.state.flood(&domain.holes, &domain.regions);
+        let regions = flooded.map_err(|error| run.unrecovered(lattice).unwrap_or(error))?;
+        run.refinement.bounds = Some(self.bounds(&regions, lattice));
+        run.put_all();
+        run.stats.recover_seconds = clock.elapsed().as_secs_f64();
+        Ok((run, regions))
+    }
+
+    /// Bounds that no mesh can meet are errors.
+    fn check_bounds(&self, lattice: &Lattice) -> Result<(), RefineError> {
+        if let Some(value) = self.radius_edge
+            && !(1.0..=1e100).contains(&value)
+        {
+            let limit = "it has to be at least 1 (refinement is sure to end from 2 on)".into();
+            return Err(RefineError::Bound { name: "radius-edge", value, limit });
+        }
+        let least = lattice.fine_step() * 1024.0;
+        let least = least * least * least;
+        if let Some(value) = self.max_volume
+            && !(least..f64::INFINITY).contains(&value)
+        {
+            let limit = format!("the lattice allows {least:e} at least");
+            return Err(RefineError::Bound { name: "max-volume", value, limit });
+        }
+        Ok(())
+    }
+
+    fn floor_in_steps(&self, domain: &Domain, lattice: &Lattice) -> f64 {
+        let length = self.floor.unwrap_or_else(|| {
+            let (low, high) = domain.bounds().unwrap_or(([0.0; 3], [1.0; 3]));
+            (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max) * FLOOR
+        });
+        length / lattice.fine_step()
+    }
+
+    fn default_budget(&self, domain: &Domain) -> u64 {
+        let (low, high) = domain.bounds().unwrap_or(([0.0; 3], [1.0; 3]));
+        let volume: f64 = (0..3).map(|k| high[k] - low[k]).product();
+        let regions = domain.regions.iter().filter_map(|r| r.max_volume);
+        // A sizing field is looked at where the domain has vertices: more is not known of it.
+        let field = |p: &Point| self.field.map(|field| regular_volume(field(*p)));
+        let fields = domain.vertices.iter().filter_map(field).filter(|&v| v > 0.0);
+        let least = regions.chain(self.max_volume).chain(fields).fold(f64::INFINITY, f64::min);
+        // A conversion of floats saturates.
+        let by_volume = (STEINER_PER_VOLUME * volume / least) as u64;
+        let by_corners = STEINER_PER_CORNER * domain.vertices.len() as u64;
+        by_volume.saturating_add(by_corners).saturating_add(STEINER_BASE)
+    }
+
+    fn bounds(&self, regions: &[RegionInfo], lattice: &Lattice) -> Bounds<'a> {
+        let step = lattice.fine_step();
+        let volume = |region: &RegionInfo| {
+            let own = region.max_volume.filter(|&v| v > 0.0);
+            let both = match (own, self.max_volume) {
+                (Some(a), Some(b)) => Some(a.min(b)),
+                (a, b) => a.or(b),
+            };
+            // Exact: the step is a power of two.
+            both.map(|v| VolumeBound::new(v / step / step / step))
+        };
+        Bounds {
+            ratio: self.radius_edge.map(RatioBound::new),
+            volumes: regions.iter().map(volume).collect(),
+            field: self.field,
+            fine_step: step,
+        }
+    }
+}
+
+/// The Delaunay mesh of the corners, and the kernel vertex of each.
+fn first_mesh(plc: &Plc, lattice: &Lattice) -> Result<(Mesh, Vec<VertexId>), RefineError> {
+    let points: Vec<Point> = plc.corners.iter().map(corner_point).collect();
+    let mut mesh = Builder::new().build(&PointSet::new(points)?)?.mesh;
+    if let Some(&(second, first)) = mesh.duplicates().first() {
+        return Err(RefineError::DuplicateVertex { first, second });
+    }
+    let fine = crate::lattice::PARAMETER_BITS - lattice.exponent();
+    mesh.scaled_by(fine);
+    let mut kernel = vec![0; plc.corners.len()];
+    for (v, &number) in (0..).zip(mesh.numbers()).skip(1) {
+        kernel[number as usize] = v;
+    }
+    Ok((mesh, kernel))
+}
+
+/// One refinement under way.
+pub(super) struct Run<'a> {
+    refiner: Refiner<'a>,
+    pub(super) refinement: Refinement<'a>,
+    pub(super) work: Queues,
+    stats: RefineStats,
+    steps: u64,
+    /// The most points to insert.
+    most: u64,
+    /// Why the work stops early.
+    stop: Option<Reason>,
+}
+
+impl Run<'_> {
+    /// Splits until every subsegment, then every subface is there and unencroached.
+    fn recover(&mut self, kernel: &[VertexId]) -> Result<(), RefineError> {
+        self.refinement.state.enter_segments(kernel, &mut self.work);
+        self.drain_boundary()?;
+        self.refinement.state.enter_subfaces(&mut self.work)?;
+        self.drain_boundary()
+    }
+
+    fn drain_boundary(&mut self) -> Result<(), RefineError> {
+        // Ends: every insertion takes a new point of the finite lattice, refused items do not
+        // come back, and a deferred one waits for an insertion or for a refusal.
+        while let Some(item) = self.work.next_boundary() {
+            self.step(item)?;
+        }
+        Ok(())
+    }
+
+    /// What is missing of the boundary because the budget was used up; `None` if it was not.
+    fn unrecovered(&self, lattice: &Lattice) -> Option<RefineError> {
+        let state = &self.refinement.state;
+        if self.stop != Some(Reason::Budget) {
+            return None;
+        }
+        let present = state.present_segments();
+        let lost = state.segments.keys().filter(|s| !present.contains(*s));
+        let first = lost.clone().map(|s| s[0]).chain(state.missing.iter().map(|s| s[0])).min()?;
+        let at = state.at(first).map(|c| c * lattice.fine_step());
+        let (segments, subfaces) = (lost.count(), state.missing.len());
+        Some(RefineError::Unrecovered { segments, subfaces, at })
+    }
+
+    /// Splits tetrahedra until none is over its bounds, boundary items first.
+    fn refine(&mut self, domain: &Domain) -> Result<(), RefineError> {
+        loop {
+            if let Some(item) = self.work.next_boundary() {
+                self.step(item)?;
+                continue;
+            }
+            if !self.refinement.dirty.is_empty() {
+                self.settle(domain)?;
+            }
+            if self.stop.is_some() {
+                return Ok(());
+            }
+            let Some(item) = self.work.next_tet() else { return Ok(()) };
+            self.step(item)?;
+        }
+    }
+
+    /// Puts every tetrahedron over its bounds.
+    fn put_all(&mut self) {
+        let state = &self.refinement.state;
+        let Some(bounds) = &self.refinement.bounds else { return };
+        for t in state.mesh.tet_ids() {
+            if let Some(weight) = bounds.excess(state, t) {
+                self.work.put(Item::Tet(t, state.vertices(t)), weight);
+            }
+        }
+    }
+
+    /// Finds the regions of tetrahedra made while a subface was missing, and looks at their bounds.
+    fn settle(&mut self, domain: &Domain) -> Result<(), RefineError> {
+        let dirty = std::mem::take(&mut self.refinement.dirty);
+        self.stats.relabelled += 1;
+        if !self.refinement.state.relabel(&dirty) {
+            self.refinement.state.flood(&domain.holes, &domain.regions)?;
+            self.put_all();
+            return Ok(());
+        }
+        let state = &self.refinement.state;
+        let Some(bounds) = &self.refinement.bounds else { return Ok(()) };
+        for (t, v) in dirty {
+            if state.is_live(t, v)
+                && let Some(weight) = bounds.excess(state, t)
+            {
+                self.work.put(Item::Tet(t, v), weight);
+            }
+        }
+        Ok(())
+    }
+
+    /// One transaction.
+    fn step(&mut self, item: Item) -> Result<(), RefineError> {
+        self.steps += 1;
+        if self.steps.is_multiple_of(CHECK_EVERY) {
+            self.look()?;
+        }
+        let stats = &mut self.stats;
+        let inserted = stats.segment_points + stats.facet_points + stats.free_points;
+        if inserted >= self.most {
+            self.stop = self.stop.or(Some(Reason::Budget));
+        }
+        if let Some(reason) = self.stop {
+            self.refinement.refused.insert(item, Refusal::final_for(reason));
+            return Ok(());
+        }
+        match self.refinement.split(item, &mut self.work, &mut Open) {
+            Step::Inserted => match item {
+                Item::Segment(_) => stats.segment_points += 1,
+                Item::Subface(_) => stats.facet_points += 1,
+                Item::Tet(..) => stats.free_points += 1,
+            },
+            Step::Gone => {}
+            Step::Deferred => stats.deferred += 1,
+            Step::Refused(_) => stats.refused += 1,
+            // `Open` refuses nothing: the mesh is full.
+            Step::SetBack(_) => self.stop = Some(Reason::Budget),
+        }
+        Ok(())
+    }
+
+    /// Tells the observer, asks the token.
+    #[cold]
+    fn look(&mut self) -> Result<(), RefineError> {
+        if let Some(observer) = self.refiner.observer {
+            observer.progress(self.refinement.state.mesh.num_vertices() as u64, 0);
+        }
+        if self.refiner.cancel.is_some_and(CancelToken::is_cancelled) {
+            if self.refinement.bounds.is_none() {
+                return Err(RefineError::Cancelled);
+            }
+            self.stop = Some(Reason::Cancelled);
+        }
+        Ok(())
+    }
+
+    /// Collects what is over its bounds.
+    fn finish(self, regions: Vec<RegionInfo>, lattice: Lattice) -> Refined {
+        let Refinement { mut state, bounds, refused, next_number, .. } = self.refinement;
+        state.mesh.set_next_number(next_number);
+        let mut excuses = Vec::new();
+        if let Some(bounds) = &bounds {
+            for t in state.mesh.tet_ids().filter(|&t| bounds.excess(&state, t).is_some()) {
+                let item = Item::Tet(t, state.vertices(t));
+                let reason = refused.get(&item).map(|r| r.reason).or(self.stop);
+                let reason = reason.unwrap_or(Reason::Rounding);
+                excuses.push(Excuse { tet: t, reason });
+            }
+        }
+        let present = state.present_segments();
+        let mut lost: Vec<(Item, Reason)> = refused
+            .iter()
+            .filter(|(item, _)| match item {
+                Item::Segment(s) => state.segments.contains_key(s) && !present.contains(s),
+                Item::Subface(s) => state.missing.contains(s),
+                Item::Tet(..) => false,
+            })
+            .map(|(&item, refusal)| (item, refusal.reason))
+            .collect();
+        lost.sort_unstable();
+        let outcome = match self.stop {
+            Some(Reason::Cancelled) => RefineOutcome::Cancelled,
+            Some(_) if !(excuses.is_empty() && lost.is_empty()) => RefineOutcome::Budget,
+            _ if excuses.is_empty() && lost.is_empty() => RefineOutcome::Met,
+            _ => RefineOutcome::Excused,
+        };
+        Refined { outcome, excuses, lost, regions, stats: self.stats, lattice, state }
+    }
+}
+
+/// A refined domain.
+#[derive(Debug)]
+pub struct Refined {
+    /// How it ended.
+    pub outcome: RefineOutcome,
+    /// The tetrahedra over a bound.
+    pub excuses: Vec<Excuse>,
+    /// Boundary items that could not be split though they are missing or encroached.
+    pub lost: Vec<(Item, Reason)>,
+    /// The regions, the exterior first.
+    pub regions: Vec<RegionInfo>,
+    /// Figures.
+    pub stats: RefineStats,
+    /// The lattice of all points.
+    pub lattice: Lattice,
+    pub(super) state: State,
+}
+
+impl Refined {
+    /// The Delaunay mesh, exterior included: input vertices keep their indices, new ones follow.
+    pub fn mesh(&self) -> &Mesh {
+        &self.state.mesh
+    }
+
+    /// The region of a tetrahedron: an index into [`Refined::regions`], 0 for the exterior.
+    pub fn region(&self, t: TetId) -> u32 {
+        self.state.marks.region(t)
+    }
+
+    /// The tetrahedra of the domain.
+    pub fn tets(&self) -> impl Iterator<Item = TetId> + '_ {
+        self.state.mesh.tet_ids().filter(|&t| self.region(t) != 0)
+    }
+
+    /// Number of tetrahedra of the domain.
+    pub fn num_tets(&self) -> usize {
+        self.tets().count()
+    }
+
+    /// Bytes held by the large arrays.
+    pub fn memory_bytes(&self) -> usize {
+        self.state.memory_bytes()
+    }
+}

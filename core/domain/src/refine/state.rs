@@ -1,0 +1,276 @@
+//! The state of a refinement: the mesh, its marks, and the tables of subsegments and subfaces.
+//!
+//! The tables name every subsegment and subface, with its segment or facet, whether the mesh has
+//! it or not; the marks are on those that the mesh has. Every simplex that an insertion creates has
+//! the new point, so an item that the mesh has lost never comes back: it has to be split.
+
+use super::angles::Angles;
+use super::carrier::{Carrier, UNIT, distance2};
+use super::item::{Item, Work};
+use super::marks::{EDGES, ENDS, FACES, Marks, face_bit};
+use super::measure::{circumcircle, in_diametral_ball, in_equatorial_ball};
+use super::plc::Plc;
+use super::registry::Registry;
+use super::table::{Map, Set, edge, triangle};
+use ltbw_core::mesh::Mesh;
+use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
+use ltbw_exact::Point;
+
+/// Vertices of the face opposite each slot.
+pub(crate) const FACE: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
+
+/// What the open cavity has of the boundary, and what its point would encroach.
+#[derive(Debug, Default)]
+pub(crate) struct Touched {
+    /// Subfaces inside the cavity (both tetrahedra are in it), with their facets.
+    pub(crate) inner: Vec<([VertexId; 3], u32)>,
+    /// Subsegments of the cavity.
+    pub(crate) edges: Vec<[VertexId; 2]>,
+    /// Subsegments, then subfaces, whose closed balls hold the point.
+    pub(crate) hit_segments: Vec<[VertexId; 2]>,
+    pub(crate) hit_subfaces: Vec<[VertexId; 3]>,
+}
+
+/// Mesh, marks and tables.
+#[derive(Debug)]
+pub(crate) struct State {
+    pub(crate) mesh: Mesh,
+    pub(crate) plc: Plc,
+    pub(crate) angles: Angles,
+    pub(crate) marks: Marks,
+    /// Where each kernel vertex lives; entry 0 is the vertex at infinity.
+    pub(crate) carriers: Vec<Carrier>,
+    /// Subsegments, with their segments.
+    pub(crate) segments: Map<[VertexId; 2], u32>,
+    /// Subfaces, with their facets.
+    pub(crate) subfaces: Map<[VertexId; 3], u32>,
+    /// Subfaces that the mesh does not have.
+    pub(crate) missing: Set<[VertexId; 3]>,
+    pub(crate) registry: Registry,
+    pub(crate) touched: Touched,
+    /// Scratch: items near a point.
+    found: Vec<Item>,
+}
+
+impl State {
+    /// The state before anything of the boundary is entered; features nearer to each other than
+    /// `near` steps of the grid are not refined towards each other.
+    pub(crate) fn new(mesh: Mesh, plc: Plc, carriers: Vec<Carrier>, near: f64) -> Self {
+        let marks = Marks::new(mesh.topology().slots());
+        Self {
+            mesh,
+            angles: Angles::of(&plc, near),
+            plc,
+            marks,
+            carriers,
+            segments: Map::default(),
+            subfaces: Map::default(),
+            missing: Set::default(),
+            registry: Registry::default(),
+            touched: Touched::default(),
+            found: Vec::new(),
+        }
+    }
+
+    pub(crate) fn at(&self, v: VertexId) -> Point {
+        self.mesh.kernel_point(v)
+    }
+
+    pub(crate) fn vertices(&self, t: TetId) -> [VertexId; 4] {
+        self.mesh.topology().at(t).vertices()
+    }
+
+    /// Is `t` still the tetrahedron with these vertices?
+    pub(crate) fn is_live(&self, t: TetId, v: [VertexId; 4]) -> bool {
+        (t as usize) < self.mesh.topology().slots() && self.vertices(t) == v
+    }
+
+    /// Does a vertex with this carrier lie on facet `f`?
+    pub(crate) fn lies_on(&self, carrier: Carrier, f: u32) -> bool {
+        match carrier {
+            Carrier::Corner(c) => self.plc.facets_at[c as usize].binary_search(&f).is_ok(),
+            Carrier::Segment(s, _) => self.plc.segments[s as usize].facets.contains(&f),
+            Carrier::Facet(g) => f == g,
+            Carrier::Free => false,
+        }
+    }
+
+    /// The parameter of a vertex on segment `s`, on which it lies.
+    pub(crate) fn parameter(&self, v: VertexId, s: u32) -> i64 {
+        match self.carriers[v as usize] {
+            Carrier::Segment(_, t) => t,
+            Carrier::Corner(c) if c == self.plc.segments[s as usize].ends[1] => UNIT,
+            _ => 0,
+        }
+    }
+
+    /// Is `p` in the closed ball of a subsegment?
+    pub(crate) fn encroaches_segment(&self, [a, b]: [VertexId; 2], p: &Point) -> bool {
+        in_diametral_ball(&self.at(a), &self.at(b), p)
+    }
+
+    /// Is `p`, which lives on `carrier`, off the facet of a subface and in its closed ball?
+    pub(crate) fn encroaches_subface(
+        &self,
+        [a, b, c]: [VertexId; 3],
+        facet: u32,
+        p: &Point,
+        carrier: Carrier,
+    ) -> bool {
+        !self.lies_on(carrier, facet)
+            && in_equatorial_ball(&self.at(a), &self.at(b), &self.at(c), p)
+    }
+
+    /// Does vertex `v` (not the one at infinity) encroach a present subface, and is it not
+    /// related to its facet?
+    pub(crate) fn vertex_encroaches_subface(
+        &self,
+        subface: [VertexId; 3],
+        facet: u32,
+        v: VertexId,
+    ) -> bool {
+        v != INFINITE
+            && !subface.contains(&v)
+            && !self.angles.related(&self.plc, self.carriers[v as usize], facet)
+            && self.encroaches_subface(subface, facet, &self.at(v), self.carriers[v as usize])
+    }
+
+    /// Does vertex `v` (not the one at infinity) encroach a present subsegment of segment `of`,
+    /// and is it not related to it?
+    pub(crate) fn vertex_encroaches_segment(&self, s: [VertexId; 2], of: u32, v: VertexId) -> bool {
+        v != INFINITE
+            && !s.contains(&v)
+            && !self.angles.related_segment(self.carriers[v as usize], of)
+            && self.encroaches_segment(s, &self.at(v))
+    }
+
+    /// The ball of a boundary item, rounded.
+    pub(crate) fn ball(&self, item: Item) -> (Point, f64) {
+        match item {
+            Item::Segment([a, b]) => {
+                let (a, b) = (self.at(a), self.at(b));
+                ([0, 1, 2].map(|k| (a[k] + b[k]) / 2.0), distance2(&a, &b).sqrt() / 2.0)
+            }
+            Item::Subface([a, b, c]) => {
+                let (centre, square) = circumcircle(&self.at(a), &self.at(b), &self.at(c));
+                (centre, square.sqrt())
+            }
+            Item::Tet(_, v) => (self.at(v[0]), 0.0),
+        }
+    }
+
+    /// Enters a boundary item into the registry and the work, unless it waits there already.
+    pub(crate) fn pend<W: Work>(&mut self, item: Item, work: &mut W) {
+        let (centre, radius) = self.ball(item);
+        if self.registry.enter(item, centre, radius) {
+            work.put(item, 1.0);
+        }
+    }
+
+    /// Notes that the mesh does not have a subface.
+    pub(crate) fn miss<W: Work>(&mut self, subface: [VertexId; 3], work: &mut W) {
+        if self.missing.insert(subface) {
+            self.pend(Item::Subface(subface), work);
+        }
+    }
+
+    /// Looks at the boundary in the open cavity of `p`, which lives on `carrier`: what is in it, and
+    /// what `p` encroaches, by the closure and the registry.
+    pub(crate) fn touch(&mut self, p: &Point, carrier: Carrier) {
+        let mut touched = std::mem::take(&mut self.touched);
+        let Touched { inner, edges, hit_segments, hit_subfaces } = &mut touched;
+        inner.clear();
+        edges.clear();
+        hit_segments.clear();
+        hit_subfaces.clear();
+        for t in self.mesh.cavity().tets() {
+            let word = self.marks.of(t);
+            if word & (FACES | EDGES) == 0 {
+                continue;
+            }
+            let tet = self.mesh.topology().at(t);
+            let v = tet.vertices();
+            for (k, [i, j]) in ENDS.into_iter().enumerate() {
+                if word >> (4 + k) & 1 == 1 {
+                    edges.push(edge(v[i], v[j]));
+                }
+            }
+            for slot in (0..4).filter(|&slot| word & face_bit(slot) != 0) {
+                let other = tet_of(tet.neighbours()[slot]);
+                let inside = self.mesh.topology().at(other).is_marked();
+                // An inner face is met from both sides.
+                if inside && other < t {
+                    continue;
+                }
+                let key = FACE[slot].map(|k| v[k]);
+                let key = triangle(key[0], key[1], key[2]);
+                let Some(&facet) = self.subfaces.get(&key) else { continue };
+                if inside {
+                    inner.push((key, facet));
+                }
+                if !self.angles.related(&self.plc, carrier, facet)
+                    && self.encroaches_subface(key, facet, p, carrier)
+                {
+                    hit_subfaces.push(key);
+                }
+            }
+        }
+        edges.sort_unstable();
+        edges.dedup();
+        hit_segments.extend(edges.iter().filter(|&s| {
+            let of = self.segments.get(s);
+            !of.is_some_and(|&of| self.angles.related_segment(carrier, of))
+                && self.encroaches_segment(*s, p)
+        }));
+        self.touch_pending(p, carrier, &mut touched);
+        self.touched = touched;
+    }
+
+    /// Adds the pending items that `p` encroaches.
+    fn touch_pending(&mut self, p: &Point, carrier: Carrier, touched: &mut Touched) {
+        let mut found = std::mem::take(&mut self.found);
+        self.registry.near(p, &mut found);
+        for &item in &found {
+            match item {
+                Item::Segment(s) => {
+                    if !touched.hit_segments.contains(&s) && self.encroaches_segment(s, p) {
+                        touched.hit_segments.push(s);
+                    }
+                }
+                Item::Subface(s) => {
+                    let Some(&facet) = self.subfaces.get(&s) else { continue };
+                    let known = touched.hit_subfaces.contains(&s);
+                    if !known && self.encroaches_subface(s, facet, p, carrier) {
+                        touched.hit_subfaces.push(s);
+                    }
+                }
+                Item::Tet(..) => {}
+            }
+        }
+        self.found = found;
+    }
+
+    /// The missing subfaces of facet `f` whose balls may hold `p`.
+    pub(crate) fn missing_near(&mut self, f: u32, p: &Point) -> Vec<[VertexId; 3]> {
+        if self.missing.is_empty() {
+            return Vec::new();
+        }
+        let mut found = std::mem::take(&mut self.found);
+        self.registry.near(p, &mut found);
+        let subfaces = found.iter().filter_map(|item| match item {
+            Item::Subface(s) if self.missing.contains(s) && self.subfaces.get(s) == Some(&f) => {
+                Some(*s)
+            }
+            _ => None,
+        });
+        let subfaces = subfaces.collect();
+        self.found = found;
+        subfaces
+    }
+
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.mesh.memory_bytes()
+            + self.marks.memory_bytes()
+            + self.carriers.capacity() * size_of::<Carrier>()
+    }
+}

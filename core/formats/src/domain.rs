@@ -1,0 +1,114 @@
+//! Reading and writing domains, whatever their format.
+
+use super::aside::{self, Aside};
+use super::surface::Faces;
+use super::{Format, IoError, WriteOptions, data_error, load, obj, off, parse_error, ply, poly};
+use super::{stl, tetgen, wrong_kind};
+use ltbw_domain::Domain;
+use std::path::{Path, PathBuf};
+
+/// A domain as files carry it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DomainFile {
+    /// The domain.
+    pub domain: Domain,
+    /// The facets are a surface whose orientation says what is inside: formats without hole points.
+    pub oriented: bool,
+    /// What the file holds besides and was not read, in words for people.
+    pub notes: Vec<String>,
+}
+
+/// Reads a domain file: `.poly`, `.smesh` (with its `.node` if it holds no points itself), `.off`,
+/// `.obj`, `.stl` or `.ply`.
+pub fn read_domain(path: &Path) -> Result<DomainFile, IoError> {
+    let format = Format::from_path(path)?;
+    let parse = match format {
+        Format::Off => off::read_domain,
+        Format::Obj => obj::read_domain,
+        Format::Stl => stl::read_domain,
+        Format::Ply => ply::read_domain,
+        Format::Poly => poly::read_poly,
+        Format::Smesh => poly::read_smesh,
+        _ => return Err(wrong_kind(path, format, "a domain is")),
+    };
+    let bytes = load(path)?;
+    if matches!(format, Format::Poly | Format::Smesh) && poly::needs_node(&bytes) {
+        let beside = path.with_extension("node");
+        let node = tetgen::parse_node(&load(&beside)?).map_err(|e| parse_error(&beside, e))?;
+        let parse =
+            if format == Format::Poly { poly::read_poly_with } else { poly::read_smesh_with };
+        return parse(&bytes, node).map_err(|error| parse_error(path, error));
+    }
+    parse(&bytes).map_err(|error| parse_error(path, error))
+}
+
+/// The files that [`read_domain`] may read for `path`: itself, and the `.node` beside it.
+pub fn domain_files(path: &Path) -> Vec<PathBuf> {
+    match Format::from_path(path) {
+        Ok(Format::Poly | Format::Smesh) => vec![path.to_owned(), path.with_extension("node")],
+        _ => vec![path.to_owned()],
+    }
+}
+
+/// Writes a domain with the default [`WriteOptions`]: `.poly`, `.smesh`, `.off`, `.obj`, `.stl` or
+/// `.ply`. The formats of surfaces do not keep all of a domain: see [`not_kept`].
+pub fn write_domain(path: &Path, domain: &Domain) -> Result<(), IoError> {
+    write_domain_with(path, domain, WriteOptions::default())
+}
+
+/// Writes a domain as [`write_domain`] does, with a choice where the format leaves one.
+pub fn write_domain_with(
+    path: &Path,
+    domain: &Domain,
+    options: WriteOptions,
+) -> Result<(), IoError> {
+    let format = domain_format(path)?;
+    domain.check_structure().map_err(|e| data_error(path, e.into()))?;
+    match format {
+        Format::Poly => Aside::write(path, |out| poly::write_poly(out, domain))?.publish(),
+        Format::Smesh => {
+            poly::check_smesh(domain).map_err(|e| data_error(path, e))?;
+            Aside::write(path, |out| poly::write_smesh(out, domain))?.publish()
+        }
+        _ => {
+            let faces = Faces::of(domain, format == Format::Stl);
+            let faces = faces.map_err(|e| data_error(path, e))?;
+            Aside::write(path, |out| faces.write(out, format, options.encoding))?.publish()
+        }
+    }
+}
+
+fn domain_format(path: &Path) -> Result<Format, IoError> {
+    let format = Format::from_path(path)?;
+    if format.holds_domain() { Ok(format) } else { Err(wrong_kind(path, format, "a domain is")) }
+}
+
+/// Tells what would certainly keep a domain from being written, as
+/// [`super::check_points_writable`] does for points.
+pub fn check_domain_writable(path: &Path) -> Result<(), IoError> {
+    domain_format(path)?;
+    aside::check(path)
+}
+
+/// What of a domain a format has no place for, in words for people.
+pub fn not_kept(domain: &Domain, format: Format) -> Vec<String> {
+    if !format.holds_surface() {
+        return Vec::new();
+    }
+    let mut lost = Vec::new();
+    let mut say = |some: bool, text: &str| {
+        if some {
+            lost.push(format!("{text} are not kept: this format has no place for them"));
+        }
+    };
+    say(!domain.holes.is_empty(), "holes");
+    say(!domain.regions.is_empty(), "regions");
+    say(!domain.segments.is_empty(), "free-standing segments");
+    let marked = domain.facets.iter().any(|f| f.marker != 0);
+    say(marked && format != Format::Ply, "markers of facets");
+    let parts = |f: &ltbw_domain::Facet| f.polygons.len() > 1 || !f.holes.is_empty();
+    if domain.facets.iter().any(parts) {
+        lost.push("facets of several polygons are written as their triangles".to_owned());
+    }
+    lost
+}

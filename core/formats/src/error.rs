@@ -1,0 +1,307 @@
+//! What can go wrong with a file: each error prints as one line that names the file, the line or
+//! the element, and the reason.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Why a file could not be read or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum IoError {
+    /// The extension of the file name is not one that is known.
+    #[error(
+        "{}: unknown extension; points: .npy .xyz .csv .node .ply (read only: .off .obj .stl); \
+         domains: .poly .smesh .off .obj .stl .ply; meshes: .vtu .msh .mesh .ele",
+        show(path)
+    )]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The format holds points where a mesh was wanted, or a mesh where points were.
+    #[error("{}: this format holds {holds}, but {wanted} wanted", show(path))]
+    WrongKind {
+        /// The file.
+        path: PathBuf,
+        /// What the format holds.
+        holds: &'static str,
+        /// What was wanted.
+        wanted: &'static str,
+    },
+    /// Files of this format are read, but not written.
+    #[error(
+        "{}: this format is only read; points are written as .npy .xyz .csv .node .ply",
+        show(path)
+    )]
+    ReadOnly {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The operating system could not read the file.
+    #[error("{}: cannot read: {source}", show(path))]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The operating system's reason.
+        source: std::io::Error,
+    },
+    /// The operating system could not write the file. Nothing half-written is left under its name.
+    #[error("{}: cannot write: {source}", show(path))]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The operating system's reason.
+        source: std::io::Error,
+    },
+    /// The content of the file is not what its format asks for.
+    #[error("{}: {error}", show(path))]
+    Parse {
+        /// The file.
+        path: PathBuf,
+        /// Where, and what is wrong there.
+        #[source]
+        error: ParseError,
+    },
+    /// The data given to a writer cannot be written so that reading gives it back.
+    #[error("{}: cannot write: {reason}", show(path))]
+    Data {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with the data.
+        #[source]
+        reason: DataError,
+    },
+}
+
+impl IoError {
+    /// A short code that stays the same between versions, for programs to match on.
+    pub fn code(&self) -> &'static str {
+        match self {
+            IoError::UnknownFormat { .. } => "io.unknown-format",
+            IoError::WrongKind { .. } => "io.wrong-kind",
+            IoError::ReadOnly { .. } => "io.read-only",
+            IoError::Read { .. } => "io.read",
+            IoError::Write { .. } => "io.write",
+            IoError::Parse { .. } => "io.parse",
+            IoError::Data { .. } => "io.data",
+        }
+    }
+}
+
+/// Data that no file of ours may hold.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DataError {
+    /// A coordinate is NaN or infinite.
+    #[error("point {point} has the coordinates {at:?}, which are not all finite")]
+    NotFinite {
+        /// Index of the point.
+        point: usize,
+        /// Its coordinates.
+        at: ltbw_exact::Point,
+    },
+    /// A list of tags is not as long as the list that it describes.
+    #[error("{tags} tags for {count} {what}")]
+    Tags {
+        /// `points` or `tetrahedra`.
+        what: &'static str,
+        /// Number of tags.
+        tags: usize,
+        /// Number of points or tetrahedra.
+        count: usize,
+    },
+    /// The format has no number type for this tag.
+    #[error("{what} {number} has the tag {tag}, which this format cannot hold exactly")]
+    TagRange {
+        /// `point` or `tetrahedron`.
+        what: &'static str,
+        /// Index of the point or tetrahedron.
+        number: usize,
+        /// Its tag.
+        tag: i64,
+    },
+    /// A domain that cannot be used.
+    #[error(transparent)]
+    Domain(#[from] ltbw_domain::DomainError),
+    /// A facet that the format cannot hold as it is, and that has no triangles.
+    #[error("facet {facet} is not a plane polygon without self-intersections")]
+    Facet {
+        /// The facet.
+        facet: u32,
+    },
+    /// A facet that is not a single polygon.
+    #[error("facet {facet} is not a single polygon, which this format asks for; .poly can hold it")]
+    FacetParts {
+        /// The facet.
+        facet: u32,
+    },
+    /// A boundary triangle names a point or a tetrahedron that does not exist.
+    #[error("boundary triangle {face} names a point or tetrahedron that is not there")]
+    Face {
+        /// Its place in the list.
+        face: usize,
+    },
+    /// A tetrahedron names a point that does not exist.
+    #[error("tetrahedron {tet} names point {point}, but there are {points} points")]
+    Index {
+        /// The tetrahedron.
+        tet: usize,
+        /// The index it names.
+        point: u32,
+        /// Number of points.
+        points: usize,
+    },
+}
+
+/// What is wrong with the content of a file, and where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParseError {
+    /// Where.
+    pub place: Place,
+    /// What.
+    pub reason: Reason,
+}
+
+impl ParseError {
+    pub(super) fn new(place: Place, reason: Reason) -> Self {
+        Self { place, reason }
+    }
+
+    /// An error in a text file: the line is that of the byte at `offset`.
+    pub(super) fn at(bytes: &[u8], offset: usize, reason: Reason) -> Self {
+        let before = &bytes[..offset.min(bytes.len())];
+        let line = before.iter().filter(|&&b| b == b'\n').count() as u64 + 1;
+        Self { place: Place::Line(line), reason }
+    }
+}
+
+impl fmt::Display for ParseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.place {
+            Place::Line(line) => write!(f, "line {line}: {}", self.reason),
+            Place::Point(point) => write!(f, "point {point}: {}", self.reason),
+            Place::Face(face) => write!(f, "face {face}: {}", self.reason),
+            Place::Byte(byte) => write!(f, "byte {byte}: {}", self.reason),
+            Place::Header => write!(f, "header: {}", self.reason),
+            Place::End => write!(f, "end of file: {}", self.reason),
+        }
+    }
+}
+
+impl std::error::Error for ParseError {}
+
+/// A place in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Place {
+    /// A line of a text file, counted from 1.
+    Line(u64),
+    /// A point of a binary file, counted from 0.
+    Point(u64),
+    /// A face of a surface, counted from 0.
+    Face(u64),
+    /// A byte of a binary file, counted from 0.
+    Byte(u64),
+    /// The header of a binary file.
+    Header,
+    /// Its end.
+    End,
+}
+
+/// What is wrong at a place of a file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Reason {
+    /// A line ends too early.
+    #[error("expected {expected} values, found {found}")]
+    TooFewValues {
+        /// Values that the line should hold, at least.
+        expected: usize,
+        /// Values that it holds.
+        found: usize,
+    },
+    /// A line holds more than it should.
+    #[error("expected {expected} values, found more")]
+    TooManyValues {
+        /// Values that the line should hold.
+        expected: usize,
+    },
+    /// Text where a number should be.
+    #[error("`{0}` is not a number")]
+    NotANumber(String),
+    /// Text where an integer should be.
+    #[error("`{0}` is not an integer that fits")]
+    NotAnInteger(String),
+    /// A coordinate is NaN, infinite, or too large for a double.
+    #[error("`{0}` is not a finite number")]
+    NotFinite(String),
+    /// An integer coordinate that no double equals.
+    #[error("the integer {0} is not exactly a 64-bit float")]
+    Inexact(i128),
+    /// The file ends before everything that it announced.
+    #[error("the file announces {announced} {what}, but ends after {found}")]
+    Truncated {
+        /// What there are too few of.
+        what: &'static str,
+        /// How many were announced.
+        announced: u64,
+        /// How many there are.
+        found: u64,
+    },
+    /// The file goes on after everything that it announced.
+    #[error("unexpected data after the last {0}")]
+    Surplus(&'static str),
+    /// An element is not numbered in turn.
+    #[error("{what} number {found}, where {expected} was expected")]
+    Numbering {
+        /// `point` or `tetrahedron`.
+        what: &'static str,
+        /// The number it should have.
+        expected: u64,
+        /// The number it has.
+        found: i64,
+    },
+    /// An element names a point that is not there.
+    #[error("{what} {number} names point {index}, but points are numbered {first} to {last}")]
+    Index {
+        /// `tetrahedron`, `cell` or `element`.
+        what: &'static str,
+        /// Which one, in the file's own numbering.
+        number: u64,
+        /// The index it names.
+        index: i64,
+        /// The first valid index.
+        first: i64,
+        /// The last valid index; below `first` when there is no point.
+        last: i64,
+    },
+    /// More points than 32-bit indices can name.
+    #[error("{0} points are more than 32-bit indices can name")]
+    TooManyPoints(u64),
+    /// The file breaks the rules of its format.
+    #[error("{0}")]
+    Syntax(String),
+    /// A valid part of the format that this reader does not read.
+    #[error("not supported: {0}")]
+    Unsupported(String),
+}
+
+/// A path as it can stand inside a one-line message.
+pub(super) fn show(path: &Path) -> String {
+    path.to_string_lossy().chars().map(|c| if c.is_control() { '?' } else { c }).collect()
+}
+
+/// At most 40 characters of a token, printable, for a message.
+pub(super) fn excerpt(token: &[u8]) -> String {
+    one_line(&String::from_utf8_lossy(&token[..token.len().min(200)]), 40)
+}
+
+/// At most `longest` characters of `text`, without line ends, for a message.
+pub(super) fn one_line(text: &str, longest: usize) -> String {
+    let mut out: String =
+        text.chars().take(longest).map(|c| if c.is_control() { '?' } else { c }).collect();
+    if text.chars().nth(longest).is_some() {
+        out.push_str("...");
+    }
+    out
+}

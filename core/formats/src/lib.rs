@@ -1,0 +1,368 @@
+//! Readers and writers of point, domain and mesh files.
+//!
+//! | extension | holds | tags | module |
+//! |---|---|---|---|
+//! | `.npy` | points (NumPy array of shape (n, 3)) | no | [`npy`] |
+//! | `.xyz` | points, one on a line | no | [`xyz`] |
+//! | `.csv` | points, columns `x,y,z` | column `tag` | [`csv`] |
+//! | `.ply` | points (Stanford polygons); a surface | property `tag` | [`ply`] |
+//! | `.off` | a surface; points, read only: the vertices | no | [`off`] |
+//! | `.obj` | a surface; points, read only: the vertices | no | [`obj`] |
+//! | `.stl` | a surface; points, read only: the corners, once each | no | [`stl`] |
+//! | `.poly` | domain (TetGen) | facet markers, regions | [`poly`] |
+//! | `.smesh` | domain (TetGen), facets of one polygon each | facet markers, regions | [`poly`] |
+//! | `.node` | points (TetGen); beside `.ele`: a mesh | markers | [`tetgen`] |
+//! | `.ele` | mesh (TetGen), with the `.node` beside it | markers, regions | [`tetgen`] |
+//! | `.msh` | mesh (Gmsh 4.1, 2.2) | view `tag`, physical groups | [`msh`] |
+//! | `.mesh` | mesh (Medit, ASCII) | references | [`medit`] |
+//! | `.vtu` | mesh (VTK, text or binary) | arrays `tag`, `region` | [`vtu`] |
+//! | `.pvtu` | mesh in parts, `.vtu` files beside it (written only) | array `tag` | [`write_parts`] |
+//!
+//! Readers take any bytes and never panic: each is a fuzz target. A count in a header is a claim
+//! to verify, never an amount of memory to reserve. Text carries floats in the shortest form that
+//! reads back to the same bits, so a round trip changes no coordinate, not even the sign of zero.
+//! NaN and infinities are rejected, with their place.
+//!
+//! Writers write aside and rename: under the final name there is the whole file or what was
+//! there before.
+//!
+//! Cost: reading holds the file and the result in memory; a million points of text take about
+//! half a second each way. Writing formats in parallel on the current rayon pool.
+
+#![forbid(unsafe_code)]
+
+mod aside;
+pub mod csv;
+mod domain;
+mod error;
+mod format;
+pub mod medit;
+pub mod msh;
+pub mod npy;
+pub mod obj;
+pub mod off;
+mod parts;
+pub mod ply;
+pub mod poly;
+mod scalar;
+pub mod stl;
+mod surface;
+pub mod tetgen;
+mod text;
+pub mod vtu;
+pub mod xyz;
+
+use aside::Aside;
+pub use domain::{
+    DomainFile, check_domain_writable, domain_files, not_kept, read_domain, write_domain,
+    write_domain_with,
+};
+pub use error::{DataError, IoError, ParseError, Place, Reason};
+pub use format::{Encoding, Format, WriteOptions};
+use ltbw_core::{BoundaryFace, Extras, TetMesh};
+use ltbw_exact::Point;
+pub use msh::MshVersion;
+pub use parts::{check_parts_writable, is_parts, part_files, write_parts};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Points as files carry them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PointFile {
+    /// Coordinates, in the order of the file.
+    pub points: Vec<Point>,
+    /// One tag per point (boundary markers), if the file has them.
+    pub point_tags: Option<Vec<i64>>,
+    /// What the file holds besides and was not read, in words for people.
+    pub notes: Vec<String>,
+}
+
+/// A mesh as files carry it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MeshFile {
+    /// The mesh.
+    pub mesh: TetMesh,
+    /// What the file holds besides and was not read, in words for people.
+    pub notes: Vec<String>,
+}
+
+/// Reads a point file: `.npy`, `.xyz`, `.csv`, `.node`, `.ply`, `.off`, `.obj` or `.stl`.
+pub fn read_points(path: &Path) -> Result<PointFile, IoError> {
+    let parse = match Format::from_path(path)? {
+        Format::Npy => npy::read,
+        Format::Xyz => xyz::read,
+        Format::Csv => csv::read,
+        Format::Node => tetgen::read_node,
+        Format::Ply => ply::read,
+        Format::Off => off::read,
+        Format::Obj => obj::read,
+        Format::Stl => stl::read,
+        format => return Err(wrong_kind(path, format, "points are")),
+    };
+    parse(&load(path)?).map_err(|error| parse_error(path, error))
+}
+
+/// Reads a mesh file: `.vtu`, `.msh`, `.mesh`, or the pair `.ele` and `.node` (named by either).
+pub fn read_mesh(path: &Path) -> Result<TetMesh, IoError> {
+    read_mesh_file(path).map(|f| f.mesh)
+}
+
+/// Reads a mesh file as [`read_mesh`] does, and tells what in it was not read.
+pub fn read_mesh_file(path: &Path) -> Result<MeshFile, IoError> {
+    let parse = match Format::from_path(path)? {
+        Format::Vtu => vtu::read,
+        Format::Msh => msh::read,
+        Format::Medit => medit::read,
+        Format::Node | Format::Ele => return read_pair(path),
+        format => return Err(wrong_kind(path, format, "a mesh is")),
+    };
+    parse(&load(path)?).map_err(|error| parse_error(path, error))
+}
+
+/// Reads edge lengths at points: an `.mtr` file, whatever its extension.
+pub fn read_sizes(path: &Path) -> Result<Vec<f64>, IoError> {
+    tetgen::read_mtr(&load(path)?).map_err(|error| parse_error(path, error))
+}
+
+fn read_pair(path: &Path) -> Result<MeshFile, IoError> {
+    let (node_path, ele_path) = pair(path);
+    let node = tetgen::parse_node(&load(&node_path)?).map_err(|e| parse_error(&node_path, e))?;
+    tetgen::parse_ele(&load(&ele_path)?, node).map_err(|e| parse_error(&ele_path, e))
+}
+
+/// The `.node` and `.ele` files of the mesh that either of them names.
+fn pair(path: &Path) -> (PathBuf, PathBuf) {
+    let other = |extension: &str| {
+        let own = path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+        if own { path.to_owned() } else { path.with_extension(extension) }
+    };
+    (other("node"), other("ele"))
+}
+
+/// Writes points and their tags with the default [`WriteOptions`].
+/// The formats `.npy` and `.xyz` have no place for tags.
+pub fn write_points(path: &Path, file: &PointFile) -> Result<(), IoError> {
+    write_points_with(path, file, WriteOptions::default())
+}
+
+/// Writes points as [`write_points`] does, with a choice where the format leaves one.
+pub fn write_points_with(
+    path: &Path,
+    file: &PointFile,
+    options: WriteOptions,
+) -> Result<(), IoError> {
+    let format = writable(path, true)?;
+    let (points, tags) = (&file.points, file.point_tags.as_deref());
+    check_points(points, tags).map_err(|r| data_error(path, r))?;
+    if format == Format::Ply {
+        check_float_tags("point", tags).map_err(|r| data_error(path, r))?;
+        return Aside::write(path, |out| ply::write(out, points, tags, options.encoding))?
+            .publish();
+    }
+    let write = match format {
+        Format::Npy => npy::write,
+        Format::Xyz => xyz::write,
+        Format::Csv => csv::write,
+        Format::Node => tetgen::write_node,
+        format => return Err(wrong_kind(path, format, "points are")),
+    };
+    Aside::write(path, |out| write(out, points, tags))?.publish()
+}
+
+/// Writes a mesh with the default [`WriteOptions`]: `.vtu`, `.msh`, `.mesh`, or the
+/// pair `.ele` and `.node` (named by either).
+pub fn write_mesh(path: &Path, mesh: &TetMesh) -> Result<(), IoError> {
+    write_mesh_with(path, mesh, WriteOptions::default())
+}
+
+/// Writes a mesh as [`write_mesh`] does, with a choice where the format leaves one.
+pub fn write_mesh_with(path: &Path, mesh: &TetMesh, options: WriteOptions) -> Result<(), IoError> {
+    write_mesh_and(path, mesh, &Extras::default(), options)
+}
+
+/// Writes a mesh as [`write_mesh_with`] does, and what the format has a place for of `extras`:
+/// `.vtu` all of it; `.mesh`, and `.ele` with a `.face` file beside it, the boundary; `.msh` nothing.
+pub fn write_mesh_and(
+    path: &Path,
+    mesh: &TetMesh,
+    extras: &Extras,
+    options: WriteOptions,
+) -> Result<(), IoError> {
+    let format = writable(path, false)?;
+    check_mesh(mesh).and_then(|()| check_extras(mesh, extras)).map_err(|r| data_error(path, r))?;
+    let faces = &extras.faces;
+    let write: fn(&mut dyn Write, &TetMesh, &Extras, WriteOptions) -> _ = match format {
+        Format::Vtu => {
+            |out, mesh, extras, options| vtu::write_with(out, mesh, extras, options.encoding)
+        }
+        Format::Msh => {
+            msh::check(mesh).map_err(|r| data_error(path, r))?;
+            |out, mesh, _, options| msh::write(out, mesh, options.msh_version, options.encoding)
+        }
+        Format::Medit => |out, mesh, extras, _| medit::write_with(out, mesh, &extras.faces),
+        Format::Node | Format::Ele => return write_pair(path, mesh, faces),
+        format => return Err(wrong_kind(path, format, "a mesh is")),
+    };
+    Aside::write(path, |out| write(out, mesh, extras, options))?.publish()
+}
+
+/// The format of `path`, if points (or else meshes) can be written in it.
+fn writable(path: &Path, points: bool) -> Result<Format, IoError> {
+    let format = Format::from_path(path)?;
+    let holds = if points { format.holds_points() } else { format.holds_mesh() };
+    if !holds {
+        Err(wrong_kind(path, format, if points { "points are" } else { "a mesh is" }))
+    } else if format.is_read_only() {
+        Err(IoError::ReadOnly { path: path.to_owned() })
+    } else {
+        Ok(format)
+    }
+}
+
+fn write_pair(path: &Path, mesh: &TetMesh, faces: &[BoundaryFace]) -> Result<(), IoError> {
+    let (node_path, ele_path) = pair(path);
+    let ele = Aside::write(&ele_path, |out| tetgen::write_ele(out, mesh))?;
+    let tags = mesh.point_tags.as_deref();
+    let node = Aside::write(&node_path, |out| tetgen::write_node(out, &mesh.points, tags))?;
+    let face_path = face_path(path);
+    let face = match faces {
+        [] => None,
+        _ => Some(Aside::write(&face_path, |out| tetgen::write_face(out, faces))?),
+    };
+    node.publish()?;
+    // A `.node` of this mesh beside an `.ele` of another would be worse than none.
+    ele.publish().inspect_err(|_| drop(std::fs::remove_file(&node_path)))?;
+    face.map_or(Ok(()), Aside::publish)
+}
+
+/// The `.face` file of the mesh that an `.ele` or `.node` file names.
+fn face_path(path: &Path) -> PathBuf {
+    path.with_extension("face")
+}
+
+/// Tells, before long work starts, what would certainly keep points from being written to
+/// `path`: an extension that is unknown or holds no points, a missing folder, or something under
+/// that name that is not a file. Creates nothing.
+pub fn check_points_writable(path: &Path) -> Result<(), IoError> {
+    writable(path, true)?;
+    aside::check(path)
+}
+
+/// Tells what would certainly keep a mesh from being written, as [`check_points_writable`] does
+/// for points.
+pub fn check_mesh_writable(path: &Path) -> Result<(), IoError> {
+    match writable(path, false)? {
+        Format::Node | Format::Ele => {
+            let (node, ele) = pair(path);
+            aside::check(&node)?;
+            aside::check(&ele)?;
+            aside::check(&face_path(path))
+        }
+        _ => aside::check(path),
+    }
+}
+
+/// Tells what would certainly keep [`write_bytes`] from writing to `path`, whatever its extension.
+pub fn check_bytes_writable(path: &Path) -> Result<(), IoError> {
+    aside::check(path)
+}
+
+/// The files that [`write_mesh`] writes for `path`: itself, or the pair that it names.
+pub fn mesh_files(path: &Path) -> Vec<PathBuf> {
+    match Format::from_path(path) {
+        Ok(Format::Node | Format::Ele) => {
+            let (node, ele) = pair(path);
+            vec![node, ele]
+        }
+        _ => vec![path.to_owned()],
+    }
+}
+
+/// Writes `bytes` to any file the way all files of this module are written: aside, then renamed.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+    Aside::write(path, |out| out.write_all(bytes))?.publish()
+}
+
+fn load(path: &Path) -> Result<Vec<u8>, IoError> {
+    let read = || {
+        // A device may never end; a folder is no file.
+        if std::fs::metadata(path)?.is_file() {
+            std::fs::read(path)
+        } else {
+            Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, "not a regular file"))
+        }
+    };
+    read().map_err(|source| IoError::Read { path: path.to_owned(), source })
+}
+
+fn check_points(points: &[Point], tags: Option<&[i64]>) -> Result<(), DataError> {
+    if let Some(point) = points.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+        return Err(DataError::NotFinite { point, at: points[point] });
+    }
+    check_tags("points", tags, points.len())
+}
+
+fn check_tags(what: &'static str, tags: Option<&[i64]>, count: usize) -> Result<(), DataError> {
+    match tags {
+        Some(t) if t.len() != count => Err(DataError::Tags { what, tags: t.len(), count }),
+        _ => Ok(()),
+    }
+}
+
+/// Checks that every tag is exactly a double: formats without 64-bit integers carry them so.
+fn check_float_tags(what: &'static str, tags: Option<&[i64]>) -> Result<(), DataError> {
+    let inexact = |&t: &i64| scalar::exact_float(i128::from(t)).is_err();
+    match tags.and_then(|tags| Some((tags, tags.iter().position(inexact)?))) {
+        Some((tags, number)) => Err(DataError::TagRange { what, number, tag: tags[number] }),
+        None => Ok(()),
+    }
+}
+
+/// [`check_float_tags`] for writers, which know no path.
+fn float_tags(what: &'static str, tags: Option<&[i64]>) -> std::io::Result<()> {
+    let invalid = |e| std::io::Error::new(std::io::ErrorKind::InvalidInput, e);
+    check_float_tags(what, tags).map_err(invalid)
+}
+
+fn check_mesh(mesh: &TetMesh) -> Result<(), DataError> {
+    let points = mesh.points.len();
+    check_points(&mesh.points, mesh.point_tags.as_deref())?;
+    check_tags("tetrahedra", mesh.tet_tags.as_deref(), mesh.tets.len())?;
+    for (tet, corners) in mesh.tets.iter().enumerate() {
+        if let Some(&point) = corners.iter().find(|&&v| v as usize >= points) {
+            return Err(DataError::Index { tet, point, points });
+        }
+    }
+    Ok(())
+}
+
+fn check_extras(mesh: &TetMesh, extras: &Extras) -> Result<(), DataError> {
+    let (points, tets) = (mesh.points.len(), mesh.tets.len());
+    if let Some((_, values)) = extras.values.iter().find(|(_, values)| values.len() != tets) {
+        return Err(DataError::Tags { what: "tetrahedra", tags: values.len(), count: tets });
+    }
+    let known = |f: &BoundaryFace| {
+        f.tet < tets && f.corners.iter().all(|&corner| (corner as usize) < points)
+    };
+    match extras.faces.iter().position(|f| !known(f)) {
+        Some(face) => Err(DataError::Face { face }),
+        None => Ok(()),
+    }
+}
+
+fn wrong_kind(path: &Path, format: Format, wanted: &'static str) -> IoError {
+    let holds = match (format.holds_mesh(), format.holds_points(), format.holds_domain()) {
+        (_, true, _) => "points",
+        (true, ..) => "a mesh",
+        _ => "a domain",
+    };
+    IoError::WrongKind { path: path.to_owned(), holds, wanted }
+}
+
+fn parse_error(path: &Path, error: ParseError) -> IoError {
+    IoError::Parse { path: path.to_owned(), error }
+}
+
+fn data_error(path: &Path, reason: DataError) -> IoError {
+    IoError::Data { path: path.to_owned(), reason }
+}

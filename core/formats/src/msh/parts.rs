@@ -1,0 +1,181 @@
+//! What the two versions of `.msh` have in common: nodes and tetrahedra under numbers of the
+//! file, and how they become a mesh.
+
+use crate::MeshFile;
+use crate::error::Reason;
+use crate::scalar::exact_integer;
+use ltbw_core::TetMesh;
+use ltbw_exact::Point;
+
+/// The dimension of the cells of an element type and their number of nodes, by Gmsh's number for
+/// the type. Source: the Gmsh reference manual, "MSH file format".
+pub(super) fn element_type(number: i64) -> Option<(u8, u64)> {
+    Some(match number {
+        15 => (0, 1),
+        1 => (1, 2),
+        8 => (1, 3),
+        26 => (1, 4),
+        27 => (1, 5),
+        28 => (1, 6),
+        2 => (2, 3),
+        3 => (2, 4),
+        9 => (2, 6),
+        10 => (2, 9),
+        16 => (2, 8),
+        20 => (2, 9),
+        21 => (2, 10),
+        22 => (2, 12),
+        23 | 24 => (2, 15),
+        25 => (2, 21),
+        TETRAHEDRON => (3, 4),
+        _ => return None,
+    })
+}
+
+/// Gmsh's number for a tetrahedron of four nodes.
+pub(super) const TETRAHEDRON: i64 = 4;
+
+/// The nodes of a file.
+#[derive(Debug, Default)]
+pub(super) struct Nodes {
+    pub(super) points: Vec<Point>,
+    /// The number of each node in the file.
+    pub(super) numbers: Vec<u64>,
+    /// Nodes by number, sorted, unless they are numbered in turn.
+    sorted: Vec<(u64, u32)>,
+}
+
+impl Nodes {
+    /// Finishes the list, after which [`Nodes::index`] answers.
+    pub(super) fn finish(&mut self) -> Result<(), Reason> {
+        let count = self.numbers.len();
+        u32::try_from(count).map_err(|_| Reason::TooManyPoints(count as u64))?;
+        if in_turn(self.numbers.iter().copied()) {
+            return Ok(());
+        }
+        self.sorted = self.numbers.iter().zip(0..).map(|(&number, i)| (number, i)).collect();
+        self.sorted.sort_unstable();
+        match self.sorted.windows(2).find(|w| w[0].0 == w[1].0) {
+            Some(w) => Err(Reason::Syntax(format!("two nodes have the number {}", w[0].0))),
+            None => Ok(()),
+        }
+    }
+
+    /// The index of the node with a number.
+    pub(super) fn index(&self, number: u64) -> Option<u32> {
+        if self.sorted.is_empty() {
+            // Numbered from 1.
+            let index = number.checked_sub(1)?;
+            return ((index as usize) < self.points.len()).then_some(index as u32);
+        }
+        let at = self.sorted.binary_search_by_key(&number, |&(n, _)| n).ok()?;
+        Some(self.sorted[at].1)
+    }
+}
+
+/// Are these the numbers 1, 2, 3 and so on?
+fn in_turn(mut numbers: impl Iterator<Item = u64>) -> bool {
+    let mut expected = 0;
+    numbers.all(|n| {
+        expected += 1;
+        n == expected
+    })
+}
+
+/// A tetrahedron of a file.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tet {
+    pub(super) number: u64,
+    pub(super) corners: [u32; 4],
+    /// Its physical group; 0: none.
+    pub(super) physical: i64,
+    /// Its geometrical entity.
+    pub(super) entity: i64,
+}
+
+/// Everything that is read from a file.
+#[derive(Debug, Default)]
+pub(super) struct Parts {
+    pub(super) nodes: Option<Nodes>,
+    pub(super) tets: Option<Vec<Tet>>,
+    /// Values of the view `tag` at nodes, by number.
+    pub(super) tags: Option<Vec<(u64, f64)>>,
+    /// Values of the view `region` in elements, by number.
+    pub(super) regions: Option<Vec<(u64, f64)>>,
+    pub(super) other_elements: bool,
+    pub(super) several_groups: bool,
+    pub(super) notes: Vec<String>,
+}
+
+impl Parts {
+    /// The corners of element `number`, from the numbers of its nodes.
+    pub(super) fn corners(&self, number: u64, nodes: [u64; 4]) -> Result<[u32; 4], Reason> {
+        let mut corners = [0; 4];
+        let list = self.nodes.as_ref();
+        for (corner, node) in corners.iter_mut().zip(nodes) {
+            *corner = list.and_then(|l| l.index(node)).ok_or_else(|| {
+                Reason::Syntax(format!("element {number} names node {node}, which is not there"))
+            })?;
+        }
+        Ok(corners)
+    }
+
+    /// The mesh: nodes in the order of the file, tetrahedra in the order of their numbers.
+    pub(super) fn mesh(self) -> Result<MeshFile, Reason> {
+        let Parts { nodes, tets, tags, regions, mut notes, .. } = self;
+        let missing = |name| Reason::Syntax(format!("there is no section `{name}`"));
+        let nodes = nodes.ok_or_else(|| missing("$Nodes"))?;
+        // A file that was cut between sections must not pass for a mesh without elements.
+        let mut tets = tets.ok_or_else(|| missing("$Elements"))?;
+        tets.sort_by_key(|t| t.number);
+        if self.other_elements {
+            notes.push("elements that are not tetrahedra are not read".to_owned());
+        }
+        if self.several_groups {
+            notes.push("of several physical groups of an entity only the first is read".to_owned());
+        }
+        let point_tags = tags.and_then(|values| {
+            let tags = whole(&values, nodes.points.len(), |n| nodes.index(n).map(|i| i as usize));
+            if tags.is_none() {
+                notes.push("the data `tag` is not read: not an integer at every node".to_owned());
+            }
+            tags
+        });
+        let by_number = |n| tets.binary_search_by_key(&n, |t| t.number).ok();
+        let from_data = regions.and_then(|values| {
+            let tags = whole(&values, tets.len(), by_number);
+            if tags.is_none() {
+                let text = "the data `region` is not read: not an integer in every tetrahedron";
+                notes.push(text.to_owned());
+            }
+            tags
+        });
+        let tet_tags = from_data.or_else(|| groups(&tets));
+        let tets = tets.iter().map(|t| t.corners).collect();
+        let mesh = TetMesh { points: nodes.points, tets, point_tags, tet_tags };
+        Ok(MeshFile { mesh, notes })
+    }
+}
+
+/// The values as integers in the order of `count` things, if each has one.
+fn whole(
+    values: &[(u64, f64)],
+    count: usize,
+    index: impl Fn(u64) -> Option<usize>,
+) -> Option<Vec<i64>> {
+    let mut found = vec![None; count];
+    // Data of elements may be given for triangles, too.
+    for (i, value) in values.iter().filter_map(|&(n, v)| Some((index(n)?, v))) {
+        found[i] = exact_integer(value);
+    }
+    found.into_iter().collect()
+}
+
+/// Regions by physical groups, or by geometrical entities where there are several and no groups.
+fn groups(tets: &[Tet]) -> Option<Vec<i64>> {
+    if tets.iter().any(|t| t.physical != 0) {
+        return Some(tets.iter().map(|t| t.physical).collect());
+    }
+    let several = tets.windows(2).any(|w| w[0].entity != w[1].entity);
+    several.then(|| tets.iter().map(|t| t.entity).collect())
+}

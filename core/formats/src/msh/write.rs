@@ -1,0 +1,294 @@
+//! Writing `.msh` files.
+
+use super::MshVersion;
+use super::parts::TETRAHEDRON;
+use crate::error::DataError;
+use crate::text::{push_integer, push_point, write_rows};
+use crate::{Encoding, check_float_tags};
+use ltbw_core::TetMesh;
+use std::io::{Error, ErrorKind, Result, Write};
+
+/// How the regions of a mesh are written.
+enum Regions<'a> {
+    /// As physical groups: each different region, ascending.
+    Groups(&'a [i64], Vec<i64>),
+    /// As values of a view.
+    View(&'a [i64]),
+    /// Not at all: there are none.
+    None,
+}
+
+impl<'a> Regions<'a> {
+    fn new(tags: Option<&'a [i64]>) -> Self {
+        let Some(tags) = tags else { return Regions::None };
+        // Gmsh has no group 0, and some readers want a group for all elements or for none.
+        if tags.is_empty() || !tags.iter().all(|&t| (1..=i64::from(i32::MAX)).contains(&t)) {
+            return Regions::View(tags);
+        }
+        let mut different = tags.to_vec();
+        different.sort_unstable();
+        different.dedup();
+        Regions::Groups(tags, different)
+    }
+
+    /// The physical group of a tetrahedron, and its geometrical entity, counted from 1.
+    fn of(&self, tet: usize) -> (i64, i64) {
+        match self {
+            Regions::Groups(tags, different) => {
+                let region = tags[tet];
+                (region, different.partition_point(|&r| r < region) as i64 + 1)
+            }
+            _ => (0, 1),
+        }
+    }
+}
+
+/// Checks that the tags of a mesh can be written.
+pub(crate) fn check(mesh: &TetMesh) -> std::result::Result<(), DataError> {
+    check_float_tags("point", mesh.point_tags.as_deref())?;
+    match Regions::new(mesh.tet_tags.as_deref()) {
+        Regions::View(tags) => check_float_tags("tetrahedron", Some(tags)),
+        _ => Ok(()),
+    }
+}
+
+/// Where numbers are written, and how.
+struct Sink<'a> {
+    out: &'a mut dyn Write,
+    text: bool,
+}
+
+impl Sink<'_> {
+    fn line(&mut self, text: &str) -> Result<()> {
+        writeln!(self.out, "{text}")
+    }
+
+    /// One row, outside of long lists.
+    fn row(&mut self, fill: impl Fn(&mut Row<'_>)) -> Result<()> {
+        let mut bytes = Vec::new();
+        fill(&mut Row { bytes: &mut bytes, text: self.text });
+        if self.text {
+            bytes.push(b'\n');
+        }
+        self.out.write_all(&bytes)
+    }
+
+    /// A long list, in text a row on a line.
+    fn rows(&mut self, rows: usize, fill: impl Fn(usize, &mut Row<'_>) + Sync) -> Result<()> {
+        let text = self.text;
+        write_rows(self.out, rows, |i, bytes| {
+            fill(i, &mut Row { bytes, text });
+            if text {
+                bytes.push(b'\n');
+            }
+        })
+    }
+
+    /// The end of a section; binary data ends without a line end.
+    fn end(&mut self, name: &str) -> Result<()> {
+        if !self.text {
+            self.out.write_all(b"\n")?;
+        }
+        writeln!(self.out, "$End{name}")
+    }
+}
+
+/// A row of numbers.
+struct Row<'a> {
+    bytes: &'a mut Vec<u8>,
+    text: bool,
+}
+
+impl Row<'_> {
+    fn blank(&mut self) {
+        if self.bytes.last().is_some_and(|&b| b != b'\n') {
+            self.bytes.push(b' ');
+        }
+    }
+
+    fn int(&mut self, value: i64) {
+        if self.text {
+            self.blank();
+            push_integer(self.bytes, value);
+        } else {
+            self.bytes.extend((value as i32).to_le_bytes());
+        }
+    }
+
+    fn size(&mut self, value: u64) {
+        if self.text {
+            self.blank();
+            push_integer(self.bytes, value as i64);
+        } else {
+            self.bytes.extend(value.to_le_bytes());
+        }
+    }
+
+    fn point(&mut self, point: &[f64; 3]) {
+        if self.text {
+            self.blank();
+            push_point(self.bytes, point, b' ');
+        } else {
+            point.iter().for_each(|c| self.bytes.extend(c.to_le_bytes()));
+        }
+    }
+
+    /// An integer as the double that it equals.
+    fn whole(&mut self, value: i64) {
+        if self.text {
+            self.int(value);
+        } else {
+            self.bytes.extend((value as f64).to_le_bytes());
+        }
+    }
+}
+
+/// Writes a `.msh` file; binary is little endian.
+///
+/// # Errors
+/// Those of `out`, and [`ErrorKind::InvalidInput`] for a tag that is not exactly a double where it
+/// has to be, and for more points or tetrahedra than the format can number.
+pub fn write(
+    out: &mut dyn Write,
+    mesh: &TetMesh,
+    version: MshVersion,
+    encoding: Encoding,
+) -> Result<()> {
+    check(mesh).map_err(|e| Error::new(ErrorKind::InvalidInput, e))?;
+    if i32::try_from(mesh.points.len().max(mesh.tets.len())).is_err() {
+        let text = "more points or tetrahedra than a .msh file can number";
+        return Err(Error::new(ErrorKind::InvalidInput, text));
+    }
+    let regions = Regions::new(mesh.tet_tags.as_deref());
+    let text = encoding == Encoding::Ascii;
+    let sink = &mut Sink { out, text };
+    let number = match version {
+        MshVersion::V4_1 => "4.1",
+        MshVersion::V2_2 => "2.2",
+    };
+    sink.line(&format!("$MeshFormat\n{number} {} 8", u8::from(!text)))?;
+    if text {
+        sink.line("$EndMeshFormat")?;
+    } else {
+        // Tells the byte order.
+        sink.row(|row| row.int(1))?;
+        sink.end("MeshFormat")?;
+    }
+    match version {
+        MshVersion::V4_1 => version_4(sink, mesh, &regions)?,
+        MshVersion::V2_2 => version_2(sink, mesh, &regions)?,
+    }
+    if let Some(tags) = &mesh.point_tags {
+        view(sink, "NodeData", "tag", tags)?;
+    }
+    if let Regions::View(tags) = regions {
+        view(sink, "ElementData", "region", tags)?;
+    }
+    Ok(())
+}
+
+/// Writes a view: a value at each node or in each tetrahedron.
+fn view(sink: &mut Sink<'_>, section: &str, name: &str, tags: &[i64]) -> Result<()> {
+    // One text (the name), one real (the time), three integers: time step, components, values.
+    sink.line(&format!("${section}\n1\n\"{name}\"\n1\n0\n3\n0\n1\n{}", tags.len()))?;
+    sink.rows(tags.len(), |i, row| {
+        row.int(i as i64 + 1);
+        row.whole(tags[i]);
+    })?;
+    sink.end(section)
+}
+
+/// Entities, nodes and elements of version 4.1.
+fn version_4(sink: &mut Sink<'_>, mesh: &TetMesh, regions: &Regions<'_>) -> Result<()> {
+    let (points, tets) = (&mesh.points, &mesh.tets);
+    let mut low = [0.0; 3];
+    let mut high = [0.0; 3];
+    for (k, p) in points.iter().enumerate() {
+        for axis in 0..3 {
+            low[axis] = if k == 0 { p[axis] } else { p[axis].min(low[axis]) };
+            high[axis] = if k == 0 { p[axis] } else { p[axis].max(high[axis]) };
+        }
+    }
+    let one = [0];
+    let volumes: &[i64] = match regions {
+        Regions::Groups(_, different) => different,
+        _ => &one,
+    };
+    sink.line("$Entities")?;
+    sink.row(|row| [0, 0, 0, volumes.len()].iter().for_each(|&n| row.size(n as u64)))?;
+    sink.rows(volumes.len(), |i, row| {
+        row.int(i as i64 + 1);
+        row.point(&low);
+        row.point(&high);
+        row.size(u64::from(volumes[i] != 0));
+        if volumes[i] != 0 {
+            row.int(volumes[i]);
+        }
+        // No bounding surfaces.
+        row.size(0);
+    })?;
+    sink.end("Entities")?;
+
+    let count = points.len() as u64;
+    sink.line("$Nodes")?;
+    sink.row(|row| [1, count, count.min(1), count].iter().for_each(|&n| row.size(n)))?;
+    sink.row(|row| {
+        [3, 1, 0].iter().for_each(|&n| row.int(n));
+        row.size(count);
+    })?;
+    sink.rows(points.len(), |i, row| row.size(i as u64 + 1))?;
+    sink.rows(points.len(), |i, row| row.point(&points[i]))?;
+    sink.end("Nodes")?;
+
+    // Elements stand by region; their numbers tell the order.
+    let mut order: Vec<usize> = (0..tets.len()).collect();
+    if let Regions::Groups(tags, _) = regions {
+        order.sort_by_key(|&t| tags[t]);
+    }
+    let blocks: Vec<&[usize]> =
+        order.chunk_by(|&a, &b| regions.of(a).1 == regions.of(b).1).collect();
+    let count = tets.len() as u64;
+    sink.line("$Elements")?;
+    let head = [blocks.len() as u64, count, count.min(1), count];
+    sink.row(|row| head.iter().for_each(|&n| row.size(n)))?;
+    for block in blocks {
+        sink.row(|row| {
+            let (_, entity) = regions.of(block[0]);
+            [3, entity, TETRAHEDRON].iter().for_each(|&n| row.int(n));
+            row.size(block.len() as u64);
+        })?;
+        sink.rows(block.len(), |i, row| {
+            row.size(block[i] as u64 + 1);
+            tets[block[i]].iter().for_each(|&v| row.size(u64::from(v) + 1));
+        })?;
+    }
+    sink.end("Elements")
+}
+
+/// Nodes and elements of version 2.2.
+fn version_2(sink: &mut Sink<'_>, mesh: &TetMesh, regions: &Regions<'_>) -> Result<()> {
+    let (points, tets, text) = (&mesh.points, &mesh.tets, sink.text);
+    sink.line(&format!("$Nodes\n{}", points.len()))?;
+    sink.rows(points.len(), |i, row| {
+        row.int(i as i64 + 1);
+        row.point(&points[i]);
+    })?;
+    sink.end("Nodes")?;
+    sink.line(&format!("$Elements\n{}", tets.len()))?;
+    if !text && !tets.is_empty() {
+        // One row of all: their type, how many they are, and two tags each.
+        sink.row(|row| [TETRAHEDRON, tets.len() as i64, 2].iter().for_each(|&n| row.int(n)))?;
+    }
+    sink.rows(tets.len(), |i, row| {
+        row.int(i as i64 + 1);
+        if text {
+            row.int(TETRAHEDRON);
+            row.int(2);
+        }
+        let (physical, entity) = regions.of(i);
+        row.int(physical);
+        row.int(entity);
+        tets[i].iter().for_each(|&v| row.int(i64::from(v) + 1));
+    })?;
+    sink.end("Elements")
+}

@@ -1,0 +1,142 @@
+//! Surfaces: what `.off`, `.obj`, `.stl` and `.ply` have in common as domains.
+//!
+//! A face of three corners or more is a facet of one polygon; one of two corners is a free-standing
+//! segment. A facet that is more than a polygon is written as its triangles.
+
+use super::error::{DataError, Reason, excerpt};
+use super::text::integer;
+use super::{DomainFile, Encoding, Format, obj, off, ply, stl};
+use ltbw_domain::{Domain, Facet, triangulate};
+use ltbw_exact::Point;
+use std::borrow::Cow;
+use std::io::Write;
+
+/// The corners of a face on their way into a surface.
+pub(super) struct Corners(Vec<u32>);
+
+impl From<&[u32]> for Corners {
+    fn from(corners: &[u32]) -> Self {
+        Self(corners.to_vec())
+    }
+}
+
+impl Corners {
+    pub(super) fn new(capacity: usize) -> Self {
+        Self(Vec::with_capacity(capacity))
+    }
+
+    /// Adds the corner that `token` names, counted from `first`, of a face of this number.
+    pub(super) fn push(
+        &mut self,
+        token: &[u8],
+        first: i64,
+        points: usize,
+        face: u64,
+    ) -> Result<(), Reason> {
+        let index = integer(token).map_err(|_| Reason::NotAnInteger(excerpt(token)))?;
+        let last = first + points as i64 - 1;
+        if index < first || index > last {
+            return Err(Reason::Index { what: "face", number: face, index, first, last });
+        }
+        self.add((index - first) as usize);
+        Ok(())
+    }
+
+    /// Adds a corner that is known to be a vertex.
+    pub(super) fn add(&mut self, vertex: usize) {
+        self.0.push(vertex as u32);
+    }
+}
+
+/// A surface that is being read.
+pub(super) struct Surface(Domain);
+
+impl Surface {
+    pub(super) fn new(vertices: Vec<Point>) -> Self {
+        Self(Domain { vertices, ..Domain::default() })
+    }
+
+    pub(super) fn reserve(&mut self, faces: usize) {
+        self.0.facets.reserve(faces);
+    }
+
+    /// The number of vertices.
+    pub(super) fn points(&self) -> usize {
+        self.0.vertices.len()
+    }
+
+    pub(super) fn face(&mut self, corners: Corners) -> Result<(), Reason> {
+        self.marked_face(corners, 0)
+    }
+
+    pub(super) fn marked_face(&mut self, corners: Corners, marker: i32) -> Result<(), Reason> {
+        match corners.0.as_slice() {
+            [] | [_] => Err(Reason::Syntax(format!("a face of {} corners", corners.0.len()))),
+            &[a, b] => {
+                self.0.segments.push(([a, b], marker));
+                Ok(())
+            }
+            _ => {
+                let polygons = vec![corners.0];
+                self.0.facets.push(Facet { polygons, holes: Vec::new(), marker });
+                Ok(())
+            }
+        }
+    }
+
+    pub(super) fn finish(self, notes: Vec<String>) -> DomainFile {
+        DomainFile { domain: self.0, oriented: true, notes }
+    }
+}
+
+/// What a surface file is to hold: the polygons of a domain, or else their triangles.
+pub(super) struct Faces<'a> {
+    points: &'a [Point],
+    /// Corners and marker of each face.
+    faces: Vec<(Cow<'a, [u32]>, i32)>,
+}
+
+impl<'a> Faces<'a> {
+    /// The faces of a domain, in triangles if there must be no other polygons.
+    pub(super) fn of(domain: &'a Domain, triangles_only: bool) -> Result<Self, DataError> {
+        let mut faces = Vec::with_capacity(domain.facets.len());
+        for (number, facet) in (0..).zip(&domain.facets) {
+            if let ([polygon], []) = (facet.polygons.as_slice(), facet.holes.as_slice())
+                && (polygon.len() == 3 || polygon.len() > 3 && !triangles_only)
+            {
+                faces.push((Cow::Borrowed(polygon.as_slice()), facet.marker));
+                continue;
+            }
+            let found = triangulate::facet(&domain.vertices, facet);
+            if !found.is_sound() {
+                return Err(DataError::Facet { facet: number });
+            }
+            let triangles = found.triangles.iter();
+            faces.extend(triangles.map(|t| (Cow::Owned(t.to_vec()), facet.marker)));
+        }
+        Ok(Self { points: &domain.vertices, faces })
+    }
+
+    /// Writes them as `.off`, `.obj`, `.stl` or `.ply`.
+    pub(super) fn write(
+        &self,
+        out: &mut dyn Write,
+        format: Format,
+        encoding: Encoding,
+    ) -> std::io::Result<()> {
+        let corners = || self.faces.iter().map(|(corners, _)| corners.as_ref());
+        match format {
+            Format::Ply => {
+                let marked: Vec<(&[u32], i32)> =
+                    self.faces.iter().map(|(c, marker)| (c.as_ref(), *marker)).collect();
+                ply::write_surface(out, self.points, &marked, encoding)
+            }
+            Format::Stl => {
+                let triangles = corners().filter_map(|c| c.try_into().ok());
+                stl::write_surface(out, self.points, &triangles.collect::<Vec<[u32; 3]>>())
+            }
+            Format::Obj => obj::write_surface(out, self.points, &corners().collect::<Vec<_>>()),
+            _ => off::write_surface(out, self.points, &corners().collect::<Vec<_>>()),
+        }
+    }
+}

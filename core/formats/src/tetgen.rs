@@ -1,0 +1,290 @@
+//! `.node` and `.ele`: TetGen's points and tetrahedra.
+//!
+//! A `.node` file has a header `points 3 attributes markers` and then for each point its number,
+//! three coordinates, the attributes and, if `markers` is 1, a boundary marker (read as the
+//! point's tag). Points are numbered from 0 or from 1. An `.ele` file has a header `tetrahedra
+//! corners attributes` and for each tetrahedron its number, 4 corners (or 10, of which the first
+//! four are read) and the attributes, the last of which is the region (read as the tag). From `#`
+//! to the end of a line is a comment. We write numbers from 0.
+//! Source: the TetGen manual, "File formats".
+
+use super::error::{ParseError, Reason};
+use super::text::{
+    Lines, capacity, count, float, integer, point, push_integer, push_point, write_rows,
+};
+use super::{MeshFile, Point, PointFile};
+use ltbw_core::{BoundaryFace, TetMesh};
+use std::io::Write;
+
+/// A parsed `.node` file, and the number of its first point.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct NodeFile {
+    /// The points.
+    pub file: PointFile,
+    /// 0 or 1: the number of the first point.
+    pub first: u8,
+}
+
+/// Reads a `.node` file.
+pub fn read_node(bytes: &[u8]) -> Result<PointFile, ParseError> {
+    parse_node(bytes).map(|n| n.file)
+}
+
+/// Reads a mesh from the contents of an `.ele` file and the `.node` file beside it.
+pub fn read_pair(node: &[u8], ele: &[u8]) -> Result<MeshFile, ParseError> {
+    parse_ele(ele, parse_node(node)?)
+}
+
+/// The counts in a header line: at most four, the missing ones 0.
+fn header(bytes: &[u8], lines: &mut Lines<'_>) -> Result<[u64; 4], ParseError> {
+    let line = lines
+        .next()
+        .ok_or_else(|| ParseError::at(bytes, bytes.len(), Reason::Syntax("no header".into())))?;
+    let mut counts = [0; 4];
+    for (k, field) in line.fields().enumerate() {
+        let value = count(field).map_err(|r| ParseError::at(bytes, line.offset, r))?;
+        match counts.get_mut(k) {
+            Some(c) => *c = value,
+            None => {
+                let reason = Reason::TooManyValues { expected: counts.len() };
+                return Err(ParseError::at(bytes, line.offset, reason));
+            }
+        }
+    }
+    Ok(counts)
+}
+
+/// A number in a header that is out of its range.
+fn bad_header(bytes: &[u8], lines: &Lines<'_>, text: String) -> ParseError {
+    ParseError::at(bytes, lines.position().saturating_sub(1), Reason::Unsupported(text))
+}
+
+/// Checks that a row carries the number that its place asks for; the first may be 0 or 1.
+fn number(token: &[u8], what: &'static str, first: &mut i64, row: u64) -> Result<(), Reason> {
+    let found = integer(token)?;
+    if row == 0 && (found == 0 || found == 1) {
+        *first = found;
+    }
+    let expected = *first as u64 + row;
+    if u64::try_from(found) == Ok(expected) {
+        Ok(())
+    } else {
+        Err(Reason::Numbering { what, expected, found })
+    }
+}
+
+/// Parses a `.node` file.
+pub fn parse_node(bytes: &[u8]) -> Result<NodeFile, ParseError> {
+    let mut lines = Lines::new(bytes);
+    let node = node_section(bytes, &mut lines)?;
+    match lines.next() {
+        Some(line) => Err(ParseError::at(bytes, line.offset, Reason::Surplus("point"))),
+        None => Ok(node),
+    }
+}
+
+/// Parses the points of a `.node` file, or those that a `.poly` or `.smesh` file starts with.
+pub(super) fn node_section(bytes: &[u8], lines: &mut Lines<'_>) -> Result<NodeFile, ParseError> {
+    let [announced, dimension, attributes, markers] = header(bytes, lines)?;
+    if dimension != 3 {
+        return Err(bad_header(bytes, lines, format!("points in {dimension} dimensions")));
+    }
+    if markers > 1 || attributes > 1 << 16 {
+        let text = format!("{attributes} attributes and {markers} markers for each point");
+        return Err(bad_header(bytes, lines, text));
+    }
+    let reserve = capacity(announced, lines.remaining(), 8);
+    let mut points = Vec::with_capacity(reserve);
+    let mut tags = Vec::with_capacity(if markers == 1 { reserve } else { 0 });
+    let mut first = 1;
+    let width = 4 + attributes as usize + markers as usize;
+    for row in 0..announced {
+        let Some(line) = lines.next() else {
+            let reason = Reason::Truncated { what: "points", announced, found: row };
+            return Err(ParseError::at(bytes, bytes.len(), reason));
+        };
+        let at = |r| ParseError::at(bytes, line.offset, r);
+        let mut fields = line.fields();
+        let token = fields.next().unwrap_or_default();
+        number(token, "point", &mut first, row).map_err(at)?;
+        points.push(point(&mut fields, 1).map_err(at)?);
+        let mut found = 4;
+        for field in fields {
+            found += 1;
+            if found > width {
+                return Err(at(Reason::TooManyValues { expected: width }));
+            } else if found == width && markers == 1 {
+                tags.push(integer(field).map_err(at)?);
+            } else {
+                float(field).map_err(at)?;
+            }
+        }
+        if found < width {
+            return Err(at(Reason::TooFewValues { expected: width, found }));
+        }
+    }
+    let mut file =
+        PointFile { points, point_tags: (markers == 1).then_some(tags), notes: Vec::new() };
+    if attributes > 0 {
+        file.notes.push("attributes of points are not read".to_owned());
+    }
+    Ok(NodeFile { file, first: u8::from(first != 0) })
+}
+
+/// Parses an `.ele` file whose corners are the points of `node`.
+pub fn parse_ele(bytes: &[u8], node: NodeFile) -> Result<MeshFile, ParseError> {
+    let mut lines = Lines::new(bytes);
+    let [announced, corners, attributes, more] = header(bytes, &mut lines)?;
+    if !matches!(corners, 4 | 10) || attributes > 1 << 16 || more > 0 {
+        let text = format!("{corners} corners and {attributes} attributes for each tetrahedron");
+        return Err(bad_header(bytes, &lines, text));
+    }
+    let NodeFile { file: PointFile { points, point_tags, mut notes }, first } = node;
+    let first = i64::from(first);
+    let last = first + points.len() as i64 - 1;
+    if u32::try_from(points.len()).is_err() {
+        return Err(ParseError::at(bytes, 0, Reason::TooManyPoints(points.len() as u64)));
+    }
+    let reserve = capacity(announced, lines.remaining(), 10);
+    let mut tets = Vec::with_capacity(reserve);
+    let mut tags = Vec::with_capacity(if attributes > 0 { reserve } else { 0 });
+    let (mut first_row, mut whole) = (first, true);
+    let width = 1 + corners as usize + attributes as usize;
+    for row in 0..announced {
+        let Some(line) = lines.next() else {
+            let reason = Reason::Truncated { what: "tetrahedra", announced, found: row };
+            return Err(ParseError::at(bytes, bytes.len(), reason));
+        };
+        let at = |r| ParseError::at(bytes, line.offset, r);
+        let mut found = 0;
+        let mut tet = [0_u32; 4];
+        for field in line.fields() {
+            found += 1;
+            match found {
+                1 => number(field, "tetrahedron", &mut first_row, row).map_err(at)?,
+                n if n > width => return Err(at(Reason::TooManyValues { expected: width })),
+                n if n <= 1 + corners as usize => {
+                    let index = integer(field).map_err(at)?;
+                    if index < first || index > last {
+                        let (what, number) = ("tetrahedron", first_row as u64 + row);
+                        return Err(at(Reason::Index { what, number, index, first, last }));
+                    }
+                    if let Some(corner) = tet.get_mut(n - 2) {
+                        *corner = (index - first) as u32;
+                    }
+                }
+                n if n == width => {
+                    let region = region(field).map_err(at)?;
+                    whole &= region.is_some();
+                    tags.push(region.unwrap_or(0));
+                }
+                _ => drop(float(field).map_err(at)?),
+            }
+        }
+        if found < width {
+            return Err(at(Reason::TooFewValues { expected: width, found }));
+        }
+        tets.push(tet);
+    }
+    if let Some(line) = lines.next() {
+        return Err(ParseError::at(bytes, line.offset, Reason::Surplus("tetrahedron")));
+    }
+    let tet_tags = (attributes > 0 && whole).then_some(tags);
+    if attributes > u64::from(tet_tags.is_some()) {
+        notes.push("attributes of tetrahedra other than an integer region are not read".into());
+    }
+    if corners == 10 {
+        notes.push("corners after the fourth of quadratic tetrahedra are not read".into());
+    }
+    Ok(MeshFile { mesh: TetMesh { points, tets, point_tags, tet_tags }, notes })
+}
+
+/// A region: an integer, also when written as a float; `None` for any other number.
+fn region(token: &[u8]) -> Result<Option<i64>, Reason> {
+    if let Ok(value) = integer(token) {
+        return Ok(Some(value));
+    }
+    let value = float(token)?;
+    let exact = value.fract() == 0.0 && value.abs() <= 9_007_199_254_740_992.0;
+    Ok(exact.then_some(value as i64))
+}
+
+/// Writes a `.node` file, numbered from 0.
+pub fn write_node(
+    out: &mut dyn Write,
+    points: &[Point],
+    tags: Option<&[i64]>,
+) -> std::io::Result<()> {
+    writeln!(out, "{} 3 0 {}", points.len(), u8::from(tags.is_some()))?;
+    write_rows(out, points.len(), |i, row| {
+        push_integer(row, i as i64);
+        row.push(b' ');
+        push_point(row, &points[i], b' ');
+        if let Some(&tag) = tags.and_then(|t| t.get(i)) {
+            row.push(b' ');
+            push_integer(row, tag);
+        }
+        row.push(b'\n');
+    })
+}
+
+/// Reads an `.mtr` file, TetGen's edge lengths at points: a header `points 1`, then for each point a
+/// number.
+pub fn read_mtr(bytes: &[u8]) -> Result<Vec<f64>, ParseError> {
+    let mut lines = Lines::new(bytes);
+    let [announced, metrics, ..] = header(bytes, &mut lines)?;
+    if metrics != 1 {
+        let text = format!("{metrics} values for a point; only one is understood");
+        return Err(bad_header(bytes, &lines, text));
+    }
+    let mut sizes = Vec::with_capacity(capacity(announced, bytes.len(), 2));
+    for line in lines {
+        let at = |reason| ParseError::at(bytes, line.offset, reason);
+        if sizes.len() as u64 == announced {
+            return Err(at(Reason::Surplus("size")));
+        }
+        let mut fields = line.fields();
+        let field = fields.next().ok_or(Reason::TooFewValues { expected: 1, found: 0 });
+        sizes.push(field.and_then(float).map_err(at)?);
+        if fields.next().is_some() {
+            return Err(at(Reason::TooManyValues { expected: 1 }));
+        }
+    }
+    let found = sizes.len() as u64;
+    if found < announced {
+        let reason = Reason::Truncated { what: "sizes", announced, found };
+        return Err(ParseError::at(bytes, bytes.len(), reason));
+    }
+    Ok(sizes)
+}
+
+/// Writes an `.ele` file, numbered from 0.
+pub fn write_ele(out: &mut dyn Write, mesh: &TetMesh) -> std::io::Result<()> {
+    let tags = mesh.tet_tags.as_deref();
+    writeln!(out, "{} 4 {}", mesh.tets.len(), u8::from(tags.is_some()))?;
+    write_rows(out, mesh.tets.len(), |i, row| {
+        push_integer(row, i as i64);
+        for &v in &mesh.tets[i] {
+            row.push(b' ');
+            push_integer(row, i64::from(v));
+        }
+        if let Some(&tag) = tags.and_then(|t| t.get(i)) {
+            row.push(b' ');
+            push_integer(row, tag);
+        }
+        row.push(b'\n');
+    })
+}
+
+/// Writes a `.face` file: boundary triangles with their markers, numbered from 0.
+pub fn write_face(out: &mut dyn Write, faces: &[BoundaryFace]) -> std::io::Result<()> {
+    writeln!(out, "{} 1", faces.len())?;
+    write_rows(out, faces.len(), |i, row| {
+        push_integer(row, i as i64);
+        for value in faces[i].corners.map(i64::from).into_iter().chain([faces[i].marker]) {
+            row.push(b' ');
+            push_integer(row, value);
+        }
+        row.push(b'\n');
+    })
+}

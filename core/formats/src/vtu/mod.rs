@@ -1,0 +1,524 @@
+//! `.vtu`: VTK's XML format of unstructured grids, which ParaView opens.
+//!
+//! Written: one piece, `Float64` points, `Int64` arrays named `tag` (points) and `region` (cells)
+//! where there are tags; figures of tetrahedra and boundary triangles on request; arrays are
+//! appended raw, or text. Read: any number of pieces; arrays as
+//! text, inline in base64, or appended raw or in base64; uncompressed or compressed by zlib;
+//! either byte order. Tetrahedra (VTK type 10) become the mesh; cells of dimension 0 to 2 and
+//! other arrays are not read, and a note says so; other cells are refused.
+//! Source: the VTK file formats page of the VTK documentation.
+
+mod array;
+mod write;
+
+use super::MeshFile;
+use super::error::{ParseError, Reason, excerpt, one_line};
+use super::scalar::Scalar;
+use super::text::{Tokens, count, float, integer};
+use array::{Layout, Stream};
+use ltbw_core::TetMesh;
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::reader::Reader;
+pub use write::{write, write_with};
+
+/// VTK's number for a tetrahedron.
+const TETRAHEDRON: i64 = 10;
+/// And for a triangle.
+const TRIANGLE: i64 = 5;
+
+/// The arrays of a piece that are read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Wanted {
+    Points,
+    Connectivity,
+    Offsets,
+    Types,
+    Tags,
+    Regions,
+}
+
+/// A piece of a grid as the file tells it, before it is checked.
+#[derive(Default)]
+struct Piece {
+    /// Where it starts in the file.
+    offset: usize,
+    points: u64,
+    cells: u64,
+    coordinates: Vec<f64>,
+    connectivity: Vec<i64>,
+    offsets: Vec<i64>,
+    types: Vec<i64>,
+    tags: Option<Vec<i64>>,
+    regions: Option<Vec<i64>>,
+}
+
+/// The values of an array of a piece.
+enum List<'a> {
+    Floats(&'a mut Vec<f64>),
+    Integers(&'a mut Vec<i64>),
+}
+
+impl Piece {
+    fn list(&mut self, wanted: Wanted) -> List<'_> {
+        List::Integers(match wanted {
+            Wanted::Points => return List::Floats(&mut self.coordinates),
+            Wanted::Connectivity => &mut self.connectivity,
+            Wanted::Offsets => &mut self.offsets,
+            Wanted::Types => &mut self.types,
+            Wanted::Tags => self.tags.get_or_insert_default(),
+            Wanted::Regions => self.regions.get_or_insert_default(),
+        })
+    }
+}
+
+/// How the array is stored that is being read.
+#[derive(Debug, Clone, Copy)]
+enum Storage {
+    Text,
+    /// In base64, between the tags; `true` once it was read.
+    Inline(Scalar, bool),
+    /// Read already.
+    Appended,
+}
+
+/// The arrays behind the XML, all in one.
+struct Appended<'a> {
+    base64: bool,
+    data: &'a [u8],
+    /// Bytes of `data` that arrays took: together no more than there are, or a small file could
+    /// name one large array many times.
+    taken: usize,
+}
+
+/// What has been read so far.
+struct State<'a> {
+    bytes: &'a [u8],
+    layout: Option<Layout>,
+    appended: Option<Appended<'a>>,
+    /// Names of the open elements, outermost first.
+    open: Vec<String>,
+    piece: Option<Piece>,
+    /// The array that is being read, if it is one that is wanted.
+    wanted: Option<(Wanted, Storage)>,
+    pieces: usize,
+    mesh: TetMesh,
+    other_arrays: bool,
+    other_cells: bool,
+}
+
+/// Reads a `.vtu` file.
+pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    // Appended data need not be text, and what is in it is no XML.
+    let head = find(bytes, b"<AppendedData").unwrap_or(bytes.len());
+    let text = std::str::from_utf8(&bytes[..head]).map_err(|e| {
+        ParseError::at(bytes, e.valid_up_to(), Reason::Syntax("not UTF-8 text".into()))
+    })?;
+    let appended = match head {
+        h if h == bytes.len() => None,
+        h => Some(appended(&bytes[h..]).map_err(|r| ParseError::at(bytes, h, r))?),
+    };
+    let mut reader = Reader::from_str(text);
+    let mut state = State {
+        bytes,
+        layout: None,
+        appended,
+        open: Vec::new(),
+        piece: None,
+        wanted: None,
+        pieces: 0,
+        mesh: TetMesh::default(),
+        other_arrays: false,
+        other_cells: false,
+    };
+    let mut finished = false;
+    // Every event but the last consumes at least a byte.
+    loop {
+        let offset = reader.buffer_position() as usize;
+        let at = |reason| ParseError::at(bytes, offset, reason);
+        let event = reader
+            .read_event()
+            .map_err(|e| ParseError::at(bytes, reader.error_position() as usize, malformed(&e)))?;
+        match event {
+            Event::Start(element) => state.start(&element, offset).map_err(at)?,
+            Event::Empty(element) => {
+                state.start(&element, offset).map_err(at)?;
+                finished |= state.end()?;
+            }
+            Event::End(_) => finished |= state.end()?,
+            Event::Text(text) => state.text(&text, offset)?,
+            Event::CData(_) | Event::GeneralRef(_) if state.wanted.is_some() => {
+                return Err(at(Reason::Unsupported("CDATA or entities in an array".into())));
+            }
+            Event::Eof => break,
+            _ => {}
+        }
+    }
+    // Behind the data only the ends of two elements may follow.
+    finished |= state.appended.is_some()
+        && state.open.len() == 1
+        && bytes.trim_ascii_end().ends_with(b"</VTKFile>");
+    if !finished {
+        let text = "the file ends before the end of a VTKFile element";
+        return Err(ParseError::at(bytes, bytes.len(), Reason::Syntax(text.into())));
+    }
+    let mut notes = Vec::new();
+    if state.other_arrays {
+        notes.push("arrays other than `tag` of points and `region` of cells are not read".into());
+    }
+    if state.other_cells {
+        notes.push("cells that are not tetrahedra are not read".into());
+    }
+    Ok(MeshFile { mesh: state.mesh, notes })
+}
+
+/// Where `word`, which starts with `<`, stands in `bytes` for the first time.
+fn find(bytes: &[u8], word: &[u8]) -> Option<usize> {
+    let mut from = 0;
+    // Every turn moves `from` forward.
+    while let Some(at) = bytes.get(from..)?.iter().position(|&b| b == b'<') {
+        if bytes[from + at..].starts_with(word) {
+            return Some(from + at);
+        }
+        from += at + 1;
+    }
+    None
+}
+
+/// The appended data whose element starts at the front of `bytes`.
+fn appended(bytes: &[u8]) -> Result<Appended<'_>, Reason> {
+    let wrong = || Reason::Syntax("`AppendedData` without its `_`".into());
+    let end = bytes.iter().position(|&b| b == b'>').ok_or_else(wrong)? + 1;
+    let tag = std::str::from_utf8(&bytes[..end]).map_err(|_| wrong())?;
+    let encoding = match Reader::from_str(tag).read_event() {
+        Ok(Event::Start(element)) => attribute(&element, "encoding")?.unwrap_or_default(),
+        Ok(_) => return Err(wrong()),
+        Err(e) => return Err(malformed(&e)),
+    };
+    let base64 = match encoding.as_str() {
+        "raw" => false,
+        "base64" => true,
+        other => {
+            let text = format!("the encoding `{}` of appended data", excerpt(other.as_bytes()));
+            return Err(Reason::Unsupported(text));
+        }
+    };
+    let data = bytes[end..].trim_ascii_start().strip_prefix(b"_").ok_or_else(wrong)?;
+    Ok(Appended { base64, data, taken: 0 })
+}
+
+/// What the XML parser complains about, cut to a line.
+fn malformed(error: &dyn std::error::Error) -> Reason {
+    Reason::Syntax(format!("not well-formed XML: {}", one_line(&error.to_string(), 120)))
+}
+
+/// The value of an attribute, if the element has it.
+fn attribute(element: &BytesStart<'_>, name: &str) -> Result<Option<String>, Reason> {
+    match element.try_get_attribute(name) {
+        Ok(Some(a)) => Ok(Some(a.value.trim().to_owned())),
+        Ok(None) => Ok(None),
+        Err(e) => Err(malformed(&e)),
+    }
+}
+
+fn count_attribute(element: &BytesStart<'_>, name: &str) -> Result<u64, Reason> {
+    match attribute(element, name)? {
+        Some(value) => count(value.as_bytes()),
+        None => Err(Reason::Syntax(format!("a piece without the attribute `{name}`"))),
+    }
+}
+
+impl State<'_> {
+    fn start(&mut self, element: &BytesStart<'_>, offset: usize) -> Result<(), Reason> {
+        let name = element.name().into_inner();
+        match (self.open.last().map(String::as_str), name) {
+            (None, "VTKFile") => {
+                let kind = attribute(element, "type")?.unwrap_or_default();
+                if kind != "UnstructuredGrid" {
+                    let text = format!("a VTK file of type `{}`", excerpt(kind.as_bytes()));
+                    return Err(Reason::Unsupported(text));
+                }
+                let value = |name| attribute(element, name).map(Option::unwrap_or_default);
+                let (order, header) = (value("byte_order")?, value("header_type")?);
+                self.layout = Some(Layout::new(&order, &header, &value("compressor")?)?);
+            }
+            (None, _) => return Err(Reason::Syntax("not a VTK file".into())),
+            (Some("UnstructuredGrid"), "Piece") => {
+                self.piece = Some(Piece {
+                    offset,
+                    points: count_attribute(element, "NumberOfPoints")?,
+                    cells: count_attribute(element, "NumberOfCells")?,
+                    ..Piece::default()
+                });
+            }
+            (Some(section), "DataArray" | "Array") => {
+                self.wanted = None;
+                let array = attribute(element, "Name")?.unwrap_or_default();
+                let wanted = match (section, array.as_str()) {
+                    ("Points", _) => Wanted::Points,
+                    ("Cells", "connectivity") => Wanted::Connectivity,
+                    ("Cells", "offsets") => Wanted::Offsets,
+                    ("Cells", "types") => Wanted::Types,
+                    ("PointData", "tag") => Wanted::Tags,
+                    ("CellData", "region") => Wanted::Regions,
+                    _ => {
+                        self.other_arrays = true;
+                        self.open.push(name.to_owned());
+                        return Ok(());
+                    }
+                };
+                self.start_array(element, wanted)?;
+            }
+            _ => {}
+        }
+        self.open.push(name.to_owned());
+        Ok(())
+    }
+
+    fn start_array(&mut self, element: &BytesStart<'_>, wanted: Wanted) -> Result<(), Reason> {
+        let components = attribute(element, "NumberOfComponents")?.unwrap_or_default();
+        if wanted == Wanted::Points && components != "3" {
+            return Err(Reason::Syntax("points need NumberOfComponents=\"3\"".into()));
+        }
+        let Some(piece) = &mut self.piece else {
+            return Err(Reason::Syntax("an array outside a piece".into()));
+        };
+        let fresh = match wanted {
+            Wanted::Points => piece.coordinates.is_empty(),
+            Wanted::Connectivity => piece.connectivity.is_empty(),
+            Wanted::Offsets => piece.offsets.is_empty(),
+            Wanted::Types => piece.types.is_empty(),
+            Wanted::Tags => piece.tags.replace(Vec::new()).is_none(),
+            Wanted::Regions => piece.regions.replace(Vec::new()).is_none(),
+        };
+        if !fresh {
+            return Err(Reason::Syntax("the same array twice in a piece".into()));
+        }
+        let storage = self.storage(element, wanted)?;
+        self.wanted = Some((wanted, storage));
+        Ok(())
+    }
+
+    /// How the values of `element` are stored; those of an appended array are read at once.
+    fn storage(&mut self, element: &BytesStart<'_>, wanted: Wanted) -> Result<Storage, Reason> {
+        let format = attribute(element, "format")?.unwrap_or_default();
+        if format == "ascii" {
+            return Ok(Storage::Text);
+        }
+        let kind = attribute(element, "type")?.unwrap_or_default();
+        let outermost = || Reason::Syntax("an array outside a VTKFile element".into());
+        let layout = self.layout.ok_or_else(outermost)?;
+        let scalar = layout.scalar(&kind)?;
+        match format.as_str() {
+            "binary" => Ok(Storage::Inline(scalar, false)),
+            "appended" => {
+                let offset = attribute(element, "offset")?.unwrap_or_default();
+                let offset = count(offset.as_bytes())?;
+                self.fill_appended(wanted, scalar, offset)?;
+                Ok(Storage::Appended)
+            }
+            other => {
+                let text = format!("an array in format `{}`", excerpt(other.as_bytes()));
+                Err(Reason::Unsupported(text))
+            }
+        }
+    }
+
+    /// Reads the values of a wanted array that starts at `offset` of the appended data.
+    fn fill_appended(&mut self, wanted: Wanted, scalar: Scalar, offset: u64) -> Result<(), Reason> {
+        let Some(Appended { base64, data, .. }) = self.appended else {
+            return Err(Reason::Syntax("there is no appended data".into()));
+        };
+        let Some(front) = usize::try_from(offset).ok().and_then(|o| data.get(o..)) else {
+            let (what, found) = ("bytes of appended data", data.len() as u64);
+            return Err(Reason::Truncated { what, announced: offset, found });
+        };
+        let mut stream = if base64 { Stream::base64(front) } else { Stream::Raw(front) };
+        self.fill(wanted, scalar, &mut stream)?;
+        if let Some(appended) = &mut self.appended {
+            appended.taken += front.len() - stream.remaining();
+            if appended.taken > data.len() {
+                return Err(Reason::Syntax("appended arrays overlap".into()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads the values of a wanted array from binary data.
+    fn fill(
+        &mut self,
+        wanted: Wanted,
+        scalar: Scalar,
+        from: &mut Stream<'_>,
+    ) -> Result<(), Reason> {
+        let (Some(layout), Some(piece)) = (self.layout, &mut self.piece) else { return Ok(()) };
+        let data = layout.decode(from)?;
+        let values = data.chunks_exact(scalar.bytes);
+        if !values.remainder().is_empty() {
+            return Err(Reason::Syntax(format!("an array of {} bytes", data.len())));
+        }
+        match piece.list(wanted) {
+            List::Floats(list) => {
+                list.reserve_exact(values.len());
+                values.map(|v| scalar.float(v)).try_for_each(|v| v.map(|v| list.push(v)))
+            }
+            List::Integers(list) => {
+                list.reserve_exact(values.len());
+                values.map(|v| scalar.integer(v)).try_for_each(|v| v.map(|v| list.push(v)))
+            }
+        }
+    }
+
+    /// Reads the values of a wanted array; other text does not matter, nor does text in elements
+    /// inside the array (VTK writes its `InformationKey` there).
+    fn text(&mut self, text: &str, offset: usize) -> Result<(), ParseError> {
+        let (Some((wanted, storage)), Some(piece)) = (self.wanted, &mut self.piece) else {
+            return Ok(());
+        };
+        if !self.open.last().is_some_and(|name| name == "DataArray" || name == "Array") {
+            return Ok(());
+        }
+        match storage {
+            Storage::Text => match piece.list(wanted) {
+                List::Floats(list) => values(self.bytes, text, offset, float, list),
+                List::Integers(list) => values(self.bytes, text, offset, integer, list),
+            },
+            Storage::Inline(..) | Storage::Appended if text.trim_ascii().is_empty() => Ok(()),
+            Storage::Inline(scalar, false) => {
+                self.wanted = Some((wanted, Storage::Inline(scalar, true)));
+                self.fill(wanted, scalar, &mut Stream::base64(text.as_bytes()))
+                    .map_err(|r| ParseError::at(self.bytes, offset, r))
+            }
+            Storage::Inline(_, true) | Storage::Appended => {
+                let reason = Reason::Syntax("more text in a binary array".into());
+                Err(ParseError::at(self.bytes, offset, reason))
+            }
+        }
+    }
+
+    /// Closes an element; true when it was the outermost.
+    fn end(&mut self) -> Result<bool, ParseError> {
+        match self.open.pop().as_deref() {
+            Some("DataArray" | "Array") => self.wanted = None,
+            Some("Piece") => {
+                if let Some(piece) = self.piece.take() {
+                    let offset = piece.offset;
+                    self.add(piece).map_err(|r| ParseError::at(self.bytes, offset, r))?;
+                }
+            }
+            _ => {}
+        }
+        Ok(self.open.is_empty())
+    }
+
+    /// Checks a piece and appends it to the mesh.
+    fn add(&mut self, piece: Piece) -> Result<(), Reason> {
+        let (points, cells) = (piece.points, piece.cells);
+        let (coordinates, rest) = piece.coordinates.as_chunks::<3>();
+        same("points", points, coordinates.len() + usize::from(!rest.is_empty()))?;
+        same("values in `offsets`", cells, piece.offsets.len())?;
+        same("values in `types`", cells, piece.types.len())?;
+        if let Some(tags) = &piece.tags {
+            same("values in `tag`", points, tags.len())?;
+        }
+        if let Some(regions) = &piece.regions {
+            same("values in `region`", cells, regions.len())?;
+        }
+        let base = self.mesh.points.len();
+        let total = (base + coordinates.len()) as u64;
+        let base = u32::try_from(base).map_err(|_| Reason::TooManyPoints(total))?;
+        u32::try_from(total).map_err(|_| Reason::TooManyPoints(total))?;
+        if !rest.is_empty() {
+            return Err(Reason::TooFewValues { expected: 3, found: rest.len() });
+        }
+        let kept = self.add_cells(&piece, base)?;
+        self.mesh.points.extend_from_slice(coordinates);
+        let regions = piece.regions.map(|r| kept.iter().map(|&cell| r[cell]).collect());
+        let first = self.pieces == 0;
+        append(&mut self.mesh.point_tags, piece.tags, first)?;
+        append(&mut self.mesh.tet_tags, regions, first)?;
+        self.pieces += 1;
+        Ok(())
+    }
+
+    /// Appends the tetrahedra of a piece whose points start at `base`; returns which cells they
+    /// are.
+    fn add_cells(&mut self, piece: &Piece, base: u32) -> Result<Vec<usize>, Reason> {
+        let mut kept = Vec::with_capacity(piece.types.len());
+        let mut start = 0;
+        for (cell, (&kind, &end)) in piece.types.iter().zip(&piece.offsets).enumerate() {
+            let end = usize::try_from(end).unwrap_or(0);
+            let corners = piece.connectivity.get(start..end).ok_or_else(|| {
+                let (offsets, length) = ((start, end), piece.connectivity.len());
+                Reason::Syntax(format!(
+                    "cell {cell} has the offsets {offsets:?} in a connectivity of {length} values"
+                ))
+            })?;
+            start = end;
+            match kind {
+                TETRAHEDRON => {
+                    self.mesh.tets.push(tetrahedron(cell, corners, piece.points, base)?);
+                    kept.push(cell);
+                }
+                // Vertices, lines, polygons, and their quadratic kinds.
+                0..=9 | 21..=23 => self.other_cells = true,
+                _ => return Err(Reason::Unsupported(format!("cell {cell} of VTK type {kind}"))),
+            }
+        }
+        if start < piece.connectivity.len() {
+            return Err(Reason::Surplus("cell in `connectivity`"));
+        }
+        Ok(kept)
+    }
+}
+
+/// Appends the values in `text`, which stands at `offset` in the file, to `list`.
+fn values<T>(
+    bytes: &[u8],
+    text: &str,
+    offset: usize,
+    parse: fn(&[u8]) -> Result<T, Reason>,
+    list: &mut Vec<T>,
+) -> Result<(), ParseError> {
+    let mut tokens = Tokens::new(text.as_bytes());
+    while let Some(token) = tokens.next() {
+        let at = |reason| ParseError::at(bytes, offset + tokens.position() - 1, reason);
+        list.push(parse(token).map_err(at)?);
+    }
+    Ok(())
+}
+
+/// The corners of a cell of `points` points, shifted by `base`.
+fn tetrahedron(cell: usize, corners: &[i64], points: u64, base: u32) -> Result<[u32; 4], Reason> {
+    let corners: &[i64; 4] = corners
+        .try_into()
+        .map_err(|_| Reason::Syntax(format!("tetrahedron {cell} has {} corners", corners.len())))?;
+    let last = points as i64 - 1;
+    match corners.iter().find(|&&v| v < 0 || v > last) {
+        Some(&index) => {
+            Err(Reason::Index { what: "cell", number: cell as u64, index, first: 0, last })
+        }
+        None => Ok(corners.map(|v| base + v as u32)),
+    }
+}
+
+fn same(what: &'static str, announced: u64, found: usize) -> Result<(), Reason> {
+    let found = found as u64;
+    if found == announced {
+        Ok(())
+    } else if found < announced {
+        Err(Reason::Truncated { what, announced, found })
+    } else {
+        Err(Reason::Syntax(format!("{found} {what}, where {announced} are announced")))
+    }
+}
+
+/// Appends the tags of a piece; either all pieces have them or none.
+fn append(all: &mut Option<Vec<i64>>, piece: Option<Vec<i64>>, first: bool) -> Result<(), Reason> {
+    match (all.as_mut(), piece) {
+        (Some(all), Some(piece)) => all.extend(piece),
+        (None, piece) if first => *all = piece,
+        (None, None) => {}
+        _ => return Err(Reason::Syntax("only some pieces have tags".into())),
+    }
+    Ok(())
+}

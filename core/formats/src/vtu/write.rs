@@ -1,0 +1,207 @@
+//! Writing `.vtu` files: appended raw arrays, or text.
+//!
+//! Boundary triangles follow the tetrahedra as cells. Arrays of cells have a value for every cell, so
+//! a triangle has those of its tetrahedron, and looks like it; tetrahedra have the marker 0.
+
+use super::{TETRAHEDRON, TRIANGLE};
+use crate::Encoding;
+use crate::text::{push_float, push_integer, push_point, write_rows};
+use ltbw_core::{Extras, TetMesh};
+use std::io::Write;
+
+/// Writes the row of a number as text or as bytes.
+type Row<'a> = Box<dyn Fn(usize, &mut Vec<u8>) + Sync + 'a>;
+
+/// An array of a grid.
+struct Array<'a> {
+    /// The element that it stands in, with its attributes.
+    section: &'static str,
+    name: &'a str,
+    kind: &'static str,
+    rows: usize,
+    /// Bytes of all rows in binary.
+    bytes: usize,
+    row: Row<'a>,
+}
+
+/// Writes a `.vtu` file.
+///
+/// Binary: integers of the connectivity take 4 bytes where they fit, else 8.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write(out: &mut dyn Write, mesh: &TetMesh, encoding: Encoding) -> std::io::Result<()> {
+    write_with(out, mesh, &Extras::default(), encoding)
+}
+
+/// Writes a `.vtu` file as [`write()`] does, with arrays for the figures of the tetrahedra, and with the
+/// boundary as triangles and an array `marker`.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_with(
+    out: &mut dyn Write,
+    mesh: &TetMesh,
+    extras: &Extras,
+    encoding: Encoding,
+) -> std::io::Result<()> {
+    let mut arrays = geometry(mesh, extras, encoding);
+    arrays.extend(data(mesh, extras, encoding));
+    let header = match encoding {
+        Encoding::Binary => " header_type=\"UInt64\"",
+        Encoding::Ascii => "",
+    };
+    write!(
+        out,
+        "<?xml version=\"1.0\"?>\n\
+         <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\"{header}>\n\
+         <UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
+        mesh.points.len(),
+        mesh.tets.len() + extras.faces.len()
+    )?;
+    let mut offset = 0;
+    for (k, array) in arrays.iter().enumerate() {
+        let Array { section, name, kind, rows, bytes, row } = array;
+        // Several arrays may stand in one section.
+        if k == 0 || arrays[k - 1].section != *section {
+            writeln!(out, "<{section}>")?;
+        }
+        let components = if k == 0 { " NumberOfComponents=\"3\"" } else { "" };
+        write!(out, "<DataArray type=\"{kind}\" Name=\"{name}\"{components} format=")?;
+        match encoding {
+            Encoding::Binary => writeln!(out, "\"appended\" offset=\"{offset}\"/>")?,
+            Encoding::Ascii => {
+                out.write_all(b"\"ascii\">\n")?;
+                write_rows(out, *rows, row)?;
+                out.write_all(b"</DataArray>\n")?;
+            }
+        }
+        offset += 8 + bytes;
+        if arrays.get(k + 1).is_none_or(|next| next.section != *section) {
+            let element = section.split(' ').next().unwrap_or_default();
+            writeln!(out, "</{element}>")?;
+        }
+    }
+    out.write_all(b"</Piece>\n</UnstructuredGrid>\n")?;
+    if encoding == Encoding::Binary {
+        out.write_all(b"<AppendedData encoding=\"raw\">\n_")?;
+        for Array { rows, bytes, row, .. } in &arrays {
+            out.write_all(&(*bytes as u64).to_le_bytes())?;
+            write_rows(out, *rows, row)?;
+        }
+        out.write_all(b"\n</AppendedData>\n")?;
+    }
+    out.write_all(b"</VTKFile>\n")
+}
+
+/// The arrays of points and cells: the points first.
+fn geometry<'a>(mesh: &'a TetMesh, extras: &'a Extras, encoding: Encoding) -> Vec<Array<'a>> {
+    let (points, tets, faces) = (&mesh.points, &mesh.tets, &extras.faces);
+    let (cells, corner_count) = (tets.len() + faces.len(), 4 * tets.len() + 3 * faces.len());
+    let ascii = encoding == Encoding::Ascii;
+    let wide = ascii || i32::try_from(points.len().max(corner_count)).is_err();
+    let index = move |value: usize, row: &mut Vec<u8>| {
+        if ascii {
+            push_integer(row, value as i64);
+            row.push(b'\n');
+        } else if wide {
+            row.extend((value as i64).to_le_bytes());
+        } else {
+            row.extend((value as i32).to_le_bytes());
+        }
+    };
+    let (int, width) = if wide { ("Int64", 8) } else { ("Int32", 4) };
+    let coordinates: Row<'_> = Box::new(move |i, row| {
+        if ascii {
+            push_point(row, &points[i], b' ');
+            row.push(b'\n');
+        } else {
+            points[i].iter().for_each(|c| row.extend(c.to_le_bytes()));
+        }
+    });
+    let corners: Row<'_> = Box::new(move |i, row| {
+        let corners: &[u32] = match tets.get(i) {
+            Some(tet) => tet,
+            None => &faces[i - tets.len()].corners,
+        };
+        for (k, &v) in corners.iter().enumerate() {
+            index(v as usize, row);
+            // Those of a cell on a line.
+            if let (true, true, Some(end)) = (ascii, k + 1 < corners.len(), row.last_mut()) {
+                *end = b' ';
+            }
+        }
+    });
+    let types: Row<'_> = Box::new(move |i, row| {
+        let kind = if i < tets.len() { TETRAHEDRON } else { TRIANGLE };
+        if ascii {
+            push_integer(row, kind);
+            row.push(b'\n');
+        } else {
+            row.push(kind as u8);
+        }
+    });
+    let offsets: Row<'_> = Box::new(move |i, row| {
+        let more = (i + 1).saturating_sub(tets.len());
+        index(4 * (i + 1 - more) + 3 * more, row);
+    });
+    let array =
+        |section, name, kind, rows, bytes, row| Array { section, name, kind, rows, bytes, row };
+    vec![
+        array("Points", "Points", "Float64", points.len(), 24 * points.len(), coordinates),
+        array("Cells", "connectivity", int, cells, width * corner_count, corners),
+        array("Cells", "offsets", int, cells, width * cells, offsets),
+        array("Cells", "types", "UInt8", cells, cells, types),
+    ]
+}
+
+/// The arrays of tags, markers and figures.
+fn data<'a>(mesh: &'a TetMesh, extras: &'a Extras, encoding: Encoding) -> Vec<Array<'a>> {
+    let (tets, faces) = (mesh.tets.len(), &extras.faces);
+    let ascii = encoding == Encoding::Ascii;
+    let integers =
+        move |section, name, rows: usize, value: Box<dyn Fn(usize) -> i64 + Sync + 'a>| {
+            let row: Row<'a> = Box::new(move |i, row| {
+                if ascii {
+                    push_integer(row, value(i));
+                    row.push(b'\n');
+                } else {
+                    row.extend(value(i).to_le_bytes());
+                }
+            });
+            Array { section, name, kind: "Int64", rows, bytes: 8 * rows, row }
+        };
+    let cells = tets + faces.len();
+    // The tetrahedron that a cell is or belongs to.
+    let owner = move |i: usize| if i < tets { i } else { faces[i - tets].tet };
+    let mut arrays = Vec::new();
+    if let Some(tags) = &mesh.point_tags {
+        let section = "PointData Scalars=\"tag\"";
+        arrays.push(integers(section, "tag", tags.len(), Box::new(move |i| tags[i])));
+    }
+    let section = match mesh.tet_tags {
+        Some(_) => "CellData Scalars=\"region\"",
+        None => "CellData",
+    };
+    if let Some(tags) = &mesh.tet_tags {
+        arrays.push(integers(section, "region", cells, Box::new(move |i| tags[owner(i)])));
+    }
+    if !faces.is_empty() {
+        let marker = move |i: usize| if i < tets { 0 } else { faces[i - tets].marker };
+        arrays.push(integers(section, "marker", cells, Box::new(marker)));
+    }
+    for (name, values) in &extras.values {
+        let row: Row<'a> = Box::new(move |i, row| {
+            let value = values[owner(i)];
+            if ascii {
+                push_float(row, value);
+                row.push(b'\n');
+            } else {
+                row.extend(value.to_le_bytes());
+            }
+        });
+        let (kind, bytes) = ("Float64", 8 * cells);
+        arrays.push(Array { section, name, kind, rows: cells, bytes, row });
+    }
+    arrays
+}

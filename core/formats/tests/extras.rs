@@ -1,0 +1,168 @@
+//! What mesh files carry beside the mesh, edge lengths, and writers whose medium is full.
+
+use ltbw_core::{BoundaryFace, Extras, TetMesh};
+use ltbw_domain::quality;
+use ltbw_formats as io;
+use ltbw_formats::{
+    DataError, Encoding, IoError, MshVersion, csv, medit, msh, npy, tetgen, vtu, xyz,
+};
+use std::io::{Error, ErrorKind, Write};
+
+fn corner() -> TetMesh {
+    TetMesh {
+        points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        tets: vec![[0, 1, 2, 3]],
+        point_tags: Some(vec![1, 2, 3, 4]),
+        tet_tags: Some(vec![7]),
+    }
+}
+
+fn boundary() -> Vec<BoundaryFace> {
+    let face = |corners, marker| BoundaryFace { corners, marker, tet: 0 };
+    vec![face([0, 2, 1], -5), face([1, 2, 3], 9)]
+}
+
+#[test]
+fn boundaries_are_written_where_the_format_has_a_place() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let extras = Extras { faces: boundary(), ..Extras::default() };
+    let write = |name: &str, extras: &Extras| {
+        let path = dir.path().join(name);
+        io::write_mesh_and(&path, &corner(), extras, io::WriteOptions::default()).expect("written");
+        assert_eq!(io::read_mesh(&path).expect("a mesh"), corner(), "{name}");
+    };
+    let text = |name: &str| std::fs::read_to_string(dir.path().join(name)).expect("a text");
+    write("a.mesh", &extras);
+    assert!(text("a.mesh").ends_with("\nTriangles\n2\n1 3 2 -5\n2 3 4 9\nEnd\n"));
+    write("b.mesh", &Extras::default());
+    assert!(!text("b.mesh").contains("Triangles"));
+    write("a.ele", &extras);
+    assert_eq!(text("a.face"), "2 1\n0 0 2 1 -5\n1 1 2 3 9\n");
+    write("b.ele", &Extras::default());
+    assert!(!dir.path().join("b.face").exists());
+    std::fs::create_dir(dir.path().join("c.face")).expect("a folder");
+    assert!(io::check_mesh_writable(&dir.path().join("c.node")).is_err());
+    assert!(io::check_mesh_writable(&dir.path().join("d.node")).is_ok());
+}
+
+#[test]
+fn extras_must_be_of_the_mesh() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("a.vtu");
+    let reason = |extras: Extras| match io::write_mesh_and(
+        &path,
+        &corner(),
+        &extras,
+        io::WriteOptions::default(),
+    ) {
+        Err(IoError::Data { reason, .. }) => reason,
+        other => panic!("{other:?}"),
+    };
+    let values = vec![("volume", vec![1.0, 2.0])];
+    let error = reason(Extras { values, ..Extras::default() });
+    assert_eq!(error, DataError::Tags { what: "tetrahedra", tags: 2, count: 1 });
+    for wrong in [
+        BoundaryFace { corners: [0, 1, 4], marker: 0, tet: 0 },
+        BoundaryFace { corners: [0, 1, 2], marker: 0, tet: 1 },
+    ] {
+        let faces = [boundary(), vec![wrong]].concat();
+        let error = reason(Extras { faces, ..Extras::default() });
+        assert_eq!(error, DataError::Face { face: 2 });
+    }
+    assert!(!path.exists());
+}
+
+#[test]
+fn figures_of_tetrahedra_have_names() {
+    let TetMesh { points, tets, .. } = corner();
+    let arrays = quality::arrays(&points, &tets);
+    let one = |name: &str| {
+        let (_, values) = arrays.iter().find(|(n, _)| *n == name).expect("a figure");
+        assert_eq!(values.len(), 1, "{name}");
+        values[0]
+    };
+    // Circumradius sqrt(3)/2, shortest edge 1; three right angles, three of arccos 1/sqrt(3).
+    assert!((one("radius_edge") - 0.75f64.sqrt()).abs() < 1e-15);
+    assert!((one("volume") - 1.0 / 6.0).abs() < 1e-15);
+    assert!((one("dihedral_min") - (1.0 / 3f64.sqrt()).acos().to_degrees()).abs() < 1e-12);
+    assert!((one("dihedral_max") - 90.0).abs() < 1e-12);
+    assert_eq!(arrays.len(), 4);
+}
+
+#[test]
+fn sizes_are_read_and_refused() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("a.mtr");
+    let read = |text: &str| {
+        std::fs::write(&path, text).expect("written");
+        io::read_sizes(&path)
+    };
+    assert_eq!(read("# three\n3 1\n0.5\n1e-3 # fine\n\n2\n").expect("sizes"), [0.5, 1e-3, 2.0]);
+    assert_eq!(read("0 1\n").expect("no sizes"), []);
+    let says = |text: &str| match read(text) {
+        Err(IoError::Parse { error, .. }) => error.to_string(),
+        other => panic!("{other:?}"),
+    };
+    assert!(says("1 2\n1 2\n").contains("2 values for a point; only one is understood"));
+    assert_eq!(says("1 1\nx\n"), "line 2: `x` is not a number");
+    assert_eq!(says("1 1\n1 2\n"), "line 2: expected 1 values, found more");
+    assert_eq!(says("1 1\n1\n2\n"), "line 3: unexpected data after the last size");
+    assert!(says("2 1\n1\n").contains("2 sizes"), "{}", says("2 1\n1\n"));
+    assert!(matches!(io::read_sizes(&dir.path().join("none")), Err(IoError::Read { .. })));
+}
+
+/// Has room for so many bytes.
+struct Medium {
+    room: usize,
+}
+
+impl Write for Medium {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        match self.room.min(bytes.len()) {
+            0 if !bytes.is_empty() => Err(Error::from(ErrorKind::StorageFull)),
+            taken => {
+                self.room -= taken;
+                Ok(taken)
+            }
+        }
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Wherever the medium is full, the writer says so; no failure is swallowed.
+#[test]
+fn a_full_medium_is_an_error_at_every_byte() {
+    let (mesh, faces) = (corner(), boundary());
+    let extras = Extras { values: vec![("volume", vec![0.5])], faces: faces.clone() };
+    let tags = mesh.point_tags.as_deref();
+    let (points, mesh) = (&mesh.points, &mesh);
+    type Writer<'a> = Box<dyn Fn(&mut dyn Write) -> std::io::Result<()> + 'a>;
+    let mut writers: Vec<Writer<'_>> = vec![
+        Box::new(|out| npy::write(out, points, tags)),
+        Box::new(|out| xyz::write(out, points, tags)),
+        Box::new(|out| csv::write(out, points, tags)),
+        Box::new(|out| tetgen::write_node(out, points, tags)),
+        Box::new(|out| tetgen::write_ele(out, mesh)),
+        Box::new(|out| tetgen::write_face(out, &faces)),
+        Box::new(|out| medit::write_with(out, mesh, &faces)),
+    ];
+    for encoding in [Encoding::Ascii, Encoding::Binary] {
+        let extras = &extras;
+        writers.push(Box::new(move |out| vtu::write_with(out, mesh, extras, encoding)));
+        for version in [MshVersion::V2_2, MshVersion::V4_1] {
+            writers.push(Box::new(move |out| msh::write(out, mesh, version, encoding)));
+        }
+    }
+    for (k, write) in writers.iter().enumerate() {
+        let mut whole = Vec::new();
+        write(&mut whole).expect("room enough");
+        for room in 0..whole.len() {
+            let error = write(&mut Medium { room }).expect_err("no room");
+            assert_eq!(error.kind(), ErrorKind::StorageFull, "writer {k}, {room} bytes");
+        }
+        write(&mut Medium { room: whole.len() }).expect("just enough");
+    }
+}

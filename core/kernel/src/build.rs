@@ -1,0 +1,441 @@
+//! Building a mesh of a point set: order, first tetrahedron, insertion of the rest.
+
+use crate::PredicateStats;
+use crate::cavity::{Admission, Open, Setback};
+use crate::geometry::Geometry;
+use crate::mesh::{Mesh, Placed, Vertex};
+use crate::order::brio_hilbert;
+use crate::sync::CancelToken;
+use crate::topology::MAX_TETS;
+use ltbw_exact::points::Mode;
+use ltbw_exact::predicates::{Sign, cmp_xyz, collinear, orient3d};
+use ltbw_exact::{Point, PointSet};
+use std::time::Instant;
+
+/// Insertions between two looks at the cancel token, the budget and the observer.
+const CHECK_EVERY: usize = 1024;
+
+/// Growth of the mesh, in tetrahedra, after which they are looked at earlier: a point may have
+/// as many new ones as there are points.
+const CHECK_GROWTH: usize = 100_000;
+
+/// Watches long work. Called from the building thread, at least every 1024 points and, in between,
+/// when the mesh has grown by 100,000 tetrahedra.
+pub trait Observer: Sync {
+    /// `done` of `total` points are inserted.
+    fn progress(&self, done: u64, total: u64);
+}
+
+/// Limits on the work. The default has none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Budget {
+    /// Insert at most this many points (the first four are always inserted).
+    pub max_points: Option<u64>,
+    /// Insert no more points when the mesh has more tetrahedra than this.
+    pub max_tets: Option<u64>,
+}
+
+/// In which order points are inserted. It decides the speed, never the mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Order {
+    /// Biased randomized rounds, along a Hilbert curve in each.
+    #[default]
+    Brio,
+    /// As the points are given.
+    Input,
+}
+
+/// How far a build came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Outcome {
+    /// The mesh has all points.
+    Complete,
+    /// The cancel token was set; the mesh has the points inserted before.
+    Cancelled,
+    /// The budget is exhausted; the mesh has the points inserted before.
+    Budget,
+    /// The mesh would exceed the limit of 2^30 - 1 tetrahedra, hull ghosts included; it has the
+    /// points inserted before.
+    TooManyTets,
+}
+
+/// Why there is no mesh.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// Fewer than four distinct points.
+    #[error("{distinct} distinct points: a mesh in dimension 3 needs at least 4")]
+    TooFewPoints {
+        /// Number of distinct points.
+        distinct: usize,
+    },
+    /// All points lie on one line.
+    #[error("the {distinct} distinct points lie on one line (dimension 1 instead of 3)")]
+    Collinear {
+        /// Number of distinct points.
+        distinct: usize,
+    },
+    /// All points lie in one plane.
+    #[error("the {distinct} distinct points lie in one plane (dimension 2 instead of 3)")]
+    Coplanar {
+        /// Number of distinct points.
+        distinct: usize,
+    },
+    /// Cancelled before there was a first tetrahedron.
+    #[error("cancelled before the first tetrahedron")]
+    Cancelled,
+}
+
+/// Figures of one build.
+#[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Stats {
+    /// Seconds spent on the insertion order.
+    pub order_seconds: f64,
+    /// Seconds spent on insertion.
+    pub insert_seconds: f64,
+    /// Predicate calls.
+    pub predicates: PredicateStats,
+}
+
+/// A mesh and how it came about.
+#[derive(Debug)]
+pub struct Built {
+    /// The mesh: of all points if `outcome` is [`Outcome::Complete`].
+    pub mesh: Mesh,
+    /// How far the build came.
+    pub outcome: Outcome,
+    /// Figures of the build.
+    pub stats: Stats,
+    /// Input indices of duplicates met, each with the index of the vertex kept; ascending.
+    pub duplicates: Vec<(Vertex, Vertex)>,
+}
+
+/// Builds the Delaunay mesh of a point set.
+///
+/// ```
+/// use ltbw_core::Builder;
+/// use ltbw_exact::PointSet;
+/// let cube = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+/// let built = Builder::new().build(&PointSet::new(cube)?)?;
+/// assert_eq!(built.mesh.num_hull_faces(), 12);
+/// println!("{} tetrahedra, {}", built.mesh.num_tets(), built.mesh.hash()?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Default)]
+pub struct Builder<'a> {
+    order: Order,
+    budget: Budget,
+    cancel: Option<&'a CancelToken>,
+    observer: Option<&'a dyn Observer>,
+}
+
+impl std::fmt::Debug for Builder<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Builder")
+            .field("order", &self.order)
+            .field("budget", &self.budget)
+            .field("cancel", &self.cancel)
+            .field("observer", &self.observer.is_some())
+            .finish()
+    }
+}
+
+impl<'a> Builder<'a> {
+    /// A builder with the default order and no limits.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Sets the insertion order.
+    pub fn order(mut self, order: Order) -> Self {
+        self.order = order;
+        self
+    }
+
+    /// Sets limits on the work.
+    pub fn budget(mut self, budget: Budget) -> Self {
+        self.budget = budget;
+        self
+    }
+
+    /// Sets the token that cancels the work.
+    pub fn cancel(mut self, token: &'a CancelToken) -> Self {
+        self.cancel = Some(token);
+        self
+    }
+
+    /// Sets the observer of progress.
+    pub fn observer(mut self, observer: &'a dyn Observer) -> Self {
+        self.observer = Some(observer);
+        self
+    }
+
+    /// Builds the mesh.
+    ///
+    /// Cost: expected O(n log n) time for points without large degenerate cavities; about 370
+    /// bytes a point, beside the input, for uniform points.
+    ///
+    /// A build that stops early has the valid mesh of the points inserted before, and
+    /// [`Built::outcome`] says why.
+    ///
+    /// # Errors
+    /// [`BuildError`] says why there is no first tetrahedron.
+    pub fn build(&self, set: &PointSet) -> Result<Built, BuildError> {
+        let clock = Instant::now();
+        let points = set.kernel_points();
+        let mut order: Vec<u32> = match self.order {
+            Order::Brio => brio_hilbert(&points),
+            Order::Input => (0..set.len() as u32).collect(),
+        };
+        let order_seconds = clock.elapsed().as_secs_f64();
+        if self.is_cancelled() {
+            return Err(BuildError::Cancelled);
+        }
+        let clock = Instant::now();
+        let corners = first_tet(&points, &mut order)?;
+        let (low, high) = bounding_box(&points);
+        let wide = set.mode() == Mode::Wide;
+        // Uniform points have 6.77 tetrahedra each. Pages that stay unused cost nothing.
+        let tets = (7 * points.len() + 64).min(MAX_TETS);
+        let geometry = Geometry::new(low, high, wide, points.len(), tets);
+        let mut mesh = Mesh::start(geometry, set.mode(), corners, tets);
+        mesh.next_number = set.len() as Vertex;
+        let outcome = self.insert_all(&mut mesh, &points, &order, &mut Open);
+        for pair in &mut mesh.duplicates {
+            pair.1 = mesh.numbers[pair.1 as usize];
+        }
+        mesh.duplicates.sort_unstable();
+        Ok(Built {
+            outcome,
+            stats: Stats {
+                order_seconds,
+                insert_seconds: clock.elapsed().as_secs_f64(),
+                predicates: mesh.predicate_stats(),
+            },
+            duplicates: mesh.duplicates.clone(),
+            mesh,
+        })
+    }
+
+    /// Inserts `order[4..]`. Meanwhile the second entries of duplicates are kernel vertices.
+    fn insert_all<A: Admission>(
+        &self,
+        mesh: &mut Mesh,
+        points: &[Point],
+        order: &[u32],
+        admission: &mut A,
+    ) -> Outcome {
+        let total = order.len() as u64;
+        let mut batch = Vec::with_capacity(CHECK_EVERY);
+        for (start, numbers) in (0..).step_by(CHECK_EVERY).zip(order.chunks(CHECK_EVERY)) {
+            let mut next_look = match self.look(mesh, start, total) {
+                Ok(next) => next,
+                Err(outcome) => return outcome,
+            };
+            // Points lie anywhere in memory: fetched together, their cache misses overlap.
+            batch.clear();
+            batch.extend(numbers.iter().map(|&i| points[i as usize]));
+            for ((k, &i), &p) in (start..).zip(numbers).zip(&batch) {
+                if k < 4 {
+                    continue;
+                }
+                if self.budget.max_points.is_some_and(|most| k >= most) {
+                    return Outcome::Budget;
+                }
+                if mesh.num_tets() > next_look {
+                    next_look = match self.look(mesh, k, total) {
+                        Ok(next) => next,
+                        Err(outcome) => return outcome,
+                    };
+                }
+                if let Err(Setback::Full | Setback::Refused(_)) = insert_next(mesh, i, p, admission)
+                {
+                    return Outcome::TooManyTets;
+                }
+            }
+        }
+        if let Some(observer) = self.observer {
+            observer.progress(total, total);
+        }
+        Outcome::Complete
+    }
+
+    /// Looks at the observer, the cancel token and the budget after `done` insertions: how many
+    /// tetrahedra the mesh may have until the next look, or why to stop.
+    #[cold]
+    fn look(&self, mesh: &Mesh, done: u64, total: u64) -> Result<usize, Outcome> {
+        if done > 0 {
+            if let Some(observer) = self.observer {
+                observer.progress(done, total);
+            }
+            if self.is_cancelled() {
+                return Err(Outcome::Cancelled);
+            }
+        }
+        let tets = mesh.num_tets();
+        let most = self.budget.max_tets.map_or(usize::MAX, |m| m.try_into().unwrap_or(usize::MAX));
+        if done > 0 && tets > most {
+            return Err(Outcome::Budget);
+        }
+        Ok(most.min(tets + CHECK_GROWTH))
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(CancelToken::is_cancelled)
+    }
+}
+
+#[inline(always)]
+fn insert_next<A: Admission>(
+    mesh: &mut Mesh,
+    number: u32,
+    p: Point,
+    admission: &mut A,
+) -> Result<(), Setback> {
+    if let Placed::At(v) = mesh.place(p, number, admission)? {
+        let kept = &mut mesh.numbers[v as usize];
+        let duplicate = number.max(*kept);
+        *kept = number.min(*kept);
+        mesh.duplicates.push((duplicate, v));
+    }
+    Ok(())
+}
+
+/// The corners of the smallest box around `points`.
+pub(crate) fn bounding_box(points: &[Point]) -> (Point, Point) {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for p in points {
+        for k in 0..3 {
+            low[k] = low[k].min(p[k]);
+            high[k] = high[k].max(p[k]);
+        }
+    }
+    (low, high)
+}
+
+/// The indices of four affinely independent points, the earliest there are.
+///
+/// # Errors
+/// [`BuildError`] names the dimension if there are none.
+pub fn independent(points: &[Point]) -> Result<[u32; 4], BuildError> {
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    first_tet(points, &mut order)?;
+    Ok([order[0], order[1], order[2], order[3]])
+}
+
+/// Brings four affinely independent points to the front of `order`, the earliest there are, and
+/// returns them positively oriented.
+fn first_tet(points: &[Point], order: &mut [u32]) -> Result<[(Point, Vertex); 4], BuildError> {
+    let at = |order: &[u32], k: usize| points[order[k] as usize];
+    let distinct = || {
+        let mut sorted = points.to_vec();
+        sorted.sort_unstable_by(cmp_xyz);
+        sorted.dedup();
+        sorted.len()
+    };
+    let mut count = 1;
+    for k in 1..order.len() {
+        let p = at(order, k);
+        let [a, b, c] = [0, 1, 2].map(|i| at(order, i.min(count - 1)));
+        let independent = match count {
+            1 => p != a,
+            2 => !collinear(&a, &b, &p),
+            _ => orient3d(&a, &b, &c, &p) != Sign::Zero,
+        };
+        if independent {
+            // The points passed over keep their order behind the first four.
+            order[count..=k].rotate_right(1);
+            count += 1;
+            if count == 4 {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|i| (at(order, i), order[i]));
+                let positive = orient3d(&a.0, &b.0, &c.0, &d.0) == Sign::Positive;
+                return Ok(if positive { [a, b, c, d] } else { [b, a, c, d] });
+            }
+        }
+    }
+    let distinct = distinct();
+    Err(match count {
+        _ if distinct < 4 => BuildError::TooFewPoints { distinct },
+        1 | 2 => BuildError::Collinear { distinct },
+        _ => BuildError::Coplanar { distinct },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::invariants::check_all;
+    use ltbw_generate::{PointKind, generate};
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    /// Points of the moment curve: every two of them share an edge, n^2 / 2 tetrahedra.
+    fn curve(count: u32) -> PointSet {
+        let points = (0..count).map(f64::from).map(|t| [t, t * t, t * t * t]).collect();
+        PointSet::new(points).expect("finite points")
+    }
+
+    #[derive(Default)]
+    struct Calls(AtomicU64, Option<CancelToken>);
+
+    impl Observer for Calls {
+        fn progress(&self, _: u64, _: u64) {
+            self.0.fetch_add(1, Ordering::Relaxed);
+            if let Some(token) = &self.1 {
+                token.cancel();
+            }
+        }
+    }
+
+    #[test]
+    fn fast_growth_is_looked_at_between_batches() {
+        let set = curve(800);
+        let calls = Calls::default();
+        let built = Builder::new().observer(&calls).build(&set).expect("a mesh");
+        let tets = built.mesh.num_tets();
+        assert!(tets > 300_000, "{tets}");
+        // One call is that of the end: all points are one batch.
+        let looks = calls.0.load(Ordering::Relaxed) - 1;
+        assert!((1..=(tets / CHECK_GROWTH) as u64).contains(&looks), "{looks}");
+
+        let calls = Calls(AtomicU64::new(0), Some(CancelToken::new()));
+        let token = calls.1.as_ref().expect("a token");
+        let built = Builder::new().observer(&calls).cancel(token).build(&set).expect("a mesh");
+        assert_eq!(built.outcome, Outcome::Cancelled);
+        let tets = built.mesh.num_tets();
+        assert!((CHECK_GROWTH..CHECK_GROWTH + 2000).contains(&tets), "{tets}");
+
+        for most in [1, 5_000, 150_000] {
+            let budget = Budget { max_tets: Some(most), ..Budget::default() };
+            let built = Builder::new().budget(budget).build(&set).expect("a mesh");
+            assert_eq!(built.outcome, Outcome::Budget);
+            let tets = built.mesh.num_tets() as u64;
+            assert!((most + 1..most + 2000).contains(&tets), "{tets} for {most}");
+        }
+    }
+
+    #[test]
+    fn an_exhausted_mesh_is_kept() {
+        let points = generate(PointKind::Uniform, 500, 3);
+        let set = PointSet::new(points).expect("finite points");
+        let budget = Budget { max_points: Some(4), ..Budget::default() };
+        let mut mesh = Builder::new().budget(budget).build(&set).expect("a mesh").mesh;
+        let mut order = brio_hilbert(set.points());
+        first_tet(set.points(), &mut order).expect("a tetrahedron");
+        let mut left = 3000;
+        let mut refuse = |_, _| {
+            left -= 1;
+            left > 0
+        };
+        let points = set.kernel_points();
+        let outcome = Builder::new().insert_all(&mut mesh, &points, &order, &mut refuse);
+        assert_eq!(outcome, Outcome::TooManyTets);
+        assert!((5..500).contains(&mesh.num_vertices()));
+        check_all(&mesh).expect("invariants");
+    }
+}

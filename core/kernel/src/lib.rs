@@ -1,0 +1,56 @@
+//! Exact sequential 3D Delaunay kernel of `ltbw`, on the predicates of [`ltbw_exact`].
+//!
+//! Data flows one way: *points → order → kernel → mesh → check → file*. Three laws keep it
+//! readable: topology code never sees a coordinate; geometry code never sees a lock; protocol
+//! code never sees a float.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`order`] | insertion order: BRIO rounds along a Hilbert curve |
+//! | [`topology`] | tetrahedra and their neighbours: 32 bytes each |
+//! | [`cavity`] | the cavity of a point: expand, admit, fill, set back |
+//! | `sphere`, `geometry`, `locate` | cached spheres, the conflict test, the walk |
+//! | [`mesh`] | [`Mesh`]: insertion and iteration |
+//! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
+//! | [`part`] | [`part::Part`]: the part of a mesh that one worker of the parallel kernel owns |
+//! | [`query`] | questions to a [`Mesh`], from many threads: locate, nearest, Voronoi cells |
+//! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
+//! | [`snapshot`] | [`Snapshot`]: a mesh to be stored, restored through validation |
+//! | [`tetmesh`] | [`TetMesh`]: a plain mesh as files carry it |
+//! | [`invariants`] | one slow check per invariant of `docs/invariants.md` |
+//! | [`random`] | the one random generator, the same on every machine |
+//!
+//! `raw` is the only module with unsafe code; `sync` the only one with atomics.
+#![deny(unsafe_code)]
+
+pub mod build;
+pub mod cavity;
+mod geometry;
+pub mod hash;
+pub mod invariants;
+mod locate;
+pub mod mesh;
+pub mod order;
+pub mod part;
+pub mod query;
+pub mod random;
+mod raw;
+#[cfg(feature = "serde")]
+mod serialise;
+pub mod snapshot;
+mod special;
+mod sphere;
+mod sync;
+pub mod tetmesh;
+pub mod topology;
+
+pub use build::{Budget, BuildError, Builder, Built, Observer, Order, Outcome, Stats};
+pub use cavity::{Admission, Open, Role};
+pub use geometry::PredicateStats;
+pub use hash::{HashError, MeshHash, canonical_hash};
+pub use ltbw_exact::{Mode, Point, PointError, PointSet, Sign};
+pub use mesh::{InsertError, Inserted, Mesh, Vertex};
+pub use random::Random;
+pub use snapshot::{Snapshot, SnapshotError};
+pub use sync::CancelToken;
+pub use tetmesh::{BoundaryFace, Extras, TetMesh};

@@ -1,0 +1,495 @@
+//! A Delaunay mesh that points can be inserted into, and that can be walked over.
+//!
+//! Vertices have the numbers of the input points ([`Vertex`]); of equal points the smallest
+//! number is a vertex, the others are its duplicates. Tetrahedra have [`TetId`]s, which are
+//! stable until the next insertion.
+
+use crate::PredicateStats;
+use crate::cavity::{Admission, Cavity, Open, Role, Setback, Star};
+use crate::geometry::Geometry;
+use crate::hash::{HashError, MeshHash, canonical_hash};
+use crate::locate::{Found, walk};
+use crate::part::Assembly;
+use crate::raw::Arena;
+use crate::tetmesh::TetMesh;
+use crate::topology::{INFINITE, TetId, Topology, VertexId, tet_of};
+use ltbw_exact::points::{Mode, PointError};
+use ltbw_exact::{Point, Sign};
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+/// Number of a vertex: the index of its point in the input, then counting on for inserted ones.
+pub type Vertex = u32;
+
+/// What became of an inserted point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Inserted {
+    /// It is a new vertex with this number.
+    Vertex(Vertex),
+    /// It lies at this vertex; the mesh is unchanged.
+    Duplicate(Vertex),
+}
+
+/// Why a point could not be inserted. The mesh is as it was before, bit for bit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InsertError {
+    /// The point is not finite.
+    #[error(transparent)]
+    Point(#[from] PointError),
+    /// The admission refused a tetrahedron (setback): the insertion may be tried again.
+    #[error("tetrahedron {tet} was refused: the cavity was set back")]
+    Refused {
+        /// The tetrahedron.
+        tet: TetId,
+    },
+    /// The mesh cannot name more tetrahedra.
+    #[error("the mesh would exceed {limit} tetrahedra, hull ghosts included")]
+    TooManyTets {
+        /// The limit.
+        limit: usize,
+    },
+}
+
+/// Turns a panic of the caller's admission into a refusal, so that the cavity is set back; the
+/// panic goes on after that.
+struct Guarded<'a, A> {
+    admission: &'a mut A,
+    panic: Option<Box<dyn Any + Send>>,
+}
+
+impl<A: Admission> Admission for Guarded<'_, A> {
+    fn admit(&mut self, t: TetId, role: Role) -> bool {
+        // Unwind safe: the admission is not called again after a panic.
+        let answer = catch_unwind(AssertUnwindSafe(|| self.admission.admit(t, role)));
+        answer.unwrap_or_else(|panic| {
+            self.panic = Some(panic);
+            false
+        })
+    }
+}
+
+/// What became of a kernel vertex.
+pub(crate) enum Placed {
+    New,
+    At(VertexId),
+}
+
+/// The exactly Delaunay mesh of a point set.
+#[derive(Debug)]
+pub struct Mesh {
+    pub(crate) topology: Topology,
+    pub(crate) geometry: Geometry,
+    cavity: Cavity,
+    /// Public number by kernel vertex; entry 0 stands for the vertex at infinity.
+    pub(crate) numbers: Vec<Vertex>,
+    /// Public numbers of duplicates, each with the vertex at its place.
+    pub(crate) duplicates: Vec<(Vertex, Vertex)>,
+    mode: Mode,
+    /// Number that the next inserted point gets.
+    pub(crate) next_number: Vertex,
+    /// Where the next walk starts.
+    hint: TetId,
+}
+
+impl Mesh {
+    /// The mesh of one tetrahedron; `corners` are positively oriented kernel coordinates.
+    pub(crate) fn start(
+        mut geometry: Geometry,
+        mode: Mode,
+        corners: [(Point, Vertex); 4],
+        tets: usize,
+    ) -> Self {
+        let mut topology = Topology::with_capacity(tets);
+        let mut numbers = vec![Vertex::MAX];
+        for (p, number) in corners {
+            geometry.push(p);
+            numbers.push(number);
+        }
+        topology.start([1, 2, 3, 4]);
+        geometry.created(
+            topology.slots(),
+            &Star { tets: &[0], rim: &[1, 2, 3], faces: &[[0, 1, 2, 0]] },
+            &corners[3].0,
+        );
+        Self {
+            topology,
+            geometry,
+            cavity: Cavity::default(),
+            numbers,
+            duplicates: Vec::new(),
+            mode,
+            next_number: 0,
+            hint: 0,
+        }
+    }
+
+    /// The mesh of assembled parts. Vertices that are not `used` by a tetrahedron are left out.
+    pub(crate) fn assembled(
+        mut topology: Topology,
+        mut geometry: Geometry,
+        used: &[bool],
+        assembly: Assembly<'_>,
+    ) -> Self {
+        let Assembly { mut points, mut numbers, duplicates, mode, .. } = assembly;
+        let count = points.len();
+        points.insert(0, [f64::NAN; 3]);
+        numbers.insert(0, Vertex::MAX);
+        let mut pairs: Vec<(Vertex, VertexId)> = Vec::new();
+        if used[1..].iter().all(|&used| used) {
+            // So there is no duplicate, either.
+            geometry.set_points(Arena::of(points));
+        } else {
+            let mut names = vec![INFINITE; count + 1];
+            let (mut kept, mut arena) = (vec![numbers[0]], Arena::with_capacity(count + 1));
+            arena.push(points[0]);
+            for v in (1..=count).filter(|&v| used[v]) {
+                names[v] = kept.len() as VertexId;
+                kept.push(numbers[v]);
+                arena.push(points[v]);
+            }
+            topology.rename(|v| if v == INFINITE { v } else { names[v as usize] });
+            geometry.set_points(arena);
+            let named = |&(duplicate, v): &(VertexId, VertexId)| {
+                (numbers[duplicate as usize], names[v as usize])
+            };
+            pairs.extend(duplicates.iter().map(named));
+            numbers = kept;
+        }
+        let vertices = numbers.len();
+        let mut mesh = Self {
+            topology,
+            geometry,
+            cavity: Cavity::for_vertices(vertices),
+            numbers,
+            duplicates: Vec::new(),
+            mode,
+            next_number: count as Vertex,
+            hint: 0,
+        };
+        mesh.hint = mesh.topology.iter().next().map_or(0, |(t, _)| t);
+        mesh.note_duplicates(pairs);
+        mesh
+    }
+
+    /// Of equal points the smallest number is the vertex, whichever was inserted first. `pairs`:
+    /// duplicates, each with the vertex at its place.
+    fn note_duplicates(&mut self, mut pairs: Vec<(Vertex, VertexId)>) {
+        for (duplicate, v) in &mut pairs {
+            let kept = &mut self.numbers[*v as usize];
+            (*duplicate, *kept) = ((*duplicate).max(*kept), (*duplicate).min(*kept));
+        }
+        self.duplicates = pairs.into_iter().map(|(d, v)| (d, self.numbers[v as usize])).collect();
+        self.duplicates.sort_unstable();
+    }
+
+    /// Inserts a point given in kernel coordinates, as public number `number`.
+    #[inline]
+    pub(crate) fn place<A: Admission>(
+        &mut self,
+        p: Point,
+        number: Vertex,
+        admission: &mut A,
+    ) -> Result<Placed, Setback> {
+        if let Some(v) = self.open(p, self.hint, admission)? {
+            return Ok(Placed::At(v));
+        }
+        self.fill(p, number);
+        Ok(Placed::New)
+    }
+
+    /// Finds the cavity of a point in kernel coordinates, walking from `from`; a vertex at the
+    /// point is returned instead. Afterwards the cavity is open: it has to be filled
+    /// ([`Mesh::fill`]) or set back ([`Mesh::set_back`]).
+    #[doc(hidden)]
+    #[inline]
+    pub fn open<A: Admission>(
+        &mut self,
+        p: Point,
+        from: TetId,
+        admission: &mut A,
+    ) -> Result<Option<VertexId>, Setback> {
+        let mut conflict = self.geometry.conflict_of(&p);
+        let start = match walk(&self.topology, &mut conflict, from) {
+            // No tetrahedron of a whole mesh is closed.
+            Found::Conflict(t) | Found::Outside(t) | Found::Closed(t) => t,
+            Found::Inside(t) => {
+                let geometry = conflict.geometry();
+                let corners = self.topology.tet(t).vertices();
+                if let Some(&v) = corners.iter().find(|&&v| *geometry.point(v) == p) {
+                    return Ok(Some(v));
+                }
+                t
+            }
+        };
+        self.cavity.expand(&mut self.topology, start, &mut conflict, admission)?;
+        Ok(None)
+    }
+
+    /// Fills the open cavity with the star of its point; returns the new vertex.
+    #[doc(hidden)]
+    #[inline]
+    pub fn fill(&mut self, p: Point, number: Vertex) -> VertexId {
+        let v = self.numbers.len() as VertexId;
+        self.geometry.push(p);
+        self.numbers.push(number);
+        self.cavity.reserve_vertices(self.numbers.len());
+        self.hint = self.cavity.fill(&mut self.topology, v);
+        self.geometry.created(self.topology.slots(), &self.cavity.star(), &p);
+        self.geometry.stats.insphere_calls += self.cavity.tests() as u64;
+        v
+    }
+
+    /// Gives the open cavity up: the mesh is as before, bit for bit.
+    #[doc(hidden)]
+    pub fn set_back(&mut self) {
+        self.cavity.set_back(&mut self.topology);
+    }
+
+    /// The open cavity, or the last one filled.
+    #[doc(hidden)]
+    pub fn cavity(&self) -> &Cavity {
+        &self.cavity
+    }
+
+    /// A tetrahedron of the last star.
+    #[doc(hidden)]
+    pub fn hint(&self) -> TetId {
+        self.hint
+    }
+
+    /// Says that kernel coordinates are the input's times 2^`exponent`. The caller has made the
+    /// mesh of coordinates scaled so, all inside the exactness window.
+    #[doc(hidden)]
+    pub fn scaled_by(&mut self, exponent: i32) {
+        self.mode = Mode::Rescaled { exponent };
+    }
+
+    /// Inserts one point.
+    ///
+    /// Cost: a walk from the last insertion, then O(cavity). A point outside the exactness window
+    /// switches the mesh to the big-integer mode, for good.
+    pub fn insert(&mut self, p: Point) -> Result<Inserted, InsertError> {
+        self.insert_with(p, &mut Open)
+    }
+
+    /// Inserts one point; `admission` is asked before each tetrahedron of the closure is taken.
+    ///
+    /// Refused, the mesh is as before, bit for bit, and the insertion may be tried again. If the
+    /// admission panics, the cavity is set back first: the mesh is as before then, too.
+    ///
+    /// Cost: that of [`Mesh::insert`]; a point outside the exactness window copies the coordinates
+    /// and cached spheres, O(n), once per try.
+    pub fn insert_with<A: Admission>(
+        &mut self,
+        p: Point,
+        admission: &mut A,
+    ) -> Result<Inserted, InsertError> {
+        let number = self.next_number;
+        if number as usize >= ltbw_exact::points::MAX_POINTS {
+            let count = number as usize + 1;
+            return Err(PointError::TooMany { count, limit: ltbw_exact::points::MAX_POINTS }.into());
+        }
+        let mut guarded = Guarded { admission, panic: None };
+        let placed = match self.mode.admit(p)? {
+            Some(kernel) => self.place(kernel, number, &mut guarded),
+            None => {
+                let saved = (self.geometry.clone(), self.mode);
+                let kernel = self.widen(p);
+                let placed = self.place(kernel, number, &mut guarded);
+                if placed.is_err() {
+                    (self.geometry, self.mode) = saved;
+                }
+                placed
+            }
+        };
+        if let Some(panic) = guarded.panic {
+            resume_unwind(panic);
+        }
+        match placed {
+            Ok(Placed::New) => {
+                self.next_number += 1;
+                Ok(Inserted::Vertex(number))
+            }
+            Ok(Placed::At(v)) => Ok(Inserted::Duplicate(self.numbers[v as usize])),
+            Err(Setback::Refused(tet)) => Err(InsertError::Refused { tet }),
+            Err(Setback::Full) => Err(InsertError::TooManyTets { limit: self.topology.limit() }),
+        }
+    }
+
+    /// Switches to the big-integer mode and returns `p` in its coordinates: the input's own.
+    fn widen(&mut self, p: Point) -> Point {
+        let mode = self.mode;
+        self.geometry.widen(|q| mode.from_kernel(*q));
+        self.mode = Mode::Wide;
+        p.map(|c| c + 0.0)
+    }
+
+    /// Number of vertices: distinct points.
+    pub fn num_vertices(&self) -> usize {
+        self.numbers.len() - 1
+    }
+
+    /// Number of finite tetrahedra.
+    pub fn num_tets(&self) -> usize {
+        self.topology.len() - self.topology.ghosts()
+    }
+
+    /// Number of hull facets (triangles).
+    pub fn num_hull_faces(&self) -> usize {
+        self.topology.ghosts()
+    }
+
+    /// Bytes held by the mesh's large arrays.
+    pub fn memory_bytes(&self) -> usize {
+        self.topology.memory_bytes()
+            + self.geometry.memory_bytes()
+            + self.numbers.capacity() * size_of::<Vertex>()
+    }
+
+    /// Predicate calls so far.
+    pub fn predicate_stats(&self) -> PredicateStats {
+        self.geometry.stats
+    }
+
+    /// How the points are computed with.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// The combinatorial mesh, ghosts included, in kernel vertex numbers.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// Coordinates, as the kernel computes with them, of a finite kernel vertex.
+    #[doc(hidden)]
+    #[inline]
+    pub fn kernel_point(&self, v: VertexId) -> Point {
+        *self.geometry.point(v)
+    }
+
+    /// Sets the number that the next inserted point gets.
+    #[doc(hidden)]
+    pub fn set_next_number(&mut self, next: Vertex) {
+        self.next_number = next;
+    }
+
+    /// Public number by kernel vertex; entry 0 stands for the vertex at infinity.
+    #[doc(hidden)]
+    pub fn numbers(&self) -> &[Vertex] {
+        &self.numbers
+    }
+
+    /// The public number of a finite kernel vertex.
+    pub fn number(&self, v: VertexId) -> Option<Vertex> {
+        if v == INFINITE { None } else { self.numbers.get(v as usize).copied() }
+    }
+
+    /// What the cached sphere of `t` alone says of a point in kernel coordinates.
+    pub(crate) fn cached_side(&self, t: TetId, p: &Point) -> Option<Sign> {
+        self.geometry.cached_side(t, p)
+    }
+
+    /// The cached spheres, to the bit: for tests that a refusal leaves no trace.
+    #[doc(hidden)]
+    pub fn spheres_fingerprint(&self) -> Vec<[u32; 4]> {
+        self.geometry.spheres_fingerprint()
+    }
+
+    /// All vertices with their coordinates, in no particular order.
+    pub fn vertices(&self) -> impl Iterator<Item = (Vertex, Point)> + '_ {
+        let points = self.geometry.points();
+        (1..self.numbers.len()).map(|v| (self.numbers[v], self.mode.from_kernel(points[v])))
+    }
+
+    /// The duplicates: each number with that of the vertex at the same place.
+    pub fn duplicates(&self) -> &[(Vertex, Vertex)] {
+        &self.duplicates
+    }
+
+    /// The finite tetrahedra, by id.
+    pub fn tet_ids(&self) -> impl Iterator<Item = TetId> + '_ {
+        self.topology.iter().filter(|(_, t)| !t.is_ghost()).map(|(t, _)| t)
+    }
+
+    /// The vertices of a finite tetrahedron, positively oriented; `None` if `t` is not one.
+    pub fn tet(&self, t: TetId) -> Option<[Vertex; 4]> {
+        if t as usize >= self.topology.slots() {
+            return None;
+        }
+        let tet = self.topology.tet(t);
+        let finite = !tet.is_free() && !tet.is_ghost();
+        finite.then(|| tet.vertices().map(|v| self.numbers[v as usize]))
+    }
+
+    /// The neighbour of tetrahedron `t` opposite its vertex `slot`: `None` on the hull, or if
+    /// there is no such tetrahedron or slot.
+    pub fn neighbour(&self, t: TetId, slot: usize) -> Option<TetId> {
+        self.tet(t)?;
+        let u = tet_of(*self.topology.tet(t).neighbours().get(slot)?);
+        (!self.topology.tet(u).is_ghost()).then_some(u)
+    }
+
+    /// The finite tetrahedra, positively oriented.
+    pub fn tets(&self) -> impl Iterator<Item = [Vertex; 4]> + '_ {
+        self.topology
+            .iter()
+            .filter(|(_, t)| !t.is_ghost())
+            .map(|(_, t)| t.vertices().map(|v| self.numbers[v as usize]))
+    }
+
+    /// The hull facets; seen from outside their vertices turn counterclockwise.
+    pub fn hull_facets(&self) -> impl Iterator<Item = [Vertex; 3]> + '_ {
+        self.topology.iter().filter(|(_, t)| t.is_ghost()).map(|(_, t)| {
+            let [a, b, c, _] = t.vertices().map(|v| self.numbers[v as usize]);
+            [a, b, c]
+        })
+    }
+
+    /// Every triangle once, hull facets included.
+    pub fn faces(&self) -> impl Iterator<Item = [Vertex; 3]> + '_ {
+        self.topology.iter().filter(|(_, t)| !t.is_ghost()).flat_map(move |(id, t)| {
+            let (v, n) = (t.vertices().map(|v| self.numbers[v as usize]), t.neighbours());
+            (0..4).filter_map(move |slot| {
+                let u = tet_of(n[slot]);
+                // A face of two finite tetrahedra is given by the one with the smaller id.
+                let ours = u > id || self.topology.tet(u).is_ghost();
+                ours.then(|| match slot {
+                    0 => [v[1], v[3], v[2]],
+                    1 => [v[0], v[2], v[3]],
+                    2 => [v[0], v[3], v[1]],
+                    _ => [v[0], v[1], v[2]],
+                })
+            })
+        })
+    }
+
+    /// The mesh as plain arrays, with the input's numbering: a duplicate keeps its number and is
+    /// in no tetrahedron. A point that a cancelled build did not reach has NaN coordinates here.
+    pub fn to_tet_mesh(&self) -> TetMesh {
+        let count = self.duplicates.iter().map(|&(d, _)| d + 1).max().unwrap_or(0);
+        let mut points = vec![[f64::NAN; 3]; self.next_number.max(count) as usize];
+        for (v, p) in self.vertices() {
+            points[v as usize] = p;
+        }
+        for &(duplicate, kept) in &self.duplicates {
+            points[duplicate as usize] = points[kept as usize];
+        }
+        TetMesh { points, tets: self.tets().collect(), ..TetMesh::default() }
+    }
+
+    /// The canonical mesh hash `ltbw.mesh/1` ([`crate::hash`]).
+    pub fn hash(&self) -> Result<MeshHash, HashError> {
+        let points: Vec<Point> =
+            self.geometry.points().iter().skip(1).map(|&p| self.mode.from_kernel(p)).collect();
+        let tets: Vec<[u32; 4]> = self
+            .topology
+            .iter()
+            .filter(|(_, t)| t.vertices()[3] != INFINITE)
+            .map(|(_, t)| t.vertices().map(|v| v - 1))
+            .collect();
+        canonical_hash(&points, &tets)
+    }
+}

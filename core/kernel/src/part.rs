@@ -1,0 +1,599 @@
+//! The part of a mesh that one worker of the parallel kernel owns.
+//!
+//! Vertices have one numbering for the whole mesh, 1 to n; a part knows the coordinates of those
+//! that its tetrahedra have. Where a neighbour belongs to another part there stands a *proxy*: a
+//! slot whose only neighbour is the tetrahedron in front of it, and that carries four words which
+//! mean something to the caller.
+//!
+//! A tetrahedron can be *closed*, with a holder: no walk enters it and no cavity takes it. Closing
+//! takes away the cached sphere, so that open tetrahedra are tested as fast as in a whole mesh:
+//! what no sphere decides is looked at more closely, and then the lock or the proxy is seen. For
+//! the same reason a tetrahedron that the caller must hear of when it goes ([`Part::watch`]) never
+//! has a sphere.
+
+mod assemble;
+mod closure;
+mod conflict;
+mod star;
+
+pub use assemble::{Assembly, Misfit, assemble};
+pub use closure::Closed;
+
+use crate::cavity::{Cavity, Conflict, Open};
+use crate::geometry::Geometry;
+use crate::locate::{Found, walk_through};
+use crate::special::Specials;
+use crate::sphere::Sphere;
+use crate::topology::{FaceId, INFINITE, MAX_TETS, TetId, Topology, VertexId, slot_of, tet_of};
+use conflict::{Doors, PartConflict};
+use ltbw_exact::Point;
+use ltbw_exact::points::Mode;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Places of a part with a hint each: a power of two.
+const PLACES: usize = 4096;
+/// Of these, so many are for the part's own vertices at the start.
+const HOME_PLACES: usize = 1024;
+/// So many places on both sides are looked at for a start.
+const SPREAD: usize = 2;
+/// The same for other starts, when a walk has met a proxy.
+const WIDE_SPREAD: usize = 16;
+/// How many other starts are tried then.
+const TRIES: usize = 4;
+/// Vertices that differ by less than this are likely to be near each other.
+const NEAR: VertexId = 64;
+
+/// Where a walk in a part ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// At an open tetrahedron in conflict with the point.
+    Conflict(TetId),
+    /// At a vertex with the same coordinates.
+    Vertex(VertexId),
+    /// At a proxy.
+    Proxy(TetId),
+    /// At a closed tetrahedron.
+    Closed(TetId),
+    /// The part has no tetrahedron.
+    Empty,
+}
+
+/// Which new tetrahedra of a local insertion would be the part's own.
+#[derive(Clone, Copy, Debug)]
+pub enum Owns<F> {
+    /// All: none is looked at.
+    All,
+    /// None: the point is not inserted, but what is closed is met.
+    None,
+    /// Those of home vertices alone, and otherwise those of whose vertices this is true.
+    By(F),
+}
+
+/// What became of a local insertion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Local {
+    /// The point is a vertex.
+    Inserted,
+    /// A closed tetrahedron is in the way. The part is as before.
+    Closed(TetId),
+    /// No closed tetrahedron of the part is in the way, but a proxy or a new tetrahedron of another
+    /// part. The part is as before.
+    Blocked,
+    /// The part would exceed the limit of tetrahedra. It is as before.
+    Full,
+}
+
+/// The box, the arithmetic and the size of the whole mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting {
+    low: Point,
+    high: Point,
+    wide: bool,
+    step: f64,
+    vertices: usize,
+    max_tets: usize,
+}
+
+impl Setting {
+    /// That of a mesh with these points, in kernel coordinates under `mode`.
+    pub fn of(points: &[Point], mode: Mode) -> Self {
+        let wide = mode == Mode::Wide;
+        let of_chunk = |chunk: &[Point]| {
+            let (low, high) = crate::build::bounding_box(chunk);
+            (low, high, if wide { 0.0 } else { crate::geometry::common_step(chunk) })
+        };
+        let join = |(low, high, step): (Point, Point, f64), other: (Point, Point, f64)| {
+            let low = [0, 1, 2].map(|k| low[k].min(other.0[k]));
+            let high = [0, 1, 2].map(|k| high[k].max(other.1[k]));
+            (low, high, step.min(other.2))
+        };
+        let none = || of_chunk(&[]);
+        let (low, high, step) = points.par_chunks(1 << 14).map(of_chunk).reduce(none, join);
+        Self { low, high, wide, step, vertices: points.len(), max_tets: MAX_TETS }
+    }
+
+    /// Sets how many tetrahedra, hull ghosts and proxies included, a part may have at most: no more
+    /// than [`MAX_TETS`], which is the default.
+    pub fn at_most(self, max_tets: usize) -> Self {
+        Self { max_tets, ..self }
+    }
+}
+
+/// A part of a mesh. `H` names the holder of a closed tetrahedron, `L` is the label of a watched
+/// one.
+#[derive(Debug)]
+pub struct Part<H, L> {
+    topology: Topology,
+    geometry: Geometry,
+    cavity: Cavity,
+    /// Seed and point of the cavity in `cavity`, if that was blocked and is, with its walls, what
+    /// would be found now: whatever links, makes, removes, closes or opens a tetrahedron ends that.
+    blocked: Option<(TetId, Point)>,
+    /// Tetrahedra that are closed, or that the caller must hear of when an insertion removes them.
+    specials: Specials<H, L>,
+    home: Range<VertexId>,
+    /// There are vertices outside the home range.
+    others: bool,
+    /// Labels of the watched ones that the last insertion removed.
+    gone: Vec<L>,
+    /// Where walks may start: tetrahedra made lately, the last one first.
+    hints: [TetId; 8],
+    /// The vertex inserted last.
+    last: VertexId,
+    /// The same by place: vertices with near numbers are near each other.
+    places: Vec<TetId>,
+    /// Vertices of a place.
+    grain: VertexId,
+    /// Steps of walks so far.
+    steps: u64,
+    /// Tetrahedra made so far.
+    made: u64,
+}
+
+impl<H: Copy + Eq, L: Copy> Part<H, L> {
+    /// A part without tetrahedra.
+    pub fn new(setting: &Setting) -> Self {
+        let Setting { low, high, wide, step, vertices, max_tets } = *setting;
+        let mut topology = Topology::default();
+        topology.set_limit(max_tets);
+        Self {
+            topology,
+            geometry: Geometry::part(low, high, wide, step, vertices),
+            cavity: Cavity::for_vertices(vertices + 1),
+            blocked: None,
+            specials: Specials::new(),
+            home: 0..0,
+            others: true,
+            gone: Vec::new(),
+            hints: [0; 8],
+            last: 0,
+            places: vec![TetId::MAX; PLACES],
+            grain: 1,
+            steps: 0,
+            made: 0,
+        }
+    }
+
+    /// Reserves room for `tets` tetrahedra. A hint.
+    pub fn reserve(&mut self, tets: usize) {
+        debug_assert!(self.topology.is_empty());
+        let limit = self.topology.limit();
+        self.topology = Topology::with_capacity(tets.min(limit));
+        self.topology.set_limit(limit);
+        self.geometry.reserve_sphere_capacity(tets.min(limit));
+    }
+
+    /// The largest number of tetrahedra that the part may have, hull ghosts and proxies included.
+    pub fn max_tets(&self) -> usize {
+        self.topology.limit()
+    }
+
+    /// Is there room for `tets` more tetrahedra and proxies?
+    pub fn has_room(&self, tets: usize) -> bool {
+        self.topology.reserve(tets).is_ok()
+    }
+
+    /// Says which vertices are the part's own: a tetrahedron with no other vertex belongs to it.
+    pub fn set_home(&mut self, home: Range<VertexId>) {
+        self.others = home.start > 1 || (home.end as usize) < self.geometry.points().len();
+        self.grain = (home.len() / HOME_PLACES + 1) as VertexId;
+        self.home = home;
+        let tets: Vec<(TetId, [VertexId; 4])> = self.tets().collect();
+        for (t, v) in tets {
+            self.cache_sphere(t);
+            self.hint(t, v);
+        }
+    }
+
+    /// Says that the vertices of `range` are not the part's own any more. What lies on the smaller
+    /// side of them is not, either: the part's own vertices stay one range.
+    pub fn leave(&mut self, range: Range<VertexId>) {
+        let Range { start, end } = self.home;
+        let below = start..range.start.clamp(start, end);
+        let above = range.end.clamp(start, end)..end;
+        self.home = if below.len() < above.len() { above } else { below };
+        self.others = true;
+    }
+
+    /// The tetrahedra, proxies and free slots included.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// The tetrahedra with their vertices, ghosts included.
+    pub fn tets(&self) -> impl Iterator<Item = (TetId, [VertexId; 4])> + '_ {
+        let real = self.topology.iter().filter(|(_, tet)| !tet.is_proxy());
+        real.map(|(t, tet)| (t, tet.vertices()))
+    }
+
+    /// Is `t` a tetrahedron of this part?
+    pub fn is_live(&self, t: TetId) -> bool {
+        self.topology.get(t).is_some_and(|tet| !tet.is_free() && !tet.is_proxy())
+    }
+
+    /// The vertices of `t`; the vertex at infinity, 0, is only ever the last.
+    pub fn vertices(&self, t: TetId) -> [VertexId; 4] {
+        self.topology.tet(t).vertices()
+    }
+
+    /// The faces on the other sides of those of `t`, by the slot of the vertex opposite.
+    pub fn neighbours(&self, t: TetId) -> [FaceId; 4] {
+        self.topology.tet(t).neighbours()
+    }
+
+    /// Asks the processor to fetch tetrahedron `t`.
+    #[inline]
+    pub fn prefetch(&self, t: TetId) {
+        self.topology.prefetch(t);
+        self.geometry.prefetch_sphere(t);
+    }
+
+    /// The coordinates of vertex `v`.
+    pub fn point(&self, v: VertexId) -> Point {
+        *self.geometry.point(v)
+    }
+
+    /// The words that a proxy carries; `None` if `t` is not one.
+    pub fn load(&self, t: TetId) -> Option<[u32; 4]> {
+        let tet = self.topology.tet(t);
+        tet.is_proxy().then(|| tet.words())
+    }
+
+    /// Steps of walks, conflict tests and tetrahedra made so far.
+    pub fn work(&self) -> (u64, u64, u64) {
+        (self.steps, self.geometry.stats.insphere_calls, self.made)
+    }
+
+    /// Walks towards `p`, which is to be vertex `v`, from `start` if that is a tetrahedron here,
+    /// else from one made lately near by. Such a walk is free to start elsewhere when it meets a
+    /// proxy: the part need not be convex, and steps here cost less than to ask another part.
+    pub fn walk(&mut self, v: VertexId, p: &Point, start: Option<TetId>) -> Stop {
+        let start = start.filter(|&t| self.is_live(t));
+        let free = start.is_none();
+        let Some(start) = start.or_else(|| self.near(v)).or_else(|| self.open_hint()) else {
+            return Stop::Empty;
+        };
+        let stop = self.walk_from(p, start);
+        if !free || !matches!(stop, Stop::Proxy(_)) {
+            return stop;
+        }
+        let others: Vec<TetId> = self
+            .around(v, WIDE_SPREAD)
+            .filter(|&t| t != start && self.is_live(t) && !self.is_closed(t))
+            .take(TRIES)
+            .collect();
+        for t in others {
+            let stop = self.walk_from(p, t);
+            if !matches!(stop, Stop::Proxy(_)) {
+                return stop;
+            }
+        }
+        stop
+    }
+
+    /// Walks towards `p` from tetrahedron `start`.
+    fn walk_from(&mut self, p: &Point, start: TetId) -> Stop {
+        let Self { topology, geometry, specials, steps, .. } = self;
+        let mut conflict = geometry.conflict_of(p);
+        // A walk that comes in through a hull facet ends there. From a ghost a walk goes to the
+        // facet's other side first, perhaps to where it came from, and so on without end.
+        if topology.tet(start).is_ghost() && !specials.is_closed(conflict.geometry().sphere(start))
+        {
+            let [a, b, c, _] = topology.tet(start).vertices();
+            if conflict.geometry().orient([a, b, c], p).is_positive() {
+                return Stop::Conflict(start);
+            }
+        }
+        match walk_through(topology, &mut conflict, start, &Doors(specials), steps) {
+            Found::Conflict(t) | Found::Outside(t) => Stop::Conflict(t),
+            Found::Closed(t) if topology.tet(t).is_proxy() => Stop::Proxy(t),
+            Found::Closed(t) => Stop::Closed(t),
+            Found::Inside(t) => {
+                let corners = topology.tet(t).vertices();
+                let here = corners.iter().find(|&&v| *geometry.point(v) == *p);
+                here.map_or(Stop::Conflict(t), |&v| Stop::Vertex(v))
+            }
+        }
+    }
+
+    /// The tetrahedron made last, if that was near vertex `v`; else the open one of some made
+    /// lately near by that has the nearest vertex.
+    fn near(&self, v: VertexId) -> Option<TetId> {
+        let open = |t: TetId| self.is_live(t) && !self.is_closed(t);
+        if v.abs_diff(self.last) < NEAR && open(self.hints[0]) {
+            return Some(self.hints[0]);
+        }
+        let around = self.around(v, SPREAD);
+        let far = |t: TetId| {
+            let corners = self.topology.tet(t).vertices();
+            corners.into_iter().map(|w| w.abs_diff(v)).min()
+        };
+        around.filter(|&t| open(t)).min_by_key(|&t| far(t))
+    }
+
+    /// The entry of vertex `v` in `places`. Vertices far apart may share one.
+    fn place(&self, v: VertexId) -> usize {
+        (v / self.grain) as usize % PLACES
+    }
+
+    /// The entries at most `spread` places from vertex `v`, the nearest first.
+    fn around(&self, v: VertexId, spread: usize) -> impl Iterator<Item = TetId> + '_ {
+        let place = self.place(v);
+        let both = (1..=spread).flat_map(|k| [PLACES - k, k]);
+        std::iter::once(0).chain(both).map(move |k| self.places[(place + k) % PLACES])
+    }
+
+    /// An open tetrahedron made lately, else a closed one, else any.
+    fn open_hint(&self) -> Option<TetId> {
+        let live = || self.hints.iter().copied().filter(|&t| self.is_live(t));
+        live()
+            .find(|t| !self.is_closed(*t))
+            .or_else(|| live().next())
+            .or_else(|| self.tets().next().map(|(t, _)| t))
+    }
+
+    /// Remembers a tetrahedron that did not come from an insertion.
+    fn hint(&mut self, t: TetId, v: [VertexId; 4]) {
+        self.hints[1..].rotate_right(1);
+        self.hints[1] = t;
+        for w in v.into_iter().filter(|&w| w != INFINITE) {
+            let place = self.place(w);
+            self.places[place] = t;
+        }
+    }
+
+    /// Inserts `p` as vertex `v` if nothing is in the way: no proxy, no closed tetrahedron, and
+    /// every new tetrahedron is the part's own. `seed` must be open and in conflict with `p`.
+    pub fn insert(
+        &mut self,
+        v: VertexId,
+        p: &Point,
+        seed: TetId,
+        owns: Owns<impl Fn([VertexId; 4]) -> bool>,
+    ) -> Local {
+        self.blocked = None;
+        let Self { topology, geometry, cavity, specials, home, others, .. } = self;
+        let mut conflict = PartConflict {
+            specials,
+            met: specials.is_watched(geometry.sphere(seed)),
+            blocked: false,
+            closed: None,
+            holder: None,
+            inner: geometry.conflict_of(p),
+        };
+        if cavity.expand(topology, seed, &mut conflict, &mut Open).is_err() {
+            return Local::Full;
+        }
+        let (blocked, met) = (conflict.blocked, conflict.met);
+        if let Some(t) = conflict.closed {
+            cavity.set_back(topology);
+            return Local::Closed(t);
+        }
+        // All corners of the cavity are looked at, without a branch for each: most cavities are far
+        // from others. A ghost's corner at infinity may count: a closer look costs little.
+        // Below 2^31, so that a sign tells a number before the range or after it.
+        let (first, last) = (home.start, home.end.wrapping_sub(1));
+        let strange = |w: VertexId| w.wrapping_sub(first) | last.wrapping_sub(w);
+        let border = || {
+            let signs = cavity.tets().fold([strange(v); 4], |signs, t| {
+                let w = topology.tet(t).vertices();
+                [0, 1, 2, 3].map(|k| signs[k] | strange(w[k]))
+            });
+            signs.into_iter().any(|sign| sign >> 31 == 1)
+        };
+        let owned = || match owns {
+            Owns::All => true,
+            Owns::None => false,
+            Owns::By(owns) => {
+                !*others || !border() || cavity.faces().all(|[a, b, c]| owns([v, a, b, c]))
+            }
+        };
+        if blocked || !owned() {
+            cavity.unmark(topology);
+            self.blocked = Some((seed, *p));
+            return Local::Blocked;
+        }
+        self.gone.clear();
+        if met {
+            self.gone.extend(cavity.tets().filter_map(|t| unwatch(specials, geometry, t)));
+        }
+        geometry.set_point(v, *p);
+        let hint = cavity.fill(topology, v);
+        let star = cavity.star();
+        geometry.created(topology.slots(), &star, p);
+        geometry.stats.insphere_calls += cavity.tests() as u64;
+        self.made += star.tets.len() as u64;
+        self.hints[0] = hint;
+        self.last = v;
+        let place = self.place(v);
+        self.places[place] = hint;
+        Local::Inserted
+    }
+
+    /// Takes the labels of the watched tetrahedra that the last successful [`Part::insert`]
+    /// removed. They are not watched any more.
+    pub fn take_gone(&mut self) -> std::vec::Drain<'_, L> {
+        self.gone.drain(..)
+    }
+
+    /// Watches `t`: should an insertion remove it, its label is among [`Part::take_gone`] then.
+    pub fn watch(&mut self, t: TetId, label: L) {
+        let mut sphere = self.geometry.sphere(t);
+        self.specials.entry(t, &mut sphere).label = Some(label);
+        self.geometry.set_sphere(t, sphere);
+    }
+
+    /// The label of `t`, if it is watched.
+    #[inline]
+    pub fn label(&self, t: TetId) -> Option<L> {
+        self.specials.get(self.geometry.sphere(t))?.label
+    }
+
+    /// Stops to watch `t`; returns its label.
+    pub fn unwatch(&mut self, t: TetId) -> Option<L> {
+        unwatch(&mut self.specials, &mut self.geometry, t)
+    }
+
+    /// Is tetrahedron `t` in conflict with `p`?
+    pub fn in_conflict(&mut self, t: TetId, p: &Point) -> bool {
+        self.geometry.stats.insphere_calls += 1;
+        let sphere = self.geometry.sphere(t);
+        let sphere = self.specials.get(sphere).map_or(sphere, |special| special.sphere);
+        if let Some(sign) = self.geometry.side(sphere, p) {
+            return sign.is_positive();
+        }
+        let mut conflict = self.geometry.conflict_of(p);
+        conflict.in_conflict(&self.topology, t)
+    }
+
+    /// Who holds the closed tetrahedron `t`; `None` if it is open.
+    #[inline]
+    pub fn holder(&self, t: TetId) -> Option<H> {
+        self.closed_by(t).map(|(holder, _)| holder)
+    }
+
+    /// The closed tetrahedra.
+    pub fn closed(&self) -> impl Iterator<Item = TetId> + '_ {
+        self.specials.closed()
+    }
+
+    /// Closes `t`, which is open, as a tetrahedron of the holder's cavity (`inside`) or not.
+    pub fn close(&mut self, t: TetId, holder: H, inside: bool) {
+        self.blocked = None;
+        let mut sphere = self.geometry.sphere(t);
+        self.specials.entry(t, &mut sphere).closed = Some((holder, inside));
+        self.geometry.set_sphere(t, sphere);
+    }
+
+    /// Who holds the closed tetrahedron `t`, and whether as one of its cavity; `None` if it is open.
+    #[inline]
+    pub fn closed_by(&self, t: TetId) -> Option<(H, bool)> {
+        self.specials.get(self.geometry.sphere(t))?.closed
+    }
+
+    fn is_closed(&self, t: TetId) -> bool {
+        self.specials.is_closed(self.geometry.sphere(t))
+    }
+
+    /// Opens `t`; nothing happens if it is open.
+    pub fn open(&mut self, t: TetId) {
+        self.blocked = None;
+        let mut sphere = self.geometry.sphere(t);
+        self.specials.open(&mut sphere);
+        self.geometry.set_sphere(t, sphere);
+    }
+
+    /// Gives vertex `v` its coordinates.
+    pub fn set_point(&mut self, v: VertexId, p: Point) {
+        self.geometry.set_point(v, p);
+    }
+
+    /// Gives the vertices from `first` on their coordinates.
+    pub fn set_points(&mut self, first: VertexId, points: &[Point]) {
+        self.geometry.prepare_points(first, points.len());
+        for (v, p) in (first..).zip(points) {
+            self.geometry.set_point(v, *p);
+        }
+    }
+
+    /// Makes a tetrahedron, whose neighbours are still to be linked and whose sphere is still to be
+    /// cached. `None` at the limit of tetrahedra.
+    pub fn create(&mut self, v: [VertexId; 4]) -> Option<TetId> {
+        self.blocked = None;
+        self.topology.reserve(1).ok()?;
+        let t = self.topology.take();
+        self.topology.write(t, v);
+        self.geometry.reserve_spheres(self.topology.slots());
+        self.geometry.set_sphere(t, Sphere::UNKNOWN);
+        self.made += 1;
+        self.hint(t, v);
+        Some(t)
+    }
+
+    /// Caches the sphere of `t`.
+    pub fn cache_sphere(&mut self, t: TetId) {
+        let sphere = self.geometry.compute_sphere(self.topology.tet(t).vertices());
+        match self.specials.get_mut(self.geometry.sphere(t)) {
+            Some(special) => special.sphere = sphere,
+            None => self.geometry.set_sphere(t, sphere),
+        }
+    }
+
+    /// Makes two faces of tetrahedra of this part each other's neighbour. A proxy that stood at
+    /// either is gone.
+    pub fn link(&mut self, a: FaceId, b: FaceId) {
+        self.blocked = None;
+        self.forget_proxy(a);
+        self.forget_proxy(b);
+        self.topology.link(a, b);
+    }
+
+    /// Puts a proxy that carries `load` at `face`, or gives the one there a new load. `None` at
+    /// the limit of tetrahedra.
+    pub fn link_far(&mut self, face: FaceId, load: [u32; 4]) -> Option<()> {
+        self.blocked = None;
+        let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
+        if !self.is_proxy_of(there, face) {
+            return self.put_far(face, load);
+        }
+        self.topology.put_proxy(there, face, load);
+        Some(())
+    }
+
+    /// Removes tetrahedron `t`, which is open, and the proxies at its faces. What links to it is
+    /// still to be linked anew.
+    pub fn remove(&mut self, t: TetId) {
+        self.blocked = None;
+        debug_assert!(!self.is_closed(t));
+        self.unwatch(t);
+        for slot in 0..4 {
+            self.forget_proxy(4 * t + slot);
+        }
+        self.topology.erase(t);
+    }
+
+    /// Is slot `t` a proxy at `face`? Links that are not made yet lead anywhere.
+    fn is_proxy_of(&self, t: TetId, face: FaceId) -> bool {
+        self.topology.get(t).is_some_and(|tet| tet.is_proxy() && tet.neighbours()[0] == face)
+    }
+
+    fn forget_proxy(&mut self, face: FaceId) {
+        let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
+        if self.is_proxy_of(there, face) {
+            self.topology.erase(there);
+        }
+    }
+}
+
+/// Takes the label of `t` away.
+fn unwatch<H: Copy, L: Copy>(
+    specials: &mut Specials<H, L>,
+    geometry: &mut Geometry,
+    t: TetId,
+) -> Option<L> {
+    let mut sphere = geometry.sphere(t);
+    let label = specials.unwatch(&mut sphere);
+    geometry.set_sphere(t, sphere);
+    label
+}

@@ -1,0 +1,352 @@
+//! The combinatorial mesh: tetrahedra, their neighbours, free slots. It never sees a coordinate.
+//!
+//! A tetrahedron is 32 bytes: four vertices and four neighbour handles. Vertex 0 is the vertex at
+//! infinity; a tetrahedron that has it is a *ghost* and stands for a hull facet. The invariants
+//! (numbered in `docs/invariants.md`):
+//!
+//! * I1: neighbour `i` is opposite vertex `i`, and neighbourhood is mutual.
+//! * I2: the vertex at infinity is only ever in the last slot.
+//! * I3: a free slot has [`FREE`] as its first vertex and is in the free list once.
+//! * I4: outside an insertion no tetrahedron is marked.
+
+use crate::raw::Arena;
+use rayon::prelude::*;
+
+/// Index of a tetrahedron's slot.
+pub type TetId = u32;
+/// Kernel number of a vertex: 0 is the vertex at infinity, the others count from 1.
+pub type VertexId = u32;
+/// A face seen from one of its tetrahedra: `4 * tet + slot of the opposite vertex`.
+pub type FaceId = u32;
+
+/// The vertex at infinity.
+pub const INFINITE: VertexId = 0;
+/// First vertex of a free slot.
+pub const FREE: VertexId = u32::MAX;
+/// First vertex of a proxy.
+const PROXY: VertexId = u32::MAX - 1;
+/// Bit of the last vertex that marks a tetrahedron of the cavity in work.
+const MARK: u32 = 1 << 31;
+/// Largest number of slots: a face handle is a `u32`.
+pub const MAX_TETS: usize = (1 << 30) - 1;
+
+/// One tetrahedron: vertices, and the faces of its neighbours opposite each vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C, align(32))]
+pub struct Tet {
+    v: [VertexId; 4],
+    n: [FaceId; 4],
+}
+
+impl Tet {
+    /// The vertices, unmarked.
+    #[inline(always)]
+    pub fn vertices(&self) -> [VertexId; 4] {
+        [self.v[0], self.v[1], self.v[2], self.v[3] & !MARK]
+    }
+
+    /// The neighbouring faces: `neighbours()[i]` lies opposite vertex `i`.
+    #[inline(always)]
+    pub fn neighbours(&self) -> [FaceId; 4] {
+        self.n
+    }
+
+    /// Is this a ghost, a tetrahedron with the vertex at infinity?
+    #[inline(always)]
+    pub fn is_ghost(&self) -> bool {
+        self.v[3] & !MARK == INFINITE
+    }
+
+    /// Is this slot free?
+    #[inline(always)]
+    pub fn is_free(&self) -> bool {
+        self.v[0] == FREE
+    }
+
+    /// Is this slot a proxy: the far side of an interface face? Only parts of a mesh have them.
+    #[inline(always)]
+    pub fn is_proxy(&self) -> bool {
+        self.v[0] == PROXY
+    }
+
+    /// The four words that a proxy carries; meaningless of other slots.
+    pub fn words(&self) -> [u32; 4] {
+        [self.v[1], self.v[2], self.n[1], self.n[2]]
+    }
+
+    /// Is it in the cavity in work?
+    #[inline(always)]
+    pub fn is_marked(&self) -> bool {
+        self.v[3] & MARK != 0
+    }
+}
+
+/// The tetrahedron of a face handle.
+#[inline(always)]
+pub fn tet_of(face: FaceId) -> TetId {
+    face >> 2
+}
+
+/// The slot, in its tetrahedron, of the vertex opposite a face.
+#[inline(always)]
+pub fn slot_of(face: FaceId) -> usize {
+    (face & 3) as usize
+}
+
+/// All tetrahedra of a mesh, ghosts included.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Topology {
+    tets: Arena<Tet>,
+    /// Free slots, last in first out.
+    free: Vec<TetId>,
+    ghosts: usize,
+    /// Most slots that there may be.
+    limit: usize,
+}
+
+impl Default for Topology {
+    fn default() -> Self {
+        Self::with_capacity(0)
+    }
+}
+
+/// The slot limit is reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Full;
+
+impl Topology {
+    pub(crate) fn with_capacity(tets: usize) -> Self {
+        let (tets, free) = (Arena::with_capacity(tets), Vec::new());
+        Self { tets, free, ghosts: 0, limit: MAX_TETS }
+    }
+
+    /// Sets how many slots there may be at most; more than [`MAX_TETS`] there never are.
+    pub(crate) fn set_limit(&mut self, limit: usize) {
+        self.limit = limit.min(MAX_TETS);
+    }
+
+    /// The largest number of slots that there may be.
+    pub(crate) fn limit(&self) -> usize {
+        self.limit
+    }
+
+    /// The tetrahedron in slot `t`, which may be a free slot; `None` if there is no such slot.
+    pub fn get(&self, t: TetId) -> Option<&Tet> {
+        self.tets.all().get(t as usize)
+    }
+
+    /// The tetrahedron in slot `t`, which may be a free slot.
+    ///
+    /// # Panics
+    /// If there is no such slot, as indexing a slice does.
+    #[inline(always)]
+    pub fn at(&self, t: TetId) -> &Tet {
+        &self.tets.all()[t as usize]
+    }
+
+    /// The tetrahedron in slot `t`, which must exist (I7).
+    #[inline(always)]
+    pub(crate) fn tet(&self, t: TetId) -> &Tet {
+        self.tets.at(t)
+    }
+
+    /// Asks the processor to fetch tetrahedron `t`.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, t: TetId) {
+        self.tets.prefetch(t);
+    }
+
+    /// Number of slots, free ones included.
+    pub fn slots(&self) -> usize {
+        self.tets.all().len()
+    }
+
+    /// Number of tetrahedra, ghosts included.
+    pub fn len(&self) -> usize {
+        self.tets.all().len() - self.free.len()
+    }
+
+    /// Is there no tetrahedron?
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Number of ghosts: the hull facets.
+    pub fn ghosts(&self) -> usize {
+        self.ghosts
+    }
+
+    /// The free slots.
+    pub fn free_slots(&self) -> &[TetId] {
+        &self.free
+    }
+
+    /// Bytes of memory that the arrays hold.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(self.tets.all()) + self.free.capacity() * size_of::<TetId>()
+    }
+
+    /// The used slots, ascending.
+    pub fn iter(&self) -> impl Iterator<Item = (TetId, &Tet)> + '_ {
+        (0..).zip(self.tets.all()).filter(|(_, t)| !t.is_free())
+    }
+
+    #[inline(always)]
+    pub(crate) fn mark(&mut self, t: TetId) {
+        self.tets.at_mut(t).v[3] |= MARK;
+    }
+
+    #[inline(always)]
+    pub(crate) fn mark_if(&mut self, t: TetId, yes: bool) {
+        self.tets.at_mut(t).v[3] |= u32::from(yes) << 31;
+    }
+
+    #[inline(always)]
+    pub(crate) fn unmark(&mut self, t: TetId) {
+        self.tets.at_mut(t).v[3] &= !MARK;
+    }
+
+    /// Makes sure that `count` slots can be taken.
+    pub(crate) fn reserve(&self, count: usize) -> Result<(), Full> {
+        let fresh = count.saturating_sub(self.free.len());
+        if self.tets.all().len() + fresh > self.limit { Err(Full) } else { Ok(()) }
+    }
+
+    /// Takes a slot: the last freed one, else a fresh one at the end.
+    pub(crate) fn take(&mut self) -> TetId {
+        self.free.pop().unwrap_or_else(|| {
+            self.tets.push(Tet { v: [FREE; 4], n: [0; 4] });
+            (self.tets.all().len() - 1) as TetId
+        })
+    }
+
+    /// Frees slot `t`.
+    pub(crate) fn release(&mut self, t: TetId) {
+        self.tets.at_mut(t).v = [FREE; 4];
+        self.free.push(t);
+    }
+
+    /// Writes a tetrahedron, and links the neighbour opposite its first vertex back to it.
+    #[inline(always)]
+    pub(crate) fn put(&mut self, t: TetId, v: [VertexId; 4], n: [FaceId; 4]) {
+        *self.tets.at_mut(t) = Tet { v, n };
+        self.tets.at_mut(tet_of(n[0])).n[slot_of(n[0])] = 4 * t;
+    }
+
+    /// Says what lies beyond `face`, without the other direction.
+    pub(crate) fn point_to(&mut self, face: FaceId, beyond: FaceId) {
+        self.tets.at_mut(tet_of(face)).n[slot_of(face)] = beyond;
+    }
+
+    /// Makes two faces each other's neighbour.
+    #[inline(always)]
+    pub(crate) fn link(&mut self, a: FaceId, b: FaceId) {
+        self.tets.at_mut(tet_of(a)).n[slot_of(a)] = b;
+        self.tets.at_mut(tet_of(b)).n[slot_of(b)] = a;
+    }
+
+    /// Writes a tetrahedron whose neighbours are not known yet; ghosts are counted.
+    pub(crate) fn write(&mut self, t: TetId, v: [VertexId; 4]) {
+        *self.tets.at_mut(t) = Tet { v, n: [0; 4] };
+        self.ghosts += usize::from(v[3] == INFINITE);
+    }
+
+    /// Frees the slot of a tetrahedron or proxy; ghosts are counted.
+    pub(crate) fn erase(&mut self, t: TetId) {
+        self.ghosts -= usize::from(self.tet(t).is_ghost() && !self.tet(t).is_proxy());
+        self.release(t);
+    }
+
+    /// Appends the slots of `other`, with its links changed to match; returns their offset. `None`
+    /// if there would be too many.
+    pub(crate) fn append(&mut self, other: Self) -> Option<TetId> {
+        let (offset, slots) = (self.slots(), other.slots());
+        if offset + slots > self.limit {
+            return None;
+        }
+        let shift = 4 * offset as u32;
+        self.free.extend(other.free.iter().map(|&t| t + offset as u32));
+        self.ghosts += other.ghosts;
+        self.tets.append(other.tets, slots, |tet| {
+            let n = if tet.is_free() { tet.n } else { tet.n.map(|face| face + shift) };
+            Tet { v: tet.v, n }
+        });
+        Some(offset as TetId)
+    }
+
+    /// One look at all slots: by vertex, of which there are `count` finite ones, whether a
+    /// tetrahedron has it; and the proxies, ascending.
+    pub(crate) fn survey(&self, count: usize) -> (Vec<bool>, Vec<TetId>) {
+        let tets = self.tets.all();
+        let size = tets.len().div_ceil(rayon::current_num_threads()).max(1);
+        let of_chunk = |(number, chunk): (usize, &[Tet])| {
+            let (mut used, mut proxies) = (vec![false; count + 1], Vec::new());
+            for (t, tet) in (number * size..).zip(chunk).filter(|(_, tet)| !tet.is_free()) {
+                if tet.is_proxy() {
+                    proxies.push(t as TetId);
+                    continue;
+                }
+                for v in tet.vertices() {
+                    used[v as usize] = true;
+                }
+            }
+            (used, proxies)
+        };
+        let join = |mut one: (Vec<bool>, Vec<TetId>), other: (Vec<bool>, Vec<TetId>)| {
+            one.0.iter_mut().zip(other.0).for_each(|(used, other)| *used |= other);
+            one.1.extend(other.1);
+            one
+        };
+        let all = tets.par_chunks(size).enumerate().map(of_chunk).reduce_with(join);
+        all.unwrap_or_else(|| (vec![false; count + 1], Vec::new()))
+    }
+
+    /// Renames every vertex of every tetrahedron.
+    pub(crate) fn rename(&mut self, name: impl Fn(VertexId) -> VertexId) {
+        for tet in self.tets.all_mut().iter_mut().filter(|tet| !tet.is_free()) {
+            tet.v = tet.v.map(&name);
+        }
+    }
+
+    /// Makes slot `t` a proxy that carries `load`, neighbour of `face`.
+    pub(crate) fn put_proxy(&mut self, t: TetId, face: FaceId, load: [u32; 4]) {
+        let [a, b, c, d] = load;
+        *self.tets.at_mut(t) = Tet { v: [PROXY, a, b, 0], n: [face, c, d, 0] };
+        self.tets.at_mut(tet_of(face)).n[slot_of(face)] = 4 * t;
+    }
+
+    pub(crate) fn add_ghosts(&mut self, change: isize) {
+        self.ghosts = self.ghosts.wrapping_add_signed(change);
+    }
+
+    /// Builds the first tetrahedron `v`, positively oriented, and its four ghosts.
+    pub(crate) fn start(&mut self, v: [VertexId; 4]) {
+        debug_assert!(self.tets.all().is_empty());
+        let inf = INFINITE;
+        // Opposite vertex i stands v with v[i] at infinity, seen from outside: an odd
+        // permutation that brings the vertex at infinity to the last slot.
+        let cells = [
+            v,
+            [v[3], v[1], v[2], inf],
+            [v[0], v[3], v[2], inf],
+            [v[0], v[1], v[3], inf],
+            [v[1], v[0], v[2], inf],
+        ];
+        for v in cells {
+            self.tets.push(Tet { v, n: [0; 4] });
+        }
+        self.ghosts = 4;
+        let same = |a: [u32; 4], i: usize, b: [u32; 4], j: usize| {
+            (0..4).filter(|&k| k != i).all(|k| (0..4).any(|l| l != j && a[k] == b[l]))
+        };
+        for a in 0..5 {
+            for b in 0..a {
+                for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
+                    if same(cells[a], i, cells[b], j) {
+                        self.link((4 * a + i) as u32, (4 * b + j) as u32);
+                    }
+                }
+            }
+        }
+    }
+}
