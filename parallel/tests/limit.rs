@@ -1,12 +1,12 @@
 //! The limit of tetrahedra, lowered: a run that meets it fails with a typed error, on every
 //! runtime. It neither hangs nor touches a tetrahedron that is not there.
 
-use ltbw::generate::{PointKind, generate};
 use ltbw::mesh::{Ownership, Plan};
 use ltbw::protocol::{Config, SubmeshError};
 use ltbw::simulate::{MeshError, Options, SimulationError, Storm, simulate_mesh};
 use ltbw::threads::{Parallel, RunError};
 use ltbw::{Builder, MeshHash, PointSet};
+use ltbw_generate::{PointKind, generate};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 fn fixture(name: &str) -> Domain {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/domains");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/domains");
     io::read_domain(&folder.join(name)).unwrap().domain
 }
 

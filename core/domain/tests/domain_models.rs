@@ -27,7 +27,7 @@ fn facets(domain: &Domain) -> BTreeSet<Place> {
 
 #[test]
 fn the_papers_domains_are_those_of_the_files() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/data/domains");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/domains");
     for (kind, name) in [
         (DomainKind::CubeOctahedron, "model.poly"),
         (DomainKind::CubeInCube, "cubeincube.poly"),

@@ -24,6 +24,12 @@ pub struct Sum<const WORDS: usize> {
     negative: [u64; WORDS],
 }
 
+impl<const WORDS: usize> Default for Sum<WORDS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<const WORDS: usize> Sum<WORDS> {
     /// The empty sum.
     pub fn new() -> Self {
