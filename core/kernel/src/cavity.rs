@@ -191,18 +191,18 @@ impl Cavity {
         Self { local: vec![0; vertices], ..Self::default() }
     }
 
-    /// The tetrahedra that the last [`Cavity::expand`] found.
+    /// The tetrahedra of the cavity that was found last.
     pub fn tets(&self) -> impl Iterator<Item = TetId> + '_ {
         self.tets.iter().copied()
     }
 
-    /// The vertices of the boundary faces that the last [`Cavity::expand`] found; the point in
+    /// The vertices of the boundary faces that were found last; the point in
     /// front of them makes a positively oriented tetrahedron.
     pub fn faces(&self) -> impl Iterator<Item = [VertexId; 3]> + '_ {
         self.walls.iter().map(|wall| wall.v)
     }
 
-    /// The star that the last [`Cavity::fill`] made.
+    /// The star that was made last.
     #[inline(always)]
     pub fn star(&self) -> Star<'_> {
         Star {
