@@ -10,6 +10,7 @@
 //! | [`domains`] | random domains |
 //! | [`fives`] | five points at a time, for the predicates |
 //! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash |
+//! | [`parts`] | the surfaces of `cargo xtask parts` |
 //! | [`plant`] | defects planted into sound meshes, for the checker to find |
 //! | [`fuzz`] | the bodies of the fuzz targets, so that `cargo test` replays their corpora |
 //! | [`vectors`] | the conformance kit: its cases, from the real code and its twins |
@@ -26,6 +27,7 @@ pub mod fives;
 pub mod fuzz;
 pub mod interleave;
 pub mod oracle;
+pub mod parts;
 pub mod plant;
 pub mod require;
 pub mod small_world;

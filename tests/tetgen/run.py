@@ -51,4 +51,5 @@ def main():
     print("result", len(mesher.elem), seconds, peak)
 
 
-main()
+if __name__ == "__main__":
+    main()

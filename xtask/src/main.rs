@@ -7,6 +7,7 @@ mod generate;
 mod measure;
 mod model_check;
 mod mutants;
+mod parts;
 mod predicates;
 mod prove;
 mod shell;
@@ -28,6 +29,10 @@ cargo xtask COMMAND
                         one and two threads against the sequential kernel and CGAL on TBB, N points
   bench refine          refinement against TetGen's (the Python package tetgen), and over 500 random
                         domains
+  parts [DIR] [--twins] [--only TEXT]
+                        surfaces of a folder (by default a set by formula) through `ltbw mesh`
+                        beside TetGen (the Python package tetgen), and their twins: turned, scaled,
+                        shifted; fails if a run breaks a bar that none may break
   bars                  the full-size bars: hashes equal to CGAL's, times within their limits
   generate              write what is generated from the descriptions of the predicates
   fuzz [--seconds N] [TARGET]...
@@ -49,6 +54,7 @@ fn main() -> ExitCode {
     let (command, rest) = args.split_first().map_or(("help", &args[..]), |(c, r)| (c.as_str(), r));
     let done = match command {
         "bench" | "bars" => measure::run(command, rest),
+        "parts" => parts::run(rest),
         "fuzz" => fuzz::run(rest),
         "generate" => generate::run(),
         "vectors" => vectors::run(),

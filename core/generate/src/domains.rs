@@ -218,7 +218,7 @@ fn cube_in_cube() -> Domain {
 
 /// Sine and cosine of an angle in degrees of at most 180, by their series: an error of some ulps,
 /// the same on every machine.
-fn sine_cosine(degrees: f64) -> (f64, f64) {
+pub(super) fn sine_cosine(degrees: f64) -> (f64, f64) {
     let x = degrees * (std::f64::consts::PI / 180.0);
     let (mut sine, mut cosine, mut term) = (0.0, 0.0, 1.0);
     // π^40 / 40! is below 10^-27.

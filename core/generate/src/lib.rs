@@ -1,11 +1,12 @@
 //! Test point sets: uniform, gridded, degenerate and awkward, the same on every machine. Test
-//! domains are in [`domains`].
+//! domains are in [`domains`] and [`surfaces`].
 //!
 //! Random numbers come from a generator of our own, and coordinates are made with + − × ÷ √
 //! only, whose results IEEE 754 fixes to the bit. A point set is a function of its kind, size and
 //! seed; golden tests hold it still.
 
 pub mod domains;
+pub mod surfaces;
 
 pub use domains::{DomainKind, Shape, ShapeError, generate_domain};
 pub use ltbw_core::Random;

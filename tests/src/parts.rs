@@ -1,0 +1,148 @@
+//! The surfaces of `cargo xtask parts`: files of a folder, a set by formula, and their twins.
+
+use ltbw::domain::Domain;
+use ltbw::io::{self, Format, IoError};
+use ltbw_generate::surfaces::{
+    book, globe, map_points, plate, prism, shell, single, torus, turned,
+};
+use ltbw_generate::{DomainKind, Shape, ShapeError, generate_domain};
+use std::path::{Path, PathBuf};
+
+/// The amounts of noise of noisy globes.
+const GLOBE_NOISE: [f64; 3] = [1e-3, 1e-2, 3e-2];
+/// The amounts of noise of prisms.
+const PRISM_NOISE: [f64; 3] = [1e-6, 1e-4, 1e-2];
+/// The seeds of what is noisy.
+const SEEDS: u64 = 4;
+
+/// A surface with the name that its file gets. The name's extension is the format: `.stl` where
+/// coordinates are 32-bit floats, `.off` and `.poly` where they are doubles.
+pub type Named = (String, Domain);
+
+/// The surfaces by formula: prisms, globes, tori, a book, plates, shells and wedges.
+///
+/// # Errors
+/// None for the shapes that are asked for here.
+pub fn generated() -> Result<Vec<Named>, ShapeError> {
+    let mut all: Vec<Named> = Vec::new();
+    let mut add = |name: String, domain: Domain| all.push((name, domain));
+    for n in [6, 8, 12, 16, 24, 48] {
+        add(format!("prism-{n}.off"), prism(n, 0.0, 0));
+        for noise in PRISM_NOISE {
+            for seed in 0..SEEDS {
+                add(format!("prism-{n}-{noise:e}-{seed}.off"), prism(n, noise, seed));
+            }
+        }
+    }
+    for n in [30, 100] {
+        add(format!("globe-{n}.stl"), single(globe(n, n, 0.0, 0)));
+    }
+    for noise in GLOBE_NOISE {
+        for seed in 0..SEEDS {
+            add(format!("globe-30-{noise:e}-{seed}.stl"), single(globe(30, 30, noise, seed)));
+        }
+    }
+    for n in [24_u32, 49, 70, 99] {
+        add(format!("torus-{}.stl", 2 * n * n), single(torus(n)));
+    }
+    add("book-6-10.poly".to_owned(), book(6, 10.0));
+    for thickness in [1.0, 0.1, 0.01, 0.001] {
+        add(format!("plate-{thickness}.off"), plate(8, thickness));
+        add(format!("shell-{thickness}.off"), shell(thickness / 4.0));
+    }
+    for angle in [25.0, 30.0, 45.0, 60.0] {
+        let shape = Shape { angle: Some(angle), ..Shape::default() };
+        add(format!("wedge-{angle}.off"), generate_domain(DomainKind::Wedge, &shape)?);
+    }
+    Ok(all)
+}
+
+/// The twins of a domain: turned by 30 degrees about (1, 2, 3), times 1000, and shifted by 100
+/// diagonals of its box along every axis; each rounded to 32-bit floats.
+#[must_use]
+pub fn twins(domain: &Domain) -> [(&'static str, Domain); 3] {
+    let diagonal = domain.bounds().map_or(0.0, |(low, high)| {
+        (0..3).map(|k| (high[k] - low[k]) * (high[k] - low[k])).sum::<f64>().sqrt()
+    });
+    [
+        ("turned", single(turned(domain))),
+        ("times1000", single(map_points(domain, |p| p.map(|c| c * 1000.0)))),
+        ("shifted", single(map_points(domain, |p| p.map(|c| c + 100.0 * diagonal)))),
+    ]
+}
+
+/// The file of a twin: `.stl` of a surface of triangles, `.off` of other surfaces, else `.poly`.
+#[must_use]
+pub fn twin_file(original: &Path, twin: &str, domain: &Domain, oriented: bool) -> String {
+    let triangle = |f: &ltbw::domain::Facet| f.polygons.len() == 1 && f.polygons[0].len() == 3;
+    let extension = match oriented {
+        true if domain.facets.iter().all(triangle) => "stl",
+        true => "off",
+        false => "poly",
+    };
+    let name = original.file_name().unwrap_or_default().to_string_lossy();
+    format!("{name}~{twin}.{extension}")
+}
+
+/// The files of a folder that hold domains, by name.
+///
+/// # Errors
+/// If the folder cannot be read.
+pub fn files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)?
+        .filter_map(Result::ok)
+        .map(|entry| entry.path())
+        .filter(|path| Format::from_path(path).is_ok_and(Format::holds_domain))
+        .collect();
+    files.sort();
+    Ok(files)
+}
+
+/// Writes the triangles of a domain as a `.poly` file for a mesher that takes no other facets: equal
+/// vertices merged, polygons cut, triangles without area left out.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_triangles(path: &Path, domain: &Domain) -> Result<(), IoError> {
+    let (domain, _) = domain.clone().welded();
+    let mut plain = Domain { facets: Vec::new(), segments: Vec::new(), ..domain.clone() };
+    for (f, facet) in (0..).zip(&domain.facets) {
+        let triangles = domain.triangulate(f).map(|found| found.triangles).unwrap_or_default();
+        let facets = triangles.iter().map(|t| ltbw::domain::Facet::polygon(t, facet.marker));
+        plain.facets.extend(facets);
+    }
+    io::write_domain(path, &plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{generated, twin_file, twins};
+    use ltbw::domain::CheckOptions;
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    #[test]
+    fn generated_surfaces_have_names_of_their_own_and_no_defect() {
+        let all = generated().expect("the set");
+        let names: BTreeSet<&String> = all.iter().map(|(name, _)| name).collect();
+        assert_eq!(names.len(), all.len());
+        for (name, domain) in &all {
+            let options =
+                CheckOptions { oriented: !name.ends_with(".poly"), ..CheckOptions::default() };
+            let report = domain.check(&options).expect("a domain");
+            assert!(report.passed(), "{name}: {:?}", report.defects.first());
+        }
+    }
+
+    #[test]
+    fn twins_have_the_shape_of_the_part() {
+        let (name, domain) = generated().expect("the set").swap_remove(0);
+        for (twin, other) in twins(&domain) {
+            assert_eq!(domain.facets, other.facets);
+            assert_ne!(domain.vertices, other.vertices);
+            assert!(other.vertices.iter().flatten().all(|&c| f64::from(c as f32) == c));
+            let file = twin_file(Path::new(&name), twin, &other, true);
+            assert_eq!(file, format!("prism-6.off~{twin}.stl"));
+        }
+    }
+}

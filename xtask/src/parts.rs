@@ -1,0 +1,52 @@
+//! `parts`: surfaces as users bring them, through `ltbw mesh` beside TetGen. The measuring is the
+//! program `measure_parts` of the tests package; here are the builds and the Python.
+
+use crate::shell::{self, cargo, command, target};
+use std::path::PathBuf;
+
+/// The version that the table is compared with.
+const TETGEN: &str = "tetgen==0.8.4";
+
+/// Builds the program, sees to a Python with TetGen, and measures.
+pub(crate) fn run(args: &[String]) -> Result<(), String> {
+    shell::run(cargo().args(["build", "--quiet", "--release", "-p", "ltbw-cli"]))?;
+    // What measures does no heavy work: it need not wait for a release build of its own.
+    let mut measure = cargo();
+    measure.args(["run", "--quiet", "-p", "ltbw-tests", "--bin", "measure_parts", "--"]);
+    measure.arg(target().join("release/ltbw")).arg(target().join("parts"));
+    // Names of folders are meant from where the user is.
+    let here = std::env::current_dir().map_err(|e| format!("the current folder: {e}"))?;
+    let mut takes_value = false;
+    for arg in args {
+        let is_folder = !arg.starts_with('-') && !takes_value;
+        takes_value = arg == "--only";
+        measure.arg(if is_folder { here.join(arg) } else { PathBuf::from(arg) });
+    }
+    if std::env::var_os("LTBW_TETGEN_PYTHON").is_none() {
+        match python() {
+            Ok(python) => {
+                measure.env("LTBW_TETGEN_PYTHON", python);
+            }
+            Err(reason) => eprintln!("note: no Python with {TETGEN} of our own: {reason}"),
+        }
+    }
+    shell::run(&mut measure)
+}
+
+/// A Python with TetGen beside what cargo builds, made where there is none.
+fn python() -> Result<PathBuf, String> {
+    let folder = target().join("tetgen-python");
+    let python = folder.join("bin/python");
+    let has = |python: &PathBuf| shell::works(command_of(python).args(["-c", "import tetgen"]));
+    if has(&python) {
+        return Ok(python);
+    }
+    shell::run(command("python3").args(["-m", "venv"]).arg(&folder))?;
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", TETGEN];
+    shell::run(command_of(&python).args(install))?;
+    if has(&python) { Ok(python) } else { Err(format!("{TETGEN} does not start")) }
+}
+
+fn command_of(program: &std::path::Path) -> std::process::Command {
+    command(&program.to_string_lossy())
+}
