@@ -26,8 +26,8 @@ const FLAGS: &[&str] = &["-std=c++17", "-O3", "-DNDEBUG", "-frounding-math", "-x
 const PROBE: &str = "#include <CGAL/version.h>\n#include <gmp.h>\n#include <mpfr.h>\n";
 const PROBE_TBB: &str = "#include <tbb/global_control.h>\n";
 
-/// How long a reply may take before the server counts as hung. The largest sets of the bars take
-/// CGAL about ten seconds; a debug machine under load gets a wide margin.
+/// The longest time that a reply may take before the server counts as hung. The largest sets of the
+/// bars take CGAL about ten seconds; a debug machine under load gets a wide margin.
 const PATIENCE: Duration = Duration::from_secs(600);
 
 /// Why there is no CGAL to compare with.
@@ -48,7 +48,7 @@ impl fmt::Display for Missing {
     }
 }
 
-/// What went wrong with a server that should work. A test fails on these, it does not skip.
+/// A failure of a server that should work. A test fails on these, it does not skip.
 #[derive(Debug)]
 pub enum Failure {
     /// CGAL is missing: the only reason to skip.
@@ -77,7 +77,7 @@ impl fmt::Display for Failure {
 
 impl std::error::Error for Failure {}
 
-/// What to ask for.
+/// The parts of an answer that are asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Ask {
     /// Send the finite tetrahedra.

@@ -18,7 +18,7 @@ pub struct Family {
     pub points: Vec<Point>,
 }
 
-/// How large the sets of [`all`] are.
+/// The size of the sets of [`all`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Size {
     /// Some 100 points each: twenty insertion orders of each are cheap.

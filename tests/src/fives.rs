@@ -143,7 +143,8 @@ pub const PREDICATES: [&str; 8] = [
 ];
 
 /// Calls every predicate whose conditions the points fulfil in their order, and the oracle on the
-/// same points as integers (`scaled`): `see` gets the number of the predicate, our sign and `rug`'s.
+/// same points as integers (`scaled`): `see` gets the number of the predicate, our sign and
+/// `rug`'s.
 ///
 /// # Panics
 /// If the oracle's perturbed sign is zero.

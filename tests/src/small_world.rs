@@ -1,5 +1,5 @@
-//! All Delaunay meshes of the subsets of a few points, by definition and in no time: who is in
-//! conflict with whom is computed once per world, by [`crate::epsilon`], and kept as bit masks.
+//! All Delaunay meshes of the subsets of a few points, by definition and in no time. All conflicts
+//! of a world are computed once, by [`crate::epsilon`], and kept as bit masks.
 //!
 //! "A tetrahedron is in the mesh iff it is not flat and no point is in its perturbed sphere", and
 //! the same for the infinite ones over the hull facets, is then one `and` for each.
@@ -7,7 +7,7 @@
 use crate::epsilon::{self, Small};
 use ltbw::Sign;
 
-/// At most so many points: a set of them is a 32-bit mask.
+/// The largest number of points: a set of points is a 32-bit mask.
 const MOST: usize = 32;
 
 /// A few distinct integer points and everything about their quadruples and triples.
@@ -24,7 +24,7 @@ pub struct World {
 /// The points in conflict with a simplex; `None` if it is flat.
 type Conflicts = Option<u32>;
 
-/// What the subset of a world has.
+/// The expected mesh of a subset of a world.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Expected {
     /// Affine dimension: -1 for the empty set.
@@ -60,7 +60,7 @@ impl World {
         world
     }
 
-    /// All points of a grid of so many points in each direction.
+    /// All points of a grid with the given number of points in each direction.
     #[must_use]
     pub fn grid([nx, ny, nz]: [i64; 3]) -> Self {
         let at = |i: i64| [i / (ny * nz), i / nz % ny, i % nz];

@@ -1,4 +1,4 @@
-//! What docs/assurance-case.md names exists: its commands, their test programs, examples and
+//! The names in docs/assurance-case.md exist: its commands, their test programs, examples and
 //! filters, and at least as many tests as it says.
 
 use std::fs;
@@ -95,7 +95,7 @@ fn check_test(args: &[&str]) -> Option<usize> {
         }
     }
     let folder = folder(package.expect("a package"));
-    // Neither the library nor a test program: all of the package.
+    // A command without library and test program runs all of the package.
     let source = lib || programs.is_empty();
     let mut text = if source { sources(&folder.join("src")) } else { String::new() };
     for program in &programs {

@@ -8,8 +8,8 @@ use ltbw::{Point, PointSet};
 use ltbw_generate::{PointKind, generate};
 use ltbw_tests::interleave::{Case, Chooser, Figures, Refusal, Tempo};
 
-/// Plays `points` with ownership by the newest vertex, and by blocks, which move; returns setbacks and
-/// operations committed of the latter.
+/// Plays `points` with ownership by the newest vertex, and by blocks, which move; returns setbacks
+/// and operations committed of the latter.
 fn run(points: Vec<Point>, plan: Plan, rule: Rule, moves: u32, seed: u64) -> (usize, usize) {
     let choice = (rule, Closure::Face);
     let newest = Plan { ownership: Ownership::Newest, ..plan };
@@ -159,8 +159,8 @@ fn degenerate_and_wide_sets() {
     }
 }
 
-/// Whoever is told of a cancel starts no more points, not even those of a block that moves to it
-/// afterwards. (The world looks at that after every event.)
+/// A worker that is told of a cancel starts no more points, not even those of a block that moves to
+/// it afterwards. (The world looks at that after every event.)
 #[test]
 fn a_cancelled_worker_takes_in_no_points() {
     let (mut moved, mut inserted) = (0, 0);

@@ -39,7 +39,7 @@ fn case(random: &mut Random) -> Case {
         rule: [Rule::WoundWait, Rule::WoundWait, Rule::WaitDie, Rule::Paper][below(4)],
         tempo: Tempo::ALL[below(4)],
         slow: (below(4) == 0).then(|| below(workers as u64)),
-        // What is not owned by blocks does not move.
+        // Blocks move only where they own the tetrahedra.
         moves: if ownership == Ownership::Block { [0, 10, 40][below(3)] } else { 0 },
         cancel: None,
         bytes: false,

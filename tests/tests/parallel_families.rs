@@ -2,10 +2,11 @@
 //!
 //! `cargo test` builds the moderate sets (some 20,000 points) once on each of some numbers of
 //! threads; both full bars are
-//! `LTBW_CASES=20 cargo test --release -p ltbw-tests --test parallel_families -- --include-ignored --nocapture`:
-//! the moderate sets on 1 to 16 threads, 20 times, and the full ones (a million points where the
-//! family says so) on 1, 2, 4 and 16 threads, 3 times. `LTBW_FAMILIES=uniform,grid` asks for some
-//! families alone, so that a long run can be done in pieces.
+//! `LTBW_CASES=20 cargo test --release -p ltbw-tests --test parallel_families -- --include-ignored
+//! --nocapture`: the moderate sets on 1 to 16 threads, 20 times, and the full ones (a million
+//! points where the family says so) on 1, 2, 4 and 16 threads, 3 times.
+//! `LTBW_FAMILIES=uniform,grid` asks for some families alone, so that a long run can be done in
+//! pieces.
 
 use ltbw::threads::Parallel;
 use ltbw::{Builder, MeshHash, PointSet};
@@ -20,7 +21,7 @@ fn on_threads(set: &PointSet, threads: u32) -> (MeshHash, u64, u64) {
     (run.mesh.hash().expect("a hash"), setbacks, messages)
 }
 
-/// Every family on every number of threads so many times; returns the number of runs.
+/// Every family on every number of threads, each time `repetitions` runs; returns their number.
 fn all_equal(families: Vec<Family>, threads: &[u32], repetitions: u32) -> u64 {
     let (mut runs, mut all_messages) = (0, 0);
     let asked = std::env::var("LTBW_FAMILIES").ok();

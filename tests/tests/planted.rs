@@ -6,7 +6,7 @@ use ltbw::{Builder, Point, PointSet};
 use ltbw_tests::families::{Rng, Size, all, grid, scaled, snapped, spheres, uniform, wide};
 use ltbw_tests::plant::{PLANTS, Subject, try_plant};
 
-/// Places tried for each plant on each mesh, until it has grown at so many of them.
+/// Places tried for each plant on each mesh, until it has grown at [`ENOUGH`] places.
 const TRIES: usize = 60;
 const ENOUGH: u32 = 4;
 

@@ -1,4 +1,4 @@
-//! What README.md says, held to the sources: its Rust example is the doctest of the crate `ltbw`,
+//! README.md, held to the sources: its Rust example is the doctest of the crate `ltbw`,
 //! its commands and links exist. Its demo output is held to the program by `cli/tests/readme.rs`.
 
 use std::path::{Path, PathBuf};

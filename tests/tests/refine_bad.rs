@@ -1,4 +1,5 @@
-//! Domains and bounds that no mesh can do justice to: each ends, soon, with an outcome that has names.
+//! Domains and bounds that no mesh can do justice to: each ends, soon, with an outcome that has
+//! names.
 //!
 //! "Soon" is told in transactions, which no noise touches: some 100,000 of them take a second.
 
@@ -119,8 +120,8 @@ fn bounds_out_of_reach_are_errors_or_use_up_the_budget() {
         assert!(points(&refined) == 20_000 && !refined.excuses.is_empty());
         assert!(refined.excuses.iter().any(|e| e.reason == Reason::Budget));
     }
-    // So few points that the boundary is not there: said with what is missing, or as a mesh that
-    // lists what it lacks.
+    // One point is too few for the boundary: an error that counts the missing items, or a mesh that
+    // lists them.
     match refine(Refiner::new().max_points(1)) {
         Err(error) => assert!(matches!(error, RefineError::Unrecovered { .. }), "{error}"),
         Ok(refined) => assert_eq!(refined.outcome, RefineOutcome::Budget),

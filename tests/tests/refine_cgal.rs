@@ -1,5 +1,5 @@
-//! The full Delaunay mesh of a refined domain's vertices, exterior included, against CGAL's: points on
-//! lattices, facets and segments are as degenerate as points come.
+//! The full Delaunay mesh of a refined domain's vertices, exterior included, against CGAL's: points
+//! on lattices, facets and segments are as degenerate as points come.
 //!
 //! Random domains: 10 by default, `LTBW_CASES` for more (100 for the full bar).
 

@@ -2,8 +2,8 @@
    xtask/src/predicates/describe.rs: do not edit.
    Licence: MIT OR Apache-2.0. Checked by `cargo xtask prove`.
 
-   Each number of the input is a coordinate of a point, in the order of the axes that occur, point by
-   point; parameters follow. The axes i and j are those of a projection. *)
+   Each number of the input is a coordinate of a point, in the order of the axes that occur, point
+   by point; parameters follow. The axes i and j are those of a projection. *)
 Require Import List NArith ZArith Reals.
 Require Import Rounding Poly Expr Bound Filter Exact.
 Import ListNotations.

@@ -1,8 +1,8 @@
 //! `coverage`: how many lines of core and of the checker the tests run, through cargo-llvm-cov.
 //!
 //! The tests are their own, and those of other packages that are about code which is theirs
-//! ([`TESTS`]). Lines of tests are not counted. At least [`BAR`] percent of each package must be run; a file
-//! with lines that are not must be explained in `docs/coverage.md`.
+//! ([`TESTS`]). Lines of tests are not counted. At least [`BAR`] percent of each package must be
+//! run; a file with lines that are not must be explained in `docs/coverage.md`.
 
 use crate::require;
 use crate::shell::{self, cargo, command, root, target};

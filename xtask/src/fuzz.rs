@@ -16,14 +16,14 @@ use std::time::Instant;
 
 /// The target that fails on purpose.
 const CANARY: &str = "canary";
-/// How long it may live.
+/// The longest time that the canary may live.
 const CANARY_SECONDS: u32 = 60;
-/// What it says when it dies as it should: `FOUND` of `tests/src/fuzz/canary.rs`.
+/// The canary's last words when it dies as it should: `FOUND` of `tests/src/fuzz/canary.rs`.
 const CANARY_FOUND: &str = "the canary's planted bug was found";
 
 const USAGE: &str = "usage: fuzz [--seconds N] [TARGET]...";
 
-/// What a run of one target showed, from libFuzzer's output.
+/// The result of a run of one target, from libFuzzer's output.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Run {
     runs: u64,

@@ -1,5 +1,5 @@
-//! `bench` and `bars`: the programs `measure`, `measure_refine` and `measure_threads` of the tests package, built with the
-//! release profile.
+//! `bench` and `bars`: the programs `measure`, `measure_refine` and `measure_threads` of the tests
+//! package, built with the release profile.
 
 use crate::require;
 use crate::shell::{self, cargo, command, target};

@@ -101,7 +101,7 @@ const TIMEOUT: &str = "900";
 /// Bytes of address space for each test program: a loop that does not end may fill memory.
 const MEMORY: u64 = 8 << 30;
 
-/// What to do, from the command line.
+/// The task, from the command line.
 struct Plan<'a> {
     groups: Vec<&'static Group>,
     /// Handed to cargo-mutants: the shard, and what follows `--`.
@@ -216,7 +216,7 @@ fn test(group: &Group, plan: &Plan<'_>) -> Result<excused::Found, String> {
 /// repeated.
 fn environment(command: &mut Command, target: &Path) -> Result<(), String> {
     // The test runner's --fail-fast is not stable: programs that run may use it, the compiler
-    // sees nothing of it.
+    // does not see it.
     let runner = format!("prlimit --cpu={SECONDS} --as={MEMORY} env RUSTC_BOOTSTRAP=1");
     let host = host()?.to_uppercase().replace('-', "_");
     command

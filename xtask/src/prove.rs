@@ -40,7 +40,7 @@ const AXIOMS: &[&str] = &[
     "Classical_Prop.classic",
 ];
 
-/// What leaves a proof open, or assumes something.
+/// Words that leave a proof open, or assume something.
 const OPEN: &[&str] = &[
     "Admitted",
     "admit",

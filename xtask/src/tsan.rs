@@ -13,7 +13,7 @@ use crate::shell::{self, cargo, command, target, works};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// What the sanitizer says of a race.
+/// The sanitizer's words for a race.
 const RACE: &str = "WARNING: ThreadSanitizer: data race";
 
 /// Builds the program, runs it, runs the canary.

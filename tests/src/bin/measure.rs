@@ -21,7 +21,7 @@ const TBB_PAIRS: usize = 3;
 const TBB_THREADS: u16 = 2;
 /// No set may take more than this many times CGAL's time ...
 const SLOWEST: f64 = 3.0;
-/// ... and these at most this part of it.
+/// ... and these sets at most this part of CGAL's time.
 const LIMITS: [(&str, f64); 7] = [
     ("uniform", 0.58),
     ("grid", 0.60),
@@ -170,7 +170,7 @@ fn wide_hashes() -> Result<bool, Failure> {
     Ok(equal)
 }
 
-/// How the time per point grows with the number of points; true if the bar is met.
+/// The growth of the time per point with the number of points; true if the bar is met.
 fn growth() -> Result<bool, Failure> {
     let mut ratios = Vec::new();
     let small = PointSet::new(uniform(100_000, 1))?;

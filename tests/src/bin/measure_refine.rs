@@ -1,10 +1,11 @@
-//! `measure_refine`: the refinement of domains against TetGen's, side by side, and how evenly its time
-//! is spread over random domains. `cargo xtask bench refine` builds it with the release profile.
+//! `measure_refine`: the refinement of domains against TetGen's, side by side, and how evenly its
+//! time is spread over random domains. `cargo xtask bench refine` builds it with the release
+//! profile.
 //!
-//! Every run is a process of its own, ours and TetGen's in turn, so that a slow spell of the machine
-//! hits both; times are those of the processor, and the median of the pairs' ratios of time per
-//! tetrahedron counts. TetGen is the Python package `tetgen`; `LTBW_TETGEN_PYTHON` names a Python that
-//! has it.
+//! Every run is a process of its own, ours and TetGen's in turn, so that a slow spell of the
+//! machine hits both; times are those of the processor, and the median of the pairs' ratios of time
+//! per tetrahedron counts. TetGen is the Python package `tetgen`; `LTBW_TETGEN_PYTHON` names a
+//! Python that has it.
 
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::io;
@@ -19,8 +20,8 @@ use std::time::Instant;
 
 /// Pairs of runs for a median.
 const PAIRS: usize = 5;
-/// The model problem's largest volumes in the paper, and the most tetrahedra allowed: 1.03 times what
-/// TetGen makes.
+/// The model problem's largest volumes in the paper, and the most tetrahedra allowed: 1.03 times
+/// what TetGen makes.
 const VOLUMES: [(&str, usize); 2] = [("1.73783e-5", 107_307), ("1.73783e-6", 1_079_619)];
 /// Our time per tetrahedron may be this part of TetGen's at the smaller volume.
 const SLOWEST: f64 = 1.0;
@@ -31,7 +32,7 @@ const UNEVEN: f64 = 10.0;
 
 type Failure = Box<dyn std::error::Error>;
 
-/// What a run took.
+/// The cost of a run.
 #[derive(Clone, Copy, Debug)]
 struct Taken {
     tets: usize,
@@ -139,8 +140,8 @@ fn compare() -> Result<bool, Failure> {
 
 fn table(own: &PathBuf, theirs: impl Fn() -> Command) -> Result<bool, Failure> {
     println!(
-        "| largest volume | ltbw, tets | TetGen, tets | ltbw, us/tet | TetGen, us/tet | ratio | limit | \
-         ltbw, MiB | TetGen, MiB |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|"
+        "| largest volume | ltbw, tets | TetGen, tets | ltbw, us/tet | TetGen, us/tet | ratio | \
+         limit | ltbw, MiB | TetGen, MiB |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|"
     );
     let mut met = true;
     for (k, (volume, most)) in VOLUMES.into_iter().enumerate() {
@@ -168,8 +169,8 @@ fn table(own: &PathBuf, theirs: impl Fn() -> Command) -> Result<bool, Failure> {
         met &= ours.tets <= most && (!last || ratio <= SLOWEST && ours.peak <= MEMORY);
     }
     println!(
-        "\nprocessor time of the refinement, one thread, median of {PAIRS} interleaved pairs; MiB: peak \
-         of the process (TetGen's has Python in it); bars {}",
+        "\nprocessor time of the refinement, one thread, median of {PAIRS} interleaved pairs; MiB: \
+         peak of the process (TetGen's has Python in it); bars {}",
         if met { "met" } else { "MISSED" }
     );
     Ok(met)
@@ -191,8 +192,8 @@ fn alone(own: &PathBuf) -> Result<bool, Failure> {
     Ok(met)
 }
 
-/// Time per tetrahedron over random domains (500; `LTBW_CASES`), the least of three runs each; true if
-/// none is far slower than the others.
+/// Time per tetrahedron over random domains (500; `LTBW_CASES`), the least of three runs each; true
+/// if none is far slower than the others.
 fn evenness() -> Result<bool, Failure> {
     let mut all = Vec::new();
     for seed in 0..u64::from(cases(500)) {
@@ -211,8 +212,8 @@ fn evenness() -> Result<bool, Failure> {
     let (median, most) = (all[all.len() / 2].0, all[all.len() - 1]);
     let ratio = most.0 / median;
     println!(
-        "\n{} random domains: {median:.2} us for a tetrahedron (median), the slowest ({} {}) {:.2} times \
-         that, limit {UNEVEN}",
+        "\n{} random domains: {median:.2} us for a tetrahedron (median), the slowest ({} {}) \
+         {:.2} times that, limit {UNEVEN}",
         all.len(),
         most.1,
         most.2,

@@ -2,15 +2,15 @@
 //! sequential kernel and CGAL's parallel version, side by side, on N points (4,000,000) of three
 //! kinds.
 //!
-//! Times are from points in memory to one mesh, distribution and gathering included. Every build has
-//! a process of its own: what one has left behind, memory above all, is not the next one's gain or
-//! loss. Runs are interleaved in rounds, in which each comes first in its turn, and medians of the
-//! rounds' ratios are reported. Beside them stands what the machine gives to two sequential builds
-//! at once, which have nothing to do with each other: their speed together, where one alone has 1. It
-//! is below 2 where processors share caches, memory, or more. On a virtual machine the last column has
-//! the part of the busy processors' time that the host took away meanwhile: with more than a few
-//! percent of it, a thread waits for one that does not run, and figures tell of the host.
-//! `cargo xtask bench threads` builds this with the release profile.
+//! Times are from points in memory to one mesh, distribution and gathering included. Every build
+//! has a process of its own: what one has left behind, memory above all, is not the next one's gain
+//! or loss. Runs are interleaved in rounds, in which each comes first in its turn, and medians of
+//! the rounds' ratios are reported. Beside them stands what the machine gives to two sequential
+//! builds at once, which have nothing to do with each other: their speed together, where one alone
+//! has 1. It is below 2 where processors share caches, memory, or more. On a virtual machine the
+//! last column has the part of the busy processors' time that the host took away meanwhile: with
+//! more than a few percent of it, a thread waits for one that does not run, and figures tell of the
+//! host. `cargo xtask bench threads` builds this with the release profile.
 
 use ltbw::threads::{Parallel, WorkerStats};
 use ltbw::{Builder, PointSet};
@@ -117,8 +117,9 @@ impl Once {
     }
 }
 
-/// Time of all processors so far, in ticks: when they were busy or wanted to be, and what of it the
-/// host of a virtual machine took (`/proc/stat`, proc(5)). `None` where there is no such file.
+/// Time of all processors so far, in ticks: the time when they were busy or wanted to be, and the
+/// part of that time that the host of a virtual machine took (`/proc/stat`, proc(5)). `None` where
+/// there is no such file.
 fn busy_and_stolen() -> Option<(u64, u64)> {
     let text = std::fs::read_to_string("/proc/stat").ok()?;
     let words = text.lines().next()?.split_whitespace().skip(1);
@@ -186,7 +187,8 @@ fn measure(
     let (alone, both) = (median(&mut alone), median(&mut both));
     let theirs = if theirs.is_empty() { None } else { Some(median(&mut theirs)) };
     println!(
-        "| {name} | {} | {:.3} | {alone:.2} | {both:.2} | {aim} | {:.2} | {} | {:.2} % | {:.3} % | {} |",
+        "| {name} | {} | {:.3} | {alone:.2} | {both:.2} | {aim} | {:.2} | {} | {:.2} % | {:.3} % \
+         | {} |",
         set.len(),
         median(&mut base),
         median(&mut twice),

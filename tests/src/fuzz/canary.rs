@@ -6,7 +6,7 @@ use super::predicates::points;
 use crate::oracle;
 use ltbw::{Point, Sign};
 
-/// What the panic says, and `cargo xtask fuzz` looks for.
+/// The message of the panic, for which `cargo xtask fuzz` looks.
 pub const FOUND: &str = "the canary's planted bug was found";
 
 /// Compares a wrong `orient3d` with `rug`.

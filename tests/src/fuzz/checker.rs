@@ -14,7 +14,7 @@ use ltbw::{Builder, PointSet};
 /// If the checker overlooks one, calls it by a wrong name, or does not pass the sound mesh.
 pub fn checker(bytes: &[u8]) {
     let mut u = Unstructured::new(bytes);
-    // Where the bytes end, zeros follow.
+    // Zeros follow the last byte.
     let style: u32 = u.arbitrary().unwrap_or_default();
     let plants: [(u8, u32); 2] = u.arbitrary().unwrap_or_default();
     let (cells, _) = u.take_rest().as_chunks::<4>();

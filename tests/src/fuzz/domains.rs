@@ -24,7 +24,7 @@ fn corners(size: f64) -> impl Iterator<Item = Point> {
 #[must_use]
 pub fn domain(bytes: &[u8]) -> Domain {
     let mut u = Unstructured::new(bytes);
-    // Where the bytes end, zeros follow.
+    // Zeros follow the last byte.
     let style: u32 = u.arbitrary().unwrap_or_default();
     let [count, solid, size, void]: [u8; 4] = u.arbitrary().unwrap_or_default();
     let (cells, _) = u.take_rest().as_chunks::<4>();
@@ -118,9 +118,9 @@ pub fn domains(bytes: &[u8]) {
     }
 }
 
-/// What must not depend on the order of facets. (Of a domain with errors, whether cells are told
-/// at all does depend on it.) `None` if the check has given up on facets of nearly no size, which
-/// is a matter of luck.
+/// The findings that must not depend on the order of facets. (In a domain with errors the order
+/// does decide whether cells are told at all.) `None` if the check has given up on facets of nearly
+/// no size, which is a matter of luck.
 fn verdict_of(report: &DomainReport) -> Option<(bool, bool, Option<ltbw::domain::Volume>)> {
     let volume = if report.is_meshable() { report.volume() } else { None };
     let known = report.count(DefectKind::Unresolved) == 0;

@@ -49,7 +49,7 @@ fn tetrahedra(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     tetgen::read_pair(b"4 3\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n", bytes)
 }
 
-/// What is before the first line `%`, and what is after it.
+/// The bytes before the first line `%`, and those after it.
 fn halves(bytes: &[u8]) -> (&[u8], &[u8]) {
     const BETWEEN: &[u8] = b"\n%\n";
     let at = bytes.windows(BETWEEN.len()).position(|w| w == BETWEEN).unwrap_or(bytes.len());

@@ -8,8 +8,8 @@
 //! | [`triangulate`] | one mesh for all orders, refusals and queries; equal to CGAL's; certified |
 //! | [`formats`] | a reader reads or says why not, and what it read can be written and read back |
 //! | [`checker`] | the checker passes a sound mesh and finds every planted defect |
-//! | [`domains`] | the check of a domain ends, whatever the order of its facets; a prepared one is one |
-//! | [`protocol`] | the parallel kernel ends at rest with the one mesh, whatever the order of events |
+//! | [`domains`] | the check of a domain ends, in any order of facets; a prepared one passes |
+//! | [`protocol`] | the parallel kernel ends at rest with the one mesh, in any order of events |
 //! | [`cli`] | the command line is understood, or refused in one line with exit code 2 |
 //! | [`canary`] | **fails on purpose**: its predicate has a planted bug, which must be found |
 

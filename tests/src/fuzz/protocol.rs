@@ -17,7 +17,7 @@ use std::sync::PoisonError;
 /// The points, the case and the choices of some bytes.
 fn read(bytes: &[u8]) -> (Vec<Point>, Case, Chooser<'_>) {
     let mut u = Unstructured::new(bytes);
-    // Where the bytes end, zeros follow.
+    // Zeros follow the last byte.
     let style: u32 = u.arbitrary().unwrap_or_default();
     let [count, workers, rule, tempo, slow, moves, cancel, sample, blocks, cursors, mix, seed]: [u8;
         12] = u.arbitrary().unwrap_or_default();
@@ -38,7 +38,7 @@ fn read(bytes: &[u8]) -> (Vec<Point>, Case, Chooser<'_>) {
         _ => (Closure::Vertex, Ownership::Creator),
     };
     let ownership = if mix & 24 == 24 { Ownership::Newest } else { ownership };
-    // What is not owned by blocks does not move.
+    // Blocks move only where they own the tetrahedra.
     let moves = if ownership == Ownership::Block { u32::from(moves) % 64 } else { 0 };
     let case = Case {
         plan: Plan {

@@ -18,10 +18,10 @@ use std::sync::PoisonError;
 /// Sets of at most this many points are also triangulated by definition.
 const FEW: usize = 8;
 
-/// At most so many points are inserted one by one: each is asked about in many ways.
+/// The largest number of points inserted one by one: each is asked about in many ways.
 const LIVE: usize = 12;
 
-/// What the bytes describe.
+/// The case that the bytes describe.
 struct Plan {
     points: Vec<Point>,
     /// Points that the first build of [`live`] has, if they have volume.
@@ -35,7 +35,7 @@ struct Plan {
 impl Plan {
     fn of(bytes: &[u8]) -> Self {
         let mut u = Unstructured::new(bytes);
-        // Where the bytes end, zeros follow.
+        // Zeros follow the last byte.
         let style: u32 = u.arbitrary().unwrap_or_default();
         let [mix, first, refuse, seed]: [u8; 4] = u.arbitrary().unwrap_or_default();
         let (cells, _) = u.take_rest().as_chunks::<4>();

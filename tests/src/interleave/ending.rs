@@ -1,4 +1,4 @@
-//! What must hold when a run has ended.
+//! Properties that must hold when a run has ended.
 
 use super::World;
 use ltbw::protocol::Source;

@@ -21,7 +21,7 @@ type Node = Worker<LocalMesh, Field>;
 /// Turns after which a run counts as hanging, per point.
 const TURNS_PER_POINT: usize = 4000;
 
-/// Each so many turns, an event that [`Tempo`] or slowness holds back may happen all the same.
+/// Turns after which an event that [`Tempo`] or slowness holds back may happen all the same.
 const RESPITE: usize = 16;
 
 /// Which events come before others, while there are any.
@@ -52,7 +52,7 @@ impl Tempo {
     }
 }
 
-/// What can happen next.
+/// An event that can happen next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Choice {
     Deliver(usize, usize),
@@ -63,16 +63,16 @@ enum Choice {
     Cancel(usize),
 }
 
-/// How a run goes, but for the order of its events.
+/// All that determines a run but the order of its events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Case {
     /// Workers, blocks, cursors, sample.
     pub plan: Plan,
     /// The conflict rule.
     pub rule: Rule,
-    /// What operations lock.
+    /// The closure that operations lock.
     pub closure: Closure,
-    /// Which events come first.
+    /// The kind of events that comes first.
     pub tempo: Tempo,
     /// A worker to which something happens each 16th turn only, while it does to others.
     pub slow: Option<usize>,
@@ -106,7 +106,7 @@ pub struct Played {
     pub figures: Figures,
 }
 
-/// Who chooses: first the bytes, then a seed.
+/// The source of choices: first the bytes, then a seed.
 #[derive(Clone, Debug)]
 pub struct Chooser<'a> {
     bytes: std::slice::Iter<'a, u8>,
@@ -225,7 +225,7 @@ impl World {
         }
     }
 
-    /// What can happen now. Nothing can when all is done.
+    /// The events that can happen now; none when all is done.
     fn choices(&self) -> Vec<Choice> {
         let workers = 0..self.nodes.len();
         let mut all: Vec<Choice> =

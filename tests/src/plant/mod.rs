@@ -1,9 +1,10 @@
 //! Defects planted into sound meshes: does the checker find every one, and call it by its name?
 //!
-//! A [`Subject`] is a sound mesh as plain lists. [`PLANTS`] lists the ways to spoil it; each says at which level the first defect must be found and what it is called. What makes a plant a
-//! defect is decided without the checker: by counting, by the exact oracle ([`crate::oracle`]), or
-//! by the theorem that the canonical mesh of a point set is unique, so that any other set of
-//! tetrahedra over all of its points is wrong.
+//! A [`Subject`] is a sound mesh as plain lists. [`PLANTS`] lists the ways to spoil it; each says
+//! at which level the first defect must be found and what it is called. What makes a plant a defect
+//! is decided without the checker: by counting, by the exact oracle ([`crate::oracle`]), or by the
+//! theorem that the canonical mesh of a point set is unique, so that any other set of tetrahedra
+//! over all of its points is wrong.
 
 mod flips;
 mod lists;
@@ -118,7 +119,7 @@ fn sorted<const N: usize>(mut row: [u32; N]) -> [u32; N] {
     row
 }
 
-/// What the checker must say of a planted defect.
+/// The checker's right answer to a planted defect.
 #[derive(Debug, Clone, Copy)]
 struct Expected {
     /// The first level that fails is one of these.
@@ -138,7 +139,7 @@ impl Expected {
 /// A way to spoil a mesh.
 #[derive(Debug, Clone, Copy)]
 pub struct Plant {
-    /// What is done to the mesh.
+    /// The change to the mesh, in words.
     pub name: &'static str,
     /// Spoils the mesh at a place that the number names: what the checker must say. `None` where
     /// this plant does not grow.
@@ -172,7 +173,7 @@ pub const PLANTS: [Plant; 20] = [
 const STRUCTURE: &[Level] = &[Level::Structure];
 const TOPOLOGY: &[Level] = &[Level::Topology];
 const TIES: &[Kind] = &[Kind::NotCanonical, Kind::HullNotCanonical];
-/// What other tetrahedra over the same points may break first.
+/// The answer where other tetrahedra over the same points may break a level first.
 const TILING: Expected = Expected::new(
     &[Level::Structure, Level::Topology, Level::Orientation, Level::Delaunay],
     &[

@@ -1,5 +1,5 @@
-//! Hexadecimal floats, as C's `%a` and Python's `float.hex` write them: every bit is visible, and no
-//! reader has to round.
+//! Hexadecimal floats, as C's `%a` and Python's `float.hex` write them: every bit is visible, and
+//! no reader has to round.
 
 /// `value` as hexadecimal text, without trailing zeros: `0x1.8p+1` is 3.
 ///

@@ -1,8 +1,8 @@
 //! The mesh of `protocol/`: Bowyer–Watson in dimension 1, small enough to be followed by hand.
 //!
 //! Cells are intervals between neighbouring integers of a set; the outermost ends are -1 and the
-//! range. A point conflicts with the interval that holds it, its ring are the neighbours of that, and
-//! two intervals fill the cavity. `verify/vectors/README.md` defines it for ports. Nothing here
+//! range. A point conflicts with the interval that holds it, its ring are the neighbours of that,
+//! and two intervals fill the cavity. `verify/vectors/README.md` defines it for ports. Nothing here
 //! panics but [`joined`]: runs of broken conducts meet states that must not be.
 
 use ltbw::balance::Stock;
@@ -14,7 +14,7 @@ use ltbw::protocol::{
 use ltbw::simulate::Payload;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-/// Who names the cells of the start.
+/// The creator in the names of the first cells: no worker has this number.
 pub const START: WorkerId = WorkerId::MAX;
 
 /// A neighbour's name and block; none beyond the ends.
@@ -32,18 +32,18 @@ pub struct Cell {
 /// A cell with its name.
 pub type Piece = (Name, Cell);
 
-/// What a filled cavity changes at one worker.
+/// The changes that a filled cavity brings to one worker.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Patch {
     /// Cells of the cavity.
     pub remove: Vec<Name>,
     /// New cells.
     pub add: Vec<Piece>,
-    /// Whose link, on which side (0 left, 1 right), and the new one.
+    /// Cell, side (0 left, 1 right) and new neighbour of each link that changes.
     pub relink: Vec<(Name, usize, (Name, BlockId))>,
 }
 
-/// How the line is cut into blocks.
+/// The blocks that the line is cut into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Cuts {
     /// Vertices are 0 to this, less 1.

@@ -12,7 +12,7 @@ use ltbw_verify as verify;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The definition (all quadruples) is asked for sets of at most so many points.
+/// The largest set for which the definition (all quadruples) is evaluated.
 const FEW: usize = 20;
 
 /// The files of the folders.
@@ -89,7 +89,7 @@ fn insertion(of: &Insertion) -> (Case, Case) {
     let new = (plain(mesh.tets()), mesh.hull_facets().map(turned).collect::<BTreeSet<_>>());
     let all = [points.clone(), vec![*at]].concat();
     agree(name, &all, &new.0);
-    // What is gone is the cavity, by the meshes before and after.
+    // The tetrahedra that are gone are the cavity, by the meshes before and after.
     let gone: Vec<usize> =
         (0..tets.len()).filter(|&k| plain([tets[k].1].into_iter()).is_disjoint(&new.0)).collect();
     assert_eq!(gone, finite(Role::Cavity), "{name}");

@@ -29,9 +29,9 @@ pub const VERSION: &str = "2.0.0";
 /// One question and its answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// What the case is about, in a few words.
+    /// The subject of the case, in a few words.
     pub name: String,
-    /// Which mistakes make an implementation fail it.
+    /// The mistakes that make an implementation fail it.
     pub flags: Vec<&'static str>,
     /// The question: `op` and its arguments.
     pub ask: Value,
@@ -48,7 +48,7 @@ pub struct File {
     pub name: &'static str,
     /// 1: can be checked by hand; 2: ordinary; 3: hard.
     pub tier: u32,
-    /// What it asks, for people.
+    /// The questions of the file, for people.
     pub about: &'static str,
     /// The cases.
     pub cases: Vec<Case>,

@@ -18,8 +18,8 @@ pub fn files() -> Vec<File> {
     ]
 }
 
-/// Who comes when along the curve. The twin: every order is a permutation, and each step of a full
-/// grid is one to a face neighbour.
+/// The order of points along the curve. The twin: every order is a permutation, and each step of a
+/// full grid is one to a face neighbour.
 fn along(name: &str, flags: &[&'static str], points: &[Point], is_grid: bool) -> Case {
     let order = hilbert(points);
     let mut sorted = order.clone();

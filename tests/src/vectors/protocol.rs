@@ -20,7 +20,7 @@ const LONGEST: usize = 90;
 /// Seeds tried for the runs of one flag.
 const SEEDS: u64 = 60_000;
 
-/// Where a run starts.
+/// The start of a run.
 #[derive(Clone, Debug)]
 struct Setup {
     rule: Rule,
@@ -46,7 +46,7 @@ impl Setup {
     }
 }
 
-/// What happens next in a run.
+/// The next event of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Turn {
     Work(WorkerId),
@@ -130,7 +130,7 @@ impl<C: Conduct> World<C> {
         Some(out)
     }
 
-    /// What can happen.
+    /// The events that can happen.
     fn choices(&self) -> Vec<Turn> {
         let open = self.channels.iter().filter(|(_, queue)| !queue.is_empty());
         let deliver = open.map(|(&(from, to), _)| Turn::Deliver { from, to });
@@ -139,7 +139,7 @@ impl<C: Conduct> World<C> {
         deliver.chain(busy).chain(retry).collect()
     }
 
-    /// What is left: cells by worker, who has stopped, who is quiescent.
+    /// The state: cells by worker, and which workers have stopped.
     fn state(&self) -> Value {
         let cells: Vec<_> = self.workers.iter().map(|w| w.mesh().ends()).collect();
         let stopped: Vec<bool> = self.workers.iter().map(Worker::is_stopped).collect();
@@ -391,7 +391,7 @@ pub fn files() -> Vec<File> {
     ]
 }
 
-/// What each broken conduct makes of a run: the steps up to where it goes wrong.
+/// The run under each broken rule: the steps up to where it goes wrong.
 fn forbidden(setup: &Setup, run: &Run) -> Vec<Case> {
     let mut cases = Vec::new();
     for (flag, broken) in BROKEN {

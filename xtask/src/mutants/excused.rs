@@ -88,7 +88,7 @@ fn parse(text: &str) -> Result<BTreeMap<String, String>, String> {
     Ok(excused)
 }
 
-/// What is wrong: survivors that are not excused, excused ones that did not survive. If `whole`,
+/// The differences: survivors that are not excused, excused ones that did not survive. If `whole`,
 /// all mutants of the files for which `tried` holds were tried: an excuse for one that is not
 /// among them is out of date.
 pub(super) fn compare(

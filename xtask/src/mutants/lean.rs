@@ -5,7 +5,7 @@ use crate::shell::root;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What is left of a package.
+/// The part of a package that stays.
 pub(super) struct Lean {
     /// The folder of the package.
     pub(super) folder: &'static str,

@@ -39,7 +39,7 @@ pub(super) fn test(group: &Group, file: &str, first: &[&str]) -> Result<Found, S
         .output()
         .map_err(|error| format!("cargo mutants: {error}"))?;
     let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
-    // What has no default value is not known here, but no sign has one.
+    // Types without a default value are not known here, but no sign has one.
     let (unviable, names): (Vec<&str>, Vec<&str>) =
         listed.lines().partition(|name| name.contains("Default::default()"));
     if names.is_empty() {

@@ -10,8 +10,8 @@ const HEAD: &str = "\
    xtask/src/predicates/describe.rs: do not edit.
    Licence: MIT OR Apache-2.0. Checked by `cargo xtask prove`.
 
-   Each number of the input is a coordinate of a point, in the order of the axes that occur, point by
-   point; parameters follow. The axes i and j are those of a projection. *)
+   Each number of the input is a coordinate of a point, in the order of the axes that occur, point
+   by point; parameters follow. The axes i and j are those of a projection. *)
 Require Import List NArith ZArith Reals.
 Require Import Rounding Poly Expr Bound Filter Exact.
 Import ListNotations.
@@ -106,7 +106,8 @@ impl<'a> Term<'a> {
         let last = predicate.bound.last().map_or("", |(step, _)| step);
         let _ = writeln!(
             out,
-            "Definition {name} : filter := {{|\n  value := {name}_{};\n  bound := {name}_bound_{last};",
+            "Definition {name} : filter := {{|\n  value := {name}_{};\n  \
+             bound := {name}_bound_{last};",
             predicate.value(),
         );
         let _ = writeln!(out, "  leaf_list := [{}];", self.leaf_list()?.join("; "));
@@ -168,7 +169,7 @@ impl<'a> Term<'a> {
         if known { Ok(format!("{}_bound_{name}", self.predicate.name)) } else { Err(unknown(name)) }
     }
 
-    /// What each leaf is.
+    /// The meaning of each leaf.
     fn leaf_list(&self) -> Result<Vec<String>, String> {
         let mut leaves = Vec::new();
         for vector in self.predicate.vectors {

@@ -12,7 +12,7 @@ const fn large(name: &'static str, text: &'static str) -> Step {
     Step { name, text, measure: Measure::Largest }
 }
 
-/// A constant of so many u and sixteenths of it.
+/// A constant of a whole number of u and some sixteenths of u.
 const fn roundoffs(whole: u64, sixteenths: u64) -> Constant {
     Constant(16 * whole + sixteenths)
 }

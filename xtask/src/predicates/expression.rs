@@ -20,7 +20,7 @@ pub(crate) enum Expression {
     Binary(Operation, Box<Expression>, Box<Expression>),
 }
 
-/// What is done with two values.
+/// An operation on two values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Operation {
     Add,

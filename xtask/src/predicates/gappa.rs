@@ -2,8 +2,8 @@
 //!
 //! A script states the standard model of rounding as hypotheses: every computed value is a real
 //! number within u, relatively, of the exact operation on computed values. Differences are divided
-//! by the extents that bound them, so that all are at most 1, and so are parameters. Underflow and the rounding of the
-//! bound are left to Coq; so are minima, which Gappa does not have.
+//! by the extents that bound them, so that all are at most 1, and so are parameters. Underflow and
+//! the rounding of the bound are left to Coq; so are minima, which Gappa does not have.
 
 use super::describe::PREDICATES;
 use super::expression::{Expression, Operation};
@@ -25,7 +25,7 @@ pub(crate) fn files() -> Result<Vec<(String, String)>, String> {
 /// The parts of a script.
 #[derive(Default)]
 struct Script {
-    /// Of the exact values, whose names end in `_e`.
+    /// Definitions of the exact values, whose names end in `_e`.
     definitions: Vec<String>,
     hypotheses: Vec<String>,
     /// Intermediate values without a name, so far.

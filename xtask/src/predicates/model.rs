@@ -1,4 +1,4 @@
-//! What a description consists of ([`super::describe`] holds the descriptions themselves).
+//! The parts of a description ([`super::describe`] holds the descriptions themselves).
 
 use super::expression::Expression;
 
@@ -16,7 +16,7 @@ pub(crate) struct Predicate<'a> {
     pub(crate) parameters: &'static [&'static str],
     /// Differences of points, each named by minuend and subtrahend: `ad` is a - d.
     pub(crate) vectors: &'static [&'static str],
-    /// How the sizes of the differences are measured.
+    /// The way in which the sizes of the differences are measured.
     pub(crate) extents: Extents,
     /// Named intermediate values in the order of evaluation; the last one is the value.
     pub(crate) steps: &'static [Step],
@@ -49,13 +49,13 @@ pub(crate) struct Step {
 /// Which extent bounds a difference?
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Measure {
-    /// That of its own axis.
+    /// The extent of its own axis.
     Axis,
     /// The largest one.
     Largest,
 }
 
-/// How the sizes of the differences are measured.
+/// A way in which the sizes of the differences are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extents {
     /// mx, my, mz for the three axes; m is the largest of them.

@@ -34,7 +34,8 @@ fn section(predicate: &Predicate<'_>) -> Result<String, String> {
     for (name, constant) in predicate.constants {
         let _ = writeln!(
             out,
-            "\n/// A factor of the error bound of [`{}_any`].\npub const {name}: f64 = {} * UNIT_ROUNDOFF;",
+            "\n/// A factor of the error bound of [`{}_any`].\n\
+             pub const {name}: f64 = {} * UNIT_ROUNDOFF;",
             predicate.name,
             constant.in_roundoffs(),
         );
@@ -191,7 +192,8 @@ fn window(predicate: &Predicate<'_>, out: &mut String) {
     let (name, (values, bound)) = (predicate.name, evaluate(predicate));
     let _ = write!(
         out,
-        "\n/// {}\n///\n/// By filter, for points inside the exactness window; `None` if not decided.\n\
+        "\n/// {}\n///\n\
+         /// By filter, for points inside the exactness window; `None` if not decided.\n\
          #[inline(always)]\n#[must_use]\npub fn {name}_window({}) -> Option<Sign> {{\n{values}\
          decide(value, {bound})\n}}\n",
         wrapped(predicate.about),
@@ -211,9 +213,11 @@ fn lattice(predicate: &Predicate<'_>, bits: u32, out: &mut String) {
     let (name, (values, bound)) = (predicate.name, evaluate(predicate));
     let _ = write!(
         out,
-        "\n/// [`{name}_window`] for points whose coordinates are all multiples of the power of two\n\
-         /// `step` (zero: of none): differences of at most 2^{bits} steps are decided without any\n\
-         /// error, for every intermediate result is an integer of so many steps below 2^53.\n\
+        "\n\
+         /// [`{name}_window`] for points whose coordinates are all multiples of the power of two\n\
+         /// `step` (zero: of none): differences of at most 2^{bits} steps are decided without \
+         any\n\
+         /// error, for every intermediate result is a whole number of steps below 2^53.\n\
          #[inline(always)]\n#[must_use]\npub fn {name}_lattice({}, step: f64) -> Option<Sign> {{\n\
          {values}let sign = decide(value, {bound});\nlet [{}] = extents;\n\
          if sign.is_none() && larger(larger(mx, my), mz) <= {}.0 * step {{\n\

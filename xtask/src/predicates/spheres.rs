@@ -25,8 +25,9 @@ const CONSTANTS: &[Constant] = &[
         term: "tolerance",
         numerator: 1,
         denominator: 1 << 20,
-        about: "A query whose computed distance to a stored centre differs from the stored radius by \
-                more than this (in units of the frame) is certainly on that side of the true sphere.",
+        about: "A query whose computed distance to a stored centre differs from the stored radius \
+                by more than this (in units of the frame) is certainly on that side of the true \
+                sphere.",
         wrong: (3, 1 << 22),
         proof: "Single",
     },
@@ -36,8 +37,8 @@ const CONSTANTS: &[Constant] = &[
         term: "flatness",
         numerator: 1,
         denominator: 1 << 15,
-        about: "A determinant must exceed this times (longest edge at p)^2 times the computed radius, \
-                so that the computed centre is within 2^-26 of the true one...",
+        about: "A determinant must exceed this times (longest edge at p)^2 times the computed \
+                radius, so that the computed centre is within 2^-26 of the true one...",
         wrong: (31, 1 << 20),
         proof: "Centre",
     },
@@ -47,9 +48,9 @@ const CONSTANTS: &[Constant] = &[
         term: "least_square",
         numerator: 24,
         denominator: 100,
-        about: "... provided that the computed squared radius is at least this part of (longest edge \
-                at p)^2. A true one is at least 1/4 of it; a smaller one is rounding noise, and so is \
-                the centre.",
+        about: "... provided that the computed squared radius is at least this part of (longest \
+                edge at p)^2. A true one is at least 1/4 of it; a smaller one is rounding noise, \
+                and so is the centre.",
         wrong: (23, 100),
         proof: "Centre",
     },

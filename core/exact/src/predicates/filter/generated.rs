@@ -45,7 +45,7 @@ pub fn orient3d_window(a: &Point, b: &Point, c: &Point, d: &Point) -> Option<Sig
 
 /// [`orient3d_window`] for points whose coordinates are all multiples of the power of two
 /// `step` (zero: of none): differences of at most 2^16 steps are decided without any
-/// error, for every intermediate result is an integer of so many steps below 2^53.
+/// error, for every intermediate result is a whole number of steps below 2^53.
 #[inline(always)]
 #[must_use]
 pub fn orient3d_lattice(a: &Point, b: &Point, c: &Point, d: &Point, step: f64) -> Option<Sign> {
@@ -127,7 +127,7 @@ pub fn insphere_window(a: &Point, b: &Point, c: &Point, d: &Point, e: &Point) ->
 
 /// [`insphere_window`] for points whose coordinates are all multiples of the power of two
 /// `step` (zero: of none): differences of at most 2^9 steps are decided without any
-/// error, for every intermediate result is an integer of so many steps below 2^53.
+/// error, for every intermediate result is a whole number of steps below 2^53.
 #[inline(always)]
 #[must_use]
 pub fn insphere_lattice([a, b, c, d]: [&Point; 4], e: &Point, step: f64) -> Option<Sign> {
