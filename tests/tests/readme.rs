@@ -75,8 +75,9 @@ fn its_cargo_commands_exist() {
 
 #[test]
 fn its_links_lead_to_files() {
-    let targets: Vec<&str> =
-        README.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+    let links = README.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let pictures = README.split("src=\"").skip(1).filter_map(|rest| rest.split('"').next());
+    let targets: Vec<&str> = links.chain(pictures).collect();
     assert!(targets.len() >= 8, "{targets:?}");
     for target in targets {
         assert!(root().join(target).exists(), "README links to {target}");
@@ -90,5 +91,26 @@ fn its_first_screen_has_the_essentials() {
     for word in ["ltbw-cli -- demo", "cargo test", "```rust", "Proved", "Tested", "Trusted"] {
         assert!(first.contains(word), "{word} is below line {FIRST_SCREEN}");
     }
-    assert!(first.contains("Limitations"));
+    assert!(first.contains("Limitations") && first.contains("<img src=") && first.contains("CGAL"));
+    assert!(first.contains("\n## "), "the first screen is longer than {FIRST_SCREEN} lines");
+}
+
+/// The cells of the table rows that start with `name`.
+fn rows(name: &str) -> Vec<Vec<f64>> {
+    let start = format!("| {name} |");
+    let rows = README.lines().filter_map(|line| line.strip_prefix(start.as_str()));
+    let cells = |row: &str| {
+        row.split('|').filter_map(|c| c.trim_matches([' ', '*']).parse().ok()).collect()
+    };
+    rows.map(cells).collect()
+}
+
+#[test]
+fn its_two_tables_agree() {
+    for set in ["uniform", "rounded-sphere", "moment-curve"] {
+        let [short, long] = &rows(set)[..] else { panic!("{set} is not in two tables") };
+        let (time, memory) = (long[1] / long[2], long[5] / long[6]);
+        assert!((short[0] - time).abs() < 0.006 && (long[3] - time).abs() < 0.006, "{set}: {time}");
+        assert!((short[1] - memory).abs() < 0.006, "{set}: {memory}");
+    }
 }
