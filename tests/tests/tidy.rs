@@ -1,0 +1,168 @@
+//! The house rules, held by reading the sources: which way crates and modules lean, how long files
+//! and lines are, where atomics are, which dependencies are used, which words comments do without.
+//!
+//! Each rule has a test with a planted violation beside its code in `tidy/`. An exception is listed
+//! here with its reason; one that is not needed any more fails, too.
+
+#[path = "tidy/arrows.rs"]
+mod arrows;
+#[path = "tidy/manifest.rs"]
+mod manifest;
+#[path = "tidy/source.rs"]
+mod source;
+#[path = "tidy/words.rs"]
+mod words;
+
+use arrows::CRATES;
+use source::{Tree, shipped, split, tokens};
+use std::path::Path;
+use std::sync::LazyLock;
+
+/// Lines of a file, and columns of a line.
+const LINES: usize = 500;
+const COLUMNS: usize = 100;
+
+/// Circles between modules that are still there: folder, modules, why.
+const CIRCLES: &[(&str, &[&str], &str)] = &[];
+
+/// Files that are still too long.
+const LONG_FILES: &[(&str, &str)] = &[];
+
+static TREE: LazyLock<Tree> = LazyLock::new(|| {
+    Tree::read(Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a package of the workspace"))
+});
+
+/// Files with more lines than allowed.
+fn long_files(tree: &Tree) -> Vec<&str> {
+    let is_long = |text: &str| text.lines().count() > LINES;
+    tree.rust("").filter(|(_, text)| is_long(text)).map(|(file, _)| file).collect()
+}
+
+/// Lines with more columns than allowed: `file:line`.
+fn long_lines(tree: &Tree) -> Vec<String> {
+    let of_file = |(file, text): (&str, &str)| {
+        let long = text.lines().enumerate().filter(|(_, line)| line.chars().count() > COLUMNS);
+        long.map(|(k, _)| format!("{file}:{}", k + 1)).collect::<Vec<_>>()
+    };
+    tree.rust("").flat_map(of_file).collect()
+}
+
+/// Shipped code with atomics outside the module `sync` of its crate.
+fn stray_atomics(tree: &Tree) -> Vec<String> {
+    let mut found = Vec::new();
+    for krate in CRATES {
+        let doors = ["sync.rs", "sync/"].map(|door| format!("{}/src/{door}", krate.folder));
+        let is_door = |file: &str| doors.iter().any(|door| file.starts_with(door.as_str()));
+        for (file, text) in tree.shipped(krate.folder).filter(|&(file, _)| !is_door(file)) {
+            let code = shipped(&tokens(&split(text).0));
+            let is_atomic = |word: &str| {
+                word == "atomic"
+                    || word.strip_prefix("Atomic").is_some_and(|kind| {
+                        kind == "Ptr"
+                            || kind.trim_end_matches(|c: char| c.is_ascii_digit()) != kind
+                            || ["Bool", "Usize", "Isize"].contains(&kind)
+                    })
+            };
+            if let Some(token) = code.iter().find(|token| is_atomic(&token.text)) {
+                found.push(format!("{file}:{}", token.line));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn crates_lean_downwards() {
+    assert_eq!(arrows::upward(&TREE), [""; 0], "code names a crate that is not on a lower floor");
+    assert_eq!(manifest::upward(&TREE), [""; 0], "a dependency is not on a lower floor");
+}
+
+#[test]
+fn the_list_of_crates_is_that_of_the_workspace() {
+    let manifests = TREE.0.iter().filter(|(path, _)| path.ends_with("/Cargo.toml"));
+    let mut found: Vec<(String, &str)> = manifests
+        .map(|(path, text)| {
+            let name = text.lines().find_map(|line| line.strip_prefix("name = "));
+            let name = name.expect("a package").trim_matches('"').replace('-', "_");
+            (name, path.trim_end_matches("/Cargo.toml"))
+        })
+        .collect();
+    let mut listed: Vec<(String, &str)> =
+        CRATES.iter().map(|c| (c.name.to_owned(), c.folder)).collect();
+    (found.sort(), listed.sort());
+    assert_eq!(found, listed);
+}
+
+#[test]
+fn no_two_modules_lean_on_each_other() {
+    let all = CRATES.iter().flat_map(|c| arrows::circles(&TREE, c.folder));
+    let (mut new, mut there) = (Vec::new(), Vec::new());
+    for circle in all {
+        let is_it = |&&(folder, rooms, _): &&(&str, &[&str], &str)| {
+            folder == circle.folder && rooms == circle.rooms
+        };
+        match CIRCLES.iter().find(is_it) {
+            Some(listed) => there.push(listed),
+            None => new.push(circle),
+        }
+    }
+    assert!(new.is_empty(), "circles of modules: {new:#?}");
+    let gone: Vec<_> = CIRCLES.iter().filter(|listed| !there.contains(listed)).collect();
+    assert!(gone.is_empty(), "mended, but still listed: {gone:#?}");
+}
+
+#[test]
+fn files_are_short() {
+    let listed: Vec<&str> = LONG_FILES.iter().map(|&(file, _)| file).collect();
+    assert_eq!(long_files(&TREE), listed, "files of more than {LINES} lines, and those listed");
+}
+
+#[test]
+fn lines_are_short() {
+    assert_eq!(long_lines(&TREE), [""; 0], "lines of more than {COLUMNS} columns");
+}
+
+#[test]
+fn atomics_are_in_one_module_of_a_crate() {
+    assert_eq!(stray_atomics(&TREE), [""; 0]);
+}
+
+#[test]
+fn dependencies_are_used() {
+    assert_eq!(manifest::unused(&TREE), [""; 0]);
+}
+
+#[test]
+fn comments_do_without_banned_words() {
+    let found = words::banned(&TREE);
+    assert!(found.is_empty(), "{found:#?}\ninstead: {:#?}", words::BANNED);
+}
+
+#[test]
+fn pages_name_what_there_is() {
+    for page in ["docs/ARCHITECTURE.md", "docs/algorithm.md", "docs/glossary.md"] {
+        assert!(TREE.0.contains_key(page), "{page}");
+        assert_eq!(words::unknown_names(&TREE, page), [""; 0], "names that no source has");
+    }
+}
+
+#[test]
+fn long_files_and_lines_are_found() {
+    let tree = |text: &str| Tree::of(&[("cli/src/lib.rs", text)]);
+    assert_eq!(long_files(&tree(&"\n".repeat(LINES))), [""; 0]);
+    assert_eq!(long_files(&tree(&"\n".repeat(LINES + 1))), ["cli/src/lib.rs"]);
+    assert_eq!(long_lines(&tree(&"ä".repeat(COLUMNS))), [""; 0]);
+    assert_eq!(long_lines(&tree(&format!("\n{}", "ä".repeat(COLUMNS + 1)))), ["cli/src/lib.rs:2"]);
+}
+
+#[test]
+fn atomics_elsewhere_are_found() {
+    let tree = |file: &str, text: &str| Tree::of(&[(&*format!("cli/src/{file}"), text)]);
+    let code = "use std::sync::atomic::AtomicU32;";
+    assert_eq!(stray_atomics(&tree("lib.rs", code)), ["cli/src/lib.rs:1"]);
+    assert_eq!(stray_atomics(&tree("lib.rs", "\nfn f(_: &AtomicBool) {}")), ["cli/src/lib.rs:2"]);
+    assert_eq!(stray_atomics(&tree("sync.rs", code)), [""; 0]);
+    let tests = "// AtomicBool\n#[cfg(test)] mod tests { use std::sync::atomic::AtomicU32; }";
+    assert_eq!(stray_atomics(&tree("lib.rs", tests)), [""; 0]);
+    assert_eq!(stray_atomics(&tree("lib.rs", "struct AtomicFile;")), [""; 0]);
+}
