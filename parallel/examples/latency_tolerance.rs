@@ -1,8 +1,9 @@
 //! The bars of latency tolerance, on simulated processors:
 //! `cargo run --release -p ltbw --example latency_tolerance -- 60000`.
 //!
-//! 16 and 32 processors with so many points each, latencies from 1 to 300 µs: LT at least 0.94,
-//! LT strict at least 0.90, setbacks below 2 % of operations. Fails if a run misses one of them.
+//! 16 and 32 processors with that number of points each, latencies from 1 to 300 µs: LT at least
+//! 0.94, LT strict at least 0.90, setbacks below 2 % of operations. Fails if a run misses one of
+//! them.
 
 use ltbw::PointSet;
 use ltbw::mesh::Plan;

@@ -1,6 +1,6 @@
 //! Time of the thread runtime against the sequential kernel, runs interleaved.
 //!
-//! `cargo run --release -p ltbw --example parallel_speed -- KIND N THREADS[,THREADS...] RUNS [WINDOW]`
+//! `cargo run --release -p ltbw --example parallel_speed -- KIND N THREADS[,..] RUNS [WINDOW]`
 //! prints one JSON line: medians of seconds, and ratios to the sequential kernel of the same run.
 //! `-p` in front of KIND skips the sequential kernel: for profilers.
 

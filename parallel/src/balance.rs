@@ -15,9 +15,9 @@ use crate::protocol::{BlockId, Conduct, Source, Submesh, Worker, WorkerId};
 pub struct Balance {
     /// A worker with fewer points left asks for more.
     pub low: u64,
-    /// How many others it asks.
+    /// The number of others that it asks.
     pub ask: usize,
-    /// How long it waits before it asks again; each time twice as long, up to 65536 times.
+    /// The time before it asks again; each time twice as long, up to 65536 times.
     pub again: Nanos,
 }
 
@@ -27,7 +27,7 @@ impl Default for Balance {
     }
 }
 
-/// What a balancer must know of a supply of points.
+/// A supply of points, as a balancer must know it.
 pub trait Stock {
     /// Points left.
     fn left(&self) -> u64;
@@ -72,18 +72,18 @@ pub struct Balancer {
     settings: Balance,
     me: WorkerId,
     loads: Vec<u64>,
-    /// How often it has asked since it had more than few points.
+    /// The number of times that it has asked since it had more than few points.
     asked: u32,
 }
 
-/// A worker that has done more than so many times what is left gives nothing away ...
+/// A worker gives nothing away if it has inserted more than this many points for each one left ...
 const SHORT: u64 = 2;
 
-/// ... if fewer than these are left: the cost was measured with such numbers. It grows with the
-/// surface of what moves, what is saved with the volume.
+/// ... and has fewer than these left: the cost was measured with such numbers. The cost grows with
+/// the surface of a block, the saving with its volume.
 const FEW: u64 = 1 << 15;
 
-/// What a worker is believed to have before it is heard of, in units of what is few.
+/// The supposed load of a worker before the first message from it, in units of a low load.
 const UNKNOWN: u64 = 4096;
 
 impl Balancer {
@@ -102,7 +102,7 @@ impl Balancer {
         low
     }
 
-    /// How long to wait before asking, now that the load is low: not at all the first time, then
+    /// The time to wait before asking, now that the load is low: not at all the first time, then
     /// each time twice as long.
     pub fn pause(&mut self) -> Nanos {
         let pause = match self.asked {
@@ -120,8 +120,8 @@ impl Balancer {
         }
     }
 
-    /// The workers to ask for more, if `load` is all that is left here. Who is asked is believed to
-    /// have half of what it had until it is heard of again, so that others get their turn.
+    /// The workers to ask for more, if `load` is all that is left here. A worker that is asked
+    /// counts with half its load until a message comes from it, so that others get their turn.
     pub fn ask(&mut self, load: u64) -> Vec<WorkerId> {
         if load >= self.settings.low {
             return Vec::new();
@@ -149,15 +149,16 @@ impl Balancer {
         if mine <= 2 * self.settings.low || spare < self.settings.low / 2 {
             return Vec::new();
         }
-        // Who asks has needed for its points as long as this worker for those it has given so far.
-        // When the rest takes much less than that, what a block saves there is lost at the new
-        // interfaces that it makes.
+        // The asking worker was busy with its own points for as long as this one was with those it
+        // has inserted so far. If the points left take much less time, a block saves less than
+        // its new interfaces cost.
         if mine < FEW && mine.saturating_mul(SHORT) < worker.source().given() {
             return Vec::new();
         }
         let directory = worker.directory();
         let mut given = Vec::new();
-        // From one end of the curve on: what goes away hangs together, and so does what stays.
+        // From one end of the curve on: the blocks that go are connected, and so are those that
+        // stay.
         for block in (0..directory.blocks()).rev().filter(|&b| directory.is_mine(b)) {
             let points = worker.source().in_block(block);
             let is_due = points <= spare && worker.source().is_worth_moving(block, points);

@@ -21,8 +21,8 @@ use std::marker::PhantomData;
 use std::sync::PoisonError;
 use std::time::Duration;
 
-/// What waits for one worker. Alone on its cache lines: inboxes of different workers are touched
-/// by different threads.
+/// The messages that wait for one worker. Alone on its cache lines: inboxes of different workers
+/// are touched by different threads.
 #[repr(align(128))]
 struct Inbox<M> {
     state: Mutex<State<M>>,

@@ -1,11 +1,12 @@
-//! How a worker thread's messages travel: one trait, so that a worker cannot tell what is behind.
+//! The way of a worker thread's messages: one trait, so that a worker cannot tell what is behind.
 
 use crate::mailbox::Endpoint;
 use crate::protocol::{Conduct, Message, Submesh, WorkerId};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// What workers send each other: a message of the protocol, with a word about the sender's load.
+/// The letter that workers send each other: a message of the protocol, with a word about the
+/// sender's load.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Mail<S: Submesh> {
     /// The sender's points left; 0 if nobody wants to know.

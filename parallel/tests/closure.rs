@@ -1,4 +1,5 @@
-//! What an operation locks: the cavity and its face neighbours, or all that touches the cavity.
+//! The closure that an operation locks: the cavity and its face neighbours, or all that touches the
+//! cavity.
 
 use ltbw::PointSet;
 use ltbw::mesh::{Field, LocalMesh, Ownership, Plan};
@@ -47,8 +48,8 @@ impl World {
         }
     }
 
-    /// How many tetrahedra are locked, and how many either are or touch the cavity, but not both;
-    /// a worker that was asked and holds nothing counts there, too.
+    /// The number of tetrahedra locked, and of those that either are locked or touch the cavity,
+    /// not both; a worker that was asked and holds nothing counts there, too.
     fn locked(&self) -> (usize, usize) {
         let (mut locked, mut wrong) = (0, 0);
         for worker in &self.workers {
@@ -65,7 +66,7 @@ impl World {
         (locked, wrong)
     }
 
-    /// Runs so many operations of more than one worker; returns how many tetrahedra they locked.
+    /// Runs `operations` of more than one worker; returns the number of tetrahedra they locked.
     fn run(&mut self, operations: usize) -> usize {
         let (mut done, mut all) = (0, 0);
         while done < operations {

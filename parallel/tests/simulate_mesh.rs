@@ -49,11 +49,11 @@ fn layout(seed: u64, points: usize, workers: u32) -> Plan {
     }
 }
 
-/// What a seed stands for: kind, size, processors, rule, network, storm.
+/// The case of a seed: kind, size, processors, rule, network, storm.
 fn case(seed: u64) -> (PointSet, Plan, Rule, Options) {
     let k = seed as usize;
     let kind = PointKind::ALL[k % PointKind::ALL.len()];
-    // Of the moment curve and of lines the mesh has quadratic size.
+    // The meshes of the moment curve and of lines have quadratic size.
     let most = if matches!(kind, PointKind::Moment | PointKind::Lines) { 3 } else { 12 };
     let points = generate(kind, 100 + 100 * (k / 3 % most), seed);
     let set = PointSet::new(points).expect("finite points");
@@ -89,8 +89,8 @@ fn the_sequential_mesh_on_any_processors() {
 }
 
 /// The bar's sizes: 2,000 to 200,000 points on 2 to 1024 processors, blocks moving in each run.
-/// `LTBW_CASES=1000 cargo test --release -p ltbw --test simulate_mesh -- --ignored --nocapture` is all
-/// of it: some five seconds a seed.
+/// All of them, some five seconds a seed:
+/// `LTBW_CASES=1000 cargo test --release -p ltbw --test simulate_mesh -- --ignored --nocapture`.
 #[test]
 #[ignore = "more than an hour for all thousand seeds"]
 fn large_sets_on_any_processors() {
@@ -133,11 +133,11 @@ fn a_tetrahedron_is_known_by_any_of_its_names() {
     run(&set, plan, Rule::WoundWait, &Options { network, storm, ..options(9) });
 }
 
-/// Blocks go on moving in a cancelled run, and take no points along: each processor forgets its own,
-/// be it before its first insertion.
+/// Blocks go on moving in a cancelled run, and take no points along: each processor forgets its
+/// own, be it before its first insertion.
 #[test]
 fn a_cancelled_run_ends_while_blocks_move() {
-    // So many that each processor inserts its points in two rounds.
+    // Enough points for each processor to insert its own in two rounds.
     let set = PointSet::new(generate(PointKind::Uniform, 20_000, 3)).expect("finite points");
     let plan = Plan { blocks_per_worker: 4, sample: 10, ..Plan::new(20_000, 3) };
     // Long enough for moves between the cancel and the end of the run.

@@ -16,7 +16,7 @@ fn class(tet: &TetQuality) -> usize {
     ((least / 10.0) as usize).min(COLOURS.len() - 1)
 }
 
-/// Where the plane `x[axis] = at` cuts a tetrahedron: no corners, three, or four in turn, with the
+/// The section of a tetrahedron by the plane `x[axis] = at`: no corners, three, or four in turn, with the
 /// coordinates of the two other axes.
 fn section(corners: [&Point; 4], axis: usize, at: f64) -> Vec<[f64; 2]> {
     let above = corners.map(|p| p[axis] >= at);

@@ -253,7 +253,7 @@ fn shells_in_shells_are_voids_and_islands() {
     assert_eq!(report.voids.len(), 2);
     let prepared =
         domain.prepare(&PrepareOptions { oriented: true, ..PrepareOptions::default() }).unwrap();
-    // With the hole points it is the same domain to those who know of no orientation.
+    // With the hole points it is the same domain to callers that know of no orientation.
     let plain = check(&prepared.domain, false);
     assert!(plain.passed(), "{:?}", plain.defects);
     assert_eq!(plain.volume().unwrap().to_string(), "44");
@@ -431,8 +431,8 @@ fn a_facet_along_a_diagonal_of_another_crosses_it() {
     }
 }
 
-/// What Delaunay means is a matter of the projection alone, if the corners are not in one plane: by
-/// distances in space, flips of edges would go round in circles.
+/// The projection alone decides what is Delaunay, if the corners are not in one plane: by distances
+/// in space, flips of edges would go round in circles.
 #[test]
 fn facets_that_are_far_from_planar_have_triangles() {
     let mut random = Random::new(11);

@@ -45,7 +45,7 @@ fn moves_are_counted_and_the_largest_is_told() {
     let error = snapped.clone().exact().unwrap_err();
     assert_eq!(error.code(), "domain.off-lattice");
     assert!(error.to_string().starts_with("2 vertices are not on the lattice"), "{error}");
-    // What is on the lattice stays, to the bit, but for the sign of zero.
+    // Coordinates on the lattice stay, to the bit, but for the sign of zero.
     let again = snapped.domain.snap().unwrap().exact().unwrap();
     assert_eq!(again.domain, snapped.domain);
     let minus = domain(vec![[-0.0, 1.0, 0.0], [1.0, -0.0, 0.0], [0.0; 3]]).snap().unwrap();
@@ -95,7 +95,8 @@ proptest! {
                 prop_assert_eq!(lattice.point(steps), *q);
                 let fine = lattice.fine_steps(q).unwrap();
                 prop_assert_eq!(fine, steps.map(|s| s << 27));
-                let moved = [0, 1, 2].map(|k| (q[k] - (p[k] - lattice.offset()[k])) / lattice.step());
+                let moved =
+                    [0, 1, 2].map(|k| (q[k] - (p[k] - lattice.offset()[k])) / lattice.step());
                 prop_assert!(moved.iter().all(|m| m.abs() <= 0.5));
                 farthest = farthest.max(moved.iter().map(|m| m * m).sum::<f64>().sqrt());
             }

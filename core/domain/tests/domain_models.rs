@@ -182,13 +182,16 @@ proptest! {
     /// Star-shaped polygons of random integer corners, with a smaller copy of the same shape as a
     /// hole: the areas are those of the shoelace formula, exactly.
     #[test]
-    fn polygons_with_a_hole_have_their_area(seed in any::<u64>(), corners in 3..40_usize, back in any::<bool>()) {
+    fn polygons_with_a_hole_have_their_area(
+        seed in any::<u64>(), corners in 3..40_usize, back in any::<bool>(),
+    ) {
         let mut random = Random::new(seed);
         // Directions sorted by angle: first by half-plane, then by cross product.
         let mut directions: Vec<[i64; 2]> = Vec::new();
         while directions.len() < corners {
             let d = [0, 1].map(|_| random.below(41) as i64 - 20);
-            let parallel = |e: &[i64; 2]| d[0] * e[1] == d[1] * e[0] && d[0] * e[0] + d[1] * e[1] > 0;
+            let parallel =
+                |e: &[i64; 2]| d[0] * e[1] == d[1] * e[0] && d[0] * e[0] + d[1] * e[1] > 0;
             if d != [0, 0] && !directions.iter().any(parallel) {
                 directions.push(d);
             }
@@ -201,13 +204,15 @@ proptest! {
         let around = (0..corners).all(|i| turns(&directions[i], &directions[(i + 1) % corners]));
         prop_assume!(around);
         let outer: Vec<[i64; 2]> = directions.iter().map(|d| d.map(|c| 3 * c)).collect();
-        let mut polygons: Vec<Vec<u32>> = vec![(0..corners as u32).collect(), (corners as u32..2 * corners as u32).collect()];
+        let count = corners as u32;
+        let mut polygons: Vec<Vec<u32>> = vec![(0..count).collect(), (count..2 * count).collect()];
         if back {
             polygons[1].reverse();
         }
         let vertices = outer.iter().chain(&directions).map(|d| [d[0] as f64, d[1] as f64, 0.0]);
         let facet = Facet { polygons, holes: vec![[0.0; 3]], marker: 0 };
-        let domain = Domain { vertices: vertices.collect(), facets: vec![facet], ..Domain::default() };
+        let (vertices, facets) = (vertices.collect(), vec![facet]);
+        let domain = Domain { vertices, facets, ..Domain::default() };
         let found = domain.triangulate(0).unwrap();
         prop_assert!(found.is_sound() && found.problems.is_empty(), "{:?}", found.problems);
         prop_assert_eq!(found.triangles.len(), 2 * corners);

@@ -51,7 +51,7 @@ pub enum PointError {
     },
 }
 
-/// How the coordinates of a point set get into the exactness window.
+/// The way in which the coordinates of a point set get into the exactness window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mode {
@@ -155,7 +155,7 @@ impl PointSet {
         self.coords.is_empty()
     }
 
-    /// How the coordinates get into the exactness window.
+    /// The way in which the coordinates get into the exactness window.
     #[inline]
     #[must_use]
     pub fn mode(&self) -> Mode {

@@ -1,4 +1,5 @@
-//! Serialisation (feature `serde`) of a point set: the list of its points, validated anew when read.
+//! Serialisation (feature `serde`) of a point set: the list of its points, validated anew when
+//! read.
 
 use crate::{Point, PointSet};
 use serde::de::Error as _;

@@ -10,12 +10,12 @@ use super::text::{Line, Lines, float, integer, push_integer, push_point, write_r
 use super::{Point, PointFile};
 use std::io::Write;
 
-/// Where the wanted values stand in a line.
+/// The columns of the wanted values in a line.
 struct Columns {
     separator: u8,
     xyz: [usize; 3],
     tag: Option<usize>,
-    /// How many fields a line must have at least.
+    /// The least number of fields of a line.
     width: usize,
 }
 

@@ -14,7 +14,7 @@ pub struct DomainFile {
     pub domain: Domain,
     /// The facets are a surface whose orientation says what is inside: formats without hole points.
     pub oriented: bool,
-    /// What the file holds besides and was not read, in words for people.
+    /// The parts of the file that were not read, in words for people.
     pub notes: Vec<String>,
 }
 
@@ -90,7 +90,7 @@ pub fn check_domain_writable(path: &Path) -> Result<(), IoError> {
     aside::check(path)
 }
 
-/// What of a domain a format has no place for, in words for people.
+/// The parts of a domain that a format has no place for, in words for people.
 pub fn not_kept(domain: &Domain, format: Format) -> Vec<String> {
     if !format.holds_surface() {
         return Vec::new();

@@ -1,5 +1,5 @@
-//! What can go wrong with a file: each error prints as one line that names the file, the line or
-//! the element, and the reason.
+//! The errors of reading and writing files: each prints as one line that names the file, the line
+//! or the element, and the reason.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -23,9 +23,9 @@ pub enum IoError {
     WrongKind {
         /// The file.
         path: PathBuf,
-        /// What the format holds.
+        /// The content of the format.
         holds: &'static str,
-        /// What was wanted.
+        /// The content that was wanted.
         wanted: &'static str,
     },
     /// Files of this format are read, but not written.
@@ -58,7 +58,7 @@ pub enum IoError {
     Parse {
         /// The file.
         path: PathBuf,
-        /// Where, and what is wrong there.
+        /// The place, and the reason.
         #[source]
         error: ParseError,
     },
@@ -67,7 +67,7 @@ pub enum IoError {
     Data {
         /// The file.
         path: PathBuf,
-        /// What is wrong with the data.
+        /// The reason.
         #[source]
         reason: DataError,
     },
@@ -153,12 +153,12 @@ pub enum DataError {
     },
 }
 
-/// What is wrong with the content of a file, and where.
+/// An error in the content of a file, with its place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParseError {
-    /// Where.
+    /// The place.
     pub place: Place,
-    /// What.
+    /// The reason.
     pub reason: Reason,
 }
 
@@ -208,7 +208,7 @@ pub enum Place {
     End,
 }
 
-/// What is wrong at a place of a file.
+/// The reason why a place of a file is wrong.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Reason {
@@ -241,11 +241,11 @@ pub enum Reason {
     /// The file ends before everything that it announced.
     #[error("the file announces {announced} {what}, but ends after {found}")]
     Truncated {
-        /// What there are too few of.
+        /// The kind of values of which there are too few.
         what: &'static str,
-        /// How many were announced.
+        /// The number that was announced.
         announced: u64,
-        /// How many there are.
+        /// The number that there are.
         found: u64,
     },
     /// The file goes on after everything that it announced.

@@ -118,7 +118,7 @@ impl Format {
     }
 }
 
-/// How numbers are written where a format knows text and binary.
+/// The encoding of numbers where a format knows text and binary.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum Encoding {
     /// Binary, little endian.
@@ -128,7 +128,7 @@ pub enum Encoding {
     Ascii,
 }
 
-/// How files are written where their format leaves a choice.
+/// Choices that some formats leave to the writer.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct WriteOptions {
     /// Text or binary numbers, in `.ply`, `.msh` and `.vtu`.

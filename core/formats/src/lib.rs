@@ -16,7 +16,7 @@
 //! | `.msh` | mesh (Gmsh 4.1, 2.2) | view `tag`, physical groups | [`msh`] |
 //! | `.mesh` | mesh (Medit, ASCII) | references | [`medit`] |
 //! | `.vtu` | mesh (VTK, text or binary) | arrays `tag`, `region` | [`vtu`] |
-//! | `.pvtu` | mesh in parts, `.vtu` files beside it (written only) | array `tag` | [`write_parts`] |
+//! | `.pvtu` | mesh in parts, `.vtu` files beside it (written) | array `tag` | [`write_parts`] |
 //!
 //! Readers take any bytes and never panic: each is a fuzz target. A count in a header is a claim
 //! to verify, never an amount of memory to reserve. Text carries floats in the shortest form that
@@ -73,7 +73,7 @@ pub struct PointFile {
     pub points: Vec<Point>,
     /// One tag per point (boundary markers), if the file has them.
     pub point_tags: Option<Vec<i64>>,
-    /// What the file holds besides and was not read, in words for people.
+    /// The parts of the file that were not read, in words for people.
     pub notes: Vec<String>,
 }
 
@@ -82,7 +82,7 @@ pub struct PointFile {
 pub struct MeshFile {
     /// The mesh.
     pub mesh: TetMesh,
-    /// What the file holds besides and was not read, in words for people.
+    /// The parts of the file that were not read, in words for people.
     pub notes: Vec<String>,
 }
 
@@ -180,8 +180,9 @@ pub fn write_mesh_with(path: &Path, mesh: &TetMesh, options: WriteOptions) -> Re
     write_mesh_and(path, mesh, &Extras::default(), options)
 }
 
-/// Writes a mesh as [`write_mesh_with`] does, and what the format has a place for of `extras`:
-/// `.vtu` all of it; `.mesh`, and `.ele` with a `.face` file beside it, the boundary; `.msh` nothing.
+/// Writes a mesh as [`write_mesh_with`] does, and the parts of `extras` that the format has a place
+/// for: in `.vtu` all of them; in `.mesh`, and in a `.face` file beside `.ele`, the boundary; in
+/// `.msh` none.
 pub fn write_mesh_and(
     path: &Path,
     mesh: &TetMesh,

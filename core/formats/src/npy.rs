@@ -12,7 +12,7 @@ use std::io::Write;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// What the header of an array says.
+/// The header of an array.
 #[derive(Debug, PartialEq)]
 struct Header {
     scalar: Scalar,

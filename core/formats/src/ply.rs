@@ -19,7 +19,7 @@ mod faces;
 pub use faces::read_domain;
 pub(super) use faces::write_surface;
 
-/// What a property of a vertex or a face means here.
+/// The meaning of a property of a vertex or a face.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Role {
     Axis(usize),
@@ -48,12 +48,12 @@ struct Element {
     properties: Vec<Property>,
 }
 
-/// What a header says.
+/// The header of a file.
 #[derive(Debug)]
 struct Header {
     ascii: bool,
     elements: Vec<Element>,
-    /// Where the data starts.
+    /// The offset of the data.
     body: usize,
 }
 

@@ -24,7 +24,7 @@ use super::text::{
 use ltbw_domain::{Domain, Facet, Region};
 use std::io::Write;
 
-/// What tells the two formats apart: the layout of a facet.
+/// The layout of a facet, which tells the two formats apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Layout {
     Poly,

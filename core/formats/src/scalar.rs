@@ -3,7 +3,7 @@
 
 use super::error::Reason;
 
-/// What the bytes of a number mean.
+/// The meaning of a number's bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     /// IEEE 754, of 4 or 8 bytes.
@@ -14,7 +14,7 @@ pub(super) enum Kind {
     Unsigned,
 }
 
-/// How a number is stored.
+/// The type of a stored number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Scalar {
     pub(super) kind: Kind,

@@ -89,7 +89,7 @@ impl Surface {
     }
 }
 
-/// What a surface file is to hold: the polygons of a domain, or else their triangles.
+/// The content of a surface file to be written: the polygons of a domain, or else their triangles.
 pub(super) struct Faces<'a> {
     points: &'a [Point],
     /// Corners and marker of each face.

@@ -228,8 +228,8 @@ pub fn write_node(
     })
 }
 
-/// Reads an `.mtr` file, TetGen's edge lengths at points: a header `points 1`, then for each point a
-/// number.
+/// Reads an `.mtr` file, TetGen's edge lengths at points: a header `points 1`, then for each point
+/// a number.
 pub fn read_mtr(bytes: &[u8]) -> Result<Vec<f64>, ParseError> {
     let mut lines = Lines::new(bytes);
     let [announced, metrics, ..] = header(bytes, &mut lines)?;

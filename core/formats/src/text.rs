@@ -11,7 +11,7 @@ use std::io::Write;
 /// A line that is neither blank nor a comment.
 #[derive(Clone, Copy)]
 pub(super) struct Line<'a> {
-    /// Where its content starts in the file.
+    /// The offset of its content in the file.
     pub(super) offset: usize,
     /// Its content, without comment, surrounding blanks and line end.
     pub(super) text: &'a [u8],
@@ -41,7 +41,7 @@ impl<'a> Lines<'a> {
         self.bytes.len() - self.next
     }
 
-    /// Where the next line starts.
+    /// The offset of the next line.
     pub(super) fn position(&self) -> usize {
         self.next
     }

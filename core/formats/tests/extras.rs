@@ -111,7 +111,7 @@ fn sizes_are_read_and_refused() {
     assert!(matches!(io::read_sizes(&dir.path().join("none")), Err(IoError::Read { .. })));
 }
 
-/// Has room for so many bytes.
+/// A medium that takes `room` bytes and is full then.
 struct Medium {
     room: usize,
 }

@@ -138,7 +138,7 @@ proptest! {
     }
 }
 
-/// What a reader says of a text.
+/// The error that a reader answers with.
 fn says<T: std::fmt::Debug>(result: Result<T, ParseError>) -> String {
     result.expect_err("malformed input").to_string()
 }

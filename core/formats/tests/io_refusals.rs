@@ -56,7 +56,7 @@ fn errors_of_files_have_codes() {
     assert_eq!(code(io::write_points(&at("folder.xyz"), &PointFile::default())), "io.write");
     let nowhere = at("missing").join("a.xyz");
     let refused = io::write_points(&nowhere, &PointFile::default());
-    // Neither the temporary file's name nor the library's words are shown to people.
+    // People are shown neither the temporary file's name nor the library's words.
     let text = refused.as_ref().map_err(ToString::to_string).expect_err("refused");
     assert!(!text.contains(".ltbw-") && text.contains("a.xyz: cannot write: "), "{text}");
     assert_eq!(code(refused), "io.write");

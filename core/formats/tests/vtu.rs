@@ -5,7 +5,7 @@ use ltbw_core::{BoundaryFace, Extras, TetMesh};
 use ltbw_formats::{Encoding, vtu};
 use std::io::Write;
 
-/// How a file stores its arrays.
+/// The storage of a file's arrays.
 #[derive(Debug, Clone, Copy)]
 struct Store {
     appended: bool,

@@ -105,7 +105,7 @@ impl std::str::FromStr for DomainKind {
 /// The parameters of a domain; kinds that have no use for one ignore it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Shape {
-    /// How many steps, or cubes; by default as [`DomainKind::about`] says.
+    /// The number of steps, or of cubes; by default as [`DomainKind::about`] says.
     pub count: Option<u32>,
     /// An angle in degrees; by default as [`DomainKind::about`] says.
     pub angle: Option<f64>,

@@ -48,7 +48,7 @@ pub enum Order {
     Input,
 }
 
-/// How far a build came.
+/// The outcome of a build: whether all points are in the mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Outcome {
@@ -107,7 +107,7 @@ pub struct Stats {
 pub struct Built {
     /// The mesh: of all points if `outcome` is [`Outcome::Complete`].
     pub mesh: Mesh,
-    /// How far the build came.
+    /// The outcome: whether all points are in the mesh.
     pub outcome: Outcome,
     /// Figures of the build.
     pub stats: Stats,

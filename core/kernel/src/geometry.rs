@@ -11,7 +11,7 @@ use crate::topology::{INFINITE, TetId, Topology, VertexId};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, exact, filter, perturb};
 
-/// How many predicate calls were made, and how many needed more than a filter.
+/// The numbers of predicate calls, and of those that needed more than a filter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PredicateStats {
@@ -247,12 +247,12 @@ impl Geometry {
         }
     }
 
-    /// What the cached sphere of `t` alone says of `p`: `None` if nothing.
+    /// The side of `t`'s cached sphere on which `p` lies; `None` if the sphere does not tell.
     pub(crate) fn cached_side(&self, t: TetId, p: &Point) -> Option<Sign> {
         self.side(*self.spheres.at(t), p)
     }
 
-    /// What a sphere of this frame says of `p`: `None` if nothing.
+    /// The side of a sphere of this frame on which `p` lies; `None` if the sphere does not tell.
     pub(crate) fn side(&self, sphere: Sphere, p: &Point) -> Option<Sign> {
         match sphere.test(&self.frame?.query(p)) {
             Verdict::Inside => Some(Sign::Positive),

@@ -146,7 +146,7 @@ mod tests {
         Builder::new().build(&set).expect("a mesh").mesh
     }
 
-    /// What `check` says of a topology that `damage` has changed.
+    /// The answer of `check` for a topology that `damage` has changed.
     fn damaged(
         check: impl Fn(&Topology) -> Result<(), String>,
         damage: impl Fn(&mut Topology),

@@ -194,9 +194,9 @@ pub(crate) fn test_spheres(spheres: [&Sphere; 4], q: &Query) -> (u32, u32) {
     }
 }
 
-/// [`ltbw_exact::predicates::filter::insphere_window`] of a point and four tetrahedra at once, as bit
-/// masks `(inside, outside)`; nothing is decided of a ghost (its point is NaN), nor on a machine
-/// without AVX2.
+/// [`ltbw_exact::predicates::filter::insphere_window`] of a point and four tetrahedra at once, as
+/// bit masks `(inside, outside)`; nothing is decided of a ghost (its point is NaN), nor on a
+/// machine without AVX2.
 #[inline(always)]
 pub(crate) fn filter_insphere(
     points: &Arena<Point>,

@@ -11,8 +11,8 @@
 //! takes numbers up to 2^20 or 64 times those of vertices and duplicates, whichever is more.
 //! Only a build that was cut short leaves more; [`Snapshot::restore_within`] restores it.
 //!
-//! What is kept: vertices, numbers, duplicates, the number that the next inserted point gets.
-//! What is not: [`crate::topology::TetId`]s, counters, the [`ltbw_exact::Mode`] (it is the best one
+//! Kept are vertices, numbers, duplicates, the number that the next inserted point gets; not kept
+//! are [`crate::topology::TetId`]s, counters, the [`ltbw_exact::Mode`] (it is the best one
 //! for the points).
 
 use crate::build::{BuildError, Builder};

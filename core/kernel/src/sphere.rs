@@ -74,7 +74,7 @@ impl Frame {
 #[repr(C, align(16))]
 pub(crate) struct Query(pub(crate) [f32; 4]);
 
-/// What a cached sphere says of a point.
+/// The answer of a cached sphere for a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     Inside,

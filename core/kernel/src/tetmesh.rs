@@ -27,7 +27,7 @@ pub struct BoundaryFace {
     pub tet: usize,
 }
 
-/// What some mesh formats carry beside the mesh: figures of its tetrahedra, and its boundary.
+/// Data that some mesh formats carry beside the mesh: figures of its tetrahedra, and its boundary.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Extras {
     /// Names of figures, each with a value for every tetrahedron.

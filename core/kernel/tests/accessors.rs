@@ -1,4 +1,4 @@
-//! What meshes, builders and generators tell about themselves.
+//! Figures that meshes, builders and generators tell about themselves.
 
 use ltbw_core::{Budget, Builder, Order};
 use ltbw_exact::PointSet;
@@ -24,7 +24,7 @@ fn a_mesh_tells_its_size() {
     assert_eq!(topology.slots(), topology.len() + topology.free_slots().len());
     assert_eq!(topology.iter().count(), topology.len());
     assert!(ltbw_core::topology::Topology::default().is_empty());
-    // Of every slot 32 bytes of topology and 16 of sphere, of every vertex its coordinates and
+    // A slot takes 32 bytes of topology and 16 of sphere, a vertex those of its coordinates and
     // its number; a half more at most (what was reserved counts for nothing).
     let least = topology.slots() * (32 + 16) + 301 * (24 + 4);
     let bytes = mesh.memory_bytes();

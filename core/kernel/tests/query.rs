@@ -94,8 +94,8 @@ fn vertices(mesh: &Mesh) -> BTreeMap<Vertex, Point> {
     mesh.vertices().collect()
 }
 
-/// Where `p` lies, from the list of tetrahedra alone: the smallest simplex that holds it,
-/// as its vertices ascending; none outside.
+/// The smallest simplex that holds `p`, from the list of tetrahedra alone, as its vertices
+/// ascending; none outside.
 fn brute_locate(tets: &[[Vertex; 4]], at: &BTreeMap<Vertex, Point>, p: &Point) -> Vec<Vertex> {
     for tet in tets {
         let sides = [0, 1, 2, 3].map(|i| {

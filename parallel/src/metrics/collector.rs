@@ -6,7 +6,7 @@ use super::{Nanos, Survey};
 use crate::protocol::{Action, Attempt, Event, Message, Note, Submesh, Ticket, WorkerId};
 use std::collections::{BTreeMap, HashMap};
 
-/// What a step answered.
+/// The event that a step answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
     /// [`Event::Work`].
@@ -59,16 +59,16 @@ fn about<S: Submesh>(message: &Message<S>) -> Option<(Ticket, Attempt)> {
     }
 }
 
-/// When a step was, and what is known of its parts.
+/// A step's times, and those of its parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Step {
     /// Its begin.
     pub begin: Nanos,
     /// Its end.
     pub end: Nanos,
-    /// Of it, receiving at the begin and sending; 0 if that was not measured.
+    /// Time spent receiving at the begin and sending; 0 if that was not measured.
     pub communication: Nanos,
-    /// Of it, point location; 0 if that was not measured.
+    /// Time spent on point location; 0 if that was not measured.
     pub walk: Nanos,
 }
 
@@ -76,11 +76,11 @@ pub struct Step {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Spent {
     pub(super) all: Nanos,
-    /// Of it, while a cavity of the worker was active.
+    /// The part of that time while a cavity of the worker was active.
     pub(super) active: Nanos,
 }
 
-/// How an operation ended.
+/// The end of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Ending {
     Local,

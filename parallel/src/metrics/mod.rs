@@ -1,5 +1,5 @@
-//! What a parallel run did with its time: the figures of the paper's Tables III to VI and of its
-//! Figures 5 and 7, for runs on threads and on simulated processors alike.
+//! Figures of a parallel run: those of the paper's Tables III to VI and of its Figures 5 and 7, for
+//! runs on threads and on simulated processors alike.
 //!
 //! A runtime keeps one [`Collector`] for each worker and feeds it with what the worker did and
 //! when; [`Summary::new`] joins them at the end. A clock may be real or virtual.
@@ -10,16 +10,19 @@
 //! closure ([`Note::Began`](crate::protocol::Note::Began)) to its commit or setback; act(w, t) is
 //! the number of active cavities whose home is worker w at time t.
 //!
-//! | paper | here |
-//! |---|---|
-//! | Table III | surface to volume: the largest share of interface faces per tetrahedron of any worker; imbalance: most less fewest tetrahedra |
-//! | Table IV | completed cavities by {local, interface} × {no other cavity of the worker active, some active} |
-//! | Table V | M: time in cavities that succeeded; A: of it local, while act ≥ 1; I: of it interface, while act ≥ 1; S: time in cavities that were set back |
-//! | LT | latency tolerance (A + I) / (A + I + S) |
-//! | LT strict | 1 − (idle while act ≥ 1 + S) / (time with act ≥ 1): LT alone is blind to idle time |
-//! | Table VI | polls, those that found a message, the time of each; messages; idle time after a worker's last insertion |
-//! | Figure 5 | each worker's time: meshing, communication, balancing, idle |
-//! | Figure 7 | each worker's cavities by kind |
+//! * *Table III*. Surface to volume: the largest share of interface faces per tetrahedron of any
+//!   worker; imbalance: most less fewest tetrahedra.
+//! * *Table IV*. Completed cavities by {local, interface} × {no other cavity of the worker active,
+//!   some active}.
+//! * *Table V*. M: time in cavities that succeeded; A: the part of M in local cavities while
+//!   act ≥ 1; I: the part of M in interface cavities while act ≥ 1; S: time in cavities that were
+//!   set back. Latency tolerance LT = (A + I) / (A + I + S).
+//! * *LT strict* = 1 − (idle while act ≥ 1 + S) / (time with act ≥ 1): LT alone is blind to idle
+//!   time.
+//! * *Table VI*. Polls, those that found a message, the time of each; messages; idle time after a
+//!   worker's last insertion.
+//! * *Figure 5*. Each worker's time: meshing, communication, balancing, idle.
+//! * *Figure 7*. Each worker's cavities by kind.
 //!
 //! Time goes to operations step by step: a step that handles a message about an operation costs
 //! that operation, whichever worker it runs on, with sending and receiving. What a step does

@@ -70,13 +70,13 @@ pub struct Times {
     pub idle: Nanos,
     /// Time with a cavity of the worker active.
     pub active: Nanos,
-    /// Of the idle time, that with a cavity of the worker active.
+    /// The part of the idle time with a cavity of the worker active.
     pub idle_active: Nanos,
-    /// Of the idle time, that after the worker's last insertion.
+    /// The part of the idle time after the worker's last insertion.
     pub idle_at_end: Nanos,
     /// Steps that inserted a point at once.
     pub local: Nanos,
-    /// Of these, with a cavity of the worker active.
+    /// The part of that time with a cavity of the worker active.
     pub local_active: Nanos,
 }
 
@@ -106,7 +106,7 @@ impl Times {
 pub struct Polls {
     /// All of them. A worker that sleeps until a message comes polls once.
     pub total: u64,
-    /// Those that found a message.
+    /// The polls that found a message.
     pub useful: u64,
     /// The time of all.
     pub total_time: Nanos,
@@ -157,7 +157,7 @@ pub struct WorkerFigures {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Messages {
-    /// How many.
+    /// Their number.
     pub count: u64,
     /// Their bytes.
     pub bytes: u64,
@@ -181,9 +181,9 @@ pub struct Summary {
     pub messages: BTreeMap<&'static str, Messages>,
     /// M: time in cavities that succeeded.
     pub successful: Nanos,
-    /// A: of it in local cavities, while a cavity of the worker was active.
+    /// A: the part of M in local cavities, while a cavity of the worker was active.
     pub local_active: Nanos,
-    /// I: of it in interface cavities, while a cavity of the worker was active.
+    /// I: the part of M in interface cavities, while a cavity of the worker was active.
     pub interface_active: Nanos,
     /// S: time in cavities that were set back.
     pub set_back: Nanos,

@@ -4,7 +4,7 @@ use super::{Collector, Nanos};
 use crate::protocol::{Ticket, WorkerId};
 use std::io::{self, Write};
 
-/// What a worker did in a stretch of time.
+/// A worker's occupation in a stretch of time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SpanKind {
     /// Point location.
@@ -50,7 +50,7 @@ pub struct Span {
     pub begin: Nanos,
     /// Its end.
     pub end: Nanos,
-    /// What it did.
+    /// Its occupation.
     pub kind: SpanKind,
     /// The operation that it was about.
     pub ticket: Option<Ticket>,

@@ -1,4 +1,4 @@
-//! What work and messages cost a simulated processor.
+//! The costs of work and messages for a simulated processor.
 
 use crate::protocol::{Costs, Message, Submesh};
 

@@ -17,7 +17,7 @@ use std::collections::BinaryHeap;
 pub struct Simulation<S: Submesh, Q, C> {
     /// The workers when all have stopped. Nothing is locked or awaited.
     pub workers: Vec<Worker<S, Q, C>>,
-    /// What they did with their time.
+    /// The figures of their time.
     pub summary: Summary,
     /// Events that it took.
     pub events: u64,
@@ -50,7 +50,7 @@ where
     engine.finish()
 }
 
-/// What happens at a point of virtual time.
+/// An event at a point of virtual time.
 enum What<S: Submesh> {
     /// A message arrives.
     Arrive(WorkerId, Envelope<S>),
@@ -227,7 +227,7 @@ where
         match what {
             What::Arrive(to, envelope) => {
                 let processor = &mut self.processors[to as usize];
-                // Who has stopped has nothing to give.
+                // A worker that has stopped has nothing to give.
                 if envelope.message.is_some() || !processor.worker.is_stopped() {
                     processor.inbox.push_back(envelope);
                     self.wake(to);

@@ -65,7 +65,7 @@ impl Survey for LocalMesh {
 pub struct Meshed {
     /// The mesh: the one of its points, as always.
     pub gathered: Gathered,
-    /// What the processors did with their time, from when the coarse mesh is distributed.
+    /// The figures of the processors' time, from when the coarse mesh is distributed.
     pub summary: Summary,
     /// Events of the simulation.
     pub events: u64,

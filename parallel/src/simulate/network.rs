@@ -5,7 +5,7 @@ use crate::metrics::Nanos;
 use crate::protocol::WorkerId;
 use ltbw_core::Random;
 
-/// How the latencies of single messages spread around their mean.
+/// The spread of the latencies of single messages around their mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
 pub enum Distribution {

@@ -1,4 +1,4 @@
-//! How a simulated run goes.
+//! The options of a simulated run.
 
 use super::CostModel;
 use super::error::SimulationError;
@@ -12,7 +12,7 @@ use crate::protocol::WorkerId;
 pub struct Network {
     /// The mean time from sending a message to its arrival, without its bytes.
     pub latency: Nanos,
-    /// How the latency of single messages spreads around the mean.
+    /// The spread of the latencies of single messages around the mean.
     pub distribution: Distribution,
     /// Nanoseconds that a byte takes a processor's link, one message after the other.
     pub byte: f64,
@@ -43,12 +43,12 @@ pub struct Storm {
     pub every: Nanos,
 }
 
-/// How a simulated run goes.
+/// The options of a simulated run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Determines all that is random.
     pub seed: u64,
-    /// What work and messages cost.
+    /// The costs of work and messages.
     pub costs: CostModel,
     /// The network.
     pub network: Network,
@@ -58,15 +58,15 @@ pub struct Options {
     pub balance: Option<Balance>,
     /// Blocks that move for no reason.
     pub storm: Option<Storm>,
-    /// When all workers are told to start no more points.
+    /// The time at which all workers are told to start no more points.
     pub cancel: Option<Nanos>,
     /// Under the paper's rule an operation starts again after a random time up to this and four
     /// latencies, doubled with each setback up to 1024 times: the rule may never end if operations
     /// start again before they can have heard of each other.
     pub backoff: Nanos,
-    /// The run fails after so many events.
+    /// The number of events after which the run fails.
     pub max_events: u64,
-    /// The run fails if no point is inserted for so long while a worker has work.
+    /// The longest time without an insertion, while a worker has work, before the run fails.
     pub patience: Nanos,
     /// Stretches of time kept for a trace, per worker; 0 for no trace.
     pub spans: usize,
@@ -97,7 +97,7 @@ pub(super) const MAX_PROCESSORS: usize = 1024;
 const LONGEST: Nanos = 86_400_000_000_000;
 
 impl Options {
-    /// Do the options make sense for so many workers?
+    /// Do the options make sense for this number of workers?
     pub(super) fn check(&self, workers: usize) -> Result<(), SimulationError> {
         let network = &self.network;
         let bursts = network.bursts.unwrap_or(Bursts { every: 1, length: 0 });

@@ -6,7 +6,7 @@ use crate::metrics::{Collector, Nanos};
 use crate::protocol::{Conduct, Event, Message, Source, Submesh, Ticket, Worker, WorkerId};
 use std::collections::VecDeque;
 
-/// What goes over the network.
+/// A message on the network, with what travels along.
 pub(super) struct Envelope<S: Submesh> {
     pub(super) from: WorkerId,
     /// The sender's points left.
@@ -16,7 +16,7 @@ pub(super) struct Envelope<S: Submesh> {
     pub(super) message: Option<Message<S>>,
 }
 
-/// What a processor does next.
+/// The next task of a processor.
 pub(super) enum Next<S: Submesh> {
     /// It takes a message.
     Take(Envelope<S>),
@@ -48,7 +48,7 @@ pub(super) struct Processor<S: Submesh, Q, C> {
     /// Moves and the cancel.
     pub(super) orders: VecDeque<Event<S>>,
     pub(super) is_busy: bool,
-    /// It takes so many times longer than others.
+    /// The factor by which it takes longer than others.
     pub(super) slowness: f64,
     pub(super) balancer: Option<Balancer>,
     pub(super) asking: Asking,
@@ -83,8 +83,8 @@ impl<S: Submesh, Q: Source<S> + Stock, C: Conduct> Processor<S, Q, C> {
         (nanos * self.slowness) as Nanos
     }
 
-    /// The time of the work done in the submesh since the last call: all of it, and of it point
-    /// location.
+    /// The time of the work done in the submesh since the last call: of all work, and of point
+    /// location alone.
     pub(super) fn work_time(&mut self, model: &CostModel) -> (Nanos, Nanos) {
         let costs = self.worker.mesh_mut().take_costs();
         // No step takes no time: else time might stand still.

@@ -1,10 +1,10 @@
 //! The standard library's locks as ThreadSanitizer must see them: `cargo xtask tsan`.
 //!
 //! The sanitizer knows what happens before what from the atomics of instrumented code. The standard
-//! library comes compiled without it, so that a lock taken in the library's slow path, after a wait,
-//! looks like no lock at all. Here every lock has a shadow, an atomic of ours: read with `Acquire`
-//! after the lock is taken, written with `Release` before it is given back. That says what a mutex
-//! promises, and nothing more: both happen inside the critical section.
+//! library comes compiled without it, so that a lock taken in the library's slow path, after a
+//! wait, looks like no lock at all. Here every lock has a shadow, an atomic of ours: read with
+//! `Acquire` after the lock is taken, written with `Release` before it is given back. That says
+//! what a mutex promises, and nothing more: both happen inside the critical section.
 //!
 //! What is assumed is that the library's mutex is one. What is checked is everything around it.
 //! With the variable `LTBW_TSAN_CANARY` the shadows are not read: then races must be reported.

@@ -13,7 +13,7 @@ pub struct Distributed {
     pub(super) meshes: Vec<LocalMesh>,
     pub(super) common: Common,
     pub(super) outcome: Outcome,
-    /// Of the start and of the workers.
+    /// Seconds of the start and of the workers.
     pub(super) seconds: [f64; 2],
     pub(super) workers: Vec<WorkerStats>,
     pub(super) summary: Option<Summary>,
@@ -21,7 +21,7 @@ pub struct Distributed {
 }
 
 impl Distributed {
-    /// How far the run came.
+    /// The outcome: whether all points are in the mesh.
     pub fn outcome(&self) -> Outcome {
         self.outcome
     }

@@ -39,7 +39,7 @@ pub enum RunError {
     Failed {
         /// The worker.
         worker: WorkerId,
-        /// What it said.
+        /// The message of its panic.
         message: String,
     },
     /// A worker's submesh has failed: it has no room for more tetrahedra, say.
@@ -66,7 +66,7 @@ pub struct WorkerStats {
     pub local: u64,
     /// Operations committed.
     pub operations: u64,
-    /// Those of more than one worker.
+    /// Operations with parts at more than one worker.
     pub interface: u64,
     /// Attempts set back.
     pub setbacks: u64,
@@ -103,7 +103,7 @@ impl WorkerStats {
 pub struct Run {
     /// The mesh: of all points if `outcome` is [`Outcome::Complete`].
     pub mesh: Mesh,
-    /// How far the run came.
+    /// The outcome: whether all points are in the mesh.
     pub outcome: Outcome,
     /// Input indices of duplicates met, each with the index of the vertex kept; ascending.
     pub duplicates: Vec<(Vertex, Vertex)>,
@@ -115,7 +115,7 @@ pub struct Run {
     pub gather_seconds: f64,
     /// By worker.
     pub workers: Vec<WorkerStats>,
-    /// What the workers did with their time, if [`Parallel::measure`] asked for it.
+    /// The figures of the workers' time, if [`Parallel::measure`] asked for them.
     pub summary: Option<Summary>,
     /// The timeline of the run, if one was asked for.
     pub trace: Option<Trace>,
@@ -271,7 +271,7 @@ impl<'a> Parallel<'a> {
         Ok(Distributed { meshes, common, outcome, seconds, workers: stats, summary, trace })
     }
 
-    /// Where no block moves a point's star need not be divided.
+    /// The layout by default: a point's star need not be divided where no block moves.
     fn default_plan(&self, points: usize) -> Plan {
         let ownership = match self.balance {
             Some(_) => Ownership::Block,

@@ -1,5 +1,5 @@
-//! What a worker thread adds to the loop: a clock, a cancel token, counters, and figures if they
-//! are wanted.
+//! The additions of a worker thread to the loop: a clock, a cancel token, counters, and figures if
+//! they are wanted.
 
 use super::WorkerStats;
 use super::worker_loop::Watch;
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// A cancel token wakes nobody: a sleeping worker looks at it now and then.
 const NAP: Duration = Duration::from_millis(20);
 
-/// How often a backoff doubles.
+/// The number of times that a backoff doubles.
 const DOUBLINGS: u32 = 10;
 
 /// Looks for messages of a worker with nothing to do, some ten microseconds in all, before it
@@ -38,14 +38,15 @@ pub(super) struct ThreadWatch<'a> {
 #[derive(Debug)]
 struct Meter {
     collector: Collector,
-    /// When the last thing measured ended.
+    /// The end of the last thing measured.
     last: Nanos,
     cause: Cause,
 }
 
 impl<'a> ThreadWatch<'a> {
-    /// The watch of `worker` in a run that began at `start`; with `spans`, all is measured, and so
-    /// many stretches of time are kept. In a `crowded` run there are more workers than processors.
+    /// The watch of `worker` in a run that began at `start`; if there is a number of `spans`, all
+    /// is measured, and that number of stretches of time is kept. In a `crowded` run there are more
+    /// workers than processors.
     pub(super) fn new(
         worker: WorkerId,
         start: Instant,

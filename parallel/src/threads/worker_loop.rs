@@ -5,8 +5,8 @@
 //!   -> ask for blocks, if points run out -> hand over what was sent -> sleep, if there was nothing
 //! ```
 //!
-//! What differs between the runtimes is behind [`Transport`] (how messages travel) and [`Watch`]
-//! (the time, orders from outside, and who looks on). Both are known when the code is compiled.
+//! The differences between the runtimes are behind [`Transport`] (how messages travel) and
+//! [`Watch`] (the time, orders from outside, observers). Both are known when the code is compiled.
 
 use crate::balance::{Balance, Balancer, Stock};
 use crate::metrics::Nanos;
@@ -17,7 +17,7 @@ use crate::protocol::{
 use crate::transport::{Mail, Transport};
 use std::time::Duration;
 
-/// What a runtime adds to the loop: time, orders, and a look at what happens.
+/// A runtime's additions to the loop: time, orders, and a look at what happens.
 pub trait Watch<S: Submesh> {
     /// Units of local work between two looks for messages.
     const BURST: usize;
@@ -25,21 +25,21 @@ pub trait Watch<S: Submesh> {
     /// Nanoseconds since some moment; always 0 if there is no clock.
     fn now(&mut self) -> Nanos;
 
-    /// How long it is until `due`; `None` if there is no clock to wait for.
+    /// The time until `due`; `None` if there is no clock to wait for.
     fn until(&mut self, due: Nanos) -> Option<Duration>;
 
-    /// When an operation may start again that was set back so many times (the paper's rule).
+    /// The time at which an operation may start its attempt number `attempt` (the paper's rule).
     fn backoff(&mut self, attempt: Attempt) -> Nanos;
 
     /// An order from outside: to stop, or to give a block away. `may_move` tells whether a block
     /// may be given away now.
     fn order(&mut self, may_move: impl Fn(BlockId) -> bool) -> Option<Event<S>>;
 
-    /// After how long a sleeping worker must look for orders; `None` if it need not.
+    /// The time after which a sleeping worker must look for orders; `None` if it need not.
     fn nap(&self) -> Option<Duration>;
 
-    /// How often a worker with nothing to do looks for messages before it sleeps: to be woken takes
-    /// longer than most answers do.
+    /// The number of looks for messages of a worker with nothing to do before it sleeps: to be
+    /// woken takes longer than most answers do.
     fn looks_before_sleep(&self) -> u32 {
         0
     }
@@ -47,7 +47,7 @@ pub trait Watch<S: Submesh> {
     /// A look for messages begins.
     fn looks(&mut self) {}
 
-    /// It has ended, and found so many.
+    /// The look has ended, and found `found` messages.
     fn looked(&mut self, found: usize);
 
     /// A step begins.
@@ -58,7 +58,7 @@ pub trait Watch<S: Submesh> {
     /// The step has ended in these actions.
     fn ended(&mut self, actions: &[Action<S>]);
 
-    /// What was sent is handed over, requests for blocks to `asked` others among it.
+    /// All sent messages are handed over, requests for blocks to `asked` others among them.
     fn sent(&mut self, asked: usize) {
         let _ = asked;
     }
@@ -81,7 +81,7 @@ pub struct Loop<S: Submesh, Q, C, T, W> {
     resting: Vec<(Nanos, Ticket)>,
 }
 
-/// What a loop leaves that has come to its end.
+/// The remains of a loop that has come to its end.
 pub struct Ended<S: Submesh, Q, C, T, W> {
     /// The worker. Nothing is locked or awaited, here or anywhere.
     pub node: Worker<S, Q, C>,

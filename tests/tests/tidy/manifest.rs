@@ -99,7 +99,8 @@ fn a_dependency_that_nothing_names_is_found() {
         Tree::of(&[("Cargo.toml", root), ("cli/Cargo.toml", manifest), ("cli/src/lib.rs", code)])
     };
     let manifest = "[package]\nname = \"x\"\n[dependencies]\n# why\nsome-crate.workspace = true\n\
-                    [target.'cfg(a)'.dependencies]\nrust = { workspace = true, features = [\"x\"] }\n";
+                    [target.'cfg(a)'.dependencies]\n\
+                    rust = { workspace = true, features = [\"x\"] }\n";
     for code in ["use some_crate::a; fn f() { rust::b() }", "use {some_crate, rust as r};"] {
         assert_eq!(unused(&tree(manifest, code)), [""; 0], "{code}");
     }

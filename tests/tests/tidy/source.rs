@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// The text of every Rust source and manifest of the workspace, by path from its root. A test plants
-/// a violation by writing such a tree by hand.
+/// The text of every Rust source and manifest of the workspace, by path from its root. A test
+/// plants a violation by writing such a tree by hand.
 #[derive(Default)]
 pub struct Tree(pub BTreeMap<String, String>);
 

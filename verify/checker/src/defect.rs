@@ -1,4 +1,4 @@
-//! What can be wrong with a mesh, and the bounded list in which it is collected.
+//! The defects that a mesh can have, and the bounded list in which it is collected.
 
 use crate::mesh::Point;
 use serde::{Serialize, Serializer};
@@ -12,7 +12,7 @@ use std::fmt;
 pub enum Level {
     /// Indices, repeated and duplicated things, finite coordinates.
     Structure,
-    /// How tetrahedra meet, without coordinates.
+    /// The faces at which tetrahedra meet, without coordinates.
     Topology,
     /// Exact orientation of every tetrahedron; no fold at a shared face.
     Orientation,
@@ -63,7 +63,7 @@ macro_rules! kinds {
                 match self { $(Self::$kind => $name,)+ }
             }
 
-            /// What is wrong, for people.
+            /// The defect in words, for people.
             pub fn text(self) -> &'static str {
                 match self { $(Self::$kind => $text,)+ }
             }
@@ -147,10 +147,10 @@ impl fmt::Display for Kind {
     }
 }
 
-/// One defect: what, which tetrahedra and vertices, and where.
+/// One defect: its kind, its tetrahedra and vertices, its place.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Defect {
-    /// What is wrong; see [`Kind`] for the meaning of the ids.
+    /// The kind; see [`Kind`] for the meaning of the ids.
     pub kind: Kind,
     /// Tetrahedra concerned, as indices into the checked list.
     pub tets: Vec<u32>,

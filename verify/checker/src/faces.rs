@@ -1,4 +1,4 @@
-//! Who shares which face: the checker's own adjacency, from the list of tetrahedra alone.
+//! The checker's own adjacency, from the list of tetrahedra alone.
 //!
 //! Faces are put into one bucket per smallest vertex (a counting sort), then matched inside each
 //! bucket by their two other vertices; buckets in parallel. In a usual mesh a bucket holds some

@@ -4,7 +4,7 @@
 //! opposite sides, and, with the same data in hand, the exact orientation of the tetrahedron and
 //! the exact in-sphere test of each face; then come the tests of the hull. These are the premises
 //! of the theorem in the crate documentation, which concludes what is *not* tested here: that no
-//! face has a third tetrahedron, that the mesh hangs together, that it is a ball at every vertex
+//! face has a third tetrahedron, that the mesh is connected, that it is a ball at every vertex
 //! and as a whole. Where one test fails there is no proof, and the levels are gone through one by
 //! one, on the checker's own adjacency, to say what is wrong.
 //!
@@ -23,7 +23,7 @@ use crate::sweep::{Partial, pieces};
 use crate::topology::{self, Hull};
 use std::ops::Range;
 
-/// What the report says of a mesh that was proved.
+/// The counts that the report gives of a mesh that was proved.
 pub(crate) struct Proof {
     pub(crate) orientation: Tally,
     pub(crate) delaunay: Tally,
@@ -70,7 +70,7 @@ pub(crate) fn prove(mesh: &Mesh, options: &Options, canonical: bool) -> Option<P
     })
 }
 
-/// What a sweep over tetrahedra brings back if all of its tests hold.
+/// The result of a sweep over tetrahedra if all of its tests hold.
 #[derive(Default)]
 struct Swept {
     orientation: Tally,

@@ -131,7 +131,7 @@ type Row = [u32; 4];
 
 /// Rows in a piece: some megabytes, so that putting them in order stays in the cache.
 const PIECE: usize = 1 << 18;
-/// At most so many buckets, so that a piece has some hundred rows in each.
+/// The most buckets: a piece has some hundred rows in each.
 const BUCKETS: usize = 1 << 11;
 /// Buckets that are sorted while as many others are hashed.
 const WAVE: usize = 32;

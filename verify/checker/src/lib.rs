@@ -82,7 +82,7 @@
 //! would be hull facets with one image on the sphere. They meet face to face: were a vertex
 //! inside a face or edge of a tetrahedron that it does not belong to, a tetrahedron at that
 //! vertex would overlap one of those that share this face, or that follow each other around this
-//! edge. And a convex body tiled face to face hangs together through faces, and is a ball, as a
+//! edge. And a convex body tiled face to face is connected through faces, and is a ball, as a
 //! whole and around every vertex: the links are spheres and, on the hull, disks, and
 //! V - E + F - T = 1.
 //!

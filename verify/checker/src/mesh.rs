@@ -1,4 +1,4 @@
-//! What the checker is given: a borrowed mesh of plain slices, and how deep to look.
+//! The checker's input: a borrowed mesh of plain slices, and how deep to look.
 
 /// A point: three coordinates in the units of the input.
 pub type Point = [f64; 3];
@@ -39,7 +39,7 @@ impl<'a> Mesh<'a> {
     }
 }
 
-/// How deep to look.
+/// The depth of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Depth {
@@ -53,7 +53,7 @@ pub enum Depth {
     Full,
 }
 
-/// What the order of a tetrahedron's four vertices means.
+/// The meaning of the order of a tetrahedron's four vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum VertexOrder {
@@ -69,9 +69,9 @@ pub enum VertexOrder {
 /// Options of [`check`](crate::check).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
-    /// How deep to look.
+    /// The depth of the check.
     pub depth: Depth,
-    /// What the order of the vertices means.
+    /// The meaning of the order of the vertices.
     pub vertex_order: VertexOrder,
     /// Demand that every place of `points` is a vertex of the mesh (duplicates of a vertex need
     /// not be used): "this mesh is the triangulation of all of these points".

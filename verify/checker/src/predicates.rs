@@ -21,7 +21,7 @@ use crate::exact;
 use crate::mesh::Point;
 use std::ops::{Add, Mul, Sub};
 
-/// How many tests a filter decided, and how many exact arithmetic.
+/// The numbers of tests that a filter decided, and that exact arithmetic did.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Tally {
     pub(crate) filter: u64,

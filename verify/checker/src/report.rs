@@ -1,10 +1,10 @@
-//! What the checker found, and the certificate `ltbw.cert/1` made of it.
+//! The checker's findings, and the certificate `ltbw.cert/1` made from them.
 
 use crate::defect::{Defect, Kind, Level};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// How a level came out.
+/// The outcome of a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -25,7 +25,7 @@ pub enum Outcome {
 pub struct LevelReport {
     /// Which level.
     pub level: Level,
-    /// How it came out.
+    /// Its outcome.
     pub outcome: Outcome,
     /// Exact predicates decided by a floating-point filter.
     pub filter: u64,

@@ -6,7 +6,7 @@ use crate::predicates::Tally;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// What a sweep over a part of the mesh brings back.
+/// The result of a sweep over a part of the mesh.
 #[derive(Debug, Clone)]
 pub(crate) struct Partial {
     pub(crate) findings: Findings,

@@ -1,8 +1,8 @@
-//! Level *topology*: how tetrahedra meet, without a coordinate.
+//! Level *topology*: the faces at which tetrahedra meet, without a coordinate.
 //!
 //! Every face has one or two tetrahedra (found in `faces.rs`); vertex orders put two neighbours
 //! on opposite sides of their face; claimed adjacency and claimed hull are the real ones;
-//! everything hangs together; every edge of the hull has exactly two hull facets. The full depth
+//! the mesh is connected; every edge of the hull has exactly two hull facets. The full depth
 //! adds what makes the mesh a ball: around every inner vertex the tetrahedra form a ball, around
 //! every vertex of the hull a half ball; V - E + F - T = 1; the hull is one sphere.
 //!
@@ -273,7 +273,7 @@ struct Scratch {
     stack: Vec<usize>,
 }
 
-/// What decides whether the link of a vertex is a sphere or a disk.
+/// The counts that decide whether the link of a vertex is a sphere or a disk.
 struct Link {
     triangles: usize,
     vertices: usize,

@@ -167,7 +167,7 @@ fn flipped_tetrahedron() {
     assert_eq!(found(&r, Kind::InvertedTet), expected);
     assert_eq!(r.count(Kind::SameSide), 4);
     assert!(found(&r, Kind::SameSide).iter().all(|(tets, _)| tets.contains(&(inner as u32))));
-    // Where the order of vertices means nothing, nothing is wrong.
+    // No defect is left where the order of vertices means nothing.
     let options = Options { vertex_order: VertexOrder::Any, ..Options::default() };
     let r = check(&Mesh::new(&mesh.points, &mesh.tets), &options);
     assert!(r.passed());

@@ -1,4 +1,4 @@
-//! What a report says in words and in its certificate, beside the numbers.
+//! The words of a report and of its certificate, beside the numbers.
 
 use ltbw_verify::{Depth, Hash, Kind, Level, Mesh, Options, check};
 

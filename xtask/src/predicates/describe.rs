@@ -142,8 +142,8 @@ const INCIRCLE: Predicate<'static> = Predicate {
 /// (a - p) . (b - p), negative inside.
 const IN_DIAMETRAL_BALL: Predicate<'static> = Predicate {
     name: "in_diametral_ball",
-    about: "Where `p` lies with respect to the ball of which `a, b` is a diameter: positive \
-            inside, negative outside.",
+    about: "The side of the ball with diameter `a, b` on which `p` lies: positive inside, negative \
+            outside.",
     points: &["a", "b", "p"],
     parameters: &[],
     vectors: &["ap", "bp"],
@@ -162,8 +162,8 @@ const IN_DIAMETRAL_BALL: Predicate<'static> = Predicate {
 /// |n|^2 |w|^2 + |v|^2 (u . (v - u)) (w . u) - |u|^2 (v . (v - u)) (w . v), negative inside.
 const IN_EQUATORIAL_BALL: Predicate<'static> = Predicate {
     name: "in_equatorial_ball",
-    about: "Where `p` lies with respect to the smallest ball whose boundary passes through \
-            `a, b, c`, which are not collinear: positive inside, negative outside.",
+    about: "The side of the smallest ball whose boundary passes through `a, b, c`, which are not \
+            collinear, on which `p` lies: positive inside, negative outside.",
     points: &["a", "b", "c", "p"],
     parameters: &[],
     vectors: &["ab", "ac", "bc", "ap"],

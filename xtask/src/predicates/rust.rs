@@ -156,7 +156,7 @@ fn bound(predicate: &Predicate<'_>, out: &mut String) -> Result<(), String> {
     let parameters = predicate.parameters.iter().map(|name| format!(", {name}: f64"));
     let _ = write!(
         out,
-        "\n/// What the error of `{}_value` cannot exceed.\n#[inline(always)]\n\
+        "\n/// The bound of the error of `{}_value`.\n#[inline(always)]\n\
          fn {}_bound([{}]: [f64; {}]{}) -> f64 {{\n",
         predicate.name,
         predicate.name,

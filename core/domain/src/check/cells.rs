@@ -117,7 +117,8 @@ pub(super) fn leak(
 }
 
 impl Cells {
-    /// Finds the cells of a complex of one triangle at least, in which triangles meet in common edges and vertices only.
+    /// Finds the cells of a complex of one triangle at least, in which triangles meet in common
+    /// edges and vertices only.
     ///
     /// # Errors
     /// A triangle of a shell through which no segment could be cast that meets no edge.

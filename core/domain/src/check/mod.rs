@@ -5,8 +5,8 @@
 //! 2. Every two pieces whose boxes meet: do they touch otherwise than in what both name
 //!    (`pairs.rs`, `contact.rs`)?
 //! 3. If all that is sound, the surface divides space into cells, which are found exactly
-//!    (`cells.rs`): gaps through which the outside leaks in, seeds in no cell, orientation, volumes.
-//!    A part of the surface too small for any segment that is tried is a finding, too.
+//!    (`cells.rs`): gaps through which the outside leaks in, seeds in no cell, orientation,
+//!    volumes. A part of the surface too small for any segment that is tried is a finding, too.
 //!
 //! Every decision is made by exact predicates; floating point only chooses where to look, with
 //! boxes that are exact. Cost: sorting and searching in n triangles, about n log n, as long as few

@@ -234,8 +234,8 @@ impl Plane {
         Star { plane: self, v, first, next: first, step: 1 }
     }
 
-    /// A triangle with the edge, and the place of its corner across from the edge. Looks around both
-    /// ends in turn: one of them may have very many triangles.
+    /// A triangle with the edge, and the place of its corner across from the edge. Looks around
+    /// both ends in turn: one of them may have very many triangles.
     fn find_edge(&self, [a, b]: [u32; 2]) -> Option<(u32, usize)> {
         let (mut at_a, mut at_b) = (self.star(a), self.star(b));
         // Ends with the shorter of the stars.

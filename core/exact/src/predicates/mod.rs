@@ -131,7 +131,7 @@ pub fn orient3d(a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
     filter::orient3d_any(a, b, c, d).unwrap_or_else(|| exact::orient3d(a, b, c, d))
 }
 
-/// Where `e` lies with respect to the sphere through `a, b, c, d`: positive inside if
+/// The side of the sphere through `a, b, c, d` on which `e` lies: positive inside if
 /// `orient3d(a, b, c, d)` is positive, negative inside if it is negative, zero on the sphere.
 #[inline]
 #[must_use]
@@ -160,7 +160,7 @@ pub fn collinear(a: &Point, b: &Point, c: &Point) -> bool {
     coplanar_orient(a, b, c).is_zero()
 }
 
-/// Where `d` lies with respect to the circle through `a, b, c`, for four points of one plane:
+/// The side of the circle through `a, b, c` on which `d` lies, for four points of one plane:
 /// positive strictly inside, zero on the circle, negative outside, whatever the orientation of
 /// `a, b, c`. Zero if `a, b, c` are collinear.
 ///
@@ -181,8 +181,8 @@ pub fn orient2d(a: &Point, b: &Point, c: &Point, plane: [usize; 2]) -> Sign {
     filter::orient2d_any(a, b, c, plane).unwrap_or_else(|| exact::orient2d(a, b, c, plane))
 }
 
-/// Where the projection of `d` lies with respect to the circle through those of `a, b, c`, which
-/// are oriented positively: positive inside.
+/// The side of the circle through the projections of `a, b, c` on which that of `d` lies; `a, b, c`
+/// are oriented positively. Positive inside.
 pub fn incircle(a: &Point, b: &Point, c: &Point, d: &Point, plane: [usize; 2]) -> Sign {
     filter::incircle_any(a, b, c, d, plane).unwrap_or_else(|| exact::incircle(a, b, c, d, plane))
 }

@@ -54,7 +54,7 @@ impl<const N: usize> Iterator for Descending<'_, N> {
     }
 }
 
-/// Where `p` lies with respect to the perturbed sphere through `p0, p1, p2, p3`: positive inside,
+/// The side of the perturbed sphere through `p0, p1, p2, p3` on which `p` lies: positive inside,
 /// negative outside, never zero. Needs `orient3d(p0, p1, p2, p3)` positive and distinct points.
 #[must_use]
 pub fn side_of_sphere(p0: &Point, p1: &Point, p2: &Point, p3: &Point, p: &Point) -> Sign {
@@ -92,7 +92,7 @@ pub fn perturbed_side(p0: &Point, p1: &Point, p2: &Point, p3: &Point, p: &Point)
     sides.find(|side| !side.is_zero()).unwrap_or(Sign::Negative)
 }
 
-/// Where `p` lies with respect to the perturbed circle through `p0, p1, p2`, in their plane:
+/// The side of the perturbed circle through `p0, p1, p2`, in their plane, on which `p` lies:
 /// positive inside, negative outside, never zero. Needs four distinct coplanar points, of which
 /// `p0, p1, p2` are not collinear (their orientation is free).
 #[must_use]

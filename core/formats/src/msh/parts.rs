@@ -1,4 +1,4 @@
-//! What the two versions of `.msh` have in common: nodes and tetrahedra under numbers of the
+//! The common parts of the two versions of `.msh`: nodes and tetrahedra under numbers of the
 //! file, and how they become a mesh.
 
 use crate::MeshFile;

@@ -4,7 +4,7 @@ use crate::error::{ParseError, Place, Reason, excerpt};
 use crate::scalar::{Kind, Scalar};
 use crate::text;
 
-/// How the numbers are stored.
+/// The storage of numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Form {
     /// Decimal text.
@@ -17,7 +17,7 @@ pub(super) enum Form {
 pub(super) struct Source<'a> {
     bytes: &'a [u8],
     next: usize,
-    /// Where the number that was read last starts.
+    /// The offset of the number that was read last.
     last: usize,
     form: Form,
 }

@@ -8,7 +8,7 @@ use crate::{Encoding, check_float_tags};
 use ltbw_core::TetMesh;
 use std::io::{Error, ErrorKind, Result, Write};
 
-/// How the regions of a mesh are written.
+/// The form in which the regions of a mesh are written.
 enum Regions<'a> {
     /// As physical groups: each different region, ascending.
     Groups(&'a [i64], Vec<i64>),

@@ -12,7 +12,7 @@ use flate2::read::ZlibDecoder;
 use std::borrow::Cow;
 use std::io::Read;
 
-/// What the outermost element says of all binary arrays of a file.
+/// The encoding of all binary arrays of a file, from its outermost element.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     /// Numbers of array headers.
@@ -124,9 +124,9 @@ pub(super) enum Stream<'a> {
         text: &'a [u8],
         /// Decoded bytes of the last group; the first `used` of them were taken.
         group: [u8; 3],
-        /// How many bytes the last group has.
+        /// The number of bytes of the last group.
         length: usize,
-        /// How many of them were taken.
+        /// The number of bytes taken from it.
         used: usize,
     },
 }

@@ -40,7 +40,7 @@ enum Wanted {
 /// A piece of a grid as the file tells it, before it is checked.
 #[derive(Default)]
 struct Piece {
-    /// Where it starts in the file.
+    /// The offset of its start in the file.
     offset: usize,
     points: u64,
     cells: u64,
@@ -71,7 +71,7 @@ impl Piece {
     }
 }
 
-/// How the array is stored that is being read.
+/// The storage of the array that is being read.
 #[derive(Debug, Clone, Copy)]
 enum Storage {
     Text,
@@ -90,7 +90,7 @@ struct Appended<'a> {
     taken: usize,
 }
 
-/// What has been read so far.
+/// All that has been read so far.
 struct State<'a> {
     bytes: &'a [u8],
     layout: Option<Layout>,
@@ -171,7 +171,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     Ok(MeshFile { mesh: state.mesh, notes })
 }
 
-/// Where `word`, which starts with `<`, stands in `bytes` for the first time.
+/// The offset of the first `word`, which starts with `<`, in `bytes`.
 fn find(bytes: &[u8], word: &[u8]) -> Option<usize> {
     let mut from = 0;
     // Every turn moves `from` forward.
@@ -206,7 +206,7 @@ fn appended(bytes: &[u8]) -> Result<Appended<'_>, Reason> {
     Ok(Appended { base64, data, taken: 0 })
 }
 
-/// What the XML parser complains about, cut to a line.
+/// The complaint of the XML parser, cut to a line.
 fn malformed(error: &dyn std::error::Error) -> Reason {
     Reason::Syntax(format!("not well-formed XML: {}", one_line(&error.to_string(), 120)))
 }
@@ -298,7 +298,7 @@ impl State<'_> {
         Ok(())
     }
 
-    /// How the values of `element` are stored; those of an appended array are read at once.
+    /// The storage of the values of `element`; those of an appended array are read at once.
     fn storage(&mut self, element: &BytesStart<'_>, wanted: Wanted) -> Result<Storage, Reason> {
         let format = attribute(element, "format")?.unwrap_or_default();
         if format == "ascii" {

@@ -1,7 +1,7 @@
 //! Writing `.vtu` files: appended raw arrays, or text.
 //!
-//! Boundary triangles follow the tetrahedra as cells. Arrays of cells have a value for every cell, so
-//! a triangle has those of its tetrahedron, and looks like it; tetrahedra have the marker 0.
+//! Boundary triangles follow the tetrahedra as cells. Arrays of cells have a value for every cell,
+//! so a triangle has those of its tetrahedron, and looks like it; tetrahedra have the marker 0.
 
 use super::{TETRAHEDRON, TRIANGLE};
 use crate::Encoding;
@@ -34,8 +34,8 @@ pub fn write(out: &mut dyn Write, mesh: &TetMesh, encoding: Encoding) -> std::io
     write_with(out, mesh, &Extras::default(), encoding)
 }
 
-/// Writes a `.vtu` file as [`write()`] does, with arrays for the figures of the tetrahedra, and with the
-/// boundary as triangles and an array `marker`.
+/// Writes a `.vtu` file as [`write()`] does, with arrays for the figures of the tetrahedra, and
+/// with the boundary as triangles and an array `marker`.
 ///
 /// # Errors
 /// Those of `out`.
@@ -126,7 +126,7 @@ fn geometry<'a>(mesh: &'a TetMesh, extras: &'a Extras, encoding: Encoding) -> Ve
         };
         for (k, &v) in corners.iter().enumerate() {
             index(v as usize, row);
-            // Those of a cell on a line.
+            // The corners of a cell stand on one line.
             if let (true, true, Some(end)) = (ascii, k + 1 < corners.len(), row.last_mut()) {
                 *end = b' ';
             }

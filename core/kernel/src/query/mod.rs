@@ -47,7 +47,7 @@ use ltbw_exact::points::PointError;
 use set::Marks;
 use target::{Spot, Target};
 
-/// Where a point lies in a mesh.
+/// The simplex of a mesh that holds a point, or its place outside.
 ///
 /// It depends on the mesh and the point alone, but for `tet` of [`Location::Edge`] and
 /// [`Location::Facet`], which is one of several, and the facet of [`Location::OutsideHull`].
@@ -265,7 +265,7 @@ pub struct Cursor<'q> {
 }
 
 impl<'q> Cursor<'q> {
-    /// Where a point lies, exactly.
+    /// Locates a point, exactly.
     ///
     /// Cost: O(1) expected near the last point asked for, else a walk of O(n^(1/3)) steps for
     /// uniform points.

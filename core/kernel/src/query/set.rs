@@ -30,7 +30,7 @@ impl Marks {
         self.stamp += 1;
     }
 
-    /// Where `number` is, or the place for it. Ends: half of the table is empty.
+    /// The place of `number`, or the free place for it. Ends: half of the table is empty.
     #[inline(always)]
     fn place(&self, number: u32) -> (usize, bool) {
         let mask = self.table.len() - 1;

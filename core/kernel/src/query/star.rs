@@ -1,4 +1,4 @@
-//! What surrounds a vertex: its star, its neighbours; the edges of a mesh.
+//! The surroundings of a vertex: its star, its neighbours; the edges of a mesh.
 
 use super::{Cursor, Queries};
 use crate::mesh::{Mesh, Vertex};

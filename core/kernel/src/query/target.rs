@@ -30,7 +30,7 @@ pub(super) struct Target<'m> {
     frame: Frame,
 }
 
-/// Where a walk ended.
+/// The end of a walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Spot {
     /// In the closure of this finite tetrahedron; bit i: on the face opposite vertex i.

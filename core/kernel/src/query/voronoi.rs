@@ -67,8 +67,8 @@ pub struct CellFace<'c> {
     /// The corners, counterclockwise seen from `neighbour`: tetrahedra whose circumcentres they
     /// are (one of several cospherical ones each).
     pub corners: &'c [TetId],
-    /// Of an unbounded face, two ghosts: a ray comes from infinity, along the normal of the hull
-    /// facet of the first, to the first corner; another goes from the last corner to infinity
+    /// Two ghosts, if the face is unbounded: a ray comes from infinity, along the normal of the
+    /// hull facet of the first, to the first corner; another goes from the last corner to infinity
     /// along the normal of the second.
     pub rays: Option<[TetId; 2]>,
 }

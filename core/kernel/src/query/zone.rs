@@ -11,7 +11,7 @@ use ltbw_exact::points::PointError;
 /// stands for vertex i of a positively oriented tetrahedron.
 const OTHERS: [[usize; 3]; 4] = [[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]];
 
-/// What a point conflicts with ([`Cursor::conflicts`]).
+/// The conflicts of a point ([`Cursor::conflicts`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Conflicts<'c> {
     /// It lies at this vertex: inserting it would change nothing.

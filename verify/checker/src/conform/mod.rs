@@ -60,7 +60,7 @@ pub struct Plc {
     pub regions: Vec<Point>,
 }
 
-/// What every tetrahedron has to meet.
+/// The bounds that every tetrahedron has to meet.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Limits {
     /// The largest circumradius to shortest edge.
@@ -71,7 +71,7 @@ pub struct Limits {
     pub region_volumes: Vec<Option<f64>>,
 }
 
-/// What can be wrong. Ids are those of the domain or of the mesh, as each kind says.
+/// The kinds of breaches. Ids are those of the domain or of the mesh, as each kind says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -102,7 +102,7 @@ pub enum Breach {
 }
 
 impl Breach {
-    /// What is wrong, for people.
+    /// The breach in words, for people.
     pub fn text(self) -> &'static str {
         match self {
             Self::TooFine => "the coordinates have no common unit of 60 bits",
@@ -123,9 +123,9 @@ impl Breach {
 /// One breach.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// What is wrong.
+    /// The kind of breach.
     pub breach: Breach,
-    /// Where: see [`Breach`].
+    /// The place: see [`Breach`].
     pub ids: Vec<u32>,
 }
 
@@ -135,7 +135,7 @@ impl std::fmt::Display for Finding {
     }
 }
 
-/// What [`conforms`] found.
+/// The findings of [`conforms`].
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct Conformity {
@@ -492,7 +492,7 @@ impl Run<'_> {
         cell
     }
 
-    /// Where the points of holes and the seeds of regions are; returns a tetrahedron per region.
+    /// Locates the points of holes and the seeds of regions; returns a tetrahedron per region.
     fn seeds(&mut self) -> Vec<Option<usize>> {
         let (mesh, plc) = (self.mesh, self.plc);
         let find = |p: &Point| {

@@ -12,7 +12,7 @@ use super::super::tests::references::{self, Place};
 use super::fixed::big;
 use super::*;
 
-/// Coordinates of so many bits, often the largest there are.
+/// Coordinates of `bits` bits, often the largest there are.
 fn coordinate(bits: u32) -> impl Strategy<Value = i128> {
     let most = (1_i128 << bits) - 1;
     prop_oneof![4 => -most..=most, 1 => Just(most), 1 => Just(-most), 1 => Just(0)]
@@ -34,7 +34,8 @@ proptest! {
         let [a, b, c, d] = p.map(|p| p.map(|x| i64::try_from(x).expect("62 bits")));
         let three = with_origin([p[0], p[1], p[2]]);
         prop_assert_eq!(-big(&det3_small(&a, &b, &c)), references::orient3d(&three));
-        prop_assert_eq!(big(&insphere_small(&a, &b, &c, &d)), references::insphere(&with_origin(p)));
+        let expected = references::insphere(&with_origin(p));
+        prop_assert_eq!(big(&insphere_small(&a, &b, &c, &d)), expected);
         for plane @ [i, j] in PLANES {
             let turn = references::orient2d(&with_origin([p[0], p[1]]), plane);
             prop_assert_eq!(BigInt::from(minor(&a, &b, i, j)), turn);
@@ -48,7 +49,8 @@ proptest! {
         let [a, b, c, d] = p;
         let three = with_origin([a, b, c]);
         prop_assert_eq!(-big(&det3_medium(&a, &b, &c)), references::orient3d(&three));
-        prop_assert_eq!(big(&insphere_medium(&a, &b, &c, &d)), references::insphere(&with_origin(p)));
+        let expected = references::insphere(&with_origin(p));
+        prop_assert_eq!(big(&insphere_medium(&a, &b, &c, &d)), expected);
         for plane @ [i, j] in PLANES {
             let turn = references::orient2d(&with_origin([a, b]), plane);
             prop_assert_eq!(big(&minor_medium(&a, &b, i, j)), turn);

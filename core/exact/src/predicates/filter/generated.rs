@@ -27,7 +27,7 @@ fn orient3d_value(a: &Point, b: &Point, c: &Point, d: &Point) -> (f64, [f64; 3])
     (-det, [mx, my, mz])
 }
 
-/// What the error of `orient3d_value` cannot exceed.
+/// The bound of the error of `orient3d_value`.
 #[inline(always)]
 fn orient3d_bound([mx, my, mz]: [f64; 3]) -> f64 {
     ORIENT3D_ERROR * mx * my * mz
@@ -107,7 +107,7 @@ fn insphere_value(a: &Point, b: &Point, c: &Point, d: &Point, e: &Point) -> (f64
     (-det, [mx, my, mz])
 }
 
-/// What the error of `insphere_value` cannot exceed.
+/// The bound of the error of `insphere_value`.
 #[inline(always)]
 fn insphere_bound([mx, my, mz]: [f64; 3]) -> f64 {
     let m = larger(larger(mx, my), mz);
@@ -174,7 +174,7 @@ fn orient2d_value(a: &Point, b: &Point, c: &Point, plane: [usize; 2]) -> (f64, [
     (det, [mi, mj])
 }
 
-/// What the error of `orient2d_value` cannot exceed.
+/// The bound of the error of `orient2d_value`.
 #[inline(always)]
 fn orient2d_bound([mi, mj]: [f64; 2]) -> f64 {
     ORIENT2D_ERROR * mi * mj
@@ -235,7 +235,7 @@ fn incircle_value(
     (det, [mi, mj, m])
 }
 
-/// What the error of `incircle_value` cannot exceed.
+/// The bound of the error of `incircle_value`.
 #[inline(always)]
 fn incircle_bound([mi, mj, m]: [f64; 3]) -> f64 {
     INCIRCLE_ERROR * mi * mj * (m * m)
@@ -277,14 +277,14 @@ fn in_diametral_ball_value(a: &Point, b: &Point, p: &Point) -> (f64, [f64; 1]) {
     (-product, [m])
 }
 
-/// What the error of `in_diametral_ball_value` cannot exceed.
+/// The bound of the error of `in_diametral_ball_value`.
 #[inline(always)]
 fn in_diametral_ball_bound([m]: [f64; 1]) -> f64 {
     DIAMETRAL_ERROR * (m * m)
 }
 
-/// Where `p` lies with respect to the ball of which `a, b` is a diameter: positive inside,
-/// negative outside.
+/// The side of the ball with diameter `a, b` on which `p` lies: positive inside, negative
+/// outside.
 ///
 /// By filter, for any finite coordinates; `None` if not decided.
 #[inline(always)]
@@ -329,15 +329,15 @@ fn in_equatorial_ball_value(a: &Point, b: &Point, c: &Point, p: &Point) -> (f64,
     (-value, [m])
 }
 
-/// What the error of `in_equatorial_ball_value` cannot exceed.
+/// The bound of the error of `in_equatorial_ball_value`.
 #[inline(always)]
 fn in_equatorial_ball_bound([m]: [f64; 1]) -> f64 {
     let m2 = m * m;
     EQUATORIAL_ERROR * (m2 * m2 * m2)
 }
 
-/// Where `p` lies with respect to the smallest ball whose boundary passes through `a, b, c`,
-/// which are not collinear: positive inside, negative outside.
+/// The side of the smallest ball whose boundary passes through `a, b, c`, which are not
+/// collinear, on which `p` lies: positive inside, negative outside.
 ///
 /// By filter, for any finite coordinates; `None` if not decided.
 #[inline(always)]
@@ -411,7 +411,7 @@ fn exceeds_radius_edge_value(
     (value, [m])
 }
 
-/// What the error of `exceeds_radius_edge_value` cannot exceed.
+/// The bound of the error of `exceeds_radius_edge_value`.
 #[inline(always)]
 fn exceeds_radius_edge_bound([m]: [f64; 1], ratio: f64) -> f64 {
     let m2 = m * m;
@@ -470,7 +470,7 @@ fn exceeds_volume_value(
     (value, [mx, my, mz])
 }
 
-/// What the error of `exceeds_volume_value` cannot exceed.
+/// The bound of the error of `exceeds_volume_value`.
 #[inline(always)]
 fn exceeds_volume_bound([mx, my, mz]: [f64; 3], volume: f64) -> f64 {
     VOLUME_ERROR * mx * my * mz + VOLUME_LIMIT_ERROR * volume

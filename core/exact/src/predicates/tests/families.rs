@@ -5,7 +5,7 @@ use proptest::sample::select;
 
 use crate::Point;
 
-/// What is asked of a family: five points, any order, not necessarily distinct.
+/// The points of a case: five, any order, not necessarily distinct.
 pub(crate) type Five = [Point; 5];
 
 /// 2^exponent for any exponent of an `f64`, subnormal ones included.
@@ -57,7 +57,7 @@ pub(crate) fn cospherical() -> impl Strategy<Value = Five> {
     cospherical_of_bits(1..26)
 }
 
-/// [`cospherical`], with vectors of so many bits: differences have one bit more.
+/// [`cospherical`], with vectors of `bits` bits: differences have one bit more.
 pub(crate) fn cospherical_of_bits(bits: std::ops::Range<u32>) -> impl Strategy<Value = Five> {
     let choice = (0..6_usize, [any::<bool>(), any::<bool>(), any::<bool>()]);
     let choices = [choice.clone(), choice.clone(), choice.clone(), choice.clone(), choice];

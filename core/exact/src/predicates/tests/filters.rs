@@ -23,7 +23,7 @@ const RATIO_UNIT: u32 = 256;
 /// A filter and what is known about it. Its parameter, if it has one, comes as an integer.
 struct Filter {
     name: &'static str,
-    /// How many points it takes.
+    /// The number of points that it takes.
     points: usize,
     /// The filter, of points in units of the last argument, a power of two.
     decide: fn(&[Point], f64, f64) -> Option<Sign>,
@@ -282,7 +282,7 @@ impl Probe<'_> {
 fn filters_decide_beyond_their_bounds_and_not_below() {
     let mut draw = Draw(0x9e37_79b9_7f4a_7c15);
     for filter in &all() {
-        // How many of each sort, and changes of sign.
+        // The number of each sort, and of changes of sign.
         let mut counts = [0; 4];
         for round in 0..400 {
             let flat = [0, 6][round % 2];
@@ -342,8 +342,8 @@ fn between(low: i32, high: i32, decided: impl Fn(f64) -> bool) {
     }
 }
 
-/// What the limit adds to the bound of a volume is much less than the rest of it: seen where the
-/// arithmetic is exact.
+/// The limit adds much less to the bound of a volume than the rest does: seen where the arithmetic
+/// is exact.
 #[test]
 fn the_bound_of_a_volume_grows_with_the_limit() {
     let [p, q, r] = [131_072.0, 131_072.0, 131_074.0];
