@@ -7,8 +7,8 @@
 //!   2^-142 ≤ |c| < 2^200. Outside it is silently wrong.
 //! * *Big integers.* Every f64 is an integer times a power of two: exact, at any exponents.
 
+use crate::determinant::{det_lifted, det3, differences, extents, in_range};
 use crate::mesh::Point;
-use crate::predicates::{det_lifted, det3, differences, extents, in_range};
 use num_bigint::{BigInt, Sign};
 use robust::Coord3D;
 

@@ -3,13 +3,13 @@
 //! Faces are put into one bucket per smallest vertex (a counting sort), then matched inside each
 //! bucket by their two other vertices; buckets in parallel. In a usual mesh a bucket holds some
 //! 27 faces, so this costs a fraction of sorting all faces. Memory: 8 words of 4 bytes per
-//! tetrahedron. Threads share the result, so its slots are atomic: each is written at most once and
-//! read after the sweep, so relaxed stores are enough.
+//! tetrahedron. Threads share the result ([`Numbers`]): each entry is written at most once and read
+//! after the sweep.
 
 use crate::defect::{Findings, Kind};
 use crate::mesh::{Mesh, split};
 use crate::sweep::{Partial, Table, pieces_of};
-use std::sync::atomic::{AtomicU32, Ordering};
+use crate::sync::Numbers;
 
 /// No tetrahedron on the other side.
 pub(crate) const HULL: u32 = u32::MAX;
@@ -46,7 +46,7 @@ pub(crate) fn matched(mesh: &Mesh, sound: &mut [bool], limit: usize, out: &mut F
             }
         }
     });
-    let across: Vec<AtomicU32> = (0..4 * tets.len()).map(|_| AtomicU32::new(NONE)).collect();
+    let across = Numbers::new(4 * tets.len(), NONE);
     let parts = pieces_of(1 << 12, mesh.points.len(), |range| {
         let mut part = Partial::new(limit);
         let mut duplicates = Vec::new();
@@ -59,10 +59,10 @@ pub(crate) fn matched(mesh: &Mesh, sound: &mut [bool], limit: usize, out: &mut F
             for group in bucket.chunk_by_mut(|a, b| a.0 == b.0) {
                 faces += 1;
                 match group {
-                    [(_, code)] => across[*code as usize].store(HULL, Ordering::Relaxed),
+                    [(_, code)] => across.set(*code, HULL),
                     [(_, a), (_, b)] if apex(tets, *a) != apex(tets, *b) => {
-                        across[*a as usize].store(*b, Ordering::Relaxed);
-                        across[*b as usize].store(*a, Ordering::Relaxed);
+                        across.set(*a, *b);
+                        across.set(*b, *a);
                     }
                     _ => crowd(tets, group, &across, &mut duplicates, &mut part.findings),
                 }
@@ -76,7 +76,7 @@ pub(crate) fn matched(mesh: &Mesh, sound: &mut [bool], limit: usize, out: &mut F
         duplicates.iter().for_each(|&t: &u32| sound[t as usize] = false);
         count += faces;
     }
-    let across: Vec<u32> = across.into_iter().map(AtomicU32::into_inner).collect();
+    let across = across.into_plain();
     let hull = (0u32..).zip(&across).filter(|&(_, &c)| c == HULL).map(|(i, _)| i).collect();
     Faces { across, hull, count }
 }
@@ -101,7 +101,7 @@ fn other_two(tets: &[[u32; 4]], code: u32) -> u64 {
 fn crowd(
     tets: &[[u32; 4]],
     group: &mut [(u64, u32)],
-    across: &[AtomicU32],
+    across: &Numbers,
     duplicates: &mut Vec<u32>,
     out: &mut Findings,
 ) {
@@ -119,10 +119,10 @@ fn crowd(
         }
     }
     match distinct[..] {
-        [a] => across[a as usize].store(HULL, Ordering::Relaxed),
+        [a] => across.set(a, HULL),
         [a, b] => {
-            across[a as usize].store(b, Ordering::Relaxed);
-            across[b as usize].store(a, Ordering::Relaxed);
+            across.set(a, b);
+            across.set(b, a);
         }
         _ => {
             distinct.sort_unstable();

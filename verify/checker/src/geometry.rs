@@ -2,10 +2,11 @@
 //! tetrahedron and one per interior face. The hull's part is in `hull.rs`.
 
 use crate::defect::{Findings, Kind};
+use crate::determinant::{det3, differences};
 use crate::faces::Faces;
 use crate::mesh::{Mesh, Point, VertexOrder, face};
 use crate::perturb;
-use crate::predicates::{Sphere, Tally, det3, differences, insphere, orient3d};
+use crate::predicates::{Sphere, Tally, insphere, orient3d};
 use crate::sweep::{Partial, pieces};
 
 /// The mesh with every tetrahedron's exact sign.

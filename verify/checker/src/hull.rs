@@ -14,11 +14,12 @@
 //! them on the plane; the second is exact in big integers behind a filter.
 
 use crate::defect::Kind;
+use crate::determinant::{det3, differences};
 use crate::exact::{big, big_sign, lowest_bit};
 use crate::geometry::Oriented;
 use crate::mesh::{Point, split};
 use crate::perturb;
-use crate::predicates::{det3, differences, orient3d};
+use crate::predicates::orient3d;
 use crate::sweep::{Partial, pieces};
 use crate::topology::HullPair;
 use num_bigint::BigInt;

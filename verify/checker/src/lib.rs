@@ -106,6 +106,7 @@
 mod check;
 mod conform;
 mod defect;
+mod determinant;
 mod exact;
 mod faces;
 mod geometry;
@@ -119,6 +120,7 @@ mod predicates;
 mod report;
 mod structure;
 mod sweep;
+mod sync;
 mod topology;
 
 pub use check::check;

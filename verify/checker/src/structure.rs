@@ -9,8 +9,8 @@ use crate::mesh::{Mesh, Options, Point};
 use crate::perturb::order;
 use crate::places;
 use crate::sweep::pieces;
+use crate::sync::Marks;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Tetrahedra are numbered below this, so that `4 * tet + face` leaves two reserved u32 values.
 pub(crate) const MAX_TETS: usize = (1 << 30) - 1;
@@ -72,20 +72,10 @@ struct Checked {
 
 /// Checks every tetrahedron by itself.
 ///
-/// The marks of points are atomic because threads share them: they are only ever set, and read
-/// after the sweep, so relaxed accesses are enough. Each is read first, so that a mark that is
-/// set costs no traffic between the cores.
+/// The marks of points are shared by threads: they are only ever set, and read after the sweep.
 fn tets(mesh: &Mesh, limit: usize) -> Checked {
     let points = mesh.points;
-    let marks = || points.iter().map(|_| AtomicBool::new(false)).collect::<Vec<_>>();
-    let (used, named) = (marks(), marks());
-    let mark = |marks: &[AtomicBool], v: u32| {
-        if let Some(mark) = marks.get(v as usize)
-            && !mark.load(Ordering::Relaxed)
-        {
-            mark.store(true, Ordering::Relaxed);
-        }
-    };
+    let (used, named) = (Marks::new(points.len()), Marks::new(points.len()));
     let all_finite = points.par_iter().all(is_finite);
     let checked = pieces(mesh.tets.len(), |range| {
         let mut findings = Findings::new(limit);
@@ -102,7 +92,8 @@ fn tets(mesh: &Mesh, limit: usize) -> Checked {
                 } else {
                     all_finite || tet.iter().all(|&v| is_finite(&points[v as usize]))
                 };
-                tet.iter().for_each(|&v| mark(if sound { &used } else { &named }, v));
+                let marks = if sound { &used } else { &named };
+                tet.iter().for_each(|&v| marks.set(v as usize));
                 sound
             })
             .collect();
@@ -114,8 +105,7 @@ fn tets(mesh: &Mesh, limit: usize) -> Checked {
         tet.extend(sound);
         findings.merge(found);
     }
-    let plain = |marks: Vec<AtomicBool>| marks.into_iter().map(AtomicBool::into_inner).collect();
-    Checked { tet, used: plain(used), named: plain(named), findings }
+    Checked { tet, used: used.into_plain(), named: named.into_plain(), findings }
 }
 
 /// Finds used points at equal places, and places that no used point has, among the finite points
