@@ -2,21 +2,11 @@
 
 use super::aside::{self, Aside};
 use super::surface::Faces;
+use super::{DomainFile, Encoding, stl, tetgen, wrong_kind};
 use super::{Format, IoError, WriteOptions, data_error, load, obj, off, parse_error, ply, poly};
-use super::{stl, tetgen, wrong_kind};
 use ltbw_domain::Domain;
+use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// A domain as files carry it.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct DomainFile {
-    /// The domain.
-    pub domain: Domain,
-    /// The facets are a surface whose orientation says what is inside: formats without hole points.
-    pub oriented: bool,
-    /// The parts of the file that were not read, in words for people.
-    pub notes: Vec<String>,
-}
 
 /// Reads a domain file: `.poly`, `.smesh` (with its `.node` if it holds no points itself), `.off`,
 /// `.obj`, `.stl` or `.ply`.
@@ -73,7 +63,7 @@ pub fn write_domain_with(
         _ => {
             let faces = Faces::of(domain, format == Format::Stl);
             let faces = faces.map_err(|e| data_error(path, e))?;
-            Aside::write(path, |out| faces.write(out, format, options.encoding))?.publish()
+            Aside::write(path, |out| write_faces(out, &faces, format, options.encoding))?.publish()
         }
     }
 }
@@ -111,4 +101,24 @@ pub fn not_kept(domain: &Domain, format: Format) -> Vec<String> {
         lost.push("facets of several polygons are written as their triangles".to_owned());
     }
     lost
+}
+
+/// Writes the faces of a surface as `.off`, `.obj`, `.stl` or `.ply`.
+fn write_faces(
+    out: &mut dyn Write,
+    faces: &Faces<'_>,
+    format: Format,
+    encoding: Encoding,
+) -> std::io::Result<()> {
+    let points = faces.points();
+    let corners = || faces.iter().map(|(corners, _)| corners);
+    match format {
+        Format::Ply => ply::write_surface(out, points, &faces.iter().collect::<Vec<_>>(), encoding),
+        Format::Stl => {
+            let triangles = corners().filter_map(|c| c.try_into().ok());
+            stl::write_surface(out, points, &triangles.collect::<Vec<[u32; 3]>>())
+        }
+        Format::Obj => obj::write_surface(out, points, &corners().collect::<Vec<_>>()),
+        _ => off::write_surface(out, points, &corners().collect::<Vec<_>>()),
+    }
 }

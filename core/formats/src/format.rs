@@ -1,6 +1,6 @@
 //! The file formats, by the extensions of their files, and the choices that they leave.
 
-use super::{IoError, MshVersion};
+use super::IoError;
 use std::path::Path;
 
 /// A file format.
@@ -128,6 +128,15 @@ pub enum Encoding {
     Ascii,
 }
 
+/// The versions of `.msh` that are read and written.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub enum MshVersion {
+    /// 4.1, since Gmsh 4.2 of 2019.
+    #[default]
+    V4_1,
+    /// 2.2, which many programs that read Gmsh's files ask for.
+    V2_2,
+}
 /// Choices that some formats leave to the writer.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct WriteOptions {

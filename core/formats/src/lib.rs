@@ -54,14 +54,13 @@ pub mod xyz;
 
 use aside::Aside;
 pub use domain::{
-    DomainFile, check_domain_writable, domain_files, not_kept, read_domain, write_domain,
-    write_domain_with,
+    check_domain_writable, domain_files, not_kept, read_domain, write_domain, write_domain_with,
 };
 pub use error::{DataError, IoError, ParseError, Place, Reason};
-pub use format::{Encoding, Format, WriteOptions};
+pub use format::{Encoding, Format, MshVersion, WriteOptions};
 use ltbw_core::{BoundaryFace, Extras, TetMesh};
+use ltbw_domain::Domain;
 use ltbw_exact::Point;
-pub use msh::MshVersion;
 pub use parts::{check_parts_writable, is_parts, part_files, write_parts};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -82,6 +81,17 @@ pub struct PointFile {
 pub struct MeshFile {
     /// The mesh.
     pub mesh: TetMesh,
+    /// The parts of the file that were not read, in words for people.
+    pub notes: Vec<String>,
+}
+
+/// A domain as files carry it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DomainFile {
+    /// The domain.
+    pub domain: Domain,
+    /// The facets are a surface whose orientation says what is inside: formats without hole points.
+    pub oriented: bool,
     /// The parts of the file that were not read, in words for people.
     pub notes: Vec<String>,
 }

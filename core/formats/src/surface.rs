@@ -3,13 +3,12 @@
 //! A face of three corners or more is a facet of one polygon; one of two corners is a free-standing
 //! segment. A facet that is more than a polygon is written as its triangles.
 
+use super::DomainFile;
 use super::error::{DataError, Reason, excerpt};
 use super::text::integer;
-use super::{DomainFile, Encoding, Format, obj, off, ply, stl};
 use ltbw_domain::{Domain, Facet, triangulate};
 use ltbw_exact::Point;
 use std::borrow::Cow;
-use std::io::Write;
 
 /// The corners of a face on their way into a surface.
 pub(super) struct Corners(Vec<u32>);
@@ -117,26 +116,13 @@ impl<'a> Faces<'a> {
         Ok(Self { points: &domain.vertices, faces })
     }
 
-    /// Writes them as `.off`, `.obj`, `.stl` or `.ply`.
-    pub(super) fn write(
-        &self,
-        out: &mut dyn Write,
-        format: Format,
-        encoding: Encoding,
-    ) -> std::io::Result<()> {
-        let corners = || self.faces.iter().map(|(corners, _)| corners.as_ref());
-        match format {
-            Format::Ply => {
-                let marked: Vec<(&[u32], i32)> =
-                    self.faces.iter().map(|(c, marker)| (c.as_ref(), *marker)).collect();
-                ply::write_surface(out, self.points, &marked, encoding)
-            }
-            Format::Stl => {
-                let triangles = corners().filter_map(|c| c.try_into().ok());
-                stl::write_surface(out, self.points, &triangles.collect::<Vec<[u32; 3]>>())
-            }
-            Format::Obj => obj::write_surface(out, self.points, &corners().collect::<Vec<_>>()),
-            _ => off::write_surface(out, self.points, &corners().collect::<Vec<_>>()),
-        }
+    /// The vertices.
+    pub(super) fn points(&self) -> &'a [Point] {
+        self.points
+    }
+
+    /// Corners and marker of each face.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&[u32], i32)> {
+        self.faces.iter().map(|(corners, marker)| (corners.as_ref(), *marker))
     }
 }

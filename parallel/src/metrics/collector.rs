@@ -1,7 +1,7 @@
 //! One worker's figures while it runs.
 
-use super::summary::WorkerFigures;
-use super::trace::{Span, SpanKind};
+use super::figures::WorkerFigures;
+use super::span::{Span, SpanKind};
 use super::{Nanos, Survey};
 use crate::protocol::{Action, Attempt, Event, Message, Note, Submesh, Ticket, WorkerId};
 use std::collections::{BTreeMap, HashMap};

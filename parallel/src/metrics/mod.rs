@@ -30,12 +30,16 @@
 //! insert points.
 
 mod collector;
+mod figures;
+mod span;
 mod summary;
 mod trace;
 
 pub use collector::{Cause, Collector, Step};
-pub use summary::{Cavities, Messages, Polls, Summary, Times, WorkerFigures};
-pub use trace::{Span, SpanKind, Trace};
+pub use figures::{Cavities, Messages, Polls, Times, WorkerFigures};
+pub use span::{Span, SpanKind};
+pub use summary::Summary;
+pub use trace::Trace;
 
 /// Time in nanoseconds since a run's start.
 pub type Nanos = u64;

@@ -26,5 +26,5 @@ pub(crate) use cost::{LOAD_BYTES, bytes};
 pub use engine::{Simulation, simulate};
 pub use error::SimulationError;
 pub use mesh::{MeshError, Meshed, simulate_as, simulate_mesh};
-pub use network::Distribution;
-pub use options::{Bursts, Network, Options, Storm};
+pub use network::{Bursts, Distribution, Network};
+pub use options::{Options, Storm};

@@ -1,9 +1,37 @@
 //! When messages arrive.
 
-use super::options::Network;
 use crate::metrics::Nanos;
 use crate::protocol::WorkerId;
 use ltbw_core::Random;
+
+/// The network between the processors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Network {
+    /// The mean time from sending a message to its arrival, without its bytes.
+    pub latency: Nanos,
+    /// The spread of the latencies of single messages around the mean.
+    pub distribution: Distribution,
+    /// Nanoseconds that a byte takes a processor's link, one message after the other.
+    pub byte: f64,
+    /// Messages that are held back and arrive together.
+    pub bursts: Option<Bursts>,
+}
+
+impl Default for Network {
+    /// 10 µs, always; 10 Gbit/s.
+    fn default() -> Self {
+        Self { latency: 10_000, distribution: Distribution::Constant, byte: 0.8, bursts: None }
+    }
+}
+
+/// For `length` at the begin of each `every`, no message arrives; then all do that should have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bursts {
+    /// The period.
+    pub every: Nanos,
+    /// The part of it without arrivals.
+    pub length: Nanos,
+}
 
 /// The spread of the latencies of single messages around their mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -186,5 +214,5 @@ mod tests {
         assert_eq!(wires.arrival((0, 2), 500, 100), 610);
     }
 
-    use super::super::options::Bursts;
+    use super::super::network::Bursts;
 }

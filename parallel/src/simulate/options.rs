@@ -2,39 +2,10 @@
 
 use super::CostModel;
 use super::error::SimulationError;
-use super::network::Distribution;
+use super::network::{Bursts, Network};
 use crate::balance::Balance;
 use crate::metrics::Nanos;
 use crate::protocol::WorkerId;
-
-/// The network between the processors.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Network {
-    /// The mean time from sending a message to its arrival, without its bytes.
-    pub latency: Nanos,
-    /// The spread of the latencies of single messages around the mean.
-    pub distribution: Distribution,
-    /// Nanoseconds that a byte takes a processor's link, one message after the other.
-    pub byte: f64,
-    /// Messages that are held back and arrive together.
-    pub bursts: Option<Bursts>,
-}
-
-impl Default for Network {
-    /// 10 µs, always; 10 Gbit/s.
-    fn default() -> Self {
-        Self { latency: 10_000, distribution: Distribution::Constant, byte: 0.8, bursts: None }
-    }
-}
-
-/// For `length` at the begin of each `every`, no message arrives; then all do that should have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bursts {
-    /// The period.
-    pub every: Nanos,
-    /// The part of it without arrivals.
-    pub length: Nanos,
-}
 
 /// Blocks that move for no reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,5 +1,5 @@
-//! Differences of points and their determinants, written once for floats and integers: the filters of
-//! [`crate::predicates`] and the exact stages of [`crate::exact`] evaluate the same text.
+//! Differences of points and their determinants, written once for floats and integers: the filters
+//! of [`crate::predicates`] and the exact stages of [`crate::exact`] evaluate the same text.
 
 use crate::mesh::Point;
 use std::ops::{Add, Mul, Sub};

@@ -1,5 +1,5 @@
-//! The only module of this crate with atomics: arrays that the threads of a sweep write and that are
-//! read after it. The end of the sweep orders the two, so that relaxed accesses are enough.
+//! The only module of this crate with atomics: arrays that the threads of a sweep write and that
+//! are read after it. The end of the sweep orders the two, so that relaxed accesses are enough.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -12,8 +12,8 @@ impl Marks {
         Self((0..len).map(|_| AtomicBool::new(false)).collect())
     }
 
-    /// Sets mark `k`, if there is one. It is read first, so that a mark that is set costs no traffic
-    /// between the cores; setting it is one step, whatever other threads do in between.
+    /// Sets mark `k`, if there is one. It is read first, so that a mark that is set costs no
+    /// traffic between the cores; setting it is one step, whatever other threads do in between.
     pub(crate) fn set(&self, k: usize) {
         if let Some(mark) = self.0.get(k)
             && !mark.load(Ordering::Relaxed)

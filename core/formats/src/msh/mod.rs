@@ -18,6 +18,8 @@ mod v2;
 mod v4;
 mod write;
 
+pub use super::MshVersion;
+
 use super::MeshFile;
 use super::error::{ParseError, Place, Reason, excerpt};
 use super::text::{capacity, count};
@@ -25,16 +27,6 @@ use parts::Parts;
 use source::{Form, Source};
 pub(super) use write::check;
 pub use write::write;
-
-/// The versions that are read and written.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
-pub enum MshVersion {
-    /// 4.1, since Gmsh 4.2 of 2019.
-    #[default]
-    V4_1,
-    /// 2.2, which many programs that read Gmsh's files ask for.
-    V2_2,
-}
 
 /// Reads a `.msh` file.
 pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {

@@ -1,0 +1,117 @@
+//! The bounds that a mesh of a domain is held to, and the findings: breaches with their places.
+
+use super::Fraction;
+use crate::Defect;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// The bounds that every tetrahedron has to meet.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Limits {
+    /// The largest circumradius to shortest edge.
+    pub radius_edge: Option<f64>,
+    /// The largest volume.
+    pub max_volume: Option<f64>,
+    /// The largest volume in each region of the domain, by the tag that its seed is found with.
+    pub region_volumes: Vec<Option<f64>>,
+}
+
+/// The kinds of breaches. Ids are those of the domain or of the mesh, as each kind says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Breach {
+    /// Coordinates of mesh and domain have no common unit of 60 bits: nothing was tested.
+    TooFine,
+    /// A vertex of the domain is not in the mesh. `ids`: the vertex of the domain.
+    VertexMissing,
+    /// An edge of a facet, or a segment, is no chain of edges of the mesh. `ids`: its two vertices
+    /// of the domain.
+    SegmentBroken,
+    /// A facet's corners are collinear. `ids`: the facet.
+    FacetDegenerate,
+    /// The faces of the mesh do not tile the facets of one plane. `ids`: the first of these.
+    FacetNotTiled,
+    /// A face of one tetrahedron is on no facet. `ids`: the tetrahedron, and the face's vertices.
+    HullFaceOffFacet,
+    /// Two tetrahedra that no facet separates have different tags. `ids`: both.
+    TagsDiffer,
+    /// A tetrahedron holds the point of a hole. `ids`: the hole, the tetrahedron.
+    HoleMeshed,
+    /// No tetrahedron holds the seed of a region. `ids`: the region.
+    RegionNotMeshed,
+    /// Circumradius to shortest edge exceeds its bound. `ids`: the tetrahedron.
+    RatioExceeded,
+    /// The volume exceeds its bound. `ids`: the tetrahedron.
+    VolumeExceeded,
+}
+
+impl Breach {
+    /// The breach in words, for people.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::TooFine => "the coordinates have no common unit of 60 bits",
+            Self::VertexMissing => "this vertex of the domain is not in the mesh",
+            Self::SegmentBroken => "this edge of the domain is no chain of edges of the mesh",
+            Self::FacetDegenerate => "the corners of this facet are collinear",
+            Self::FacetNotTiled => "the faces of the mesh do not tile this facet",
+            Self::HullFaceOffFacet => "this face of one tetrahedron is on no facet",
+            Self::TagsDiffer => "no facet separates them, but their tags differ",
+            Self::HoleMeshed => "this hole's point is in this tetrahedron",
+            Self::RegionNotMeshed => "no tetrahedron holds the seed of this region",
+            Self::RatioExceeded => "circumradius to shortest edge is above the bound",
+            Self::VolumeExceeded => "the volume is above the bound",
+        }
+    }
+}
+
+/// One breach.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// The kind of breach.
+    pub breach: Breach,
+    /// The place: see [`Breach`].
+    pub ids: Vec<u32>,
+}
+
+impl std::fmt::Display for Finding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:?}: {} (ids {:?})", self.breach, self.breach.text(), self.ids)
+    }
+}
+
+/// The findings of [`conforms`].
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct Conformity {
+    /// Defects of the mesh itself: structure, orientation, Delaunay.
+    pub mesh_defects: Vec<Defect>,
+    /// Breaches, at most `max_defects` of each kind.
+    pub findings: Vec<Finding>,
+    /// All of them, listed or not.
+    pub counts: BTreeMap<Breach, u64>,
+    /// Number of defects of the mesh, listed or not.
+    pub mesh_defect_count: u64,
+    /// Faces of the mesh that lie on facets.
+    pub subfaces: u64,
+    /// Tetrahedra tested against the bounds.
+    pub tets: u64,
+    /// Components of the mesh between the facets.
+    pub cells: u64,
+    /// In-sphere and orientation tests that a filter decided, and those that were exact.
+    pub tests: (u64, u64),
+    /// The exact volume; `None` if coordinates are too fine.
+    pub volume: Option<Fraction>,
+}
+
+impl Conformity {
+    /// Is nothing wrong?
+    pub fn passed(&self) -> bool {
+        self.mesh_defect_count == 0 && self.counts.is_empty()
+    }
+
+    /// Number of breaches of a kind.
+    pub fn count(&self, breach: Breach) -> u64 {
+        self.counts.get(&breach).copied().unwrap_or(0)
+    }
+}
