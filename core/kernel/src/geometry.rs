@@ -4,9 +4,9 @@
 //! A conflict test goes through up to four stages, each certain when it answers: the cached
 //! sphere, the semi-static filter, exact arithmetic, symbolic perturbation.
 
+use crate::arena::Arena;
 use crate::cavity::{Conflict, Star};
-use crate::raw::{self, Arena};
-use crate::sphere::{Frame, Maker, Query, Sphere, Verdict};
+use crate::sphere::{Frame, Maker, Query, Sphere, Verdict, simd};
 use crate::topology::{INFINITE, TetId, Topology, VertexId};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, exact, filter, perturb};
@@ -331,7 +331,7 @@ impl Conflict for PointConflict<'_> {
 
     #[inline(always)]
     fn certain(&self, tets: [TetId; 4]) -> (u32, u32) {
-        raw::test_spheres(tets.map(|t| self.geometry.spheres.at(t)), &self.query)
+        simd::test_spheres(tets.map(|t| self.geometry.spheres.at(t)), &self.query)
     }
 
     #[inline(never)]
@@ -340,7 +340,7 @@ impl Conflict for PointConflict<'_> {
         // Two or more: the vector filter pays.
         if unknown & (unknown - 1) != 0 && !self.geometry.wide {
             let corners = tets.map(|t| topology.tet(t).vertices());
-            let (inside, outside) = raw::filter_insphere(&self.geometry.points, corners, &self.p);
+            let (inside, outside) = simd::filter_insphere(&self.geometry.points, corners, &self.p);
             conflicts = inside & unknown;
             open &= !(inside | outside);
             self.geometry.stats.sphere_undecided += u64::from((unknown & !open).count_ones());

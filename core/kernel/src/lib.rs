@@ -20,9 +20,11 @@
 //! | [`invariants`] | one slow check per invariant of `docs/invariants.md` |
 //! | [`random`] | the one random generator, the same on every machine |
 //!
-//! `raw` is the only module with unsafe code; `sync` the only one with atomics.
+//! Unsafe code is in `arena` (arrays without bounds checks) and `sphere::simd` (vector code) alone;
+//! atomics in `sync`.
 #![deny(unsafe_code)]
 
+mod arena;
 pub mod build;
 pub mod cavity;
 mod geometry;
@@ -34,7 +36,6 @@ pub mod order;
 pub mod part;
 pub mod query;
 pub mod random;
-mod raw;
 #[cfg(feature = "serde")]
 mod serialise;
 pub mod snapshot;

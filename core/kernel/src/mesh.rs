@@ -5,12 +5,12 @@
 //! stable until the next insertion.
 
 use crate::PredicateStats;
+use crate::arena::Arena;
 use crate::cavity::{Admission, Cavity, Open, Role, Setback, Star};
 use crate::geometry::Geometry;
 use crate::hash::{HashError, MeshHash, canonical_hash};
 use crate::locate::{Found, walk};
 use crate::part::Assembly;
-use crate::raw::Arena;
 use crate::tetmesh::TetMesh;
 use crate::topology::{INFINITE, TetId, Topology, VertexId, tet_of};
 use ltbw_exact::points::{Mode, PointError};

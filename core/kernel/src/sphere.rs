@@ -10,11 +10,12 @@
 //! outside the frame has NaN coordinates; every comparison then fails and the exact test is made.
 
 mod constants;
+pub(crate) mod simd;
 
 pub(crate) use constants::{FLATNESS, LEAST_SQUARE, MAX_RADIUS, TOLERANCE};
 
+use crate::arena::{Arena, zeroable};
 use crate::cavity::SMALL;
-use crate::raw::{self, Arena};
 use crate::topology::TetId;
 use ltbw_exact::Point;
 
@@ -25,6 +26,8 @@ const ENTRY: u32 = 0x7fc5_e715;
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(16))]
 pub(crate) struct Sphere(pub(crate) [f32; 4]);
+
+zeroable!(Sphere { 0: numbers });
 
 /// The frame of a mesh: where and how large its box is.
 #[derive(Clone, Copy, Debug)]
@@ -177,7 +180,7 @@ impl Maker {
         true
     }
 
-    /// The sphere through the vertex and three others: the plain twin of [`crate::raw`]'s
+    /// The sphere through the vertex and three others: the plain twin of [`simd`]'s
     /// vector code.
     ///
     /// With A, B, C the differences to the vertex p, the centre is p + N / D for
@@ -206,7 +209,7 @@ impl Maker {
     /// Caches the spheres of `tets`, on the faces `faces` of the rim.
     #[inline(always)]
     pub(crate) fn make(&self, spheres: &mut Arena<Sphere>, tets: &[TetId], faces: &[[u8; 4]]) {
-        if !raw::make_spheres(self, spheres, tets, faces) {
+        if !simd::make_spheres(self, spheres, tets, faces) {
             for (&t, &face) in tets.iter().zip(faces) {
                 *spheres.at_mut(t) = self.sphere(face);
             }

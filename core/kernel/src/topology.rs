@@ -9,7 +9,7 @@
 //! * I3: a free slot has [`FREE`] as its first vertex and is in the free list once.
 //! * I4: outside an insertion no tetrahedron is marked.
 
-use crate::raw::Arena;
+use crate::arena::{Arena, zeroable};
 use rayon::prelude::*;
 
 /// Index of a tetrahedron's slot.
@@ -37,6 +37,8 @@ pub struct Tet {
     v: [VertexId; 4],
     n: [FaceId; 4],
 }
+
+zeroable!(Tet { v: v, n: n });
 
 impl Tet {
     /// The vertices, unmarked.

@@ -1,7 +1,5 @@
-//! What the system is told of the memory behind arrays.
+//! Advice to the system about the memory behind arrays.
 
-use crate::sphere::Sphere;
-use crate::topology::Tet;
 use std::ops::Range;
 
 /// Size of a huge page.
@@ -13,10 +11,29 @@ pub(super) const HUGE: usize = 1 << 21;
 /// The type consists of numbers alone.
 pub(crate) unsafe trait Zeroable: Copy + Send + Sync {}
 
-// SAFETY: eight 32-bit integers.
-unsafe impl Zeroable for Tet {}
-// SAFETY: four 32-bit floats.
-unsafe impl Zeroable for Sphere {}
+// SAFETY: a number.
+unsafe impl Zeroable for u32 {}
+// SAFETY: a number.
+unsafe impl Zeroable for f32 {}
+// SAFETY: numbers, without anything between them.
+unsafe impl<T: Zeroable, const N: usize> Zeroable for [T; N] {}
+
+/// Makes a structure [`Zeroable`] whose fields are: named in full, or it does not compile.
+macro_rules! zeroable {
+    ($type:ident { $($field:tt: $value:ident),* }) => {
+        const _: () = {
+            fn is_zeroable<T: $crate::arena::Zeroable>(_: T) {}
+            #[allow(dead_code, reason = "is compiled, not called")]
+            fn fields_are_zeroable($type { $($field: $value),* }: $type) {
+                $(is_zeroable($value);)*
+            }
+        };
+        // SAFETY: every field is a number or an array of numbers, as the function above shows.
+        #[allow(unsafe_code)]
+        unsafe impl $crate::arena::Zeroable for $type {}
+    };
+}
+pub(crate) use zeroable;
 
 /// Gives the memory behind `entries` back to the system where it makes whole pages; they may read
 /// as zero afterwards.
@@ -31,7 +48,7 @@ pub(super) fn advise_huge<T>(array: &Vec<T>) {
     advise(start..start + array.capacity() * size_of::<T>(), Advice::Huge);
 }
 
-/// What the system is told of memory.
+/// An advice about memory.
 #[derive(Clone, Copy)]
 pub(super) enum Advice {
     /// To use huge pages.

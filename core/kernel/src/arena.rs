@@ -1,0 +1,187 @@
+//! Arrays without bounds checks, on huge pages: one of the two modules with unsafe code (the other is
+//! the vector code of spheres, `sphere/simd.rs`).
+//!
+//! What it pays (1M uniform points, order + insertion, measured side by side): see
+//! `docs/decisions.md`.
+#![allow(unsafe_code)]
+
+mod memory;
+
+use memory::{Advice, HUGE, advise, advise_huge, forget_memory};
+pub(crate) use memory::{Zeroable, zeroable};
+use rayon::prelude::*;
+use std::mem::MaybeUninit;
+use std::ops::Range;
+
+/// An array that is indexed without bounds checks in release: the large arrays of a mesh.
+///
+/// Invariant I7: every index that the kernel uses was made by this array's own growth (tetrahedron
+/// ids and face handles by `Topology::take`, vertices by `Geometry::push`), arrays never shrink,
+/// and ids that come from outside are compared with `len` first. Debug builds, and with them all
+/// tests and fuzzing, check every index.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Arena<T>(Vec<T>);
+
+impl<T> Arena<T> {
+    /// An empty array with room for `capacity` entries, on huge pages where there are any. The
+    /// room is a hint: where it is refused the array grows as it is filled.
+    pub(crate) fn with_capacity(capacity: usize) -> Self {
+        let mut array = Vec::new();
+        if array.try_reserve_exact(capacity).is_err() {
+            return Self(array);
+        }
+        advise_huge(&array);
+        Self(array)
+    }
+
+    /// `len` times `entry`. Where it is zero, memory is taken when it is first written to.
+    pub(crate) fn filled(entry: T, len: usize) -> Self
+    where
+        T: Clone,
+    {
+        Self(vec![entry; len])
+    }
+
+    /// Asks for huge pages behind some entries: they are all to be written. A hint.
+    pub(crate) fn prepare(&self, entries: Range<usize>) {
+        if let Some(entries) = self.0.get(entries) {
+            let range = entries.as_ptr_range();
+            advise(range.start as usize..range.end as usize, Advice::Huge);
+        }
+    }
+
+    /// The entries of `array`.
+    pub(crate) fn of(array: Vec<T>) -> Self {
+        Self(array)
+    }
+
+    #[inline(always)]
+    pub(crate) fn push(&mut self, entry: T) {
+        self.0.push(entry);
+    }
+
+    /// Appends `f` of the first `count` entries of `other`, piece by piece on all threads. The
+    /// memory of a piece is given back as soon as it is copied, so that the next one may use it:
+    /// fresh memory costs more than copying.
+    pub(crate) fn append(&mut self, mut other: Self, count: usize, f: impl Fn(T) -> T + Sync)
+    where
+        T: Zeroable,
+    {
+        let (old, len) = (self.0.len(), count.min(other.0.len()));
+        let capacity = self.0.capacity();
+        self.0.reserve(len);
+        if self.0.capacity() != capacity {
+            advise_huge(&self.0);
+        }
+        let source = &mut other.0[..len];
+        // Pieces of whole huge pages; entries are smaller than one and fill it.
+        let offset = (source.as_ptr() as usize).next_multiple_of(HUGE) - source.as_ptr() as usize;
+        let head = (offset / size_of::<T>()).min(len);
+        let (head, rest) = source.split_at_mut(head);
+        let spare = &mut self.0.spare_capacity_mut()[..len];
+        let (spare_head, spare_rest) = spare.split_at_mut(head.len());
+        let copy = |source: &mut [T], spare: &mut [MaybeUninit<T>]| {
+            for (entry, place) in source.iter().zip(spare) {
+                place.write(f(*entry));
+            }
+            forget_memory(source);
+        };
+        let piece = HUGE / size_of::<T>();
+        rayon::join(
+            || copy(head, spare_head),
+            || {
+                let pieces = rest.par_chunks_mut(piece).zip(spare_rest.par_chunks_mut(piece));
+                pieces.for_each(|(source, spare)| copy(source, spare));
+            },
+        );
+        // SAFETY: room for `len` more was reserved, and each of them was written.
+        unsafe { self.0.set_len(old + len) };
+    }
+
+    /// Grows to `len` entries, never shrinks.
+    pub(crate) fn grow(&mut self, len: usize, entry: T)
+    where
+        T: Clone,
+    {
+        if self.0.len() < len {
+            self.0.resize(len, entry);
+        }
+    }
+
+    /// All entries.
+    #[inline(always)]
+    pub(crate) fn all(&self) -> &[T] {
+        &self.0
+    }
+
+    /// All entries.
+    pub(crate) fn all_mut(&mut self) -> &mut [T] {
+        &mut self.0
+    }
+
+    /// Entry `i`, which must exist (I7).
+    #[inline(always)]
+    pub(crate) fn at(&self, i: u32) -> &T {
+        debug_assert!((i as usize) < self.0.len(), "I7: {i} of {}", self.0.len());
+        // SAFETY: I7, checked in debug builds.
+        unsafe { self.0.get_unchecked(i as usize) }
+    }
+
+    /// Asks the processor to fetch entry `i` into its cache. A hint: nothing depends on it.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, i: u32) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            let entry = self.0.as_ptr().wrapping_add(i as usize);
+            // SAFETY: SSE is part of x86-64, and a prefetch of any address is harmless.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(entry.cast()) };
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = i;
+    }
+
+    /// Entry `i`, which must exist (I7).
+    #[inline(always)]
+    pub(crate) fn at_mut(&mut self, i: u32) -> &mut T {
+        debug_assert!((i as usize) < self.0.len(), "I7: {i} of {}", self.0.len());
+        // SAFETY: I7, checked in debug builds.
+        unsafe { self.0.get_unchecked_mut(i as usize) }
+    }
+}
+
+impl<T> Default for Arena<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn appended_entries_come_in_their_order() {
+        let entry = |k: usize| [k as f32, 1.0, 2.0, 3.0];
+        // From nothing to some huge pages' worth.
+        for count in [0, 1, 1000, 131_072, 300_001] {
+            let mut array = Arena::of((0..10).map(entry).collect());
+            let other = Arena::of((10..20 + count).map(entry).collect());
+            array.append(other, count, |s| [s[0], s[1], s[2], 4.0]);
+            assert_eq!(array.all().len(), 10 + count);
+            for (k, s) in array.all().iter().enumerate() {
+                assert_eq!(*s, [k as f32, 1.0, 2.0, if k < 10 { 3.0 } else { 4.0 }]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_refused_reservation_is_no_failure() {
+        for capacity in [usize::MAX, usize::MAX / 64, 100] {
+            let mut array = Arena::with_capacity(capacity);
+            array.push([1u64; 6]);
+            array.grow(3, [2; 6]);
+            assert_eq!(array.all(), [[1; 6], [2; 6], [2; 6]]);
+        }
+    }
+}
