@@ -4,10 +4,10 @@ use crate::args::{Check, Depth};
 use crate::conform;
 use crate::console;
 use crate::domain;
+use crate::json::{check_json, is_stdout, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
 use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
-use std::path::Path;
 use verify::{Level, Outcome, VertexOrder};
 
 /// Defects that people are shown; the certificate lists more.
@@ -133,36 +133,4 @@ pub(crate) fn check_own(mesh: &verify::Mesh<'_>, hash: &str, depth: Depth) -> Op
         summary: summary(&report),
         certificate: serde_json::to_value(report.certificate()).ok(),
     })
-}
-
-/// Does this argument mean stdout?
-pub(crate) fn is_stdout(path: &Path) -> bool {
-    path.as_os_str() == "-"
-}
-
-/// Finds out whether JSON cannot be written to `path`, before the work starts.
-pub(crate) fn check_json(path: &Path) -> Result<(), Failure> {
-    if is_stdout(path) {
-        return Ok(());
-    }
-    io::check_bytes_writable(path).map_err(Failure::Write)
-}
-
-/// Refuses to write `output` where the file `input` is.
-pub(crate) fn keep_input(input: &Path, output: &Path) -> Result<(), Failure> {
-    // A file that is not there has no canonical path, and cannot be overwritten.
-    let (Ok(from), Ok(to)) = (input.canonicalize(), output.canonicalize()) else { return Ok(()) };
-    if from != to || is_stdout(output) {
-        return Ok(());
-    }
-    Err(Failure::Usage(format!("{}: this would overwrite the input", show(output))))
-}
-
-/// Writes JSON to a file, or to stdout for `-`.
-pub(crate) fn write_json(path: &Path, text: &str) -> Result<(), Failure> {
-    if is_stdout(path) {
-        console::data(text)
-    } else {
-        io::write_bytes(path, text.as_bytes()).map_err(Failure::Write)
-    }
 }

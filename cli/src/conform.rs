@@ -1,8 +1,8 @@
 //! The glue to the checker's test of conformity: `check --plc`, and the check of our own meshes.
 
 use crate::args::Check;
-use crate::check::{check_json, keep_input, write_json};
 use crate::console;
+use crate::json::{check_json, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
 use ltbw::domain::{Domain, PrepareOptions, Prepared};
 use ltbw::{TetMesh, io};

@@ -5,11 +5,11 @@
 //! written. Lines for people are dropped if stderr takes none: there is nobody to tell.
 
 use crate::outcome::{Exit, Failure};
+use crate::sync::Flag;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use ltbw::io::IoError;
 use ltbw::{CancelToken, Observer};
 use std::io::{ErrorKind, IsTerminal, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
@@ -85,7 +85,7 @@ impl Drop for Progress {
 #[derive(Debug)]
 pub(crate) struct Stop {
     token: CancelToken,
-    inserted: Arc<AtomicBool>,
+    inserted: Arc<Flag>,
 }
 
 impl Stop {
@@ -93,12 +93,12 @@ impl Stop {
     pub(crate) fn on_signal() -> Result<Self, Failure> {
         let stop = Self { token: CancelToken::new(), inserted: Arc::default() };
         let (token, inserted) = (stop.token.clone(), Arc::clone(&stop.inserted));
-        let before = AtomicBool::new(false);
+        let before = Flag::default();
         on_signal(move || {
-            if before.swap(true, Ordering::Relaxed) {
+            if before.set() {
                 end_now();
             }
-            people(if inserted.load(Ordering::Relaxed) {
+            people(if inserted.is_set() {
                 "all points are meshed; finishing (Ctrl-C again: end at once)"
             } else {
                 "stopping; the mesh so far will be written (Ctrl-C again: end at once)"
@@ -115,7 +115,7 @@ impl Stop {
 
     /// All points are inserted: what is left to do is done, whatever comes.
     pub(crate) fn inserted(&self) {
-        self.inserted.store(true, Ordering::Relaxed);
+        self.inserted.set();
     }
 }
 

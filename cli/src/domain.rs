@@ -1,8 +1,8 @@
 //! `check` of a domain, and its report `ltbw.domain/1`.
 
 use crate::args::Check;
-use crate::check::{check_json, keep_input, write_json};
 use crate::console;
+use crate::json::{check_json, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
 use ltbw::domain::{
     CheckOptions, Domain, DomainDefect, DomainReport, Element, PrepareError, PrepareOptions,

@@ -34,6 +34,7 @@ mod demo;
 mod domain;
 mod figures;
 mod files;
+mod json;
 mod lists;
 mod mesh;
 mod outcome;
@@ -42,6 +43,7 @@ mod picture;
 mod report;
 mod run;
 mod simulate;
+mod sync;
 mod vectors;
 
 use args::{Args, Command, Vectors};

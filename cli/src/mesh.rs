@@ -2,9 +2,9 @@
 
 use crate::args::{Depth, MeshArgs};
 use crate::bounds::{Asked, Field, asked, field};
-use crate::check::{check_json, is_stdout, keep_input, write_json};
 use crate::conform::{certificate, plc_of, prepare, print, same_volume, summary};
 use crate::console::{self, Progress, Stop};
+use crate::json::{check_json, is_stdout, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
 use crate::page::Page;
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};

@@ -1,9 +1,10 @@
 //! `delaunay`: read, order, insert, hash, check, write, report.
 
 use crate::args::{Delaunay, Depth};
-use crate::check::{check_json, check_own, is_stdout, keep_input, write_json};
+use crate::check::check_own;
 use crate::console::{self, Progress, Stop};
 use crate::figures::{Figures, SPANS, tables, write_trace};
+use crate::json::{check_json, is_stdout, keep_input, write_json};
 use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};

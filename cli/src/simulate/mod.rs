@@ -5,9 +5,9 @@ mod report;
 
 pub(crate) use args::Simulate;
 
-use crate::check::{check_json, is_stdout, write_json};
 use crate::console;
 use crate::figures::{SPANS, cost_model, tables, write_trace};
+use crate::json::{check_json, is_stdout, write_json};
 use crate::outcome::{Exit, Failure, show};
 use ltbw::io;
 use ltbw::mesh::{Ownership, Plan};

@@ -1,0 +1,38 @@
+//! Where JSON goes: a file, or stdout for `-`; and the inputs that no output may overwrite.
+
+use crate::console;
+use crate::outcome::{Failure, show};
+use ltbw::io;
+use std::path::Path;
+
+/// Does this argument mean stdout?
+pub(crate) fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Finds out whether JSON cannot be written to `path`, before the work starts.
+pub(crate) fn check_json(path: &Path) -> Result<(), Failure> {
+    if is_stdout(path) {
+        return Ok(());
+    }
+    io::check_bytes_writable(path).map_err(Failure::Write)
+}
+
+/// Refuses to write `output` where the file `input` is.
+pub(crate) fn keep_input(input: &Path, output: &Path) -> Result<(), Failure> {
+    // A file that is not there has no canonical path, and cannot be overwritten.
+    let (Ok(from), Ok(to)) = (input.canonicalize(), output.canonicalize()) else { return Ok(()) };
+    if from != to || is_stdout(output) {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!("{}: this would overwrite the input", show(output))))
+}
+
+/// Writes JSON to a file, or to stdout for `-`.
+pub(crate) fn write_json(path: &Path, text: &str) -> Result<(), Failure> {
+    if is_stdout(path) {
+        console::data(text)
+    } else {
+        io::write_bytes(path, text.as_bytes()).map_err(Failure::Write)
+    }
+}
