@@ -180,7 +180,7 @@ pub(crate) struct VectorsRun {
         "predicates", "order", "cavity", "insert", "delaunay", "protocol", "interleavings",
     ])]
     pub(crate) folder: Vec<String>,
-    /// How long an answer may take
+    /// The longest time for an answer
     #[arg(long, value_name = "SECONDS", default_value_t = 60)]
     pub(crate) timeout: u64,
 }
@@ -198,7 +198,7 @@ pub(crate) struct Delaunay {
     /// As .pvtu it is left distributed: a .vtu beside it for each worker
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
-    /// Threads: above 1, so many workers of the parallel kernel insert the points
+    /// Threads: above 1, that number of workers of the parallel kernel insert the points
     ///
     /// The mesh and its hash do not depend on this. By default one thread inserts, and all cores
     /// order, check, hash and write. A worker should have some 5,000 points at least.
@@ -265,7 +265,7 @@ pub(crate) struct MeshArgs {
         conflicts_with_all = ["radius_edge", "max_volume"]
     )]
     pub(crate) tetgen_switches: Option<String>,
-    /// Insert at most so many points
+    /// The most points to insert
     #[arg(long, value_name = "N")]
     pub(crate) max_points: Option<u64>,
     /// Write the exterior between domain and convex hull, too (tag 0)
@@ -300,7 +300,7 @@ pub(crate) struct MeshArgs {
 pub(crate) struct Check {
     /// The mesh: .vtu .msh .mesh .ele (with .node); or domain: .poly .smesh .off .obj .stl .ply
     pub(crate) mesh: PathBuf,
-    /// Write the certificate as JSON (schema ltbw.cert/1; of a domain ltbw.domain/1), `-` for stdout
+    /// Write the certificate as JSON (ltbw.cert/1; of a domain ltbw.domain/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,
     /// The order of a tetrahedron's vertices means nothing (scipy and Qhull write such meshes)
@@ -340,7 +340,7 @@ pub(crate) struct Convert {
 /// `ltbw generate`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Generate {
-    /// What kind of point set or domain
+    /// The kind of point set or domain
     #[arg(value_parser = kinds())]
     pub(crate) kind: Kind,
     /// About how many points (grids round up) [default: 1000], or parts of a domain
@@ -357,7 +357,7 @@ pub(crate) struct Generate {
     pub(crate) output: PathBuf,
 }
 
-/// What `generate` makes.
+/// A kind of point set or domain that `generate` makes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Kind {
     /// A point set.
@@ -404,7 +404,7 @@ pub struct Refusal {
     pub exit: u8,
     /// Whether the text is help or the version.
     pub is_help: bool,
-    /// What is wrong, in one line without control characters; or the help, without colours.
+    /// The error, in one line without control characters; or the help, without colours.
     pub text: String,
 }
 
@@ -461,7 +461,7 @@ mod tests {
         Args::command().debug_assert();
     }
 
-    /// What a terminal obeys must not come back to it from an argument.
+    /// Control characters of an argument must not come back to the terminal.
     #[test]
     fn a_refusal_repeats_no_control_characters() {
         for word in ["a\u{1b}[2Jb", "x\u{7}", "\u{0}", "one\ntwo", "tab\tbed", "\u{9b}31m"] {

@@ -1,4 +1,4 @@
-//! What a mesh of a domain is asked for: bounds of the command line, TetGen's switches, sizes.
+//! The demands on a mesh of a domain: bounds of the command line, TetGen's switches, sizes.
 
 use crate::args::MeshArgs;
 use crate::outcome::Failure;

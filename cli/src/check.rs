@@ -63,7 +63,7 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     Ok(Exit::Defect)
 }
 
-/// What is wrong with a mesh, in a line.
+/// The defects of a mesh, in a line.
 fn verdict(report: &verify::Report) -> String {
     let counts: Vec<String> =
         report.defect_counts.iter().map(|(kind, n)| format!("{n} {kind}")).collect();

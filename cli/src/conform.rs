@@ -122,13 +122,13 @@ pub(crate) fn print(found: &mut Conformity) {
     }
 }
 
-/// What was found, in a line.
+/// The findings, in a line.
 pub(crate) fn summary(found: &Conformity) -> String {
     let volume = found.volume.as_ref().map(ToString::to_string).unwrap_or_default();
     let volume = if volume.len() <= 40 { format!(", volume {volume}") } else { String::new() };
     format!(
-        "structure, orientation, delaunay, conformity, bounds: no defect ({} subfaces, {} cells{volume}; \
-         {} tests by filter, {} exactly)",
+        "structure, orientation, delaunay, conformity, bounds: no defect ({} subfaces, \
+         {} cells{volume}; {} tests by filter, {} exactly)",
         found.subfaces, found.cells, found.tests.0, found.tests.1
     )
 }

@@ -1,4 +1,4 @@
-//! What goes to stdout and to stderr, progress, and Ctrl-C.
+//! Output to stdout and to stderr, progress, and Ctrl-C.
 //!
 //! A closed pipe (`ltbw … | head`) is no error of ours: its reader has what it wanted. Data that
 //! stdout cannot take for any other reason, such as a full disk, is an output that could not be
@@ -78,10 +78,10 @@ impl Drop for Progress {
     }
 }
 
-/// What Ctrl-C (or a termination signal) does to a build: before the last point is inserted the
-/// first one stops the insertion, after that it changes nothing, and the second one ends the
-/// program at once. Output files are renamed into place only when complete, so that neither
-/// leaves a broken file under a final name.
+/// Ctrl-C (or a termination signal) during a build: before the last point is inserted the first one
+/// stops the insertion, after that it changes nothing, and the second one ends the program at once.
+/// Output files are renamed into place only when complete, so that neither leaves a broken file
+/// under a final name.
 #[derive(Debug)]
 pub(crate) struct Stop {
     token: CancelToken,

@@ -48,7 +48,7 @@ struct DomainPart {
     oriented: bool,
     /// Volumes of the bounded cells; none if defects leave open what they are.
     cells: Option<Vec<Value>>,
-    /// Of all filled cells.
+    /// The volume of all filled cells.
     volume: Option<f64>,
     /// The same as an exact fraction.
     volume_exact: Option<String>,
@@ -109,7 +109,7 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     Ok(Exit::Defect)
 }
 
-/// What snapping makes of a domain that can be meshed as it is: the defects, if there are any.
+/// The defects, if any, that snapping brings to a domain that can be meshed as it is.
 fn after_snapping(
     domain: &Domain,
     report: &DomainReport,

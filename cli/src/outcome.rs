@@ -6,7 +6,7 @@ use ltbw::refine::{BackgroundError, RefineError};
 use ltbw::{BuildError, PointError};
 use std::path::{Path, PathBuf};
 
-/// How the program ends.
+/// The exit codes of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Exit {
     /// Done and checked.
@@ -40,7 +40,7 @@ pub(crate) enum Failure {
     Points {
         /// The input file.
         path: PathBuf,
-        /// What is wrong with them.
+        /// The reason.
         error: PointError,
     },
     /// The domain cannot be used.

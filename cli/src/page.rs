@@ -6,13 +6,13 @@ use crate::report::Report;
 use ltbw::TetMesh;
 use ltbw::quality::Quality;
 
-/// What a page tells.
+/// The contents of a page.
 pub(crate) struct Page<'a> {
-    /// What the domain is called.
+    /// The name of the domain.
     pub(crate) name: &'a str,
     /// The report of the run.
     pub(crate) report: &'a Report,
-    /// What the checker said.
+    /// The checker's verdict.
     pub(crate) verdict: &'a str,
     /// Measured of the mesh.
     pub(crate) quality: &'a Quality,

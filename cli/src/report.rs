@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// What a run did.
+/// The report of a run.
 #[derive(Debug, Serialize)]
 pub(crate) struct Report {
     /// Name and version of the schema.
@@ -23,7 +23,7 @@ pub(crate) struct Report {
     pub(crate) peak_rss_bytes: Option<u64>,
     /// `complete`, `cancelled` or `budget`; of a domain `met`, `excused`, `budget` or `cancelled`.
     pub(crate) outcome: &'static str,
-    /// What refinement did, of a domain.
+    /// The figures of refinement, of a domain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) refinement: Option<serde_json::Value>,
     /// Histograms and extremes, of a domain's mesh.
@@ -35,7 +35,7 @@ pub(crate) struct Report {
     pub(crate) outputs: Vec<String>,
     /// Figures of each worker of the parallel kernel; none if one thread inserted.
     pub(crate) workers: Vec<ltbw::threads::WorkerStats>,
-    /// What they did with their time, in nanoseconds.
+    /// The figures of the workers' time, in nanoseconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) parallel: Option<crate::figures::Figures>,
 }
@@ -54,7 +54,7 @@ impl Report {
 pub(crate) struct Input {
     /// Points in the file.
     pub(crate) points: usize,
-    /// Of these, distinct ones that were meshed.
+    /// Distinct points that were meshed.
     pub(crate) distinct: usize,
     /// Points that lie where an earlier one does.
     pub(crate) duplicates: usize,
@@ -75,7 +75,7 @@ pub(crate) struct MeshPart {
     pub(crate) hash: Option<String>,
 }
 
-/// How predicates were decided.
+/// The numbers of predicate calls, by how they were decided.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct Predicates {
     pub(crate) orient3d: Orient3d,

@@ -17,38 +17,38 @@ use ltbw_verify as verify;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What to do with a point set.
+/// The task with a point set.
 pub(crate) struct Job<'a> {
     /// `delaunay` or `demo`.
     pub(crate) command: &'static str,
-    /// What the points are called in messages.
+    /// The name of the points in messages.
     pub(crate) name: &'a Path,
     /// Mesh files to write.
     pub(crate) outputs: &'a [PathBuf],
-    /// Where the report goes.
+    /// The file of the report.
     pub(crate) json: Option<&'a Path>,
-    /// How deep to check.
+    /// The depth of the check.
     pub(crate) check: Depth,
     /// Cancels the insertion.
     pub(crate) stop: &'a Stop,
-    /// When the program started.
+    /// The start of the program.
     pub(crate) start: Instant,
     /// Seconds it took to read the points.
     pub(crate) read_seconds: f64,
     /// Workers that insert the points.
     pub(crate) workers: u32,
-    /// What else is asked of them.
+    /// Other demands on them.
     pub(crate) parallel: ParallelJob<'a>,
 }
 
-/// What is asked of the parallel kernel.
+/// The demands on the parallel kernel.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct ParallelJob<'a> {
     /// Blocks go to workers that run out of points.
     pub(crate) balance: bool,
     /// The figures are printed.
     pub(crate) tables: bool,
-    /// Where the timeline goes.
+    /// The file of the timeline.
     pub(crate) trace: Option<&'a Path>,
 }
 

@@ -40,7 +40,7 @@ struct Case {
     expect: Value,
 }
 
-/// What came of one folder.
+/// The result of one folder.
 #[derive(Debug, Default)]
 struct Tally {
     right: usize,
@@ -85,7 +85,7 @@ impl Tally {
     }
 }
 
-/// What an answer is worth.
+/// The value of an answer.
 #[derive(Debug)]
 enum Verdict {
     Right,
@@ -220,7 +220,7 @@ pub(crate) fn run(args: &VectorsRun) -> Result<Exit, Failure> {
     Ok(if wrong == 0 { Exit::Done } else { Exit::Defect })
 }
 
-/// What to print of a folder.
+/// The lines to print of a folder.
 fn told(folder: &str, tally: &Tally) -> String {
     let (reached, most) = tally.level();
     let Tally { right, unsupported, wrong, .. } = tally;

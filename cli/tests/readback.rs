@@ -9,7 +9,7 @@ mod require;
 use std::path::Path;
 use std::process::Command;
 
-/// What the script exits with when a package is missing.
+/// The exit code of the script when a package is missing.
 const MISSING: i32 = 3;
 
 #[test]

@@ -1,4 +1,4 @@
-//! What the program does not do: bad input, bad usage, outputs that cannot be written.
+//! Refusals of the program: bad input, bad usage, outputs that cannot be written.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 mod common;

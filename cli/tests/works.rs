@@ -1,4 +1,4 @@
-//! What the program does: mesh, check, convert, generate, demo, and stop on Ctrl-C.
+//! The work of the program: mesh, check, convert, generate, demo, and stop on Ctrl-C.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 mod common;

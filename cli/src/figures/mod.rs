@@ -1,4 +1,4 @@
-//! What the workers of a parallel run did with their time: as JSON, as the paper's tables, and as a
+//! The figures of the workers' time in a parallel run: as JSON, as the paper's tables, and as a
 //! timeline. The same for threads and for simulated processors.
 
 mod tables;

@@ -16,8 +16,8 @@ fn class(tet: &TetQuality) -> usize {
     ((least / 10.0) as usize).min(COLOURS.len() - 1)
 }
 
-/// The section of a tetrahedron by the plane `x[axis] = at`: no corners, three, or four in turn, with the
-/// coordinates of the two other axes.
+/// The section of a tetrahedron by the plane `x[axis] = at`: no corners, three, or four in turn,
+/// with the coordinates of the two other axes.
 fn section(corners: [&Point; 4], axis: usize, at: f64) -> Vec<[f64; 2]> {
     let above = corners.map(|p| p[axis] >= at);
     let axes = [(axis + 1) % 3, (axis + 2) % 3];

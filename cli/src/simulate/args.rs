@@ -17,7 +17,7 @@ pub(crate) struct Simulate {
     /// Mean time from sending a message to its arrival: a number with ns, us, ms or s
     #[arg(long, value_name = "TIME", default_value = "10us", value_parser = nanos)]
     pub(crate) latency: u64,
-    /// How single latencies spread around the mean
+    /// The spread of single latencies around the mean
     #[arg(long, default_value = "constant", value_parser = distributions())]
     pub(crate) distribution: Distribution,
     /// Bandwidth of each processor's link, in Gbit/s
@@ -27,17 +27,17 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     #[arg(value_parser = clap::value_parser!(u32).range(4..=MAX_POINTS as i64))]
     pub(crate) points: u32,
-    /// What kind of point set
+    /// The kind of point set
     #[arg(long, default_value = "uniform", value_parser = kinds())]
     pub(crate) kind: PointKind,
     /// Determines the points and all that is random in the run
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
-    /// What happens when a request meets a locked tetrahedron
+    /// The rule for a request that meets a locked tetrahedron
     #[arg(long, default_value = "wound-wait", value_parser = rules())]
     pub(crate) rule: Rule,
-    /// What an operation locks: the cavity and its face neighbours, or all that touches the cavity
-    /// (the paper's equation 5)
+    /// The closure that an operation locks: the cavity and its face neighbours, or all that touches
+    /// the cavity (the paper's equation 5)
     #[arg(long, default_value = "face", value_parser = closures())]
     pub(crate) closure: Closure,
     /// A new tetrahedron belongs to the processor that created it, as in the paper; blocks do not
@@ -50,7 +50,7 @@ pub(crate) struct Simulate {
     /// Insertion cursors of each worker
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(crate) cursors: Option<u32>,
-    /// Points of a worker under way before points that need no other worker go first; 0: as they lie
+    /// Points of a worker under way before those that need no other worker go first; 0: as they lie
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4096))]
     pub(crate) abreast: Option<u32>,
     /// Blocks of each worker at the start
@@ -59,7 +59,7 @@ pub(crate) struct Simulate {
     /// Points of the coarse mesh that is distributed at the start
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..))]
     pub(crate) sample: Option<u32>,
-    /// Processor 0 takes so many times longer for everything
+    /// Processor 0 takes this number of times longer for everything
     #[arg(long, value_name = "FACTOR", value_parser = positive)]
     pub(crate) slow: Option<f64>,
     /// Move a random block to a random worker each TIME

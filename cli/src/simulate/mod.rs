@@ -47,7 +47,8 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
         write_json(path, &text)?;
     }
     let text = format!(
-        "{} points on {} processors, rule {}, latency {} ns ({}), seed {}\n{}\n{}\nltbw.mesh/1 {hash}\n",
+        "{} points on {} processors, rule {}, latency {} ns ({}), seed {}\n{}\n{}\n\
+         ltbw.mesh/1 {hash}\n",
         set.len(),
         plan.workers,
         config.rule,
@@ -69,7 +70,7 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     Ok(Exit::OwnDefect)
 }
 
-/// How the points are laid out, and how the workers behave.
+/// The layout of the points, and the configuration of the workers.
 fn layout(args: &Simulate, points: usize) -> (Plan, Config) {
     let mut plan = Plan::patient(points, args.processors);
     let mut config =
@@ -126,7 +127,7 @@ fn mesh(
     })
 }
 
-/// How long one processor takes for the same work.
+/// The time that one processor takes for the same work.
 fn alone(
     set: &PointSet,
     plan: &Plan,

@@ -7,14 +7,14 @@ use std::process::{Command, Output, Stdio};
 pub(crate) struct Run {
     /// The exit code.
     pub(crate) code: i32,
-    /// What it wrote to stdout.
+    /// Its output on stdout.
     pub(crate) stdout: String,
-    /// What it wrote to stderr.
+    /// Its output on stderr.
     pub(crate) stderr: String,
 }
 
 impl Run {
-    /// What has ended.
+    /// The ended run of a program.
     pub(crate) fn of(output: Output) -> Self {
         Self {
             code: output.status.code().expect("the program was not killed"),
