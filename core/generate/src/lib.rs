@@ -5,6 +5,8 @@
 //! only, whose results IEEE 754 fixes to the bit. A point set is a function of its kind, size and
 //! seed; golden tests hold it still.
 
+#![forbid(unsafe_code)]
+
 pub mod domains;
 pub mod surfaces;
 

@@ -54,8 +54,9 @@ fn words(text: &str) -> Vec<String> {
     words
 }
 
-/// The banned phrases of a comment. A question may start with "who".
-pub fn found_in(text: &str) -> Vec<&'static str> {
+/// The banned phrases of a comment, each with words that serve instead. A question may start with
+/// "who".
+pub fn found_in(text: &str) -> Vec<(&'static str, &'static str)> {
     let words = words(text);
     let is_at = |phrase: &[&str], k: usize| {
         phrase.iter().enumerate().all(|(n, word)| words.get(k + n).is_some_and(|w| w == word))
@@ -67,18 +68,17 @@ pub fn found_in(text: &str) -> Vec<&'static str> {
         let parts: Vec<&str> = phrase.split(' ').collect();
         (0..words.len()).any(|k| is_at(&parts, k) && !(phrase == "^ who" && asks(k)))
     };
-    BANNED.iter().map(|&(phrase, _)| phrase).filter(|phrase| has(phrase)).collect()
+    BANNED.iter().copied().filter(|(phrase, _)| has(phrase)).collect()
 }
 
-/// All banned phrases in comments of the tree: `file:line: phrase`.
+/// All banned phrases in comments of the tree: `file:line: phrase (instead)`.
 pub fn banned(tree: &Tree) -> Vec<String> {
     let mut all = Vec::new();
     for (file, text) in tree.rust("") {
         for comment in split(text).1 {
-            let line = comment.line;
-            all.extend(
-                found_in(&comment.text).into_iter().map(|p| format!("{file}:{line}: \"{p}\"")),
-            );
+            for (phrase, instead) in found_in(&comment.text) {
+                all.push(format!("{file}:{}: \"{phrase}\" ({instead})", comment.line));
+            }
         }
     }
     all
@@ -114,17 +114,15 @@ fn a_name_that_no_source_has_is_found() {
 fn every_banned_phrase_is_found_in_comments_and_nowhere_else() {
     for &(phrase, _) in BANNED {
         let said = format!("First. {} things.", phrase.replace("^ ", ""));
-        assert!(found_in(&said).contains(&phrase), "{phrase}");
+        assert!(found_in(&said).iter().any(|found| found.0 == phrase), "{phrase}");
     }
     for fine in
         ["All of it.", "So few; many so.", "Who is older?", "the worker who asks", "`so many`"]
     {
-        assert_eq!(found_in(fine), [""; 0], "{fine}");
+        assert_eq!(found_in(fine), [("", ""); 0], "{fine}");
     }
     let tree = |text| Tree::of(&[("cli/src/lib.rs", text)]);
-    assert_eq!(
-        banned(&tree("/// At most so\n/// many.\nfn f() {}")),
-        ["cli/src/lib.rs:1: \"so many\""]
-    );
+    let found = banned(&tree("/// At most so\n/// many.\nfn f() {}"));
+    assert!(found.len() == 1 && found[0].starts_with("cli/src/lib.rs:1: \"so many\""), "{found:?}");
     assert_eq!(banned(&tree("const SO: &str = \"so many\";")), [""; 0]);
 }

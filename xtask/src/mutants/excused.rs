@@ -39,7 +39,8 @@ pub(super) fn read_source(file: &str) -> Result<String, String> {
     fs::read_to_string(root().join(file)).map_err(|error| format!("{file}: {error}"))
 }
 
-/// `core/kernel/src/x.rs:5:9: replace + with - in f` to `core/kernel/src/x.rs: replace + with - in f: a »+ b`.
+/// The name of a mutant by its line's text: `x.rs:5:9: replace + with - in f` becomes
+/// `x.rs: replace + with - in f: a »+ b`.
 pub(super) fn known_by(
     mutant: &str,
     source: &impl Fn(&str) -> Result<String, String>,
