@@ -117,7 +117,8 @@ fn the_list_of_crates_is_that_of_the_workspace() {
         .collect();
     let mut listed: Vec<(String, &str)> =
         CRATES.iter().map(|c| (c.name.to_owned(), c.folder)).collect();
-    (found.sort(), listed.sort());
+    found.sort();
+    listed.sort();
     assert_eq!(found, listed);
 }
 

@@ -4,11 +4,11 @@ use super::source::{Token, Tree, shipped, split, tokens};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A crate: the name by which code names it, its folder, and its floor.
-pub struct Crate {
-    pub name: &'static str,
-    pub folder: &'static str,
+pub(crate) struct Crate {
+    pub(crate) name: &'static str,
+    pub(crate) folder: &'static str,
     /// Shipped code names crates on lower floors only; `None`: no crate of ours at all.
-    pub floor: Option<u8>,
+    pub(crate) floor: Option<u8>,
 }
 
 const fn on(floor: u8, name: &'static str, folder: &'static str) -> Crate {
@@ -20,7 +20,7 @@ const fn alone(name: &'static str, folder: &'static str) -> Crate {
 }
 
 /// All crates of the workspace, and the fuzzers'.
-pub const CRATES: &[Crate] = &[
+pub(crate) const CRATES: &[Crate] = &[
     on(0, "ltbw_exact", "core/exact"),
     on(1, "ltbw_core", "core/kernel"),
     on(2, "ltbw_domain", "core/domain"),
@@ -40,16 +40,16 @@ const JUDGED: u8 = 4;
 
 /// The names that a path in the code goes through, and its line.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Named {
-    pub path: Vec<String>,
+pub(crate) struct Named {
+    pub(crate) path: Vec<String>,
     /// The last name under which a `use` makes it known.
     alias: Option<String>,
-    pub line: usize,
+    pub(crate) line: usize,
 }
 
 /// The paths that code names: those of `use` lines, braces expanded, and those that start at
 /// `crate`, `self`, `super` or a crate of ours.
-pub fn paths(tokens: &[Token]) -> Vec<Named> {
+pub(crate) fn paths(tokens: &[Token]) -> Vec<Named> {
     let text = |k: usize| tokens.get(k).map_or("", |token| token.text.as_str());
     let is_start = |word: &str| {
         ["crate", "self", "super"].contains(&word) || CRATES.iter().any(|c| c.name == word)
@@ -113,7 +113,7 @@ fn use_tree(tokens: &[Token], mut k: usize, before: &[String], found: &mut Vec<N
 }
 
 /// Arrows between crates against the order of floors: `file:line: crate names crate`.
-pub fn upward(tree: &Tree) -> Vec<String> {
+pub(crate) fn upward(tree: &Tree) -> Vec<String> {
     let mut wrong = Vec::new();
     for from in CRATES {
         for (file, text) in tree.shipped(from.folder) {
@@ -132,7 +132,7 @@ pub fn upward(tree: &Tree) -> Vec<String> {
 }
 
 /// May the shipped code of `from` name `to`?
-pub fn may_name(from: &Crate, to: &Crate) -> bool {
+pub(crate) fn may_name(from: &Crate, to: &Crate) -> bool {
     match (from.floor, to.floor) {
         (Some(from), Some(to)) => from > to,
         (Some(from), None) => from > JUDGED && to.name != "xtask",
@@ -244,14 +244,14 @@ impl Modules {
 
 /// A circle: the folder of its modules, their names, and the places of the arrows among them.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Circle {
-    pub folder: String,
-    pub rooms: Vec<String>,
-    pub places: Vec<String>,
+pub(crate) struct Circle {
+    pub(crate) folder: String,
+    pub(crate) rooms: Vec<String>,
+    pub(crate) places: Vec<String>,
 }
 
 /// The circles between modules of the crate in `folder`.
-pub fn circles(tree: &Tree, folder: &str) -> Vec<Circle> {
+pub(crate) fn circles(tree: &Tree, folder: &str) -> Vec<Circle> {
     let Some(modules) = Modules::read(tree, folder) else { return Vec::new() };
     let arrows = modules.arrows();
     let reach = |from: usize| {

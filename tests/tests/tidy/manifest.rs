@@ -5,14 +5,14 @@ use super::source::{Token, Tree, shipped, split, tokens};
 
 /// A dependency of a manifest.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Dependency {
-    pub name: String,
+pub(crate) struct Dependency {
+    pub(crate) name: String,
     /// Of tests, examples and benchmarks alone.
-    pub dev: bool,
+    pub(crate) dev: bool,
 }
 
 /// The dependencies that a manifest lists, those for some targets only included.
-pub fn dependencies(manifest: &str) -> Vec<Dependency> {
+pub(crate) fn dependencies(manifest: &str) -> Vec<Dependency> {
     let (mut section, mut found) = (String::new(), Vec::new());
     for line in manifest.lines().map(str::trim) {
         if let Some(name) = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
@@ -40,7 +40,7 @@ fn names(tokens: &[Token], name: &str) -> bool {
 }
 
 /// Dependencies that nothing uses: `manifest: name`.
-pub fn unused(tree: &Tree) -> Vec<String> {
+pub(crate) fn unused(tree: &Tree) -> Vec<String> {
     let mut found = Vec::new();
     let manifests = tree.0.iter().filter(|(path, _)| path.ends_with("/Cargo.toml"));
     let mut listed = Vec::new();
@@ -77,7 +77,7 @@ pub fn unused(tree: &Tree) -> Vec<String> {
 }
 
 /// Dependencies of shipped code on a crate of ours that is not on a lower floor.
-pub fn upward(tree: &Tree) -> Vec<String> {
+pub(crate) fn upward(tree: &Tree) -> Vec<String> {
     let mut found = Vec::new();
     for from in CRATES {
         let path = format!("{}/Cargo.toml", from.folder);

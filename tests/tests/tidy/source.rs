@@ -7,11 +7,11 @@ use std::path::Path;
 /// The text of every Rust source and manifest of the workspace, by path from its root. A test
 /// plants a violation by writing such a tree by hand.
 #[derive(Default)]
-pub struct Tree(pub BTreeMap<String, String>);
+pub(crate) struct Tree(pub(crate) BTreeMap<String, String>);
 
 impl Tree {
     /// Reads all crates below `root`, build folders left out.
-    pub fn read(root: &Path) -> Self {
+    pub(crate) fn read(root: &Path) -> Self {
         let mut tree = Self::default();
         let mut folders = vec![root.to_path_buf()];
         while let Some(folder) = folders.pop() {
@@ -33,12 +33,15 @@ impl Tree {
     }
 
     /// A tree of these files.
-    pub fn of(files: &[(&str, &str)]) -> Self {
+    pub(crate) fn of(files: &[(&str, &str)]) -> Self {
         Self(files.iter().map(|&(path, text)| (path.into(), text.into())).collect())
     }
 
     /// The shipped sources of the crate in `folder`, by path: tests have files of their own.
-    pub fn shipped<'a>(&'a self, folder: &'a str) -> impl Iterator<Item = (&'a str, &'a str)> {
+    pub(crate) fn shipped<'a>(
+        &'a self,
+        folder: &'a str,
+    ) -> impl Iterator<Item = (&'a str, &'a str)> {
         let is_test = |part: &str| part == "tests" || part == "tests.rs";
         let src = move |path: &str| {
             let rest = path.strip_prefix(folder).and_then(|rest| rest.strip_prefix("/src/"));
@@ -48,7 +51,7 @@ impl Tree {
     }
 
     /// The Rust sources in `folder`, by path.
-    pub fn rust<'a>(&'a self, folder: &'a str) -> impl Iterator<Item = (&'a str, &'a str)> {
+    pub(crate) fn rust<'a>(&'a self, folder: &'a str) -> impl Iterator<Item = (&'a str, &'a str)> {
         let inside = move |path: &str| {
             path.strip_prefix(folder).is_some_and(|rest| folder.is_empty() || rest.starts_with('/'))
         };
@@ -59,14 +62,14 @@ impl Tree {
 
 /// A comment: the number of its first line, and its text. Lines that follow each other are one.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Comment {
-    pub line: usize,
-    pub text: String,
+pub(crate) struct Comment {
+    pub(crate) line: usize,
+    pub(crate) text: String,
 }
 
 /// Code with comments and the contents of literals blanked, line by line as before, and the
 /// comments.
-pub fn split(text: &str) -> (String, Vec<Comment>) {
+pub(crate) fn split(text: &str) -> (String, Vec<Comment>) {
     let chars: Vec<char> = text.chars().collect();
     let at = |k: usize| chars.get(k).copied().unwrap_or('\0');
     let (mut code, mut comments) = (String::with_capacity(text.len()), Vec::<Comment>::new());
@@ -161,13 +164,13 @@ fn end_of_literal(chars: &[char], k: usize) -> usize {
 
 /// A word or a sign of code, and its line. `::` is one sign.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Token {
-    pub text: String,
-    pub line: usize,
+pub(crate) struct Token {
+    pub(crate) text: String,
+    pub(crate) line: usize,
 }
 
 /// The tokens of code without comments.
-pub fn tokens(code: &str) -> Vec<Token> {
+pub(crate) fn tokens(code: &str) -> Vec<Token> {
     let mut tokens: Vec<Token> = Vec::new();
     let (mut line, mut word) = (1, String::new());
     for c in code.chars().chain(['\n']) {
@@ -189,7 +192,7 @@ pub fn tokens(code: &str) -> Vec<Token> {
 }
 
 /// The tokens of shipped code: without what follows `#[cfg(test)]` or another condition on `test`.
-pub fn shipped(tokens: &[Token]) -> Vec<Token> {
+pub(crate) fn shipped(tokens: &[Token]) -> Vec<Token> {
     let text = |k: usize| tokens.get(k).map_or("", |token| token.text.as_str());
     let (mut kept, mut k) = (Vec::new(), 0);
     while k < tokens.len() {

@@ -4,7 +4,7 @@ use super::source::{Tree, split, tokens};
 use std::collections::BTreeSet;
 
 /// Phrases, as words and signs apart. `^` is the start of a sentence.
-pub const BANNED: &[(&str, &str)] = &[
+pub(crate) const BANNED: &[(&str, &str)] = &[
     ("so many", "name the number: `count`, `most`, `the given number of`"),
     ("hang together", "connected"),
     ("hangs together", "connected"),
@@ -56,7 +56,7 @@ fn words(text: &str) -> Vec<String> {
 
 /// The banned phrases of a comment, each with words that serve instead. A question may start with
 /// "who".
-pub fn found_in(text: &str) -> Vec<(&'static str, &'static str)> {
+pub(crate) fn found_in(text: &str) -> Vec<(&'static str, &'static str)> {
     let words = words(text);
     let is_at = |phrase: &[&str], k: usize| {
         phrase.iter().enumerate().all(|(n, word)| words.get(k + n).is_some_and(|w| w == word))
@@ -72,7 +72,7 @@ pub fn found_in(text: &str) -> Vec<(&'static str, &'static str)> {
 }
 
 /// All banned phrases in comments of the tree: `file:line: phrase (instead)`.
-pub fn banned(tree: &Tree) -> Vec<String> {
+pub(crate) fn banned(tree: &Tree) -> Vec<String> {
     let mut all = Vec::new();
     for (file, text) in tree.rust("") {
         for comment in split(text).1 {
@@ -86,7 +86,7 @@ pub fn banned(tree: &Tree) -> Vec<String> {
 
 /// Names in backquotes on a page that no source has: `page: name`. A name is made of identifiers,
 /// joined by `::`; anything else in backquotes is not looked at.
-pub fn unknown_names(tree: &Tree, page: &str) -> Vec<String> {
+pub(crate) fn unknown_names(tree: &Tree, page: &str) -> Vec<String> {
     let code = tree.rust("").flat_map(|(_, text)| tokens(&split(text).0));
     let folders = tree.0.keys().flat_map(|path| path.split(['/', '.']).map(str::to_owned));
     let known: BTreeSet<String> = code.map(|token| token.text).chain(folders).collect();
