@@ -98,8 +98,8 @@ pub fn files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Writes the triangles of a domain as a `.poly` file for a mesher that takes no other facets: equal
-/// vertices merged, polygons cut, triangles without area left out.
+/// Writes the triangles of a domain as a `.poly` file for a mesher that takes no other facets:
+/// equal vertices merged, polygons cut, triangles without area left out.
 ///
 /// # Errors
 /// If the file cannot be written.

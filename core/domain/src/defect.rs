@@ -1,4 +1,4 @@
-//! What can be wrong with a domain.
+//! The defects that a domain can have.
 //!
 //! A [`DomainError`] is the first reason why a domain cannot even be looked at; a [`DomainDefect`]
 //! is a finding of the geometric check, which collects them all. Both name elements as the file
@@ -65,7 +65,7 @@ pub enum DomainError {
     /// A number is NaN or infinite.
     #[error("{element} has the coordinates {at:?}, which are not all finite")]
     NotFinite {
-        /// What has it.
+        /// The element that has it.
         element: Element,
         /// Its coordinates.
         at: Point,
@@ -85,7 +85,7 @@ pub enum DomainError {
     /// An index names no vertex.
     #[error("{element} names vertex {vertex}, but there are {vertices} vertices")]
     Index {
-        /// What names it.
+        /// The element that names it.
         element: Element,
         /// The index.
         vertex: u32,
@@ -97,13 +97,13 @@ pub enum DomainError {
     ShortPolygon {
         /// The polygon.
         element: Element,
-        /// How many it has.
+        /// The number of its corners.
         corners: usize,
     },
     /// More vertices than a mesh can hold.
     #[error("{count} vertices exceed the limit of {}", ltbw_exact::points::MAX_POINTS)]
     TooManyVertices {
-        /// How many.
+        /// Their number.
         count: usize,
     },
     /// All vertices are at the origin, or so near to it or far from it that the lattice would
@@ -124,13 +124,13 @@ pub enum DomainError {
     OffLattice {
         /// The vertex that would move farthest.
         vertex: u32,
-        /// Where it is.
+        /// Its place.
         at: Point,
-        /// How far it would move.
+        /// The distance that it would move.
         distance: f64,
         /// The step of the lattice.
         step: f64,
-        /// How many vertices would move.
+        /// The number of vertices that would move.
         moved: usize,
     },
 }
@@ -152,7 +152,7 @@ impl DomainError {
     }
 }
 
-/// How grave a finding is.
+/// The gravity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
     /// Worth knowing; legal.
@@ -251,7 +251,7 @@ impl DefectKind {
         }
     }
 
-    /// How grave it is.
+    /// Its gravity.
     #[must_use]
     pub fn severity(self) -> Severity {
         match self {
@@ -264,7 +264,7 @@ impl DefectKind {
         }
     }
 
-    /// What it means, in a few words.
+    /// Its meaning, in a few words.
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
@@ -289,11 +289,11 @@ impl DefectKind {
 /// A finding of the geometric check.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DomainDefect {
-    /// What it is.
+    /// Its kind.
     pub kind: DefectKind,
     /// The elements that it concerns.
     pub elements: Vec<Element>,
-    /// Where: coordinates of vertices, of ends of edges, of seeds.
+    /// Its places: coordinates of vertices, of ends of edges, of seeds.
     pub at: Vec<Point>,
 }
 

@@ -27,7 +27,7 @@ pub const PARAMETER_BITS: i32 = 27;
 pub struct Lattice {
     /// g = 2^exponent.
     exponent: i32,
-    /// What the lattice calls the origin, in the coordinates of the input.
+    /// The origin of the lattice, in the coordinates of the input.
     offset: Point,
     /// Bits that the distance from the origin takes.
     lost_bits: u32,
@@ -96,7 +96,7 @@ impl Lattice {
         self.offset
     }
 
-    /// How many of the 26 bits of coordinates the distance from the origin takes.
+    /// The number of the 26 bits of coordinates that the distance from the origin takes.
     #[must_use]
     pub fn lost_bits(&self) -> u32 {
         self.lost_bits
@@ -114,7 +114,7 @@ impl Lattice {
         grid(p, self.exponent - PARAMETER_BITS, INPUT_BITS + PARAMETER_BITS)
     }
 
-    /// The point that is so many steps from the origin.
+    /// The point that is `steps` steps from the origin.
     #[must_use]
     pub fn point(&self, steps: [i64; 3]) -> Point {
         steps.map(|s| s as f64 * self.step())
@@ -155,16 +155,16 @@ fn ceiling_exponent(magnitude: f64) -> Option<i32> {
     Some(if power { floor } else { floor + 1 })
 }
 
-/// How a vertex moved.
+/// The move of a vertex.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Move {
     /// The vertex.
     pub vertex: u32,
-    /// Where it was, in the coordinates of the input.
+    /// Its place before, in the coordinates of the input.
     pub from: Point,
-    /// Where it is, in snapped coordinates (those of the input, but for a local frame).
+    /// Its place after, in snapped coordinates (those of the input, but for a local frame).
     pub to: Point,
-    /// How far it moved (rounded).
+    /// The distance (rounded).
     pub distance: f64,
 }
 
@@ -176,7 +176,7 @@ pub struct Snapped {
     pub domain: Domain,
     /// The lattice.
     pub lattice: Lattice,
-    /// How many vertices moved.
+    /// The number of vertices that moved.
     pub moved: usize,
     /// The farthest move, if any vertex moved.
     pub largest: Option<Move>,

@@ -1,4 +1,4 @@
-//! How good tetrahedra are: histograms and extremes of dihedral angles, circumradius to shortest
+//! The quality of tetrahedra: histograms and extremes of dihedral angles, circumradius to shortest
 //! edge, volume and edge length; as text.
 //!
 //! Values are rounded: they are for people. Bounds are tested exactly elsewhere.
@@ -18,7 +18,7 @@ pub struct Extreme {
 /// Counts of values in bins of equal width.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
-    /// What is counted.
+    /// The quantity that is counted.
     pub name: &'static str,
     /// Lower end of the first bin.
     pub low: f64,
@@ -47,7 +47,7 @@ pub struct Quality {
     pub edge: Histogram,
 }
 
-/// What is measured of one tetrahedron.
+/// The measures of one tetrahedron.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TetQuality {
     /// Dihedral angles in degrees, at the edges 01, 02, 03, 12, 13, 23.

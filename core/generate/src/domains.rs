@@ -69,7 +69,7 @@ impl DomainKind {
         }
     }
 
-    /// What it is, in a few words.
+    /// The kind in a few words.
     pub fn about(self) -> &'static str {
         match self {
             DomainKind::CubeOctahedron => "domain: unit cube with a suspended octahedral hole",

@@ -86,7 +86,7 @@ impl PointKind {
         }
     }
 
-    /// What it is, in a few words.
+    /// The kind in a few words.
     pub fn about(self) -> &'static str {
         match self {
             PointKind::Uniform => "uniform in the unit cube",

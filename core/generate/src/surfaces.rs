@@ -1,5 +1,5 @@
-//! Surfaces as CAD programs and scanners write them: triangles that are flat, round or noisy only up
-//! to the last bits of their coordinates.
+//! Surfaces as CAD programs and scanners write them: triangles that are flat, round or noisy only
+//! up to the last bits of their coordinates.
 //!
 //! The families are those on which boundary recovery fails first: fans of needles in planes that
 //! rounding has bent, quadrilaterals cut along a fold of 10^-7 degrees, sheets that meet at small
@@ -90,8 +90,8 @@ pub fn globe(rows: u32, columns: u32, noise: f64, seed: u64) -> Domain {
     domain
 }
 
-/// A torus of radii 0.5 and 0.2: `parts` (at least 3) around the axis and as many around the tube, two
-/// triangles each.
+/// A torus of radii 0.5 and 0.2: `parts` (at least 3) around the axis and as many around the tube,
+/// two triangles each.
 #[must_use]
 pub fn torus(parts: u32) -> Domain {
     let n = parts.max(3);
@@ -136,8 +136,8 @@ pub fn book(sheets: u32, degrees: f64) -> Domain {
     Domain { vertices, facets, ..Domain::default() }
 }
 
-/// A plate of `cells` (at least 1) squares of side 1 each way, cut in two triangles each, and as thick
-/// as `thickness`.
+/// A plate of `cells` (at least 1) squares of side 1 each way, cut in two triangles each, and as
+/// thick as `thickness`.
 #[must_use]
 pub fn plate(cells: u32, thickness: f64) -> Domain {
     let n = cells.max(1);
@@ -186,8 +186,8 @@ pub fn shell(thickness: f64) -> Domain {
     surface(corners(0.0, 1.0).chain(inner).collect(), &triangles)
 }
 
-/// The domain with every coordinate rounded to the nearest 32-bit float, as binary `.stl` files keep
-/// it.
+/// The domain with every coordinate rounded to the nearest 32-bit float, as binary `.stl` files
+/// keep it.
 #[must_use]
 pub fn single(mut domain: Domain) -> Domain {
     domain.vertices.iter_mut().flatten().for_each(|c| *c = f64::from(*c as f32));

@@ -29,7 +29,7 @@ use std::collections::HashMap;
 /// The number of the cell that reaches to infinity.
 pub(crate) const OUTSIDE: u32 = 0;
 
-/// How often a segment is cast anew when it meets an edge.
+/// The most times that a segment is cast anew when it meets an edge.
 const TRIES: usize = 64;
 
 /// An edge of a triangle: the edge as one number, and the triangle with the place of the edge.
@@ -40,7 +40,7 @@ type Side = (u64, u32, u8);
 pub(crate) struct Cells {
     /// The cell of each side of each triangle.
     pub(super) of_side: Vec<u32>,
-    /// How many there are, the outside included.
+    /// Their number, the outside included.
     pub(super) count: u32,
     /// Edges of one triangle only, with that triangle.
     pub(super) open: Vec<([u32; 2], u32)>,

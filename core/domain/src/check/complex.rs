@@ -41,7 +41,7 @@ impl Piece {
     }
 }
 
-/// What a piece is.
+/// The shape of a piece.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Shape {
     Triangle([u32; 3]),
@@ -214,7 +214,7 @@ impl<'a> Complex<'a> {
         }
     }
 
-    /// What of the domain a piece is part of.
+    /// The element of the domain that a piece is part of.
     pub(super) fn element(&self, number: u32) -> Element {
         let n = number as usize;
         match self.shape(number) {

@@ -1,4 +1,4 @@
-//! How two pieces of a complex touch, exactly.
+//! The contact of two pieces of a complex, exactly.
 //!
 //! Pieces are triangles, edges and vertices, by the numbers of their vertices; equal coordinates
 //! have one number. Two pieces may meet in the vertices and edges that both name, and nowhere
@@ -7,7 +7,7 @@
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{PLANES, Sign, collinear, orient2d, orient3d};
 
-/// How two pieces meet where they must not.
+/// The kind of contact of two pieces that must not touch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Contact {
     /// They cross.

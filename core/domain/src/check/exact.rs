@@ -48,7 +48,7 @@ where
     &a[0] * &minor(1, 2) + &a[1] * &minor(2, 0) + &a[2] * &minor(0, 1)
 }
 
-/// Where a line segment passes through the plane of a triangle, as a fraction of its length.
+/// The point where a line segment passes through a triangle's plane, as a fraction of its length.
 #[derive(Debug, Clone)]
 pub(super) struct Along {
     numerator: BigInt,

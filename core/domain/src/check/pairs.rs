@@ -9,8 +9,8 @@ use rstar::RTree;
 use rstar::RTreeObject;
 use std::collections::HashSet;
 
-/// After so many contacts the rest is not looked for: the domain is beyond repair, and a heap of
-/// overlapping triangles would have quadratically many.
+/// The number of contacts after which no more are looked for: the domain is beyond repair, and a
+/// heap of overlapping triangles would have quadratically many.
 const ENOUGH: usize = 20_000;
 
 /// The most contacts that are looked for at one piece.
@@ -63,7 +63,7 @@ fn contacts_of(
                 let drawn = complex.draws(number, shared) && complex.draws(other, shared);
                 (!drawn).then_some(Contact::Crossing)
             }),
-            // What lies along a side that a facet does not draw lies inside the facet.
+            // An edge along a side that a facet does not draw lies inside the facet.
             (Shape::Triangle(t), Shape::Edge(e)) if e.iter().all(|v| t.contains(v)) => {
                 (!complex.draws(number, e)).then_some(Contact::Crossing)
             }

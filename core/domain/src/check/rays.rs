@@ -1,4 +1,4 @@
-//! Where a line segment crosses the triangles of a complex, in order, exactly.
+//! The crossings of a line segment with the triangles of a complex, in order, exactly.
 
 use super::complex::{Complex, Piece, Shape};
 use super::contact::sides_of;
@@ -14,7 +14,7 @@ pub(super) struct Hit {
     pub(super) triangle: u32,
     /// Is the near side the one to which its normal points?
     pub(super) from_front: bool,
-    /// Where on the segment.
+    /// The place on the segment.
     pub(super) along: Along,
 }
 
@@ -74,7 +74,7 @@ struct Near<'a> {
 }
 
 impl Near<'_> {
-    /// Where in the box the segment runs, axis by axis, as fractions of its length. Each fraction
+    /// Does the segment meet the box? Axis by axis, in fractions of its length. Each fraction
     /// has a relative error of at most 4 · 2^-53; the slack is more than twice that.
     fn meets(&self, envelope: &AABB<Point>) -> bool {
         const SLACK: f64 = 1e-14;

@@ -114,7 +114,7 @@ fn has_area(points: &[Rational]) -> bool {
     rest.iter().any(|b| rest.iter().any(|c| cross(from(b), from(c)) != [0; 3]))
 }
 
-/// What the oracle says: is there an illegal contact, and is it one of an area?
+/// The oracle's answer: is there an illegal contact, and is it one of an area?
 fn oracle(points: &[Point], p: [u32; 3], q: [u32; 3]) -> (bool, bool) {
     let at = |t: [u32; 3]| t.map(|v| points[v as usize]);
     let part = common(at(p), at(q));

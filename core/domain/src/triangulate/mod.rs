@@ -15,7 +15,7 @@ use ltbw_exact::Point;
 use ltbw_exact::predicates::{PLANES, Sign, collinear, orient2d, orient3d};
 use plane::Plane;
 
-/// What is wrong with a facet by itself. Vertices are those of the domain.
+/// A defect of a facet by itself. Vertices are those of the domain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Problem {
     /// All corners are on a line.
@@ -60,7 +60,7 @@ pub struct Triangulated {
     pub loose: Vec<[u32; 2]>,
     /// Do all corners lie in one plane?
     pub planar: bool,
-    /// What is wrong.
+    /// The defects.
     pub problems: Vec<Problem>,
 }
 

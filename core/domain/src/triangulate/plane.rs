@@ -19,7 +19,7 @@ use std::collections::{HashSet, VecDeque};
 /// No triangle.
 const NONE: u32 = u32::MAX;
 
-/// Where a point lies.
+/// The place of a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
     /// In the piece of this triangle.
@@ -425,7 +425,7 @@ impl Plane {
         }
     }
 
-    /// Where the projection of a point lies.
+    /// The place of the projection of a point.
     pub(super) fn locate(&self, p: &Point) -> Place {
         for t in 0..self.corners.len() {
             let c = self.corners[t];
