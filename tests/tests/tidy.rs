@@ -37,12 +37,8 @@ const CIRCLES: &[(&str, &[&str], &str)] = &[
 ];
 
 /// Files that are still too long.
-const LONG_FILES: &[&str] = &[
-    "core/domain/src/refine/split.rs",
-    "core/domain/tests/domain_check.rs",
-    "core/kernel/src/part.rs",
-    "parallel/src/mesh/field.rs",
-];
+const LONG_FILES: &[&str] =
+    &["core/domain/src/refine/split.rs", "core/kernel/src/part.rs", "parallel/src/mesh/field.rs"];
 
 /// Files and folders, by the start of their paths, that still have banned words or long lines.
 const NOT_YET: &[&str] = &[
