@@ -10,7 +10,7 @@ use ltbw_generate::{PointKind, generate};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// Longer than any of these runs takes: who is not done by then hangs.
+/// Longer than any of these runs takes: a run that is not done by then hangs.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// What became of a run.

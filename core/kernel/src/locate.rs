@@ -10,7 +10,7 @@ use crate::geometry::{Geometry, PointConflict};
 use crate::topology::{INFINITE, TetId, Topology, slot_of, tet_of};
 use ltbw_exact::predicates::Sign;
 
-/// Where a walk ended.
+/// The end of a walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Found {
     /// A tetrahedron certainly in conflict with the target: no vertex lies at the target.
@@ -177,7 +177,7 @@ mod tests {
             assert!(conflict.in_conflict(&mesh.topology, t));
             let shut = scan(&mesh.topology, &mut conflict, &Shut);
             assert!(matches!(shut, Found::Closed(_)), "{shut:?}");
-            // What a sphere decides needs no entry.
+            // A conflict that a sphere decides needs no entry.
             let steps = &mut 0;
             match walk_through(&mesh.topology, &mut conflict, t, &Shut, steps) {
                 Found::Conflict(u) => assert!(u == t && conflict.surely(t)),

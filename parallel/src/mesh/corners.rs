@@ -13,7 +13,7 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    /// Forgets all; at most so many are to come.
+    /// Forgets all; at most the given number are to come.
     pub(super) fn start(&mut self, most: usize) {
         self.sites.clear();
         self.table.clear();

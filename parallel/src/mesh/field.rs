@@ -5,8 +5,8 @@
 //! once. A point that has to wait for another worker keeps its cursor: its neighbours on the curve
 //! would only meet its locks. Meanwhile other cursors are followed. With a single one a worker
 //! would mostly wait. A cursor that has waited comes first when it may go on: it lies at the
-//! interface, and what waits for other workers had better be under way while there is work that
-//! does not, or a round would end in nothing but waiting. When all cursors wait the next round
+//! interface, and its points should be under way while there are others that need no other worker,
+//! or a round would end in nothing but waiting. When all cursors wait the next round
 //! begins; in the last round the far half of a waiting cursor's piece becomes a cursor of its own.
 //!
 //! Where messages take long that is not enough. The coarse mesh tells where the interface is: there
@@ -38,15 +38,15 @@ pub struct Field {
     more: bool,
     /// The cursor that is followed.
     current: Option<Cursor>,
-    /// While fewer points are under way those at the interface go first.
+    /// The number of points under way below which points at the interface go first.
     abreast: usize,
-    /// Those that have waited and may go on, the one to follow next last.
+    /// Cursors that have waited and may go on, the one to follow next last.
     urgent: Vec<Cursor>,
-    /// Those at the interface that may go on, the one to follow next first.
+    /// Cursors at the interface that may go on, the one to follow next first.
     interface: VecDeque<Cursor>,
-    /// Others that may go on, the one to follow next first.
+    /// Other cursors that may go on, the one to follow next first.
     ready: VecDeque<Cursor>,
-    /// Those whose point is under way.
+    /// Cursors whose point is under way.
     waiting: Vec<Cursor>,
     left: usize,
     given: usize,
@@ -187,7 +187,7 @@ impl Field {
                     }
                 }
             }
-            // What follows each other on the curve would be under way together, and in each
+            // Points that follow each other on the curve would be under way together, and in each
             // other's way.
             interface.sort_unstable_by_key(|(start, _)| start.wrapping_mul(SCATTER));
             self.interface.extend(interface.into_iter().map(|(_, cursor)| cursor));
@@ -347,171 +347,4 @@ impl Source<LocalMesh> for Field {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use ltbw_core::order::round_of;
-    use ltbw_core::part::Setting;
-    use ltbw_exact::{Mode, Point};
-
-    fn field(count: u32) -> (Field, LocalMesh) {
-        let blocks = Blocks::even(count, 4);
-        let all: Vec<Point> = (1..=count).map(|v| [f64::from(v); 3]).collect();
-        let mut mesh = LocalMesh::new(0, &Setting::of(&all, Mode::Normal), blocks.clone());
-        mesh.part.set_points(1, &all);
-        (Field::new(blocks, 1..count + 1, [], 3), mesh)
-    }
-
-    #[test]
-    fn every_point_comes_once_and_a_waiting_one_keeps_its_cursor() {
-        let (mut field, mesh) = field(9000);
-        let mut seen = vec![0; 9001];
-        let mut waiting: Option<Site> = None;
-        while !field.is_empty() {
-            let Some(site) = field.next(&mesh) else {
-                // Only the last cursors have nothing else to give.
-                field.inserted(&mesh, &waiting.take().expect("a waiting point"));
-                continue;
-            };
-            seen[site.vertex as usize] += 1;
-            if site.vertex % 100 == 0 {
-                if let Some(before) = waiting.replace(site) {
-                    field.let_go(&before);
-                }
-            } else {
-                field.inserted(&mesh, &site);
-            }
-        }
-        assert!(seen[1..].iter().all(|&n| n == 1));
-        assert!(!field.is_ready() && field.next(&mesh).is_none());
-    }
-
-    #[test]
-    fn points_that_wait_are_far_from_each_other() {
-        let (mut field, mesh) = field(900);
-        let mut given: Vec<VertexId> = Vec::new();
-        while let Some(site) = field.next(&mesh) {
-            given.push(site.vertex);
-        }
-        assert!(!field.is_ready() && !field.is_empty());
-        assert_eq!(given[..3], [1, 301, 601], "one point of each cursor");
-        assert_eq!(given[3..6].iter().map(|v| v / 300).max(), Some(2), "{given:?}");
-        given.sort_unstable();
-        // What lies between two of them is too short to be cut.
-        let gaps: Vec<u32> = given.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        assert!(gaps.iter().all(|&gap| gap > 1 && gap <= 1 + SHORTEST as u32), "{gaps:?}");
-        let site = Site::new(given[1], [0.0; 3]);
-        field.let_go(&site);
-        let next = field.next(&mesh).expect("a point");
-        assert_eq!(next.vertex, given[1] + 1);
-        assert!(!field.is_ready());
-    }
-
-    #[test]
-    fn the_next_round_begins_when_all_cursors_wait() {
-        let (mut field, mesh) = field(9000);
-        let round = |site: &Site| round_of(site.vertex, 1);
-        let rounds: Vec<u32> =
-            std::iter::from_fn(|| field.next(&mesh)).take(6).map(|s| round(&s)).collect();
-        assert_eq!(rounds, [0, 0, 0, 1, 1, 1]);
-    }
-
-    #[test]
-    fn what_lies_at_the_interface_goes_first_in_short_pieces_far_from_each_other() {
-        let (field, mesh) = field(9000);
-        let pieces = [1000..1400, 5000..5200];
-        let at = |v: VertexId| pieces.iter().any(|piece| piece.contains(&v));
-        let mut field = field.interface(pieces.to_vec(), 4);
-        let next = |field: &mut Field| field.next(&mesh).expect("a point");
-        let given: Vec<Site> = (0..4).map(|_| next(&mut field)).collect();
-        assert!(given.iter().all(|site| at(site.vertex)), "{given:?}");
-        let pairs = given.iter().flat_map(|a| given.iter().map(|b| (a.vertex, b.vertex)));
-        let near = pairs.filter(|(a, b)| a < b).map(|(a, b)| b - a).min();
-        assert!(near >= Some(32), "pieces, not points of one piece: {given:?}");
-        // Four are under way: others go on, as they lie.
-        let others: Vec<Site> = (0..3)
-            .map(|_| {
-                let site = next(&mut field);
-                field.inserted(&mesh, &site);
-                site
-            })
-            .collect();
-        assert!(others.windows(2).all(|pair| pair[0].vertex < pair[1].vertex), "{others:?}");
-        assert!(!others.iter().any(|site| at(site.vertex)), "{others:?}");
-        // One of them is inserted: its piece goes on.
-        field.inserted(&mesh, &given[2]);
-        let after = next(&mut field);
-        assert!(after.vertex > given[2].vertex && after.vertex < given[2].vertex + 64);
-        // Every point comes once all the same.
-        let mut seen = vec![0; 9001];
-        let so_far = given.iter().chain(&others).chain([&after]);
-        so_far.for_each(|site| seen[site.vertex as usize] += 1);
-        given.iter().chain([&after]).for_each(|site| field.inserted(&mesh, site));
-        while let Some(site) = field.next(&mesh) {
-            seen[site.vertex as usize] += 1;
-            field.inserted(&mesh, &site);
-        }
-        assert!(seen[1..].iter().all(|&n| n == 1) && field.is_empty());
-        assert_eq!(field.given(), 9000);
-    }
-
-    #[test]
-    fn no_more_points_than_said_are_under_way_while_others_may_go() {
-        // Three rounds: in the first one an interface cursor has a single point or none.
-        let (field, mesh) = field(70_000);
-        let pieces = [20_000..26_000, 28_000..31_000];
-        let at = |v: VertexId| pieces.iter().any(|piece| piece.contains(&v));
-        let mut field = field.interface(pieces.clone(), 10);
-        let (mut under_way, mut most) = (Vec::new(), 0);
-        while !field.is_empty() {
-            // What is under way when nothing else may go is another matter.
-            if field.ready.is_empty() {
-                under_way.drain(..).for_each(|site: Site| field.inserted(&mesh, &site));
-            }
-            let others = !field.ready.is_empty();
-            let site = field.next(&mesh).expect("a point");
-            if at(site.vertex) {
-                under_way.push(site);
-                most = most.max(if others { under_way.len() } else { 0 });
-            } else {
-                field.inserted(&mesh, &site);
-            }
-        }
-        assert_eq!(most, 10);
-    }
-
-    #[test]
-    fn a_block_moves_with_its_points() {
-        let (mut field, mesh) = field(1000);
-        for _ in 0..10 {
-            let site = field.next(&mesh).expect("a point");
-            field.inserted(&mesh, &site);
-        }
-        let before = field.left();
-        assert_eq!(field.in_block(3), 250);
-        let taken = field.take_block(&mesh, 3);
-        assert_eq!((taken.len(), field.left(), field.in_block(3)), (250, before - 250, 0));
-        field.give(3, taken);
-        assert_eq!((field.in_block(3), field.left()), (250, before));
-        field.clear();
-        assert!(field.is_empty() && field.next(&mesh).is_none());
-    }
-
-    /// A cancelled worker may be told to give a block away: it has no points, though rounds had
-    /// not begun when it was cancelled.
-    #[test]
-    fn a_block_moves_without_points_once_the_field_is_cleared() {
-        for begun in [0, 10] {
-            let (mut field, mesh) = field(9000);
-            for _ in 0..begun {
-                let site = field.next(&mesh).expect("a point");
-                field.inserted(&mesh, &site);
-            }
-            field.clear();
-            for block in 0..4 {
-                assert_eq!(field.take_block(&mesh, block).len(), 0, "block {block}");
-                assert_eq!(field.in_block(block), 0);
-            }
-            assert!(field.is_empty() && !field.is_ready() && field.next(&mesh).is_none());
-        }
-    }
-}
+mod tests;

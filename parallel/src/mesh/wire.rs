@@ -1,4 +1,4 @@
-//! What submeshes tell each other: plain values, with coordinates as bits.
+//! The values that submeshes send each other, with coordinates as bits.
 
 use crate::protocol::{BlockId, Handle, Name};
 use ltbw_core::topology::{TetId, VertexId};
@@ -29,7 +29,7 @@ impl Site {
     }
 }
 
-/// What lies behind a face of a part of a cavity, as its owner describes it to the home.
+/// The other side of a face of a part of a cavity, as its owner describes it to the home.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Link {
@@ -55,7 +55,7 @@ pub struct Side {
     /// Its vertices, indices of the piece's sites: with the point before them they are a positively
     /// oriented tetrahedron.
     pub v: [u32; 3],
-    /// What lies behind it.
+    /// The other side.
     pub link: Link,
 }
 
@@ -73,7 +73,7 @@ pub struct Piece {
     pub sides: Vec<Side>,
 }
 
-/// Where a face of a new tetrahedron leads.
+/// The other side of a face of a new tetrahedron.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum To {
@@ -123,7 +123,7 @@ pub struct Relink {
     pub to: Handle,
 }
 
-/// What a filled cavity changes in one worker's submesh.
+/// The changes that a filled cavity brings to one worker's submesh.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Patch {
@@ -137,7 +137,7 @@ pub struct Patch {
     pub relink: Vec<Relink>,
 }
 
-/// Where a face of a tetrahedron that moves leads.
+/// The other side of a face of a tetrahedron that moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Lead {

@@ -1,4 +1,4 @@
-//! Who owns which block, as far as one worker knows.
+//! The owners of blocks, as far as one worker knows.
 
 /// Number of a worker.
 pub type WorkerId = u32;

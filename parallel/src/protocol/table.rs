@@ -12,7 +12,7 @@ impl<K, V> Default for Table<K, V> {
 }
 
 impl<K: Ord + Copy, V> Table<K, V> {
-    /// Room for so many entries. A hint.
+    /// Reserves room for this number of entries. A hint.
     pub(super) fn reserve(&mut self, entries: usize) {
         self.0.reserve(entries);
     }

@@ -10,7 +10,7 @@ use std::ops::Range;
 /// No piece of the curve with fewer points is cut in two. At least 2: the halves are shorter.
 pub(super) const SHORTEST: usize = 4;
 
-/// So many vertices a cursor at the interface has at most. Its points wait one after the other: a
+/// The most vertices of a cursor at the interface. Its points wait one after the other: a
 /// long one would be the last of all to end.
 const LONGEST: VertexId = 64;
 
@@ -108,7 +108,7 @@ pub(super) enum Track {
 /// A piece of a Hilbert curve.
 #[derive(Clone, Debug)]
 pub(super) struct Cursor {
-    /// What is left of it.
+    /// The points left.
     pub(super) track: Track,
     /// The point given last, if it is not inserted yet.
     pub(super) given: Option<VertexId>,
