@@ -202,6 +202,11 @@ impl Cavity {
         self.walls.iter().map(|wall| wall.v)
     }
 
+    /// The slots that the last [`Cavity::fill`] did not use again.
+    pub(crate) fn freed(&self) -> &[TetId] {
+        &self.tets[self.walls.len().min(self.tets.len())..]
+    }
+
     /// The star that was made last.
     #[inline(always)]
     pub fn star(&self) -> Star<'_> {

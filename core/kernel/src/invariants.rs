@@ -3,7 +3,7 @@
 //! A failed check names the tetrahedron; the message is for the developer.
 
 use crate::mesh::Mesh;
-use crate::topology::{FREE, INFINITE, TetId, Topology, slot_of, tet_of};
+use crate::topology::{INFINITE, TetId, Topology, slot_of, tet_of};
 use ltbw_exact::predicates::{Sign, exact, perturb};
 
 /// The vertices of the face opposite `slot`, ascending.
@@ -58,7 +58,7 @@ pub fn check_i3(topology: &Topology) -> Result<(), String> {
     let mut free = topology.free_slots().to_vec();
     free.sort_unstable();
     let slots = 0..topology.slots() as TetId;
-    let expected: Vec<TetId> = slots.filter(|&t| topology.tet(t).vertices()[0] == FREE).collect();
+    let expected: Vec<TetId> = slots.filter(|&t| topology.tet(t).is_free()).collect();
     if free != expected {
         return Err(format!("I3: free list {free:?}, free slots {expected:?}"));
     }

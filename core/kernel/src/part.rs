@@ -2,18 +2,24 @@
 //!
 //! Vertices have one numbering for the whole mesh, 1 to n; a part knows the coordinates of those
 //! that its tetrahedra have. Where a neighbour belongs to another part there stands a *proxy*: a
-//! slot whose only neighbour is the tetrahedron in front of it, and that carries four words which
-//! mean something to the caller.
+//! slot whose only neighbour is the tetrahedron in front of it, with a *far handle* that means
+//! something to the caller.
 //!
 //! A tetrahedron can be *closed*, with a holder: no walk enters it and no cavity takes it. Closing
 //! takes away the cached sphere, so that open tetrahedra are tested as fast as in a whole mesh:
 //! what no sphere decides is looked at more closely, and then the lock or the proxy is seen. For
 //! the same reason a tetrahedron that the caller must hear of when it goes ([`Part::watch`]) never
 //! has a sphere.
+//!
+//! Numbers that come from outside are compared before they are used: a method that is given one of
+//! no tetrahedron, face or vertex here panics. What is inside stays inside (I7): a link leads to a
+//! slot, and a slot without a tetrahedron has no sphere, so that no walk and no cavity enters it,
+//! even where the caller has not linked yet what it has made.
 
 mod assemble;
 mod closure;
 mod conflict;
+mod far;
 mod star;
 
 pub use assemble::{Assembly, Misfit, assemble};
@@ -26,6 +32,7 @@ use crate::special::Specials;
 use crate::sphere::Sphere;
 use crate::topology::{FaceId, INFINITE, MAX_TETS, TetId, Topology, VertexId, slot_of, tet_of};
 use conflict::{Doors, PartConflict};
+use far::FarTable;
 use ltbw_exact::Point;
 use ltbw_exact::points::Mode;
 use rayon::prelude::*;
@@ -121,9 +128,9 @@ impl Setting {
 }
 
 /// A part of a mesh. `H` names the holder of a closed tetrahedron, `L` is the label of a watched
-/// one.
+/// one, `F` says what lies beyond a proxy.
 #[derive(Debug)]
-pub struct Part<H, L> {
+pub struct Part<H, L, F> {
     topology: Topology,
     geometry: Geometry,
     cavity: Cavity,
@@ -132,6 +139,8 @@ pub struct Part<H, L> {
     blocked: Option<(TetId, Point)>,
     /// Tetrahedra that are closed, or that the caller must hear of when an insertion removes them.
     specials: Specials<H, L>,
+    /// What the proxies stand for.
+    far: FarTable<F>,
     home: Range<VertexId>,
     /// There are vertices outside the home range.
     others: bool,
@@ -151,7 +160,7 @@ pub struct Part<H, L> {
     made: u64,
 }
 
-impl<H: Copy + Eq, L: Copy> Part<H, L> {
+impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
     /// A part without tetrahedra.
     pub fn new(setting: &Setting) -> Self {
         let Setting { low, high, wide, step, vertices, max_tets } = *setting;
@@ -163,6 +172,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
             cavity: Cavity::for_vertices(vertices + 1),
             blocked: None,
             specials: Specials::new(),
+            far: FarTable::new(),
             home: 0..0,
             others: true,
             gone: Vec::new(),
@@ -229,16 +239,49 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
 
     /// Is `t` a tetrahedron of this part?
     pub fn is_live(&self, t: TetId) -> bool {
-        self.topology.get(t).is_some_and(|tet| !tet.is_free() && !tet.is_proxy())
+        self.topology.get(t).is_some_and(|tet| !tet.is_vacant())
+    }
+
+    /// Is `v` a finite vertex of the whole mesh?
+    pub fn is_vertex(&self, v: VertexId) -> bool {
+        v != INFINITE && (v as usize) < self.geometry.points().len()
+    }
+
+    #[inline]
+    #[track_caller]
+    fn expect_slot(&self, t: TetId) {
+        assert!((t as usize) < self.topology.slots(), "there is no slot {t}");
+    }
+
+    #[inline]
+    #[track_caller]
+    fn expect_live(&self, t: TetId) {
+        assert!(self.is_live(t), "there is no tetrahedron {t}");
+    }
+
+    #[inline]
+    #[track_caller]
+    fn expect_vertex(&self, v: VertexId) {
+        assert!((v as usize) < self.geometry.points().len(), "there is no vertex {v}");
     }
 
     /// The vertices of `t`; the vertex at infinity, 0, is only ever the last.
+    ///
+    /// # Panics
+    /// If there is no such slot.
+    #[inline]
     pub fn vertices(&self, t: TetId) -> [VertexId; 4] {
+        self.expect_slot(t);
         self.topology.tet(t).vertices()
     }
 
     /// The faces on the other sides of those of `t`, by the slot of the vertex opposite.
+    ///
+    /// # Panics
+    /// If there is no such slot.
+    #[inline]
     pub fn neighbours(&self, t: TetId) -> [FaceId; 4] {
+        self.expect_slot(t);
         self.topology.tet(t).neighbours()
     }
 
@@ -250,14 +293,23 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     }
 
     /// The coordinates of vertex `v`.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    #[inline]
     pub fn point(&self, v: VertexId) -> Point {
+        self.expect_vertex(v);
         *self.geometry.point(v)
     }
 
-    /// The words that a proxy carries; `None` if `t` is not one.
-    pub fn load(&self, t: TetId) -> Option<[u32; 4]> {
-        let tet = self.topology.tet(t);
-        tet.is_proxy().then(|| tet.words())
+    /// What proxy `t` stands for; `None` if `t` is not one.
+    ///
+    /// # Panics
+    /// If there is no such slot.
+    #[inline]
+    pub fn far(&self, t: TetId) -> Option<F> {
+        self.expect_slot(t);
+        self.far.get(self.geometry.sphere(t))
     }
 
     /// Steps of walks, conflict tests and tetrahedra made so far.
@@ -307,7 +359,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         }
         match walk_through(topology, &mut conflict, start, &Doors(specials), steps) {
             Found::Conflict(t) | Found::Outside(t) => Stop::Conflict(t),
-            Found::Closed(t) if topology.tet(t).is_proxy() => Stop::Proxy(t),
+            Found::Closed(t) if topology.tet(t).is_vacant() => Stop::Proxy(t),
             Found::Closed(t) => Stop::Closed(t),
             Found::Inside(t) => {
                 let corners = topology.tet(t).vertices();
@@ -365,6 +417,9 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
 
     /// Inserts `p` as vertex `v` if nothing is in the way: no proxy, no closed tetrahedron, and
     /// every new tetrahedron is the part's own. `seed` must be open and in conflict with `p`.
+    ///
+    /// # Panics
+    /// If `seed` is no tetrahedron, or `v` no finite vertex.
     pub fn insert(
         &mut self,
         v: VertexId,
@@ -372,6 +427,8 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         seed: TetId,
         owns: Owns<impl Fn([VertexId; 4]) -> bool>,
     ) -> Local {
+        self.expect_live(seed);
+        assert!(self.is_vertex(v), "there is no finite vertex {v}");
         self.blocked = None;
         let Self { topology, geometry, cavity, specials, home, others, .. } = self;
         let mut conflict = PartConflict {
@@ -420,6 +477,8 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         }
         geometry.set_point(v, *p);
         let hint = cavity.fill(topology, v);
+        // A free slot has no sphere.
+        cavity.freed().iter().for_each(|&t| geometry.set_sphere(t, Sphere::UNKNOWN));
         let star = cavity.star();
         geometry.created(topology.slots(), &star, p);
         geometry.stats.insphere_calls += cavity.tests() as u64;
@@ -438,25 +497,41 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     }
 
     /// Watches `t`: should an insertion remove it, its label is among [`Part::take_gone`] then.
+    ///
+    /// # Panics
+    /// If there is no such tetrahedron.
     pub fn watch(&mut self, t: TetId, label: L) {
+        self.expect_live(t);
         let mut sphere = self.geometry.sphere(t);
         self.specials.entry(t, &mut sphere).label = Some(label);
         self.geometry.set_sphere(t, sphere);
     }
 
     /// The label of `t`, if it is watched.
+    ///
+    /// # Panics
+    /// If there is no such slot.
     #[inline]
     pub fn label(&self, t: TetId) -> Option<L> {
+        self.expect_slot(t);
         self.specials.get(self.geometry.sphere(t))?.label
     }
 
     /// Stops to watch `t`; returns its label.
+    ///
+    /// # Panics
+    /// If there is no such slot.
     pub fn unwatch(&mut self, t: TetId) -> Option<L> {
+        self.expect_slot(t);
         unwatch(&mut self.specials, &mut self.geometry, t)
     }
 
     /// Is tetrahedron `t` in conflict with `p`?
+    ///
+    /// # Panics
+    /// If there is no such tetrahedron.
     pub fn in_conflict(&mut self, t: TetId, p: &Point) -> bool {
+        self.expect_live(t);
         self.geometry.stats.insphere_calls += 1;
         let sphere = self.geometry.sphere(t);
         let sphere = self.specials.get(sphere).map_or(sphere, |special| special.sphere);
@@ -468,6 +543,9 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     }
 
     /// Who holds the closed tetrahedron `t`; `None` if it is open.
+    ///
+    /// # Panics
+    /// If there is no such slot.
     #[inline]
     pub fn holder(&self, t: TetId) -> Option<H> {
         self.closed_by(t).map(|(holder, _)| holder)
@@ -479,7 +557,11 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     }
 
     /// Closes `t`, which is open, as a tetrahedron of the holder's cavity (`inside`) or not.
+    ///
+    /// # Panics
+    /// If there is no such tetrahedron.
     pub fn close(&mut self, t: TetId, holder: H, inside: bool) {
+        self.expect_live(t);
         self.blocked = None;
         let mut sphere = self.geometry.sphere(t);
         self.specials.entry(t, &mut sphere).closed = Some((holder, inside));
@@ -487,8 +569,12 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     }
 
     /// Who holds the closed tetrahedron `t`, and whether as one of its cavity; `None` if it is open.
+    ///
+    /// # Panics
+    /// If there is no such slot.
     #[inline]
     pub fn closed_by(&self, t: TetId) -> Option<(H, bool)> {
+        self.expect_slot(t);
         self.specials.get(self.geometry.sphere(t))?.closed
     }
 
@@ -497,7 +583,11 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     }
 
     /// Opens `t`; nothing happens if it is open.
+    ///
+    /// # Panics
+    /// If there is no such slot.
     pub fn open(&mut self, t: TetId) {
+        self.expect_slot(t);
         self.blocked = None;
         let mut sphere = self.geometry.sphere(t);
         self.specials.open(&mut sphere);
@@ -505,12 +595,22 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     }
 
     /// Gives vertex `v` its coordinates.
+    ///
+    /// # Panics
+    /// If there is no such finite vertex.
     pub fn set_point(&mut self, v: VertexId, p: Point) {
+        assert!(self.is_vertex(v), "there is no finite vertex {v}");
         self.geometry.set_point(v, p);
     }
 
     /// Gives the vertices from `first` on their coordinates.
+    ///
+    /// # Panics
+    /// If there are no such finite vertices.
     pub fn set_points(&mut self, first: VertexId, points: &[Point]) {
+        let Some(more) = points.len().checked_sub(1) else { return };
+        let last = VertexId::try_from(first as usize + more).unwrap_or(VertexId::MAX);
+        assert!(self.is_vertex(first) && self.is_vertex(last), "there is no vertex {last}");
         self.geometry.prepare_points(first, points.len());
         for (v, p) in (first..).zip(points) {
             self.geometry.set_point(v, *p);
@@ -519,7 +619,13 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
 
     /// Makes a tetrahedron, whose neighbours are still to be linked and whose sphere is still to be
     /// cached. `None` at the limit of tetrahedra.
+    ///
+    /// # Panics
+    /// If one of these is no vertex, or the vertex at infinity is another than the last.
     pub fn create(&mut self, v: [VertexId; 4]) -> Option<TetId> {
+        let [a, b, c, d] = v;
+        self.expect_vertex(d);
+        assert!([a, b, c].iter().all(|&v| self.is_vertex(v)), "{v:?} is no tetrahedron");
         self.blocked = None;
         self.topology.reserve(1).ok()?;
         let t = self.topology.take();
@@ -532,7 +638,11 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     }
 
     /// Caches the sphere of `t`.
+    ///
+    /// # Panics
+    /// If there is no such tetrahedron.
     pub fn cache_sphere(&mut self, t: TetId) {
+        self.expect_live(t);
         let sphere = self.geometry.compute_sphere(self.topology.tet(t).vertices());
         match self.specials.get_mut(self.geometry.sphere(t)) {
             Some(special) => special.sphere = sphere,
@@ -542,34 +652,48 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
 
     /// Makes two faces of tetrahedra of this part each other's neighbour. A proxy that stood at
     /// either is gone.
+    ///
+    /// # Panics
+    /// If there is no such face.
     pub fn link(&mut self, a: FaceId, b: FaceId) {
+        self.expect_live(tet_of(a));
+        self.expect_live(tet_of(b));
         self.blocked = None;
         self.forget_proxy(a);
         self.forget_proxy(b);
         self.topology.link(a, b);
     }
 
-    /// Puts a proxy that carries `load` at `face`, or gives the one there a new load. `None` at
-    /// the limit of tetrahedra.
-    pub fn link_far(&mut self, face: FaceId, load: [u32; 4]) -> Option<()> {
+    /// Puts a proxy for `far` at `face`, or lets the one there stand for that. `None` at the limit of
+    /// tetrahedra.
+    ///
+    /// # Panics
+    /// If there is no such face.
+    pub fn link_far(&mut self, face: FaceId, far: F) -> Option<()> {
+        self.expect_live(tet_of(face));
         self.blocked = None;
         let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
         if !self.is_proxy_of(there, face) {
-            return self.put_far(face, load);
+            return self.put_far(face, far);
         }
-        self.topology.put_proxy(there, face, load);
+        self.far.replace(self.geometry.sphere(there), far);
         Some(())
     }
 
     /// Removes tetrahedron `t`, which is open, and the proxies at its faces. What links to it is
     /// still to be linked anew.
+    ///
+    /// # Panics
+    /// If there is no such tetrahedron.
     pub fn remove(&mut self, t: TetId) {
+        self.expect_live(t);
         self.blocked = None;
         debug_assert!(!self.is_closed(t));
         self.unwatch(t);
         for slot in 0..4 {
             self.forget_proxy(4 * t + slot);
         }
+        self.geometry.set_sphere(t, Sphere::UNKNOWN);
         self.topology.erase(t);
     }
 
@@ -581,6 +705,8 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     fn forget_proxy(&mut self, face: FaceId) {
         let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
         if self.is_proxy_of(there, face) {
+            self.far.remove(self.geometry.sphere(there));
+            self.geometry.set_sphere(there, Sphere::UNKNOWN);
             self.topology.erase(there);
         }
     }

@@ -4,8 +4,11 @@
 //! an entry has its number in place of its sphere: whoever looks at a tetrahedron has read that
 //! anyway.
 
-use crate::sphere::Sphere;
+use crate::sphere::{Sphere, Tag};
 use crate::topology::TetId;
+
+/// The tag of tetrahedra that have an entry.
+const TAG: Tag = Tag::First;
 
 /// What is known of a closed or watched tetrahedron.
 #[derive(Clone, Copy, Debug)]
@@ -34,12 +37,12 @@ impl<H: Copy, L: Copy> Specials<H, L> {
 
     #[inline]
     pub(crate) fn get(&self, sphere: Sphere) -> Option<&Special<H, L>> {
-        self.entries.get(sphere.entry()? as usize)
+        self.entries.get(sphere.number(TAG)? as usize)
     }
 
     #[inline]
     pub(crate) fn get_mut(&mut self, sphere: Sphere) -> Option<&mut Special<H, L>> {
-        self.entries.get_mut(sphere.entry()? as usize)
+        self.entries.get_mut(sphere.number(TAG)? as usize)
     }
 
     /// Is it closed?
@@ -58,7 +61,7 @@ impl<H: Copy, L: Copy> Specials<H, L> {
     /// then what the tetrahedron is to have in its place.
     #[inline]
     pub(crate) fn entry(&mut self, t: TetId, sphere: &mut Sphere) -> &mut Special<H, L> {
-        let place = sphere.entry().unwrap_or_else(|| {
+        let place = sphere.number(TAG).unwrap_or_else(|| {
             let new = Special { tet: t, sphere: *sphere, closed: None, label: None };
             let place = match self.free.pop() {
                 Some(place) => {
@@ -70,7 +73,7 @@ impl<H: Copy, L: Copy> Specials<H, L> {
                     (self.entries.len() - 1) as u32
                 }
             };
-            *sphere = Sphere::of_entry(place);
+            *sphere = Sphere::tagged(TAG, place);
             place
         });
         &mut self.entries[place as usize]
@@ -79,7 +82,7 @@ impl<H: Copy, L: Copy> Specials<H, L> {
     /// Frees the entry if there is nothing to know any more; `sphere` is then the sphere.
     #[inline]
     fn tidy(&mut self, sphere: &mut Sphere) {
-        if let Some(place) = sphere.entry() {
+        if let Some(place) = sphere.number(TAG) {
             let special = &self.entries[place as usize];
             if special.closed.is_none() && special.label.is_none() {
                 *sphere = special.sphere;

@@ -19,8 +19,9 @@ use crate::cavity::SMALL;
 use crate::topology::TetId;
 use ltbw_exact::Point;
 
-/// The radius of what stands in place of a sphere: a NaN that no computation makes.
-const ENTRY: u32 = 0x7fc5_e715;
+/// The radius of what stands in place of a sphere, a NaN that no computation makes: the first of
+/// two, one for each [`Tag`].
+const TAGGED: u32 = 0x7fc5_e714;
 
 /// Centre and radius, in the frame. A radius that is NaN decides nothing.
 #[derive(Clone, Copy, Debug)]
@@ -77,6 +78,15 @@ impl Frame {
 #[repr(C, align(16))]
 pub(crate) struct Query(pub(crate) [f32; 4]);
 
+/// Why a slot is tagged, as far as geometry knows: it means something to whoever tagged it, who has
+/// a table of each kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub(crate) enum Tag {
+    First = 0,
+    Second = 1,
+}
+
 /// The answer of a cached sphere for a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
@@ -94,18 +104,19 @@ impl Sphere {
     /// The sphere that decides nothing.
     pub(crate) const UNKNOWN: Self = Self([0.0, 0.0, 0.0, f32::NAN]);
 
-    /// In place of a sphere: the tetrahedron has an entry of this number in a table beside the
-    /// tetrahedra. It decides nothing. `entry` is below 2^30.
+    /// In place of a sphere: the slot is tagged with a number below 2^30. It decides nothing.
     #[inline]
-    pub(crate) fn of_entry(entry: u32) -> Self {
+    pub(crate) fn tagged(tag: Tag, number: u32) -> Self {
         // Numbers from 1 up: none is subnormal, which would be slow to compute with.
-        Self([f32::from_bits(1f32.to_bits() + entry), 0.0, 0.0, f32::from_bits(ENTRY)])
+        let radius = f32::from_bits(TAGGED + tag as u32);
+        Self([f32::from_bits(1f32.to_bits() + number), 0.0, 0.0, radius])
     }
 
-    /// The number that [`Sphere::of_entry`] was given, if this is one of those.
+    /// The number that [`Sphere::tagged`] was given with this tag, if this is one of those.
     #[inline(always)]
-    pub(crate) fn entry(self) -> Option<u32> {
-        (self.0[3].to_bits() == ENTRY).then(|| self.0[0].to_bits() - 1f32.to_bits())
+    pub(crate) fn number(self, tag: Tag) -> Option<u32> {
+        let is_tagged = self.0[3].to_bits() == TAGGED + tag as u32;
+        is_tagged.then(|| self.0[0].to_bits() - 1f32.to_bits())
     }
 
     /// Can it decide nothing, of whatever point?

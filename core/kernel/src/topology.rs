@@ -6,8 +6,10 @@
 //!
 //! * I1: neighbour `i` is opposite vertex `i`, and neighbourhood is mutual.
 //! * I2: the vertex at infinity is only ever in the last slot.
-//! * I3: a free slot has [`FREE`] as its first vertex and is in the free list once.
+//! * I3: a free slot begins with the vertex at infinity twice and is in the free list once.
 //! * I4: outside an insertion no tetrahedron is marked.
+//! * I7: every link leads to a slot, and every vertex of a slot is one of the mesh, also where the
+//!   slot is vacant: whatever follows links stays inside the arrays.
 
 use crate::arena::{Arena, zeroable};
 use rayon::prelude::*;
@@ -21,10 +23,11 @@ pub type FaceId = u32;
 
 /// The vertex at infinity.
 pub const INFINITE: VertexId = 0;
-/// First vertex of a free slot.
-pub const FREE: VertexId = u32::MAX;
-/// First vertex of a proxy.
-const PROXY: VertexId = u32::MAX - 1;
+/// The vertices of a free slot. No tetrahedron begins with the vertex at infinity (I2), and all of
+/// these exist: to look at them is harmless (I7).
+const FREE: [VertexId; 4] = [INFINITE; 4];
+/// The vertices of a proxy: vacant like a free slot, and another one.
+const PROXY: [VertexId; 4] = [INFINITE, 1, INFINITE, INFINITE];
 /// Bit of the last vertex that marks a tetrahedron of the cavity in work.
 const MARK: u32 = 1 << 31;
 /// Largest number of slots: a face handle is a `u32`.
@@ -62,18 +65,19 @@ impl Tet {
     /// Is this slot free?
     #[inline(always)]
     pub fn is_free(&self) -> bool {
-        self.v[0] == FREE
+        self.is_vacant() && self.v[1] == FREE[1]
+    }
+
+    /// Is there no tetrahedron in this slot? It is free then, or a proxy.
+    #[inline(always)]
+    pub fn is_vacant(&self) -> bool {
+        self.v[0] == INFINITE
     }
 
     /// Is this slot a proxy: the far side of an interface face? Only parts of a mesh have them.
     #[inline(always)]
     pub fn is_proxy(&self) -> bool {
-        self.v[0] == PROXY
-    }
-
-    /// The four words that a proxy carries; meaningless of other slots.
-    pub fn words(&self) -> [u32; 4] {
-        [self.v[1], self.v[2], self.n[1], self.n[2]]
+        self.is_vacant() && self.v[1] == PROXY[1]
     }
 
     /// Is it in the cavity in work?
@@ -217,14 +221,14 @@ impl Topology {
     /// Takes a slot: the last freed one, else a fresh one at the end.
     pub(crate) fn take(&mut self) -> TetId {
         self.free.pop().unwrap_or_else(|| {
-            self.tets.push(Tet { v: [FREE; 4], n: [0; 4] });
+            self.tets.push(Tet { v: FREE, n: [0; 4] });
             (self.tets.all().len() - 1) as TetId
         })
     }
 
     /// Frees slot `t`.
     pub(crate) fn release(&mut self, t: TetId) {
-        self.tets.at_mut(t).v = [FREE; 4];
+        self.tets.at_mut(t).v = FREE;
         self.free.push(t);
     }
 
@@ -255,7 +259,7 @@ impl Topology {
 
     /// Frees the slot of a tetrahedron or proxy; ghosts are counted.
     pub(crate) fn erase(&mut self, t: TetId) {
-        self.ghosts -= usize::from(self.tet(t).is_ghost() && !self.tet(t).is_proxy());
+        self.ghosts -= usize::from(self.tet(t).is_ghost() && !self.tet(t).is_vacant());
         self.release(t);
     }
 
@@ -310,10 +314,9 @@ impl Topology {
         }
     }
 
-    /// Makes slot `t` a proxy that carries `load`, neighbour of `face`.
-    pub(crate) fn put_proxy(&mut self, t: TetId, face: FaceId, load: [u32; 4]) {
-        let [a, b, c, d] = load;
-        *self.tets.at_mut(t) = Tet { v: [PROXY, a, b, 0], n: [face, c, d, 0] };
+    /// Makes slot `t` a proxy, neighbour of `face`.
+    pub(crate) fn put_proxy(&mut self, t: TetId, face: FaceId) {
+        *self.tets.at_mut(t) = Tet { v: PROXY, n: [face; 4] };
         self.tets.at_mut(tet_of(face)).n[slot_of(face)] = 4 * t;
     }
 

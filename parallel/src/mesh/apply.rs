@@ -1,8 +1,7 @@
 //! Patches and moves: what changes a submesh from outside.
 
-use super::{At, Lead, LocalMesh, Moving, Patch, Relink, Site, To, handle, load};
-use crate::protocol::{BlockId, Directory, Handle, Name, Ticket};
-use ltbw_core::part::Part;
+use super::{At, Lead, LocalMesh, Moving, Patch, Relink, Site, Tets, To};
+use crate::protocol::{BlockId, Directory, Handle, Name, SubmeshError};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use rustc_hash::FxHashMap;
 
@@ -14,10 +13,20 @@ fn slots_of(patch: &Patch) -> usize {
     (patch.create.len() + far + patch.relink.len()).saturating_sub(patch.remove.len())
 }
 
+fn unknown(what: &'static str, number: u32) -> SubmeshError {
+    SubmeshError::Unknown { what, number }
+}
+
+/// Is it the slot of a vertex in a tetrahedron?
+fn check_slot(slot: u8) -> Result<(), SubmeshError> {
+    if slot < 4 { Ok(()) } else { Err(unknown("a face by slot", u32::from(slot))) }
+}
+
 impl LocalMesh {
     /// Applies a patch; nothing of it is locked. `relinks` is false for the unsound conduct only.
     ///
-    /// Without room for all of it nothing changes, and the submesh has failed.
+    /// Where there is no room for all of it, or a number in it is none of this submesh, nothing changes
+    /// and the submesh has failed.
     pub(super) fn apply_patch(
         &mut self,
         patch: Patch,
@@ -26,8 +35,8 @@ impl LocalMesh {
         made: &mut Vec<Name>,
         strays: &mut Vec<BlockId>,
     ) {
-        if !self.part.has_room(slots_of(&patch)) {
-            self.fail_for_room();
+        if let Err(error) = self.check_patch(&patch) {
+            self.error = Some(error);
             return;
         }
         for &t in &patch.remove {
@@ -76,6 +85,79 @@ impl LocalMesh {
         self.star = tets;
     }
 
+    /// Is there room for a patch, and all that it names by a number? Another worker has made it.
+    fn check_patch(&self, patch: &Patch) -> Result<(), SubmeshError> {
+        let Patch { remove, sites, create, relink } = patch;
+        for &t in remove {
+            self.check_open(t)?;
+        }
+        for site in sites {
+            self.check_vertex(site.vertex)?;
+        }
+        for new in create {
+            let at = |v: u32| sites.get(v as usize).map(|site| site.vertex);
+            let [a, b, c, d] = new.v;
+            let finite = |v| at(v).is_some_and(|v| v != INFINITE);
+            if ![a, b, c].into_iter().all(finite) || at(d).is_none() {
+                return Err(unknown("a vertex", a.max(b).max(c).max(d)));
+            }
+            for to in &new.n {
+                match *to {
+                    To::New(k, slot) if k as usize >= create.len() || slot > 3 => {
+                        return Err(unknown("a new tetrahedron", k));
+                    }
+                    To::New(..) => {}
+                    To::Old(t, slot) => self.check_open(t).and(check_slot(slot))?,
+                    To::Far(handle) => check_slot(handle.face)?,
+                }
+            }
+        }
+        for relink in relink {
+            if let At::Tet(t) = relink.at {
+                self.check_open(t)?;
+            }
+            check_slot(relink.slot).and(check_slot(relink.to.face))?;
+        }
+        if self.part.has_room(slots_of(patch)) { Ok(()) } else { Err(self.no_room()) }
+    }
+
+    /// Is there room for tetrahedra that come, and all that they name by a number?
+    fn check_cargo(&self, cargo: &[Moving]) -> Result<(), SubmeshError> {
+        let mut slots = cargo.len();
+        for moving in cargo {
+            for site in &moving.v {
+                self.check_vertex(site.vertex)?;
+            }
+            if moving.v[..3].iter().any(|site| site.vertex == INFINITE) {
+                return Err(unknown("a finite vertex", INFINITE));
+            }
+            for lead in &moving.n {
+                match *lead {
+                    Lead::In(k, slot) if k as usize >= cargo.len() || slot > 3 => {
+                        return Err(unknown("a tetrahedron of the block", k));
+                    }
+                    Lead::In(..) => {}
+                    Lead::Far(handle) => {
+                        check_slot(handle.face)?;
+                        slots += 1;
+                    }
+                }
+            }
+        }
+        if self.part.has_room(slots) { Ok(()) } else { Err(self.no_room()) }
+    }
+
+    /// Is `t` a tetrahedron here, and unlocked?
+    fn check_open(&self, t: TetId) -> Result<(), SubmeshError> {
+        let open = self.part.is_live(t) && self.part.holder(t).is_none();
+        if open { Ok(()) } else { Err(unknown("an unlocked tetrahedron", t)) }
+    }
+
+    fn check_vertex(&self, v: VertexId) -> Result<(), SubmeshError> {
+        let known = v == INFINITE || self.part.is_vertex(v);
+        if known { Ok(()) } else { Err(unknown("a vertex", v)) }
+    }
+
     /// Takes the coordinates of vertices.
     fn set_sites(&mut self, sites: &[Site]) {
         for site in sites.iter().filter(|site| site.vertex != INFINITE) {
@@ -107,7 +189,7 @@ impl LocalMesh {
             Some(&u) => {
                 self.part.link(face, 4 * u + u32::from(handle.face));
             }
-            None => self.put(|part| part.link_far(face, load(handle))),
+            None => self.put(|part| part.link_far(face, handle)),
         }
     }
 
@@ -115,12 +197,12 @@ impl LocalMesh {
     fn link_new_far(&mut self, face: u32, handle: Handle) {
         match self.names.get(&handle.name) {
             Some(&u) => self.part.link_new(face, 4 * u + u32::from(handle.face)),
-            None => self.put(|part| part.put_far(face, load(handle))),
+            None => self.put(|part| part.put_far(face, handle)),
         }
     }
 
     /// Puts a proxy somewhere, for which there is room.
-    fn put(&mut self, proxy: impl FnOnce(&mut Part<Ticket, Name>) -> Option<()>) {
+    fn put(&mut self, proxy: impl FnOnce(&mut Tets) -> Option<()>) {
         if proxy(&mut self.part).is_none() {
             self.fail_for_room();
         }
@@ -167,8 +249,8 @@ impl LocalMesh {
             let mut slot = 0;
             let n = self.part.neighbours(t).map(|face| {
                 let (u, there) = (tet_of(face), slot_of(face) as u8);
-                let lead = match (self.part.load(u), index.get(&u)) {
-                    (Some(load), _) => Lead::Far(handle(load)),
+                let lead = match (self.part.far(u), index.get(&u)) {
+                    (Some(handle), _) => Lead::Far(handle),
                     (None, Some(&k)) => Lead::In(k, there),
                     (None, None) => {
                         let here = Handle { name, block, face: slot };
@@ -189,7 +271,7 @@ impl LocalMesh {
             return Vec::new();
         }
         for (face, handle) in far {
-            self.put(|part| part.link_far(face, load(handle)));
+            self.put(|part| part.link_far(face, handle));
         }
         for &t in &tets {
             self.drop_name(t);
@@ -198,12 +280,11 @@ impl LocalMesh {
         cargo
     }
 
-    /// Installs tetrahedra that come from another worker. Without room for all of them nothing
-    /// changes, and the submesh has failed.
+    /// Installs tetrahedra that come from another worker. Where there is no room for all of them, or
+    /// a number is none of this submesh, nothing changes and the submesh has failed.
     pub(super) fn adopt_all(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {
-        let far = |moving: &Moving| moving.n.iter().filter(|n| matches!(n, Lead::Far(_))).count();
-        if !self.part.has_room(cargo.len() + cargo.iter().map(far).sum::<usize>()) {
-            self.fail_for_room();
+        if let Err(error) = self.check_cargo(&cargo) {
+            self.error = Some(error);
             return;
         }
         for moving in &cargo {

@@ -1,7 +1,7 @@
 //! The end of a parallel run: submeshes put together to one mesh.
 
-use super::{Common, LocalMesh, handle};
-use crate::protocol::{Name, SubmeshError, WorkerId};
+use super::{Common, LocalMesh};
+use crate::protocol::{Handle, Name, SubmeshError, WorkerId};
 use ltbw_core::part::{Assembly, Misfit, assemble};
 use ltbw_core::topology::TetId;
 use ltbw_core::{Mesh, Vertex};
@@ -60,17 +60,16 @@ pub fn gather(meshes: Vec<LocalMesh>, common: Common) -> Result<Gathered, Gather
     for mesh in &meshes {
         duplicates.extend(&mesh.duplicates);
     }
-    let far = |words: [u32; 4]| {
-        let there = handle(words);
+    let far = |there: Handle| {
         let &(part, t) = places.get(&there.name)?;
-        Some((part, 4 * t + u32::from(there.face)))
+        Some((part, 4 * t + u32::from(there.face & 3)))
     };
     let workers: Vec<WorkerId> = meshes.iter().map(|mesh| mesh.me).collect();
     let parts = meshes.into_iter().map(|mesh| mesh.part).collect();
     let assembly = Assembly { points, numbers, duplicates: &duplicates, mode, predicates };
     let mesh = assemble(parts, far, assembly).map_err(|misfit| match misfit {
-        Misfit::Dangling { part, words } => {
-            GatherError::Dangling { worker: workers[part], name: handle(words).name }
+        Misfit::Dangling { part, far } => {
+            GatherError::Dangling { worker: workers[part], name: far.name }
         }
         Misfit::TooManyTets => GatherError::TooManyTets,
         Misfit::NoParts => GatherError::NoParts,

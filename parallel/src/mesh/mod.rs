@@ -39,11 +39,13 @@ use ltbw_core::part::{Closed, Local, Owns, Part, Setting, Stop};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use rustc_hash::{FxHashMap, FxHashSet};
 
+/// The kernel's part of a submesh. Tetrahedra that others know are watched, with their names.
+type Tets = Part<Ticket, Name, Handle>;
+
 /// The tetrahedra of one worker, with names for those that others know.
 #[derive(Debug)]
 pub struct LocalMesh {
-    /// Tetrahedra that others know are watched, with their names.
-    part: Part<Ticket, Name>,
+    part: Tets,
     blocks: Blocks,
     /// How tetrahedra are owned, if not by blocks.
     fixed: Option<Fixed>,
@@ -111,7 +113,7 @@ impl LocalMesh {
     }
 
     /// The kernel's part of the mesh.
-    pub fn part(&self) -> &Part<Ticket, Name> {
+    pub fn part(&self) -> &Part<Ticket, Name, Handle> {
         &self.part
     }
 
@@ -155,7 +157,11 @@ impl LocalMesh {
 
     /// Says that there is no room for more tetrahedra: the run fails.
     fn fail_for_room(&mut self) {
-        self.error = Some(SubmeshError::NoRoom { limit: self.part.max_tets() });
+        self.error = Some(self.no_room());
+    }
+
+    fn no_room(&self) -> SubmeshError {
+        SubmeshError::NoRoom { limit: self.part.max_tets() }
     }
 
     fn fresh_name(&mut self) -> Name {
@@ -209,10 +215,7 @@ impl LocalMesh {
     /// What stands in slot `u` beside a tetrahedron.
     #[inline]
     fn neighbour(&self, u: TetId) -> Neighbour<TetId> {
-        match self.part.load(u) {
-            Some(load) => Neighbour::Far(handle(load)),
-            None => Neighbour::Near(u),
-        }
+        self.part.far(u).map_or(Neighbour::Near(u), Neighbour::Far)
     }
 
     /// The neighbours of `t` across faces that have one of `corners`.
@@ -235,7 +238,7 @@ impl LocalMesh {
         while let Some(&t) = cavity.get(next) {
             next += 1;
             for u in self.part.neighbours(t).map(tet_of) {
-                if self.part.load(u).is_some() {
+                if self.part.far(u).is_some() {
                     far = true;
                 } else if self.in_conflict(u, point) && seen.insert(u) {
                     corners.extend(self.part.vertices(u));
@@ -250,7 +253,7 @@ impl LocalMesh {
                 locked = locked.or(Some(Insert::Locked(t)));
             }
             for u in self.around(t, &corners) {
-                if self.part.load(u).is_some() {
+                if self.part.far(u).is_some() {
                     far = true;
                 } else if seen.insert(u) {
                     all.push(u);
@@ -262,7 +265,7 @@ impl LocalMesh {
 }
 
 /// A vertex that a part knows, with its coordinates.
-fn site(part: &Part<Ticket, Name>, v: VertexId) -> Site {
+fn site(part: &Tets, v: VertexId) -> Site {
     if v == INFINITE {
         Site { vertex: INFINITE, bits: [0; 3] }
     } else {
@@ -278,16 +281,6 @@ fn finite(mut vertices: Vec<VertexId>) -> Vec<VertexId> {
     vertices
 }
 
-/// The handle in a proxy's words.
-fn handle([by, number, block, face]: [u32; 4]) -> Handle {
-    Handle { name: Name { by, number }, block, face: face as u8 }
-}
-
-/// The words of a proxy for a handle.
-fn load(handle: Handle) -> [u32; 4] {
-    [handle.name.by, handle.name.number, handle.block, u32::from(handle.face)]
-}
-
 impl Submesh for LocalMesh {
     type Tet = TetId;
     type Point = Site;
@@ -301,10 +294,7 @@ impl Submesh for LocalMesh {
         let stop = self.part.walk(point.vertex, &point.point(), start);
         match stop {
             Stop::Conflict(t) => Walk::At(t),
-            Stop::Proxy(t) => match self.part.load(t) {
-                Some(load) => Walk::Leaves(handle(load)),
-                None => Walk::Nowhere,
-            },
+            Stop::Proxy(t) => self.part.far(t).map_or(Walk::Nowhere, Walk::Leaves),
             Stop::Closed(t) => {
                 self.located.insert(point.vertex, t);
                 Walk::Locked(t)
@@ -404,7 +394,7 @@ impl Submesh for LocalMesh {
         if all {
             found.held.extend_from_slice(&closed.held);
             let outer = closed.walls.iter().map(|&(_, outer)| tet_of(outer));
-            found.foreign.extend(outer.filter_map(|t| self.part.load(t)).map(handle));
+            found.foreign.extend(outer.filter_map(|t| self.part.far(t)));
             if closed.inside > 0 {
                 found.pieces.push(self.describe_closed(&closed));
             }

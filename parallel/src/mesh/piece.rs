@@ -1,10 +1,10 @@
 //! The owner's side of an operation: what is in conflict here, locked at once, and described to the
 //! home by its faces.
 
-use super::{Link, LocalMesh, Piece, Side, handle, site};
-use crate::protocol::{Handle, Name, Ticket};
+use super::{Link, LocalMesh, Piece, Side, Tets, site};
+use crate::protocol::{Handle, Ticket};
 use ltbw_core::cavity::OTHERS;
-use ltbw_core::part::{Closed, Part};
+use ltbw_core::part::Closed;
 use ltbw_core::topology::{FaceId, TetId, slot_of, tet_of};
 
 impl LocalMesh {
@@ -17,10 +17,7 @@ impl LocalMesh {
         let mut sides = Vec::with_capacity(closed.walls.len());
         for &(v, outer) in &closed.walls {
             let v = v.map(|v| corners.index(v, || site(part, v)));
-            let link = match part.load(tet_of(outer)) {
-                Some(load) => Link::Far(handle(load)),
-                None => near(part, outer),
-            };
+            let link = part.far(tet_of(outer)).map_or_else(|| near(part, outer), Link::Far);
             sides.push(Side { v, link });
         }
         let mut names = Vec::with_capacity(8);
@@ -55,8 +52,8 @@ impl LocalMesh {
     /// `None` if that is in conflict, too.
     fn link_at(&self, face: FaceId, holder: Option<Ticket>) -> Option<Link> {
         let tet = tet_of(face);
-        if let Some(load) = self.part.load(tet) {
-            return Some(Link::Far(handle(load)));
+        if let Some(handle) = self.part.far(tet) {
+            return Some(Link::Far(handle));
         }
         let (closed_by, name) = (self.part.closed_by(tet), self.part.label(tet));
         if let (Some((by, true)), Some(mine)) = (closed_by, holder)
@@ -76,7 +73,7 @@ impl LocalMesh {
 }
 
 /// What is here beyond a face of a cavity.
-fn near(part: &Part<Ticket, Name>, face: FaceId) -> Link {
+fn near(part: &Tets, face: FaceId) -> Link {
     let (tet, slot) = (tet_of(face), slot_of(face));
     Link::Near { tet, slot: slot as u8, apex: part.vertices(tet)[slot], name: part.label(tet) }
 }
@@ -85,7 +82,7 @@ fn near(part: &Part<Ticket, Name>, face: FaceId) -> Link {
 mod tests {
     use super::*;
     use crate::mesh::{Plan, Site};
-    use crate::protocol::{Found, Neighbour, Source, Submesh, Walk};
+    use crate::protocol::{Found, Name, Neighbour, Source, Submesh, Walk};
     use ltbw_exact::PointSet;
     use ltbw_generate::{PointKind, generate};
 

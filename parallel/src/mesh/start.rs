@@ -318,7 +318,7 @@ fn link(mesh: &mut LocalMesh, coarse: &Mesh, t: TetId, place: &[(BlockId, Worker
         }
         let name = Name { by: COARSE, number: u };
         let far = Handle { name, block: other_block, face: there as u8 };
-        if mesh.part.link_far(4 * local + slot, super::load(far)).is_none() {
+        if mesh.part.link_far(4 * local + slot, far).is_none() {
             mesh.fail_for_room();
         }
         mesh.set_name(local, Name { by: COARSE, number: t });

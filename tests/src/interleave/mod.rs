@@ -9,7 +9,7 @@
 mod ending;
 
 use crate::families::Rng;
-use ltbw::mesh::{Field, LocalMesh, Plan};
+use ltbw::mesh::{Field, Gathered, LocalMesh, Plan};
 use ltbw::protocol::{
     Action, Closure, Config, Event, Message, Note, Rule, Source, SubmeshError, Worker,
 };
@@ -186,11 +186,12 @@ impl Case {
         let World { nodes, figures, .. } = world;
         let meshes = nodes.into_iter().map(|node| node.into_parts().0).collect();
         let gathered = ltbw::mesh::gather(meshes, prepared.common);
-        let mesh = gathered.unwrap_or_else(|error| panic!("{error}")).mesh;
+        let Gathered { mesh, duplicates } = gathered.unwrap_or_else(|error| panic!("{error}"));
         ending::certify(set, &mesh, self.cancel.is_none());
         if self.cancel.is_none() {
             assert_eq!(mesh.hash().ok(), expected.hash().ok(), "not the sequential mesh");
             assert_eq!(mesh.duplicates(), expected.duplicates());
+            assert_eq!(duplicates, expected.duplicates(), "duplicates are lost");
         } else {
             ending::same_as_anew(&mesh);
         }

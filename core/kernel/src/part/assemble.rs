@@ -1,8 +1,8 @@
 //! Parts put together to one mesh.
 
-use super::Part;
+use super::{FarTable, Part};
 use crate::geometry::Geometry;
-use crate::topology::{FaceId, MAX_TETS, Topology, VertexId};
+use crate::topology::{FaceId, MAX_TETS, Topology, VertexId, tet_of};
 use crate::{Mesh, PredicateStats, Vertex};
 use ltbw_exact::{Mode, Point};
 
@@ -23,7 +23,7 @@ pub struct Assembly<'a> {
 
 /// Why parts of a mesh could not be put together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Misfit {
+pub enum Misfit<F> {
     /// There is no part.
     NoParts,
     /// Together they have too many tetrahedra.
@@ -32,30 +32,32 @@ pub enum Misfit {
     Dangling {
         /// Index of the part with the proxy.
         part: usize,
-        /// The words that the proxy carries.
-        words: [u32; 4],
+        /// The far handle of the proxy.
+        far: F,
     },
 }
 
-/// Puts all parts of a mesh together. `far` finds the part and face beyond a proxy by its words.
+/// Puts all parts of a mesh together. `find` finds the part and face beyond a proxy by its far handle.
 ///
 /// Vertices that no tetrahedron has are left out.
 ///
 /// # Errors
-/// [`Misfit`] if there are too many tetrahedra, or if `far` finds nothing.
+/// [`Misfit`] if there are too many tetrahedra, or if `find` finds nothing that is there.
 ///
 /// Cost: O(tetrahedra), less those of the first part.
-pub fn assemble<H: Copy + Eq + Send + Sync, L: Copy + Send + Sync>(
-    parts: Vec<Part<H, L>>,
-    far: impl Fn([u32; 4]) -> Option<(usize, FaceId)>,
+pub fn assemble<H: Copy + Eq, L: Copy, F: Copy>(
+    parts: Vec<Part<H, L, F>>,
+    find: impl Fn(F) -> Option<(usize, FaceId)>,
     assembly: Assembly<'_>,
-) -> Result<Mesh, Misfit> {
+) -> Result<Mesh, Misfit<F>> {
     let mut parts = parts.into_iter().map(Part::settle);
-    let (mut topology, mut geometry) = parts.next().ok_or(Misfit::NoParts)?;
+    let (mut topology, mut geometry, far) = parts.next().ok_or(Misfit::NoParts)?;
+    let mut tables = vec![far];
     // The limit of a part is not that of the whole mesh.
     topology.set_limit(MAX_TETS);
     let mut offsets = vec![0];
-    for (their_topology, their_geometry) in parts {
+    for (their_topology, their_geometry, far) in parts {
+        tables.push(far);
         let (slots, theirs) = (topology.slots(), their_topology.slots());
         geometry.stats += their_geometry.stats;
         offsets.push(topology.append(their_topology).ok_or(Misfit::TooManyTets)?);
@@ -64,15 +66,14 @@ pub fn assemble<H: Copy + Eq + Send + Sync, L: Copy + Send + Sync>(
     let (used, proxies) = topology.survey(assembly.points.len());
     for &t in &proxies {
         let tet = topology.tet(t);
-        let (face, mut words) = (tet.neighbours()[0], tet.words());
-        // Appending shifts the links of a proxy, two of which are words.
+        let face = tet.neighbours()[0];
         let at = offsets.partition_point(|&offset| offset <= t) - 1;
-        for word in &mut words[2..] {
-            *word -= 4 * offsets[at];
+        let Some(far) = tables[at].get(geometry.sphere(t)) else { continue };
+        let beyond = find(far).and_then(|(part, beyond)| Some(beyond + 4 * offsets.get(part)?));
+        match beyond.filter(|&beyond| topology.get(tet_of(beyond)).is_some()) {
+            Some(beyond) => topology.point_to(face, beyond),
+            None => return Err(Misfit::Dangling { part: at, far }),
         }
-        let (part, beyond) = far(words).ok_or(Misfit::Dangling { part: at, words })?;
-        let offset = offsets.get(part).ok_or(Misfit::Dangling { part: at, words })?;
-        topology.point_to(face, beyond + 4 * offset);
     }
     for t in proxies {
         topology.erase(t);
@@ -82,12 +83,12 @@ pub fn assemble<H: Copy + Eq + Send + Sync, L: Copy + Send + Sync>(
     Ok(Mesh::assembled(topology, geometry, &used, assembly))
 }
 
-impl<H: Copy + Eq, L: Copy> Part<H, L> {
-    /// The mesh alone, nothing closed or watched.
-    fn settle(mut self) -> (Topology, Geometry) {
+impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
+    /// The mesh alone, nothing closed or watched, and what lies beyond its interface faces.
+    fn settle(mut self) -> (Topology, Geometry, FarTable<F>) {
         for (t, sphere) in self.specials.spheres() {
             self.geometry.set_sphere(t, sphere);
         }
-        (self.topology, self.geometry)
+        (self.topology, self.geometry, self.far)
     }
 }

@@ -17,12 +17,16 @@ pub struct Closed {
     pub walls: Vec<([VertexId; 3], FaceId)>,
 }
 
-impl<H: Copy + Eq, L: Copy> Part<H, L> {
+impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
     /// Closes `seed`, which is open, for `holder`; if it is in conflict with `p`, also every
     /// tetrahedron in conflict that hangs together with it here, and the neighbours of those.
     ///
     /// Nothing changes, and it returns `false`, if one of them is closed for somebody else.
+    ///
+    /// # Panics
+    /// If `seed` is no tetrahedron.
     pub fn close_all(&mut self, seed: TetId, p: &Point, holder: H, closed: &mut Closed) -> bool {
+        self.expect_live(seed);
         closed.held.clear();
         closed.walls.clear();
         closed.inside = 0;
@@ -56,7 +60,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         }
         for (v, outer) in cavity.walls() {
             let u = tet_of(outer);
-            if topology.tet(u).is_proxy() || !close(u, false) {
+            if topology.tet(u).is_vacant() || !close(u, false) {
                 closed.walls.push((v, outer));
             }
         }

@@ -16,7 +16,7 @@ impl<H: Copy, L: Copy> Gate for Doors<'_, H, L> {
     fn is_closed(&self, topology: &Topology, geometry: &Geometry, t: TetId) -> bool {
         // Both have no sphere.
         let sphere = geometry.sphere(t);
-        sphere.is_blank() && (topology.tet(t).is_proxy() || self.0.is_closed(sphere))
+        sphere.is_blank() && (topology.tet(t).is_vacant() || self.0.is_closed(sphere))
     }
 }
 
@@ -47,8 +47,9 @@ impl<H: Copy + Eq, L: Copy> Conflict for PartConflict<'_, H, L> {
 
     #[inline(never)]
     fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
-        // What has a sphere, although that decides nothing, is open and a tetrahedron. What is not
-        // in `unknown` is one, too, or has no say: a link leads to no free slot.
+        // A slot that has a sphere, although that decides nothing, is an open tetrahedron; so is one
+        // that is not in `unknown`, as a sphere has decided it or the cavity has it already. A
+        // vacant slot has none and is not marked.
         let blank = tets.map(|t| self.inner.geometry().sphere(t).is_blank());
         let blank = (0..4).map(|slot| u32::from(blank[slot]) << slot).sum::<u32>() & unknown;
         if blank == 0 {
@@ -56,7 +57,7 @@ impl<H: Copy + Eq, L: Copy> Conflict for PartConflict<'_, H, L> {
         }
         let mut open = unknown & !blank;
         for (slot, &t) in tets.iter().enumerate().filter(|&(slot, _)| blank >> slot & 1 == 1) {
-            if topology.tet(t).is_proxy() {
+            if topology.tet(t).is_vacant() {
                 self.blocked = true;
                 continue;
             }

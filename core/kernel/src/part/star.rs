@@ -2,14 +2,16 @@
 
 use super::Part;
 use crate::cavity::{SMALL, SMALL_WALLS, Star};
-use crate::sphere::Sphere;
-use crate::topology::{FaceId, TetId, VertexId};
+use crate::topology::{FaceId, TetId, VertexId, tet_of};
 
-impl<H: Copy + Eq, L: Copy> Part<H, L> {
+impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
     /// Makes the tetrahedra of `corners[0]` with three other corners each, given by their indices
     /// `walls`, positively oriented. Their handles are put in `tets`, in the same order; their
     /// spheres are cached, unless there are more than 64 other corners; their faces are still to be
     /// linked. `None` at the limit of tetrahedra.
+    ///
+    /// # Panics
+    /// If a corner is no vertex, or an index is none of a corner.
     pub fn create_star(
         &mut self,
         corners: &[VertexId],
@@ -19,6 +21,7 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
         self.blocked = None;
         tets.clear();
         self.topology.reserve(walls.len()).ok()?;
+        corners.iter().for_each(|&v| self.expect_vertex(v));
         // As in a cavity of the kernel, large stars have no spheres.
         let small = corners.len() <= SMALL + 1 && walls.len() <= SMALL_WALLS;
         let rim = if small { &corners[1..] } else { &[] };
@@ -46,27 +49,42 @@ impl<H: Copy + Eq, L: Copy> Part<H, L> {
     }
 
     /// Says that `beyond` lies beyond `face`, both of new tetrahedra, without the other direction.
+    ///
+    /// # Panics
+    /// If there is no such face.
     pub fn point_to(&mut self, face: FaceId, beyond: FaceId) {
+        self.expect_live(tet_of(face));
+        self.expect_live(tet_of(beyond));
         self.blocked = None;
         self.topology.point_to(face, beyond);
     }
 
     /// Links a face of a new tetrahedron with that of an old one. A proxy that stood there is gone.
+    ///
+    /// # Panics
+    /// If there is no such face.
     pub fn link_new(&mut self, new: FaceId, old: FaceId) {
+        self.expect_live(tet_of(new));
+        self.expect_live(tet_of(old));
         self.blocked = None;
         self.forget_proxy(old);
         self.topology.link(new, old);
     }
 
-    /// Puts a proxy that carries `load` at a face, such as a new tetrahedron's, where none stands.
-    /// `None` at the limit of tetrahedra.
-    pub fn put_far(&mut self, face: FaceId, load: [u32; 4]) -> Option<()> {
+    /// Puts a proxy for `far` at a face, such as a new tetrahedron's, where none stands. `None` at the
+    /// limit of tetrahedra.
+    ///
+    /// # Panics
+    /// If there is no such face.
+    pub fn put_far(&mut self, face: FaceId, far: F) -> Option<()> {
+        self.expect_live(tet_of(face));
         self.blocked = None;
         self.topology.reserve(1).ok()?;
         let proxy = self.topology.take();
         self.geometry.reserve_spheres(self.topology.slots());
-        self.topology.put_proxy(proxy, face, load);
-        self.geometry.set_sphere(proxy, Sphere::UNKNOWN);
+        self.topology.put_proxy(proxy, face);
+        let tag = self.far.add(far);
+        self.geometry.set_sphere(proxy, tag);
         Some(())
     }
 }

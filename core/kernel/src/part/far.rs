@@ -1,0 +1,76 @@
+//! What lies beyond the interface faces of a part: a table beside the tetrahedra.
+//!
+//! Topology knows of an interface face only that a *proxy* stands behind it. What the proxy stands
+//! for, a tetrahedron of another part, means something to the caller alone: its *far handle* lies
+//! here, and the proxy is tagged with its place.
+
+use crate::sphere::{Sphere, Tag};
+
+/// Far handles by place.
+#[derive(Debug)]
+pub(super) struct FarTable<F> {
+    handles: Vec<F>,
+    free: Vec<u32>,
+}
+
+/// The tag of proxies.
+const TAG: Tag = Tag::Second;
+
+impl<F: Copy> FarTable<F> {
+    pub(super) fn new() -> Self {
+        Self { handles: Vec::new(), free: Vec::new() }
+    }
+
+    /// The far handle of a proxy by what it has in place of a sphere; `None` of other slots.
+    #[inline]
+    pub(super) fn get(&self, sphere: Sphere) -> Option<F> {
+        self.handles.get(sphere.number(TAG)? as usize).copied()
+    }
+
+    /// Keeps the far handle of a new proxy; returns what the proxy is to have in place of a sphere.
+    pub(super) fn add(&mut self, handle: F) -> Sphere {
+        let place = match self.free.pop() {
+            Some(place) => {
+                self.handles[place as usize] = handle;
+                place
+            }
+            None => {
+                self.handles.push(handle);
+                (self.handles.len() - 1) as u32
+            }
+        };
+        Sphere::tagged(TAG, place)
+    }
+
+    /// Replaces the far handle of a proxy.
+    pub(super) fn replace(&mut self, sphere: Sphere, handle: F) {
+        let place = sphere.number(TAG).and_then(|place| self.handles.get_mut(place as usize));
+        if let Some(place) = place {
+            *place = handle;
+        }
+    }
+
+    /// Forgets the far handle of a proxy that goes.
+    pub(super) fn remove(&mut self, sphere: Sphere) {
+        self.free.extend(sphere.number(TAG));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_used_again() {
+        let mut table = FarTable::new();
+        let [a, b] = ['a', 'b'].map(|handle| table.add(handle));
+        assert_eq!((table.get(a), table.get(b)), (Some('a'), Some('b')));
+        assert_eq!(table.get(Sphere::UNKNOWN), None);
+        assert_eq!(table.get(Sphere::tagged(Tag::First, 0)), None, "a tag of another table");
+        table.replace(a, 'c');
+        table.remove(b);
+        let d = table.add('d');
+        assert_eq!(table.get(d), Some('d'));
+        assert_eq!((table.get(a), table.handles.len()), (Some('c'), 2));
+    }
+}
