@@ -28,6 +28,23 @@ fn any_number_of_threads_gives_one_mesh() {
 }
 
 #[test]
+fn duplicates_are_those_of_the_builder() {
+    let mut points = generate(PointKind::Uniform, 3000, 6);
+    for k in (0..3000).step_by(7) {
+        let p = points[(k * 13 + 5) % 3000];
+        points.push(p.map(|c| if c == 0.0 { -c } else { c }));
+    }
+    let set = PointSet::new(points).expect("finite points");
+    let built = Builder::new().build(&set).expect("a mesh");
+    assert!(built.duplicates.len() > 400);
+    for workers in [1, 2, 3, 8] {
+        let run = Parallel::new(workers).build(&set).expect("a mesh");
+        assert_eq!(run.duplicates, built.duplicates, "on {workers} workers");
+        assert_eq!(run.mesh.duplicates(), built.mesh.duplicates());
+    }
+}
+
+#[test]
 fn the_result_is_a_sound_mesh() {
     let run = Parallel::new(3).build(&set(PointKind::Uniform, 3000, 1)).expect("a mesh");
     invariants::check_all(&run.mesh).expect("invariants");

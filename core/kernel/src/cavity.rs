@@ -296,15 +296,9 @@ impl Cavity {
         Ok(())
     }
 
-    /// Forgets the cavity; the mesh is as before [`Cavity::expand`], bit for bit.
+    /// Gives the cavity up: the mesh is as before [`Cavity::expand`], bit for bit. What was found can
+    /// still be read.
     pub(crate) fn set_back(&mut self, topology: &mut Topology) {
-        self.unmark(topology);
-        self.tets.clear();
-        self.walls.clear();
-    }
-
-    /// The same, but what [`Cavity::expand`] found can still be read.
-    pub(crate) fn unmark(&mut self, topology: &mut Topology) {
         for &t in self.tets.iter() {
             topology.unmark(t);
         }

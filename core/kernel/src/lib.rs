@@ -10,6 +10,7 @@
 //! | [`topology`] | tetrahedra and their neighbours: 32 bytes each |
 //! | [`cavity`] | the cavity of a point: expand, admit, fill, set back |
 //! | `sphere`, `geometry`, `locate` | cached spheres, the conflict test, the walk |
+//! | `transaction` | the guard of an open cavity: filled, or set back when it is dropped |
 //! | [`mesh`] | [`Mesh`]: insertion and iteration |
 //! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
 //! | [`part`] | [`part::Part`]: the part of a mesh that one worker of the parallel kernel owns |
@@ -44,6 +45,8 @@ mod sphere;
 mod sync;
 pub mod tetmesh;
 pub mod topology;
+#[doc(hidden)]
+pub mod transaction;
 
 pub use build::{Budget, BuildError, Builder, Built, Observer, Order, Outcome, Stats};
 pub use cavity::{Admission, Open, Role};

@@ -13,6 +13,7 @@ use crate::locate::{Found, walk};
 use crate::part::Assembly;
 use crate::tetmesh::TetMesh;
 use crate::topology::{INFINITE, TetId, Topology, VertexId, tet_of};
+use crate::transaction::{OpenCavity, Opens};
 use ltbw_exact::points::{Mode, PointError};
 use ltbw_exact::{Point, Sign};
 use std::any::Any;
@@ -70,6 +71,16 @@ impl<A: Admission> Admission for Guarded<'_, A> {
     }
 }
 
+/// Why a point has no open cavity. The mesh is as before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[doc(hidden)]
+pub enum At {
+    /// This vertex is at the point.
+    Vertex(VertexId),
+    /// The cavity was set back.
+    SetBack(Setback),
+}
+
 /// What became of a kernel vertex.
 pub(crate) enum Placed {
     New,
@@ -91,6 +102,25 @@ pub struct Mesh {
     pub(crate) next_number: Vertex,
     /// Where the next walk starts.
     hint: TetId,
+}
+
+impl Opens for Mesh {
+    #[inline(always)]
+    fn cavity(&self) -> &Cavity {
+        &self.cavity
+    }
+
+    fn set_back(&mut self) {
+        self.cavity.set_back(&mut self.topology);
+    }
+}
+
+impl OpenCavity<'_, Mesh> {
+    /// Fills the cavity with the star of its point; returns the new vertex.
+    #[inline(always)]
+    pub fn fill(self, p: Point, number: Vertex) -> VertexId {
+        self.end(|mesh| mesh.fill(p, number))
+    }
 }
 
 impl Mesh {
@@ -192,24 +222,25 @@ impl Mesh {
         number: Vertex,
         admission: &mut A,
     ) -> Result<Placed, Setback> {
-        if let Some(v) = self.open(p, self.hint, admission)? {
-            return Ok(Placed::At(v));
+        match self.begin(p, self.hint, admission) {
+            Ok(open) => {
+                open.fill(p, number);
+                Ok(Placed::New)
+            }
+            Err(At::Vertex(v)) => Ok(Placed::At(v)),
+            Err(At::SetBack(setback)) => Err(setback),
         }
-        self.fill(p, number);
-        Ok(Placed::New)
     }
 
-    /// Finds the cavity of a point in kernel coordinates, walking from `from`; a vertex at the
-    /// point is returned instead. Afterwards the cavity is open: it has to be filled
-    /// ([`Mesh::fill`]) or set back ([`Mesh::set_back`]).
+    /// Finds the cavity of a point in kernel coordinates, walking from `from`.
     #[doc(hidden)]
     #[inline]
-    pub fn open<A: Admission>(
+    pub fn begin<A: Admission>(
         &mut self,
         p: Point,
         from: TetId,
         admission: &mut A,
-    ) -> Result<Option<VertexId>, Setback> {
+    ) -> Result<OpenCavity<'_, Self>, At> {
         let mut conflict = self.geometry.conflict_of(&p);
         let start = match walk(&self.topology, &mut conflict, from) {
             // No tetrahedron of a whole mesh is closed.
@@ -218,13 +249,31 @@ impl Mesh {
                 let geometry = conflict.geometry();
                 let corners = self.topology.tet(t).vertices();
                 if let Some(&v) = corners.iter().find(|&&v| *geometry.point(v) == p) {
-                    return Ok(Some(v));
+                    return Err(At::Vertex(v));
                 }
                 t
             }
         };
-        self.cavity.expand(&mut self.topology, start, &mut conflict, admission)?;
-        Ok(None)
+        match self.cavity.expand(&mut self.topology, start, &mut conflict, admission) {
+            Ok(()) => Ok(OpenCavity::new(self)),
+            Err(setback) => Err(At::SetBack(setback)),
+        }
+    }
+
+    /// [`Mesh::begin`] without the guard: the cavity has to be filled ([`Mesh::fill`]) or set back
+    /// ([`Mesh::set_back`]). A vertex at the point is returned instead.
+    #[doc(hidden)]
+    pub fn open<A: Admission>(
+        &mut self,
+        p: Point,
+        from: TetId,
+        admission: &mut A,
+    ) -> Result<Option<VertexId>, Setback> {
+        match self.begin(p, from, admission) {
+            Ok(open) => open.end(|_| Ok(None)),
+            Err(At::Vertex(v)) => Ok(Some(v)),
+            Err(At::SetBack(setback)) => Err(setback),
+        }
     }
 
     /// Fills the open cavity with the star of its point; returns the new vertex.

@@ -19,19 +19,19 @@
 mod assemble;
 mod closure;
 mod conflict;
+mod edit;
 mod far;
+mod insert;
 mod star;
+mod walk;
 
 pub use assemble::{Assembly, Misfit, assemble};
 pub use closure::Closed;
 
-use crate::cavity::{Cavity, Conflict, Open};
+use crate::cavity::{Cavity, Conflict};
 use crate::geometry::Geometry;
-use crate::locate::{Found, walk_through};
 use crate::special::Specials;
-use crate::sphere::Sphere;
-use crate::topology::{FaceId, INFINITE, MAX_TETS, TetId, Topology, VertexId, slot_of, tet_of};
-use conflict::{Doors, PartConflict};
+use crate::topology::{FaceId, INFINITE, MAX_TETS, TetId, Topology, VertexId};
 use far::FarTable;
 use ltbw_exact::Point;
 use ltbw_exact::points::Mode;
@@ -42,14 +42,6 @@ use std::ops::Range;
 const PLACES: usize = 4096;
 /// Of these, so many are for the part's own vertices at the start.
 const HOME_PLACES: usize = 1024;
-/// So many places on both sides are looked at for a start.
-const SPREAD: usize = 2;
-/// The same for other starts, when a walk has met a proxy.
-const WIDE_SPREAD: usize = 16;
-/// How many other starts are tried then.
-const TRIES: usize = 4;
-/// Vertices that differ by less than this are likely to be near each other.
-const NEAR: VertexId = 64;
 
 /// Where a walk in a part ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -317,185 +309,6 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         (self.steps, self.geometry.stats.insphere_calls, self.made)
     }
 
-    /// Walks towards `p`, which is to be vertex `v`, from `start` if that is a tetrahedron here,
-    /// else from one made lately near by. Such a walk is free to start elsewhere when it meets a
-    /// proxy: the part need not be convex, and steps here cost less than to ask another part.
-    pub fn walk(&mut self, v: VertexId, p: &Point, start: Option<TetId>) -> Stop {
-        let start = start.filter(|&t| self.is_live(t));
-        let free = start.is_none();
-        let Some(start) = start.or_else(|| self.near(v)).or_else(|| self.open_hint()) else {
-            return Stop::Empty;
-        };
-        let stop = self.walk_from(p, start);
-        if !free || !matches!(stop, Stop::Proxy(_)) {
-            return stop;
-        }
-        let others: Vec<TetId> = self
-            .around(v, WIDE_SPREAD)
-            .filter(|&t| t != start && self.is_live(t) && !self.is_closed(t))
-            .take(TRIES)
-            .collect();
-        for t in others {
-            let stop = self.walk_from(p, t);
-            if !matches!(stop, Stop::Proxy(_)) {
-                return stop;
-            }
-        }
-        stop
-    }
-
-    /// Walks towards `p` from tetrahedron `start`.
-    fn walk_from(&mut self, p: &Point, start: TetId) -> Stop {
-        let Self { topology, geometry, specials, steps, .. } = self;
-        let mut conflict = geometry.conflict_of(p);
-        // A walk that comes in through a hull facet ends there. From a ghost a walk goes to the
-        // facet's other side first, perhaps to where it came from, and so on without end.
-        if topology.tet(start).is_ghost() && !specials.is_closed(conflict.geometry().sphere(start))
-        {
-            let [a, b, c, _] = topology.tet(start).vertices();
-            if conflict.geometry().orient([a, b, c], p).is_positive() {
-                return Stop::Conflict(start);
-            }
-        }
-        match walk_through(topology, &mut conflict, start, &Doors(specials), steps) {
-            Found::Conflict(t) | Found::Outside(t) => Stop::Conflict(t),
-            Found::Closed(t) if topology.tet(t).is_vacant() => Stop::Proxy(t),
-            Found::Closed(t) => Stop::Closed(t),
-            Found::Inside(t) => {
-                let corners = topology.tet(t).vertices();
-                let here = corners.iter().find(|&&v| *geometry.point(v) == *p);
-                here.map_or(Stop::Conflict(t), |&v| Stop::Vertex(v))
-            }
-        }
-    }
-
-    /// The tetrahedron made last, if that was near vertex `v`; else the open one of some made
-    /// lately near by that has the nearest vertex.
-    fn near(&self, v: VertexId) -> Option<TetId> {
-        let open = |t: TetId| self.is_live(t) && !self.is_closed(t);
-        if v.abs_diff(self.last) < NEAR && open(self.hints[0]) {
-            return Some(self.hints[0]);
-        }
-        let around = self.around(v, SPREAD);
-        let far = |t: TetId| {
-            let corners = self.topology.tet(t).vertices();
-            corners.into_iter().map(|w| w.abs_diff(v)).min()
-        };
-        around.filter(|&t| open(t)).min_by_key(|&t| far(t))
-    }
-
-    /// The entry of vertex `v` in `places`. Vertices far apart may share one.
-    fn place(&self, v: VertexId) -> usize {
-        (v / self.grain) as usize % PLACES
-    }
-
-    /// The entries at most `spread` places from vertex `v`, the nearest first.
-    fn around(&self, v: VertexId, spread: usize) -> impl Iterator<Item = TetId> + '_ {
-        let place = self.place(v);
-        let both = (1..=spread).flat_map(|k| [PLACES - k, k]);
-        std::iter::once(0).chain(both).map(move |k| self.places[(place + k) % PLACES])
-    }
-
-    /// An open tetrahedron made lately, else a closed one, else any.
-    fn open_hint(&self) -> Option<TetId> {
-        let live = || self.hints.iter().copied().filter(|&t| self.is_live(t));
-        live()
-            .find(|t| !self.is_closed(*t))
-            .or_else(|| live().next())
-            .or_else(|| self.tets().next().map(|(t, _)| t))
-    }
-
-    /// Remembers a tetrahedron that did not come from an insertion.
-    fn hint(&mut self, t: TetId, v: [VertexId; 4]) {
-        self.hints[1..].rotate_right(1);
-        self.hints[1] = t;
-        for w in v.into_iter().filter(|&w| w != INFINITE) {
-            let place = self.place(w);
-            self.places[place] = t;
-        }
-    }
-
-    /// Inserts `p` as vertex `v` if nothing is in the way: no proxy, no closed tetrahedron, and
-    /// every new tetrahedron is the part's own. `seed` must be open and in conflict with `p`.
-    ///
-    /// # Panics
-    /// If `seed` is no tetrahedron, or `v` no finite vertex.
-    pub fn insert(
-        &mut self,
-        v: VertexId,
-        p: &Point,
-        seed: TetId,
-        owns: Owns<impl Fn([VertexId; 4]) -> bool>,
-    ) -> Local {
-        self.expect_live(seed);
-        assert!(self.is_vertex(v), "there is no finite vertex {v}");
-        self.blocked = None;
-        let Self { topology, geometry, cavity, specials, home, others, .. } = self;
-        let mut conflict = PartConflict {
-            specials,
-            met: specials.is_watched(geometry.sphere(seed)),
-            blocked: false,
-            closed: None,
-            holder: None,
-            inner: geometry.conflict_of(p),
-        };
-        if cavity.expand(topology, seed, &mut conflict, &mut Open).is_err() {
-            return Local::Full;
-        }
-        let (blocked, met) = (conflict.blocked, conflict.met);
-        if let Some(t) = conflict.closed {
-            cavity.set_back(topology);
-            return Local::Closed(t);
-        }
-        // All corners of the cavity are looked at, without a branch for each: most cavities are far
-        // from others. A ghost's corner at infinity may count: a closer look costs little.
-        // Below 2^31, so that a sign tells a number before the range or after it.
-        let (first, last) = (home.start, home.end.wrapping_sub(1));
-        let strange = |w: VertexId| w.wrapping_sub(first) | last.wrapping_sub(w);
-        let border = || {
-            let signs = cavity.tets().fold([strange(v); 4], |signs, t| {
-                let w = topology.tet(t).vertices();
-                [0, 1, 2, 3].map(|k| signs[k] | strange(w[k]))
-            });
-            signs.into_iter().any(|sign| sign >> 31 == 1)
-        };
-        let owned = || match owns {
-            Owns::All => true,
-            Owns::None => false,
-            Owns::By(owns) => {
-                !*others || !border() || cavity.faces().all(|[a, b, c]| owns([v, a, b, c]))
-            }
-        };
-        if blocked || !owned() {
-            cavity.unmark(topology);
-            self.blocked = Some((seed, *p));
-            return Local::Blocked;
-        }
-        self.gone.clear();
-        if met {
-            self.gone.extend(cavity.tets().filter_map(|t| unwatch(specials, geometry, t)));
-        }
-        geometry.set_point(v, *p);
-        let hint = cavity.fill(topology, v);
-        // A free slot has no sphere.
-        cavity.freed().iter().for_each(|&t| geometry.set_sphere(t, Sphere::UNKNOWN));
-        let star = cavity.star();
-        geometry.created(topology.slots(), &star, p);
-        geometry.stats.insphere_calls += cavity.tests() as u64;
-        self.made += star.tets.len() as u64;
-        self.hints[0] = hint;
-        self.last = v;
-        let place = self.place(v);
-        self.places[place] = hint;
-        Local::Inserted
-    }
-
-    /// Takes the labels of the watched tetrahedra that the last successful [`Part::insert`]
-    /// removed. They are not watched any more.
-    pub fn take_gone(&mut self) -> std::vec::Drain<'_, L> {
-        self.gone.drain(..)
-    }
-
     /// Watches `t`: should an insertion remove it, its label is among [`Part::take_gone`] then.
     ///
     /// # Panics
@@ -592,123 +405,6 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         let mut sphere = self.geometry.sphere(t);
         self.specials.open(&mut sphere);
         self.geometry.set_sphere(t, sphere);
-    }
-
-    /// Gives vertex `v` its coordinates.
-    ///
-    /// # Panics
-    /// If there is no such finite vertex.
-    pub fn set_point(&mut self, v: VertexId, p: Point) {
-        assert!(self.is_vertex(v), "there is no finite vertex {v}");
-        self.geometry.set_point(v, p);
-    }
-
-    /// Gives the vertices from `first` on their coordinates.
-    ///
-    /// # Panics
-    /// If there are no such finite vertices.
-    pub fn set_points(&mut self, first: VertexId, points: &[Point]) {
-        let Some(more) = points.len().checked_sub(1) else { return };
-        let last = VertexId::try_from(first as usize + more).unwrap_or(VertexId::MAX);
-        assert!(self.is_vertex(first) && self.is_vertex(last), "there is no vertex {last}");
-        self.geometry.prepare_points(first, points.len());
-        for (v, p) in (first..).zip(points) {
-            self.geometry.set_point(v, *p);
-        }
-    }
-
-    /// Makes a tetrahedron, whose neighbours are still to be linked and whose sphere is still to be
-    /// cached. `None` at the limit of tetrahedra.
-    ///
-    /// # Panics
-    /// If one of these is no vertex, or the vertex at infinity is another than the last.
-    pub fn create(&mut self, v: [VertexId; 4]) -> Option<TetId> {
-        let [a, b, c, d] = v;
-        self.expect_vertex(d);
-        assert!([a, b, c].iter().all(|&v| self.is_vertex(v)), "{v:?} is no tetrahedron");
-        self.blocked = None;
-        self.topology.reserve(1).ok()?;
-        let t = self.topology.take();
-        self.topology.write(t, v);
-        self.geometry.reserve_spheres(self.topology.slots());
-        self.geometry.set_sphere(t, Sphere::UNKNOWN);
-        self.made += 1;
-        self.hint(t, v);
-        Some(t)
-    }
-
-    /// Caches the sphere of `t`.
-    ///
-    /// # Panics
-    /// If there is no such tetrahedron.
-    pub fn cache_sphere(&mut self, t: TetId) {
-        self.expect_live(t);
-        let sphere = self.geometry.compute_sphere(self.topology.tet(t).vertices());
-        match self.specials.get_mut(self.geometry.sphere(t)) {
-            Some(special) => special.sphere = sphere,
-            None => self.geometry.set_sphere(t, sphere),
-        }
-    }
-
-    /// Makes two faces of tetrahedra of this part each other's neighbour. A proxy that stood at
-    /// either is gone.
-    ///
-    /// # Panics
-    /// If there is no such face.
-    pub fn link(&mut self, a: FaceId, b: FaceId) {
-        self.expect_live(tet_of(a));
-        self.expect_live(tet_of(b));
-        self.blocked = None;
-        self.forget_proxy(a);
-        self.forget_proxy(b);
-        self.topology.link(a, b);
-    }
-
-    /// Puts a proxy for `far` at `face`, or lets the one there stand for that. `None` at the limit of
-    /// tetrahedra.
-    ///
-    /// # Panics
-    /// If there is no such face.
-    pub fn link_far(&mut self, face: FaceId, far: F) -> Option<()> {
-        self.expect_live(tet_of(face));
-        self.blocked = None;
-        let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
-        if !self.is_proxy_of(there, face) {
-            return self.put_far(face, far);
-        }
-        self.far.replace(self.geometry.sphere(there), far);
-        Some(())
-    }
-
-    /// Removes tetrahedron `t`, which is open, and the proxies at its faces. What links to it is
-    /// still to be linked anew.
-    ///
-    /// # Panics
-    /// If there is no such tetrahedron.
-    pub fn remove(&mut self, t: TetId) {
-        self.expect_live(t);
-        self.blocked = None;
-        debug_assert!(!self.is_closed(t));
-        self.unwatch(t);
-        for slot in 0..4 {
-            self.forget_proxy(4 * t + slot);
-        }
-        self.geometry.set_sphere(t, Sphere::UNKNOWN);
-        self.topology.erase(t);
-    }
-
-    /// Is slot `t` a proxy at `face`? Links that are not made yet lead anywhere.
-    fn is_proxy_of(&self, t: TetId, face: FaceId) -> bool {
-        self.topology.get(t).is_some_and(|tet| tet.is_proxy() && tet.neighbours()[0] == face)
-    }
-
-    fn forget_proxy(&mut self, face: FaceId) {
-        let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
-        if self.is_proxy_of(there, face) {
-            self.far.remove(self.geometry.sphere(there));
-            self.geometry.set_sphere(there, Sphere::UNKNOWN);
-            self.topology.erase(there);
-        }
     }
 }
 

@@ -237,6 +237,8 @@ fn patch_of(patches: &mut Vec<(WorkerId, Patch)>, worker: WorkerId) -> &mut Patc
 
 /// Corners of a small cavity, the point among them.
 const SMALL: usize = 64;
+/// What a defect of the protocol says: the boundary of a cavity is a closed surface.
+const OPEN_BOUNDARY: &str = "an edge of a cavity's boundary has no second face";
 /// No wall.
 const NONE: u16 = u16::MAX;
 
@@ -283,9 +285,8 @@ impl Edges {
         for wall in walls {
             for (from, to, slot) in edges_of(wall.v) {
                 let face = table[at(to, from)];
-                if face != NONE {
-                    wall.beside[slot as usize] = (u32::from(face / 4), (face % 4) as u8);
-                }
+                assert!(face != NONE, "{OPEN_BOUNDARY}");
+                wall.beside[slot as usize] = (u32::from(face / 4), (face % 4) as u8);
             }
         }
     }
@@ -296,6 +297,7 @@ impl Edges {
         self.keys.clear();
         self.keys.resize(size, u64::MAX);
         self.sides.resize(self.sides.len().max(size), (0, 0));
+        let mut joined = 0;
         for k in 0..walls.len() {
             for (from, to, slot) in edges_of(walls[k].v) {
                 let place = self.place(from, to);
@@ -306,9 +308,11 @@ impl Edges {
                 } else {
                     walls[k].beside[slot as usize] = (other, there);
                     walls[other as usize].beside[there as usize] = (k as u32, slot);
+                    joined += 1;
                 }
             }
         }
+        assert!(2 * joined == 3 * walls.len(), "{OPEN_BOUNDARY}");
     }
 
     /// Where an edge is, or would be.
@@ -351,6 +355,28 @@ mod tests {
             ring_name: None,
         };
         faces.map(wall).collect()
+    }
+
+    /// A boundary with a hole is a defect of the protocol, not a mesh.
+    #[test]
+    fn an_open_boundary_is_refused() {
+        for n in [3, 40, 61, 62, 200] {
+            for large in [false, true] {
+                for hole in 0..2 * n as usize {
+                    let mut open = walls(n);
+                    open.remove(hole);
+                    let join = || match large {
+                        true => Edges::default().join_large(&mut open),
+                        false => Edges::default().join(&mut open, n as usize + 3),
+                    };
+                    let panic = std::panic::catch_unwind(std::panic::AssertUnwindSafe(join));
+                    let panic = panic.expect_err("a hole");
+                    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+                    let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
+                    assert_eq!(text.as_deref(), Some(OPEN_BOUNDARY));
+                }
+            }
+        }
     }
 
     #[test]

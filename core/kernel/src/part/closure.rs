@@ -1,7 +1,7 @@
 //! The closing of a cavity's closure, as far as it is the part's, at once.
 
-use super::{Part, PartConflict};
-use crate::cavity::{Cavity, Open};
+use super::Part;
+use crate::cavity::Cavity;
 use crate::topology::{FaceId, TetId, VertexId, tet_of};
 use ltbw_exact::Point;
 
@@ -86,19 +86,7 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
     /// Finds the cavity of `p` here, from `seed` on, as far as `holder` has not closed it; false if
     /// some of its closure is closed for somebody else. Nothing is marked afterwards.
     fn find_open(&mut self, seed: TetId, p: &Point, holder: H) -> bool {
-        let Self { topology, geometry, cavity, specials, .. } = self;
-        let mut conflict = PartConflict {
-            specials,
-            met: false,
-            blocked: false,
-            closed: None,
-            holder: Some(holder),
-            inner: geometry.conflict_of(p),
-        };
-        if cavity.expand(topology, seed, &mut conflict, &mut Open).is_err() {
-            return false;
-        }
-        cavity.unmark(topology);
-        conflict.closed.is_none()
+        // The guard is dropped at once: nothing is filled here.
+        self.begin(seed, p, Some(holder)).is_ok_and(|(_, met)| met.closed.is_none())
     }
 }

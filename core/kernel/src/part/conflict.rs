@@ -20,16 +20,22 @@ impl<H: Copy, L: Copy> Gate for Doors<'_, H, L> {
     }
 }
 
+/// What the search for a cavity has met.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Met {
+    /// A watched tetrahedron.
+    pub(super) watched: bool,
+    /// A proxy.
+    pub(super) blocked: bool,
+    /// A closed tetrahedron.
+    pub(super) closed: Option<TetId>,
+}
+
 /// [`Conflict`] that sees proxies and closed tetrahedra.
 pub(super) struct PartConflict<'a, H, L> {
     pub(super) inner: PointConflict<'a>,
     pub(super) specials: &'a Specials<H, L>,
-    /// A watched tetrahedron was met.
-    pub(super) met: bool,
-    /// A proxy was met.
-    pub(super) blocked: bool,
-    /// A closed tetrahedron that was met.
-    pub(super) closed: Option<TetId>,
+    pub(super) met: Met,
     /// What this holder has closed is passed over as if it were not in conflict.
     pub(super) holder: Option<H>,
 }
@@ -58,21 +64,21 @@ impl<H: Copy + Eq, L: Copy> Conflict for PartConflict<'_, H, L> {
         let mut open = unknown & !blank;
         for (slot, &t) in tets.iter().enumerate().filter(|&(slot, _)| blank >> slot & 1 == 1) {
             if topology.tet(t).is_vacant() {
-                self.blocked = true;
+                self.met.blocked = true;
                 continue;
             }
             let special = self.specials.get(self.inner.geometry().sphere(t));
             match special.and_then(|special| special.closed) {
                 Some((by, _)) if self.holder == Some(by) => {}
-                Some(_) => self.closed = Some(t),
+                Some(_) => self.met.closed = Some(t),
                 None => {
                     open |= 1 << slot;
-                    self.met |= special.is_some();
+                    self.met.watched |= special.is_some();
                 }
             }
         }
         // Once it has met a closed one the cavity is set back: nothing more is taken into it.
-        if self.closed.is_some() || open == 0 {
+        if self.met.closed.is_some() || open == 0 {
             return 0;
         }
         // A proxy has no vertices to look at: an open one stands in for it.

@@ -1,0 +1,125 @@
+//! Changes to a part from outside: vertices, tetrahedra and links that come from other parts.
+
+use super::Part;
+use crate::sphere::Sphere;
+use crate::topology::{FaceId, TetId, VertexId, slot_of, tet_of};
+use ltbw_exact::Point;
+
+impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
+    /// Gives vertex `v` its coordinates.
+    ///
+    /// # Panics
+    /// If there is no such finite vertex.
+    pub fn set_point(&mut self, v: VertexId, p: Point) {
+        assert!(self.is_vertex(v), "there is no finite vertex {v}");
+        self.geometry.set_point(v, p);
+    }
+
+    /// Gives the vertices from `first` on their coordinates.
+    ///
+    /// # Panics
+    /// If there are no such finite vertices.
+    pub fn set_points(&mut self, first: VertexId, points: &[Point]) {
+        let Some(more) = points.len().checked_sub(1) else { return };
+        let last = VertexId::try_from(first as usize + more).unwrap_or(VertexId::MAX);
+        assert!(self.is_vertex(first) && self.is_vertex(last), "there is no vertex {last}");
+        self.geometry.prepare_points(first, points.len());
+        for (v, p) in (first..).zip(points) {
+            self.geometry.set_point(v, *p);
+        }
+    }
+
+    /// Makes a tetrahedron, whose neighbours are still to be linked and whose sphere is still to be
+    /// cached. `None` at the limit of tetrahedra.
+    ///
+    /// # Panics
+    /// If one of these is no vertex, or the vertex at infinity is another than the last.
+    pub fn create(&mut self, v: [VertexId; 4]) -> Option<TetId> {
+        let [a, b, c, d] = v;
+        self.expect_vertex(d);
+        assert!([a, b, c].iter().all(|&v| self.is_vertex(v)), "{v:?} is no tetrahedron");
+        self.blocked = None;
+        self.topology.reserve(1).ok()?;
+        let t = self.topology.take();
+        self.topology.write(t, v);
+        self.geometry.reserve_spheres(self.topology.slots());
+        self.geometry.set_sphere(t, Sphere::UNKNOWN);
+        self.made += 1;
+        self.hint(t, v);
+        Some(t)
+    }
+
+    /// Caches the sphere of `t`.
+    ///
+    /// # Panics
+    /// If there is no such tetrahedron.
+    pub fn cache_sphere(&mut self, t: TetId) {
+        self.expect_live(t);
+        let sphere = self.geometry.compute_sphere(self.topology.tet(t).vertices());
+        match self.specials.get_mut(self.geometry.sphere(t)) {
+            Some(special) => special.sphere = sphere,
+            None => self.geometry.set_sphere(t, sphere),
+        }
+    }
+
+    /// Makes two faces of tetrahedra of this part each other's neighbour. A proxy that stood at
+    /// either is gone.
+    ///
+    /// # Panics
+    /// If there is no such face.
+    pub fn link(&mut self, a: FaceId, b: FaceId) {
+        self.expect_live(tet_of(a));
+        self.expect_live(tet_of(b));
+        self.blocked = None;
+        self.forget_proxy(a);
+        self.forget_proxy(b);
+        self.topology.link(a, b);
+    }
+
+    /// Puts a proxy for `far` at `face`, or lets the one there stand for that. `None` at the limit of
+    /// tetrahedra.
+    ///
+    /// # Panics
+    /// If there is no such face.
+    pub fn link_far(&mut self, face: FaceId, far: F) -> Option<()> {
+        self.expect_live(tet_of(face));
+        self.blocked = None;
+        let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
+        if !self.is_proxy_of(there, face) {
+            return self.put_far(face, far);
+        }
+        self.far.replace(self.geometry.sphere(there), far);
+        Some(())
+    }
+
+    /// Removes tetrahedron `t`, which is open, and the proxies at its faces. What links to it is
+    /// still to be linked anew.
+    ///
+    /// # Panics
+    /// If there is no such tetrahedron.
+    pub fn remove(&mut self, t: TetId) {
+        self.expect_live(t);
+        self.blocked = None;
+        debug_assert!(!self.is_closed(t));
+        self.unwatch(t);
+        for slot in 0..4 {
+            self.forget_proxy(4 * t + slot);
+        }
+        self.geometry.set_sphere(t, Sphere::UNKNOWN);
+        self.topology.erase(t);
+    }
+
+    /// Is slot `t` a proxy at `face`? Links that are not made yet lead anywhere.
+    pub(super) fn is_proxy_of(&self, t: TetId, face: FaceId) -> bool {
+        self.topology.get(t).is_some_and(|tet| tet.is_proxy() && tet.neighbours()[0] == face)
+    }
+
+    pub(super) fn forget_proxy(&mut self, face: FaceId) {
+        let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
+        if self.is_proxy_of(there, face) {
+            self.far.remove(self.geometry.sphere(there));
+            self.geometry.set_sphere(there, Sphere::UNKNOWN);
+            self.topology.erase(there);
+        }
+    }
+}

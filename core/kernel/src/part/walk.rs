@@ -1,0 +1,116 @@
+//! Point location in a part: where walks start, and what they meet.
+
+use super::conflict::Doors;
+use super::{PLACES, Part, Stop};
+use crate::locate::{Found, walk_through};
+use crate::topology::{INFINITE, TetId, VertexId};
+use ltbw_exact::Point;
+
+/// So many places on both sides are looked at for a start.
+const SPREAD: usize = 2;
+/// The same for other starts, when a walk has met a proxy.
+const WIDE_SPREAD: usize = 16;
+/// How many other starts are tried then.
+const TRIES: usize = 4;
+/// Vertices that differ by less than this are likely to be near each other.
+const NEAR: VertexId = 64;
+
+impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
+    /// Walks towards `p`, which is to be vertex `v`, from `start` if that is a tetrahedron here,
+    /// else from one made lately near by. Such a walk is free to start elsewhere when it meets a
+    /// proxy: the part need not be convex, and steps here cost less than to ask another part.
+    pub fn walk(&mut self, v: VertexId, p: &Point, start: Option<TetId>) -> Stop {
+        let start = start.filter(|&t| self.is_live(t));
+        let free = start.is_none();
+        let Some(start) = start.or_else(|| self.near(v)).or_else(|| self.open_hint()) else {
+            return Stop::Empty;
+        };
+        let stop = self.walk_from(p, start);
+        if !free || !matches!(stop, Stop::Proxy(_)) {
+            return stop;
+        }
+        let others: Vec<TetId> = self
+            .around(v, WIDE_SPREAD)
+            .filter(|&t| t != start && self.is_live(t) && !self.is_closed(t))
+            .take(TRIES)
+            .collect();
+        for t in others {
+            let stop = self.walk_from(p, t);
+            if !matches!(stop, Stop::Proxy(_)) {
+                return stop;
+            }
+        }
+        stop
+    }
+
+    /// Walks towards `p` from tetrahedron `start`.
+    pub(super) fn walk_from(&mut self, p: &Point, start: TetId) -> Stop {
+        let Self { topology, geometry, specials, steps, .. } = self;
+        let mut conflict = geometry.conflict_of(p);
+        // A walk that comes in through a hull facet ends there. From a ghost a walk goes to the
+        // facet's other side first, perhaps to where it came from, and so on without end.
+        if topology.tet(start).is_ghost() && !specials.is_closed(conflict.geometry().sphere(start))
+        {
+            let [a, b, c, _] = topology.tet(start).vertices();
+            if conflict.geometry().orient([a, b, c], p).is_positive() {
+                return Stop::Conflict(start);
+            }
+        }
+        match walk_through(topology, &mut conflict, start, &Doors(specials), steps) {
+            Found::Conflict(t) | Found::Outside(t) => Stop::Conflict(t),
+            Found::Closed(t) if topology.tet(t).is_vacant() => Stop::Proxy(t),
+            Found::Closed(t) => Stop::Closed(t),
+            Found::Inside(t) => {
+                let corners = topology.tet(t).vertices();
+                let here = corners.iter().find(|&&v| *geometry.point(v) == *p);
+                here.map_or(Stop::Conflict(t), |&v| Stop::Vertex(v))
+            }
+        }
+    }
+
+    /// The tetrahedron made last, if that was near vertex `v`; else the open one of some made
+    /// lately near by that has the nearest vertex.
+    fn near(&self, v: VertexId) -> Option<TetId> {
+        let open = |t: TetId| self.is_live(t) && !self.is_closed(t);
+        if v.abs_diff(self.last) < NEAR && open(self.hints[0]) {
+            return Some(self.hints[0]);
+        }
+        let around = self.around(v, SPREAD);
+        let far = |t: TetId| {
+            let corners = self.topology.tet(t).vertices();
+            corners.into_iter().map(|w| w.abs_diff(v)).min()
+        };
+        around.filter(|&t| open(t)).min_by_key(|&t| far(t))
+    }
+
+    /// The entry of vertex `v` in `places`. Vertices far apart may share one.
+    pub(super) fn place(&self, v: VertexId) -> usize {
+        (v / self.grain) as usize % PLACES
+    }
+
+    /// The entries at most `spread` places from vertex `v`, the nearest first.
+    pub(super) fn around(&self, v: VertexId, spread: usize) -> impl Iterator<Item = TetId> + '_ {
+        let place = self.place(v);
+        let both = (1..=spread).flat_map(|k| [PLACES - k, k]);
+        std::iter::once(0).chain(both).map(move |k| self.places[(place + k) % PLACES])
+    }
+
+    /// An open tetrahedron made lately, else a closed one, else any.
+    pub(super) fn open_hint(&self) -> Option<TetId> {
+        let live = || self.hints.iter().copied().filter(|&t| self.is_live(t));
+        live()
+            .find(|t| !self.is_closed(*t))
+            .or_else(|| live().next())
+            .or_else(|| self.tets().next().map(|(t, _)| t))
+    }
+
+    /// Remembers a tetrahedron that did not come from an insertion.
+    pub(super) fn hint(&mut self, t: TetId, v: [VertexId; 4]) {
+        self.hints[1..].rotate_right(1);
+        self.hints[1] = t;
+        for w in v.into_iter().filter(|&w| w != INFINITE) {
+            let place = self.place(w);
+            self.places[place] = t;
+        }
+    }
+}

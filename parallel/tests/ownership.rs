@@ -1,0 +1,42 @@
+//! Whose the star of a point is, is asked before the point is inserted at once.
+
+use ltbw::PointSet;
+use ltbw::mesh::{Ownership, Plan};
+use ltbw::protocol::{Insert, Source, Submesh, Walk};
+use ltbw_generate::{PointKind, generate};
+
+/// Where the star belongs to the owner of the point's block, whoever else finds its cavity whole and
+/// unlocked must not insert it.
+#[test]
+fn another_workers_point_is_blocked() {
+    let set = PointSet::new(generate(PointKind::Uniform, 4000, 3)).expect("finite points");
+    for ownership in [Ownership::Newest, Ownership::Creator] {
+        let plan = Plan { ownership, sample: 400, ..Plan::new(set.len(), 2) };
+        let mut workers = plan.prepare(&set).expect("a start").workers;
+        let (_, theirs, mut points) = workers.pop().expect("the second worker");
+        let (directory, mut mesh, mut own) = workers.pop().expect("the first worker");
+        let (mut blocked, mut done) = (0, 0);
+        while let Some(point) = points.next(&theirs) {
+            points.inserted(&theirs, &point);
+            let Walk::At(seed) = mesh.walk(&point, None) else { continue };
+            match mesh.insert(&point, seed, &directory) {
+                Insert::Blocked => blocked += 1,
+                Insert::Done => done += 1,
+                other => panic!("{other:?}"),
+            }
+        }
+        match ownership {
+            // Whoever creates the star owns it: most cavities are whole here.
+            Ownership::Creator => assert!(done > 10, "{done} inserted"),
+            _ => assert!(done == 0 && blocked > 10, "{done} inserted, {blocked} blocked"),
+        }
+        // Its own points are another matter.
+        let mut inserted = 0;
+        while let Some(point) = own.next(&mesh) {
+            own.inserted(&mesh, &point);
+            let Walk::At(seed) = mesh.walk(&point, None) else { continue };
+            inserted += usize::from(mesh.insert(&point, seed, &directory) == Insert::Done);
+        }
+        assert!(inserted > 1000, "{ownership:?}: {inserted} of its own");
+    }
+}
