@@ -296,7 +296,7 @@ impl Cavity {
         Ok(())
     }
 
-    /// Gives the cavity up: the mesh is as before [`Cavity::expand`], bit for bit. What was found can
+    /// Gives the cavity up: the mesh is as before [`Cavity::expand`], bit for bit. Its faces can
     /// still be read.
     pub(crate) fn set_back(&mut self, topology: &mut Topology) {
         for &t in self.tets.iter() {

@@ -25,7 +25,8 @@ mod insert;
 mod star;
 mod walk;
 
-pub use assemble::{Assembly, Misfit, assemble};
+pub use crate::mesh::Assembly;
+pub use assemble::{Misfit, assemble};
 pub use closure::Closed;
 
 use crate::cavity::{Cavity, Conflict};

@@ -1,8 +1,8 @@
 //! The guard of an open cavity: nobody pairs its opening and its end by hand.
 //!
-//! Between [`Cavity::expand`] and the filling the tetrahedra of a cavity are marked. Whoever has such
-//! a cavity, be it a mesh, a part of one or a refinement, hands it out as an [`OpenCavity`], which is
-//! filled or dropped. Dropping it is the *setback*: all is as before, bit for bit.
+//! Between [`Cavity::expand`] and the filling the tetrahedra of a cavity are marked. An owner of
+//! such a cavity, be it a mesh or a part of one, hands it out as an [`OpenCavity`], which is filled
+//! or dropped. Dropping it is the *setback*: all is as before, bit for bit.
 
 use crate::cavity::Cavity;
 use crate::topology::{TetId, VertexId};
@@ -55,7 +55,7 @@ impl<'a, O: Opens> OpenCavity<'a, O> {
         self.owner
     }
 
-    /// Ends the transaction by `fill`, which fills the cavity or passes it on to a guard of its own.
+    /// Ends the transaction by `fill`, which fills the cavity.
     #[inline(always)]
     pub fn end<R>(mut self, fill: impl FnOnce(&mut O) -> R) -> R {
         self.is_open = false;

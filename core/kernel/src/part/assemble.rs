@@ -2,24 +2,8 @@
 
 use super::{FarTable, Part};
 use crate::geometry::Geometry;
-use crate::topology::{FaceId, MAX_TETS, Topology, VertexId, tet_of};
-use crate::{Mesh, PredicateStats, Vertex};
-use ltbw_exact::{Mode, Point};
-
-/// What [`assemble`] needs beside the parts.
-#[derive(Debug)]
-pub struct Assembly<'a> {
-    /// Kernel coordinates by vertex less 1.
-    pub points: Vec<Point>,
-    /// Public number by vertex less 1.
-    pub numbers: Vec<Vertex>,
-    /// Vertices whose points were vertices already, each with that vertex.
-    pub duplicates: &'a [(VertexId, VertexId)],
-    /// How the points are computed with.
-    pub mode: Mode,
-    /// Predicate calls made elsewhere.
-    pub predicates: PredicateStats,
-}
+use crate::mesh::{Assembly, Mesh};
+use crate::topology::{FaceId, MAX_TETS, Topology, tet_of};
 
 /// Why parts of a mesh could not be put together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

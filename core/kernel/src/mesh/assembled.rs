@@ -1,0 +1,85 @@
+//! A mesh of tetrahedra that were made elsewhere.
+
+use super::{Mesh, Vertex};
+use crate::PredicateStats;
+use crate::arena::Arena;
+use crate::cavity::Cavity;
+use crate::geometry::Geometry;
+use crate::topology::{INFINITE, Topology, VertexId};
+use ltbw_exact::{Mode, Point};
+
+/// All that a mesh built elsewhere needs beside its tetrahedra.
+#[derive(Debug)]
+pub struct Assembly<'a> {
+    /// Kernel coordinates by vertex less 1.
+    pub points: Vec<Point>,
+    /// Public number by vertex less 1.
+    pub numbers: Vec<Vertex>,
+    /// Vertices whose points were vertices already, each with that vertex.
+    pub duplicates: &'a [(VertexId, VertexId)],
+    /// How the points are computed with.
+    pub mode: Mode,
+    /// Predicate calls made elsewhere.
+    pub predicates: PredicateStats,
+}
+
+impl Mesh {
+    /// The mesh of assembled parts. Vertices that are not `used` by a tetrahedron are left out.
+    pub(crate) fn assembled(
+        mut topology: Topology,
+        mut geometry: Geometry,
+        used: &[bool],
+        assembly: Assembly<'_>,
+    ) -> Self {
+        let Assembly { mut points, mut numbers, duplicates, mode, .. } = assembly;
+        let count = points.len();
+        points.insert(0, [f64::NAN; 3]);
+        numbers.insert(0, Vertex::MAX);
+        let mut pairs: Vec<(Vertex, VertexId)> = Vec::new();
+        if used[1..].iter().all(|&used| used) {
+            // So there is no duplicate, either.
+            geometry.set_points(Arena::of(points));
+        } else {
+            let mut names = vec![INFINITE; count + 1];
+            let (mut kept, mut arena) = (vec![numbers[0]], Arena::with_capacity(count + 1));
+            arena.push(points[0]);
+            for v in (1..=count).filter(|&v| used[v]) {
+                names[v] = kept.len() as VertexId;
+                kept.push(numbers[v]);
+                arena.push(points[v]);
+            }
+            topology.rename(|v| if v == INFINITE { v } else { names[v as usize] });
+            geometry.set_points(arena);
+            let named = |&(duplicate, v): &(VertexId, VertexId)| {
+                (numbers[duplicate as usize], names[v as usize])
+            };
+            pairs.extend(duplicates.iter().map(named));
+            numbers = kept;
+        }
+        let vertices = numbers.len();
+        let mut mesh = Self {
+            topology,
+            geometry,
+            cavity: Cavity::for_vertices(vertices),
+            numbers,
+            duplicates: Vec::new(),
+            mode,
+            next_number: count as Vertex,
+            hint: 0,
+        };
+        mesh.hint = mesh.topology.iter().next().map_or(0, |(t, _)| t);
+        mesh.note_duplicates(pairs);
+        mesh
+    }
+
+    /// Of equal points the smallest number is the vertex, whichever was inserted first. `pairs`:
+    /// duplicates, each with the vertex at its place.
+    fn note_duplicates(&mut self, mut pairs: Vec<(Vertex, VertexId)>) {
+        for (duplicate, v) in &mut pairs {
+            let kept = &mut self.numbers[*v as usize];
+            (*duplicate, *kept) = ((*duplicate).max(*kept), (*duplicate).min(*kept));
+        }
+        self.duplicates = pairs.into_iter().map(|(d, v)| (d, self.numbers[v as usize])).collect();
+        self.duplicates.sort_unstable();
+    }
+}
