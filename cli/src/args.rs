@@ -1,10 +1,8 @@
 //! The command line and its help.
 
-use crate::console;
-use crate::outcome::{Exit, Failure};
 use crate::simulate::Simulate;
+use crate::surface::Preparation;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::error::ErrorKind;
 use clap::{Parser, Subcommand, ValueEnum};
 use ltbw::points::MAX_POINTS;
 use ltbw_generate::{DomainKind, PointKind};
@@ -241,13 +239,13 @@ pub(crate) struct MeshArgs {
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
     /// Largest circumradius to shortest edge, at least 1 (sure to end from 2 on) [default: 2]
-    #[arg(long, value_name = "B")]
+    #[arg(long, value_name = "B", allow_negative_numbers = true)]
     pub(crate) radius_edge: Option<f64>,
     /// Largest volume of a tetrahedron
-    #[arg(long, value_name = "A")]
+    #[arg(long, value_name = "A", allow_negative_numbers = true)]
     pub(crate) max_volume: Option<f64>,
     /// Largest edge length: no volume above that of the regular tetrahedron with such edges
-    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_negative_numbers = true)]
     pub(crate) size: Option<f64>,
     /// Edge lengths at the vertices of the domain, linear in between: TetGen's .mtr file
     ///
@@ -266,18 +264,13 @@ pub(crate) struct MeshArgs {
     )]
     pub(crate) tetgen_switches: Option<String>,
     /// The most points to insert
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = any_count)]
     pub(crate) max_points: Option<u64>,
     /// Write the exterior between domain and convex hull, too (tag 0)
     #[arg(long)]
     pub(crate) keep_exterior: bool,
-    /// Reject a domain that is not exactly on its lattice
-    #[arg(long)]
-    pub(crate) exact_input: bool,
-    /// Measure from the middle of the domain: keeps more bits of a domain far from the origin.
-    /// The mesh is then in those coordinates; the offset is reported
-    #[arg(long)]
-    pub(crate) local_frame: bool,
+    #[command(flatten)]
+    pub(crate) preparation: Preparation,
     /// Write a page that shows a cut through the mesh, the histograms and the report
     #[arg(long, value_name = "HTML")]
     pub(crate) page: Option<PathBuf>,
@@ -306,9 +299,8 @@ pub(crate) struct Check {
     /// The order of a tetrahedron's vertices means nothing (scipy and Qhull write such meshes)
     #[arg(long)]
     pub(crate) any_order: bool,
-    /// Reject a domain that is not exactly on its lattice
-    #[arg(long)]
-    pub(crate) exact_input: bool,
+    #[command(flatten)]
+    pub(crate) preparation: Preparation,
     /// Check that the mesh conforms to this domain
     #[arg(long, value_name = "DOMAIN")]
     pub(crate) plc: Option<PathBuf>,
@@ -344,7 +336,7 @@ pub(crate) struct Generate {
     #[arg(value_parser = kinds())]
     pub(crate) kind: Kind,
     /// About how many points (grids round up) [default: 1000], or parts of a domain
-    #[arg(value_name = "N", value_parser = counts())]
+    #[arg(value_name = "N", value_parser = counts)]
     pub(crate) count: Option<u32>,
     /// Another seed gives another set of the same kind
     #[arg(long, default_value_t = 1)]
@@ -373,9 +365,26 @@ fn length(text: &str) -> Result<f64, String> {
     good.then_some(value).ok_or_else(|| "a length is positive and finite".to_owned())
 }
 
+/// A whole number up to `most`, also written like `1e6`.
+fn whole(text: &str, most: u64) -> Result<u64, String> {
+    let plain = text.parse::<u64>().ok();
+    // Above 2^53 not every whole number is a double.
+    let scientific = || {
+        let value: f64 = text.parse().ok()?;
+        let is_whole = (0.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() == 0.0;
+        is_whole.then_some(value as u64)
+    };
+    let value = plain.or_else(scientific).ok_or("not a whole number such as 1000000 or 1e6")?;
+    (value <= most).then_some(value).ok_or_else(|| format!("{value} is not in 0..={most}"))
+}
+
 /// No more points than a point set may have.
-fn counts() -> impl TypedValueParser<Value = u32> {
-    clap::value_parser!(u32).range(..=MAX_POINTS as i64)
+pub(crate) fn counts(text: &str) -> Result<u32, String> {
+    whole(text, MAX_POINTS as u64).map(|count| count as u32)
+}
+
+fn any_count(text: &str) -> Result<u64, String> {
+    whole(text, u64::MAX)
 }
 
 fn kinds() -> impl TypedValueParser<Value = Kind> {
@@ -397,80 +406,14 @@ pub(crate) struct Demo {
     pub(crate) out: PathBuf,
 }
 
-/// A command line that is no command: what to say.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Refusal {
-    /// The exit code: 0 for an answer that was asked for, else 2.
-    pub exit: u8,
-    /// Whether the text is help or the version.
-    pub is_help: bool,
-    /// The error, in one line without control characters; or the help, without colours.
-    pub text: String,
-}
-
-impl Refusal {
-    pub(crate) fn of(error: &clap::Error) -> Self {
-        let (exit, is_help) = match error.kind() {
-            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => (Exit::Done, true),
-            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => (Exit::Usage, true),
-            _ => (Exit::Usage, false),
-        };
-        let text = error.to_string();
-        Self { exit: exit as u8, is_help, text: if is_help { text } else { one_line(&text) } }
-    }
-}
-
-/// The first paragraph of clap's message as one line. It repeats the argument, and a terminal obeys
-/// control characters that clap leaves in it: they become `?`.
-fn one_line(text: &str) -> String {
-    let first = text.split("\n\n").next().unwrap_or_default();
-    let words: Vec<&str> = first.split_whitespace().collect();
-    let line = words.join(" ");
-    let line = line.strip_prefix("error: ").unwrap_or(&line);
-    let line = line.replace(char::is_control, "?");
-    format!("{line}; see `ltbw --help`")
-}
-
-/// Prints help where it was asked for, and what is wrong with the command line in one line.
-pub(crate) fn explain(error: &clap::Error) -> Result<Exit, Failure> {
-    match error.kind() {
-        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            console::data_with(|| error.print())?;
-            Ok(Exit::Done)
-        }
-        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            // For people, to stderr.
-            let _ = error.print();
-            Ok(Exit::Usage)
-        }
-        _ => {
-            console::people(&format!("ltbw: {}", Refusal::of(error).text));
-            Ok(Exit::Usage)
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use clap::CommandFactory;
-    use std::ffi::OsString;
 
     #[test]
     fn the_command_line_is_consistent() {
         Args::command().debug_assert();
-    }
-
-    /// Control characters of an argument must not come back to the terminal.
-    #[test]
-    fn a_refusal_repeats_no_control_characters() {
-        for word in ["a\u{1b}[2Jb", "x\u{7}", "\u{0}", "one\ntwo", "tab\tbed", "\u{9b}31m"] {
-            let words: Vec<_> = ["ltbw", word].iter().map(OsString::from).collect();
-            let error = Args::try_parse_from(words).expect_err("no such command");
-            let text = Refusal::of(&error).text;
-            assert!(!text.chars().any(char::is_control), "{text:?}");
-            assert!(text.contains("unrecognized subcommand"), "{text:?}");
-        }
     }
 
     #[test]

@@ -50,6 +50,12 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
         console::people("note: all tetrahedra are negatively oriented, which was allowed for");
     }
     print_defects(&report, Some(args.any_order));
+    if is_of_a_domain(&report) {
+        console::people(
+            "note: a mesh of a domain has no convex hull: --plc DOMAIN checks it against the \
+             domain",
+        );
+    }
     if report.passed() {
         console::people(&format!("checked   {}", summary(&report)));
         if let verify::Hash::Value(hash) = &report.hash
@@ -61,6 +67,13 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     }
     console::people(&format!("ltbw: {name}: {}", verdict(&report)));
     Ok(Exit::Defect)
+}
+
+/// Is all that is wrong what makes a mesh of a domain differ from that of its points?
+fn is_of_a_domain(report: &verify::Report) -> bool {
+    use verify::Kind::{ConcaveHull, Euler, HullDisconnected, HullEuler};
+    let kinds = [ConcaveHull, Euler, HullDisconnected, HullEuler];
+    !report.passed() && report.defect_counts.keys().all(|kind| kinds.contains(kind))
 }
 
 /// The defects of a mesh, in a line.

@@ -4,12 +4,13 @@ use crate::args::Check;
 use crate::console;
 use crate::json::{check_json, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
-use ltbw::domain::{Domain, PrepareOptions, Prepared};
+use ltbw::domain::{Domain, Prepared};
 use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::path::Path;
-use verify::{Conformity, Limits, Plc, PlcFacet};
+use verify::{Breach, Conformity, Finding, Limits, Plc, PlcFacet};
 
 /// Breaches that people are shown.
 const SHOWN: usize = 10;
@@ -27,22 +28,10 @@ pub(crate) fn plc_of(domain: &Domain) -> Plc {
     }
 }
 
-/// Reads and prepares a domain.
-pub(crate) fn prepare(
-    path: &Path,
-    exact_input: bool,
-    local_frame: bool,
-) -> Result<Prepared, Failure> {
-    let file = io::read_domain(path).map_err(Failure::Read)?;
-    file.notes.iter().for_each(|n| console::people(&format!("note: {}: {n}", show(path))));
-    let options = PrepareOptions { exact_input, local_frame, oriented: file.oriented };
-    let failed = |error| Failure::Domain { path: path.to_owned(), error };
-    file.domain.prepare(&options).map_err(failed)
-}
-
 /// `ltbw check MESH --plc DOMAIN`.
 pub(crate) fn check(args: &Check, plc: &Path) -> Result<Exit, Failure> {
     console::end_on_signal()?;
+    args.preparation.check(&[&args.mesh, plc])?;
     if let Some(json) = &args.json {
         let inputs = io::mesh_files(&args.mesh).into_iter().chain(io::domain_files(plc));
         inputs.into_iter().try_for_each(|input| keep_input(&input, json))?;
@@ -51,7 +40,7 @@ pub(crate) fn check(args: &Check, plc: &Path) -> Result<Exit, Failure> {
     let file = io::read_mesh_file(&args.mesh).map_err(Failure::Read)?;
     let name = show(&args.mesh);
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
-    let ready = prepare(plc, args.exact_input, false)?;
+    let ready = args.preparation.prepare(plc)?;
     let inside = without_exterior(&file.mesh);
     let limits = Limits {
         radius_edge: args.radius_edge,
@@ -133,8 +122,18 @@ pub(crate) fn summary(found: &Conformity) -> String {
     )
 }
 
+/// Breaches of each kind that the certificate lists.
+const LISTED: usize = 100;
+
 /// The certificate of conformity as JSON.
 pub(crate) fn certificate(found: &Conformity, same_volume: bool) -> Value {
+    let mut listed: BTreeMap<Breach, usize> = BTreeMap::new();
+    let mut is_listed = |breach: Breach| {
+        let count = listed.entry(breach).or_default();
+        *count += 1;
+        *count <= LISTED
+    };
+    let breaches: Vec<&Finding> = found.findings.iter().filter(|f| is_listed(f.breach)).collect();
     let counts: Vec<Value> = found
         .counts
         .iter()
@@ -151,7 +150,7 @@ pub(crate) fn certificate(found: &Conformity, same_volume: bool) -> Value {
         "cells": found.cells,
         "tests": { "filter": found.tests.0, "exact": found.tests.1 },
         "breach_counts": counts,
-        "breaches": found.findings,
+        "breaches": breaches,
         "mesh_defect_count": found.mesh_defect_count,
         "mesh_defects": found.mesh_defects,
     })

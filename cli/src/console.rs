@@ -58,15 +58,23 @@ impl Observer for Progress {
             return;
         }
         let bar = self.bar.get_or_init(|| {
-            let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr());
-            if let Ok(style) = ProgressStyle::with_template(
-                "insert {bar:40} {human_pos} of {human_len} points, {eta} left",
-            ) {
+            // Refinement does not know its end.
+            let length = (total > 0).then_some(total);
+            let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::stderr());
+            if let Ok(style) = ProgressStyle::with_template(template(total)) {
                 bar.set_style(style);
             }
             bar
         });
         bar.set_position(done);
+    }
+}
+
+/// What a bar shows; a total of 0 is not known.
+fn template(total: u64) -> &'static str {
+    match total {
+        0 => "insert {spinner} {human_pos} points in {elapsed}",
+        _ => "insert {bar:40} {human_pos} of {human_len} points, {eta} left",
     }
 }
 
@@ -133,4 +141,15 @@ fn on_signal(handler: impl FnMut() + Send + 'static) -> Result<(), Failure> {
 fn end_now() {
     people("ltbw: stopped");
     std::process::exit(Exit::Stopped as i32);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::template;
+
+    #[test]
+    fn a_total_that_is_not_known_is_not_told() {
+        assert!(template(1000).contains("{human_len}") && template(1000).contains("{eta}"));
+        assert!(!template(0).contains("{human_len}") && !template(0).contains("{eta}"));
+    }
 }

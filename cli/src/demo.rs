@@ -3,6 +3,7 @@
 use crate::args::{Demo, Depth};
 use crate::bounds::Asked;
 use crate::console::{self, Stop};
+use crate::json::distinct;
 use crate::mesh::{Job, mesh_domain};
 use crate::outcome::{Exit, Failure, show};
 use crate::run::check_outputs;
@@ -22,6 +23,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
     let page = args.out.with_extension("html");
     check_outputs(std::slice::from_ref(&args.out))?;
     io::check_bytes_writable(&page).map_err(Failure::Write)?;
+    distinct(&[args.out.clone(), page.clone()])?;
     let stop = Stop::on_signal()?;
     let name = Path::new("a cube with a suspended octahedral hole");
     let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default())

@@ -4,11 +4,12 @@ use crate::args::Check;
 use crate::console;
 use crate::json::{check_json, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
+use crate::surface::{print_troubles, troubles_json};
 use ltbw::domain::{
     CheckOptions, Domain, DomainDefect, DomainReport, Element, PrepareError, PrepareOptions,
     Severity, Snapped,
 };
-use ltbw::io::{self, Format};
+use ltbw::io::{self, DomainFile, Format};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -32,6 +33,10 @@ struct Report {
     lattice: Option<LatticePart>,
     defect_counts: BTreeMap<&'static str, u64>,
     defects: Vec<Value>,
+    /// What the defects mean for the surface: open, doubled, bodies that touch or cross.
+    kinds: Vec<Value>,
+    /// The number of bodies, if there are defects.
+    bodies: usize,
     /// Defects that snapping makes.
     snapped_defect_counts: BTreeMap<&'static str, u64>,
     snapped_defects: Vec<Value>,
@@ -65,6 +70,7 @@ struct LatticePart {
 /// `ltbw check` of a domain.
 pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     console::end_on_signal()?;
+    args.preparation.check(&[&args.mesh])?;
     if let Some(json) = &args.json {
         io::domain_files(&args.mesh).iter().try_for_each(|input| keep_input(input, json))?;
         check_json(json)?;
@@ -77,12 +83,14 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     let report = file.domain.check(&options).map_err(|e| failed(e.into()))?;
     print_domain(&name, &file.domain, &report);
     print_defects(&report);
-    let snapped = file.domain.snap().map_err(|e| failed(e.into()))?;
+    let options = args.preparation.options(file.oriented);
+    let snapped = file.domain.snap_by(&PrepareOptions { exact_input: false, ..options });
+    let snapped = snapped.map_err(failed)?;
     print_lattice(&snapped);
-    if args.exact_input {
+    if args.preparation.exact_input {
         snapped.clone().exact().map_err(|e| failed(e.into()))?;
     }
-    let after = after_snapping(&file.domain, &report, &snapped, file.oriented).map_err(failed)?;
+    let after = after_snapping(&file.domain, &report, &snapped, &options).map_err(failed)?;
     let passed = report.passed() && after.is_none();
     if let Some(path) = &args.json {
         let text = json_report(&file.domain, file.oriented, &report, &snapped, after.as_ref());
@@ -91,6 +99,7 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
         write_json(path, &(text + "\n"))?;
     }
     if passed {
+        args.preparation.told(&file.domain, None)?;
         console::people("checked   no defect");
         return Ok(Exit::Done);
     }
@@ -99,6 +108,9 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
         print_defects(after);
     }
     let counted = if report.passed() { after.as_ref().unwrap_or(&report) } else { &report };
+    print_troubles(Some(counted));
+    args.preparation.told(&file.domain, Some(counted))?;
+    tell_repairs(args, &file);
     let counts: Vec<String> = counted
         .counts
         .iter()
@@ -109,18 +121,25 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     Ok(Exit::Defect)
 }
 
+/// Tells what `mesh` would repair of a domain with defects, and whether that is enough.
+fn tell_repairs(args: &Check, file: &DomainFile) {
+    if let Ok(ready) = file.domain.prepare(&args.preparation.options(file.oriented)) {
+        ready.repairs.notes().iter().for_each(|n| console::people(&format!("repair    {n}")));
+        console::people("note: `ltbw mesh` repairs this on its way");
+    }
+}
+
 /// The defects, if any, that snapping brings to a domain that can be meshed as it is.
 fn after_snapping(
     domain: &Domain,
     report: &DomainReport,
     snapped: &Snapped,
-    oriented: bool,
+    options: &PrepareOptions,
 ) -> Result<Option<DomainReport>, PrepareError> {
     if !report.is_meshable() || snapped.moved == 0 {
         return Ok(None);
     }
-    let options = PrepareOptions { oriented, ..PrepareOptions::default() };
-    match domain.prepare(&options) {
+    match domain.prepare(options) {
         Err(PrepareError::BelowLattice { report, .. }) => Ok(Some(*report)),
         Err(error) => Err(error),
         Ok(_) => Ok(None),
@@ -227,6 +246,8 @@ fn json_report(
         }),
         defect_counts: counts(report),
         defects: defects(report),
+        kinds: troubles_json(after.unwrap_or(report)),
+        bodies: after.unwrap_or(report).bodies,
         snapped_defect_counts: after.map(counts).unwrap_or_default(),
         snapped_defects: after.map(defects).unwrap_or_default(),
     }

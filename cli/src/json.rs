@@ -3,7 +3,8 @@
 use crate::console;
 use crate::outcome::{Failure, show};
 use ltbw::io;
-use std::path::Path;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 
 /// Does this argument mean stdout?
 pub(crate) fn is_stdout(path: &Path) -> bool {
@@ -26,6 +27,23 @@ pub(crate) fn keep_input(input: &Path, output: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::Usage(format!("{}: this would overwrite the input", show(output))))
+}
+
+/// Refuses to write two outputs to one place.
+pub(crate) fn distinct(outputs: &[PathBuf]) -> Result<(), Failure> {
+    let mut places = HashSet::new();
+    for output in outputs {
+        // What is not there yet has a folder all the same.
+        let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new(".")).canonicalize();
+        let place =
+            output.canonicalize().ok().or_else(|| Some(folder.ok()?.join(output.file_name()?)));
+        if !places.insert(place.unwrap_or_else(|| output.clone())) {
+            let text = format!("{}: two outputs would be written there", show(output));
+            return Err(Failure::Usage(text));
+        }
+    }
+    Ok(())
 }
 
 /// Writes JSON to a file, or to stdout for `-`.

@@ -3,12 +3,14 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `args` | the command line and its help |
+//! | `refusal` | what is said of a command line that is no command |
 //! | `run` | `delaunay`: read, build, check, hash, write, report |
 //! | `mesh` | `mesh`: read, prepare, refine, check, write, report |
 //! | `check` | `check`, and the check of our own output |
 //! | `bounds` | what a mesh of a domain is asked for: bounds and sizes |
 //! | `page` | a page of HTML about a mesh |
 //! | `conform` | `check --plc` |
+//! | `surface` | how a domain is prepared: repairs, and the surface of what is wrong |
 //! | `domain` | `check` of a domain |
 //! | `lists` | a mesh as the lists that the checker takes |
 //! | `files` | `convert` and `generate` |
@@ -40,9 +42,11 @@ mod mesh;
 mod outcome;
 mod page;
 mod picture;
+mod refusal;
 mod report;
 mod run;
 mod simulate;
+mod surface;
 mod sync;
 mod vectors;
 
@@ -52,7 +56,7 @@ use outcome::{Exit, Failure};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-pub use args::Refusal;
+pub use refusal::Refusal;
 
 /// Understands a command line, the program's name first, and runs nothing.
 ///
@@ -66,7 +70,7 @@ pub fn parse(words: &[OsString]) -> Result<(), Refusal> {
 pub fn main() -> ExitCode {
     let result = match Args::try_parse() {
         Ok(args) => dispatch(args),
-        Err(error) => args::explain(&error),
+        Err(error) => refusal::explain(&error),
     };
     let exit = result.unwrap_or_else(|failure| {
         console::people(&format!("ltbw: {failure}"));

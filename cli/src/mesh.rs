@@ -2,20 +2,21 @@
 
 use crate::args::{Depth, MeshArgs};
 use crate::bounds::{Asked, Field, asked, field};
-use crate::conform::{certificate, plc_of, prepare, print, same_volume, summary};
+use crate::conform::{certificate, plc_of, print, same_volume, summary};
 use crate::console::{self, Progress, Stop};
-use crate::json::{check_json, is_stdout, keep_input, write_json};
+use crate::json::{check_json, distinct, is_stdout, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
 use crate::page::Page;
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
 use crate::run::{check_outputs, set_threads};
+use crate::surface::repairs_json;
 use ltbw::domain::Prepared;
 use ltbw::quality::{self, Extreme, Histogram, Quality};
 use ltbw::refine::{Reason, RefineOutcome, Refined};
 use ltbw::{Extras, TetMesh, canonical_hash, io};
-use ltbw_verify::{self as verify, Breach, Conformity, Limits};
+use ltbw_verify::{self as verify, Breach, Conformity, Finding, Limits};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -55,18 +56,22 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     let start = Instant::now();
     set_threads(args.threads)?;
     let asked = asked(args)?;
+    args.preparation.check(&[&args.domain])?;
     check_outputs(&args.output)?;
     args.json.as_deref().map_or(Ok(()), check_json)?;
     let pages = [&args.histogram, &args.page].into_iter().flatten();
     pages.clone().try_for_each(|p| io::check_bytes_writable(p)).map_err(Failure::Write)?;
     let written = args.output.iter().flat_map(|path| io::mesh_files(path));
     let written: Vec<PathBuf> = written.chain(args.json.clone()).chain(pages.cloned()).collect();
+    let written: Vec<PathBuf> =
+        written.into_iter().chain(args.preparation.write_defects.clone()).collect();
+    distinct(&written)?;
     let inputs = [Some(&args.domain), args.sizes.as_ref(), args.background.as_ref()];
     for input in inputs.into_iter().flatten() {
         written.iter().try_for_each(|path| keep_input(input, path))?;
     }
     let stop = Stop::on_signal()?;
-    let ready = prepare(&args.domain, args.exact_input, args.local_frame)?;
+    let ready = args.preparation.prepare(&args.domain)?;
     let job = Job {
         command: "mesh",
         name: &args.domain,
@@ -109,11 +114,13 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     let mut verdict = "not checked".to_owned();
     if job.check != Depth::Off && refined.outcome != RefineOutcome::Cancelled {
         let clock = Instant::now();
-        let mut found = check_own(&inside, ready, job.asked);
+        let excused = excused(&refined);
+        let mut found = check_own(&inside, ready, job.asked, excused.len());
         let same = same_volume(ready, &found) || !refined.lost.is_empty();
         report.certificate = Some(certificate(&found, same));
         report.seconds.check = clock.elapsed().as_secs_f64();
-        if !(is_explained(&found, &refined) && same) {
+        let is_lost = !refined.lost.is_empty();
+        if !(is_explained(&found, &inside, &excused, is_lost) && same) {
             print(&mut found);
             if let Err(failure) = finish(&mut report, job) {
                 console::people(&format!("note: {failure}"));
@@ -158,7 +165,8 @@ fn refine(job: &Job<'_>, ready: &Prepared) -> Result<Refined, Failure> {
     refiner.refine(&ready.domain, &ready.lattice).map_err(failed)
 }
 
-fn check_own(inside: &TetMesh, ready: &Prepared, asked: Asked) -> Conformity {
+/// Checks the mesh; lists as many breaches of each kind as there are excuses, or more.
+fn check_own(inside: &TetMesh, ready: &Prepared, asked: Asked, excuses: usize) -> Conformity {
     let limits = Limits {
         radius_edge: asked.radius_edge,
         max_volume: asked.max_volume,
@@ -166,19 +174,36 @@ fn check_own(inside: &TetMesh, ready: &Prepared, asked: Asked) -> Conformity {
     };
     let mesh = verify::Mesh::new(&inside.points, &inside.tets);
     let (plc, tags) = (plc_of(&ready.domain), inside.tet_tags.as_deref());
-    verify::conforms(&mesh, &plc, tags, &limits, &verify::Options::default())
+    let options = verify::Options::default();
+    let options = verify::Options { max_defects: options.max_defects.max(excuses), ..options };
+    verify::conforms(&mesh, &plc, tags, &limits, &options)
 }
 
-/// Is everything that the checker found excused? A bound may be exceeded by as many tetrahedra as
-/// there are excuses; the boundary may be incomplete only if some of it was given up.
-fn is_explained(found: &Conformity, refined: &Refined) -> bool {
-    let excused = refined.excuses.len() as u64;
+/// Is everything that the checker found excused? A bound may be exceeded by the tetrahedra that
+/// have an excuse, and by no others; the boundary may be incomplete only if some of it was given
+/// up.
+fn is_explained(found: &Conformity, inside: &TetMesh, excused: &Excused, is_lost: bool) -> bool {
+    let is_excused = |f: &Finding| {
+        let tet = f.ids.first().and_then(|&t| inside.tets.get(t as usize));
+        tet.is_some_and(|tet| excused.contains(tet))
+    };
     found.mesh_defect_count == 0
-        && found.counts.iter().all(|(breach, &count)| match breach {
-            Breach::RatioExceeded | Breach::VolumeExceeded => count <= excused,
+        && found.counts.iter().all(|(&breach, &count)| match breach {
+            Breach::RatioExceeded | Breach::VolumeExceeded => {
+                let listed = found.findings.iter().filter(|f| f.breach == breach);
+                // What is not listed cannot be told to be excused.
+                listed.clone().count() as u64 == count && listed.clone().all(is_excused)
+            }
             Breach::VertexMissing | Breach::TooFine | Breach::FacetDegenerate => false,
-            _ => !refined.lost.is_empty(),
+            _ => is_lost,
         })
+}
+
+/// The tetrahedra that have an excuse, by their vertices.
+type Excused = HashSet<[u32; 4]>;
+
+fn excused(refined: &Refined) -> Excused {
+    refined.excuses.iter().filter_map(|excuse| refined.mesh().tet(excuse.tet)).collect()
 }
 
 fn ending(refined: &Refined) -> Exit {
@@ -333,6 +358,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
             "moved": ready.moved,
             "largest_move": ready.largest.map(|m| m.distance),
         },
+        "repairs": repairs_json(ready),
         "recover_seconds": stats.recover_seconds,
         "refine_seconds": stats.refine_seconds,
     })
@@ -400,4 +426,40 @@ fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
         console::data(&format!("ltbw.mesh/1 {hash}\n"))?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Excused, is_explained};
+    use ltbw::TetMesh;
+    use ltbw_verify::{self as verify, Breach, Limits, Plc, PlcFacet};
+
+    /// Two tetrahedra on one triangle, of volumes 1/6 and 1/3, of which the second is too large.
+    #[test]
+    fn an_excuse_is_for_its_own_tetrahedron() {
+        let points = vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [0.25, 0.25, -2.0],
+        ];
+        let (small, large) = ([0, 1, 2, 3], [0, 2, 1, 4]);
+        let inside = TetMesh { points, tets: vec![small, large], ..TetMesh::default() };
+        let facets = [[0, 2, 3], [0, 3, 1], [1, 3, 2], [0, 1, 4], [1, 2, 4], [2, 0, 4]];
+        let facet = |f: [u32; 3]| PlcFacet { polygons: vec![f.to_vec()], holes: Vec::new() };
+        let plc = Plc {
+            vertices: inside.points.clone(),
+            facets: facets.map(facet).to_vec(),
+            ..Plc::default()
+        };
+        let limits = Limits { max_volume: Some(0.25), ..Limits::default() };
+        let mesh = verify::Mesh::new(&inside.points, &inside.tets);
+        let found = verify::conforms(&mesh, &plc, None, &limits, &verify::Options::default());
+        assert_eq!(found.mesh_defect_count, 0, "{:?}", found.mesh_defects);
+        assert_eq!(found.counts.iter().collect::<Vec<_>>(), [(&Breach::VolumeExceeded, &1)]);
+        let explained = |tet| is_explained(&found, &inside, &Excused::from([tet]), false);
+        assert!(explained(large));
+        assert!(!explained(small), "as many excuses as breaches, but for another tetrahedron");
+    }
 }

@@ -100,6 +100,7 @@ impl Failure {
                 ..
             } => Exit::Stopped,
             Failure::Refine { error: RefineError::Bound { .. }, .. } => Exit::Usage,
+            Failure::Domain { error: PrepareError::Tolerance { .. }, .. } => Exit::Usage,
             Failure::Read(_)
             | Failure::Points { .. }
             | Failure::Domain { .. }

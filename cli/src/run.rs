@@ -4,7 +4,7 @@ use crate::args::{Delaunay, Depth};
 use crate::check::check_own;
 use crate::console::{self, Progress, Stop};
 use crate::figures::{Figures, SPANS, tables, write_trace};
-use crate::json::{check_json, is_stdout, keep_input, write_json};
+use crate::json::{check_json, distinct, is_stdout, keep_input, write_json};
 use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
@@ -72,7 +72,9 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let written = whole.iter().flat_map(|path| io::mesh_files(path));
     let written = written.chain(parts.iter().flat_map(|p| io::part_files(p, workers as usize)));
     let written = written.chain(args.json.clone()).chain(args.trace.clone());
-    written.into_iter().try_for_each(|path| keep_input(&args.points, &path))?;
+    let written: Vec<PathBuf> = written.collect();
+    distinct(&written)?;
+    written.iter().try_for_each(|path| keep_input(&args.points, path))?;
     let stop = Stop::on_signal()?;
     let file = io::read_points(&args.points).map_err(Failure::Read)?;
     let job = Job {

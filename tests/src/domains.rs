@@ -1,7 +1,11 @@
 //! Random domains, the same on every machine.
 
 use ltbw::domain::{Domain, Facet};
-use ltbw_generate::{DomainKind, Shape, generate_domain};
+use ltbw_generate::{DomainKind, Shape, generate_domain, surfaces};
+
+/// The faces of a box whose corners are numbered by the bits of their places.
+const FACES: [[u32; 4]; 6] =
+    [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
 
 /// A random domain and the kind of it: a box with a turned box hole, a star-shaped polyhedron, or a
 /// union of cubes, in turn.
@@ -17,6 +21,42 @@ pub fn random_domain(seed: u64) -> (&'static str, Domain) {
         _ => {
             let shape = Shape { seed, count: Some(8), ..Shape::default() };
             ("voxels", generate_domain(DomainKind::Voxels, &shape).expect("voxels"))
+        }
+    }
+}
+
+/// A random domain of a kind on which recovery of the boundary is hard, and the kind: corners of a
+/// cap nearly in one plane, needles at the poles of a globe, a sharp wedge, bodies that touch.
+///
+/// # Panics
+/// If the library does not know the kind: it does.
+#[must_use]
+pub fn awkward_domain(seed: u64) -> (&'static str, Domain) {
+    let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ (seed + 1).wrapping_mul(0x2545_f491_4f6c_dd1d));
+    let mut below = |n: u32| (random.next() * f64::from(n)) as u32;
+    match seed % 4 {
+        0 => {
+            let noise = [1e-8, 1e-6, 1e-4, 1e-2][below(4) as usize];
+            ("nearly coplanar", surfaces::prism(6 + below(24), noise, seed))
+        }
+        1 => ("needles", surfaces::globe(4 + below(4), 24 + below(40), 0.0, seed)),
+        2 => {
+            let shape = Shape { angle: Some(f64::from(1 + below(24))), ..Shape::default() };
+            ("sharp", generate_domain(DomainKind::Wedge, &shape).expect("a wedge"))
+        }
+        _ => {
+            // Two boxes that have a side in common, and a third on an edge.
+            let mut domain = Domain::default();
+            let height = 1.0 / f64::from(1 + below(8));
+            for [x, y] in [[0.0, 0.0], [1.0, 0.0], [2.0, 1.0]] {
+                let first = domain.vertices.len() as u32;
+                let bit = |i: u32, k: u32| f64::from(i >> k & 1);
+                let corner = |i: u32| [bit(i, 0) + x, bit(i, 1) + y, bit(i, 2) * height];
+                domain.vertices.extend((0..8).map(corner));
+                let facet = |face: &[u32; 4]| Facet::polygon(&face.map(|v| v + first), 0);
+                domain.facets.extend(FACES.iter().map(facet));
+            }
+            ("touching", domain)
         }
     }
 }
@@ -53,10 +93,8 @@ fn box_with_turned_hole(random: &mut Random) -> Domain {
         let turned = rows.map(|r| 0.5 + (0..3).map(|k| r[k] * c[k] * size[k]).sum::<f64>());
         domain.vertices.push(turned);
     }
-    let faces =
-        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     for base in [0, 8] {
-        domain.facets.extend(faces.map(|f| Facet::polygon(&f.map(|c| base + c), 0)));
+        domain.facets.extend(FACES.map(|f| Facet::polygon(&f.map(|c| base + c), 0)));
     }
     domain.holes.push([0.5; 3]);
     domain
@@ -91,4 +129,24 @@ fn star(random: &mut Random) -> Domain {
     }
     domain.facets.extend(triangles.iter().map(|t| Facet::polygon(t, 0)));
     domain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::awkward_domain;
+    use ltbw::domain::PrepareOptions;
+
+    #[test]
+    fn awkward_domains_are_prepared() {
+        let options = PrepareOptions { oriented: true, ..PrepareOptions::default() };
+        for seed in 0..60 {
+            let (kind, domain) = awkward_domain(seed);
+            let prepared = domain.prepare(&options);
+            let prepared = prepared.unwrap_or_else(|error| panic!("{kind} {seed}: {error}"));
+            let inner = prepared.repairs.inner.len();
+            assert_eq!(inner, usize::from(kind == "touching"), "{kind} {seed}");
+            let volume = prepared.report.volume().expect("cells").to_f64();
+            assert!(volume > 0.0, "{kind} {seed}");
+        }
+    }
 }

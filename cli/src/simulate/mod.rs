@@ -7,7 +7,7 @@ pub(crate) use args::Simulate;
 
 use crate::console;
 use crate::figures::{SPANS, cost_model, tables, write_trace};
-use crate::json::{check_json, is_stdout, write_json};
+use crate::json::{check_json, distinct, is_stdout, write_json};
 use crate::outcome::{Exit, Failure, show};
 use ltbw::io;
 use ltbw::mesh::{Ownership, Plan};
@@ -23,6 +23,7 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     console::end_on_signal()?;
     args.json.as_deref().map_or(Ok(()), check_json)?;
     args.trace.as_deref().map_or(Ok(()), io::check_bytes_writable).map_err(Failure::Write)?;
+    distinct(&args.json.iter().chain(&args.trace).cloned().collect::<Vec<_>>())?;
     let name = PathBuf::from(format!("{} {}", args.points, args.kind.name()));
     let points = generate(args.kind, args.points as usize, args.seed);
     let set =

@@ -14,6 +14,7 @@
 //! | [`plc`] | [`Domain`], [`Facet`], [`Region`], and the check of their structure |
 //! | [`lattice`] | [`Lattice`]: the grid on which input vertices live, and snapping to it |
 //! | [`check`] | the exact check: [`DomainReport`], cells, volumes |
+//! | [`repair`] | what is welded, dropped and closed before the check: [`Repairs`] |
 //! | [`prepare`] | all steps to a domain that can be meshed: [`Prepared`] |
 //! | [`triangulate`] | triangles of a facet, exactly |
 //! | [`defect`] | [`DomainError`], [`DomainDefect`]: what is wrong, with ids and coordinates |
@@ -28,11 +29,13 @@ pub mod plc;
 pub mod prepare;
 pub mod quality;
 pub mod refine;
+pub mod repair;
 pub mod triangulate;
 
-pub use check::{Cell, CheckOptions, DomainReport, Volume};
+pub use check::{Cell, CheckOptions, DomainReport, Trouble, TroubleKind, Volume};
 pub use defect::{DefectKind, DomainDefect, DomainError, Element, Severity};
 pub use lattice::{Lattice, Move, Snapped};
 pub use plc::{Domain, Facet, Region};
-pub use prepare::{PrepareError, PrepareOptions, Prepared};
+pub use prepare::{Frame, PrepareError, PrepareOptions, Prepared};
+pub use repair::Repairs;
 pub use triangulate::{Problem, Triangulated};

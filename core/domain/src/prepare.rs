@@ -1,21 +1,46 @@
 //! From what a file says to what refinement takes.
 //!
-//! Snap to the lattice, merge equal vertices, cut facets that are not planar into triangles, check
-//! exactly, and put a hole point into every void of an oriented surface. What the check of the
+//! Snap to the lattice, merge equal vertices, drop facets that say nothing (`repair.rs`), cut
+//! facets that are not planar into triangles, check exactly, and put a hole point into every void
+//! of an oriented surface. What the check of the
 //! snapped domain refuses is checked once more as it was, to tell whether the domain itself is
 //! wrong or has features below the lattice.
 
 use crate::check::same_place;
+use crate::repair::{Repairs, Surface, weld};
 use crate::{CheckOptions, Domain, DomainError, DomainReport, Facet, Lattice, Move, Snapped};
-use crate::{DefectKind, triangulate};
+use crate::{DefectKind, Element, TroubleKind, triangulate};
+use ltbw_exact::Point;
+
+/// The coordinates in which a domain is meshed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Frame {
+    /// The file's own, unless the distance from the origin takes two bits of them or more: then
+    /// those from the middle of the domain.
+    #[default]
+    Auto,
+    /// The file's own.
+    Own,
+    /// Those from the middle of the domain: see [`Lattice::local`].
+    Local,
+}
+
+/// Lost bits from which on the frame is local.
+const LOST_BITS: u32 = 2;
+
+/// The largest tolerance, as a part of the diagonal of the domain's box.
+pub const LARGEST_TOLERANCE: f64 = 1.0 / 1024.0;
 
 /// How to prepare a domain.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PrepareOptions {
-    /// Refuse a domain that is not on its lattice.
+    /// Refuse a domain that is not on its lattice. Vertices at different places stay different.
     pub exact_input: bool,
-    /// Measure from the middle of the domain: see [`Lattice::local`].
-    pub local_frame: bool,
+    /// Where coordinates are measured from.
+    pub frame: Frame,
+    /// The distance within which vertices are welded and seams are closed, at most
+    /// [`LARGEST_TOLERANCE`] of the diagonal. 0: nothing but what a step of the lattice welds.
+    pub repair: f64,
     /// The facets are an oriented surface: see [`CheckOptions::oriented`].
     pub oriented: bool,
 }
@@ -37,6 +62,8 @@ pub struct Prepared {
     pub facet_map: Vec<u32>,
     /// What the check found: nothing graver than warnings. Elements are those of the domain.
     pub report: DomainReport,
+    /// What was welded, dropped and closed.
+    pub repairs: Repairs,
 }
 
 /// Why a domain cannot be meshed.
@@ -46,10 +73,21 @@ pub enum PrepareError {
     /// It cannot be looked at.
     #[error(transparent)]
     Domain(#[from] DomainError),
-    /// It has defects.
+    /// A tolerance that is no length, or longer than a part of the domain.
+    #[error(
+        "the tolerance {value:e} is not between 0 and {limit:e}, 2^-10 of the domain's diagonal"
+    )]
+    Tolerance {
+        /// The tolerance.
+        value: f64,
+        /// The largest one.
+        limit: f64,
+    },
+    /// It has defects. Elements are those of the input.
     #[error("{}", summary(.0))]
     Defects(Box<DomainReport>),
-    /// It has defects once its vertices are on the lattice: features below the lattice.
+    /// It has defects once its vertices are on the lattice: features below the lattice. Elements
+    /// are those of the input.
     #[error("on the lattice of step {step:e}: {}", summary(.report))]
     BelowLattice {
         /// The defects.
@@ -71,15 +109,28 @@ impl PrepareError {
     pub fn code(&self) -> &'static str {
         match self {
             PrepareError::Domain(error) => error.code(),
+            PrepareError::Tolerance { .. } => "domain.tolerance",
             PrepareError::Defects(_) => "domain.defects",
             PrepareError::BelowLattice { .. } => "domain.below-lattice",
             PrepareError::NothingInside => "domain.nothing-inside",
             PrepareError::Undecided => "domain.undecided",
         }
     }
+
+    /// What the check found, if it is the reason.
+    #[must_use]
+    pub fn report(&self) -> Option<&DomainReport> {
+        match self {
+            PrepareError::Defects(report) | PrepareError::BelowLattice { report, .. } => {
+                Some(report)
+            }
+            _ => None,
+        }
+    }
 }
 
-/// The gravest defects in a line: how many of each kind, and the first one.
+/// The gravest defects in a line: how many of each kind, the first one, and what they mean for the
+/// bodies of the surface.
 fn summary(report: &DomainReport) -> String {
     let gravest = report.severity();
     let grave = |kind: &DefectKind| Some(kind.severity()) == gravest;
@@ -91,7 +142,60 @@ fn summary(report: &DomainReport) -> String {
         .collect();
     let first = report.defects.iter().find(|d| grave(&d.kind));
     let first = first.map(|d| format!("; the first: {d}")).unwrap_or_default();
-    format!("defects: {}{first}", counts.join(", "))
+    let troubles: Vec<String> = report.troubles.iter().map(ToString::to_string).collect();
+    let troubles = match troubles.is_empty() {
+        true => String::new(),
+        false => format!("; of {} bodies: {}", report.bodies, troubles.join("; ")),
+    };
+    format!("defects: {}{first}{troubles}", counts.join(", "))
+}
+
+fn distance(p: &Point, q: &Point) -> f64 {
+    (0..3).map(|k| (p[k] - q[k]) * (p[k] - q[k])).sum::<f64>().sqrt()
+}
+
+/// Gives the elements of a report the numbers that they have in the input.
+fn in_numbers_of_input(report: &mut DomainReport, vertex_map: &[u32], facet_map: &[u32]) {
+    let count = vertex_map.iter().max().map_or(0, |&v| v as usize + 1);
+    let mut vertices = vec![u32::MAX; count];
+    for (v, &number) in (0..).zip(vertex_map) {
+        let first = &mut vertices[number as usize];
+        *first = v.min(*first);
+    }
+    let vertex = |v: u32| vertices.get(v as usize).copied().unwrap_or(v);
+    let facet = |f: u32| facet_map.get(f as usize).copied().unwrap_or(f);
+    let rename = |element: &mut Element| match element {
+        Element::Vertex(v) => *v = vertex(*v),
+        Element::Edge(ends) => *ends = ends.map(vertex),
+        Element::Facet(f)
+        | Element::Polygon { facet: f, .. }
+        | Element::FacetHole { facet: f, .. } => {
+            *f = facet(*f);
+        }
+        Element::Segment(_) | Element::Hole(_) | Element::Region(_) => {}
+    };
+    let firsts = report.troubles.iter_mut().filter_map(|t| t.first.as_mut());
+    let defects = report.defects.iter_mut().chain(firsts);
+    defects.flat_map(|d| &mut d.elements).for_each(rename);
+    for trouble in &mut report.troubles {
+        trouble.facets.iter_mut().for_each(|f| *f = facet(*f));
+        trouble.facets.sort_unstable();
+        trouble.facets.dedup();
+    }
+    report.inward.iter_mut().for_each(|f| *f = facet(*f));
+}
+
+/// A report of what is left, in which a surface that is open because its facets were there from
+/// either side is called doubled, as the report of the input does.
+fn with_doubled(mut left: DomainReport, before: &DomainReport, repairs: &Repairs) -> DomainReport {
+    let is_open = left.troubles.iter().any(|t| t.kind == TroubleKind::Open);
+    let doubled = before.troubles.iter().find(|t| t.kind == TroubleKind::Doubled);
+    if let Some(doubled) = doubled.filter(|_| is_open && !repairs.inner.is_empty()) {
+        left.troubles.push(doubled.clone());
+        left.troubles.sort_by_key(|t| t.kind);
+        left.bodies = left.bodies.max(before.bodies);
+    }
+    left
 }
 
 impl Domain {
@@ -100,24 +204,27 @@ impl Domain {
     /// # Errors
     /// Why it cannot be meshed.
     pub fn prepare(&self, options: &PrepareOptions) -> Result<Prepared, PrepareError> {
-        let snapped = if options.local_frame { self.snap_local()? } else { self.snap()? };
-        let snapped = if options.exact_input { snapped.exact()? } else { snapped };
+        let snapped = self.snap_by(options)?;
         let Snapped { domain, lattice, moved, largest } = snapped;
-        let (mut domain, vertex_map) = domain.welded();
-        let facet_map = domain.flatten();
+        let mut repairs = Repairs::default();
+        let (domain, vertex_map) = self.weld_snapped(domain, &lattice, options, &mut repairs);
+        let mut surface = Surface::new(domain);
+        surface.clean(&mut repairs);
+        if options.repair > 0.0 {
+            surface.close_seams(options.repair, &mut repairs);
+        }
+        surface.flatten();
+        let inner = surface.inner_facets();
+        let Surface { mut domain, origin: facet_map, .. } = surface;
         let checks = CheckOptions { oriented: options.oriented, ..CheckOptions::default() };
-        let mut report = domain.check(&checks)?;
+        if domain.facets.is_empty() {
+            // All of them were dropped: the check tells why.
+            return Err(PrepareError::Defects(Box::new(self.check(&checks)?)));
+        }
+        let mut report = domain.check_with(&checks, &inner)?;
         if !report.is_meshable() {
-            let before = if moved == 0 { None } else { Some(self.check(&checks)?) };
-            let step = lattice.step();
-            return Err(match before {
-                Some(before) if before.is_meshable() => {
-                    PrepareError::BelowLattice { report: Box::new(report), step }
-                }
-                // Elements are those of the input.
-                Some(before) => PrepareError::Defects(Box::new(before)),
-                None => PrepareError::Defects(Box::new(self.check(&checks)?)),
-            });
+            in_numbers_of_input(&mut report, &vertex_map, &facet_map);
+            return Err(self.refusal(report, moved, &lattice, &repairs, &checks)?);
         }
         let cells = report.cells.as_ref().ok_or(PrepareError::Undecided)?;
         if !cells.iter().any(|cell| cell.filled) {
@@ -128,7 +235,78 @@ impl Domain {
             return Err(PrepareError::Undecided);
         }
         domain.holes.append(&mut report.voids);
-        Ok(Prepared { domain, lattice, moved, largest, vertex_map, facet_map, report })
+        Ok(Prepared { domain, lattice, moved, largest, vertex_map, facet_map, report, repairs })
+    }
+
+    /// The domain on its lattice, in the frame that is asked for.
+    ///
+    /// # Errors
+    /// Those of [`Domain::snap`] and [`Lattice::local`]; [`PrepareError::Tolerance`]; a vertex off
+    /// the lattice, if that is refused.
+    pub fn snap_by(&self, options: &PrepareOptions) -> Result<Snapped, PrepareError> {
+        let own = self.snap()?;
+        let (low, high) = self.bounds().unwrap_or_default();
+        let side = |k: usize| high[k] - low[k];
+        let diagonal = (0..3).map(|k| side(k) * side(k)).sum::<f64>().sqrt();
+        let limit = LARGEST_TOLERANCE * diagonal;
+        if !(options.repair >= 0.0 && options.repair <= limit) {
+            return Err(PrepareError::Tolerance { value: options.repair, limit });
+        }
+        let is_local = match options.frame {
+            Frame::Auto => own.lattice.lost_bits() >= LOST_BITS,
+            Frame::Own => false,
+            Frame::Local => true,
+        };
+        let snapped = if is_local { self.snap_local()? } else { own };
+        Ok(if options.exact_input { snapped.exact()? } else { snapped })
+    }
+
+    /// The snapped domain with vertices merged, and for each vertex its new number.
+    fn weld_snapped(
+        &self,
+        mut snapped: Domain,
+        lattice: &Lattice,
+        options: &PrepareOptions,
+        repairs: &mut Repairs,
+    ) -> (Domain, Vec<u32>) {
+        let step = if options.exact_input { 0.0 } else { lattice.step() };
+        let kept = weld(self, step, options.repair);
+        let places = snapped.vertices.clone();
+        for (place, &kept) in snapped.vertices.iter_mut().zip(&kept) {
+            *place = places[kept as usize];
+        }
+        let (domain, map) = snapped.welded();
+        // For each vertex of the domain the first one of the input.
+        let mut first = vec![u32::MAX; domain.vertices.len()];
+        for (v, &number) in (0..).zip(&map) {
+            let first = &mut first[number as usize];
+            *first = (*first).min(v);
+            let (own, other) = (&self.vertices[v as usize], &self.vertices[*first as usize]);
+            let by_lattice = places[v as usize] == places[*first as usize];
+            repairs.count_weld(distance(own, other), if by_lattice { f64::INFINITY } else { step });
+        }
+        (domain, map)
+    }
+
+    /// Why a domain with these defects on the lattice is refused.
+    fn refusal(
+        &self,
+        report: DomainReport,
+        moved: usize,
+        lattice: &Lattice,
+        repairs: &Repairs,
+        checks: &CheckOptions,
+    ) -> Result<PrepareError, DomainError> {
+        let before = self.check(checks)?;
+        let step = lattice.step();
+        Ok(if moved > 0 && before.is_meshable() {
+            PrepareError::BelowLattice { report: Box::new(report), step }
+        } else if repairs.is_empty() {
+            PrepareError::Defects(Box::new(before))
+        } else {
+            // What was repaired is no reason any more.
+            PrepareError::Defects(Box::new(with_doubled(report, &before, repairs)))
+        })
     }
 
     /// The domain with equal vertices merged, and for each vertex its new number.

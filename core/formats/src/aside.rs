@@ -31,16 +31,7 @@ impl Aside {
         fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> std::io::Result<Self> {
         let target = target(path)?;
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".ltbw-").suffix(".tmp");
-        // As for any new file: read and write for all, less the process's umask.
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(std::fs::Permissions::from_mode(0o666));
-        }
-        let temp: NamedTempFile = builder.tempfile_in(folder(&target)).map_err(bare)?;
-        let (file, temp_path) = temp.into_parts();
+        let (file, temp_path) = temporary(&target)?.into_parts();
         let mut out = BufWriter::with_capacity(1 << 20, file);
         fill(&mut out)?;
         let file: File = out.into_inner().map_err(|e| e.into_error())?;
@@ -53,6 +44,19 @@ impl Aside {
         let Self { file, path, target } = self;
         file.persist(&target).map_err(|e| write_error(&path, e.error))
     }
+}
+
+/// An empty file under a temporary name in the folder of `target`; dropping it removes it.
+fn temporary(target: &Path) -> std::io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".ltbw-").suffix(".tmp");
+    // As for any new file: read and write for all, less the process's umask.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(folder(target)).map_err(bare)
 }
 
 fn write_error(path: &Path, source: Error) -> IoError {
@@ -89,13 +93,14 @@ fn target(path: &Path) -> std::io::Result<PathBuf> {
 }
 
 /// Tells, before long work starts, what would certainly keep `path` from being written: a missing
-/// folder, or something under that name that is not a file. Creates nothing.
+/// folder or one that takes no file, or something under that name that is not a file. A file is
+/// made under a temporary name, and removed.
 pub(super) fn check(path: &Path) -> Result<(), IoError> {
     let check = || {
         let target = target(path)?;
         match std::fs::metadata(folder(&target)) {
             Ok(meta) if !meta.is_dir() => Err(Error::from(ErrorKind::NotADirectory)),
-            Ok(_) => Ok(()),
+            Ok(_) => temporary(&target).map(drop),
             Err(e) => Err(e),
         }
     };

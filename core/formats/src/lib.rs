@@ -252,8 +252,8 @@ fn face_path(path: &Path) -> PathBuf {
 }
 
 /// Tells, before long work starts, what would certainly keep points from being written to
-/// `path`: an extension that is unknown or holds no points, a missing folder, or something under
-/// that name that is not a file. Creates nothing.
+/// `path`: an extension that is unknown or holds no points, a folder that is missing or takes no
+/// file, or something under that name that is not a file. Leaves nothing behind.
 pub fn check_points_writable(path: &Path) -> Result<(), IoError> {
     writable(path, true)?;
     aside::check(path)

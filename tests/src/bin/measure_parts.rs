@@ -1,9 +1,10 @@
-//! `measure_parts`: the program `ltbw mesh` on surfaces of the real kind, beside TetGen, as a table.
-//! `cargo xtask parts` builds the program with the release profile and runs this.
+//! `measure_parts`: the program `ltbw mesh` on surfaces of the real kind, beside TetGen, as a
+//! table. `cargo xtask parts` builds the program with the release profile and runs this.
 //!
-//! Every run is a process of its own with a limit of [`LIMIT`] of the clock on the wall. Seconds are
-//! those of the processor: of the whole program on one thread (reading, refining, hashing, checking)
-//! and of TetGen's call alone. The bars that no run may break ([`broken`]) decide the exit code.
+//! Every run is a process of its own with a limit of [`LIMIT`] of the clock on the wall. Seconds
+//! are those of the processor: of the whole program on one thread (reading, refining, hashing,
+//! checking) and of TetGen's call alone. The bars that no run may break ([`broken`]) decide the
+//! exit code.
 
 use ltbw::domain::{CheckOptions, Domain};
 use ltbw::io;
@@ -18,10 +19,10 @@ use std::time::{Duration, Instant};
 
 /// How long a run may take.
 const LIMIT: Duration = Duration::from_secs(60);
-/// The most processor time: so much for each tetrahedron, and so much in all.
+/// The most processor time: for each tetrahedron, and in addition for the whole run.
 const SECONDS_EACH: f64 = 30e-6;
 const SECONDS_MORE: f64 = 0.1;
-/// The most tetrahedra: so many for each facet of the input, and so many in all.
+/// The most tetrahedra: for each facet of the input, and in addition for the whole mesh.
 const TETS_EACH: usize = 128;
 const TETS_MORE: usize = 1000;
 
@@ -182,7 +183,8 @@ fn measure(plan: &Plan) -> Result<bool, Failure> {
     }
     let expected = expected(plan.folder.as_deref());
     println!(
-        "| part | exit | outcome | tets | TetGen, tets | ratio | s | TetGen, s | us/tet | certified |\n\
+        "| part | exit | outcome | tets | TetGen, tets | ratio | s | TetGen, s | us/tet | \
+         certified |\n\
          |---|--:|---|--:|--:|--:|--:|--:|--:|---|"
     );
     let mut rows = Vec::new();
@@ -198,8 +200,8 @@ fn measure(plan: &Plan) -> Result<bool, Failure> {
         println!("broken: {}: {}: {}", row.name, row.broken.join(", "), row.ours.message);
     }
     println!(
-        "{} parts, {} of them break a bar; processor time of one thread: ours of the whole program, \
-         TetGen's of its call",
+        "{} parts, {} of them break a bar; processor time of one thread: ours of the whole \
+         program, TetGen's of its call",
         rows.len(),
         broken.len()
     );
@@ -336,6 +338,13 @@ fn told(report: &Value) -> String {
 
 /// A refusal in a few words: without the file's name and coordinates.
 fn refusal(message: &str) -> String {
+    // What the defects mean stands at the end: `; of 3 bodies: open: 4 places in 1 body; doubled
+    // ...`.
+    if let Some((_, kinds)) = message.split_once(" bodies: ") {
+        let kinds = kinds.split("; ").filter_map(|kind| kind.split_once(": "));
+        let kinds: Vec<&str> = kinds.map(|(name, _)| name).collect();
+        return format!("refused: {}", kinds.join(", "));
+    }
     let (_, reason) = message.split_once(": ").unwrap_or(("", message));
     let reason = reason.split("; the first").next().unwrap_or_default();
     let short: String = reason.chars().take(70).collect();
@@ -465,5 +474,8 @@ mod tests {
     fn a_refusal_is_short() {
         let text = "a|b.stl: defects: 3 domain.leak; the first: domain.leak: at (1 2 3)";
         assert_eq!(refusal(text), "refused: defects: 3 domain.leak");
+        let kinds = "; of 3 bodies: open: 4 places in 1 body, the first at (1 2 3); \
+                     bodies that touch: 1 place in 2 bodies";
+        assert_eq!(refusal(&format!("{text}{kinds}")), "refused: open, bodies that touch");
     }
 }

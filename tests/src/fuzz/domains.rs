@@ -1,8 +1,8 @@
 //! `domains`: bytes to a small domain, checked and prepared.
 //!
 //! The bytes: 4 of style and 4 of plan, then cells of 4 bytes. The plan says how many of them are
-//! vertices ([`snap`]) and which solid there is to begin with; the others are polygons, segments,
-//! holes and regions.
+//! vertices ([`snap`]), which solid there is to begin with, and how it is made awkward ([`spoil`]);
+//! the others are polygons, segments, holes and regions.
 
 use crate::families::snap;
 use arbitrary::Unstructured;
@@ -45,6 +45,7 @@ pub fn domain(bytes: &[u8]) -> Domain {
             Facet::polygon(&corners, 2)
         }));
     }
+    spoil(&mut domain, solid / 4 % 8, f64::from(size % 9 + 1), void);
     domain.vertices.extend(snap(style, points));
     let n = domain.vertices.len().max(1) as u32;
     for &[kind, a, b, c] in &parts[..parts.len().min(24)] {
@@ -72,6 +73,35 @@ pub fn domain(bytes: &[u8]) -> Domain {
         }
     }
     domain
+}
+
+/// Makes a domain awkward: nearly coplanar corners, a needle, a sharp edge, bodies that touch.
+fn spoil(domain: &mut Domain, how: u8, size: f64, amount: u8) {
+    let tiny = 2.0_f64.powi(-i32::from(amount % 40));
+    let first = domain.vertices.len() as u32;
+    let mut body = |faces: &[&[u32]], place: &dyn Fn(Point) -> Point| {
+        domain.vertices.extend(corners(size).map(place));
+        let turned = |face: &&[u32]| face.iter().map(|v| first + v).collect::<Vec<u32>>();
+        domain.facets.extend(faces.iter().map(|face| Facet::polygon(&turned(face), 3)));
+    };
+    match how {
+        1 => {
+            for (i, p) in (1..).zip(&mut domain.vertices) {
+                p[2] += f64::from(i % 5) * tiny * 2.0_f64.powi(-20);
+            }
+        }
+        2 => body(TETRAHEDRON, &|[x, y, z]| [x + 2.0 * size, y * tiny, z * tiny]),
+        // A sheet that leaves the floor at an edge, at a small angle.
+        3 if first > 1 => {
+            domain.vertices.push([size / 2.0, size / 2.0, size * tiny]);
+            domain.facets.push(Facet::polygon(&[0, 1, first], 4));
+        }
+        4 => body(CUBE, &|[x, y, z]| [x + size, y, z]),
+        5 => body(CUBE, &|[x, y, z]| [x + size, y + size, z]),
+        6 => body(CUBE, &|[x, y, z]| [x + size, y + size / 2.0, z + size * tiny]),
+        7 => body(CUBE, &|[x, y, z]| [x + size + tiny * 2.0_f64.powi(-20), y, z]),
+        _ => {}
+    }
 }
 
 /// The same domain, with its facets in the opposite order and their corners turned on by one.
@@ -102,18 +132,30 @@ pub fn domains(bytes: &[u8]) {
             (Err(error), Err(_)) => one_line(&error.to_string()),
             (one, other) => panic!("{one:?}, told otherwise {other:?}: {domain:?}"),
         }
-        let options = PrepareOptions { oriented, ..PrepareOptions::default() };
-        match domain.prepare(&options) {
-            Err(error) => one_line(&error.to_string()),
-            Ok(prepared) => {
-                assert!(prepared.report.is_meshable(), "{domain:?}");
-                let again = prepared.domain.prepare(&PrepareOptions::default());
-                let again =
-                    again.unwrap_or_else(|error| panic!("{error} once prepared: {domain:?}"));
-                assert_eq!(again.moved, 0, "{domain:?}");
-                let volumes = [&prepared.report, &again.report].map(DomainReport::volume);
-                assert_eq!(volumes[0], volumes[1], "{domain:?}");
-            }
+        let plain = PrepareOptions { oriented, ..PrepareOptions::default() };
+        prepare(&domain, &plain);
+        prepare(&domain, &PrepareOptions { repair: tolerance(&domain), ..plain });
+    }
+}
+
+/// A tolerance as large as they may be, nearly.
+fn tolerance(domain: &Domain) -> f64 {
+    let (low, high) = domain.bounds().unwrap_or_default();
+    (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max) / 2048.0
+}
+
+/// Prepares a domain; what is prepared stays as it is if that is done again.
+fn prepare(domain: &Domain, options: &PrepareOptions) {
+    match domain.prepare(options) {
+        Err(error) => one_line(&error.to_string()),
+        Ok(prepared) => {
+            assert!(prepared.report.is_meshable(), "{domain:?}");
+            prepared.repairs.notes().iter().for_each(|note| one_line(note));
+            let again = prepared.domain.prepare(&PrepareOptions::default());
+            let again = again.unwrap_or_else(|error| panic!("{error} once prepared: {domain:?}"));
+            assert_eq!(again.moved, 0, "{domain:?}");
+            let volumes = [&prepared.report, &again.report].map(DomainReport::volume);
+            assert_eq!(volumes[0], volumes[1], "{domain:?}");
         }
     }
 }
@@ -138,7 +180,10 @@ mod tests {
 
     #[test]
     fn the_solids_are_sound() {
-        for solid in [[0, 1, 0, 0], [0, 2, 3, 0], [0, 3, 7, 0x24]] {
+        let touching = [[0, 2 + 4 * 4, 3, 0], [0, 2 + 4 * 5, 3, 0]];
+        let needle = [[0, 2 + 4 * 2, 3, 12], [0, 2 + 4 * 3, 3, 12], [0, 2 + 4, 3, 4]];
+        let plain = [[0, 1, 0, 0], [0, 2, 3, 0], [0, 3, 7, 0x24]];
+        for solid in plain.into_iter().chain(touching).chain(needle) {
             let bytes = [[0; 4], solid].concat();
             let prepared = domain(&bytes).prepare(&Default::default());
             assert!(prepared.is_ok(), "{solid:?}: {:?}", prepared.err());

@@ -7,11 +7,13 @@
 //! 3. If all that is sound, the surface divides space into cells, which are found exactly
 //!    (`cells.rs`): gaps through which the outside leaks in, seeds in no cell, orientation,
 //!    volumes. A part of the surface too small for any segment that is tried is a finding, too.
+//! 4. Errors are summed up by what they mean for the bodies of the surface (`bodies.rs`).
 //!
 //! Every decision is made by exact predicates; floating point only chooses where to look, with
 //! boxes that are exact. Cost: sorting and searching in n triangles, about n log n, as long as few
 //! boxes overlap; seconds for a million triangles.
 
+mod bodies;
 mod cells;
 mod complex;
 mod contact;
@@ -23,6 +25,7 @@ mod seeds;
 mod tests;
 
 use crate::{DefectKind, Domain, DomainDefect, DomainError, Element, Lattice, Severity};
+pub use bodies::{Trouble, TroubleKind};
 pub(crate) use cells::Cells;
 use complex::Complex;
 pub(crate) use complex::same_place;
@@ -73,6 +76,10 @@ pub struct DomainReport {
     pub voids: Vec<Point>,
     /// The facets that point inwards, of an oriented surface.
     pub inward: Vec<u32>,
+    /// What the errors mean for the surface, by kind.
+    pub troubles: Vec<Trouble>,
+    /// The number of bodies: sets of facets that edges connect. 0 if there are no errors.
+    pub bodies: usize,
 }
 
 impl DomainReport {
@@ -113,11 +120,19 @@ struct Findings {
     defects: BTreeMap<DefectKind, Vec<DomainDefect>>,
     counts: BTreeMap<DefectKind, u64>,
     listed: usize,
+    /// Errors, for the sum by bodies; at most [`COUNTED`] of them.
+    errors: Vec<bodies::Counted>,
 }
+
+/// The most errors that are told apart by bodies.
+const COUNTED: usize = 1 << 20;
 
 impl Findings {
     fn add(&mut self, kind: DefectKind, elements: Vec<Element>, at: Vec<Point>) {
         *self.counts.entry(kind).or_default() += 1;
+        if self.errors.len() < COUNTED {
+            self.errors.extend(bodies::counted(kind, &elements));
+        }
         let list = self.defects.entry(kind).or_default();
         if list.len() < self.listed {
             list.push(DomainDefect { kind, elements, at });
@@ -135,11 +150,21 @@ impl Domain {
     /// # Errors
     /// What makes it impossible to look at: see [`Domain::check_structure`] and [`Lattice::of`].
     pub fn check(&self, options: &CheckOptions) -> Result<DomainReport, DomainError> {
+        self.check_with(options, &[])
+    }
+
+    /// [`Domain::check`] of a domain in which some facets, ascending, are inner ones: they are
+    /// between two bodies, so that passing through one leads neither in nor out.
+    pub(crate) fn check_with(
+        &self,
+        options: &CheckOptions,
+        inner: &[u32],
+    ) -> Result<DomainReport, DomainError> {
         self.check_structure()?;
         // Coordinates are in the range in which nothing overflows.
         Lattice::of(self)?;
-        let (defects, counts) = Default::default();
-        let mut findings = Findings { defects, counts, listed: options.listed };
+        let (defects, counts, errors) = Default::default();
+        let mut findings = Findings { defects, counts, listed: options.listed, errors };
         let complex = Complex::new(self, &mut findings);
         let index = complex.index();
         pairs::find(&complex, &index, &mut findings);
@@ -155,27 +180,24 @@ impl Domain {
             cells: None,
             voids: Vec::new(),
             inward: Vec::new(),
+            troubles: Vec::new(),
+            bodies: 0,
         };
         if findings.has(&unsound) {
             cells::open_edges(&complex, &mut findings);
         } else if !complex.triangles.is_empty() {
             match Cells::new(&complex, &index, &mut findings) {
                 Ok(cells) => {
-                    seeds::assign(
-                        self,
-                        &complex,
-                        &index,
-                        cells,
-                        options,
-                        &mut findings,
-                        &mut report,
-                    );
+                    let question = seeds::Question::new(self, &complex, &index, cells, inner);
+                    question.assign(options, &mut findings, &mut report);
                 }
                 Err(triangle) => complex.unresolved(triangle, &mut findings),
             }
         }
         report.defects = findings.defects.into_values().flatten().collect();
         report.counts = findings.counts;
+        (report.troubles, report.bodies) =
+            bodies::troubles(self, &findings.errors, &report.defects);
         Ok(report)
     }
 }

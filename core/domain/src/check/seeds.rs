@@ -12,41 +12,51 @@ use ltbw_exact::Point;
 use rstar::{AABB, RTree};
 
 /// Everything that is asked.
-struct Question<'a> {
+pub(super) struct Question<'a> {
     domain: &'a Domain,
     complex: &'a Complex<'a>,
     index: &'a RTree<Piece>,
     cells: Cells,
+    /// Facets between two bodies, ascending.
+    inner: &'a [u32],
 }
 
-/// Assigns seeds and meanings to the cells, and reports what is wrong with them.
-pub(super) fn assign(
-    domain: &Domain,
-    complex: &Complex<'_>,
-    index: &RTree<Piece>,
-    cells: Cells,
-    options: &CheckOptions,
-    findings: &mut Findings,
-    report: &mut DomainReport,
-) {
-    let question = Question { domain, complex, index, cells };
-    let closed = question.open_edges(options, findings);
-    let mut found = question.volumes();
-    let depth = if options.oriented { question.depth() } else { None };
-    if let Some(odd) = &depth {
-        for (cell, odd) in found.iter_mut().zip(&odd[1..]) {
-            cell.filled = *odd;
-        }
+impl<'a> Question<'a> {
+    pub(super) fn new(
+        domain: &'a Domain,
+        complex: &'a Complex<'a>,
+        index: &'a RTree<Piece>,
+        cells: Cells,
+        inner: &'a [u32],
+    ) -> Self {
+        Self { domain, complex, index, cells, inner }
     }
-    question.seeds(&mut found, findings);
-    if closed && options.oriented {
-        report.inward = question.inward(&found, findings);
-        report.voids = question.voids(&found);
-    }
-    report.cells = Some(found);
 }
 
 impl Question<'_> {
+    /// Assigns seeds and meanings to the cells, and reports what is wrong with them.
+    pub(super) fn assign(
+        self,
+        options: &CheckOptions,
+        findings: &mut Findings,
+        report: &mut DomainReport,
+    ) {
+        let closed = self.open_edges(options, findings);
+        let mut found = self.volumes();
+        let depth = if options.oriented { self.depth() } else { None };
+        if let Some(odd) = &depth {
+            for (cell, odd) in found.iter_mut().zip(&odd[1..]) {
+                cell.filled = *odd;
+            }
+        }
+        self.seeds(&mut found, findings);
+        if closed && options.oriented {
+            report.inward = self.inward(&found, findings);
+            report.voids = self.voids(&found);
+        }
+        report.cells = Some(found);
+    }
+
     fn at(&self, v: u32) -> Point {
         self.complex.points[v as usize]
     }
@@ -90,20 +100,21 @@ impl Question<'_> {
             .collect()
     }
 
-    /// For each cell whether the number of facets between it and the outside is odd; `None` if that
-    /// depends on the way.
+    /// For each cell whether the number of facets between it and the outside is odd, inner facets
+    /// not counted; `None` if that depends on the way.
     fn depth(&self) -> Option<Vec<bool>> {
         let count = self.cells.count as usize;
-        let mut pairs: Vec<[u32; 2]> = (0..self.complex.triangles.len())
-            .map(|t| self.cells.beside(t))
-            .map(|[a, b]| [a.min(b), a.max(b)])
+        let turns = |t: usize| self.inner.binary_search(&self.complex.facet_of[t]).is_err();
+        let mut pairs: Vec<([u32; 2], bool)> = (0..self.complex.triangles.len())
+            .map(|t| (self.cells.beside(t), turns(t)))
+            .map(|([a, b], turns)| ([a.min(b), a.max(b)], turns))
             .collect();
         pairs.sort_unstable();
         pairs.dedup();
-        let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); count];
-        for [a, b] in pairs {
-            neighbours[a as usize].push(b);
-            neighbours[b as usize].push(a);
+        let mut neighbours: Vec<Vec<(u32, bool)>> = vec![Vec::new(); count];
+        for ([a, b], turns) in pairs {
+            neighbours[a as usize].push((b, turns));
+            neighbours[b as usize].push((a, turns));
         }
         let mut odd: Vec<Option<bool>> = vec![None; count];
         odd[OUTSIDE as usize] = Some(false);
@@ -111,12 +122,12 @@ impl Question<'_> {
         // Every cell is pushed once.
         while let Some(cell) = stack.pop() {
             let own = odd[cell as usize]?;
-            for &next in &neighbours[cell as usize] {
+            for &(next, turns) in &neighbours[cell as usize] {
                 match odd[next as usize] {
-                    Some(other) if other == own => return None,
-                    Some(_) => {}
+                    Some(other) if other == own ^ turns => {}
+                    Some(_) => return None,
                     None => {
-                        odd[next as usize] = Some(!own);
+                        odd[next as usize] = Some(own ^ turns);
                         stack.push(next);
                     }
                 }

@@ -1,0 +1,114 @@
+//! What is said of a command line that is no command: help, or one line with a hint.
+
+use crate::console;
+use crate::outcome::{Exit, Failure};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+/// A command line that is no command: what to say.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refusal {
+    /// The exit code: 0 for an answer that was asked for, else 2.
+    pub exit: u8,
+    /// Whether the text is help or the version.
+    pub is_help: bool,
+    /// What is wrong, in one line without control characters; or the help, without colours.
+    pub text: String,
+}
+
+impl Refusal {
+    pub(crate) fn of(error: &clap::Error) -> Self {
+        let (exit, is_help) = match error.kind() {
+            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => (Exit::Done, true),
+            ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => (Exit::Usage, true),
+            _ => (Exit::Usage, false),
+        };
+        let text = error.to_string();
+        let text = if is_help { text } else { one_line(&text, &tips(error)) };
+        Self { exit: exit as u8, is_help, text }
+    }
+}
+
+/// What clap would suggest instead.
+fn tips(error: &clap::Error) -> String {
+    let kinds =
+        [ContextKind::SuggestedArg, ContextKind::SuggestedSubcommand, ContextKind::SuggestedValue];
+    let words = kinds.into_iter().filter_map(|kind| match error.get(kind)? {
+        ContextValue::String(word) => Some(vec![word.clone()]),
+        ContextValue::Strings(words) => Some(words.clone()),
+        _ => None,
+    });
+    let words: Vec<String> = words.flatten().map(|word| format!("`{word}`")).collect();
+    if words.is_empty() { String::new() } else { format!("; did you mean {}?", words.join(" or ")) }
+}
+
+/// The command whose help to read: what clap's line of usage begins with.
+fn command_of(text: &str) -> String {
+    // An argument that says the same comes before it.
+    let usage = text.rsplit("Usage: ").next().unwrap_or_default();
+    let is_name = |word: &&str| word.chars().all(|c| c.is_ascii_lowercase());
+    let names: Vec<&str> = usage.split_whitespace().take_while(is_name).collect();
+    if names.first() == Some(&"ltbw") { names.join(" ") } else { "ltbw".to_owned() }
+}
+
+/// The first paragraph of clap's message as one line. It repeats the argument, and a terminal obeys
+/// control characters that clap leaves in it: they become `?`.
+fn one_line(text: &str, tips: &str) -> String {
+    let first = text.split("\n\n").next().unwrap_or_default();
+    let words: Vec<&str> = first.split_whitespace().collect();
+    let line = words.join(" ");
+    let line = line.strip_prefix("error: ").unwrap_or(&line);
+    format!("{line}{tips}; see `{} --help`", command_of(text)).replace(char::is_control, "?")
+}
+
+/// Prints help where it was asked for, and what is wrong with the command line in one line.
+pub(crate) fn explain(error: &clap::Error) -> Result<Exit, Failure> {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+            console::data_with(|| error.print())?;
+            Ok(Exit::Done)
+        }
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            // For people, to stderr.
+            let _ = error.print();
+            Ok(Exit::Usage)
+        }
+        _ => {
+            console::people(&format!("ltbw: {}", Refusal::of(error).text));
+            Ok(Exit::Usage)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Refusal;
+    use crate::args::Args;
+    use clap::Parser;
+    use std::ffi::OsString;
+
+    fn text(words: &[&str]) -> String {
+        let words: Vec<_> = ["ltbw"].iter().chain(words).map(OsString::from).collect();
+        Refusal::of(&Args::try_parse_from(words).expect_err("no command")).text
+    }
+
+    /// What a terminal obeys must not come back to it from an argument.
+    #[test]
+    fn a_refusal_repeats_no_control_characters() {
+        for word in ["a\u{1b}[2Jb", "x\u{7}", "\u{0}", "one\ntwo", "tab\tbed", "\u{9b}31m"] {
+            let words: Vec<_> = ["ltbw", word].iter().map(OsString::from).collect();
+            let error = Args::try_parse_from(words).expect_err("no such command");
+            let text = Refusal::of(&error).text;
+            assert!(!text.chars().any(char::is_control), "{text:?}");
+            assert!(text.contains("unrecognized subcommand"), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn a_refusal_suggests_what_was_meant_and_names_the_right_help() {
+        let said = text(&["delaunay", "p.npy", "--thread", "2"]);
+        assert!(said.contains("unexpected argument '--thread' found"), "{said}");
+        assert!(said.contains("did you mean `--threads`?"), "{said}");
+        assert!(said.ends_with("see `ltbw delaunay --help`"), "{said}");
+        assert!(text(&["delauny"]).contains("did you mean `delaunay`?"));
+    }
+}

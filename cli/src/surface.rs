@@ -1,0 +1,178 @@
+//! From a domain's file to a domain that can be meshed: the options that say how, what is told of
+//! repairs, and the surface of what is wrong (`--write-defects`).
+
+use crate::console;
+use crate::json::keep_input;
+use crate::outcome::{Failure, show};
+use ltbw::domain::{Domain, DomainReport, Facet, Frame, PrepareError, PrepareOptions, Prepared};
+use ltbw::io;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Options of `mesh` and `check` that say how a domain is prepared.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub(crate) struct Preparation {
+    /// Reject a domain that is not exactly on its lattice
+    #[arg(long)]
+    pub(crate) exact_input: bool,
+    /// Weld vertices within this distance, and close seams of T-junctions as far apart
+    ///
+    /// Open edges get the ends of other open edges near them. Holes are not filled, and bodies are
+    /// not united. At most 2^-10 of the domain's diagonal.
+    #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
+    pub(crate) repair: Option<f64>,
+    /// Measure from the middle of the domain: keeps more bits of a domain far from the origin.
+    /// The mesh is then in those coordinates; the offset is reported
+    ///
+    /// This is done by itself where the distance takes two bits or more.
+    #[arg(long)]
+    pub(crate) local_frame: bool,
+    /// Keep the coordinates of the file, whatever bits they cost
+    #[arg(long, conflicts_with = "local_frame")]
+    pub(crate) own_frame: bool,
+    /// Write the facets that keep the domain from being meshed as a surface to look at:
+    /// .ply .poly .off .obj .stl (markers tell the kind in .ply and .poly)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) write_defects: Option<PathBuf>,
+}
+
+impl Preparation {
+    /// Refuses what makes no sense, before anything is read.
+    pub(crate) fn check(&self, inputs: &[&Path]) -> Result<(), Failure> {
+        let repair = self.repair.unwrap_or(0.0);
+        if repair.is_nan() || repair < 0.0 || repair.is_infinite() {
+            return Err(Failure::Usage(format!("--repair {repair}: a tolerance is a length")));
+        }
+        if self.exact_input && repair > 0.0 {
+            let text = "--exact-input and --repair: what is repaired is not the exact input";
+            return Err(Failure::Usage(text.to_owned()));
+        }
+        if let Some(path) = &self.write_defects {
+            io::check_domain_writable(path).map_err(Failure::Write)?;
+            inputs.iter().try_for_each(|input| keep_input(input, path))?;
+        }
+        Ok(())
+    }
+
+    /// What the library is asked for.
+    pub(crate) fn options(&self, oriented: bool) -> PrepareOptions {
+        PrepareOptions {
+            exact_input: self.exact_input,
+            repair: self.repair.unwrap_or(0.0),
+            frame: match (self.local_frame, self.own_frame) {
+                (true, _) => Frame::Local,
+                (_, true) => Frame::Own,
+                _ => Frame::Auto,
+            },
+            oriented,
+        }
+    }
+
+    /// Reads and prepares a domain; tells what was repaired.
+    pub(crate) fn prepare(&self, path: &Path) -> Result<Prepared, Failure> {
+        let file = io::read_domain(path).map_err(Failure::Read)?;
+        file.notes.iter().for_each(|n| console::people(&format!("note: {}: {n}", show(path))));
+        let result = file.domain.prepare(&self.options(file.oriented));
+        let report = result.as_ref().err().and_then(PrepareError::report);
+        print_troubles(report);
+        self.told(&file.domain, report)?;
+        if let (Some(tolerance), Some(_)) =
+            (self.repair, result.as_ref().err().and_then(PrepareError::report))
+        {
+            console::people(&format!("note: --repair {tolerance:e} leaves defects"));
+        }
+        let failed = |error| Failure::Domain { path: path.to_owned(), error };
+        let ready = result.map_err(failed)?;
+        self.note_repairs(&ready);
+        Ok(ready)
+    }
+
+    fn note_repairs(&self, ready: &Prepared) {
+        ready.repairs.notes().iter().for_each(|n| console::people(&format!("note: {n}")));
+        if let Some(tolerance) = self.repair.filter(|_| !ready.repairs.used_tolerance()) {
+            console::people(&format!("note: --repair {tolerance:e} changed nothing"));
+        }
+    }
+
+    /// Writes what is wrong where that is asked for; `report`: in the numbers of the input.
+    pub(crate) fn told(
+        &self,
+        domain: &Domain,
+        report: Option<&DomainReport>,
+    ) -> Result<(), Failure> {
+        let Some(path) = &self.write_defects else { return Ok(()) };
+        let surface = report.map(|report| defective(domain, report)).unwrap_or_default();
+        if surface.facets.is_empty() {
+            console::people(&format!("note: no defects of facets: {} was not written", show(path)));
+            return Ok(());
+        }
+        io::write_domain(path, &surface).map_err(Failure::Write)?;
+        let count = surface.facets.len();
+        console::people(&format!("wrote     {}: {count} facets with defects", show(path)));
+        Ok(())
+    }
+}
+
+/// Tells what the defects of a domain mean, a line for each kind.
+pub(crate) fn print_troubles(report: Option<&DomainReport>) {
+    for trouble in report.iter().flat_map(|report| &report.troubles) {
+        console::people(&format!("kind      {trouble}"));
+    }
+}
+
+/// The facets of a domain that its troubles are about, with the number of the kind (its place in
+/// [`ltbw::domain::TroubleKind::ALL`], from 1) as their marker; the gravest comes last and wins.
+/// Facets that are no polygon with an area cannot be written as faces, and are left out.
+fn defective(domain: &Domain, report: &DomainReport) -> Domain {
+    let mut markers = std::collections::BTreeMap::new();
+    for trouble in &report.troubles {
+        let number = 1 + ltbw::domain::TroubleKind::ALL
+            .iter()
+            .position(|k| *k == trouble.kind)
+            .unwrap_or_default() as i32;
+        markers.extend(trouble.facets.iter().map(|&f| (f, number)));
+    }
+    let mut place = vec![None; domain.vertices.len()];
+    let mut surface = Domain::default();
+    for (f, marker) in markers {
+        let sound = domain.triangulate(f).filter(|found| found.is_sound());
+        for triangle in sound.map(|found| found.triangles).unwrap_or_default() {
+            let corners = triangle.map(|v| {
+                *place[v as usize].get_or_insert_with(|| {
+                    surface.vertices.push(domain.vertices[v as usize]);
+                    surface.vertices.len() as u32 - 1
+                })
+            });
+            surface.facets.push(Facet::polygon(&corners, marker));
+        }
+    }
+    surface
+}
+
+/// The kinds of trouble for the JSON reports.
+pub(crate) fn troubles_json(report: &DomainReport) -> Vec<Value> {
+    let json = |t: &ltbw::domain::Trouble| {
+        json!({
+            "kind": t.kind.code(),
+            "places": t.places,
+            "bodies": t.bodies,
+            "first": t.first.as_ref().map(|d| json!({ "defect": d.to_string(), "at": d.at })),
+        })
+    };
+    report.troubles.iter().map(json).collect()
+}
+
+/// What was repaired, for the JSON reports.
+pub(crate) fn repairs_json(ready: &Prepared) -> Value {
+    let r = &ready.repairs;
+    json!({
+        "welded": r.welded,
+        "welded_by_tolerance": r.welded_by_tolerance,
+        "farthest_weld": r.farthest_weld,
+        "degenerate_facets": r.degenerate.len(),
+        "doubled_facets": r.doubled.len(),
+        "inner_facets": r.inner.len(),
+        "spliced_vertices": r.spliced,
+        "seam_vertices": r.seams,
+    })
+}

@@ -1,0 +1,80 @@
+//! What a newcomer stumbles over: outputs that overwrite each other, folders that take no file, a
+//! mesh of a domain taken for one of its points, numbers written in other ways.
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod common;
+
+use common::{ltbw, names};
+
+#[test]
+fn no_output_replaces_another() {
+    let dir = tempfile::tempdir().unwrap();
+    assert_eq!(ltbw(dir.path(), &["generate", "uniform", "50", "-o", "p.npy"]).code, 0);
+    assert_eq!(ltbw(dir.path(), &["generate", "wedge", "-o", "d.poly"]).code, 0);
+    let cases: [&[&str]; 7] = [
+        &["delaunay", "p.npy", "-o", "a.vtu", "--json", "a.vtu"],
+        &["delaunay", "p.npy", "-o", "a.vtu", "-o", "./a.vtu"],
+        &["delaunay", "p.npy", "-o", "a.ele", "--json", "a.node"],
+        &["delaunay", "p.npy", "--threads", "2", "--trace", "x", "--json", "x"],
+        &["mesh", "d.poly", "--page", "x", "--histogram", "x"],
+        &["mesh", "d.poly", "--page", "x", "--json", "x"],
+        &["simulate", "--points", "100", "--json", "x", "--trace", "x"],
+    ];
+    for args in cases {
+        let run = ltbw(dir.path(), args);
+        assert_eq!(run.code, 2, "{args:?}: {}", run.stderr);
+        assert!(run.error().ends_with(": two outputs would be written there"), "{}", run.stderr);
+        assert_eq!(run.stdout, "");
+    }
+    assert_eq!(names(dir.path()), ["d.poly", "p.npy"]);
+    let run = ltbw(dir.path(), &["delaunay", "p.npy", "-o", "a.vtu", "--json", "a.json"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+}
+
+/// No file can be made in `/proc`, whoever asks.
+#[cfg(target_os = "linux")]
+#[test]
+fn outputs_are_tried_before_the_work() {
+    let dir = tempfile::tempdir().unwrap();
+    assert_eq!(ltbw(dir.path(), &["generate", "uniform", "50", "-o", "p.npy"]).code, 0);
+    for args in [
+        &["delaunay", "p.npy", "-o", "/proc/a.vtu"][..],
+        &["delaunay", "p.npy", "--json", "/proc/a.json"],
+        &["demo", "--out", "/proc/a.vtu"],
+    ] {
+        let run = ltbw(dir.path(), args);
+        assert_eq!(run.code, 6, "{args:?}: {}", run.stderr);
+        assert_eq!(run.stderr.lines().count(), 1, "before the work: {}", run.stderr);
+    }
+    assert_eq!(names(dir.path()), ["p.npy"]);
+}
+
+#[test]
+fn a_mesh_of_a_domain_is_recognised() {
+    let dir = tempfile::tempdir().unwrap();
+    for args in [&["generate", "tee", "-o", "d.poly"][..], &["mesh", "d.poly", "-o", "d.vtu"]] {
+        assert_eq!(ltbw(dir.path(), args).code, 0);
+    }
+    let run = ltbw(dir.path(), &["check", "d.vtu"]);
+    assert_eq!(run.code, 1);
+    assert!(run.stderr.contains("--plc DOMAIN checks it against the domain"), "{}", run.stderr);
+    assert_eq!(ltbw(dir.path(), &["check", "d.vtu", "--plc", "d.poly"]).code, 0);
+}
+
+#[test]
+fn counts_may_be_written_with_an_exponent_and_bounds_may_be_negative_to_be_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = ltbw(dir.path(), &["generate", "uniform", "1e3", "-o", "p.npy"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("1000 points"), "{}", run.stderr);
+    for count in ["1.5", "1e300", "-1", "many", "1e9"] {
+        let run = ltbw(dir.path(), &["generate", "uniform", count, "-o", "q.npy"]);
+        assert_eq!(run.code, 2, "{count}: {}", run.stderr);
+    }
+    assert_eq!(ltbw(dir.path(), &["generate", "wedge", "-o", "d.poly"]).code, 0);
+    for bound in ["--max-volume", "--radius-edge", "--size"] {
+        let run = ltbw(dir.path(), &["mesh", "d.poly", bound, "-1"]);
+        assert_eq!(run.code, 2, "{bound}: {}", run.stderr);
+        assert!(run.error().contains("-1") && !run.error().contains("unexpected argument"));
+    }
+}
