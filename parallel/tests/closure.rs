@@ -53,9 +53,9 @@ impl World {
     fn locked(&self) -> (usize, usize) {
         let (mut locked, mut wrong) = (0, 0);
         for worker in &self.workers {
-            let part = worker.mesh().part();
+            let part = worker.mesh().tets();
             let is_asked = self.asked.contains(&worker.id());
-            wrong += usize::from(is_asked && part.closed().next().is_none());
+            wrong += usize::from(is_asked && part.locked().next().is_none());
             for (t, v) in part.tets() {
                 let touches = v.iter().any(|v| self.around.binary_search(v).is_ok());
                 let is_locked = part.holder(t).is_some();

@@ -20,14 +20,14 @@ fn handle(face: u8) -> Handle {
 
 /// The submesh as text: tetrahedra with their neighbours.
 fn shown(mesh: &LocalMesh) -> Vec<String> {
-    let part = mesh.part();
+    let part = mesh.tets();
     part.tets().map(|(t, v)| format!("{t} {v:?} {:?}", part.neighbours(t))).collect()
 }
 
 /// What becomes of a patch that `damage` has changed.
 fn damaged(damage: impl Fn(&mut Patch, TetId)) -> SubmeshError {
     let (directory, mut mesh) = submesh();
-    let part = mesh.part();
+    let part = mesh.tets();
     let (t, v) = part.tets().find(|(_, v)| v[3] != 0).expect("a tetrahedron");
     let sites = v.map(|v| Site::new(v, part.point(v)));
     let new = NewTet { name: None, v: [0, 1, 2, 3], block: 0, n: [To::Old(t, 0); 4] };
@@ -70,7 +70,7 @@ fn numbers_in_a_patch_are_compared_before_they_are_used() {
 #[test]
 fn numbers_in_a_block_are_compared_before_they_are_used() {
     let sound = |mesh: &LocalMesh| {
-        let part = mesh.part();
+        let part = mesh.tets();
         let (_, v) = part.tets().find(|(_, v)| v[3] != 0).expect("a tetrahedron");
         let v = v.map(|v| Site::new(v, part.point(v)));
         Moving { name: Name { by: 7, number: 1 }, v, n: [Lead::Far(handle(0)); 4] }

@@ -16,7 +16,7 @@ const BAR: f64 = 95.0;
 const PACKAGES: [&str; 6] =
     ["core/exact", "core/kernel", "core/domain", "core/formats", "core/generate", "verify/checker"];
 /// The tests that run: those of the packages; those of the parallel kernel, which alone uses what
-/// the kernel has for it (`part.rs`); those of refinement and its checker.
+/// the kernel has for it (`submesh`); those of refinement and its checker.
 const TESTS: [&[&str]; 4] = [
     &["-p", "ltbw-exact", "-p", "ltbw-core", "-p", "ltbw-domain", "--all-features"],
     &["-p", "ltbw-formats", "-p", "ltbw-generate", "-p", "ltbw-verify", "--all-features"],

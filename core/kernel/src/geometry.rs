@@ -1,5 +1,5 @@
-//! The geometry of a mesh: kernel points, cached spheres, and the conflict test. It never sees a
-//! lock, and changes no topology.
+//! The geometry of a mesh: kernel points, cached spheres, and the conflict test. It changes no
+//! topology. A slot may be *tagged* in place of its sphere: it never sees by whom, or why.
 //!
 //! A conflict test goes through up to four stages, each certain when it answers: the cached
 //! sphere, the semi-static filter, exact arithmetic, symbolic perturbation.
@@ -79,9 +79,9 @@ impl Geometry {
         }
     }
 
-    /// Geometry of a part of a mesh: vertices 1 to `vertices`, of which it knows some. `step` is
+    /// Geometry of a submesh: vertices 1 to `vertices`, of which it knows some. `step` is
     /// a power of two of which all coordinates are multiples, or zero.
-    pub(crate) fn part(low: Point, high: Point, wide: bool, step: f64, vertices: usize) -> Self {
+    pub(crate) fn submesh(low: Point, high: Point, wide: bool, step: f64, vertices: usize) -> Self {
         let mut geometry = Self::new(low, high, wide, 0, 0);
         geometry.points = Arena::filled([0.0; 3], vertices + 1);
         *geometry.points.at_mut(0) = [f64::NAN; 3];
@@ -89,7 +89,7 @@ impl Geometry {
         geometry
     }
 
-    /// Gives vertex `v` of a part its coordinates.
+    /// Gives vertex `v` of a submesh its coordinates.
     #[inline(always)]
     pub(crate) fn set_point(&mut self, v: VertexId, p: Point) {
         *self.points.at_mut(v) = p;
@@ -119,7 +119,7 @@ impl Geometry {
         *self.spheres.at_mut(t) = sphere;
     }
 
-    /// Appends the spheres of another part's `other_slots` slots to those of `slots` slots.
+    /// Appends the spheres of another submesh's `other_slots` slots to those of `slots` slots.
     pub(crate) fn append_spheres(&mut self, slots: usize, other: Self, other_slots: usize) {
         self.reserve_spheres(slots);
         self.spheres.append(other.spheres, other_slots, |sphere| sphere);

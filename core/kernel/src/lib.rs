@@ -1,8 +1,8 @@
 //! Exact sequential 3D Delaunay kernel of `ltbw`, on the predicates of [`ltbw_exact`].
 //!
 //! Data flows one way: *points → order → kernel → mesh → check → file*. Three laws keep it
-//! readable: topology code never sees a coordinate; geometry code never sees a lock; protocol
-//! code never sees a float.
+//! readable: topology code never sees a coordinate; geometry code knows tagged slots and one access
+//! trait, never who tagged a slot or why; protocol code never sees a float.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -13,7 +13,7 @@
 //! | `transaction` | the guard of an open cavity: filled, or set back when it is dropped |
 //! | [`mesh`] | [`Mesh`]: insertion and iteration |
 //! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
-//! | [`part`] | [`part::Part`]: the part of a mesh that one worker of the parallel kernel owns |
+//! | [`submesh`] | [`submesh::Submesh`]: the tetrahedra of one worker of the parallel kernel, with locks |
 //! | [`query`] | questions to a [`Mesh`], from many threads: locate, nearest, Voronoi cells |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
 //! | [`snapshot`] | [`Snapshot`]: a mesh to be stored, restored through validation |
@@ -34,14 +34,13 @@ pub mod invariants;
 mod locate;
 pub mod mesh;
 pub mod order;
-pub mod part;
 pub mod query;
 pub mod random;
 #[cfg(feature = "serde")]
 mod serialise;
 pub mod snapshot;
-mod special;
 mod sphere;
+pub mod submesh;
 mod sync;
 pub mod tetmesh;
 pub mod topology;

@@ -19,26 +19,26 @@ pub(crate) enum Found {
     Inside(TetId),
     /// A ghost: the target lies strictly beyond its hull facet.
     Outside(TetId),
-    /// A tetrahedron that the walk may not enter.
-    Closed(TetId),
+    /// A slot that the walk may not enter.
+    Barred(TetId),
 }
 
 /// Says which tetrahedra a walk may enter.
-pub(crate) trait Gate {
+pub(crate) trait Access {
     /// Are there any that it may not enter? Then it goes around them as long as it can.
-    const SHUTS: bool;
+    const IS_LIMITED: bool;
 
     /// May the walk not enter `t`? Asked of tetrahedra whose sphere does not hold the target for
     /// certain.
-    fn is_closed(&self, topology: &Topology, geometry: &Geometry, t: TetId) -> bool;
+    fn bars(&self, topology: &Topology, geometry: &Geometry, t: TetId) -> bool;
 }
 
 /// Lets every walk pass: the sequential kernel. Compiles to nothing.
-impl Gate for () {
-    const SHUTS: bool = false;
+impl Access for () {
+    const IS_LIMITED: bool = false;
 
     #[inline(always)]
-    fn is_closed(&self, _: &Topology, _: &Geometry, _: TetId) -> bool {
+    fn bars(&self, _: &Topology, _: &Geometry, _: TetId) -> bool {
         false
     }
 }
@@ -50,19 +50,19 @@ pub(crate) fn walk(topology: &Topology, conflict: &mut PointConflict<'_>, start:
     walk_through(topology, conflict, start, &(), &mut 0)
 }
 
-/// [`walk`], through the tetrahedra that `gate` lets it enter; counts them in `steps`.
+/// [`walk`], through the tetrahedra that `access` lets it enter; counts them in `steps`.
 #[inline(never)]
-pub(crate) fn walk_through<G: Gate>(
+pub(crate) fn walk_through<G: Access>(
     topology: &Topology,
     conflict: &mut PointConflict<'_>,
     start: TetId,
-    gate: &G,
+    access: &G,
     steps: &mut u64,
 ) -> Found {
     let p = conflict.target();
     let mut t = start;
     let mut entry = 4; // no face
-    if topology.tet(t).is_ghost() && !gate.is_closed(topology, conflict.geometry(), t) {
+    if topology.tet(t).is_ghost() && !access.bars(topology, conflict.geometry(), t) {
         let back = topology.tet(t).neighbours()[3];
         t = tet_of(back);
     }
@@ -70,8 +70,8 @@ pub(crate) fn walk_through<G: Gate>(
         *steps += 1;
         let tet = topology.tet(t);
         if tet.vertices()[3] == INFINITE {
-            if gate.is_closed(topology, conflict.geometry(), t) {
-                return Found::Closed(t);
+            if access.bars(topology, conflict.geometry(), t) {
+                return Found::Barred(t);
             }
             return Found::Outside(t);
         }
@@ -79,8 +79,8 @@ pub(crate) fn walk_through<G: Gate>(
             return Found::Conflict(t);
         }
         let geometry = conflict.geometry();
-        if gate.is_closed(topology, geometry, t) {
-            return Found::Closed(t);
+        if access.bars(topology, geometry, t) {
+            return Found::Barred(t);
         }
         let [a, b, c, d] = tet.vertices();
         let neighbours = tet.neighbours();
@@ -90,12 +90,12 @@ pub(crate) fn walk_through<G: Gate>(
             let side = geometry.orient(faces[slot], &p);
             side == Sign::Negative
         });
-        if G::SHUTS
+        if G::IS_LIMITED
             && let Some(first) = exit
-            && gate.is_closed(topology, geometry, tet_of(neighbours[first]))
+            && access.bars(topology, geometry, tet_of(neighbours[first]))
         {
             let around = (first + 1..4).filter(|&slot| slot != entry).find(|&slot| {
-                !gate.is_closed(topology, geometry, tet_of(neighbours[slot]))
+                !access.bars(topology, geometry, tet_of(neighbours[slot]))
                     && geometry.orient(faces[slot], &p) == Sign::Negative
             });
             exit = around.or(exit);
@@ -108,17 +108,17 @@ pub(crate) fn walk_through<G: Gate>(
             }
         }
     }
-    scan(topology, conflict, gate)
+    scan(topology, conflict, access)
 }
 
 /// Finds a conflict by looking at every tetrahedron: right whatever a walk does.
 #[cold]
-fn scan<G: Gate>(topology: &Topology, conflict: &mut PointConflict<'_>, gate: &G) -> Found {
+fn scan<G: Access>(topology: &Topology, conflict: &mut PointConflict<'_>, access: &G) -> Found {
     let p = conflict.target();
-    let mut closed = None;
+    let mut barred = None;
     for (t, tet) in topology.iter() {
-        if gate.is_closed(topology, conflict.geometry(), t) {
-            closed = Some(t);
+        if access.bars(topology, conflict.geometry(), t) {
+            barred = Some(t);
             continue;
         }
         let at_vertex = tet.vertices().iter().any(|&v| *conflict.geometry().point(v) == p);
@@ -134,8 +134,8 @@ fn scan<G: Gate>(topology: &Topology, conflict: &mut PointConflict<'_>, gate: &G
         }
     }
     // I5: every point that is not a vertex conflicts with some tetrahedron, here or beyond the
-    // closed ones.
-    closed.map_or(Found::Outside(0), Found::Closed)
+    // barred ones.
+    barred.map_or(Found::Outside(0), Found::Barred)
 }
 
 #[cfg(test)]
@@ -148,10 +148,10 @@ mod tests {
     /// Lets no walk pass.
     struct Shut;
 
-    impl Gate for Shut {
-        const SHUTS: bool = true;
+    impl Access for Shut {
+        const IS_LIMITED: bool = true;
 
-        fn is_closed(&self, _: &Topology, _: &Geometry, _: TetId) -> bool {
+        fn bars(&self, _: &Topology, _: &Geometry, _: TetId) -> bool {
             true
         }
     }
@@ -172,16 +172,16 @@ mod tests {
             assert!(conflict.in_conflict(&mesh.topology, t));
             let t = match walk(&mesh.topology, &mut conflict, 0) {
                 Found::Conflict(t) | Found::Inside(t) | Found::Outside(t) => t,
-                Found::Closed(t) => panic!("{t} was closed by nobody"),
+                Found::Barred(t) => panic!("{t} was barred by nobody"),
             };
             assert!(conflict.in_conflict(&mesh.topology, t));
             let shut = scan(&mesh.topology, &mut conflict, &Shut);
-            assert!(matches!(shut, Found::Closed(_)), "{shut:?}");
+            assert!(matches!(shut, Found::Barred(_)), "{shut:?}");
             // A conflict that a sphere decides needs no entry.
             let steps = &mut 0;
             match walk_through(&mesh.topology, &mut conflict, t, &Shut, steps) {
                 Found::Conflict(u) => assert!(u == t && conflict.surely(t)),
-                found => assert!(found == Found::Closed(t) && !conflict.surely(t)),
+                found => assert!(found == Found::Barred(t) && !conflict.surely(t)),
             }
             assert_eq!(*steps, 1);
         }

@@ -186,8 +186,8 @@ impl Mesh {
     ) -> Result<OpenCavity<'_, Self>, At> {
         let mut conflict = self.geometry.conflict_of(&p);
         let start = match walk(&self.topology, &mut conflict, from) {
-            // No tetrahedron of a whole mesh is closed.
-            Found::Conflict(t) | Found::Outside(t) | Found::Closed(t) => t,
+            // Nothing bars a walk in a whole mesh.
+            Found::Conflict(t) | Found::Outside(t) | Found::Barred(t) => t,
             Found::Inside(t) => {
                 let geometry = conflict.geometry();
                 let corners = self.topology.tet(t).vertices();

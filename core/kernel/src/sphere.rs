@@ -20,7 +20,7 @@ use crate::topology::TetId;
 use ltbw_exact::Point;
 
 /// The radius of what stands in place of a sphere, a NaN that no computation makes: the first of
-/// two, one for each [`Tag`].
+/// two, one for each [`TagKind`].
 const TAGGED: u32 = 0x7fc5_e714;
 
 /// Centre and radius, in the frame. A radius that is NaN decides nothing.
@@ -82,7 +82,7 @@ pub(crate) struct Query(pub(crate) [f32; 4]);
 /// a table of each kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
-pub(crate) enum Tag {
+pub(crate) enum TagKind {
     First = 0,
     Second = 1,
 }
@@ -106,16 +106,16 @@ impl Sphere {
 
     /// In place of a sphere: the slot is tagged with a number below 2^30. It decides nothing.
     #[inline]
-    pub(crate) fn tagged(tag: Tag, number: u32) -> Self {
+    pub(crate) fn tagged(kind: TagKind, number: u32) -> Self {
         // Numbers from 1 up: none is subnormal, which would be slow to compute with.
-        let radius = f32::from_bits(TAGGED + tag as u32);
+        let radius = f32::from_bits(TAGGED + kind as u32);
         Self([f32::from_bits(1f32.to_bits() + number), 0.0, 0.0, radius])
     }
 
     /// The number that [`Sphere::tagged`] was given with this tag, if this is one of those.
     #[inline(always)]
-    pub(crate) fn number(self, tag: Tag) -> Option<u32> {
-        let is_tagged = self.0[3].to_bits() == TAGGED + tag as u32;
+    pub(crate) fn number(self, kind: TagKind) -> Option<u32> {
+        let is_tagged = self.0[3].to_bits() == TAGGED + kind as u32;
         is_tagged.then(|| self.0[0].to_bits() - 1f32.to_bits())
     }
 

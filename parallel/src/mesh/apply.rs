@@ -41,14 +41,14 @@ impl LocalMesh {
         }
         for &t in &patch.remove {
             self.drop_name(t);
-            self.part.remove(t);
+            self.tets.remove(t);
         }
         self.set_sites(&patch.sites);
         let mut tets = std::mem::take(&mut self.star);
         self.rim.clear();
         self.rim.extend(patch.sites.iter().map(|site| site.vertex));
         let walls = patch.create.iter().map(|new| [new.v[1], new.v[2], new.v[3]]);
-        if !patch.create.is_empty() && self.part.create_star(&self.rim, walls, &mut tets).is_none()
+        if !patch.create.is_empty() && self.tets.create_star(&self.rim, walls, &mut tets).is_none()
         {
             self.fail_for_room();
             return;
@@ -61,9 +61,9 @@ impl LocalMesh {
                 let face = 4 * t + slot;
                 match *to {
                     To::New(k, there) => {
-                        self.part.point_to(face, 4 * tets[k as usize] + u32::from(there));
+                        self.tets.point_to(face, 4 * tets[k as usize] + u32::from(there));
                     }
-                    To::Old(u, there) => self.part.link_new(face, 4 * u + u32::from(there)),
+                    To::Old(u, there) => self.tets.link_new(face, 4 * u + u32::from(there)),
                     To::Far(handle) => self.link_new_far(face, handle),
                 }
             }
@@ -118,7 +118,7 @@ impl LocalMesh {
             }
             check_slot(relink.slot).and(check_slot(relink.to.face))?;
         }
-        if self.part.has_room(slots_of(patch)) { Ok(()) } else { Err(self.no_room()) }
+        if self.tets.has_room(slots_of(patch)) { Ok(()) } else { Err(self.no_room()) }
     }
 
     /// Is there room for tetrahedra that come, and all that they name by a number?
@@ -144,24 +144,24 @@ impl LocalMesh {
                 }
             }
         }
-        if self.part.has_room(slots) { Ok(()) } else { Err(self.no_room()) }
+        if self.tets.has_room(slots) { Ok(()) } else { Err(self.no_room()) }
     }
 
     /// Is `t` a tetrahedron here, and unlocked?
     fn check_open(&self, t: TetId) -> Result<(), SubmeshError> {
-        let open = self.part.is_live(t) && self.part.holder(t).is_none();
+        let open = self.tets.is_live(t) && self.tets.holder(t).is_none();
         if open { Ok(()) } else { Err(unknown("an unlocked tetrahedron", t)) }
     }
 
     fn check_vertex(&self, v: VertexId) -> Result<(), SubmeshError> {
-        let known = v == INFINITE || self.part.is_vertex(v);
+        let known = v == INFINITE || self.tets.is_vertex(v);
         if known { Ok(()) } else { Err(unknown("a vertex", v)) }
     }
 
     /// Takes the coordinates of vertices.
     fn set_sites(&mut self, sites: &[Site]) {
         for site in sites.iter().filter(|site| site.vertex != INFINITE) {
-            self.part.set_point(site.vertex, site.point());
+            self.tets.set_point(site.vertex, site.point());
         }
     }
 
@@ -173,7 +173,7 @@ impl LocalMesh {
     ) -> Option<Vec<TetId>> {
         let mut tets = Vec::with_capacity(new.len());
         for (name, v) in new {
-            let Some(t) = self.part.create(v) else {
+            let Some(t) = self.tets.create(v) else {
                 self.fail_for_room();
                 return None;
             };
@@ -187,23 +187,23 @@ impl LocalMesh {
     fn link_handle(&mut self, face: u32, handle: Handle) {
         match self.names.get(&handle.name) {
             Some(&u) => {
-                self.part.link(face, 4 * u + u32::from(handle.face));
+                self.tets.link(face, 4 * u + u32::from(handle.face));
             }
-            None => self.put(|part| part.link_far(face, handle)),
+            None => self.put(|tets| tets.link_far(face, handle)),
         }
     }
 
     /// The same for a face of a new tetrahedron, at which nothing stands.
     fn link_new_far(&mut self, face: u32, handle: Handle) {
         match self.names.get(&handle.name) {
-            Some(&u) => self.part.link_new(face, 4 * u + u32::from(handle.face)),
-            None => self.put(|part| part.put_far(face, handle)),
+            Some(&u) => self.tets.link_new(face, 4 * u + u32::from(handle.face)),
+            None => self.put(|tets| tets.put_far(face, handle)),
         }
     }
 
     /// Puts a proxy somewhere, for which there is room.
     fn put(&mut self, proxy: impl FnOnce(&mut Tets) -> Option<()>) {
-        if proxy(&mut self.part).is_none() {
+        if proxy(&mut self.tets).is_none() {
             self.fail_for_room();
         }
     }
@@ -236,9 +236,9 @@ impl LocalMesh {
         let tets = self.strays.remove(&block).unwrap_or_else(|| {
             // From now on an insertion beside the block may make tetrahedra that belong to it.
             if leaves {
-                self.part.leave(self.blocks.vertices(block));
+                self.tets.leave_range(self.blocks.vertices(block));
             }
-            let all = self.part.tets().filter(|&(_, v)| self.blocks.of_tet(v) == block);
+            let all = self.tets.tets().filter(|&(_, v)| self.blocks.of_tet(v) == block);
             all.map(|(t, _)| t).collect()
         });
         let index: FxHashMap<TetId, u32> = tets.iter().copied().zip(0..).collect();
@@ -247,9 +247,9 @@ impl LocalMesh {
         for &t in &tets {
             let name = self.ensure_name(t);
             let mut slot = 0;
-            let n = self.part.neighbours(t).map(|face| {
+            let n = self.tets.neighbours(t).map(|face| {
                 let (u, there) = (tet_of(face), slot_of(face) as u8);
-                let lead = match (self.part.far(u), index.get(&u)) {
+                let lead = match (self.tets.far(u), index.get(&u)) {
                     (Some(handle), _) => Lead::Far(handle),
                     (None, Some(&k)) => Lead::In(k, there),
                     (None, None) => {
@@ -266,16 +266,16 @@ impl LocalMesh {
             cargo.push(Moving { name, v: self.sites(t), n });
         }
         // Nothing is removed unless there is room for what stands in its place.
-        if !self.part.has_room(far.len()) {
+        if !self.tets.has_room(far.len()) {
             self.fail_for_room();
             return Vec::new();
         }
         for (face, handle) in far {
-            self.put(|part| part.link_far(face, handle));
+            self.put(|tets| tets.link_far(face, handle));
         }
         for &t in &tets {
             self.drop_name(t);
-            self.part.remove(t);
+            self.tets.remove(t);
         }
         cargo
     }
@@ -297,7 +297,7 @@ impl LocalMesh {
                 let face = 4 * t + slot;
                 match *lead {
                     Lead::In(k, there) => {
-                        self.part.link(face, 4 * tets[k as usize] + u32::from(there));
+                        self.tets.link(face, 4 * tets[k as usize] + u32::from(there));
                     }
                     Lead::Far(handle) => self.link_handle(face, handle),
                 }
@@ -305,7 +305,7 @@ impl LocalMesh {
             made.push(moving.name);
         }
         for &t in &tets {
-            self.part.cache_sphere(t);
+            self.tets.cache_sphere(t);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Common, LocalMesh};
 use crate::protocol::{Handle, Name, SubmeshError, WorkerId};
-use ltbw_core::part::{Assembly, Misfit, assemble};
+use ltbw_core::submesh::{AssembleError, Assembly, assemble};
 use ltbw_core::topology::TetId;
 use ltbw_core::{Mesh, Vertex};
 use rustc_hash::FxHashMap;
@@ -61,18 +61,18 @@ pub fn gather(meshes: Vec<LocalMesh>, common: Common) -> Result<Gathered, Gather
         duplicates.extend(&mesh.duplicates);
     }
     let far = |there: Handle| {
-        let &(part, t) = places.get(&there.name)?;
-        Some((part, 4 * t + u32::from(there.face & 3)))
+        let &(place, t) = places.get(&there.name)?;
+        Some((place, 4 * t + u32::from(there.face & 3)))
     };
     let workers: Vec<WorkerId> = meshes.iter().map(|mesh| mesh.me).collect();
-    let parts = meshes.into_iter().map(|mesh| mesh.part).collect();
+    let parts = meshes.into_iter().map(|mesh| mesh.tets).collect();
     let assembly = Assembly { points, numbers, duplicates: &duplicates, mode, predicates };
     let mesh = assemble(parts, far, assembly).map_err(|misfit| match misfit {
-        Misfit::Dangling { part, far } => {
-            GatherError::Dangling { worker: workers[part], name: far.name }
+        AssembleError::Dangling { submesh, far } => {
+            GatherError::Dangling { worker: workers[submesh], name: far.name }
         }
-        Misfit::TooManyTets => GatherError::TooManyTets,
-        Misfit::NoParts => GatherError::NoParts,
+        AssembleError::TooManyTets => GatherError::TooManyTets,
+        AssembleError::NoSubmeshes => GatherError::NoParts,
     })?;
     Ok(Gathered { duplicates: mesh.duplicates().to_vec(), mesh })
 }

@@ -35,17 +35,17 @@ use crate::protocol::{
     BlockId, Conduct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Submesh,
     SubmeshError, Ticket, Walk, WorkerId,
 };
-use ltbw_core::part::{Closed, Local, Owns, Part, Setting, Stop};
+use ltbw_core::submesh::{self as kernel, MeshParams, Owns};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// The kernel's part of a submesh. Tetrahedra that others know are watched, with their names.
-type Tets = Part<Ticket, Name, Handle>;
+/// The kernel's view of a submesh. Tetrahedra that others know are tagged with their names.
+pub(crate) type Tets = kernel::Submesh<Ticket, Name, Handle>;
 
 /// The tetrahedra of one worker, with names for those that others know.
 #[derive(Debug)]
 pub struct LocalMesh {
-    part: Tets,
+    tets: Tets,
     blocks: Blocks,
     /// How tetrahedra are owned, if not by blocks.
     fixed: Option<Fixed>,
@@ -63,7 +63,7 @@ pub struct LocalMesh {
     error: Option<SubmeshError>,
     reported: (u64, u64, u64),
     scratch: fill::Scratch,
-    closed: Closed,
+    closure: kernel::Closure,
     /// New tetrahedra of a patch, and their vertices.
     star: Vec<TetId>,
     rim: Vec<VertexId>,
@@ -92,9 +92,9 @@ impl Fixed {
 
 impl LocalMesh {
     /// A submesh without tetrahedra.
-    pub fn new(me: WorkerId, setting: &Setting, blocks: Blocks) -> Self {
+    pub fn new(me: WorkerId, params: &MeshParams, blocks: Blocks) -> Self {
         Self {
-            part: Part::new(setting),
+            tets: Tets::new(params),
             blocks,
             fixed: None,
             me,
@@ -106,25 +106,25 @@ impl LocalMesh {
             error: None,
             reported: (0, 0, 0),
             scratch: fill::Scratch::default(),
-            closed: Closed::default(),
+            closure: kernel::Closure::default(),
             star: Vec::new(),
             rim: Vec::new(),
         }
     }
 
-    /// The kernel's part of the mesh.
-    pub fn part(&self) -> &Part<Ticket, Name, Handle> {
-        &self.part
+    /// The tetrahedra with their locks.
+    pub fn tets(&self) -> &kernel::Submesh<Ticket, Name, Handle> {
+        &self.tets
     }
 
     /// Number of tetrahedra, ghosts included.
     pub fn num_tets(&self) -> usize {
-        self.part.tets().count()
+        self.tets.tets().count()
     }
 
     /// Number of interface faces.
     pub fn num_interface_faces(&self) -> usize {
-        self.part.topology().iter().filter(|(_, tet)| tet.is_proxy()).count()
+        self.tets.topology().iter().filter(|(_, tet)| tet.is_proxy()).count()
     }
 
     /// A tetrahedron that is not this worker's. There is none but those on their way.
@@ -138,11 +138,11 @@ impl LocalMesh {
             Some(Fixed { ownership: Ownership::Creator, .. }) => true,
             Some(_) => v.iter().any(|&v| v != INFINITE && directory.is_mine(block(v))),
         };
-        self.part.tets().find(|&(_, v)| !is_mine(v)).map(|(t, _)| t)
+        self.tets.tets().find(|&(_, v)| !is_mine(v)).map(|(t, _)| t)
     }
 
     fn block_of(&self, t: TetId) -> BlockId {
-        self.block_with(self.part.vertices(t))
+        self.block_with(self.tets.vertices(t))
     }
 
     /// The block of a tetrahedron here with vertices `v`.
@@ -161,7 +161,7 @@ impl LocalMesh {
     }
 
     fn no_room(&self) -> SubmeshError {
-        SubmeshError::NoRoom { limit: self.part.max_tets() }
+        SubmeshError::NoRoom { limit: self.tets.max_tets() }
     }
 
     fn fresh_name(&mut self) -> Name {
@@ -171,30 +171,30 @@ impl LocalMesh {
 
     fn set_name(&mut self, t: TetId, name: Name) {
         self.names.insert(name, t);
-        let before = self.part.label(t);
+        let before = self.tets.tag_of(t);
         debug_assert!(
             before.is_none_or(|n| n == name),
             "P1: {t} has names {before:?} and {name:?}"
         );
-        self.part.watch(t, name);
+        self.tets.tag(t, name);
     }
 
     fn drop_name(&mut self, t: TetId) {
-        if let Some(name) = self.part.unwatch(t) {
+        if let Some(name) = self.tets.untag(t) {
             self.names.remove(&name);
         }
     }
 
     /// Forgets the names of tetrahedra that an insertion removed.
-    fn forget_gone(&mut self) {
-        for name in self.part.take_gone() {
+    fn forget_removed(&mut self) {
+        for name in self.tets.take_removed_tags() {
             self.names.remove(&name);
         }
     }
 
     /// The name of `t`, a new one if it has none.
     fn ensure_name(&mut self, t: TetId) -> Name {
-        match self.part.label(t) {
+        match self.tets.tag_of(t) {
             Some(name) => name,
             None => {
                 let name = self.fresh_name();
@@ -205,24 +205,24 @@ impl LocalMesh {
     }
 
     fn site(&self, v: VertexId) -> Site {
-        site(&self.part, v)
+        site(&self.tets, v)
     }
 
     fn sites(&self, t: TetId) -> [Site; 4] {
-        self.part.vertices(t).map(|v| self.site(v))
+        self.tets.vertices(t).map(|v| self.site(v))
     }
 
     /// What stands in slot `u` beside a tetrahedron.
     #[inline]
     fn neighbour(&self, u: TetId) -> Neighbour<TetId> {
-        self.part.far(u).map_or(Neighbour::Near(u), Neighbour::Far)
+        self.tets.far(u).map_or(Neighbour::Near(u), Neighbour::Far)
     }
 
     /// The neighbours of `t` across faces that have one of `corners`.
     fn around(&self, t: TetId, corners: &[VertexId]) -> impl Iterator<Item = TetId> {
-        let is_corner = self.part.vertices(t).map(|v| corners.binary_search(&v).is_ok());
+        let is_corner = self.tets.vertices(t).map(|v| corners.binary_search(&v).is_ok());
         let others = move |slot: usize| (1..4).any(|k| is_corner[(slot + k) % 4]);
-        let neighbours = self.part.neighbours(t).map(tet_of).into_iter().enumerate();
+        let neighbours = self.tets.neighbours(t).map(tet_of).into_iter().enumerate();
         neighbours.filter(move |&(slot, _)| others(slot)).map(|(_, u)| u)
     }
 
@@ -230,18 +230,18 @@ impl LocalMesh {
     /// tetrahedron, else another worker's.
     fn vertex_closure(&mut self, point: &Site, seed: TetId) -> Option<Insert<TetId>> {
         let (mut seen, mut far, mut locked) = (FxHashSet::default(), false, None);
-        let mut corners: Vec<VertexId> = self.part.vertices(seed).to_vec();
+        let mut corners: Vec<VertexId> = self.tets.vertices(seed).to_vec();
         let mut cavity = vec![seed];
         seen.insert(seed);
         // The cavity; then, from it on, what touches it.
         let mut next = 0;
         while let Some(&t) = cavity.get(next) {
             next += 1;
-            for u in self.part.neighbours(t).map(tet_of) {
-                if self.part.far(u).is_some() {
+            for u in self.tets.neighbours(t).map(tet_of) {
+                if self.tets.far(u).is_some() {
                     far = true;
                 } else if self.in_conflict(u, point) && seen.insert(u) {
-                    corners.extend(self.part.vertices(u));
+                    corners.extend(self.tets.vertices(u));
                     cavity.push(u);
                 }
             }
@@ -249,11 +249,11 @@ impl LocalMesh {
         let corners = finite(corners);
         let mut all = cavity;
         while let Some(t) = all.pop() {
-            if self.part.holder(t).is_some() {
+            if self.tets.holder(t).is_some() {
                 locked = locked.or(Some(Insert::Locked(t)));
             }
             for u in self.around(t, &corners) {
-                if self.part.far(u).is_some() {
+                if self.tets.far(u).is_some() {
                     far = true;
                 } else if seen.insert(u) {
                     all.push(u);
@@ -264,12 +264,12 @@ impl LocalMesh {
     }
 }
 
-/// A vertex that a part knows, with its coordinates.
-fn site(part: &Tets, v: VertexId) -> Site {
+/// A vertex that a submesh knows, with its coordinates.
+fn site(tets: &Tets, v: VertexId) -> Site {
     if v == INFINITE {
         Site { vertex: INFINITE, bits: [0; 3] }
     } else {
-        Site::new(v, part.point(v))
+        Site::new(v, tets.point(v))
     }
 }
 
@@ -291,24 +291,17 @@ impl Submesh for LocalMesh {
     fn walk(&mut self, point: &Site, from: Option<Name>) -> Walk<TetId> {
         let named = from.and_then(|name| self.names.get(&name).copied());
         let start = named.or_else(|| self.located.remove(&point.vertex));
-        let stop = self.part.walk(point.vertex, &point.point(), start);
-        match stop {
-            Stop::Conflict(t) => Walk::At(t),
-            Stop::Proxy(t) => self.part.far(t).map_or(Walk::Nowhere, Walk::Leaves),
-            Stop::Closed(t) => {
-                self.located.insert(point.vertex, t);
-                Walk::Locked(t)
-            }
-            Stop::Empty => Walk::Nowhere,
-            Stop::Vertex(v) => {
-                self.duplicates.push((point.vertex, v));
-                Walk::Known
-            }
+        let walk = self.tets.walk(point.vertex, &point.point(), start);
+        match walk {
+            Walk::Locked(t) => _ = self.located.insert(point.vertex, t),
+            Walk::Duplicate(v) => self.duplicates.push((point.vertex, v)),
+            Walk::At(_) | Walk::Exits(_) | Walk::NoTets => {}
         }
+        walk
     }
 
     fn insert(&mut self, point: &Site, seed: TetId, directory: &Directory) -> Insert<TetId> {
-        let Self { part, blocks, fixed, me, .. } = self;
+        let Self { tets, blocks, fixed, me, .. } = self;
         let owns = match fixed {
             None => Owns::By(|v| directory.is_mine(blocks.of_tet(v))),
             Some(fixed) => {
@@ -316,24 +309,13 @@ impl Submesh for LocalMesh {
                 if owner == *me { Owns::All } else { Owns::None }
             }
         };
-        match part.insert(point.vertex, &point.point(), seed, owns) {
-            Local::Inserted => {
-                self.forget_gone();
-                Insert::Done
-            }
-            Local::Closed(t) => {
-                self.located.insert(point.vertex, seed);
-                Insert::Locked(t)
-            }
-            Local::Blocked => {
-                self.located.insert(point.vertex, seed);
-                Insert::Blocked
-            }
-            Local::Full => {
-                self.fail_for_room();
-                Insert::Failed
-            }
+        let insert = tets.insert(point.vertex, &point.point(), seed, owns);
+        match insert {
+            Insert::Done => self.forget_removed(),
+            Insert::Locked(_) | Insert::Blocked => _ = self.located.insert(point.vertex, seed),
+            Insert::Full => self.fail_for_room(),
         }
+        insert
     }
 
     fn resolve(&self, name: Name) -> Option<TetId> {
@@ -341,27 +323,27 @@ impl Submesh for LocalMesh {
     }
 
     fn holder(&self, t: TetId) -> Option<Ticket> {
-        self.part.holder(t)
+        self.tets.holder(t)
     }
 
     fn set_holder(&mut self, t: TetId, holder: Option<Ticket>) {
         match holder {
-            Some(ticket) => self.part.close(t, ticket, false),
-            None => self.part.open(t),
+            Some(ticket) => self.tets.lock(t, ticket, false),
+            None => self.tets.unlock(t),
         }
     }
 
     fn lock(&mut self, t: TetId, holder: Ticket, in_conflict: bool) {
-        self.part.close(t, holder, in_conflict);
+        self.tets.lock(t, holder, in_conflict);
     }
 
     fn in_conflict(&mut self, t: TetId, point: &Site) -> bool {
-        self.part.in_conflict(t, &point.point())
+        self.tets.in_conflict(t, &point.point())
     }
 
     fn neighbours(&self, t: TetId, mut f: impl FnMut(Neighbour<TetId>)) {
-        let around = self.part.neighbours(t).map(tet_of);
-        around.into_iter().for_each(|u| self.part.prefetch(u));
+        let around = self.tets.neighbours(t).map(tet_of);
+        around.into_iter().for_each(|u| self.tets.prefetch(u));
         around.into_iter().for_each(|u| f(self.neighbour(u)));
     }
 
@@ -389,17 +371,17 @@ impl Submesh for LocalMesh {
         holder: Ticket,
         found: &mut Found<'_, Self>,
     ) -> bool {
-        let mut closed = std::mem::take(&mut self.closed);
-        let all = self.part.close_all(seed, &point.point(), holder, &mut closed);
+        let mut closure = std::mem::take(&mut self.closure);
+        let all = self.tets.lock_closure(seed, &point.point(), holder, &mut closure);
         if all {
-            found.held.extend_from_slice(&closed.held);
-            let outer = closed.walls.iter().map(|&(_, outer)| tet_of(outer));
-            found.foreign.extend(outer.filter_map(|t| self.part.far(t)));
-            if closed.inside > 0 {
-                found.pieces.push(self.describe_closed(&closed));
+            found.held.extend_from_slice(&closure.locked);
+            let outer = closure.boundary.iter().map(|&(_, outer)| tet_of(outer));
+            found.foreign.extend(outer.filter_map(|t| self.tets.far(t)));
+            if closure.inside > 0 {
+                found.pieces.push(self.describe_closure(&closure));
             }
         }
-        self.closed = closed;
+        self.closure = closure;
         all
     }
 
@@ -433,9 +415,9 @@ impl Submesh for LocalMesh {
         // moving the block gave it a name as well, it would have two.
         // What is not owned by blocks does not move at all.
         self.fixed.is_some()
-            || self.part.closed().any(|t| {
-                let around = self.part.neighbours(t).map(tet_of);
-                let near = around.into_iter().filter(|&u| self.part.is_live(u));
+            || self.tets.locked().any(|t| {
+                let around = self.tets.neighbours(t).map(tet_of);
+                let near = around.into_iter().filter(|&u| self.tets.is_live(u));
                 near.chain([t]).any(|t| self.block_of(t) == block)
             })
     }
@@ -458,7 +440,7 @@ impl Submesh for LocalMesh {
     }
 
     fn take_costs(&mut self) -> Costs {
-        let (walk_steps, tests, created) = self.part.work();
+        let (walk_steps, tests, created) = self.tets.work();
         let before = std::mem::replace(&mut self.reported, (walk_steps, tests, created));
         Costs {
             walk_steps: walk_steps - before.0,

@@ -4,40 +4,40 @@
 use super::{Link, LocalMesh, Piece, Side, Tets, site};
 use crate::protocol::{Handle, Ticket};
 use ltbw_core::cavity::OTHERS;
-use ltbw_core::part::Closed;
+use ltbw_core::submesh::Closure;
 use ltbw_core::topology::{FaceId, TetId, slot_of, tet_of};
 
 impl LocalMesh {
-    /// Describes what was closed at once.
-    pub(super) fn describe_closed(&mut self, closed: &Closed) -> Piece {
-        let Self { part, scratch, .. } = self;
-        let tets = &closed.held[..closed.inside];
+    /// Describes what was locked at once.
+    pub(super) fn describe_closure(&mut self, closure: &Closure) -> Piece {
+        let Self { tets: mesh, scratch, .. } = self;
+        let tets = &closure.locked[..closure.inside];
         let corners = &mut scratch.corners;
-        corners.start((3 * closed.walls.len()).min(4 * tets.len()));
-        let mut sides = Vec::with_capacity(closed.walls.len());
-        for &(v, outer) in &closed.walls {
-            let v = v.map(|v| corners.index(v, || site(part, v)));
-            let link = part.far(tet_of(outer)).map_or_else(|| near(part, outer), Link::Far);
+        corners.start((3 * closure.boundary.len()).min(4 * tets.len()));
+        let mut sides = Vec::with_capacity(closure.boundary.len());
+        for &(v, outer) in &closure.boundary {
+            let v = v.map(|v| corners.index(v, || site(mesh, v)));
+            let link = mesh.far(tet_of(outer)).map_or_else(|| near(mesh, outer), Link::Far);
             sides.push(Side { v, link });
         }
         let mut names = Vec::with_capacity(8);
-        names.extend(tets.iter().filter_map(|&t| part.label(t)));
+        names.extend(tets.iter().filter_map(|&t| mesh.tag_of(t)));
         Piece { tets: tets.to_vec(), names, sites: corners.sites.clone(), sides }
     }
 
     /// Describes tetrahedra that are in conflict with the point of the operation that has locked
     /// them.
     pub(super) fn describe(&mut self, tets: &[TetId]) -> Piece {
-        let holder = tets.first().and_then(|&t| self.part.holder(t));
+        let holder = tets.first().and_then(|&t| self.tets.holder(t));
         let mut corners = std::mem::take(&mut self.scratch.corners);
         corners.start(4 * tets.len());
         let mut names = Vec::new();
         // A ball of k tetrahedra has at most 2 k + 2 faces.
         let mut sides = Vec::with_capacity(2 * tets.len() + 2);
         for &t in tets {
-            names.extend(self.part.label(t));
-            let v = self.part.vertices(t).map(|v| corners.index(v, || site(&self.part, v)));
-            for (slot, face) in self.part.neighbours(t).into_iter().enumerate() {
+            names.extend(self.tets.tag_of(t));
+            let v = self.tets.vertices(t).map(|v| corners.index(v, || site(&self.tets, v)));
+            for (slot, face) in self.tets.neighbours(t).into_iter().enumerate() {
                 if let Some(link) = self.link_at(face, holder) {
                     sides.push(Side { v: OTHERS[slot].map(|k| v[k]), link });
                 }
@@ -52,11 +52,11 @@ impl LocalMesh {
     /// `None` if that is in conflict, too.
     fn link_at(&self, face: FaceId, holder: Option<Ticket>) -> Option<Link> {
         let tet = tet_of(face);
-        if let Some(handle) = self.part.far(tet) {
+        if let Some(handle) = self.tets.far(tet) {
             return Some(Link::Far(handle));
         }
-        let (closed_by, name) = (self.part.closed_by(tet), self.part.label(tet));
-        if let (Some((by, true)), Some(mine)) = (closed_by, holder)
+        let (lock, name) = (self.tets.lock_of(tet), self.tets.tag_of(tet));
+        if let (Some((by, true)), Some(mine)) = (lock, holder)
             && by == mine
         {
             return None;
@@ -64,18 +64,18 @@ impl LocalMesh {
         Some(match name {
             // It has come here after the operation had asked for it where it was: whether it is in
             // conflict is open, and will be known by its name.
-            Some(name) if closed_by.map(|(by, _)| by) != holder => {
+            Some(name) if lock.map(|(by, _)| by) != holder => {
                 Link::Far(Handle { name, block: self.block_of(tet), face: slot_of(face) as u8 })
             }
-            _ => near(&self.part, face),
+            _ => near(&self.tets, face),
         })
     }
 }
 
 /// What is here beyond a face of a cavity.
-fn near(part: &Tets, face: FaceId) -> Link {
+fn near(mesh: &Tets, face: FaceId) -> Link {
     let (tet, slot) = (tet_of(face), slot_of(face));
-    Link::Near { tet, slot: slot as u8, apex: part.vertices(tet)[slot], name: part.label(tet) }
+    Link::Near { tet, slot: slot as u8, apex: mesh.vertices(tet)[slot], name: mesh.tag_of(tet) }
 }
 
 #[cfg(test)]
@@ -208,7 +208,7 @@ mod tests {
                     let expected = one_by_one(&mut mesh, seed, &point);
                     let open = |mesh: &mut LocalMesh, held: &[TetId]| {
                         held.iter().for_each(|&t| mesh.set_holder(t, None));
-                        assert_eq!(mesh.part.closed().count(), 0);
+                        assert_eq!(mesh.tets.locked().count(), 0);
                     };
                     open(&mut mesh, &expected.held);
                     let closure = at_once(&mut mesh, seed, &point).expect("nothing is locked");
@@ -220,7 +220,7 @@ mod tests {
                     if let Some(t) = last {
                         mesh.lock(t, OTHER, false);
                         assert_eq!(at_once(&mut mesh, seed, &point), None);
-                        assert_eq!(mesh.part.closed().collect::<Vec<_>>(), [t]);
+                        assert_eq!(mesh.tets.locked().collect::<Vec<_>>(), [t]);
                         mesh.set_holder(t, None);
                     }
                     // ... and what this one has in its ring already stays as it is.
@@ -253,7 +253,7 @@ mod tests {
         let prepared = Plan::new(set.len(), 2).prepare(&set).expect("a mesh");
         let (_, mut mesh, mut field) = prepared.workers.into_iter().next().expect("a worker");
         let point = field.next(&mesh).expect("a point");
-        let all: Vec<TetId> = mesh.part.tets().map(|(t, _)| t).collect();
+        let all: Vec<TetId> = mesh.tets.tets().map(|(t, _)| t).collect();
         let seed = all.into_iter().find(|&t| !mesh.in_conflict(t, &point)).expect("one far away");
         let closure = at_once(&mut mesh, seed, &point).expect("nothing is locked");
         assert_eq!(closure, Closure { held: vec![seed], ..Closure::default() });

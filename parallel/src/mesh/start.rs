@@ -5,7 +5,7 @@ use super::{Blocks, Field, Fixed, LocalMesh};
 use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
 use ltbw_core::build::independent;
 use ltbw_core::order::hilbert;
-use ltbw_core::part::Setting;
+use ltbw_core::submesh::MeshParams;
 use ltbw_core::topology::{INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{BuildError, Builder, Mesh, PredicateStats};
 use ltbw_exact::{Mode, Point, PointSet};
@@ -106,11 +106,11 @@ impl Plan {
         let blocks = Blocks::even(points.len() as u32, self.workers * self.blocks_per_worker);
         let owners: Vec<WorkerId> =
             (0..blocks.len()).map(|block| block / self.blocks_per_worker).collect();
-        let setting = Setting::of(&points, set.mode()).at_most(self.max_tets);
+        let params = MeshParams::of(&points, set.mode()).at_most(self.max_tets);
         // The one is sequential, the other mostly waits for memory.
         let (coarse, mut workers) = rayon::join(
             || coarse_mesh(&points, &sample),
-            || self.submeshes(&setting, &blocks, &points),
+            || self.submeshes(&params, &blocks, &points),
         );
         let coarse = coarse?;
         distribute(&coarse, &sample, &points, &blocks, &owners, &mut workers);
@@ -190,9 +190,9 @@ impl Plan {
     }
 
     /// A submesh for each worker, without tetrahedra, with the points of its range.
-    fn submeshes(&self, setting: &Setting, blocks: &Blocks, points: &[Point]) -> Vec<LocalMesh> {
+    fn submeshes(&self, params: &MeshParams, blocks: &Blocks, points: &[Point]) -> Vec<LocalMesh> {
         let submesh = |me| {
-            let mut mesh = LocalMesh::new(me, setting, blocks.clone());
+            let mut mesh = LocalMesh::new(me, params, blocks.clone());
             if self.ownership != Ownership::Block {
                 mesh.fixed =
                     Some(Fixed { ownership: self.ownership, each: self.blocks_per_worker });
@@ -201,9 +201,9 @@ impl Plan {
             if self.roomy {
                 // The first one receives all others in the end.
                 let share = if me == 0 { points.len() } else { range.len() };
-                mesh.part.reserve(7 * share + share / 4 + 1024);
+                mesh.tets.reserve(7 * share + share / 4 + 1024);
             }
-            mesh.part.set_points(range.start, &points[range.start as usize - 1..][..range.len()]);
+            mesh.tets.set_points(range.start, &points[range.start as usize - 1..][..range.len()]);
             mesh
         };
         (0..self.workers).into_par_iter().map(submesh).collect()
@@ -275,10 +275,10 @@ fn distribute(
         let mut made = Vec::with_capacity(tets.len());
         for v in tets.iter().filter_map(|&t| corners(t)) {
             for &w in v.iter().filter(|&&w| w != INFINITE) {
-                mesh.part.set_point(w, points[w as usize - 1]);
+                mesh.tets.set_point(w, points[w as usize - 1]);
             }
             // Without room the run fails before anything looks at the submesh.
-            let Some(local) = mesh.part.create(v) else {
+            let Some(local) = mesh.tets.create(v) else {
                 mesh.fail_for_room();
                 break;
             };
@@ -300,7 +300,7 @@ fn distribute(
         let ranges = || (0..blocks.len()).filter(|&b| own(b)).map(|b| blocks.vertices(b));
         let first = ranges().map(|r| r.start).min().unwrap_or(0);
         let last = ranges().map(|r| r.end).max().unwrap_or(0);
-        mesh.part.set_home(first..last);
+        mesh.tets.set_own_range(first..last);
     });
 }
 
@@ -313,12 +313,12 @@ fn link(mesh: &mut LocalMesh, coarse: &Mesh, t: TetId, place: &[(BlockId, Worker
         let (u, there) = (tet_of(face), slot_of(face) as u32);
         let (other_block, other_owner, other_local) = place[u as usize];
         if other_owner == owner {
-            mesh.part.link(4 * local + slot, 4 * other_local + there);
+            mesh.tets.link(4 * local + slot, 4 * other_local + there);
             continue;
         }
         let name = Name { by: COARSE, number: u };
         let far = Handle { name, block: other_block, face: there as u8 };
-        if mesh.part.link_far(4 * local + slot, far).is_none() {
+        if mesh.tets.link_far(4 * local + slot, far).is_none() {
             mesh.fail_for_room();
         }
         mesh.set_name(local, Name { by: COARSE, number: t });

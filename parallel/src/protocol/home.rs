@@ -98,7 +98,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         out: &mut Vec<Action<S>>,
     ) {
         match self.mesh.walk(&point, from) {
-            Walk::Known => {
+            Walk::Duplicate(_) => {
                 self.source.let_go(&point);
                 out.push(Action::Note(Note::Known));
             }
@@ -113,18 +113,18 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
                     self.wait_outside(ticket, attempt, point, t);
                 }
                 // The run has failed.
-                Insert::Failed => {}
+                Insert::Full => {}
                 Insert::Blocked | Insert::Locked(_) => {
                     let ticket = ticket.unwrap_or_else(|| self.ticket());
                     self.begin(ticket, attempt, point, seed, out);
                 }
             },
             Walk::Locked(t) => self.wait_outside(ticket, attempt, point, t),
-            Walk::Leaves(at) => {
+            Walk::Exits(at) => {
                 let ticket = ticket.unwrap_or_else(|| self.ticket());
                 self.walk_out(ticket, attempt, point, at, out);
             }
-            Walk::Nowhere => {
+            Walk::NoTets => {
                 let ticket = ticket.unwrap_or_else(|| self.ticket());
                 let next = (self.id() + 1) % self.config.workers;
                 self.source.let_go(&point);

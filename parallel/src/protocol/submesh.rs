@@ -1,6 +1,7 @@
 //! What the protocol needs of a mesh and of a supply of points. It never sees a coordinate.
 
 use super::{BlockId, Conduct, Directory, Handle, Name, Ticket, WorkerId};
+pub use ltbw_core::submesh::Insert;
 use std::fmt::Debug;
 use std::hash::Hash;
 
@@ -13,35 +14,8 @@ pub enum Neighbour<T> {
     Far(Handle),
 }
 
-/// How point location went.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Walk<T> {
-    /// An unlocked tetrahedron in conflict with the point.
-    At(T),
-    /// The walk leaves the worker's tetrahedra.
-    Leaves(Handle),
-    /// The walk met a locked tetrahedron.
-    Locked(T),
-    /// The point is a vertex already: nothing to insert.
-    Known,
-    /// The worker has no tetrahedron.
-    Nowhere,
-}
-
-/// How an insertion at once went.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Insert<T> {
-    /// The point is a vertex.
-    Done,
-    /// This tetrahedron of the closure is locked. Nothing has changed.
-    Locked(T),
-    /// No tetrahedron of the closure here is locked, but the closure or the new tetrahedra are in
-    /// part another worker's. Nothing has changed.
-    Blocked,
-    /// There is no room for the new tetrahedra. Nothing has changed, but the submesh has failed:
-    /// [`Submesh::error`] says why.
-    Failed,
-}
+/// How point location went: `T` is the local handle of a tetrahedron.
+pub type Walk<T> = ltbw_core::submesh::Walk<T, Handle>;
 
 /// Why a submesh could not do what it was asked for. It has changed nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]

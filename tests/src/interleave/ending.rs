@@ -10,7 +10,7 @@ impl World {
         for node in &self.nodes {
             let at_rest = node.is_stopped() && node.is_quiescent() && node.source().is_empty();
             assert!(at_rest, "worker {} is not at rest:\n{}", node.id(), self.describe());
-            assert_eq!(node.mesh().part().closed().count(), 0, "a lock:\n{}", self.describe());
+            assert_eq!(node.mesh().tets().locked().count(), 0, "a lock:\n{}", self.describe());
             let misplaced = node.mesh().misplaced(node.directory());
             assert_eq!(misplaced, None, "a tetrahedron of another worker:\n{}", self.describe());
         }

@@ -143,11 +143,11 @@ impl Submesh for Line {
             let below = below.max_by_key(|(_, cell)| cell.ends.0);
             below.or_else(|| self.cells.iter().min_by_key(|(_, c)| c.ends.0)).map(|(&name, _)| name)
         };
-        let Some(name) = named.or_else(nearest) else { return Walk::Nowhere };
-        let Some(cell) = self.cells.get(&name) else { return Walk::Nowhere };
+        let Some(name) = named.or_else(nearest) else { return Walk::NoTets };
+        let Some(cell) = self.cells.get(&name) else { return Walk::NoTets };
         let (a, b) = cell.ends;
         if p == a || p == b {
-            return Walk::Known;
+            return Walk::Duplicate(0); // vertices have no numbers here
         }
         if self.locks.contains_key(&name) {
             return Walk::Locked(name);
@@ -155,7 +155,7 @@ impl Submesh for Line {
         if a < p && p < b {
             return Walk::At(name);
         }
-        cell.links[usize::from(p > b)].map_or(Walk::Nowhere, |link| Walk::Leaves(handle(link)))
+        cell.links[usize::from(p > b)].map_or(Walk::NoTets, |link| Walk::Exits(handle(link)))
     }
 
     fn insert(&mut self, &p: &i64, seed: Name, directory: &Directory) -> Insert<Name> {

@@ -284,7 +284,7 @@ impl<C: Exhibit> Submesh for Hull<C> {
     fn walk(&mut self, point: &Vertex, from: Option<Name>) -> Walk<u8> {
         let any = self.cells.iter().position(Option::is_some).map(|slot| slot as u8);
         let Some(mut t) = from.and_then(|name| self.resolve(name)).or(any) else {
-            return Walk::Nowhere;
+            return Walk::NoTets;
         };
         for _ in 0..=self.cells.len() {
             let Some(cell) = self.cell(t) else { break };
@@ -293,17 +293,17 @@ impl<C: Exhibit> Submesh for Hull<C> {
             }
             let Piece { ends: [a, b], links, .. } = cell.piece;
             if a == *point || b == *point {
-                return Walk::Known;
+                return Walk::Duplicate(0); // vertices have no numbers here
             }
             if orient(a, b, *point) < 0 {
                 return Walk::At(t);
             }
             match self.resolve(links[0].name) {
                 Some(next) => t = next,
-                None => return Walk::Leaves(links[0].handle(0)),
+                None => return Walk::Exits(links[0].handle(0)),
             }
         }
-        Walk::Known
+        Walk::Duplicate(0)
     }
 
     fn insert(&mut self, point: &Vertex, seed: u8, directory: &Directory) -> Insert<u8> {

@@ -24,7 +24,7 @@ pub struct Assembly<'a> {
 }
 
 impl Mesh {
-    /// The mesh of assembled parts. Vertices that are not `used` by a tetrahedron are left out.
+    /// The mesh of assembled submeshes. Vertices that are not `used` by a tetrahedron are left out.
     pub(crate) fn assembled(
         mut topology: Topology,
         mut geometry: Geometry,

@@ -2,14 +2,14 @@
 
 use super::*;
 use ltbw_core::order::round_of;
-use ltbw_core::part::Setting;
+use ltbw_core::submesh::MeshParams;
 use ltbw_exact::{Mode, Point};
 
 fn field(count: u32) -> (Field, LocalMesh) {
     let blocks = Blocks::even(count, 4);
     let all: Vec<Point> = (1..=count).map(|v| [f64::from(v); 3]).collect();
-    let mut mesh = LocalMesh::new(0, &Setting::of(&all, Mode::Normal), blocks.clone());
-    mesh.part.set_points(1, &all);
+    let mut mesh = LocalMesh::new(0, &MeshParams::of(&all, Mode::Normal), blocks.clone());
+    mesh.tets.set_points(1, &all);
     (Field::new(blocks, 1..count + 1, [], 3), mesh)
 }
 

@@ -1,50 +1,51 @@
-//! Parts put together to one mesh.
+//! Submeshes put together to one mesh.
 
-use super::{FarTable, Part};
+use super::{FarTable, Submesh};
 use crate::geometry::Geometry;
 use crate::mesh::{Assembly, Mesh};
 use crate::topology::{FaceId, MAX_TETS, Topology, tet_of};
 
-/// Why parts of a mesh could not be put together.
+/// Why submeshes could not be put together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Misfit<F> {
-    /// There is no part.
-    NoParts,
+pub enum AssembleError<F> {
+    /// There is no submesh.
+    NoSubmeshes,
     /// Together they have too many tetrahedra.
     TooManyTets,
     /// Nobody has the tetrahedron beyond a proxy.
     Dangling {
-        /// Index of the part with the proxy.
-        part: usize,
+        /// Index of the submesh with the proxy.
+        submesh: usize,
         /// The far handle of the proxy.
         far: F,
     },
 }
 
-/// Puts all parts of a mesh together. `find` finds the part and face beyond a proxy by its far handle.
+/// Puts all submeshes of a mesh together. `find` finds the submesh and the face beyond a proxy by its
+/// far handle.
 ///
 /// Vertices that no tetrahedron has are left out.
 ///
 /// # Errors
-/// [`Misfit`] if there are too many tetrahedra, or if `find` finds nothing that is there.
+/// [`AssembleError`] if there are too many tetrahedra, or if `find` finds nothing that is there.
 ///
-/// Cost: O(tetrahedra), less those of the first part.
-pub fn assemble<H: Copy + Eq, L: Copy, F: Copy>(
-    parts: Vec<Part<H, L, F>>,
+/// Cost: O(tetrahedra), less those of the first.
+pub fn assemble<H: Copy + Eq, T: Copy, F: Copy>(
+    submeshes: Vec<Submesh<H, T, F>>,
     find: impl Fn(F) -> Option<(usize, FaceId)>,
     assembly: Assembly<'_>,
-) -> Result<Mesh, Misfit<F>> {
-    let mut parts = parts.into_iter().map(Part::settle);
-    let (mut topology, mut geometry, far) = parts.next().ok_or(Misfit::NoParts)?;
+) -> Result<Mesh, AssembleError<F>> {
+    let mut submeshes = submeshes.into_iter().map(Submesh::settle);
+    let (mut topology, mut geometry, far) = submeshes.next().ok_or(AssembleError::NoSubmeshes)?;
     let mut tables = vec![far];
-    // The limit of a part is not that of the whole mesh.
+    // The limit of a submesh is not that of the whole mesh.
     topology.set_limit(MAX_TETS);
     let mut offsets = vec![0];
-    for (their_topology, their_geometry, far) in parts {
+    for (their_topology, their_geometry, far) in submeshes {
         tables.push(far);
         let (slots, theirs) = (topology.slots(), their_topology.slots());
         geometry.stats += their_geometry.stats;
-        offsets.push(topology.append(their_topology).ok_or(Misfit::TooManyTets)?);
+        offsets.push(topology.append(their_topology).ok_or(AssembleError::TooManyTets)?);
         geometry.append_spheres(slots, their_geometry, theirs);
     }
     let (used, proxies) = topology.survey(assembly.points.len());
@@ -53,10 +54,10 @@ pub fn assemble<H: Copy + Eq, L: Copy, F: Copy>(
         let face = tet.neighbours()[0];
         let at = offsets.partition_point(|&offset| offset <= t) - 1;
         let Some(far) = tables[at].get(geometry.sphere(t)) else { continue };
-        let beyond = find(far).and_then(|(part, beyond)| Some(beyond + 4 * offsets.get(part)?));
+        let beyond = find(far).and_then(|(place, beyond)| Some(beyond + 4 * offsets.get(place)?));
         match beyond.filter(|&beyond| topology.get(tet_of(beyond)).is_some()) {
             Some(beyond) => topology.point_to(face, beyond),
-            None => return Err(Misfit::Dangling { part: at, far }),
+            None => return Err(AssembleError::Dangling { submesh: at, far }),
         }
     }
     for t in proxies {
@@ -67,10 +68,10 @@ pub fn assemble<H: Copy + Eq, L: Copy, F: Copy>(
     Ok(Mesh::assembled(topology, geometry, &used, assembly))
 }
 
-impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
-    /// The mesh alone, nothing closed or watched, and what lies beyond its interface faces.
+impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
+    /// The mesh alone, nothing locked or tagged, and what lies beyond its interface faces.
     fn settle(mut self) -> (Topology, Geometry, FarTable<F>) {
-        for (t, sphere) in self.specials.spheres() {
+        for (t, sphere) in self.locks.spheres() {
             self.geometry.set_sphere(t, sphere);
         }
         (self.topology, self.geometry, self.far)

@@ -1,92 +1,93 @@
-//! The part of a mesh that one worker of the parallel kernel owns.
+//! The tetrahedra of one worker of the parallel kernel, with their locks.
 //!
-//! Vertices have one numbering for the whole mesh, 1 to n; a part knows the coordinates of those
-//! that its tetrahedra have. Where a neighbour belongs to another part there stands a *proxy*: a
+//! Vertices have one numbering for the whole mesh, 1 to n; a submesh knows the coordinates of those
+//! that its tetrahedra have. Where a neighbour belongs to another submesh there stands a *proxy*: a
 //! slot whose only neighbour is the tetrahedron in front of it, with a *far handle* that means
 //! something to the caller.
 //!
-//! A tetrahedron can be *closed*, with a holder: no walk enters it and no cavity takes it. Closing
-//! takes away the cached sphere, so that open tetrahedra are tested as fast as in a whole mesh:
-//! what no sphere decides is looked at more closely, and then the lock or the proxy is seen. For
-//! the same reason a tetrahedron that the caller must hear of when it goes ([`Part::watch`]) never
-//! has a sphere.
+//! A tetrahedron can be *locked* for a holder: no walk enters it and no cavity takes it. A lock takes
+//! the cached sphere away, so that unlocked tetrahedra are tested as fast as in a whole mesh: what no
+//! sphere decides is looked at more closely, and then the lock or the proxy is seen. For the same
+//! reason a tetrahedron that the caller must hear of when it goes ([`Submesh::tag`]) never has a
+//! sphere. Geometry knows of all this only that slots are tagged, and whom [`crate::locate`] bars.
 //!
 //! Numbers that come from outside are compared before they are used: a method that is given one of
 //! no tetrahedron, face or vertex here panics. What is inside stays inside (I7): a link leads to a
 //! slot, and a slot without a tetrahedron has no sphere, so that no walk and no cavity enters it,
 //! even where the caller has not linked yet what it has made.
 
+mod access;
 mod assemble;
-mod closure;
-mod conflict;
 mod edit;
 mod far;
 mod insert;
+mod lock;
+mod lock_table;
 mod star;
 mod walk;
 
 pub use crate::mesh::Assembly;
-pub use assemble::{Misfit, assemble};
-pub use closure::Closed;
+pub use assemble::{AssembleError, assemble};
+pub use lock::Closure;
 
 use crate::cavity::{Cavity, Conflict};
 use crate::geometry::Geometry;
-use crate::special::Specials;
 use crate::topology::{FaceId, INFINITE, MAX_TETS, TetId, Topology, VertexId};
 use far::FarTable;
+use lock_table::LockTable;
 use ltbw_exact::Point;
 use ltbw_exact::points::Mode;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Places of a part with a hint each: a power of two.
+/// Places of a submesh with a hint each: a power of two.
 const PLACES: usize = 4096;
-/// Of these, so many are for the part's own vertices at the start.
-const HOME_PLACES: usize = 1024;
+/// Those of them that are for the submesh's own vertices at the start.
+const OWN_PLACES: usize = 1024;
 
-/// Where a walk in a part ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
-    /// At an open tetrahedron in conflict with the point.
-    Conflict(TetId),
-    /// At a vertex with the same coordinates.
-    Vertex(VertexId),
-    /// At a proxy.
-    Proxy(TetId),
-    /// At a closed tetrahedron.
-    Closed(TetId),
-    /// The part has no tetrahedron.
-    Empty,
+/// How point location went. `T` is a tetrahedron, `F` a far handle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Walk<T, F> {
+    /// An unlocked tetrahedron in conflict with the point.
+    At(T),
+    /// The walk leaves the submesh, to what lies beyond a proxy.
+    Exits(F),
+    /// The walk met a locked tetrahedron.
+    Locked(T),
+    /// This vertex has the same coordinates: there is nothing to insert.
+    Duplicate(VertexId),
+    /// The submesh has no tetrahedron.
+    NoTets,
 }
 
-/// Which new tetrahedra of a local insertion would be the part's own.
+/// How an insertion at once went. `T` is a tetrahedron.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Insert<T> {
+    /// The point is a vertex.
+    Done,
+    /// This tetrahedron of the closure is locked. Nothing has changed.
+    Locked(T),
+    /// No tetrahedron of the closure here is locked, but the closure or the new tetrahedra are in part
+    /// another submesh's. Nothing has changed.
+    Blocked,
+    /// There is no room for the new tetrahedra. Nothing has changed.
+    Full,
+}
+
+/// Which new tetrahedra of a local insertion would be the submesh's own.
 #[derive(Clone, Copy, Debug)]
 pub enum Owns<F> {
     /// All: none is looked at.
     All,
-    /// None: the point is not inserted, but what is closed is met.
+    /// None: the point is not inserted, but locks are met.
     None,
-    /// Those of home vertices alone, and otherwise those of whose vertices this is true.
+    /// Those of own vertices alone, and otherwise those of whose vertices this is true.
     By(F),
-}
-
-/// What became of a local insertion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Local {
-    /// The point is a vertex.
-    Inserted,
-    /// A closed tetrahedron is in the way. The part is as before.
-    Closed(TetId),
-    /// No closed tetrahedron of the part is in the way, but a proxy or a new tetrahedron of another
-    /// part. The part is as before.
-    Blocked,
-    /// The part would exceed the limit of tetrahedra. It is as before.
-    Full,
 }
 
 /// The box, the arithmetic and the size of the whole mesh.
 #[derive(Clone, Copy, Debug)]
-pub struct Setting {
+pub struct MeshParams {
     low: Point,
     high: Point,
     wide: bool,
@@ -95,8 +96,8 @@ pub struct Setting {
     max_tets: usize,
 }
 
-impl Setting {
-    /// That of a mesh with these points, in kernel coordinates under `mode`.
+impl MeshParams {
+    /// Those of a mesh with these points, in kernel coordinates under `mode`.
     pub fn of(points: &[Point], mode: Mode) -> Self {
         let wide = mode == Mode::Wide;
         let of_chunk = |chunk: &[Point]| {
@@ -113,32 +114,32 @@ impl Setting {
         Self { low, high, wide, step, vertices: points.len(), max_tets: MAX_TETS }
     }
 
-    /// Sets how many tetrahedra, hull ghosts and proxies included, a part may have at most: no more
+    /// Sets how many tetrahedra, hull ghosts and proxies included, a submesh may have at most: no more
     /// than [`MAX_TETS`], which is the default.
     pub fn at_most(self, max_tets: usize) -> Self {
         Self { max_tets, ..self }
     }
 }
 
-/// A part of a mesh. `H` names the holder of a closed tetrahedron, `L` is the label of a watched
-/// one, `F` says what lies beyond a proxy.
+/// The tetrahedra of one worker. `H` names the holder of a locked tetrahedron, `T` is the tag of a
+/// tagged one, `F` says what lies beyond a proxy.
 #[derive(Debug)]
-pub struct Part<H, L, F> {
+pub struct Submesh<H, T, F> {
     topology: Topology,
     geometry: Geometry,
     cavity: Cavity,
     /// Seed and point of the cavity in `cavity`, if that was blocked and is, with its walls, what
     /// would be found now: whatever links, makes, removes, closes or opens a tetrahedron ends that.
     blocked: Option<(TetId, Point)>,
-    /// Tetrahedra that are closed, or that the caller must hear of when an insertion removes them.
-    specials: Specials<H, L>,
+    /// Tetrahedra that are locked, or that the caller must hear of when an insertion removes them.
+    locks: LockTable<H, T>,
     /// What the proxies stand for.
     far: FarTable<F>,
-    home: Range<VertexId>,
-    /// There are vertices outside the home range.
+    own: Range<VertexId>,
+    /// There are vertices outside the own range.
     others: bool,
-    /// Labels of the watched ones that the last insertion removed.
-    gone: Vec<L>,
+    /// Labels of the tagged ones that the last insertion removed.
+    removed_tags: Vec<T>,
     /// Where walks may start: tetrahedra made lately, the last one first.
     hints: [TetId; 8],
     /// The vertex inserted last.
@@ -153,22 +154,22 @@ pub struct Part<H, L, F> {
     made: u64,
 }
 
-impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
-    /// A part without tetrahedra.
-    pub fn new(setting: &Setting) -> Self {
-        let Setting { low, high, wide, step, vertices, max_tets } = *setting;
+impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
+    /// A submesh without tetrahedra.
+    pub fn new(params: &MeshParams) -> Self {
+        let MeshParams { low, high, wide, step, vertices, max_tets } = *params;
         let mut topology = Topology::default();
         topology.set_limit(max_tets);
         Self {
             topology,
-            geometry: Geometry::part(low, high, wide, step, vertices),
+            geometry: Geometry::submesh(low, high, wide, step, vertices),
             cavity: Cavity::for_vertices(vertices + 1),
             blocked: None,
-            specials: Specials::new(),
+            locks: LockTable::new(),
             far: FarTable::new(),
-            home: 0..0,
+            own: 0..0,
             others: true,
-            gone: Vec::new(),
+            removed_tags: Vec::new(),
             hints: [0; 8],
             last: 0,
             places: vec![TetId::MAX; PLACES],
@@ -187,7 +188,7 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         self.geometry.reserve_sphere_capacity(tets.min(limit));
     }
 
-    /// The largest number of tetrahedra that the part may have, hull ghosts and proxies included.
+    /// The largest number of tetrahedra that the submesh may have, hull ghosts and proxies included.
     pub fn max_tets(&self) -> usize {
         self.topology.limit()
     }
@@ -197,11 +198,11 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         self.topology.reserve(tets).is_ok()
     }
 
-    /// Says which vertices are the part's own: a tetrahedron with no other vertex belongs to it.
-    pub fn set_home(&mut self, home: Range<VertexId>) {
-        self.others = home.start > 1 || (home.end as usize) < self.geometry.points().len();
-        self.grain = (home.len() / HOME_PLACES + 1) as VertexId;
-        self.home = home;
+    /// Says which vertices are the submesh's own: a tetrahedron with no other vertex belongs to it.
+    pub fn set_own_range(&mut self, own: Range<VertexId>) {
+        self.others = own.start > 1 || (own.end as usize) < self.geometry.points().len();
+        self.grain = (own.len() / OWN_PLACES + 1) as VertexId;
+        self.own = own;
         let tets: Vec<(TetId, [VertexId; 4])> = self.tets().collect();
         for (t, v) in tets {
             self.cache_sphere(t);
@@ -209,13 +210,13 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         }
     }
 
-    /// Says that the vertices of `range` are not the part's own any more. What lies on the smaller
-    /// side of them is not, either: the part's own vertices stay one range.
-    pub fn leave(&mut self, range: Range<VertexId>) {
-        let Range { start, end } = self.home;
+    /// Says that the vertices of `range` are not the submesh's own any more. What lies on the smaller
+    /// side of them is not, either: the submesh's own vertices stay one range.
+    pub fn leave_range(&mut self, range: Range<VertexId>) {
+        let Range { start, end } = self.own;
         let below = start..range.start.clamp(start, end);
         let above = range.end.clamp(start, end)..end;
-        self.home = if below.len() < above.len() { above } else { below };
+        self.own = if below.len() < above.len() { above } else { below };
         self.others = true;
     }
 
@@ -230,7 +231,7 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         real.map(|(t, tet)| (t, tet.vertices()))
     }
 
-    /// Is `t` a tetrahedron of this part?
+    /// Is `t` a tetrahedron of this submesh?
     pub fn is_live(&self, t: TetId) -> bool {
         self.topology.get(t).is_some_and(|tet| !tet.is_vacant())
     }
@@ -310,34 +311,34 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         (self.steps, self.geometry.stats.insphere_calls, self.made)
     }
 
-    /// Watches `t`: should an insertion remove it, its label is among [`Part::take_gone`] then.
+    /// Tags `t`: should an insertion remove it, its tag is among [`Submesh::take_removed_tags`] then.
     ///
     /// # Panics
     /// If there is no such tetrahedron.
-    pub fn watch(&mut self, t: TetId, label: L) {
+    pub fn tag(&mut self, t: TetId, tag: T) {
         self.expect_live(t);
         let mut sphere = self.geometry.sphere(t);
-        self.specials.entry(t, &mut sphere).label = Some(label);
+        self.locks.entry(t, &mut sphere).tag = Some(tag);
         self.geometry.set_sphere(t, sphere);
     }
 
-    /// The label of `t`, if it is watched.
+    /// The tag of `t`, if it is tagged.
     ///
     /// # Panics
     /// If there is no such slot.
     #[inline]
-    pub fn label(&self, t: TetId) -> Option<L> {
+    pub fn tag_of(&self, t: TetId) -> Option<T> {
         self.expect_slot(t);
-        self.specials.get(self.geometry.sphere(t))?.label
+        self.locks.get(self.geometry.sphere(t))?.tag
     }
 
-    /// Stops to watch `t`; returns its label.
+    /// Takes the tag of `t` away and returns it.
     ///
     /// # Panics
     /// If there is no such slot.
-    pub fn unwatch(&mut self, t: TetId) -> Option<L> {
+    pub fn untag(&mut self, t: TetId) -> Option<T> {
         self.expect_slot(t);
-        unwatch(&mut self.specials, &mut self.geometry, t)
+        untag(&mut self.locks, &mut self.geometry, t)
     }
 
     /// Is tetrahedron `t` in conflict with `p`?
@@ -348,7 +349,7 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         self.expect_live(t);
         self.geometry.stats.insphere_calls += 1;
         let sphere = self.geometry.sphere(t);
-        let sphere = self.specials.get(sphere).map_or(sphere, |special| special.sphere);
+        let sphere = self.locks.get(sphere).map_or(sphere, |entry| entry.sphere);
         if let Some(sign) = self.geometry.side(sphere, p) {
             return sign.is_positive();
         }
@@ -356,67 +357,68 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         conflict.in_conflict(&self.topology, t)
     }
 
-    /// Who holds the closed tetrahedron `t`; `None` if it is open.
+    /// The holder of the locked tetrahedron `t`; `None` if it is unlocked.
     ///
     /// # Panics
     /// If there is no such slot.
     #[inline]
     pub fn holder(&self, t: TetId) -> Option<H> {
-        self.closed_by(t).map(|(holder, _)| holder)
+        self.lock_of(t).map(|(holder, _)| holder)
     }
 
-    /// The closed tetrahedra.
-    pub fn closed(&self) -> impl Iterator<Item = TetId> + '_ {
-        self.specials.closed()
+    /// The locked tetrahedra.
+    pub fn locked(&self) -> impl Iterator<Item = TetId> + '_ {
+        self.locks.locked()
     }
 
-    /// Closes `t`, which is open, as a tetrahedron of the holder's cavity (`inside`) or not.
+    /// Locks `t`, which is unlocked, as a tetrahedron of the holder's cavity (`inside`) or not.
     ///
     /// # Panics
     /// If there is no such tetrahedron.
-    pub fn close(&mut self, t: TetId, holder: H, inside: bool) {
+    pub fn lock(&mut self, t: TetId, holder: H, inside: bool) {
         self.expect_live(t);
         self.blocked = None;
         let mut sphere = self.geometry.sphere(t);
-        self.specials.entry(t, &mut sphere).closed = Some((holder, inside));
+        self.locks.entry(t, &mut sphere).lock = Some((holder, inside));
         self.geometry.set_sphere(t, sphere);
     }
 
-    /// Who holds the closed tetrahedron `t`, and whether as one of its cavity; `None` if it is open.
+    /// The holder of the locked tetrahedron `t`, and whether as one of its cavity; `None` if it is
+    /// unlocked.
     ///
     /// # Panics
     /// If there is no such slot.
     #[inline]
-    pub fn closed_by(&self, t: TetId) -> Option<(H, bool)> {
+    pub fn lock_of(&self, t: TetId) -> Option<(H, bool)> {
         self.expect_slot(t);
-        self.specials.get(self.geometry.sphere(t))?.closed
+        self.locks.get(self.geometry.sphere(t))?.lock
     }
 
-    fn is_closed(&self, t: TetId) -> bool {
-        self.specials.is_closed(self.geometry.sphere(t))
+    fn is_locked(&self, t: TetId) -> bool {
+        self.locks.is_locked(self.geometry.sphere(t))
     }
 
-    /// Opens `t`; nothing happens if it is open.
+    /// Unlocks `t`; nothing happens if it is unlocked.
     ///
     /// # Panics
     /// If there is no such slot.
-    pub fn open(&mut self, t: TetId) {
+    pub fn unlock(&mut self, t: TetId) {
         self.expect_slot(t);
         self.blocked = None;
         let mut sphere = self.geometry.sphere(t);
-        self.specials.open(&mut sphere);
+        self.locks.unlock(&mut sphere);
         self.geometry.set_sphere(t, sphere);
     }
 }
 
-/// Takes the label of `t` away.
-fn unwatch<H: Copy, L: Copy>(
-    specials: &mut Specials<H, L>,
+/// Takes the tag of `t` away.
+fn untag<H: Copy, T: Copy>(
+    locks: &mut LockTable<H, T>,
     geometry: &mut Geometry,
     t: TetId,
-) -> Option<L> {
+) -> Option<T> {
     let mut sphere = geometry.sphere(t);
-    let label = specials.unwatch(&mut sphere);
+    let tag = locks.untag(&mut sphere);
     geometry.set_sphere(t, sphere);
-    label
+    tag
 }

@@ -1,10 +1,10 @@
-//! What lies beyond the interface faces of a part: a table beside the tetrahedra.
+//! What lies beyond the interface faces of a submesh: a table beside the tetrahedra.
 //!
 //! Topology knows of an interface face only that a *proxy* stands behind it. What the proxy stands
-//! for, a tetrahedron of another part, means something to the caller alone: its *far handle* lies
+//! for, a tetrahedron of another submesh, means something to the caller alone: its *far handle* lies
 //! here, and the proxy is tagged with its place.
 
-use crate::sphere::{Sphere, Tag};
+use crate::sphere::{Sphere, TagKind};
 
 /// Far handles by place.
 #[derive(Debug)]
@@ -13,8 +13,8 @@ pub(super) struct FarTable<F> {
     free: Vec<u32>,
 }
 
-/// The tag of proxies.
-const TAG: Tag = Tag::Second;
+/// What geometry sees of proxies.
+const KIND: TagKind = TagKind::Second;
 
 impl<F: Copy> FarTable<F> {
     pub(super) fn new() -> Self {
@@ -24,7 +24,7 @@ impl<F: Copy> FarTable<F> {
     /// The far handle of a proxy by what it has in place of a sphere; `None` of other slots.
     #[inline]
     pub(super) fn get(&self, sphere: Sphere) -> Option<F> {
-        self.handles.get(sphere.number(TAG)? as usize).copied()
+        self.handles.get(sphere.number(KIND)? as usize).copied()
     }
 
     /// Keeps the far handle of a new proxy; returns what the proxy is to have in place of a sphere.
@@ -39,12 +39,12 @@ impl<F: Copy> FarTable<F> {
                 (self.handles.len() - 1) as u32
             }
         };
-        Sphere::tagged(TAG, place)
+        Sphere::tagged(KIND, place)
     }
 
     /// Replaces the far handle of a proxy.
     pub(super) fn replace(&mut self, sphere: Sphere, handle: F) {
-        let place = sphere.number(TAG).and_then(|place| self.handles.get_mut(place as usize));
+        let place = sphere.number(KIND).and_then(|place| self.handles.get_mut(place as usize));
         if let Some(place) = place {
             *place = handle;
         }
@@ -52,7 +52,7 @@ impl<F: Copy> FarTable<F> {
 
     /// Forgets the far handle of a proxy that goes.
     pub(super) fn remove(&mut self, sphere: Sphere) {
-        self.free.extend(sphere.number(TAG));
+        self.free.extend(sphere.number(KIND));
     }
 }
 
@@ -66,7 +66,7 @@ mod tests {
         let [a, b] = ['a', 'b'].map(|handle| table.add(handle));
         assert_eq!((table.get(a), table.get(b)), (Some('a'), Some('b')));
         assert_eq!(table.get(Sphere::UNKNOWN), None);
-        assert_eq!(table.get(Sphere::tagged(Tag::First, 0)), None, "a tag of another table");
+        assert_eq!(table.get(Sphere::tagged(TagKind::First, 0)), None, "a tag of another table");
         table.replace(a, 'c');
         table.remove(b);
         let d = table.add('d');

@@ -1,14 +1,14 @@
-//! Insertion at once: of points whose cavity is the part's own and unlocked.
+//! Insertion at once: of points whose cavity is the submesh's own and unlocked.
 
-use super::conflict::{Met, PartConflict};
-use super::{Local, Owns, Part, unwatch};
+use super::access::{Met, SubmeshConflict};
+use super::{Insert, Owns, Submesh, untag};
 use crate::cavity::{Cavity, Open, Setback};
 use crate::sphere::Sphere;
 use crate::topology::{TetId, VertexId};
 use crate::transaction::{OpenCavity, Opens};
 use ltbw_exact::Point;
 
-impl<H: Copy + Eq, L: Copy, F: Copy> Opens for Part<H, L, F> {
+impl<H: Copy + Eq, T: Copy, F: Copy> Opens for Submesh<H, T, F> {
     #[inline(always)]
     fn cavity(&self) -> &Cavity {
         &self.cavity
@@ -19,9 +19,9 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Opens for Part<H, L, F> {
     }
 }
 
-impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
-    /// Inserts `p` as vertex `v` if nothing is in the way: no proxy, no closed tetrahedron, and
-    /// every new tetrahedron is the part's own. `seed` must be open and in conflict with `p`.
+impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
+    /// Inserts `p` as vertex `v` if nothing is in the way: no proxy, no locked tetrahedron, and
+    /// every new tetrahedron is the submesh's own. `seed` must be unlocked and in conflict with `p`.
     ///
     /// # Panics
     /// If `seed` is no tetrahedron, or `v` no finite vertex.
@@ -31,21 +31,21 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         p: &Point,
         seed: TetId,
         owns: Owns<impl Fn([VertexId; 4]) -> bool>,
-    ) -> Local {
+    ) -> Insert<TetId> {
         self.expect_live(seed);
         assert!(self.is_vertex(v), "there is no finite vertex {v}");
         self.blocked = None;
-        let Ok((open, met)) = self.begin(seed, p, None) else { return Local::Full };
-        if let Some(t) = met.closed {
-            return Local::Closed(t);
+        let Ok((open, met)) = self.begin(seed, p, None) else { return Insert::Full };
+        if let Some(t) = met.locked {
+            return Insert::Locked(t);
         }
         if met.blocked || !open.owner().owns_star(v, owns) {
             drop(open);
             self.blocked = Some((seed, *p));
-            return Local::Blocked;
+            return Insert::Blocked;
         }
-        open.end(|part| part.fill(v, p, met.watched));
-        Local::Inserted
+        open.end(|submesh| submesh.fill(v, p, met.tagged));
+        Insert::Done
     }
 
     /// Finds the cavity of `p` from `seed` on, and what is in its way.
@@ -56,24 +56,24 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         p: &Point,
         holder: Option<H>,
     ) -> Result<(OpenCavity<'_, Self>, Met), Setback> {
-        let Self { topology, geometry, cavity, specials, .. } = self;
-        let watched = specials.is_watched(geometry.sphere(seed));
-        let met = Met { watched, ..Met::default() };
+        let Self { topology, geometry, cavity, locks, .. } = self;
+        let tagged = locks.is_tagged(geometry.sphere(seed));
+        let met = Met { tagged, ..Met::default() };
         let inner = geometry.conflict_of(p);
-        let mut conflict = PartConflict { inner, specials, met, holder };
+        let mut conflict = SubmeshConflict { inner, locks, met, holder };
         cavity.expand(topology, seed, &mut conflict, &mut Open)?;
         let met = conflict.met;
         Ok((OpenCavity::new(self), met))
     }
 
-    /// Would all tetrahedra of the star of `v` in the open cavity be the part's own?
+    /// Would all tetrahedra of the star of `v` in the open cavity be the submesh's own?
     #[inline(always)]
     fn owns_star(&self, v: VertexId, owns: Owns<impl Fn([VertexId; 4]) -> bool>) -> bool {
-        let Self { topology, cavity, home, others, .. } = self;
+        let Self { topology, cavity, own, others, .. } = self;
         // All corners of the cavity are looked at, without a branch for each: most cavities are far
         // from others. A ghost's corner at infinity may count: a closer look costs little.
         // Below 2^31, so that a sign tells a number before the range or after it.
-        let (first, last) = (home.start, home.end.wrapping_sub(1));
+        let (first, last) = (own.start, own.end.wrapping_sub(1));
         let strange = |w: VertexId| w.wrapping_sub(first) | last.wrapping_sub(w);
         let border = || {
             let signs = cavity.tets().fold([strange(v); 4], |signs, t| {
@@ -91,13 +91,13 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         }
     }
 
-    /// Fills the open cavity with the star of `v`. Some of its tetrahedra may be `watched`.
+    /// Fills the open cavity with the star of `v`. Some of its tetrahedra may be `tagged`.
     #[inline(always)]
-    fn fill(&mut self, v: VertexId, p: &Point, watched: bool) {
-        let Self { topology, geometry, cavity, specials, .. } = self;
-        self.gone.clear();
-        if watched {
-            self.gone.extend(cavity.tets().filter_map(|t| unwatch(specials, geometry, t)));
+    fn fill(&mut self, v: VertexId, p: &Point, tagged: bool) {
+        let Self { topology, geometry, cavity, locks, .. } = self;
+        self.removed_tags.clear();
+        if tagged {
+            self.removed_tags.extend(cavity.tets().filter_map(|t| untag(locks, geometry, t)));
         }
         geometry.set_point(v, *p);
         let hint = cavity.fill(topology, v);
@@ -113,9 +113,9 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         self.places[place] = hint;
     }
 
-    /// Takes the labels of the watched tetrahedra that the last successful [`Part::insert`]
-    /// removed. They are not watched any more.
-    pub fn take_gone(&mut self) -> std::vec::Drain<'_, L> {
-        self.gone.drain(..)
+    /// Takes the tags of the tagged tetrahedra that the last successful [`Submesh::insert`]
+    /// removed. They are not tagged any more.
+    pub fn take_removed_tags(&mut self) -> std::vec::Drain<'_, T> {
+        self.removed_tags.drain(..)
     }
 }

@@ -1,7 +1,7 @@
-//! Point location in a part: where walks start, and what they meet.
+//! Point location in a submesh: where walks start, and what they meet.
 
-use super::conflict::Doors;
-use super::{PLACES, Part, Stop};
+use super::access::LockFilter;
+use super::{PLACES, Submesh, Walk};
 use crate::locate::{Found, walk_through};
 use crate::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
@@ -15,28 +15,28 @@ const TRIES: usize = 4;
 /// Vertices that differ by less than this are likely to be near each other.
 const NEAR: VertexId = 64;
 
-impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
+impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     /// Walks towards `p`, which is to be vertex `v`, from `start` if that is a tetrahedron here,
     /// else from one made lately near by. Such a walk is free to start elsewhere when it meets a
-    /// proxy: the part need not be convex, and steps here cost less than to ask another part.
-    pub fn walk(&mut self, v: VertexId, p: &Point, start: Option<TetId>) -> Stop {
+    /// proxy: the submesh need not be convex, and steps here cost less than to ask another.
+    pub fn walk(&mut self, v: VertexId, p: &Point, start: Option<TetId>) -> Walk<TetId, F> {
         let start = start.filter(|&t| self.is_live(t));
         let free = start.is_none();
-        let Some(start) = start.or_else(|| self.near(v)).or_else(|| self.open_hint()) else {
-            return Stop::Empty;
+        let Some(start) = start.or_else(|| self.near(v)).or_else(|| self.unlocked_hint()) else {
+            return Walk::NoTets;
         };
         let stop = self.walk_from(p, start);
-        if !free || !matches!(stop, Stop::Proxy(_)) {
+        if !free || !matches!(stop, Walk::Exits(_)) {
             return stop;
         }
         let others: Vec<TetId> = self
             .around(v, WIDE_SPREAD)
-            .filter(|&t| t != start && self.is_live(t) && !self.is_closed(t))
+            .filter(|&t| t != start && self.is_live(t) && !self.is_locked(t))
             .take(TRIES)
             .collect();
         for t in others {
             let stop = self.walk_from(p, t);
-            if !matches!(stop, Stop::Proxy(_)) {
+            if !matches!(stop, Walk::Exits(_)) {
                 return stop;
             }
         }
@@ -44,35 +44,36 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
     }
 
     /// Walks towards `p` from tetrahedron `start`.
-    pub(super) fn walk_from(&mut self, p: &Point, start: TetId) -> Stop {
-        let Self { topology, geometry, specials, steps, .. } = self;
+    pub(super) fn walk_from(&mut self, p: &Point, start: TetId) -> Walk<TetId, F> {
+        let Self { topology, geometry, locks, far, steps, .. } = self;
         let mut conflict = geometry.conflict_of(p);
         // A walk that comes in through a hull facet ends there. From a ghost a walk goes to the
         // facet's other side first, perhaps to where it came from, and so on without end.
-        if topology.tet(start).is_ghost() && !specials.is_closed(conflict.geometry().sphere(start))
-        {
+        if topology.tet(start).is_ghost() && !locks.is_locked(conflict.geometry().sphere(start)) {
             let [a, b, c, _] = topology.tet(start).vertices();
             if conflict.geometry().orient([a, b, c], p).is_positive() {
-                return Stop::Conflict(start);
+                return Walk::At(start);
             }
         }
-        match walk_through(topology, &mut conflict, start, &Doors(specials), steps) {
-            Found::Conflict(t) | Found::Outside(t) => Stop::Conflict(t),
-            Found::Closed(t) if topology.tet(t).is_vacant() => Stop::Proxy(t),
-            Found::Closed(t) => Stop::Closed(t),
+        match walk_through(topology, &mut conflict, start, &LockFilter(locks), steps) {
+            Found::Conflict(t) | Found::Outside(t) => Walk::At(t),
+            Found::Barred(t) if topology.tet(t).is_vacant() => {
+                far.get(geometry.sphere(t)).map_or(Walk::NoTets, Walk::Exits)
+            }
+            Found::Barred(t) => Walk::Locked(t),
             Found::Inside(t) => {
                 let corners = topology.tet(t).vertices();
                 let here = corners.iter().find(|&&v| *geometry.point(v) == *p);
-                here.map_or(Stop::Conflict(t), |&v| Stop::Vertex(v))
+                here.map_or(Walk::At(t), |&v| Walk::Duplicate(v))
             }
         }
     }
 
-    /// The tetrahedron made last, if that was near vertex `v`; else the open one of some made
+    /// The tetrahedron made last, if that was near vertex `v`; else the unlocked one of some made
     /// lately near by that has the nearest vertex.
     fn near(&self, v: VertexId) -> Option<TetId> {
-        let open = |t: TetId| self.is_live(t) && !self.is_closed(t);
-        if v.abs_diff(self.last) < NEAR && open(self.hints[0]) {
+        let unlocked = |t: TetId| self.is_live(t) && !self.is_locked(t);
+        if v.abs_diff(self.last) < NEAR && unlocked(self.hints[0]) {
             return Some(self.hints[0]);
         }
         let around = self.around(v, SPREAD);
@@ -80,7 +81,7 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
             let corners = self.topology.tet(t).vertices();
             corners.into_iter().map(|w| w.abs_diff(v)).min()
         };
-        around.filter(|&t| open(t)).min_by_key(|&t| far(t))
+        around.filter(|&t| unlocked(t)).min_by_key(|&t| far(t))
     }
 
     /// The entry of vertex `v` in `places`. Vertices far apart may share one.
@@ -95,11 +96,11 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         std::iter::once(0).chain(both).map(move |k| self.places[(place + k) % PLACES])
     }
 
-    /// An open tetrahedron made lately, else a closed one, else any.
-    pub(super) fn open_hint(&self) -> Option<TetId> {
+    /// An unlocked tetrahedron made lately, else a locked one, else any.
+    pub(super) fn unlocked_hint(&self) -> Option<TetId> {
         let live = || self.hints.iter().copied().filter(|&t| self.is_live(t));
         live()
-            .find(|t| !self.is_closed(*t))
+            .find(|t| !self.is_locked(*t))
             .or_else(|| live().next())
             .or_else(|| self.tets().next().map(|(t, _)| t))
     }

@@ -1,10 +1,10 @@
-//! Stars whose tetrahedra the caller names: what a part gets of a cavity that others share.
+//! Stars whose tetrahedra the caller names: what a submesh gets of a cavity that others share.
 
-use super::Part;
+use super::Submesh;
 use crate::cavity::{SMALL, SMALL_WALLS, Star};
 use crate::topology::{FaceId, TetId, VertexId, tet_of};
 
-impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
+impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     /// Makes the tetrahedra of `corners[0]` with three other corners each, given by their indices
     /// `walls`, positively oriented. Their handles are put in `tets`, in the same order; their
     /// spheres are cached, unless there are more than 64 other corners; their faces are still to be
@@ -59,7 +59,7 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         self.topology.point_to(face, beyond);
     }
 
-    /// Links a face of a new tetrahedron with that of an old one. A proxy that stood there is gone.
+    /// Links a face of a new tetrahedron with that of an old one. A proxy that stood there is removed_tags.
     ///
     /// # Panics
     /// If there is no such face.

@@ -1,11 +1,11 @@
-//! Changes to a part from outside: vertices, tetrahedra and links that come from other parts.
+//! Changes to a submesh from outside: vertices, tetrahedra and links that come from others.
 
-use super::Part;
+use super::Submesh;
 use crate::sphere::Sphere;
 use crate::topology::{FaceId, TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::Point;
 
-impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
+impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     /// Gives vertex `v` its coordinates.
     ///
     /// # Panics
@@ -56,14 +56,14 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
     pub fn cache_sphere(&mut self, t: TetId) {
         self.expect_live(t);
         let sphere = self.geometry.compute_sphere(self.topology.tet(t).vertices());
-        match self.specials.get_mut(self.geometry.sphere(t)) {
-            Some(special) => special.sphere = sphere,
+        match self.locks.get_mut(self.geometry.sphere(t)) {
+            Some(entry) => entry.sphere = sphere,
             None => self.geometry.set_sphere(t, sphere),
         }
     }
 
-    /// Makes two faces of tetrahedra of this part each other's neighbour. A proxy that stood at
-    /// either is gone.
+    /// Makes two faces of tetrahedra of this submesh each other's neighbour. A proxy that stood at
+    /// either is removed_tags.
     ///
     /// # Panics
     /// If there is no such face.
@@ -92,7 +92,7 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
         Some(())
     }
 
-    /// Removes tetrahedron `t`, which is open, and the proxies at its faces. What links to it is
+    /// Removes tetrahedron `t`, which is unlocked, and the proxies at its faces. What links to it is
     /// still to be linked anew.
     ///
     /// # Panics
@@ -100,8 +100,8 @@ impl<H: Copy + Eq, L: Copy, F: Copy> Part<H, L, F> {
     pub fn remove(&mut self, t: TetId) {
         self.expect_live(t);
         self.blocked = None;
-        debug_assert!(!self.is_closed(t));
-        self.unwatch(t);
+        debug_assert!(!self.is_locked(t));
+        self.untag(t);
         for slot in 0..4 {
             self.forget_proxy(4 * t + slot);
         }

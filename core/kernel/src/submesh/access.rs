@@ -1,46 +1,46 @@
-//! What an insertion or a walk in a part meets: proxies, closed and watched tetrahedra.
+//! What an insertion or a walk in a submesh meets: proxies, locked and tagged tetrahedra.
 
+use super::lock_table::LockTable;
 use crate::cavity::Conflict;
 use crate::geometry::{Geometry, PointConflict};
-use crate::locate::Gate;
-use crate::special::Specials;
+use crate::locate::Access;
 use crate::topology::{TetId, Topology};
 
-/// The gate of walks: proxies and closed tetrahedra.
-pub(super) struct Doors<'a, H, L>(pub(super) &'a Specials<H, L>);
+/// Bars walks from proxies and locked tetrahedra.
+pub(super) struct LockFilter<'a, H, T>(pub(super) &'a LockTable<H, T>);
 
-impl<H: Copy, L: Copy> Gate for Doors<'_, H, L> {
-    const SHUTS: bool = true;
+impl<H: Copy, T: Copy> Access for LockFilter<'_, H, T> {
+    const IS_LIMITED: bool = true;
 
     #[inline(always)]
-    fn is_closed(&self, topology: &Topology, geometry: &Geometry, t: TetId) -> bool {
+    fn bars(&self, topology: &Topology, geometry: &Geometry, t: TetId) -> bool {
         // Both have no sphere.
         let sphere = geometry.sphere(t);
-        sphere.is_blank() && (topology.tet(t).is_vacant() || self.0.is_closed(sphere))
+        sphere.is_blank() && (topology.tet(t).is_vacant() || self.0.is_locked(sphere))
     }
 }
 
 /// What the search for a cavity has met.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Met {
-    /// A watched tetrahedron.
-    pub(super) watched: bool,
+    /// A tagged tetrahedron.
+    pub(super) tagged: bool,
     /// A proxy.
     pub(super) blocked: bool,
-    /// A closed tetrahedron.
-    pub(super) closed: Option<TetId>,
+    /// A locked tetrahedron.
+    pub(super) locked: Option<TetId>,
 }
 
-/// [`Conflict`] that sees proxies and closed tetrahedra.
-pub(super) struct PartConflict<'a, H, L> {
+/// [`Conflict`] that sees proxies and locked tetrahedra.
+pub(super) struct SubmeshConflict<'a, H, T> {
     pub(super) inner: PointConflict<'a>,
-    pub(super) specials: &'a Specials<H, L>,
+    pub(super) locks: &'a LockTable<H, T>,
     pub(super) met: Met,
-    /// What this holder has closed is passed over as if it were not in conflict.
+    /// What this holder has locked is passed over as if it were not in conflict.
     pub(super) holder: Option<H>,
 }
 
-impl<H: Copy + Eq, L: Copy> Conflict for PartConflict<'_, H, L> {
+impl<H: Copy + Eq, T: Copy> Conflict for SubmeshConflict<'_, H, T> {
     #[inline(always)]
     fn prefetch(&self, t: TetId) {
         self.inner.prefetch(t);
@@ -53,7 +53,7 @@ impl<H: Copy + Eq, L: Copy> Conflict for PartConflict<'_, H, L> {
 
     #[inline(never)]
     fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
-        // A slot that has a sphere, although that decides nothing, is an open tetrahedron; so is one
+        // A slot that has a sphere, although that decides nothing, is an unlocked tetrahedron; so is one
         // that is not in `unknown`, as a sphere has decided it or the cavity has it already. A
         // vacant slot has none and is not marked.
         let blank = tets.map(|t| self.inner.geometry().sphere(t).is_blank());
@@ -61,35 +61,35 @@ impl<H: Copy + Eq, L: Copy> Conflict for PartConflict<'_, H, L> {
         if blank == 0 {
             return self.inner.decide(topology, tets, unknown);
         }
-        let mut open = unknown & !blank;
+        let mut unlocked = unknown & !blank;
         for (slot, &t) in tets.iter().enumerate().filter(|&(slot, _)| blank >> slot & 1 == 1) {
             if topology.tet(t).is_vacant() {
                 self.met.blocked = true;
                 continue;
             }
-            let special = self.specials.get(self.inner.geometry().sphere(t));
-            match special.and_then(|special| special.closed) {
+            let entry = self.locks.get(self.inner.geometry().sphere(t));
+            match entry.and_then(|entry| entry.lock) {
                 Some((by, _)) if self.holder == Some(by) => {}
-                Some(_) => self.met.closed = Some(t),
+                Some(_) => self.met.locked = Some(t),
                 None => {
-                    open |= 1 << slot;
-                    self.met.watched |= special.is_some();
+                    unlocked |= 1 << slot;
+                    self.met.tagged |= entry.is_some();
                 }
             }
         }
-        // Once it has met a closed one the cavity is set back: nothing more is taken into it.
-        if self.met.closed.is_some() || open == 0 {
+        // Once it has met a locked one the cavity is set back: nothing more is taken into it.
+        if self.met.locked.is_some() || unlocked == 0 {
             return 0;
         }
-        // A proxy has no vertices to look at: an open one stands in for it.
-        let stand_in = tets[open.trailing_zeros() as usize & 3];
+        // A proxy has no vertices to look at: an unlocked one stands in for it.
+        let stand_in = tets[unlocked.trailing_zeros() as usize & 3];
         let mut slot = 0;
         let tets = tets.map(|t| {
-            let t = if open >> slot & 1 == 1 { t } else { stand_in };
+            let t = if unlocked >> slot & 1 == 1 { t } else { stand_in };
             slot += 1;
             t
         });
-        self.inner.decide(topology, tets, open)
+        self.inner.decide(topology, tets, unlocked)
     }
 
     #[cold]

@@ -1,0 +1,119 @@
+//! Submeshes that are told nonsense: they stay inside their arrays.
+
+use ltbw_core::submesh::{Closure, MeshParams, Submesh};
+use ltbw_core::{Mode, Point, Random};
+use ltbw_generate::{PointKind, generate};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+type Tets = Submesh<u32, u32, u32>;
+
+const POINTS: usize = 40;
+
+fn mesh(points: &[Point]) -> Tets {
+    let mut mesh = Tets::new(&MeshParams::of(points, Mode::Normal));
+    mesh.set_points(1, points);
+    mesh
+}
+
+/// Tetrahedra that are not linked, or anyhow, and slots that are free again: walks and closures
+/// end, and no index is out of range (debug builds test every one).
+#[test]
+fn walks_and_closures_stay_inside_whatever_the_links_are() {
+    let (mut walks, mut closures) = (0, 0);
+    for seed in 0..200 {
+        let points = generate(PointKind::Uniform, POINTS, seed);
+        let (mut mesh, mut random) = (mesh(&points), Random::new(seed));
+        let mut below = |bound: usize| random.below(bound as u64) as u32;
+        let mut live = Vec::new();
+        for _ in 0..60 {
+            let v = [0; 3].map(|_| 1 + below(POINTS));
+            let d = below(POINTS + 1);
+            live.push(mesh.create([v[0], v[1], v[2], d]).expect("room"));
+        }
+        for step in 0..200 {
+            let t = live[below(live.len()) as usize];
+            let u = live[below(live.len()) as usize];
+            match below(8) {
+                0 if live.len() > 5 => {
+                    live.retain(|&u| u != t);
+                    mesh.unlock(t);
+                    mesh.remove(t);
+                }
+                1 => mesh.put_far(4 * t + below(4), step).expect("room"),
+                2 => mesh.link_far(4 * t + below(4), step).expect("room"),
+                3 => mesh.point_to(4 * t + below(4), 4 * u + below(4)),
+                4 => mesh.cache_sphere(t),
+                5 => mesh.link(4 * t + below(4), 4 * u + below(4)),
+                6 => mesh.tag(t, step),
+                _ if mesh.holder(t).is_none() => mesh.lock(t, step, false),
+                _ => mesh.unlock(t),
+            }
+            let v = 1 + below(POINTS);
+            let p = [0; 3].map(|_| f64::from(below(1000)) / 1000.0);
+            let start = (step % 2 == 0).then_some(t).filter(|t| live.contains(t));
+            mesh.walk(v, &p, start);
+            walks += 1;
+            let seed = live[below(live.len()) as usize];
+            if mesh.holder(seed).is_none() {
+                let mut closure = Closure::default();
+                if mesh.lock_closure(seed, &p, u32::MAX, &mut closure) {
+                    closures += closure.inside.min(1);
+                    closure.locked.iter().for_each(|&t| mesh.unlock(t));
+                }
+            }
+        }
+    }
+    assert!(walks > 1000 && closures > 1000, "{walks} walks, {closures} closures");
+}
+
+#[test]
+fn numbers_of_nothing_are_refused() {
+    let points = generate(PointKind::Uniform, POINTS, 1);
+    let mut mesh = mesh(&points);
+    let t = mesh.create([1, 2, 3, 4]).expect("room");
+    let removed_tags = mesh.create([2, 1, 3, 4]).expect("room");
+    mesh.remove(removed_tags);
+    let far = 1 << 20;
+    let p = points[0];
+    let mut refused = |what: &str, f: &mut dyn FnMut(&mut Tets)| {
+        let result = catch_unwind(AssertUnwindSafe(|| f(&mut mesh)));
+        let text = *result.expect_err(what).downcast::<String>().expect("a text");
+        assert!(text.starts_with("there is no") || text.ends_with("is no tetrahedron"), "{text}");
+    };
+    for u in [far, u32::MAX] {
+        refused("vertices", &mut |mesh| _ = mesh.vertices(u));
+        refused("neighbours", &mut |mesh| _ = mesh.neighbours(u));
+        refused("far", &mut |mesh| _ = mesh.far(u));
+        refused("tag", &mut |mesh| _ = mesh.tag_of(u));
+        refused("holder", &mut |mesh| _ = mesh.holder(u));
+        refused("untag", &mut |mesh| _ = mesh.untag(u));
+        refused("open", &mut |mesh| mesh.unlock(u));
+        refused("point", &mut |mesh| _ = mesh.point(u));
+    }
+    for u in [far, removed_tags, u32::MAX] {
+        refused("close", &mut |mesh| mesh.lock(u, 1, true));
+        refused("tag", &mut |mesh| mesh.tag(u, 1));
+        refused("remove", &mut |mesh| mesh.remove(u));
+        refused("conflict", &mut |mesh| _ = mesh.in_conflict(u, &p));
+        refused("sphere", &mut |mesh| mesh.cache_sphere(u));
+        refused("closure", &mut |mesh| _ = mesh.lock_closure(u, &p, 1, &mut Closure::default()));
+        let face = u.wrapping_mul(4);
+        refused("link", &mut |mesh| mesh.link(face, 4 * t));
+        refused("link", &mut |mesh| mesh.link(4 * t, face));
+        refused("link new", &mut |mesh| mesh.link_new(4 * t, face));
+        refused("point to", &mut |mesh| mesh.point_to(4 * t, face));
+        refused("link far", &mut |mesh| _ = mesh.link_far(face, 1));
+        refused("put far", &mut |mesh| _ = mesh.put_far(face, 1));
+    }
+    for v in [0, POINTS as u32 + 1, u32::MAX] {
+        refused("set point", &mut |mesh| mesh.set_point(v, p));
+        refused("set points", &mut |mesh| mesh.set_points(v, &points[..1]));
+        refused("create", &mut |mesh| _ = mesh.create([v, 1, 2, 3]));
+        refused("create", &mut |mesh| _ = mesh.create([1, 2, v, 3]));
+    }
+    refused("set points", &mut |mesh| mesh.set_points(2, &points));
+    refused("create", &mut |mesh| _ = mesh.create([1, 2, 3, POINTS as u32 + 1]));
+    refused("star", &mut |mesh| {
+        _ = mesh.create_star(&[1, 2, 99, 3], [[1, 2, 3]].into_iter(), &mut Vec::new());
+    });
+}
