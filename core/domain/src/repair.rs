@@ -33,7 +33,7 @@ type Place = GeomWithData<Point, u32>;
 pub struct Repairs {
     /// Vertices at places of their own that became one with another.
     pub welded: usize,
-    /// Of these, the ones farther away than a step of the lattice: only a tolerance welds them.
+    /// Welded vertices farther away than a step of the lattice: only a tolerance welds them.
     pub welded_by_tolerance: usize,
     /// The farthest that a vertex was from the one that it became.
     pub farthest_weld: f64,
