@@ -36,7 +36,6 @@ const LONG_FILES: &[&str] = &["core/domain/src/refine/split.rs"];
 const NOT_YET: &[&str] = &[
     "cli/src/mesh.rs",
     "core/domain/src/refine/",
-    "core/kernel/src/submesh",
     "parallel/src/mesh/",
     "parallel/src/protocol/",
     "verify/models/",

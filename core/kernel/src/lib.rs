@@ -13,7 +13,7 @@
 //! | `transaction` | the guard of an open cavity: filled, or set back when it is dropped |
 //! | [`mesh`] | [`Mesh`]: insertion and iteration |
 //! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
-//! | [`submesh`] | [`submesh::Submesh`]: the tetrahedra of one worker of the parallel kernel, with locks |
+//! | [`submesh`] | [`submesh::Submesh`]: the tetrahedra of one parallel worker, with locks |
 //! | [`query`] | questions to a [`Mesh`], from many threads: locate, nearest, Voronoi cells |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
 //! | [`snapshot`] | [`Snapshot`]: a mesh to be stored, restored through validation |

@@ -5,11 +5,12 @@
 //! slot whose only neighbour is the tetrahedron in front of it, with a *far handle* that means
 //! something to the caller.
 //!
-//! A tetrahedron can be *locked* for a holder: no walk enters it and no cavity takes it. A lock takes
-//! the cached sphere away, so that unlocked tetrahedra are tested as fast as in a whole mesh: what no
-//! sphere decides is looked at more closely, and then the lock or the proxy is seen. For the same
-//! reason a tetrahedron that the caller must hear of when it goes ([`Submesh::tag`]) never has a
-//! sphere. Geometry knows of all this only that slots are tagged, and whom [`crate::locate`] bars.
+//! A tetrahedron can be *locked* for a holder: no walk enters it and no cavity takes it. A lock
+//! takes the cached sphere away, so that unlocked tetrahedra are tested as fast as in a whole mesh:
+//! what no sphere decides is looked at more closely, and then the lock or the proxy is seen. For
+//! the same reason a tetrahedron that the caller must hear of when it goes ([`Submesh::tag`]) never
+//! has a sphere. Geometry knows of all this only that slots are tagged, and whom [`crate::locate`]
+//! bars.
 //!
 //! Numbers that come from outside are compared before they are used: a method that is given one of
 //! no tetrahedron, face or vertex here panics. What is inside stays inside (I7): a link leads to a
@@ -67,8 +68,8 @@ pub enum Insert<T> {
     Done,
     /// This tetrahedron of the closure is locked. Nothing has changed.
     Locked(T),
-    /// No tetrahedron of the closure here is locked, but the closure or the new tetrahedra are in part
-    /// another submesh's. Nothing has changed.
+    /// No tetrahedron of the closure here is locked, but the closure or the new tetrahedra are in
+    /// part another submesh's. Nothing has changed.
     Blocked,
     /// There is no room for the new tetrahedra. Nothing has changed.
     Full,
@@ -114,8 +115,8 @@ impl MeshParams {
         Self { low, high, wide, step, vertices: points.len(), max_tets: MAX_TETS }
     }
 
-    /// Sets how many tetrahedra, hull ghosts and proxies included, a submesh may have at most: no more
-    /// than [`MAX_TETS`], which is the default.
+    /// Sets how many tetrahedra, hull ghosts and proxies included, a submesh may have at most: no
+    /// more than [`MAX_TETS`], which is the default.
     pub fn at_most(self, max_tets: usize) -> Self {
         Self { max_tets, ..self }
     }
@@ -188,7 +189,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.geometry.reserve_sphere_capacity(tets.min(limit));
     }
 
-    /// The largest number of tetrahedra that the submesh may have, hull ghosts and proxies included.
+    /// The largest number of tetrahedra that the submesh may have, hull ghosts and proxies
+    /// included.
     pub fn max_tets(&self) -> usize {
         self.topology.limit()
     }
@@ -210,8 +212,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         }
     }
 
-    /// Says that the vertices of `range` are not the submesh's own any more. What lies on the smaller
-    /// side of them is not, either: the submesh's own vertices stay one range.
+    /// Says that the vertices of `range` are not the submesh's own any more. What lies on the
+    /// smaller side of them is not, either: the submesh's own vertices stay one range.
     pub fn leave_range(&mut self, range: Range<VertexId>) {
         let Range { start, end } = self.own;
         let below = start..range.start.clamp(start, end);
@@ -311,7 +313,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         (self.steps, self.geometry.stats.insphere_calls, self.made)
     }
 
-    /// Tags `t`: should an insertion remove it, its tag is among [`Submesh::take_removed_tags`] then.
+    /// Tags `t`: should an insertion remove it, its tag is among [`Submesh::take_removed_tags`]
+    /// then.
     ///
     /// # Panics
     /// If there is no such tetrahedron.

@@ -53,9 +53,9 @@ impl<H: Copy + Eq, T: Copy> Conflict for SubmeshConflict<'_, H, T> {
 
     #[inline(never)]
     fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
-        // A slot that has a sphere, although that decides nothing, is an unlocked tetrahedron; so is one
-        // that is not in `unknown`, as a sphere has decided it or the cavity has it already. A
-        // vacant slot has none and is not marked.
+        // A slot that has a sphere, although that decides nothing, is an unlocked tetrahedron; so
+        // is one that is not in `unknown`, as a sphere has decided it or the cavity has it already.
+        // A vacant slot has none and is not marked.
         let blank = tets.map(|t| self.inner.geometry().sphere(t).is_blank());
         let blank = (0..4).map(|slot| u32::from(blank[slot]) << slot).sum::<u32>() & unknown;
         if blank == 0 {

@@ -21,8 +21,8 @@ pub enum AssembleError<F> {
     },
 }
 
-/// Puts all submeshes of a mesh together. `find` finds the submesh and the face beyond a proxy by its
-/// far handle.
+/// Puts all submeshes of a mesh together. `find` finds the submesh and the face beyond a proxy by
+/// its far handle.
 ///
 /// Vertices that no tetrahedron has are left out.
 ///

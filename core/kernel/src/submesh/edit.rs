@@ -63,7 +63,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     }
 
     /// Makes two faces of tetrahedra of this submesh each other's neighbour. A proxy that stood at
-    /// either is removed_tags.
+    /// either is gone.
     ///
     /// # Panics
     /// If there is no such face.
@@ -76,8 +76,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.topology.link(a, b);
     }
 
-    /// Puts a proxy for `far` at `face`, or lets the one there stand for that. `None` at the limit of
-    /// tetrahedra.
+    /// Puts a proxy for `far` at `face`, or lets the one there stand for that. `None` at the limit
+    /// of tetrahedra.
     ///
     /// # Panics
     /// If there is no such face.
@@ -92,8 +92,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         Some(())
     }
 
-    /// Removes tetrahedron `t`, which is unlocked, and the proxies at its faces. What links to it is
-    /// still to be linked anew.
+    /// Removes tetrahedron `t`, which is unlocked, and the proxies at its faces. What links to it
+    /// is still to be linked anew.
     ///
     /// # Panics
     /// If there is no such tetrahedron.

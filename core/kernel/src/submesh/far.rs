@@ -1,8 +1,8 @@
 //! What lies beyond the interface faces of a submesh: a table beside the tetrahedra.
 //!
 //! Topology knows of an interface face only that a *proxy* stands behind it. What the proxy stands
-//! for, a tetrahedron of another submesh, means something to the caller alone: its *far handle* lies
-//! here, and the proxy is tagged with its place.
+//! for, a tetrahedron of another submesh, means something to the caller alone: its *far handle*
+//! lies here, and the proxy is tagged with its place.
 
 use crate::sphere::{Sphere, TagKind};
 

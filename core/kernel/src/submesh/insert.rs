@@ -21,7 +21,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Opens for Submesh<H, T, F> {
 
 impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     /// Inserts `p` as vertex `v` if nothing is in the way: no proxy, no locked tetrahedron, and
-    /// every new tetrahedron is the submesh's own. `seed` must be unlocked and in conflict with `p`.
+    /// every new tetrahedron is the submesh's own. `seed` must be unlocked and in conflict with
+    /// `p`.
     ///
     /// # Panics
     /// If `seed` is no tetrahedron, or `v` no finite vertex.

@@ -59,7 +59,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.topology.point_to(face, beyond);
     }
 
-    /// Links a face of a new tetrahedron with that of an old one. A proxy that stood there is removed_tags.
+    /// Links a face of a new tetrahedron with that of an old one. A proxy that stood there is
+    /// gone.
     ///
     /// # Panics
     /// If there is no such face.
@@ -71,8 +72,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.topology.link(new, old);
     }
 
-    /// Puts a proxy for `far` at a face, such as a new tetrahedron's, where none stands. `None` at the
-    /// limit of tetrahedra.
+    /// Puts a proxy for `far` at a face, such as a new tetrahedron's, where none stands. `None` at
+    /// the limit of tetrahedra.
     ///
     /// # Panics
     /// If there is no such face.

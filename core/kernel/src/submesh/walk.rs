@@ -6,7 +6,7 @@ use crate::locate::{Found, walk_through};
 use crate::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
 
-/// So many places on both sides are looked at for a start.
+/// Places on either side that are looked at for a start.
 const SPREAD: usize = 2;
 /// The same for other starts, when a walk has met a proxy.
 const WIDE_SPREAD: usize = 16;
