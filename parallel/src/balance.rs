@@ -8,7 +8,7 @@
 
 use crate::mesh::Field;
 use crate::metrics::Nanos;
-use crate::protocol::{BlockId, Conduct, Source, Submesh, Worker, WorkerId};
+use crate::protocol::{BlockId, Rules, Source, Submesh, Worker, WorkerId};
 
 /// The balancer's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -138,7 +138,7 @@ impl Balancer {
     }
 
     /// The blocks that `worker` should give to `to`, which has asked for some.
-    pub fn give<S: Submesh, Q: Source<S> + Stock, C: Conduct>(
+    pub fn give<S: Submesh, Q: Source<S> + Stock, C: Rules>(
         &mut self,
         worker: &Worker<S, Q, C>,
         to: WorkerId,

@@ -15,7 +15,7 @@
 //!
 //! `verify/models` runs this file under loom and shuttle.
 
-use crate::protocol::{Conduct, Sound, WorkerId};
+use crate::protocol::{Correct, Rules, WorkerId};
 use crate::sync::{Arc, Condvar, Mutex, MutexGuard};
 use std::marker::PhantomData;
 use std::sync::PoisonError;
@@ -72,7 +72,7 @@ impl<M> State<M> {
 }
 
 /// One worker's access to its inbox and to those of the others.
-pub struct Endpoint<M, C: Conduct = Sound> {
+pub struct Endpoint<M, C: Rules = Correct> {
     me: WorkerId,
     inboxes: Arc<Vec<Inbox<M>>>,
     /// By receiver: messages not handed over yet.
@@ -80,7 +80,7 @@ pub struct Endpoint<M, C: Conduct = Sound> {
     /// Receivers with unsent messages.
     dirty: Vec<WorkerId>,
     failed: Option<WorkerId>,
-    conduct: PhantomData<C>,
+    rules: PhantomData<C>,
 }
 
 /// Endpoints of `workers` workers, by number.
@@ -88,8 +88,8 @@ pub fn connect<M>(workers: u32) -> Vec<Endpoint<M>> {
     connect_as(workers)
 }
 
-/// The same for any [`Conduct`]: the models' door.
-pub fn connect_as<M, C: Conduct>(workers: u32) -> Vec<Endpoint<M, C>> {
+/// The same for any [`Rules`]: the models' door.
+pub fn connect_as<M, C: Rules>(workers: u32) -> Vec<Endpoint<M, C>> {
     let inboxes = Arc::new((0..workers).map(|_| Inbox::new()).collect::<Vec<_>>());
     let endpoint = |me| Endpoint {
         me,
@@ -97,12 +97,12 @@ pub fn connect_as<M, C: Conduct>(workers: u32) -> Vec<Endpoint<M, C>> {
         unsent: (0..workers).map(|_| Vec::new()).collect(),
         dirty: Vec::new(),
         failed: None,
-        conduct: PhantomData,
+        rules: PhantomData,
     };
     (0..workers).map(endpoint).collect()
 }
 
-impl<M, C: Conduct> Endpoint<M, C> {
+impl<M, C: Rules> Endpoint<M, C> {
     /// The number of its worker.
     pub fn id(&self) -> WorkerId {
         self.me
@@ -161,6 +161,7 @@ impl<M, C: Conduct> Endpoint<M, C> {
         self.flush();
         let inbox = &self.inboxes[self.me as usize];
         let mut state = inbox.lock();
+        // R17
         if !C::TESTS_BEFORE_SLEEP && state.is_silent() {
             drop(state);
             state = inbox.sleep(inbox.lock());
@@ -198,7 +199,7 @@ impl<M, C: Conduct> Endpoint<M, C> {
 }
 
 /// A panic of the worker is told to all others; else what was sent is handed over.
-impl<M, C: Conduct> Drop for Endpoint<M, C> {
+impl<M, C: Rules> Drop for Endpoint<M, C> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.fail();

@@ -1,7 +1,7 @@
 //! The way of a worker thread's messages: one trait, so that a worker cannot tell what is behind.
 
 use crate::mailbox::Endpoint;
-use crate::protocol::{Conduct, Message, Submesh, WorkerId};
+use crate::protocol::{Message, Rules, Submesh, WorkerId};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
@@ -36,7 +36,7 @@ pub trait Transport<M> {
     fn fail(&mut self);
 }
 
-impl<M, C: Conduct> Transport<M> for Endpoint<M, C> {
+impl<M, C: Rules> Transport<M> for Endpoint<M, C> {
     fn send(&mut self, to: WorkerId, message: M) {
         Endpoint::send(self, to, message);
     }

@@ -3,7 +3,7 @@
 
 use ltbw::PointSet;
 use ltbw::mesh::{At, Lead, LocalMesh, Moving, NewTet, Patch, Plan, Relink, Site, To};
-use ltbw::protocol::{Directory, Handle, Name, Sound, Submesh, SubmeshError};
+use ltbw::protocol::{Correct, Directory, Handle, Name, Submesh, SubmeshError};
 use ltbw::topology::TetId;
 use ltbw_generate::{PointKind, generate};
 
@@ -35,7 +35,7 @@ fn damaged(damage: impl Fn(&mut Patch, TetId)) -> SubmeshError {
         Patch { remove: vec![t], sites: sites.to_vec(), create: vec![new], relink: Vec::new() };
     damage(&mut patch, t);
     let before = shown(&mesh);
-    mesh.apply::<Sound>(patch, &directory, &mut Vec::new(), &mut Vec::new());
+    mesh.apply::<Correct>(patch, &directory, &mut Vec::new(), &mut Vec::new());
     assert_eq!(shown(&mesh), before, "something has changed");
     mesh.error().expect("the submesh has failed")
 }

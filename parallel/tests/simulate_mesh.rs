@@ -71,7 +71,7 @@ fn case(seed: u64) -> (PointSet, Plan, Rule, Options) {
         storm: k.is_multiple_of(3).then_some(Storm { every: 50_000 + latency / 10 }),
         ..options(seed)
     };
-    let rule = [Rule::WoundWait, Rule::WoundWait, Rule::WaitDie][k / 3 % 3];
+    let rule = [Rule::WoundWait, Rule::WoundWait, Rule::Paper][k / 3 % 3];
     let plan = Plan { blocks_per_worker: 4, sample: 10, ..layout(seed, set.len(), workers) };
     (set, plan, rule, options)
 }
@@ -186,7 +186,7 @@ fn the_papers_variants_get_the_same_mesh() {
         let points = generate(kinds[seed as usize % 3], 600, seed);
         let set = PointSet::new(points).expect("finite points");
         let ownership = Ownership::ALL[seed as usize / 3 % 3];
-        let rule = [Rule::WoundWait, Rule::WaitDie, Rule::Paper][seed as usize / 6 % 3];
+        let rule = Rule::ALL[seed as usize / 6 % 2];
         let workers = [2, 5, 9][seed as usize / 2 % 3];
         let plan = Plan { ownership, blocks_per_worker: 4, sample: 60, ..Plan::new(600, workers) };
         let options = match ownership {

@@ -57,7 +57,7 @@ fn the_result_is_a_sound_mesh() {
 fn rules_and_latency_change_nothing() {
     let set = set(PointKind::Uniform, 1500, 9);
     let expected = Builder::new().build(&set).expect("a mesh").mesh.hash().expect("a hash");
-    for rule in [Rule::WoundWait, Rule::WaitDie, Rule::Paper] {
+    for rule in Rule::ALL {
         for latency in [0, 300] {
             let run = Parallel::new(4).rule(rule).latency(Duration::from_micros(latency));
             let run = run.build(&set).expect("a mesh");

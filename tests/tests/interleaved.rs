@@ -71,7 +71,7 @@ fn the_mesh_is_one_for_any_number_of_workers_and_any_timing() {
 
 #[test]
 fn every_rule_gives_the_mesh() {
-    for rule in [Rule::WaitDie, Rule::Paper] {
+    for rule in [Rule::Paper] {
         let mut setbacks = 0;
         for seed in 0..8 {
             for workers in [2, 4, 7] {
@@ -85,7 +85,7 @@ fn every_rule_gives_the_mesh() {
 
 #[test]
 fn blocks_that_move_change_nothing() {
-    for rule in [Rule::WoundWait, Rule::WaitDie] {
+    for rule in Rule::ALL {
         for seed in 0..12 {
             for workers in [2, 3, 6] {
                 let kind = if seed % 2 == 0 { PointKind::Uniform } else { PointKind::Grid };
@@ -99,7 +99,7 @@ fn blocks_that_move_change_nothing() {
 fn the_papers_closure_and_ownership_give_the_mesh() {
     let mut setbacks = 0;
     for seed in 0..12 {
-        let rule = [Rule::WoundWait, Rule::WaitDie, Rule::Paper][seed as usize % 3];
+        let rule = Rule::ALL[seed as usize % 2];
         let kind = if seed % 2 == 0 { PointKind::Uniform } else { PointKind::Grid };
         for workers in [2, 5] {
             let points = || generate(kind, 250, seed);
@@ -117,7 +117,7 @@ fn the_papers_closure_and_ownership_give_the_mesh() {
 fn stars_of_the_newest_vertex_give_the_mesh() {
     let mut setbacks = 0;
     for seed in 0..40 {
-        let rule = [Rule::WoundWait, Rule::WaitDie, Rule::Paper][seed as usize % 3];
+        let rule = Rule::ALL[seed as usize % 2];
         let kind =
             [PointKind::Uniform, PointKind::Grid, PointKind::Clusters][seed as usize / 3 % 3];
         for workers in [2, 3, 8] {

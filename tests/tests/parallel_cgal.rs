@@ -36,7 +36,7 @@ fn case(random: &mut Random) -> Case {
             ..Plan::new(0, 1)
         },
         closure: if below(4) == 0 { Closure::Vertex } else { Closure::Face },
-        rule: [Rule::WoundWait, Rule::WoundWait, Rule::WaitDie, Rule::Paper][below(4)],
+        rule: [Rule::WoundWait, Rule::WoundWait, Rule::WoundWait, Rule::Paper][below(4)],
         tempo: Tempo::ALL[below(4)],
         slow: (below(4) == 0).then(|| below(workers as u64)),
         // Blocks move only where they own the tetrahedra.

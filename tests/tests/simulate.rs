@@ -2,7 +2,7 @@
 
 use ltbw::balance::Balance;
 use ltbw::metrics::{SpanKind, Summary};
-use ltbw::protocol::{Conduct, Config, Directory, Rule, Sound, Worker, WorkerId};
+use ltbw::protocol::{Config, Correct, Directory, Rule, Rules, Worker, WorkerId};
 use ltbw::simulate::{
     Bursts, Distribution, Network, Options, Simulation, SimulationError, Storm, simulate,
 };
@@ -10,7 +10,7 @@ use ltbw_generate::Random;
 use ltbw_tests::vectors::line::{Cuts, Line, Queue, joined};
 use std::collections::BTreeSet;
 
-type Run = Simulation<Line, Queue, Sound>;
+type Run = Simulation<Line, Queue, Correct>;
 
 /// A set of integers, some of which are vertices at the start.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ impl Problem {
     }
 
     /// The problem cut into blocks, and these given to workers; `even` or most to worker 0.
-    fn workers<C: Conduct>(
+    fn workers<C: Rules>(
         &self,
         config: Config,
         per_worker: u32,
@@ -106,8 +106,7 @@ fn the_set_is_sorted_whatever_happens() {
             storm: (seed % 2 == 0).then_some(Storm { every: 20_000 + latency / 10 }),
             ..options(seed)
         };
-        let rule = [Rule::WoundWait, Rule::WaitDie][seed as usize % 2];
-        let run = run(&problem, workers, rule, &options);
+        let run = run(&problem, workers, Rule::WoundWait, &options);
         right(&problem, &run);
         conserved(&run.summary);
         setbacks += run.summary.setbacks();
@@ -172,7 +171,7 @@ fn more_workers_than_points() {
 fn blocks_go_to_those_that_run_out_of_points() {
     let problem = Problem::new(8_000, 400, 1);
     let makespan = |balance| {
-        let workers = problem.workers::<Sound>(Config::new(8), 16, false);
+        let workers = problem.workers::<Correct>(Config::new(8), 16, false);
         let run = simulate(workers, &Options { balance, ..options(1) }).expect("a run ends");
         right(&problem, &run);
         conserved(&run.summary);
@@ -201,7 +200,7 @@ fn a_cancelled_run_ends_with_a_mesh() {
 fn limits_are_errors() {
     let problem = Problem::new(5000, 40, 1);
     let start = |options: &Options| {
-        simulate(problem.workers::<Sound>(Config::new(8), 8, true), options).map(|_| ())
+        simulate(problem.workers::<Correct>(Config::new(8), 8, true), options).map(|_| ())
     };
     let few = Options { max_events: 1000, ..options(1) };
     assert!(matches!(
@@ -223,11 +222,11 @@ fn limits_are_errors() {
     for options in &senseless {
         assert!(matches!(start(options), Err(SimulationError::Options(_))), "{options:?}");
     }
-    let mut shuffled = problem.workers::<Sound>(Config::new(3), 8, true);
+    let mut shuffled = problem.workers::<Correct>(Config::new(3), 8, true);
     shuffled.swap(0, 1);
     let error = simulate(shuffled, &options(1)).map(|_| ()).unwrap_err();
     assert_eq!(error, SimulationError::Workers { place: 0, id: 1 });
-    let none = problem.workers::<Sound>(Config::new(3), 8, true).drain(..0).collect();
+    let none = problem.workers::<Correct>(Config::new(3), 8, true).drain(..0).collect();
     assert!(matches!(simulate(none, &options(1)).map(|_| ()), Err(SimulationError::Options(_))));
 }
 

@@ -25,7 +25,7 @@ const COLUMNS: usize = 100;
 /// Circles between modules that are still there: folder, modules, why.
 const CIRCLES: &[(&str, &[&str], &str)] = &[(
     "parallel/protocol",
-    &["home", "owner", "worker"],
+    &["lock_request", "operation", "variants", "worker"],
     "one state, whose steps as home and as owner are in files of their own",
 )];
 

@@ -40,7 +40,7 @@ cargo xtask COMMAND
                         cargo-fuzz
   vectors               writes the conformance kit verify/vectors
   prove                 the proofs of the filters: coqc and gappa
-  model-check [--deep]  the models of verify/models: all states, the museum, loom, shuttle
+  model-check [--deep]  the models of verify/models: all states, known-bad variants, loom, shuttle
   tsan                  the thread runtime under ThreadSanitizer, and its canary
   coverage              the lines of core and verify that their tests run: at least 95 %
   mutants [predicates|filters|kernel|checker]... [--shard K/N] [-- ARG...]

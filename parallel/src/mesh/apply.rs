@@ -1,7 +1,7 @@
 //! Patches and moves: what changes a submesh from outside.
 
 use super::{At, Lead, LocalMesh, Moving, Patch, Relink, Site, Tets, To};
-use crate::protocol::{BlockId, Directory, Handle, Name, SubmeshError};
+use crate::protocol::{BlockId, Directory, Handle, Name, SubmeshError, invariant};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use rustc_hash::FxHashMap;
 
@@ -23,7 +23,7 @@ fn check_slot(slot: u8) -> Result<(), SubmeshError> {
 }
 
 impl LocalMesh {
-    /// Applies a patch; nothing of it is locked. `relinks` is false for the unsound conduct only.
+    /// Applies a patch; nothing of it is locked. `relinks` is false for a known-bad variant only.
     ///
     /// Where there is no room for all of it, or a number in it is none of this submesh, nothing changes
     /// and the submesh has failed.
@@ -213,8 +213,7 @@ impl LocalMesh {
             At::Tet(t) => t,
             At::Named(name) => match self.names.get(&name) {
                 Some(&t) => t,
-                // Locked by this operation, it cannot have gone.
-                None => return,
+                None => invariant!(P6, "ring tetrahedron {name:?} of a patch is not here"),
             },
         };
         if let Some(name) = relink.name
@@ -226,7 +225,7 @@ impl LocalMesh {
     }
 
     /// Removes the tetrahedra of a block: all of them, or those made after it had moved. `leaves`
-    /// is false for the unsound conduct only.
+    /// is false for a known-bad variant only.
     pub(super) fn extract_block(
         &mut self,
         block: BlockId,

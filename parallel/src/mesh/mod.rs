@@ -10,6 +10,7 @@
 //! | `apply` | patches, and tetrahedra that move |
 //! | `start` | the coarse mesh, distributed |
 //! | `gather` | the submeshes, put together |
+//! | `inspect` | what checkers of the protocol see |
 //! | `field` | the points to insert, on many cursors |
 //!
 //! Invariant P1: a tetrahedron with a far neighbour has a name, and keeps it until it is removed:
@@ -21,6 +22,7 @@ mod corners;
 mod field;
 mod fill;
 mod gather;
+mod inspect;
 mod piece;
 mod start;
 mod wire;
@@ -31,8 +33,9 @@ pub use gather::{GatherError, Gathered, gather};
 pub use start::{Common, Ownership, Plan, Prepared};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, Site, To};
 
+use crate::protocol::invariant;
 use crate::protocol::{
-    BlockId, Conduct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Submesh,
+    BlockId, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Rules, Submesh,
     SubmeshError, Ticket, Walk, WorkerId,
 };
 use ltbw_core::submesh::{self as kernel, MeshParams, Owns};
@@ -172,10 +175,8 @@ impl LocalMesh {
     fn set_name(&mut self, t: TetId, name: Name) {
         self.names.insert(name, t);
         let before = self.tets.tag_of(t);
-        debug_assert!(
-            before.is_none_or(|n| n == name),
-            "P1: {t} has names {before:?} and {name:?}"
-        );
+        let is_one = before.is_none_or(|n| n == name);
+        invariant!(P2, is_one, "tetrahedron {t} has names {before:?} and {name:?}");
         self.tets.tag(t, name);
     }
 
@@ -400,13 +401,14 @@ impl Submesh for LocalMesh {
         self.fill_cavity(point, parts, whereabouts, directory)
     }
 
-    fn apply<C: Conduct>(
+    fn apply<C: Rules>(
         &mut self,
         patch: Patch,
         directory: &Directory,
         made: &mut Vec<Name>,
         strays: &mut Vec<BlockId>,
     ) {
+        // R12
         self.apply_patch(patch, directory, C::RELINKS_INTERFACE, made, strays);
     }
 
@@ -422,11 +424,12 @@ impl Submesh for LocalMesh {
             })
     }
 
-    fn extract<C: Conduct>(
+    fn extract<C: Rules>(
         &mut self,
         block: BlockId,
         moved: &mut dyn FnMut(TetId, Handle),
     ) -> Vec<Moving> {
+        // R16
         self.extract_block(block, C::LEAVES_BLOCKS, moved)
     }
 

@@ -50,7 +50,6 @@ fn about<S: Submesh>(message: &Message<S>) -> Option<(Ticket, Attempt)> {
         | Message::Expand { ticket, attempt, .. }
         | Message::Grant { ticket, attempt, .. }
         | Message::Deny { ticket, attempt }
-        | Message::Unpark { ticket, attempt }
         | Message::Wound { ticket, attempt }
         | Message::Abort { ticket, attempt }
         | Message::Aborted { ticket, attempt } => Some((*ticket, *attempt)),
@@ -353,7 +352,7 @@ fn kind_of(cause: Cause) -> SpanKind {
             "walk" => SpanKind::Walk,
             "expand" | "grant" => SpanKind::Expand,
             "commit" => SpanKind::Fill,
-            "deny" | "unpark" | "wound" | "abort" | "aborted" => SpanKind::Setback,
+            "deny" | "wound" | "abort" | "aborted" => SpanKind::Setback,
             "migrate" | "stray" => SpanKind::Balance,
             _ => SpanKind::Poll,
         },

@@ -5,18 +5,20 @@
 //! a block away knows where it went: a seed for it is bounced to its home with the news, a walk
 //! and late tetrahedra are sent after it.
 
-use super::conduct::Conduct;
 use super::directory::{BlockId, WorkerId};
-use super::owner::{Waiter, Want};
+use super::invariant::invariant;
+use super::lock_request::{Waiter, Want};
+use super::rules::Rules;
 use super::submesh::{Source, Submesh};
 use super::worker::{Action, Note, Worker};
 use super::{Handle, Message, Name};
 use std::collections::BTreeMap;
 
-impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
+impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// May `block` be given away now?
     pub fn can_migrate(&self, block: BlockId) -> bool {
         self.directory.is_mine(block)
+            // R9
             && (!C::ONLY_BUSY_MIGRATE || !self.is_passive())
             && !self.is_stopped()
             && !self.mesh.is_block_locked(block)
@@ -33,6 +35,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         let points = self.source.take_block(&self.mesh, block);
         out.push(Action::Note(Note::Migrated(block)));
         self.send(to, Message::Migrate { block, epoch, cargo, points }, out);
+        // R11
         if C::MOVES_WAITERS {
             let woken = self.waiters_for(block);
             self.wake(woken, out);
@@ -40,14 +43,14 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     }
 
     /// Extracts the tetrahedra of `block`; what requests still want of them is far now. Such a
-    /// want is a near neighbour of what a request has locked: in a submesh where a locked neighbour keeps the block
-    /// from moving ([`Submesh::is_block_locked`]) there is none.
+    /// want is a near neighbour of what a request has locked: in a submesh where a locked neighbour
+    /// keeps the block from moving ([`Submesh::is_block_locked`]) there is none.
     fn take_out(&mut self, block: BlockId) -> S::Cargo {
         let mut handles: BTreeMap<S::Tet, Handle> = BTreeMap::new();
         let cargo = self.mesh.extract::<C>(block, &mut |t, handle| {
             handles.insert(t, handle);
         });
-        for request in self.requests.values_mut() {
+        for request in self.locks.requests.values_mut() {
             let foreign = &mut request.foreign;
             request.wants.retain(|want| match want {
                 Want::Tet(t) => match handles.get(t) {
@@ -66,17 +69,20 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     /// Takes those out of the queues that wait for a tetrahedron of `block` to be installed, or
     /// for one whose block is not known here: they find out anew.
     fn waiters_for(&mut self, block: BlockId) -> Vec<Waiter> {
-        let requests = &self.requests;
+        let requests = &self.locks.requests;
         let concerned = |name: &Name, waiter: &Waiter| match waiter {
             Waiter::Walk(_) => true,
-            Waiter::Request(ticket) => requests.get(ticket).is_none_or(|request| {
+            Waiter::Request(ticket) => {
+                let Some(request) = requests.get(ticket) else {
+                    invariant!(P7, "{ticket:?} awaits {name:?} and has no request here")
+                };
                 request.wants.iter().any(
                     |want| matches!(want, Want::Seed(h) if h.name == *name && h.block == block),
                 )
-            }),
+            }
         };
         let mut woken = Vec::new();
-        self.absent.retain(|name, queue| {
+        self.locks.absent.retain(|name, queue| {
             queue.retain(|waiter| {
                 let goes = concerned(name, waiter);
                 if goes {
@@ -99,7 +105,10 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         out: &mut Vec<Action<S>>,
     ) {
         let me = self.id();
+        let known = self.directory.epoch(block);
+        invariant!(P3, epoch > known, "block {block} arrives in epoch {epoch}; it has had {known}");
         self.directory.learn(block, me, epoch);
+        // R15
         if self.cancelled && C::STAYS_CANCELLED {
             self.dropped |= !points.is_empty();
         } else {
@@ -108,7 +117,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         self.install(cargo, out);
     }
 
-    /// Tetrahedra of a block arrive that were made where it had been.
+    /// Tetrahedra of a block arrive that were made where it had been (R10).
     pub(super) fn stray(&mut self, block: BlockId, cargo: S::Cargo, out: &mut Vec<Action<S>>) {
         if self.directory.is_mine(block) {
             self.install(cargo, out);
@@ -120,6 +129,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     /// Sends new tetrahedra of `block`, which has moved, after it.
     pub(super) fn send_stray(&mut self, block: BlockId, out: &mut Vec<Action<S>>) {
         let cargo = self.take_out(block);
+        // R10
         if C::FORWARDS {
             self.send(self.directory.owner(block), Message::Stray { block, cargo }, out);
         }
@@ -129,7 +139,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         let mut made = Vec::new();
         self.mesh.adopt(cargo, &mut made);
         let woken: Vec<Waiter> =
-            made.into_iter().filter_map(|name| self.absent.remove(&name)).flatten().collect();
+            made.into_iter().filter_map(|name| self.locks.absent.remove(&name)).flatten().collect();
         self.wake(woken, out);
     }
 }

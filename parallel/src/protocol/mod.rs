@@ -20,26 +20,43 @@
 //! [`Worker::step`] is a pure state machine: no clock, no thread, no randomness, no float.
 //! Threads, the simulator and the models of `verify/models` all run it; the mesh is behind
 //! [`Submesh`], the points to insert behind [`Source`], and every deliberate defect that the
-//! models must find is a constant of [`Conduct`]. `docs/protocol.md` has the messages, the
-//! invariants and the proofs.
+//! models must find is a constant of [`Rules`]. `docs/protocol.md` is the specification.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `worker` | events, actions, and the routing of events |
+//! | `operation` | the home's side of an operation |
+//! | `lock_request` | the owner's side: requests, queues, grants |
+//! | `migration` | blocks that change their owner |
+//! | `termination` | the token |
+//! | `directory`, `table` | who owns which block; a small map |
+//! | `rules` | R1 to R17, as constants |
+//! | `invariant` | P1 to P11, as assertions that hold in releases |
+//! | `submesh` | what is needed of a mesh and of a supply of points |
+//! | `variants` | the paper's conflict rule and closure |
+//! | [`check`], `view` | the invariants over all workers; what checkers look at |
 
-mod conduct;
+pub mod check;
 mod directory;
-mod home;
+mod invariant;
+mod lock_request;
 mod migration;
-mod owner;
-mod rule;
+mod operation;
+mod rules;
 mod submesh;
 mod table;
 mod termination;
+mod variants;
 mod view;
 mod worker;
 
-pub use conduct::{Conduct, Sound};
 pub use directory::{BlockId, Directory, WorkerId};
-pub use rule::{Closure, Rule};
+pub use invariant::{Broken, Invariant, message_of};
+pub(crate) use invariant::{broken, invariant};
+pub use rules::{Correct, Rules};
 pub use submesh::{Costs, Found, Insert, Neighbour, Source, Submesh, SubmeshError, Walk};
 pub use termination::Token;
+pub use variants::{Closure, Rule};
 pub use worker::{Action, Config, Event, Note, Worker};
 
 /// The age of an operation, kept across setbacks: the smaller one is older.
@@ -141,18 +158,11 @@ pub enum Message<S: Submesh> {
         /// Where the blocks of `bounced` are: worker and epoch.
         moved: Vec<(BlockId, WorkerId, u32)>,
     },
-    /// The request met an older holder, or any holder under the paper's rule: set it back.
+    /// The paper's rule: the request met a lock, the operation is set back.
     Deny {
         /// The operation.
         ticket: Ticket,
         /// Its attempt.
-        attempt: Attempt,
-    },
-    /// The holder that made the receiver's operation fail has released its locks.
-    Unpark {
-        /// The operation.
-        ticket: Ticket,
-        /// Its attempt when it was denied.
         attempt: Attempt,
     },
     /// An older operation waits for a lock of this one: set it back.
@@ -220,7 +230,6 @@ impl<S: Submesh> Message<S> {
             | Self::Expand { ticket, .. }
             | Self::Grant { ticket, .. }
             | Self::Deny { ticket, .. }
-            | Self::Unpark { ticket, .. }
             | Self::Wound { ticket, .. }
             | Self::Abort { ticket, .. }
             | Self::Aborted { ticket, .. }
@@ -236,7 +245,6 @@ impl<S: Submesh> Message<S> {
             Self::Expand { .. } => "expand",
             Self::Grant { .. } => "grant",
             Self::Deny { .. } => "deny",
-            Self::Unpark { .. } => "unpark",
             Self::Wound { .. } => "wound",
             Self::Abort { .. } => "abort",
             Self::Aborted { .. } => "aborted",

@@ -1,6 +1,6 @@
 //! What the protocol needs of a mesh and of a supply of points. It never sees a coordinate.
 
-use super::{BlockId, Conduct, Directory, Handle, Name, Ticket, WorkerId};
+use super::{BlockId, Directory, Handle, Name, Rules, Ticket, WorkerId};
 pub use ltbw_core::submesh::Insert;
 use std::fmt::Debug;
 use std::hash::Hash;
@@ -167,7 +167,7 @@ pub trait Submesh: Sized {
 
     /// Applies a patch. Pushes the names of new tetrahedra to `made`, and the blocks of those that
     /// are not this worker's any more to `strays`.
-    fn apply<C: Conduct>(
+    fn apply<C: Rules>(
         &mut self,
         patch: Self::Patch,
         directory: &Directory,
@@ -181,7 +181,7 @@ pub trait Submesh: Sized {
 
     /// Removes and returns all tetrahedra of `block`, none of which is locked. Calls `moved` with
     /// every local handle that a neighbour had and that stops to be one, and its far handle.
-    fn extract<C: Conduct>(
+    fn extract<C: Rules>(
         &mut self,
         block: BlockId,
         moved: &mut dyn FnMut(Self::Tet, Handle),

@@ -6,8 +6,8 @@
 //! token passed is black and blackens it. A white token with sum zero at a white worker 0 proves
 //! that all are passive and no message is under way.
 
-use super::conduct::Conduct;
 use super::directory::WorkerId;
+use super::rules::Rules;
 
 /// The token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -49,8 +49,9 @@ impl Safra {
         self.count += 1;
     }
 
-    pub(crate) fn received<C: Conduct>(&mut self) {
+    pub(crate) fn received<C: Rules>(&mut self) {
         self.count -= 1;
+        // R8
         self.black |= C::BLACKENS;
     }
 
@@ -62,6 +63,11 @@ impl Safra {
     pub(crate) fn forget(&mut self) {
         self.count = 0;
         self.black = false;
+    }
+
+    /// Counted messages sent less received.
+    pub(crate) fn count(&self) -> i64 {
+        self.count
     }
 
     pub(crate) fn holds_token(&self) -> bool {

@@ -1,25 +1,26 @@
 //! What model checkers look at, and how they fold runs that differ in a counter only.
 
-use super::conduct::Conduct;
-use super::owner::Waiter;
+use super::lock_request::Waiter;
+use super::operation::Operations;
+use super::rules::Rules;
 use super::submesh::{Source, Submesh};
 use super::worker::Worker;
 use super::{Attempt, Message, Ticket};
 
-impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
+impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// Is an operation of this ticket at home here, and not committed yet?
     pub fn is_home_of(&self, ticket: Ticket) -> bool {
-        self.ops.contains_key(&ticket)
+        self.operations.all.contains_key(&ticket)
     }
 
     /// Does a request wait for a tetrahedron that is not installed yet?
     pub fn awaits_installation(&self) -> bool {
-        self.absent.values().flatten().any(|waiter| matches!(waiter, Waiter::Request(_)))
+        self.locks.absent.values().flatten().any(|waiter| matches!(waiter, Waiter::Request(_)))
     }
 
     /// Calls `f` with every locked tetrahedron that a request waits for, and its ticket.
     pub fn visit_waiting(&self, f: &mut dyn FnMut(S::Tet, Ticket)) {
-        for (&t, queue) in &self.waiting {
+        for (&t, queue) in &self.locks.waiting {
             for waiter in queue {
                 if let Waiter::Request(ticket) = *waiter {
                     f(t, ticket);
@@ -30,21 +31,19 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
 
     /// Has an operation of this ticket a request here?
     pub fn has_request(&self, ticket: Ticket) -> bool {
-        self.requests.contains_key(&ticket)
+        self.locks.requests.contains_key(&ticket)
     }
 
     /// Calls `f` with every attempt number in the worker's state. Attempts are only ever compared
     /// for equality with others of the same ticket: shifting all those of a ticket by the same
     /// amount, here and in all messages, changes no behaviour.
     pub fn visit_attempts(&mut self, f: &mut dyn FnMut(Ticket, &mut Attempt)) {
-        for (&ticket, op) in self.ops.iter_mut().chain(self.late.iter_mut()) {
+        let Operations { all, late, .. } = &mut self.operations;
+        for (&ticket, op) in all.iter_mut().chain(late) {
             f(ticket, &mut op.attempt);
         }
-        for (&ticket, request) in &mut self.requests {
-            f(ticket, request.attempt_mut());
-        }
-        for (_, ticket, attempt) in self.parked.values_mut().flatten() {
-            f(*ticket, attempt);
+        for (&ticket, request) in &mut self.locks.requests {
+            f(ticket, &mut request.attempt);
         }
     }
 
@@ -63,7 +62,6 @@ impl<S: Submesh> Message<S> {
             | Self::Expand { ticket, attempt, .. }
             | Self::Grant { ticket, attempt, .. }
             | Self::Deny { ticket, attempt }
-            | Self::Unpark { ticket, attempt }
             | Self::Wound { ticket, attempt }
             | Self::Abort { ticket, attempt }
             | Self::Aborted { ticket, attempt } => Some((*ticket, attempt)),

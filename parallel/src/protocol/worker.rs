@@ -1,13 +1,17 @@
-//! One worker: its state, and the step that answers an event with actions.
+//! One worker: its state, and the step that answers an event with actions. Here events are only
+//! routed: to operations (the home's side), lock requests (the owner's side), blocks that move and
+//! the token.
 
-use super::conduct::{Conduct, Sound};
 use super::directory::{BlockId, Directory, WorkerId};
-use super::home::Op;
-use super::owner::{Request, Spare, Waiter};
+use super::invariant::invariant;
+use super::lock_request::{Locks, Spare, Want};
+use super::operation::{Granted, Operations};
+use super::rules::{Correct, Rules};
 use super::submesh::{Source, Submesh, SubmeshError};
 use super::termination::{Pass, Safra};
-use super::{Attempt, Closure, Message, Name, Rule, Ticket};
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use super::variants::{Closure, Rule};
+use super::{Attempt, Message, Ticket};
+use std::collections::VecDeque;
 use std::marker::PhantomData;
 
 /// What does not change during a run.
@@ -112,7 +116,7 @@ pub enum Note {
 
 /// A worker of the protocol.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Worker<S: Submesh, Q, C = Sound> {
+pub struct Worker<S: Submesh, Q, C = Correct> {
     pub(super) config: Config,
     pub(super) mesh: S,
     pub(super) source: Q,
@@ -121,21 +125,9 @@ pub struct Worker<S: Submesh, Q, C = Sound> {
     clock: u32,
     /// Tickets issued.
     sequence: u32,
-    /// Operations at home here.
-    pub(super) ops: BTreeMap<Ticket, Box<Op<S>>>,
-    /// Those that can start (again): the paper's QL.
-    pub(super) ready: BTreeSet<Ticket>,
-    /// Closures of which a part is here.
-    pub(super) requests: BTreeMap<Ticket, Box<Request<S>>>,
+    pub(super) operations: Operations<S>,
+    pub(super) locks: Locks<S>,
     pub(super) spare: Spare<S>,
-    /// Who waits for a locked tetrahedron.
-    pub(super) waiting: BTreeMap<S::Tet, Vec<Waiter>>,
-    /// Who waits for a tetrahedron that is not installed yet.
-    pub(super) absent: BTreeMap<Name, Vec<Waiter>>,
-    /// By holder: denied operations that start again when it has released its locks.
-    pub(super) parked: BTreeMap<Ticket, Vec<(WorkerId, Ticket, Attempt)>>,
-    /// Committed operations, kept by the unsound conduct that obeys late wounds.
-    pub(super) late: BTreeMap<Ticket, Box<Op<S>>>,
     pub(super) safra: Safra,
     stopped: bool,
     /// Points that arrive are dropped: it was told to start no more.
@@ -144,10 +136,10 @@ pub struct Worker<S: Submesh, Q, C = Sound> {
     pub(super) dropped: bool,
     /// Messages to itself, taken in the same step.
     own: VecDeque<Message<S>>,
-    conduct: PhantomData<C>,
+    rules: PhantomData<C>,
 }
 
-impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
+impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// A worker with its submesh, its points, and a directory that is right at the start.
     pub fn new(config: Config, directory: Directory, mesh: S, source: Q) -> Self {
         Self {
@@ -158,19 +150,14 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             directory,
             clock: 0,
             sequence: 0,
-            ops: BTreeMap::new(),
-            ready: BTreeSet::new(),
-            requests: BTreeMap::new(),
+            operations: Operations::new(),
+            locks: Locks::new(),
             spare: Spare::new(),
-            waiting: BTreeMap::new(),
-            absent: BTreeMap::new(),
-            parked: BTreeMap::new(),
-            late: BTreeMap::new(),
             stopped: false,
             cancelled: false,
             dropped: false,
             own: VecDeque::new(),
-            conduct: PhantomData,
+            rules: PhantomData,
         }
     }
 
@@ -199,9 +186,14 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         &self.directory
     }
 
+    /// The largest clock of a ticket that it has issued or heard of.
+    pub fn clock(&self) -> u32 {
+        self.clock
+    }
+
     /// Number of operations at home here.
     pub fn active(&self) -> usize {
-        self.ops.len()
+        self.operations.all.len()
     }
 
     /// Is all work done everywhere, as far as this worker knows?
@@ -222,41 +214,36 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
 
     /// Is there no operation at home here, and no point left?
     pub fn is_passive(&self) -> bool {
-        self.ops.is_empty() && self.source.is_empty()
+        self.operations.all.is_empty() && self.source.is_empty()
     }
 
     /// Would [`Event::Work`] do anything?
     pub fn has_work(&self) -> bool {
         !self.stopped
             && self.error().is_none()
-            && (!self.ready.is_empty()
+            && (!self.operations.ready.is_empty()
                 || self.has_room() && self.source.is_ready()
                 || self.is_passive() && self.safra.holds_token())
     }
 
     fn has_room(&self) -> bool {
-        self.ops.len() < self.config.window
+        self.operations.all.len() < self.config.window
     }
 
     /// Is nothing locked, awaited or under way here? So it must be at the end of a run.
     pub fn is_quiescent(&self) -> bool {
-        self.is_passive()
-            && self.requests.is_empty()
-            && self.waiting.is_empty()
-            && self.absent.is_empty()
-            && self.parked.is_empty()
+        self.is_passive() && self.locks.is_empty()
     }
 
-    /// What it is doing, for people: of a run that makes no progress.
+    /// What the worker is doing, for people who look at a run that makes no progress.
     pub fn describe(&self) -> String {
-        let ops = self.ops.iter().map(|(ticket, op)| {
+        let ops = self.operations.all.iter().map(|(ticket, op)| {
             format!("\n  operation {ticket:?}: attempt {}, {:?}", op.attempt, op.phase)
         });
-        let requests = self
-            .requests
-            .iter()
-            .map(|(ticket, r)| format!("\n  request {ticket:?}: {}", r.describe()));
-        let absent = self.absent.keys().map(|name| format!("\n  awaits {name:?}"));
+        let requests = self.locks.requests.iter();
+        let requests =
+            requests.map(|(ticket, r)| format!("\n  request {ticket:?}: {}", r.describe()));
+        let absent = self.locks.absent.keys().map(|name| format!("\n  awaits {name:?}"));
         format!(
             "worker {}: {}{}",
             self.id(),
@@ -273,6 +260,11 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     /// Answers an event. Actions are to be carried out in their order.
     ///
     /// A worker that fails in the step ([`Worker::error`]), or has failed before, wants nothing done.
+    ///
+    /// # Panics
+    /// If an invariant of the protocol is broken, by a defect of this crate or by a runtime that
+    /// does not keep the order of messages: [`Broken`](super::Broken) reads the panic's message. The
+    /// worker is of no use afterwards.
     pub fn step(&mut self, event: Event<S>, out: &mut Vec<Action<S>>) {
         let before = out.len();
         self.answer(event, out);
@@ -312,24 +304,25 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             self.clock = self.clock.max(ticket.clock);
         }
         match message {
+            // To the home of an operation.
             Message::Walk { ticket, attempt, point, at } => {
                 self.walk_in(ticket, attempt, point, at, out);
             }
-            Message::Expand { ticket, attempt, point, seeds, around } => {
-                self.expand(from, ticket, attempt, point, (seeds, around), out);
-            }
             Message::Grant { ticket, attempt, answers, pieces, foreign, bounced, moved } => {
-                for (block, owner, epoch) in moved {
-                    self.directory.learn(block, owner, epoch);
-                }
-                self.granted(from, ticket, attempt, answers, pieces, (foreign, bounced), out);
+                let granted = Granted { answers, pieces, foreign, bounced, moved };
+                self.granted(from, ticket, attempt, granted, out);
             }
-            Message::Deny { ticket, attempt } => self.denied(from, ticket, attempt, out),
-            Message::Unpark { ticket, attempt } => self.unparked(from, ticket, attempt, out),
             Message::Wound { ticket, attempt } => self.wounded(ticket, attempt, out),
-            Message::Abort { ticket, attempt } => self.abort(from, ticket, attempt, out),
             Message::Aborted { ticket, attempt } => self.aborted(ticket, attempt, out),
+            Message::Deny { ticket, attempt } => self.denied(ticket, attempt, out),
+            // To the owner of a part of its closure.
+            Message::Expand { ticket, attempt, point, seeds, around } => {
+                let wants = seeds.into_iter().map(Want::Seed);
+                self.request(from, ticket, attempt, point, (wants, around), out);
+            }
+            Message::Abort { ticket, attempt } => self.abort(from, ticket, attempt, out),
             Message::Commit { ticket, patch } => self.commit(ticket, patch, out),
+            // To the owner of a block.
             Message::Migrate { block, epoch, cargo, points } => {
                 self.moved_in(block, epoch, cargo, points, out);
             }
@@ -344,11 +337,10 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         if self.stopped {
             return;
         }
-        if let Some(ticket) = self.ready.pop_first() {
-            if let Some(op) = self.ops.remove(&ticket) {
-                self.start(Some(ticket), op.attempt, op.point, None, out);
-            }
-        } else if self.has_room()
+        if self.start_ready(out) {
+            return;
+        }
+        if self.has_room()
             && let Some(point) = self.source.next(&self.mesh)
         {
             self.start(None, 0, point, None, out);
@@ -375,6 +367,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     }
 
     fn stop(&mut self, out: &mut Vec<Action<S>>) {
+        invariant!(P10, self.is_quiescent(), "a stop comes too early: {}", self.describe());
         self.stopped = true;
         out.push(Action::Note(Note::Stopped));
     }

@@ -7,10 +7,15 @@ use super::options::Options;
 use super::processor::{Asking, Envelope, Next, Processor};
 use crate::balance::{Balancer, Stock};
 use crate::metrics::{Cause, Collector, Nanos, Step, Summary, Survey, Trace};
-use crate::protocol::{Action, Conduct, Event, Note, Source, Submesh, Ticket, Worker, WorkerId};
+use crate::protocol::check::{Between, History, Inspect};
+use crate::protocol::{
+    Action, Broken, Event, Message, Note, Rules, Source, Submesh, Ticket, Worker, WorkerId,
+    message_of,
+};
 use ltbw_core::Random;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// A simulated run.
 #[derive(Debug)]
@@ -37,9 +42,9 @@ pub fn simulate<S, Q, C>(
     options: &Options,
 ) -> Result<Simulation<S, Q, C>, SimulationError>
 where
-    S: Payload + Survey,
+    S: Payload + Survey + Inspect,
     Q: Source<S> + Stock,
-    C: Conduct,
+    C: Rules,
 {
     options.check(workers.len())?;
     if let Some((place, worker)) = workers.iter().enumerate().find(|(k, w)| w.id() as usize != *k) {
@@ -67,7 +72,7 @@ enum What<S: Submesh> {
 }
 
 /// Why a worker has failed, if it has.
-fn failure_of<S: Submesh, Q: Source<S>, C: Conduct>(
+fn failure_of<S: Submesh, Q: Source<S>, C: Rules>(
     worker: &Worker<S, Q, C>,
 ) -> Option<SimulationError> {
     let submesh = |error| SimulationError::Submesh { worker: worker.id(), error };
@@ -120,13 +125,14 @@ struct Engine<'a, S: Submesh, Q, C> {
     /// A worker has failed.
     failed: Option<SimulationError>,
     actions: Vec<Action<S>>,
+    history: History,
 }
 
 impl<'a, S, Q, C> Engine<'a, S, Q, C>
 where
-    S: Payload + Survey,
+    S: Payload + Survey + Inspect,
     Q: Source<S> + Stock,
-    C: Conduct,
+    C: Rules,
 {
     fn new(workers: Vec<Worker<S, Q, C>>, options: &'a Options) -> Self {
         let count = workers.len();
@@ -167,6 +173,7 @@ where
             stopped: 0,
             failed: None,
             actions: Vec::new(),
+            history: History::default(),
         };
         engine.failed = engine.processors.iter().find_map(|p| failure_of(&p.worker));
         for id in 0..count as WorkerId {
@@ -196,8 +203,38 @@ where
             if let Some(error) = self.failed.take() {
                 return Err(error);
             }
+            let every = self.options.check_every;
+            if every > 0 && self.events.is_multiple_of(every) {
+                self.check_invariants()?;
+            }
         }
         Ok(())
+    }
+
+    /// The invariants over all workers and all messages under way.
+    fn check_invariants(&mut self) -> Result<(), SimulationError> {
+        fn message<S: Submesh>(
+            to: WorkerId,
+            envelope: &Envelope<S>,
+        ) -> Option<(WorkerId, WorkerId, &Message<S>)> {
+            envelope.message.as_ref().map(|message| (envelope.from, to, message))
+        }
+        let flying = self.heap.iter().filter_map(|entry| match &entry.what {
+            What::Arrive(to, envelope) => message(*to, envelope),
+            _ => None,
+        });
+        let waiting = self.processors.iter().flat_map(|processor| {
+            let to = processor.worker.id();
+            processor.inbox.iter().filter_map(move |envelope| message(to, envelope))
+        });
+        let workers = self.processors.iter().map(|processor| &processor.worker);
+        let between = Between::new(workers, flying.chain(waiting));
+        let checked = between.check().and_then(|()| self.history.look(&between));
+        checked.map_err(|Broken { invariant, what }| SimulationError::Inconsistent {
+            time: self.now,
+            invariant,
+            what,
+        })
     }
 
     fn check_progress(&mut self) -> Result<(), SimulationError> {
@@ -307,7 +344,12 @@ where
         let mut actions = std::mem::take(&mut self.actions);
         let cause = Cause::of(&event);
         let processor = &mut self.processors[id as usize];
-        processor.worker.step(event, &mut actions);
+        // A worker that has panicked is not looked at again: the run ends.
+        let step = AssertUnwindSafe(|| processor.worker.step(event, &mut actions));
+        if let Err(panic) = catch_unwind(step) {
+            self.failed = Some(SimulationError::of_panic(id, message_of(&*panic)));
+            return;
+        }
         self.failed = failure_of(&processor.worker);
         let (work, walk) = processor.work_time(&self.options.costs);
         let worked = begin + receiving + work;

@@ -1,7 +1,7 @@
 //! Why a simulated run has no result.
 
 use crate::metrics::Nanos;
-use crate::protocol::{SubmeshError, WorkerId};
+use crate::protocol::{Broken, Invariant, SubmeshError, WorkerId};
 
 /// Why a simulated run has no result.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -25,6 +25,36 @@ pub enum SimulationError {
         worker: WorkerId,
         /// Why it has failed.
         error: SubmeshError,
+    },
+    /// An invariant of the protocol is broken: a defect of the worker's code or submesh.
+    #[error("worker {worker}: invariant {invariant} is broken: {what}")]
+    Broken {
+        /// The worker that found it.
+        worker: WorkerId,
+        /// Which one, of `docs/protocol.md`.
+        invariant: Invariant,
+        /// What was found.
+        what: String,
+    },
+    /// The check over all workers has found a broken invariant, see [`Options::check_every`].
+    ///
+    /// [`Options::check_every`]: super::Options::check_every
+    #[error("at {time} ns: invariant {invariant} is broken: {what}")]
+    Inconsistent {
+        /// Virtual time.
+        time: Nanos,
+        /// Which one, of `docs/protocol.md`.
+        invariant: Invariant,
+        /// What was found.
+        what: String,
+    },
+    /// A worker has panicked: a defect.
+    #[error("worker {worker} has failed: {message}")]
+    Failed {
+        /// The worker.
+        worker: WorkerId,
+        /// What it said.
+        message: String,
     },
     /// The limit on events is reached.
     #[error("{events} events, and no end: {operations} points inserted by {time} ns")]
@@ -67,4 +97,14 @@ pub enum SimulationError {
         /// The workers.
         workers: Vec<WorkerId>,
     },
+}
+
+impl SimulationError {
+    /// The error of a worker whose step has panicked with `message`.
+    pub(super) fn of_panic(worker: WorkerId, message: String) -> Self {
+        match Broken::from_message(&message) {
+            Some(Broken { invariant, what }) => Self::Broken { worker, invariant, what },
+            None => Self::Failed { worker, message },
+        }
+    }
 }

@@ -5,7 +5,7 @@ use super::{Options, Simulation, SimulationError, simulate};
 use crate::mesh::{GatherError, Gathered, LocalMesh, Ownership, Plan, gather};
 use crate::mesh::{Link, Moving, Patch, Piece, Side, Site};
 use crate::metrics::{Summary, Survey, Trace};
-use crate::protocol::{Conduct, Config, Sound, Worker};
+use crate::protocol::{Config, Correct, Rules, Worker};
 use ltbw_core::BuildError;
 use ltbw_exact::PointSet;
 
@@ -99,15 +99,15 @@ pub fn simulate_mesh(
     config: Config,
     options: &Options,
 ) -> Result<Meshed, MeshError> {
-    simulate_as::<Sound>(set, plan, config, options)
+    simulate_as::<Correct>(set, plan, config, options)
 }
 
-/// [`simulate_mesh`] with another conduct: for checkers that must find a defect.
+/// [`simulate_mesh`] with other rules: for checkers that must find a defect.
 ///
 /// # Errors
 ///
 /// [`MeshError`].
-pub fn simulate_as<C: Conduct>(
+pub fn simulate_as<C: Rules>(
     set: &PointSet,
     plan: &Plan,
     config: Config,

@@ -3,7 +3,7 @@
 use super::cost::CostModel;
 use crate::balance::{Balancer, Stock};
 use crate::metrics::{Collector, Nanos};
-use crate::protocol::{Conduct, Event, Message, Source, Submesh, Ticket, Worker, WorkerId};
+use crate::protocol::{Event, Message, Rules, Source, Submesh, Ticket, Worker, WorkerId};
 use std::collections::VecDeque;
 
 /// A message on the network, with what travels along.
@@ -55,7 +55,7 @@ pub(super) struct Processor<S: Submesh, Q, C> {
     pub(super) collector: Collector,
 }
 
-impl<S: Submesh, Q: Source<S> + Stock, C: Conduct> Processor<S, Q, C> {
+impl<S: Submesh, Q: Source<S> + Stock, C: Rules> Processor<S, Q, C> {
     /// Messages come before local work, and set-back operations before new points.
     pub(super) fn next(&mut self) -> Next<S> {
         if self.worker.is_stopped() {

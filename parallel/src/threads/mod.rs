@@ -14,7 +14,10 @@ use crate::balance::Balance;
 use crate::mailbox::connect;
 use crate::mesh::{Field, GatherError, LocalMesh, Ownership, Plan, Prepared};
 use crate::metrics::{Collector, Summary, Trace};
-use crate::protocol::{Closure, Config, Note, Rule, Sound, SubmeshError, Worker, WorkerId};
+use crate::protocol::{
+    self, Closure, Config, Correct, Invariant, Note, Rule, SubmeshError, Worker, WorkerId,
+    message_of,
+};
 use crate::transport::{Delayed, Mail, Transport};
 use ltbw_core::{BuildError, CancelToken, Mesh, Outcome, Vertex};
 use ltbw_exact::PointSet;
@@ -49,6 +52,16 @@ pub enum RunError {
         worker: WorkerId,
         /// Why it has failed.
         error: SubmeshError,
+    },
+    /// An invariant of the protocol is broken: a defect of this crate.
+    #[error("worker {worker}: invariant {invariant} is broken: {what}")]
+    Broken {
+        /// The worker that found it.
+        worker: WorkerId,
+        /// Which one, of `docs/protocol.md`.
+        invariant: Invariant,
+        /// What was found.
+        what: String,
     },
     /// The settings contradict each other.
     #[error("{0}")]
@@ -292,7 +305,7 @@ impl<'a> Parallel<'a> {
         nodes: Vec<Node>,
         ways: Vec<T>,
         watch: impl Fn(WorkerId) -> W,
-    ) -> Vec<Loop<LocalMesh, Field, Sound, T, W>> {
+    ) -> Vec<Loop<LocalMesh, Field, Correct, T, W>> {
         let pairs = nodes.into_iter().zip(ways);
         pairs
             .map(|(node, way)| {
@@ -316,7 +329,7 @@ type End<W> = (Node, W);
 
 /// Runs every loop on a thread of its own. A loop that panics takes its way along, which tells the
 /// others.
-fn run_all<T, W>(loops: Vec<Loop<LocalMesh, Field, Sound, T, W>>) -> Result<Vec<End<W>>, RunError>
+fn run_all<T, W>(loops: Vec<Loop<LocalMesh, Field, Correct, T, W>>) -> Result<Vec<End<W>>, RunError>
 where
     T: Transport<Mail<LocalMesh>> + Send,
     W: Watch<LocalMesh> + Send,
@@ -334,7 +347,7 @@ where
             Ok(Err(Broken::Here(error))) => errors.push(RunError::Submesh { worker, error }),
             // It stopped because another one failed.
             Ok(Err(Broken::Elsewhere(_))) => {}
-            Err(panic) => panics.push(RunError::Failed { worker, message: text_of(&*panic) }),
+            Err(panic) => panics.push(of_panic(worker, &*panic)),
         }
     }
     match panics.into_iter().chain(errors).next() {
@@ -343,80 +356,14 @@ where
     }
 }
 
-/// What a panic said.
-fn text_of(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<String>().cloned();
-    let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_string()));
-    text.unwrap_or_else(|| "it panicked".to_string())
+/// The error of a worker that has panicked.
+fn of_panic(worker: WorkerId, panic: &(dyn Any + Send)) -> RunError {
+    let message = message_of(panic);
+    match protocol::Broken::from_message(&message) {
+        Some(protocol::Broken { invariant, what }) => RunError::Broken { worker, invariant, what },
+        None => RunError::Failed { worker, message },
+    }
 }
 
 #[cfg(all(test, not(any(loom, shuttle))))]
-mod tests {
-    use super::*;
-    use crate::metrics::Nanos;
-    use crate::protocol::{Action, Attempt, BlockId, Event};
-    use ltbw_generate::{PointKind, generate};
-
-    /// A watch that fails after some steps.
-    struct Bomb<'a> {
-        inner: ThreadWatch<'a>,
-        steps: u32,
-    }
-
-    impl Watch<LocalMesh> for Bomb<'_> {
-        const BURST: usize = 16;
-
-        fn now(&mut self) -> Nanos {
-            Watch::<LocalMesh>::now(&mut self.inner)
-        }
-
-        fn until(&mut self, due: Nanos) -> Option<Duration> {
-            Watch::<LocalMesh>::until(&mut self.inner, due)
-        }
-
-        fn backoff(&mut self, attempt: Attempt) -> Nanos {
-            Watch::<LocalMesh>::backoff(&mut self.inner, attempt)
-        }
-
-        fn order(&mut self, may_move: impl Fn(BlockId) -> bool) -> Option<Event<LocalMesh>> {
-            self.inner.order(may_move)
-        }
-
-        fn nap(&self) -> Option<Duration> {
-            Watch::<LocalMesh>::nap(&self.inner)
-        }
-
-        fn looked(&mut self, found: usize) {
-            Watch::<LocalMesh>::looked(&mut self.inner, found);
-        }
-
-        fn ended(&mut self, _: &[Action<LocalMesh>]) {
-            self.steps = self.steps.checked_sub(1).expect("planted");
-        }
-    }
-
-    #[test]
-    fn a_worker_that_fails_ends_the_run_by_name() {
-        let set = PointSet::new(generate(PointKind::Uniform, 2000, 1)).expect("finite points");
-        for (victim, latency) in [(0, 0), (1, 0), (2, 0), (1, 300)] {
-            let kernel = Parallel::new(3).latency(Duration::from_micros(latency));
-            let config = Config { window: 16, ..Config::new(3) };
-            let prepared = Plan::new(set.len(), 3).prepare(&set).expect("a start");
-            let nodes: Vec<Node> = prepared
-                .workers
-                .into_iter()
-                .map(|(directory, mesh, field)| Worker::new(config, directory, mesh, field))
-                .collect();
-            let clock = Instant::now();
-            let watch = |id| {
-                let steps = if id == victim { 100 } else { u32::MAX };
-                Bomb { inner: kernel.watch(id, clock), steps }
-            };
-            let ways = connect(3).into_iter();
-            let ways = ways.map(|way| Delayed::new(way, kernel.latency)).collect();
-            let error = run_all(kernel.loops(nodes, ways, watch)).map(drop);
-            let said = RunError::Failed { worker: victim, message: "planted".to_string() };
-            assert_eq!(error, Err(said));
-        }
-    }
-}
+mod tests;

@@ -11,8 +11,7 @@
 use crate::balance::{Balance, Balancer, Stock};
 use crate::metrics::Nanos;
 use crate::protocol::{
-    Action, Attempt, BlockId, Conduct, Event, Source, Submesh, SubmeshError, Ticket, Worker,
-    WorkerId,
+    Action, Attempt, BlockId, Event, Rules, Source, Submesh, SubmeshError, Ticket, Worker, WorkerId,
 };
 use crate::transport::{Mail, Transport};
 use std::time::Duration;
@@ -104,7 +103,7 @@ impl<S, Q, C, T, W> Loop<S, Q, C, T, W>
 where
     S: Submesh,
     Q: Source<S> + Stock,
-    C: Conduct,
+    C: Rules,
     T: Transport<Mail<S>>,
     W: Watch<S>,
 {

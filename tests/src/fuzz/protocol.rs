@@ -50,7 +50,7 @@ fn read(bytes: &[u8]) -> (Vec<Point>, Case, Chooser<'_>) {
             ownership,
             ..Plan::new(0, 1)
         },
-        rule: [Rule::WoundWait, Rule::WaitDie, Rule::Paper][usize::from(rule) % 3],
+        rule: Rule::ALL[usize::from(rule) % 2],
         closure,
         tempo: Tempo::ALL[usize::from(tempo) % 4],
         // Half of the values: no slow worker.

@@ -10,6 +10,7 @@ mod ending;
 
 use crate::families::Rng;
 use ltbw::mesh::{Field, Gathered, LocalMesh, Plan};
+use ltbw::protocol::check::{Between, History};
 use ltbw::protocol::{
     Action, Closure, Config, Event, Message, Note, Rule, Source, SubmeshError, Worker,
 };
@@ -170,7 +171,7 @@ impl Case {
             .into_iter()
             .map(|(directory, mesh, field)| Worker::new(config, directory, mesh, field))
             .collect();
-        let mut world = World::new(*self, nodes);
+        let mut world = World::new(*self, nodes, set.len());
         let limit = TURNS_PER_POINT * (set.len() + 100);
         loop {
             let failed = world.nodes.iter().find_map(|node| Some((node.id(), node.error()?)));
@@ -211,10 +212,13 @@ struct World {
     /// Workers that have heard of the cancel.
     cancelled: Vec<bool>,
     figures: Figures,
+    history: History,
+    /// The invariants are checked each time so many turns have passed.
+    check_every: usize,
 }
 
 impl World {
-    fn new(case: Case, nodes: Vec<Node>) -> Self {
+    fn new(case: Case, nodes: Vec<Node>, points: usize) -> Self {
         Self {
             case,
             cancelled: vec![false; nodes.len()],
@@ -223,6 +227,9 @@ impl World {
             backoff: Vec::new(),
             moves: case.moves,
             figures: Figures::default(),
+            history: History::default(),
+            // A check looks at the whole mesh.
+            check_every: if points <= 50 { 1 } else { 2 * points },
         }
     }
 
@@ -293,6 +300,9 @@ impl World {
             }
         };
         self.carry_out(w, out, chooser);
+        if self.figures.turns.is_multiple_of(self.check_every) {
+            self.check_invariants();
+        }
         // Nothing gives a cancelled worker more to do, be it a block that moves in.
         assert!(!self.cancelled[w] || self.nodes[w].source().is_empty(), "{w} is cancelled");
         true
@@ -325,6 +335,10 @@ impl World {
 
     fn carry_out(&mut self, w: usize, out: Vec<Action<LocalMesh>>, chooser: &mut Chooser) {
         for action in out {
+            if let Action::Note(note) = action {
+                let noted = self.history.note(note);
+                assert!(noted.is_ok(), "{noted:?}\n{}", self.describe());
+            }
             match action {
                 Action::Send { to, message } => {
                     self.channels.entry((w, to as usize)).or_default().push_back(message);
@@ -340,6 +354,18 @@ impl World {
                 Action::Note(Note::Migrated(_)) => self.figures.moved += 1,
                 Action::Note(_) => {}
             }
+        }
+    }
+
+    /// The invariants over all workers and all messages under way.
+    fn check_invariants(&mut self) {
+        let mail = self.channels.iter().flat_map(|(&(from, to), queue)| {
+            queue.iter().map(move |message| (from as u32, to as u32, message))
+        });
+        let between = Between::new(&self.nodes, mail);
+        let checked = between.check().and_then(|()| self.history.look(&between));
+        if let Err(broken) = checked {
+            panic!("{broken}\n{}", self.describe());
         }
     }
 

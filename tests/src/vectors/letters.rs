@@ -60,7 +60,6 @@ pub fn message(of: &Message<Line>) -> Value {
             "foreign": handles(foreign), "bounced": handles(bounced), "moved": moved,
         }),
         Message::Deny { attempt, .. }
-        | Message::Unpark { attempt, .. }
         | Message::Wound { attempt, .. }
         | Message::Abort { attempt, .. }
         | Message::Aborted { attempt, .. } => json!({"attempt": attempt}),

@@ -3,12 +3,13 @@
 //! Cells are intervals between neighbouring integers of a set; the outermost ends are -1 and the
 //! range. A point conflicts with the interval that holds it, its ring are the neighbours of that,
 //! and two intervals fill the cavity. `verify/vectors/README.md` defines it for ports. Nothing here
-//! panics but [`joined`]: runs of broken conducts meet states that must not be.
+//! panics but [`joined`]: runs of known-bad variants meet states that must not be.
 
 use ltbw::balance::Stock;
 use ltbw::metrics::Survey;
+use ltbw::protocol::check::{Inspect, Seen, Sent};
 use ltbw::protocol::{
-    BlockId, Conduct, Costs, Directory, Handle, Insert, Name, Neighbour, Source, Submesh, Ticket,
+    BlockId, Costs, Directory, Handle, Insert, Name, Neighbour, Rules, Source, Submesh, Ticket,
     Walk, Worker, WorkerId,
 };
 use ltbw::simulate::Payload;
@@ -238,7 +239,7 @@ impl Submesh for Line {
         patches.into_iter().collect()
     }
 
-    fn apply<C: Conduct>(
+    fn apply<C: Rules>(
         &mut self,
         patch: Patch,
         directory: &Directory,
@@ -267,7 +268,7 @@ impl Submesh for Line {
         self.locks.keys().any(|&name| self.block_of(name) == Some(block))
     }
 
-    fn extract<C: Conduct>(
+    fn extract<C: Rules>(
         &mut self,
         block: BlockId,
         moved: &mut dyn FnMut(Name, Handle),
@@ -296,6 +297,41 @@ impl Submesh for Line {
     fn take_costs(&mut self) -> Costs {
         std::mem::take(&mut self.costs)
     }
+}
+
+impl Inspect for Line {
+    fn seen(&self) -> Vec<Seen<Name>> {
+        let look = |(&name, cell): (&Name, &Cell)| {
+            let mut links = Vec::new();
+            self.neighbours(name, |link| links.push(link));
+            Seen {
+                tet: name,
+                name: Some(name),
+                vertices: key(cell),
+                block: self.cuts.block(cell.ends.0),
+                holder: self.locks.get(&name).copied(),
+                links,
+            }
+        };
+        self.cells.iter().map(look).collect()
+    }
+
+    fn made(patch: &Patch) -> Vec<Sent> {
+        sent(&patch.add)
+    }
+
+    fn carried(cargo: &Vec<Piece>) -> Vec<Sent> {
+        sent(cargo)
+    }
+}
+
+/// What tells a cell from all others.
+fn key(cell: &Cell) -> Vec<u64> {
+    vec![cell.ends.0 as u64, cell.ends.1 as u64]
+}
+
+fn sent(cells: &[Piece]) -> Vec<Sent> {
+    cells.iter().map(|(name, cell)| (Some(*name), key(cell))).collect()
 }
 
 impl Survey for Line {
@@ -333,7 +369,7 @@ impl Payload for Line {
 /// If the cells do not cover the line, are locked or at the wrong worker, or if links are not
 /// mutual.
 #[must_use]
-pub fn joined<C: Conduct>(workers: &[Worker<Line, Queue, C>]) -> BTreeSet<i64> {
+pub fn joined<C: Rules>(workers: &[Worker<Line, Queue, C>]) -> BTreeSet<i64> {
     let mut ends: Vec<(i64, i64)> = workers.iter().flat_map(|w| w.mesh().ends()).collect();
     ends.sort_unstable();
     assert!(ends.windows(2).all(|pair| pair[0].1 == pair[1].0), "a gap or an overlap");

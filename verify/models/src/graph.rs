@@ -11,8 +11,8 @@
 //! States are told apart by 64-bit hashes, as stateright does: n states collide with a probability
 //! of about n² / 2^65, 3e-8 for a million.
 
-use crate::museum::Exhibit;
 use crate::system::{Choice, State, System, fingerprint};
+use crate::variants::Variant;
 use crate::witness::{ALL, Witness};
 use crate::world::Network;
 use std::collections::{BTreeSet, HashMap, VecDeque};
@@ -69,7 +69,7 @@ pub struct Limits {
 
 impl Graph {
     /// Explores the states of `system`, the nearest first.
-    pub fn explore<C: Exhibit>(system: &System<C>, limits: Limits) -> Self {
+    pub fn explore<C: Variant>(system: &System<C>, limits: Limits) -> Self {
         let start = system.initial();
         let mut index = HashMap::from([(fingerprint(&start), 0)]);
         let mut kinds: HashMap<u64, Kind> = HashMap::new();
@@ -114,7 +114,7 @@ impl Graph {
         graph
     }
 
-    fn judge<C: Exhibit>(&mut self, system: &System<C>, state: &State<C>, id: u32, ends: bool) {
+    fn judge<C: Variant>(&mut self, system: &System<C>, state: &State<C>, id: u32, ends: bool) {
         self.witnesses.extend(ALL.into_iter().filter(|witness| witness.holds(state)));
         if let Some(what) = state.fault {
             self.faults.push((id, what));
@@ -226,7 +226,7 @@ impl Graph {
 }
 
 /// The kind of a choice: what has to happen at last if it is possible all the time.
-fn kind<C: Exhibit>(system: &System<C>, state: &State<C>, choice: Choice) -> Option<u64> {
+fn kind<C: Variant>(system: &System<C>, state: &State<C>, choice: Choice) -> Option<u64> {
     match choice {
         Choice::Move | Choice::Cancel(_) => None,
         Choice::Deliver(from, to, place) => match system.world.network {
@@ -242,7 +242,7 @@ fn kind<C: Exhibit>(system: &System<C>, state: &State<C>, choice: Choice) -> Opt
 }
 
 /// The steps of a run, one line each.
-pub fn tell<C: Exhibit>(system: &System<C>, way: &[Choice]) -> String {
+pub fn tell<C: Variant>(system: &System<C>, way: &[Choice]) -> String {
     let mut text = String::new();
     let mut state = system.initial();
     for (step, &choice) in way.iter().enumerate() {

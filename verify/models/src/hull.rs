@@ -16,9 +16,10 @@
 //! names, handles, patches and cargo are as in the real submesh. Nothing here panics: what should
 //! not happen sets [`Hull::broken`], which the models' safety property looks at.
 
-use crate::museum::Exhibit;
+use crate::variants::Variant;
+use ltbw::protocol::check::{Inspect, Seen, Sent};
 use ltbw::protocol::{
-    BlockId, Conduct, Directory, Handle, Insert, Message, Name, Neighbour, Submesh, Ticket, Walk,
+    BlockId, Directory, Handle, Insert, Message, Name, Neighbour, Rules, Submesh, Ticket, Walk,
     WorkerId,
 };
 use std::collections::{BTreeMap, BTreeSet};
@@ -96,7 +97,7 @@ pub struct Patch {
 }
 
 /// An edge in a worker's hull.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Cell {
     /// The edge.
     pub piece: Piece,
@@ -112,20 +113,20 @@ pub struct Hull<C> {
     cells: Vec<Option<Cell>>,
     /// Names given so far.
     named: u32,
-    /// Numbers to be given again, under the unsound conduct that does.
+    /// Numbers to be given again, under the known-bad variant that does.
     free: BTreeSet<u32>,
     /// What should not have happened.
     pub broken: Option<&'static str>,
-    conduct: PhantomData<C>,
+    rules: PhantomData<C>,
 }
 
-impl<C: Exhibit> Hull<C> {
+impl<C: Variant> Hull<C> {
     /// The edges of worker `me`, with names that it has given.
     pub fn new(me: WorkerId, edges: Vec<Piece>) -> Self {
         let named = edges.iter().filter(|e| e.name.by == me).map(|e| e.name.number + 1).max();
         let cells = edges.into_iter().map(|piece| Some(Cell { piece, holder: None })).collect();
         let (free, broken) = (BTreeSet::new(), None);
-        Self { me, cells, named: named.unwrap_or(0), free, broken, conduct: PhantomData }
+        Self { me, cells, named: named.unwrap_or(0), free, broken, rules: PhantomData }
     }
 
     /// Its cells.
@@ -273,7 +274,39 @@ impl<C: Exhibit> Hull<C> {
     }
 }
 
-impl<C: Exhibit> Submesh for Hull<C> {
+/// What tells an edge from all others.
+fn key([a, b]: [Vertex; 2]) -> Vec<u64> {
+    let place = |v: Vertex| u64::from(v.x as u16) << 16 | u64::from(v.y as u16);
+    vec![place(a), place(b)]
+}
+
+fn sent(edges: &[Piece]) -> Vec<Sent> {
+    edges.iter().map(|edge| (Some(edge.name), key(edge.ends))).collect()
+}
+
+impl<C: Variant> Inspect for Hull<C> {
+    fn seen(&self) -> Vec<Seen<u8>> {
+        let look = |(t, cell): (usize, &Cell)| {
+            let mut links = Vec::new();
+            self.neighbours(t as u8, |link| links.push(link));
+            let Cell { piece, holder } = *cell;
+            let (name, block) = (Some(piece.name), piece.block());
+            Seen { tet: t as u8, name, vertices: key(piece.ends), block, holder, links }
+        };
+        let cells = self.cells.iter().enumerate();
+        cells.filter_map(|(t, cell)| Some((t, cell.as_ref()?))).map(look).collect()
+    }
+
+    fn made(patch: &Patch) -> Vec<Sent> {
+        sent(&patch.create)
+    }
+
+    fn carried(cargo: &Vec<Piece>) -> Vec<Sent> {
+        sent(cargo)
+    }
+}
+
+impl<C: Variant> Submesh for Hull<C> {
     type Tet = u8;
     type Point = Vertex;
     type Piece = Piece;
@@ -381,7 +414,7 @@ impl<C: Exhibit> Submesh for Hull<C> {
         self.star(*point, parts, whereabouts, directory)
     }
 
-    fn apply<D: Conduct>(
+    fn apply<D: Rules>(
         &mut self,
         patch: Patch,
         directory: &Directory,
@@ -417,7 +450,7 @@ impl<C: Exhibit> Submesh for Hull<C> {
         self.cells().any(|cell| touches(&cell.piece) && cell.holder.is_some())
     }
 
-    fn extract<D: Conduct>(
+    fn extract<D: Rules>(
         &mut self,
         block: BlockId,
         moved: &mut dyn FnMut(u8, Handle),

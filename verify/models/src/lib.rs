@@ -5,8 +5,8 @@
 //!   `Worker::step`; only the mesh is abstract, a convex hull in the plane ([`hull`]).
 //! * **Threads** (loom, shuttle): the real mailbox, alone and under the real loop of a worker,
 //!   which runs the same step. Only with `--cfg loom` or `--cfg shuttle`.
-//! * **The museum** ([`museum`]): every known defect, as a conduct of its own that a checker must
-//!   catch. A checker that has never found anything shows nothing.
+//! * **Known-bad variants** ([`variants`]): every known defect, as rules of its own that a checker
+//!   must catch. A checker that has never found anything shows nothing.
 //!
 //! Every model asserts *witnesses*, what must have been reached, and a least size.
 #![forbid(unsafe_code)]
@@ -14,7 +14,6 @@
 #[cfg(not(any(loom, shuttle)))]
 pub mod graph;
 pub mod hull;
-pub mod museum;
 #[cfg(not(any(loom, shuttle)))]
 mod properties;
 pub mod random;
@@ -25,6 +24,7 @@ pub mod runs;
 pub mod system;
 #[cfg(any(loom, shuttle))]
 pub mod threads;
+pub mod variants;
 pub mod witness;
 pub mod world;
 pub mod worlds;

@@ -1,15 +1,15 @@
 //! The system as stateright sees it: safety as `always`, witnesses as `sometimes`.
 
 use crate::hull::Letter;
-use crate::museum::Exhibit;
 use crate::system::{Choice, State, System};
+use crate::variants::Variant;
 use crate::witness::Witness;
 use ltbw::protocol::{Message, WorkerId};
 use stateright::{Model, Property};
 
 impl Witness {
     /// Does it happen in `state`?
-    pub fn holds<C: Exhibit>(self, state: &State<C>) -> bool {
+    pub fn holds<C: Variant>(self, state: &State<C>) -> bool {
         match self {
             Self::SetBack => any(state, |_, letter| matches!(letter, Message::Abort { .. })),
             Self::Crossing => state.channels.iter().any(|(&(from, to), letters)| {
@@ -33,11 +33,10 @@ impl Witness {
             }),
             Self::Walk => any(state, |_, letter| matches!(letter, Message::Walk { .. })),
             Self::Move => any(state, |_, letter| matches!(letter, Message::Migrate { .. })),
-            Self::Unpark => any(state, |_, letter| matches!(letter, Message::Unpark { .. })),
         }
     }
 
-    fn property<C: Exhibit>(self) -> Property<System<C>> {
+    fn property<C: Variant>(self) -> Property<System<C>> {
         let condition: fn(&System<C>, &State<C>) -> bool = match self {
             Self::SetBack => |_, s| Self::SetBack.holds(s),
             Self::Crossing => |_, s| Self::Crossing.holds(s),
@@ -47,22 +46,21 @@ impl Witness {
             Self::LateWound => |_, s| Self::LateWound.holds(s),
             Self::Walk => |_, s| Self::Walk.holds(s),
             Self::Move => |_, s| Self::Move.holds(s),
-            Self::Unpark => |_, s| Self::Unpark.holds(s),
         };
         Property::sometimes(self.name(), condition)
     }
 }
 
-fn is_expand<C: Exhibit>(letter: &Letter<C>) -> bool {
+fn is_expand<C: Variant>(letter: &Letter<C>) -> bool {
     matches!(letter, Message::Expand { .. })
 }
 
 /// Is there such a message under way? The test is given its receiver.
-fn any<C: Exhibit>(state: &State<C>, test: impl Fn(WorkerId, &Letter<C>) -> bool) -> bool {
+fn any<C: Variant>(state: &State<C>, test: impl Fn(WorkerId, &Letter<C>) -> bool) -> bool {
     state.channels.iter().any(|(&(_, to), letters)| letters.iter().any(|l| test(to, l)))
 }
 
-impl<C: Exhibit> Model for System<C> {
+impl<C: Variant> Model for System<C> {
     type State = State<C>;
     type Action = Choice;
 

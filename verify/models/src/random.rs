@@ -2,7 +2,6 @@
 
 use crate::hull::{Vertex, orient};
 use crate::world::{World, brute_force};
-use ltbw::protocol::Rule;
 
 /// SplitMix64.
 #[derive(Clone, Debug)]
@@ -35,7 +34,7 @@ pub fn world(seed: u64) -> World {
 }
 
 /// A world of so many workers, 1 to 3 blocks each, up to 13 points on the final hull, some of them
-/// twice, and up to 7 moves, under wound-wait or wait-die, with termination detection.
+/// twice, and up to 7 moves, with termination detection.
 pub fn world_of(seed: u64, workers: usize) -> World {
     let mut rng = Rng(seed);
     let blocks = workers * (1 + rng.below(3));
@@ -56,8 +55,7 @@ pub fn world_of(seed: u64, workers: usize) -> World {
             moves.push((block as u32, to));
         }
     }
-    let rule = if rng.once_in(3) { Rule::WaitDie } else { Rule::WoundWait };
-    let mut world = World::new("random", &owners, &[], &[]).rule(rule).terminating().moving(&moves);
+    let mut world = World::new("random", &owners, &[], &[]).terminating().moving(&moves);
     world.polygon = polygon;
     world.points = points;
     world.window = 1 + rng.below(4);

@@ -1,8 +1,8 @@
 //! Random runs: one seed is one run.
 
-use crate::museum::Exhibit;
 use crate::random::Rng;
 use crate::system::{Choice, System};
+use crate::variants::Variant;
 
 /// How a random run ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,7 +19,7 @@ pub enum Outcome {
 
 /// Runs `system` by choices drawn from `seed`, one worker possibly slower than the others, for
 /// `limit` steps at most; returns how it ended and after which choices.
-pub fn run<C: Exhibit>(system: &System<C>, seed: u64, limit: usize) -> (Outcome, Vec<Choice>) {
+pub fn run<C: Variant>(system: &System<C>, seed: u64, limit: usize) -> (Outcome, Vec<Choice>) {
     let mut rng = Rng(seed);
     let mut state = system.initial();
     let mut way = Vec::new();

@@ -2,17 +2,20 @@
 //! real [`Worker::step`](ltbw::protocol::Worker::step).
 
 use crate::hull::{Hull, Letter};
-use crate::museum::Exhibit;
-use crate::world::{Network, Node, World};
+use crate::variants::Variant;
+use crate::world::{Network, Node, Points, World};
 use ltbw::balance::Stock;
+use ltbw::protocol::check::Between;
 use ltbw::protocol::{
-    Action, Attempt, BlockId, Event, Message, Note, Rule, Submesh, Ticket, WorkerId,
+    Action, Attempt, BlockId, Broken, Event, Message, Note, Rule, Submesh, Ticket, WorkerId,
+    message_of,
 };
 use std::collections::hash_map::DefaultHasher;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Debug;
 use std::hash::{Hash, Hasher};
 use std::marker::PhantomData;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 /// A 64-bit hash with fixed keys.
@@ -58,7 +61,7 @@ impl<T> Hash for Shared<T> {
 
 /// A state of the whole system.
 #[derive(Clone, Debug, PartialEq, Hash)]
-pub struct State<C: Exhibit> {
+pub struct State<C: Variant> {
     /// The workers.
     pub nodes: Vec<Shared<Node<C>>>,
     /// Messages under way, by sender and receiver; the first was sent first.
@@ -93,18 +96,18 @@ pub enum Choice {
     Cancel(WorkerId),
 }
 
-/// A world and the conduct of its workers.
+/// A world and the rules of its workers.
 #[derive(Clone, Debug)]
 pub struct System<C> {
     /// The world.
     pub world: World,
-    conduct: PhantomData<C>,
+    rules: PhantomData<C>,
 }
 
-impl<C: Exhibit> System<C> {
-    /// `world` with workers of conduct `C`.
+impl<C: Variant> System<C> {
+    /// `world` with workers that obey `C`.
     pub fn new(world: World) -> Self {
-        Self { world, conduct: PhantomData }
+        Self { world, rules: PhantomData }
     }
 
     /// The state at the start.
@@ -156,7 +159,11 @@ impl<C: Exhibit> System<C> {
         let before = next.nodes[at as usize].value.clone();
         let mut node = (*before).clone();
         let mut actions = Vec::new();
-        node.step(event, &mut actions);
+        let step = AssertUnwindSafe(|| node.step(event, &mut actions));
+        if let Err(panic) = catch_unwind(step) {
+            next.fault = Some(fault_of(&message_of(&*panic)));
+            return next;
+        }
         if let Some(what) = node.mesh().broken {
             next.fault = Some(what);
         }
@@ -245,6 +252,15 @@ impl<C: Exhibit> System<C> {
         state.channels.is_empty() && state.nodes.iter().all(|node| node.is_passive())
     }
 
+    /// The state as the checks of the invariants see it.
+    fn between<'a>(&self, state: &'a State<C>) -> Between<'a, Hull<C>, Points, C> {
+        let letters = state.channels.iter().flat_map(|(&(from, to), letters)| {
+            letters.iter().map(move |letter| (from, to, &**letter))
+        });
+        let between = Between::new(state.nodes.iter().map(|node| &**node), letters);
+        if self.world.termination { between } else { between.without_counts() }
+    }
+
     /// What is wrong with `state`, if anything.
     fn fault(&self, state: &State<C>) -> Option<&'static str> {
         if state.nodes.iter().any(|node| node.is_stopped()) {
@@ -259,6 +275,9 @@ impl<C: Exhibit> System<C> {
         if state.cancelled.iter().any(has_points) {
             return Some("a cancelled worker has points");
         }
+        if let Err(broken) = self.between(state).check() {
+            return Some(NAMES[broken.invariant as usize - 1]);
+        }
         if !self.is_final(state) {
             return None;
         }
@@ -270,10 +289,31 @@ impl<C: Exhibit> System<C> {
     }
 }
 
+/// The fault that a broken invariant is.
+const NAMES: [&str; 11] = [
+    "P1 is broken",
+    "P2 is broken",
+    "P3 is broken",
+    "P4 is broken",
+    "P5 is broken",
+    "P6 is broken",
+    "P7 is broken",
+    "P8 is broken",
+    "P9 is broken",
+    "P10 is broken",
+    "P11 is broken",
+];
+
+/// The fault of a step that has panicked.
+fn fault_of(message: &str) -> &'static str {
+    let broken = Broken::from_message(message);
+    broken.map_or("a step panics", |broken| NAMES[broken.invariant as usize - 1])
+}
+
 /// Theorem 2 rests on this: a lock for which a request waits goes to that request, or to an older
 /// one, unless the request ends first. Updates the claims at worker `at` after a step, and returns
 /// what is wrong.
-fn claim<C: Exhibit>(
+fn claim<C: Variant>(
     claims: &mut BTreeSet<(WorkerId, u8, Ticket)>,
     at: WorkerId,
     before: &Node<C>,
@@ -299,7 +339,7 @@ fn claim<C: Exhibit>(
 /// every ticket so that the smallest in the state is 0. That changes no behaviour, see
 /// [`Worker::visit_attempts`](ltbw::protocol::Worker::visit_attempts). Under wound-wait no fold is
 /// needed: its state graphs are finite as they are.
-fn fold<C: Exhibit>(state: &mut State<C>) {
+fn fold<C: Variant>(state: &mut State<C>) {
     let mut least: BTreeMap<Ticket, Attempt> = BTreeMap::new();
     let mut note = |ticket: Ticket, attempt: &mut Attempt| {
         let least = least.entry(ticket).or_insert(*attempt);

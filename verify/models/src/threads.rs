@@ -4,7 +4,7 @@
 //! runs here), orders the moves of the world, and notes what happens.
 
 use crate::hull::Hull;
-use crate::museum::Exhibit;
+use crate::variants::Variant;
 use crate::world::{Node, Points, World};
 use ltbw::balance::Balance;
 use ltbw::mailbox::{Endpoint, connect_as};
@@ -45,9 +45,9 @@ pub enum Seen {
 }
 
 /// The way of a worker, see [`Kept`].
-struct Way<C: Exhibit>(Kept<Endpoint<Mail<Hull<C>>, C>>);
+struct Way<C: Variant>(Kept<Endpoint<Mail<Hull<C>>, C>>);
 
-impl<C: Exhibit> Transport<Mail<Hull<C>>> for Way<C> {
+impl<C: Variant> Transport<Mail<Hull<C>>> for Way<C> {
     fn send(&mut self, to: WorkerId, mail: Mail<Hull<C>>) {
         Transport::send(&mut *self.0, to, mail);
     }
@@ -81,7 +81,7 @@ struct Notes {
     rounds: u32,
 }
 
-impl<C: Exhibit> Watch<Hull<C>> for Notes {
+impl<C: Variant> Watch<Hull<C>> for Notes {
     const BURST: usize = 2;
 
     fn now(&mut self) -> Nanos {
@@ -143,7 +143,7 @@ impl<C: Exhibit> Watch<Hull<C>> for Notes {
 type Worked<C> = Loop<Hull<C>, Points, C, Way<C>, Notes>;
 
 /// Runs a worker until it is stopped.
-fn work<C: Exhibit>(worker: Worked<C>) -> (Node<C>, BTreeSet<Seen>) {
+fn work<C: Variant>(worker: Worked<C>) -> (Node<C>, BTreeSet<Seen>) {
     // Nobody fails here: a panic ends the model.
     let Ok(Ended { node, way, watch }) = worker.run() else { panic!("a worker failed") };
     drop(Kept::into_inner(way.0));
@@ -155,7 +155,7 @@ fn work<C: Exhibit>(worker: Worked<C>) -> (Node<C>, BTreeSet<Seen>) {
 ///
 /// # Panics
 /// If the end is wrong, naming what is.
-pub fn run<C: Exhibit>(world: &World, balance: Option<Balance>) -> BTreeSet<Seen> {
+pub fn run<C: Variant>(world: &World, balance: Option<Balance>) -> BTreeSet<Seen> {
     let ends = connect_as::<Mail<Hull<C>>, C>(world.workers());
     let moves: Vec<_> = world.moves.iter().rev().copied().collect();
     let mut loops = world.nodes::<C>().into_iter().zip(ends).map(|(node, end)| {

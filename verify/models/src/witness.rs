@@ -19,12 +19,10 @@ pub enum Witness {
     Walk,
     /// A block is under way.
     Move,
-    /// A denied operation learns that its rival is gone.
-    Unpark,
 }
 
 /// All of them.
-pub const ALL: [Witness; 9] = [
+pub const ALL: [Witness; 8] = [
     Witness::SetBack,
     Witness::Crossing,
     Witness::Installation,
@@ -33,7 +31,6 @@ pub const ALL: [Witness; 9] = [
     Witness::LateWound,
     Witness::Walk,
     Witness::Move,
-    Witness::Unpark,
 ];
 
 impl Witness {
@@ -48,7 +45,6 @@ impl Witness {
             Self::LateWound => "a wound after the commit",
             Self::Walk => "a walk leaves",
             Self::Move => "a block moves",
-            Self::Unpark => "a denial is lifted",
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Small worlds: a convex polygon dealt out to workers, points to insert, blocks that may move.
 
 use crate::hull::{Hull, Link, Piece, Vertex, block_of, orient};
-use crate::museum::Exhibit;
+use crate::variants::Variant;
 use crate::witness::Witness;
 use ltbw::balance::Stock;
 use ltbw::protocol::{BlockId, Config, Directory, Name, Rule, Source, Worker, WorkerId};
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Points(Vec<Vertex>);
 
-impl<C: Exhibit> Source<Hull<C>> for Points {
+impl<C: Variant> Source<Hull<C>> for Points {
     fn next(&mut self, _: &Hull<C>) -> Option<Vertex> {
         (!self.0.is_empty()).then(|| self.0.remove(0))
     }
@@ -176,7 +176,7 @@ impl World {
     }
 
     /// The workers at the start.
-    pub fn nodes<C: Exhibit>(&self) -> Vec<Node<C>> {
+    pub fn nodes<C: Variant>(&self) -> Vec<Node<C>> {
         let edges = self.edges();
         let node = |me| {
             let mine = edges.iter().filter(|(w, _)| *w == me).map(|&(_, edge)| edge).collect();
@@ -201,7 +201,7 @@ impl World {
 
     /// What is wrong at the end of a run: something left over, or another mesh than the only right
     /// one. If the run was `cancelled`, any subset of the points may have been inserted.
-    pub fn fault_at_end<C: Exhibit>(
+    pub fn fault_at_end<C: Variant>(
         &self,
         nodes: &[&Node<C>],
         cancelled: bool,

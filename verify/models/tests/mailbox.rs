@@ -9,10 +9,10 @@ use loom::sync::Arc;
 use loom::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use loom::thread;
 use ltbw::mailbox::{Endpoint, connect_as};
-use ltbw::protocol::{Conduct, Sound};
-use ltbw_models::museum::LostWakeUp;
+use ltbw::protocol::{Correct, Rules};
 use ltbw_models::report::{caught, row};
 use ltbw_models::threads::Kept;
+use ltbw_models::variants::LostWakeUp;
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 
@@ -33,7 +33,7 @@ fn outcomes<T: Ord + Clone + Send + 'static>(
 }
 
 /// Receives `count` messages, sleeping in between; returns them in order of arrival.
-fn receive<C: Conduct>(end: &mut Endpoint<u32, C>, count: usize) -> Vec<(u32, u32)> {
+fn receive<C: Rules>(end: &mut Endpoint<u32, C>, count: usize) -> Vec<(u32, u32)> {
     let mut taken = Vec::new();
     while taken.len() < count {
         end.wait();
@@ -43,7 +43,7 @@ fn receive<C: Conduct>(end: &mut Endpoint<u32, C>, count: usize) -> Vec<(u32, u3
 }
 
 /// Two senders, one of them in two batches, and a receiver that sleeps.
-fn two_senders<C: Conduct>() -> Vec<(u32, u32)> {
+fn two_senders<C: Rules>() -> Vec<(u32, u32)> {
     let mut ends = connect_as::<u32, C>(3).into_iter().map(Kept::new);
     let (mut me, mut first, mut second) =
         (ends.next().expect("3"), ends.next().expect("3"), ends.next().expect("3"));
@@ -69,7 +69,7 @@ fn two_senders<C: Conduct>() -> Vec<(u32, u32)> {
 
 #[test]
 fn messages_arrive_in_order_and_wake() {
-    let (orders, executions) = outcomes(two_senders::<Sound>);
+    let (orders, executions) = outcomes(two_senders::<Correct>);
     for order in &orders {
         let of = |from| order.iter().filter(move |m| m.0 == from).map(|m| m.1).collect::<Vec<_>>();
         assert_eq!((of(1), of(2)), (vec![10, 11], vec![20, 21]), "{order:?}");
@@ -87,13 +87,13 @@ fn messages_arrive_in_order_and_wake() {
 fn a_lost_wake_up_is_caught() {
     let said = caught(|| drop(outcomes(two_senders::<LostWakeUp>)));
     assert!(said.contains("deadlock"), "{said}");
-    row("museum: lost wake-up", "loom, 3 threads", "until it fails", "caught: deadlock");
+    row("known bad: lost wake-up", "loom, 3 threads", "until it fails", "caught: deadlock");
 }
 
 #[test]
 fn a_failure_is_heard() {
     let (outcomes, executions) = outcomes(|| {
-        let mut ends = connect_as::<u32, Sound>(2).into_iter();
+        let mut ends = connect_as::<u32, Correct>(2).into_iter();
         let (mut me, mut other) = (ends.next().expect("2"), ends.next().expect("2"));
         let thread = thread::spawn(move || {
             other.send(0, 1);
@@ -146,5 +146,5 @@ fn relaxed_publication_is_caught() {
     let (seen, executions) = outcomes(|| publish((Ordering::Relaxed, Ordering::Relaxed)));
     assert!(seen.contains(&Some(0)), "loom does not see it: {seen:?}");
     let explored = format!("{executions} executions");
-    row("museum: relaxed publication", "loom, 2 threads", &explored, "caught: stale payload");
+    row("known bad: relaxed publication", "loom, 2 threads", &explored, "caught: stale payload");
 }

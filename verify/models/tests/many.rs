@@ -3,11 +3,11 @@
 #![cfg(shuttle)]
 
 use ltbw::balance::Balance;
-use ltbw::protocol::Sound;
-use ltbw_models::museum::LostWakeUp;
+use ltbw::protocol::Correct;
 use ltbw_models::random::world_of;
 use ltbw_models::report::{caught, is_deep, row};
 use ltbw_models::threads::{Seen, run};
+use ltbw_models::variants::LostWakeUp;
 use ltbw_models::world::World;
 use shuttle::scheduler::{PctScheduler, RandomScheduler};
 use shuttle::{Config, Runner};
@@ -43,7 +43,7 @@ fn explore(name: &str, check: impl Fn(Box<dyn Fn() + Send + Sync>, u64)) {
         });
         let (record, given) = (seen.clone(), given.clone());
         let model = move || {
-            let outcome = run::<Sound>(&world, balance);
+            let outcome = run::<Correct>(&world, balance);
             if balance.is_some() && outcome.contains(&Seen::Move) {
                 given.fetch_add(1, Ordering::Relaxed);
             }
@@ -88,5 +88,5 @@ fn a_lost_wake_up_is_caught() {
         Runner::new(scheduler, Config::new()).run(move || drop(run::<LostWakeUp>(&world, None)));
     });
     assert!(said.contains("deadlock"), "{said}");
-    row("museum: lost wake-up", "shuttle, 8 threads", "until it fails", "caught: deadlock");
+    row("known bad: lost wake-up", "shuttle, 8 threads", "until it fails", "caught: deadlock");
 }

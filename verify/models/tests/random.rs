@@ -1,7 +1,7 @@
 //! Random runs of random worlds: up to 6 workers, 18 blocks, 14 cavities, 7 moves. Statistical.
 #![cfg(not(any(loom, shuttle)))]
 
-use ltbw::protocol::Sound;
+use ltbw::protocol::Correct;
 use ltbw_models::graph::tell;
 use ltbw_models::random::world;
 use ltbw_models::report::{is_deep, row};
@@ -13,7 +13,7 @@ fn random_runs_end_with_the_right_mesh() {
     let seeds = if is_deep() { 200_000 } else { 10_000 };
     let (mut steps, mut longest, mut points) = (0, 0, 0);
     for seed in 0..seeds {
-        let system = System::<Sound>::new(world(seed));
+        let system = System::<Correct>::new(world(seed));
         let (outcome, way) = run(&system, seed, 100_000);
         if outcome != Outcome::Done {
             let end = &way[..way.len().min(2_000)];

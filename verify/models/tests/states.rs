@@ -4,11 +4,10 @@
 //! of deliveries and local work. Exhaustive within them.
 #![cfg(not(any(loom, shuttle)))]
 
-use ltbw::protocol::{Rule, Sound};
+use ltbw::protocol::{Correct, Rule};
 use ltbw_models::graph::{Components, Graph, Limits, tell};
 use ltbw_models::report::{is_deep, row};
 use ltbw_models::system::System;
-use ltbw_models::witness::Witness;
 use ltbw_models::world::{Network, World};
 use ltbw_models::worlds;
 use stateright::{Checker, Model};
@@ -36,9 +35,9 @@ fn explored(graph: &Graph, components: &Components) -> String {
     )
 }
 
-/// Explores a world under the sound protocol.
+/// Explores a world under the correct protocol.
 fn explore(world: &World, states: usize) -> (Graph, Components) {
-    let system = System::<Sound>::new(world.clone());
+    let system = System::<Correct>::new(world.clone());
     let graph = Graph::explore(&system, Limits { states, first_fault: true });
     if let Some(&(state, what)) = graph.faults.first() {
         panic!("{}, {}: {what}\n{}", world.name, world.rule, tell(&system, &graph.way(state)));
@@ -54,7 +53,7 @@ fn explore(world: &World, states: usize) -> (Graph, Components) {
 fn holds(world: &World) {
     let (graph, components) = explore(world, 3_000_000);
     if let Some(state) = components.example {
-        let system = System::<Sound>::new(world.clone());
+        let system = System::<Correct>::new(world.clone());
         panic!("{}: livelock\n{}", world.name, tell(&system, &graph.way(state)));
     }
     assert!(graph.complete, "{}: too large", world.name);
@@ -67,13 +66,6 @@ fn holds(world: &World) {
 #[test]
 fn wound_wait_is_safe_and_live() {
     worlds::contests().iter().for_each(holds);
-}
-
-#[test]
-fn wait_die_is_safe_and_live() {
-    for world in worlds::contests().into_iter().filter(|w| is_deep() || w.name != "3-cycle") {
-        holds(&world.rule(Rule::WaitDie).shows(&[Witness::SetBack]));
-    }
 }
 
 /// The paper's rule: safe, never stuck, and not live in any contest. A backoff may end at any
@@ -110,7 +102,7 @@ fn unfair_cycles_are_no_livelocks() {
 #[test]
 fn channels_without_order_are_unsafe() {
     let world = worlds::same_two().network(Network::Unordered);
-    let system = System::<Sound>::new(world.clone());
+    let system = System::<Correct>::new(world.clone());
     let graph = Graph::explore(&system, Limits { states: 100_000, first_fault: true });
     let state = graph.deadlocks.first().or(graph.faults.first().map(|(state, _)| state));
     let way = graph.way(*state.expect("caught"));
@@ -125,7 +117,7 @@ fn stateright_agrees() {
     let worlds = worlds::contests().into_iter().chain(worlds::journeys());
     for world in worlds.filter(|w| is_deep() || w.name != "3-cycle" && w.name != "cancels") {
         let (graph, _) = explore(&world, 1_000_000);
-        let checker = System::<Sound>::new(world.clone()).checker().spawn_bfs().join();
+        let checker = System::<Correct>::new(world.clone()).checker().spawn_bfs().join();
         checker.assert_properties();
         assert_eq!(checker.unique_state_count(), graph.states(), "{}", world.name);
         let properties = 3 + world.witnesses.len();

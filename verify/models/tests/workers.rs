@@ -2,10 +2,10 @@
 //! interleaving with at most so many preemptions.
 #![cfg(loom)]
 
-use ltbw::protocol::Sound;
-use ltbw_models::museum::{Exhibit, LeakyRollback, LostWakeUp};
+use ltbw::protocol::Correct;
 use ltbw_models::report::{caught, is_deep, row};
 use ltbw_models::threads::{Seen, run};
+use ltbw_models::variants::{LeakyRollback, LostWakeUp, Variant};
 use ltbw_models::world::World;
 use ltbw_models::worlds;
 use std::collections::BTreeSet;
@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex};
 
 /// Runs `world` with at most `preemptions`; returns what happened in some execution, and how many
 /// executions there were.
-fn explore<C: Exhibit>(world: World, preemptions: usize) -> (BTreeSet<Seen>, usize) {
+fn explore<C: Variant>(world: World, preemptions: usize) -> (BTreeSet<Seen>, usize) {
     let seen = Arc::new(Mutex::new((BTreeSet::new(), 0)));
     let record = seen.clone();
     let mut builder = loom::model::Builder::new();
@@ -32,7 +32,7 @@ fn explore<C: Exhibit>(world: World, preemptions: usize) -> (BTreeSet<Seen>, usi
 fn holds(world: World, preemptions: usize, least: usize, witnesses: &[Seen]) {
     let name = world.name;
     let bounds = format!("2 threads, {} points, {preemptions} preemptions", world.points.len());
-    let (seen, executions) = explore::<Sound>(world, preemptions);
+    let (seen, executions) = explore::<Correct>(world, preemptions);
     let explored = format!("{executions} executions, seen: {seen:?}");
     for witness in witnesses {
         assert!(seen.contains(witness), "never {witness:?}: {explored}");
@@ -57,11 +57,11 @@ fn two_cavities() {
 }
 
 /// Known bad: a worker sleeps for ever, because a wake-up was lost or because a lock was leaked.
-fn hangs<C: Exhibit>(world: World) {
+fn hangs<C: Variant>(world: World) {
     let bounds = format!("loom, 2 threads, {}", world.name);
     let said = caught(|| drop(explore::<C>(world, 2)));
     assert!(said.contains("deadlock"), "{}: {said}", C::TITLE);
-    row(&format!("museum: {}", C::TITLE), &bounds, "until it fails", "caught: deadlock");
+    row(&format!("known bad: {}", C::TITLE), &bounds, "until it fails", "caught: deadlock");
 }
 
 #[test]

@@ -1,31 +1,32 @@
-//! The museum: every known defect is caught, and the sound protocol passes where it is caught.
-//! The mailbox's pieces are in `tests/mailbox.rs` (loom).
+//! Every known-bad variant is caught, and the correct protocol passes where it is caught. The
+//! mailbox's variants are in `tests/mailbox.rs` (loom).
 #![cfg(not(any(loom, shuttle)))]
 
 use ltbw::mesh::Plan;
-use ltbw::protocol::{Config, Rule, Sound};
+use ltbw::protocol::{Config, Correct};
 use ltbw::simulate::{MeshError, Options, SimulationError, Storm, simulate_as};
 use ltbw::{Builder, MeshHash, PointSet};
 use ltbw_generate::{PointKind, generate};
 use ltbw_models::graph::{Graph, Limits};
-use ltbw_models::museum::{self, Exhibit};
 use ltbw_models::random::world;
 use ltbw_models::report::row;
 use ltbw_models::runs::{Outcome, run};
 use ltbw_models::system::System;
+use ltbw_models::variants::{self, Variant};
 use ltbw_models::world::World;
 use ltbw_models::worlds;
 
-/// How a piece shows itself.
+/// How a variant shows itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Caught {
     Deadlock,
     Fault(&'static str),
 }
 
-/// Piece `C` is caught in `world` as `expected`, at the nearest state; the sound protocol is not.
-fn caught<C: Exhibit>(world: World, expected: Caught) {
-    let sound = System::<Sound>::new(world.clone());
+/// Variant `C` is caught in `world` as `expected`, at the nearest state; the correct protocol is
+/// not.
+fn caught<C: Variant>(world: World, expected: Caught) {
+    let sound = System::<Correct>::new(world.clone());
     let sound = Graph::explore(&sound, Limits { states: 1_000_000, first_fault: true });
     assert!(sound.complete && sound.faults.is_empty() && sound.deadlocks.is_empty());
 
@@ -39,98 +40,99 @@ fn caught<C: Exhibit>(world: World, expected: Caught) {
     assert_eq!(found, expected, "{}", C::TITLE);
     let outcome = format!("caught: {found:?} after {} steps", graph.way(state).len());
     let bounds = format!("{}, {}", world.name, world.rule);
-    row(&format!("museum: {}", C::TITLE), &bounds, &format!("{} states", graph.states()), &outcome);
+    row(
+        &format!("known bad: {}", C::TITLE),
+        &bounds,
+        &format!("{} states", graph.states()),
+        &outcome,
+    );
 }
 
 #[test]
 fn closure_ring_not_locked() {
-    caught::<museum::BareCavity>(worlds::three_on_all(), Caught::Deadlock);
+    caught::<variants::BareCavity>(worlds::three_on_all(), Caught::Fault("P9 is broken"));
 }
 
 #[test]
 fn rollback_leaks_a_lock() {
-    caught::<museum::LeakyRollback>(worlds::same_two(), Caught::Deadlock);
+    caught::<variants::LeakyRollback>(worlds::same_two(), Caught::Fault("P5 is broken"));
 }
 
 #[test]
 fn rollback_forgets_the_queue() {
-    caught::<museum::ForgetfulRollback>(worlds::same_two(), Caught::Deadlock);
+    caught::<variants::ForgetfulRollback>(worlds::same_two(), Caught::Fault("P7 is broken"));
 }
 
 #[test]
-fn naive_wait_die_regrant() {
-    let world = worlds::three_on_all().rule(Rule::WaitDie);
-    // The way to the deadlock begins so.
-    let overtaken = "a younger operation takes a lock that an older one waits for";
-    caught::<museum::NaiveRegrant>(world, Caught::Fault(overtaken));
+fn naive_regrant() {
+    caught::<variants::NaiveRegrant>(worlds::three_on_all(), Caught::Fault("P7 is broken"));
 }
 
 #[test]
 fn new_wants_above_the_one_waited_for() {
-    let overtaken = "a younger operation takes a lock that an older one waits for";
-    caught::<museum::LostPlace>(worlds::asked_again(), Caught::Fault(overtaken));
+    caught::<variants::LostPlace>(worlds::asked_again(), Caught::Fault("P7 is broken"));
 }
 
 #[test]
 fn restart_before_the_releases_are_acknowledged() {
-    caught::<museum::HastyRestart>(worlds::there_and_back(), Caught::Deadlock);
+    caught::<variants::HastyRestart>(worlds::there_and_back(), Caught::Fault("P8 is broken"));
 }
 
 #[test]
 fn wound_after_commit_obeyed() {
-    let fault = Caught::Fault("a committed operation is set back");
-    caught::<museum::LateWound>(worlds::three_on_all(), fault);
+    let fault = Caught::Fault("P8 is broken");
+    caught::<variants::LateWound>(worlds::three_on_all(), fault);
 }
 
 #[test]
 fn safra_without_blackening() {
-    caught::<museum::WhiteSafra>(worlds::one_far_point(), Caught::Fault("stopped too early"));
+    caught::<variants::WhiteSafra>(worlds::one_far_point(), Caught::Fault("stopped too early"));
 }
 
 #[test]
 fn migration_by_an_idle_worker() {
-    caught::<museum::IdleMigration>(worlds::token_move(), Caught::Fault("stopped too early"));
+    caught::<variants::IdleMigration>(worlds::token_move(), Caught::Fault("stopped too early"));
 }
 
 #[test]
 fn missing_forward_pointer() {
-    let (lost, wrong) = ("a ring cell is not here", "the mesh is wrong at the end");
-    caught::<museum::NoForwarding>(worlds::swap(), Caught::Fault(lost));
-    caught::<museum::NoForwarding>(worlds::slots_again(), Caught::Fault(wrong));
+    let (lost, wrong) = ("P9 is broken", "the mesh is wrong at the end");
+    caught::<variants::NoForwarding>(worlds::swap(), Caught::Fault(lost));
+    caught::<variants::NoForwarding>(worlds::slots_again(), Caught::Fault(wrong));
 }
 
 #[test]
 fn waiters_not_moved() {
-    caught::<museum::LeftWaiters>(worlds::late_elsewhere(), Caught::Deadlock);
+    caught::<variants::LeftWaiters>(worlds::late_elsewhere(), Caught::Deadlock);
 }
 
 #[test]
 fn stale_interface_handle() {
-    let links = Caught::Fault("links are not mutual at the end");
-    caught::<museum::StaleInterface>(worlds::same_two(), links);
+    let links = Caught::Fault("P9 is broken");
+    caught::<variants::StaleInterface>(worlds::same_two(), links);
 }
 
 #[test]
 fn reused_slot_without_generation() {
-    let twice = Caught::Fault("a name is given twice");
-    caught::<museum::ReusedName>(worlds::slots_again(), twice);
+    let twice = Caught::Fault("P2 is broken");
+    caught::<variants::ReusedName>(worlds::slots_again(), twice);
 }
 
 #[test]
 fn cancelled_worker_takes_in_moved_points() {
     let fault = Caught::Fault("a cancelled worker has points");
-    caught::<museum::RestlessCancel>(worlds::cancels_with_a_move(), fault);
+    caught::<variants::RestlessCancel>(worlds::cancels_with_a_move(), fault);
 }
 
 #[test]
 fn expand_before_installation_not_held() {
     let lost = Caught::Fault("a ring cell is not here");
-    caught::<museum::ImpatientExpand>(worlds::late_installation(), lost);
+    caught::<variants::ImpatientExpand>(worlds::late_installation(), lost);
 }
 
 /// The real mesh on simulated processors while blocks move. The network takes 10 µs: 20 ms without an
 /// insertion, while some worker has work, are a wait for ever.
-fn in_a_storm<C: Exhibit>(set: &PointSet, plan: &Plan, seed: u64) -> Result<MeshHash, MeshError> {
+fn in_a_storm<C: Variant>(set: &PointSet, plan: &Plan, seed: u64) -> Result<MeshHash, MeshError> {
     let storm = Some(Storm { every: 20_000 });
     let options = Options { seed, storm, patience: 20_000_000, ..Options::default() };
     let meshed = simulate_as::<C>(set, plan, Config::new(plan.workers), &options)?;
@@ -146,23 +148,23 @@ fn block_that_left_taken_for_ones_own() {
     let plan = Plan { blocks_per_worker: 48, ..Plan::new(points, workers) };
     let mut stuck = 0;
     for seed in 0..seeds {
-        assert_eq!(in_a_storm::<Sound>(&set, &plan, seed), Ok(expected), "seed {seed}");
-        match in_a_storm::<museum::KeptHome>(&set, &plan, seed) {
+        assert_eq!(in_a_storm::<Correct>(&set, &plan, seed), Ok(expected), "seed {seed}");
+        match in_a_storm::<variants::KeptHome>(&set, &plan, seed) {
             Err(MeshError::Simulation(SimulationError::NoProgress { .. })) => stuck += 1,
             other => assert_eq!(other, Ok(expected), "seed {seed}"),
         }
     }
-    assert!(stuck > 0, "{} is not caught", museum::KeptHome::TITLE);
-    let model = format!("museum: {}", museum::KeptHome::TITLE);
+    assert!(stuck > 0, "{} is not caught", variants::KeptHome::TITLE);
+    let model = format!("known bad: {}", variants::KeptHome::TITLE);
     let bounds = format!("{points} points, {workers} processors, blocks move");
     let outcome = format!("caught: no progress in {stuck}");
     row(&model, &bounds, &format!("{seeds} simulated runs"), &outcome);
 }
 
-/// Random runs find the pieces too: what they say about sizes that cannot be explored is worth
+/// Random runs find the variants too: what they say about sizes that cannot be explored is worth
 /// something.
 #[test]
-fn random_runs_catch_the_museum() {
+fn random_runs_catch_the_variants() {
     let mut seeds = Vec::new();
     let mut hunt = |title: &str, first: &dyn Fn(u64) -> bool| {
         let seed = (0..5_000).find(|&seed| first(seed));
@@ -170,8 +172,8 @@ fn random_runs_catch_the_museum() {
     };
     macro_rules! hunt {
         ($($piece:ident)*) => {$(
-            hunt(museum::$piece::TITLE, &|seed| {
-                let system = System::<museum::$piece>::new(world(seed));
+            hunt(variants::$piece::TITLE, &|seed| {
+                let system = System::<variants::$piece>::new(world(seed));
                 run(&system, seed, 20_000).0 != Outcome::Done
             });
         )*};

@@ -1,30 +1,33 @@
-//! The home's side of an operation: from the walk to the commit or the setback.
+//! Operations: the home's side, from the walk to the commit or the setback.
+//!
+//! `docs/protocol.md`, *The home*, is the table of states and events that this file follows, with
+//! the pseudocode of `start`, `granted` and `fill`.
 
-use super::conduct::Conduct;
 use super::directory::WorkerId;
-use super::owner::{Waiter, Want};
+use super::invariant::invariant;
+use super::lock_request::{Waiter, Want};
+use super::rules::Rules;
 use super::submesh::{Insert, Source, Submesh, Walk};
 use super::table::Table;
+use super::variants::Rule;
 use super::worker::{Action, Note, Worker};
-use super::{Attempt, Closure, Handle, Message, Name, Rule, Ticket};
-use std::collections::BTreeSet;
+use super::{Attempt, BlockId, Handle, Message, Name, Ticket};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// An operation at its home.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Op<S: Submesh> {
+pub(super) struct Operation<S: Submesh> {
     pub(super) point: S::Point,
     pub(super) attempt: Attempt,
     pub(super) phase: Phase,
     /// Workers asked in this attempt, with the number of `Expand` not answered yet.
-    asked: Table<WorkerId, u32>,
+    pub(super) asked: Table<WorkerId, u32>,
     /// Every handle asked for in this attempt, and whom.
-    whereabouts: Table<Name, WorkerId>,
+    pub(super) whereabouts: Table<Name, WorkerId>,
     /// The tetrahedra granted, by owner.
-    parts: Table<WorkerId, Vec<S::Piece>>,
-    /// The cavity's vertices, when it is complete and what touches it is collected.
-    around: Vec<u32>,
-    /// Workers whose denial was not lifted yet.
-    parked: BTreeSet<WorkerId>,
+    pub(super) parts: Table<WorkerId, Vec<S::Piece>>,
+    /// The cavity's vertices, under the vertex closure and when the cavity is complete.
+    pub(super) around: Vec<u32>,
 }
 
 /// Where an operation is in its life.
@@ -36,21 +39,45 @@ pub(super) enum Phase {
     Walking,
     /// It collects its closure.
     Expanding,
-    /// Set back: so many releases are not acknowledged yet.
+    /// It is set back, and this number of releases is not acknowledged yet.
     Releasing(u32),
-    /// Set back, and waiting for its backoff to end.
+    /// It is set back, and waits for its backoff to end (the paper's rule).
     Backoff,
 }
 
-impl<S: Submesh> Op<S> {
+/// The operations at home at one worker.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Operations<S: Submesh> {
+    pub(super) all: BTreeMap<Ticket, Box<Operation<S>>>,
+    /// Those that can start (again): the paper's QL.
+    pub(super) ready: BTreeSet<Ticket>,
+    /// Committed operations, kept by the known-bad variant that obeys late wounds.
+    pub(super) late: BTreeMap<Ticket, Box<Operation<S>>>,
+}
+
+impl<S: Submesh> Operations<S> {
+    pub(super) fn new() -> Self {
+        Self { all: BTreeMap::new(), ready: BTreeSet::new(), late: BTreeMap::new() }
+    }
+}
+
+/// What a `Grant` says, but for its ticket and attempt.
+pub(super) struct Granted<S: Submesh> {
+    pub(super) answers: u32,
+    pub(super) pieces: Vec<S::Piece>,
+    pub(super) foreign: Vec<Handle>,
+    pub(super) bounced: Vec<Handle>,
+    pub(super) moved: Vec<(BlockId, WorkerId, u32)>,
+}
+
+impl<S: Submesh> Operation<S> {
     /// A new operation in the memory of one that has ended.
     fn renew(mut self: Box<Self>, point: S::Point, attempt: Attempt, phase: Phase) -> Box<Self> {
-        let Self { asked, whereabouts, parts, around, parked, .. } = &mut *self;
+        let Self { asked, whereabouts, parts, around, .. } = &mut *self;
         asked.clear();
         whereabouts.clear();
         parts.clear();
         around.clear();
-        parked.clear();
         (self.point, self.attempt, self.phase) = (point, attempt, phase);
         self
     }
@@ -64,7 +91,6 @@ impl<S: Submesh> Op<S> {
             whereabouts: Table::default(),
             parts: Table::default(),
             around: Vec::new(),
-            parked: BTreeSet::new(),
         })
     }
 
@@ -78,16 +104,33 @@ impl<S: Submesh> Op<S> {
             whereabouts: self.whereabouts.clone(),
             parts: self.parts.clone(),
             around: self.around.clone(),
-            parked: self.parked.clone(),
         })
-    }
-
-    fn is_collecting(&self, attempt: Attempt) -> bool {
-        self.attempt == attempt && self.phase == Phase::Expanding
     }
 }
 
-impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
+impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
+    /// The operation that a message is about, which must be in this attempt.
+    pub(super) fn operation(&mut self, ticket: Ticket, attempt: Attempt) -> &mut Operation<S> {
+        match self.operations.all.get_mut(&ticket) {
+            Some(op) if op.attempt == attempt => op,
+            Some(op) => {
+                invariant!(P8, "a message of attempt {attempt} for {ticket:?} in {}", op.attempt)
+            }
+            None => invariant!(P8, "a message of attempt {attempt} for {ticket:?}, which is gone"),
+        }
+    }
+
+    /// Takes up the oldest operation that can start; `false` if there is none.
+    pub(super) fn start_ready(&mut self, out: &mut Vec<Action<S>>) -> bool {
+        let Some(ticket) = self.operations.ready.pop_first() else { return false };
+        let Some(op) = self.operations.all.remove(&ticket) else {
+            invariant!(P8, "{ticket:?} is ready and gone")
+        };
+        invariant!(P8, op.phase == Phase::Ready, "{ticket:?} starts in {:?}", op.phase);
+        self.start(Some(ticket), op.attempt, op.point, None, out);
+        true
+    }
+
     /// Walks to the point; inserts it at once if nothing is in the way, else begins an operation.
     pub(super) fn start(
         &mut self,
@@ -107,8 +150,8 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
                     self.source.inserted(&self.mesh, &point);
                     out.push(Action::Note(Note::Local));
                 }
-                // What it would hold while it waits would be in others' way, and an older one would
-                // set it back. The paper's rule knows no waiting.
+                // What it would hold while it waits would be in others' way, and an older one
+                // would set it back. The paper's rule knows no waiting.
                 Insert::Locked(t) if self.config.rule != Rule::Paper => {
                     self.wait_outside(ticket, attempt, point, t);
                 }
@@ -135,11 +178,14 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
 
     /// Inserts a point at once if nothing of its closure is in the way.
     fn insert(&mut self, point: &S::Point, seed: S::Tet) -> Insert<S::Tet> {
-        let in_the_way = match self.config.closure {
-            Closure::Face => None,
-            Closure::Vertex => self.mesh.in_the_way(point, seed),
-        };
+        let in_the_way = self.in_the_way(point, seed);
         in_the_way.unwrap_or_else(|| self.mesh.insert(point, seed, &self.directory))
+    }
+
+    /// Enters an operation: it is at home nowhere else, and was not here.
+    fn enter(&mut self, ticket: Ticket, op: Box<Operation<S>>) {
+        let before = self.operations.all.insert(ticket, op);
+        invariant!(P8, before.is_none(), "{ticket:?} starts while it is at home here");
     }
 
     /// Waits for a locked tetrahedron without a lock of its own, then walks on.
@@ -151,8 +197,8 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         t: S::Tet,
     ) {
         let ticket = ticket.unwrap_or_else(|| self.ticket());
-        self.ops.insert(ticket, Op::new(point, attempt, Phase::Walking));
-        self.waiting.entry(t).or_default().push(Waiter::Walk(ticket));
+        self.enter(ticket, Operation::new(point, attempt, Phase::Walking));
+        self.locks.waiting.entry(t).or_default().push(Waiter::Walk(ticket));
     }
 
     /// The walk leaves through an interface face.
@@ -171,11 +217,11 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             return;
         }
         // The tetrahedron is on its way here.
-        self.ops.insert(ticket, Op::new(point, attempt, Phase::Walking));
-        self.absent.entry(at.name).or_default().push(Waiter::Walk(ticket));
+        self.enter(ticket, Operation::new(point, attempt, Phase::Walking));
+        self.locks.absent.entry(at.name).or_default().push(Waiter::Walk(ticket));
     }
 
-    /// A walk comes in. A block that has moved is walked after.
+    /// A walk comes in. A block that has moved is walked after (R10).
     pub(super) fn walk_in(
         &mut self,
         ticket: Ticket,
@@ -207,44 +253,74 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         let me = self.id();
         out.push(Action::Note(Note::Began(ticket)));
         let phase = Phase::Expanding;
-        let mut op = match self.spare.ops.pop() {
+        let mut op = match self.spare.operations.pop() {
             Some(ended) => ended.renew(point.clone(), attempt, phase),
-            None => Op::new(point.clone(), attempt, phase),
+            None => Operation::new(point.clone(), attempt, phase),
         };
         op.asked.insert_new(me, || 1);
-        self.ops.insert(ticket, op);
+        self.enter(ticket, op);
         self.request(me, ticket, attempt, point, ([Want::Tet(seed)], Vec::new()), out);
     }
 
     /// An owner has locked and tested all that it was asked for.
-    #[allow(clippy::too_many_arguments)] // the fields of the message
     pub(super) fn granted(
         &mut self,
         from: WorkerId,
         ticket: Ticket,
         attempt: Attempt,
-        answers: u32,
-        pieces: Vec<S::Piece>,
-        (foreign, bounced): (Vec<Handle>, Vec<Handle>),
+        granted: Granted<S>,
         out: &mut Vec<Action<S>>,
     ) {
-        let Some(op) = self.ops.get_mut(&ticket).filter(|op| op.is_collecting(attempt)) else {
+        let Granted { answers, pieces, foreign, bounced, moved } = granted;
+        for (block, owner, epoch) in moved {
+            self.directory.learn(block, owner, epoch);
+        }
+        let op = self.operation(ticket, attempt);
+        if op.phase != Phase::Expanding {
+            // It was sent before the `Abort` arrived there.
+            let releasing = matches!(op.phase, Phase::Releasing(_));
+            invariant!(P8, releasing, "a grant for {ticket:?} in {:?}", op.phase);
             return;
-        };
+        }
         let part = op.parts.entry(from, Vec::new);
         if part.is_empty() {
             *part = pieces;
         } else {
             part.extend(pieces);
         }
-        if let Some(open) = op.asked.get_mut(from) {
-            *open = open.saturating_sub(answers);
+        match op.asked.get_mut(from).map(|open| (open.checked_sub(answers), open)) {
+            Some((Some(left), open)) => *open = left,
+            _ => invariant!(P8, "{from} answers {answers} for {ticket:?}, which are too many"),
         }
+        let seeds = self.seeds_of(ticket, foreign, bounced);
+        let op = self.operation(ticket, attempt);
+        let complete = op.asked.values().all(|&open| open == 0);
+        if complete {
+            if !self.surround(ticket, out) {
+                self.fill(ticket, out);
+            }
+            return;
+        }
+        let (point, around) = (op.point.clone(), op.around.clone());
+        for (owner, seeds) in seeds.into_entries() {
+            let (point, around) = (point.clone(), around.clone());
+            self.send(owner, Message::Expand { ticket, attempt, point, seeds, around }, out);
+        }
+    }
+
+    /// The handles to ask for, by the workers to be asked. Several faces of one tetrahedron may be
+    /// among the foreign ones: it is asked for once. A bounced one is asked for again, perhaps of
+    /// the same worker: the block may be back.
+    fn seeds_of(
+        &mut self,
+        ticket: Ticket,
+        foreign: Vec<Handle>,
+        bounced: Vec<Handle>,
+    ) -> Table<WorkerId, Vec<Handle>> {
         let mut seeds: Table<WorkerId, Vec<Handle>> = Table::default();
+        let Some(op) = self.operations.all.get_mut(&ticket) else { return seeds };
         let far = foreign.len() + bounced.len();
         op.whereabouts.reserve(far);
-        // Several faces of one tetrahedron may be among the foreign ones: it is asked for once.
-        // A bounced one is asked for again, perhaps of the same worker: the block may be back.
         for handle in foreign {
             let owner = self.directory.owner(handle.block);
             if op.whereabouts.insert_new(handle.name, || owner) {
@@ -259,48 +335,19 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         for owner in seeds.keys() {
             *op.asked.entry(owner, || 0) += 1;
         }
-        let complete = op.asked.values().all(|&open| open == 0);
-        if complete && self.config.closure == Closure::Vertex && op.around.is_empty() {
-            self.surround(ticket, out);
-            return;
-        }
-        let (point, around) = (op.point.clone(), op.around.clone());
-        for (owner, seeds) in seeds.into_entries() {
-            let (point, around) = (point.clone(), around.clone());
-            self.send(owner, Message::Expand { ticket, attempt, point, seeds, around }, out);
-        }
-        if complete {
-            self.fill(ticket, out);
-        }
-    }
-
-    /// The cavity is complete: all that touches it is asked for, too.
-    fn surround(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
-        let Some(op) = self.ops.get_mut(&ticket) else { return };
-        op.around = S::corners(op.parts.entries());
-        if op.around.is_empty() {
-            self.fill(ticket, out);
-            return;
-        }
-        let asked: Vec<WorkerId> = op.asked.keys().collect();
-        for &worker in &asked {
-            *op.asked.entry(worker, || 0) += 1;
-        }
-        let (attempt, point, around) = (op.attempt, op.point.clone(), op.around.clone());
-        for worker in asked {
-            let (point, around) = (point.clone(), around.clone());
-            let seeds = Vec::new();
-            self.send(worker, Message::Expand { ticket, attempt, point, seeds, around }, out);
-        }
+        seeds
     }
 
     /// The whole closure is locked: the commit point.
     fn fill(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
-        let Some(mut op) = self.ops.remove(&ticket) else { return };
+        let Some(mut op) = self.operations.all.remove(&ticket) else {
+            invariant!(P8, "{ticket:?} commits and is gone")
+        };
+        // R7
         if !C::IGNORES_LATE_WOUND {
-            self.late.insert(ticket, op.copy());
+            self.operations.late.insert(ticket, op.copy());
         }
-        let Op { point, attempt, asked, whereabouts, parts, .. } = &*op;
+        let Operation { point, attempt, asked, whereabouts, parts, .. } = &*op;
         let find = |name: Name| whereabouts.get(name).copied();
         let mut patches = self.mesh.fill(point, parts.entries(), &find, &self.directory);
         let (setbacks, parts) = (*attempt, asked.len() as u32);
@@ -315,83 +362,60 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             self.send(to, Message::Commit { ticket, patch: Some(patch) }, out);
         }
         op.parts.clear();
-        self.spare.put_op(op);
+        self.spare.put_operation(op);
     }
 
-    /// An older operation waits for a lock of this one.
+    /// An older operation waits for a lock of this one. R7: after the commit point, and in any
+    /// state but this one, the lock is released in any case.
     pub(super) fn wounded(&mut self, ticket: Ticket, attempt: Attempt, out: &mut Vec<Action<S>>) {
-        if let Some(op) = self.late.remove(&ticket) {
-            self.ops.insert(ticket, op);
+        if let Some(op) = self.operations.late.remove(&ticket) {
+            self.operations.all.insert(ticket, op);
         }
-        if self.ops.get(&ticket).is_some_and(|op| op.is_collecting(attempt)) {
+        let op = self.operations.all.get(&ticket);
+        if op.is_some_and(|op| op.attempt == attempt && op.phase == Phase::Expanding) {
             self.set_back(ticket, out);
-        }
-    }
-
-    /// A request was denied.
-    pub(super) fn denied(
-        &mut self,
-        from: WorkerId,
-        ticket: Ticket,
-        attempt: Attempt,
-        out: &mut Vec<Action<S>>,
-    ) {
-        let Some(op) = self.ops.get_mut(&ticket).filter(|op| op.attempt == attempt) else {
-            return;
-        };
-        if self.config.rule == Rule::WaitDie {
-            op.parked.insert(from);
-        }
-        if op.is_collecting(attempt) {
-            self.set_back(ticket, out);
-        }
-    }
-
-    /// The holder that was in the way has released its locks.
-    pub(super) fn unparked(
-        &mut self,
-        from: WorkerId,
-        ticket: Ticket,
-        attempt: Attempt,
-        out: &mut Vec<Action<S>>,
-    ) {
-        if let Some(op) = self.ops.get_mut(&ticket).filter(|op| op.attempt == attempt) {
-            op.parked.remove(&from);
-            self.start_again(ticket, out);
         }
     }
 
     /// The setback: every lock of the attempt is given back.
-    fn set_back(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
-        let Some(op) = self.ops.get_mut(&ticket) else { return };
+    pub(super) fn set_back(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
+        let Some(op) = self.operations.all.get_mut(&ticket) else {
+            invariant!(P8, "{ticket:?} is set back and gone")
+        };
         let asked = std::mem::take(&mut op.asked);
         op.whereabouts.clear();
         op.parts.clear();
         op.around.clear();
         let attempt = op.attempt;
+        // R6
         op.phase = Phase::Releasing(if C::AWAITS_RELEASES { asked.len() as u32 } else { 0 });
         out.push(Action::Note(Note::SetBack { ticket, attempt: attempt + 1 }));
         for to in asked.keys() {
             self.send(to, Message::Abort { ticket, attempt }, out);
         }
-        self.start_again(ticket, out);
-    }
-
-    /// A release is acknowledged.
-    pub(super) fn aborted(&mut self, ticket: Ticket, attempt: Attempt, out: &mut Vec<Action<S>>) {
-        if let Some(op) = self.ops.get_mut(&ticket).filter(|op| op.attempt == attempt)
-            && let Phase::Releasing(open) = &mut op.phase
-        {
-            *open = open.saturating_sub(1);
+        if !C::AWAITS_RELEASES {
             self.start_again(ticket, out);
         }
     }
 
-    /// Starts again if all locks are released and nobody is in the way.
+    /// A release is acknowledged.
+    pub(super) fn aborted(&mut self, ticket: Ticket, attempt: Attempt, out: &mut Vec<Action<S>>) {
+        match &mut self.operation(ticket, attempt).phase {
+            Phase::Releasing(open) if *open > 0 => {
+                *open -= 1;
+                self.start_again(ticket, out);
+            }
+            phase => invariant!(P8, "a release of {ticket:?} is acknowledged in {phase:?}"),
+        }
+    }
+
+    /// Starts again if all locks are released.
     fn start_again(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
         let paper = self.config.rule == Rule::Paper;
-        let Some(op) = self.ops.get_mut(&ticket) else { return };
-        if op.phase != Phase::Releasing(0) || !op.parked.is_empty() {
+        let Some(op) = self.operations.all.get_mut(&ticket) else {
+            invariant!(P8, "{ticket:?} starts again and is gone")
+        };
+        if op.phase != Phase::Releasing(0) {
             return;
         }
         op.attempt += 1;
@@ -403,18 +427,12 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         }
     }
 
-    /// The backoff is over.
-    pub(super) fn retry(&mut self, ticket: Ticket) {
-        if self.ops.get(&ticket).is_some_and(|op| op.phase == Phase::Backoff) {
-            self.make_ready(ticket);
-        }
-    }
-
     /// The operation can start.
     pub(super) fn make_ready(&mut self, ticket: Ticket) {
-        if let Some(op) = self.ops.get_mut(&ticket) {
-            op.phase = Phase::Ready;
-            self.ready.insert(ticket);
-        }
+        let Some(op) = self.operations.all.get_mut(&ticket) else {
+            invariant!(P7, "{ticket:?} was waited for and is gone")
+        };
+        op.phase = Phase::Ready;
+        self.operations.ready.insert(ticket);
     }
 }

@@ -1,13 +1,18 @@
-//! The owner's side: locks, tests and grants, one request for each operation that has a part of
-//! its closure here.
+//! Lock requests: the owner's side. Locks, tests and grants, one request for each operation that
+//! has a part of its closure here.
+//!
+//! `docs/protocol.md`, *The owner*, is the table of states and events that this file follows, with
+//! the pseudocode of `advance`, `grant`, `release` and `wake`.
 
-use super::conduct::Conduct;
 use super::directory::{BlockId, WorkerId};
-use super::home::Op;
-use super::rule::Verdict;
+use super::invariant::invariant;
+use super::operation::Operation;
+use super::rules::Rules;
 use super::submesh::{Found, Neighbour, Source, Submesh};
+use super::variants::Rule;
 use super::worker::{Action, Note, Worker};
-use super::{Attempt, Handle, Message, Name, Rule, Ticket};
+use super::{Attempt, Handle, Message, Name, Ticket};
+use std::collections::BTreeMap;
 use std::hash::{Hash, Hasher};
 
 /// A tetrahedron to lock and test.
@@ -29,12 +34,13 @@ pub(super) enum Waiter {
 /// One operation's part of its closure here. It keeps its locks while it waits.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Request<S: Submesh> {
-    home: WorkerId,
-    attempt: Attempt,
+    pub(super) home: WorkerId,
+    pub(super) attempt: Attempt,
     point: S::Point,
+    /// A stack: the last one is looked at next, or waited for.
     pub(super) wants: Vec<Want<S::Tet>>,
     /// All tetrahedra locked.
-    held: Vec<S::Tet>,
+    pub(super) held: Vec<S::Tet>,
     /// Those in conflict, since the last grant, that were locked one by one ...
     cavity: Vec<S::Tet>,
     /// ... and those locked at once.
@@ -44,13 +50,35 @@ pub(super) struct Request<S: Submesh> {
     /// Seeds whose block is not here any more.
     bounced: Vec<Handle>,
     /// `Expand` not answered yet.
-    owed: u32,
-    /// The cavity's vertices, when all of it is known: what touches them is to be locked.
-    around: Vec<u32>,
+    pub(super) owed: u32,
+    /// The cavity's vertices, under the vertex closure: what touches them is to be locked.
+    pub(super) around: Vec<u32>,
     /// Waiting, or denied: an event has to come first.
-    stalled: bool,
+    pub(super) stalled: bool,
     /// Its home was told that an older operation waits for it.
-    wounded: bool,
+    pub(super) wounded: bool,
+}
+
+/// The locks of one worker: who has them, and who waits.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Locks<S: Submesh> {
+    /// Closures of which a part is here.
+    pub(super) requests: BTreeMap<Ticket, Box<Request<S>>>,
+    /// Who waits for a locked tetrahedron.
+    pub(super) waiting: BTreeMap<S::Tet, Vec<Waiter>>,
+    /// Who waits for a tetrahedron that is not installed yet.
+    pub(super) absent: BTreeMap<Name, Vec<Waiter>>,
+}
+
+impl<S: Submesh> Locks<S> {
+    pub(super) fn new() -> Self {
+        Self { requests: BTreeMap::new(), waiting: BTreeMap::new(), absent: BTreeMap::new() }
+    }
+
+    /// Is nothing locked, wanted or awaited?
+    pub(super) fn is_empty(&self) -> bool {
+        self.requests.is_empty() && self.waiting.is_empty() && self.absent.is_empty()
+    }
 }
 
 impl<S: Submesh> Request<S> {
@@ -88,10 +116,6 @@ impl<S: Submesh> Request<S> {
         self
     }
 
-    pub(super) fn attempt_mut(&mut self) -> &mut Attempt {
-        &mut self.attempt
-    }
-
     /// What it is doing, for people.
     pub(super) fn describe(&self) -> String {
         let Self { home, attempt, wants, held, owed, stalled, .. } = self;
@@ -103,22 +127,8 @@ impl<S: Submesh> Request<S> {
     }
 }
 
-impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
-    /// `Expand`: the home asks for more of a closure.
-    pub(super) fn expand(
-        &mut self,
-        home: WorkerId,
-        ticket: Ticket,
-        attempt: Attempt,
-        point: S::Point,
-        (seeds, around): (Vec<Handle>, Vec<u32>),
-        out: &mut Vec<Action<S>>,
-    ) {
-        let wants = seeds.into_iter().map(Want::Seed);
-        self.request(home, ticket, attempt, point, (wants, around), out);
-    }
-
-    /// Adds to the request of `ticket`, or makes one.
+impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
+    /// `Expand`: adds to the request of `ticket`, or makes one.
     pub(super) fn request(
         &mut self,
         home: WorkerId,
@@ -129,23 +139,26 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         out: &mut Vec<Action<S>>,
     ) {
         let spare = &mut self.spare.requests;
-        let request = self.requests.entry(ticket).or_insert_with(|| match spare.pop() {
+        let request = self.locks.requests.entry(ticket).or_insert_with(|| match spare.pop() {
             Some(ended) => ended.renew(home, attempt, point),
             None => Request::new(home, attempt, point),
         });
-        // A stalled request waits for the last of its wants, and has to keep its place in that queue.
+        invariant!(
+            P8,
+            request.home == home && request.attempt == attempt,
+            "{home} asks for attempt {attempt} of {ticket:?}; here is {}",
+            request.describe()
+        );
+        // R5: a stalled request waits for the last of its wants, and keeps its place in that queue.
         let first = request.wants.pop_if(|_| C::KEEPS_PLACE && request.stalled);
         request.wants.extend(wants);
         request.wants.extend(first);
-        if request.around.is_empty() && !around.is_empty() {
-            request.around = around;
-            let Request { held, wants, foreign, around, .. } = &mut **request;
-            for &t in &*held {
-                self.mesh.neighbours_around(t, around, |n| want(n, wants, foreign));
-            }
-        }
         request.owed += 1;
-        if !request.stalled {
+        let is_stalled = request.stalled;
+        if !around.is_empty() {
+            self.widen(ticket, around);
+        }
+        if !is_stalled {
             self.advance(ticket, out);
         }
     }
@@ -154,15 +167,19 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     /// is locked once, and each adds at most four to what is wanted (with the vertex closure, the
     /// cavity and its ring once more).
     pub(super) fn advance(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
-        let Some(mut request) = self.requests.remove(&ticket) else { return };
+        let Some(mut request) = self.locks.requests.remove(&ticket) else {
+            invariant!(P7, "a request of {ticket:?} is woken and gone")
+        };
         request.stalled = false;
-        // Once something is in the way of that, the rest is locked one by one, up to there; and so
-        // is what is left when it goes on, or every wake-up would search in vain.
+        // A search at once that meets a lock changes nothing. Then the rest is locked one by one,
+        // and so it is when the request goes on: else every wake-up would search in vain.
+        // (It locks the ring, R1.)
         let mut at_once = C::LOCKS_RING && request.held.is_empty();
         while let Some(want) = request.wants.pop() {
             let t = match want {
                 Want::Tet(t) => t,
                 Want::Seed(seed) if !self.directory.is_mine(seed.block) => {
+                    // R10
                     if C::FORWARDS {
                         request.bounced.push(seed);
                     }
@@ -170,9 +187,11 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
                 }
                 Want::Seed(seed) => match self.mesh.resolve(seed.name) {
                     Some(t) => t,
+                    // R14
                     None if !C::AWAITS_INSTALLATION => continue,
                     None => {
-                        self.absent.entry(seed.name).or_default().push(Waiter::Request(ticket));
+                        let queue = self.locks.absent.entry(seed.name).or_default();
+                        queue.push(Waiter::Request(ticket));
                         request.wants.push(want);
                         request.stalled = true;
                         break;
@@ -198,7 +217,7 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         if !request.stalled {
             self.grant(ticket, &mut request, out);
         }
-        self.requests.insert(ticket, request);
+        self.locks.requests.insert(ticket, request);
     }
 
     /// Locks and tests all that follows from a tetrahedron that is free, if all of it is free.
@@ -211,13 +230,11 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
     /// Locks and tests a tetrahedron that is free.
     fn take(&mut self, ticket: Ticket, request: &mut Request<S>, t: S::Tet) {
         if !request.around.is_empty() {
-            self.mesh.lock(t, ticket, false);
-            request.held.push(t);
-            let Request { wants, foreign, around, .. } = request;
-            self.mesh.neighbours_around(t, around, |n| want(n, wants, foreign));
+            self.lock_around(ticket, request, t);
             return;
         }
         let in_conflict = self.mesh.in_conflict(t, &request.point);
+        // R1
         if in_conflict || C::LOCKS_RING {
             self.mesh.lock(t, ticket, in_conflict);
             request.held.push(t);
@@ -250,7 +267,8 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         self.send(request.home, message, out);
     }
 
-    /// `request` has met tetrahedron `t`, locked by `holder`.
+    /// `request` has met tetrahedron `t`, locked by `holder`: it waits, and if it is older the
+    /// holder's home is told, once for each of the holder's attempts.
     fn conflict(
         &mut self,
         ticket: Ticket,
@@ -259,21 +277,16 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         holder: Ticket,
         out: &mut Vec<Action<S>>,
     ) {
-        let verdict = self.config.rule.decide(ticket, holder);
-        if verdict == Verdict::Deny {
-            let denied = (request.home, ticket, request.attempt);
-            if self.config.rule == Rule::WaitDie {
-                self.parked.entry(holder).or_default().push(denied);
-            }
-            self.send(request.home, Message::Deny { ticket, attempt: request.attempt }, out);
+        if self.config.rule == Rule::Paper {
+            self.deny(ticket, request, out);
             return;
         }
         out.push(Action::Note(Note::Waits(ticket)));
-        self.waiting.entry(t).or_default().push(Waiter::Request(ticket));
-        if verdict == Verdict::WoundAndWait
-            && let Some(other) = self.requests.get_mut(&holder)
-            && !std::mem::replace(&mut other.wounded, true)
-        {
+        self.locks.waiting.entry(t).or_default().push(Waiter::Request(ticket));
+        let Some(other) = self.locks.requests.get_mut(&holder) else {
+            invariant!(P5, "{t:?} is locked by {holder:?}, which has no request here")
+        };
+        if ticket < holder && !std::mem::replace(&mut other.wounded, true) {
             let (home, attempt) = (other.home, other.attempt);
             self.send(home, Message::Wound { ticket: holder, attempt }, out);
         }
@@ -287,19 +300,28 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         attempt: Attempt,
         out: &mut Vec<Action<S>>,
     ) {
-        if let Some(request) = self.requests.remove(&ticket) {
-            let me = Waiter::Request(ticket);
-            forget(&mut self.waiting, me);
-            forget(&mut self.absent, me);
-            let leaked = usize::from(!C::RELEASES_ALL);
-            let kept = request.held.len().saturating_sub(leaked);
-            let woken = self.unlock(&request.held[..kept]);
-            self.unpark(ticket, out);
-            if C::WAKES_ON_ABORT {
-                self.wake(woken, out);
-            }
-            self.spare.put(request);
+        let mut request = match self.locks.requests.remove(&ticket) {
+            Some(request) if request.attempt == attempt => request,
+            Some(request) => invariant!(
+                P8,
+                "attempt {attempt} of {ticket:?} is aborted; here is {}",
+                request.describe()
+            ),
+            None => invariant!(P8, "{ticket:?} is aborted, which has no request here"),
+        };
+        let me = Waiter::Request(ticket);
+        forget(&mut self.locks.waiting, me);
+        forget(&mut self.locks.absent, me);
+        // R2
+        if !C::RELEASES_ALL {
+            request.held.pop();
         }
+        let woken = self.unlock(&request.held);
+        // R3
+        if C::WAKES_ON_ABORT {
+            self.wake(woken, out);
+        }
+        self.spare.put(request);
         self.send(from, Message::Aborted { ticket, attempt }, out);
     }
 
@@ -310,17 +332,21 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
         patch: Option<S::Patch>,
         out: &mut Vec<Action<S>>,
     ) {
-        let request = self.requests.remove(&ticket);
+        let request = self.locks.requests.remove(&ticket);
         let mut woken = match &request {
             Some(request) => self.unlock(&request.held),
             None => Vec::new(),
         };
+        if let Some(request) = &request {
+            let whole = request.wants.is_empty() && request.owed == 0;
+            invariant!(P8, whole, "{ticket:?} commits; here is {}", request.describe());
+        }
         if let Some(patch) = patch {
             let (made, mut strays) = (&mut self.spare.made, Vec::new());
             made.clear();
             self.mesh.apply::<C>(patch, &self.directory, made, &mut strays);
-            if !self.absent.is_empty() {
-                let awaited = made.iter().filter_map(|name| self.absent.remove(name));
+            if !self.locks.absent.is_empty() {
+                let awaited = made.iter().filter_map(|name| self.locks.absent.remove(name));
                 woken.extend(awaited.flatten());
             }
             strays.sort_unstable();
@@ -335,36 +361,28 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
             }
             self.spare.put(request);
         }
-        self.unpark(ticket, out);
         self.wake(woken, out);
     }
 
-    /// Unlocks tetrahedra; returns who waits for them.
+    /// Unlocks tetrahedra; returns who waits for them (R4: everybody).
     fn unlock(&mut self, held: &[S::Tet]) -> Vec<Waiter> {
         let mut woken = Vec::new();
         for &t in held {
             self.mesh.set_holder(t, None);
-            if self.waiting.is_empty() {
+            if self.locks.waiting.is_empty() {
                 continue;
             }
-            let Some(queue) = self.waiting.get_mut(&t) else { continue };
+            let Some(queue) = self.locks.waiting.get_mut(&t) else { continue };
             if C::REGRANT_ASKS_ALL {
                 woken.append(queue);
             } else if let Some(first) = (0..queue.len()).min_by_key(|&k| queue[k]) {
                 woken.push(queue.swap_remove(first));
             }
             if queue.is_empty() {
-                self.waiting.remove(&t);
+                self.locks.waiting.remove(&t);
             }
         }
         woken
-    }
-
-    /// Tells the homes of operations that `holder` was in the way of.
-    fn unpark(&mut self, holder: Ticket, out: &mut Vec<Action<S>>) {
-        for (home, ticket, attempt) in self.parked.remove(&holder).unwrap_or_default() {
-            self.send(home, Message::Unpark { ticket, attempt }, out);
-        }
     }
 
     /// Those who waited go on, the oldest first.
@@ -382,37 +400,41 @@ impl<S: Submesh, Q: Source<S>, C: Conduct> Worker<S, Q, C> {
 }
 
 /// Wants a neighbour of a locked tetrahedron.
-fn want<T>(neighbour: Neighbour<T>, wants: &mut Vec<Want<T>>, foreign: &mut Vec<Handle>) {
+pub(super) fn want<T>(
+    neighbour: Neighbour<T>,
+    wants: &mut Vec<Want<T>>,
+    foreign: &mut Vec<Handle>,
+) {
     match neighbour {
         Neighbour::Near(u) => wants.push(Want::Tet(u)),
         Neighbour::Far(handle) => foreign.push(handle),
     }
 }
 
-/// What has ended, for its memory. No part of a worker's state: two workers that differ only in it
-/// are the same.
+/// The memory of what has ended. It is no part of a worker's state: two workers that differ only in
+/// it are the same.
 #[derive(Debug)]
 pub(super) struct Spare<S: Submesh> {
     requests: Vec<Box<Request<S>>>,
-    pub(super) ops: Vec<Box<Op<S>>>,
+    pub(super) operations: Vec<Box<Operation<S>>>,
     /// Names of tetrahedra that a patch has made.
     made: Vec<Name>,
 }
 
 impl<S: Submesh> Spare<S> {
-    /// As many as are kept of each.
+    /// The number of each that is kept at most.
     const MOST: usize = 64;
 
     pub(super) fn new() -> Self {
-        Self { requests: Vec::new(), ops: Vec::new(), made: Vec::new() }
+        Self { requests: Vec::new(), operations: Vec::new(), made: Vec::new() }
     }
 
     fn put(&mut self, request: Box<Request<S>>) {
         Self::keep(&mut self.requests, request);
     }
 
-    pub(super) fn put_op(&mut self, op: Box<Op<S>>) {
-        Self::keep(&mut self.ops, op);
+    pub(super) fn put_operation(&mut self, op: Box<Operation<S>>) {
+        Self::keep(&mut self.operations, op);
     }
 
     fn keep<T>(ended: &mut Vec<T>, one: T) {
@@ -441,7 +463,7 @@ impl<S: Submesh> Hash for Spare<S> {
 }
 
 /// Removes `waiter` from all queues.
-fn forget<K: Ord + Copy>(queues: &mut std::collections::BTreeMap<K, Vec<Waiter>>, waiter: Waiter) {
+fn forget<K: Ord + Copy>(queues: &mut BTreeMap<K, Vec<Waiter>>, waiter: Waiter) {
     queues.retain(|_, queue| {
         queue.retain(|&w| w != waiter);
         !queue.is_empty()

@@ -1,0 +1,41 @@
+//! What checkers see of a submesh: see [`crate::protocol::check`].
+
+use super::{LocalMesh, Moving, Patch, Site};
+use crate::protocol::Name;
+use crate::protocol::check::{Inspect, Seen, Sent};
+use ltbw_core::topology::{TetId, VertexId, tet_of};
+
+/// A tetrahedron's vertices, ascending.
+fn key(v: [VertexId; 4]) -> Vec<u64> {
+    let mut v = v.map(u64::from);
+    v.sort_unstable();
+    v.to_vec()
+}
+
+impl Inspect for LocalMesh {
+    fn seen(&self) -> Vec<Seen<TetId>> {
+        let look = |(t, v): (TetId, [VertexId; 4])| Seen {
+            tet: t,
+            name: self.tets.tag_of(t),
+            vertices: key(v),
+            block: self.block_of(t),
+            holder: self.tets.holder(t),
+            links: self.tets.neighbours(t).map(|face| self.neighbour(tet_of(face))).to_vec(),
+        };
+        self.tets.tets().map(look).collect()
+    }
+
+    fn made(patch: &Patch) -> Vec<Sent> {
+        let vertex = |k: u32| patch.sites[k as usize].vertex;
+        patch.create.iter().map(|new| (new.name, key(new.v.map(vertex)))).collect()
+    }
+
+    fn named(patch: &Patch) -> Vec<Name> {
+        patch.relink.iter().filter_map(|relink| relink.name).collect()
+    }
+
+    fn carried(cargo: &Vec<Moving>) -> Vec<Sent> {
+        let vertices = |v: [Site; 4]| key(v.map(|site| site.vertex));
+        cargo.iter().map(|moving| (Some(moving.name), vertices(moving.v))).collect()
+    }
+}

@@ -1,0 +1,166 @@
+//! The paper's variants, kept to be compared with: its conflict rule and its closure. (Its third
+//! one, that the creator owns a tetrahedron, is `mesh::Ownership::Creator`.)
+//!
+//! Nothing here runs by default. `docs/protocol-variants.md` describes them and says what they
+//! cost. The main code calls this module at five places: where an operation meets a lock at its
+//! home, where its cavity is complete, where a request is asked for more, where it locks, and where
+//! it meets a lock.
+
+use super::lock_request::{Request, want};
+use super::operation::Phase;
+use super::rules::Rules;
+use super::submesh::{Insert, Source, Submesh};
+use super::worker::{Action, Worker};
+use super::{Attempt, Message, Ticket, WorkerId};
+
+/// The conflict rule: what happens when a request meets a locked tetrahedron.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Rule {
+    /// An older request wounds the holder and waits; a younger one waits (Rosenkrantz, Stearns
+    /// and Lewis, ACM TODS 3, 1978). Free of deadlock and livelock without any backoff.
+    #[default]
+    WoundWait,
+    /// The paper's: every request that meets a lock is denied and tried again later. Lives by
+    /// randomised backoff only.
+    Paper,
+}
+
+/// What an operation locks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Closure {
+    /// The cavity and its face neighbours: what is needed.
+    #[default]
+    Face,
+    /// The paper's equation (5): all tetrahedra that share a finite vertex with the cavity. Some
+    /// ten times as many; to reproduce the paper's figures.
+    Vertex,
+}
+
+impl Rule {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::WoundWait, Self::Paper];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::WoundWait => "wound-wait",
+            Self::Paper => "paper",
+        }
+    }
+}
+
+impl Closure {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Face, Self::Vertex];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Face => "face",
+            Self::Vertex => "vertex",
+        }
+    }
+}
+
+/// Reads and writes the names of `ALL`.
+macro_rules! named {
+    ($($type:ident: $what:literal),*) => {$(
+        impl std::str::FromStr for $type {
+            type Err = String;
+
+            fn from_str(text: &str) -> Result<Self, String> {
+                let found = Self::ALL.into_iter().find(|one| one.name() == text);
+                found.ok_or_else(|| {
+                    let names = Self::ALL.map(Self::name).join(", ");
+                    format!("no {} `{text}`; there are {names}", $what)
+                })
+            }
+        }
+
+        impl std::fmt::Display for $type {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+    )*};
+}
+
+named!(Rule: "rule", Closure: "closure");
+
+impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
+    /// The paper's rule knows no waiting: a request that meets a lock is denied.
+    pub(super) fn deny(&mut self, ticket: Ticket, request: &Request<S>, out: &mut Vec<Action<S>>) {
+        let attempt = request.attempt;
+        self.send(request.home, Message::Deny { ticket, attempt }, out);
+    }
+
+    /// A request was denied: the operation is set back, unless another one's denial did it.
+    pub(super) fn denied(&mut self, ticket: Ticket, attempt: Attempt, out: &mut Vec<Action<S>>) {
+        if self.operation(ticket, attempt).phase == Phase::Expanding {
+            self.set_back(ticket, out);
+        }
+    }
+
+    /// The backoff of a denied operation is over. A runtime that is late is forgiven.
+    pub(super) fn retry(&mut self, ticket: Ticket) {
+        let op = self.operations.all.get(&ticket);
+        if op.is_some_and(|op| op.phase == Phase::Backoff) {
+            self.make_ready(ticket);
+        }
+    }
+
+    /// What of the vertex closure of a local insertion is in its way.
+    pub(super) fn in_the_way(&mut self, point: &S::Point, seed: S::Tet) -> Option<Insert<S::Tet>> {
+        match self.config.closure {
+            Closure::Face => None,
+            Closure::Vertex => self.mesh.in_the_way(point, seed),
+        }
+    }
+
+    /// The cavity is complete: all that touches it is asked for, too, unless that was done.
+    /// `false`: nothing more is to be locked.
+    pub(super) fn surround(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) -> bool {
+        let Some(op) = self.operations.all.get_mut(&ticket) else { return false };
+        if self.config.closure == Closure::Face || !op.around.is_empty() {
+            return false;
+        }
+        op.around = S::corners(op.parts.entries());
+        if op.around.is_empty() {
+            return false;
+        }
+        let asked: Vec<WorkerId> = op.asked.keys().collect();
+        for &worker in &asked {
+            *op.asked.entry(worker, || 0) += 1;
+        }
+        let (attempt, point, around) = (op.attempt, op.point.clone(), op.around.clone());
+        for worker in asked {
+            let (point, around) = (point.clone(), around.clone());
+            let seeds = Vec::new();
+            self.send(worker, Message::Expand { ticket, attempt, point, seeds, around }, out);
+        }
+        true
+    }
+
+    /// Tells a request the cavity's vertices: what touches them across a face is wanted.
+    pub(super) fn widen(&mut self, ticket: Ticket, vertices: Vec<u32>) {
+        let Some(request) = self.locks.requests.get_mut(&ticket) else { return };
+        if !request.around.is_empty() || vertices.is_empty() {
+            return;
+        }
+        request.around = vertices;
+        let Request { held, wants, foreign, around, .. } = &mut **request;
+        for &t in &*held {
+            self.mesh.neighbours_around(t, around, |n| want(n, wants, foreign));
+        }
+    }
+
+    /// Locks without a test a tetrahedron that touches the cavity.
+    pub(super) fn lock_around(&mut self, ticket: Ticket, request: &mut Request<S>, t: S::Tet) {
+        self.mesh.lock(t, ticket, false);
+        request.held.push(t);
+        let Request { wants, foreign, around, .. } = request;
+        self.mesh.neighbours_around(t, around, |n| want(n, wants, foreign));
+    }
+}

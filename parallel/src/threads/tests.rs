@@ -1,0 +1,142 @@
+//! Runs that fail: by a panic of a worker, and by a broken invariant.
+
+use super::*;
+use crate::mailbox::Endpoint;
+use crate::metrics::Nanos;
+use crate::protocol::{Action, Attempt, BlockId, Event, Message};
+use ltbw_generate::{PointKind, generate};
+
+/// A watch that fails after some steps.
+struct Bomb<'a> {
+    inner: ThreadWatch<'a>,
+    steps: u32,
+}
+
+impl Watch<LocalMesh> for Bomb<'_> {
+    const BURST: usize = 16;
+
+    fn now(&mut self) -> Nanos {
+        Watch::<LocalMesh>::now(&mut self.inner)
+    }
+
+    fn until(&mut self, due: Nanos) -> Option<Duration> {
+        Watch::<LocalMesh>::until(&mut self.inner, due)
+    }
+
+    fn backoff(&mut self, attempt: Attempt) -> Nanos {
+        Watch::<LocalMesh>::backoff(&mut self.inner, attempt)
+    }
+
+    fn order(&mut self, may_move: impl Fn(BlockId) -> bool) -> Option<Event<LocalMesh>> {
+        self.inner.order(may_move)
+    }
+
+    fn nap(&self) -> Option<Duration> {
+        Watch::<LocalMesh>::nap(&self.inner)
+    }
+
+    fn looked(&mut self, found: usize) {
+        Watch::<LocalMesh>::looked(&mut self.inner, found);
+    }
+
+    fn ended(&mut self, _: &[Action<LocalMesh>]) {
+        self.steps = self.steps.checked_sub(1).expect("planted");
+    }
+}
+
+/// A copy of a grant; deriving `Clone` would ask for it of the submesh.
+fn copy(message: &Message<LocalMesh>) -> Message<LocalMesh> {
+    match message {
+        Message::Grant { ticket, attempt, answers, pieces, foreign, .. } => Message::Grant {
+            ticket: *ticket,
+            attempt: *attempt,
+            answers: *answers,
+            pieces: pieces.clone(),
+            foreign: foreign.clone(),
+            bounced: Vec::new(),
+            moved: Vec::new(),
+        },
+        _ => Message::Stop,
+    }
+}
+
+/// A way on which the first grant arrives twice.
+struct Doubled {
+    inner: Endpoint<Mail<LocalMesh>, Correct>,
+    done: bool,
+}
+
+impl Transport<Mail<LocalMesh>> for Doubled {
+    fn send(&mut self, to: WorkerId, mail: Mail<LocalMesh>) {
+        Transport::send(&mut self.inner, to, mail);
+    }
+
+    fn flush(&mut self) {
+        Transport::flush(&mut self.inner);
+    }
+
+    fn take(&mut self, into: &mut Vec<(WorkerId, Mail<LocalMesh>)>) {
+        Transport::take(&mut self.inner, into);
+        let is_grant = |(_, mail): &(WorkerId, Mail<LocalMesh>)| {
+            matches!(mail.message, Some(Message::Grant { .. }))
+        };
+        if let Some(place) = into.iter().position(is_grant).filter(|_| !self.done) {
+            self.done = true;
+            let (from, Mail { load, message }) = &into[place];
+            let again = (*from, Mail { load: *load, message: message.as_ref().map(copy) });
+            into.insert(place, again);
+        }
+    }
+
+    fn wait(&mut self, timeout: Option<Duration>) {
+        Transport::wait(&mut self.inner, timeout);
+    }
+
+    fn fail(&mut self) {
+        Transport::fail(&mut self.inner);
+    }
+
+    fn failed(&self) -> Option<WorkerId> {
+        Transport::failed(&self.inner)
+    }
+}
+
+fn nodes(set: &PointSet, workers: u32) -> Vec<Node> {
+    let config = Config { window: 16, ..Config::new(workers) };
+    let prepared = Plan::new(set.len(), workers).prepare(set).expect("a start");
+    let workers = prepared.workers.into_iter();
+    workers.map(|(directory, mesh, field)| Worker::new(config, directory, mesh, field)).collect()
+}
+
+#[test]
+fn a_broken_invariant_ends_the_run_by_its_number() {
+    let set = PointSet::new(generate(PointKind::Uniform, 2000, 1)).expect("finite points");
+    let kernel = Parallel::new(3);
+    let clock = Instant::now();
+    let ways = connect(3).into_iter().map(|inner| Doubled { inner, done: false }).collect();
+    let loops = kernel.loops(nodes(&set, 3), ways, |id| kernel.watch(id, clock));
+    let error = run_all(loops).map(drop).expect_err("a grant that arrives twice");
+    let RunError::Broken { invariant, .. } = &error else { panic!("{error}") };
+    assert_eq!(*invariant, Invariant::P8, "{error}");
+    // The process lives.
+    assert!(kernel.build(&set).is_ok());
+}
+
+#[test]
+fn a_worker_that_fails_ends_the_run_by_name() {
+    let set = PointSet::new(generate(PointKind::Uniform, 2000, 1)).expect("finite points");
+    for (victim, latency) in [(0, 0), (1, 0), (2, 0), (1, 300)] {
+        let kernel = Parallel::new(3).latency(Duration::from_micros(latency));
+        let nodes = nodes(&set, 3);
+        let clock = Instant::now();
+        let watch = |id| {
+            let steps = if id == victim { 100 } else { u32::MAX };
+            Bomb { inner: kernel.watch(id, clock), steps }
+        };
+        let ways = connect(3).into_iter();
+        let ways = ways.map(|way| Delayed::new(way, kernel.latency)).collect();
+        let error = run_all(kernel.loops(nodes, ways, watch)).map(drop);
+        let said = RunError::Failed { worker: victim, message: "planted".to_string() };
+        assert_eq!(error, Err(said));
+    }
+}

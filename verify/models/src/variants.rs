@@ -1,0 +1,78 @@
+//! Known-bad variants: the protocol with one rule of `docs/protocol.md` broken, as [`Rules`] of its
+//! own. Each must be caught by a checker; `tests/variants.rs` says by which, and after how much
+//! work.
+
+use ltbw::protocol::{Correct, Rules};
+use std::fmt::Debug;
+use std::hash::Hash;
+
+/// Rules that models can explore.
+pub trait Variant: Rules + Clone + Debug + PartialEq + Eq + Hash + Send + Sync {
+    /// The number of the rule that is broken; empty if none is.
+    const RULE: &'static str;
+    /// What is wrong.
+    const TITLE: &'static str;
+}
+
+impl Variant for Correct {
+    const RULE: &'static str = "";
+    const TITLE: &'static str = "correct";
+}
+
+/// Declares variants: the number of the broken rule and its constant, a type and a title.
+macro_rules! variants {
+    ($($(#[$doc:meta])* $number:ident $rule:ident: $variant:ident, $title:literal;)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+        pub struct $variant;
+
+        impl Rules for $variant {
+            const $rule: bool = false;
+        }
+
+        impl Variant for $variant {
+            const RULE: &'static str = stringify!($number);
+            const TITLE: &'static str = $title;
+        }
+    )*};
+}
+
+variants! {
+    /// Two cavities that share no cell can share a ring cell, and leave a hull that is not convex.
+    R1 LOCKS_RING: BareCavity, "closure ring not locked";
+    /// A lock stays behind with a holder that no longer exists.
+    R2 RELEASES_ALL: LeakyRollback, "rollback leaks a lock";
+    /// Those who waited for the locks that a setback gave back sleep for ever.
+    R3 WAKES_ON_ABORT: ForgetfulRollback, "rollback forgets the queue";
+    /// The others keep waiting for a holder that they were never compared with, or for nobody.
+    R4 REGRANT_ASKS_ALL: NaiveRegrant, "only the oldest is woken";
+    /// A request that is asked again while it waits for a lock turns to the new wants when the lock is
+    /// released, and a younger operation takes the lock: it can be wounded for it again and again.
+    R5 KEEPS_PLACE: LostPlace, "new wants above the one waited for";
+    /// The next attempt meets its own last one.
+    R6 AWAITS_RELEASES: HastyRestart, "restart before the releases are acknowledged";
+    /// A committed operation is set back. With channels in order its `Abort` finds nothing to release
+    /// and its second walk finds the point as a vertex: the result is right all the same, so that
+    /// no checker can catch it but by this rule itself.
+    R7 IGNORES_LATE_WOUND: LateWound, "wound after commit obeyed";
+    /// The token misses a message that was taken behind its back.
+    R8 BLACKENS: WhiteSafra, "Safra without blackening";
+    /// A passive worker sends a message: what termination detection rests on is gone.
+    R9 ONLY_BUSY_MIGRATE: IdleMigration, "migration by an idle worker";
+    /// What is addressed to a block that has moved is dropped.
+    R10 FORWARDS: NoForwarding, "missing forward pointer";
+    /// Requests wait for an installation that takes place elsewhere.
+    R11 MOVES_WAITERS: LeftWaiters, "waiters not moved";
+    /// Ring cells keep links to deleted cells.
+    R12 RELINKS_INTERFACE: StaleInterface, "stale interface handle";
+    /// A slot's number, without a generation, names two cells.
+    R13 FRESH_NAMES: ReusedName, "reused slot without generation";
+    /// A seed that is not installed yet is taken for nothing.
+    R14 AWAITS_INSTALLATION: ImpatientExpand, "Expand before installation not held";
+    /// A cancelled worker goes on with the points of a block that moves to it.
+    R15 STAYS_CANCELLED: RestlessCancel, "cancelled worker takes in moved points";
+    /// Beside a block that has left, tetrahedra are made that belong to it and stay behind.
+    R16 LEAVES_BLOCKS: KeptHome, "block that left taken for one's own";
+    /// A worker tests its inbox in one critical section and goes to sleep in another.
+    R17 TESTS_BEFORE_SLEEP: LostWakeUp, "lost wake-up";
+}
