@@ -269,6 +269,10 @@ pub(crate) struct MeshArgs {
     /// Write the exterior between domain and convex hull, too (tag 0)
     #[arg(long)]
     pub(crate) keep_exterior: bool,
+    /// Write the Delaunay mesh of all points, without regions, if the boundary cannot be brought
+    /// into it
+    #[arg(long)]
+    pub(crate) write_unrecovered: bool,
     #[command(flatten)]
     pub(crate) preparation: Preparation,
     /// Write a page that shows a cut through the mesh, the histograms and the report

@@ -38,6 +38,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         max_points: None,
         outputs: std::slice::from_ref(&args.out),
         keep_exterior: false,
+        write_unrecovered: false,
         json: None,
         histogram: None,
         page: Some(&page),

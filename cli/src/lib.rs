@@ -48,6 +48,7 @@ mod run;
 mod simulate;
 mod surface;
 mod sync;
+mod unrecovered;
 mod vectors;
 
 use args::{Args, Command, Vectors};

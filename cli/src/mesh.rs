@@ -10,6 +10,7 @@ use crate::page::Page;
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
 use crate::run::{check_outputs, set_threads};
 use crate::surface::repairs_json;
+use crate::unrecovered;
 use ltbw::domain::Prepared;
 use ltbw::quality::{self, Extreme, Histogram, Quality};
 use ltbw::refine::{Reason, RefineOutcome, Refined};
@@ -39,6 +40,8 @@ pub(crate) struct Job<'a> {
     pub(crate) outputs: &'a [PathBuf],
     /// With the exterior.
     pub(crate) keep_exterior: bool,
+    /// Write the Delaunay mesh, exterior included, even if the boundary is not in it.
+    pub(crate) write_unrecovered: bool,
     /// Where the report, the histograms, and the page go.
     pub(crate) json: Option<&'a Path>,
     pub(crate) histogram: Option<&'a Path>,
@@ -80,6 +83,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         max_points: args.max_points,
         outputs: &args.output,
         keep_exterior: args.keep_exterior,
+        write_unrecovered: args.write_unrecovered,
         json: args.json.as_deref(),
         histogram: args.histogram.as_deref(),
         page: args.page.as_deref(),
@@ -97,7 +101,12 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     let clock = Instant::now();
     let refined = refine(job, ready)?;
     seconds.refine = clock.elapsed().as_secs_f64();
-    let inside = refined.to_tet_mesh(false);
+    let unrecovered = refined.outcome == RefineOutcome::Unrecovered;
+    // Without the boundary nobody knows what is inside: the whole mesh, and no regions.
+    let mut inside = refined.to_tet_mesh(unrecovered);
+    if unrecovered {
+        inside.tet_tags = None;
+    }
     let clock = Instant::now();
     let hash = canonical_hash(&inside.points, &inside.tets)
         .map_err(|e| Failure::Other(e.to_string()))?
@@ -111,16 +120,18 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
         job.stop.inserted();
     }
 
+    if unrecovered {
+        return finish_unrecovered(job, &refined, &inside, report);
+    }
     let mut verdict = "not checked".to_owned();
     if job.check != Depth::Off && refined.outcome != RefineOutcome::Cancelled {
         let clock = Instant::now();
         let excused = excused(&refined);
         let mut found = check_own(&inside, ready, job.asked, excused.len());
-        let same = same_volume(ready, &found) || !refined.lost.is_empty();
+        let same = same_volume(ready, &found);
         report.certificate = Some(certificate(&found, same));
         report.seconds.check = clock.elapsed().as_secs_f64();
-        let is_lost = !refined.lost.is_empty();
-        if !(is_explained(&found, &inside, &excused, is_lost) && same) {
+        if !(is_explained(&found, &inside, &excused) && same) {
             print(&mut found);
             if let Err(failure) = finish(&mut report, job) {
                 console::people(&format!("note: {failure}"));
@@ -144,6 +155,25 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     }
     finish(&mut report, job)?;
     Ok(ending(&refined))
+}
+
+/// Ends the work on a domain whose boundary could not be recovered.
+fn finish_unrecovered(
+    job: &Job<'_>,
+    refined: &Refined,
+    mesh: &TetMesh,
+    mut report: Report,
+) -> Result<Exit, Failure> {
+    unrecovered::tell(refined);
+    if job.write_unrecovered {
+        let Some(written) = unrecovered::write(job.outputs, mesh, job.check != Depth::Off)? else {
+            return Ok(Exit::OwnDefect);
+        };
+        report.outputs = written;
+    }
+    finish(&mut report, job)?;
+    unrecovered::end(refined, !report.outputs.is_empty());
+    Ok(Exit::Defect)
 }
 
 fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
@@ -180,9 +210,8 @@ fn check_own(inside: &TetMesh, ready: &Prepared, asked: Asked, excuses: usize) -
 }
 
 /// Is everything that the checker found excused? A bound may be exceeded by the tetrahedra that
-/// have an excuse, and by no others; the boundary may be incomplete only if some of it was given
-/// up.
-fn is_explained(found: &Conformity, inside: &TetMesh, excused: &Excused, is_lost: bool) -> bool {
+/// have an excuse, and by no others.
+fn is_explained(found: &Conformity, inside: &TetMesh, excused: &Excused) -> bool {
     let is_excused = |f: &Finding| {
         let tet = f.ids.first().and_then(|&t| inside.tets.get(t as usize));
         tet.is_some_and(|tet| excused.contains(tet))
@@ -194,8 +223,7 @@ fn is_explained(found: &Conformity, inside: &TetMesh, excused: &Excused, is_lost
                 // What is not listed cannot be told to be excused.
                 listed.clone().count() as u64 == count && listed.clone().all(is_excused)
             }
-            Breach::VertexMissing | Breach::TooFine | Breach::FacetDegenerate => false,
-            _ => is_lost,
+            _ => false,
         })
 }
 
@@ -209,7 +237,7 @@ fn excused(refined: &Refined) -> Excused {
 fn ending(refined: &Refined) -> Exit {
     let exit = match refined.outcome {
         RefineOutcome::Met => return Exit::Done,
-        RefineOutcome::Excused => Exit::Defect,
+        RefineOutcome::Excused | RefineOutcome::Unrecovered => Exit::Defect,
         RefineOutcome::Budget => Exit::Stopped,
         RefineOutcome::Cancelled => {
             console::people("ltbw: cancelled: the mesh is Delaunay, but need not meet the bounds");
@@ -217,8 +245,7 @@ fn ending(refined: &Refined) -> Exit {
         }
     };
     let mut reasons: BTreeMap<Reason, usize> = BTreeMap::new();
-    let lost = refined.lost.iter().map(|(_, reason)| reason);
-    for &reason in refined.excuses.iter().map(|e| &e.reason).chain(lost) {
+    for &reason in refined.excuses.iter().map(|e| &e.reason) {
         *reasons.entry(reason).or_default() += 1;
     }
     let text: Vec<String> =
@@ -226,10 +253,9 @@ fn ending(refined: &Refined) -> Exit {
     let more = reasons.len().saturating_sub(5);
     let more = if more > 0 { format!(", and {more} more reasons") } else { String::new() };
     console::people(&format!(
-        "ltbw: {}: {} tetrahedra over a bound, {} boundary items not in the mesh: {}{more}",
+        "ltbw: {}: {} tetrahedra over a bound: {}{more}",
         if exit == Exit::Stopped { "budget used up" } else { "excused" },
         refined.excuses.len(),
-        refined.lost.len(),
         text.join(", ")
     ));
     exit
@@ -272,7 +298,7 @@ fn print_mesh(refined: &Refined, inside: &TetMesh, quality: Option<&Quality>) {
         "mesh      {} vertices, {} tetrahedra inside, {} regions",
         refined.mesh().num_vertices(),
         inside.tets.len(),
-        refined.regions.len() - 1
+        refined.regions.len().saturating_sub(1)
     ));
     console::people(&format!(
         "points    {} on segments, {} on facets, {} inside",
@@ -321,6 +347,7 @@ fn report_of(
         outcome: match refined.outcome {
             RefineOutcome::Met => "met",
             RefineOutcome::Excused => "excused",
+            RefineOutcome::Unrecovered => "unrecovered",
             RefineOutcome::Budget => "budget",
             RefineOutcome::Cancelled => "cancelled",
         },
@@ -458,7 +485,7 @@ mod tests {
         let found = verify::conforms(&mesh, &plc, None, &limits, &verify::Options::default());
         assert_eq!(found.mesh_defect_count, 0, "{:?}", found.mesh_defects);
         assert_eq!(found.counts.iter().collect::<Vec<_>>(), [(&Breach::VolumeExceeded, &1)]);
-        let explained = |tet| is_explained(&found, &inside, &Excused::from([tet]), false);
+        let explained = |tet| is_explained(&found, &inside, &Excused::from([tet]));
         assert!(explained(large));
         assert!(!explained(small), "as many excuses as breaches, but for another tetrahedron");
     }

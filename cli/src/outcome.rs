@@ -95,10 +95,7 @@ impl Failure {
             ) => Exit::Usage,
             Failure::Write(_) | Failure::Other(_) => Exit::Output,
             Failure::Build { error: BuildError::Cancelled, .. }
-            | Failure::Refine {
-                error: RefineError::Cancelled | RefineError::Unrecovered { .. },
-                ..
-            } => Exit::Stopped,
+            | Failure::Refine { error: RefineError::Cancelled, .. } => Exit::Stopped,
             Failure::Refine { error: RefineError::Bound { .. }, .. } => Exit::Usage,
             Failure::Domain { error: PrepareError::Tolerance { .. }, .. } => Exit::Usage,
             Failure::Read(_)

@@ -170,6 +170,7 @@ fn random_domains_are_certified() {
     work.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (median, most) = (work[work.len() / 2], work[work.len() - 1]);
     println!("transactions for a tetrahedron: median {:.3}, most {:.3}", median.0, most.0);
-    assert!(most.0 <= 10.0 * median.0, "{most:?} against {median:?}");
+    // Many need no point at all: then a tenth of a transaction stands for the median.
+    assert!(most.0 <= 10.0 * median.0.max(0.1), "{most:?} against {median:?}");
     println!("{count} random domains certified, {met} of them with every bound met");
 }

@@ -164,6 +164,17 @@ impl Geometry {
         self.points.push(p);
     }
 
+    /// The coordinates of the next vertex, `v`. Where an insertion was taken back there is a place.
+    #[inline(always)]
+    pub(crate) fn put_point(&mut self, v: VertexId, p: Point) {
+        if (v as usize) < self.points.all().len() {
+            self.step = self.step.min(lattice_step(&p));
+            *self.points.at_mut(v) = p;
+        } else {
+            self.push(p);
+        }
+    }
+
     /// Bytes of memory that the arrays hold.
     pub(crate) fn memory_bytes(&self) -> usize {
         size_of_val(self.points.all()) + size_of_val(self.spheres.all())

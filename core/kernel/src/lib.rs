@@ -46,6 +46,8 @@ pub mod tetmesh;
 pub mod topology;
 #[doc(hidden)]
 pub mod transaction;
+#[doc(hidden)]
+pub mod undo;
 
 pub use build::{Budget, BuildError, Builder, Built, Observer, Order, Outcome, Stats};
 pub use cavity::{Admission, Open, Role};

@@ -224,7 +224,7 @@ impl Mesh {
     #[inline]
     pub fn fill(&mut self, p: Point, number: Vertex) -> VertexId {
         let v = self.numbers.len() as VertexId;
-        self.geometry.push(p);
+        self.geometry.put_point(v, p);
         self.numbers.push(number);
         self.cavity.reserve_vertices(self.numbers.len());
         self.hint = self.cavity.fill(&mut self.topology, v);
@@ -243,6 +243,11 @@ impl Mesh {
     #[doc(hidden)]
     pub fn cavity(&self) -> &Cavity {
         &self.cavity
+    }
+
+    /// Starts the next walk at a tetrahedron.
+    pub(crate) fn set_hint(&mut self, t: TetId) {
+        self.hint = t;
     }
 
     /// A tetrahedron of the last star.
@@ -474,8 +479,14 @@ impl Mesh {
 
     /// The canonical mesh hash `ltbw.mesh/1` ([`crate::hash`]).
     pub fn hash(&self) -> Result<MeshHash, HashError> {
-        let points: Vec<Point> =
-            self.geometry.points().iter().skip(1).map(|&p| self.mode.from_kernel(p)).collect();
+        let points: Vec<Point> = self
+            .geometry
+            .points()
+            .iter()
+            .take(self.numbers.len())
+            .skip(1)
+            .map(|&p| self.mode.from_kernel(p))
+            .collect();
         let tets: Vec<[u32; 4]> = self
             .topology
             .iter()

@@ -1,10 +1,13 @@
 //! Small angles of the input: where the theory of refinement gives no guarantee.
 //!
-//! Facets that meet along a segment at a dihedral angle below arccos(1/3) = 70.53°, and facets and
-//! segments that meet only at a corner, at less than 60°, are *related*. Vertices of one encroach
-//! subfaces and subsegments of the other again and again, the nearer to the segment or corner the
-//! more; so such an encroachment counts only where the item is missing from the mesh. Features with
-//! narrow gaps between them (`near`) are related, too.
+//! Facets that meet along a segment, and facets and segments that meet only at a corner, are *related*
+//! where the angle between them is below 20°. A point of one would take items of the other out of the
+//! mesh again and again, the nearer to the segment or corner the more; so such a point is refused, with
+//! the segment or corner for a reason, where it would take an item of an unrelated facet only after that
+//! item was split. Features with narrow gaps between them (`near`) are related, too.
+//!
+//! The theory gives a guarantee from arccos(1/3) = 70.53° on, and none between. 20° was measured: on
+//! surfaces of triangles a larger angle relates nearly all facets, since every flat edge is a segment.
 //!
 //! Angles are computed in `f64`: they choose how hard to try, never what is true of the result.
 
@@ -15,11 +18,11 @@ use super::plc::Plc;
 use super::table::{Map, Set, edge};
 use ltbw_exact::Point;
 
-/// cos² of the dihedral angle below which facets are related; a little below 1/9, so that
-/// rounding relates none at the limit.
-const DIHEDRAL: f64 = (1.0 + 1e-9) / 9.0;
-/// cos² of the angle at corners.
-const CORNER: f64 = 0.25 * (1.0 + 1e-9);
+/// cos² of 20°, the angle below which features are related.
+const SMALL: f64 = 0.883_022_221_559_489_1;
+/// cos² of 60°, below which segments at a corner are split in concentric shells; a little more, so
+/// that rounding makes none at the limit sharp.
+const SHARP: f64 = 0.25 * (1.0 + 1e-9);
 /// Corners with more facets than this are not looked at in pairs.
 const CROWD: usize = 64;
 
@@ -45,7 +48,7 @@ fn is_small(a: &Point, b: &Point, limit: f64) -> bool {
 
 /// Do two segments with these directions leave a corner at less than 60°?
 pub(crate) fn is_sharp(a: &Point, b: &Point) -> bool {
-    is_small(a, b, CORNER)
+    is_small(a, b, SHARP)
 }
 
 impl Angles {
@@ -59,7 +62,7 @@ impl Angles {
             for (k, &f) in segment.facets.iter().enumerate() {
                 for &g in &segment.facets[..k] {
                     let [x, y] = [f, g].map(|f| inward.get(&(s, f)).unwrap_or(&none));
-                    if x.iter().any(|a| y.iter().any(|b| is_small(a, b, DIHEDRAL))) {
+                    if x.iter().any(|a| y.iter().any(|b| is_small(a, b, SMALL))) {
                         let reason = Reason::SmallDihedral { segment: segment.ends };
                         angles.relate_facets(f, g, reason);
                         angles.segment_reason.entry(s).or_insert(reason);
@@ -122,7 +125,7 @@ impl Angles {
         }
         let small = |s: u32, r: u32| {
             let [a, b] = [s, r].map(|s| direction(plc, s, corner));
-            is_sharp(&a, &b)
+            is_small(&a, &b, SMALL)
         };
         for (k, &s) in segments.iter().enumerate() {
             for &r in segments[..k].iter().filter(|&&r| small(s, r)) {
@@ -130,6 +133,10 @@ impl Angles {
                 self.segment_reason.entry(r).or_insert(reason);
                 self.sharp.insert(edge(s, r));
                 let [of_s, of_r] = [s, r].map(|s| &plc.segments[s as usize].facets);
+                // Two sides of one facet: the small angle is in its plane, not between facets.
+                if of_s.iter().any(|f| of_r.contains(f)) {
+                    continue;
+                }
                 for &f in of_r.iter().filter(|f| !of_s.contains(f)) {
                     self.segments.insert((s, f));
                     self.facet_reason.entry(f).or_insert(reason);

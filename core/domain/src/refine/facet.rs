@@ -9,8 +9,9 @@
 //! of the planar cavity are the new subfaces.
 
 use super::carrier::Carrier;
+use super::item::Item;
 use super::state::State;
-use super::table::edge;
+use super::table::{edge, sides};
 use ltbw_core::topology::VertexId;
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, coplanar_orient, perturb};
@@ -32,11 +33,6 @@ pub(crate) enum Seed {
     Along([VertexId; 2]),
     /// At the subface that is split.
     At([VertexId; 3]),
-}
-
-/// The edges of a triangle, each with the corner opposite.
-fn sides([a, b, c]: [VertexId; 3]) -> [([VertexId; 2], VertexId); 3] {
-    [(edge(a, b), c), (edge(b, c), a), (edge(a, c), b)]
 }
 
 impl State {
@@ -115,6 +111,26 @@ impl State {
             }
         }
         Some(rim)
+    }
+
+    /// The boundary items that the point of the open cavity would take out of the mesh, but for those
+    /// that it splits: the subsegment `split`, and what `changes` remove.
+    pub(crate) fn losses(&self, split: Option<[VertexId; 2]>, changes: &[Change]) -> Vec<Item> {
+        let stays = |s: &[VertexId; 3]| !changes.iter().any(|c| c.removed.contains(s));
+        let inner = self.touched.inner.iter().map(|(s, _)| *s);
+        let mut lost: Vec<Item> = inner.filter(stays).map(Item::Subface).collect();
+        let edges = self.touched.edges.iter().filter(|e| Some(**e) != split);
+        if edges.clone().next().is_none() {
+            return lost;
+        }
+        // An edge stays if it is on the cavity's boundary.
+        let walls = self.mesh.cavity().walls();
+        let mut rim: Vec<[VertexId; 2]> =
+            walls.flat_map(|([a, b, c], _)| [edge(a, b), edge(b, c), edge(a, c)]).collect();
+        rim.sort_unstable();
+        let gone = edges.filter(|e| rim.binary_search(e).is_err());
+        lost.extend(gone.map(|&e| Item::Segment(e)));
+        lost
     }
 
     /// The facets that a point on `carrier` lies on.

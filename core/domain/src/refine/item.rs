@@ -22,9 +22,9 @@ pub enum Item {
 pub trait Work {
     /// Adds an item; `weight` says how far a tetrahedron is over its bounds.
     fn put(&mut self, item: Item, weight: f64);
-    /// Adds a tetrahedron that has to wait for boundary items put just before.
-    fn put_back(&mut self, item: Item);
-    /// The next boundary item: segments before subfaces.
+    /// Adds an item that has to wait, and the boundary item that it waits for.
+    fn put_behind(&mut self, item: Item, first: Item);
+    /// The next boundary item: what others wait for, then segments before subfaces.
     fn next_boundary(&mut self) -> Option<Item>;
     /// The next tetrahedron. Asked for only when no boundary item is left.
     fn next_tet(&mut self) -> Option<Item>;
@@ -37,6 +37,8 @@ const BUCKETS: usize = 24;
 /// first.
 #[derive(Debug)]
 pub struct Queues {
+    /// Boundary items of which each waits for the next; the last one is split first.
+    waiting: Vec<Item>,
     segments: VecDeque<[VertexId; 2]>,
     subfaces: VecDeque<[VertexId; 3]>,
     tets: [VecDeque<(TetId, [VertexId; 4])>; BUCKETS],
@@ -47,6 +49,7 @@ pub struct Queues {
 impl Default for Queues {
     fn default() -> Self {
         Self {
+            waiting: Vec::new(),
             segments: VecDeque::new(),
             subfaces: VecDeque::new(),
             tets: std::array::from_fn(|_| VecDeque::new()),
@@ -68,17 +71,19 @@ impl Work for Queues {
         }
     }
 
-    fn put_back(&mut self, item: Item) {
+    fn put_behind(&mut self, item: Item, first: Item) {
         match item {
-            Item::Segment(s) => self.segments.push_front(s),
-            Item::Subface(s) => self.subfaces.push_front(s),
+            Item::Segment(_) | Item::Subface(_) => self.waiting.push(item),
             Item::Tet(t, v) => self.tets[self.highest].push_front((t, v)),
         }
+        self.waiting.push(first);
     }
 
     fn next_boundary(&mut self) -> Option<Item> {
-        let segment = self.segments.pop_front().map(Item::Segment);
-        segment.or_else(|| self.subfaces.pop_front().map(Item::Subface))
+        let waiting = self.waiting.pop();
+        let segment = || self.segments.pop_front().map(Item::Segment);
+        let subface = || self.subfaces.pop_front().map(Item::Subface);
+        waiting.or_else(segment).or_else(subface)
     }
 
     fn next_tet(&mut self) -> Option<Item> {

@@ -90,6 +90,11 @@ impl Marks {
         *word = *word & (FACES | EDGES) | region << REGION_SHIFT;
     }
 
+    /// Gives a slot the word that it had before.
+    pub(crate) fn restore(&mut self, t: TetId, word: Word) {
+        self.words[t as usize] = word;
+    }
+
     /// Reads what the walls of the mesh's open cavity pass on.
     pub(crate) fn gather(&mut self, mesh: &Mesh) {
         self.inherited.clear();

@@ -19,6 +19,8 @@
 //! | `angles`, `near` | where the theory gives no guarantee: small angles, narrow gaps |
 //! | `recover` | from the mesh of the corners to one that has the boundary |
 //! | `split` | the three rules |
+//! | `joint`, `journal` | several items split as one step, or none |
+//! | `walk` | the way to a proposed point |
 //! | `region` | inside, outside, regions |
 //! | `background` | sizing by a background mesh, or at input vertices |
 //! | `output` | the mesh and its boundary as plain arrays |
@@ -29,6 +31,8 @@ mod bounds;
 mod carrier;
 mod facet;
 mod item;
+mod joint;
+mod journal;
 mod marks;
 mod measure;
 mod near;
@@ -44,6 +48,7 @@ mod state;
 mod table;
 #[cfg(test)]
 mod tests;
+mod walk;
 
 use crate::Element;
 use ltbw_core::build::BuildError;
@@ -98,7 +103,7 @@ pub enum RefineError {
         at: Point,
     },
     /// The facets enclose nothing.
-    #[error("the facets enclose no region: the boundary is not watertight, or all is hole")]
+    #[error("the facets enclose no region: they are open, or all is hole")]
     NoInterior,
     /// A bound cannot be met by any refinement.
     #[error("the bound {name} = {value:e} cannot be met: {limit}")]
@@ -116,20 +121,6 @@ pub enum RefineError {
     /// The vertices have no mesh.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// The budget of points was used up before the boundary was complete, and without it there is no
-    /// inside.
-    #[error(
-        "the budget of points was used up before the boundary was recovered: {segments} segments and \
-         {subfaces} subfaces are missing, one of them at {at:?}"
-    )]
-    Unrecovered {
-        /// Subsegments that the mesh lacks.
-        segments: usize,
-        /// Subfaces that the mesh lacks.
-        subfaces: usize,
-        /// A point on one of them.
-        at: Point,
-    },
     /// The work was cancelled before there was a mesh of the domain.
     #[error("cancelled before the boundary was recovered")]
     Cancelled,

@@ -29,6 +29,9 @@ pub enum Reason {
         /// The corners of the other.
         second: [u32; 2],
     },
+    /// Its point would take another item of the boundary out of the mesh, and the other's point this
+    /// one, or so on in a circle.
+    Interlocked,
     /// Splitting it would make an edge shorter than the floor.
     Floor,
     /// The budget was exhausted first.
@@ -48,6 +51,7 @@ impl std::fmt::Display for Reason {
             Self::NearSegments { first: [a, b], second: [c, d] } => {
                 write!(f, "segments {a}-{b} and {c}-{d} too near to each other")
             }
+            Self::Interlocked => write!(f, "boundary items that displace each other"),
             Self::Floor => write!(f, "floor of edge lengths"),
             Self::Budget => write!(f, "budget"),
             Self::Cancelled => write!(f, "cancelled"),
@@ -73,6 +77,10 @@ pub enum RefineOutcome {
     /// Some tetrahedra are over a bound, or some of the boundary is not in the mesh: each is listed
     /// with its reason.
     Excused,
+    /// Some of the boundary could not be brought into the mesh of the domain's vertices: what is
+    /// missing is listed with its reason. The mesh is Delaunay; no tetrahedron was split, there are
+    /// no regions, and which tetrahedra are inside is not known.
+    Unrecovered,
     /// The budget of points was used up first; the mesh is valid and Delaunay, but need not meet the
     /// bounds.
     Budget,
@@ -93,8 +101,6 @@ pub struct RefineStats {
     pub deferred: u64,
     /// Items refused.
     pub refused: u64,
-    /// Times that regions had to be found again around a lost subface.
-    pub relabelled: u64,
     /// Seconds for the first mesh and the recovery of the boundary.
     pub recover_seconds: f64,
     /// Seconds for the splitting of tetrahedra.

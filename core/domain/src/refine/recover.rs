@@ -21,25 +21,20 @@ use ltbw_exact::{Point, PointSet};
 const APEX: f64 = (1u64 << 52) as f64;
 
 impl State {
-    /// Enters all segments; marks those that the mesh has, puts those that it lacks or that are
-    /// encroached. `kernel` is the kernel vertex of each corner.
+    /// Enters all segments; marks those that the mesh has, puts those that it lacks. `kernel` is the kernel vertex of each corner.
     pub(crate) fn enter_segments<W: Work>(&mut self, kernel: &[VertexId], work: &mut W) {
         for (s, segment) in (0..).zip(&self.plc.segments) {
             let [a, b] = segment.ends.map(|c| kernel[c as usize]);
             self.segments.insert(edge(a, b), s);
         }
         let mut found: Set<[VertexId; 2]> = Set::default();
-        let mut encroached = Vec::new();
         for t in self.mesh.tet_ids().collect::<Vec<TetId>>() {
             let v = self.vertices(t);
             for (k, [i, j]) in ENDS.into_iter().enumerate() {
                 let key = edge(v[i], v[j]);
-                if let Some(&s) = self.segments.get(&key) {
+                if self.segments.contains_key(&key) {
                     found.insert(key);
                     self.marks.set(t, 1 << (4 + k));
-                    if v.iter().any(|&w| self.vertex_encroaches_segment(key, s, w)) {
-                        encroached.push(key);
-                    }
                 }
             }
         }
@@ -47,24 +42,10 @@ impl State {
         let mut keys: Vec<[VertexId; 2]> = self.segments.keys().copied().collect();
         keys.sort_unstable();
         for key in keys {
-            if !found.contains(&key) || encroached.contains(&key) {
-                self.pend(Item::Segment(key), work);
+            if !found.contains(&key) {
+                self.miss(Item::Segment(key), work);
             }
         }
-    }
-
-    /// The subsegments that the mesh has.
-    pub(crate) fn present_segments(&self) -> Set<[VertexId; 2]> {
-        let mut present = Set::default();
-        for (t, tet) in self.mesh.topology().iter() {
-            let (word, v) = (self.marks.of(t), tet.vertices());
-            for (k, [i, j]) in ENDS.into_iter().enumerate() {
-                if word >> (4 + k) & 1 == 1 {
-                    present.insert(edge(v[i], v[j]));
-                }
-            }
-        }
-        present
     }
 
     /// Ghosts carry marks like all others: a wall may border on one.
@@ -82,7 +63,7 @@ impl State {
     }
 
     /// Enters the subfaces of all facets, marks those that the mesh has and puts those that it
-    /// lacks or that are encroached.
+    /// lacks.
     ///
     /// # Errors
     /// A facet that has no triangulation.
@@ -93,32 +74,29 @@ impl State {
                 on[f as usize].push(v);
             }
         }
+        self.at_edge = Some(Map::default());
         for (f, vertices) in (0..).zip(on) {
             for key in self.triangulate(f, &vertices)? {
-                self.subfaces.insert(key, f);
+                self.add_subface(key, f);
             }
         }
         let mut present: Set<[VertexId; 3]> = Set::default();
-        let mut pending = Vec::new();
         let all: Vec<TetId> = self.mesh.topology().iter().map(|(t, _)| t).collect();
         for t in all {
             let v = self.vertices(t);
-            for slot in 0..4 {
-                let [a, b, c] = FACE[slot].map(|k| v[k]);
+            for (slot, face) in FACE.into_iter().enumerate() {
+                let [a, b, c] = face.map(|k| v[k]);
                 let key = triangle(a, b, c);
-                let Some(&f) = self.subfaces.get(&key) else { continue };
-                self.marks.set(t, face_bit(slot));
-                present.insert(key);
-                if self.vertex_encroaches_subface(key, f, v[slot]) {
-                    pending.push(key);
+                if self.subfaces.contains_key(&key) {
+                    self.marks.set(t, face_bit(slot));
+                    present.insert(key);
                 }
             }
         }
         let mut missing: Vec<[VertexId; 3]> =
             self.subfaces.keys().filter(|k| !present.contains(*k)).copied().collect();
         missing.sort_unstable();
-        missing.into_iter().for_each(|key| self.miss(key, work));
-        pending.into_iter().for_each(|key| self.pend(Item::Subface(key), work));
+        missing.into_iter().for_each(|key| self.miss(Item::Subface(key), work));
         Ok(())
     }
 

@@ -5,13 +5,15 @@
 //! is connected to the seed of a region is that region, and what is left gets numbers of its own.
 
 use super::RefineError;
-use super::marks::{MAX_REGION, face_bit};
+use super::journal::Journal;
+use super::marks::{MAX_REGION, face_bit, region_of};
 use super::state::State;
 use super::table::{Map, Set};
 use crate::Element;
 use ltbw_core::query::Location;
-use ltbw_core::topology::{TetId, VertexId, tet_of};
+use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use ltbw_exact::Point;
+use ltbw_exact::predicates::{Sign, orient3d};
 
 /// No region yet.
 const UNKNOWN: u32 = MAX_REGION;
@@ -106,11 +108,12 @@ impl State {
         }
     }
 
-    /// Finds the regions of tetrahedra again that were made while a subface was missing, from
-    /// their neighbours that were not. `false` if some have none: then all have to be labelled.
-    pub(crate) fn relabel(&mut self, dirty: &[(TetId, [VertexId; 4])]) -> bool {
+    /// Finds the regions of tetrahedra again that a joint step made while a subface was missing, from
+    /// their neighbours that it did not make, or from where they were before. `false` if that does
+    /// not tell.
+    pub(crate) fn relabel(&mut self, journal: &Journal) -> bool {
         let live: Vec<TetId> =
-            dirty.iter().filter(|&&(t, v)| self.is_live(t, v)).map(|d| d.0).collect();
+            journal.created.iter().filter(|&&(t, v)| self.is_live(t, v)).map(|d| d.0).collect();
         let set: Set<TetId> = live.iter().copied().collect();
         let mut known: Map<TetId, u32> = Map::default();
         let mut stack = Vec::new();
@@ -121,6 +124,27 @@ impl State {
                 stack.push(t);
             }
         }
+        self.spread_known(&mut stack, &mut known, &set);
+        // What is bounded by subfaces alone: the middle of one of its tetrahedra tells.
+        for &t in &live {
+            if !known.contains_key(&t)
+                && let Some(region) = self.former_region(t, journal)
+            {
+                known.insert(t, region);
+                stack.push(t);
+                self.spread_known(&mut stack, &mut known, &set);
+            }
+        }
+        for &t in &live {
+            if let Some(&region) = known.get(&t) {
+                self.marks.set_region(t, region);
+            }
+        }
+        known.len() == set.len()
+    }
+
+    /// Spreads regions over the faces in `set` that are not marked.
+    fn spread_known(&self, stack: &mut Vec<TetId>, known: &mut Map<TetId, u32>, set: &Set<TetId>) {
         while let Some(t) = stack.pop() {
             let (word, region) = (self.marks.of(t), known[&t]);
             let neighbours = self.mesh.topology().at(t).neighbours();
@@ -133,12 +157,37 @@ impl State {
                 }
             }
         }
-        for &t in &live {
-            if let Some(&region) = known.get(&t) {
-                self.marks.set_region(t, region);
-            }
+    }
+
+    /// The region in which the middle of a tetrahedron was before a joint step; `None` if that is
+    /// not certain.
+    fn former_region(&self, t: TetId, journal: &Journal) -> Option<u32> {
+        let v = self.vertices(t);
+        let corners = |v: [VertexId; 4]| v.map(|v| self.at(v));
+        let own = corners(v);
+        let middle = [0, 1, 2].map(|k| own.iter().map(|c| c[k] * 0.25).sum::<f64>().round());
+        let inside = |corners: &[Point; 4], least: Sign| {
+            (0..4).all(|k| {
+                let mut with = corners.each_ref();
+                with[k] = &middle;
+                let [a, b, c, d] = with;
+                let side = orient3d(a, b, c, d);
+                side == Sign::Positive || side == least
+            })
+        };
+        if v[3] == INFINITE || !inside(&own, Sign::Positive) {
+            return None;
         }
-        known.len() == set.len()
+        // Tetrahedra made by the step itself have the point of an insertion of it.
+        let first = self.carriers.len() - journal.insertions.len();
+        let mut regions = journal.insertions.iter().flat_map(|(undo, words)| {
+            undo.cavity_vertices().zip(words).filter_map(|(v, &word)| {
+                let old = v[3] != INFINITE && v.iter().all(|&v| (v as usize) < first);
+                (old && inside(&corners(v), Sign::Zero)).then(|| region_of(word))
+            })
+        });
+        let region = regions.next()?;
+        regions.all(|other| other == region).then_some(region)
     }
 
     /// The region of a neighbour outside `set`, across a face that is not marked.

@@ -159,12 +159,13 @@ impl<'a> Refiner<'a> {
     pub fn refine(&self, domain: &Domain, lattice: &Lattice) -> Result<Refined, RefineError> {
         let (mut run, regions) = self.recovered(domain, lattice)?;
         let clock = Instant::now();
-        run.refine(domain)?;
+        run.refine()?;
         run.stats.refine_seconds = clock.elapsed().as_secs_f64();
         Ok(run.finish(regions, *lattice))
     }
 
-    /// The mesh with the boundary and the regions, and what there is to do in it.
+    /// The mesh with the boundary and the regions, and what there is to do in it. Where some of the
+    /// boundary is missing there is nothing to do, and no region but the exterior.
     pub(super) fn recovered(
         &self,
         domain: &Domain,
@@ -188,10 +189,12 @@ impl<'a> Refiner<'a> {
             stop: None,
         };
         run.recover(&kernel)?;
-        let flooded = run.refinement.state.flood(&domain.holes, &domain.regions);
-        let regions = flooded.map_err(|error| run.unrecovered(lattice).unwrap_or(error))?;
-        run.refinement.bounds = Some(self.bounds(&regions, lattice));
-        run.put_all();
+        let mut regions = vec![RegionInfo::default()];
+        if run.refinement.state.is_complete() {
+            regions = run.refinement.state.flood(&domain.holes, &domain.regions)?;
+            run.refinement.bounds = Some(self.bounds(&regions, lattice));
+            run.put_all();
+        }
         run.stats.recover_seconds = clock.elapsed().as_secs_f64();
         Ok((run, regions))
     }
@@ -287,12 +290,14 @@ pub(super) struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Splits until every subsegment, then every subface is there and unencroached.
+    /// Splits what is missing until every subsegment, then every subface is there.
     fn recover(&mut self, kernel: &[VertexId]) -> Result<(), RefineError> {
         self.refinement.state.enter_segments(kernel, &mut self.work);
         self.drain_boundary()?;
         self.refinement.state.enter_subfaces(&mut self.work)?;
-        self.drain_boundary()
+        self.drain_boundary()?;
+        self.refinement.state.at_edge = None;
+        Ok(())
     }
 
     fn drain_boundary(&mut self) -> Result<(), RefineError> {
@@ -304,29 +309,12 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// What is missing of the boundary because the budget was used up; `None` if it was not.
-    fn unrecovered(&self, lattice: &Lattice) -> Option<RefineError> {
-        let state = &self.refinement.state;
-        if self.stop != Some(Reason::Budget) {
-            return None;
-        }
-        let present = state.present_segments();
-        let lost = state.segments.keys().filter(|s| !present.contains(*s));
-        let first = lost.clone().map(|s| s[0]).chain(state.missing.iter().map(|s| s[0])).min()?;
-        let at = state.at(first).map(|c| c * lattice.fine_step());
-        let (segments, subfaces) = (lost.count(), state.missing.len());
-        Some(RefineError::Unrecovered { segments, subfaces, at })
-    }
-
     /// Splits tetrahedra until none is over its bounds, boundary items first.
-    fn refine(&mut self, domain: &Domain) -> Result<(), RefineError> {
+    fn refine(&mut self) -> Result<(), RefineError> {
         loop {
             if let Some(item) = self.work.next_boundary() {
                 self.step(item)?;
                 continue;
-            }
-            if !self.refinement.dirty.is_empty() {
-                self.settle(domain)?;
             }
             if self.stop.is_some() {
                 return Ok(());
@@ -347,27 +335,6 @@ impl Run<'_> {
         }
     }
 
-    /// Finds the regions of tetrahedra made while a subface was missing, and looks at their bounds.
-    fn settle(&mut self, domain: &Domain) -> Result<(), RefineError> {
-        let dirty = std::mem::take(&mut self.refinement.dirty);
-        self.stats.relabelled += 1;
-        if !self.refinement.state.relabel(&dirty) {
-            self.refinement.state.flood(&domain.holes, &domain.regions)?;
-            self.put_all();
-            return Ok(());
-        }
-        let state = &self.refinement.state;
-        let Some(bounds) = &self.refinement.bounds else { return Ok(()) };
-        for (t, v) in dirty {
-            if state.is_live(t, v)
-                && let Some(weight) = bounds.excess(state, t)
-            {
-                self.work.put(Item::Tet(t, v), weight);
-            }
-        }
-        Ok(())
-    }
-
     /// One transaction.
     fn step(&mut self, item: Item) -> Result<(), RefineError> {
         self.steps += 1;
@@ -375,8 +342,7 @@ impl Run<'_> {
             self.look()?;
         }
         let stats = &mut self.stats;
-        let inserted = stats.segment_points + stats.facet_points + stats.free_points;
-        if inserted >= self.most {
+        if self.refinement.points.total() >= self.most {
             self.stop = self.stop.or(Some(Reason::Budget));
         }
         if let Some(reason) = self.stop {
@@ -384,11 +350,7 @@ impl Run<'_> {
             return Ok(());
         }
         match self.refinement.split(item, &mut self.work, &mut Open) {
-            Step::Inserted => match item {
-                Item::Segment(_) => stats.segment_points += 1,
-                Item::Subface(_) => stats.facet_points += 1,
-                Item::Tet(..) => stats.free_points += 1,
-            },
+            Step::Inserted => {}
             Step::Gone => {}
             Step::Deferred => stats.deferred += 1,
             Step::Refused(_) => stats.refused += 1,
@@ -415,7 +377,13 @@ impl Run<'_> {
 
     /// Collects what is over its bounds.
     fn finish(self, regions: Vec<RegionInfo>, lattice: Lattice) -> Refined {
-        let Refinement { mut state, bounds, refused, next_number, .. } = self.refinement;
+        let Refinement { mut state, bounds, refused, next_number, points, .. } = self.refinement;
+        let stats = RefineStats {
+            segment_points: points.segments,
+            facet_points: points.facets,
+            free_points: points.free,
+            ..self.stats
+        };
         state.mesh.set_next_number(next_number);
         let mut excuses = Vec::new();
         if let Some(bounds) = &bounds {
@@ -426,24 +394,20 @@ impl Run<'_> {
                 excuses.push(Excuse { tet: t, reason });
             }
         }
-        let present = state.present_segments();
-        let mut lost: Vec<(Item, Reason)> = refused
-            .iter()
-            .filter(|(item, _)| match item {
-                Item::Segment(s) => state.segments.contains_key(s) && !present.contains(s),
-                Item::Subface(s) => state.missing.contains(s),
-                Item::Tet(..) => false,
-            })
-            .map(|(&item, refusal)| (item, refusal.reason))
-            .collect();
+        let segments = state.missing_segments.iter().map(|&s| Item::Segment(s));
+        let missing = segments.chain(state.missing.iter().map(|&s| Item::Subface(s)));
+        let reason = |item: &Item| refused.get(item).map(|r| r.reason).or(self.stop);
+        let mut lost: Vec<(Item, Reason)> =
+            missing.map(|item| (item, reason(&item).unwrap_or(Reason::Rounding))).collect();
         lost.sort_unstable();
         let outcome = match self.stop {
+            _ if !lost.is_empty() => RefineOutcome::Unrecovered,
             Some(Reason::Cancelled) => RefineOutcome::Cancelled,
-            Some(_) if !(excuses.is_empty() && lost.is_empty()) => RefineOutcome::Budget,
-            _ if excuses.is_empty() && lost.is_empty() => RefineOutcome::Met,
+            Some(_) if !excuses.is_empty() => RefineOutcome::Budget,
+            _ if excuses.is_empty() => RefineOutcome::Met,
             _ => RefineOutcome::Excused,
         };
-        Refined { outcome, excuses, lost, regions, stats: self.stats, lattice, state }
+        Refined { outcome, excuses, lost, regions, stats, lattice, state }
     }
 }
 
@@ -454,7 +418,8 @@ pub struct Refined {
     pub outcome: RefineOutcome,
     /// The tetrahedra over a bound.
     pub excuses: Vec<Excuse>,
-    /// Boundary items that could not be split though they are missing or encroached.
+    /// Boundary items that are not in the mesh, each with the reason why it could not be split; none
+    /// unless the outcome is [`RefineOutcome::Unrecovered`].
     pub lost: Vec<(Item, Reason)>,
     /// The regions, the exterior first.
     pub regions: Vec<RegionInfo>,
@@ -484,6 +449,20 @@ impl Refined {
     /// Number of tetrahedra of the domain.
     pub fn num_tets(&self) -> usize {
         self.tets().count()
+    }
+
+    /// What a boundary item is, and its middle in the coordinates of the domain: for messages.
+    pub fn place(&self, item: &Item) -> (&'static str, Point) {
+        let middle = |corners: &[VertexId]| {
+            let all = corners.iter().map(|&v| self.state.at(v));
+            let sum = all.fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
+            sum.map(|c| c / corners.len() as f64 * self.lattice.fine_step())
+        };
+        match item {
+            Item::Segment(s) => ("segment", middle(s)),
+            Item::Subface(s) => ("subface", middle(s)),
+            Item::Tet(_, v) => ("tetrahedron", middle(v)),
+        }
     }
 
     /// Bytes held by the large arrays.

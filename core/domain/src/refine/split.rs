@@ -12,8 +12,9 @@ use super::item::{Item, Work};
 use super::marks::{edge_bit, face_bit};
 use super::measure::{Shape, circumcircle};
 use super::outcome::Reason;
-use super::state::State;
+use super::state::{FACE, State};
 use super::table::{Map, edge, triangle};
+use super::walk::Way;
 use ltbw_core::cavity::{Admission, Setback};
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
@@ -49,6 +50,11 @@ impl Refusal {
     pub(crate) fn final_for(reason: Reason) -> Self {
         Self { reason, limit: None }
     }
+
+    /// May a proposal that allows edges down to `limit` try again?
+    fn allows(&self, limit: Option<f64>) -> bool {
+        limit.zip(self.limit).is_some_and(|(new, old)| new < 0.99 * old)
+    }
 }
 
 /// Where to insert a point.
@@ -59,16 +65,40 @@ struct Place {
     from: TetId,
 }
 
+/// Points inserted, by what they are on.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Points {
+    pub(crate) segments: u64,
+    pub(crate) facets: u64,
+    pub(crate) free: u64,
+}
+
+impl Points {
+    fn count(&mut self, carrier: Carrier) {
+        match carrier {
+            Carrier::Segment(..) => self.segments += 1,
+            Carrier::Facet(_) => self.facets += 1,
+            Carrier::Free | Carrier::Corner(_) => self.free += 1,
+        }
+    }
+
+    pub(crate) fn total(self) -> u64 {
+        self.segments + self.facets + self.free
+    }
+}
+
 /// The refinement: state, bounds, and what was refused.
 pub(crate) struct Refinement<'a> {
     pub(crate) state: State,
     /// `None` while the boundary is recovered: no tetrahedron is looked at then.
     pub(crate) bounds: Option<Bounds<'a>>,
     pub(crate) refused: Map<Item, Refusal>,
-    /// Tetrahedra made while a subface was missing: their region is not certain.
-    pub(crate) dirty: Vec<(TetId, [VertexId; 4])>,
     /// Proposed items near small angles: the shortest edge that splitting them may make.
     limits: Map<Item, f64>,
+    /// Boundary items that wait for another one, since the last insertion.
+    pub(crate) waits: Map<Item, Item>,
+    /// Points inserted.
+    pub(crate) points: Points,
     /// Shortest edge that may be made, in fine steps.
     pub(crate) floor: f64,
     /// Number of the next vertex.
@@ -83,8 +113,9 @@ impl<'a> Refinement<'a> {
             state,
             bounds: None,
             refused: Map::default(),
-            dirty: Vec::new(),
             limits: Map::default(),
+            waits: Map::default(),
+            points: Points::default(),
             floor,
             next_number,
             created: Vec::new(),
@@ -98,17 +129,18 @@ impl<'a> Refinement<'a> {
         work: &mut W,
         admission: &mut A,
     ) -> Step {
-        let step = match item {
-            Item::Segment(s) => self.split_segment(s, work, admission),
-            Item::Subface(s) => self.split_subface(s, work, admission),
-            Item::Tet(t, v) => self.split_tet(t, v, work, admission),
-        };
+        let step = self.rule(item, work, admission);
         match step {
             Step::Refused(reason) => {
                 let limit = self.limits.remove(&item);
                 self.refused.insert(item, Refusal { reason, limit });
                 // A refused item no longer waits; only a missing one keeps its place.
-                if !matches!(item, Item::Subface(s) if self.state.missing.contains(&s)) {
+                let missing = match item {
+                    Item::Segment(s) => self.state.missing_segments.contains(&s),
+                    Item::Subface(s) => self.state.missing.contains(&s),
+                    Item::Tet(..) => false,
+                };
+                if !missing {
                     self.state.registry.remove(item);
                 }
             }
@@ -119,6 +151,20 @@ impl<'a> Refinement<'a> {
             _ => {}
         }
         step
+    }
+
+    /// The rule for an item, whatever came of it before.
+    pub(crate) fn rule<W: Work, A: Admission>(
+        &mut self,
+        item: Item,
+        work: &mut W,
+        admission: &mut A,
+    ) -> Step {
+        match item {
+            Item::Segment(s) => self.split_segment(s, work, admission),
+            Item::Subface(s) => self.split_subface(s, work, admission),
+            Item::Tet(t, v) => self.split_tet(t, v, work, admission),
+        }
     }
 
     /// Rule 1: a subsegment is split near its middle.
@@ -161,7 +207,11 @@ impl<'a> Refinement<'a> {
                 }
             }
         }
-        self.insert(&place, Some((ends, s)), &changes, work);
+        let lost = self.state.losses(Some(ends), &changes);
+        if let Some(step) = self.spare(item, place.carrier, &lost, work, admission) {
+            return step;
+        }
+        self.insert(&place, Some((ends, s)), &changes, &lost, work);
         Step::Inserted
     }
 
@@ -199,21 +249,32 @@ impl<'a> Refinement<'a> {
             if !self.state.touched.hit_segments.is_empty() {
                 self.state.mesh.set_back();
                 let limit = self.limits.get(&item).copied();
-                return self.defer(item, limit, work);
+                let first = self.state.touched.hits();
+                return self.defer(item, first, limit, work, admission);
             }
             if let Some(change) = self.state.plan(f, &p, Seed::At(corners))
                 && change.removed.contains(&corners)
             {
-                self.insert(&place, None, &[change], work);
+                let changes = [change];
+                let lost = self.state.losses(None, &changes);
+                if let Some(step) = self.spare(item, place.carrier, &lost, work, admission) {
+                    return step;
+                }
+                self.insert(&place, None, &changes, &lost, work);
                 return Step::Inserted;
             }
+            let between = self.state.segment_between(corners, f, &p);
             self.state.mesh.set_back();
+            if let Some(segment) = between {
+                let limit = self.limits.get(&item).copied();
+                return self.defer(item, vec![Item::Segment(segment)], limit, work, admission);
+            }
         }
         Step::Refused(reason.unwrap_or(Reason::Rounding))
     }
 
-    /// Rule 3: a tetrahedron is split near its circumcentre, unless that encroaches a subsegment or
-    /// a subface.
+    /// Rule 3: a tetrahedron is split near its circumcentre, unless a subface is on the way there, or
+    /// the point encroaches a subsegment or subface or would take one out of the mesh.
     fn split_tet<W: Work, A: Admission>(
         &mut self,
         t: TetId,
@@ -227,40 +288,58 @@ impl<'a> Refinement<'a> {
         let item = Item::Tet(t, v);
         let [a, b, c, d] = v.map(|v| self.state.at(v));
         let shape = Shape::of([&a, &b, &c, &d]);
-        let mut reason = self.state.reason_near(v);
-        let Some(centre) = shape.circumcentre(&d) else {
-            return Step::Refused(reason);
-        };
+        let reason = self.state.reason_near(v);
         let radius = shape.radius();
         if radius < self.floor {
             return Step::Refused(Reason::Floor);
         }
         for tolerance in [radius * TOLERANCE, 1.0] {
-            let Some(p) = free_point(&centre, tolerance) else { continue };
-            let place = Place { p, carrier: Carrier::Free, from: t };
+            let Some(centre) = shape.circumcentre(&d) else { break };
+            // A flat tetrahedron may have its centre outside the box: the way there still counts.
+            let proposed = free_point(&centre, tolerance);
+            let p = proposed.unwrap_or(centre);
+            let grain = |own: &Self| own.bounds.as_ref().map(|b| b.grain(&own.state, t, &shape));
+            let from = match self.state.way(t, &p) {
+                Way::Arrived(from) if proposed.is_some() => from,
+                Way::Blocked(subface) => {
+                    let limit = grain(self);
+                    return self.defer(item, vec![Item::Subface(subface)], limit, work, admission);
+                }
+                Way::Arrived(_) | Way::Outside => continue,
+            };
+            let place = Place { p, carrier: Carrier::Free, from };
             match self.open(&place, admission) {
                 Ok(()) => {}
                 Err(Step::Refused(_)) => continue,
                 Err(step) => return step,
             }
-            let touched = &self.state.touched;
-            if !touched.hit_segments.is_empty() || !touched.hit_subfaces.is_empty() {
-                self.state.mesh.set_back();
-                let limit = self.bounds.as_ref().map(|b| b.grain(&self.state, t, &shape));
-                return self.defer(item, limit, work);
+            let mut first = self.state.touched.hits();
+            if first.is_empty() {
+                first = self.state.losses(None, &[]);
             }
             let kills = self.state.mesh.topology().at(t).is_marked();
-            if kills && touched.inner.is_empty() {
-                self.insert(&place, None, &[], work);
+            if kills && first.is_empty() {
+                self.insert(&place, None, &[], &[], work);
                 return Step::Inserted;
             }
-            // The cavity reaches across a facet near a small angle.
-            let mut crossed = touched.inner.iter();
-            let known = crossed.find_map(|(_, f)| self.state.angles.facet_reason.get(f));
-            reason = known.copied().unwrap_or(reason);
             self.state.mesh.set_back();
+            if !first.is_empty() {
+                let limit = grain(self);
+                return self.defer(item, first, limit, work, admission);
+            }
         }
-        Step::Refused(reason)
+        // Of a tetrahedron that is flat but for rounding, a side on the boundary is split.
+        let word = self.state.marks.of(t);
+        let sides = (0..4).filter(|&slot| word & face_bit(slot) != 0).map(|slot| {
+            let [a, b, c] = FACE[slot].map(|k| v[k]);
+            Item::Subface(triangle(a, b, c))
+        });
+        let sides: Vec<Item> = sides.collect();
+        if sides.is_empty() {
+            return Step::Refused(reason);
+        }
+        let limit = self.bounds.as_ref().map(|b| b.grain(&self.state, t, &shape));
+        self.defer(item, sides, limit, work, admission)
     }
 
     /// Opens the cavity of a place and looks at the boundary in it.
@@ -283,27 +362,61 @@ impl<'a> Refinement<'a> {
         rim.any(|v| v != INFINITE && distance2(&self.state.at(v), p) < limit * limit)
     }
 
-    /// Puts the item that the last proposed point encroached before `item`, which waits. Near small
-    /// angles, splitting it may make no edge shorter than `limit`.
+    /// Sets back a boundary point that would take out of the mesh what is not its own to split; `None`
+    /// if there is no such thing, or while the boundary is recovered, when what is lost is split in
+    /// its turn.
     ///
-    /// If that item was refused, so is this one, for the same reason, unless it allows shorter edges
-    /// than before.
-    fn defer<W: Work>(&mut self, item: Item, limit: Option<f64>, work: &mut W) -> Step {
-        let touched = &self.state.touched;
-        let segments = touched.hit_segments.iter().map(|&s| Item::Segment(s));
-        let subfaces = touched.hit_subfaces.iter().map(|&s| Item::Subface(s));
-        let all: Vec<Item> = match touched.hit_segments.is_empty() {
-            true => subfaces.collect(),
-            false => segments.collect(),
-        };
+    /// Afterwards the boundary is complete, and stays so: what would be lost is split first, or, where
+    /// that would take this item out of the mesh, with it. If it may not be split, or is at a small
+    /// angle with the point's own carrier, the point is refused.
+    fn spare<W: Work, A: Admission>(
+        &mut self,
+        item: Item,
+        carrier: Carrier,
+        lost: &[Item],
+        work: &mut W,
+        admission: &mut A,
+    ) -> Option<Step> {
+        if lost.is_empty() || self.bounds.is_none() {
+            return None;
+        }
+        let related = lost.iter().find_map(|&other| self.state.relation(carrier, other));
+        if related.is_none() && self.state.journal.is_some() {
+            return None;
+        }
+        self.state.mesh.set_back();
+        if let Some(reason) = related {
+            return Some(Step::Refused(reason));
+        }
+        let limit = self.limits.get(&item).copied();
+        for other in lost {
+            if let Some(refusal) = self.refused.get(other).filter(|r| !r.allows(limit)) {
+                return Some(Step::Refused(refusal.reason));
+            }
+        }
+        Some(self.defer(item, lost.to_vec(), limit, work, admission))
+    }
+
+    /// Puts one of the items `all` before `item`, which waits for it. Near small angles, splitting it
+    /// may make no edge shorter than `limit`.
+    ///
+    /// If all were refused, so is this one, for the same reason, unless it allows shorter edges than
+    /// before. Items that wait for each other in a circle are split jointly.
+    fn defer<W: Work, A: Admission>(
+        &mut self,
+        item: Item,
+        all: Vec<Item>,
+        limit: Option<f64>,
+        work: &mut W,
+        admission: &mut A,
+    ) -> Step {
         let mut reason = match item {
             Item::Tet(_, v) => self.state.reason_near(v),
             _ => Reason::Rounding,
         };
         for first in all {
             if let Some(refusal) = self.refused.get(&first) {
-                let again = limit.zip(refusal.limit).is_some_and(|(new, old)| new < 0.99 * old);
-                if !again {
+                if !refusal.allows(limit) {
                     if refusal.reason != Reason::Rounding {
                         reason = refusal.reason;
                     }
@@ -311,14 +424,48 @@ impl<'a> Refinement<'a> {
                 }
                 self.refused.remove(&first);
             }
+            if self.waits_for(first, item) {
+                reason = Reason::Interlocked;
+                if self.bounds.is_none() || self.state.journal.is_some() {
+                    continue;
+                }
+                match self.split_jointly(first, work, admission) {
+                    Step::Refused(why) => {
+                        self.refused.insert(first, Refusal::final_for(why));
+                        continue;
+                    }
+                    Step::SetBack(setback) => return Step::SetBack(setback),
+                    _ => {
+                        work.put(item, 1.0);
+                        return Step::Deferred;
+                    }
+                }
+            }
+            if !matches!(item, Item::Tet(..)) {
+                self.waits.insert(item, first);
+            }
             if let Some(limit) = limit {
                 self.limits.insert(first, limit);
             }
-            self.state.pend(first, work);
-            work.put_back(item);
+            self.state.enter(first);
+            work.put_behind(item, first);
             return Step::Deferred;
         }
         Step::Refused(reason)
+    }
+
+    /// Does `first` wait for `item`, or for something that does?
+    fn waits_for(&self, first: Item, item: Item) -> bool {
+        let mut next = first;
+        // No circle is ever closed, so no item is passed twice.
+        for _ in 0..=self.waits.len() {
+            if next == item {
+                return true;
+            }
+            let Some(&then) = self.waits.get(&next) else { return false };
+            next = then;
+        }
+        true
     }
 
     /// Fills the open cavity and brings marks, tables and work up to date.
@@ -327,31 +474,39 @@ impl<'a> Refinement<'a> {
         place: &Place,
         split: Option<([VertexId; 2], u32)>,
         changes: &[Change],
+        lost: &[Item],
         work: &mut W,
     ) {
+        self.waits.clear();
         let state = &mut self.state;
         state.marks.gather(&state.mesh);
-        let p = state.mesh.fill(place.p, self.next_number);
+        let p = match &mut state.journal {
+            None => state.mesh.fill(place.p, self.next_number),
+            Some(journal) => {
+                let (p, undo) = state.mesh.fill_for_now(place.p, self.next_number);
+                let words = undo.cavity().map(|t| state.marks.of(t)).collect();
+                journal.insertions.push((undo, words));
+                p
+            }
+        };
         self.next_number += 1;
+        self.points.count(place.carrier);
         state.carriers.push(place.carrier);
         state.marks.pass_on(&state.mesh);
         self.created.clear();
         self.created.extend_from_slice(state.mesh.cavity().star().tets);
         let on_boundary = place.carrier != Carrier::Free;
-        if on_boundary || !state.touched.edges.is_empty() || !state.touched.inner.is_empty() {
-            self.update_boundary(p, split, changes, work);
+        if on_boundary {
+            self.update_boundary(p, split, changes, lost, work);
         }
-        let uncertain = !self.state.missing.is_empty() || !self.dirty.is_empty();
         if let Some(bounds) = &self.bounds {
             for &t in &self.created {
                 let v = self.state.vertices(t);
                 if v[3] == INFINITE {
                     continue;
                 }
-                // What replaces tetrahedra of uncertain region is uncertain, too, even when it
-                // brings the last missing subface back.
-                if uncertain {
-                    self.dirty.push((t, v));
+                if let Some(journal) = &mut self.state.journal {
+                    journal.created.push((t, v));
                 } else if let Some(weight) = bounds.excess(&self.state, t) {
                     work.put(Item::Tet(t, v), weight);
                 }
@@ -365,45 +520,18 @@ impl<'a> Refinement<'a> {
         p: VertexId,
         split: Option<([VertexId; 2], u32)>,
         changes: &[Change],
+        lost: &[Item],
         work: &mut W,
     ) {
         if let Some((ends, _)) = split {
-            self.state.segments.remove(&ends);
+            self.state.remove_segment(ends);
         }
-        for change in changes {
-            for s in &change.removed {
-                self.state.subfaces.remove(s);
-                self.state.missing.remove(s);
-                self.state.registry.remove(Item::Subface(*s));
-            }
+        for s in changes.iter().flat_map(|change| &change.removed) {
+            self.state.remove_subface(*s);
         }
-        let touched = std::mem::take(&mut self.state.touched);
-        // Subfaces inside the cavity that stay in their facet's triangulation are lost.
-        for (s, _) in &touched.inner {
-            if self.state.subfaces.contains_key(s) {
-                self.lift_limit(Item::Subface(*s));
-                self.state.miss(*s, work);
-            }
+        for item in lost {
+            self.state.miss(*item, work);
         }
-        let walls: Vec<[VertexId; 3]> = self.state.mesh.cavity().walls().map(|w| w.0).collect();
-        for s in &touched.edges {
-            let stays = walls.iter().any(|w| w.contains(&s[0]) && w.contains(&s[1]));
-            if !stays && self.state.segments.contains_key(s) {
-                self.lift_limit(Item::Segment(*s));
-                self.state.pend(Item::Segment(*s), work);
-            }
-        }
-        for s in &touched.hit_segments {
-            if self.state.segments.contains_key(s) {
-                self.state.pend(Item::Segment(*s), work);
-            }
-        }
-        for s in &touched.hit_subfaces {
-            if self.state.subfaces.contains_key(s) {
-                self.state.pend(Item::Subface(*s), work);
-            }
-        }
-        self.state.touched = touched;
         if let Some((ends, s)) = split {
             for end in ends {
                 self.add_segment([end, p], s, work);
@@ -416,51 +544,38 @@ impl<'a> Refinement<'a> {
         }
     }
 
-    /// A lost item has to be split, whatever a proposal was limited to when it was there.
-    fn lift_limit(&mut self, item: Item) {
-        self.limits.remove(&item);
-        if self.refused.get(&item).is_some_and(|refusal| refusal.limit.is_some()) {
-            self.refused.remove(&item);
-        }
-    }
-
     /// Enters the subsegment from the new vertex `p` to `a`; marks it if the star has it.
     fn add_segment<W: Work>(&mut self, [a, p]: [VertexId; 2], s: u32, work: &mut W) {
         let key = edge(a, p);
-        self.state.segments.insert(key, s);
-        let (mut present, mut encroached) = (false, false);
+        self.state.add_segment(key, s);
+        let mut present = false;
         for &t in &self.created {
             let v = self.state.vertices(t);
             let Some(slot) = (1..4).find(|&k| v[k] == a) else { continue };
             present = true;
             self.state.marks.set(t, edge_bit(0, slot));
-            encroached |= v.iter().any(|&w| self.state.vertex_encroaches_segment(key, s, w));
         }
-        if !present || encroached {
-            self.state.pend(Item::Segment(key), work);
+        if !present {
+            self.state.miss(Item::Segment(key), work);
         }
     }
 
     /// Enters the subface from the new vertex `p` to the edge `ab`; marks it if the star has it.
     fn add_subface<W: Work>(&mut self, [p, a, b]: [VertexId; 3], f: u32, work: &mut W) {
         let key = triangle(p, a, b);
-        self.state.subfaces.insert(key, f);
-        let (mut present, mut encroached) = (false, false);
+        self.state.add_subface(key, f);
+        let mut present = false;
         for &t in &self.created {
             let v = self.state.vertices(t);
             let (Some(i), Some(j)) = ((1..4).find(|&k| v[k] == a), (1..4).find(|&k| v[k] == b))
             else {
                 continue;
             };
-            let apex = 6 - i - j;
             present = true;
-            self.state.marks.set(t, face_bit(apex));
-            encroached |= self.state.vertex_encroaches_subface(key, f, v[apex]);
+            self.state.marks.set(t, face_bit(6 - i - j));
         }
         if !present {
-            self.state.miss(key, work);
-        } else if encroached {
-            self.state.pend(Item::Subface(key), work);
+            self.state.miss(Item::Subface(key), work);
         }
     }
 }

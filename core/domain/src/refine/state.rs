@@ -7,13 +7,15 @@
 use super::angles::Angles;
 use super::carrier::{Carrier, UNIT, distance2};
 use super::item::{Item, Work};
+use super::journal::Journal;
 use super::marks::{EDGES, ENDS, FACES, Marks, face_bit};
 use super::measure::{circumcircle, in_diametral_ball, in_equatorial_ball};
+use super::outcome::Reason;
 use super::plc::Plc;
 use super::registry::Registry;
-use super::table::{Map, Set, edge, triangle};
+use super::table::{Map, Set, edge, sides, triangle};
 use ltbw_core::mesh::Mesh;
-use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
+use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_exact::Point;
 
 /// Vertices of the face opposite each slot.
@@ -31,6 +33,16 @@ pub(crate) struct Touched {
     pub(crate) hit_subfaces: Vec<[VertexId; 3]>,
 }
 
+impl Touched {
+    /// The items that the point encroaches: the subsegments, or, if there are none, the subfaces.
+    pub(crate) fn hits(&self) -> Vec<Item> {
+        match self.hit_segments.is_empty() {
+            true => self.hit_subfaces.iter().map(|&s| Item::Subface(s)).collect(),
+            false => self.hit_segments.iter().map(|&s| Item::Segment(s)).collect(),
+        }
+    }
+}
+
 /// Mesh, marks and tables.
 #[derive(Debug)]
 pub(crate) struct State {
@@ -44,9 +56,15 @@ pub(crate) struct State {
     pub(crate) segments: Map<[VertexId; 2], u32>,
     /// Subfaces, with their facets.
     pub(crate) subfaces: Map<[VertexId; 3], u32>,
-    /// Subfaces that the mesh does not have.
+    /// Subfaces that the mesh does not have; none after the recovery.
     pub(crate) missing: Set<[VertexId; 3]>,
+    /// Subsegments that the mesh does not have; none after the recovery.
+    pub(crate) missing_segments: Set<[VertexId; 2]>,
+    /// While the boundary is recovered: the subfaces at each edge of one.
+    pub(crate) at_edge: Option<Map<[VertexId; 2], Vec<[VertexId; 3]>>>,
     pub(crate) registry: Registry,
+    /// What a joint step has changed, while there is one.
+    pub(crate) journal: Option<Journal>,
     pub(crate) touched: Touched,
     /// Scratch: items near a point.
     found: Vec<Item>,
@@ -66,7 +84,10 @@ impl State {
             segments: Map::default(),
             subfaces: Map::default(),
             missing: Set::default(),
+            missing_segments: Set::default(),
+            at_edge: None,
             registry: Registry::default(),
+            journal: None,
             touched: Touched::default(),
             found: Vec::new(),
         }
@@ -121,29 +142,6 @@ impl State {
             && in_equatorial_ball(&self.at(a), &self.at(b), &self.at(c), p)
     }
 
-    /// Does vertex `v` (not the one at infinity) encroach a present subface, and is it not
-    /// related to its facet?
-    pub(crate) fn vertex_encroaches_subface(
-        &self,
-        subface: [VertexId; 3],
-        facet: u32,
-        v: VertexId,
-    ) -> bool {
-        v != INFINITE
-            && !subface.contains(&v)
-            && !self.angles.related(&self.plc, self.carriers[v as usize], facet)
-            && self.encroaches_subface(subface, facet, &self.at(v), self.carriers[v as usize])
-    }
-
-    /// Does vertex `v` (not the one at infinity) encroach a present subsegment of segment `of`,
-    /// and is it not related to it?
-    pub(crate) fn vertex_encroaches_segment(&self, s: [VertexId; 2], of: u32, v: VertexId) -> bool {
-        v != INFINITE
-            && !s.contains(&v)
-            && !self.angles.related_segment(self.carriers[v as usize], of)
-            && self.encroaches_segment(s, &self.at(v))
-    }
-
     /// The ball of a boundary item, rounded.
     pub(crate) fn ball(&self, item: Item) -> (Point, f64) {
         match item {
@@ -159,18 +157,80 @@ impl State {
         }
     }
 
-    /// Enters a boundary item into the registry and the work, unless it waits there already.
-    pub(crate) fn pend<W: Work>(&mut self, item: Item, work: &mut W) {
+    /// Enters a boundary item into the registry; `false` if it is there already.
+    pub(crate) fn enter(&mut self, item: Item) -> bool {
         let (centre, radius) = self.ball(item);
-        if self.registry.enter(item, centre, radius) {
+        let new = self.registry.enter(item, centre, radius);
+        if let Some(journal) = self.journal.as_mut().filter(|_| new) {
+            journal.entered.push(item);
+        }
+        new
+    }
+
+    /// Notes that the mesh does not have a boundary item, which has to be split.
+    pub(crate) fn miss<W: Work>(&mut self, item: Item, work: &mut W) {
+        let new = match item {
+            Item::Segment(s) => self.missing_segments.insert(s),
+            Item::Subface(s) => self.missing.insert(s),
+            Item::Tet(..) => false,
+        };
+        // An item that others wait for may be in the registry already.
+        if new {
+            self.enter(item);
             work.put(item, 1.0);
         }
     }
 
-    /// Notes that the mesh does not have a subface.
-    pub(crate) fn miss<W: Work>(&mut self, subface: [VertexId; 3], work: &mut W) {
-        if self.missing.insert(subface) {
-            self.pend(Item::Subface(subface), work);
+    /// Is all of the boundary in the mesh?
+    pub(crate) fn is_complete(&self) -> bool {
+        self.missing.is_empty() && self.missing_segments.is_empty()
+    }
+
+    /// Enters a subsegment of segment `s`.
+    pub(crate) fn add_segment(&mut self, key: [VertexId; 2], s: u32) {
+        let before = self.segments.insert(key, s);
+        if let Some(journal) = &mut self.journal {
+            journal.segments.push((key, before));
+        }
+    }
+
+    /// Forgets a subsegment that was split.
+    pub(crate) fn remove_segment(&mut self, key: [VertexId; 2]) {
+        let before = self.segments.remove(&key);
+        if let Some(journal) = &mut self.journal {
+            journal.segments.push((key, before));
+        }
+        self.missing_segments.remove(&key);
+        self.registry.remove(Item::Segment(key));
+    }
+
+    /// Enters a subface of facet `f`.
+    pub(crate) fn add_subface(&mut self, key: [VertexId; 3], f: u32) {
+        let before = self.subfaces.insert(key, f);
+        if let Some(journal) = &mut self.journal {
+            journal.subfaces.push((key, before));
+        }
+        if let Some(at_edge) = &mut self.at_edge {
+            for (side, _) in sides(key) {
+                at_edge.entry(side).or_default().push(key);
+            }
+        }
+    }
+
+    /// Forgets a subface that its facet's triangulation no longer has.
+    pub(crate) fn remove_subface(&mut self, key: [VertexId; 3]) {
+        let before = self.subfaces.remove(&key);
+        if let Some(journal) = &mut self.journal {
+            journal.subfaces.push((key, before));
+        }
+        self.missing.remove(&key);
+        self.registry.remove(Item::Subface(key));
+        if let Some(at_edge) = &mut self.at_edge {
+            for (side, _) in sides(key) {
+                if let Some(list) = at_edge.get_mut(&side) {
+                    list.retain(|s| *s != key);
+                }
+            }
         }
     }
 
@@ -248,6 +308,27 @@ impl State {
             }
         }
         self.found = found;
+    }
+
+    /// Why a point on `carrier` may not ask for a boundary item to be split, if it may not: they are
+    /// at a small angle with each other, or too near.
+    pub(crate) fn relation(&self, carrier: Carrier, item: Item) -> Option<Reason> {
+        let of_facet = |f: u32| {
+            let related = self.angles.related(&self.plc, carrier, f);
+            related.then(|| self.angles.facet_reason.get(&f)).flatten()
+        };
+        let reason = match item {
+            Item::Segment(s) => {
+                let of = *self.segments.get(&s)?;
+                let own = self.angles.related_segment(carrier, of);
+                let own = own.then(|| self.angles.segment_reason.get(&of)).flatten();
+                let facets = &self.plc.segments[of as usize].facets;
+                own.or_else(|| facets.iter().find_map(|&f| of_facet(f)))
+            }
+            Item::Subface(s) => of_facet(*self.subfaces.get(&s)?),
+            Item::Tet(..) => None,
+        };
+        reason.copied()
     }
 
     /// The missing subfaces of facet `f` whose balls may hold `p`.

@@ -60,3 +60,8 @@ pub(crate) fn triangle(a: u32, b: u32, c: u32) -> [u32; 3] {
     let [a, b] = edge(a, b);
     [a, b, c]
 }
+
+/// The edges of a triangle, each with the corner opposite.
+pub(crate) fn sides([a, b, c]: [u32; 3]) -> [([u32; 2], u32); 3] {
+    [(edge(a, b), c), (edge(b, c), a), (edge(a, c), b)]
+}

@@ -2,9 +2,12 @@
 
 use super::carrier::Carrier;
 use super::item::Work;
+use super::marks::ENDS;
 use super::measure::{diametral_side, equatorial_side};
 use super::split::Step;
 use super::state::{FACE, State};
+use super::table::{Set, edge};
+use super::walk::Way;
 use super::*;
 use crate::{Domain, Facet, PrepareOptions, Prepared, Region};
 use ltbw_core::CancelToken;
@@ -40,12 +43,11 @@ fn refine(refiner: &Refiner<'_>, ready: &Prepared) -> Refined {
 }
 
 /// Checks by brute force what the rules promise at the end, for domains without small angles:
-/// every item is in the mesh, facets have their own planar Delaunay triangulation, and no closed
-/// ball of an item holds a vertex off its carrier.
+/// every item is in the mesh, and facets have their own planar Delaunay triangulation.
 fn check_conforming(state: &State) {
     check_all(&state.mesh).expect("invariants of the mesh");
-    assert!(state.missing.is_empty());
-    let present = state.present_segments();
+    assert!(state.is_complete());
+    let present = present_segments(state);
     assert!(state.segments.keys().all(|s| present.contains(s)), "a subsegment is missing");
     let mut on: Vec<Vec<VertexId>> = vec![Vec::new(); state.plc.facets.len()];
     for (v, &carrier) in (0..).zip(&state.carriers).skip(1) {
@@ -58,27 +60,105 @@ fn check_conforming(state: &State) {
         total += slow.len();
     }
     assert_eq!(total, state.subfaces.len());
-    let vertices = 1..state.carriers.len() as VertexId;
-    for &[a, b] in state.segments.keys() {
-        let ends = [a, b].map(|v| state.at(v));
-        for v in vertices.clone().filter(|v| ![a, b].contains(v)) {
-            let side = diametral_side(&ends[0], &ends[1], &state.at(v));
-            assert_eq!(side, Sign::Positive, "vertex {v} in the ball of {a}-{b}");
+}
+
+/// The subsegments that the mesh has, by looking at every tetrahedron.
+fn present_segments(state: &State) -> Set<[VertexId; 2]> {
+    let mut present = Set::default();
+    for (t, tet) in state.mesh.topology().iter() {
+        let (word, v) = (state.marks.of(t), tet.vertices());
+        for (k, [i, j]) in ENDS.into_iter().enumerate() {
+            if word >> (4 + k) & 1 == 1 {
+                present.insert(edge(v[i], v[j]));
+            }
         }
     }
-    for (s, &f) in &state.subfaces {
-        let [a, b, c] = s.map(|v| state.at(v));
-        for v in vertices.clone().filter(|&v| !state.lies_on(state.carriers[v as usize], f)) {
-            let side = equatorial_side(&a, &b, &c, &state.at(v));
-            assert_eq!(side, Sign::Positive, "vertex {v} in the ball of {s:?}");
+    present
+}
+
+/// Does the closed ball of a boundary item hold one of these vertices, of a subface off its facet?
+fn holds(state: &State, item: Item, mut vertices: impl Iterator<Item = VertexId>) -> bool {
+    match item {
+        Item::Segment([a, b]) => {
+            let ends = [a, b].map(|v| state.at(v));
+            let mut others = vertices.filter(|v| ![a, b].contains(v));
+            others.any(|v| diametral_side(&ends[0], &ends[1], &state.at(v)) != Sign::Positive)
         }
+        Item::Subface(s) => {
+            let (f, [a, b, c]) = (state.subfaces[&s], s.map(|v| state.at(v)));
+            vertices.any(|v| {
+                !state.lies_on(state.carriers[v as usize], f)
+                    && equatorial_side(&a, &b, &c, &state.at(v)) != Sign::Positive
+            })
+        }
+        Item::Tet(..) => false,
     }
+}
+
+/// The closure shows every item with an empty ball that a free point lies in.
+#[test]
+fn a_free_point_is_in_no_ball_that_was_empty() {
+    for (kind, volume) in [(DomainKind::CubeOctahedron, 2e-3), (DomainKind::TwoMaterial, 1e-2)] {
+        let ready = ready(kind, &Shape::default());
+        let refiner = Refiner::new().max_volume(volume);
+        let (mut run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
+        let mut work = Queues::default();
+        std::mem::swap(&mut work, &mut run.work);
+        let mut free = 0;
+        for _ in 0..20_000 {
+            let Some(item) = work.next_boundary().or_else(|| work.next_tet()) else { break };
+            let step = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::Open);
+            let state = &run.refinement.state;
+            assert!(state.is_complete());
+            if step != Step::Inserted || state.carriers.last() != Some(&Carrier::Free) {
+                continue;
+            }
+            let last = state.carriers.len() as VertexId - 1;
+            let segments = state.segments.keys().map(|&s| Item::Segment(s));
+            let items = segments.chain(state.subfaces.keys().map(|&s| Item::Subface(s)));
+            for item in items.filter(|&item| holds(state, item, last..last + 1)) {
+                assert!(holds(state, item, 1..last), "{kind:?}: {last} in the ball of {item:?}");
+            }
+            free += 1;
+        }
+        assert!(free > 20, "{kind:?}: {free}");
+    }
+}
+
+/// The way to a point ends at the first subface: at the point of no other way can one be missed.
+#[test]
+fn the_way_to_a_point_is_barred_exactly_by_the_boundary() {
+    let refined = refine(&Refiner::new().max_volume(1e-2), &model());
+    let state = &refined.state;
+    let tets: Vec<TetId> = refined.tets().collect();
+    let middle = |t: TetId| {
+        let corners = state.vertices(t).map(|v| state.at(v));
+        [0, 1, 2].map(|k| corners.iter().map(|c| c[k] * 0.25).sum::<f64>().round())
+    };
+    let (mut barred, mut arrived) = (0, 0);
+    for (k, &from) in tets.iter().enumerate() {
+        let to = tets[(k * 7919 + 13) % tets.len()];
+        match state.way(from, &middle(to)) {
+            Way::Arrived(t) => {
+                assert_eq!(t, to);
+                arrived += 1;
+            }
+            Way::Blocked(s) => {
+                assert!(state.subfaces.contains_key(&s));
+                barred += 1;
+            }
+            Way::Outside => panic!("the middle of a tetrahedron is inside"),
+        }
+        assert!(matches!(state.way(from, &[3e16, 0.0, 0.0]), Way::Blocked(_)));
+    }
+    // Ways in the cube around the octahedron are free, those through it are not.
+    assert!(barred > 10 && arrived > 10, "{barred} {arrived}");
 }
 
 /// Marks say what the tables say, from every tetrahedron.
 fn check_marks(state: &State) {
-    use super::marks::{ENDS, face_bit};
-    use super::table::{edge, triangle};
+    use super::marks::face_bit;
+    use super::table::triangle;
     for (t, tet) in state.mesh.topology().iter() {
         let (word, v) = (state.marks.of(t), tet.vertices());
         for (k, [i, j]) in ENDS.into_iter().enumerate() {
@@ -94,7 +174,7 @@ fn check_marks(state: &State) {
 }
 
 #[test]
-fn domains_without_small_angles_are_met_and_every_ball_is_empty() {
+fn domains_without_small_angles_are_met_and_nothing_is_missing() {
     let cases = [
         (DomainKind::CubeOctahedron, 2e-3, 2.0),
         (DomainKind::CubeOctahedron, 2e-3, 1.414),

@@ -1,0 +1,92 @@
+//! Joint steps: boundary items whose points would take each other out of the mesh are split together.
+//!
+//! On a thin plate, and where long segments run side by side, one item waits for the next and the last
+//! for the first. Such items are split one after the other as while the boundary is recovered: what is
+//! lost is split in its turn. If nothing is missing afterwards the step is done; else all of it is
+//! taken back, and the item that asked for it is refused.
+
+use super::item::{Item, Queues, Work};
+use super::journal::Journal;
+use super::outcome::Reason;
+use super::split::{Refinement, Step};
+use super::state::State;
+use ltbw_core::cavity::Admission;
+
+/// The most transactions of a joint step.
+const MOST: usize = 256;
+
+impl Refinement<'_> {
+    /// Splits `item` and all that is lost by it; the mesh is as before if that cannot be done.
+    pub(crate) fn split_jointly<W: Work, A: Admission>(
+        &mut self,
+        item: Item,
+        work: &mut W,
+        admission: &mut A,
+    ) -> Step {
+        self.state.journal = Some(Journal::default());
+        let before = self.points;
+        let mut own = Queues::default();
+        own.put(item, 1.0);
+        let mut failed = None;
+        self.waits.clear();
+        for _ in 0..MOST {
+            let Some(next) = own.next_boundary() else { break };
+            match self.rule(next, &mut own, admission) {
+                Step::Inserted | Step::Gone => self.state.registry.remove(next),
+                Step::Deferred => {}
+                step @ (Step::Refused(_) | Step::SetBack(_)) => {
+                    failed = Some(step);
+                    break;
+                }
+            }
+        }
+        let Some(journal) = self.state.journal.take() else { return Step::Gone };
+        let complete = failed.is_none() && self.state.is_complete();
+        if complete && self.state.relabel(&journal) {
+            for (t, v) in journal.created {
+                if self.state.is_live(t, v)
+                    && let Some(weight) =
+                        self.bounds.as_ref().and_then(|b| b.excess(&self.state, t))
+                {
+                    work.put(Item::Tet(t, v), weight);
+                }
+            }
+            return Step::Inserted;
+        }
+        self.next_number -= journal.insertions.len() as u32;
+        self.points = before;
+        self.waits.clear();
+        self.state.take_back(journal);
+        match failed {
+            Some(Step::Refused(Reason::Rounding)) | None => Step::Refused(Reason::Interlocked),
+            Some(step) => step,
+        }
+    }
+}
+
+impl State {
+    /// Takes back all of a joint step.
+    fn take_back(&mut self, journal: Journal) {
+        for (key, before) in journal.segments.into_iter().rev() {
+            match before {
+                Some(s) => self.segments.insert(key, s),
+                None => self.segments.remove(&key),
+            };
+        }
+        for (key, before) in journal.subfaces.into_iter().rev() {
+            match before {
+                Some(f) => self.subfaces.insert(key, f),
+                None => self.subfaces.remove(&key),
+            };
+        }
+        for (undo, words) in journal.insertions.iter().rev() {
+            self.mesh.take_back(undo);
+            self.carriers.pop();
+            undo.cavity().zip(words).for_each(|(t, &word)| self.marks.restore(t, word));
+        }
+        // Nothing was missing before.
+        self.missing.clear();
+        self.missing_segments.clear();
+        journal.entered.into_iter().for_each(|item| self.registry.remove(item));
+    }
+}

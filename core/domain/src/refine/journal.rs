@@ -1,0 +1,20 @@
+//! What a joint step has changed, so that it can be taken back.
+
+use super::item::Item;
+use super::marks::Word;
+use ltbw_core::topology::{TetId, VertexId};
+use ltbw_core::undo::Undo;
+
+/// What a joint step has changed so far.
+#[derive(Debug, Default)]
+pub(crate) struct Journal {
+    /// The insertions, each with the marks of its cavity.
+    pub(crate) insertions: Vec<(Undo, Vec<Word>)>,
+    /// Entries of the tables, each as it was before.
+    pub(crate) segments: Vec<([VertexId; 2], Option<u32>)>,
+    pub(crate) subfaces: Vec<([VertexId; 3], Option<u32>)>,
+    /// Items entered into the registry.
+    pub(crate) entered: Vec<Item>,
+    /// New tetrahedra, whose bounds are looked at when the step is done.
+    pub(crate) created: Vec<(TetId, [VertexId; 4])>,
+}

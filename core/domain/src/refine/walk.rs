@@ -1,0 +1,141 @@
+//! Ways through the mesh and through a facet: from what has to be split to the point proposed for it.
+//!
+//! The circumcentre of a tetrahedron may lie far beyond the boundary. All tetrahedra on a way to it
+//! that crosses only faces with the centre strictly beyond them are in its cavity, for the power of
+//! the point with respect to the circumspheres falls from one to the next. So the first subface on the
+//! way is found at the cost of the way, and the cavity, which may be far larger, is not opened.
+
+use super::marks::face_bit;
+use super::state::State;
+use super::table::{sides, triangle};
+use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
+use ltbw_exact::Point;
+use ltbw_exact::predicates::{Sign, coplanar_orient, orient3d};
+
+/// The face opposite each slot, its vertices in such an order that a point beyond it makes a
+/// negatively oriented tetrahedron with them.
+const FACES: [[usize; 3]; 4] = [[2, 1, 3], [3, 0, 2], [1, 0, 3], [0, 1, 2]];
+
+/// Where the way to a point ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Way {
+    /// In the tetrahedron that holds the point.
+    Arrived(TetId),
+    /// At this subface, the first that it crosses.
+    Blocked([VertexId; 3]),
+    /// Outside the hull.
+    Outside,
+}
+
+impl State {
+    /// Walks from the middle of tetrahedron `start` straight to `p`, up to the first subface.
+    pub(crate) fn way(&self, start: TetId, p: &Point) -> Way {
+        let topology = self.mesh.topology();
+        let corners = self.vertices(start).map(|v| self.at(v));
+        // A whole number of fine steps, so that the predicates stay in their window.
+        let from = [0, 1, 2].map(|k| corners.iter().map(|c| c[k] * 0.25).sum::<f64>().round());
+        let (mut t, mut entry) = (start, 4);
+        // In a Delaunay mesh such a walk visits no tetrahedron twice; the bound only guards it.
+        for _ in 0..=topology.slots() {
+            let tet = topology.at(t);
+            if tet.is_ghost() {
+                return Way::Outside;
+            }
+            let v = tet.vertices();
+            let at = |slot: usize| FACES[slot].map(|k| self.at(v[k]));
+            let (mut exit, mut several) = (None, false);
+            for slot in (0..4).filter(|&slot| slot != entry) {
+                let [a, b, c] = at(slot);
+                if orient3d(&a, &b, &c, p) == Sign::Negative {
+                    several |= exit.is_some();
+                    exit = exit.or(Some(slot));
+                }
+            }
+            if several {
+                let beyond = |slot: &usize| {
+                    let [a, b, c] = at(*slot);
+                    *slot != entry && orient3d(&a, &b, &c, p) == Sign::Negative
+                };
+                let mut straight = (0..4).filter(beyond).filter(|&k| crosses(&from, p, &at(k)));
+                exit = straight.next().or(exit);
+            }
+            let Some(slot) = exit else { return Way::Arrived(t) };
+            if self.marks.of(t) & face_bit(slot) != 0 {
+                let [a, b, c] = FACES[slot].map(|k| v[k]);
+                return Way::Blocked(triangle(a, b, c));
+            }
+            let next = tet.neighbours()[slot];
+            (t, entry) = (tet_of(next), slot_of(next));
+        }
+        Way::Outside
+    }
+
+    /// The subsegment of facet `f` between its subface `s` and a point `p` of its plane, of the open
+    /// cavity, that `s` does not see.
+    pub(crate) fn segment_between(
+        &self,
+        s: [VertexId; 3],
+        f: u32,
+        p: &Point,
+    ) -> Option<[VertexId; 2]> {
+        if self.at_edge.is_some() {
+            return self.segment_on_way(s, f, p);
+        }
+        // A missing subface is in no cavity, but its own sides may be what is between.
+        let beyond = |&(side, opposite): &([VertexId; 2], VertexId)| {
+            let [a, b] = side.map(|v| self.at(v));
+            let inner = coplanar_orient(&a, &b, &self.at(opposite));
+            self.segments.contains_key(&side) && coplanar_orient(&a, &b, p) != inner
+        };
+        if let Some((side, _)) = sides(s).into_iter().find(beyond) {
+            return Some(side);
+        }
+        // The cavity is star-shaped from `p` and has the subface: what is between them is in it.
+        let side =
+            |a: VertexId, b: &Point, c: VertexId| coplanar_orient(&self.at(a), b, &self.at(c));
+        let separates = |[x, y]: [VertexId; 2]| {
+            let (b, mine) = (self.at(y), coplanar_orient(&self.at(x), &self.at(y), p));
+            let theirs = s.map(|v| side(x, &b, v));
+            let between = !mine.is_zero() && theirs.contains(&-mine) && !theirs.contains(&mine);
+            let crosses = s.iter().any(|&v| {
+                let [left, right] = [x, y].map(|end| side(v, p, end));
+                !left.is_zero() && left == -right
+            });
+            between && crosses
+        };
+        let on_facet = |e: &[VertexId; 2]| {
+            let segment = self.segments.get(e).map(|&of| &self.plc.segments[of as usize]);
+            segment.is_some_and(|segment| segment.facets.contains(&f))
+        };
+        self.touched.edges.iter().copied().find(|e| on_facet(e) && separates(*e))
+    }
+
+    /// The first subsegment on a way from subface `s` of facet `f` to `p` in its plane, through the
+    /// facet's triangulation, whether the mesh has its triangles or not.
+    fn segment_on_way(&self, s: [VertexId; 3], f: u32, p: &Point) -> Option<[VertexId; 2]> {
+        let at_edge = self.at_edge.as_ref()?;
+        let (mut t, mut entry) = (s, None);
+        // Every triangle is passed once in a Delaunay triangulation; the bound only guards it.
+        for _ in 0..=self.subfaces.len() {
+            let beyond = |&(side, opposite): &([VertexId; 2], VertexId)| {
+                let [a, b] = side.map(|v| self.at(v));
+                let inner = coplanar_orient(&a, &b, &self.at(opposite));
+                Some(side) != entry && coplanar_orient(&a, &b, p) == -inner
+            };
+            let (side, _) = sides(t).into_iter().find(beyond)?;
+            if self.segments.contains_key(&side) {
+                return Some(side);
+            }
+            let others = at_edge.get(&side)?;
+            t = *others.iter().find(|o| **o != t && self.subfaces.get(*o) == Some(&f))?;
+            entry = Some(side);
+        }
+        None
+    }
+}
+
+/// Does the line from `a` to `b`, which lie on different sides of a triangle's plane, meet it?
+fn crosses(a: &Point, b: &Point, [x, y, z]: &[Point; 3]) -> bool {
+    let signs = [(x, y), (y, z), (z, x)].map(|(x, y)| orient3d(a, b, x, y));
+    !(signs.contains(&Sign::Positive) && signs.contains(&Sign::Negative))
+}
