@@ -214,7 +214,7 @@ pub(crate) struct Delaunay {
     /// Write a timeline for Perfetto or chrome://tracing: a track for each worker
     #[arg(long, value_name = "FILE", requires = "threads")]
     pub(crate) trace: Option<PathBuf>,
-    /// How deep the checker looks at the mesh before it is written
+    /// The depth of the check of the mesh before it is written
     #[arg(long, value_enum, default_value_t = Depth::Fast)]
     pub(crate) check: Depth,
 }

@@ -1,4 +1,4 @@
-//! Where JSON goes: a file, or stdout for `-`; and the inputs that no output may overwrite.
+//! JSON files: a path, or stdout for `-`; and the inputs that no output may overwrite.
 
 use crate::console;
 use crate::outcome::{Failure, show};

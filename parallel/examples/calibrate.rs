@@ -9,7 +9,7 @@
 //!   number of each, nearly, and a test alone costs little beside what comes before it, so that the
 //!   two cannot be told apart: the rest is divided as the cost model has it.
 //!
-//! What a message costs over a network is not measured: it is an assumption of the cost model.
+//! The cost of a message over a network is not measured: it is an assumption of the cost model.
 
 use ltbw::PointSet;
 use ltbw::mesh::{Field, LocalMesh, Plan, Site};

@@ -13,7 +13,7 @@ use std::time::Duration;
 /// Longer than any of these runs takes: a run that is not done by then hangs.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// What became of a run.
+/// The end of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum End {
     Whole,

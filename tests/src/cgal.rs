@@ -345,7 +345,7 @@ fn compiler() -> Result<String, Failure> {
         .ok_or(Failure::Missing(Missing::Compiler))
 }
 
-/// Where compiled servers are kept: `LTBW_CGAL_FOLDER`, else `cgal` in the cargo target folder.
+/// The folder of compiled servers: `LTBW_CGAL_FOLDER`, else `cgal` in the cargo target folder.
 fn folder() -> PathBuf {
     std::env::var_os("LTBW_CGAL_FOLDER").map_or_else(|| target_folder().join("cgal"), PathBuf::from)
 }

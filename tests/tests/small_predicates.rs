@@ -1,7 +1,7 @@
 //! Predicates and perturbation, exhaustively: every tuple of points of {0, 1, 2}³ against the
 //! polynomials in ε of `ltbw_tests::epsilon`.
 //!
-//! What is covered, without any use of the cube's symmetry: `orient3d`, the planar predicates and
+//! Coverage, without any use of the cube's symmetry: `orient3d`, the planar predicates and
 //! the hull facets on all 27⁴ quadruples; `insphere` on all 27⁵ quintuples, equal points included;
 //! the perturbed sphere on all 80,730 sets of five points, each in all of its 120 orders that make
 //! the first four points positive. The one identity used: a determinant changes its sign with the

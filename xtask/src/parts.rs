@@ -10,7 +10,7 @@ const TETGEN: &str = "tetgen==0.8.4";
 /// Builds the program, sees to a Python with TetGen, and measures.
 pub(crate) fn run(args: &[String]) -> Result<(), String> {
     shell::run(cargo().args(["build", "--quiet", "--release", "-p", "ltbw-cli"]))?;
-    // What measures does no heavy work: it need not wait for a release build of its own.
+    // The measuring program does no heavy work: it need not wait for a release build of its own.
     let mut measure = cargo();
     measure.args(["run", "--quiet", "-p", "ltbw-tests", "--bin", "measure_parts", "--"]);
     measure.arg(target().join("release/ltbw")).arg(target().join("parts"));

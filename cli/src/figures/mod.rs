@@ -48,7 +48,7 @@ struct AllMessages {
 }
 
 impl Figures {
-    /// Those of a run.
+    /// The figures of a run.
     pub(crate) fn of(s: &Summary) -> Self {
         let all = s.all_messages();
         Self {

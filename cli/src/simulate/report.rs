@@ -7,7 +7,7 @@ use ltbw::protocol::Config;
 use ltbw::simulate::{CostModel, Meshed, Options};
 use serde::Serialize;
 
-/// What was asked for.
+/// The options of the run.
 #[derive(Clone, Copy)]
 pub(super) struct Run<'a> {
     pub(super) args: &'a Simulate,

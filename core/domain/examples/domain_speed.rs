@@ -1,4 +1,4 @@
-//! How long the exact check of a surface takes, against meshing its vertices.
+//! The time of the exact check of a surface, against meshing its vertices.
 //!
 //! `cargo run --release -p ltbw-core --example domain_speed -- 1000000`
 

@@ -1,4 +1,4 @@
-//! What mesh files carry beside the mesh, edge lengths, and writers whose medium is full.
+//! Data beside the mesh in mesh files, edge lengths, and writers whose medium is full.
 
 use ltbw_core::{BoundaryFace, Extras, TetMesh};
 use ltbw_domain::quality;

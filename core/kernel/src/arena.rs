@@ -1,7 +1,7 @@
 //! Arrays without bounds checks, on huge pages: one of the two modules with unsafe code (the other
 //! is the vector code of spheres, `sphere/simd.rs`).
 //!
-//! What it pays (1M uniform points, order + insertion, measured side by side): see
+//! Its gain (1M uniform points, order + insertion, measured side by side): see
 //! `docs/decisions.md`.
 #![allow(unsafe_code)]
 

@@ -345,7 +345,7 @@ impl Collector {
     }
 }
 
-/// What a step is called in a trace if no note says better.
+/// The name of a step in a trace if no note says better.
 fn kind_of(cause: Cause) -> SpanKind {
     match cause {
         Cause::Message { kind, .. } => match kind {

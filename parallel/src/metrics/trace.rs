@@ -30,7 +30,7 @@ impl Trace {
     ///
     /// # Errors
     ///
-    /// Those of `out`.
+    /// The errors of `out`.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let complete = self.is_complete;
         writeln!(out, "{{\"displayTimeUnit\":\"ns\",\"otherData\":{{\"complete\":{complete}}},")?;

@@ -6,7 +6,7 @@
 //! `Acquire` after the lock is taken, written with `Release` before it is given back. That says
 //! what a mutex promises, and nothing more: both happen inside the critical section.
 //!
-//! What is assumed is that the library's mutex is one. What is checked is everything around it.
+//! One thing is assumed: the library's mutex is one. Everything around it is checked.
 //! With the variable `LTBW_TSAN_CANARY` the shadows are not read: then races must be reported.
 
 use std::sync::atomic::{AtomicU32, Ordering};

@@ -7,7 +7,7 @@ use super::source::{Token, Tree, shipped, split, tokens};
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Dependency {
     pub(crate) name: String,
-    /// Of tests, examples and benchmarks alone.
+    /// Is it used by tests, examples and benchmarks alone?
     pub(crate) dev: bool,
 }
 

@@ -26,6 +26,9 @@ pub(crate) const BANNED: &[(&str, &str)] = &[
     ("have no say", "are not asked"),
 ];
 
+/// Words that a comment does not open with: its first sentence has a noun as its subject.
+const OPENINGS: &[&str] = &["what", "who", "whose", "whoever", "how", "those"];
+
 /// The words and signs of a text in lower case, with `^` at the start of each sentence. Code in
 /// backquotes is one word.
 fn words(text: &str) -> Vec<String> {
@@ -68,7 +71,9 @@ pub(crate) fn found_in(text: &str) -> Vec<(&'static str, &'static str)> {
         let parts: Vec<&str> = phrase.split(' ').collect();
         (0..words.len()).any(|k| is_at(&parts, k) && !(phrase == "^ who" && asks(k)))
     };
-    BANNED.iter().copied().filter(|(phrase, _)| has(phrase)).collect()
+    let opening = OPENINGS.iter().filter(|&&word| words.get(1).is_some_and(|w| w == word));
+    let opening = opening.filter(|_| !asks(0)).map(|&word| (word, "a noun as subject"));
+    opening.chain(BANNED.iter().copied().filter(|(phrase, _)| has(phrase))).collect()
 }
 
 /// All banned phrases in comments of the tree: `file:line: phrase (instead)`.

@@ -60,7 +60,7 @@ fn is_finite(p: &Point) -> bool {
     p.iter().all(|c| c.is_finite())
 }
 
-/// What [`tets`] finds.
+/// The findings of [`tets`].
 struct Checked {
     tet: Vec<bool>,
     /// Whether a sound tetrahedron names the point.

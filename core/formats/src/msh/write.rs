@@ -52,7 +52,7 @@ pub(crate) fn check(mesh: &TetMesh) -> std::result::Result<(), DataError> {
     }
 }
 
-/// Where numbers are written, and how.
+/// The destination of numbers, and their form.
 struct Sink<'a> {
     out: &'a mut dyn Write,
     text: bool,

@@ -26,7 +26,8 @@ pub(crate) fn make_spheres(
     false
 }
 
-/// What four spheres say of a point, as bit masks `(inside, outside)`: [`Sphere::test`] of each.
+/// The answers of four spheres for a point, as bit masks `(inside, outside)`: [`Sphere::test`] of
+/// each.
 #[inline(always)]
 pub(crate) fn test_spheres(spheres: [&Sphere; 4], q: &Query) -> (u32, u32) {
     #[cfg(target_arch = "x86_64")]
