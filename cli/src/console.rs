@@ -70,7 +70,7 @@ impl Observer for Progress {
     }
 }
 
-/// What a bar shows; a total of 0 is not known.
+/// The contents of a progress bar; a total of 0 is not known.
 fn template(total: u64) -> &'static str {
     match total {
         0 => "insert {spinner} {human_pos} points in {elapsed}",

@@ -33,7 +33,7 @@ struct Report {
     lattice: Option<LatticePart>,
     defect_counts: BTreeMap<&'static str, u64>,
     defects: Vec<Value>,
-    /// What the defects mean for the surface: open, doubled, bodies that touch or cross.
+    /// The meaning of the defects for the surface: open, doubled, bodies that touch or cross.
     kinds: Vec<Value>,
     /// The number of bodies, if there are defects.
     bodies: usize,

@@ -33,7 +33,7 @@ pub(crate) fn keep_input(input: &Path, output: &Path) -> Result<(), Failure> {
 pub(crate) fn distinct(outputs: &[PathBuf]) -> Result<(), Failure> {
     let mut places = HashSet::new();
     for output in outputs {
-        // What is not there yet has a folder all the same.
+        // A file that is not there yet has a folder all the same.
         let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
         let folder = folder.unwrap_or(Path::new(".")).canonicalize();
         let place =

@@ -1,4 +1,4 @@
-//! What is said of a command line that is no command: help, or one line with a hint.
+//! The answer to a command line that is no command: help, or one line with a hint.
 
 use crate::console;
 use crate::outcome::{Exit, Failure};
@@ -11,7 +11,7 @@ pub struct Refusal {
     pub exit: u8,
     /// Whether the text is help or the version.
     pub is_help: bool,
-    /// What is wrong, in one line without control characters; or the help, without colours.
+    /// The error, in one line without control characters; or the help, without colours.
     pub text: String,
 }
 
@@ -28,7 +28,7 @@ impl Refusal {
     }
 }
 
-/// What clap would suggest instead.
+/// The suggestions of clap.
 fn tips(error: &clap::Error) -> String {
     let kinds =
         [ContextKind::SuggestedArg, ContextKind::SuggestedSubcommand, ContextKind::SuggestedValue];
@@ -91,7 +91,7 @@ mod tests {
         Refusal::of(&Args::try_parse_from(words).expect_err("no command")).text
     }
 
-    /// What a terminal obeys must not come back to it from an argument.
+    /// Control characters of an argument must not come back to the terminal.
     #[test]
     fn a_refusal_repeats_no_control_characters() {
         for word in ["a\u{1b}[2Jb", "x\u{7}", "\u{0}", "one\ntwo", "tab\tbed", "\u{9b}31m"] {

@@ -54,7 +54,7 @@ impl Preparation {
         Ok(())
     }
 
-    /// What the library is asked for.
+    /// The options for the library.
     pub(crate) fn options(&self, oriented: bool) -> PrepareOptions {
         PrepareOptions {
             exact_input: self.exact_input,
@@ -162,7 +162,7 @@ pub(crate) fn troubles_json(report: &DomainReport) -> Vec<Value> {
     report.troubles.iter().map(json).collect()
 }
 
-/// What was repaired, for the JSON reports.
+/// The repairs, for the JSON reports.
 pub(crate) fn repairs_json(ready: &Prepared) -> Value {
     let r = &ready.repairs;
     json!({

@@ -1,4 +1,4 @@
-//! What a newcomer stumbles over: outputs that overwrite each other, folders that take no file, a
+//! Obstacles for a newcomer: outputs that overwrite each other, folders that take no file, a
 //! mesh of a domain taken for one of its points, numbers written in other ways.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 

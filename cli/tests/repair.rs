@@ -96,7 +96,7 @@ fn kinds_are_named_and_defects_can_be_looked_at() {
     assert!(kinds.iter().all(|k| k.starts_with("bodies-")), "{kinds:?}");
     assert_eq!(report["bodies"], 2);
     assert!(told.stderr.contains("kind      bodies that "), "{}", told.stderr);
-    // What is written is a surface that the program itself reads.
+    // The output is a surface that the program itself reads.
     let looked = ltbw(dir.path(), &["check", "bad.ply"]);
     assert!(looked.stderr.contains("domain    bad.ply: "), "{}", looked.stderr);
     // Without defects nothing is written, and that is said.

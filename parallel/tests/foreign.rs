@@ -24,7 +24,7 @@ fn shown(mesh: &LocalMesh) -> Vec<String> {
     part.tets().map(|(t, v)| format!("{t} {v:?} {:?}", part.neighbours(t))).collect()
 }
 
-/// What becomes of a patch that `damage` has changed.
+/// The error for a patch that `damage` has changed.
 fn damaged(damage: impl Fn(&mut Patch, TetId)) -> SubmeshError {
     let (directory, mut mesh) = submesh();
     let part = mesh.tets();

@@ -1,4 +1,4 @@
-//! Whose the star of a point is, is asked before the point is inserted at once.
+//! The owner of a point's star is asked for before the point is inserted at once.
 
 use ltbw::PointSet;
 use ltbw::mesh::{Ownership, Plan};

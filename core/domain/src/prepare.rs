@@ -21,7 +21,7 @@ pub enum Frame {
     Auto,
     /// The file's own.
     Own,
-    /// Those from the middle of the domain: see [`Lattice::local`].
+    /// Coordinates from the middle of the domain: see [`Lattice::local`].
     Local,
 }
 
@@ -31,7 +31,7 @@ const LOST_BITS: u32 = 2;
 /// The largest tolerance, as a part of the diagonal of the domain's box.
 pub const LARGEST_TOLERANCE: f64 = 1.0 / 1024.0;
 
-/// How to prepare a domain.
+/// Options of the preparation of a domain.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PrepareOptions {
     /// Refuse a domain that is not on its lattice. Vertices at different places stay different.
@@ -52,7 +52,7 @@ pub struct Prepared {
     pub domain: Domain,
     /// The lattice.
     pub lattice: Lattice,
-    /// How many vertices moved.
+    /// The number of vertices that moved.
     pub moved: usize,
     /// The farthest move, if any vertex moved, with the number of the vertex in the input.
     pub largest: Option<Move>,
@@ -60,9 +60,9 @@ pub struct Prepared {
     pub vertex_map: Vec<u32>,
     /// For each facet of the domain the facet of the input that it is part of.
     pub facet_map: Vec<u32>,
-    /// What the check found: nothing graver than warnings. Elements are those of the domain.
+    /// The findings of the check: nothing graver than warnings. Elements are those of the domain.
     pub report: DomainReport,
-    /// What was welded, dropped and closed.
+    /// The welded, dropped and closed items.
     pub repairs: Repairs,
 }
 
@@ -117,7 +117,7 @@ impl PrepareError {
         }
     }
 
-    /// What the check found, if it is the reason.
+    /// The findings of the check, if they are the reason.
     #[must_use]
     pub fn report(&self) -> Option<&DomainReport> {
         match self {
@@ -304,7 +304,7 @@ impl Domain {
         } else if repairs.is_empty() {
             PrepareError::Defects(Box::new(before))
         } else {
-            // What was repaired is no reason any more.
+            // Repaired items are no reason any more.
             PrepareError::Defects(Box::new(with_doubled(report, &before, repairs)))
         })
     }

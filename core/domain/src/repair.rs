@@ -28,7 +28,7 @@ const ROUNDS: usize = 8;
 /// A vertex and its place.
 type Place = GeomWithData<Point, u32>;
 
-/// What was changed before the check. Numbers of facets and vertices are those of the input.
+/// The changes before the check. Numbers of facets and vertices are those of the input.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Repairs {
     /// Vertices at places of their own that became one with another.
@@ -72,7 +72,7 @@ impl Repairs {
         }
     }
 
-    /// What was changed, a line for each kind of change.
+    /// The changes, a line for each kind.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let count =

@@ -1,4 +1,4 @@
-//! What is repaired before a domain is meshed, and what a refusal says of the surface.
+//! The repairs before a domain is meshed, and what a refusal says of the surface.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 use ltbw_domain::{

@@ -16,8 +16,8 @@ pub(crate) trait Conflict {
     /// A hint that `t` will be asked about soon.
     fn prefetch(&self, t: TetId);
 
-    /// What is certain at once of four tetrahedra, as bit masks `(inside, outside)`. Those in
-    /// neither mask are asked for with [`Conflict::decide`].
+    /// The conflicts of four tetrahedra as far as they are certain at once, as bit masks `(inside,
+    /// outside)`. Those in neither mask are asked for with [`Conflict::decide`].
     fn certain(&self, tets: [TetId; 4]) -> (u32, u32);
 
     /// Which of the four tetrahedra in the mask `unknown` are in conflict, as a bit mask.

@@ -24,7 +24,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 /// Number of a vertex: the index of its point in the input, then counting on for inserted ones.
 pub type Vertex = u32;
 
-/// What became of an inserted point.
+/// The outcome of an insertion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Inserted {
@@ -83,7 +83,7 @@ pub enum At {
     SetBack(Setback),
 }
 
-/// What became of a kernel vertex.
+/// The outcome for a kernel vertex.
 pub(crate) enum Placed {
     New,
     At(VertexId),
@@ -102,7 +102,7 @@ pub struct Mesh {
     mode: Mode,
     /// Number that the next inserted point gets.
     pub(crate) next_number: Vertex,
-    /// Where the next walk starts.
+    /// The start of the next walk.
     hint: TetId,
 }
 
@@ -350,7 +350,7 @@ impl Mesh {
         self.geometry.stats
     }
 
-    /// How the points are computed with.
+    /// The mode of computing with the points.
     pub fn mode(&self) -> Mode {
         self.mode
     }
@@ -384,7 +384,7 @@ impl Mesh {
         if v == INFINITE { None } else { self.numbers.get(v as usize).copied() }
     }
 
-    /// What the cached sphere of `t` alone says of a point in kernel coordinates.
+    /// The side of `t`'s cached sphere on which a point in kernel coordinates lies, if it tells.
     pub(crate) fn cached_side(&self, t: TetId, p: &Point) -> Option<Sign> {
         self.geometry.cached_side(t, p)
     }

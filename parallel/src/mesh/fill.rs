@@ -21,7 +21,7 @@ struct Wall {
     name: Option<Name>,
     /// Neighbours by slot, other walls: wall and slot there. Entry 0 is not used.
     beside: [(u32, u8); 4],
-    /// The ring tetrahedron behind the face: who has it, where, the slot, its block and name.
+    /// The ring tetrahedron behind the face: its worker, place, slot, block and name.
     worker: WorkerId,
     at: At,
     slot: u8,
@@ -29,7 +29,7 @@ struct Wall {
     ring_name: Option<Name>,
 }
 
-/// What is used while a cavity is filled, kept for the next one.
+/// Scratch memory for filling a cavity, kept for the next one.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     pub(super) corners: Corners,
@@ -139,7 +139,7 @@ impl LocalMesh {
                 let owner = directory.owner(block);
                 let ring_block = match side.link {
                     Link::Far(handle) => handle.block,
-                    // Only who has not got the ring tetrahedron must know its block.
+                    // The block matters only to a worker that has not got the ring tetrahedron.
                     Link::Near { .. } if worker == owner => 0,
                     Link::Near { apex, .. } => self.block_at(worker, ghost_last([a, b, c, apex])),
                 };
@@ -201,7 +201,7 @@ fn ghost_last(mut v: [VertexId; 4]) -> [VertexId; 4] {
     v
 }
 
-/// Where face `slot` of the new tetrahedron of `wall` leads.
+/// The other side of face `slot` of the new tetrahedron of `wall`.
 fn lead(walls: &[Wall], wall: &Wall, slot: usize) -> To {
     if slot == 0 {
         let name = wall.ring_name;
@@ -237,7 +237,7 @@ fn patch_of(patches: &mut Vec<(WorkerId, Patch)>, worker: WorkerId) -> &mut Patc
 
 /// Corners of a small cavity, the point among them.
 const SMALL: usize = 64;
-/// What a defect of the protocol says: the boundary of a cavity is a closed surface.
+/// The message of a defect of the protocol: the boundary of a cavity is a closed surface.
 const OPEN_BOUNDARY: &str = "an edge of a cavity's boundary has no second face";
 /// No wall.
 const NONE: u16 = u16::MAX;
@@ -315,7 +315,7 @@ impl Edges {
         assert!(2 * joined == 3 * walls.len(), "{OPEN_BOUNDARY}");
     }
 
-    /// Where an edge is, or would be.
+    /// The place where an edge is, or would be.
     fn place(&self, from: u32, to: u32) -> usize {
         let (key, last) = (key_of(from, to), self.keys.len() - 1);
         let mut place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize & last;

@@ -7,7 +7,7 @@ use ltbw_core::topology::TetId;
 use ltbw_core::{Mesh, Vertex};
 use rustc_hash::FxHashMap;
 
-/// What a run leaves behind.
+/// The result of a run.
 #[derive(Debug)]
 pub struct Gathered {
     /// The whole mesh.
@@ -23,7 +23,7 @@ pub enum GatherError {
     /// The far side of an interface face is nowhere.
     #[error("worker {worker}: no worker has tetrahedron {name:?} beyond an interface face")]
     Dangling {
-        /// Who has the face.
+        /// The worker that has the face.
         worker: u32,
         /// The name it leads to.
         name: Name,
@@ -39,7 +39,7 @@ pub enum GatherError {
     /// There is no submesh.
     #[error("there is no submesh to put together")]
     NoParts,
-    /// The mesh cannot name so many tetrahedra.
+    /// The mesh has more tetrahedra than it can number.
     #[error("the mesh would exceed the limit of tetrahedra, hull ghosts included")]
     TooManyTets,
 }

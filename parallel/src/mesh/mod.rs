@@ -50,13 +50,13 @@ pub(crate) type Tets = kernel::Submesh<Ticket, Name, Handle>;
 pub struct LocalMesh {
     tets: Tets,
     blocks: Blocks,
-    /// How tetrahedra are owned, if not by blocks.
+    /// The ownership of tetrahedra, if not by blocks.
     fixed: Option<Fixed>,
     me: WorkerId,
     names: FxHashMap<Name, TetId>,
     /// Names given so far.
     named: u32,
-    /// Where points were located that could not be inserted at once.
+    /// The places of points that were located but could not be inserted at once.
     located: FxHashMap<VertexId, TetId>,
     /// New tetrahedra of blocks that have moved, by block.
     strays: FxHashMap<BlockId, Vec<TetId>>,
@@ -87,7 +87,7 @@ impl Fixed {
         worker * self.each
     }
 
-    /// Who owns the star of a point of block `block` that `home` inserts.
+    /// The owner of the star of a point of block `block` that `home` inserts.
     fn owner_of_new(self, block: BlockId, home: WorkerId) -> WorkerId {
         if self.ownership == Ownership::Creator { home } else { block / self.each }
     }
@@ -130,10 +130,11 @@ impl LocalMesh {
         self.tets.topology().iter().filter(|(_, tet)| tet.is_proxy()).count()
     }
 
-    /// A tetrahedron that is not this worker's. There is none but those on their way.
+    /// A tetrahedron here that belongs to another worker; a sound submesh has none, for those that
+    /// change their owner are on their way.
     ///
-    /// By blocks that is one whose block is another's. What belongs to the owner of its newest
-    /// vertex has a vertex of this worker; what its creator owns cannot be told.
+    /// With ownership by blocks its block tells. With ownership by the newest vertex a tetrahedron
+    /// of this worker has at least one vertex of this worker; a creator cannot be told.
     pub fn misplaced(&self, directory: &Directory) -> Option<TetId> {
         let block = |v: VertexId| self.blocks.of_vertex(v);
         let is_mine = |v: [VertexId; 4]| match self.fixed {
@@ -213,7 +214,7 @@ impl LocalMesh {
         self.tets.vertices(t).map(|v| self.site(v))
     }
 
-    /// What stands in slot `u` beside a tetrahedron.
+    /// The neighbour in slot `u` beside a tetrahedron.
     #[inline]
     fn neighbour(&self, u: TetId) -> Neighbour<TetId> {
         self.tets.far(u).map_or(Neighbour::Near(u), Neighbour::Far)
@@ -227,8 +228,8 @@ impl LocalMesh {
         neighbours.filter(move |&(slot, _)| others(slot)).map(|(_, u)| u)
     }
 
-    /// What of the vertex closure of `point` is in the way of inserting it at once: a locked
-    /// tetrahedron, else another worker's.
+    /// The obstacle in the vertex closure of `point` to inserting it at once: a locked tetrahedron,
+    /// else another worker's.
     fn vertex_closure(&mut self, point: &Site, seed: TetId) -> Option<Insert<TetId>> {
         let (mut seen, mut far, mut locked) = (FxHashSet::default(), false, None);
         let mut corners: Vec<VertexId> = self.tets.vertices(seed).to_vec();

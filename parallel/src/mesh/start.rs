@@ -12,20 +12,20 @@ use ltbw_exact::{Mode, Point, PointSet};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Who names the tetrahedra of the coarse mesh: no worker has this number.
+/// The creator in the names of the coarse mesh: no worker has this number.
 const COARSE: WorkerId = WorkerId::MAX;
 
-/// Who owns a new tetrahedron.
+/// The rule that says who owns a new tetrahedron.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Ownership {
     /// The owner of its block, a function of its vertices: submeshes keep their shape.
     #[default]
     Block,
-    /// The owner of its newest vertex's block: the star of a point is not divided, and what a worker
-    /// inserts at once is its own without a look. Submeshes have rougher borders, and blocks do not
-    /// move: what a worker has cannot be told from the vertices.
+    /// The owner of its newest vertex's block: the star of a point is not divided, and what a
+    /// worker inserts at once is its own without a look. Submeshes have rougher borders, and blocks
+    /// do not move: what a worker has cannot be told from the vertices.
     Newest,
-    /// The paper's: who created it, the home of the operation. Submeshes grow into each other, and
+    /// The paper's: its creator, the home of the operation. Submeshes grow into each other, and
     /// blocks do not move. To reproduce the paper's figures.
     Creator,
 }
@@ -34,12 +34,13 @@ impl Ownership {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Block, Self::Newest, Self::Creator];
 
-    /// What to say when blocks are to move although they do not tell who owns what.
-    pub(crate) const STAYS: &str = "blocks cannot move where new tetrahedra belong to their creator or \
-                                    to the owner of their newest vertex: no balance, no storm";
+    /// The message when blocks are to move although they do not tell the owners of tetrahedra.
+    pub(crate) const STAYS: &str = "blocks cannot move where new tetrahedra belong to their \
+                                    creator or to the owner of their newest vertex: no balance, \
+                                    no storm";
 }
 
-/// How a run is laid out.
+/// The layout of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// Number of workers, at least 1.
@@ -48,12 +49,12 @@ pub struct Plan {
     pub blocks_per_worker: u32,
     /// Cursors of each worker's field of points, per round.
     pub cursors: usize,
-    /// So many points of a worker are to be under way before points that need no other worker go
+    /// Points of a worker that are to be under way before points that need no other worker go
     /// first; 0 if points are to come as they lie.
     pub abreast: usize,
-    /// Points of the coarse mesh, if there are so many.
+    /// Points of the coarse mesh, or all if there are fewer.
     pub sample: usize,
-    /// Who owns a new tetrahedron.
+    /// The rule that says who owns a new tetrahedron.
     pub ownership: Ownership,
     /// Reserve memory for all tetrahedra to come, for uniform points: pages that stay unused cost
     /// nothing but address space.
@@ -221,11 +222,11 @@ impl Plan {
 pub struct Prepared {
     /// By worker: directory, submesh, points.
     pub workers: Vec<(Directory, LocalMesh, Field)>,
-    /// What is needed to put their submeshes together afterwards.
+    /// Data to put their submeshes together afterwards.
     pub common: Common,
 }
 
-/// What no worker has: the whole set of points.
+/// Data that no worker has: the whole set of points.
 #[derive(Debug)]
 pub struct Common {
     /// Kernel coordinates by vertex less 1.
@@ -234,7 +235,7 @@ pub struct Common {
     pub numbers: Vec<u32>,
     /// Points of the sample that equal another one: vertex numbers of both.
     pub duplicates: Vec<(VertexId, VertexId)>,
-    /// How the points are computed with.
+    /// The mode of computing with the points.
     pub mode: Mode,
     /// Predicate calls of the coarse mesh.
     pub predicates: PredicateStats,

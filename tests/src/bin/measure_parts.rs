@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
-/// How long a run may take.
+/// The longest time of a run.
 const LIMIT: Duration = Duration::from_secs(60);
 /// The most processor time: for each tetrahedron, and in addition for the whole run.
 const SECONDS_EACH: f64 = 30e-6;
@@ -34,7 +34,7 @@ usage: measure_parts PROGRAM WORK [DIR | --generated] [--twins] [--only TEXT]
 PROGRAM is ltbw, WORK a folder for files that are made. Without a folder DIR the set by formula is
 measured. --only keeps the parts with TEXT in their names.";
 
-/// What to measure.
+/// The programs and parts to measure.
 struct Plan {
     program: PathBuf,
     work: PathBuf,
@@ -45,7 +45,7 @@ struct Plan {
     python: Option<String>,
 }
 
-/// What a program did with a part.
+/// The result of a program for a part.
 #[derive(Debug, Clone, Default)]
 struct Ran {
     /// None if it ran into the limit or was killed.
@@ -54,7 +54,7 @@ struct Ran {
     tets: Option<usize>,
     seconds: f64,
     certified: bool,
-    /// What it said of itself, in one line.
+    /// Its own message, in one line.
     message: String,
 }
 
@@ -115,7 +115,7 @@ fn python() -> Option<String> {
     probe.status().is_ok_and(|status| status.success()).then_some(python)
 }
 
-/// What a file `expected.tsv` in the folder says of a part.
+/// The entry of a part in the file `expected.tsv` of the folder.
 struct Expected {
     /// TetGen's tetrahedra, or why there are none.
     tets: String,
@@ -218,7 +218,7 @@ fn part(
     let file = io::read_domain(path).ok();
     let known = expected.get(name).map(Expected::theirs);
     let theirs = match (&plan.python, &file) {
-        // What TetGen does not mesh, or crashes on, need not be waited for.
+        // Parts that TetGen does not mesh, or crashes on, need not be waited for.
         (_, _) if known.as_ref().is_some_and(|known| known.tets.is_none()) => known,
         (Some(python), Some(file)) => {
             let ran = tetgen(plan, python, &file.domain)?;
@@ -294,7 +294,7 @@ fn children_seconds() -> Option<f64> {
 /// Our program on a part.
 fn ours(plan: &Plan, path: &Path) -> Result<Ran, Failure> {
     let json = plan.work.join("report.json");
-    // What an earlier run left would be taken for this one's.
+    // The output of an earlier run would be taken for this one's.
     if json.exists() {
         std::fs::remove_file(&json)?;
     }
@@ -338,8 +338,8 @@ fn told(report: &Value) -> String {
 
 /// A refusal in a few words: without the file's name and coordinates.
 fn refusal(message: &str) -> String {
-    // What the defects mean stands at the end: `; of 3 bodies: open: 4 places in 1 body; doubled
-    // ...`.
+    // The meaning of the defects stands at the end: `; of 3 bodies: open: 4 places in 1 body;
+    // doubled ...`.
     if let Some((_, kinds)) = message.split_once(" bodies: ") {
         let kinds = kinds.split("; ").filter_map(|kind| kind.split_once(": "));
         let kinds: Vec<&str> = kinds.map(|(name, _)| name).collect();

@@ -1,5 +1,5 @@
-//! What keeps a surface from being meshed, in words for people: is it open, doubled, does it cross
-//! itself, or do its bodies touch or cross each other?
+//! The troubles that keep a surface from being meshed, in words for people: is it open, doubled,
+//! does it cross itself, or do its bodies touch or cross each other?
 //!
 //! A *body* is a set of facets that edges connect; vertices at the same place count as one. Every
 //! finding is about one body or about two. Cost: O(n), and only if there are errors.
@@ -58,7 +58,7 @@ impl TroubleKind {
         }
     }
 
-    /// What it is, in a few words.
+    /// Its kind in a few words.
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
@@ -82,9 +82,9 @@ impl fmt::Display for TroubleKind {
 /// All findings of one kind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trouble {
-    /// What it is.
+    /// Its kind.
     pub kind: TroubleKind,
-    /// How many findings.
+    /// The number of findings.
     pub places: u64,
     /// In how many bodies.
     pub bodies: usize,
@@ -186,7 +186,7 @@ impl<'a> Bodies<'a> {
         corners
     }
 
-    /// What a finding means, and the facets that it is about.
+    /// The meaning of a finding, and the facets that it is about.
     fn meaning(&mut self, kind: DefectKind, pair: [Element; 2]) -> Option<(TroubleKind, [u32; 2])> {
         let [one, other] = pair.map(|element| self.facet(element));
         let facets = [one.or(other)?, other.or(one)?];

@@ -33,7 +33,7 @@ pub use exact::Volume;
 use ltbw_exact::Point;
 use std::collections::BTreeMap;
 
-/// What to look for.
+/// The options of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CheckOptions {
     /// The facets are an oriented surface: their orientation is checked, every open edge is a
@@ -63,7 +63,7 @@ pub struct Cell {
     pub regions: Vec<u32>,
 }
 
-/// What the check found.
+/// The findings of the check.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DomainReport {
     /// Defects, sorted by kind, at most [`CheckOptions::listed`] of each.
@@ -76,7 +76,7 @@ pub struct DomainReport {
     pub voids: Vec<Point>,
     /// The facets that point inwards, of an oriented surface.
     pub inward: Vec<u32>,
-    /// What the errors mean for the surface, by kind.
+    /// The meaning of the errors for the surface, by kind.
     pub troubles: Vec<Trouble>,
     /// The number of bodies: sets of facets that edges connect. 0 if there are no errors.
     pub bodies: usize,

@@ -1,4 +1,4 @@
-//! What the cells mean: which are to be meshed, which are voids, where the outside leaks in.
+//! The meaning of the cells: which are to be meshed, which are voids, where the outside leaks in.
 
 use super::cells::{self, Cells, OUTSIDE};
 use super::complex::{Complex, Piece, Shape};

@@ -17,7 +17,7 @@ pub struct Assembly<'a> {
     pub numbers: Vec<Vertex>,
     /// Vertices whose points were vertices already, each with that vertex.
     pub duplicates: &'a [(VertexId, VertexId)],
-    /// How the points are computed with.
+    /// The mode of computing with the points.
     pub mode: Mode,
     /// Predicate calls made elsewhere.
     pub predicates: PredicateStats,
@@ -72,7 +72,7 @@ impl Mesh {
         mesh
     }
 
-    /// Of equal points the smallest number is the vertex, whichever was inserted first. `pairs`:
+    /// The smallest number of equal points is the vertex, whichever was inserted first. `pairs`:
     /// duplicates, each with the vertex at its place.
     fn note_duplicates(&mut self, mut pairs: Vec<(Vertex, VertexId)>) {
         for (duplicate, v) in &mut pairs {
