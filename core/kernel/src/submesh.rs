@@ -43,10 +43,10 @@ use std::ops::Range;
 
 /// Places of a submesh with a hint each: a power of two.
 const PLACES: usize = 4096;
-/// Those of them that are for the submesh's own vertices at the start.
+/// The number of these places for the submesh's own vertices at the start.
 const OWN_PLACES: usize = 1024;
 
-/// How point location went. `T` is a tetrahedron, `F` a far handle.
+/// The outcome of point location. `T` is a tetrahedron, `F` a far handle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Walk<T, F> {
     /// An unlocked tetrahedron in conflict with the point.
@@ -61,7 +61,7 @@ pub enum Walk<T, F> {
     NoTets,
 }
 
-/// How an insertion at once went. `T` is a tetrahedron.
+/// The outcome of an insertion at once. `T` is a tetrahedron.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Insert<T> {
     /// The point is a vertex.
@@ -82,7 +82,7 @@ pub enum Owns<F> {
     All,
     /// None: the point is not inserted, but locks are met.
     None,
-    /// Those of own vertices alone, and otherwise those of whose vertices this is true.
+    /// Tetrahedra of own vertices alone, and otherwise those of whose vertices this is true.
     By(F),
 }
 
@@ -98,7 +98,7 @@ pub struct MeshParams {
 }
 
 impl MeshParams {
-    /// Those of a mesh with these points, in kernel coordinates under `mode`.
+    /// The parameters of a mesh with these points, in kernel coordinates under `mode`.
     pub fn of(points: &[Point], mode: Mode) -> Self {
         let wide = mode == Mode::Wide;
         let of_chunk = |chunk: &[Point]| {
@@ -134,7 +134,7 @@ pub struct Submesh<H, T, F> {
     blocked: Option<(TetId, Point)>,
     /// Tetrahedra that are locked, or that the caller must hear of when an insertion removes them.
     locks: LockTable<H, T>,
-    /// What the proxies stand for.
+    /// The far faces that the proxies stand for.
     far: FarTable<F>,
     own: Range<VertexId>,
     /// There are vertices outside the own range.
@@ -298,7 +298,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         *self.geometry.point(v)
     }
 
-    /// What proxy `t` stands for; `None` if `t` is not one.
+    /// The far face that proxy `t` stands for; `None` if `t` is no proxy.
     ///
     /// # Panics
     /// If there is no such slot.

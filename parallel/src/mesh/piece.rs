@@ -48,7 +48,7 @@ impl LocalMesh {
         Piece { tets: tets.to_vec(), names, sites, sides }
     }
 
-    /// What lies beyond a face of a tetrahedron that `holder` has locked, as the home sees it;
+    /// The other side of a face of a tetrahedron that `holder` has locked, as the home sees it;
     /// `None` if that is in conflict, too.
     fn link_at(&self, face: FaceId, holder: Option<Ticket>) -> Option<Link> {
         let tet = tet_of(face);
@@ -72,7 +72,7 @@ impl LocalMesh {
     }
 }
 
-/// What is here beyond a face of a cavity.
+/// The tetrahedron here beyond a face of a cavity.
 fn near(mesh: &Tets, face: FaceId) -> Link {
     let (tet, slot) = (tet_of(face), slot_of(face));
     Link::Near { tet, slot: slot as u8, apex: mesh.vertices(tet)[slot], name: mesh.tag_of(tet) }
@@ -232,7 +232,7 @@ mod tests {
                         assert_eq!(rest.held.len() + 1, expected.held.len());
                         open(&mut mesh, &expected.held);
                     }
-                    // What was locked one by one before, here every other of the cavity with its
+                    // Tetrahedra locked one by one before, here every other of the cavity with its
                     // neighbours, and what is locked at once fit together.
                     let before: Vec<TetId> = expected.tets.iter().copied().step_by(2).collect();
                     let mixed = mixed(&mut mesh, &before, &expected.tets, &point);

@@ -1,4 +1,4 @@
-//! What an insertion or a walk in a submesh meets: proxies, locked and tagged tetrahedra.
+//! Obstacles to an insertion or a walk in a submesh: proxies, locked and tagged tetrahedra.
 
 use super::lock_table::LockTable;
 use crate::cavity::Conflict;
@@ -20,7 +20,7 @@ impl<H: Copy, T: Copy> Access for LockFilter<'_, H, T> {
     }
 }
 
-/// What the search for a cavity has met.
+/// The obstacles that the search for a cavity has met.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Met {
     /// A tagged tetrahedron.
@@ -36,7 +36,7 @@ pub(super) struct SubmeshConflict<'a, H, T> {
     pub(super) inner: PointConflict<'a>,
     pub(super) locks: &'a LockTable<H, T>,
     pub(super) met: Met,
-    /// What this holder has locked is passed over as if it were not in conflict.
+    /// The holder whose locked tetrahedra are passed over as if they were not in conflict.
     pub(super) holder: Option<H>,
 }
 

@@ -1,4 +1,4 @@
-//! What lies beyond the interface faces of a submesh: a table beside the tetrahedra.
+//! The far sides of the interface faces of a submesh: a table beside the tetrahedra.
 //!
 //! Topology knows of an interface face only that a *proxy* stands behind it. What the proxy stands
 //! for, a tetrahedron of another submesh, means something to the caller alone: its *far handle*
@@ -13,7 +13,7 @@ pub(super) struct FarTable<F> {
     free: Vec<u32>,
 }
 
-/// What geometry sees of proxies.
+/// The tag by which geometry sees proxies.
 const KIND: TagKind = TagKind::Second;
 
 impl<F: Copy> FarTable<F> {

@@ -5,12 +5,12 @@ use crate::cavity::Cavity;
 use crate::topology::{FaceId, TetId, VertexId, tet_of};
 use ltbw_exact::Point;
 
-/// What [`Submesh::lock_closure`] has locked, and where it ended.
+/// The tetrahedra that [`Submesh::lock_closure`] has locked, and the faces where it ended.
 #[derive(Clone, Debug, Default)]
 pub struct Closure {
     /// All tetrahedra locked: those in conflict first.
     pub locked: Vec<TetId>,
-    /// How many of them are in conflict.
+    /// The number of them in conflict.
     pub inside: usize,
     /// The faces of those to what is not in conflict, or not known to be: the vertices, which are a
     /// positively oriented tetrahedron with the point before them, and the face seen from outside.

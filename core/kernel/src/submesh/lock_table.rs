@@ -7,10 +7,10 @@
 use crate::sphere::{Sphere, TagKind};
 use crate::topology::TetId;
 
-/// What geometry sees of tetrahedra that have an entry.
+/// The tag by which geometry sees tetrahedra that have an entry.
 const KIND: TagKind = TagKind::First;
 
-/// What is known of a locked or tagged tetrahedron.
+/// The state of a locked or tagged tetrahedron.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry<H, T> {
     tet: TetId,
@@ -18,14 +18,14 @@ pub(crate) struct Entry<H, T> {
     pub(crate) sphere: Sphere,
     /// Its holder, and whether as part of its cavity.
     pub(crate) lock: Option<(H, bool)>,
-    /// What the caller has tagged it with.
+    /// The caller's tag.
     pub(crate) tag: Option<T>,
 }
 
 /// All of them. A tetrahedron's entry is found by what it has in place of a sphere.
 #[derive(Debug)]
 pub(crate) struct LockTable<H, T> {
-    /// Those with neither holder nor tag are free.
+    /// The entries; one with neither holder nor tag is free.
     entries: Vec<Entry<H, T>>,
     free: Vec<u32>,
 }
