@@ -24,11 +24,11 @@ use std::time::Instant;
 /// Excuses that the report lists.
 const LISTED: usize = 100;
 
-/// What to do with a domain.
+/// The task with a domain.
 pub(crate) struct Job<'a> {
     /// `mesh` or `demo`.
     pub(crate) command: &'static str,
-    /// What the domain is called in messages.
+    /// The name of the domain in messages.
     pub(crate) name: &'a Path,
     /// Bounds.
     pub(crate) asked: Asked,
@@ -42,7 +42,7 @@ pub(crate) struct Job<'a> {
     pub(crate) keep_exterior: bool,
     /// Write the Delaunay mesh, exterior included, even if the boundary is not in it.
     pub(crate) write_unrecovered: bool,
-    /// Where the report, the histograms, and the page go.
+    /// The files of the report, the histograms, and the page.
     pub(crate) json: Option<&'a Path>,
     pub(crate) histogram: Option<&'a Path>,
     pub(crate) page: Option<&'a Path>,
@@ -220,7 +220,7 @@ fn is_explained(found: &Conformity, inside: &TetMesh, excused: &Excused) -> bool
         && found.counts.iter().all(|(&breach, &count)| match breach {
             Breach::RatioExceeded | Breach::VolumeExceeded => {
                 let listed = found.findings.iter().filter(|f| f.breach == breach);
-                // What is not listed cannot be told to be excused.
+                // A tetrahedron that is not listed cannot be told to be excused.
                 listed.clone().count() as u64 == count && listed.clone().all(is_excused)
             }
             _ => false,
@@ -273,7 +273,8 @@ fn print_domain(job: &Job<'_>, ready: &Prepared) {
     ));
     if let Some(m) = &ready.largest {
         console::people(&format!(
-            "note: {} vertices moved to the lattice of step 2^{}, the farthest (vertex {}) by {:.3e}",
+            "note: {} vertices moved to the lattice of step 2^{}, \
+             the farthest (vertex {}) by {:.3e}",
             ready.moved,
             lattice.exponent(),
             m.vertex,
@@ -368,7 +369,13 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
             "reason": e.reason.to_string(),
         })
     };
-    let region = |r: &ltbw::refine::RegionInfo| json!({ "seed": r.seed, "attribute": r.attribute, "max_volume": r.max_volume });
+    let region = |r: &ltbw::refine::RegionInfo| {
+        json!({
+            "seed": r.seed,
+            "attribute": r.attribute,
+            "max_volume": r.max_volume,
+        })
+    };
     json!({
         "segment_points": stats.segment_points,
         "facet_points": stats.facet_points,

@@ -130,7 +130,7 @@ fn every_invariant_has_its_row_and_its_check() {
         assert!(check.contains(&format!("Self::{name},")), "{name} is not called");
         assert!(check.contains(&format!("Invariant::{number},")), "{name} reports another one");
     }
-    // What the code asserts is on the page.
+    // The assertions of the code are on the page.
     for (path, text) in sources(&root().join("parallel/src")) {
         for part in text.split("invariant!(").skip(1) {
             let number: String = part.trim_start().chars().take_while(|c| *c != ',').collect();

@@ -25,8 +25,8 @@ const COLUMNS: usize = 100;
 /// Circles between modules that are still there: folder, modules, why.
 const CIRCLES: &[(&str, &[&str], &str)] = &[(
     "parallel/protocol",
-    &["home", "owner", "worker"],
-    "one state, whose steps as home and as owner are in files of their own",
+    &["lock_request", "operation", "variants", "worker"],
+    "the worker routes to its parts, which send messages through it and to each other",
 )];
 
 /// Files that are still too long.

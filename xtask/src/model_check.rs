@@ -1,7 +1,7 @@
 //! `model-check`: the models of `verify/models`, three times: as they are (all states of small
 //! worlds, known-bad variants, random runs), under loom, and under shuttle. The flags `--cfg loom`
-//! and `--cfg shuttle` rebuild everything, so that each has a target folder of its own, and is built
-//! fast rather than well.
+//! and `--cfg shuttle` rebuild everything, so that each has a target folder of its own, and is
+//! built fast rather than well.
 //!
 //! Every model prints lines `row: MODEL | BOUNDS | EXPLORED | OUTCOME`; they are put together in a
 //! table at the end.

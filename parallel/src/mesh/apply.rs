@@ -23,10 +23,11 @@ fn check_slot(slot: u8) -> Result<(), SubmeshError> {
 }
 
 impl LocalMesh {
-    /// Applies a patch; nothing of it is locked. `relinks` is false for a known-bad variant only.
+    /// Applies a patch, no tetrahedron of which is locked. `relinks` is false for a known-bad
+    /// variant only.
     ///
-    /// Where there is no room for all of it, or a number in it is none of this submesh, nothing changes
-    /// and the submesh has failed.
+    /// Where there is no room for all of it, or a number in it is none of this submesh, nothing
+    /// changes and the submesh has failed.
     pub(super) fn apply_patch(
         &mut self,
         patch: Patch,
@@ -279,8 +280,8 @@ impl LocalMesh {
         cargo
     }
 
-    /// Installs tetrahedra that come from another worker. Where there is no room for all of them, or
-    /// a number is none of this submesh, nothing changes and the submesh has failed.
+    /// Installs tetrahedra that come from another worker. Where there is no room for all of them,
+    /// or a number is none of this submesh, nothing changes and the submesh has failed.
     pub(super) fn adopt_all(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {
         if let Err(error) = self.check_cargo(&cargo) {
             self.error = Some(error);

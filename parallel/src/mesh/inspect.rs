@@ -1,4 +1,4 @@
-//! What checkers see of a submesh: see [`crate::protocol::check`].
+//! The view of a submesh that checkers have: see [`crate::protocol::check`].
 
 use super::{LocalMesh, Moving, Patch, Site};
 use crate::protocol::Name;

@@ -34,7 +34,7 @@ pub struct Seen<T> {
 /// A tetrahedron in a message: its name, and its vertices as in [`Seen::vertices`].
 pub type Sent = (Option<Name>, Vec<u64>);
 
-/// What checkers see of a submesh.
+/// A submesh as checkers see it.
 pub trait Inspect: Submesh {
     /// All its tetrahedra.
     fn seen(&self) -> Vec<Seen<Self::Tet>>;
@@ -433,7 +433,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
     }
 }
 
-/// What has happened so far, for what no single state shows.
+/// The history so far, for properties that no single state shows.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     /// The tetrahedron that each name was given to.

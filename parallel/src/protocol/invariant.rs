@@ -53,13 +53,13 @@ impl fmt::Display for Invariant {
 pub struct Broken {
     /// Which one.
     pub invariant: Invariant,
-    /// What was found.
+    /// The finding.
     pub what: String,
 }
 
-/// How the message of a panic begins that a broken invariant is the cause of.
+/// The start of the message of a panic that a broken invariant causes.
 const PREFIX: &str = "invariant ";
-/// What follows the number there.
+/// The text after the number there.
 const INFIX: &str = " is broken: ";
 
 impl fmt::Display for Broken {

@@ -22,7 +22,7 @@ pub(super) enum Want<T> {
     Seed(Handle),
 }
 
-/// Who waits for a tetrahedron.
+/// The walk or request that waits for a tetrahedron.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) enum Waiter {
     /// The walk of an operation at home here.
@@ -41,7 +41,7 @@ pub(super) struct Request<S: Submesh> {
     pub(super) wants: Vec<Want<S::Tet>>,
     /// All tetrahedra locked.
     pub(super) held: Vec<S::Tet>,
-    /// Those in conflict, since the last grant, that were locked one by one ...
+    /// Tetrahedra in conflict, since the last grant, that were locked one by one ...
     cavity: Vec<S::Tet>,
     /// ... and those locked at once.
     pieces: Vec<S::Piece>,
@@ -59,14 +59,14 @@ pub(super) struct Request<S: Submesh> {
     pub(super) wounded: bool,
 }
 
-/// The locks of one worker: who has them, and who waits.
+/// The locks of one worker: their requests, and what waits for them.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Locks<S: Submesh> {
     /// Closures of which a part is here.
     pub(super) requests: BTreeMap<Ticket, Box<Request<S>>>,
-    /// Who waits for a locked tetrahedron.
+    /// Walks and requests that wait for a locked tetrahedron.
     pub(super) waiting: BTreeMap<S::Tet, Vec<Waiter>>,
-    /// Who waits for a tetrahedron that is not installed yet.
+    /// Walks and requests that wait for a tetrahedron that is not installed yet.
     pub(super) absent: BTreeMap<Name, Vec<Waiter>>,
 }
 
@@ -116,7 +116,7 @@ impl<S: Submesh> Request<S> {
         self
     }
 
-    /// What it is doing, for people.
+    /// Its state, for people.
     pub(super) fn describe(&self) -> String {
         let Self { home, attempt, wants, held, owed, stalled, .. } = self;
         let (wants, held) = (wants.len(), held.len());
@@ -385,7 +385,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         woken
     }
 
-    /// Those who waited go on, the oldest first.
+    /// Waiting walks and requests go on, the oldest first.
     pub(super) fn wake(&mut self, mut woken: Vec<Waiter>, out: &mut Vec<Action<S>>) {
         woken.sort_unstable_by_key(|waiter| match waiter {
             Waiter::Walk(ticket) | Waiter::Request(ticket) => *ticket,

@@ -11,9 +11,9 @@
 //!                                         a locked one: wait, or wound its holder
 //!   collect              <------- Grant{op, pieces, foreign seeds}
 //!   ... until no seed is left
-//!   fill; Commit{patch}  ------------->  replace, unlock, wake those who wait
+//!   fill; Commit{patch}  ------------->  replace, unlock, wake what waits
 //! or, when wounded or denied (setback):
-//!   Abort                ------------->  unlock, wake those who wait
+//!   Abort                ------------->  unlock, wake what waits
 //!   start again          <------- Aborted
 //! ```
 //!
@@ -101,7 +101,7 @@ pub struct Handle {
     pub face: u8,
 }
 
-/// What workers say to each other. `S` is the submesh that the payloads belong to.
+/// The messages of workers to each other. `S` is the submesh that the payloads belong to.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -147,7 +147,7 @@ pub enum Message<S: Submesh> {
         ticket: Ticket,
         /// Its attempt.
         attempt: Attempt,
-        /// How many `Expand` this answers.
+        /// The number of `Expand` that this answers.
         answers: u32,
         /// The tetrahedra in conflict, found since the last grant.
         pieces: Vec<S::Piece>,
@@ -190,7 +190,7 @@ pub enum Message<S: Submesh> {
     Commit {
         /// The operation.
         ticket: Ticket,
-        /// What changes in the receiver's submesh.
+        /// The changes of the receiver's submesh.
         patch: Option<S::Patch>,
     },
     /// A block with its tetrahedra and points changes its owner.

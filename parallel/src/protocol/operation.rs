@@ -49,7 +49,7 @@ pub(super) enum Phase {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Operations<S: Submesh> {
     pub(super) all: BTreeMap<Ticket, Box<Operation<S>>>,
-    /// Those that can start (again): the paper's QL.
+    /// Operations that can start (again): the paper's QL.
     pub(super) ready: BTreeSet<Ticket>,
     /// Committed operations, kept by the known-bad variant that obeys late wounds.
     pub(super) late: BTreeMap<Ticket, Box<Operation<S>>>,
@@ -61,7 +61,7 @@ impl<S: Submesh> Operations<S> {
     }
 }
 
-/// What a `Grant` says, but for its ticket and attempt.
+/// The content of a `Grant`, but for its ticket and attempt.
 pub(super) struct Granted<S: Submesh> {
     pub(super) answers: u32,
     pub(super) pieces: Vec<S::Piece>,

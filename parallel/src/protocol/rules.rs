@@ -12,9 +12,9 @@ pub trait Rules: 'static {
     const LOCKS_RING: bool = true;
     /// R2: a setback releases every lock.
     const RELEASES_ALL: bool = true;
-    /// R3: a setback wakes those who wait for its locks.
+    /// R3: a setback wakes all that wait for its locks.
     const WAKES_ON_ABORT: bool = true;
-    /// R4: a released lock makes all who wait for it apply the rule anew, not the oldest alone.
+    /// R4: a released lock makes all that wait for it apply the rule anew, not the oldest alone.
     const REGRANT_ASKS_ALL: bool = true;
     /// R5: what an `Expand` adds to a stalled request goes beneath the want it waits for.
     const KEEPS_PLACE: bool = true;
@@ -28,7 +28,7 @@ pub trait Rules: 'static {
     const ONLY_BUSY_MIGRATE: bool = true;
     /// R10: a message for a block that has moved goes on to its new owner, or back with the news.
     const FORWARDS: bool = true;
-    /// R11: when a block moves, those who wait for its tetrahedra to be installed are told.
+    /// R11: when a block moves, all that wait for its tetrahedra to be installed are told.
     const MOVES_WAITERS: bool = true;
     /// R12: a commit updates the handles of other workers' ring tetrahedra.
     const RELINKS_INTERFACE: bool = true;

@@ -1,4 +1,4 @@
-//! What the protocol needs of a mesh and of a supply of points. It never sees a coordinate.
+//! The protocol's view of a mesh and of a supply of points. It never sees a coordinate.
 
 use super::{BlockId, Directory, Handle, Name, Rules, Ticket, WorkerId};
 pub use ltbw_core::submesh::Insert;
@@ -31,7 +31,7 @@ pub enum SubmeshError {
     /// obey the protocol.
     #[error("a message names {what} {number}, which is not there")]
     Unknown {
-        /// What it is a number of.
+        /// The kind of thing that it numbers.
         what: &'static str,
         /// The number.
         number: u32,
@@ -54,7 +54,7 @@ pub struct Costs {
 pub struct Found<'a, S: Submesh> {
     /// All tetrahedra that it locks.
     pub held: &'a mut Vec<S::Tet>,
-    /// Those in conflict, as [`Submesh::pieces`] would describe them.
+    /// The tetrahedra in conflict, as [`Submesh::pieces`] would describe them.
     pub pieces: &'a mut Vec<S::Piece>,
     /// The far neighbours of those.
     pub foreign: &'a mut Vec<Handle>,
@@ -68,7 +68,7 @@ pub trait Submesh: Sized {
     type Point: Clone + Eq + Hash + Debug;
     /// A tetrahedron in conflict, or some of them, as their owner describes them to the home.
     type Piece: Clone + Eq + Hash + Debug;
-    /// What a filled cavity changes in one worker's submesh.
+    /// The changes that a filled cavity brings to one worker's submesh.
     type Patch: Clone + Eq + Hash + Debug;
     /// Tetrahedra that change their owner.
     type Cargo: Clone + Eq + Hash + Debug;
@@ -102,14 +102,14 @@ pub trait Submesh: Sized {
         self.set_holder(t, Some(holder));
     }
 
-    /// Locks at once what would be locked from `seed` on, which is not locked, one tetrahedron after
-    /// the other: itself, and all that hangs together with it in conflict with `point`, with its
-    /// neighbours. Changes nothing and returns `false` if one of these is locked by another
-    /// operation, or if the submesh has no such way.
+    /// Locks `seed`, which is not locked, and at once all that the loop over single tetrahedra
+    /// would lock from there: the tetrahedra in conflict with `point` that are connected to it
+    /// here, and the neighbours of these. Changes nothing and returns `false` if one of them is
+    /// locked by another operation, or if the submesh has no such way.
     ///
     /// It describes what is in conflict before the grant: that is sound only where
-    /// [`Submesh::is_block_locked`] counts locked neighbours, too, so that what lies beside a locked
-    /// tetrahedron stays and keeps its name.
+    /// [`Submesh::is_block_locked`] counts locked neighbours, too, so that what lies beside a
+    /// locked tetrahedron stays and keeps its name.
     fn lock_all(
         &mut self,
         seed: Self::Tet,
@@ -134,7 +134,7 @@ pub trait Submesh: Sized {
     }
 
     /// Calls `f` with every neighbour of `t` across a face that has one of these vertices. The star
-    /// of a vertex hangs together by such faces.
+    /// of a vertex is connected through such faces.
     fn neighbours_around(
         &self,
         t: Self::Tet,
@@ -144,15 +144,15 @@ pub trait Submesh: Sized {
         let _ = (t, corners, f);
     }
 
-    /// What of the vertex closure of a local insertion is in its way: something locked
+    /// The obstacle in the vertex closure of a local insertion: something locked
     /// ([`Insert::Locked`]), or another worker's part ([`Insert::Blocked`]).
     fn in_the_way(&mut self, point: &Self::Point, seed: Self::Tet) -> Option<Insert<Self::Tet>> {
         let _ = (point, seed);
         None
     }
 
-    /// Describes tetrahedra to a home: they are in conflict, and all of them and of their neighbours
-    /// here are locked by one operation.
+    /// Describes tetrahedra to a home: they are in conflict, and all of them and of their
+    /// neighbours here are locked by one operation.
     fn pieces(&mut self, tets: &[Self::Tet]) -> Vec<Self::Piece>;
 
     /// The point of a piece's or patch's operation replaces the cavity made of `parts`: what
@@ -210,7 +210,7 @@ pub trait Source<S: Submesh> {
     /// Are there no more points now?
     fn is_empty(&self) -> bool;
 
-    /// Would [`Source::next`] give one? There may be points that had better wait for others.
+    /// Would [`Source::next`] give one? There may be points that should wait for others.
     fn is_ready(&self) -> bool {
         !self.is_empty()
     }

@@ -19,7 +19,7 @@ pub struct Token {
     pub black: bool,
 }
 
-/// What one worker keeps.
+/// The state of one worker.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Safra {
     me: WorkerId,
@@ -30,7 +30,7 @@ pub(crate) struct Safra {
     token: Option<Token>,
 }
 
-/// What a passive worker does with the token.
+/// The next step of a passive worker with the token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pass {
     Nothing,

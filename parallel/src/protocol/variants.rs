@@ -26,7 +26,7 @@ pub enum Rule {
     Paper,
 }
 
-/// What an operation locks.
+/// The closure that an operation locks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Closure {
@@ -111,7 +111,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         }
     }
 
-    /// What of the vertex closure of a local insertion is in its way.
+    /// The obstacle in the vertex closure of a local insertion.
     pub(super) fn in_the_way(&mut self, point: &S::Point, seed: S::Tet) -> Option<Insert<S::Tet>> {
         match self.config.closure {
             Closure::Face => None,

@@ -1,4 +1,4 @@
-//! What model checkers look at, and how they fold runs that differ in a counter only.
+//! The view of model checkers, and how they fold runs that differ in a counter only.
 
 use super::lock_request::Waiter;
 use super::operation::Operations;

@@ -14,14 +14,14 @@ use super::{Attempt, Message, Ticket};
 use std::collections::VecDeque;
 use std::marker::PhantomData;
 
-/// What does not change during a run.
+/// The configuration, which does not change during a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Config {
     /// Number of workers.
     pub workers: u32,
     /// The conflict rule.
     pub rule: Rule,
-    /// What an operation locks.
+    /// The closure that an operation locks.
     pub closure: Closure,
     /// A worker starts a point only while fewer operations than this are at home here. Walks that
     /// come in are always taken, and count like its own operations.
@@ -35,7 +35,7 @@ impl Config {
     }
 }
 
-/// What happens to a worker.
+/// An event for a worker.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Event<S: Submesh> {
     /// A message arrives. Messages of one sender arrive in the order in which they were sent.
@@ -60,7 +60,7 @@ pub enum Event<S: Submesh> {
     Cancel,
 }
 
-/// What a worker wants done.
+/// An action that a worker wants done.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Action<S: Submesh> {
     /// Send a message.
@@ -81,7 +81,7 @@ pub enum Action<S: Submesh> {
     Note(Note),
 }
 
-/// What happened in a step, for counters and traces.
+/// A note about a step, for counters and traces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Note {
     /// A point was inserted at once, without a lock.
@@ -235,7 +235,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         self.is_passive() && self.locks.is_empty()
     }
 
-    /// What the worker is doing, for people who look at a run that makes no progress.
+    /// The worker's state, for people who look at a run that makes no progress.
     pub fn describe(&self) -> String {
         let ops = self.operations.all.iter().map(|(ticket, op)| {
             format!("\n  operation {ticket:?}: attempt {}, {:?}", op.attempt, op.phase)
@@ -259,12 +259,13 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
 
     /// Answers an event. Actions are to be carried out in their order.
     ///
-    /// A worker that fails in the step ([`Worker::error`]), or has failed before, wants nothing done.
+    /// A worker that fails in the step ([`Worker::error`]), or has failed before, wants nothing
+    /// done.
     ///
     /// # Panics
     /// If an invariant of the protocol is broken, by a defect of this crate or by a runtime that
-    /// does not keep the order of messages: [`Broken`](super::Broken) reads the panic's message. The
-    /// worker is of no use afterwards.
+    /// does not keep the order of messages: [`Broken`](super::Broken) reads the panic's message.
+    /// The worker is of no use afterwards.
     pub fn step(&mut self, event: Event<S>, out: &mut Vec<Action<S>>) {
         let before = out.len();
         self.answer(event, out);

@@ -33,7 +33,7 @@ pub enum SimulationError {
         worker: WorkerId,
         /// Which one, of `docs/protocol.md`.
         invariant: Invariant,
-        /// What was found.
+        /// The finding.
         what: String,
     },
     /// The check over all workers has found a broken invariant, see [`Options::check_every`].
@@ -45,7 +45,7 @@ pub enum SimulationError {
         time: Nanos,
         /// Which one, of `docs/protocol.md`.
         invariant: Invariant,
-        /// What was found.
+        /// The finding.
         what: String,
     },
     /// A worker has panicked: a defect.
@@ -53,7 +53,7 @@ pub enum SimulationError {
     Failed {
         /// The worker.
         worker: WorkerId,
-        /// What it said.
+        /// The message of its panic.
         message: String,
     },
     /// The limit on events is reached.

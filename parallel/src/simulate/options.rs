@@ -39,8 +39,8 @@ pub struct Options {
     pub max_events: u64,
     /// The longest time without an insertion, while a worker has work, before the run fails.
     pub patience: Nanos,
-    /// The invariants of the protocol are checked over all workers each time so many events have
-    /// happened; 0 for never. A check takes time in proportion to the mesh.
+    /// The invariants of the protocol are checked over all workers each time this number of events
+    /// have happened; 0 for never. A check takes time in proportion to the mesh.
     pub check_every: u64,
     /// Stretches of time kept for a trace, per worker; 0 for no trace.
     pub spans: usize,

@@ -60,7 +60,7 @@ pub enum RunError {
         worker: WorkerId,
         /// Which one, of `docs/protocol.md`.
         invariant: Invariant,
-        /// What was found.
+        /// The finding.
         what: String,
     },
     /// The settings contradict each other.

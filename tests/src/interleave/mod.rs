@@ -213,7 +213,7 @@ struct World {
     cancelled: Vec<bool>,
     figures: Figures,
     history: History,
-    /// The invariants are checked each time so many turns have passed.
+    /// The invariants are checked each time this number of turns have passed.
     check_every: usize,
 }
 

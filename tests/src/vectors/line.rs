@@ -325,7 +325,7 @@ impl Inspect for Line {
     }
 }
 
-/// What tells a cell from all others.
+/// A key that tells a cell from all others.
 fn key(cell: &Cell) -> Vec<u64> {
     vec![cell.ends.0 as u64, cell.ends.1 as u64]
 }

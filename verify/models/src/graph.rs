@@ -41,16 +41,16 @@ pub struct Graph {
     pub depth: usize,
     /// Was every state explored?
     pub complete: bool,
-    /// What has happened in some state.
+    /// The witnesses: events that have happened in some state.
     pub witnesses: BTreeSet<Witness>,
 }
 
 /// Strongly connected components that contain a transition.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Components {
-    /// How many.
+    /// Their number.
     pub cyclic: usize,
-    /// How many have a weakly fair run that never ends.
+    /// The number of those with a weakly fair run that never ends.
     pub fair: usize,
     /// A state of one of those.
     pub example: Option<u32>,

@@ -88,7 +88,7 @@ impl Piece {
     }
 }
 
-/// What a filled cavity changes in one worker's submesh.
+/// The changes that a filled cavity brings to one worker's submesh.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Patch {
     delete: Vec<Name>,
@@ -115,7 +115,7 @@ pub struct Hull<C> {
     named: u32,
     /// Numbers to be given again, under the known-bad variant that does.
     free: BTreeSet<u32>,
-    /// What should not have happened.
+    /// An event that should not have happened.
     pub broken: Option<&'static str>,
     rules: PhantomData<C>,
 }
@@ -274,7 +274,7 @@ impl<C: Variant> Hull<C> {
     }
 }
 
-/// What tells an edge from all others.
+/// A key that tells an edge from all others.
 fn key([a, b]: [Vertex; 2]) -> Vec<u64> {
     let place = |v: Vertex| u64::from(v.x as u16) << 16 | u64::from(v.y as u16);
     vec![place(a), place(b)]

@@ -33,8 +33,8 @@ pub fn world(seed: u64) -> World {
     world_of(seed, workers)
 }
 
-/// A world of so many workers, 1 to 3 blocks each, up to 13 points on the final hull, some of them
-/// twice, and up to 7 moves, with termination detection.
+/// A world of `workers` workers, 1 to 3 blocks each, up to 13 points on the final hull, some of
+/// them twice, and up to 7 moves, with termination detection.
 pub fn world_of(seed: u64, workers: usize) -> World {
     let mut rng = Rng(seed);
     let blocks = workers * (1 + rng.below(3));

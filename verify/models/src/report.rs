@@ -1,4 +1,4 @@
-//! What the models print: one line each, that `cargo xtask model-check` collects in a table.
+//! The output of the models: one line each, that `cargo xtask model-check` collects in a table.
 
 use std::io::Write;
 

@@ -4,7 +4,7 @@ use crate::random::Rng;
 use crate::system::{Choice, System};
 use crate::variants::Variant;
 
-/// How a random run ended.
+/// The end of a random run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Everything was inserted, and right.

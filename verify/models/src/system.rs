@@ -77,7 +77,7 @@ pub struct State<C: Variant> {
     /// Requests that have waited for a lock and neither got it nor ended since: worker, cell and
     /// operation. In the correct protocol these are the requests that wait.
     pub claims: BTreeSet<(WorkerId, u8, Ticket)>,
-    /// What has gone wrong.
+    /// The fault, if there is one.
     pub fault: Option<&'static str>,
 }
 
@@ -152,7 +152,7 @@ impl<C: Variant> System<C> {
         choices
     }
 
-    /// What `choice` leads to.
+    /// The state to which `choice` leads.
     pub fn after(&self, state: &State<C>, choice: Choice) -> State<C> {
         let mut next = state.clone();
         let (at, event) = self.event(&mut next, choice);
@@ -261,7 +261,7 @@ impl<C: Variant> System<C> {
         if self.world.termination { between } else { between.without_counts() }
     }
 
-    /// What is wrong with `state`, if anything.
+    /// The fault of `state`, if it has one.
     fn fault(&self, state: &State<C>) -> Option<&'static str> {
         if state.nodes.iter().any(|node| node.is_stopped()) {
             let basic = state.channels.values().flatten().any(|letter| letter.is_basic());

@@ -27,7 +27,7 @@ use shuttle::thread;
 /// Rounds of a worker's loop after which it lets the others run.
 const PATIENCE: u32 = 64;
 
-/// What happened in a run.
+/// An event of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Seen {
     /// A worker slept, or tried to.

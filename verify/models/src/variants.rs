@@ -10,7 +10,7 @@ use std::hash::Hash;
 pub trait Variant: Rules + Clone + Debug + PartialEq + Eq + Hash + Send + Sync {
     /// The number of the rule that is broken; empty if none is.
     const RULE: &'static str;
-    /// What is wrong.
+    /// The defect.
     const TITLE: &'static str;
 }
 
@@ -42,24 +42,25 @@ variants! {
     R1 LOCKS_RING: BareCavity, "closure ring not locked";
     /// A lock stays behind with a holder that no longer exists.
     R2 RELEASES_ALL: LeakyRollback, "rollback leaks a lock";
-    /// Those who waited for the locks that a setback gave back sleep for ever.
+    /// Requests that waited for the locks that a setback gave back sleep for ever.
     R3 WAKES_ON_ABORT: ForgetfulRollback, "rollback forgets the queue";
     /// The others keep waiting for a holder that they were never compared with, or for nobody.
     R4 REGRANT_ASKS_ALL: NaiveRegrant, "only the oldest is woken";
-    /// A request that is asked again while it waits for a lock turns to the new wants when the lock is
-    /// released, and a younger operation takes the lock: it can be wounded for it again and again.
+    /// A request that is asked again while it waits for a lock turns to the new wants when the lock
+    /// is released, and a younger operation takes the lock: it can be wounded for it again and
+    /// again.
     R5 KEEPS_PLACE: LostPlace, "new wants above the one waited for";
     /// The next attempt meets its own last one.
     R6 AWAITS_RELEASES: HastyRestart, "restart before the releases are acknowledged";
-    /// A committed operation is set back. With channels in order its `Abort` finds nothing to release
-    /// and its second walk finds the point as a vertex: the result is right all the same, so that
-    /// no checker can catch it but by this rule itself.
+    /// A committed operation is set back. With channels in order its `Abort` finds nothing to
+    /// release and its second walk finds the point as a vertex: the result is right all the same,
+    /// so that no checker can catch it but by this rule itself.
     R7 IGNORES_LATE_WOUND: LateWound, "wound after commit obeyed";
     /// The token misses a message that was taken behind its back.
     R8 BLACKENS: WhiteSafra, "Safra without blackening";
     /// A passive worker sends a message: what termination detection rests on is gone.
     R9 ONLY_BUSY_MIGRATE: IdleMigration, "migration by an idle worker";
-    /// What is addressed to a block that has moved is dropped.
+    /// Messages to a block that has moved are dropped.
     R10 FORWARDS: NoForwarding, "missing forward pointer";
     /// Requests wait for an installation that takes place elsewhere.
     R11 MOVES_WAITERS: LeftWaiters, "waiters not moved";

@@ -51,10 +51,10 @@ impl Stock for Points {
 /// A worker over the abstract mesh.
 pub type Node<C> = Worker<Hull<C>, Points, C>;
 
-/// How messages travel.
+/// The order in which messages arrive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Network {
-    /// Those of one sender to one receiver keep their order.
+    /// Messages of one sender to one receiver keep their order.
     Fifo,
     /// Any message may overtake any other.
     Unordered,
@@ -84,7 +84,7 @@ pub struct World {
     pub termination: bool,
     /// Operations that a worker starts at most at a time.
     pub window: usize,
-    /// What must happen in it.
+    /// Events that must happen in it.
     pub witnesses: Vec<Witness>,
 }
 
@@ -199,7 +199,7 @@ impl World {
         self.points.iter().map(|&p| sees(p)).collect()
     }
 
-    /// What is wrong at the end of a run: something left over, or another mesh than the only right
+    /// The fault at the end of a run: something left over, or another mesh than the only right
     /// one. If the run was `cancelled`, any subset of the points may have been inserted.
     pub fn fault_at_end<C: Variant>(
         &self,

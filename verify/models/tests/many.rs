@@ -1,5 +1,6 @@
-//! The real loop and step over the real mailbox on 8 to 16 threads, under shuttle: random schedules,
-//! and schedules with few but well placed preemptions (PCT). Statistical, sequentially consistent.
+//! The real loop and step over the real mailbox on 8 to 16 threads, under shuttle: random
+//! schedules, and schedules with few but well placed preemptions (PCT). Statistical, sequentially
+//! consistent.
 #![cfg(shuttle)]
 
 use ltbw::balance::Balance;
@@ -18,7 +19,7 @@ use std::sync::{Arc, Mutex};
 /// Schedules of each world and scheduler.
 const SCHEDULES: usize = 100;
 
-/// What must happen.
+/// Events that must happen.
 const WITNESSES: [Seen; 6] =
     [Seen::Sleep, Seen::Batch, Seen::SetBack, Seen::Wait, Seen::Move, Seen::Ask];
 

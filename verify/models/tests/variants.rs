@@ -16,7 +16,7 @@ use ltbw_models::variants::{self, Variant};
 use ltbw_models::world::World;
 use ltbw_models::worlds;
 
-/// How a variant shows itself.
+/// The way in which a variant shows itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Caught {
     Deadlock,
@@ -130,8 +130,8 @@ fn expand_before_installation_not_held() {
     caught::<variants::ImpatientExpand>(worlds::late_installation(), lost);
 }
 
-/// The real mesh on simulated processors while blocks move. The network takes 10 µs: 20 ms without an
-/// insertion, while some worker has work, are a wait for ever.
+/// The real mesh on simulated processors while blocks move. The network takes 10 µs: 20 ms without
+/// an insertion, while some worker has work, are a wait for ever.
 fn in_a_storm<C: Variant>(set: &PointSet, plan: &Plan, seed: u64) -> Result<MeshHash, MeshError> {
     let storm = Some(Storm { every: 20_000 });
     let options = Options { seed, storm, patience: 20_000_000, ..Options::default() };

@@ -1,5 +1,5 @@
-//! The real loop of a worker and the real step over the real mailbox, on 2 threads under loom: every
-//! interleaving with at most so many preemptions.
+//! The real loop of a worker and the real step over the real mailbox, on 2 threads under loom:
+//! every interleaving with at most the given number of preemptions.
 #![cfg(loom)]
 
 use ltbw::protocol::Correct;

@@ -1,13 +1,15 @@
 //! Small angles of the input: where the theory of refinement gives no guarantee.
 //!
-//! Facets that meet along a segment, and facets and segments that meet only at a corner, are *related*
-//! where the angle between them is below 20°. A point of one would take items of the other out of the
-//! mesh again and again, the nearer to the segment or corner the more; so such a point is refused, with
-//! the segment or corner for a reason, where it would take an item of an unrelated facet only after that
-//! item was split. Features with narrow gaps between them (`near`) are related, too.
+//! Facets that meet along a segment, and facets and segments that meet only at a corner, are
+//! *related* where the angle between them is below 20°. A point of one would take items of the
+//! other out of the mesh again and again, the nearer to the segment or corner the more; so such a
+//! point is refused, with the segment or corner for a reason, where it would take an item of an
+//! unrelated facet only after that item was split. Features with narrow gaps between them (`near`)
+//! are related, too.
 //!
-//! The theory gives a guarantee from arccos(1/3) = 70.53° on, and none between. 20° was measured: on
-//! surfaces of triangles a larger angle relates nearly all facets, since every flat edge is a segment.
+//! The theory gives a guarantee from arccos(1/3) = 70.53° on, and none between. 20° was measured:
+//! on surfaces of triangles a larger angle relates nearly all facets, since every flat edge is a
+//! segment.
 //!
 //! Angles are computed in `f64`: they choose how hard to try, never what is true of the result.
 
@@ -52,8 +54,8 @@ pub(crate) fn is_sharp(a: &Point, b: &Point) -> bool {
 }
 
 impl Angles {
-    /// Looks at all segments and corners, and at features nearer to each other than `limit` steps of
-    /// the grid.
+    /// Looks at all segments and corners, and at features nearer to each other than `limit` steps
+    /// of the grid.
     pub(crate) fn of(plc: &Plc, limit: f64) -> Self {
         let mut angles = Self::default();
         let inward = inward_directions(plc);

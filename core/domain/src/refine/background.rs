@@ -1,10 +1,11 @@
 //! Sizing by a background mesh: an edge length at each of its points, linear in between.
 //!
-//! Sizes at the input vertices of a domain are the special case of the Delaunay mesh of these vertices.
-//! Interpolation is rounded, but the same for the same place: the sizes are a wish, and the bound
-//! that a refinement derives from them is tested exactly.
+//! Sizes at the input vertices of a domain are the special case of the Delaunay mesh of these
+//! vertices. Interpolation is rounded, but the same for the same place: the sizes are a wish, and
+//! the bound that a refinement derives from them is tested exactly.
 //!
-//! Cost: a tree of the tetrahedra's boxes; one look at it for every new tetrahedron of a refinement.
+//! Cost: a tree of the tetrahedra's boxes; one look at it for every new tetrahedron of a
+//! refinement.
 
 use super::carrier::{cross, dot, minus};
 use ltbw_core::build::BuildError;
@@ -21,9 +22,9 @@ pub enum BackgroundError {
     /// Sizes and points are not equally many.
     #[error("{sizes} sizes for {points} points")]
     Count {
-        /// How many sizes there are.
+        /// The number of sizes.
         sizes: usize,
-        /// How many points.
+        /// The number of points.
         points: usize,
     },
     /// A size is not a length.
@@ -138,7 +139,8 @@ impl Background {
     /// The edge length at a place; outside the mesh that of the nearest of its points.
     #[must_use]
     pub fn at(&self, p: Point) -> f64 {
-        // Of several tetrahedra, by rounding or because they overlap, the one with p deepest inside.
+        // Of several tetrahedra, by rounding or because they overlap, the one with p deepest
+        // inside.
         let mut best: Option<(f64, u32, [f64; 4])> = None;
         for leaf in self.boxes.locate_in_envelope_intersecting(AABB::from_point(p)) {
             let corners = self.tets[leaf.tet as usize].map(|v| &self.points[v as usize]);

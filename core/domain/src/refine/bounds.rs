@@ -24,7 +24,7 @@ pub(crate) struct Bounds<'a> {
 }
 
 impl Bounds<'_> {
-    /// How far tetrahedron `t` of the domain is over its bounds, if it is: at least 1.
+    /// The factor by which tetrahedron `t` of the domain is over its bounds, if it is: at least 1.
     #[inline(always)]
     pub(crate) fn excess(&self, state: &State, t: TetId) -> Option<f64> {
         let region = state.marks.region(t) as usize;

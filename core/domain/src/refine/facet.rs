@@ -113,8 +113,8 @@ impl State {
         Some(rim)
     }
 
-    /// The boundary items that the point of the open cavity would take out of the mesh, but for those
-    /// that it splits: the subsegment `split`, and what `changes` remove.
+    /// The boundary items that the point of the open cavity would take out of the mesh, but for
+    /// those that it splits: the subsegment `split`, and what `changes` remove.
     pub(crate) fn losses(&self, split: Option<[VertexId; 2]>, changes: &[Change]) -> Vec<Item> {
         let stays = |s: &[VertexId; 3]| !changes.iter().any(|c| c.removed.contains(s));
         let inner = self.touched.inner.iter().map(|(s, _)| *s);

@@ -1,4 +1,4 @@
-//! What there is to do: segments, subfaces and tetrahedra that have to be split, and where such
+//! The work to do: segments, subfaces and tetrahedra that have to be split, and where such
 //! items come from.
 
 use ltbw_core::topology::{TetId, VertexId};

@@ -1,9 +1,10 @@
-//! Joint steps: boundary items whose points would take each other out of the mesh are split together.
+//! Joint steps: boundary items whose points would take each other out of the mesh are split
+//! together.
 //!
-//! On a thin plate, and where long segments run side by side, one item waits for the next and the last
-//! for the first. Such items are split one after the other as while the boundary is recovered: what is
-//! lost is split in its turn. If nothing is missing afterwards the step is done; else all of it is
-//! taken back, and the item that asked for it is refused.
+//! On a thin plate, and where long segments run side by side, one item waits for the next and the
+//! last for the first. Such items are split one after the other as while the boundary is recovered:
+//! what is lost is split in its turn. If nothing is missing afterwards the step is done; else all
+//! of it is taken back, and the item that asked for it is refused.
 
 use super::item::{Item, Queues, Work};
 use super::journal::Journal;

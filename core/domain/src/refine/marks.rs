@@ -68,7 +68,7 @@ pub(crate) struct Marks {
 }
 
 impl Marks {
-    /// No marks for so many slots.
+    /// No marks, for `slots` slots.
     pub(crate) fn new(slots: usize) -> Self {
         Self { words: vec![0; slots], inherited: Vec::new() }
     }

@@ -1,5 +1,6 @@
 //! The tests that refinement decides with: closed balls of segments and triangles, and the bounds
-//! of tetrahedra. Each is the proved filter of [`ltbw_exact::predicates::filter`], then exact integers.
+//! of tetrahedra. Each is the proved filter of [`ltbw_exact::predicates::filter`], then exact
+//! integers.
 //!
 //! Coordinates are in fine steps: whole numbers of at most 2^53 in magnitude.
 
@@ -184,7 +185,7 @@ fn fraction(value: f64) -> (BigInt, u32) {
     }
 }
 
-/// What the circumcentre and the order of work need of a tetrahedron, rounded.
+/// Measures of a tetrahedron for its circumcentre and the order of work, rounded.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shape {
     /// N of the circumcentre s + N / 2D, and |N|².

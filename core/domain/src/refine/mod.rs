@@ -112,7 +112,7 @@ pub enum RefineError {
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What it would have to be.
+        /// The limit that it breaks.
         limit: String,
     },
     /// The vertices are not a point set.

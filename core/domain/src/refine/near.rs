@@ -1,9 +1,9 @@
-//! Features that come so near to each other that a mesh with bounds would need too many points: their
-//! distance is below 16 floors, and they are 256 times as wide as that or more.
+//! Features that come so near to each other that a mesh with bounds would need too many points:
+//! their distance is below 16 floors, and they are 256 times as wide as that or more.
 //!
-//! Between two such facets every tetrahedron is either flat or tiny. As with small angles, vertices of
-//! one then do not encroach items of the other that the mesh has, and what is over its bounds between
-//! them is excused by name.
+//! Between two such facets every tetrahedron is either flat or tiny. As with small angles, vertices
+//! of one then do not encroach items of the other that the mesh has, and what is over its bounds
+//! between them is excused by name.
 //!
 //! Distances are computed in `f64`: they choose how hard to try, never what is true of the result.
 
@@ -13,7 +13,7 @@ use ltbw_exact::Point;
 use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree, RTreeObject};
 
-/// How many times as wide as their distance features have to be.
+/// The least ratio of the features' width to their distance.
 const WIDE: f64 = 256.0;
 
 /// Two features near each other; ids are those of the complex.
@@ -103,7 +103,8 @@ fn near_corner(plc: &Plc, facets: &RTree<Boxed>, corner: u32, limit: f64, found:
     }
 }
 
-/// The distance of a point from a facet's plane, if it lies over the facet (holes are not looked at).
+/// The distance of a point from a facet's plane, if it lies over the facet (holes are not looked
+/// at).
 fn corner_distance(plc: &Plc, p: &Point, facet: &Facet) -> Option<f64> {
     let n = facet.plane.normal();
     let first = at(plc, *facet.corners.first()?);
@@ -163,7 +164,7 @@ mod tests {
         Plc::new(&snapped.domain, &snapped.lattice).expect("a complex")
     }
 
-    /// How many steps of the grid a length is for vertices whose largest coordinate is 1.
+    /// The number of steps of the grid in a length of 1, where the largest coordinate is 1.
     const ONE: f64 = (1 << 26) as f64;
 
     #[test]

@@ -1,4 +1,4 @@
-//! What became of a refinement.
+//! The outcome of a refinement.
 
 use ltbw_core::topology::TetId;
 
@@ -16,8 +16,8 @@ pub enum Reason {
         /// Index of the input vertex.
         corner: u32,
     },
-    /// This corner is so near to a facet that it is not on that tetrahedra between them would be flat
-    /// or too many.
+    /// This corner is so near to a facet that it is not on that tetrahedra between them would be
+    /// flat or too many.
     NearFacet {
         /// Index of the input vertex.
         corner: u32,
@@ -29,8 +29,8 @@ pub enum Reason {
         /// The corners of the other.
         second: [u32; 2],
     },
-    /// Its point would take another item of the boundary out of the mesh, and the other's point this
-    /// one, or so on in a circle.
+    /// Its point would take another item of the boundary out of the mesh, and the other's point
+    /// this one, or so on in a circle.
     Interlocked,
     /// Splitting it would make an edge shorter than the floor.
     Floor,
@@ -69,7 +69,7 @@ pub struct Excuse {
     pub reason: Reason,
 }
 
-/// How a refinement ended.
+/// The outcome of a refinement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RefineOutcome {
     /// Every bound is met, exactly; the mesh conforms to the domain.
@@ -81,8 +81,8 @@ pub enum RefineOutcome {
     /// missing is listed with its reason. The mesh is Delaunay; no tetrahedron was split, there are
     /// no regions, and which tetrahedra are inside is not known.
     Unrecovered,
-    /// The budget of points was used up first; the mesh is valid and Delaunay, but need not meet the
-    /// bounds.
+    /// The budget of points was used up first; the mesh is valid and Delaunay, but need not meet
+    /// the bounds.
     Budget,
     /// The cancel token was set; the mesh is valid and Delaunay, but need not meet the bounds.
     Cancelled,

@@ -26,10 +26,10 @@ impl Refined {
         mesh
     }
 
-    /// The triangles that the mesh has of the domain's facets, with the facets' markers; each belongs
-    /// to a tetrahedron of [`Refined::to_tet_mesh`] with the same argument, and points out of it. A
-    /// triangle between two regions belongs to one of them; one that stands free in the exterior to
-    /// none, and is left out unless the exterior is wanted.
+    /// The triangles that the mesh has of the domain's facets, with the facets' markers; each
+    /// belongs to a tetrahedron of [`Refined::to_tet_mesh`] with the same argument, and points out
+    /// of it. A triangle between two regions belongs to one of them; one that stands free in the
+    /// exterior to none, and is left out unless the exterior is wanted.
     pub fn boundary(&self, exterior: bool) -> Vec<BoundaryFace> {
         let (state, topology) = (&self.state, self.state.mesh.topology());
         let mut faces = Vec::new();

@@ -53,7 +53,7 @@ pub(crate) struct Plc {
 /// A plane as its primitive normal n and n·x.
 type PlaneKey = ([i64; 3], i128);
 
-/// How an edge is used.
+/// The uses of an edge.
 #[derive(Default)]
 struct Uses {
     /// Facet and marker of each polygon along it.

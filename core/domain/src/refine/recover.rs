@@ -17,11 +17,12 @@ use ltbw_core::Builder;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::{Point, PointSet};
 
-/// How far an apex is from its facet along an axis, in fine steps.
+/// The distance of an apex from its facet along an axis, in fine steps.
 const APEX: f64 = (1u64 << 52) as f64;
 
 impl State {
-    /// Enters all segments; marks those that the mesh has, puts those that it lacks. `kernel` is the kernel vertex of each corner.
+    /// Enters all segments; marks those that the mesh has, puts those that it lacks. `kernel` is
+    /// the kernel vertex of each corner.
     pub(crate) fn enter_segments<W: Work>(&mut self, kernel: &[VertexId], work: &mut W) {
         for (s, segment) in (0..).zip(&self.plc.segments) {
             let [a, b] = segment.ends.map(|c| kernel[c as usize]);

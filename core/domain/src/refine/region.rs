@@ -18,7 +18,7 @@ use ltbw_exact::predicates::{Sign, orient3d};
 /// No region yet.
 const UNKNOWN: u32 = MAX_REGION;
 
-/// What a region is.
+/// A region as the domain describes it.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct RegionInfo {
     /// The region of the domain whose seed lies in it; `None` for one without a seed.
@@ -108,9 +108,9 @@ impl State {
         }
     }
 
-    /// Finds the regions of tetrahedra again that a joint step made while a subface was missing, from
-    /// their neighbours that it did not make, or from where they were before. `false` if that does
-    /// not tell.
+    /// Finds the regions of tetrahedra again that a joint step made while a subface was missing,
+    /// from their neighbours that it did not make, or from where they were before. `false` if that
+    /// does not tell.
     pub(crate) fn relabel(&mut self, journal: &Journal) -> bool {
         let live: Vec<TetId> =
             journal.created.iter().filter(|&&(t, v)| self.is_live(t, v)).map(|d| d.0).collect();
@@ -125,7 +125,7 @@ impl State {
             }
         }
         self.spread_known(&mut stack, &mut known, &set);
-        // What is bounded by subfaces alone: the middle of one of its tetrahedra tells.
+        // A part bounded by subfaces alone: the middle of one of its tetrahedra tells.
         for &t in &live {
             if !known.contains_key(&t)
                 && let Some(region) = self.former_region(t, journal)

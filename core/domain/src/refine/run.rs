@@ -28,8 +28,9 @@ const FLOOR: f64 = 1.0 / (1 << 20) as f64;
 /// Features nearer to each other than this many floors are not refined towards each other.
 const NEAR: f64 = 16.0;
 
-/// Default limit on inserted points: this many, and so many for each corner and for each
-/// tetrahedron of the largest allowed volume that the box could hold.
+/// Default limit on inserted points: this number, [`STEINER_PER_CORNER`] for each corner, and
+/// [`STEINER_PER_VOLUME`] for each tetrahedron of the largest allowed volume that the box could
+/// hold.
 const STEINER_BASE: u64 = 1_000_000;
 /// See [`STEINER_BASE`].
 const STEINER_PER_CORNER: u64 = 64;
@@ -43,13 +44,11 @@ const STEINER_PER_VOLUME: f64 = 4.0;
 /// use ltbw_domain::refine::{RefineOutcome, Refiner};
 /// let mut cube = Domain::default();
 /// cube.vertices = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
-/// for corners in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
-///     cube.facets.push(Facet::polygon(&corners, 0));
-/// }
-/// let ready = cube.prepare(&PrepareOptions::default())?;
-/// let refined = Refiner::new().max_volume(0.01).refine(&ready.domain, &ready.lattice)?;
-/// assert_eq!(refined.outcome, RefineOutcome::Met);
-/// println!("{} tetrahedra", refined.num_tets());
+/// for corners in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7,
+/// 5]] { cube.facets.push(Facet::polygon(&corners, 0)); } let ready =
+/// cube.prepare(&PrepareOptions::default())?; let refined =
+/// Refiner::new().max_volume(0.01).refine(&ready.domain, &ready.lattice)?;
+/// assert_eq!(refined.outcome, RefineOutcome::Met); println!("{} tetrahedra", refined.num_tets());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy)]
@@ -129,9 +128,10 @@ impl<'a> Refiner<'a> {
         self
     }
 
-    /// Inserts at most so many points. By default a million, 64 for each vertex of the domain and 4
+    /// Sets the most points to insert. By default a million, 64 for each vertex of the domain and 4
     /// for each tetrahedron of the largest allowed volume that the domain's box could hold (of a
-    /// sizing field: the least at the domain's vertices): far more than a domain takes whose details the lattice resolves.
+    /// sizing field: the least at the domain's vertices): far more than a domain takes whose
+    /// details the lattice resolves.
     pub fn max_points(mut self, count: u64) -> Self {
         self.max_points = Some(count);
         self
@@ -230,7 +230,8 @@ impl<'a> Refiner<'a> {
         let (low, high) = domain.bounds().unwrap_or(([0.0; 3], [1.0; 3]));
         let volume: f64 = (0..3).map(|k| high[k] - low[k]).product();
         let regions = domain.regions.iter().filter_map(|r| r.max_volume);
-        // A sizing field is looked at where the domain has vertices: more is not known of it.
+        // A sizing field is looked at where the domain has vertices: nothing else is known about
+        // it.
         let field = |p: &Point| self.field.map(|field| regular_volume(field(*p)));
         let fields = domain.vertices.iter().filter_map(field).filter(|&v| v > 0.0);
         let least = regions.chain(self.max_volume).chain(fields).fold(f64::INFINITY, f64::min);
@@ -414,12 +415,12 @@ impl Run<'_> {
 /// A refined domain.
 #[derive(Debug)]
 pub struct Refined {
-    /// How it ended.
+    /// Its outcome.
     pub outcome: RefineOutcome,
     /// The tetrahedra over a bound.
     pub excuses: Vec<Excuse>,
-    /// Boundary items that are not in the mesh, each with the reason why it could not be split; none
-    /// unless the outcome is [`RefineOutcome::Unrecovered`].
+    /// Boundary items that are not in the mesh, each with the reason why it could not be split;
+    /// none unless the outcome is [`RefineOutcome::Unrecovered`].
     pub lost: Vec<(Item, Reason)>,
     /// The regions, the exterior first.
     pub regions: Vec<RegionInfo>,
@@ -451,7 +452,7 @@ impl Refined {
         self.tets().count()
     }
 
-    /// What a boundary item is, and its middle in the coordinates of the domain: for messages.
+    /// The kind of a boundary item, and its middle in the coordinates of the domain: for messages.
     pub fn place(&self, item: &Item) -> (&'static str, Point) {
         let middle = |corners: &[VertexId]| {
             let all = corners.iter().map(|&v| self.state.at(v));

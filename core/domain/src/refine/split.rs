@@ -22,7 +22,7 @@ use ltbw_exact::Point;
 /// A point may be this part of the radius away from the ideal one.
 const TOLERANCE: f64 = 1.0 / 1000.0;
 
-/// How a transaction ended.
+/// The end of a transaction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Step {
     /// A vertex was inserted.
@@ -273,8 +273,8 @@ impl<'a> Refinement<'a> {
         Step::Refused(reason.unwrap_or(Reason::Rounding))
     }
 
-    /// Rule 3: a tetrahedron is split near its circumcentre, unless a subface is on the way there, or
-    /// the point encroaches a subsegment or subface or would take one out of the mesh.
+    /// Rule 3: a tetrahedron is split near its circumcentre, unless a subface is on the way there,
+    /// or the point encroaches a subsegment or subface or would take one out of the mesh.
     fn split_tet<W: Work, A: Admission>(
         &mut self,
         t: TetId,
@@ -362,13 +362,13 @@ impl<'a> Refinement<'a> {
         rim.any(|v| v != INFINITE && distance2(&self.state.at(v), p) < limit * limit)
     }
 
-    /// Sets back a boundary point that would take out of the mesh what is not its own to split; `None`
-    /// if there is no such thing, or while the boundary is recovered, when what is lost is split in
-    /// its turn.
+    /// Sets back a boundary point that would take out of the mesh what is not its own to split;
+    /// `None` if there is no such thing, or while the boundary is recovered, when what is lost is
+    /// split in its turn.
     ///
-    /// Afterwards the boundary is complete, and stays so: what would be lost is split first, or, where
-    /// that would take this item out of the mesh, with it. If it may not be split, or is at a small
-    /// angle with the point's own carrier, the point is refused.
+    /// Afterwards the boundary is complete, and stays so: what would be lost is split first, or,
+    /// where that would take this item out of the mesh, with it. If it may not be split, or is at a
+    /// small angle with the point's own carrier, the point is refused.
     fn spare<W: Work, A: Admission>(
         &mut self,
         item: Item,
@@ -397,11 +397,11 @@ impl<'a> Refinement<'a> {
         Some(self.defer(item, lost.to_vec(), limit, work, admission))
     }
 
-    /// Puts one of the items `all` before `item`, which waits for it. Near small angles, splitting it
-    /// may make no edge shorter than `limit`.
+    /// Puts one of the items `all` before `item`, which waits for it. Near small angles, splitting
+    /// it may make no edge shorter than `limit`.
     ///
-    /// If all were refused, so is this one, for the same reason, unless it allows shorter edges than
-    /// before. Items that wait for each other in a circle are split jointly.
+    /// If all were refused, so is this one, for the same reason, unless it allows shorter edges
+    /// than before. Items that wait for each other in a circle are split jointly.
     fn defer<W: Work, A: Admission>(
         &mut self,
         item: Item,
@@ -621,7 +621,8 @@ impl State {
         reasons.copied().unwrap_or(Reason::Rounding)
     }
 
-    /// Does vertex `v` of segment `s` lie at a corner where another segment leaves at less than 60°?
+    /// Does vertex `v` of segment `s` lie at a corner where another segment leaves at less than
+    /// 60°?
     fn is_sharp(&self, v: VertexId, s: u32) -> bool {
         let Carrier::Corner(c) = self.carriers[v as usize] else { return false };
         let mine = direction(&self.plc, s, c);

@@ -21,7 +21,7 @@ use ltbw_exact::Point;
 /// Vertices of the face opposite each slot.
 pub(crate) const FACE: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
 
-/// What the open cavity has of the boundary, and what its point would encroach.
+/// The boundary items in the open cavity, and those that its point would encroach.
 #[derive(Debug, Default)]
 pub(crate) struct Touched {
     /// Subfaces inside the cavity (both tetrahedra are in it), with their facets.
@@ -63,7 +63,7 @@ pub(crate) struct State {
     /// While the boundary is recovered: the subfaces at each edge of one.
     pub(crate) at_edge: Option<Map<[VertexId; 2], Vec<[VertexId; 3]>>>,
     pub(crate) registry: Registry,
-    /// What a joint step has changed, while there is one.
+    /// The changes of a joint step, while there is one.
     pub(crate) journal: Option<Journal>,
     pub(crate) touched: Touched,
     /// Scratch: items near a point.
@@ -234,8 +234,8 @@ impl State {
         }
     }
 
-    /// Looks at the boundary in the open cavity of `p`, which lives on `carrier`: what is in it, and
-    /// what `p` encroaches, by the closure and the registry.
+    /// Looks at the boundary in the open cavity of `p`, which lives on `carrier`: what is in it,
+    /// and what `p` encroaches, by the closure and the registry.
     pub(crate) fn touch(&mut self, p: &Point, carrier: Carrier) {
         let mut touched = std::mem::take(&mut self.touched);
         let Touched { inner, edges, hit_segments, hit_subfaces } = &mut touched;
@@ -310,8 +310,8 @@ impl State {
         self.found = found;
     }
 
-    /// Why a point on `carrier` may not ask for a boundary item to be split, if it may not: they are
-    /// at a small angle with each other, or too near.
+    /// Why a point on `carrier` may not ask for a boundary item to be split, if it may not: they
+    /// are at a small angle with each other, or too near.
     pub(crate) fn relation(&self, carrier: Carrier, item: Item) -> Option<Reason> {
         let of_facet = |f: u32| {
             let related = self.angles.related(&self.plc, carrier, f);

@@ -1,9 +1,10 @@
-//! Ways through the mesh and through a facet: from what has to be split to the point proposed for it.
+//! Ways through the mesh and through a facet: from what has to be split to the point proposed for
+//! it.
 //!
 //! The circumcentre of a tetrahedron may lie far beyond the boundary. All tetrahedra on a way to it
 //! that crosses only faces with the centre strictly beyond them are in its cavity, for the power of
-//! the point with respect to the circumspheres falls from one to the next. So the first subface on the
-//! way is found at the cost of the way, and the cavity, which may be far larger, is not opened.
+//! the point with respect to the circumspheres falls from one to the next. So the first subface on
+//! the way is found at the cost of the way, and the cavity, which may be far larger, is not opened.
 
 use super::marks::face_bit;
 use super::state::State;
@@ -70,8 +71,8 @@ impl State {
         Way::Outside
     }
 
-    /// The subsegment of facet `f` between its subface `s` and a point `p` of its plane, of the open
-    /// cavity, that `s` does not see.
+    /// The subsegment of facet `f` between its subface `s` and a point `p` of its plane, of the
+    /// open cavity, that `s` does not see.
     pub(crate) fn segment_between(
         &self,
         s: [VertexId; 3],

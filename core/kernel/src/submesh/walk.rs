@@ -10,7 +10,7 @@ use ltbw_exact::Point;
 const SPREAD: usize = 2;
 /// The same for other starts, when a walk has met a proxy.
 const WIDE_SPREAD: usize = 16;
-/// How many other starts are tried then.
+/// The number of other starts that are tried then.
 const TRIES: usize = 4;
 /// Vertices that differ by less than this are likely to be near each other.
 const NEAR: VertexId = 64;
