@@ -147,6 +147,11 @@ impl<C: Variant> Hull<C> {
         self.cells.get(usize::from(t)).and_then(Option::as_ref)
     }
 
+    /// The name of the cell in a slot.
+    pub fn name_of(&self, t: u8) -> Option<Name> {
+        self.cell(t).map(|cell| cell.piece.name)
+    }
+
     fn fresh(&mut self) -> Name {
         let number = match self.free.pop_first() {
             Some(again) => again,

@@ -7,7 +7,7 @@ use crate::world::{Network, Node, Points, World};
 use ltbw::balance::Stock;
 use ltbw::protocol::check::Between;
 use ltbw::protocol::{
-    Action, Attempt, BlockId, Broken, Event, Message, Note, Rule, Submesh, Ticket, WorkerId,
+    Action, Attempt, BlockId, Broken, Event, Message, Name, Note, Rule, Submesh, Ticket, WorkerId,
     message_of,
 };
 use std::collections::hash_map::DefaultHasher;
@@ -76,7 +76,7 @@ pub struct State<C: Variant> {
     pub committed: BTreeSet<Ticket>,
     /// Requests that have waited for a lock and neither got it nor ended since: worker, cell and
     /// operation. In the correct protocol these are the requests that wait.
-    pub claims: BTreeSet<(WorkerId, u8, Ticket)>,
+    pub claims: BTreeSet<(WorkerId, Name, Ticket)>,
     /// The fault, if there is one.
     pub fault: Option<&'static str>,
 }
@@ -314,23 +314,26 @@ fn fault_of(message: &str) -> &'static str {
 /// one, unless the request ends first. Updates the claims at worker `at` after a step, and returns
 /// what is wrong.
 fn claim<C: Variant>(
-    claims: &mut BTreeSet<(WorkerId, u8, Ticket)>,
+    claims: &mut BTreeSet<(WorkerId, Name, Ticket)>,
     at: WorkerId,
     before: &Node<C>,
     after: &Node<C>,
 ) -> Option<&'static str> {
     let mut overtaken = false;
-    claims.retain(|&(worker, t, ticket)| {
-        let holder = after.mesh().holder(t);
+    claims.retain(|&(worker, name, ticket)| {
         if worker != at {
             return true;
         }
-        let is_new = holder != before.mesh().holder(t);
+        // A cell that is gone is waited for by nobody; its slot may be used again.
+        let Some(t) = after.mesh().resolve(name) else { return false };
+        let holder = after.mesh().holder(t);
+        let was_here = before.mesh().resolve(name) == Some(t);
+        let is_new = was_here && holder != before.mesh().holder(t);
         overtaken |= is_new && holder.is_some_and(|h| h > ticket) && after.has_request(ticket);
         after.has_request(ticket) && holder != Some(ticket)
     });
     after.visit_waiting(&mut |t, ticket| {
-        claims.insert((at, t, ticket));
+        claims.extend(after.mesh().name_of(t).map(|name| (at, name, ticket)));
     });
     overtaken.then_some("a younger operation takes a lock that an older one waits for")
 }
