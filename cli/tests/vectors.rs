@@ -48,24 +48,46 @@ fn spoiled(dir: &Path, line: &str) -> PathBuf {
 }
 
 #[test]
-fn an_executor_in_python_reaches_every_level_but_the_protocol_s() {
+fn an_executor_in_python_reaches_every_level() {
     if python().is_none() {
         return;
     }
     let run = ask(&kit().join("executor.py"), &[]);
     assert_eq!(run.code, 0, "{}{}", run.stdout, run.stderr);
-    for (folder, level) in
-        [("predicates", 3), ("order", 2), ("cavity", 3), ("insert", 3), ("delaunay", 3)]
-    {
+    for (folder, level) in [
+        ("predicates", 3),
+        ("order", 2),
+        ("cavity", 3),
+        ("insert", 3),
+        ("delaunay", 3),
+        ("protocol", 3),
+        ("interleavings", 2),
+    ] {
         assert!(
             run.stdout.contains(&format!("{folder:<14} level {level} of {level}: ")),
             "{}",
             run.stdout
         );
     }
-    for folder in ["protocol", "interleavings"] {
-        assert!(run.stdout.contains(&format!("{folder:<14} level 0 of ")), "{}", run.stdout);
+    assert!(!run.stdout.contains("not supported"), "{}", run.stdout);
+}
+
+#[test]
+fn a_protocol_without_a_rule_is_told_by_its_flags() {
+    if python().is_none() {
+        return;
     }
+    let dir = tempfile::tempdir().unwrap();
+    // Wounds, the only reason for a setback, are not obeyed: older requests wait for younger ones.
+    let deaf = "executor.Worker.on_wound = lambda *_, **__: None";
+    let run = ask(&spoiled(dir.path(), deaf), &["protocol"]);
+    assert_eq!(run.code, 1);
+    assert!(
+        run.stdout.contains("  wound: ") && run.stdout.contains("level 0 of 3"),
+        "{}",
+        run.stdout
+    );
+    assert!(!run.stdout.contains("  bounce: "), "{}", run.stdout);
 }
 
 #[test]

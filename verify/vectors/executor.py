@@ -2,9 +2,10 @@
 # CC0-1.0: no rights reserved.
 """A conformance executor in plain Python: one JSON question a line in, one JSON answer a line out.
 
-It shares nothing with the Rust code. Numbers are exact rationals (``fractions``), meshes are built
-by Bowyer and Watson's method on plain sets, slowly. It answers predicates/, order/, cavity/,
-insert/ and delaunay/; of protocol/ and interleavings/ it says that it does not.
+It shares nothing with the Rust code and answers the whole kit. Numbers are exact rationals
+(``fractions``), meshes are built by Bowyer and Watson's method on plain sets, slowly. The protocol,
+home and owner, is written from docs/protocol.md and docs/protocol-variants.md; R1 to R16 are the
+page's rules, where they are obeyed.
 """
 
 import hashlib
@@ -172,8 +173,8 @@ def round_of(index, rounds):
     return rounds - min(zeros // 3, rounds)
 
 
-def brio_rounds(count):
-    rounds = 0
+def brio_rounds(points):
+    count, rounds = len(points), 0
     while count > 512 and rounds < 15:
         count, rounds = count // 8, rounds + 1
     return rounds
@@ -238,7 +239,8 @@ def inserted(points, tets, vertex):
 def first_tet(points, distinct):
     a = distinct[0]
     b = distinct[1]
-    c = next(i for i in distinct if any(cross(minus(points[b], points[a]), minus(points[i], points[a]))))
+    off_line = lambda p: any(cross(minus(points[b], points[a]), minus(p, points[a])))
+    c = next(i for i in distinct if off_line(points[i]))
     d = next(i for i in distinct if orient3d(*(points[k] for k in (a, b, c, i))))
     return (a, b, c, d) if orient3d(*(points[k] for k in (a, b, c, d))) > 0 else (b, a, c, d)
 
@@ -285,6 +287,534 @@ def mesh_hash(points, floats, tets):
     return hashlib.sha256(data).hexdigest()
 
 
+# The line: a mesh without geometry (README.md) -------------------------------------------------
+
+START = 4294967295  # the creator of the cells at the start
+
+
+class Cell:
+    """An interval between neighbouring vertices. Its links are handles (creator, number, block)."""
+
+    def __init__(self, name, ends, left=None, right=None):
+        self.name, self.ends, self.links = name, ends, [left, right]
+
+    def copy(self):
+        return Cell(self.name, self.ends, *self.links)
+
+    def written(self):
+        return {"name": self.name, "ends": self.ends, "left": self.links[0], "right": self.links[1]}
+
+
+class Line:
+    """The cells of one worker: what it knows of the mesh, and who has locked which of them."""
+
+    def __init__(self, setup, me):
+        self.range, self.blocks, self.me = setup["range"], setup["blocks"], me
+        self.cells, self.holder, self.named = {}, {}, 0
+
+    def block_of_vertex(self, v):
+        return min(max(v, 0), self.range - 1) * self.blocks // self.range
+
+    def block(self, cell):
+        return self.block_of_vertex(cell.ends[0])
+
+    def handle(self, cell):
+        return (*cell.name, self.block(cell))
+
+    def fresh_name(self):
+        self.named += 1
+        return (self.me, self.named)  # R13
+
+    def in_conflict(self, name, point):
+        a, b = self.cells[name].ends
+        return a < point < b
+
+    def neighbours(self, name):
+        """Handles of the neighbours, left before right."""
+        return [link for link in self.cells[name].links if link]
+
+    def walk(self, point, at):
+        """Where a point is: known, empty, locked (t), leaves (by a handle), in (t)."""
+        if not self.cells:
+            return "empty", None
+        cell = at and self.cells.get(at[:2])
+        if not cell or not cell.ends[0] <= point <= cell.ends[1]:
+            ordered = sorted(self.cells.values(), key=lambda c: c.ends)
+            cell = ([c for c in ordered if c.ends[0] <= point] or ordered[:1])[-1]
+        if point in cell.ends:
+            return "known", None
+        if cell.name in self.holder:
+            return "locked", cell.name
+        if self.in_conflict(cell.name, point):
+            return "in", cell.name
+        return "leaves", cell.links[point > cell.ends[1]]
+
+    def split(self, cell, point):
+        """The star of a point in its cavity, a cell: two new cells, linked with what is around."""
+        (a, b), names = cell.ends, (self.fresh_name(), self.fresh_name())
+        left = Cell(names[0], (a, point), left=cell.links[0])
+        right = Cell(names[1], (point, b), right=cell.links[1])
+        left.links[1], right.links[0] = self.handle(right), self.handle(left)
+        return left, right
+
+    def take(self, block):
+        """A block's cells, taken out in ascending order of their ends."""
+        gone = [c for c in self.cells.values() if self.block(c) == block]
+        for cell in gone:
+            del self.cells[cell.name]
+        return sorted(gone, key=lambda c: c.ends)
+
+
+# The protocol ----------------------------------------------------------------------------------
+
+
+class Operation:
+    """What a home knows of a point on its way. It has no ticket before it needs one."""
+
+    def __init__(self, point, ticket=None, attempt=0, at=None):
+        self.point, self.ticket, self.attempt, self.at = point, ticket, attempt, at
+        self.phase, self.releasing = "Ready", 0
+        self.forget()
+
+    def forget(self):
+        self.asked, self.whereabouts, self.parts = {}, {}, {}
+
+
+class Request:
+    """What an owner knows of an operation. Wants are a stack of ('tet' or 'handle', which)."""
+
+    def __init__(self, home, ticket, attempt, point):
+        self.home, self.ticket, self.attempt, self.point = home, ticket, attempt, point
+        self.wants, self.held, self.owed, self.stalled, self.wounded = [], [], 0, False, False
+        self.found, self.foreign, self.bounced = [], [], []
+
+
+def must(holds, invariant):
+    if not holds:
+        raise RuntimeError(f"{invariant} is broken")
+
+
+class Worker:
+    """One worker: `step(event)` gives the list of its actions."""
+
+    def __init__(self, setup, me):
+        self.me, self.workers, self.window = me, len(setup["points"]), setup["window"]
+        self.paper, self.line = setup["rule"] == "paper", Line(setup, me)
+        self.directory = {b: (owner, 0) for b, owner in enumerate(setup["owners"])}
+        self.points = list(setup["points"][me])
+        self.operations, self.requests = {}, {}  # both by ticket
+        self.waiting_tet, self.waiting_name = {}, {}  # name -> [('walk' or 'request', ticket)]
+        self.clock, self.sequence = 0, 0
+        self.token = {"count": 0, "black": True} if me == 0 else None
+        self.count, self.black, self.stopped, self.cancelled = 0, False, False, False
+        self.actions, self.to_self = [], []
+        self.install_start(setup)
+
+    def install_start(self, setup):
+        line = self.line
+        ends = [-1, *setup["start"], setup["range"]]
+        cells = [Cell((START, k), pair) for k, pair in enumerate(zip(ends, ends[1:]))]
+        for left, right in zip(cells, cells[1:]):
+            left.links[1], right.links[0] = line.handle(right), line.handle(left)
+        line.cells = {c.name: c for c in cells if self.mine(line.block(c))}
+
+    def owner(self, block):
+        return self.directory[block][0]
+
+    def mine(self, block):
+        return self.owner(block) == self.me
+
+    def learn(self, news):
+        for block, owner, epoch in news:
+            if epoch > self.directory[block][1]:
+                self.directory[block] = (owner, epoch)
+
+    # Steps and messages
+
+    def step(self, event):
+        self.actions = []
+        getattr(self, "event_" + event["event"])(event)
+        while self.to_self:
+            self.receive(self.me, self.to_self.pop(0))
+        return self.actions
+
+    def send(self, to, kind, **fields):
+        message = {"kind": kind, **fields}
+        if to == self.me:
+            self.to_self.append(message)
+            return
+        self.count += kind not in ("token", "stop")
+        self.actions.append({"to": to, "send": message})
+
+    def event_deliver(self, event):
+        if event["message"]["kind"] not in ("token", "stop"):
+            self.count -= 1
+            self.black = True  # R8
+        self.receive(event["from"], event["message"])
+
+    def receive(self, sender, message):
+        if "ticket" in message:
+            self.clock = max(self.clock, message["ticket"][0])
+        getattr(self, "on_" + message["kind"])(sender, **message)
+
+    def event_work(self, _):
+        ready = [op for op in self.operations.values() if op.phase == "Ready"]
+        if ready:
+            self.start(min(ready, key=lambda op: op.ticket))
+        elif self.points and len(self.operations) < self.window:
+            self.start(Operation(self.points.pop(0)))
+        elif self.token and self.passive():
+            self.pass_token()
+
+    def event_cancel(self, _):
+        self.points, self.cancelled = [], True
+
+    def event_retry(self, event):
+        op = self.operations[tuple(event["ticket"])]
+        must(op.phase == "Backoff", "P8")
+        op.phase = "Ready"
+
+    # The home
+
+    def give_ticket(self, op):
+        if op.ticket is None:
+            self.clock, self.sequence = self.clock + 1, self.sequence + 1
+            op.ticket = (self.clock, self.me, self.sequence)
+        return op.ticket
+
+    def start(self, op):
+        self.operations.pop(op.ticket, None)
+        kind, at = self.line.walk(op.point, op.at)
+        if kind == "known":
+            return
+        if kind == "empty":
+            self.walk_on(op, (self.me + 1) % self.workers, None)
+        elif kind == "locked":
+            self.walk_waits(op, self.waiting_tet, at)
+        elif kind == "leaves" and self.mine(at[2]):
+            self.walk_waits(op, self.waiting_name, at[:2])
+        elif kind == "leaves":
+            self.walk_on(op, self.owner(at[2]), at)
+        elif not self.inserted_here(op, self.line.cells[at]):
+            self.begin(op, at)
+
+    def walk_on(self, op, to, at):
+        ticket = self.give_ticket(op)
+        self.send(to, "walk", ticket=ticket, attempt=op.attempt, point=op.point, at=at)
+
+    def walk_waits(self, op, table, name):
+        op.phase = "Walking"
+        self.operations[self.give_ticket(op)] = op
+        table.setdefault(name, []).append(("walk", op.ticket))
+
+    def inserted_here(self, op, cell):
+        line = self.line
+        near = [h[:2] for h in line.neighbours(cell.name)]
+        blocks = (line.block(cell), line.block_of_vertex(op.point))
+        free = all(n in line.cells and n not in line.holder for n in near)
+        if not free or not all(map(self.mine, blocks)):
+            return False
+        del line.cells[cell.name]
+        for side, new in enumerate(line.split(cell, op.point)):
+            line.cells[new.name] = new
+            if cell.links[side]:
+                line.cells[cell.links[side][:2]].links[1 - side] = line.handle(new)
+        return True
+
+    def begin(self, op, name):
+        for handle in self.line.neighbours(name):
+            if handle[:2] in self.line.holder and not self.paper:
+                return self.walk_waits(op, self.waiting_tet, handle[:2])
+        op.phase = "Expanding"
+        op.asked = {self.me: 1}
+        self.operations[self.give_ticket(op)] = op
+        self.request(self.me, op.ticket, op.attempt, op.point, [("tet", name)])
+
+    def on_walk(self, _, kind, ticket, attempt, point, at):
+        op = Operation(point, ticket, attempt, at)
+        if at is None or self.mine(at[2]):
+            self.start(op)
+        else:
+            self.walk_on(op, self.owner(at[2]), at)  # R10
+
+    def on_grant(self, sender, kind, ticket, attempt, answers, pieces, foreign, bounced, moved):
+        op = self.operations.get(ticket)
+        must(op and op.attempt == attempt and op.phase in ("Expanding", "Releasing"), "P8")
+        if op.phase == "Releasing":
+            return
+        self.learn(moved)
+        op.parts.setdefault(sender, []).extend(pieces)
+        op.asked[sender] -= answers
+        must(op.asked[sender] >= 0, "P8")
+        seeds = {}
+        for f in [f for f in foreign if f[:2] not in op.whereabouts] + bounced:
+            op.whereabouts[f[:2]] = self.owner(f[2])
+            seeds.setdefault(self.owner(f[2]), []).append(f)
+        for w in sorted(seeds):
+            op.asked[w] = op.asked.get(w, 0) + 1
+            what = {"point": op.point, "seeds": seeds[w]}
+            self.send(w, "expand", ticket=op.ticket, attempt=op.attempt, **what)
+        if not any(op.asked.values()):
+            self.fill(op)
+
+    def fill(self, op):
+        """The commit point. A cell of the line is a whole cavity: two new cells fill it."""
+        patches = {}
+        patch = lambda w: patches.setdefault(w, {"remove": [], "add": [], "relink": []})
+        for owner in sorted(op.parts):
+            for piece in op.parts[owner]:
+                patch(owner)["remove"].append(piece.name)
+                for side, new in enumerate(self.line.split(piece, op.point)):
+                    beyond, block = piece.links[side], self.line.block(new)
+                    if beyond:
+                        change = {"of": beyond[:2], "side": 1 - side, "to": self.line.handle(new)}
+                        patch(op.whereabouts.get(beyond[:2], owner))["relink"].append(change)  # R12
+                    stays = block == self.line.block(piece)
+                    patch(owner if stays else self.owner(block))["add"].append(new)
+        del self.operations[op.ticket]
+        for w in [*sorted(op.asked), *sorted(set(patches) - set(op.asked))]:
+            self.send(w, "commit", ticket=op.ticket, patch=patches.get(w))
+
+    def on_wound(self, _, kind, ticket, attempt):
+        op = self.operations.get(ticket)
+        if op and op.phase == "Expanding" and op.attempt == attempt:  # R7
+            self.set_back(op)
+
+    on_deny = on_wound  # of the paper's rule
+
+    def set_back(self, op):
+        op.phase, op.releasing = "Releasing", len(op.asked)
+        for w in sorted(op.asked):
+            self.send(w, "abort", ticket=op.ticket, attempt=op.attempt)
+        op.forget()
+
+    def on_aborted(self, _, kind, ticket, attempt):
+        op = self.operations.get(ticket)
+        must(op and op.phase == "Releasing" and op.attempt == attempt, "P8")
+        op.releasing -= 1
+        if op.releasing:  # R6
+            return
+        op.attempt += 1
+        op.phase = "Backoff" if self.paper else "Ready"
+        if self.paper:
+            self.actions.append({"backoff": op.ticket, "attempt": op.attempt})
+
+    # The owner
+
+    def on_expand(self, sender, kind, ticket, attempt, point, seeds):
+        self.request(sender, ticket, attempt, point, [("handle", seed) for seed in seeds])
+
+    def request(self, home, ticket, attempt, point, seeds):
+        r = self.requests.get(ticket)
+        if r is None:
+            r = self.requests[ticket] = Request(home, ticket, attempt, point)
+        must(r.attempt == attempt and r.home == home, "P8")
+        r.owed += 1
+        if r.stalled:
+            r.wants[-1:-1] = seeds  # R5
+        else:
+            r.wants += seeds
+            self.advance(r)
+
+    def advance(self, r):
+        r.stalled = False
+        while r.wants:
+            kind, want = r.wants[-1]
+            if kind == "handle" and not self.mine(want[2]):
+                r.bounced.append(want)  # R10
+                r.wants.pop()
+                continue
+            name = want[:2]
+            if name not in self.line.cells:
+                must(kind == "handle", "P6")
+                return self.stall(r, self.waiting_name, name)  # R14
+            holder = self.line.holder.get(name)
+            if holder not in (None, r.ticket):
+                return self.meet(r, name, self.requests[holder])
+            r.wants.pop()
+            if holder is None:
+                self.lock(r, name)
+        self.grant(r)
+
+    def lock(self, r, name):
+        self.line.holder[name] = r.ticket  # R1
+        r.held.append(name)
+        if not self.line.in_conflict(name, r.point):
+            return
+        r.found.append(name)
+        for handle in self.line.neighbours(name):
+            if handle[:2] in self.line.cells:
+                r.wants.append(("tet", handle[:2]))
+            else:
+                r.foreign.append(handle)
+
+    def stall(self, r, table, name):
+        r.stalled = True
+        table.setdefault(name, []).append(("request", r.ticket))
+
+    def meet(self, r, name, holder):
+        """A request meets a lock: what the rule does. The paper's has no queue: `Abort` follows."""
+        if self.paper:
+            r.stalled = True
+            self.send(r.home, "deny", ticket=r.ticket, attempt=r.attempt)
+            return
+        self.stall(r, self.waiting_tet, name)
+        if r.ticket < holder.ticket and not holder.wounded:
+            holder.wounded = True
+            self.send(holder.home, "wound", ticket=holder.ticket, attempt=holder.attempt)
+
+    def grant(self, r):
+        pieces = [self.line.cells[name].copy() for name in r.found]
+        moved = [(b, *self.directory[b]) for b in sorted({h[2] for h in r.bounced})]
+        lists = {"pieces": pieces, "foreign": r.foreign, "bounced": r.bounced, "moved": moved}
+        self.send(r.home, "grant", ticket=r.ticket, attempt=r.attempt, answers=r.owed, **lists)
+        r.owed, r.found, r.foreign, r.bounced = 0, [], [], []
+
+    def unlock(self, r):
+        """Unlocks all that a request holds (R2); gives everybody in the queues of these (R4)."""
+        woken = []
+        for name in r.held:
+            del self.line.holder[name]
+            woken += self.waiting_tet.pop(name, [])
+        return woken
+
+    def wake(self, woken):
+        for kind, ticket in sorted(woken, key=lambda who: who[1]):
+            if kind == "walk":
+                self.operations[ticket].phase = "Ready"
+            else:
+                self.advance(self.requests[ticket])
+
+    def on_abort(self, sender, kind, ticket, attempt):
+        r = self.requests.pop(ticket, None)
+        must(r and r.attempt == attempt and r.home == sender, "P8")
+        for table in (self.waiting_tet, self.waiting_name):
+            for name, queue in list(table.items()):
+                table[name] = [who for who in queue if who != ("request", r.ticket)]
+        self.wake(self.unlock(r))  # R3
+        self.send(sender, "aborted", ticket=r.ticket, attempt=attempt)
+
+    def on_commit(self, _, kind, ticket, patch):
+        r = self.requests.pop(ticket, None)
+        must(r or (patch and not patch["remove"]), "P8")
+        must(not r or not r.stalled, "P8")
+        woken = self.unlock(r) if r else []
+        patch = patch or {"remove": [], "add": [], "relink": []}
+        for name in patch["remove"]:
+            del self.line.cells[name]
+        woken += self.install(patch["add"])
+        for change in patch["relink"]:
+            self.line.cells[change["of"]].links[change["side"]] = change["to"]
+        self.send_strays(patch["add"])
+        self.wake(woken)
+
+    def install(self, cells):
+        """Installs cells; gives the queues of their names."""
+        woken = []
+        for cell in cells:
+            self.line.cells[cell.name] = cell
+            woken += self.waiting_name.pop(cell.name, [])
+        return woken
+
+    def send_strays(self, cells):
+        strayed = {self.line.block(c) for c in cells}
+        for block in sorted(b for b in strayed if not self.mine(b)):
+            self.send(self.owner(block), "stray", block=block, cargo=self.line.take(block))
+
+    # Blocks that move
+
+    def event_migrate(self, event):
+        block, to, line = event["block"], event["to"], self.line
+        locked = any(line.block(line.cells[name]) == block for name in line.holder)
+        if not self.mine(block) or to == self.me or locked or self.stopped or self.passive():  # R9
+            return
+        cargo = line.take(block)
+        points = [p for p in self.points if line.block_of_vertex(p) == block]
+        self.points = [p for p in self.points if p not in points]
+        epoch = self.directory[block][1] + 1
+        self.directory[block] = (to, epoch)
+        self.send(to, "migrate", block=block, epoch=epoch, cargo=cargo, points=points)
+        gone = {cell.name: line.handle(cell) for cell in cargo}
+        for r in self.requests.values():
+            r.foreign += [gone[w] for kind, w in r.wants if kind == "tet" and w in gone]
+            r.wants = [(kind, w) for kind, w in r.wants if kind != "tet" or w not in gone]
+        self.wake(self.waiters_of(block))  # R11
+
+    def waiters_of(self, block):
+        """Takes out all walks that wait for a name, and requests that wait for one of the block."""
+        told = lambda who: who[0] == "walk" or self.requests[who[1]].wants[-1][1][2] == block
+        woken = []
+        for name, queue in self.waiting_name.items():
+            woken += filter(told, queue)
+            self.waiting_name[name] = [who for who in queue if not told(who)]
+        return woken
+
+    def on_migrate(self, _, kind, block, epoch, cargo, points):
+        self.directory[block] = (self.me, epoch)
+        if not self.cancelled:  # R15
+            self.points += points
+        self.wake(self.install(cargo))
+
+    def on_stray(self, _, kind, block, cargo):
+        if self.mine(block):
+            self.wake(self.install(cargo))
+        else:
+            self.send(self.owner(block), "stray", block=block, cargo=cargo)  # R10
+
+    # Termination
+
+    def passive(self):
+        return not self.operations and not self.points
+
+    def on_token(self, _, kind, count, black):
+        self.token = {"count": count, "black": black}
+
+    def on_stop(self, _, kind):
+        self.stopped = True
+
+    def pass_token(self):
+        token, self.token = self.token, None
+        count, black = token["count"] + self.count, token["black"] or self.black
+        if self.me > 0:
+            self.send(self.me - 1, "token", count=count, black=black)
+        elif self.workers == 1 or not black and count == 0:
+            for w in range(1, self.workers):
+                self.send(w, "stop")
+            self.stopped = True
+        else:
+            self.send(self.workers - 1, "token", count=0, black=False)
+        self.black = False
+
+
+def run_line(ask):
+    """Runs workers over a given order of events: after each its actions, and the workers."""
+    setup = ask["setup"]
+    workers = [Worker(setup, w) for w in range(len(setup["points"]))]
+    channels = {}
+    for event in ask["events"]:
+        me, message = event["worker"], None
+        if event["event"] == "deliver":
+            message = channels[event["from"], me].pop(0)
+        actions = workers[me].step({**event, "message": message})
+        for action in actions:
+            if "send" in action:
+                channels.setdefault((me, action["to"]), []).append(action["send"])
+        yield json.loads(json.dumps(actions, default=Cell.written)), workers
+
+
+def answer_line(ask):
+    steps = []
+    for actions, workers in run_line(ask):
+        steps.append(actions)
+    cells = [sorted(c.ends for c in w.line.cells.values()) for w in workers]
+    return {"steps": steps, "state": {"cells": cells, "stopped": [w.stopped for w in workers]}}
+
+
+def answer_judge(ask):
+    runs = enumerate(run_line(ask))
+    return {"wrong": next((k for k, (found, _) in runs if found != ask["steps"][k]), None)}
+
+
 # Questions -------------------------------------------------------------------------------------
 
 
@@ -316,13 +846,12 @@ def answer_insert(ask):
 
 def answer_delaunay(ask):
     points = [read(p) for p in ask["points"]]
-    floats = [[float.fromhex(c) for c in p] for p in ask["points"]]
     tets = delaunay(points)
     rows = finite(tets)
     return {
         "tets": len(rows),
         "hull": len(hull(tets)),
-        "hash": mesh_hash(points, floats, rows),
+        "hash": mesh_hash(points, floats_of(ask), rows),
         "list": rows if len(rows) <= 40 else None,
     }
 
@@ -335,20 +864,18 @@ def points_of(ask):
     return [read(p) for p in ask["points"]]
 
 
+def signed(predicate):
+    return lambda ask: {"sign": predicate(*points_of(ask))}
+
+
 ANSWERS = {
-    "orient3d": lambda ask: {"sign": orient3d(*points_of(ask))},
-    "insphere": lambda ask: {"sign": insphere(*points_of(ask))},
-    "side_of_sphere": lambda ask: {"sign": side_of_sphere(points_of(ask)[:4], points_of(ask)[4])},
-    "side_of_hull_facet": lambda ask: {
-        "sign": side_of_hull_facet(points_of(ask)[:3], points_of(ask)[3])
-    },
-    "compare_xyz": lambda ask: {
-        "sign": (points_of(ask)[0] > points_of(ask)[1]) - (points_of(ask)[0] < points_of(ask)[1])
-    },
+    "orient3d": signed(orient3d),
+    "insphere": signed(insphere),
+    "side_of_sphere": signed(lambda *points: side_of_sphere(points[:4], points[4])),
+    "side_of_hull_facet": signed(lambda *points: side_of_hull_facet(points[:3], points[3])),
+    "compare_xyz": signed(lambda p, q: (p > q) - (p < q)),
     "hilbert": lambda ask: {"order": in_rounds(floats_of(ask), 0)},
-    "brio_hilbert": lambda ask: {
-        "order": in_rounds(floats_of(ask), brio_rounds(len(ask["points"])))
-    },
+    "brio_hilbert": lambda ask: {"order": in_rounds(floats_of(ask), brio_rounds(ask["points"]))},
     "round_of": lambda ask: {"round": round_of(ask["index"], ask["rounds"])},
     "blocks": lambda ask: {
         "blocks": [block_of(t, ask["vertices"], ask["blocks"]) for t in ask["tets"]]
@@ -356,6 +883,8 @@ ANSWERS = {
     "cavity": answer_cavity,
     "insert": answer_insert,
     "delaunay": answer_delaunay,
+    "line": answer_line,
+    "judge": answer_judge,
 }
 
 
