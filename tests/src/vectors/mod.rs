@@ -81,14 +81,12 @@ pub const FLAGS: &[(&str, &str)] = &[
     ("late-wound", "a wound after the commit point was obeyed"),
     ("acknowledge", "an operation started again before all its releases were acknowledged"),
     ("release", "a setback kept a lock, or did not wake those who wait for it"),
-    ("regrant", "a released lock must be offered to all who wait, the oldest first"),
     ("installation", "a tetrahedron that is not installed yet was taken for nothing"),
     ("bounce", "a seed for a block that has moved must be bounced with the news"),
     ("forward", "a walk or late tetrahedra must follow a block that has moved"),
     ("idle-migration", "a passive worker gave a block away"),
     ("locked-migration", "a block with a locked tetrahedron was given away"),
     ("token", "termination detection: counts, colours or who passes the token"),
-    ("kept-place", "new wants of a request that waits must not go before what it waits for"),
     ("rule", "the paper's rule decides otherwise"),
 ];
 

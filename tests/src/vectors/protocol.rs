@@ -198,9 +198,7 @@ broken! {
     BareCavity: LOCKS_RING, "closure-ring";
     LeakyRollback: RELEASES_ALL, "release";
     ForgetfulRollback: WAKES_ON_ABORT, "release";
-    NaiveRegrant: REGRANT_ASKS_ALL, "regrant";
     HastyRestart: AWAITS_RELEASES, "acknowledge";
-    LostPlace: KEEPS_PLACE, "kept-place";
     LateWound: IGNORES_LATE_WOUND, "late-wound";
     WhiteSafra: BLACKENS, "token";
     IdleMigration: ONLY_BUSY_MIGRATE, "idle-migration";
