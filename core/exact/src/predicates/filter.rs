@@ -38,6 +38,7 @@ pub const GUARD_LOW: f64 = power_of_two(-190);
 pub const GUARD_HIGH: f64 = power_of_two(200);
 
 /// 2^exponent, for the exponents of normal numbers: -1022 to 1023.
+#[inline]
 pub const fn power_of_two(exponent: i32) -> f64 {
     assert!(-1022 <= exponent && exponent <= 1023, "a normal power of two");
     f64::from_bits(((exponent + 1023) as u64) << 52)
