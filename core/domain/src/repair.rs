@@ -7,8 +7,8 @@
 //! tolerance, vertices within it become one, and vertices of open edges are put into the open edges
 //! that they are near (the seam of a T-junction closes). No hole is filled and no body united.
 //!
-//! Cost: about n log n; at most [`NEIGHBOURS`] near vertices of a vertex are looked at, and seams
-//! are closed in at most [`ROUNDS`] rounds.
+//! Cost: about n log n; at most `NEIGHBOURS` near vertices of a vertex are looked at, and seams
+//! are closed in at most `ROUNDS` rounds.
 
 use crate::check::same_place;
 use crate::{Domain, Facet};
