@@ -9,7 +9,7 @@
 //! takes the cached sphere away, so that unlocked tetrahedra are tested as fast as in a whole mesh:
 //! what no sphere decides is looked at more closely, and then the lock or the proxy is seen. For
 //! the same reason a tetrahedron that the caller must hear of when it goes ([`Submesh::tag`]) never
-//! has a sphere. Geometry knows of all this only that slots are tagged, and whom [`crate::locate`]
+//! has a sphere. Geometry knows of all this only that slots are tagged, and whom `locate`
 //! bars.
 //!
 //! Numbers that come from outside are compared before they are used: a method that is given one of

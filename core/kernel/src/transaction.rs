@@ -1,6 +1,6 @@
 //! The guard of an open cavity: nobody pairs its opening and its end by hand.
 //!
-//! Between [`Cavity::expand`] and the filling the tetrahedra of a cavity are marked. An owner of
+//! Between `Cavity::expand` and the filling the tetrahedra of a cavity are marked. An owner of
 //! such a cavity, be it a mesh or a part of one, hands it out as an [`OpenCavity`], which is filled
 //! or dropped. Dropping it is the *setback*: all is as before, bit for bit.
 

@@ -1,4 +1,4 @@
-//! One worker's submesh: [`LocalMesh`] is [`Submesh`] over the exact kernel's [`Part`].
+//! One worker's submesh: [`LocalMesh`] is [`Submesh`] over the exact kernel's [`ltbw_core::submesh`].
 //!
 //! | module | what it holds |
 //! |---|---|

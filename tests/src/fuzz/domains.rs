@@ -1,7 +1,7 @@
 //! `domains`: bytes to a small domain, checked and prepared.
 //!
 //! The bytes: 4 of style and 4 of plan, then cells of 4 bytes. The plan says how many of them are
-//! vertices ([`snap`]), which solid there is to begin with, and how it is made awkward ([`spoil`]);
+//! vertices ([`snap`]), which solid there is to begin with, and how it is made awkward (`spoil`);
 //! the others are polygons, segments, holes and regions.
 
 use crate::families::snap;

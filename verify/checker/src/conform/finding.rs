@@ -80,7 +80,7 @@ impl std::fmt::Display for Finding {
     }
 }
 
-/// The findings of [`conforms`].
+/// The findings of [`super::conforms`].
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct Conformity {
