@@ -1,15 +1,13 @@
 //! Conversions from and to `nalgebra` (feature `nalgebra`): points, slices in, vectors out.
 //!
 //! ```
-//! use ltbw_exact::interop::{from_nalgebra, to_nalgebra};
-//! use ltbw_core::Builder;
 //! use ltbw_exact::PointSet;
+//! use ltbw_exact::interop::{from_nalgebra, to_nalgebra};
 //! use nalgebra::Point3;
 //!
 //! let cube: Vec<Point3<f64>> =
 //!     (0..8).map(|i| Point3::new(i & 1, i >> 1 & 1, i >> 2).cast()).collect();
-//! let mesh = Builder::new().build(&PointSet::try_from(&cube[..])?)?.mesh;
-//! assert_eq!(mesh.num_vertices(), 8);
+//! assert_eq!(PointSet::try_from(&cube[..])?.points().len(), 8);
 //! assert_eq!(to_nalgebra(&from_nalgebra(&cube)), cube);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
