@@ -1,4 +1,5 @@
-//! One worker's submesh: [`LocalMesh`] is [`Submesh`] over the exact kernel's [`ltbw_core::submesh`].
+//! One worker's submesh: [`LocalMesh`] is [`Submesh`] over the exact kernel's
+//! [`ltbw_core::submesh`].
 //!
 //! | module | what it holds |
 //! |---|---|
