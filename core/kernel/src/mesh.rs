@@ -203,26 +203,9 @@ impl Mesh {
         }
     }
 
-    /// [`Mesh::begin`] without the guard: the cavity has to be filled ([`Mesh::fill`]) or set back
-    /// ([`Mesh::set_back`]). A vertex at the point is returned instead.
-    #[doc(hidden)]
-    pub fn open<A: Admission>(
-        &mut self,
-        p: Point,
-        from: TetId,
-        admission: &mut A,
-    ) -> Result<Option<VertexId>, Setback> {
-        match self.begin(p, from, admission) {
-            Ok(open) => open.end(|_| Ok(None)),
-            Err(At::Vertex(v)) => Ok(Some(v)),
-            Err(At::SetBack(setback)) => Err(setback),
-        }
-    }
-
     /// Fills the open cavity with the star of its point; returns the new vertex.
-    #[doc(hidden)]
     #[inline]
-    pub fn fill(&mut self, p: Point, number: Vertex) -> VertexId {
+    pub(crate) fn fill(&mut self, p: Point, number: Vertex) -> VertexId {
         let v = self.numbers.len() as VertexId;
         self.geometry.put_point(v, p);
         self.numbers.push(number);
@@ -231,12 +214,6 @@ impl Mesh {
         self.geometry.created(self.topology.slots(), &self.cavity.star(), &p);
         self.geometry.stats.insphere_calls += self.cavity.tests() as u64;
         v
-    }
-
-    /// Gives the open cavity up: the mesh is as before, bit for bit.
-    #[doc(hidden)]
-    pub fn set_back(&mut self) {
-        self.cavity.set_back(&mut self.topology);
     }
 
     /// The open cavity, or the last one filled.

@@ -24,7 +24,7 @@ pub struct OpenCavity<'a, O: Opens> {
 }
 
 impl<'a, O: Opens> OpenCavity<'a, O> {
-    /// The cavity that `owner` has just found, or that one of its own parts hands over.
+    /// The cavity that `owner` has just found, or that passes between it and a part of its own.
     #[inline(always)]
     pub fn new(owner: &'a mut O) -> Self {
         Self { owner, is_open: true }

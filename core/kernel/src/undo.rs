@@ -8,6 +8,7 @@ use crate::Point;
 use crate::mesh::{Mesh, Vertex};
 use crate::sphere::Sphere;
 use crate::topology::{FaceId, INFINITE, TetId, VertexId};
+use crate::transaction::OpenCavity;
 
 /// A tetrahedron of a cavity as it was.
 #[derive(Clone, Copy, Debug)]
@@ -37,20 +38,25 @@ impl Undo {
     }
 }
 
-impl Mesh {
-    /// [`Mesh::fill`], with what is needed to take it back.
+impl OpenCavity<'_, Mesh> {
+    /// [`OpenCavity::fill`], with what is needed to take it back.
     #[doc(hidden)]
-    pub fn fill_for_now(&mut self, p: Point, number: Vertex) -> (VertexId, Undo) {
+    pub fn fill_for_now(self, p: Point, number: Vertex) -> (VertexId, Undo) {
+        let mesh = self.owner();
         let before = |t: TetId| {
-            let tet = self.topology.tet(t);
+            let tet = mesh.topology.tet(t);
             let (v, n) = (tet.vertices(), tet.neighbours());
-            Before { t, v, n, sphere: self.geometry.sphere(t) }
+            Before { t, v, n, sphere: mesh.geometry.sphere(t) }
         };
-        let cavity = self.cavity().tets().map(before).collect();
-        let v = self.fill(p, number);
-        (v, Undo { cavity, created: self.cavity().star().tets.to_vec() })
+        let cavity = self.tets().map(before).collect();
+        self.end(|mesh| {
+            let v = mesh.fill(p, number);
+            (v, Undo { cavity, created: mesh.cavity().star().tets.to_vec() })
+        })
     }
+}
 
+impl Mesh {
     /// Takes back the last insertion that is still there.
     #[doc(hidden)]
     pub fn take_back(&mut self, undo: &Undo) {
@@ -85,6 +91,7 @@ mod tests {
     use super::*;
     use crate::cavity::Open;
     use crate::invariants::check_all;
+    use crate::mesh::At;
     use crate::{Builder, PointSet};
 
     #[test]
@@ -108,9 +115,10 @@ mod tests {
             for _ in 0..round {
                 let p = [(); 3].map(|()| 2.0 * next() - 500_000.0);
                 let from = mesh.hint();
-                if mesh.open(p, from, &mut Open).expect("room").is_none() {
-                    let number = mesh.num_vertices() as Vertex;
-                    done.push(mesh.fill_for_now(p, number).1);
+                let number = mesh.num_vertices() as Vertex;
+                match mesh.begin(p, from, &mut Open) {
+                    Ok(open) => done.push(open.fill_for_now(p, number).1),
+                    Err(at) => assert!(matches!(at, At::Vertex(_)), "room"),
                 }
             }
             assert_ne!(cells(&mesh), before);

@@ -9,9 +9,8 @@
 //! of the planar cavity are the new subfaces.
 
 use super::carrier::Carrier;
-use super::item::Item;
 use super::state::State;
-use super::table::{edge, sides};
+use super::table::sides;
 use ltbw_core::topology::VertexId;
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, coplanar_orient, perturb};
@@ -38,7 +37,7 @@ pub(crate) enum Seed {
 impl State {
     /// The change that `p` makes to the triangulation of facet `f`; `None` if `p` does not see its
     /// whole rim, which means that it lies elsewhere.
-    pub(crate) fn plan(&mut self, f: u32, p: &Point, seed: Seed) -> Option<Change> {
+    pub(crate) fn plan(&self, f: u32, p: &Point, seed: Seed) -> Option<Change> {
         let mut candidates: Vec<[VertexId; 3]> =
             self.touched.inner.iter().filter(|(_, g)| *g == f).map(|(s, _)| *s).collect();
         let missing = self.missing_near(f, p);
@@ -111,26 +110,6 @@ impl State {
             }
         }
         Some(rim)
-    }
-
-    /// The boundary items that the point of the open cavity would take out of the mesh, but for
-    /// those that it splits: the subsegment `split`, and what `changes` remove.
-    pub(crate) fn losses(&self, split: Option<[VertexId; 2]>, changes: &[Change]) -> Vec<Item> {
-        let stays = |s: &[VertexId; 3]| !changes.iter().any(|c| c.removed.contains(s));
-        let inner = self.touched.inner.iter().map(|(s, _)| *s);
-        let mut lost: Vec<Item> = inner.filter(stays).map(Item::Subface).collect();
-        let edges = self.touched.edges.iter().filter(|e| Some(**e) != split);
-        if edges.clone().next().is_none() {
-            return lost;
-        }
-        // An edge stays if it is on the cavity's boundary.
-        let walls = self.mesh.cavity().walls();
-        let mut rim: Vec<[VertexId; 2]> =
-            walls.flat_map(|([a, b, c], _)| [edge(a, b), edge(b, c), edge(a, c)]).collect();
-        rim.sort_unstable();
-        let gone = edges.filter(|e| rim.binary_search(e).is_err());
-        lost.extend(gone.map(|&e| Item::Segment(e)));
-        lost
     }
 
     /// The facets that a point on `carrier` lies on.

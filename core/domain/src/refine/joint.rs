@@ -25,11 +25,11 @@ impl Refinement<'_> {
         admission: &mut A,
     ) -> Step {
         self.state.journal = Some(Journal::default());
-        let before = self.points;
+        let before = self.inserted.points;
         let mut own = Queues::default();
         own.put(item, 1.0);
         let mut failed = None;
-        self.waits.clear();
+        self.record.waits.clear();
         for _ in 0..MOST {
             let Some(next) = own.next_boundary() else { break };
             match self.rule(next, &mut own, admission) {
@@ -54,9 +54,9 @@ impl Refinement<'_> {
             }
             return Step::Inserted;
         }
-        self.next_number -= journal.insertions.len() as u32;
-        self.points = before;
-        self.waits.clear();
+        self.inserted.next_number -= journal.insertions.len() as u32;
+        self.inserted.points = before;
+        self.record.waits.clear();
         self.state.take_back(journal);
         match failed {
             Some(Step::Refused(Reason::Rounding)) | None => Step::Refused(Reason::Interlocked),

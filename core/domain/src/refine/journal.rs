@@ -1,11 +1,11 @@
-//! What a joint step has changed, so that it can be taken back.
+//! The changes of a joint step, so that it can be taken back.
 
 use super::item::Item;
 use super::marks::Word;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_core::undo::Undo;
 
-/// What a joint step has changed so far.
+/// The changes of a joint step so far.
 #[derive(Debug, Default)]
 pub(crate) struct Journal {
     /// The insertions, each with the marks of its cavity.

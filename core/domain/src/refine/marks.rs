@@ -43,7 +43,7 @@ pub(crate) fn region_of(word: Word) -> u32 {
     word >> REGION_SHIFT
 }
 
-/// What the tetrahedron behind face `slot` leaves to the new one on that face.
+/// The word that the tetrahedron behind face `slot` leaves to the new one on that face.
 #[inline(always)]
 fn inherit(word: Word, slot: usize) -> Word {
     let region = word & !(FACES | EDGES);

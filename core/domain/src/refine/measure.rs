@@ -285,7 +285,8 @@ mod tests {
             a in point(), b in point(), c in point(), p in point(), corner in 0u8..8,
         ) {
             // A corner of the box over a and b lies on the sphere with the diameter ab.
-            let box_corner = std::array::from_fn(|k| if corner >> k & 1 == 0 { a[k] } else { b[k] });
+            let side = |k| if corner >> k & 1 == 0 { a[k] } else { b[k] };
+            let box_corner = std::array::from_fn(side);
             for p in [p, box_corner] {
                 let slow = diametral_side(&a, &b, &p) != Sign::Positive;
                 prop_assert_eq!(in_diametral_ball(&a, &b, &p), slow);

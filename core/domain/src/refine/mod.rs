@@ -19,6 +19,9 @@
 //! | `angles`, `near` | where the theory gives no guarantee: small angles, narrow gaps |
 //! | `recover` | from the mesh of the corners to one that has the boundary |
 //! | `split` | the three rules |
+//! | `touched`, `verdict` | the boundary in an open cavity, and what follows for its point |
+//! | `fill` | the point inserted, and marks and tables brought up to date |
+//! | `defer`, `record` | what comes first, and what came of earlier proposals |
 //! | `joint`, `journal` | several items split as one step, or none |
 //! | `walk` | the way to a proposed point |
 //! | `region` | inside, outside, regions |
@@ -29,7 +32,9 @@ mod angles;
 mod background;
 mod bounds;
 mod carrier;
+mod defer;
 mod facet;
+mod fill;
 mod item;
 mod joint;
 mod journal;
@@ -39,6 +44,7 @@ mod near;
 mod outcome;
 mod output;
 mod plc;
+mod record;
 mod recover;
 mod region;
 mod registry;
@@ -48,6 +54,8 @@ mod state;
 mod table;
 #[cfg(test)]
 mod tests;
+mod touched;
+mod verdict;
 mod walk;
 
 use crate::Element;

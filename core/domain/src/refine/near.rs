@@ -90,7 +90,7 @@ fn near_corner(plc: &Plc, facets: &RTree<Boxed>, corner: u32, limit: f64, found:
         if own.binary_search(&g).is_ok() {
             continue;
         }
-        // What is at the corner: the widest of its segments.
+        // The width at the corner is that of its widest segment.
         let lengths = plc.segments_at[corner as usize].iter().map(|&s| {
             let [a, b] = plc.segments[s as usize].ends.map(|v| at(plc, v));
             distance2(&a, &b).sqrt()

@@ -81,15 +81,14 @@ impl Registry {
     }
 
     /// All items whose ball may contain `p`: a superset, in no particular order.
-    pub(crate) fn near(&self, p: &Point, found: &mut Vec<Item>) {
-        found.clear();
-        if self.balls.is_empty() {
-            return;
-        }
-        for level in (0..=TOP).filter(|&l| self.levels[l as usize] > 0) {
+    pub(crate) fn near(&self, p: &Point) -> impl Iterator<Item = Item> + '_ {
+        let p = *p;
+        let top = if self.balls.is_empty() { -1 } else { TOP };
+        let used = (0..=top).filter(|&l| self.levels[l as usize] > 0);
+        used.flat_map(move |level| {
             let cell = [level.into(), place(p[0], level), place(p[1], level), place(p[2], level)];
-            found.extend(self.cells.get(&cell).into_iter().flatten());
-        }
+            self.cells.get(&cell).into_iter().flatten().copied()
+        })
     }
 }
 
@@ -123,11 +122,11 @@ mod tests {
             assert!(registry.enter(item, centre, radius));
             balls.push((item, centre, radius));
         }
-        let (mut found, mut hits) = (Vec::new(), 0);
+        let mut hits = 0;
         for round in 0..3 {
             for _ in 0..500 {
                 let p = [0; 3].map(|_| (next() - 0.5) * 1e15);
-                registry.near(&p, &mut found);
+                let found: Vec<Item> = registry.near(&p).collect();
                 for (item, centre, radius) in &balls {
                     if distance2(centre, &p) <= radius * radius {
                         hits += 1;

@@ -7,8 +7,9 @@ use super::item::{Item, Queues, Work};
 use super::measure::{RatioBound, VolumeBound};
 use super::outcome::{Excuse, Reason, RefineOutcome, RefineStats};
 use super::plc::Plc;
+use super::record::Refusal;
 use super::region::RegionInfo;
-use super::split::{Refinement, Refusal, Step};
+use super::split::{Refinement, Step};
 use super::state::State;
 use crate::{Domain, Lattice};
 use ltbw_core::CancelToken;
@@ -343,11 +344,11 @@ impl Run<'_> {
             self.look()?;
         }
         let stats = &mut self.stats;
-        if self.refinement.points.total() >= self.most {
+        if self.refinement.inserted.points.total() >= self.most {
             self.stop = self.stop.or(Some(Reason::Budget));
         }
         if let Some(reason) = self.stop {
-            self.refinement.refused.insert(item, Refusal::final_for(reason));
+            self.refinement.record.refused.insert(item, Refusal::final_for(reason));
             return Ok(());
         }
         match self.refinement.split(item, &mut self.work, &mut Open) {
@@ -378,14 +379,15 @@ impl Run<'_> {
 
     /// Collects what is over its bounds.
     fn finish(self, regions: Vec<RegionInfo>, lattice: Lattice) -> Refined {
-        let Refinement { mut state, bounds, refused, next_number, points, .. } = self.refinement;
+        let Refinement { mut state, bounds, record, inserted, .. } = self.refinement;
+        let (refused, points) = (record.refused, inserted.points);
         let stats = RefineStats {
             segment_points: points.segments,
             facet_points: points.facets,
             free_points: points.free,
             ..self.stats
         };
-        state.mesh.set_next_number(next_number);
+        state.mesh.set_next_number(inserted.next_number);
         let mut excuses = Vec::new();
         if let Some(bounds) = &bounds {
             for t in state.mesh.tet_ids().filter(|&t| bounds.excess(&state, t).is_some()) {

@@ -8,14 +8,16 @@ use super::angles::Angles;
 use super::carrier::{Carrier, UNIT, distance2};
 use super::item::{Item, Work};
 use super::journal::Journal;
-use super::marks::{EDGES, ENDS, FACES, Marks, face_bit};
+use super::marks::Marks;
 use super::measure::{circumcircle, in_diametral_ball, in_equatorial_ball};
 use super::outcome::Reason;
 use super::plc::Plc;
 use super::registry::Registry;
-use super::table::{Map, Set, edge, sides, triangle};
-use ltbw_core::mesh::Mesh;
-use ltbw_core::topology::{TetId, VertexId, tet_of};
+use super::table::{Map, Set, sides};
+use ltbw_core::cavity::{Admission, Cavity};
+use ltbw_core::mesh::{At, Mesh};
+use ltbw_core::topology::{TetId, VertexId};
+use ltbw_core::transaction::{OpenCavity, Opens};
 use ltbw_exact::Point;
 
 /// Vertices of the face opposite each slot.
@@ -26,8 +28,10 @@ pub(crate) const FACE: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1
 pub(crate) struct Touched {
     /// Subfaces inside the cavity (both tetrahedra are in it), with their facets.
     pub(crate) inner: Vec<([VertexId; 3], u32)>,
-    /// Subsegments of the cavity.
-    pub(crate) edges: Vec<[VertexId; 2]>,
+    /// Subsegments of the cavity's boundary.
+    pub(crate) rim: Vec<[VertexId; 2]>,
+    /// Subsegments inside the cavity: all tetrahedra around them are in it.
+    pub(crate) inner_edges: Vec<[VertexId; 2]>,
     /// Subsegments, then subfaces, whose closed balls hold the point.
     pub(crate) hit_segments: Vec<[VertexId; 2]>,
     pub(crate) hit_subfaces: Vec<[VertexId; 3]>,
@@ -40,6 +44,19 @@ impl Touched {
             true => self.hit_subfaces.iter().map(|&s| Item::Subface(s)).collect(),
             false => self.hit_segments.iter().map(|&s| Item::Segment(s)).collect(),
         }
+    }
+
+    /// The subsegments of the cavity.
+    pub(crate) fn edges(&self) -> impl Iterator<Item = [VertexId; 2]> + '_ {
+        self.rim.iter().chain(&self.inner_edges).copied()
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.inner.clear();
+        self.rim.clear();
+        self.inner_edges.clear();
+        self.hit_segments.clear();
+        self.hit_subfaces.clear();
     }
 }
 
@@ -66,8 +83,25 @@ pub(crate) struct State {
     /// The changes of a joint step, while there is one.
     pub(crate) journal: Option<Journal>,
     pub(crate) touched: Touched,
-    /// Scratch: items near a point.
-    found: Vec<Item>,
+}
+
+impl Opens for State {
+    fn cavity(&self) -> &Cavity {
+        self.mesh.cavity()
+    }
+
+    fn set_back(&mut self) {
+        self.mesh.set_back();
+    }
+}
+
+/// Where to insert a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    pub(crate) p: Point,
+    pub(crate) carrier: Carrier,
+    /// The start of the walk.
+    pub(crate) from: TetId,
 }
 
 impl State {
@@ -89,8 +123,19 @@ impl State {
             registry: Registry::default(),
             journal: None,
             touched: Touched::default(),
-            found: Vec::new(),
         }
+    }
+
+    /// Finds the cavity of a place, and looks at the boundary in it.
+    pub(crate) fn begin<A: Admission>(
+        &mut self,
+        place: &Place,
+        admission: &mut A,
+    ) -> Result<OpenCavity<'_, Self>, At> {
+        self.mesh.begin(place.p, place.from, admission)?.end(|_| ());
+        let mut open = OpenCavity::new(self);
+        open.owner_mut().touch(&place.p, place.carrier);
+        Ok(open)
     }
 
     pub(crate) fn at(&self, v: VertexId) -> Point {
@@ -234,82 +279,6 @@ impl State {
         }
     }
 
-    /// Looks at the boundary in the open cavity of `p`, which lives on `carrier`: what is in it,
-    /// and what `p` encroaches, by the closure and the registry.
-    pub(crate) fn touch(&mut self, p: &Point, carrier: Carrier) {
-        let mut touched = std::mem::take(&mut self.touched);
-        let Touched { inner, edges, hit_segments, hit_subfaces } = &mut touched;
-        inner.clear();
-        edges.clear();
-        hit_segments.clear();
-        hit_subfaces.clear();
-        for t in self.mesh.cavity().tets() {
-            let word = self.marks.of(t);
-            if word & (FACES | EDGES) == 0 {
-                continue;
-            }
-            let tet = self.mesh.topology().at(t);
-            let v = tet.vertices();
-            for (k, [i, j]) in ENDS.into_iter().enumerate() {
-                if word >> (4 + k) & 1 == 1 {
-                    edges.push(edge(v[i], v[j]));
-                }
-            }
-            for slot in (0..4).filter(|&slot| word & face_bit(slot) != 0) {
-                let other = tet_of(tet.neighbours()[slot]);
-                let inside = self.mesh.topology().at(other).is_marked();
-                // An inner face is met from both sides.
-                if inside && other < t {
-                    continue;
-                }
-                let key = FACE[slot].map(|k| v[k]);
-                let key = triangle(key[0], key[1], key[2]);
-                let Some(&facet) = self.subfaces.get(&key) else { continue };
-                if inside {
-                    inner.push((key, facet));
-                }
-                if !self.angles.related(&self.plc, carrier, facet)
-                    && self.encroaches_subface(key, facet, p, carrier)
-                {
-                    hit_subfaces.push(key);
-                }
-            }
-        }
-        edges.sort_unstable();
-        edges.dedup();
-        hit_segments.extend(edges.iter().filter(|&s| {
-            let of = self.segments.get(s);
-            !of.is_some_and(|&of| self.angles.related_segment(carrier, of))
-                && self.encroaches_segment(*s, p)
-        }));
-        self.touch_pending(p, carrier, &mut touched);
-        self.touched = touched;
-    }
-
-    /// Adds the pending items that `p` encroaches.
-    fn touch_pending(&mut self, p: &Point, carrier: Carrier, touched: &mut Touched) {
-        let mut found = std::mem::take(&mut self.found);
-        self.registry.near(p, &mut found);
-        for &item in &found {
-            match item {
-                Item::Segment(s) => {
-                    if !touched.hit_segments.contains(&s) && self.encroaches_segment(s, p) {
-                        touched.hit_segments.push(s);
-                    }
-                }
-                Item::Subface(s) => {
-                    let Some(&facet) = self.subfaces.get(&s) else { continue };
-                    let known = touched.hit_subfaces.contains(&s);
-                    if !known && self.encroaches_subface(s, facet, p, carrier) {
-                        touched.hit_subfaces.push(s);
-                    }
-                }
-                Item::Tet(..) => {}
-            }
-        }
-        self.found = found;
-    }
-
     /// Why a point on `carrier` may not ask for a boundary item to be split, if it may not: they
     /// are at a small angle with each other, or too near.
     pub(crate) fn relation(&self, carrier: Carrier, item: Item) -> Option<Reason> {
@@ -332,21 +301,15 @@ impl State {
     }
 
     /// The missing subfaces of facet `f` whose balls may hold `p`.
-    pub(crate) fn missing_near(&mut self, f: u32, p: &Point) -> Vec<[VertexId; 3]> {
+    pub(crate) fn missing_near(&self, f: u32, p: &Point) -> Vec<[VertexId; 3]> {
         if self.missing.is_empty() {
             return Vec::new();
         }
-        let mut found = std::mem::take(&mut self.found);
-        self.registry.near(p, &mut found);
-        let subfaces = found.iter().filter_map(|item| match item {
-            Item::Subface(s) if self.missing.contains(s) && self.subfaces.get(s) == Some(&f) => {
-                Some(*s)
-            }
+        let near = self.registry.near(p).filter_map(|item| match item {
+            Item::Subface(s) => Some(s),
             _ => None,
         });
-        let subfaces = subfaces.collect();
-        self.found = found;
-        subfaces
+        near.filter(|s| self.missing.contains(s) && self.subfaces.get(s) == Some(&f)).collect()
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {

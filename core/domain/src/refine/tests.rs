@@ -1,5 +1,7 @@
 //! Tests of whole refinements: conformity against slow twins, transactions, early ends.
 
+mod cavity;
+
 use super::carrier::Carrier;
 use super::item::Work;
 use super::marks::ENDS;

@@ -108,7 +108,7 @@ impl State {
             let segment = self.segments.get(e).map(|&of| &self.plc.segments[of as usize]);
             segment.is_some_and(|segment| segment.facets.contains(&f))
         };
-        self.touched.edges.iter().copied().find(|e| on_facet(e) && separates(*e))
+        self.touched.edges().filter(|e| on_facet(e) && separates(*e)).min()
     }
 
     /// The first subsegment on a way from subface `s` of facet `f` to `p` in its plane, through the

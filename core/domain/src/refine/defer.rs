@@ -1,0 +1,66 @@
+//! Deferral: an item waits until another one is split, or both are split jointly.
+
+use super::item::{Item, Work};
+use super::outcome::Reason;
+use super::record::Refusal;
+use super::split::{Refinement, Step};
+use ltbw_core::cavity::Admission;
+
+impl Refinement<'_> {
+    /// Puts one of the items `all` before `item`, which waits for it. Near small angles, splitting
+    /// it may make no edge shorter than `limit`.
+    ///
+    /// If all were refused, so is this one, for the same reason, unless it allows shorter edges
+    /// than before. Items that wait for each other in a circle are split jointly.
+    pub(crate) fn defer<W: Work, A: Admission>(
+        &mut self,
+        item: Item,
+        all: Vec<Item>,
+        limit: Option<f64>,
+        work: &mut W,
+        admission: &mut A,
+    ) -> Step {
+        let mut reason = match item {
+            Item::Tet(_, v) => self.state.reason_near(v),
+            _ => Reason::Rounding,
+        };
+        for first in all {
+            if let Some(refusal) = self.record.refused.get(&first) {
+                if !refusal.allows(limit) {
+                    if refusal.reason != Reason::Rounding {
+                        reason = refusal.reason;
+                    }
+                    continue;
+                }
+                self.record.refused.remove(&first);
+            }
+            if self.record.waits_for(first, item) {
+                reason = Reason::Interlocked;
+                if self.bounds.is_none() || self.state.journal.is_some() {
+                    continue;
+                }
+                match self.split_jointly(first, work, admission) {
+                    Step::Refused(why) => {
+                        self.record.refused.insert(first, Refusal::final_for(why));
+                        continue;
+                    }
+                    Step::SetBack(setback) => return Step::SetBack(setback),
+                    _ => {
+                        work.put(item, 1.0);
+                        return Step::Deferred;
+                    }
+                }
+            }
+            if !matches!(item, Item::Tet(..)) {
+                self.record.waits.insert(item, first);
+            }
+            if let Some(limit) = limit {
+                self.record.limits.insert(first, limit);
+            }
+            self.state.enter(first);
+            work.put_behind(item, first);
+            return Step::Deferred;
+        }
+        Step::Refused(reason)
+    }
+}

@@ -1,0 +1,157 @@
+//! The boundary in the open cavity of a point: what the point encroaches, and what it would take
+//! out of the mesh.
+//!
+//! All is found in one pass over the marked tetrahedra of the cavity, without a list of its walls.
+//! The tetrahedra of the cavity at an edge of its boundary are one arc, since the point sees all of
+//! the boundary: the first one reports the edge. An edge inside the cavity is reported by the
+//! smallest tetrahedron around it.
+
+use super::carrier::Carrier;
+use super::facet::Change;
+use super::item::Item;
+use super::marks::{EDGES, ENDS, FACES, face_bit};
+use super::state::{FACE, State, Touched};
+use super::table::{edge, triangle};
+use ltbw_core::topology::{TetId, VertexId, tet_of};
+use ltbw_exact::Point;
+
+/// The other two slots at each edge of [`ENDS`], in such an order that with the edge before them
+/// they are positively oriented.
+const ACROSS: [[usize; 2]; 6] = [[2, 3], [3, 1], [1, 2], [0, 3], [2, 0], [0, 1]];
+
+impl State {
+    /// Looks at the boundary in the open cavity of `p`, which lives on `carrier`: what is in it,
+    /// and what `p` encroaches, by the closure and the registry.
+    pub(crate) fn touch(&mut self, p: &Point, carrier: Carrier) {
+        let mut touched = std::mem::take(&mut self.touched);
+        touched.clear();
+        for t in self.mesh.cavity().tets() {
+            let word = self.marks.of(t);
+            if word & EDGES != 0 {
+                self.touch_edges(t, word, &mut touched);
+            }
+            if word & FACES != 0 {
+                self.touch_faces(t, word, p, carrier, &mut touched);
+            }
+        }
+        let Touched { rim, inner_edges, hit_segments, .. } = &mut touched;
+        inner_edges.sort_unstable();
+        let is_hit = |s: &&[VertexId; 2]| {
+            let related = carrier != Carrier::Free
+                && self
+                    .segments
+                    .get(*s)
+                    .is_some_and(|&of| self.angles.related_segment(carrier, of));
+            !related && self.encroaches_segment(**s, p)
+        };
+        hit_segments.extend(rim.iter().chain(&*inner_edges).filter(is_hit));
+        hit_segments.sort_unstable();
+        hit_segments.dedup();
+        self.touch_pending(p, carrier, &mut touched);
+        self.touched = touched;
+    }
+
+    /// Takes the marked edges of a tetrahedron of the cavity that it has to report.
+    fn touch_edges(&self, t: TetId, word: u32, touched: &mut Touched) {
+        let tet = self.mesh.topology().at(t);
+        let (v, n) = (tet.vertices(), tet.neighbours());
+        let inside = n.map(|face| self.mesh.topology().at(tet_of(face)).is_marked());
+        for (k, [i, j]) in ENDS.into_iter().enumerate() {
+            if word >> (4 + k) & 1 == 0 {
+                continue;
+            }
+            let key = edge(v[i], v[j]);
+            let [mut before, mut after] = ACROSS[k];
+            if key[0] != v[i] {
+                (before, after) = (after, before);
+            }
+            if !inside[before] {
+                touched.rim.push(key);
+            } else if inside[after] && self.is_smallest_around(t, key, [before, after]) {
+                touched.inner_edges.push(key);
+            }
+        }
+    }
+
+    /// Are all tetrahedra around an edge of `t` in the cavity, and `t` the smallest? The faces of
+    /// `t` at the edge are those opposite `slots`.
+    fn is_smallest_around(&self, t: TetId, key: [VertexId; 2], slots: [usize; 2]) -> bool {
+        let topology = self.mesh.topology();
+        let [before, after] = slots.map(|slot| tet_of(topology.at(t).neighbours()[slot]));
+        if before < t || after < t {
+            return false;
+        }
+        // Around an edge a walk comes back to where it started, at the latest after all.
+        let (mut from, mut at) = (t, after);
+        for _ in 0..topology.slots() {
+            let tet = topology.at(at);
+            if at == t {
+                return true;
+            }
+            if at < t || !tet.is_marked() {
+                return false;
+            }
+            let (v, n) = (tet.vertices(), tet.neighbours());
+            let next = (0..4).find(|&k| !key.contains(&v[k]) && tet_of(n[k]) != from);
+            let Some(slot) = next else { return false };
+            (from, at) = (at, tet_of(n[slot]));
+        }
+        false
+    }
+
+    /// Takes the marked faces of a tetrahedron of the cavity.
+    fn touch_faces(&self, t: TetId, word: u32, p: &Point, carrier: Carrier, touched: &mut Touched) {
+        let tet = self.mesh.topology().at(t);
+        let v = tet.vertices();
+        for slot in (0..4).filter(|&slot| word & face_bit(slot) != 0) {
+            let other = tet_of(tet.neighbours()[slot]);
+            let inside = self.mesh.topology().at(other).is_marked();
+            // An inner face is met from both sides.
+            if inside && other < t {
+                continue;
+            }
+            let [a, b, c] = FACE[slot].map(|k| v[k]);
+            let key = triangle(a, b, c);
+            let Some(&facet) = self.subfaces.get(&key) else { continue };
+            if inside {
+                touched.inner.push((key, facet));
+            }
+            if !self.angles.related(&self.plc, carrier, facet)
+                && self.encroaches_subface(key, facet, p, carrier)
+            {
+                touched.hit_subfaces.push(key);
+            }
+        }
+    }
+
+    /// Adds the pending items that `p` encroaches.
+    fn touch_pending(&self, p: &Point, carrier: Carrier, touched: &mut Touched) {
+        for item in self.registry.near(p) {
+            match item {
+                Item::Segment(s) => {
+                    if !touched.hit_segments.contains(&s) && self.encroaches_segment(s, p) {
+                        touched.hit_segments.push(s);
+                    }
+                }
+                Item::Subface(s) => {
+                    let Some(&facet) = self.subfaces.get(&s) else { continue };
+                    let known = touched.hit_subfaces.contains(&s);
+                    if !known && self.encroaches_subface(s, facet, p, carrier) {
+                        touched.hit_subfaces.push(s);
+                    }
+                }
+                Item::Tet(..) => {}
+            }
+        }
+    }
+
+    /// The boundary items that the point of the open cavity would take out of the mesh, but for
+    /// those that it splits: the subsegment `split`, and what `changes` remove.
+    pub(crate) fn losses(&self, split: Option<[VertexId; 2]>, changes: &[Change]) -> Vec<Item> {
+        let stays = |s: &[VertexId; 3]| !changes.iter().any(|c| c.removed.contains(s));
+        let inner = self.touched.inner.iter().map(|(s, _)| *s);
+        let faces = inner.filter(stays).map(Item::Subface);
+        let edges = self.touched.inner_edges.iter().filter(|e| Some(**e) != split);
+        faces.chain(edges.map(|&e| Item::Segment(e))).collect()
+    }
+}

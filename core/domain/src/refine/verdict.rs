@@ -1,0 +1,146 @@
+//! Verdicts on proposed points: read-only looks at the state with the point's cavity open.
+
+use super::carrier::distance2;
+use super::facet::{Change, Seed};
+use super::item::Item;
+use super::marks::face_bit;
+use super::outcome::Reason;
+use super::record::Record;
+use super::state::{FACE, Place, State};
+use super::table::triangle;
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_exact::Point;
+
+/// The changes of the boundary that come with a point.
+#[derive(Debug, Default)]
+pub(crate) struct Filling {
+    /// The subsegment that it splits, with its segment.
+    pub(crate) split: Option<([VertexId; 2], u32)>,
+    /// The changes of the facets that it lies on.
+    pub(crate) changes: Vec<Change>,
+    /// Items that it takes out of the mesh: while the boundary is recovered, and in joint steps.
+    pub(crate) lost: Vec<Item>,
+}
+
+/// The verdict on a proposed point.
+#[derive(Debug)]
+pub(crate) enum Verdict {
+    /// It may be inserted.
+    Fill(Filling),
+    /// One of these items comes first.
+    Defer(Vec<Item>),
+    /// Its item cannot be split.
+    Refuse(Reason),
+    /// It does not do what it was made for; another one may.
+    Useless,
+}
+
+/// The grounds of a verdict. The state's cavity is that of the point, and is open.
+pub(crate) struct Judge<'s> {
+    pub(crate) state: &'s State,
+    pub(crate) record: &'s Record,
+    /// Is the boundary still being recovered?
+    pub(crate) recovers: bool,
+}
+
+impl Judge<'_> {
+    /// On a point that is to split a subsegment of segment `s`.
+    pub(crate) fn on_segment(&self, ends: [VertexId; 2], s: u32, place: &Place) -> Verdict {
+        let (state, item) = (self.state, Item::Segment(ends));
+        let reason = state.angles.segment_reason.get(&s).copied();
+        if let Some(reason) = reason.filter(|_| self.is_too_near(item, &place.p)) {
+            return Verdict::Refuse(reason);
+        }
+        let mut changes = Vec::new();
+        for f in state.facets_of(place.carrier) {
+            match state.plan(f, &place.p, Seed::Along(ends)) {
+                Some(change) => changes.push(change),
+                None => return Verdict::Refuse(reason.unwrap_or(Reason::Rounding)),
+            }
+        }
+        let lost = state.losses(Some(ends), &changes);
+        self.spare(item, place, Filling { split: Some((ends, s)), changes, lost })
+    }
+
+    /// On a point that is to split a subface of facet `f`.
+    pub(crate) fn on_subface(&self, corners: [VertexId; 3], f: u32, place: &Place) -> Verdict {
+        let (state, item) = (self.state, Item::Subface(corners));
+        let reason = state.angles.facet_reason.get(&f).copied();
+        if let Some(reason) = reason.filter(|_| self.is_too_near(item, &place.p)) {
+            return Verdict::Refuse(reason);
+        }
+        if !state.touched.hit_segments.is_empty() {
+            return Verdict::Defer(state.touched.hits());
+        }
+        if let Some(change) = state.plan(f, &place.p, Seed::At(corners))
+            && change.removed.contains(&corners)
+        {
+            let changes = vec![change];
+            let lost = state.losses(None, &changes);
+            return self.spare(item, place, Filling { split: None, changes, lost });
+        }
+        match state.segment_between(corners, f, &place.p) {
+            Some(segment) => Verdict::Defer(vec![Item::Segment(segment)]),
+            None => Verdict::Useless,
+        }
+    }
+
+    /// On a point that is to split tetrahedron `t`.
+    pub(crate) fn on_tet(&self, t: TetId) -> Verdict {
+        let state = self.state;
+        let mut first = state.touched.hits();
+        if first.is_empty() {
+            first = state.losses(None, &[]);
+        }
+        match first.is_empty() {
+            false => Verdict::Defer(first),
+            true if state.mesh.topology().at(t).is_marked() => Verdict::Fill(Filling::default()),
+            true => Verdict::Useless,
+        }
+    }
+
+    /// Would the point make an edge shorter than what `item` is limited to? The vertex nearest to a
+    /// new point is always on the rim of its cavity.
+    fn is_too_near(&self, item: Item, p: &Point) -> bool {
+        let Some(&limit) = self.record.limits.get(&item) else { return false };
+        let mut rim = self.state.mesh.cavity().faces().flatten();
+        rim.any(|v| v != INFINITE && distance2(&self.state.at(v), p) < limit * limit)
+    }
+
+    /// The verdict on a boundary point that takes the items `lost` out of the mesh. While the
+    /// boundary is recovered they are split in their turn.
+    ///
+    /// Afterwards the boundary is complete, and stays so: what would be lost is split first, or,
+    /// where that would take this item out of the mesh, with it. If it may not be split, or is at a
+    /// small angle with the point's own carrier, the point is refused.
+    fn spare(&self, item: Item, place: &Place, filling: Filling) -> Verdict {
+        let lost = &filling.lost;
+        if lost.is_empty() || self.recovers {
+            return Verdict::Fill(filling);
+        }
+        let related = lost.iter().find_map(|&other| self.state.relation(place.carrier, other));
+        if let Some(reason) = related {
+            return Verdict::Refuse(reason);
+        }
+        if self.state.journal.is_some() {
+            return Verdict::Fill(filling);
+        }
+        let limit = self.record.limits.get(&item).copied();
+        match lost.iter().find_map(|other| self.record.bars(other, limit)) {
+            Some(reason) => Verdict::Refuse(reason),
+            None => Verdict::Defer(filling.lost),
+        }
+    }
+}
+
+impl State {
+    /// The sides of a tetrahedron that are on the boundary.
+    pub(crate) fn boundary_sides(&self, t: TetId) -> Vec<Item> {
+        let (word, v) = (self.marks.of(t), self.vertices(t));
+        let sides = (0..4).filter(|&slot| word & face_bit(slot) != 0).map(|slot| {
+            let [a, b, c] = FACE[slot].map(|k| v[k]);
+            Item::Subface(triangle(a, b, c))
+        });
+        sides.collect()
+    }
+}
