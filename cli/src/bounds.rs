@@ -3,7 +3,7 @@
 use crate::args::MeshArgs;
 use crate::outcome::Failure;
 use ltbw::domain::Prepared;
-use ltbw::refine::{Background, BackgroundError, Refiner};
+use ltbw::refine::{Background, Refiner};
 use ltbw::{Point, io};
 
 /// The bounds asked for.
@@ -45,7 +45,7 @@ pub(crate) fn field(args: &MeshArgs, ready: &Prepared) -> Result<Option<Field>, 
             let mesh = io::read_mesh(mesh).map_err(Failure::Read)?;
             Background::new(&mesh, &sizes).map_err(failed)?
         }
-        None => at_vertices(ready, &sizes).map_err(failed)?,
+        None => Background::at_vertices(ready, &sizes).map_err(failed)?,
     };
     // A background mesh is in the coordinates of the file, the domain perhaps in those of a frame.
     let offset = match args.background {
@@ -53,24 +53,6 @@ pub(crate) fn field(args: &MeshArgs, ready: &Prepared) -> Result<Option<Field>, 
         None => [0.0; 3],
     };
     Ok(Some(Box::new(move |p| background.at([0, 1, 2].map(|k| p[k] + offset[k])).min(constant))))
-}
-
-/// Sizes at the vertices of the file; where several became one, the least counts.
-fn at_vertices(ready: &Prepared, sizes: &[f64]) -> Result<Background, BackgroundError> {
-    let (vertices, points) = (&ready.domain.vertices, ready.vertex_map.len());
-    if sizes.len() != points {
-        return Err(BackgroundError::Count { sizes: sizes.len(), points });
-    }
-    if let Some(number) = sizes.iter().position(|s| !(s.is_finite() && *s > 0.0)) {
-        return Err(BackgroundError::Size { number, size: sizes[number] });
-    }
-    let mut own = vec![f64::INFINITY; vertices.len()];
-    for (&v, &size) in ready.vertex_map.iter().zip(sizes) {
-        if let Some(own) = own.get_mut(v as usize) {
-            *own = own.min(size);
-        }
-    }
-    Background::of_points(vertices, &own)
 }
 
 /// The bounds of the command line; TetGen's switches as far as they mean something here.

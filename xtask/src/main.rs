@@ -10,6 +10,7 @@ mod mutants;
 mod parts;
 mod predicates;
 mod prove;
+mod python;
 mod shell;
 mod tsan;
 
@@ -39,6 +40,7 @@ cargo xtask COMMAND
                         the canary, then every fuzz target for N seconds each (default 60), through
                         cargo-fuzz
   vectors               writes the conformance kit verify/vectors
+  python                lints, builds and tests the Python package: wheel, doctests, tutorial
   prove                 the proofs of the filters: coqc and gappa
   model-check [--deep]  the models of verify/models: all states, known-bad variants, loom, shuttle
   tsan                  the thread runtime under ThreadSanitizer, and its canary
@@ -59,6 +61,7 @@ fn main() -> ExitCode {
         "generate" => generate::run(),
         "vectors" => vectors::run(),
         "prove" => prove::run(),
+        "python" => python::run(),
         "model-check" => model_check::run(rest),
         "tsan" => tsan::run(),
         "coverage" => coverage::run(rest),

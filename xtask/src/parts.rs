@@ -1,7 +1,7 @@
 //! `parts`: surfaces as users bring them, through `ltbw mesh` beside TetGen. The measuring is the
 //! program `measure_parts` of the tests package; here are the builds and the Python.
 
-use crate::shell::{self, cargo, command, target};
+use crate::shell::{self, cargo, target};
 use std::path::PathBuf;
 
 /// The version that the table is compared with.
@@ -23,7 +23,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
         measure.arg(if is_folder { here.join(arg) } else { PathBuf::from(arg) });
     }
     if std::env::var_os("LTBW_TETGEN_PYTHON").is_none() {
-        match python() {
+        match shell::python("tetgen-python", &[TETGEN], "import tetgen") {
             Ok(python) => {
                 measure.env("LTBW_TETGEN_PYTHON", python);
             }
@@ -31,22 +31,4 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
         }
     }
     shell::run(&mut measure)
-}
-
-/// A Python with TetGen beside what cargo builds, made where there is none.
-fn python() -> Result<PathBuf, String> {
-    let folder = target().join("tetgen-python");
-    let python = folder.join("bin/python");
-    let has = |python: &PathBuf| shell::works(command_of(python).args(["-c", "import tetgen"]));
-    if has(&python) {
-        return Ok(python);
-    }
-    shell::run(command("python3").args(["-m", "venv"]).arg(&folder))?;
-    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", TETGEN];
-    shell::run(command_of(&python).args(install))?;
-    if has(&python) { Ok(python) } else { Err(format!("{TETGEN} does not start")) }
-}
-
-fn command_of(program: &std::path::Path) -> std::process::Command {
-    command(&program.to_string_lossy())
 }

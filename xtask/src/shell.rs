@@ -56,3 +56,19 @@ pub(crate) fn works(command: &mut Command) -> bool {
     let quiet = command.stdout(Stdio::null()).stderr(Stdio::null());
     quiet.status().is_ok_and(|status| status.success())
 }
+
+/// A Python with packages, beside what cargo builds; made where there is none that carries out
+/// `test`.
+pub(crate) fn python(name: &str, packages: &[&str], test: &str) -> Result<PathBuf, String> {
+    let folder = target().join(name);
+    let python = folder.join("bin/python");
+    let program = python.to_string_lossy().into_owned();
+    let has = || works(command(&program).args(["-c", test]));
+    if has() {
+        return Ok(python);
+    }
+    run(command("python3").args(["-m", "venv"]).arg(&folder))?;
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    run(command(&program).args(install).args(packages))?;
+    if has() { Ok(python) } else { Err(format!("{test}: fails with {}", packages.join(" "))) }
+}

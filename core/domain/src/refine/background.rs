@@ -8,6 +8,7 @@
 //! refinement.
 
 use super::carrier::{cross, dot, minus};
+use crate::Prepared;
 use ltbw_core::build::BuildError;
 use ltbw_core::{Builder, TetMesh};
 use ltbw_exact::points::PointError;
@@ -134,6 +135,28 @@ impl Background {
         let mesh =
             TetMesh { points: points.to_vec(), tets: mesh.tets().collect(), ..TetMesh::default() };
         Self::new(&mesh, sizes)
+    }
+
+    /// Sizes at the vertices of the input of a prepared domain, in its coordinates; of vertices that
+    /// became one the least size counts.
+    ///
+    /// # Errors
+    /// [`BackgroundError`] says what does not fit.
+    pub fn at_vertices(ready: &Prepared, sizes: &[f64]) -> Result<Self, BackgroundError> {
+        let (vertices, points) = (&ready.domain.vertices, ready.vertex_map.len());
+        if sizes.len() != points {
+            return Err(BackgroundError::Count { sizes: sizes.len(), points });
+        }
+        if let Some(number) = sizes.iter().position(|s| !(s.is_finite() && *s > 0.0)) {
+            return Err(BackgroundError::Size { number, size: sizes[number] });
+        }
+        let mut own = vec![f64::INFINITY; vertices.len()];
+        for (&v, &size) in ready.vertex_map.iter().zip(sizes) {
+            if let Some(own) = own.get_mut(v as usize) {
+                *own = own.min(size);
+            }
+        }
+        Self::of_points(vertices, &own)
     }
 
     /// The edge length at a place; outside the mesh that of the nearest of its points.

@@ -1,0 +1,176 @@
+"""Exactly Delaunay tetrahedral meshes of points and of polyhedral domains.
+
+The same input has the same mesh, whatever the number of threads: :attr:`Mesh.hash` tells.
+
+>>> import ltbw, numpy as np
+>>> cube = np.array([[x, y, z] for x in (0., 1.) for y in (0., 1.) for z in (0., 1.)])
+>>> mesh = ltbw.delaunay(cube)
+>>> mesh.simplices.shape
+(6, 4)
+>>> bool(mesh.check().passed)
+True
+"""
+
+from . import _input, _native
+from ._errors import (
+    Cancelled,
+    DomainError,
+    Error,
+    FileError,
+    InputError,
+    InternalError,
+    RecoveryError,
+)
+from ._mesh import Certificate, Mesh, check
+
+__version__ = _native.__version__
+
+__all__ = [
+    "Cancelled",
+    "Certificate",
+    "DomainError",
+    "Error",
+    "FileError",
+    "InputError",
+    "InternalError",
+    "Mesh",
+    "RecoveryError",
+    "check",
+    "delaunay",
+    "tetrahedralize",
+]
+
+
+def _threads(threads):
+    count = int(threads)
+    if count != threads or not 1 <= count <= 4096:
+        raise InputError(f"threads: a number from 1 to 4096, not {threads}", "threads.count")
+    return count
+
+
+def delaunay(points, threads=1, *, progress=None):
+    """The Delaunay mesh of points, exact for any input.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 3)
+        Finite coordinates. Duplicates are allowed: the first of them is the vertex.
+    threads : int
+        Threads to work with; the mesh is the same for any number.
+    progress : callable, optional
+        ``progress(done, total)`` is called some twenty times a second; ``total`` is None where it is
+        not known. An exception ends the work and comes back; ``False`` ends it and keeps the
+        mesh so far, with the outcome ``"cancelled"``; :class:`Cancelled` if there is none yet.
+
+    Returns
+    -------
+    Mesh
+
+    Raises
+    ------
+    InputError
+        Points that are not finite (``ids`` has the first), or do not span space.
+
+    >>> import ltbw
+    >>> ltbw.delaunay([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).simplices.shape
+    (1, 4)
+    """
+    array = _input.coordinates(points)
+    return Mesh(_native.delaunay(array, _threads(threads), progress))
+
+
+def tetrahedralize(
+    surface,
+    *,
+    max_volume=None,
+    radius_edge=2.0,
+    size=None,
+    regions=(),
+    holes=None,
+    max_points=None,
+    repair=0.0,
+    exact_input=False,
+    progress=None,
+    threads=1,
+    check=True,
+):
+    """A conforming Delaunay mesh of a polyhedral domain, with bounds that are met exactly.
+
+    Parameters
+    ----------
+    surface : path, tuple, pyvista.PolyData, meshio.Mesh, or anything with vertices and faces
+        The domain: a file (``.poly .smesh .off .obj .stl .ply``); ``(vertices, faces)`` or
+        ``(vertices, faces, markers)``, faces as an array of shape (f, 3) or lists of corners.
+    max_volume : float, optional
+        The largest volume of a tetrahedron.
+    radius_edge : float or None
+        The largest ratio of circumradius to shortest edge, at least 1; None: any shape.
+    size : float, array or callable, optional
+        Wanted edge length: one for all, one for each vertex of the surface, or ``size(p)`` for a
+        place ``p = (x, y, z)``. A function is called from the calling thread only, has to give the
+        same answer for the same place, and may raise: its exception comes back as it is.
+    regions : sequence of (point, attribute) or (point, attribute, max_volume)
+        A point in each region with properties of its own.
+    holes : array_like of shape (h, 3), optional
+        A point in each void. Without it the surface's orientation says what is void; with it
+        (even empty) nothing is but what has a point.
+    max_points : int, optional
+        The most points to insert; a mesh that needs more has the outcome ``"budget"``.
+    repair : float
+        Weld vertices within this distance and close seams as far apart.
+    exact_input : bool
+        Refuse a domain that is not exactly on its lattice.
+    progress : callable, optional
+        As for :func:`delaunay`.
+    threads : int
+        Threads for sorting and checking.
+    check : bool
+        Check the mesh against the domain, by independent code: :attr:`Mesh.certificate`.
+
+    Returns
+    -------
+    Mesh
+        Its ``outcome`` is ``"met"``, or ``"excused"`` where input angles are too small for the
+        bounds: ``excuses`` lists these tetrahedra.
+
+    Raises
+    ------
+    DomainError
+        The surface is open, or crosses itself, ...: the message names the places.
+    RecoveryError
+        The boundary could not be brought into the mesh.
+    InputError
+        Bounds or arguments that make no sense.
+
+    >>> import ltbw
+    >>> cube = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    >>> faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    >>> mesh = ltbw.tetrahedralize((cube, faces), max_volume=0.01)
+    >>> mesh.outcome, mesh.certificate.passed
+    ('met', True)
+    """
+    wishes = {
+        "max_volume": None if max_volume is None else float(max_volume),
+        "radius_edge": None if radius_edge is None else float(radius_edge),
+        "size": _input.size(size),
+        "max_points": max_points,
+        "holes": None if holes is None else _input.coordinates(holes, "holes").tolist(),
+        "regions": [_region(region) for region in regions],
+        "repair": float(repair),
+        "exact_input": bool(exact_input),
+        "check": bool(check),
+        "threads": _threads(threads),
+    }
+    kernel, certificate, notes = _native.tetrahedralize(_input.surface(surface), wishes, progress)
+    return Mesh(kernel, certificate, notes)
+
+
+def _region(given):
+    try:
+        point, attribute, *volume = given
+        x, y, z = point
+        volume = None if not volume or volume[0] is None else float(volume[0])
+        return (float(x), float(y), float(z)), float(attribute), volume
+    except (TypeError, ValueError) as error:
+        text = f"regions: (point, attribute) or (point, attribute, max_volume), not {given!r}"
+        raise InputError(text, "regions.layout") from error

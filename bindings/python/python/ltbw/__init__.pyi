@@ -1,0 +1,78 @@
+import os
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__version__: str
+
+class Error(Exception):
+    code: str
+    ids: list[int]
+
+class InputError(Error, ValueError): ...
+class DomainError(Error, ValueError): ...
+class RecoveryError(Error, RuntimeError): ...
+class FileError(Error, OSError): ...
+class Cancelled(Error, RuntimeError): ...
+class InternalError(Error, RuntimeError): ...
+
+class Certificate:
+    report: dict[str, Any]
+    passed: bool
+    defects: list[Any]
+    @property
+    def hash(self) -> str | None: ...
+
+class Mesh:
+    certificate: Certificate | None
+    notes: list[str]
+    points: NDArray[np.float64]
+    node: NDArray[np.float64]
+    simplices: NDArray[np.int32]
+    elem: NDArray[np.int32]
+    neighbors: NDArray[np.int32]
+    convex_hull: NDArray[np.int32]
+    coplanar: NDArray[np.int32]
+    triangles: NDArray[np.int32]
+    triface: NDArray[np.int32]
+    triface_markers: NDArray[np.int64]
+    regions: NDArray[np.int32]
+    excuses: list[tuple[int, str]]
+    hash: str
+    quality: dict[str, dict[str, Any]] | None
+    grid: Any
+    @property
+    def outcome(self) -> str: ...
+    @property
+    def offset(self) -> NDArray[np.float64]: ...
+    def find_simplex(self, xi: ArrayLike) -> NDArray[np.int32]: ...
+    def check(self, *, full: bool = ...) -> Certificate | None: ...
+    def save(self, path: str | os.PathLike[str]) -> None: ...
+    def to_meshio(self) -> Any: ...
+
+Progress = Callable[[int, int | None], Any]
+Region = tuple[Sequence[float], float] | tuple[Sequence[float], float, float | None]
+
+def delaunay(
+    points: ArrayLike, threads: int = ..., *, progress: Progress | None = ...
+) -> Mesh: ...
+def tetrahedralize(
+    surface: Any,
+    *,
+    max_volume: float | None = ...,
+    radius_edge: float | None = ...,
+    size: float | ArrayLike | Callable[[tuple[float, float, float]], float] | None = ...,
+    regions: Iterable[Region] = ...,
+    holes: ArrayLike | None = ...,
+    max_points: int | None = ...,
+    repair: float = ...,
+    exact_input: bool = ...,
+    progress: Progress | None = ...,
+    threads: int = ...,
+    check: bool = ...,
+) -> Mesh: ...
+def check(
+    points: ArrayLike, simplices: ArrayLike, *, any_order: bool = ..., all_points: bool = ...
+) -> Certificate: ...

@@ -1,0 +1,39 @@
+"""Exceptions of ltbw: each has a code that stays the same between versions, and the numbers of the
+elements that are at fault."""
+
+
+class Error(Exception):
+    """Base of all exceptions of ltbw.
+
+    ``code`` is a short name that stays the same between versions; ``ids`` are the numbers of the
+    points, vertices or faces at fault, counted from 0.
+    """
+
+    def __init__(self, message, code="", ids=()):
+        super().__init__(message)
+        self.code = code
+        self.ids = list(ids)
+
+
+class InputError(Error, ValueError):
+    """The arguments are no points, no surface, or no bounds that a mesh can meet."""
+
+
+class DomainError(Error, ValueError):
+    """The surface bounds nothing that can be meshed: open, doubled, touching or crossing parts."""
+
+
+class RecoveryError(Error, RuntimeError):
+    """The surface could not be brought into a Delaunay mesh; the message names the places."""
+
+
+class Cancelled(Error, RuntimeError):
+    """The progress function ended the work before there was a mesh."""
+
+
+class FileError(Error, OSError):
+    """A file could not be read or written."""
+
+
+class InternalError(Error, RuntimeError):
+    """A defect of ltbw itself: please report it."""

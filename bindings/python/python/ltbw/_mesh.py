@@ -1,0 +1,192 @@
+"""The mesh and its certificate, with the names that users of scipy and pyvista know."""
+
+import functools
+import json
+import os
+
+import numpy as np
+
+from . import _input, _native
+
+
+class Certificate:
+    """The findings of the independent checker.
+
+    ``passed`` tells whether nothing is wrong; ``defects`` are the first defects or breaches, as
+    dicts; ``report`` is all of it (schemas ``ltbw.cert/1`` and ``ltbw.conformity/1``).
+    """
+
+    def __init__(self, text):
+        self.report = json.loads(text)
+        self.passed = self.report["passed"]
+        self.defects = self.report.get("defects", []) + self.report.get("breaches", [])
+
+    @property
+    def hash(self):
+        """The canonical hash ``ltbw.mesh/1``, if the checker made one."""
+        return self.report.get("mesh", {}).get("hash")
+
+    def __repr__(self):
+        return f"<ltbw.Certificate {'passed' if self.passed else 'FAILED'}>"
+
+
+def check(points, simplices, *, any_order=False, all_points=False):
+    """Checks anybody's mesh: structure, orientation, the Delaunay property, the canonical rule.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 3)
+    simplices : array_like of int, of shape (m, 4)
+    any_order : bool
+        The order of a tetrahedron's corners means nothing (scipy and Qhull write such meshes).
+    all_points : bool
+        Every point has to be a vertex.
+
+    >>> import ltbw
+    >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> ltbw.check(points, [[0, 1, 2, 3]], any_order=True)
+    <ltbw.Certificate passed>
+    """
+    array = _input.coordinates(points)
+    rows = _input.corners(simplices, 4, "simplices")
+    return Certificate(_native.check(array, rows, bool(any_order), bool(all_points)))
+
+
+class Mesh:
+    """A tetrahedral mesh. Arrays are made when they are first asked for, and kept.
+
+    ============================  =====================  ==========================================
+    here                          elsewhere              meaning
+    ============================  =====================  ==========================================
+    ``points``                    ``node`` (tetgen)      coordinates, float64, (n, 3)
+    ``simplices``                 ``elem`` (tetgen)      corners of tetrahedra, int32, (m, 4)
+    ``neighbors``                 scipy                  across the face opposite each corner, or -1
+    ``convex_hull``               scipy                  facets of the convex hull, (h, 3)
+    ``coplanar``                                         duplicates and their vertices, (d, 2)
+    ``triangles``                 ``triface``            boundary triangles of a domain, (b, 3)
+    ``triface_markers``           tetgen                 their facets' markers, (b,)
+    ``regions``                                          region of each tetrahedron, from 1, (m,)
+    ``grid``                      pyvista                the mesh as pyvista.UnstructuredGrid
+    ============================  =====================  ==========================================
+    """
+
+    def __init__(self, kernel, certificate=None, notes=()):
+        self._kernel = kernel
+        self.certificate = None if certificate is None else Certificate(certificate)
+        self.notes = list(notes)
+
+    @property
+    def outcome(self):
+        """``complete``, ``met``, ``excused``, ``budget`` or ``cancelled``."""
+        return self._kernel.outcome
+
+    @functools.cached_property
+    def points(self):
+        return self._kernel.points()
+
+    @functools.cached_property
+    def simplices(self):
+        return self._kernel.simplices()
+
+    @functools.cached_property
+    def neighbors(self):
+        return self._kernel.neighbors()
+
+    @functools.cached_property
+    def convex_hull(self):
+        return self._kernel.convex_hull()
+
+    @functools.cached_property
+    def coplanar(self):
+        return self._kernel.duplicates()
+
+    @functools.cached_property
+    def _boundary(self):
+        found = self._kernel.boundary()
+        return found or (np.zeros((0, 3), np.int32), np.zeros(0, np.int64))
+
+    @property
+    def triangles(self):
+        return self._boundary[0]
+
+    @property
+    def triface_markers(self):
+        return self._boundary[1]
+
+    @functools.cached_property
+    def regions(self):
+        found = self._kernel.regions()
+        return np.ones(len(self.simplices), np.int32) if found is None else found
+
+    node = property(lambda self: self.points, doc="The same as ``points``.")
+    elem = property(lambda self: self.simplices, doc="The same as ``simplices``.")
+    triface = property(lambda self: self.triangles, doc="The same as ``triangles``.")
+
+    @functools.cached_property
+    def excuses(self):
+        """The tetrahedra over a bound: (number, reason)."""
+        return self._kernel.excuses()
+
+    @property
+    def offset(self):
+        """What ``points`` of a domain far from the origin are relative to; else zeros."""
+        return np.array(self._kernel.offset())
+
+    @functools.cached_property
+    def hash(self):
+        """The canonical hash ``ltbw.mesh/1``: a function of the mesh alone."""
+        return _native.mesh_hash(self.points, self.simplices.astype(np.int64))
+
+    @functools.cached_property
+    def quality(self):
+        """Histograms of ``dihedral`` (degrees), ``radius_edge``, ``volume``, ``edge``: each a dict with
+        ``low, high, counts`` and ``least, largest`` as (value, tetrahedron)."""
+        return self._kernel.quality()
+
+    def find_simplex(self, xi):
+        """For each point of ``xi``, of shape (..., 3), a tetrahedron that holds it, or -1. Exact.
+
+        >>> import ltbw
+        >>> mesh = ltbw.delaunay([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+        >>> mesh.find_simplex([[0.1, 0.1, 0.1], [1, 1, 1]]).tolist()
+        [0, -1]
+        """
+        array = np.asarray(xi)
+        flat = _input.coordinates(array.reshape(-1, array.shape[-1]) if array.ndim else array, "xi")
+        return self._kernel.find_simplex(flat).reshape(array.shape[:-1])
+
+    def check(self, *, full=False):
+        """Checks the mesh: of points as :func:`ltbw.check` does, with the adjacency as a hint; of a
+        domain it is the certificate that came with it."""
+        text = self._kernel.certify(bool(full))
+        return self.certificate if text is None else Certificate(text)
+
+    def save(self, path):
+        """Writes the mesh: ``.vtu .msh .mesh .ele``."""
+        self._kernel.save(os.fspath(path))
+
+    def to_meshio(self):
+        """The mesh as a ``meshio.Mesh``: tetrahedra with regions, boundary with markers."""
+        import meshio
+
+        cells, regions, markers = [("tetra", self.simplices)], [self.regions], [0 * self.regions]
+        if len(self.triangles):
+            cells.append(("triangle", self.triangles))
+            regions.append(np.zeros(len(self.triangles), np.int32))
+            markers.append(self.triface_markers.astype(np.int32))
+        return meshio.Mesh(self.points, cells, cell_data={"region": regions, "marker": markers})
+
+    @functools.cached_property
+    def grid(self):
+        """The mesh as a ``pyvista.UnstructuredGrid``, with the array ``region``."""
+        import pyvista
+
+        count = len(self.simplices)
+        cells = np.column_stack([np.full(count, 4, np.int64), self.simplices]).ravel()
+        kinds = np.full(count, pyvista.CellType.TETRA, np.uint8)
+        grid = pyvista.UnstructuredGrid(cells, kinds, self.points)
+        grid.cell_data["region"] = self.regions
+        return grid
+
+    def __repr__(self):
+        return f"<ltbw.Mesh of {len(self.simplices)} tetrahedra, {self.outcome}>"

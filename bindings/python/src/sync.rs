@@ -1,0 +1,44 @@
+//! Progress, shared by the thread that works and the one that holds the interpreter.
+
+use ltbw::Observer;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::Duration;
+
+/// Points done, of a total that may be unknown (0), and the bell that rings at the end.
+#[derive(Debug, Default)]
+pub(crate) struct Progress {
+    done: AtomicU64,
+    total: AtomicU64,
+    ended: Mutex<bool>,
+    bell: Condvar,
+}
+
+impl Observer for Progress {
+    fn progress(&self, done: u64, total: u64) {
+        // Figures for people: neither orders anything else.
+        self.done.store(done, Ordering::Relaxed);
+        self.total.store(total, Ordering::Relaxed);
+    }
+}
+
+impl Progress {
+    /// Points done, and their total, if it is known.
+    pub(crate) fn figures(&self) -> (u64, Option<u64>) {
+        let total = self.total.load(Ordering::Relaxed);
+        (self.done.load(Ordering::Relaxed), (total > 0).then_some(total))
+    }
+
+    /// Says that the work has ended.
+    pub(crate) fn end(&self) {
+        *self.ended.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.bell.notify_all();
+    }
+
+    /// Waits for the end of the work, at most `patience`: has it come?
+    pub(crate) fn wait(&self, patience: Duration) -> bool {
+        let ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
+        let waited = self.bell.wait_timeout_while(ended, patience, |ended| !*ended);
+        *waited.unwrap_or_else(PoisonError::into_inner).0
+    }
+}

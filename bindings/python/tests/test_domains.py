@@ -1,0 +1,174 @@
+"""Meshes of domains: sources, bounds, sizes, and the same mesh as the program's."""
+
+import numpy as np
+import pytest
+
+import ltbw
+
+DOMAINS = ["cube-octahedron", "cube-in-cube", "tee", "gear", "wedge"]
+
+
+@pytest.mark.parametrize("kind", DOMAINS)
+def test_hash_is_the_programs(program, tmp_path, kind):
+    path = tmp_path / "d.poly"
+    program("generate", kind, "-o", path)
+    expected = program("mesh", path).split()[-1]
+    mesh = ltbw.tetrahedralize(path)
+    assert mesh.hash == expected and mesh.outcome == "met" and mesh.certificate.passed
+
+
+def test_arrays_make_the_same_mesh_as_a_file(cube, tmp_path):
+    corners, faces = cube
+    path = tmp_path / "cube.off"
+    lines = ["OFF", f"{len(corners)} {len(faces)} 0"]
+    lines += [" ".join(map(str, p)) for p in corners]
+    lines += [" ".join(map(str, [len(f), *f])) for f in faces]
+    path.write_text("\n".join(lines) + "\n")
+    from_file = ltbw.tetrahedralize(path, max_volume=0.01)
+    assert ltbw.tetrahedralize((corners, faces), max_volume=0.01).hash == from_file.hash
+    assert ltbw.tetrahedralize(str(path), max_volume=0.01, threads=2).hash == from_file.hash
+
+
+def test_boundary_and_markers(cube):
+    corners, faces = cube
+    mesh = ltbw.tetrahedralize((corners, faces, range(10, 16)), max_volume=0.01)
+    assert sorted(set(mesh.triface_markers.tolist())) == [10, 11, 12, 13, 14, 15]
+    # The boundary of the unit cube has the area 6.
+    a, b, c = (mesh.points[mesh.triangles[:, k]] for k in range(3))
+    assert np.isclose(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2, 6.0)
+    for face in mesh.triangles[:10]:
+        assert any(set(face) <= set(tet) for tet in mesh.simplices)
+    assert (mesh.regions == 1).all()
+    assert (mesh.find_simplex([[0.5, 0.5, 0.5], [2, 0, 0]]) >= 0).tolist() == [True, False]
+
+
+def test_sizes_refine_where_they_are_small(cube):
+    bare = len(ltbw.tetrahedralize(cube).simplices)
+    constant = ltbw.tetrahedralize(cube, size=0.2)
+    at_vertices = ltbw.tetrahedralize(cube, size=[0.1] * 4 + [0.5] * 4)
+    called = []
+
+    def size(p):
+        called.append(p)
+        return 0.1 + 0.4 * p[0]
+
+    by_function = ltbw.tetrahedralize(cube, size=size)
+    assert all(mesh.outcome == "met" for mesh in (constant, at_vertices, by_function))
+    assert len(constant.simplices) > 10 * bare
+    assert len(called) > 100 and all(isinstance(p, tuple) and len(p) == 3 for p in called)
+    for mesh in (at_vertices, by_function):
+        middle = mesh.points[mesh.simplices].mean(axis=1)
+        assert (middle[:, 0] < 0.5).sum() > 2 * (middle[:, 0] > 0.5).sum()
+
+
+def test_a_size_function_may_raise(cube):
+    class Mine(Exception):
+        pass
+
+    def raises(p):
+        raise Mine("no size here")
+
+    with pytest.raises(Mine, match="no size here"):
+        ltbw.tetrahedralize(cube, size=raises)
+    with pytest.raises(TypeError):
+        ltbw.tetrahedralize(cube, size=lambda p: "wide")
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, float("nan")])
+def test_a_size_that_is_no_length_is_told_with_its_place(cube, bad):
+    with pytest.raises(ltbw.InputError, match="size at .* is"):
+        ltbw.tetrahedralize(cube, size=lambda p: bad)
+    with pytest.raises(ltbw.InputError):
+        ltbw.tetrahedralize(cube, size=bad)
+    with pytest.raises(ltbw.InputError) as caught:
+        ltbw.tetrahedralize(cube, size=[1.0] * 5 + [bad] + [1.0] * 2)
+    assert caught.value.ids == [5]
+
+
+def test_regions_and_holes(cube):
+    corners, faces = cube
+    inner = (np.array(corners) * 0.5 + 0.25).tolist()
+    both = (corners + inner, faces + [[v + 8 for v in f] for f in faces])
+    regions = [((0.5, 0.5, 0.5), 7.0, 1e-3), ((0.1, 0.1, 0.1), 3.0)]
+    mesh = ltbw.tetrahedralize(both, holes=[], regions=regions)
+    assert set(mesh.regions.tolist()) == {1, 2}
+    with_hole = ltbw.tetrahedralize(both, holes=[[0.5, 0.5, 0.5]])
+    volume = lambda m: volumes(m).sum()
+    assert np.isclose(volume(mesh), 1.0) and np.isclose(volume(with_hole), 0.875)
+    assert volumes(mesh)[mesh.regions == mesh.regions[mesh.find_simplex([0.5, 0.5, 0.5])]].max() <= 1e-3
+    with pytest.raises(ltbw.InputError):
+        ltbw.tetrahedralize(both, regions=[1.0])
+
+
+def volumes(mesh):
+    a, b, c, d = (mesh.points[mesh.simplices[:, k]] for k in range(4))
+    return np.abs(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a)) / 6
+
+
+@pytest.mark.parametrize(
+    "change, error, code",
+    [
+        (lambda c, f: (c, f[:5]), ltbw.DomainError, "domain.defects"),
+        (lambda c, f: (c, []), ltbw.DomainError, None),
+        (lambda c, f: (c, [[0, 1, 99]]), ltbw.InputError, "faces.index"),
+        (lambda c, f: (c, [[0, 1, -2]]), ltbw.InputError, "faces.index"),
+        (lambda c, f: (c, np.zeros((2, 3))), ltbw.InputError, "faces.type"),
+        (lambda c, f: (c, f, [1, 2]), ltbw.InputError, "faces.markers"),
+        (lambda c, f: ([[np.nan] * 3] + c[1:], f), ltbw.DomainError, None),
+        (lambda c, f: 17, ltbw.InputError, "surface.type"),
+        (lambda c, f: "nothing.stl", ltbw.FileError, "file.read"),
+        (lambda c, f: "nothing.docx", ltbw.InputError, "file.format"),
+    ],
+)
+def test_what_is_no_domain_is_told(cube, change, error, code):
+    with pytest.raises(error) as caught:
+        ltbw.tetrahedralize(change(*cube))
+    assert code in (None, caught.value.code), caught.value
+
+
+@pytest.mark.parametrize("wish", [{"max_volume": -1.0}, {"radius_edge": 0.5}, {"repair": -1.0}])
+def test_bounds_that_make_no_sense_are_told(cube, wish):
+    with pytest.raises(ltbw.InputError):
+        ltbw.tetrahedralize(cube, **wish)
+
+
+def test_budget_and_progress(cube):
+    few = ltbw.tetrahedralize(cube, max_volume=1e-5, max_points=100)
+    assert few.outcome == "budget"
+    told = []
+    ltbw.tetrahedralize(cube, max_volume=3e-6, progress=lambda *figures: told.append(figures))
+    assert told
+    stopped = ltbw.tetrahedralize(cube, max_volume=3e-6, progress=lambda *_: False)
+    assert stopped.outcome == "cancelled" and stopped.certificate is None
+
+
+def test_files_are_read_back(cube, tmp_path):
+    import meshio
+
+    mesh = ltbw.tetrahedralize((cube[0], cube[1], range(6)), max_volume=0.01)
+    for name in ("a.vtu", "a.mesh", "a.msh"):
+        mesh.save(tmp_path / name)
+        read = meshio.read(tmp_path / name)
+        assert len(read.cells_dict["tetra"]) == len(mesh.simplices), name
+    with pytest.raises(ltbw.InputError):
+        mesh.save(tmp_path / "a.docx")
+    with pytest.raises(ltbw.FileError):
+        mesh.save(tmp_path / "no" / "a.vtu")
+    own = mesh.to_meshio()
+    assert len(own.cells_dict["triangle"]) == len(mesh.triangles)
+    own.write(tmp_path / "b.vtu")
+    # A meshio mesh of the boundary is a surface again.
+    shell = meshio.Mesh(mesh.points, [("triangle", mesh.triangles)])
+    assert ltbw.tetrahedralize(shell).outcome == "met"
+
+
+def test_pyvista_surfaces_and_grids(cube):
+    pyvista = pytest.importorskip("pyvista")
+    box = pyvista.Box(level=2).triangulate()
+    mesh = ltbw.tetrahedralize(box, max_volume=0.05)
+    assert mesh.outcome == "met"
+    assert np.isclose(mesh.grid.volume, box.volume)
+    assert mesh.grid.n_cells == len(mesh.simplices)
+    grid = box.ltbw.tetrahedralize(max_volume=0.05)
+    assert grid.n_cells == mesh.grid.n_cells
+    assert ltbw.delaunay(box.points).grid.n_cells == box.ltbw.delaunay().n_cells

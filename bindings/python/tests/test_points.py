@@ -1,0 +1,155 @@
+"""Meshes of points: what comes in, what comes out, and the same mesh as the program's."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.spatial import Delaunay
+
+import ltbw
+
+
+def cloud(n=500, seed=1):
+    return np.random.default_rng(seed).random((n, 3))
+
+
+@pytest.mark.parametrize("kind", ["uniform", "grid", "clusters", "sphere", "planes"])
+@pytest.mark.parametrize("count", [100, 333, 2000, 12345])
+def test_hash_is_the_programs(program, tmp_path, kind, count):
+    path = tmp_path / "p.npy"
+    program("generate", kind, count, "--seed", count, "-o", path)
+    expected = program("delaunay", path).split()[-1]
+    points = np.load(path)
+    assert ltbw.delaunay(points).hash == expected
+    assert ltbw.delaunay(points, threads=3).hash == expected
+
+
+def test_simplices_are_scipys():
+    points = cloud()
+    ours, theirs = ltbw.delaunay(points), Delaunay(points)
+    as_sets = lambda rows: {tuple(sorted(row)) for row in rows.tolist()}
+    assert as_sets(ours.simplices) == as_sets(theirs.simplices)
+    assert as_sets(ours.convex_hull) == as_sets(theirs.convex_hull)
+    queries = np.random.default_rng(2).random((4, 25, 3)) * 1.5 - 0.25
+    found, expected = ours.find_simplex(queries), theirs.find_simplex(queries)
+    assert found.shape == (4, 25)
+    inside = expected >= 0
+    assert (inside == (found >= 0)).all() and inside.any() and not inside.all()
+    same = zip(ours.simplices[found[inside]], theirs.simplices[expected[inside]])
+    assert all(set(a) == set(b) for a, b in same)
+
+
+def test_neighbours_are_across_faces():
+    mesh = ltbw.delaunay(cloud())
+    for t, (corners, across) in enumerate(zip(mesh.simplices, mesh.neighbors)):
+        for k, other in enumerate(across):
+            if other >= 0:
+                shared = set(corners) & set(mesh.simplices[other])
+                assert shared == set(corners) - {corners[k]}
+                assert t in mesh.neighbors[other]
+    assert (mesh.neighbors == -1).sum() == len(mesh.convex_hull)
+
+
+def test_points_at_vertices_edges_and_faces_are_found():
+    points = np.array([[x, y, z] for x in range(3) for y in range(3) for z in range(3)], float)
+    mesh = ltbw.delaunay(points)
+    for wanted in (points, points[:18] + [0.5, 0, 0], points[:18] + [0.5, 0.25, 0.0]):
+        found = mesh.find_simplex(np.minimum(wanted, 2.0))
+        assert (found >= 0).all()
+    assert mesh.find_simplex([5.0, 0.0, 0.0]) == -1
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda p: p.astype(np.float32),
+        np.asfortranarray,
+        lambda p: np.repeat(p, 2, axis=0)[::2],
+        lambda p: p[::-1][::-1],
+        lambda p: p.tolist(),
+        lambda p: p.astype(">f8"),
+    ],
+    ids=["float32", "fortran", "strided", "reversed", "lists", "big-endian"],
+)
+def test_any_layout_is_taken(change):
+    points = cloud().astype(np.float32).astype(np.float64)
+    assert ltbw.delaunay(change(points)).hash == ltbw.delaunay(points).hash
+
+
+def test_whole_numbers_and_duplicates():
+    points = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4], [0, 0, 0], [4, 0, 0]]
+    mesh = ltbw.delaunay(points)
+    assert mesh.points.dtype == np.float64 and mesh.simplices.dtype == np.int32
+    assert mesh.coplanar.tolist() == [[4, 0], [5, 1]]
+
+
+@pytest.mark.parametrize(
+    "points, code, ids",
+    [
+        (np.zeros((0, 3)), "points.too-few", []),
+        ([], "points.too-few", []),
+        (np.zeros((5, 3)), "points.too-few", []),
+        (np.arange(12.0).reshape(4, 3), "points.collinear", []),
+        (np.array([[x, y, 0] for x in (0, 1, 2) for y in (0, 1, 5)]), "points.coplanar", []),
+        ([[0, 0, 0], [1, 0, np.nan], [0, 1, 0], [0, 0, 1]], "points.not-finite", [1]),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, -np.inf, 1]], "points.not-finite", [3]),
+        (np.zeros((5, 2)), "points.shape", []),
+        (np.zeros(6), "points.shape", []),
+        (np.zeros((2, 3, 3)), "points.shape", []),
+        (np.zeros((5, 3), complex), "points.type", []),
+        ([["a", "b", "c"]], "points.type", []),
+        ([[0, 0, 0], [1, 0]], "points.type", []),
+        (None, "points.type", []),
+    ],
+)
+def test_what_is_no_point_set_is_told(points, code, ids):
+    with pytest.raises(ltbw.InputError) as caught:
+        ltbw.delaunay(points)
+    assert (caught.value.code, caught.value.ids) == (code, ids)
+    assert isinstance(caught.value, ValueError)
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.5, 5000])
+def test_threads_are_a_count(threads):
+    with pytest.raises(ltbw.InputError):
+        ltbw.delaunay(cloud(), threads=threads)
+
+
+def test_certificates():
+    points = cloud()
+    mesh = ltbw.delaunay(points)
+    full = mesh.check(full=True)
+    assert mesh.check().passed and full.passed and full.hash == mesh.hash
+    assert ltbw.check(points, mesh.simplices, all_points=True).passed
+    theirs = Delaunay(points).simplices
+    assert ltbw.check(points, theirs, any_order=True).passed
+    broken = ltbw.check(points, mesh.simplices[1:])
+    assert not broken.passed and broken.defects
+    assert not ltbw.check(points, [[0, 1, 2, 500], [0, -1, 2, 3]]).passed
+    json.dumps(full.report)
+
+
+def test_progress_is_told_and_may_end_the_work():
+    told = []
+    ltbw.delaunay(cloud(400_000), progress=lambda done, total: told.append((done, total)))
+    assert told and all(total in (None, 400_000) for _, total in told)
+    mesh = ltbw.delaunay(cloud(400_000), progress=lambda done, total: done == 0)
+    assert mesh.outcome == "cancelled" and mesh.check().passed
+
+    def raises(done, total):
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        ltbw.delaunay(cloud(400_000), progress=raises)
+
+
+def test_a_panic_is_an_ordinary_exception():
+    with pytest.raises(ltbw.InternalError, match="asked for") as caught:
+        ltbw._native._panics()
+    assert caught.value.code == "internal.panic" and isinstance(caught.value, Exception)
+
+
+def test_arrays_are_made_once_and_without_a_copy():
+    mesh = ltbw.delaunay(cloud())
+    assert mesh.simplices is mesh.simplices and mesh.simplices.base is not None
+    assert mesh.node is mesh.points and mesh.elem is mesh.simplices

@@ -1,0 +1,68 @@
+//! `python`: the package of `bindings/python`, linted, built as a wheel, installed into a Python of
+//! its own beside what cargo builds, and tested.
+
+use crate::shell::{self, cargo, command, root, target};
+use std::path::PathBuf;
+
+/// The packages that build and test it.
+const PACKAGES: [&str; 6] = [
+    "maturin==1.16.0",
+    "numpy==2.4.6",
+    "pytest==9.2.0",
+    "meshio==5.3.5",
+    "pyvista==0.49.1",
+    "scipy==1.17.1",
+];
+
+/// Tells whether they are there.
+const TEST: &str = "import maturin, numpy, pytest, meshio, pyvista, scipy";
+
+/// Lints, builds, installs, tests.
+pub(crate) fn run() -> Result<(), String> {
+    let package = root().join("bindings/python");
+    let own_target = target().join("python");
+    let python = shell::python("python-bindings", &PACKAGES, TEST)?;
+    let python = python.to_string_lossy();
+    let in_package = |program: &str| {
+        let mut command = command(program);
+        command.current_dir(&package).env("CARGO_TARGET_DIR", &own_target);
+        command
+    };
+    let cargo_program = cargo().get_program().to_string_lossy().into_owned();
+    shell::run(in_package(&cargo_program).args(["fmt", "--check"]))?;
+    let clippy = ["clippy", "--quiet", "--release", "--all-targets", "--", "-D", "warnings"];
+    shell::run(in_package(&cargo_program).args(clippy))?;
+    let wheels = own_target.join("dist");
+    // Only one wheel is to be installed: this one.
+    drop(std::fs::remove_dir_all(&wheels));
+    let build = ["-m", "maturin", "build", "--release", "--quiet", "--locked", "--out"];
+    shell::run(in_package(&python).args(build).arg(&wheels).args(["-i", &python]))?;
+    let wheel = wheel(&wheels)?;
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    let fresh = ["--force-reinstall", "--no-deps"];
+    shell::run(in_package(&python).args(install).args(fresh).arg(&wheel))?;
+    let given = std::env::var_os("LTBW_PROGRAM").map(PathBuf::from);
+    let program = match given {
+        Some(program) => program,
+        None => {
+            shell::run(cargo().args(["build", "--quiet", "--release", "-p", "ltbw-cli"]))?;
+            target().join("release/ltbw")
+        }
+    };
+    let tests = |arguments: &[&str]| {
+        let mut pytest = in_package(&python);
+        pytest.args(["-m", "pytest", "-q"]).args(arguments).env("LTBW_PROGRAM", &program);
+        shell::run(&mut pytest)
+    };
+    tests(&[])?;
+    tests(&["--doctest-modules", "--pyargs", "ltbw"])?;
+    shell::run(in_package(&python).arg("tutorial.py"))
+}
+
+/// The wheel in a folder.
+fn wheel(folder: &std::path::Path) -> Result<PathBuf, String> {
+    let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let mut paths = entries.filter_map(Result::ok).map(|entry| entry.path());
+    let wheel = paths.find(|path| path.extension().is_some_and(|e| e == "whl"));
+    wheel.ok_or_else(|| format!("{}: no wheel", folder.display()))
+}
