@@ -93,7 +93,7 @@ impl Read {
             exact_input: wishes.exact_input,
             frame: Frame::Auto,
             repair: wishes.repair,
-            // Who gives holes says with them what is void.
+            // Holes that are given say what is void.
             oriented: oriented && wishes.holes.is_none(),
         })?;
         notes.extend(ready.repairs.notes());

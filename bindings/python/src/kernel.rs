@@ -205,7 +205,7 @@ impl Kernel {
         refined.excuses.iter().map(excuse).collect()
     }
 
-    /// What coordinates are relative to.
+    /// The place that coordinates are relative to.
     fn offset(&self) -> Point {
         match &*self.body {
             Body::Points { .. } => [0.0; 3],

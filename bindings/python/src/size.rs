@@ -103,7 +103,7 @@ impl<'a> Function<'a> {
         Ok(self.reins.look(py, self.tell)?)
     }
 
-    /// What was raised.
+    /// The exception, if one was raised.
     pub(crate) fn raised(self) -> Option<Failure> {
         self.raised.into_inner().unwrap_or_else(PoisonError::into_inner)
     }

@@ -19,7 +19,7 @@ const fn alone(name: &'static str, folder: &'static str) -> Crate {
     Crate { name, folder, floor: None }
 }
 
-/// All crates of the workspace, and the fuzzers'.
+/// All crates of the workspace, and those of workspaces of their own.
 pub(crate) const CRATES: &[Crate] = &[
     on(0, "ltbw_exact", "core/exact"),
     on(1, "ltbw_core", "core/kernel"),
@@ -32,6 +32,7 @@ pub(crate) const CRATES: &[Crate] = &[
     on(5, "ltbw_cli", "cli"),
     on(6, "ltbw_tests", "tests"),
     on(7, "ltbw_fuzz", "fuzz"),
+    on(5, "ltbw_python", "bindings/python"),
     alone("xtask", "xtask"),
 ];
 

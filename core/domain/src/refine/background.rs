@@ -137,7 +137,7 @@ impl Background {
         Self::new(&mesh, sizes)
     }
 
-    /// Sizes at the vertices of the input of a prepared domain, in its coordinates; of vertices that
+    /// Sizes at the vertices of the input of a prepared domain; of vertices that
     /// became one the least size counts.
     ///
     /// # Errors
