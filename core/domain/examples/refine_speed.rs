@@ -1,8 +1,9 @@
 //! Refines a domain file and prints times, counts and the outcome:
-//! `refine_speed DOMAIN [MAX_VOLUME|0 [RADIUS_EDGE [REPEATS]]]`.
+//! `refine_speed DOMAIN [MAX_VOLUME|0 [RADIUS_EDGE [REPEATS [queues|rounds [ORDER [START]]]]]]`;
+//! ORDER is `hilbert`, `forwards`, `backwards` or a seed.
 
 use ltbw_domain::PrepareOptions;
-use ltbw_domain::refine::Refiner;
+use ltbw_domain::refine::{Engine, InsertOrder, Refiner};
 use ltbw_formats::read_domain;
 use std::path::Path;
 
@@ -12,12 +13,23 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let volume: f64 = args.next().map_or(Ok(0.0), |s| s.parse())?;
     let ratio: f64 = args.next().map_or(Ok(2.0), |s| s.parse())?;
     let repeats: usize = args.next().map_or(Ok(1), |s| s.parse())?;
+    let rounds = args.next().is_some_and(|engine| engine == "rounds");
+    let order = match args.next().as_deref() {
+        None | Some("hilbert") => InsertOrder::Hilbert,
+        Some("forwards") => InsertOrder::Forwards,
+        Some("backwards") => InsertOrder::Backwards,
+        Some(seed) => InsertOrder::Random(seed.parse()?),
+    };
+    let start: usize = args.next().map_or(Ok(4096), |s| s.parse())?;
     let file = read_domain(Path::new(&path))?;
     let options = PrepareOptions { oriented: file.oriented, ..PrepareOptions::default() };
     let ready = file.domain.prepare(&options)?;
     let mut refiner = Refiner::new().radius_edge(ratio);
     if volume > 0.0 {
         refiner = refiner.max_volume(volume);
+    }
+    if rounds {
+        refiner = refiner.engine(Engine::Rounds { order, start });
     }
     for _ in 0..repeats {
         let refined = refiner.refine(&ready.domain, &ready.lattice)?;
@@ -33,6 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             refined.lost.len()
         );
         println!("{stats:?}\n{:?}", refined.mesh().predicate_stats());
+        println!("{}", refined.mesh().hash()?);
     }
     Ok(())
 }

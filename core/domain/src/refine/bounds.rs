@@ -1,5 +1,6 @@
 //! The bounds that a mesh has to meet, and the decision whether a tetrahedron does.
 
+use super::key::sorted;
 use super::measure::{RatioBound, Shape, VolumeBound};
 use super::state::State;
 use ltbw_core::topology::TetId;
@@ -8,6 +9,17 @@ use ltbw_exact::Point;
 /// The volume of a regular tetrahedron with edges of length h: h³ √2/12.
 pub(crate) fn regular_volume(h: f64) -> f64 {
     std::f64::consts::SQRT_2 / 12.0 * (h * h * h)
+}
+
+/// The cube root of a positive number to a few units in the last place, the same on every machine:
+/// Newton's method from a start that is off by at most a factor of two.
+fn cube_root(x: f64) -> f64 {
+    let exponent = (x.to_bits() >> 52) as i32 - 1023;
+    let mut root = f64::from_bits(((exponent.div_euclid(3) + 1023) as u64) << 52);
+    for _ in 0..8 {
+        root -= (root - x / (root * root)) / 3.0;
+    }
+    root
 }
 
 /// A wanted edge length, as a function of the place in the input's coordinates.
@@ -24,6 +36,20 @@ pub(crate) struct Bounds<'a> {
 }
 
 impl Bounds<'_> {
+    /// Is tetrahedron `t` of the domain over its bounds?
+    pub(crate) fn is_over(&self, state: &State, t: TetId) -> bool {
+        let region = state.marks.region(t) as usize;
+        if region == 0 {
+            return false;
+        }
+        let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
+        let corners = [&a, &b, &c, &d];
+        let exceeds = |bound: Option<VolumeBound>| bound.is_some_and(|b| b.exceeded(corners));
+        exceeds(self.volumes.get(region).copied().flatten())
+            || exceeds(self.field_bound(corners))
+            || self.ratio.is_some_and(|bound| bound.exceeded(corners))
+    }
+
     /// The factor by which tetrahedron `t` of the domain is over its bounds, if it is: at least 1.
     #[inline(always)]
     pub(crate) fn excess(&self, state: &State, t: TetId) -> Option<f64> {
@@ -55,17 +81,31 @@ impl Bounds<'_> {
         let own = self.volumes.get(state.marks.region(t) as usize).copied().flatten();
         let bounds = [own, self.field_bound([&a, &b, &c, &d])];
         let exceeded = bounds.into_iter().flatten().filter(|bound| bound.excess(shape) >= 1.0);
-        exceeded.map(|bound| bound.volume().cbrt()).fold(edge, f64::min)
+        exceeded.map(|bound| cube_root(bound.volume())).fold(edge, f64::min)
     }
 
     /// The bound of the sizing field at the centroid: the volume of the regular tetrahedron with
     /// edges of the wanted length. A length that is not positive and finite bounds nothing.
     fn field_bound(&self, corners: [&Point; 4]) -> Option<VolumeBound> {
         let field = self.field?;
-        let [a, b, c, d] = corners;
+        let [a, b, c, d] = sorted(corners.map(|c| *c));
         let centroid = [0, 1, 2].map(|k| (a[k] + b[k] + c[k] + d[k]) * 0.25 * self.fine_step);
         let h = field(centroid) / self.fine_step;
         let volume = regular_volume(h);
         (volume > 0.0 && volume.is_finite()).then(|| VolumeBound::new(volume))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cube_root;
+
+    #[test]
+    fn cube_roots_are_near() {
+        for k in 0..2000 {
+            let x = 1.7f64.powi(k - 1000) * (1.0 + f64::from(k) * 1e-3);
+            let root = cube_root(x);
+            assert!((root * root * root / x - 1.0).abs() < 1e-14, "{x}");
+        }
     }
 }

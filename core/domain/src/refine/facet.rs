@@ -88,7 +88,12 @@ impl State {
 
     /// The edges of the removed subfaces that border on nothing removed, but for the one that is
     /// split; `None` if `p` is not strictly on the inner side of each.
-    fn rim(&self, removed: &[[VertexId; 3]], p: &Point, seed: Seed) -> Option<Vec<[VertexId; 2]>> {
+    pub(crate) fn rim(
+        &self,
+        removed: &[[VertexId; 3]],
+        p: &Point,
+        seed: Seed,
+    ) -> Option<Vec<[VertexId; 2]>> {
         let mut rim = Vec::new();
         for (k, s) in removed.iter().enumerate() {
             for (side, opposite) in sides(*s) {

@@ -39,7 +39,7 @@ pub(crate) struct Inserted {
     /// The number of the next vertex.
     pub(crate) next_number: u32,
     /// The new tetrahedra of the last insertion.
-    created: Vec<TetId>,
+    pub(crate) created: Vec<TetId>,
 }
 
 impl Inserted {

@@ -58,6 +58,14 @@ impl Default for Queues {
     }
 }
 
+impl Queues {
+    /// Sorts the boundary items that do not wait.
+    pub(crate) fn sort_boundary<K: Ord>(&mut self, place: impl Fn(Item) -> K) {
+        self.segments.make_contiguous().sort_by_cached_key(|&s| place(Item::Segment(s)));
+        self.subfaces.make_contiguous().sort_by_cached_key(|&s| place(Item::Subface(s)));
+    }
+}
+
 impl Work for Queues {
     fn put(&mut self, item: Item, weight: f64) {
         match item {

@@ -31,6 +31,9 @@ impl Refinement<'_> {
         let mut failed = None;
         self.record.waits.clear();
         for _ in 0..MOST {
+            if self.state.by_place {
+                own.sort_boundary(|item| self.state.place_of(item));
+            }
             let Some(next) = own.next_boundary() else { break };
             match self.rule(next, &mut own, admission) {
                 Step::Inserted | Step::Gone => self.state.registry.remove(next),

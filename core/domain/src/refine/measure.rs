@@ -166,7 +166,7 @@ impl VolumeBound {
 
     /// The volume over the bound, rounded.
     pub(crate) fn excess(&self, shape: &Shape) -> f64 {
-        shape.det / (6.0 * self.bound)
+        shape.det.abs() / (6.0 * self.bound)
     }
 }
 
@@ -217,6 +217,11 @@ impl Shape {
         let inverse = -0.5 / self.det;
         let c = [0, 1, 2].map(|k| last[k] + self.normal[k] * inverse);
         c.iter().all(|x| x.is_finite()).then_some(c)
+    }
+
+    /// The square of the circumradius, rounded.
+    pub(crate) fn radius2(&self) -> f64 {
+        self.normal2 / (4.0 * (self.det * self.det))
     }
 
     /// Circumradius, rounded.

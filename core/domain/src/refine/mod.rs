@@ -24,6 +24,8 @@
 //! | `defer`, `record` | what comes first, and what came of earlier proposals |
 //! | `joint`, `journal` | several items split as one step, or none |
 //! | `walk` | the way to a proposed point |
+//! | `key` | orders by coordinates alone |
+//! | `rounds` | refinement in rounds: one mesh whatever the order of insertion |
 //! | `region` | inside, outside, regions |
 //! | `background` | sizing by a background mesh, or at input vertices |
 //! | `output` | the mesh and its boundary as plain arrays |
@@ -38,6 +40,7 @@ mod fill;
 mod item;
 mod joint;
 mod journal;
+mod key;
 mod marks;
 mod measure;
 mod near;
@@ -48,6 +51,7 @@ mod record;
 mod recover;
 mod region;
 mod registry;
+mod rounds;
 mod run;
 mod split;
 mod state;
@@ -67,8 +71,10 @@ pub use background::{Background, BackgroundError};
 pub use bounds::SizeField;
 pub use item::{Item, Queues, Work};
 pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats};
+pub use output::Refined;
 pub use region::RegionInfo;
-pub use run::{Refined, Refiner};
+pub use rounds::{Engine, InsertOrder};
+pub use run::Refiner;
 
 /// Why there is no mesh of a domain.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -129,6 +135,12 @@ pub enum RefineError {
     /// The vertices have no mesh.
     #[error(transparent)]
     Build(#[from] BuildError),
+    /// A promise of the engine was broken: a defect of this library.
+    #[error("broken invariant of refinement: {what}")]
+    Invariant {
+        /// The promise.
+        what: &'static str,
+    },
     /// The work was cancelled before there was a mesh of the domain.
     #[error("cancelled before the boundary was recovered")]
     Cancelled,

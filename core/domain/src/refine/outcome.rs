@@ -101,6 +101,16 @@ pub struct RefineStats {
     pub deferred: u64,
     /// Items refused.
     pub refused: u64,
+    /// Rounds that inserted points on segments, on facets, and inside; 0 without rounds.
+    pub rounds: [u64; 3],
+    /// Cavities looked at to choose the points of the rounds.
+    pub searches: u64,
+    /// Points of the widest round.
+    pub widest: u64,
+    /// Points inserted by rounds.
+    pub round_points: u64,
+    /// Phases in which items that wait for each other in a circle were split jointly.
+    pub joint_phases: u64,
     /// Seconds for the first mesh and the recovery of the boundary.
     pub recover_seconds: f64,
     /// Seconds for the splitting of tetrahedra.

@@ -1,13 +1,78 @@
-//! A refined domain as plain arrays: tetrahedra with their regions, boundary triangles with the
-//! markers of their facets.
+//! A refined domain, and its plain arrays: tetrahedra with their regions, boundary triangles with
+//! the markers of their facets.
 
+use super::item::Item;
 use super::marks::face_bit;
-use super::run::Refined;
+use super::outcome::{Excuse, Reason, RefineOutcome, RefineStats};
+use super::region::RegionInfo;
+use super::state::State;
 use super::table::triangle;
+use crate::Lattice;
 use ltbw_core::cavity::OTHERS;
-use ltbw_core::mesh::Vertex;
+use ltbw_core::mesh::{Mesh, Vertex};
 use ltbw_core::tetmesh::{BoundaryFace, TetMesh};
-use ltbw_core::topology::{VertexId, tet_of};
+use ltbw_core::topology::{TetId, VertexId, tet_of};
+use ltbw_exact::Point;
+
+/// A refined domain.
+#[derive(Debug)]
+pub struct Refined {
+    /// Its outcome.
+    pub outcome: RefineOutcome,
+    /// The tetrahedra over a bound.
+    pub excuses: Vec<Excuse>,
+    /// Boundary items that are not in the mesh, each with the reason why it could not be split;
+    /// none unless the outcome is [`RefineOutcome::Unrecovered`].
+    pub lost: Vec<(Item, Reason)>,
+    /// The regions, the exterior first.
+    pub regions: Vec<RegionInfo>,
+    /// Figures.
+    pub stats: RefineStats,
+    /// The lattice of all points.
+    pub lattice: Lattice,
+    pub(super) state: State,
+}
+
+impl Refined {
+    /// The Delaunay mesh, exterior included: input vertices keep their indices, new ones follow.
+    pub fn mesh(&self) -> &Mesh {
+        &self.state.mesh
+    }
+
+    /// The region of a tetrahedron: an index into [`Refined::regions`], 0 for the exterior.
+    pub fn region(&self, t: TetId) -> u32 {
+        self.state.marks.region(t)
+    }
+
+    /// The tetrahedra of the domain.
+    pub fn tets(&self) -> impl Iterator<Item = TetId> + '_ {
+        self.state.mesh.tet_ids().filter(|&t| self.region(t) != 0)
+    }
+
+    /// Number of tetrahedra of the domain.
+    pub fn num_tets(&self) -> usize {
+        self.tets().count()
+    }
+
+    /// The kind of a boundary item, and its middle in the coordinates of the domain: for messages.
+    pub fn place(&self, item: &Item) -> (&'static str, Point) {
+        let middle = |corners: &[VertexId]| {
+            let all = corners.iter().map(|&v| self.state.at(v));
+            let sum = all.fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
+            sum.map(|c| c / corners.len() as f64 * self.lattice.fine_step())
+        };
+        match item {
+            Item::Segment(s) => ("segment", middle(s)),
+            Item::Subface(s) => ("subface", middle(s)),
+            Item::Tet(_, v) => ("tetrahedron", middle(v)),
+        }
+    }
+
+    /// Bytes held by the large arrays.
+    pub fn memory_bytes(&self) -> usize {
+        self.state.memory_bytes()
+    }
+}
 
 impl Refined {
     /// The mesh as plain arrays, tetrahedra tagged with their regions; with the exterior (tag 0)

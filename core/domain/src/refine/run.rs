@@ -6,9 +6,11 @@ use super::carrier::{Carrier, UNIT, corner_point};
 use super::item::{Item, Queues, Work};
 use super::measure::{RatioBound, VolumeBound};
 use super::outcome::{Excuse, Reason, RefineOutcome, RefineStats};
+use super::output::Refined;
 use super::plc::Plc;
 use super::record::Refusal;
 use super::region::RegionInfo;
+use super::rounds::{Engine, InsertOrder, Rounds};
 use super::split::{Refinement, Step};
 use super::state::State;
 use crate::{Domain, Lattice};
@@ -16,7 +18,7 @@ use ltbw_core::CancelToken;
 use ltbw_core::build::{Builder, Observer};
 use ltbw_core::cavity::Open;
 use ltbw_core::mesh::{Mesh, Vertex};
-use ltbw_core::topology::{TetId, VertexId};
+use ltbw_core::topology::VertexId;
 use ltbw_exact::{Point, PointSet};
 use std::time::Instant;
 
@@ -61,6 +63,7 @@ pub struct Refiner<'a> {
     max_points: Option<u64>,
     cancel: Option<&'a CancelToken>,
     observer: Option<&'a dyn Observer>,
+    engine: Engine,
 }
 
 impl std::fmt::Debug for Refiner<'_> {
@@ -85,6 +88,7 @@ impl Default for Refiner<'_> {
             max_points: None,
             cancel: None,
             observer: None,
+            engine: Engine::default(),
         }
     }
 }
@@ -150,6 +154,13 @@ impl<'a> Refiner<'a> {
         self
     }
 
+    /// Sets the engine that refines.
+    #[doc(hidden)]
+    pub fn engine(mut self, engine: Engine) -> Self {
+        self.engine = engine;
+        self
+    }
+
     /// Refines a domain whose vertices are on the lattice.
     ///
     /// It has to be one that the geometric check finds no error in: [`Domain::prepare`] makes such
@@ -160,7 +171,13 @@ impl<'a> Refiner<'a> {
     pub fn refine(&self, domain: &Domain, lattice: &Lattice) -> Result<Refined, RefineError> {
         let (mut run, regions) = self.recovered(domain, lattice)?;
         let clock = Instant::now();
-        run.refine()?;
+        match self.engine {
+            Engine::Queues => run.refine(usize::MAX)?,
+            Engine::Rounds { order, start } => {
+                run.refine(start)?;
+                run.rounds(order)?;
+            }
+        }
         run.stats.refine_seconds = clock.elapsed().as_secs_f64();
         Ok(run.finish(regions, *lattice))
     }
@@ -311,19 +328,40 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Splits tetrahedra until none is over its bounds, boundary items first.
-    fn refine(&mut self) -> Result<(), RefineError> {
+    /// Splits tetrahedra until none is over its bounds, boundary items first; or until there are
+    /// this many vertices and no boundary item waits.
+    fn refine(&mut self, vertices: usize) -> Result<(), RefineError> {
         loop {
             if let Some(item) = self.work.next_boundary() {
                 self.step(item)?;
                 continue;
             }
-            if self.stop.is_some() {
+            let enough = self.refinement.state.mesh.num_vertices() >= vertices;
+            if self.stop.is_some() || enough {
                 return Ok(());
             }
             let Some(item) = self.work.next_tet() else { return Ok(()) };
             self.step(item)?;
         }
+    }
+
+    /// Goes on in rounds, if there is a boundary.
+    fn rounds(&mut self, order: InsertOrder) -> Result<(), RefineError> {
+        if self.stop.is_some() || self.refinement.bounds.is_none() {
+            return Ok(());
+        }
+        let refiner = self.refiner;
+        let look = |vertices: usize| {
+            if let Some(observer) = refiner.observer {
+                observer.progress(vertices as u64, 0);
+            }
+            refiner.cancel.is_some_and(CancelToken::is_cancelled)
+        };
+        let rounds = Rounds::new(&mut self.refinement, order, self.most);
+        let (stop, stats) = rounds.run(&look)?;
+        self.stop = stop;
+        self.stats = RefineStats { recover_seconds: self.stats.recover_seconds, ..stats };
+        Ok(())
     }
 
     /// Puts every tetrahedron over its bounds.
@@ -411,65 +449,5 @@ impl Run<'_> {
             _ => RefineOutcome::Excused,
         };
         Refined { outcome, excuses, lost, regions, stats, lattice, state }
-    }
-}
-
-/// A refined domain.
-#[derive(Debug)]
-pub struct Refined {
-    /// Its outcome.
-    pub outcome: RefineOutcome,
-    /// The tetrahedra over a bound.
-    pub excuses: Vec<Excuse>,
-    /// Boundary items that are not in the mesh, each with the reason why it could not be split;
-    /// none unless the outcome is [`RefineOutcome::Unrecovered`].
-    pub lost: Vec<(Item, Reason)>,
-    /// The regions, the exterior first.
-    pub regions: Vec<RegionInfo>,
-    /// Figures.
-    pub stats: RefineStats,
-    /// The lattice of all points.
-    pub lattice: Lattice,
-    pub(super) state: State,
-}
-
-impl Refined {
-    /// The Delaunay mesh, exterior included: input vertices keep their indices, new ones follow.
-    pub fn mesh(&self) -> &Mesh {
-        &self.state.mesh
-    }
-
-    /// The region of a tetrahedron: an index into [`Refined::regions`], 0 for the exterior.
-    pub fn region(&self, t: TetId) -> u32 {
-        self.state.marks.region(t)
-    }
-
-    /// The tetrahedra of the domain.
-    pub fn tets(&self) -> impl Iterator<Item = TetId> + '_ {
-        self.state.mesh.tet_ids().filter(|&t| self.region(t) != 0)
-    }
-
-    /// Number of tetrahedra of the domain.
-    pub fn num_tets(&self) -> usize {
-        self.tets().count()
-    }
-
-    /// The kind of a boundary item, and its middle in the coordinates of the domain: for messages.
-    pub fn place(&self, item: &Item) -> (&'static str, Point) {
-        let middle = |corners: &[VertexId]| {
-            let all = corners.iter().map(|&v| self.state.at(v));
-            let sum = all.fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
-            sum.map(|c| c / corners.len() as f64 * self.lattice.fine_step())
-        };
-        match item {
-            Item::Segment(s) => ("segment", middle(s)),
-            Item::Subface(s) => ("subface", middle(s)),
-            Item::Tet(_, v) => ("tetrahedron", middle(v)),
-        }
-    }
-
-    /// Bytes held by the large arrays.
-    pub fn memory_bytes(&self) -> usize {
-        self.state.memory_bytes()
     }
 }

@@ -21,7 +21,7 @@ use ltbw_core::mesh::At;
 use ltbw_core::topology::{TetId, VertexId};
 
 /// A point may be this part of the radius away from the ideal one.
-const TOLERANCE: f64 = 1.0 / 1000.0;
+pub(crate) const TOLERANCE: f64 = 1.0 / 1000.0;
 
 /// The end of a transaction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -242,7 +242,7 @@ impl<'a> Refinement<'a> {
         admission: &mut A,
         verdict: impl FnOnce(Judge<'_>) -> Verdict,
     ) -> Proposal {
-        let open = match self.state.begin(place, admission) {
+        let open = match self.state.begin_and_look(place, admission) {
             Ok(open) => open,
             // The point fell together with a vertex.
             Err(At::Vertex(_)) => return Proposal::Useless,
@@ -266,7 +266,7 @@ impl State {
     /// The parameter at which a subsegment of segment `s` is split: its middle, or, at a corner
     /// where another segment leaves at a small angle, a distance from it that is a power of two, so
     /// that the points of both are equally far from the corner. `None` if it is too short.
-    fn split_parameter(&self, ends: [VertexId; 2], s: u32) -> Option<i64> {
+    pub(crate) fn split_parameter(&self, ends: [VertexId; 2], s: u32) -> Option<i64> {
         let [mut low, mut high] = ends.map(|v| self.parameter(v, s));
         let sharp = ends.map(|v| self.is_sharp(v, s));
         let flip = low > high;

@@ -83,6 +83,8 @@ pub(crate) struct State {
     /// The changes of a joint step, while there is one.
     pub(crate) journal: Option<Journal>,
     pub(crate) touched: Touched,
+    /// Are lists of items in the order of their coordinates?
+    pub(crate) by_place: bool,
 }
 
 impl Opens for State {
@@ -123,19 +125,34 @@ impl State {
             registry: Registry::default(),
             journal: None,
             touched: Touched::default(),
+            by_place: false,
         }
     }
 
-    /// Finds the cavity of a place, and looks at the boundary in it.
+    /// Finds the cavity of a place.
     pub(crate) fn begin<A: Admission>(
         &mut self,
         place: &Place,
         admission: &mut A,
     ) -> Result<OpenCavity<'_, Self>, At> {
         self.mesh.begin(place.p, place.from, admission)?.end(|_| ());
-        let mut open = OpenCavity::new(self);
+        Ok(OpenCavity::new(self))
+    }
+
+    /// Finds the cavity of a place, and looks at the boundary in it.
+    pub(crate) fn begin_and_look<A: Admission>(
+        &mut self,
+        place: &Place,
+        admission: &mut A,
+    ) -> Result<OpenCavity<'_, Self>, At> {
+        let mut open = self.begin(place, admission)?;
         open.owner_mut().touch(&place.p, place.carrier);
         Ok(open)
+    }
+
+    /// Where a walk starts that should start at slot `t`.
+    pub(crate) fn start_near(&self, t: TetId) -> TetId {
+        if self.mesh.topology().at(t).is_free() { self.mesh.hint() } else { t }
     }
 
     pub(crate) fn at(&self, v: VertexId) -> Point {

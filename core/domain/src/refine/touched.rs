@@ -20,6 +20,15 @@ use ltbw_exact::Point;
 const ACROSS: [[usize; 2]; 6] = [[2, 3], [3, 1], [1, 2], [0, 3], [2, 0], [0, 1]];
 
 impl State {
+    /// The items that the point of the open cavity encroaches.
+    pub(crate) fn hits(&self) -> Vec<Item> {
+        let mut hits = self.touched.hits();
+        if self.by_place {
+            self.sort(&mut hits);
+        }
+        hits
+    }
+
     /// Looks at the boundary in the open cavity of `p`, which lives on `carrier`: what is in it,
     /// and what `p` encroaches, by the closure and the registry.
     pub(crate) fn touch(&mut self, p: &Point, carrier: Carrier) {
@@ -152,6 +161,10 @@ impl State {
         let inner = self.touched.inner.iter().map(|(s, _)| *s);
         let faces = inner.filter(stays).map(Item::Subface);
         let edges = self.touched.inner_edges.iter().filter(|e| Some(**e) != split);
-        faces.chain(edges.map(|&e| Item::Segment(e))).collect()
+        let mut lost: Vec<Item> = faces.chain(edges.map(|&e| Item::Segment(e))).collect();
+        if self.by_place {
+            self.sort(&mut lost);
+        }
+        lost
     }
 }

@@ -70,7 +70,7 @@ impl Judge<'_> {
             return Verdict::Refuse(reason);
         }
         if !state.touched.hit_segments.is_empty() {
-            return Verdict::Defer(state.touched.hits());
+            return Verdict::Defer(state.hits());
         }
         if let Some(change) = state.plan(f, &place.p, Seed::At(corners))
             && change.removed.contains(&corners)
@@ -88,7 +88,7 @@ impl Judge<'_> {
     /// On a point that is to split tetrahedron `t`.
     pub(crate) fn on_tet(&self, t: TetId) -> Verdict {
         let state = self.state;
-        let mut first = state.touched.hits();
+        let mut first = state.hits();
         if first.is_empty() {
             first = state.losses(None, &[]);
         }

@@ -6,6 +6,8 @@
 //! the point with respect to the circumspheres falls from one to the next. So the first subface on
 //! the way is found at the cost of the way, and the cavity, which may be far larger, is not opened.
 
+use super::item::Item;
+use super::key::{order_key, sorted};
 use super::marks::face_bit;
 use super::state::State;
 use super::table::{sides, triangle};
@@ -34,6 +36,7 @@ impl State {
         let topology = self.mesh.topology();
         let corners = self.vertices(start).map(|v| self.at(v));
         // A whole number of fine steps, so that the predicates stay in their window.
+        let corners = sorted(corners);
         let from = [0, 1, 2].map(|k| corners.iter().map(|c| c[k] * 0.25).sum::<f64>().round());
         let (mut t, mut entry) = (start, 4);
         // In a Delaunay mesh such a walk visits no tetrahedron twice; the bound only guards it.
@@ -57,8 +60,9 @@ impl State {
                     let [a, b, c] = at(*slot);
                     *slot != entry && orient3d(&a, &b, &c, p) == Sign::Negative
                 };
-                let mut straight = (0..4).filter(beyond).filter(|&k| crosses(&from, p, &at(k)));
-                exit = straight.next().or(exit);
+                let straight = (0..4).filter(beyond).filter(|&k| crosses(&from, p, &at(k)));
+                // Through an edge or a vertex the way goes as the coordinates say, not the slots.
+                exit = straight.min_by_key(|&k| order_key(&self.at(v[k]))).or(exit);
             }
             let Some(slot) = exit else { return Way::Arrived(t) };
             if self.marks.of(t) & face_bit(slot) != 0 {
@@ -88,7 +92,8 @@ impl State {
             let inner = coplanar_orient(&a, &b, &self.at(opposite));
             self.segments.contains_key(&side) && coplanar_orient(&a, &b, p) != inner
         };
-        if let Some((side, _)) = sides(s).into_iter().find(beyond) {
+        let own = sides(s).into_iter().filter(beyond).map(|(side, _)| side);
+        if let Some(side) = own.min_by_key(|&side| self.place_of(Item::Segment(side))) {
             return Some(side);
         }
         // The cavity is star-shaped from `p` and has the subface: what is between them is in it.
@@ -108,7 +113,8 @@ impl State {
             let segment = self.segments.get(e).map(|&of| &self.plc.segments[of as usize]);
             segment.is_some_and(|segment| segment.facets.contains(&f))
         };
-        self.touched.edges().filter(|e| on_facet(e) && separates(*e)).min()
+        let between = self.touched.edges().filter(|e| on_facet(e) && separates(*e));
+        between.min_by_key(|&e| self.place_of(Item::Segment(e)))
     }
 
     /// The first subsegment on a way from subface `s` of facet `f` to `p` in its plane, through the

@@ -41,7 +41,9 @@ fn the_edges_of_a_cavity_are_found_once() {
         for [i, j] in ENDS {
             let p = [0, 1, 2].map(|k| ((v[i][k] + v[j][k]) / 2.0).round());
             let place = Place { p, carrier: Carrier::Free, from: t };
-            let Ok(open) = state.begin(&place, &mut ltbw_core::cavity::Open) else { continue };
+            let Ok(open) = state.begin_and_look(&place, &mut ltbw_core::cavity::Open) else {
+                continue;
+            };
             let touched = &open.owner().touched;
             let mut found = [touched.rim.clone(), touched.inner_edges.clone()];
             found.iter_mut().for_each(|list| list.sort_unstable());

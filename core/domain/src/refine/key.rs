@@ -1,0 +1,79 @@
+//! Keys and orders that are functions of coordinates alone, whatever the numbers of vertices and
+//! slots: what is chosen first, and what comes first of several.
+
+use super::item::Item;
+use super::state::State;
+use ltbw_exact::Point;
+
+/// A place in the order of points: coordinates are whole.
+pub(crate) type OrderKey = [i64; 3];
+
+/// The place of a point in the order by x, y, z.
+pub(crate) fn order_key(p: &Point) -> OrderKey {
+    p.map(|c| c as i64)
+}
+
+/// Points by x, y, z.
+pub(crate) fn sorted<const N: usize>(mut points: [Point; N]) -> [Point; N] {
+    points.sort_unstable_by_key(order_key);
+    points
+}
+
+/// The key of an item: 16 leading bits of the square of its size, then 48 bits of a hash of its
+/// corners, which are sorted. The larger comes first; no key is 0.
+///
+/// The hash: from 0, for each coordinate of each corner, `h = (h ^ bits) * 0x9e3779b97f4a7c15`
+/// modulo 2^64, then `h ^= h >> 32`, where `bits` are those of the coordinate as `f64`.
+pub(crate) fn key(size2: f64, corners: &[Point]) -> u64 {
+    let hash = corners.iter().flatten().fold(0u64, |h, c| {
+        let h = (h ^ c.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        h ^ h >> 32
+    });
+    let size = if size2.is_nan() { f64::INFINITY } else { size2 };
+    size.to_bits() >> 48 << 48 | hash >> 16 | 1
+}
+
+impl State {
+    /// The place of a boundary item in an order by coordinates: segments first.
+    pub(crate) fn place_of(&self, item: Item) -> (usize, [OrderKey; 4]) {
+        let mut place = [[0; 3]; 4];
+        let mut put = |corners: &[u32]| {
+            for (to, &v) in place.iter_mut().zip(corners) {
+                *to = order_key(&self.at(v));
+            }
+            place[..corners.len()].sort_unstable();
+        };
+        match item {
+            Item::Segment(s) => put(&s),
+            Item::Subface(s) => put(&s),
+            Item::Tet(_, v) => put(&v),
+        }
+        let class = match item {
+            Item::Segment(_) => 0,
+            Item::Subface(_) => 1,
+            Item::Tet(..) => 2,
+        };
+        (class, place)
+    }
+
+    /// Sorts boundary items by coordinates.
+    pub(crate) fn sort(&self, items: &mut [Item]) {
+        if items.len() > 1 {
+            items.sort_by_cached_key(|&item| self.place_of(item));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn larger_sizes_have_larger_keys() {
+        let corners = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]];
+        let keys = [0.0, 1e-300, 1.0, 1.25, 2.0, 1e300, f64::INFINITY].map(|s| key(s, &corners));
+        assert!(keys.is_sorted_by(|a, b| a < b) && keys[0] > 0);
+        assert_eq!(key(f64::NAN, &corners), key(f64::INFINITY, &corners));
+        assert_ne!(key(1.0, &corners), key(1.0, &sorted([corners[1], [1.0, 2.0, 4.0]])));
+    }
+}

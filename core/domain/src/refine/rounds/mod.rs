@@ -1,0 +1,261 @@
+//! Refinement in rounds: the points of a round are chosen from the mesh alone, and may then be
+//! inserted in any order.
+//!
+//! The Delaunay mesh of a point set is unique here, so the mesh after a round is a function of the
+//! mesh before it. Every verdict is taken on the mesh at the start of the round, by coordinates and
+//! never by numbers or slots; insertion is unconditional. `docs/refinement.md`, *Rounds*.
+
+mod choose;
+mod conflict;
+mod insert;
+mod probe;
+mod settle;
+
+use super::RefineError;
+use super::item::{Item, Queues};
+use super::outcome::{Reason, RefineStats};
+use super::record::Refusal;
+use super::split::{Refinement, Step};
+use super::state::Place;
+use super::table::Map;
+use ltbw_core::cavity::Open;
+use ltbw_core::topology::TetId;
+use std::ops::Range;
+
+/// The engine that refines.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Engine {
+    /// One item after the other, from queues.
+    #[default]
+    Queues,
+    /// In rounds, from this number of vertices on.
+    Rounds {
+        /// The order of insertion within a round.
+        order: InsertOrder,
+        /// The vertices up to which the queues are used.
+        start: usize,
+    },
+}
+
+/// The order in which the points of a round are inserted: the mesh is the same for all.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InsertOrder {
+    /// Along a Hilbert curve.
+    #[default]
+    Hilbert,
+    /// As they were found.
+    Forwards,
+    /// The other way round.
+    Backwards,
+    /// By chance, from a seed.
+    Random(u64),
+}
+
+/// The kinds of items, in the order in which they are split.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Class {
+    Segments,
+    Subfaces,
+    Tets,
+}
+
+/// A point proposed in a round, and its cavity in the mesh at the start of the round.
+#[derive(Clone, Debug)]
+struct Candidate {
+    item: Item,
+    key: u64,
+    place: Place,
+    /// Its tetrahedra in [`Rounds::cavities`].
+    cavity: Range<usize>,
+    /// Was the verdict on it that it may be inserted?
+    fits: bool,
+}
+
+/// A boundary item that is to be split.
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    /// The item that has to be split before it.
+    first: Option<Item>,
+    /// A slot that was near it, where the walk to its point starts.
+    near: TetId,
+}
+
+/// A boundary item that is asked for in a round.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    item: Item,
+    /// The shortest edge that it may make.
+    limit: Option<f64>,
+    near: TetId,
+}
+
+/// A refinement in rounds.
+pub(crate) struct Rounds<'r, 'a> {
+    own: &'r mut Refinement<'a>,
+    order: InsertOrder,
+    /// The most points to insert.
+    most: u64,
+    /// Per slot: the key of a tetrahedron over its bounds that was not refused, else 0.
+    keys: Vec<u64>,
+    /// The slots whose key is not 0.
+    bad: Vec<TetId>,
+    /// Boundary items to be split.
+    pending: Map<Item, Pending>,
+    candidates: Vec<Candidate>,
+    /// The cavities of the candidates.
+    cavities: Vec<TetId>,
+    /// Per slot: one more than the index of the foremost candidate with the slot in its cavity.
+    reserved: Vec<u32>,
+    /// Boundary items asked for in this round.
+    asked: Vec<Asked>,
+    /// Pending items that were found to wait in this round.
+    waits: Vec<(Item, Pending)>,
+    /// Items refused in this round.
+    refusals: Vec<(Item, Reason)>,
+    /// Slots written by the insertions of this round.
+    created: Vec<TetId>,
+    stats: RefineStats,
+}
+
+impl<'r, 'a> Rounds<'r, 'a> {
+    /// Rounds from the present state on, in which nothing is missing.
+    pub(crate) fn new(own: &'r mut Refinement<'a>, order: InsertOrder, most: u64) -> Self {
+        own.state.by_place = true;
+        own.state.registry = Default::default();
+        own.record = Default::default();
+        Self {
+            own,
+            order,
+            most,
+            keys: Vec::new(),
+            bad: Vec::new(),
+            pending: Map::default(),
+            candidates: Vec::new(),
+            cavities: Vec::new(),
+            reserved: Vec::new(),
+            asked: Vec::new(),
+            waits: Vec::new(),
+            refusals: Vec::new(),
+            created: Vec::new(),
+            stats: RefineStats::default(),
+        }
+    }
+
+    /// Carries out rounds until nothing is left to do. `look` is told the number of vertices, and
+    /// says whether the work is cancelled.
+    ///
+    /// Ends: every round inserts a point of a finite lattice, or refuses an item, or asks for one
+    /// that was not asked for.
+    ///
+    /// # Errors
+    /// A broken invariant.
+    pub(crate) fn run(
+        mut self,
+        look: &dyn Fn(usize) -> bool,
+    ) -> Result<(Option<Reason>, RefineStats), RefineError> {
+        self.look_at_all();
+        let mut stop = None;
+        while let Some(class) = self.next_class() {
+            if look(self.own.state.mesh.num_vertices()) {
+                stop = Some(Reason::Cancelled);
+                break;
+            }
+            match class {
+                Some(class) => {
+                    let chosen = self.choose(class);
+                    let total = self.own.inserted.points.total() + chosen.len() as u64;
+                    if total > self.most {
+                        stop = Some(Reason::Budget);
+                        break;
+                    }
+                    let progress = self.record_round() || !chosen.is_empty();
+                    self.insert(class, &chosen)?;
+                    self.settle();
+                    if !progress {
+                        return Err(RefineError::Invariant { what: "a round makes progress" });
+                    }
+                }
+                None => self.split_circles()?,
+            }
+        }
+        self.check_complete()?;
+        Ok((stop, self.stats))
+    }
+
+    /// The class of the next round; `Some(None)` if all pending items wait for each other, `None`
+    /// if nothing is left to do.
+    fn next_class(&self) -> Option<Option<Class>> {
+        let mut waiting = false;
+        let mut subface = false;
+        for (&item, pending) in &self.pending {
+            if !self.is_ready(pending) {
+                waiting = true;
+                continue;
+            }
+            match item {
+                Item::Segment(_) => return Some(Some(Class::Segments)),
+                _ => subface = true,
+            }
+        }
+        match (subface, waiting, self.bad.is_empty()) {
+            (true, ..) => Some(Some(Class::Subfaces)),
+            (_, true, _) => Some(None),
+            (.., false) => Some(Some(Class::Tets)),
+            _ => None,
+        }
+    }
+
+    /// May an item be tried? Not before the one that it waits for is gone or refused.
+    fn is_ready(&self, pending: &Pending) -> bool {
+        !pending.first.is_some_and(|other| self.pending.contains_key(&other))
+    }
+
+    /// Writes what the choice has found into the record; `false` if that is nothing new.
+    fn record_round(&mut self) -> bool {
+        let mut news = !self.refusals.is_empty() || !self.waits.is_empty();
+        self.pending.extend(self.waits.drain(..));
+        let record = &mut self.own.record;
+        for Asked { item, limit, near } in self.asked.drain(..) {
+            record.refused.remove(&item);
+            news |= !self.pending.contains_key(&item);
+            self.pending.entry(item).or_insert(Pending { first: None, near });
+            if let Some(limit) = limit {
+                let least = record.limits.entry(item).or_insert(limit);
+                news |= limit < *least;
+                *least = least.min(limit);
+            }
+        }
+        for (item, reason) in self.refusals.drain(..) {
+            let limit = record.limits.remove(&item);
+            record.refused.insert(item, Refusal { reason, limit });
+            self.pending.remove(&item);
+            if let Item::Tet(t, _) = item {
+                self.keys[t as usize] = 0;
+            }
+        }
+        news
+    }
+
+    /// Splits items jointly that wait for each other in a circle, in the order of their places.
+    fn split_circles(&mut self) -> Result<(), RefineError> {
+        self.stats.joint_phases += 1;
+        let mut items: Vec<Item> = self.pending.keys().copied().collect();
+        self.own.state.sort(&mut items);
+        let mut work = Queues::default();
+        for item in items {
+            match self.own.split_jointly(item, &mut work, &mut Open) {
+                Step::Refused(reason) => {
+                    self.own.record.refused.insert(item, Refusal::final_for(reason));
+                }
+                Step::SetBack(_) => return Err(RefineError::Invariant { what: "room for points" }),
+                _ => {}
+            }
+            self.own.record.limits.remove(&item);
+            self.pending.remove(&item);
+        }
+        self.look_at_all();
+        Ok(())
+    }
+}

@@ -1,0 +1,130 @@
+//! Rounds: one mesh whatever the order of insertion, and the rules that make it so.
+
+use super::{check_conforming, check_marks, model, ready, refine};
+use crate::Prepared;
+use crate::refine::{Engine, InsertOrder, Reason, RefineOutcome, Refined, Refiner};
+use ltbw_core::invariants::check_all;
+use ltbw_core::mesh::Vertex;
+use ltbw_exact::Point;
+use ltbw_generate::{DomainKind, Shape};
+
+/// All orders of a round that are tried.
+const ORDERS: [InsertOrder; 8] = [
+    InsertOrder::Hilbert,
+    InsertOrder::Forwards,
+    InsertOrder::Backwards,
+    InsertOrder::Random(1),
+    InsertOrder::Random(2),
+    InsertOrder::Random(3),
+    InsertOrder::Random(4),
+    InsertOrder::Random(5),
+];
+
+/// An excuse by the coordinates of its tetrahedron.
+type PlacedExcuse = (Vec<[u64; 3]>, Reason);
+
+/// The excuses of a refinement, in an order of their own.
+fn excuses(refined: &Refined) -> Vec<PlacedExcuse> {
+    let points: std::collections::HashMap<Vertex, Point> = refined.mesh().vertices().collect();
+    let place = |v: &Vertex| points[v].map(|c| (c + 0.0).to_bits());
+    let mut all: Vec<PlacedExcuse> = refined
+        .excuses
+        .iter()
+        .map(|excuse| {
+            let mut corners: Vec<_> =
+                refined.mesh().tet(excuse.tet).expect("a tetrahedron").iter().map(place).collect();
+            corners.sort_unstable();
+            (corners, excuse.reason)
+        })
+        .collect();
+    all.sort_unstable();
+    all
+}
+
+/// Refines in rounds in all orders: one hash, one list of excuses. Returns one of the results.
+fn one_mesh(refiner: &Refiner<'_>, ready: &Prepared, start: usize, name: &str) -> Refined {
+    let run = |order| refine(&refiner.engine(Engine::Rounds { order, start }), ready);
+    let first = run(ORDERS[0]);
+    let hash = first.mesh().hash().expect("a hash");
+    for order in &ORDERS[1..] {
+        let other = run(*order);
+        assert_eq!(other.mesh().hash().expect("a hash"), hash, "{name} {order:?}");
+        assert_eq!(other.outcome, first.outcome, "{name} {order:?}");
+        assert_eq!(excuses(&other), excuses(&first), "{name} {order:?}");
+        assert_eq!(other.num_tets(), first.num_tets(), "{name} {order:?}");
+    }
+    check_all(first.mesh()).expect("invariants of the mesh");
+    check_marks(&first.state);
+    assert!(first.stats.rounds.iter().sum::<u64>() > 0, "{name}: {:?}", first.stats);
+    first
+}
+
+#[test]
+fn the_problems_of_the_paper_have_one_mesh_for_all_orders() {
+    let cases = [
+        (DomainKind::CubeOctahedron, 1e-4),
+        (DomainKind::CubeInCube, 1e-4),
+        (DomainKind::Tee, 1e-3),
+        (DomainKind::Gear, 4e-4),
+    ];
+    for (kind, volume) in cases {
+        let ready = ready(kind, &Shape::default());
+        for start in [0, 512] {
+            let name = format!("{kind:?} {start}");
+            let refined = one_mesh(&Refiner::new().max_volume(volume), &ready, start, &name);
+            assert_eq!(refined.outcome, RefineOutcome::Met, "{name}");
+            check_conforming(&refined.state);
+            let queues = refine(&Refiner::new().max_volume(volume), &ready);
+            // The largest circumradius first needs fewer points, but for a coarse gear.
+            assert!(refined.num_tets() <= queues.num_tets() * 105 / 100, "{name}");
+        }
+    }
+}
+
+#[test]
+fn small_angles_have_one_mesh_for_all_orders() {
+    let mut excused = 0;
+    let shapes = [60.0, 45.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.1]
+        .into_iter()
+        .flat_map(|angle| [(DomainKind::Wedge, angle), (DomainKind::Spike, angle)]);
+    for (kind, angle) in shapes.filter(|&(kind, a)| kind == DomainKind::Wedge || a < 45.0) {
+        let ready = ready(kind, &Shape { angle: Some(angle), ..Shape::default() });
+        let refiner = Refiner::new().max_volume(2e-3);
+        let refined = one_mesh(&refiner, &ready, 0, &format!("{kind:?} {angle}"));
+        assert!(refined.lost.is_empty(), "{kind:?} {angle}");
+        let queues = refine(&refiner, &ready);
+        if queues.outcome == RefineOutcome::Met {
+            assert_eq!(refined.outcome, RefineOutcome::Met, "{kind:?} {angle}");
+        }
+        excused += refined.excuses.len();
+    }
+    assert!(excused > 0);
+}
+
+#[test]
+fn regions_fields_and_re_entrant_corners_have_one_mesh_for_all_orders() {
+    for kind in [DomainKind::LBlock, DomainKind::Stair, DomainKind::Schoenhardt] {
+        let ready = ready(kind, &Shape::default());
+        let refined = one_mesh(&Refiner::new().max_volume(1e-2), &ready, 0, &format!("{kind:?}"));
+        assert_eq!(refined.outcome, RefineOutcome::Met, "{kind:?}");
+    }
+    let mut two = ready(DomainKind::TwoMaterial, &Shape::default());
+    two.domain.regions[0].max_volume = Some(1e-3);
+    two.domain.regions[1].max_volume = Some(1e-2);
+    let refined = one_mesh(&Refiner::new(), &two, 0, "two materials");
+    assert_eq!((refined.outcome, refined.regions.len()), (RefineOutcome::Met, 3));
+    let field = |p: Point| 0.05 + 0.2 * p[0];
+    let refined = one_mesh(&Refiner::new().sizing(&field), &model(), 0, "a field");
+    assert_eq!(refined.outcome, RefineOutcome::Met);
+}
+
+#[test]
+fn a_budget_ends_rounds_before_one_that_would_exceed_it() {
+    let refiner = Refiner::new().max_volume(2e-4).max_points(600);
+    let refined = one_mesh(&refiner, &model(), 0, "a budget");
+    assert_eq!(refined.outcome, RefineOutcome::Budget);
+    let stats = refined.stats;
+    let points = stats.segment_points + stats.facet_points + stats.free_points;
+    assert!((300..=600).contains(&points), "{points}");
+    assert!(refined.lost.is_empty());
+}
