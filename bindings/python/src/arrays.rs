@@ -1,7 +1,8 @@
 //! Arrays of rows, to and from numpy: one copy on the way in, none on the way out.
 
-use crate::failure::{Class, Failure};
+use crate::failure::Failure;
 use ltbw::Point;
+use ltbw_bindings::Class;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 

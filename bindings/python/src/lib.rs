@@ -1,8 +1,9 @@
 //! The native half of the Python package `ltbw`.
 //!
 //! Python code (`python/ltbw`) turns what users have into arrays and gives the results their names;
-//! this crate meshes, checks and converts. No call holds the interpreter while it computes:
-//! `supervise` runs the work on a thread of its own, looks for signals and tells the progress.
+//! `ltbw-bindings` meshes, checks and converts; this crate carries arrays to and fro. No call holds
+//! the interpreter while it computes: `supervise` runs the work on a thread of its own, looks for
+//! signals and tells the progress.
 #![deny(unsafe_code)]
 
 mod arrays;
@@ -13,7 +14,6 @@ mod kernel;
 mod points;
 mod size;
 mod supervise;
-mod sync;
 
 use pyo3::prelude::*;
 

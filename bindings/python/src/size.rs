@@ -1,10 +1,9 @@
 //! Wanted edge lengths: a number, an array at the vertices, or a Python function of the place.
 
-use crate::failure::{Class, Failure};
-use crate::supervise::{PATIENCE, Reins};
+use crate::failure::Failure;
+use crate::supervise::look;
 use ltbw::Point;
-use ltbw::domain::Prepared;
-use ltbw::refine::Background;
+use ltbw_bindings::{Class, Field, PATIENCE, Ready, Reins};
 use pyo3::prelude::*;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -20,21 +19,15 @@ pub(crate) enum Size {
     Function(Py<PyAny>),
 }
 
-/// An edge length as a function of the place, in the coordinates of the prepared domain.
-pub(crate) type Field<'a> = Box<dyn Fn(Point) -> f64 + Sync + Send + 'a>;
-
 impl Size {
     /// The sizes of a number or of an array; `None` for a function.
-    pub(crate) fn field(&self, ready: &Prepared) -> Result<Option<Field<'static>>, Failure> {
+    pub(crate) fn field(&self, ready: &Ready) -> Result<Option<Box<Field<'static>>>, Failure> {
         match self {
             Self::Constant(length) => {
                 let length = checked(*length, None)?;
                 Ok(Some(Box::new(move |_| length)))
             }
-            Self::Vertices(sizes) => {
-                let background = Background::at_vertices(ready, sizes)?;
-                Ok(Some(Box::new(move |p| background.at(p))))
-            }
+            Self::Vertices(sizes) => Ok(Some(ready.sizes(sizes)?)),
             Self::Function(_) => Ok(None),
         }
     }
@@ -100,7 +93,7 @@ impl<'a> Function<'a> {
         }
         *looked = Instant::now();
         drop(looked);
-        Ok(self.reins.look(py, self.tell)?)
+        Ok(look(py, self.reins, self.tell)?)
     }
 
     /// The exception, if one was raised.

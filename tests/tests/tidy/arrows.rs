@@ -32,7 +32,8 @@ pub(crate) const CRATES: &[Crate] = &[
     on(5, "ltbw_cli", "cli"),
     on(6, "ltbw_tests", "tests"),
     on(7, "ltbw_fuzz", "fuzz"),
-    on(5, "ltbw_python", "bindings/python"),
+    on(5, "ltbw_bindings", "bindings/common"),
+    on(6, "ltbw_python", "bindings/python"),
     alone("xtask", "xtask"),
 ];
 

@@ -102,8 +102,7 @@ class Mesh:
 
     @functools.cached_property
     def _boundary(self):
-        found = self._kernel.boundary()
-        return found or (np.zeros((0, 3), np.int32), np.zeros(0, np.int64))
+        return self._kernel.boundary()
 
     @property
     def triangles(self):
@@ -115,8 +114,7 @@ class Mesh:
 
     @functools.cached_property
     def regions(self):
-        found = self._kernel.regions()
-        return np.ones(len(self.simplices), np.int32) if found is None else found
+        return self._kernel.regions()
 
     node = property(lambda self: self.points, doc="The same as ``points``.")
     elem = property(lambda self: self.simplices, doc="The same as ``simplices``.")

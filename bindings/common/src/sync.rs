@@ -7,7 +7,7 @@ use std::time::Duration;
 
 /// Points done, of a total that may be unknown (0), and the bell that rings at the end.
 #[derive(Debug, Default)]
-pub(crate) struct Progress {
+pub struct Progress {
     done: AtomicU64,
     total: AtomicU64,
     ended: Mutex<bool>,
@@ -24,19 +24,19 @@ impl Observer for Progress {
 
 impl Progress {
     /// Points done, and their total, if it is known.
-    pub(crate) fn figures(&self) -> (u64, Option<u64>) {
+    pub fn figures(&self) -> (u64, Option<u64>) {
         let total = self.total.load(Ordering::Relaxed);
         (self.done.load(Ordering::Relaxed), (total > 0).then_some(total))
     }
 
     /// Says that the work has ended.
-    pub(crate) fn end(&self) {
+    pub fn end(&self) {
         *self.ended.lock().unwrap_or_else(PoisonError::into_inner) = true;
         self.bell.notify_all();
     }
 
     /// Waits for the end of the work, at most `patience`: has it come?
-    pub(crate) fn wait(&self, patience: Duration) -> bool {
+    pub fn wait(&self, patience: Duration) -> bool {
         let ended = self.ended.lock().unwrap_or_else(PoisonError::into_inner);
         let waited = self.bell.wait_timeout_while(ended, patience, |ended| !*ended);
         *waited.unwrap_or_else(PoisonError::into_inner).0

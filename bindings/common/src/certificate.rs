@@ -1,0 +1,131 @@
+//! Certificates of anybody's meshes, and of our own against their domains.
+
+use crate::failure::{Class, Failure};
+use ltbw::domain::{Domain, Prepared};
+use ltbw::{Point, TetMesh, canonical_hash};
+use ltbw_verify::{self as verify, Breach, Conformity, Limits, Plc, PlcFacet, Report};
+use serde_json::{Value, json};
+use std::collections::HashSet;
+
+/// Breaches that a certificate lists.
+const LISTED: usize = 100;
+
+/// The meaning of the order of a tetrahedron's corners.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// All have the same handedness.
+    Oriented,
+    /// It means nothing.
+    Any,
+}
+
+/// Checks a mesh against all that makes it a Delaunay mesh; JSON `ltbw.cert/1`, and whether it
+/// passed.
+///
+/// # Errors
+/// A certificate that is no JSON.
+pub fn check(
+    points: &[Point],
+    tets: &[[u32; 4]],
+    order: Order,
+    all_points: bool,
+) -> Result<(bool, String), Failure> {
+    let vertex_order = match order {
+        Order::Any => verify::VertexOrder::Any,
+        Order::Oriented => verify::VertexOrder::Oriented,
+    };
+    let options = verify::Options { vertex_order, all_points, ..verify::Options::default() };
+    let report = verify::check(&verify::Mesh::new(points, tets), &options);
+    Ok((report.passed(), json(&report)?))
+}
+
+/// The canonical hash `ltbw.mesh/1` of anybody's mesh.
+///
+/// # Errors
+/// A mesh without one.
+pub fn hash(points: &[Point], tets: &[[u32; 4]]) -> Result<String, Failure> {
+    Ok(canonical_hash(points, tets)?.to_string())
+}
+
+pub(crate) fn json(report: &Report) -> Result<String, Failure> {
+    let text = report.certificate().to_json();
+    text.map_err(|e| Failure::new(Class::Internal, "internal.json", e))
+}
+
+/// A domain as the checker takes it.
+fn plc_of(domain: &Domain) -> Plc {
+    let facet =
+        |f: &ltbw::domain::Facet| PlcFacet { polygons: f.polygons.clone(), holes: f.holes.clone() };
+    Plc {
+        vertices: domain.vertices.clone(),
+        facets: domain.facets.iter().map(facet).collect(),
+        segments: domain.segments.iter().map(|(ends, _)| *ends).collect(),
+        holes: domain.holes.clone(),
+        regions: domain.regions.iter().map(|r| r.seed).collect(),
+    }
+}
+
+/// The certificate of a domain's own mesh.
+///
+/// # Errors
+/// Breaches that no excuse explains: a defect of ours.
+pub(crate) fn own(
+    ready: &Prepared,
+    mesh: &TetMesh,
+    radius_edge: Option<f64>,
+    max_volume: Option<f64>,
+    excused: &HashSet<[u32; 4]>,
+) -> Result<String, Failure> {
+    let region_volumes = ready.domain.regions.iter().map(|r| r.max_volume).collect();
+    let limits = Limits { radius_edge, max_volume, region_volumes };
+    let options = verify::Options::default();
+    // A tetrahedron that is not listed cannot be told to be excused.
+    let max_defects = options.max_defects.max(excused.len());
+    let options = verify::Options { max_defects, ..options };
+    let (plc, tags) = (plc_of(&ready.domain), mesh.tet_tags.as_deref());
+    let given = verify::Mesh::new(&mesh.points, &mesh.tets);
+    let found = verify::conforms(&given, &plc, tags, &limits, &options);
+    let same = match (ready.report.volume(), &found.volume) {
+        (Some(a), Some(b)) => a.to_string() == b.to_string(),
+        _ => true,
+    };
+    let text = json_of(&found, same && found.passed()).to_string();
+    if same && is_explained(&found, &mesh.tets, excused) {
+        return Ok(text);
+    }
+    let message = format!("a defect of ltbw: the mesh is not what was asked for: {text}");
+    Err(Failure::new(Class::Internal, "internal.mesh", message))
+}
+
+/// Is every finding a bound that a tetrahedron with an excuse exceeds?
+fn is_explained(found: &Conformity, tets: &[[u32; 4]], excused: &HashSet<[u32; 4]>) -> bool {
+    let is_excused = |&t: &u32| tets.get(t as usize).is_some_and(|tet| excused.contains(tet));
+    found.mesh_defect_count == 0
+        && found.counts.iter().all(|(&breach, &count)| {
+            let listed = found.findings.iter().filter(|f| f.breach == breach);
+            matches!(breach, Breach::RatioExceeded | Breach::VolumeExceeded)
+                && listed.clone().count() as u64 == count
+                && listed.clone().all(|f| f.ids.first().is_some_and(is_excused))
+        })
+}
+
+/// A certificate of conformity.
+fn json_of(found: &Conformity, passed: bool) -> Value {
+    let counts: Vec<Value> = found
+        .counts
+        .iter()
+        .map(|(breach, count)| json!({ "breach": breach, "count": count }))
+        .collect();
+    json!({
+        "schema": "ltbw.conformity/1",
+        "passed": passed,
+        "volume": found.volume.as_ref().map(ToString::to_string),
+        "tets": found.tets,
+        "subfaces": found.subfaces,
+        "cells": found.cells,
+        "breach_counts": counts,
+        "breaches": found.findings.iter().take(LISTED).collect::<Vec<_>>(),
+        "mesh_defect_count": found.mesh_defect_count,
+        "defects": found.mesh_defects,
+    })
+}

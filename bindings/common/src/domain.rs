@@ -1,0 +1,188 @@
+//! Meshes of domains.
+
+use crate::Field;
+use crate::body::Body;
+use crate::certificate;
+use crate::failure::{Class, Failure};
+use crate::result::{Meshed, Outcome};
+use crate::work::Reins;
+use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared, Region};
+use ltbw::refine::{Background, RefineOutcome, Refined, Refiner};
+use ltbw::{Point, io};
+use std::collections::HashSet;
+use std::path::PathBuf;
+
+/// Where the domain comes from.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// A file.
+    File(PathBuf),
+    /// Vertices and polygons.
+    Arrays {
+        /// Coordinates.
+        vertices: Vec<Point>,
+        /// Corners of all polygons, one after the other.
+        corners: Vec<i64>,
+        /// The place among `corners` where each polygon begins.
+        starts: Vec<usize>,
+        /// A marker for each polygon; 0 where there are none.
+        markers: Vec<i32>,
+    },
+}
+
+/// Bounds and options.
+#[derive(Clone, Debug, Default)]
+pub struct Wishes {
+    /// The largest volume of a tetrahedron.
+    pub max_volume: Option<f64>,
+    /// The largest circumradius to shortest edge.
+    pub radius_edge: Option<f64>,
+    /// The most points to insert.
+    pub max_points: Option<u64>,
+    /// A point in each void. `None`: the orientation of the surface tells.
+    pub holes: Option<Vec<Point>>,
+    /// Regions with properties of their own.
+    pub regions: Vec<Region>,
+    /// The distance within which vertices are welded and seams closed.
+    pub repair: f64,
+    /// Refuse a domain that is not on its lattice.
+    pub exact_input: bool,
+    /// Leave the mesh unchecked.
+    pub unchecked: bool,
+}
+
+impl Source {
+    /// The domain, whether its facets are an oriented surface, and notes on the file.
+    fn read(self) -> Result<(Domain, bool, Vec<String>), Failure> {
+        let (vertices, corners, starts, markers) = match self {
+            Self::File(path) => {
+                let file = io::read_domain(&path)?;
+                return Ok((file.domain, file.oriented, file.notes));
+            }
+            Self::Arrays { vertices, corners, starts, markers } => {
+                (vertices, corners, starts, markers)
+            }
+        };
+        let mut facets = Vec::with_capacity(starts.len());
+        for (f, &start) in starts.iter().enumerate() {
+            let end = starts.get(f + 1).copied().unwrap_or(corners.len());
+            let named = corners.get(start..end).unwrap_or_default();
+            let vertex =
+                |&v: &i64| u32::try_from(v).ok().filter(|&v| (v as usize) < vertices.len());
+            let polygon: Option<Vec<u32>> = named.iter().map(vertex).collect();
+            let Some(polygon) = polygon else {
+                let text = format!("face {f} names a vertex that is not there: {named:?}");
+                return Err(Failure::new(Class::Input, "faces.index", text).with([f as u32]));
+            };
+            facets.push(Facet::polygon(&polygon, markers.get(f).copied().unwrap_or(0)));
+        }
+        Ok((Domain { vertices, facets, ..Domain::default() }, true, Vec::new()))
+    }
+}
+
+/// A domain ready to be meshed.
+#[derive(Debug)]
+pub struct Ready {
+    prepared: Prepared,
+    notes: Vec<String>,
+}
+
+impl Ready {
+    /// Reads, snaps, repairs and checks a domain.
+    ///
+    /// # Errors
+    /// Why it cannot be meshed.
+    pub fn new(source: Source, wishes: &Wishes) -> Result<Self, Failure> {
+        let (mut domain, oriented, mut notes) = source.read()?;
+        domain.holes.extend(wishes.holes.iter().flatten());
+        domain.regions.extend(&wishes.regions);
+        let prepared = domain.prepare(&PrepareOptions {
+            exact_input: wishes.exact_input,
+            repair: wishes.repair,
+            // Holes that are given say what is void.
+            oriented: oriented && wishes.holes.is_none(),
+            ..PrepareOptions::default()
+        })?;
+        notes.extend(prepared.repairs.notes());
+        Ok(Self { prepared, notes })
+    }
+
+    /// The place that its coordinates are relative to.
+    #[must_use]
+    pub fn offset(&self) -> Point {
+        self.prepared.lattice.offset()
+    }
+
+    /// Edge lengths at the vertices of the source.
+    ///
+    /// # Errors
+    /// Sizes that are no lengths, or not as many as vertices.
+    pub fn sizes(&self, sizes: &[f64]) -> Result<Box<Field<'static>>, Failure> {
+        let background = Background::at_vertices(&self.prepared, sizes)?;
+        Ok(Box::new(move |p| background.at(p)))
+    }
+
+    /// Refines, with a sizing field or without.
+    ///
+    /// # Errors
+    /// Bounds that no mesh can meet; work cancelled before there is a mesh.
+    pub fn refine(
+        &self,
+        wishes: &Wishes,
+        field: Option<&Field<'_>>,
+        reins: &Reins,
+    ) -> Result<Refined, Failure> {
+        let refiner = match wishes.radius_edge {
+            Some(bound) => Refiner::new().radius_edge(bound),
+            None => Refiner::new().any_shape(),
+        };
+        let mut refiner = refiner.observer(&reins.progress).cancel(&reins.cancel);
+        if let Some(bound) = wishes.max_volume {
+            refiner = refiner.max_volume(bound);
+        }
+        if let Some(count) = wishes.max_points {
+            refiner = refiner.max_points(count);
+        }
+        if let Some(field) = field {
+            refiner = refiner.sizing(field);
+        }
+        Ok(refiner.refine(&self.prepared.domain, &self.prepared.lattice)?)
+    }
+
+    /// Checks the mesh.
+    ///
+    /// # Errors
+    /// A boundary that is not in the mesh; a mesh that is not what was asked for.
+    pub fn finish(self, wishes: &Wishes, refined: Refined) -> Result<Meshed, Failure> {
+        let outcome = match refined.outcome {
+            RefineOutcome::Met => Outcome::Met,
+            RefineOutcome::Excused => Outcome::Excused,
+            RefineOutcome::Budget => Outcome::Budget,
+            RefineOutcome::Cancelled => Outcome::Cancelled,
+            RefineOutcome::Unrecovered => return Err(unrecovered(&refined)),
+        };
+        let excused: HashSet<[u32; 4]> =
+            refined.excuses.iter().filter_map(|e| refined.mesh().tet(e.tet)).collect();
+        let mut meshed = Meshed::new(Body::Domain(Box::new(refined)), outcome);
+        if !wishes.unchecked && outcome != Outcome::Cancelled {
+            let bounds = (wishes.radius_edge, wishes.max_volume);
+            let plain = meshed.plain();
+            let own = certificate::own(&self.prepared, &plain, bounds.0, bounds.1, &excused);
+            meshed.certificate = Some(own?);
+        }
+        meshed.notes = self.notes;
+        Ok(meshed)
+    }
+}
+
+/// Why some of the boundary is not in the mesh.
+fn unrecovered(refined: &Refined) -> Failure {
+    let place = |(item, reason): &(ltbw::refine::Item, ltbw::refine::Reason)| {
+        let (kind, at) = refined.place(item);
+        format!("{kind} at {at:?}: {reason}")
+    };
+    let first: Vec<String> = refined.lost.iter().take(5).map(place).collect();
+    let (count, first) = (refined.lost.len(), first.join("; "));
+    let text = format!("{count} items of the boundary could not be brought into the mesh; {first}");
+    Failure::new(Class::Recovery, "refine.unrecovered", text)
+}

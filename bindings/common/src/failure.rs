@@ -1,0 +1,162 @@
+//! Failures: a class, a code that stays the same between versions, and the elements that are at
+//! fault.
+
+use ltbw::domain::{DomainDefect, DomainError, Element, PrepareError};
+use ltbw::io::IoError;
+use ltbw::points::PointError;
+use ltbw::refine::{BackgroundError, RefineError};
+use ltbw::threads::RunError;
+use ltbw::{BuildError, HashError};
+
+/// The class of a failure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// The arguments are no points, no surface, or no bounds that a mesh can meet.
+    Input,
+    /// The domain bounds nothing that can be meshed.
+    Domain,
+    /// The boundary could not be brought into a Delaunay mesh.
+    Recovery,
+    /// Cancelled before there was a mesh.
+    Cancelled,
+    /// A defect of ltbw.
+    Internal,
+    /// The operating system refused a file.
+    File,
+}
+
+/// Why there is no result.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// Its class.
+    pub class: Class,
+    /// A short name that stays the same between versions.
+    pub code: &'static str,
+    /// The message for people.
+    pub message: String,
+    /// The numbers of the elements at fault, counted from 0.
+    pub ids: Vec<u32>,
+}
+
+impl Failure {
+    /// A failure of no element in particular.
+    pub fn new(class: Class, code: &'static str, message: impl ToString) -> Self {
+        Self { class, code, message: message.to_string(), ids: Vec::new() }
+    }
+
+    /// The same failure with elements at fault.
+    #[must_use]
+    pub fn with(mut self, more: impl IntoIterator<Item = u32>) -> Self {
+        self.ids.extend(more);
+        self
+    }
+}
+
+impl From<PointError> for Failure {
+    fn from(error: PointError) -> Self {
+        match error {
+            PointError::NotFinite { index, .. } => {
+                Self::new(Class::Input, "points.not-finite", &error).with([index as u32])
+            }
+            _ => Self::new(Class::Input, "points.too-many", &error),
+        }
+    }
+}
+
+impl From<BuildError> for Failure {
+    fn from(error: BuildError) -> Self {
+        let (class, code) = match error {
+            BuildError::TooFewPoints { .. } => (Class::Input, "points.too-few"),
+            BuildError::Collinear { .. } => (Class::Input, "points.collinear"),
+            BuildError::Coplanar { .. } => (Class::Input, "points.coplanar"),
+            BuildError::Cancelled => (Class::Cancelled, "cancelled"),
+            _ => (Class::Input, "points"),
+        };
+        Self::new(class, code, &error)
+    }
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        match error {
+            RunError::Build(error) => error.into(),
+            RunError::Settings(text) => Self::new(Class::Input, "threads.settings", text),
+            other => Self::new(Class::Internal, "threads.failed", &other),
+        }
+    }
+}
+
+impl From<HashError> for Failure {
+    fn from(error: HashError) -> Self {
+        Self::new(Class::Input, "mesh.hash", &error)
+    }
+}
+
+impl From<IoError> for Failure {
+    fn from(error: IoError) -> Self {
+        let (class, code) = match &error {
+            IoError::Read { .. } => (Class::File, "file.read"),
+            IoError::Write { .. } => (Class::File, "file.write"),
+            IoError::Parse { .. } => (Class::Input, "file.parse"),
+            IoError::Data { .. } => (Class::Input, "file.data"),
+            _ => (Class::Input, "file.format"),
+        };
+        Self::new(class, code, &error)
+    }
+}
+
+/// The numbers of an element.
+fn numbers(element: &Element) -> Vec<u32> {
+    match *element {
+        Element::Vertex(n)
+        | Element::Facet(n)
+        | Element::Segment(n)
+        | Element::Hole(n)
+        | Element::Region(n) => vec![n],
+        Element::Polygon { facet, polygon } => vec![facet, polygon],
+        Element::FacetHole { facet, hole } => vec![facet, hole],
+        Element::Edge(ends) => ends.to_vec(),
+        _ => Vec::new(),
+    }
+}
+
+impl From<DomainError> for Failure {
+    fn from(error: DomainError) -> Self {
+        Self::new(Class::Domain, error.code(), &error)
+    }
+}
+
+impl From<PrepareError> for Failure {
+    fn from(error: PrepareError) -> Self {
+        let class = match error {
+            PrepareError::Tolerance { .. } => Class::Input,
+            _ => Class::Domain,
+        };
+        let first = |defect: &DomainDefect| defect.elements.iter().flat_map(numbers).collect();
+        let ids: Vec<u32> =
+            error.report().and_then(|r| r.defects.first()).map(first).unwrap_or_default();
+        Self::new(class, error.code(), &error).with(ids)
+    }
+}
+
+impl From<BackgroundError> for Failure {
+    fn from(error: BackgroundError) -> Self {
+        let failure = Self::new(Class::Input, "size", &error);
+        match error {
+            BackgroundError::Size { number, .. } => failure.with([number as u32]),
+            _ => failure,
+        }
+    }
+}
+
+impl From<RefineError> for Failure {
+    fn from(error: RefineError) -> Self {
+        let (class, code) = match &error {
+            RefineError::Bound { .. } => (Class::Input, "refine.bound"),
+            RefineError::Cancelled => (Class::Cancelled, "cancelled"),
+            RefineError::NoInterior => (Class::Domain, "refine.no-interior"),
+            _ => (Class::Domain, "refine.domain"),
+        };
+        Self::new(class, code, &error)
+    }
+}

@@ -1,0 +1,38 @@
+//! The common half of the bindings to other languages.
+//!
+//! Requests are plain data, results plain arrays; failures have a class, a code and the elements at
+//! fault; by the reins the calling side watches and ends the work. No other language is known here.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `points` | meshes of point sets |
+//! | `domain` | meshes of domains: source, wishes, check |
+//! | `body` | the mesh itself, and which of its tetrahedra the caller sees |
+//! | `result` | [`Meshed`]: a mesh and its arrays |
+//! | `locate` | tetrahedra that hold given points |
+//! | `certificate` | certificates of anybody's meshes |
+//! | `failure` | [`Failure`]: why there is no result |
+//! | `work`, `sync` | [`Reins`], panics as failures, threads |
+#![forbid(unsafe_code)]
+
+mod body;
+mod certificate;
+mod domain;
+mod failure;
+mod locate;
+mod points;
+mod result;
+mod sync;
+mod work;
+
+pub use body::NOWHERE;
+pub use certificate::{Order, check, hash};
+pub use domain::{Ready, Source, Wishes};
+pub use failure::{Class, Failure};
+pub use points::delaunay;
+pub use result::{Meshed, Outcome};
+pub use sync::Progress;
+pub use work::{PATIENCE, Reins, in_pool, unpanicked};
+
+/// An edge length as a function of the place, in the coordinates of the prepared domain.
+pub type Field<'a> = dyn Fn(ltbw::Point) -> f64 + Sync + 'a;

@@ -1,0 +1,206 @@
+//! A mesh and its arrays, made when they are asked for.
+
+use crate::body::{Body, NOWHERE};
+use crate::certificate;
+use crate::failure::Failure;
+use crate::locate::Locator;
+use ltbw::quality::{self, Quality};
+use ltbw::refine::Refined;
+use ltbw::topology::TetId;
+use ltbw::{BoundaryFace, Extras, Point, TetMesh, canonical_hash, io};
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+/// The outcome of the work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The mesh has all points.
+    Complete,
+    /// The mesh of a domain meets every bound.
+    Met,
+    /// Some tetrahedra are over a bound, each with a reason.
+    Excused,
+    /// The budget was used up first.
+    Budget,
+    /// The work was cancelled first; the mesh is that so far.
+    Cancelled,
+}
+
+impl Outcome {
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Complete => "complete",
+            Self::Met => "met",
+            Self::Excused => "excused",
+            Self::Budget => "budget",
+            Self::Cancelled => "cancelled",
+        }
+    }
+}
+
+/// A mesh, its outcome, and the notes on how it came about.
+pub struct Meshed {
+    body: Arc<Body>,
+    locator: OnceLock<Locator>,
+    /// The outcome of the work.
+    pub outcome: Outcome,
+    /// The certificate of a domain's mesh (`ltbw.conformity/1`), if it was checked.
+    pub certificate: Option<String>,
+    /// Notes for people.
+    pub notes: Vec<String>,
+}
+
+impl std::fmt::Debug for Meshed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Meshed").field("outcome", &self.outcome).finish_non_exhaustive()
+    }
+}
+
+impl Meshed {
+    pub(crate) fn new(body: Body, outcome: Outcome) -> Self {
+        let (body, locator) = (Arc::new(body), OnceLock::new());
+        Self { body, locator, outcome, certificate: None, notes: Vec::new() }
+    }
+
+    fn refined(&self) -> Option<&Refined> {
+        match &*self.body {
+            Body::Points { .. } => None,
+            Body::Domain(refined) => Some(refined),
+        }
+    }
+
+    /// Coordinates of the vertices; of a point set those given.
+    #[must_use]
+    pub fn points(&self) -> Vec<Point> {
+        match &*self.body {
+            Body::Points { set, .. } => set.points().to_vec(),
+            Body::Domain(refined) => refined.mesh().to_tet_mesh().points,
+        }
+    }
+
+    /// Corners of the tetrahedra.
+    #[must_use]
+    pub fn tets(&self) -> Vec<[u32; 4]> {
+        match &*self.body {
+            Body::Points { mesh, .. } => mesh.tets().collect(),
+            Body::Domain(refined) => refined.tets().filter_map(|t| refined.mesh().tet(t)).collect(),
+        }
+    }
+
+    /// Across the face opposite each corner the tetrahedron there, or [`NOWHERE`].
+    #[must_use]
+    pub fn neighbours(&self) -> Vec<[u32; 4]> {
+        let (mesh, place) = (self.body.mesh(), self.body.places());
+        let across =
+            |t: TetId, slot| mesh.neighbour(t, slot).map_or(NOWHERE, |o| place[o as usize]);
+        let all = |t: TetId| [0, 1, 2, 3].map(|slot| across(t, slot));
+        self.body.ids().into_iter().map(all).collect()
+    }
+
+    /// Facets of the convex hull of all vertices, counterclockwise from outside.
+    #[must_use]
+    pub fn hull(&self) -> Vec<[u32; 3]> {
+        self.body.mesh().hull_facets().collect()
+    }
+
+    /// Duplicates, each with the vertex at its place.
+    #[must_use]
+    pub fn duplicates(&self) -> Vec<[u32; 2]> {
+        self.body.mesh().duplicates().iter().map(|&(a, b)| [a, b]).collect()
+    }
+
+    /// Boundary triangles of a domain; none of a point set.
+    #[must_use]
+    pub fn boundary(&self) -> Vec<BoundaryFace> {
+        self.refined().map(|refined| refined.boundary(false)).unwrap_or_default()
+    }
+
+    /// The region of each tetrahedron, from 1; of a point set all are 1.
+    #[must_use]
+    pub fn regions(&self) -> Vec<u32> {
+        match &*self.body {
+            Body::Points { mesh, .. } => vec![1; mesh.num_tets()],
+            Body::Domain(refined) => refined.tets().map(|t| refined.region(t)).collect(),
+        }
+    }
+
+    /// The tetrahedra over a bound, each with the reason.
+    #[must_use]
+    pub fn excuses(&self) -> Vec<(u32, String)> {
+        let Some(refined) = self.refined() else { return Vec::new() };
+        let place = self.body.places();
+        let all = refined.excuses.iter();
+        all.map(|e| (place[e.tet as usize], e.reason.to_string())).collect()
+    }
+
+    /// The place that coordinates are relative to.
+    #[must_use]
+    pub fn offset(&self) -> Point {
+        self.refined().map_or([0.0; 3], |refined| refined.lattice.offset())
+    }
+
+    /// For each point a tetrahedron that holds it, or [`NOWHERE`]. The first call takes O(n).
+    ///
+    /// # Errors
+    /// A point that is not finite.
+    pub fn find(&self, points: &[Point]) -> Result<Vec<u32>, Failure> {
+        self.locator.get_or_init(|| Locator::new(&self.body)).find(points)
+    }
+
+    /// The canonical hash `ltbw.mesh/1`.
+    ///
+    /// # Errors
+    /// A mesh without one.
+    pub fn hash(&self) -> Result<String, Failure> {
+        Ok(canonical_hash(&self.points(), &self.tets())?.to_string())
+    }
+
+    /// Histograms and extremes; `None` of a mesh without tetrahedra.
+    #[must_use]
+    pub fn quality(&self) -> Option<Quality> {
+        Quality::of(&self.points(), &self.tets())
+    }
+
+    /// The mesh as files carry it.
+    pub(crate) fn plain(&self) -> TetMesh {
+        match self.refined() {
+            Some(refined) => refined.to_tet_mesh(false),
+            None => TetMesh { points: self.points(), tets: self.tets(), ..TetMesh::default() },
+        }
+    }
+
+    /// Writes the mesh; the extension tells the format.
+    ///
+    /// # Errors
+    /// Formats that hold no mesh; files that cannot be written.
+    pub fn save(&self, path: &Path) -> Result<(), Failure> {
+        let mesh = self.plain();
+        let values = match self.refined() {
+            Some(_) => quality::arrays(&mesh.points, &mesh.tets),
+            None => Vec::new(),
+        };
+        let extras = Extras { values, faces: self.boundary() };
+        Ok(io::write_mesh_and(path, &mesh, &extras, io::WriteOptions::default())?)
+    }
+
+    /// The certificate as JSON: of points `ltbw.cert/1`, made anew; of a domain the one that came with
+    /// it, if it was checked.
+    ///
+    /// # Errors
+    /// A certificate that is no JSON.
+    pub fn certify(&self, full: bool) -> Result<Option<String>, Failure> {
+        if self.refined().is_some() {
+            return Ok(self.certificate.clone());
+        }
+        let (points, tets) = (self.points(), self.tets());
+        let (neighbours, hull) = (self.neighbours(), self.hull());
+        let mesh = ltbw_verify::Mesh::new(&points, &tets);
+        let mesh = mesh.with_neighbours(&neighbours).with_hull(&hull);
+        let depth = if full { ltbw_verify::Depth::Full } else { ltbw_verify::Depth::Fast };
+        let all_points = self.outcome == Outcome::Complete;
+        let options = ltbw_verify::Options { depth, all_points, ..ltbw_verify::Options::default() };
+        certificate::json(&ltbw_verify::check(&mesh, &options)).map(Some)
+    }
+}
