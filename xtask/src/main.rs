@@ -1,6 +1,7 @@
 //! `cargo xtask`: one command for each of the deeper suites. Standard library only, so that it
 //! builds in a moment; the measuring itself is the program `measure` of the tests package.
 
+mod c;
 mod coverage;
 mod fuzz;
 mod generate;
@@ -40,6 +41,7 @@ cargo xtask COMMAND
                         the canary, then every fuzz target for N seconds each (default 60), through
                         cargo-fuzz
   vectors               writes the conformance kit verify/vectors
+  c                     lints, builds and tests the C interface: header, examples under valgrind
   python                lints, builds and tests the Python package: wheel, doctests, tutorial
   prove                 the proofs of the filters: coqc and gappa
   model-check [--deep]  the models of verify/models: all states, known-bad variants, loom, shuttle
@@ -64,6 +66,7 @@ fn main() -> ExitCode {
         "python" => python::run(),
         "model-check" => model_check::run(rest),
         "tsan" => tsan::run(),
+        "c" => c::run(),
         "coverage" => coverage::run(rest),
         "mutants" => mutants::run(rest),
         "help" | "--help" | "-h" => {

@@ -185,8 +185,8 @@ impl Meshed {
         Ok(io::write_mesh_and(path, &mesh, &extras, io::WriteOptions::default())?)
     }
 
-    /// The certificate as JSON: of points `ltbw.cert/1`, made anew; of a domain the one that came with
-    /// it, if it was checked.
+    /// The certificate as JSON: of points `ltbw.cert/1`, made anew; of a domain the one that came
+    /// with it, if it was checked.
     ///
     /// # Errors
     /// A certificate that is no JSON.

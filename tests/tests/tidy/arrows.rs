@@ -34,6 +34,7 @@ pub(crate) const CRATES: &[Crate] = &[
     on(7, "ltbw_fuzz", "fuzz"),
     on(5, "ltbw_bindings", "bindings/common"),
     on(6, "ltbw_python", "bindings/python"),
+    on(6, "ltbw_c", "bindings/c"),
     alone("xtask", "xtask"),
 ];
 

@@ -1,0 +1,448 @@
+/* ltbw: exactly Delaunay tetrahedral meshes. Made by cbindgen from bindings/c: do not edit. */
+
+#ifndef LTBW_H
+#define LTBW_H
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+/*
+ The end of a call.
+ */
+typedef enum ltbw_status {
+  /*
+   Done.
+   */
+  LTBW_OK = 0,
+  /*
+   The arguments are no points, no surface, or no bounds that a mesh can meet.
+   */
+  LTBW_INPUT = 1,
+  /*
+   The surface bounds nothing that can be meshed.
+   */
+  LTBW_DOMAIN = 2,
+  /*
+   The surface could not be brought into a Delaunay mesh.
+   */
+  LTBW_RECOVERY = 3,
+  /*
+   Cancelled before there was a mesh.
+   */
+  LTBW_CANCELLED = 4,
+  /*
+   A file could not be read or written.
+   */
+  LTBW_FILE = 5,
+  /*
+   A defect of ltbw itself: please report it.
+   */
+  LTBW_INTERNAL = 70,
+} ltbw_status;
+
+/*
+ The state in which the work ended.
+ */
+typedef enum ltbw_outcome {
+  /*
+   The mesh has all points.
+   */
+  LTBW_COMPLETE = 0,
+  /*
+   The mesh of a domain meets every bound.
+   */
+  LTBW_MET = 1,
+  /*
+   Some tetrahedra are over a bound, each with a reason: input angles are too small.
+   */
+  LTBW_EXCUSED = 2,
+  /*
+   The budget of points was used up first.
+   */
+  LTBW_BUDGET = 3,
+  /*
+   The progress function ended the work: the mesh so far.
+   */
+  LTBW_STOPPED = 4,
+} ltbw_outcome;
+
+/*
+ A mesh. From its making to `ltbw_mesh_free` many threads may ask it at once.
+ */
+typedef struct ltbw_mesh ltbw_mesh;
+
+/*
+ Told some twenty times a second, by the calling thread: points done, of a total that is 0 where
+ it is not known. Anything but 0 ends the work: the mesh so far is kept.
+ */
+typedef int32_t (*ltbw_progress)(void *context, uint64_t done, uint64_t total);
+
+/*
+ Threads and progress. NULL where a function takes one: one thread, no progress.
+ */
+typedef struct ltbw_run {
+  /*
+   Threads; 0 means 1. The mesh is the same for any number.
+   */
+  uint32_t threads;
+  /*
+   The progress function, or NULL.
+   */
+  ltbw_progress progress;
+  /*
+   Handed to the progress function.
+   */
+  void *context;
+} ltbw_run;
+
+/*
+ A surface: polygons over vertices, turned outward.
+ */
+typedef struct ltbw_surface {
+  /*
+   Coordinates: three for each vertex.
+   */
+  const double *vertices;
+  /*
+   Number of vertices.
+   */
+  size_t vertex_count;
+  /*
+   Corners of all faces, one face after the other.
+   */
+  const uint32_t *corners;
+  /*
+   The number of corners of each face; NULL: three each.
+   */
+  const uint32_t *corner_counts;
+  /*
+   Number of faces.
+   */
+  size_t face_count;
+  /*
+   A marker for each face, or NULL.
+   */
+  const int32_t *markers;
+} ltbw_surface;
+
+/*
+ A wanted edge length at a place. It is called by the calling thread, has to give the same answer
+ for the same place, and positive ones.
+ */
+typedef double (*ltbw_size)(void *context, const double *place);
+
+/*
+ A region with properties of its own.
+ */
+typedef struct ltbw_region {
+  /*
+   A point inside.
+   */
+  double seed[3];
+  /*
+   Its attribute.
+   */
+  double attribute;
+  /*
+   The largest volume of its tetrahedra; 0: no bound of its own.
+   */
+  double max_volume;
+} ltbw_region;
+
+/*
+ The bounds that a mesh has to meet. All zero: any shape, any size.
+ */
+typedef struct ltbw_wishes {
+  /*
+   The largest volume; 0: no bound.
+   */
+  double max_volume;
+  /*
+   The largest circumradius to shortest edge; 0: no bound. 2 is the usual one.
+   */
+  double radius_edge;
+  /*
+   A wanted edge length for all places; 0: none.
+   */
+  double edge_length;
+  /*
+   A wanted edge length as a function of the place, or NULL.
+   */
+  ltbw_size size;
+  /*
+   Handed to the size function.
+   */
+  void *context;
+  /*
+   The most points to insert; 0: as many as is usual.
+   */
+  uint64_t max_points;
+  /*
+   A point in each void, three coordinates each. NULL: the surface's orientation tells.
+   */
+  const double *holes;
+  /*
+   Number of holes.
+   */
+  size_t hole_count;
+  /*
+   Regions with properties of their own, or NULL.
+   */
+  const struct ltbw_region *regions;
+  /*
+   Number of regions.
+   */
+  size_t region_count;
+  /*
+   Weld vertices within this distance; 0: none but what the lattice welds.
+   */
+  double repair;
+  /*
+   Anything but 0: the mesh is not checked against the domain.
+   */
+  int32_t unchecked;
+} ltbw_wishes;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/*
+ Coordinates of the vertices, three each; their number goes to `count`.
+
+ # Safety
+ The mesh is null or one of this library; `count` is null or a place for a number.
+ */
+const double *ltbw_mesh_points(const struct ltbw_mesh *mesh, size_t *count);
+
+/*
+ Corners of the tetrahedra, four each; their number goes to `count`.
+
+ # Safety
+ The mesh is null or one of this library; `count` is null or a place for a number.
+ */
+const uint32_t *ltbw_mesh_tets(const struct ltbw_mesh *mesh, size_t *count);
+
+/*
+ Across the face opposite each corner the tetrahedron there, or `UINT32_MAX`; the number of rows
+ goes to `count`.
+
+ # Safety
+ The mesh is null or one of this library; `count` is null or a place for a number.
+ */
+const uint32_t *ltbw_mesh_neighbours(const struct ltbw_mesh *mesh, size_t *count);
+
+/*
+ Facets of the convex hull of all vertices, three corners each, counterclockwise from outside.
+
+ # Safety
+ The mesh is null or one of this library; `count` is null or a place for a number.
+ */
+const uint32_t *ltbw_mesh_hull(const struct ltbw_mesh *mesh, size_t *count);
+
+/*
+ Boundary triangles of a domain, three corners each, counterclockwise from outside.
+
+ # Safety
+ The mesh is null or one of this library; `count` is null or a place for a number.
+ */
+const uint32_t *ltbw_mesh_boundary(const struct ltbw_mesh *mesh, size_t *count);
+
+/*
+ The markers of the facets that the boundary triangles are part of.
+
+ # Safety
+ The mesh is null or one of this library; `count` is null or a place for a number.
+ */
+const int64_t *ltbw_mesh_boundary_markers(const struct ltbw_mesh *mesh, size_t *count);
+
+/*
+ The region of each tetrahedron, from 1.
+
+ # Safety
+ The mesh is null or one of this library; `count` is null or a place for a number.
+ */
+const uint32_t *ltbw_mesh_regions(const struct ltbw_mesh *mesh, size_t *count);
+
+/*
+ The tetrahedra over a bound.
+
+ # Safety
+ The mesh is null or one of this library; `count` is null or a place for a number.
+ */
+const uint32_t *ltbw_mesh_excused(const struct ltbw_mesh *mesh, size_t *count);
+
+/*
+ The reason why the `number`-th of them is; NULL where there is none.
+
+ # Safety
+ The mesh is null or one of this library.
+ */
+const char *ltbw_mesh_excuse(const struct ltbw_mesh *mesh, size_t number);
+
+/*
+ The certificate as JSON: of points made anew, of a domain the one that came with the mesh; NULL
+ if the mesh was not checked.
+
+ # Safety
+ The mesh is null or one of this library.
+ */
+const char *ltbw_mesh_certificate(const struct ltbw_mesh *mesh);
+
+/*
+ The message of this thread's last failure; empty before the first. It lives until the next one.
+ */
+const char *ltbw_last_error(void);
+
+/*
+ The code of this thread's last failure: a short name that stays the same between versions.
+ */
+const char *ltbw_last_error_code(void);
+
+/*
+ The numbers of the elements at fault in this thread's last failure, counted from 0; their number
+ goes to `count`. They live until the next failure.
+
+ # Safety
+ `count` is null or a place for a number.
+ */
+const uint32_t *ltbw_last_error_ids(size_t *count);
+
+/*
+ Panics inside, for the test that a panic becomes `LTBW_INTERNAL`.
+ */
+enum ltbw_status ltbw_test_panic(void);
+
+/*
+ The version of the library.
+ */
+const char *ltbw_version(void);
+
+/*
+ The Delaunay mesh of `count` points, three coordinates each.
+
+ # Safety
+ Pointers as at the head of the crate; `run` may be null.
+ */
+enum ltbw_status ltbw_delaunay(const double *coordinates,
+                               size_t count,
+                               const struct ltbw_run *run,
+                               struct ltbw_mesh **out);
+
+/*
+ A conforming Delaunay mesh of the domain that a surface bounds.
+
+ # Safety
+ Pointers as at the head of the crate; `wishes` and `run` may be null.
+ */
+enum ltbw_status ltbw_tetrahedralize(const struct ltbw_surface *surface,
+                                     const struct ltbw_wishes *wishes,
+                                     const struct ltbw_run *run,
+                                     struct ltbw_mesh **out);
+
+/*
+ A conforming Delaunay mesh of the domain in a file: `.poly .smesh .off .obj .stl .ply`.
+
+ # Safety
+ Pointers as at the head of the crate; `wishes` and `run` may be null.
+ */
+enum ltbw_status ltbw_tetrahedralize_file(const char *file,
+                                          const struct ltbw_wishes *wishes,
+                                          const struct ltbw_run *run,
+                                          struct ltbw_mesh **out);
+
+/*
+ Frees a mesh and all its arrays; NULL is nothing to free.
+
+ # Safety
+ The mesh is null, or comes from this library and was not freed yet.
+ */
+void ltbw_mesh_free(struct ltbw_mesh *mesh);
+
+/*
+ The state in which the work ended.
+
+ # Safety
+ The mesh is one of this library.
+ */
+enum ltbw_outcome ltbw_mesh_outcome(const struct ltbw_mesh *mesh);
+
+/*
+ For each of `count` points a tetrahedron that holds it, or `UINT32_MAX`: goes to `found`.
+
+ # Safety
+ Pointers as at the head of the crate; `found` has room for `count` numbers.
+ */
+enum ltbw_status ltbw_mesh_find(const struct ltbw_mesh *mesh,
+                                const double *coordinates,
+                                size_t count,
+                                uint32_t *found);
+
+/*
+ The canonical hash `ltbw.mesh/1`: 64 hexadecimal digits and a zero go to `hash`.
+
+ # Safety
+ The mesh is one of this library; `hash` has room for 65 characters.
+ */
+enum ltbw_status ltbw_mesh_hash(const struct ltbw_mesh *mesh, char *hash);
+
+/*
+ Writes the mesh; the extension tells the format: `.vtu .msh .mesh .ele`.
+
+ # Safety
+ Pointers as at the head of the crate.
+ */
+enum ltbw_status ltbw_mesh_save(const struct ltbw_mesh *mesh, const char *file);
+
+/*
+ The orientation of a tetrahedron: positive if it is that of the origin and the three unit
+ vectors in their order.
+
+ # Safety
+ Each pointer is null or points to three numbers.
+ */
+int32_t ltbw_orient3d(const double *a, const double *b, const double *c, const double *d);
+
+/*
+ Positive if e is inside the sphere through a, b, c, d, a tetrahedron of positive orientation.
+
+ # Safety
+ Each pointer is null or points to three numbers.
+ */
+int32_t ltbw_insphere(const double *a,
+                      const double *b,
+                      const double *c,
+                      const double *d,
+                      const double *e);
+
+/*
+ The same of the perturbed sphere: never 0 for five different points.
+
+ # Safety
+ Each pointer is null or points to three numbers.
+ */
+int32_t ltbw_side_of_sphere(const double *a,
+                            const double *b,
+                            const double *c,
+                            const double *d,
+                            const double *e);
+
+/*
+ Positive if d is beyond the perturbed hull facet a, b, c.
+
+ # Safety
+ Each pointer is null or points to three numbers.
+ */
+int32_t ltbw_side_of_hull_facet(const double *a,
+                                const double *b,
+                                const double *c,
+                                const double *d);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* LTBW_H */

@@ -1,0 +1,278 @@
+//! Points, surfaces and bounds, as C has them.
+
+use crate::error::null;
+use crate::run::Run;
+use kernel::Point;
+use ltbw_bindings::{Class, Failure, Reins, Source};
+use std::ffi::{CStr, c_char, c_void};
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+use std::thread::ThreadId;
+use std::time::Instant;
+
+/// A surface: polygons over vertices, turned outward.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// Coordinates: three for each vertex.
+    pub vertices: *const f64,
+    /// Number of vertices.
+    pub vertex_count: usize,
+    /// Corners of all faces, one face after the other.
+    pub corners: *const u32,
+    /// The number of corners of each face; NULL: three each.
+    pub corner_counts: *const u32,
+    /// Number of faces.
+    pub face_count: usize,
+    /// A marker for each face, or NULL.
+    pub markers: *const i32,
+}
+
+/// A region with properties of its own.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Region {
+    /// A point inside.
+    pub seed: [f64; 3],
+    /// Its attribute.
+    pub attribute: f64,
+    /// The largest volume of its tetrahedra; 0: no bound of its own.
+    pub max_volume: f64,
+}
+
+/// A wanted edge length at a place. It is called by the calling thread, has to give the same answer
+/// for the same place, and positive ones.
+pub type Size = Option<extern "C" fn(context: *mut c_void, place: *const f64) -> f64>;
+
+/// The bounds that a mesh has to meet. All zero: any shape, any size.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Wishes {
+    /// The largest volume; 0: no bound.
+    pub max_volume: f64,
+    /// The largest circumradius to shortest edge; 0: no bound. 2 is the usual one.
+    pub radius_edge: f64,
+    /// A wanted edge length for all places; 0: none.
+    pub edge_length: f64,
+    /// A wanted edge length as a function of the place, or NULL.
+    pub size: Size,
+    /// Handed to the size function.
+    pub context: *mut c_void,
+    /// The most points to insert; 0: as many as is usual.
+    pub max_points: u64,
+    /// A point in each void, three coordinates each. NULL: the surface's orientation tells.
+    pub holes: *const f64,
+    /// Number of holes.
+    pub hole_count: usize,
+    /// Regions with properties of their own, or NULL.
+    pub regions: *const Region,
+    /// Number of regions.
+    pub region_count: usize,
+    /// Weld vertices within this distance; 0: none but what the lattice welds.
+    pub repair: f64,
+    /// Anything but 0: the mesh is not checked against the domain.
+    pub unchecked: i32,
+}
+
+/// The values at a pointer.
+///
+/// # Safety
+/// The pointer is null, or points to `count` values that live as long as the slice is used.
+pub(crate) unsafe fn values<'a, T>(
+    pointer: *const T,
+    count: usize,
+    name: &str,
+) -> Result<&'a [T], Failure> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    if pointer.is_null() {
+        return Err(null(name));
+    }
+    // SAFETY: it is not null, and the caller promises the rest.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
+}
+
+/// The points at a pointer, three coordinates each.
+///
+/// # Safety
+/// As [`values`], of `3 * count` numbers.
+pub(crate) unsafe fn points(
+    pointer: *const f64,
+    count: usize,
+    name: &str,
+) -> Result<Vec<Point>, Failure> {
+    let too_many = || Failure::new(Class::Input, "points.too-many", format!("{count} {name}"));
+    let numbers = count.checked_mul(3).ok_or_else(too_many)?;
+    // SAFETY: as the caller promises.
+    let flat = unsafe { values(pointer, numbers, name) }?;
+    Ok(flat.as_chunks::<3>().0.to_vec())
+}
+
+/// The path at a pointer.
+///
+/// # Safety
+/// The pointer is null or a text that ends with a zero.
+pub(crate) unsafe fn path(pointer: *const c_char) -> Result<PathBuf, Failure> {
+    if pointer.is_null() {
+        return Err(null("path"));
+    }
+    // SAFETY: it is not null, and the caller promises a text that ends with a zero.
+    let text = unsafe { CStr::from_ptr(pointer) }.to_str();
+    let text = text.map_err(|e| Failure::new(Class::Input, "file.name", e))?;
+    Ok(PathBuf::from(text))
+}
+
+impl Surface {
+    /// The surface at a pointer, copied.
+    ///
+    /// # Safety
+    /// The pointer is null or points to a surface whose pointers are as its fields say.
+    pub(crate) unsafe fn source(surface: *const Self) -> Result<Source, Failure> {
+        // SAFETY: as the caller promises.
+        let given = unsafe { surface.as_ref() }.ok_or_else(|| null("surface"))?;
+        let mut starts = Vec::with_capacity(given.face_count);
+        let mut length = 0_usize;
+        // SAFETY: as the caller promises.
+        let counts = match given.corner_counts.is_null() {
+            true => vec![3; given.face_count],
+            // SAFETY: as the caller promises.
+            false => {
+                unsafe { values(given.corner_counts, given.face_count, "corner_counts") }?.to_vec()
+            }
+        };
+        for count in counts {
+            starts.push(length);
+            length = length.saturating_add(count as usize);
+        }
+        // SAFETY: as the caller promises, the corners are as many as the counts say.
+        let corners = unsafe { values(given.corners, length, "corners") }?;
+        let markers = match given.markers.is_null() {
+            true => &[],
+            // SAFETY: as the caller promises.
+            false => unsafe { values(given.markers, given.face_count, "markers") }?,
+        };
+        Ok(Source::Arrays {
+            // SAFETY: as the caller promises.
+            vertices: unsafe { points(given.vertices, given.vertex_count, "vertices") }?,
+            corners: corners.iter().map(|&v| i64::from(v)).collect(),
+            starts,
+            markers: markers.to_vec(),
+        })
+    }
+}
+
+/// Bounds, and the wish of edge lengths.
+pub(crate) struct Asked {
+    pub(crate) wishes: ltbw_bindings::Wishes,
+    pub(crate) edge_length: Option<f64>,
+    pub(crate) size: Size,
+    pub(crate) context: *mut c_void,
+}
+
+impl Wishes {
+    /// The wishes at a pointer, copied; null means none.
+    ///
+    /// # Safety
+    /// The pointer is null or points to wishes whose pointers are as its fields say.
+    pub(crate) unsafe fn asked(wishes: *const Self) -> Result<Asked, Failure> {
+        // SAFETY: as the caller promises.
+        let Some(given) = (unsafe { wishes.as_ref() }) else {
+            let wishes = ltbw_bindings::Wishes::default();
+            return Ok(Asked {
+                wishes,
+                edge_length: None,
+                size: None,
+                context: std::ptr::null_mut(),
+            });
+        };
+        let positive = |value: f64| (value != 0.0).then_some(value);
+        let holes = match given.holes.is_null() {
+            true => None,
+            // SAFETY: as the caller promises.
+            false => Some(unsafe { points(given.holes, given.hole_count, "holes") }?),
+        };
+        // SAFETY: as the caller promises.
+        let regions = unsafe { values(given.regions, given.region_count, "regions") }?;
+        let region = |r: &Region| kernel::Region {
+            seed: r.seed,
+            attribute: r.attribute,
+            max_volume: positive(r.max_volume),
+        };
+        let edge_length = positive(given.edge_length).map(length).transpose()?;
+        Ok(Asked {
+            wishes: ltbw_bindings::Wishes {
+                max_volume: positive(given.max_volume),
+                radius_edge: positive(given.radius_edge),
+                max_points: (given.max_points > 0).then_some(given.max_points),
+                holes,
+                regions: regions.iter().map(region).collect(),
+                repair: given.repair,
+                exact_input: false,
+                unchecked: given.unchecked != 0,
+            },
+            edge_length,
+            size: given.size,
+            context: given.context,
+        })
+    }
+}
+
+/// A length, or why it is none. An infinite one asks for nothing.
+pub(crate) fn length(value: f64) -> Result<f64, Failure> {
+    match value > 0.0 {
+        true => Ok(value),
+        false => Err(Failure::new(
+            Class::Input,
+            "size.value",
+            format!("an edge length of {value:?}: it has to be positive"),
+        )),
+    }
+}
+
+/// A size function on its way through the refinement, which calls it from one thread.
+pub(crate) struct Function<'a> {
+    pub(crate) size: extern "C" fn(*mut c_void, *const f64) -> f64,
+    pub(crate) context: *mut c_void,
+    pub(crate) offset: Point,
+    pub(crate) run: Run,
+    pub(crate) reins: &'a Reins,
+    /// The thread that called the library.
+    pub(crate) caller: ThreadId,
+    pub(crate) looked: Mutex<Instant>,
+    pub(crate) failure: Mutex<Option<Failure>>,
+}
+
+impl Function<'_> {
+    /// The length at a place; infinite, which asks for nothing, once one was no length.
+    pub(crate) fn at(&self, p: Point) -> f64 {
+        if self.reins.cancel.is_cancelled() {
+            return f64::INFINITY;
+        }
+        let place = [0, 1, 2].map(|k| p[k] + self.offset[k]);
+        self.asked(&place).unwrap_or_else(|failure| {
+            let message = format!("{} at {place:?}", failure.message);
+            *self.failure.lock().unwrap_or_else(PoisonError::into_inner) =
+                Some(Failure { message, ..failure });
+            self.reins.cancel.cancel();
+            f64::INFINITY
+        })
+    }
+
+    fn asked(&self, place: &Point) -> Result<f64, Failure> {
+        if std::thread::current().id() != self.caller {
+            let text = "a size function was asked by another thread than the caller's";
+            return Err(Failure::new(Class::Internal, "internal.thread", text));
+        }
+        let mut looked = self.looked.lock().unwrap_or_else(PoisonError::into_inner);
+        if looked.elapsed() >= ltbw_bindings::PATIENCE {
+            *looked = Instant::now();
+            self.run.tell(self.reins);
+        }
+        length((self.size)(self.context, place.as_ptr()))
+    }
+}
+
+// SAFETY: the foreign functions and their contexts are used by the caller's thread alone, which
+// `asked` looks at first; all else is `Sync`.
+unsafe impl Sync for Function<'_> {}

@@ -1,0 +1,23 @@
+//! The committed header is the one that the source gives. `LTBW_WRITE_HEADER=1` writes it.
+
+use std::path::Path;
+
+#[test]
+fn the_header_is_that_of_the_source() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let config = cbindgen::Config::from_file(folder.join("cbindgen.toml")).expect("configuration");
+    let mut text = Vec::new();
+    cbindgen::Builder::new()
+        .with_crate(folder)
+        .with_config(config)
+        .generate()
+        .expect("a header")
+        .write(&mut text);
+    let text = String::from_utf8(text).expect("text");
+    let place = folder.join("include/ltbw.h");
+    if std::env::var_os("LTBW_WRITE_HEADER").is_some() {
+        std::fs::write(&place, &text).expect("written");
+    }
+    let committed = std::fs::read_to_string(&place).expect("the committed header");
+    assert!(committed == text, "the header is old: LTBW_WRITE_HEADER=1 cargo test --test header");
+}

@@ -1,0 +1,94 @@
+//! `c`: the C interface of `bindings/c`: lints, header, both examples compiled and run under
+//! valgrind, the conformance kit through the library. What users install goes to `target/c/dist`.
+
+use crate::require;
+use crate::shell::{self, cargo, command, root, target};
+use std::fs;
+use std::path::Path;
+
+/// Warnings are errors.
+const FLAGS: [&str; 5] = ["-Wall", "-Wextra", "-Werror", "-O1", "-g"];
+
+/// Leaks of memory that nobody points to; what the runtime keeps for the process's life is none.
+const VALGRIND: [&str; 5] = [
+    "--quiet",
+    "--leak-check=full",
+    "--show-leak-kinds=definite,indirect",
+    "--errors-for-leak-kinds=definite,indirect",
+    "--error-exitcode=9",
+];
+
+/// Lints, builds, compiles, runs.
+pub(crate) fn run() -> Result<(), String> {
+    let package = root().join("bindings/c");
+    let own_target = target().join("c");
+    let dist = own_target.join("dist");
+    let cargo_program = cargo().get_program().to_string_lossy().into_owned();
+    let in_package = |arguments: &[&str]| {
+        let mut command = command(&cargo_program);
+        command.current_dir(&package).env("CARGO_TARGET_DIR", &own_target).args(arguments);
+        shell::run(&mut command)
+    };
+    in_package(&["fmt", "--check"])?;
+    in_package(&["clippy", "--quiet", "--release", "--all-targets", "--", "-D", "warnings"])?;
+    in_package(&["test", "--quiet", "--release", "--test", "header"])?;
+    in_package(&["build", "--quiet", "--release"])?;
+    install(&package, &own_target, &dist).map_err(|e| format!("{}: {e}", dist.display()))?;
+    for tool in ["cc", "c++", "valgrind"] {
+        if !shell::works(command(tool).arg("--version")) {
+            let reason = format!("{tool} does not start");
+            return require::skip("the examples of the C interface", tool, &reason);
+        }
+    }
+    let (include, lib) = (dist.join("include"), dist.join("lib"));
+    let include = format!("-I{}", include.display());
+    let points = own_target.join("points");
+    let mut cc = command("cc");
+    cc.args(FLAGS).args(["-std=c11", &include]).arg(package.join("examples/points.c"));
+    cc.arg(lib.join("libltbw.a")).args(["-lm", "-lpthread", "-ldl", "-o"]).arg(&points);
+    shell::run(&mut cc)?;
+    let domain = own_target.join("domain");
+    let mut cxx = command("c++");
+    cxx.args(FLAGS).args(["-std=c++17", &include]).arg(package.join("examples/domain.cpp"));
+    cxx.arg(format!("-L{}", lib.display())).arg("-lltbw");
+    cxx.arg(format!("-Wl,-rpath,{}", lib.display())).arg("-o").arg(&domain);
+    shell::run(&mut cxx)?;
+    let valgrind = |program: &Path| {
+        let mut command = command("valgrind");
+        command.args(VALGRIND).arg(program);
+        command
+    };
+    shell::run(&mut valgrind(&points))?;
+    shell::run(valgrind(&domain).arg(own_target.join("domain.vtu")))?;
+    kit(&lib.join("libltbw.so"))
+}
+
+/// Puts header, libraries and the pkg-config file where users would have them.
+fn install(package: &Path, own_target: &Path, dist: &Path) -> std::io::Result<()> {
+    let (include, lib) = (dist.join("include"), dist.join("lib"));
+    fs::create_dir_all(&include)?;
+    fs::create_dir_all(lib.join("pkgconfig"))?;
+    fs::copy(package.join("include/ltbw.h"), include.join("ltbw.h"))?;
+    for name in ["libltbw.so", "libltbw.a"] {
+        fs::copy(own_target.join("release").join(name), lib.join(name))?;
+    }
+    let text = fs::read_to_string(package.join("ltbw.pc.in"))?;
+    let text = text.replace("@PREFIX@", &dist.to_string_lossy());
+    fs::write(lib.join("pkgconfig/ltbw.pc"), text)
+}
+
+/// The conformance kit through the library: all that it says it can must be right.
+fn kit(library: &Path) -> Result<(), String> {
+    let program = match std::env::var_os("LTBW_PROGRAM") {
+        Some(program) => program.into(),
+        None => {
+            shell::run(cargo().args(["build", "--quiet", "--release", "-p", "ltbw-cli"]))?;
+            target().join("release/ltbw")
+        }
+    };
+    let mut command = command(&program.to_string_lossy());
+    command.args(["vectors", "run", "--folder", "predicates", "--folder", "delaunay"]);
+    command.args(["--executor", "python3", "--"]);
+    command.arg("bindings/c/tests/executor.py").arg(library);
+    shell::run(&mut command)
+}
