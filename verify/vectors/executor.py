@@ -13,35 +13,27 @@ import json
 import struct
 import sys
 from fractions import Fraction
+from itertools import groupby
 
 INFINITE = -1  # the vertex at infinity, last in a ghost (a, b, c, INFINITE)
 
 
-def read(point):
-    return tuple(Fraction(float.fromhex(c)) for c in point)
-
-
-def sign(value):
-    return (value > 0) - (value < 0)
+def read(point): return tuple(Fraction(float.fromhex(c)) for c in point)
+def sign(value): return (value > 0) - (value < 0)
 
 
 # Predicates ------------------------------------------------------------------------------------
 
 
-def minus(p, q):
-    return tuple(a - b for a, b in zip(p, q))
+def minus(p, q): return tuple(a - b for a, b in zip(p, q))
 
 
 def cross(u, v):
     return (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
 
 
-def dot(u, v):
-    return sum(a * b for a, b in zip(u, v))
-
-
-def det(u, v, w):
-    return dot(cross(u, v), w)
+def dot(u, v): return sum(a * b for a, b in zip(u, v))
+def det(u, v, w): return dot(cross(u, v), w)
 
 
 def orient3d(a, b, c, d):
@@ -49,13 +41,8 @@ def orient3d(a, b, c, d):
 
 
 def insphere(a, b, c, d, e):
-    a, b, c, d = (minus(p, e) for p in (a, b, c, d))
-    return sign(
-        dot(a, a) * det(b, c, d)
-        - dot(b, b) * det(a, c, d)
-        + dot(c, c) * det(a, b, d)
-        - dot(d, d) * det(a, b, c)
-    )
+    q = [minus(p, e) for p in (a, b, c, d)]
+    return sign(sum((-1) ** k * dot(q[k], q[k]) * det(*q[:k], *q[k + 1 :]) for k in range(4)))
 
 
 def side_of_sphere(cell, p):
@@ -98,8 +85,7 @@ def side_of_circle(cell, p):
     return -local
 
 
-def side_of_hull_facet(cell, p):
-    return orient3d(*cell, p) or side_of_circle(cell, p)
+def side_of_hull_facet(cell, p): return orient3d(*cell, p) or side_of_circle(cell, p)
 
 
 # Order -----------------------------------------------------------------------------------------
@@ -136,23 +122,13 @@ def keys(points, chosen):
     return {i: hilbert_number(cell(h)) for i, h in half.items()}
 
 
-def refined(points, run, depth):
-    """Runs of more than eight equal keys are ordered again in their own box."""
-    found = keys(points, run) if depth < 212 else None
-    if found is None:
-        return run
-    return grouped(points, sorted((found[i], i) for i in run), depth + 1)
-
-
 def grouped(points, keyed, depth):
-    order, start = [], 0
-    while start < len(keyed):
-        end = start
-        while end < len(keyed) and keyed[end][0] == keyed[start][0]:
-            end += 1
-        run = [i for _, i in keyed[start:end]]
-        order += refined(points, run, depth) if len(run) > 8 else run
-        start = end
+    """Runs of more than eight equal keys are ordered again in their own box."""
+    order = []
+    for _, group in groupby(keyed, key=lambda pair: pair[0]):
+        run = [i for _, i in group]
+        found = keys(points, run) if len(run) > 8 and depth < 212 else None
+        order += grouped(points, sorted((found[i], i) for i in run), depth + 1) if found else run
     return order
 
 
@@ -201,9 +177,7 @@ def in_conflict(points, tet, p):
     return side_of_sphere([points[v] for v in tet], p) > 0
 
 
-def walls(tet):
-    for others in OTHERS:
-        yield tuple(tet[k] for k in others)
+def walls(tet): return [tuple(tet[k] for k in others) for others in OTHERS]
 
 
 def closure(points, tets, p):
@@ -237,44 +211,28 @@ def inserted(points, tets, vertex):
 
 
 def first_tet(points, distinct):
-    a = distinct[0]
-    b = distinct[1]
+    a, b = distinct[:2]
     off_line = lambda p: any(cross(minus(points[b], points[a]), minus(p, points[a])))
     c = next(i for i in distinct if off_line(points[i]))
-    d = next(i for i in distinct if orient3d(*(points[k] for k in (a, b, c, i))))
-    return (a, b, c, d) if orient3d(*(points[k] for k in (a, b, c, d))) > 0 else (b, a, c, d)
+    side = lambda i: orient3d(*(points[k] for k in (a, b, c, i)))
+    d = next(i for i in distinct if side(i))
+    return (a, b, c, d) if side(d) > 0 else (b, a, c, d)
 
 
 def delaunay(points):
-    first = {}
-    for i, p in enumerate(points):
-        first.setdefault(p, i)
-    distinct = list(first.values())
+    distinct = sorted({p: i for i, p in reversed([*enumerate(points)])}.values())
     t = first_tet(points, distinct)
     # Beyond a face opposite slot i lies a ghost: the face seen from there.
-    tets = {t} | {(c, b, a, INFINITE) for a, b, c in (beyond(t, i) for i in range(4))}
+    tets = {t} | {(t[j], t[k], t[i], INFINITE) for i, j, k in OTHERS}
     for i in distinct:
         if i not in t:
             tets = inserted(points, tets, i)
     return tets
 
 
-def beyond(tet, slot):
-    """The face opposite a slot, so that the vertex there is on its positive side."""
-    a, b, c = (tet[k] for k in OTHERS[slot])
-    return a, c, b  # orient3d(v, a, b, c) > 0 is orient3d(a, c, b, v) > 0
-
-
-def turned(a, b, c):
-    return list(min((a, b, c), (b, c, a), (c, a, b)))
-
-
-def finite(tets):
-    return sorted(sorted(t) for t in tets if t[3] != INFINITE)
-
-
-def hull(tets):
-    return sorted(turned(*t[:3]) for t in tets if t[3] == INFINITE)
+def turned(a, b, c): return list(min((a, b, c), (b, c, a), (c, a, b)))
+def finite(tets): return sorted(sorted(t) for t in tets if t[3] != INFINITE)
+def hull(tets): return sorted(turned(*t[:3]) for t in tets if t[3] == INFINITE)
 
 
 def mesh_hash(points, floats, tets):
@@ -287,82 +245,150 @@ def mesh_hash(points, floats, tets):
     return hashlib.sha256(data).hexdigest()
 
 
-# The line: a mesh without geometry (README.md) -------------------------------------------------
+# Small meshes: the line, and the hull of points in the plane (README.md) ------------------------
 
-START = 4294967295  # the creator of the cells at the start
+START = 4294967295  # the creator of the line's cells at the start
 
 
 class Cell:
-    """An interval between neighbouring vertices. Its links are handles (creator, number, block)."""
+    """An interval or an edge. Its links, left and right, are handles (creator, number, block)."""
 
     def __init__(self, name, ends, left=None, right=None):
         self.name, self.ends, self.links = name, ends, [left, right]
 
-    def copy(self):
-        return Cell(self.name, self.ends, *self.links)
+    def copy(self): return Cell(self.name, self.ends, *self.links)
 
     def written(self):
         return {"name": self.name, "ends": self.ends, "left": self.links[0], "right": self.links[1]}
 
 
-class Line:
+def chained(pieces):
+    """The cells of a cavity, from the left to the right."""
+    known = {p.name: p for p in pieces}
+    inside = lambda link: link and link[:2] in known
+    chain = [p for p in pieces if not inside(p.links[0])]
+    while inside(chain[-1].links[1]):
+        chain.append(known[chain[-1].links[1][:2]])
+    return chain
+
+
+class Mesh:
     """The cells of one worker: what it knows of the mesh, and who has locked which of them."""
 
     def __init__(self, setup, me):
-        self.range, self.blocks, self.me = setup["range"], setup["blocks"], me
-        self.cells, self.holder, self.named = {}, {}, 0
+        self.setup, self.me, self.cells, self.holder, self.named = setup, me, {}, {}, 0
 
-    def block_of_vertex(self, v):
-        return min(max(v, 0), self.range - 1) * self.blocks // self.range
-
-    def block(self, cell):
-        return self.block_of_vertex(cell.ends[0])
-
-    def handle(self, cell):
-        return (*cell.name, self.block(cell))
+    def block(self, cell): return self.block_of(cell.ends)
+    def handle(self, cell): return (*cell.name, self.block(cell))
+    def rim(self, chain): return chain[0].ends[0], chain[-1].ends[1]
 
     def fresh_name(self):
         self.named += 1
         return (self.me, self.named)  # R13
 
-    def in_conflict(self, name, point):
-        a, b = self.cells[name].ends
-        return a < point < b
-
     def neighbours(self, name):
         """Handles of the neighbours, left before right."""
         return [link for link in self.cells[name].links if link]
 
-    def walk(self, point, at):
-        """Where a point is: known, empty, locked (t), leaves (by a handle), in (t)."""
-        if not self.cells:
-            return "empty", None
-        cell = at and self.cells.get(at[:2])
-        if not cell or not cell.ends[0] <= point <= cell.ends[1]:
-            ordered = sorted(self.cells.values(), key=lambda c: c.ends)
-            cell = ([c for c in ordered if c.ends[0] <= point] or ordered[:1])[-1]
-        if point in cell.ends:
-            return "known", None
-        if cell.name in self.holder:
-            return "locked", cell.name
-        if self.in_conflict(cell.name, point):
-            return "in", cell.name
-        return "leaves", cell.links[point > cell.ends[1]]
+    def cavity(self, name, point):
+        """The cavity from a cell on, none if it leaves this worker; or else a lock in the way."""
+        cavity, whole, stack = {}, True, [name]
+        while stack:
+            cell = self.cells[stack.pop()]
+            if cell.name in self.holder:
+                return None, cell.name
+            if self.in_conflict(cell, point) and cell.name not in cavity:
+                cavity[cell.name] = cell
+                near = [h[:2] for h in self.neighbours(cell.name) if h[:2] in self.cells]
+                whole = whole and len(near) == len(self.neighbours(cell.name))
+                stack += near
+        return (chained(cavity.values()) if whole else None), None
 
-    def split(self, cell, point):
-        """The star of a point in its cavity, a cell: two new cells, linked with what is around."""
-        (a, b), names = cell.ends, (self.fresh_name(), self.fresh_name())
-        left = Cell(names[0], (a, point), left=cell.links[0])
-        right = Cell(names[1], (point, b), right=cell.links[1])
+    def star(self, chain, point):
+        """The star of a point in its cavity: two new cells, linked with what is around."""
+        (a, b), names = self.rim(chain), (self.fresh_name(), self.fresh_name())
+        left = Cell(names[0], (a, point), left=chain[0].links[0])
+        right = Cell(names[1], (point, b), right=chain[-1].links[1])
         left.links[1], right.links[0] = self.handle(right), self.handle(left)
         return left, right
 
+    def walk(self, point, at):
+        """Where a point is: known, empty, locked (t), leaves (by a handle), in (t)."""
+        cell = self.first(point, self.cells.get(at and at[:2])) if self.cells else None
+        for _ in self.cells:
+            if point in cell.ends:
+                break
+            if cell.name in self.holder:
+                return "locked", cell.name
+            if self.in_conflict(cell, point):
+                return "in", cell.name
+            link = cell.links[self.is_ahead(cell, point)]
+            if link[:2] not in self.cells:
+                return "leaves", link
+            cell = self.cells[link[:2]]
+        return "known" if cell else "empty", None
+
     def take(self, block):
-        """A block's cells, taken out in ascending order of their ends."""
+        """A block's cells, taken out in ascending order of their names."""
         gone = [c for c in self.cells.values() if self.block(c) == block]
         for cell in gone:
             del self.cells[cell.name]
-        return sorted(gone, key=lambda c: c.ends)
+        return sorted(gone, key=lambda c: c.name)
+
+
+class Line(Mesh):
+    """Intervals between neighbouring integers."""
+
+    def start(self):
+        ends = [-1, *self.setup["start"], self.setup["range"]]
+        return [Cell((START, k), pair) for k, pair in enumerate(zip(ends, ends[1:]))]
+
+    def block_of_point(self, v):
+        return min(max(v, 0), self.setup["range"] - 1) * self.setup["blocks"] // self.setup["range"]
+
+    def block_of(self, ends): return self.block_of_point(ends[0])
+    def in_conflict(self, cell, point): return cell.ends[0] < point < cell.ends[1]
+
+    def is_locked(self, block):
+        return any(self.block(self.cells[name]) == block for name in self.holder)
+
+    def first(self, point, named):
+        if named and named.ends[0] <= point <= named.ends[1]:
+            return named
+        ordered = sorted(self.cells.values(), key=lambda c: c.ends)
+        return ([c for c in ordered if c.ends[0] <= point] or ordered[:1])[-1]
+
+    def is_ahead(self, cell, point): return point > cell.ends[1]
+
+
+class Hull(Mesh):
+    """Directed edges of a convex polygon. A point (x, y, block) conflicts with those it sees."""
+
+    def start(self):
+        polygon = [tuple(v) for v in self.setup["polygon"]]
+        cells, given = [], {}
+        for ends in zip(polygon, [*polygon[1:], polygon[0]]):
+            owner = self.setup["owners"][self.block_of(ends)]
+            cells.append(Cell((owner, given.setdefault(owner, 0)), ends))
+            given[owner] += 1
+        self.named = given.get(self.me, 0) - 1
+        return [*cells, cells[0]]
+
+    def block_of_point(self, v): return v[2]
+    def block_of(self, ends): return min(ends[0][2], ends[1][2])
+
+    def in_conflict(self, cell, p):
+        a, b = cell.ends
+        return (b[0] - a[0]) * (p[1] - a[1]) < (b[1] - a[1]) * (p[0] - a[0])
+
+    def is_locked(self, block):
+        locked = [self.cells[name] for name in self.holder]
+        return any(block in (self.block(c), *(h[2] for h in c.links)) for c in locked)
+
+    def first(self, _, named):
+        return named or self.cells[min(self.cells)]
+
+    def is_ahead(self, *_): return True
 
 
 # The protocol ----------------------------------------------------------------------------------
@@ -397,37 +423,28 @@ def must(holds, invariant):
 class Worker:
     """One worker: `step(event)` gives the list of its actions."""
 
-    def __init__(self, setup, me):
+    def __init__(self, mesh, setup, me):
         self.me, self.workers, self.window = me, len(setup["points"]), setup["window"]
-        self.paper, self.line = setup["rule"] == "paper", Line(setup, me)
+        self.paper, self.line = setup["rule"] == "paper", mesh(setup, me)
         self.directory = {b: (owner, 0) for b, owner in enumerate(setup["owners"])}
-        self.points = list(setup["points"][me])
+        self.points = [tuple(p) if mesh is Hull else p for p in setup["points"][me]]
         self.operations, self.requests = {}, {}  # both by ticket
         self.waiting_tet, self.waiting_name = {}, {}  # name -> [('walk' or 'request', ticket)]
         self.clock, self.sequence = 0, 0
         self.token = {"count": 0, "black": True} if me == 0 else None
         self.count, self.black, self.stopped, self.cancelled = 0, False, False, False
         self.actions, self.to_self = [], []
-        self.install_start(setup)
-
-    def install_start(self, setup):
-        line = self.line
-        ends = [-1, *setup["start"], setup["range"]]
-        cells = [Cell((START, k), pair) for k, pair in enumerate(zip(ends, ends[1:]))]
+        line, cells = self.line, self.line.start()
         for left, right in zip(cells, cells[1:]):
             left.links[1], right.links[0] = line.handle(right), line.handle(left)
         line.cells = {c.name: c for c in cells if self.mine(line.block(c))}
 
-    def owner(self, block):
-        return self.directory[block][0]
-
-    def mine(self, block):
-        return self.owner(block) == self.me
+    def owner(self, block): return self.directory[block][0]
+    def mine(self, block): return self.owner(block) == self.me
 
     def learn(self, news):
-        for block, owner, epoch in news:
-            if epoch > self.directory[block][1]:
-                self.directory[block] = (owner, epoch)
+        newer = [(b, (owner, epoch)) for b, owner, epoch in news if epoch > self.directory[b][1]]
+        self.directory.update(newer)
 
     # Steps and messages
 
@@ -466,8 +483,7 @@ class Worker:
         elif self.token and self.passive():
             self.pass_token()
 
-    def event_cancel(self, _):
-        self.points, self.cancelled = [], True
+    def event_cancel(self, _): self.points, self.cancelled = [], True
 
     def event_retry(self, event):
         op = self.operations[tuple(event["ticket"])]
@@ -495,8 +511,8 @@ class Worker:
             self.walk_waits(op, self.waiting_name, at[:2])
         elif kind == "leaves":
             self.walk_on(op, self.owner(at[2]), at)
-        elif not self.inserted_here(op, self.line.cells[at]):
-            self.begin(op, at)
+        else:
+            self.insert(op, at)
 
     def walk_on(self, op, to, at):
         ticket = self.give_ticket(op)
@@ -507,28 +523,24 @@ class Worker:
         self.operations[self.give_ticket(op)] = op
         table.setdefault(name, []).append(("walk", op.ticket))
 
-    def inserted_here(self, op, cell):
+    def insert(self, op, name):
         line = self.line
-        near = [h[:2] for h in line.neighbours(cell.name)]
-        blocks = (line.block(cell), line.block_of_vertex(op.point))
-        free = all(n in line.cells and n not in line.holder for n in near)
-        if not free or not all(map(self.mine, blocks)):
-            return False
-        del line.cells[cell.name]
-        for side, new in enumerate(line.split(cell, op.point)):
+        chain, locked = line.cavity(name, op.point)
+        if locked and not self.paper:
+            return self.walk_waits(op, self.waiting_tet, locked)
+        if not chain or not self.all_mine(line.rim(chain), op.point):
+            op.phase, op.asked = "Expanding", {self.me: 1}
+            self.operations[self.give_ticket(op)] = op
+            return self.request(self.me, op.ticket, op.attempt, op.point, [("tet", name)])
+        for cell in chain:
+            del line.cells[cell.name]
+        for side, new in enumerate(line.star(chain, op.point)):
             line.cells[new.name] = new
-            if cell.links[side]:
-                line.cells[cell.links[side][:2]].links[1 - side] = line.handle(new)
-        return True
+            if new.links[side]:
+                line.cells[new.links[side][:2]].links[1 - side] = line.handle(new)
 
-    def begin(self, op, name):
-        for handle in self.line.neighbours(name):
-            if handle[:2] in self.line.holder and not self.paper:
-                return self.walk_waits(op, self.waiting_tet, handle[:2])
-        op.phase = "Expanding"
-        op.asked = {self.me: 1}
-        self.operations[self.give_ticket(op)] = op
-        self.request(self.me, op.ticket, op.attempt, op.point, [("tet", name)])
+    def all_mine(self, rim, point):
+        return all(self.mine(self.line.block_of(e)) for e in ((rim[0], point), (point, rim[1])))
 
     def on_walk(self, _, kind, ticket, attempt, point, at):
         op = Operation(point, ticket, attempt, at)
@@ -546,8 +558,8 @@ class Worker:
         op.parts.setdefault(sender, []).extend(pieces)
         op.asked[sender] -= answers
         must(op.asked[sender] >= 0, "P8")
-        seeds = {}
-        for f in [f for f in foreign if f[:2] not in op.whereabouts] + bounced:
+        seeds, new = {}, {f[:2]: f for f in reversed(foreign) if f[:2] not in op.whereabouts}
+        for f in [f for f in foreign if new.pop(f[:2], None)] + bounced:
             op.whereabouts[f[:2]] = self.owner(f[2])
             seeds.setdefault(self.owner(f[2]), []).append(f)
         for w in sorted(seeds):
@@ -558,19 +570,22 @@ class Worker:
             self.fill(op)
 
     def fill(self, op):
-        """The commit point. A cell of the line is a whole cavity: two new cells fill it."""
+        """The commit point: two new cells fill the cavity."""
         patches = {}
         patch = lambda w: patches.setdefault(w, {"remove": [], "add": [], "relink": []})
-        for owner in sorted(op.parts):
-            for piece in op.parts[owner]:
-                patch(owner)["remove"].append(piece.name)
-                for side, new in enumerate(self.line.split(piece, op.point)):
-                    beyond, block = piece.links[side], self.line.block(new)
-                    if beyond:
-                        change = {"of": beyond[:2], "side": 1 - side, "to": self.line.handle(new)}
-                        patch(op.whereabouts.get(beyond[:2], owner))["relink"].append(change)  # R12
-                    stays = block == self.line.block(piece)
-                    patch(owner if stays else self.owner(block))["add"].append(new)
+        owner = {piece.name: w for w, pieces in op.parts.items() for piece in pieces}
+        chain = chained([piece for pieces in op.parts.values() for piece in pieces])
+        for piece in chain:
+            patch(owner[piece.name])["remove"].append(piece.name)
+        for side, new in enumerate(self.line.star(chain, op.point)):
+            beyond = new.links[side]
+            if beyond:
+                change = {"of": beyond[:2], "side": 1 - side, "to": self.line.handle(new)}
+                near = owner[chain[-side].name]
+                patch(op.whereabouts.get(beyond[:2], near))["relink"].append(change)  # R12
+            block, piece = self.line.block(new), chain[-side]
+            stays = isinstance(self.line, Line) and block == self.line.block(piece)
+            patch(owner[piece.name] if stays else self.owner(block))["add"].append(new)
         del self.operations[op.ticket]
         for w in [*sorted(op.asked), *sorted(set(patches) - set(op.asked))]:
             self.send(w, "commit", ticket=op.ticket, patch=patches.get(w))
@@ -639,7 +654,7 @@ class Worker:
     def lock(self, r, name):
         self.line.holder[name] = r.ticket  # R1
         r.held.append(name)
-        if not self.line.in_conflict(name, r.point):
+        if not self.line.in_conflict(self.line.cells[name], r.point):
             return
         r.found.append(name)
         for handle in self.line.neighbours(name):
@@ -725,11 +740,11 @@ class Worker:
 
     def event_migrate(self, event):
         block, to, line = event["block"], event["to"], self.line
-        locked = any(line.block(line.cells[name]) == block for name in line.holder)
+        locked = line.is_locked(block)
         if not self.mine(block) or to == self.me or locked or self.stopped or self.passive():  # R9
             return
         cargo = line.take(block)
-        points = [p for p in self.points if line.block_of_vertex(p) == block]
+        points = [p for p in self.points if line.block_of_point(p) == block]
         self.points = [p for p in self.points if p not in points]
         epoch = self.directory[block][1] + 1
         self.directory[block] = (to, epoch)
@@ -753,6 +768,8 @@ class Worker:
         self.directory[block] = (self.me, epoch)
         if not self.cancelled:  # R15
             self.points += points
+            if isinstance(self.line, Hull):
+                self.points.sort()
         self.wake(self.install(cargo))
 
     def on_stray(self, _, kind, block, cargo):
@@ -763,14 +780,9 @@ class Worker:
 
     # Termination
 
-    def passive(self):
-        return not self.operations and not self.points
-
-    def on_token(self, _, kind, count, black):
-        self.token = {"count": count, "black": black}
-
-    def on_stop(self, _, kind):
-        self.stopped = True
+    def passive(self): return not self.operations and not self.points
+    def on_token(self, _, kind, count, black): self.token = {"count": count, "black": black}
+    def on_stop(self, _, kind): self.stopped = True
 
     def pass_token(self):
         token, self.token = self.token, None
@@ -789,7 +801,8 @@ class Worker:
 def run_line(ask):
     """Runs workers over a given order of events: after each its actions, and the workers."""
     setup = ask["setup"]
-    workers = [Worker(setup, w) for w in range(len(setup["points"]))]
+    mesh = {"line": Line, "hull": Hull}[ask.get("mesh", ask["op"])]
+    workers = [Worker(mesh, setup, w) for w in range(len(setup["points"]))]
     channels = {}
     for event in ask["events"]:
         me, message = event["worker"], None
@@ -829,12 +842,8 @@ def answer_cavity(ask):
     points, tets, ghosts = ask_mesh(ask)
     cavity, ring = closure(points, set(tets + ghosts), points[-1])
     where = lambda some, chosen: [k for k, t in enumerate(some) if t in chosen]
-    return {
-        "cavity": where(tets, cavity),
-        "cavity_hull": where(ghosts, cavity),
-        "ring": where(tets, ring),
-        "ring_hull": where(ghosts, ring),
-    }
+    inside = {"cavity": where(tets, cavity), "cavity_hull": where(ghosts, cavity)}
+    return {**inside, "ring": where(tets, ring), "ring_hull": where(ghosts, ring)}
 
 
 def answer_insert(ask):
@@ -845,27 +854,17 @@ def answer_insert(ask):
 
 
 def answer_delaunay(ask):
-    points = [read(p) for p in ask["points"]]
+    points = points_of(ask)
     tets = delaunay(points)
     rows = finite(tets)
-    return {
-        "tets": len(rows),
-        "hull": len(hull(tets)),
-        "hash": mesh_hash(points, floats_of(ask), rows),
-        "list": rows if len(rows) <= 40 else None,
-    }
+    counts = {"tets": len(rows), "hull": len(hull(tets))}
+    listed = rows if len(rows) <= 40 else None
+    return {**counts, "hash": mesh_hash(points, floats_of(ask), rows), "list": listed}
 
 
-def floats_of(ask):
-    return [[float.fromhex(c) for c in p] for p in ask["points"]]
-
-
-def points_of(ask):
-    return [read(p) for p in ask["points"]]
-
-
-def signed(predicate):
-    return lambda ask: {"sign": predicate(*points_of(ask))}
+def floats_of(ask): return [[float.fromhex(c) for c in p] for p in ask["points"]]
+def points_of(ask): return [read(p) for p in ask["points"]]
+def signed(predicate): return lambda ask: {"sign": predicate(*points_of(ask))}
 
 
 ANSWERS = {
@@ -884,6 +883,7 @@ ANSWERS = {
     "insert": answer_insert,
     "delaunay": answer_delaunay,
     "line": answer_line,
+    "hull": answer_line,
     "judge": answer_judge,
 }
 

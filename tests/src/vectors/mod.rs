@@ -8,8 +8,9 @@
 //! | [`order`] | `order/` |
 //! | [`meshes`] | `cavity/`, `insert/`, `delaunay/` |
 //! | [`mod@line`] | the mesh of `protocol/`: intervals on a line |
-//! | [`letters`] | its messages as JSON |
-//! | `quiet` | runs of known-bad variants that panic |
+//! | [`letters`] | messages over the line and over the hull of the models as JSON |
+//! | [`world`] | workers, run event by event |
+//! | [`quiet`] | runs of known-bad variants that panic |
 //! | [`protocol`] | `protocol/`, `interleavings/` |
 
 pub mod hex;
@@ -19,14 +20,15 @@ pub mod meshes;
 pub mod order;
 pub mod predicates;
 pub mod protocol;
-mod quiet;
+pub mod quiet;
+pub mod world;
 
 use ltbw::Point;
 use serde_json::{Map, Value, json};
 use std::sync::OnceLock;
 
 /// The kit's own version: a changed answer or format is a new major one, new cases a minor one.
-pub const VERSION: &str = "3.0.0";
+pub const VERSION: &str = "4.0.0";
 
 /// One question and its answer.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,9 +81,17 @@ pub const FLAGS: &[(&str, &str)] = &[
     ("closure-ring", "the ring of the closure is not locked"),
     ("wound", "an older request does not wound the holder, or a younger one does"),
     ("late-wound", "a wound after the commit point was obeyed"),
+    ("regrant", "a released lock was offered to one of those that wait for it, not to all"),
+    ("place", "a request asked again while it waits turned to the new wants first"),
     ("acknowledge", "an operation started again before all its releases were acknowledged"),
     ("release", "a setback kept a lock, or did not wake those who wait for it"),
     ("installation", "a tetrahedron that is not installed yet was taken for nothing"),
+    ("waiters", "a block left, and those that wait for its cells to be installed were not told"),
+    ("relink", "a ring cell of another owner kept a link to a cell that is gone"),
+    ("names", "a name was given twice"),
+    ("cancel", "a cancelled worker went on with the points of a block that moved to it"),
+    ("cells", "a cavity of several cells of one owner"),
+    ("two-faces", "a ring cell with two faces on the cavity: asked for once, linked anew twice"),
     ("bounce", "a seed for a block that has moved must be bounced with the news"),
     ("forward", "a walk or late tetrahedra must follow a block that has moved"),
     ("idle-migration", "a passive worker gave a block away"),

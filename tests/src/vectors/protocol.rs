@@ -1,29 +1,32 @@
-//! `protocol/` and `interleavings/`: runs of the real `Worker::step` over the line, event by event,
-//! and runs of known-bad variants that must not happen.
+//! `protocol/` and `interleavings/`: runs of the real `Worker::step` over the line and the hull,
+//! event by event, and runs of known-bad variants that must not happen.
 //!
 //! A flag is on a run exactly if breaking that rule changes the run's actions: the generator
-//! replays every run with each of the [`Rules`] broken. So a port that fails a case is told which
-//! rules the case can tell apart.
+//! replays every run with each of the [`Rules`](ltbw::protocol::Rules) broken. So a port that fails
+//! a case is told which rules the case can tell apart.
 
 use super::line::{Cuts, Line, Queue};
-use super::quiet::quietly;
+use super::world::{Node, Run, Start, Turn, World, differs, play, replay, to_the_end};
 use super::{Case, File, letters};
 use crate::families::Rng;
-use ltbw::protocol::{
-    Action, BlockId, Config, Correct, Directory, Event, Message, Rule, Rules, Ticket, Worker,
-    WorkerId,
-};
+use ltbw::protocol::{Config, Correct, Directory, Rule, Worker, WorkerId};
+use ltbw_models::graph::{Graph, Limits};
+use ltbw_models::hull::Hull;
+use ltbw_models::system::{Choice, System};
+use ltbw_models::variants::{self, Variant};
+use ltbw_models::world::{Points, World as Polygon};
+use ltbw_models::worlds;
 use serde_json::{Value, json};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 
 /// Events after which a run that has not ended is given up: it is not used.
-const LONGEST: usize = 90;
+const LONGEST: usize = 120;
 /// Seeds tried for the runs of one flag.
-const SEEDS: u64 = 60_000;
+const SEEDS: u64 = 1_500;
 
-/// The start of a run.
+/// The start of a run over the line.
 #[derive(Clone, Debug)]
-struct Setup {
+pub struct Setup {
     rule: Rule,
     window: usize,
     cuts: Cuts,
@@ -33,181 +36,112 @@ struct Setup {
     points: Vec<Vec<i64>>,
 }
 
-impl Setup {
-    fn workers(&self) -> u32 {
-        self.points.len() as u32
+impl Start for Setup {
+    type Mesh<C: Variant> = Line;
+    type Points<C: Variant> = Queue;
+
+    fn workers<C: Variant>(&self) -> Vec<Node<Self, C>> {
+        let config = Config {
+            rule: self.rule,
+            window: self.window,
+            ..Config::new(self.points.len() as u32)
+        };
+        let worker = |(me, points): (WorkerId, &Vec<i64>)| {
+            let mesh = Line::new(me, self.cuts, &self.start, &self.owners);
+            let directory = Directory::new(me, &self.owners);
+            Worker::new(config, directory, mesh, Queue::new(points, self.cuts))
+        };
+        (0..).zip(&self.points).map(worker).collect()
     }
 
-    fn json(&self) -> Value {
-        json!({
+    fn json(&self) -> (&'static str, Value) {
+        let setup = json!({
             "rule": self.rule.to_string(), "window": self.window, "range": self.cuts.range,
             "blocks": self.cuts.blocks, "owners": self.owners, "start": self.start,
             "points": self.points,
-        })
+        });
+        ("line", setup)
+    }
+
+    fn rule(&self) -> Rule {
+        self.rule
+    }
+
+    /// The line of all points.
+    fn certify(&self, workers: &[Node<Self, Correct>]) {
+        let mut cells: Vec<(i64, i64)> = workers.iter().flat_map(|w| w.mesh().ends()).collect();
+        cells.sort_unstable();
+        let points = self.points.iter().flatten().chain(&self.start);
+        let mut vertices: Vec<i64> = points.chain(&[-1, self.cuts.range]).copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let expected: Vec<(i64, i64)> =
+            vertices.windows(2).map(|pair| (pair[0], pair[1])).collect();
+        assert_eq!(cells, expected, "{self:?}");
     }
 }
 
-/// The next event of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Turn {
-    Work(WorkerId),
-    /// The first message under way on this pair arrives.
-    Deliver {
-        from: WorkerId,
-        to: WorkerId,
-    },
-    Migrate {
-        worker: WorkerId,
-        block: BlockId,
-        to: WorkerId,
-    },
-    Retry(WorkerId, Ticket),
-    Cancel(WorkerId),
-}
+impl Start for Polygon {
+    type Mesh<C: Variant> = Hull<C>;
+    type Points<C: Variant> = Points;
 
-impl Turn {
-    fn json(self) -> Value {
-        match self {
-            Self::Work(w) => json!({"worker": w, "event": "work"}),
-            Self::Deliver { from, to } => json!({"worker": to, "event": "deliver", "from": from}),
-            Self::Migrate { worker, block, to } => {
-                json!({"worker": worker, "event": "migrate", "block": block, "to": to})
-            }
-            Self::Retry(w, ticket) => {
-                json!({"worker": w, "event": "retry", "ticket": letters::ticket(ticket)})
-            }
-            Self::Cancel(w) => json!({"worker": w, "event": "cancel"}),
-        }
-    }
-}
-
-/// Workers and the messages between them.
-struct World<C> {
-    workers: Vec<Worker<Line, Queue, C>>,
-    channels: BTreeMap<(WorkerId, WorkerId), VecDeque<Message<Line>>>,
-    resting: Vec<(WorkerId, Ticket)>,
-}
-
-impl<C: Rules> World<C> {
-    fn new(setup: &Setup) -> Self {
-        let config =
-            Config { rule: setup.rule, window: setup.window, ..Config::new(setup.workers()) };
-        let worker = |(me, points): (WorkerId, &Vec<i64>)| {
-            let mesh = Line::new(me, setup.cuts, &setup.start, &setup.owners);
-            let directory = Directory::new(me, &setup.owners);
-            Worker::new(config, directory, mesh, Queue::new(points, setup.cuts))
-        };
-        let workers = (0..).zip(&setup.points).map(worker).collect();
-        Self { workers, channels: BTreeMap::new(), resting: Vec::new() }
+    fn workers<C: Variant>(&self) -> Vec<Node<Self, C>> {
+        self.nodes()
     }
 
-    /// The actions of a turn; `None` if there is no such message or operation.
-    fn turn(&mut self, turn: Turn) -> Option<Vec<Action<Line>>> {
-        let (worker, event) = match turn {
-            Turn::Work(w) => (w, Event::Work),
-            Turn::Deliver { from, to } => {
-                let message = self.channels.get_mut(&(from, to))?.pop_front()?;
-                (to, Event::Message { from, message })
-            }
-            Turn::Migrate { worker, block, to } => (worker, Event::Migrate { block, to }),
-            Turn::Retry(w, ticket) => {
-                let at = self.resting.iter().position(|&rest| rest == (w, ticket))?;
-                self.resting.swap_remove(at);
-                (w, Event::Retry(ticket))
-            }
-            Turn::Cancel(w) => (w, Event::Cancel),
-        };
-        let mut out = Vec::new();
-        // A known-bad variant may break an invariant: its run ends here.
-        let worker_of = &mut self.workers[worker as usize];
-        quietly(|| worker_of.step(event, &mut out))?;
-        for action in &out {
-            match action {
-                Action::Send { to, message } => {
-                    self.channels.entry((worker, *to)).or_default().push_back(message.clone());
-                }
-                Action::Backoff { ticket, .. } => self.resting.push((worker, *ticket)),
-                Action::Note(_) => {}
-            }
-        }
-        Some(out)
+    fn json(&self) -> (&'static str, Value) {
+        let home = |v: &&ltbw_models::hull::Vertex| self.owners[usize::from(v.block)];
+        let points =
+            |w| self.points.iter().filter(move |v| home(v) == w).map(|&v| letters::vertex(v));
+        let points: Vec<Value> = (0..self.workers()).map(|w| points(w).collect()).collect();
+        let polygon: Vec<Value> = self.polygon.iter().map(|&v| letters::vertex(v)).collect();
+        let setup = json!({
+            "rule": self.rule.to_string(), "window": self.window, "owners": self.owners,
+            "polygon": polygon, "points": points,
+        });
+        ("hull", setup)
     }
 
-    /// The events that can happen.
-    fn choices(&self) -> Vec<Turn> {
-        let open = self.channels.iter().filter(|(_, queue)| !queue.is_empty());
-        let deliver = open.map(|(&(from, to), _)| Turn::Deliver { from, to });
-        let busy = self.workers.iter().filter(|w| w.has_work()).map(|w| Turn::Work(w.id()));
-        let retry = self.resting.iter().map(|&(w, ticket)| Turn::Retry(w, ticket));
-        deliver.chain(busy).chain(retry).collect()
+    fn rule(&self) -> Rule {
+        self.rule
     }
 
-    /// The state: cells by worker, and which workers have stopped.
-    fn state(&self) -> Value {
-        let cells: Vec<_> = self.workers.iter().map(|w| w.mesh().ends()).collect();
-        let stopped: Vec<bool> = self.workers.iter().map(Worker::is_stopped).collect();
-        json!({"cells": cells, "stopped": stopped})
+    fn certify(&self, workers: &[Node<Self, Correct>]) {
+        let workers: Vec<_> = workers.iter().collect();
+        assert_eq!(self.fault_at_end(&workers, false), None, "{}", self.name);
     }
-}
-
-/// A run: what happened, the actions of each turn, the state after it.
-#[derive(Clone, Debug, PartialEq)]
-struct Run {
-    turns: Vec<Turn>,
-    steps: Vec<Value>,
-    state: Value,
-}
-
-/// Replays `turns` under the rules C, as far as it goes.
-fn replay<C: Rules>(setup: &Setup, turns: &[Turn]) -> Run {
-    let mut world = World::<C>::new(setup);
-    let mut steps = Vec::new();
-    for &turn in turns {
-        let Some(actions) = world.turn(turn) else { break };
-        steps.push(actions.iter().filter_map(letters::action).collect());
-    }
-    Run { turns: turns[..steps.len()].to_vec(), steps, state: world.state() }
-}
-
-/// The first step at which two runs of the same turns differ.
-fn differs(sound: &Run, broken: &Run) -> Option<usize> {
-    let pairs = sound.steps.iter().zip(&broken.steps);
-    let first = pairs.take_while(|(a, b)| a == b).count();
-    (first < sound.steps.len() || sound.state != broken.state).then_some(first)
 }
 
 /// Known-bad variants: the flag, and the replay under it.
-type Broken = (&'static str, fn(&Setup, &[Turn]) -> Run);
+type Broken<T> = (&'static str, fn(&T, &[Turn]) -> Run);
 
 macro_rules! broken {
-    ($($piece:ident: $rule:ident, $flag:literal;)*) => {
-        $(
-            #[derive(Debug)]
-            struct $piece;
-
-            impl Rules for $piece {
-                const $rule: bool = false;
-            }
-        )*
-
-        const BROKEN: &[Broken] = &[$(($flag, replay::<$piece>)),*];
+    ($($flag:literal: $($variant:ident)*;)*) => {
+        fn broken<T: Start>() -> Vec<Broken<T>> {
+            vec![$($(($flag, replay::<T, variants::$variant>)),*),*]
+        }
     };
 }
 
 broken! {
-    BareCavity: LOCKS_RING, "closure-ring";
-    LeakyRollback: RELEASES_ALL, "release";
-    ForgetfulRollback: WAKES_ON_ABORT, "release";
-    HastyRestart: AWAITS_RELEASES, "acknowledge";
-    LateWound: IGNORES_LATE_WOUND, "late-wound";
-    WhiteSafra: BLACKENS, "token";
-    IdleMigration: ONLY_BUSY_MIGRATE, "idle-migration";
-    NoForwarding: FORWARDS, "forward";
-    NoInstallation: AWAITS_INSTALLATION, "installation";
+    "closure-ring": BareCavity;
+    "release": LeakyRollback ForgetfulRollback;
+    "regrant": NaiveRegrant;
+    "place": LostPlace;
+    "acknowledge": HastyRestart;
+    "late-wound": LateWound;
+    "token": WhiteSafra;
+    "idle-migration": IdleMigration;
+    "forward": NoForwarding;
+    "waiters": LeftWaiters;
+    "relink": StaleInterface;
+    "names": ReusedName;
+    "installation": ImpatientExpand;
+    "cancel": RestlessCancel;
 }
 
-/// A small random start.
-fn setup(rule: Rule, random: &mut Rng) -> Setup {
+/// A small random line, and the moves of its run.
+pub fn line(rule: Rule, random: &mut Rng) -> (Setup, u64) {
     let workers = 2 + random.below(2) as u32;
     let cuts = Cuts { range: 16, blocks: 2 * workers };
     let owners = (0..cuts.blocks).map(|block| block / 2).collect();
@@ -216,50 +150,19 @@ fn setup(rule: Rule, random: &mut Rng) -> Setup {
     for _ in 0..2 + random.below(4) {
         points[random.below(u64::from(workers)) as usize].push(random.below(16) as i64);
     }
-    Setup { rule, window: 1 + random.below(3) as usize, cuts, owners, start, points }
+    let setup = Setup { rule, window: 1 + random.below(3) as usize, cuts, owners, start, points };
+    (setup, random.below(4))
 }
 
-/// A random run of the correct protocol; `None` if it takes too long.
-fn play(setup: &Setup, moves: u64, random: &mut Rng) -> Option<Run> {
-    let mut world = World::<Correct>::new(setup);
-    let (mut turns, mut steps, mut moves) = (Vec::new(), Vec::new(), moves);
-    for _ in 0..LONGEST {
-        let mut choices = world.choices();
-        if choices.is_empty() {
-            check(&world, setup);
-            return Some(Run { turns, steps, state: world.state() });
-        }
-        if moves > 0 && random.below(6) == 0 {
-            moves -= 1;
-            let [worker, to] = [(); 2].map(|()| random.below(u64::from(setup.workers())) as u32);
-            let block = random.below(u64::from(setup.cuts.blocks)) as u32;
-            choices = vec![Turn::Migrate { worker, block, to }];
-        }
-        let turn = choices[random.below(choices.len() as u64) as usize];
-        let actions = world.turn(turn).expect("a choice");
-        turns.push(turn);
-        steps.push(actions.iter().filter_map(letters::action).collect());
-    }
-    None
-}
-
-/// At the end of a sound run: the line of all points, nothing locked, everybody stopped.
-fn check(world: &World<Correct>, setup: &Setup) {
-    let mut cells: Vec<(i64, i64)> = world.workers.iter().flat_map(|w| w.mesh().ends()).collect();
-    cells.sort_unstable();
-    let mut vertices: Vec<i64> = setup
-        .points
-        .iter()
-        .flatten()
-        .chain(&setup.start)
-        .chain(&[-1, setup.cuts.range])
-        .copied()
-        .collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    let expected: Vec<(i64, i64)> = vertices.windows(2).map(|pair| (pair[0], pair[1])).collect();
-    assert_eq!(cells, expected, "{setup:?}");
-    assert!(world.workers.iter().all(|w| w.is_stopped() && w.is_quiescent()), "{setup:?}");
+/// Polygons, and the moves of their runs: the smaller worlds of the models, and a triangle.
+pub fn polygons() -> Vec<(Polygon, u64)> {
+    // A point sees two of three edges. The third is the ring, at both ends of the cavity.
+    let triangle = [(-20, 0, 0), (20, 0, 1), (0, 10, 2)];
+    let seen = [(0, 90, 0), (9, 120, 1)];
+    let all_but_one = Polygon::new("a triangle", &[0, 1, 2], &triangle, &seen);
+    let all = [all_but_one].into_iter().chain(worlds::contests()).chain(worlds::journeys());
+    let moves = |world: &Polygon| 2 * world.moves.len() as u64;
+    all.map(|world| (moves(&world), world)).map(|(moves, world)| (world, moves)).collect()
 }
 
 /// Does a message of the run have this in its text?
@@ -267,32 +170,47 @@ fn says(run: &Run, text: &str) -> bool {
     run.steps.iter().any(|step| step.to_string().contains(text))
 }
 
+/// The patches of a run.
+fn patches(run: &Run) -> impl Iterator<Item = &Value> {
+    let actions = run.steps.iter().filter_map(Value::as_array).flatten();
+    actions.map(|action| &action["send"]["patch"]).filter(|patch| !patch.is_null())
+}
+
+/// The length of a list of a patch or a message.
+fn count(list: &Value) -> usize {
+    list.as_array().map_or(0, Vec::len)
+}
+
+/// Is a ring cell linked anew at both ends?
+fn has_two_faces(patch: &Value) -> bool {
+    let relink = patch["relink"].as_array().into_iter().flatten();
+    let cells: Vec<&Value> = relink.map(|change| &change["of"]).collect();
+    cells.iter().enumerate().any(|(k, cell)| cells[..k].contains(cell))
+}
+
 /// The flags of a run of the correct protocol.
-fn flags(setup: &Setup, run: &Run) -> Vec<&'static str> {
+fn flags<T: Start>(start: &T, run: &Run) -> Vec<&'static str> {
     let mut flags: Vec<&'static str> = Vec::new();
-    for (flag, broken) in BROKEN {
-        if differs(run, &broken(setup, &run.turns)).is_some() && !flags.contains(flag) {
+    for (flag, broken) in broken::<T>() {
+        if !flags.contains(&flag) && differs(run, &broken(start, &run.turns)).is_some() {
             flags.push(flag);
         }
     }
-    if says(run, r#""kind":"wound""#) {
-        flags.push("wound");
-    }
-    if says(run, r#""bounced":[["#) {
-        flags.push("bounce");
-    }
-    if refuses_locked(setup, run) {
-        flags.push("locked-migration");
-    }
-    if setup.rule != Rule::WoundWait && says(run, r#""kind":"deny""#) {
-        flags.push("rule");
-    }
+    let shown = [
+        ("wound", says(run, r#""kind":"wound""#)),
+        ("bounce", says(run, r#""bounced":[["#)),
+        ("locked-migration", refuses_locked(start, run)),
+        ("rule", start.rule() != Rule::WoundWait && says(run, r#""kind":"deny""#)),
+        ("cells", patches(run).any(|patch| count(&patch["remove"]) > 1)),
+        ("two-faces", patches(run).any(has_two_faces)),
+    ];
+    flags.extend(shown.iter().filter(|(_, is_shown)| *is_shown).map(|(flag, _)| flag));
     flags
 }
 
 /// Is there a move that nothing but a lock forbids?
-fn refuses_locked(setup: &Setup, run: &Run) -> bool {
-    let mut world = World::<Correct>::new(setup);
+fn refuses_locked<T: Start>(start: &T, run: &Run) -> bool {
+    let mut world = World::<T, Correct>::new(start);
     run.turns.iter().any(|&turn| {
         let refused = match turn {
             Turn::Migrate { worker, block, to } => {
@@ -311,44 +229,58 @@ fn refuses_locked(setup: &Setup, run: &Run) -> bool {
 }
 
 /// The case of a run.
-fn case(name: &str, flags: Vec<&'static str>, setup: &Setup, run: &Run) -> Case {
+fn case<T: Start>(name: &str, flags: Vec<&'static str>, start: &T, run: &Run) -> Case {
     let turns: Vec<Value> = run.turns.iter().map(|turn| turn.json()).collect();
+    let (op, setup) = start.json();
     Case {
         name: name.to_string(),
         flags,
-        ask: json!({"op": "line", "setup": setup.json(), "events": turns}),
+        ask: json!({"op": op, "setup": setup, "events": turns}),
         expect: json!({"steps": run.steps, "state": run.state}),
     }
 }
 
-/// For every flag, the shortest of the first few runs under `rule` that have it.
-fn selected(rule: Rule, wanted: &[&'static str]) -> Vec<(Setup, Run, Vec<&'static str>)> {
+/// A run that is shown, and its flags.
+type Shown<T> = (T, Run, Vec<&'static str>);
+
+/// For every flag, the shortest of the first few runs that have it.
+fn selected<T: Start>(
+    wanted: &[&'static str],
+    mut start: impl FnMut(u64, &mut Rng) -> (T, u64),
+) -> Vec<Shown<T>> {
     const TRIED: u32 = 8;
-    let mut best: BTreeMap<&str, (u32, Setup, Run, Vec<&'static str>)> = BTreeMap::new();
+    let mut best: BTreeMap<&str, (u32, Shown<T>)> = BTreeMap::new();
     for seed in 0..SEEDS {
-        if wanted.iter().all(|flag| best.get(flag).is_some_and(|(tried, ..)| *tried >= TRIED)) {
+        if wanted.iter().all(|flag| best.get(flag).is_some_and(|(tried, _)| *tried >= TRIED)) {
             break;
         }
         let mut random = Rng::new(seed);
-        let setup = setup(rule, &mut random);
-        let Some(run) = play(&setup, random.below(4), &mut random) else { continue };
-        let found = flags(&setup, &run);
+        let (start, moves) = start(seed, &mut random);
+        let cancels = random.below(4) == 0;
+        let Some(run) = play(&start, &[], (moves, cancels), LONGEST, &mut random) else { continue };
+        let found = flags(&start, &run);
         for flag in wanted.iter().filter(|flag| found.contains(flag)) {
-            let entry = best.entry(flag);
-            let old = entry.or_insert_with(|| (0, setup.clone(), run.clone(), found.clone()));
-            if old.0 < TRIED && run.turns.len() < old.2.turns.len() {
-                (old.1, old.2, old.3) = (setup.clone(), run.clone(), found.clone());
+            let new = || (start.clone(), run.clone(), found.clone());
+            let (tried, old) = best.entry(flag).or_insert_with(|| (0, new()));
+            if *tried < TRIED && run.turns.len() < old.1.turns.len() {
+                *old = new();
             }
-            old.0 += 1;
+            *tried += 1;
         }
     }
     let missing: Vec<_> = wanted.iter().filter(|flag| !best.contains_key(*flag)).collect();
-    assert!(missing.is_empty(), "{rule}: no run shows {missing:?}");
-    best.into_values().map(|(_, setup, run, flags)| (setup, run, flags)).collect()
+    assert!(missing.is_empty(), "no run shows {missing:?}");
+    let mut shown: Vec<Shown<T>> = Vec::new();
+    for (_, (_, one)) in best {
+        if shown.iter().all(|(_, run, _)| *run != one.1) {
+            shown.push(one);
+        }
+    }
+    shown
 }
 
 /// Rules of the default protocol that runs over the line can tell.
-const WOUND_WAIT: &[&str] = &[
+const ON_THE_LINE: &[&str] = &[
     "closure-ring",
     "release",
     "acknowledge",
@@ -356,58 +288,123 @@ const WOUND_WAIT: &[&str] = &[
     "token",
     "idle-migration",
     "forward",
-    "installation",
     "wound",
     "bounce",
     "locked-migration",
+    "cancel",
+];
+
+/// Rules that runs over the hull can tell, or tell better.
+const ON_THE_HULL: &[&str] = &[
+    "closure-ring",
+    "release",
+    "regrant",
+    "acknowledge",
+    "late-wound",
+    "relink",
+    "names",
+    "installation",
+    "cancel",
+    "cells",
+    "two-faces",
 ];
 
 /// The files of both folders.
 #[must_use]
 pub fn files() -> Vec<File> {
-    let shown = selected(Rule::WoundWait, WOUND_WAIT);
-    let cases: Vec<Case> = shown
-        .iter()
-        .map(|(setup, run, flags)| case("a run under wound-wait", flags.clone(), setup, run))
-        .collect();
-    let others: Vec<(Setup, Run, Vec<&'static str>)> = selected(Rule::Paper, &["rule"]);
-    let rules = others.iter().map(|(setup, run, flags)| {
-        case(&format!("a run under {}", setup.rule), flags.clone(), setup, run)
-    });
+    let lines = selected(ON_THE_LINE, |_, random| line(Rule::WoundWait, random));
+    let paper = selected(&["rule"], |_, random| line(Rule::Paper, random));
+    let worlds = polygons();
+    let mut hulls = selected(ON_THE_HULL, |seed, _| worlds[seed as usize % worlds.len()].clone());
+    hulls.push(shortest::<variants::LostPlace>("place", worlds::asked_again()));
+    hulls.push(shortest::<variants::LeftWaiters>("waiters", worlds::late_elsewhere()));
+    // R1 to R15, each by its own variant; line and hull know nothing of R16 and R17.
+    for ((flag, on_line), (_, on_hull)) in broken::<Setup>().into_iter().zip(broken::<Polygon>()) {
+        let is_shown = shows(&lines, on_line) || shows(&hulls, on_hull);
+        assert!(is_shown, "a variant of `{flag}` passes every case");
+    }
     let file = |folder, name, tier, about, cases| File { folder, name, tier, about, cases };
-    let rules = rules.collect();
-    let traces = shown.iter().chain(&others).flat_map(|(setup, run, _)| forbidden(setup, run));
-    let traces = traces.collect();
+    let (protocol, wrong) = ("protocol", "interleavings");
+    let about = "Runs of broken protocols: where they go wrong.";
+    let traces = [forbidden(&lines), forbidden(&paper), forbidden(&hulls)].concat();
     vec![
-        file("protocol", "human", 1, "Runs to be followed by hand.", by_hand()),
-        file("protocol", "wound-wait", 2, "Runs of the default rule, with moves.", cases),
-        file("protocol", "rules", 3, "Runs of the other two rules.", rules),
-        file(
-            "interleavings",
-            "forbidden",
-            2,
-            "Runs of broken protocols: where they go wrong.",
-            traces,
-        ),
+        file(protocol, "human", 1, "Runs to be followed by hand.", by_hand()),
+        file(protocol, "wound-wait", 2, "Runs of the default rule, with moves.", cases(&lines)),
+        file(protocol, "rules", 3, "Runs of the paper's rule.", cases(&paper)),
+        file(protocol, "hull", 3, "Cavities of several cells, on the hull.", cases(&hulls)),
+        file(wrong, "forbidden", 2, about, traces),
     ]
 }
 
-/// The run under each broken rule: the steps up to where it goes wrong.
-fn forbidden(setup: &Setup, run: &Run) -> Vec<Case> {
-    let mut cases = Vec::new();
-    for (flag, broken) in BROKEN {
-        let wrong = broken(setup, &run.turns);
-        let Some(first) = differs(run, &wrong).filter(|&k| k < wrong.steps.len()) else { continue };
-        let turns: Vec<Value> = run.turns[..=first].iter().map(|turn| turn.json()).collect();
-        cases.push(Case {
-            name: format!("step {first} is not the protocol's"),
-            flags: vec![flag],
-            ask: json!({
-                "op": "judge", "setup": setup.json(), "events": turns,
-                "steps": wrong.steps[..=first],
-            }),
-            expect: json!({"wrong": first}),
+/// A run that begins with the shortest way to the defect of the known-bad variant C, for a rule
+/// that random runs hardly ever show.
+fn shortest<C: Variant>(flag: &str, world: Polygon) -> Shown<Polygon> {
+    let limits = Limits { states: 100_000, first_fault: true };
+    let broken = System::<C>::new(world.clone());
+    let graph = Graph::explore(&broken, limits);
+    let bad = graph.faults.first().map(|fault| fault.0).or(graph.deadlocks.first().copied());
+    let way = graph.way(bad.unwrap_or_else(|| panic!("{} is not caught", C::TITLE)));
+    let (mut state, mut turns) = (broken.initial(), Vec::new());
+    for choice in way {
+        turns.extend(match choice {
+            Choice::Deliver(from, to, _) => Some(Turn::Deliver { from, to }),
+            Choice::Work(w) => Some(Turn::Work(w)),
+            Choice::Retry(w, ticket) => Some(Turn::Retry(w, ticket)),
+            Choice::Cancel(w) => Some(Turn::Cancel(w)),
+            Choice::Move => {
+                let next = broken.next_move(&state);
+                next.map(|(worker, block, to)| Turn::Migrate { worker, block, to })
+            }
         });
+        state = broken.after(&state, choice);
+    }
+    // A step that leaves the rule need not show at once: the end is chosen at random.
+    let ends = (0..200).filter_map(|seed| {
+        let run = play(&world, &turns, (0, false), LONGEST, &mut Rng::new(seed))?;
+        let found = flags(&world, &run);
+        found.contains(&flag).then(|| (world.clone(), run, found))
+    });
+    let shortest = ends.min_by_key(|(_, run, _)| run.turns.len());
+    shortest.unwrap_or_else(|| panic!("{}: no run shows {flag}", world.name))
+}
+
+/// Does a run fail under this variant?
+fn shows<T: Start>(shown: &[Shown<T>], broken: fn(&T, &[Turn]) -> Run) -> bool {
+    shown.iter().any(|(start, run, _)| differs(run, &broken(start, &run.turns)).is_some())
+}
+
+fn cases<T: Start>(shown: &[Shown<T>]) -> Vec<Case> {
+    let one = |(start, run, flags): &Shown<T>| {
+        case(&format!("a run under {}", start.rule()), flags.clone(), start, run)
+    };
+    shown.iter().map(one).collect()
+}
+
+/// The runs under each broken rule: the steps up to where they go wrong. Of each rule, the shortest
+/// two.
+fn forbidden<T: Start>(shown: &[Shown<T>]) -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (flag, broken) in broken::<T>() {
+        let mut of: Vec<(usize, &T, &Run, Run)> = Vec::new();
+        for (start, run, _) in shown {
+            let wrong = broken(start, &run.turns);
+            let first = differs(run, &wrong).filter(|&k| k < wrong.steps.len());
+            of.extend(first.map(|first| (first, start, run, wrong)));
+        }
+        of.sort_by_key(|&(first, ..)| first);
+        for (first, start, run, wrong) in of.into_iter().take(2) {
+            let turns: Vec<Value> = run.turns[..=first].iter().map(|turn| turn.json()).collect();
+            let (mesh, setup) = start.json();
+            cases.push(Case {
+                name: format!("step {first} is not the protocol's"),
+                flags: vec![flag],
+                ask: json!({
+                    "op": "judge", "mesh": mesh, "setup": setup, "events": turns,
+                    "steps": wrong.steps[..=first],
+                }),
+                expect: json!({"wrong": first}),
+            });
+        }
     }
     cases
 }
@@ -452,25 +449,11 @@ fn by_hand() -> Vec<Case> {
     ]
     .into_iter()
     .map(|(name, (setup, turns), flag)| {
-        let first = replay::<Correct>(&setup, &turns);
+        let first = replay::<_, Correct>(&setup, &turns);
         assert_eq!(first.turns, turns, "{name}: every event is possible");
         let run = to_the_end(&setup, turns);
         let more = flags(&setup, &run).into_iter().filter(|f| *f != flag);
         case(name, [flag].into_iter().chain(more).collect(), &setup, &run)
     })
     .collect()
-}
-
-/// The run goes on by the first choice each time, to the end.
-fn to_the_end(setup: &Setup, mut turns: Vec<Turn>) -> Run {
-    let mut world = World::<Correct>::new(setup);
-    for &turn in &turns {
-        world.turn(turn);
-    }
-    // Ends: the first choice is a delivery where there is one, and every run of the protocol ends.
-    while let Some(&turn) = world.choices().first() {
-        world.turn(turn);
-        turns.push(turn);
-    }
-    replay::<Correct>(setup, &turns)
 }

@@ -9,7 +9,7 @@ thread_local! {
 }
 
 /// Runs a step that may panic, without a word; `None` if it does.
-pub(super) fn quietly<T>(step: impl FnOnce() -> T) -> Option<T> {
+pub fn quietly<T>(step: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let before = panic::take_hook();

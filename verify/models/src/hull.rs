@@ -91,9 +91,12 @@ impl Piece {
 /// The changes that a filled cavity brings to one worker's submesh.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Patch {
-    delete: Vec<Name>,
-    create: Vec<Piece>,
-    relink: Vec<(Name, usize, Link)>,
+    /// Edges of the cavity.
+    pub delete: Vec<Name>,
+    /// New edges.
+    pub create: Vec<Piece>,
+    /// Edge, side and new neighbour of each link that changes.
+    pub relink: Vec<(Name, usize, Link)>,
 }
 
 /// An edge in a worker's hull.
@@ -267,7 +270,7 @@ impl<C: Variant> Hull<C> {
             let [a, b] = cell.piece.ends;
             if orient(a, b, point) < 0 && !cavity.iter().any(|e| e.name == cell.piece.name) {
                 cavity.push(cell.piece);
-                for link in cell.piece.links {
+                for link in cell.piece.links.into_iter().rev() {
                     match self.resolve(link.name) {
                         Some(next) => todo.push(next),
                         None => is_whole = false,
@@ -320,18 +323,19 @@ impl<C: Variant> Submesh for Hull<C> {
 
     /// Goes round counter-clockwise: every edge that the point sees lies ahead.
     fn walk(&mut self, point: &Vertex, from: Option<Name>) -> Walk<u8> {
-        let any = self.cells.iter().position(Option::is_some).map(|slot| slot as u8);
-        let Some(mut t) = from.and_then(|name| self.resolve(name)).or(any) else {
+        let first = || self.cells().map(|cell| cell.piece.name).min();
+        let start = from.filter(|&name| self.resolve(name).is_some()).or_else(first);
+        let Some(mut t) = start.and_then(|name| self.resolve(name)) else {
             return Walk::NoTets;
         };
         for _ in 0..=self.cells.len() {
             let Some(cell) = self.cell(t) else { break };
-            if cell.holder.is_some() {
-                return Walk::Locked(t);
-            }
             let Piece { ends: [a, b], links, .. } = cell.piece;
             if a == *point || b == *point {
                 return Walk::Duplicate(0); // vertices have no numbers here
+            }
+            if cell.holder.is_some() {
+                return Walk::Locked(t);
             }
             if orient(a, b, *point) < 0 {
                 return Walk::At(t);
@@ -394,7 +398,7 @@ impl<C: Variant> Submesh for Hull<C> {
 
     fn neighbours(&self, t: u8, mut f: impl FnMut(Neighbour<u8>)) {
         let Some(cell) = self.cell(t) else { return };
-        for (side, link) in cell.piece.links.into_iter().enumerate() {
+        for (side, link) in cell.piece.links.into_iter().enumerate().rev() {
             f(match self.resolve(link.name) {
                 Some(near) => Neighbour::Near(near),
                 None => Neighbour::Far(link.handle(side)),
