@@ -340,6 +340,8 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         if let Some(request) = &request {
             let whole = request.wants.is_empty() && request.owed == 0;
             invariant!(P8, whole, "{ticket:?} commits; here is {}", request.describe());
+        } else {
+            invariant!(P8, patch.is_some(), "{ticket:?} commits, and has nothing here");
         }
         if let Some(patch) = patch {
             let (made, mut strays) = (&mut self.spare.made, Vec::new());

@@ -57,6 +57,7 @@ pub use rules::{Correct, Rules};
 pub use submesh::{Costs, Found, Insert, Neighbour, Source, Submesh, SubmeshError, Walk};
 pub use termination::Token;
 pub use variants::{Closure, Rule};
+pub use view::RequestView;
 pub use worker::{Action, Config, Event, Note, Worker};
 
 /// The age of an operation, kept across setbacks: the smaller one is older.

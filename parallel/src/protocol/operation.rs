@@ -230,6 +230,8 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         at: Option<Handle>,
         out: &mut Vec<Action<S>>,
     ) {
+        let is_here = self.operations.all.contains_key(&ticket);
+        invariant!(P8, !is_here, "{ticket:?} walks in while it is at home here");
         if let Some(handle) = at
             && !self.directory.is_mine(handle.block)
         {

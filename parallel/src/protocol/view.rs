@@ -5,7 +5,22 @@ use super::operation::Operations;
 use super::rules::Rules;
 use super::submesh::{Source, Submesh};
 use super::worker::Worker;
-use super::{Attempt, Message, Ticket};
+use super::{Attempt, Message, Ticket, WorkerId};
+
+/// A request as checkers see it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RequestView<T> {
+    /// Its attempt.
+    pub attempt: Attempt,
+    /// `Expand` not answered yet.
+    pub owed: u32,
+    /// Does it wait?
+    pub stalled: bool,
+    /// The number of tetrahedra that it wants.
+    pub wants: usize,
+    /// The tetrahedra that it has locked.
+    pub held: Vec<T>,
+}
 
 impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// Is an operation of this ticket at home here, and not committed yet?
@@ -27,6 +42,35 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
                 }
             }
         }
+    }
+
+    /// The operations at home here.
+    pub fn operations(&self) -> impl Iterator<Item = Ticket> + '_ {
+        self.operations.all.keys().copied()
+    }
+
+    /// The operations that have a request here.
+    pub fn requests(&self) -> impl Iterator<Item = Ticket> + '_ {
+        self.locks.requests.keys().copied()
+    }
+
+    /// The state of an operation at home here, by its name on the page; its attempt; and the workers
+    /// asked in it.
+    pub fn operation_of(&self, ticket: Ticket) -> Option<(String, Attempt, Vec<WorkerId>)> {
+        let op = self.operations.all.get(&ticket)?;
+        Some((format!("{:?}", op.phase), op.attempt, op.asked.keys().collect()))
+    }
+
+    /// The request of an operation here.
+    pub fn request_of(&self, ticket: Ticket) -> Option<RequestView<S::Tet>> {
+        let request = self.locks.requests.get(&ticket)?;
+        Some(RequestView {
+            attempt: request.attempt,
+            owed: request.owed,
+            stalled: request.stalled,
+            wants: request.wants.len(),
+            held: request.held.clone(),
+        })
     }
 
     /// Has an operation of this ticket a request here?
