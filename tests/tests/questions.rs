@@ -1,4 +1,4 @@
-//! What an owner or a home does with an event in a given state: every row of the two tables of
+//! An owner or a home gets an event in a given state: every row of the two tables of
 //! `docs/protocol.md` against the real `step`, in random runs over the line and the hull, and every
 //! message that the tables say cannot come. Twenty of these pairs, drawn by seed, are the self-test
 //! of `docs/porting.md`.

@@ -301,7 +301,7 @@ class Mesh:
                 cavity[cell.name] = cell
                 near = [h[:2] for h in self.neighbours(cell.name) if h[:2] in self.cells]
                 whole = whole and len(near) == len(self.neighbours(cell.name))
-                stack += near
+                stack += reversed(near)
         return (chained(cavity.values()) if whole else None), None
 
     def star(self, chain, point):

@@ -161,7 +161,7 @@ impl Submesh for Line {
 
     fn insert(&mut self, &p: &i64, seed: Name, directory: &Directory) -> Insert<Name> {
         let Some(cell) = self.cells.get(&seed).cloned() else { return Insert::Blocked };
-        let ring = cell.links.iter().rev().flatten().map(|&(name, _)| name);
+        let ring = cell.links.iter().flatten().map(|&(name, _)| name);
         if let Some(locked) = [seed].into_iter().chain(ring).find(|n| self.locks.contains_key(n)) {
             return Insert::Locked(locked);
         }

@@ -1,4 +1,4 @@
-//! Workers over a small mesh, run event by event: what `protocol/` and `interleavings/` are made of.
+//! Workers over a small mesh, run event by event, for `protocol/` and `interleavings/`.
 
 use super::letters::{self, Written};
 use super::quiet::quietly;

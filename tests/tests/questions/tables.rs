@@ -3,7 +3,7 @@
 use ltbw::protocol::{Attempt, Correct, Message, Note, RequestView};
 use ltbw::protocol::{Source, Submesh, Ticket, Worker, WorkerId};
 
-/// What is known of one operation at one worker.
+/// The state of one operation at one worker.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Look<T> {
     /// State, attempt, workers asked.

@@ -270,7 +270,7 @@ impl<C: Variant> Hull<C> {
             let [a, b] = cell.piece.ends;
             if orient(a, b, point) < 0 && !cavity.iter().any(|e| e.name == cell.piece.name) {
                 cavity.push(cell.piece);
-                for link in cell.piece.links.into_iter().rev() {
+                for link in cell.piece.links {
                     match self.resolve(link.name) {
                         Some(next) => todo.push(next),
                         None => is_whole = false,
