@@ -24,6 +24,7 @@
 #![forbid(unsafe_code)]
 
 pub mod balance;
+mod failure;
 pub mod mailbox;
 pub mod mesh;
 pub mod metrics;
@@ -32,6 +33,8 @@ pub mod simulate;
 mod sync;
 pub mod threads;
 pub mod transport;
+
+pub use failure::WorkerError;
 
 pub use ltbw_core::*;
 #[doc(no_inline)]

@@ -5,7 +5,7 @@ use ltbw::mesh::{Ownership, Plan};
 use ltbw::protocol::{Config, SubmeshError};
 use ltbw::simulate::{MeshError, Options, SimulationError, Storm, simulate_mesh};
 use ltbw::threads::{Parallel, RunError};
-use ltbw::{Builder, MeshHash, PointSet};
+use ltbw::{Builder, MeshHash, PointSet, WorkerError};
 use ltbw_generate::{PointKind, generate};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -57,7 +57,10 @@ fn on_threads(kind: PointKind, count: usize, plan: Plan, distributed: bool) -> E
             assert_eq!(run.mesh.hash().expect("a hash"), expected, "another mesh");
             End::Whole
         }
-        Err(RunError::Submesh { worker, error: SubmeshError::NoRoom { limit } }) => {
+        Err(RunError::Worker(WorkerError::Submesh {
+            worker,
+            error: SubmeshError::NoRoom { limit },
+        })) => {
             assert!(worker < plan.workers && limit == plan.max_tets);
             End::NoRoom
         }
@@ -105,10 +108,10 @@ fn simulated(kind: PointKind, plan: Plan, seed: u64, storm: Option<Storm>) -> En
             assert_eq!(meshed.gathered.mesh.hash().expect("a hash"), expected, "another mesh");
             End::Whole
         }
-        Err(MeshError::Simulation(SimulationError::Submesh {
+        Err(MeshError::Simulation(SimulationError::Worker(WorkerError::Submesh {
             worker,
             error: SubmeshError::NoRoom { limit },
-        })) => {
+        }))) => {
             assert!(worker < plan.workers && limit == plan.max_tets);
             End::NoRoom
         }

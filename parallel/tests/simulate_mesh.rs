@@ -215,3 +215,16 @@ fn what_is_not_owned_by_blocks_does_not_move() {
         assert!(error.to_string().contains("creator"), "{error}");
     }
 }
+
+#[test]
+fn the_invariants_hold_between_the_events_of_a_run_with_moves() {
+    for seed in 0..3 {
+        let set = PointSet::new(generate(PointKind::Uniform, 250, seed)).expect("finite points");
+        let options =
+            Options { storm: Some(Storm { every: 20_000 }), check_every: 7, ..options(seed) };
+        let plan = Plan { blocks_per_worker: 8, ..Plan::new(250, 3) };
+        let meshed = run(&set, plan, Rule::WoundWait, &options);
+        let moved: u64 = meshed.summary.workers.iter().map(|worker| worker.migrations).sum();
+        assert!(moved > 0, "no block moves");
+    }
+}

@@ -409,7 +409,9 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
     }
 
     fn check_p10(&self) -> Check {
-        let basic = self.under_way.iter().filter(|(_, _, message)| message.is_basic()).count();
+        // By kind, not by `is_basic`: a kind that workers forget to count is found.
+        let counts = |message: &Message<S>| !["token", "stop"].contains(&message.kind());
+        let basic = self.under_way.iter().filter(|(_, _, message)| counts(message)).count();
         let sum: i64 = self.workers.iter().map(|worker| worker.safra.count()).sum();
         require(Invariant::P10, !self.counts || sum == basic as i64, || {
             format!("{basic} counted messages are under way, the counts add up to {sum}")

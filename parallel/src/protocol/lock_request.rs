@@ -36,19 +36,19 @@ pub(super) enum Waiter {
 pub(super) struct Request<S: Submesh> {
     pub(super) home: WorkerId,
     pub(super) attempt: Attempt,
-    point: S::Point,
+    pub(super) point: S::Point,
     /// A stack: the last one is looked at next, or waited for.
     pub(super) wants: Vec<Want<S::Tet>>,
     /// All tetrahedra locked.
     pub(super) held: Vec<S::Tet>,
     /// Tetrahedra in conflict, since the last grant, that were locked one by one ...
-    cavity: Vec<S::Tet>,
+    pub(super) cavity: Vec<S::Tet>,
     /// ... and those locked at once.
-    pieces: Vec<S::Piece>,
+    pub(super) pieces: Vec<S::Piece>,
     /// Far neighbours of those, or of all that is held when what touches the cavity is wanted.
     pub(super) foreign: Vec<Handle>,
     /// Seeds whose block is not here any more.
-    bounced: Vec<Handle>,
+    pub(super) bounced: Vec<Handle>,
     /// `Expand` not answered yet.
     pub(super) owed: u32,
     /// The cavity's vertices, under the vertex closure: what touches them is to be locked.
@@ -82,7 +82,7 @@ impl<S: Submesh> Locks<S> {
 }
 
 impl<S: Submesh> Request<S> {
-    fn new(home: WorkerId, attempt: Attempt, point: S::Point) -> Box<Self> {
+    pub(super) fn new(home: WorkerId, attempt: Attempt, point: S::Point) -> Box<Self> {
         Box::new(Self {
             home,
             attempt,
@@ -102,7 +102,12 @@ impl<S: Submesh> Request<S> {
     }
 
     /// A new request in the memory of one that has ended.
-    fn renew(mut self: Box<Self>, home: WorkerId, attempt: Attempt, point: S::Point) -> Box<Self> {
+    pub(super) fn renew(
+        mut self: Box<Self>,
+        home: WorkerId,
+        attempt: Attempt,
+        point: S::Point,
+    ) -> Box<Self> {
         let Self { wants, held, cavity, pieces, foreign, bounced, around, .. } = &mut *self;
         around.clear();
         wants.clear();

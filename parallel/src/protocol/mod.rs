@@ -46,6 +46,8 @@ mod rules;
 mod submesh;
 mod table;
 mod termination;
+#[cfg(all(test, not(any(loom, shuttle))))]
+mod tests;
 mod variants;
 mod view;
 mod worker;

@@ -72,7 +72,12 @@ pub(super) struct Granted<S: Submesh> {
 
 impl<S: Submesh> Operation<S> {
     /// A new operation in the memory of one that has ended.
-    fn renew(mut self: Box<Self>, point: S::Point, attempt: Attempt, phase: Phase) -> Box<Self> {
+    pub(super) fn renew(
+        mut self: Box<Self>,
+        point: S::Point,
+        attempt: Attempt,
+        phase: Phase,
+    ) -> Box<Self> {
         let Self { asked, whereabouts, parts, around, .. } = &mut *self;
         asked.clear();
         whereabouts.clear();
@@ -82,7 +87,7 @@ impl<S: Submesh> Operation<S> {
         self
     }
 
-    fn new(point: S::Point, attempt: Attempt, phase: Phase) -> Box<Self> {
+    pub(super) fn new(point: S::Point, attempt: Attempt, phase: Phase) -> Box<Self> {
         Box::new(Self {
             point,
             attempt,

@@ -5,6 +5,7 @@ use super::error::SimulationError;
 use super::network::Wires;
 use super::options::Options;
 use super::processor::{Asking, Envelope, Next, Processor};
+use crate::WorkerError;
 use crate::balance::{Balancer, Stock};
 use crate::metrics::{Cause, Collector, Nanos, Step, Summary, Survey, Trace};
 use crate::protocol::check::{Between, History, Inspect};
@@ -75,7 +76,7 @@ enum What<S: Submesh> {
 fn failure_of<S: Submesh, Q: Source<S>, C: Rules>(
     worker: &Worker<S, Q, C>,
 ) -> Option<SimulationError> {
-    let submesh = |error| SimulationError::Submesh { worker: worker.id(), error };
+    let submesh = |error| WorkerError::Submesh { worker: worker.id(), error }.into();
     worker.error().map(submesh)
 }
 
@@ -347,7 +348,7 @@ where
         // A worker that has panicked is not looked at again: the run ends.
         let step = AssertUnwindSafe(|| processor.worker.step(event, &mut actions));
         if let Err(panic) = catch_unwind(step) {
-            self.failed = Some(SimulationError::of_panic(id, message_of(&*panic)));
+            self.failed = Some(WorkerError::of_panic(id, message_of(&*panic)).into());
             return;
         }
         self.failed = failure_of(&processor.worker);

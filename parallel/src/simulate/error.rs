@@ -1,7 +1,8 @@
 //! Why a simulated run has no result.
 
+use crate::WorkerError;
 use crate::metrics::Nanos;
-use crate::protocol::{Broken, Invariant, SubmeshError, WorkerId};
+use crate::protocol::{Invariant, WorkerId};
 
 /// Why a simulated run has no result.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -18,24 +19,9 @@ pub enum SimulationError {
         /// The worker there.
         id: WorkerId,
     },
-    /// A worker's submesh has failed: it has no room for more tetrahedra, say.
-    #[error("worker {worker}: {error}")]
-    Submesh {
-        /// The worker.
-        worker: WorkerId,
-        /// Why it has failed.
-        error: SubmeshError,
-    },
-    /// An invariant of the protocol is broken: a defect of the worker's code or submesh.
-    #[error("worker {worker}: invariant {invariant} is broken: {what}")]
-    Broken {
-        /// The worker that found it.
-        worker: WorkerId,
-        /// Which one, of `docs/protocol.md`.
-        invariant: Invariant,
-        /// The finding.
-        what: String,
-    },
+    /// A worker has failed.
+    #[error(transparent)]
+    Worker(#[from] WorkerError),
     /// The check over all workers has found a broken invariant, see [`Options::check_every`].
     ///
     /// [`Options::check_every`]: super::Options::check_every
@@ -47,14 +33,6 @@ pub enum SimulationError {
         invariant: Invariant,
         /// The finding.
         what: String,
-    },
-    /// A worker has panicked: a defect.
-    #[error("worker {worker} has failed: {message}")]
-    Failed {
-        /// The worker.
-        worker: WorkerId,
-        /// The message of its panic.
-        message: String,
     },
     /// The limit on events is reached.
     #[error("{events} events, and no end: {operations} points inserted by {time} ns")]
@@ -97,14 +75,4 @@ pub enum SimulationError {
         /// The workers.
         workers: Vec<WorkerId>,
     },
-}
-
-impl SimulationError {
-    /// The error of a worker whose step has panicked with `message`.
-    pub(super) fn of_panic(worker: WorkerId, message: String) -> Self {
-        match Broken::from_message(&message) {
-            Some(Broken { invariant, what }) => Self::Broken { worker, invariant, what },
-            None => Self::Failed { worker, message },
-        }
-    }
 }

@@ -10,18 +10,15 @@ mod worker_loop;
 pub use distributed::Distributed;
 pub use worker_loop::{Broken, Ended, Loop, Watch};
 
+use crate::WorkerError;
 use crate::balance::Balance;
 use crate::mailbox::connect;
 use crate::mesh::{Field, GatherError, LocalMesh, Ownership, Plan, Prepared};
 use crate::metrics::{Collector, Summary, Trace};
-use crate::protocol::{
-    self, Closure, Config, Correct, Invariant, Note, Rule, SubmeshError, Worker, WorkerId,
-    message_of,
-};
+use crate::protocol::{Closure, Config, Correct, Note, Rule, Worker, WorkerId, message_of};
 use crate::transport::{Delayed, Mail, Transport};
 use ltbw_core::{BuildError, CancelToken, Mesh, Outcome, Vertex};
 use ltbw_exact::PointSet;
-use std::any::Any;
 use std::time::{Duration, Instant};
 use watch::ThreadWatch;
 
@@ -37,32 +34,9 @@ pub enum RunError {
     /// There is no first tetrahedron.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// A worker has panicked: a defect of this crate.
-    #[error("worker {worker} has failed: {message}")]
-    Failed {
-        /// The worker.
-        worker: WorkerId,
-        /// The message of its panic.
-        message: String,
-    },
-    /// A worker's submesh has failed: it has no room for more tetrahedra, say.
-    #[error("worker {worker}: {error}")]
-    Submesh {
-        /// The worker.
-        worker: WorkerId,
-        /// Why it has failed.
-        error: SubmeshError,
-    },
-    /// An invariant of the protocol is broken: a defect of this crate.
-    #[error("worker {worker}: invariant {invariant} is broken: {what}")]
-    Broken {
-        /// The worker that found it.
-        worker: WorkerId,
-        /// Which one, of `docs/protocol.md`.
-        invariant: Invariant,
-        /// The finding.
-        what: String,
-    },
+    /// A worker has failed.
+    #[error(transparent)]
+    Worker(#[from] WorkerError),
     /// The settings contradict each other.
     #[error("{0}")]
     Settings(String),
@@ -344,24 +318,15 @@ where
     for (worker, result) in (0..).zip(results) {
         match result {
             Ok(Ok(Ended { node, watch, .. })) => ends.push((node, watch)),
-            Ok(Err(Broken::Here(error))) => errors.push(RunError::Submesh { worker, error }),
+            Ok(Err(Broken::Here(error))) => errors.push(WorkerError::Submesh { worker, error }),
             // It stopped because another one failed.
             Ok(Err(Broken::Elsewhere(_))) => {}
-            Err(panic) => panics.push(of_panic(worker, &*panic)),
+            Err(panic) => panics.push(WorkerError::of_panic(worker, message_of(&*panic))),
         }
     }
     match panics.into_iter().chain(errors).next() {
-        Some(error) => Err(error),
+        Some(error) => Err(error.into()),
         None => Ok(ends),
-    }
-}
-
-/// The error of a worker that has panicked.
-fn of_panic(worker: WorkerId, panic: &(dyn Any + Send)) -> RunError {
-    let message = message_of(panic);
-    match protocol::Broken::from_message(&message) {
-        Some(protocol::Broken { invariant, what }) => RunError::Broken { worker, invariant, what },
-        None => RunError::Failed { worker, message },
     }
 }
 

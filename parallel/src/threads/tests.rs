@@ -1,15 +1,24 @@
-//! Runs that fail: by a panic of a worker, and by a broken invariant.
+//! Runs that fail: by a panic of a worker, by a broken invariant, and by a message that is lost.
 
 use super::*;
 use crate::mailbox::Endpoint;
 use crate::metrics::Nanos;
-use crate::protocol::{Action, Attempt, BlockId, Event, Message};
+use crate::protocol::{Action, Attempt, BlockId, Event, Invariant, Message};
 use ltbw_generate::{PointKind, generate};
 
-/// A watch that fails after some steps.
+/// A watch that fails after some steps, or if the run has no end by some time: a run that hangs is
+/// a failure, and says what the worker did last.
 struct Bomb<'a> {
     inner: ThreadWatch<'a>,
     steps: u32,
+    until: Instant,
+    last: Vec<String>,
+}
+
+impl<'a> Bomb<'a> {
+    fn new(inner: ThreadWatch<'a>, steps: u32, time: Duration) -> Self {
+        Self { inner, steps, until: Instant::now() + time, last: Vec::new() }
+    }
 }
 
 impl Watch<LocalMesh> for Bomb<'_> {
@@ -28,18 +37,27 @@ impl Watch<LocalMesh> for Bomb<'_> {
     }
 
     fn order(&mut self, may_move: impl Fn(BlockId) -> bool) -> Option<Event<LocalMesh>> {
+        assert!(Instant::now() < self.until, "no end; last: {}", self.last.join(", "));
         self.inner.order(may_move)
     }
 
     fn nap(&self) -> Option<Duration> {
-        Watch::<LocalMesh>::nap(&self.inner)
+        Some(Watch::<LocalMesh>::nap(&self.inner).unwrap_or(Duration::from_millis(20)))
     }
 
     fn looked(&mut self, found: usize) {
         Watch::<LocalMesh>::looked(&mut self.inner, found);
     }
 
-    fn ended(&mut self, _: &[Action<LocalMesh>]) {
+    fn ended(&mut self, actions: &[Action<LocalMesh>]) {
+        self.last.extend(actions.iter().map(|action| match action {
+            Action::Send { to, message } => {
+                format!("{} of {:?} to {to}", message.kind(), message.ticket())
+            }
+            Action::Backoff { ticket, .. } => format!("backoff of {ticket:?}"),
+            Action::Note(note) => format!("{note:?}"),
+        }));
+        self.last.drain(..self.last.len().saturating_sub(8));
         self.steps = self.steps.checked_sub(1).expect("planted");
     }
 }
@@ -60,13 +78,14 @@ fn copy(message: &Message<LocalMesh>) -> Message<LocalMesh> {
     }
 }
 
-/// A way on which the first grant arrives twice.
-struct Doubled {
+/// A way on which the first grant arrives twice, or never.
+struct Faulty {
     inner: Endpoint<Mail<LocalMesh>, Correct>,
+    loses: bool,
     done: bool,
 }
 
-impl Transport<Mail<LocalMesh>> for Doubled {
+impl Transport<Mail<LocalMesh>> for Faulty {
     fn send(&mut self, to: WorkerId, mail: Mail<LocalMesh>) {
         Transport::send(&mut self.inner, to, mail);
     }
@@ -82,6 +101,10 @@ impl Transport<Mail<LocalMesh>> for Doubled {
         };
         if let Some(place) = into.iter().position(is_grant).filter(|_| !self.done) {
             self.done = true;
+            if self.loses {
+                into.remove(place);
+                return;
+            }
             let (from, Mail { load, message }) = &into[place];
             let again = (*from, Mail { load: *load, message: message.as_ref().map(copy) });
             into.insert(place, again);
@@ -113,10 +136,11 @@ fn a_broken_invariant_ends_the_run_by_its_number() {
     let set = PointSet::new(generate(PointKind::Uniform, 2000, 1)).expect("finite points");
     let kernel = Parallel::new(3);
     let clock = Instant::now();
-    let ways = connect(3).into_iter().map(|inner| Doubled { inner, done: false }).collect();
+    let ways =
+        connect(3).into_iter().map(|inner| Faulty { inner, loses: false, done: false }).collect();
     let loops = kernel.loops(nodes(&set, 3), ways, |id| kernel.watch(id, clock));
     let error = run_all(loops).map(drop).expect_err("a grant that arrives twice");
-    let RunError::Broken { invariant, .. } = &error else { panic!("{error}") };
+    let RunError::Worker(WorkerError::Broken { invariant, .. }) = &error else { panic!("{error}") };
     assert_eq!(*invariant, Invariant::P8, "{error}");
     // The process lives.
     assert!(kernel.build(&set).is_ok());
@@ -131,12 +155,25 @@ fn a_worker_that_fails_ends_the_run_by_name() {
         let clock = Instant::now();
         let watch = |id| {
             let steps = if id == victim { 100 } else { u32::MAX };
-            Bomb { inner: kernel.watch(id, clock), steps }
+            Bomb::new(kernel.watch(id, clock), steps, Duration::from_secs(60))
         };
         let ways = connect(3).into_iter();
         let ways = ways.map(|way| Delayed::new(way, kernel.latency)).collect();
         let error = run_all(kernel.loops(nodes, ways, watch)).map(drop);
-        let said = RunError::Failed { worker: victim, message: "planted".to_string() };
-        assert_eq!(error, Err(said));
+        let said = WorkerError::Failed { worker: victim, message: "planted".to_string() };
+        assert_eq!(error, Err(said.into()));
     }
+}
+
+#[test]
+fn a_run_that_hangs_fails_and_says_what_was_last() {
+    let set = PointSet::new(generate(PointKind::Uniform, 2000, 1)).expect("finite points");
+    let (kernel, clock) = (Parallel::new(3), Instant::now());
+    let ways = connect(3).into_iter().map(|inner| Faulty { inner, loses: true, done: false });
+    let watch = |id| Bomb::new(kernel.watch(id, clock), u32::MAX, Duration::from_secs(2));
+    let error = run_all(kernel.loops(nodes(&set, 3), ways.collect(), watch)).map(drop);
+    let Err(RunError::Worker(WorkerError::Failed { message, .. })) = error else {
+        panic!("{error:?}")
+    };
+    assert!(message.starts_with("no end; last: ") && message.contains("Ticket"), "{message}");
 }

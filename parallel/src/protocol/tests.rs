@@ -1,0 +1,60 @@
+//! Memory of what has ended is used again: no field of the old value may be left. The values below
+//! are written field by field, so that a new field has to be entered here.
+
+use super::lock_request::{Request, Want};
+use super::operation::{Operation, Phase};
+use super::table::Table;
+use super::{Handle, Name};
+#[cfg(test)] // the protocol knows no mesh
+use crate::mesh::{LocalMesh, Site};
+
+const NAME: Name = Name { by: 1, number: 2 };
+const HANDLE: Handle = Handle { name: NAME, block: 3, face: 1 };
+
+fn site(vertex: u32) -> Site {
+    Site::new(vertex, [1.0, 2.0, 3.0])
+}
+
+fn table<K: Ord + Copy, V>(key: K, value: V) -> Table<K, V> {
+    let mut table = Table::default();
+    table.insert_new(key, || value);
+    table
+}
+
+#[test]
+fn a_reused_operation_equals_a_new_one() {
+    let used = Operation::<LocalMesh> {
+        point: site(5),
+        attempt: 7,
+        phase: Phase::Releasing(3),
+        asked: table(4, 5),
+        whereabouts: table(NAME, 6),
+        parts: table(3, Vec::new()),
+        around: vec![8],
+    };
+    let reused = Box::new(used).renew(site(1), 1, Phase::Expanding);
+    let new = Operation::<LocalMesh>::new(site(1), 1, Phase::Expanding);
+    assert_eq!(format!("{reused:?}"), format!("{new:?}"));
+}
+
+#[test]
+fn a_reused_request_equals_a_new_one() {
+    let used = Request::<LocalMesh> {
+        home: 1,
+        attempt: 2,
+        point: site(3),
+        wants: vec![Want::Seed(HANDLE)],
+        held: vec![4],
+        cavity: vec![5],
+        pieces: Vec::new(),
+        foreign: vec![HANDLE],
+        bounced: vec![HANDLE],
+        owed: 6,
+        around: vec![7],
+        stalled: true,
+        wounded: true,
+    };
+    let reused = Box::new(used).renew(9, 8, site(1));
+    let new = Request::<LocalMesh>::new(9, 8, site(1));
+    assert_eq!(format!("{reused:?}"), format!("{new:?}"));
+}
