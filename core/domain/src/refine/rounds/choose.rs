@@ -1,10 +1,15 @@
 //! The choice of a round: candidates, probes, and the kill rule.
 //!
-//! A candidate is dropped if one with a larger key has its tetrahedron or subface in its cavity:
-//! where cavities only overlap, both points are taken.
+//! A tetrahedron is dropped if a candidate with a larger key has it in its cavity: where cavities
+//! only overlap, both points are taken. Boundary items are taken one after the other, the largest
+//! key first; one whose cavity meets that of a point taken before waits for the next round, unless
+//! both points are on one segment, or in one facet and the cavity there has not this subface.
 
 use super::{Class, Rounds};
+use crate::refine::carrier::distance2;
 use crate::refine::item::Item;
+use crate::refine::key::{key, sorted};
+use crate::refine::measure::circumcircle;
 use ltbw_core::topology::{TetId, tet_of};
 
 impl Rounds<'_, '_> {
@@ -18,23 +23,64 @@ impl Rounds<'_, '_> {
         match class {
             Class::Tets => {
                 let own = self.bad.iter().copied();
-                let foremost: Vec<TetId> = own.filter(|&t| self.is_foremost(t)).collect();
-                foremost.into_iter().for_each(|t| self.probe_tet(t));
-            }
-            Class::Segments | Class::Subfaces => {
-                let ready = self.pending.iter().filter(|(_, pending)| self.is_ready(pending));
-                let items: Vec<_> = ready.map(|(&item, pending)| (item, pending.near)).collect();
-                for (item, near) in items {
-                    match item {
-                        Item::Segment(s) if class == Class::Segments => self.probe_segment(s, near),
-                        Item::Subface(s) if class == Class::Subfaces => self.probe_subface(s, near),
-                        _ => {}
+                let mut foremost: Vec<TetId> = own.filter(|&t| self.is_foremost(t)).collect();
+                foremost.sort_by(|&a, &b| self.order(a, b));
+                for t in foremost {
+                    if self.reserved[t as usize] == 0 {
+                        self.probe_tet(t);
                     }
                 }
+                let all = 0..self.candidates.len();
+                all.filter(|&k| self.candidates[k].fits && self.survives(k)).collect()
+            }
+            Class::Segments => {
+                for (item, near) in self.ready() {
+                    if let Item::Segment(s) = item {
+                        self.probe_segment(s, near);
+                    }
+                }
+                (0..self.candidates.len()).collect()
+            }
+            Class::Subfaces => {
+                for (item, near) in self.ready() {
+                    if let Item::Subface(s) = item {
+                        self.probe_subface(s, near);
+                    }
+                }
+                (0..self.candidates.len()).collect()
             }
         }
-        let all = 0..self.candidates.len();
-        all.filter(|&k| self.candidates[k].fits && self.survives(k)).collect()
+    }
+
+    /// The pending items that wait for none, the foremost first, each with a slot near it.
+    fn ready(&self) -> Vec<(Item, TetId)> {
+        let state = &self.own.state;
+        let ready = self.pending.iter().filter(|(_, pending)| self.is_ready(pending));
+        let mut items: Vec<_> = ready
+            .map(|(&item, pending)| {
+                let (key, place) = (self.key_of(item), state.place_of(item));
+                (std::cmp::Reverse((key, place)), item, pending.near)
+            })
+            .collect();
+        items.sort_unstable_by(|a, b| a.0.cmp(&b.0));
+        items.into_iter().map(|(_, item, near)| (item, near)).collect()
+    }
+
+    /// The key of a boundary item.
+    fn key_of(&self, item: Item) -> u64 {
+        let state = &self.own.state;
+        match item {
+            Item::Segment(s) => {
+                let [a, b] = sorted(s.map(|v| state.at(v)));
+                key(distance2(&a, &b), &[a, b])
+            }
+            Item::Subface(s) => {
+                let corners = sorted(s.map(|v| state.at(v)));
+                let [a, b, c] = &corners;
+                key(circumcircle(a, b, c).1, &corners)
+            }
+            Item::Tet(t, _) => self.keys[t as usize],
+        }
     }
 
     /// Does a tetrahedron come before all its face neighbours?
@@ -44,6 +90,12 @@ impl Rounds<'_, '_> {
             let key = self.keys[other as usize];
             key < own || key == own && self.place(t) > self.place(other)
         })
+    }
+
+    /// The order in which tetrahedra are probed: the largest key first.
+    fn order(&self, a: TetId, b: TetId) -> std::cmp::Ordering {
+        let keys = self.keys[b as usize].cmp(&self.keys[a as usize]);
+        keys.then_with(|| self.place(b).cmp(&self.place(a)))
     }
 
     fn place(&self, t: TetId) -> impl Ord {
@@ -75,17 +127,12 @@ impl Rounds<'_, '_> {
     }
 
     /// Is candidate `k` killed by none before it, and loses no item together with others?
-    fn survives(&self, k: usize) -> bool {
-        match self.candidates[k].item {
-            Item::Tet(t, _) => self.rival(k, t).is_none() && !self.loses_jointly(k),
-            Item::Segment(_) => self.is_apart(k) && !self.loses_jointly(k),
-            Item::Subface(s) => {
-                let is_killed = || {
-                    let tets = self.tets_at(k, s);
-                    !tets.is_empty() && tets.iter().all(|&t| self.rival(k, t).is_some())
-                };
-                self.is_apart(k) && !is_killed() && !self.loses_jointly(k)
-            }
-        }
+    pub(super) fn survives(&self, k: usize) -> bool {
+        let is_killed = match self.candidates[k].item {
+            Item::Tet(t, _) => self.rival(k, t).is_some(),
+            Item::Segment(_) => false,
+            Item::Subface(s) => self.tets_at(k, s).iter().all(|&t| self.rival(k, t).is_some()),
+        };
+        !is_killed && !self.loses_jointly(k)
     }
 }

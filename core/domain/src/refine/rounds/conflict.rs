@@ -10,20 +10,6 @@ use crate::refine::table::{edge, triangle};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 
 impl Rounds<'_, '_> {
-    /// Rule (d): a boundary point waits for one before it whose cavity shares a tetrahedron or a
-    /// face with its own, unless both are on one segment or in one facet.
-    pub(super) fn is_apart(&self, k: usize) -> bool {
-        let own = &self.candidates[k];
-        let topology = self.own.state.mesh.topology();
-        let is_other = |t: TetId| {
-            let rival = self.rival(k, t).map(|j| self.candidates[j].place.carrier);
-            rival.is_some_and(|carrier| !is_same(carrier, own.place.carrier))
-        };
-        self.cavities[own.cavity.clone()].iter().all(|&t| {
-            !is_other(t) && topology.at(t).neighbours().into_iter().all(|n| !is_other(tet_of(n)))
-        })
-    }
-
     /// The two tetrahedra at a subface that candidate `k` is to split.
     pub(super) fn tets_at(&self, k: usize, s: [VertexId; 3]) -> Vec<TetId> {
         let cavity = &self.cavities[self.candidates[k].cavity.clone()];
@@ -128,7 +114,7 @@ impl Rounds<'_, '_> {
 }
 
 /// Are two boundary points on one segment, or in one facet?
-fn is_same(a: Carrier, b: Carrier) -> bool {
+pub(super) fn is_same(a: Carrier, b: Carrier) -> bool {
     match (a, b) {
         (Carrier::Segment(s, _), Carrier::Segment(r, _)) => s == r,
         (Carrier::Facet(f), Carrier::Facet(g)) => f == g,

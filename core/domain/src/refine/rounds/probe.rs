@@ -1,7 +1,8 @@
-//! Probes: the cavity of a proposed point is opened, looked at and set back. A probe writes its
-//! candidate into all slots of its cavity, whatever the verdict, so that what is written is a
-//! function of the mesh.
+//! Probes: the cavity of a proposed point is opened, looked at and set back. A probe for a
+//! tetrahedron writes its candidate into all slots of its cavity, whatever the verdict, so that the
+//! slots are a function of the mesh; of boundary items only those that are taken write theirs.
 
+use super::conflict::is_same;
 use super::{Asked, Candidate, Pending, Rounds};
 use crate::refine::carrier::{Carrier, distance2, free_point};
 use crate::refine::item::Item;
@@ -12,8 +13,21 @@ use crate::refine::split::TOLERANCE;
 use crate::refine::state::Place;
 use crate::refine::verdict::{Judge, Verdict};
 use crate::refine::walk::Way;
-use ltbw_core::cavity::Open;
+use ltbw_core::cavity::Role;
+use ltbw_core::mesh::At;
 use ltbw_core::topology::{TetId, VertexId};
+
+/// The result of a probe.
+enum Probe {
+    /// The point may be inserted.
+    Fits,
+    /// One taken before is in its way.
+    Barred,
+    Defers(Vec<Item>),
+    Refuses(Reason),
+    /// Another point may serve.
+    Useless,
+}
 
 impl Rounds<'_, '_> {
     /// Proposes a point for a subsegment.
@@ -35,10 +49,11 @@ impl Rounds<'_, '_> {
         }
         let place = Place { p, carrier: Carrier::Segment(s, t), from: near };
         match self.probe(item, key, &place, |judge| judge.on_segment(ends, s, &place)) {
-            Some(Verdict::Fill(_)) => {}
-            Some(Verdict::Defer(first)) => self.wait(item, first, near),
-            Some(Verdict::Refuse(reason)) => self.refuse(item, reason),
-            Some(Verdict::Useless) | None => self.refuse(item, Reason::Rounding),
+            Probe::Fits => self.take_or_drop(),
+            Probe::Barred => {}
+            Probe::Defers(first) => self.wait(item, first, near),
+            Probe::Refuses(reason) => self.refuse(item, reason),
+            Probe::Useless => self.refuse(item, Reason::Rounding),
         }
     }
 
@@ -61,10 +76,11 @@ impl Rounds<'_, '_> {
             let Some(p) = plane.near(&centre, tolerance) else { continue };
             let place = Place { p, carrier: Carrier::Facet(f), from: near };
             match self.probe(item, key, &place, |judge| judge.on_subface(corners, f, &place)) {
-                Some(Verdict::Fill(_)) => return,
-                Some(Verdict::Defer(first)) => return self.wait(item, first, near),
-                Some(Verdict::Refuse(reason)) => return self.refuse(item, reason),
-                Some(Verdict::Useless) | None => {}
+                Probe::Fits => return self.take_or_drop(),
+                Probe::Barred => return,
+                Probe::Defers(first) => return self.wait(item, first, near),
+                Probe::Refuses(reason) => return self.refuse(item, reason),
+                Probe::Useless => {}
             }
         }
         self.refuse(item, reason.unwrap_or(Reason::Rounding));
@@ -95,10 +111,13 @@ impl Rounds<'_, '_> {
             let place = Place { p, carrier: Carrier::Free, from };
             let key = self.keys[t as usize];
             match self.probe(item, key, &place, |judge| judge.on_tet(t)) {
-                Some(Verdict::Fill(_)) => return,
-                Some(Verdict::Defer(first)) => return self.ask(t, v, &first, limit),
-                Some(Verdict::Refuse(reason)) => return self.refuse(item, reason),
-                Some(Verdict::Useless) | None => {}
+                Probe::Fits => return self.reserve(self.candidates.len() - 1),
+                Probe::Defers(first) => {
+                    self.reserve(self.candidates.len() - 1);
+                    return self.ask(t, v, &first, limit);
+                }
+                Probe::Refuses(reason) => return self.refuse(item, reason),
+                Probe::Useless | Probe::Barred => {}
             }
         }
         let mut sides = self.own.state.boundary_sides(t);
@@ -107,33 +126,56 @@ impl Rounds<'_, '_> {
     }
 
     /// Opens the cavity of a place, takes the verdict and sets the cavity back. A point that serves
-    /// its item becomes a candidate, and reserves its cavity. `None` if a vertex is at the place.
+    /// its item becomes a candidate.
     fn probe(
         &mut self,
         item: Item,
         key: u64,
         place: &Place,
         verdict: impl FnOnce(Judge<'_>) -> Verdict,
-    ) -> Option<Verdict> {
-        self.stats.searches += 1;
-        let first = self.cavities.len();
-        let place = Place { from: self.own.state.start_near(place.from), ..*place };
-        let open = self.own.state.begin_and_look(&place, &mut Open).ok()?;
-        let verdict =
-            verdict(Judge { state: open.owner(), record: &self.own.record, recovers: false });
+    ) -> Probe {
+        let Self { own, reserved, candidates, cavities, stats, .. } = self;
+        let state = &mut own.state;
+        let place = Place { from: state.start_near(place.from), ..*place };
+        let first = cavities.len();
+        stats.searches += 1;
+        // Rule (d): boundary points keep apart. In a round of tetrahedra no point does.
+        let is_free = place.carrier == Carrier::Free;
+        let mut admission = |t: TetId, _: Role| {
+            let other = (reserved[t as usize] as usize).checked_sub(1);
+            let other = other.filter(|_| !is_free).map(|k| candidates[k].place.carrier);
+            other.is_none_or(|other| is_same(other, place.carrier))
+        };
+        let open = match state.begin_and_look(&place, &mut admission) {
+            Ok(open) => open,
+            Err(At::Vertex(_)) => return Probe::Useless,
+            Err(At::SetBack(_)) => return Probe::Barred,
+        };
+        let verdict = verdict(Judge { state: open.owner(), record: &own.record, recovers: false });
         let fits = matches!(verdict, Verdict::Fill(_));
-        if fits || matches!(verdict, Verdict::Defer(_)) {
-            self.cavities.extend(open.tets());
+        if fits || is_free && matches!(verdict, Verdict::Defer(_)) {
+            cavities.extend(open.tets());
+            let place = Place { from: cavities[first], ..place };
+            candidates.push(Candidate { item, key, place, cavity: first..cavities.len(), fits });
         }
-        drop(open);
-        let cavity = first..self.cavities.len();
-        if !cavity.is_empty() {
-            let place = Place { from: self.cavities[first], ..place };
-            let own = Candidate { item, key, place, cavity: cavity.clone(), fits };
-            self.candidates.push(own);
-            self.reserve(self.candidates.len() - 1);
+        match verdict {
+            Verdict::Fill(_) => Probe::Fits,
+            Verdict::Defer(first) => Probe::Defers(first),
+            Verdict::Refuse(reason) => Probe::Refuses(reason),
+            Verdict::Useless => Probe::Useless,
         }
-        Some(verdict)
+    }
+
+    /// Takes the last candidate, unless one taken before it is in its way.
+    fn take_or_drop(&mut self) {
+        let last = self.candidates.len() - 1;
+        match self.survives(last) {
+            true => self.reserve(last),
+            false => {
+                self.cavities.truncate(self.candidates[last].cavity.start);
+                self.candidates.pop();
+            }
+        }
     }
 
     fn refuse(&mut self, item: Item, reason: Reason) {
