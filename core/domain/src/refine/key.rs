@@ -13,9 +13,21 @@ pub(crate) fn order_key(p: &Point) -> OrderKey {
     p.map(|c| c as i64)
 }
 
-/// Points by x, y, z.
+/// Does a point come before another by x, y, z?
+fn is_before(p: &Point, q: &Point) -> bool {
+    p[0] < q[0] || p[0] == q[0] && (p[1] < q[1] || p[1] == q[1] && p[2] < q[2])
+}
+
+/// Points by x, y, z. There are few: each goes down to its place.
+#[inline(always)]
 pub(crate) fn sorted<const N: usize>(mut points: [Point; N]) -> [Point; N] {
-    points.sort_unstable_by_key(order_key);
+    for end in 1..N {
+        let mut at = end;
+        while at > 0 && is_before(&points[at], &points[at - 1]) {
+            points.swap(at, at - 1);
+            at -= 1;
+        }
+    }
     points
 }
 
@@ -67,6 +79,20 @@ impl State {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_are_sorted_by_all_coordinates() {
+        let mut points = Vec::new();
+        for k in 0..27 {
+            points.push([k / 9, k / 3 % 3, k % 3].map(|c| f64::from(c) - 1.0));
+        }
+        for k in 0..27 * 27 * 27 {
+            let own = [points[k % 27], points[k / 27 % 27], points[k / 729], points[(k * 7) % 27]];
+            let mut slow = own;
+            slow.sort_by_key(order_key);
+            assert_eq!(sorted(own), slow);
+        }
+    }
 
     #[test]
     fn larger_sizes_have_larger_keys() {

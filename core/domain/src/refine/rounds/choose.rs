@@ -62,7 +62,7 @@ impl Rounds<'_, '_> {
                 (std::cmp::Reverse((key, place)), item, pending.near)
             })
             .collect();
-        items.sort_unstable_by(|a, b| a.0.cmp(&b.0));
+        items.sort_unstable_by_key(|own| own.0);
         items.into_iter().map(|(_, item, near)| (item, near)).collect()
     }
 

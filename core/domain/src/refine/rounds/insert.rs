@@ -4,7 +4,7 @@ use super::{Candidate, Class, InsertOrder, Rounds};
 use crate::refine::RefineError;
 use crate::refine::carrier::Carrier;
 use crate::refine::facet::{Change, Seed};
-use crate::refine::item::{Item, Queues};
+use crate::refine::item::Item;
 use crate::refine::state::{Place, State};
 use crate::refine::verdict::Filling;
 use ltbw_core::cavity::Open;
@@ -53,7 +53,7 @@ impl Rounds<'_, '_> {
         };
         let seen = RefineError::Invariant { what: "a point on a facet sees its planar cavity" };
         let filling = filling.ok_or(seen)?;
-        own.inserted.fill(open, &place, &filling, None, &mut Queues::default());
+        own.inserted.fill(open, &place, &filling, None, &mut self.nothing);
         self.created.extend_from_slice(&own.inserted.created);
         Ok(())
     }

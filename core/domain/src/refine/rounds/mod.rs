@@ -116,6 +116,8 @@ pub(crate) struct Rounds<'r, 'a> {
     refusals: Vec<(Item, Reason)>,
     /// Slots written by the insertions of this round.
     created: Vec<TetId>,
+    /// The work that the fillings put: items that are lost, of which there are none.
+    nothing: Queues,
     stats: RefineStats,
 }
 
@@ -139,6 +141,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             waits: Vec::new(),
             refusals: Vec::new(),
             created: Vec::new(),
+            nothing: Queues::default(),
             stats: RefineStats::default(),
         }
     }

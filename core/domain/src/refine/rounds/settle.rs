@@ -9,25 +9,30 @@ use crate::refine::measure::Shape;
 use crate::refine::table::{Set, edge};
 use ltbw_core::topology::TetId;
 
+/// The key of a slot that was written in the round: no key is this one.
+const WRITTEN: u64 = u64::MAX;
+
 impl Rounds<'_, '_> {
     /// Looks at the tetrahedra that the insertions of the round have made.
     pub(super) fn settle(&mut self) {
         let topology = self.own.state.mesh.topology();
         self.keys.resize(topology.slots(), 0);
         self.reserved.resize(topology.slots(), 0);
-        self.created.sort_unstable();
-        self.created.dedup();
-        for &t in &self.created {
-            self.keys[t as usize] = 0;
-        }
+        // Each slot is looked at once, however often it was written.
         let keys = &mut self.keys;
+        self.created.retain(|&t| std::mem::replace(&mut keys[t as usize], WRITTEN) != WRITTEN);
         self.bad.retain(|&t| {
             let own = &mut keys[t as usize];
-            *own = if topology.at(t).is_free() { 0 } else { *own };
-            *own != 0
+            if *own != WRITTEN && topology.at(t).is_free() {
+                *own = 0;
+            }
+            *own != 0 && *own != WRITTEN
         });
         let mut created = std::mem::take(&mut self.created);
-        created.drain(..).for_each(|t| self.look_at_tet(t));
+        for t in created.drain(..) {
+            self.keys[t as usize] = 0;
+            self.look_at_tet(t);
+        }
         self.created = created;
         // Items that are gone are asked for no more.
         let state = &self.own.state;
