@@ -3,6 +3,7 @@
 use crate::args::{Convert, Generate, Kind};
 use crate::console;
 use crate::outcome::{Exit, Failure, show};
+use ltbw::Extras;
 use ltbw::domain::{Domain, DomainError};
 use ltbw::io::{self, DomainFile, Encoding, Format, MshVersion, PointFile, WriteOptions};
 use ltbw_generate::{Shape, generate_domain};
@@ -49,7 +50,8 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
         notes(input, &file.notes);
         let mesh = file.mesh;
         if to.holds_mesh() {
-            io::write_mesh_with(output, &mesh, options).map_err(Failure::Write)?;
+            let extras = Extras { faces: file.faces, ..Extras::default() };
+            io::write_mesh_and(output, &mesh, &extras, options).map_err(Failure::Write)?;
             let (points, tets) = (mesh.points.len(), mesh.tets.len());
             console::people(&format!(
                 "wrote     {}: {points} points, {tets} tetrahedra",

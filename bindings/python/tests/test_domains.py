@@ -150,6 +150,14 @@ def test_files_are_read_back(cube, tmp_path):
         mesh.save(tmp_path / name)
         read = meshio.read(tmp_path / name)
         assert len(read.cells_dict["tetra"]) == len(mesh.simplices), name
+        kinds = {"a.vtu": "marker", "a.mesh": "medit:ref", "a.msh": "gmsh:physical"}
+        markers = read.cell_data_dict[kinds[name]]["triangle"]
+        # Gmsh has no group 0: the free one, 6, is named `marker 0`.
+        expected = np.where((mesh.triface_markers == 0) & (name == "a.msh"), 6, mesh.triface_markers)
+        as_rows = lambda rows, m: sorted((*sorted(r), int(k)) for r, k in zip(rows.tolist(), m))
+        found = as_rows(read.cells_dict["triangle"], markers)
+        assert found == as_rows(mesh.triangles, expected), name
+    assert read.field_data["marker 0"].tolist() == [6, 2]
     with pytest.raises(ltbw.InputError):
         mesh.save(tmp_path / "a.docx")
     with pytest.raises(ltbw.FileError):

@@ -35,6 +35,7 @@ mod aside;
 pub mod csv;
 mod domain;
 mod error;
+mod faces;
 mod format;
 pub mod medit;
 pub mod msh;
@@ -81,6 +82,8 @@ pub struct PointFile {
 pub struct MeshFile {
     /// The mesh.
     pub mesh: TetMesh,
+    /// Triangles of the file that are faces of tetrahedra, with their markers.
+    pub faces: Vec<BoundaryFace>,
     /// The parts of the file that were not read, in words for people.
     pub notes: Vec<String>,
 }
@@ -191,8 +194,7 @@ pub fn write_mesh_with(path: &Path, mesh: &TetMesh, options: WriteOptions) -> Re
 }
 
 /// Writes a mesh as [`write_mesh_with`] does, and the parts of `extras` that the format has a place
-/// for: in `.vtu` all of them; in `.mesh`, and in a `.face` file beside `.ele`, the boundary; in
-/// `.msh` none.
+/// for: in `.vtu` all of them; in `.msh`, `.mesh`, and in a `.face` file beside `.ele`, the boundary.
 pub fn write_mesh_and(
     path: &Path,
     mesh: &TetMesh,
@@ -208,7 +210,9 @@ pub fn write_mesh_and(
         }
         Format::Msh => {
             msh::check(mesh).map_err(|r| data_error(path, r))?;
-            |out, mesh, _, options| msh::write(out, mesh, options.msh_version, options.encoding)
+            |out, mesh, extras, options| {
+                msh::write_with(out, mesh, &extras.faces, options.msh_version, options.encoding)
+            }
         }
         Format::Medit => |out, mesh, extras, _| medit::write_with(out, mesh, &extras.faces),
         Format::Node | Format::Ele => return write_pair(path, mesh, faces),

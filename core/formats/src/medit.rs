@@ -3,12 +3,14 @@
 //! Sections start with a keyword and a count. `Vertices` (x, y, z, reference) and `Tetrahedra`
 //! (four corners numbered from 1, reference) are read; a reference is a tag. References that
 //! are all 0 mean no tags, unless the comment `# references are tags` stands before the section,
-//! which we write where it is needed. Sections of triangles, edges, corners and the like are not
-//! read; a note says which. Other volume cells are refused. A file ends with `End`.
+//! which we write where it is needed. Triangles that are faces of
+//! tetrahedra are boundary triangles, their references the markers. Sections of edges, corners and
+//! the like are not read; a note says which. Other volume cells are refused. A file ends with `End`.
 //! Source: P. Frey, "MEDIT: an interactive mesh visualization software", INRIA RT-0253, 2001.
 
 use super::MeshFile;
 use super::error::{ParseError, Reason, excerpt};
+use super::faces::owned;
 use super::text::{Tokens, capacity, count, float, integer, push_integer, push_point, write_rows};
 use ltbw_core::{BoundaryFace, TetMesh};
 use ltbw_exact::Point;
@@ -22,6 +24,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let mut tokens = Tokens::new(bytes);
     let mut vertices: Option<(Vec<Point>, Vec<i64>)> = None;
     let mut tetrahedra: Option<(Vec<[i64; 4]>, Vec<i64>)> = None;
+    let mut triangles: Option<(Vec<[i64; 3]>, Vec<i64>, usize)> = None;
     let mut section = 0;
     let mut marked = [false; 2];
     let mut notes = Vec::new();
@@ -49,9 +52,14 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
             b"Tetrahedra" if tetrahedra.is_none() => {
                 section = tokens.position();
                 marked[1] = mark;
-                tetrahedra = Some(read_tetrahedra(&mut tokens)?);
+                tetrahedra = Some(read_simplices(&mut tokens, keyword, "tetrahedra")?);
             }
-            b"Hexahedra" | b"Prisms" | b"Pyramids" | b"Vertices" | b"Tetrahedra" => {
+            b"Triangles" if triangles.is_none() => {
+                let at = tokens.position();
+                let (corners, markers) = read_simplices(&mut tokens, keyword, "triangles")?;
+                triangles = Some((corners, markers, at));
+            }
+            b"Hexahedra" | b"Prisms" | b"Pyramids" | b"Vertices" | b"Tetrahedra" | b"Triangles" => {
                 let text = format!("this section `{}`", excerpt(keyword));
                 return Err(tokens.error(Reason::Unsupported(text)));
             }
@@ -76,10 +84,16 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let (corners, tet_tags) = tetrahedra.unwrap_or_default();
     let tets =
         number_from_0(&corners, points.len()).map_err(|r| ParseError::at(bytes, section, r))?;
+    let (corners, markers, section) = triangles.unwrap_or_default();
+    let triangles =
+        number_from_0(&corners, points.len()).map_err(|r| ParseError::at(bytes, section, r))?;
+    let triangles: Vec<([u32; 3], i64)> = triangles.into_iter().zip(markers).collect();
     let tags = |t: Vec<i64>, mark: bool| (mark || t.iter().any(|&r| r != 0)).then_some(t);
     let (point_tags, tet_tags) = (tags(point_tags, marked[0]), tags(tet_tags, marked[1]));
     let mesh = TetMesh { points, tets, point_tags, tet_tags };
-    Ok(MeshFile { mesh, notes })
+    let (faces, note) = owned(&mesh, &triangles);
+    notes.extend(note);
+    Ok(MeshFile { mesh, faces, notes })
 }
 
 /// The number that must follow inside the section `keyword`.
@@ -132,30 +146,41 @@ fn read_vertices(tokens: &mut Tokens<'_>) -> Result<(Vec<Point>, Vec<i64>), Pars
     Ok((points, tags))
 }
 
-fn read_tetrahedra(tokens: &mut Tokens<'_>) -> Result<(Vec<[i64; 4]>, Vec<i64>), ParseError> {
-    let announced = number(tokens, b"Tetrahedra", count)?;
+/// Corners and references of tetrahedra or triangles.
+type Simplices<const N: usize> = (Vec<[i64; N]>, Vec<i64>);
+
+fn read_simplices<const N: usize>(
+    tokens: &mut Tokens<'_>,
+    keyword: &[u8],
+    what: &'static str,
+) -> Result<Simplices<N>, ParseError> {
+    let announced = number(tokens, keyword, count)?;
     let reserve = capacity(announced, tokens.remaining(), 10);
     let (mut tets, mut tags) = (Vec::with_capacity(reserve), Vec::with_capacity(reserve));
     for found in 0..announced {
-        truncated(tokens, "tetrahedra", announced, found)?;
-        let mut tet = [0; 4];
+        truncated(tokens, what, announced, found)?;
+        let mut tet = [0; N];
         for corner in &mut tet {
-            *corner = number(tokens, b"Tetrahedra", integer)?;
+            *corner = number(tokens, keyword, integer)?;
         }
         tets.push(tet);
-        tags.push(number(tokens, b"Tetrahedra", integer)?);
+        tags.push(number(tokens, keyword, integer)?);
     }
     Ok((tets, tags))
 }
 
 /// Corners numbered from 1 as indices from 0, all below `points`.
-fn number_from_0(corners: &[[i64; 4]], points: usize) -> Result<Vec<[u32; 4]>, Reason> {
+fn number_from_0<const N: usize>(
+    corners: &[[i64; N]],
+    points: usize,
+) -> Result<Vec<[u32; N]>, Reason> {
     let last = u32::try_from(points).map_err(|_| Reason::TooManyPoints(points as u64))?;
     let mut tets = Vec::with_capacity(corners.len());
     for (row, tet) in corners.iter().enumerate() {
         if let Some(&index) = tet.iter().find(|&&v| v < 1 || v > i64::from(last)) {
             let (number, last) = (row as u64 + 1, i64::from(last));
-            return Err(Reason::Index { what: "tetrahedron", number, index, first: 1, last });
+            let what = if N == 4 { "tetrahedron" } else { "triangle" };
+            return Err(Reason::Index { what, number, index, first: 1, last });
         }
         tets.push(tet.map(|v| (v - 1) as u32));
     }

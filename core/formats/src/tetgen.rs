@@ -196,7 +196,8 @@ pub fn parse_ele(bytes: &[u8], node: NodeFile) -> Result<MeshFile, ParseError> {
     if corners == 10 {
         notes.push("corners after the fourth of quadratic tetrahedra are not read".into());
     }
-    Ok(MeshFile { mesh: TetMesh { points, tets, point_tags, tet_tags }, notes })
+    let mesh = TetMesh { points, tets, point_tags, tet_tags };
+    Ok(MeshFile { mesh, faces: Vec::new(), notes })
 }
 
 /// A region: an integer, also when written as a float; `None` for any other number.

@@ -45,6 +45,51 @@ fn boundaries_are_written_where_the_format_has_a_place() {
     assert!(io::check_mesh_writable(&dir.path().join("d.node")).is_ok());
 }
 
+/// Two tetrahedra with boundary triangles of every kind of marker, one between the two.
+fn walled() -> (TetMesh, Vec<BoundaryFace>) {
+    let mut mesh = corner();
+    mesh.points.push([0.0, 0.0, -1.0]);
+    mesh.tets.push([0, 2, 1, 4]);
+    mesh.point_tags = None;
+    mesh.tet_tags = Some(vec![2, 1]);
+    let face = |corners, marker, tet| BoundaryFace { corners, marker, tet };
+    let faces = vec![
+        face([0, 2, 1], 12, 0),
+        face([1, 2, 3], 0, 0),
+        face([0, 1, 3], -3, 0),
+        face([1, 0, 4], i64::from(i32::MAX) + 1, 1),
+        face([2, 1, 4], 1, 1),
+    ];
+    (mesh, faces)
+}
+
+#[test]
+fn boundaries_are_read_back() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let (mesh, faces) = walled();
+    let extras = Extras { faces: faces.clone(), ..Extras::default() };
+    for (name, encoding, msh_version) in [
+        ("a.vtu", Encoding::Ascii, MshVersion::V4_1),
+        ("b.vtu", Encoding::Binary, MshVersion::V4_1),
+        ("c.mesh", Encoding::Ascii, MshVersion::V4_1),
+        ("d.msh", Encoding::Ascii, MshVersion::V4_1),
+        ("e.msh", Encoding::Binary, MshVersion::V4_1),
+        ("f.msh", Encoding::Ascii, MshVersion::V2_2),
+        ("g.msh", Encoding::Binary, MshVersion::V2_2),
+    ] {
+        let path = dir.path().join(name);
+        let options = io::WriteOptions { encoding, msh_version };
+        io::write_mesh_and(&path, &mesh, &extras, options).expect("written");
+        let read = io::read_mesh_file(&path).expect("a mesh");
+        assert_eq!(read.mesh, mesh, "{name}");
+        // Version 4.1 of `.msh` has elements by group; their numbers tell the order.
+        assert_eq!(read.faces, faces, "{name}");
+        assert_eq!(read.notes, [] as [&str; 0], "{name}");
+    }
+    let text = std::fs::read_to_string(dir.path().join("d.msh")).expect("a text");
+    assert!(text.contains("$PhysicalNames\n3\n2 2 \"marker -3\"\n2 3 \"marker 0\"\n"), "{text}");
+}
+
 #[test]
 fn extras_must_be_of_the_mesh() {
     let dir = tempfile::tempdir().expect("a folder");
@@ -153,7 +198,8 @@ fn a_full_medium_is_an_error_at_every_byte() {
         let extras = &extras;
         writers.push(Box::new(move |out| vtu::write_with(out, mesh, extras, encoding)));
         for version in [MshVersion::V2_2, MshVersion::V4_1] {
-            writers.push(Box::new(move |out| msh::write(out, mesh, version, encoding)));
+            let faces = &faces;
+            writers.push(Box::new(move |out| msh::write_with(out, mesh, faces, version, encoding)));
         }
     }
     for (k, write) in writers.iter().enumerate() {

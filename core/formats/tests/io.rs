@@ -269,7 +269,7 @@ fn malformed_medit() {
     assert_eq!(says(read("17\n")), "line 3: `17` where a keyword was expected");
     assert_eq!(says(medit::read(b"Dimension 2")), "line 1: not supported: points in 2 dimensions");
     let other = read("Vertices 1\n0 0 0 3\nTriangles 1\n1 1 1 0\nEnd\n").unwrap();
-    assert_eq!(other.notes, ["section Triangles is not read"]);
+    assert_eq!(other.notes, ["1 triangles that are faces of no tetrahedron are not read"]);
     assert_eq!(other.mesh.point_tags, Some(vec![3]));
 }
 
@@ -299,7 +299,11 @@ fn malformed_vtu() {
     let good = grid(("4", "2"), xyz, ["0 1 2 3 0 1 2", "4 7", "10 5"]);
     let file = vtu::read(&good).unwrap();
     assert_eq!(file.mesh.tets, [[0, 1, 2, 3]]);
-    assert_eq!(file.notes, ["cells that are not tetrahedra are not read"]);
+    assert_eq!(file.notes, [] as [&str; 0]);
+    assert_eq!(file.faces.len(), 1);
+    let line = grid(("4", "2"), xyz, ["0 1 2 3 0 1", "4 6", "10 3"]);
+    let note = "cells that are neither tetrahedra nor triangles are not read";
+    assert_eq!(vtu::read(&line).unwrap().notes, [note]);
     let says = |counts, xyz, cells| says(vtu::read(&grid(counts, xyz, cells)));
     assert_eq!(
         says(("1000000000000000000", "0"), xyz, ["", "", ""]),
@@ -309,7 +313,7 @@ fn malformed_vtu() {
         says(("4", "1"), xyz, ["0 1 2 4", "4", "10"]),
         "line 3: cell 0 names point 4, but points are numbered 0 to 3"
     );
-    assert_eq!(says(("4", "1"), xyz, ["0 1 2", "3", "10"]), "line 3: tetrahedron 0 has 3 corners");
+    assert_eq!(says(("4", "1"), xyz, ["0 1 2", "3", "10"]), "line 3: cell 0 has 3 corners, not 4");
     assert_eq!(
         says(("4", "1"), xyz, ["0 1 2 3", "9", "10"]),
         "line 3: cell 0 has the offsets (0, 9) in a connectivity of 4 values"

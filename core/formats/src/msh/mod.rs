@@ -4,12 +4,16 @@
 //! file; tetrahedra come in the order of their numbers. Regions are the physical groups of the
 //! volumes (0: in none), or the geometrical entities where there is no group and more than one
 //! entity. A view `tag` at the nodes and a view `region` in the elements are tags, too, if they
-//! are integers everywhere; the view comes before the groups. Elements of dimension 0 to 2, other
-//! views and other sections are not read, and a note says so; other volume elements are refused.
+//! are integers everywhere; the view comes before the groups. Triangles of three nodes
+//! that are faces of tetrahedra are boundary triangles, with their physical group as marker. Other
+//! elements of dimension 0 to 2, other views and other sections are not read, and a note says so;
+//! other volume elements are refused.
 //!
 //! Written: version 4.1, or 2.2. Point tags are a view `tag`, with values of type double. Regions
 //! are physical groups, each with an entity of its own, if all are positive and below 2^31 (what
-//! Gmsh allows), else a view `region`.
+//! Gmsh allows), else a view `region`. Boundary triangles come last, each different marker as a
+//! surface and a physical group; a marker that can be no group (0, say) has a free one, named
+//! `marker 0`.
 //! Source: the Gmsh reference manual, "MSH file format" and "Legacy formats".
 
 mod parts;
@@ -26,7 +30,7 @@ use super::text::{capacity, count};
 use parts::Parts;
 use source::{Form, Source};
 pub(super) use write::check;
-pub use write::write;
+pub use write::{write, write_with};
 
 /// Reads a `.msh` file.
 pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
@@ -56,6 +60,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
             (b"Elements", MshVersion::V4_1) => v4::elements(&mut source, &mut parts, &volumes)?,
             (b"Elements", MshVersion::V2_2) => v2::elements(&mut source, &mut parts)?,
             (b"Entities", MshVersion::V4_1) => volumes = v4::entities(&mut source)?,
+            (b"PhysicalNames", _) => names(&mut source, &mut parts)?,
             (b"NodeData", _) => data(&mut source, &mut parts, "NodeData")?,
             (b"ElementData", _) => data(&mut source, &mut parts, "ElementData")?,
             (other, _) => {
@@ -124,6 +129,27 @@ fn mesh_format(source: &mut Source<'_>) -> Result<MshVersion, ParseError> {
     }
     source.end("MeshFormat")?;
     Ok(version)
+}
+
+/// Reads `$PhysicalNames`, lines of text also in binary files, for the markers that names of surfaces
+/// tell.
+fn names(source: &mut Source<'_>, parts: &mut Parts) -> Result<(), ParseError> {
+    let mut others = false;
+    for line in tags(source)? {
+        let line = String::from_utf8_lossy(line);
+        let mut fields = line.trim().splitn(3, ' ');
+        let (dimension, group) = (fields.next(), fields.next().and_then(|g| g.parse().ok()));
+        let name = fields.next().map(|name| name.trim().trim_matches('"'));
+        let marker = name.and_then(|name| name.strip_prefix(write::NAME)?.parse().ok());
+        match (dimension, group, marker) {
+            (Some("2"), Some(group), Some(marker)) => drop(parts.markers.insert(group, marker)),
+            _ => others = true,
+        }
+    }
+    if others {
+        parts.notes.push("names of physical groups are not read".to_owned());
+    }
+    source.end("PhysicalNames")
 }
 
 /// Reads a view: its header is lines of text, also in binary files.

@@ -3,9 +3,11 @@
 
 use crate::MeshFile;
 use crate::error::Reason;
+use crate::faces::owned;
 use crate::scalar::exact_integer;
 use ltbw_core::TetMesh;
 use ltbw_exact::Point;
+use std::collections::HashMap;
 
 /// The dimension of the cells of an element type and their number of nodes, by Gmsh's number for
 /// the type. Source: the Gmsh reference manual, "MSH file format".
@@ -17,7 +19,7 @@ pub(super) fn element_type(number: i64) -> Option<(u8, u64)> {
         26 => (1, 4),
         27 => (1, 5),
         28 => (1, 6),
-        2 => (2, 3),
+        TRIANGLE => (2, 3),
         3 => (2, 4),
         9 => (2, 6),
         10 => (2, 9),
@@ -34,6 +36,9 @@ pub(super) fn element_type(number: i64) -> Option<(u8, u64)> {
 
 /// Gmsh's number for a tetrahedron of four nodes.
 pub(super) const TETRAHEDRON: i64 = 4;
+
+/// Gmsh's number for a triangle of three nodes.
+pub(super) const TRIANGLE: i64 = 2;
 
 /// The nodes of a file.
 #[derive(Debug, Default)]
@@ -93,11 +98,23 @@ pub(super) struct Tet {
     pub(super) entity: i64,
 }
 
+/// A triangle of a file.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Triangle {
+    pub(super) number: u64,
+    pub(super) corners: [u32; 3],
+    /// Its physical group; 0: none.
+    pub(super) physical: i64,
+}
+
 /// Everything that is read from a file.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
     pub(super) nodes: Option<Nodes>,
     pub(super) tets: Option<Vec<Tet>>,
+    pub(super) triangles: Vec<Triangle>,
+    /// Markers of the groups of surfaces whose names tell them.
+    pub(super) markers: HashMap<i64, i64>,
     /// Values of the view `tag` at nodes, by number.
     pub(super) tags: Option<Vec<(u64, f64)>>,
     /// Values of the view `region` in elements, by number.
@@ -109,8 +126,12 @@ pub(super) struct Parts {
 
 impl Parts {
     /// The corners of element `number`, from the numbers of its nodes.
-    pub(super) fn corners(&self, number: u64, nodes: [u64; 4]) -> Result<[u32; 4], Reason> {
-        let mut corners = [0; 4];
+    pub(super) fn corners<const N: usize>(
+        &self,
+        number: u64,
+        nodes: [u64; N],
+    ) -> Result<[u32; N], Reason> {
+        let mut corners = [0; N];
         let list = self.nodes.as_ref();
         for (corner, node) in corners.iter_mut().zip(nodes) {
             *corner = list.and_then(|l| l.index(node)).ok_or_else(|| {
@@ -122,14 +143,15 @@ impl Parts {
 
     /// The mesh: nodes in the order of the file, tetrahedra in the order of their numbers.
     pub(super) fn mesh(self) -> Result<MeshFile, Reason> {
-        let Parts { nodes, tets, tags, regions, mut notes, .. } = self;
+        let Parts { nodes, tets, mut triangles, markers, tags, regions, mut notes, .. } = self;
         let missing = |name| Reason::Syntax(format!("there is no section `{name}`"));
         let nodes = nodes.ok_or_else(|| missing("$Nodes"))?;
         // A file that was cut between sections must not pass for a mesh without elements.
         let mut tets = tets.ok_or_else(|| missing("$Elements"))?;
         tets.sort_by_key(|t| t.number);
         if self.other_elements {
-            notes.push("elements that are not tetrahedra are not read".to_owned());
+            notes
+                .push("elements that are neither tetrahedra nor triangles are not read".to_owned());
         }
         if self.several_groups {
             notes.push("of several physical groups of an entity only the first is read".to_owned());
@@ -153,7 +175,13 @@ impl Parts {
         let tet_tags = from_data.or_else(|| groups(&tets));
         let tets = tets.iter().map(|t| t.corners).collect();
         let mesh = TetMesh { points: nodes.points, tets, point_tags, tet_tags };
-        Ok(MeshFile { mesh, notes })
+        triangles.sort_by_key(|t| t.number);
+        let marker = |t: &Triangle| markers.get(&t.physical).copied().unwrap_or(t.physical);
+        let triangles: Vec<([u32; 3], i64)> =
+            triangles.iter().map(|t| (t.corners, marker(t))).collect();
+        let (faces, note) = owned(&mesh, &triangles);
+        notes.extend(note);
+        Ok(MeshFile { mesh, faces, notes })
     }
 }
 

@@ -1,6 +1,6 @@
 //! The sections of version 2.2.
 
-use super::parts::{Nodes, Parts, TETRAHEDRON, Tet, element_type};
+use super::parts::{Nodes, Parts, TETRAHEDRON, TRIANGLE, Tet, Triangle, element_type};
 use super::source::Source;
 use crate::error::{ParseError, Reason};
 use crate::text::{capacity, count};
@@ -66,6 +66,15 @@ pub(super) fn elements(source: &mut Source<'_>, parts: &mut Parts) -> Result<(),
                 if let Some(group) = groups.get_mut(k as usize) {
                     *group = tag;
                 }
+            }
+            if kind == TRIANGLE {
+                let mut nodes = [0; 3];
+                for node in &mut nodes {
+                    *node = source.small_size()?;
+                }
+                let corners = parts.corners(number, nodes).map_err(|r| source.error(r))?;
+                parts.triangles.push(Triangle { number, corners, physical: groups[0] });
+                continue;
             }
             if kind != TETRAHEDRON {
                 debug_assert!(dimension < 3);

@@ -1,16 +1,18 @@
 //! The sections of version 4.1.
 
-use super::parts::{Nodes, Parts, TETRAHEDRON, Tet, element_type};
+use super::parts::{Nodes, Parts, TETRAHEDRON, TRIANGLE, Tet, Triangle, element_type};
 use super::source::Source;
 use crate::error::{ParseError, Reason};
 use crate::text::capacity;
 use std::collections::HashMap;
 
-/// Physical groups of the volumes of a file.
+/// Physical groups of the volumes and surfaces of a file.
 #[derive(Debug, Default)]
 pub(super) struct Volumes {
     /// The first group of each volume that is in one, and whether it is in more.
     groups: HashMap<i64, (i64, bool)>,
+    /// The same of surfaces.
+    surfaces: HashMap<i64, (i64, bool)>,
 }
 
 /// Reads `$Entities`.
@@ -29,8 +31,10 @@ pub(super) fn entities(source: &mut Source<'_>) -> Result<Volumes, ParseError> {
             if groups > 0 {
                 let first = source.int()?;
                 source.skip(groups - 1, Source::int)?;
-                if dimension == 3 {
-                    volumes.groups.insert(tag, (first, groups > 1));
+                match dimension {
+                    2 => drop(volumes.surfaces.insert(tag, (first, groups > 1))),
+                    3 => drop(volumes.groups.insert(tag, (first, groups > 1))),
+                    _ => {}
                 }
             }
             if dimension > 0 {
@@ -102,10 +106,21 @@ pub(super) fn elements(
         let Some((_, corners)) = element_type(kind) else {
             return Err(source.error(Reason::Unsupported(format!("elements of type {kind}"))));
         };
-        let (physical, more) = volumes.groups.get(&entity).copied().unwrap_or_default();
+        let groups = if kind == TRIANGLE { &volumes.surfaces } else { &volumes.groups };
+        let (physical, more) = groups.get(&entity).copied().unwrap_or_default();
         // At most as many turns as there are bytes.
         for _ in 0..count {
             let number = source.size()?;
+            if kind == TRIANGLE {
+                let mut nodes = [0; 3];
+                for node in &mut nodes {
+                    *node = source.size()?;
+                }
+                let corners = parts.corners(number, nodes).map_err(|r| source.error(r))?;
+                parts.several_groups |= more;
+                parts.triangles.push(Triangle { number, corners, physical });
+                continue;
+            }
             if kind != TETRAHEDRON {
                 parts.other_elements = true;
                 source.skip(corners, Source::size)?;

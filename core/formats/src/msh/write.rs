@@ -1,12 +1,15 @@
 //! Writing `.msh` files.
 
 use super::MshVersion;
-use super::parts::TETRAHEDRON;
+use super::parts::{TETRAHEDRON, TRIANGLE};
 use crate::error::DataError;
 use crate::text::{push_integer, push_point, write_rows};
 use crate::{Encoding, check_float_tags};
-use ltbw_core::TetMesh;
+use ltbw_core::{BoundaryFace, TetMesh};
 use std::io::{Error, ErrorKind, Result, Write};
+
+/// The name of a group of triangles whose marker no group can have: this, and the marker.
+pub(super) const NAME: &str = "marker ";
 
 /// The form in which the regions of a mesh are written.
 enum Regions<'a> {
@@ -40,6 +43,55 @@ impl<'a> Regions<'a> {
             }
             _ => (0, 1),
         }
+    }
+}
+
+/// The boundary triangles by their markers: each different one is a surface and a physical group.
+struct Surfaces<'a> {
+    faces: &'a [BoundaryFace],
+    /// The different markers, ascending.
+    markers: Vec<i64>,
+    /// Group and name of each: a marker that can be a group is one, and has no name.
+    groups: Vec<(i64, Option<String>)>,
+    /// Triangles by marker.
+    order: Vec<usize>,
+}
+
+impl<'a> Surfaces<'a> {
+    fn new(faces: &'a [BoundaryFace]) -> Self {
+        let mut markers: Vec<i64> = faces.iter().map(|f| f.marker).collect();
+        markers.sort_unstable();
+        markers.dedup();
+        let fits = |m: &i64| (1..=i64::from(i32::MAX)).contains(m);
+        // Gmsh has no group 0 and no negative one; some readers want all elements in groups.
+        let mut free = (1..).filter(|g| markers.binary_search(g).is_err());
+        let group = |m: &i64| match fits(m) {
+            true => (*m, None),
+            false => (free.next().unwrap_or_default(), Some(format!("{NAME}{m}"))),
+        };
+        let groups = markers.iter().map(group).collect();
+        let mut order: Vec<usize> = (0..faces.len()).collect();
+        order.sort_by_key(|&f| faces[f].marker);
+        Self { faces, markers, groups, order }
+    }
+
+    /// The surface of a triangle, counted from 0.
+    fn of(&self, face: usize) -> usize {
+        self.markers.partition_point(|&m| m < self.faces[face].marker)
+    }
+
+    /// The names of the groups that have one.
+    fn write_names(&self, sink: &mut Sink<'_>) -> Result<()> {
+        let named: Vec<(i64, &String)> =
+            self.groups.iter().filter_map(|(g, name)| Some((*g, name.as_ref()?))).collect();
+        if named.is_empty() {
+            return Ok(());
+        }
+        sink.line(&format!("$PhysicalNames\n{}", named.len()))?;
+        for (group, name) in named {
+            sink.line(&format!("2 {group} \"{name}\""))?;
+        }
+        sink.line("$EndPhysicalNames")
     }
 }
 
@@ -143,20 +195,34 @@ impl Row<'_> {
     }
 }
 
-/// Writes a `.msh` file; binary is little endian.
+/// Writes a `.msh` file without boundary triangles: see [`write_with`].
 ///
 /// # Errors
-/// Those of `out`, and [`ErrorKind::InvalidInput`] for a tag that is not exactly a double where it
-/// has to be, and for more points or tetrahedra than the format can number.
+/// As [`write_with`].
 pub fn write(
     out: &mut dyn Write,
     mesh: &TetMesh,
     version: MshVersion,
     encoding: Encoding,
 ) -> Result<()> {
+    write_with(out, mesh, &[], version, encoding)
+}
+
+/// Writes a `.msh` file; binary is little endian.
+///
+/// # Errors
+/// Those of `out`, and [`ErrorKind::InvalidInput`] for a tag that is not exactly a double where it
+/// has to be, and for more points or elements than the format can number.
+pub fn write_with(
+    out: &mut dyn Write,
+    mesh: &TetMesh,
+    faces: &[BoundaryFace],
+    version: MshVersion,
+    encoding: Encoding,
+) -> Result<()> {
     check(mesh).map_err(|e| Error::new(ErrorKind::InvalidInput, e))?;
-    if i32::try_from(mesh.points.len().max(mesh.tets.len())).is_err() {
-        let text = "more points or tetrahedra than a .msh file can number";
+    if i32::try_from(mesh.points.len().max(mesh.tets.len() + faces.len())).is_err() {
+        let text = "more points or elements than a .msh file can number";
         return Err(Error::new(ErrorKind::InvalidInput, text));
     }
     let regions = Regions::new(mesh.tet_tags.as_deref());
@@ -174,9 +240,11 @@ pub fn write(
         sink.row(|row| row.int(1))?;
         sink.end("MeshFormat")?;
     }
+    let surfaces = Surfaces::new(faces);
+    surfaces.write_names(sink)?;
     match version {
-        MshVersion::V4_1 => version_4(sink, mesh, &regions)?,
-        MshVersion::V2_2 => version_2(sink, mesh, &regions)?,
+        MshVersion::V4_1 => version_4(sink, mesh, &regions, &surfaces)?,
+        MshVersion::V2_2 => version_2(sink, mesh, &regions, &surfaces)?,
     }
     if let Some(tags) = &mesh.point_tags {
         view(sink, "NodeData", "tag", tags)?;
@@ -199,7 +267,12 @@ fn view(sink: &mut Sink<'_>, section: &str, name: &str, tags: &[i64]) -> Result<
 }
 
 /// Entities, nodes and elements of version 4.1.
-fn version_4(sink: &mut Sink<'_>, mesh: &TetMesh, regions: &Regions<'_>) -> Result<()> {
+fn version_4(
+    sink: &mut Sink<'_>,
+    mesh: &TetMesh,
+    regions: &Regions<'_>,
+    surfaces: &Surfaces<'_>,
+) -> Result<()> {
     let (points, tets) = (&mesh.points, &mesh.tets);
     let mut low = [0.0; 3];
     let mut high = [0.0; 3];
@@ -215,7 +288,17 @@ fn version_4(sink: &mut Sink<'_>, mesh: &TetMesh, regions: &Regions<'_>) -> Resu
         _ => &one,
     };
     sink.line("$Entities")?;
-    sink.row(|row| [0, 0, 0, volumes.len()].iter().for_each(|&n| row.size(n as u64)))?;
+    let counts = [0, 0, surfaces.markers.len(), volumes.len()];
+    sink.row(|row| counts.iter().for_each(|&n| row.size(n as u64)))?;
+    sink.rows(surfaces.markers.len(), |i, row| {
+        row.int(i as i64 + 1);
+        row.point(&low);
+        row.point(&high);
+        row.size(1);
+        row.int(surfaces.groups[i].0);
+        // No bounding curves.
+        row.size(0);
+    })?;
     sink.rows(volumes.len(), |i, row| {
         row.int(i as i64 + 1);
         row.point(&low);
@@ -247,9 +330,11 @@ fn version_4(sink: &mut Sink<'_>, mesh: &TetMesh, regions: &Regions<'_>) -> Resu
     }
     let blocks: Vec<&[usize]> =
         order.chunk_by(|&a, &b| regions.of(a).1 == regions.of(b).1).collect();
-    let count = tets.len() as u64;
+    let faces: Vec<&[usize]> =
+        surfaces.order.chunk_by(|&a, &b| surfaces.of(a) == surfaces.of(b)).collect();
+    let count = (tets.len() + surfaces.order.len()) as u64;
     sink.line("$Elements")?;
-    let head = [blocks.len() as u64, count, count.min(1), count];
+    let head = [(blocks.len() + faces.len()) as u64, count, count.min(1), count];
     sink.row(|row| head.iter().for_each(|&n| row.size(n)))?;
     for block in blocks {
         sink.row(|row| {
@@ -262,11 +347,27 @@ fn version_4(sink: &mut Sink<'_>, mesh: &TetMesh, regions: &Regions<'_>) -> Resu
             tets[block[i]].iter().for_each(|&v| row.size(u64::from(v) + 1));
         })?;
     }
+    for block in faces {
+        sink.row(|row| {
+            [2, surfaces.of(block[0]) as i64 + 1, TRIANGLE].iter().for_each(|&n| row.int(n));
+            row.size(block.len() as u64);
+        })?;
+        sink.rows(block.len(), |i, row| {
+            row.size((tets.len() + block[i]) as u64 + 1);
+            let corners = surfaces.faces[block[i]].corners;
+            corners.iter().for_each(|&v| row.size(u64::from(v) + 1));
+        })?;
+    }
     sink.end("Elements")
 }
 
 /// Nodes and elements of version 2.2.
-fn version_2(sink: &mut Sink<'_>, mesh: &TetMesh, regions: &Regions<'_>) -> Result<()> {
+fn version_2(
+    sink: &mut Sink<'_>,
+    mesh: &TetMesh,
+    regions: &Regions<'_>,
+    surfaces: &Surfaces<'_>,
+) -> Result<()> {
     let (points, tets, text) = (&mesh.points, &mesh.tets, sink.text);
     sink.line(&format!("$Nodes\n{}", points.len()))?;
     sink.rows(points.len(), |i, row| {
@@ -274,7 +375,8 @@ fn version_2(sink: &mut Sink<'_>, mesh: &TetMesh, regions: &Regions<'_>) -> Resu
         row.point(&points[i]);
     })?;
     sink.end("Nodes")?;
-    sink.line(&format!("$Elements\n{}", tets.len()))?;
+    let faces = surfaces.faces;
+    sink.line(&format!("$Elements\n{}", tets.len() + faces.len()))?;
     if !text && !tets.is_empty() {
         // One row of all: their type, how many they are, and two tags each.
         sink.row(|row| [TETRAHEDRON, tets.len() as i64, 2].iter().for_each(|&n| row.int(n)))?;
@@ -289,6 +391,20 @@ fn version_2(sink: &mut Sink<'_>, mesh: &TetMesh, regions: &Regions<'_>) -> Resu
         row.int(physical);
         row.int(entity);
         tets[i].iter().for_each(|&v| row.int(i64::from(v) + 1));
+    })?;
+    if !text && !faces.is_empty() {
+        sink.row(|row| [TRIANGLE, faces.len() as i64, 2].iter().for_each(|&n| row.int(n)))?;
+    }
+    sink.rows(faces.len(), |i, row| {
+        row.int((tets.len() + i) as i64 + 1);
+        if text {
+            row.int(TRIANGLE);
+            row.int(2);
+        }
+        let surface = surfaces.of(i);
+        row.int(surfaces.groups[surface].0);
+        row.int(surface as i64 + 1);
+        faces[i].corners.iter().for_each(|&v| row.int(i64::from(v) + 1));
     })?;
     sink.end("Elements")
 }

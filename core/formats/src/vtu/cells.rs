@@ -1,6 +1,6 @@
 //! The pieces of a grid, compared with what they announce and appended to the mesh.
 
-use super::{Piece, Reason, State, TETRAHEDRON};
+use super::{Piece, Reason, State, TETRAHEDRON, TRIANGLE};
 
 impl State<'_> {
     /// Checks a piece and appends it to the mesh.
@@ -15,6 +15,9 @@ impl State<'_> {
         }
         if let Some(regions) = &piece.regions {
             same("values in `region`", cells, regions.len())?;
+        }
+        if let Some(markers) = &piece.markers {
+            same("values in `marker`", cells, markers.len())?;
         }
         let base = self.mesh.points.len();
         let total = (base + coordinates.len()) as u64;
@@ -49,8 +52,13 @@ impl State<'_> {
             start = end;
             match kind {
                 TETRAHEDRON => {
-                    self.mesh.tets.push(tetrahedron(cell, corners, piece.points, base)?);
+                    self.mesh.tets.push(simplex(cell, corners, piece.points, base)?);
                     kept.push(cell);
+                }
+                TRIANGLE => {
+                    let marker = piece.markers.as_ref().map_or(0, |markers| markers[cell]);
+                    let corners = simplex(cell, corners, piece.points, base)?;
+                    self.triangles.push((corners, marker));
                 }
                 // Vertices, lines, polygons, and their quadratic kinds.
                 0..=9 | 21..=23 => self.other_cells = true,
@@ -65,10 +73,14 @@ impl State<'_> {
 }
 
 /// The corners of a cell of `points` points, shifted by `base`.
-fn tetrahedron(cell: usize, corners: &[i64], points: u64, base: u32) -> Result<[u32; 4], Reason> {
-    let corners: &[i64; 4] = corners
-        .try_into()
-        .map_err(|_| Reason::Syntax(format!("tetrahedron {cell} has {} corners", corners.len())))?;
+fn simplex<const N: usize>(
+    cell: usize,
+    corners: &[i64],
+    points: u64,
+    base: u32,
+) -> Result<[u32; N], Reason> {
+    let wrong = || Reason::Syntax(format!("cell {cell} has {} corners, not {N}", corners.len()));
+    let corners: &[i64; N] = corners.try_into().map_err(|_| wrong())?;
     let last = points as i64 - 1;
     match corners.iter().find(|&&v| v < 0 || v > last) {
         Some(&index) => {

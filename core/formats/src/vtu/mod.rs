@@ -14,6 +14,7 @@ mod write;
 
 use super::MeshFile;
 use super::error::{ParseError, Reason, excerpt, one_line};
+use super::faces::owned;
 use super::scalar::Scalar;
 use super::text::{Tokens, count, float, integer};
 use array::{Layout, Stream};
@@ -24,6 +25,7 @@ pub use write::{write, write_with};
 
 /// VTK's number for a tetrahedron.
 const TETRAHEDRON: i64 = 10;
+
 /// And for a triangle.
 const TRIANGLE: i64 = 5;
 
@@ -36,6 +38,7 @@ enum Wanted {
     Types,
     Tags,
     Regions,
+    Markers,
 }
 
 /// A piece of a grid as the file tells it, before it is checked.
@@ -51,6 +54,7 @@ struct Piece {
     types: Vec<i64>,
     tags: Option<Vec<i64>>,
     regions: Option<Vec<i64>>,
+    markers: Option<Vec<i64>>,
 }
 
 /// The values of an array of a piece.
@@ -68,6 +72,7 @@ impl Piece {
             Wanted::Types => &mut self.types,
             Wanted::Tags => self.tags.get_or_insert_default(),
             Wanted::Regions => self.regions.get_or_insert_default(),
+            Wanted::Markers => self.markers.get_or_insert_default(),
         })
     }
 }
@@ -103,6 +108,8 @@ struct State<'a> {
     wanted: Option<(Wanted, Storage)>,
     pieces: usize,
     mesh: TetMesh,
+    /// Triangles with their markers.
+    triangles: Vec<([u32; 3], i64)>,
     other_arrays: bool,
     other_cells: bool,
 }
@@ -128,6 +135,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         wanted: None,
         pieces: 0,
         mesh: TetMesh::default(),
+        triangles: Vec::new(),
         other_arrays: false,
         other_cells: false,
     };
@@ -164,12 +172,15 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     }
     let mut notes = Vec::new();
     if state.other_arrays {
-        notes.push("arrays other than `tag` of points and `region` of cells are not read".into());
+        let text = "arrays other than `tag` of points, `region` and `marker` of cells are not read";
+        notes.push(text.into());
     }
     if state.other_cells {
-        notes.push("cells that are not tetrahedra are not read".into());
+        notes.push("cells that are neither tetrahedra nor triangles are not read".into());
     }
-    Ok(MeshFile { mesh: state.mesh, notes })
+    let (faces, note) = owned(&state.mesh, &state.triangles);
+    notes.extend(note);
+    Ok(MeshFile { mesh: state.mesh, faces, notes })
 }
 
 /// The offset of the first `word`, which starts with `<`, in `bytes`.
@@ -221,6 +232,12 @@ fn attribute(element: &BytesStart<'_>, name: &str) -> Result<Option<String>, Rea
     }
 }
 
+/// Does an array hold integers?
+fn is_whole(element: &BytesStart<'_>) -> Result<bool, Reason> {
+    let kind = attribute(element, "type")?.unwrap_or_default();
+    Ok(kind.starts_with("Int") || kind.starts_with("UInt"))
+}
+
 fn count_attribute(element: &BytesStart<'_>, name: &str) -> Result<u64, Reason> {
     match attribute(element, name)? {
         Some(value) => count(value.as_bytes()),
@@ -261,6 +278,7 @@ impl State<'_> {
                     ("Cells", "types") => Wanted::Types,
                     ("PointData", "tag") => Wanted::Tags,
                     ("CellData", "region") => Wanted::Regions,
+                    ("CellData", "marker") if is_whole(element)? => Wanted::Markers,
                     _ => {
                         self.other_arrays = true;
                         self.open.push(name.to_owned());
@@ -290,6 +308,7 @@ impl State<'_> {
             Wanted::Types => piece.types.is_empty(),
             Wanted::Tags => piece.tags.replace(Vec::new()).is_none(),
             Wanted::Regions => piece.regions.replace(Vec::new()).is_none(),
+            Wanted::Markers => piece.markers.replace(Vec::new()).is_none(),
         };
         if !fresh {
             return Err(Reason::Syntax("the same array twice in a piece".into()));
