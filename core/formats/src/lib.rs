@@ -194,7 +194,7 @@ pub fn write_mesh_with(path: &Path, mesh: &TetMesh, options: WriteOptions) -> Re
 }
 
 /// Writes a mesh as [`write_mesh_with`] does, and the parts of `extras` that the format has a place
-/// for: in `.vtu` all of them; in `.msh`, `.mesh`, and in a `.face` file beside `.ele`, the boundary.
+/// for: in `.vtu` all of them; in `.msh`, `.mesh` and a `.face` file beside `.ele` the boundary.
 pub fn write_mesh_and(
     path: &Path,
     mesh: &TetMesh,

@@ -5,7 +5,8 @@
 //! are all 0 mean no tags, unless the comment `# references are tags` stands before the section,
 //! which we write where it is needed. Triangles that are faces of
 //! tetrahedra are boundary triangles, their references the markers. Sections of edges, corners and
-//! the like are not read; a note says which. Other volume cells are refused. A file ends with `End`.
+//! the like are not read; a note says which. Other volume cells are refused. A file ends with
+//! `End`.
 //! Source: P. Frey, "MEDIT: an interactive mesh visualization software", INRIA RT-0253, 2001.
 
 use super::MeshFile;

@@ -131,8 +131,8 @@ fn mesh_format(source: &mut Source<'_>) -> Result<MshVersion, ParseError> {
     Ok(version)
 }
 
-/// Reads `$PhysicalNames`, lines of text also in binary files, for the markers that names of surfaces
-/// tell.
+/// Reads `$PhysicalNames`, lines of text also in binary files, for the markers that names of
+/// surfaces tell.
 fn names(source: &mut Source<'_>, parts: &mut Parts) -> Result<(), ParseError> {
     let mut others = false;
     for line in tags(source)? {
