@@ -7,9 +7,10 @@ use std::collections::HashMap;
 /// The slots of a tetrahedron's corners without one each.
 const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
 
-/// Gives triangles, each with its marker, the tetrahedra that they are faces of: of two the one
-/// that they point out of. A triangle that points out of none is turned round. The note tells how many
-/// are faces of no tetrahedron: these are left out.
+/// Gives triangles, each with its marker, the tetrahedra that they are faces of.
+///
+/// Of two tetrahedra it is the one that the triangle points out of; a triangle that points out of
+/// none is turned round. The note tells how many are faces of no tetrahedron: these are left out.
 pub(crate) fn owned(
     mesh: &TetMesh,
     triangles: &[([u32; 3], i64)],
