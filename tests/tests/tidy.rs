@@ -32,9 +32,6 @@ const CIRCLES: &[(&str, &[&str], &str)] = &[(
 /// Files that are still too long.
 const LONG_FILES: &[&str] = &[];
 
-/// Files and folders, by the start of their paths, that still have banned words or long lines.
-const NOT_YET: &[&str] = &["parallel/src/protocol/", "verify/models/"];
-
 static TREE: LazyLock<Tree> = LazyLock::new(|| {
     Tree::read(Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a package of the workspace"))
 });
@@ -127,12 +124,7 @@ fn files_are_short() {
 #[test]
 fn lines_are_short_and_comments_do_without_banned_words() {
     let found = [long_lines(&TREE), words::banned(&TREE)].concat();
-    let is_listed = |place: &&String| NOT_YET.iter().any(|start| place.starts_with(start));
-    let (listed, new): (Vec<&String>, Vec<&String>) = found.iter().partition(is_listed);
-    assert!(new.is_empty(), "long lines, banned words: {new:#?}");
-    let is_there = |start: &&&str| listed.iter().any(|place| place.starts_with(**start));
-    let gone: Vec<_> = NOT_YET.iter().filter(|start| !is_there(start)).collect();
-    assert!(gone.is_empty(), "mended, but still listed: {gone:?}");
+    assert_eq!(found, [""; 0], "long lines, banned words");
 }
 
 #[test]

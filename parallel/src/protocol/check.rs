@@ -404,7 +404,10 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
             return self.names.contains(&far);
         };
         let other = &self.seen[v][k];
-        let back = |link: &Neighbour<S::Tet>| matches!(link, Neighbour::Far(handle) if Some(handle.name) == tet.name);
+        let back = |link: &Neighbour<S::Tet>| match link {
+            Neighbour::Far(handle) => Some(handle.name) == tet.name,
+            Neighbour::Near(_) => false,
+        };
         other.links.iter().any(back) || self.commits(v, other.holder)
     }
 

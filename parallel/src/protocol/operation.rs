@@ -155,8 +155,8 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
                     self.source.inserted(&self.mesh, &point);
                     out.push(Action::Note(Note::Local));
                 }
-                // What it would hold while it waits would be in others' way, and an older one
-                // would set it back. The paper's rule knows no waiting.
+                // Locks that it would hold while it waits would be in others' way, and an older
+                // one would set it back. The paper's rule knows no waiting.
                 Insert::Locked(t) if self.config.rule != Rule::Paper => {
                     self.wait_outside(ticket, attempt, point, t);
                 }

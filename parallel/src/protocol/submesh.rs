@@ -14,7 +14,7 @@ pub enum Neighbour<T> {
     Far(Handle),
 }
 
-/// How point location went: `T` is the local handle of a tetrahedron.
+/// The end of a point location: `T` is the local handle of a tetrahedron.
 pub type Walk<T> = ltbw_core::submesh::Walk<T, Handle>;
 
 /// Why a submesh could not do what it was asked for. It has changed nothing.

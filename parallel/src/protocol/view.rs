@@ -54,8 +54,8 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         self.locks.requests.keys().copied()
     }
 
-    /// The state of an operation at home here, by its name on the page; its attempt; and the workers
-    /// asked in it.
+    /// The state of an operation at home here, by its name on the page; its attempt; and the
+    /// workers asked in it.
     pub fn operation_of(&self, ticket: Ticket) -> Option<(String, Attempt, Vec<WorkerId>)> {
         let op = self.operations.all.get(&ticket)?;
         Some((format!("{:?}", op.phase), op.attempt, op.asked.keys().collect()))

@@ -1,7 +1,7 @@
 //! Workers on threads: the real mailbox, the real loop and the real step, under loom or shuttle.
 //!
-//! What is ours is the [`Watch`]: it has no clock (a backoff is over at once, and no rule with one
-//! runs here), orders the moves of the world, and notes what happens.
+//! The [`Watch`] alone is of the models: it has no clock (a backoff is over at once, and no rule
+//! with one runs here), orders the moves of the world, and notes what happens.
 
 use crate::hull::Hull;
 use crate::variants::Variant;

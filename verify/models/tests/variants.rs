@@ -178,7 +178,8 @@ fn random_runs_catch_the_variants() {
             });
         )*};
     }
-    hunt!(LostPlace BareCavity LeakyRollback ForgetfulRollback NaiveRegrant HastyRestart LateWound WhiteSafra);
-    hunt!(NoForwarding StaleInterface ReusedName ImpatientExpand RestlessCancel);
+    hunt!(LostPlace BareCavity LeakyRollback ForgetfulRollback NaiveRegrant HastyRestart);
+    hunt!(LateWound WhiteSafra NoForwarding);
+    hunt!(StaleInterface ReusedName ImpatientExpand RestlessCancel);
     println!("seeds needed: {}", seeds.join(", "));
 }
