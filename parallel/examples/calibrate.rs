@@ -12,13 +12,13 @@
 //! The cost of a message over a network is not measured: it is an assumption of the cost model.
 
 use ltbw::PointSet;
-use ltbw::mesh::{Field, LocalMesh, Plan, Site};
+use ltbw::mesh::{LocalMesh, Plan, PointQueue, WireVertex};
 use ltbw::protocol::{Config, Costs, Event, Submesh, Worker};
 use ltbw::simulate::CostModel;
 use ltbw_generate::{PointKind, generate};
 
 type Failure = Box<dyn std::error::Error>;
-type Alone = Worker<LocalMesh, Field>;
+type Alone = Worker<LocalMesh, PointQueue>;
 
 /// Runs of each measurement.
 const RUNS: usize = 5;
@@ -78,7 +78,7 @@ fn walk_step(mesh: &mut LocalMesh, n: usize) -> Result<f64, Failure> {
     mesh.take_costs();
     let start = clock()?;
     for (k, &i) in (1..).zip(&order) {
-        std::hint::black_box(mesh.walk(&Site::new(k, points[i as usize]), None));
+        std::hint::black_box(mesh.walk(&WireVertex::new(k, points[i as usize]), None));
     }
     let time = clock()? - start;
     Ok(time / mesh.take_costs().walk_steps.max(1) as f64)

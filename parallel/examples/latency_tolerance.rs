@@ -23,7 +23,7 @@ fn main() -> Result<(), Failure> {
         for latency in [1_000, 10_000, 100_000, 300_000] {
             let network = Network { latency, ..Network::default() };
             let options = Options { network, ..Options::default() };
-            let plan = Plan::patient(set.len(), processors);
+            let plan = Plan::for_high_latency(set.len(), processors);
             let s = simulate_mesh(&set, &plan, Config::new(processors), &options)?.summary;
             let met = s.lt() >= 0.94 && s.lt_strict() >= 0.90 && s.setback_share() < 0.02;
             missed += u32::from(!met);

@@ -6,7 +6,7 @@
 //! asks those that it believes to have most. The donor decides: blocks that even out the two loads,
 //! as far as they are not locked at that moment.
 
-use crate::mesh::Field;
+use crate::mesh::PointQueue;
 use crate::metrics::Nanos;
 use crate::protocol::{BlockId, Rules, Source, Submesh, Worker, WorkerId};
 
@@ -48,17 +48,17 @@ pub trait Stock {
     }
 }
 
-impl Stock for Field {
+impl Stock for PointQueue {
     fn left(&self) -> u64 {
-        Field::left(self) as u64
+        PointQueue::left(self) as u64
     }
 
     fn in_block(&self, block: BlockId) -> u64 {
-        Field::in_block(self, block) as u64
+        PointQueue::in_block(self, block) as u64
     }
 
     fn given(&self) -> u64 {
-        Field::given(self) as u64
+        PointQueue::given(self) as u64
     }
 
     fn is_worth_moving(&self, block: BlockId, points: u64) -> bool {

@@ -2,12 +2,12 @@
 //! cavity.
 
 use ltbw::PointSet;
-use ltbw::mesh::{Field, LocalMesh, Ownership, Plan};
+use ltbw::mesh::{LocalMesh, Ownership, Plan, PointQueue};
 use ltbw::protocol::{Action, Closure, Config, Event, Message, Worker};
 use ltbw_generate::{PointKind, generate};
 use std::collections::{BTreeSet, VecDeque};
 
-type Node = Worker<LocalMesh, Field>;
+type Node = Worker<LocalMesh, PointQueue>;
 
 /// Operations one after the other, each alone, on three workers. Their messages are delivered by
 /// hand.

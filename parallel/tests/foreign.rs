@@ -2,7 +2,7 @@
 //! changes nothing. It trusts no number of another worker.
 
 use ltbw::PointSet;
-use ltbw::mesh::{At, Lead, LocalMesh, Moving, NewTet, Patch, Plan, Relink, Site, To};
+use ltbw::mesh::{At, Lead, LocalMesh, Moving, NewTet, Patch, Plan, Relink, To, WireVertex};
 use ltbw::protocol::{Correct, Directory, Handle, Name, Submesh, SubmeshError};
 use ltbw::topology::TetId;
 use ltbw_generate::{PointKind, generate};
@@ -29,7 +29,7 @@ fn damaged(damage: impl Fn(&mut Patch, TetId)) -> SubmeshError {
     let (directory, mut mesh) = submesh();
     let part = mesh.tets();
     let (t, v) = part.tets().find(|(_, v)| v[3] != 0).expect("a tetrahedron");
-    let sites = v.map(|v| Site::new(v, part.point(v)));
+    let sites = v.map(|v| WireVertex::new(v, part.point(v)));
     let new = NewTet { name: None, v: [0, 1, 2, 3], block: 0, n: [To::Old(t, 0); 4] };
     let mut patch =
         Patch { remove: vec![t], sites: sites.to_vec(), create: vec![new], relink: Vec::new() };
@@ -72,7 +72,7 @@ fn numbers_in_a_block_are_compared_before_they_are_used() {
     let sound = |mesh: &LocalMesh| {
         let part = mesh.tets();
         let (_, v) = part.tets().find(|(_, v)| v[3] != 0).expect("a tetrahedron");
-        let v = v.map(|v| Site::new(v, part.point(v)));
+        let v = v.map(|v| WireVertex::new(v, part.point(v)));
         Moving { name: Name { by: 7, number: 1 }, v, n: [Lead::Far(handle(0)); 4] }
     };
     let adopted = |damage: &dyn Fn(&mut Moving)| {

@@ -1,12 +1,12 @@
 //! Every tetrahedron is with the owner of its block, also beside a block that has moved away.
 
-use ltbw::mesh::{Field, LocalMesh, Plan, gather};
+use ltbw::mesh::{LocalMesh, Plan, PointQueue, gather};
 use ltbw::protocol::{Action, Config, Event, Message, Worker};
 use ltbw::{Builder, PointSet};
 use ltbw_generate::{PointKind, Random, generate};
 use std::collections::VecDeque;
 
-type Node = Worker<LocalMesh, Field>;
+type Node = Worker<LocalMesh, PointQueue>;
 
 /// Steps of local work between two deliveries of messages.
 const BURST: usize = 20;

@@ -43,7 +43,7 @@ fn seeds(default: u64) -> std::ops::Range<u64> {
 /// Points come as they lie, or those at the interface first.
 fn layout(seed: u64, points: usize, workers: u32) -> Plan {
     if (seed / 7).is_multiple_of(2) {
-        Plan::patient(points, workers)
+        Plan::for_high_latency(points, workers)
     } else {
         Plan::new(points, workers)
     }

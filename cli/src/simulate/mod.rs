@@ -73,7 +73,7 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
 
 /// The layout of the points, and the configuration of the workers.
 fn layout(args: &Simulate, points: usize) -> (Plan, Config) {
-    let mut plan = Plan::patient(points, args.processors);
+    let mut plan = Plan::for_high_latency(points, args.processors);
     let mut config =
         Config { rule: args.rule, closure: args.closure, ..Config::new(args.processors) };
     if let Some(window) = args.window {

@@ -1,6 +1,6 @@
 //! Patches and moves: what changes a submesh from outside.
 
-use super::{At, Lead, LocalMesh, Moving, Patch, Relink, Site, Tets, To};
+use super::{At, Lead, LocalMesh, Moving, Patch, Relink, Tets, To, WireVertex};
 use crate::protocol::{BlockId, Directory, Handle, Name, SubmeshError, invariant};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use rustc_hash::FxHashMap;
@@ -160,7 +160,7 @@ impl LocalMesh {
     }
 
     /// Takes the coordinates of vertices.
-    fn set_sites(&mut self, sites: &[Site]) {
+    fn set_sites(&mut self, sites: &[WireVertex]) {
         for site in sites.iter().filter(|site| site.vertex != INFINITE) {
             self.tets.set_point(site.vertex, site.point());
         }

@@ -1,13 +1,13 @@
 //! The corners of a cavity, each once.
 
-use super::Site;
+use super::WireVertex;
 use ltbw_core::topology::VertexId;
 
 /// The corners met so far, kept for the next cavity.
 #[derive(Debug, Default)]
 pub(super) struct Corners {
     /// In the order in which they were met.
-    pub(super) sites: Vec<Site>,
+    pub(super) sites: Vec<WireVertex>,
     /// By vertex, with open addressing: 1 + index, or 0.
     table: Vec<u32>,
 }
@@ -22,7 +22,7 @@ impl Corners {
     }
 
     /// The index of a corner; `site` is asked for if it is a new one.
-    pub(super) fn index(&mut self, vertex: VertexId, site: impl FnOnce() -> Site) -> u32 {
+    pub(super) fn index(&mut self, vertex: VertexId, site: impl FnOnce() -> WireVertex) -> u32 {
         let last = self.table.len() - 1;
         let mut place = (vertex.wrapping_mul(0x9e37_79b9) >> 12) as usize & last;
         loop {
@@ -51,8 +51,9 @@ mod tests {
             corners.start(most);
             let vertices: Vec<VertexId> = (0..most as u32).map(|k| k * 4096).collect();
             let all = || vertices.iter().chain(&vertices);
-            let indices: Vec<u32> =
-                all().map(|&v| corners.index(v, || Site { vertex: v, bits: [0; 3] })).collect();
+            let indices: Vec<u32> = all()
+                .map(|&v| corners.index(v, || WireVertex { vertex: v, bits: [0; 3] }))
+                .collect();
             let expected = (0..most as u32).chain(0..most as u32);
             assert!(indices.into_iter().eq(expected));
             assert!(corners.sites.iter().map(|site| site.vertex).eq(vertices));

@@ -3,7 +3,7 @@
 
 use super::blocks::prevailing;
 use super::corners::Corners;
-use super::{At, Link, LocalMesh, NewTet, Patch, Piece, Relink, Site, To};
+use super::{At, Link, LocalMesh, NewTet, Patch, Piece, Relink, To, WireVertex};
 use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 
@@ -51,7 +51,7 @@ fn handle_of(wall: &Wall, slot: u8) -> Option<Handle> {
 impl LocalMesh {
     pub(super) fn fill_cavity(
         &mut self,
-        point: &Site,
+        point: &WireVertex,
         parts: &[(WorkerId, Vec<Piece>)],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
@@ -105,7 +105,7 @@ impl LocalMesh {
     fn find_walls(
         &self,
         scratch: &mut Scratch,
-        point: &Site,
+        point: &WireVertex,
         parts: &[(WorkerId, Vec<Piece>)],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,

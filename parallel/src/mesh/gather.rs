@@ -1,6 +1,6 @@
 //! The end of a parallel run: submeshes put together to one mesh.
 
-use super::{Common, LocalMesh};
+use super::{LocalMesh, SharedInput};
 use crate::protocol::{Handle, Name, SubmeshError, WorkerId};
 use ltbw_core::submesh::{AssembleError, Assembly, assemble};
 use ltbw_core::topology::TetId;
@@ -48,8 +48,8 @@ pub enum GatherError {
 ///
 /// # Errors
 /// [`GatherError`] if there are too many tetrahedra, or if the submeshes do not fit together.
-pub fn gather(meshes: Vec<LocalMesh>, common: Common) -> Result<Gathered, GatherError> {
-    let Common { points, numbers, mut duplicates, mode, predicates } = common;
+pub fn gather(meshes: Vec<LocalMesh>, common: SharedInput) -> Result<Gathered, GatherError> {
+    let SharedInput { points, numbers, mut duplicates, mode, predicates } = common;
     if let Some((worker, error)) = meshes.iter().find_map(|m| Some((m.me, m.error?))) {
         return Err(GatherError::Failed { worker, error });
     }

@@ -1,6 +1,6 @@
 //! The view of a submesh that checkers have: see [`crate::protocol::check`].
 
-use super::{LocalMesh, Moving, Patch, Site};
+use super::{LocalMesh, Moving, Patch, WireVertex};
 use crate::protocol::Name;
 use crate::protocol::check::{Inspect, Seen, Sent};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
@@ -35,7 +35,7 @@ impl Inspect for LocalMesh {
     }
 
     fn carried(cargo: &Vec<Moving>) -> Vec<Sent> {
-        let vertices = |v: [Site; 4]| key(v.map(|site| site.vertex));
+        let vertices = |v: [WireVertex; 4]| key(v.map(|site| site.vertex));
         cargo.iter().map(|moving| (Some(moving.name), vertices(moving.v))).collect()
     }
 }

@@ -12,7 +12,7 @@
 //! | `start` | the coarse mesh, distributed |
 //! | `gather` | the submeshes, put together |
 //! | `inspect` | what checkers of the protocol see |
-//! | `field` | the points to insert, on many cursors |
+//! | `point_queue` | the points to insert, on many cursors |
 //!
 //! Invariant P1: a tetrahedron with a far neighbour has a name, and keeps it until it is removed:
 //! a message that names it may be under way even when no neighbour is far any more.
@@ -20,19 +20,19 @@
 mod apply;
 mod blocks;
 mod corners;
-mod field;
 mod fill;
 mod gather;
 mod inspect;
 mod piece;
+mod point_queue;
 mod start;
 mod wire;
 
 pub use blocks::Blocks;
-pub use field::Field;
 pub use gather::{GatherError, Gathered, gather};
-pub use start::{Common, Ownership, Plan, Prepared};
-pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, Site, To};
+pub use point_queue::PointQueue;
+pub use start::{Ownership, Plan, Prepared, SharedInput};
+pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
 
 use crate::protocol::invariant;
 use crate::protocol::{
@@ -207,11 +207,11 @@ impl LocalMesh {
         }
     }
 
-    fn site(&self, v: VertexId) -> Site {
+    fn site(&self, v: VertexId) -> WireVertex {
         site(&self.tets, v)
     }
 
-    fn sites(&self, t: TetId) -> [Site; 4] {
+    fn sites(&self, t: TetId) -> [WireVertex; 4] {
         self.tets.vertices(t).map(|v| self.site(v))
     }
 
@@ -231,7 +231,7 @@ impl LocalMesh {
 
     /// The obstacle in the vertex closure of `point` to inserting it at once: a locked tetrahedron,
     /// else another worker's.
-    fn vertex_closure(&mut self, point: &Site, seed: TetId) -> Option<Insert<TetId>> {
+    fn vertex_closure(&mut self, point: &WireVertex, seed: TetId) -> Option<Insert<TetId>> {
         let (mut seen, mut far, mut locked) = (FxHashSet::default(), false, None);
         let mut corners: Vec<VertexId> = self.tets.vertices(seed).to_vec();
         let mut cavity = vec![seed];
@@ -268,11 +268,11 @@ impl LocalMesh {
 }
 
 /// A vertex that a submesh knows, with its coordinates.
-fn site(tets: &Tets, v: VertexId) -> Site {
+fn site(tets: &Tets, v: VertexId) -> WireVertex {
     if v == INFINITE {
-        Site { vertex: INFINITE, bits: [0; 3] }
+        WireVertex { vertex: INFINITE, bits: [0; 3] }
     } else {
-        Site::new(v, tets.point(v))
+        WireVertex::new(v, tets.point(v))
     }
 }
 
@@ -286,12 +286,12 @@ fn finite(mut vertices: Vec<VertexId>) -> Vec<VertexId> {
 
 impl Submesh for LocalMesh {
     type Tet = TetId;
-    type Point = Site;
+    type Point = WireVertex;
     type Piece = Piece;
     type Patch = Patch;
     type Cargo = Vec<Moving>;
 
-    fn walk(&mut self, point: &Site, from: Option<Name>) -> Walk<TetId> {
+    fn walk(&mut self, point: &WireVertex, from: Option<Name>) -> Walk<TetId> {
         let named = from.and_then(|name| self.names.get(&name).copied());
         let start = named.or_else(|| self.located.remove(&point.vertex));
         let walk = self.tets.walk(point.vertex, &point.point(), start);
@@ -303,7 +303,7 @@ impl Submesh for LocalMesh {
         walk
     }
 
-    fn insert(&mut self, point: &Site, seed: TetId, directory: &Directory) -> Insert<TetId> {
+    fn insert(&mut self, point: &WireVertex, seed: TetId, directory: &Directory) -> Insert<TetId> {
         let Self { tets, blocks, fixed, me, .. } = self;
         let owns = match fixed {
             None => Owns::By(|v| directory.is_mine(blocks.of_tet(v))),
@@ -340,7 +340,7 @@ impl Submesh for LocalMesh {
         self.tets.lock(t, holder, in_conflict);
     }
 
-    fn in_conflict(&mut self, t: TetId, point: &Site) -> bool {
+    fn in_conflict(&mut self, t: TetId, point: &WireVertex) -> bool {
         self.tets.in_conflict(t, &point.point())
     }
 
@@ -359,7 +359,7 @@ impl Submesh for LocalMesh {
         self.around(t, corners).for_each(|u| f(self.neighbour(u)));
     }
 
-    fn in_the_way(&mut self, point: &Site, seed: TetId) -> Option<Insert<TetId>> {
+    fn in_the_way(&mut self, point: &WireVertex, seed: TetId) -> Option<Insert<TetId>> {
         let way = self.vertex_closure(point, seed);
         if way.is_some() {
             self.located.insert(point.vertex, seed);
@@ -370,7 +370,7 @@ impl Submesh for LocalMesh {
     fn lock_all(
         &mut self,
         seed: TetId,
-        point: &Site,
+        point: &WireVertex,
         holder: Ticket,
         found: &mut Found<'_, Self>,
     ) -> bool {
@@ -394,7 +394,7 @@ impl Submesh for LocalMesh {
 
     fn fill(
         &mut self,
-        point: &Site,
+        point: &WireVertex,
         parts: &[(WorkerId, Vec<Piece>)],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,

@@ -81,7 +81,7 @@ fn near(mesh: &Tets, face: FaceId) -> Link {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Plan, Site};
+    use crate::mesh::{Plan, WireVertex};
     use crate::protocol::{Found, Name, Neighbour, Source, Submesh, Walk};
     use ltbw_exact::PointSet;
     use ltbw_generate::{PointKind, generate};
@@ -96,7 +96,7 @@ mod tests {
         foreign: Vec<Handle>,
         tets: Vec<TetId>,
         names: Vec<Name>,
-        sites: Vec<Site>,
+        sites: Vec<WireVertex>,
         sides: Vec<([u32; 3], String)>,
     }
 
@@ -121,7 +121,7 @@ mod tests {
         }
     }
 
-    fn at_once(mesh: &mut LocalMesh, seed: TetId, point: &Site) -> Option<Closure> {
+    fn at_once(mesh: &mut LocalMesh, seed: TetId, point: &WireVertex) -> Option<Closure> {
         let (mut held, mut pieces, mut foreign) = Default::default();
         let mut found = Found { held: &mut held, pieces: &mut pieces, foreign: &mut foreign };
         let all = mesh.lock_all(seed, point, MINE, &mut found);
@@ -129,7 +129,7 @@ mod tests {
     }
 
     /// As an owner does it that knows no other way.
-    fn one_by_one(mesh: &mut LocalMesh, seed: TetId, point: &Site) -> Closure {
+    fn one_by_one(mesh: &mut LocalMesh, seed: TetId, point: &WireVertex) -> Closure {
         let (mut held, mut cavity, mut foreign, mut wants) = (vec![], vec![], vec![], vec![seed]);
         while let Some(t) = wants.pop() {
             if mesh.holder(t).is_some() {
@@ -151,7 +151,12 @@ mod tests {
     }
 
     /// Locks `before` with their neighbours one by one, then the rest of the cavity `tets` at once.
-    fn mixed(mesh: &mut LocalMesh, before: &[TetId], tets: &[TetId], point: &Site) -> Closure {
+    fn mixed(
+        mesh: &mut LocalMesh,
+        before: &[TetId],
+        tets: &[TetId],
+        point: &WireVertex,
+    ) -> Closure {
         let (mut held, mut pieces, mut foreign) = (vec![], vec![], vec![]);
         for &t in before {
             mesh.lock(t, MINE, true);

@@ -1,7 +1,7 @@
 //! The start of a parallel run: vertices along the curve, a coarse mesh of a sample, its
 //! tetrahedra distributed to their owners.
 
-use super::{Blocks, Field, Fixed, LocalMesh};
+use super::{Blocks, Fixed, LocalMesh, PointQueue};
 use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
 use ltbw_core::build::independent;
 use ltbw_core::order::hilbert;
@@ -47,7 +47,7 @@ pub struct Plan {
     pub workers: u32,
     /// Blocks of each worker at the start.
     pub blocks_per_worker: u32,
-    /// Cursors of each worker's field of points, per round.
+    /// Cursors of each worker's queue of points, per round.
     pub cursors: usize,
     /// Points of a worker that are to be under way before points that need no other worker go
     /// first; 0 if points are to come as they lie.
@@ -58,7 +58,7 @@ pub struct Plan {
     pub ownership: Ownership,
     /// Reserve memory for all tetrahedra to come, for uniform points: pages that stay unused cost
     /// nothing but address space.
-    pub roomy: bool,
+    pub reserve: bool,
     /// Most tetrahedra of a worker, hull ghosts and interface faces included: a run that needs more
     /// fails. The default is the largest number that can be named.
     pub max_tets: usize,
@@ -83,13 +83,13 @@ impl Plan {
             abreast: 0,
             sample,
             ownership: Ownership::default(),
-            roomy: false,
+            reserve: false,
             max_tets: MAX_TETS,
         }
     }
 
     /// The layout for processors whose messages take long: what lies at the interface goes first.
-    pub fn patient(points: usize, workers: u32) -> Self {
+    pub fn for_high_latency(points: usize, workers: u32) -> Self {
         Self { abreast: 80, ..Self::new(points, workers) }
     }
 
@@ -131,14 +131,14 @@ impl Plan {
                 let ranks = [range.start, range.end]
                     .map(|v| sample.partition_point(|&rank| rank < v.saturating_sub(1)));
                 let out = sample[ranks[0]..ranks[1]].iter().map(|rank| rank + 1);
-                let field = Field::new(blocks.clone(), range, out, self.cursors)
+                let field = PointQueue::new(blocks.clone(), range, out, self.cursors)
                     .interface(interface.iter().cloned(), self.abreast);
                 (Directory::new(me, &owners), mesh, field)
             })
             .collect();
         let predicates = coarse.predicate_stats();
         let mode = set.mode();
-        let common = Common { points, numbers: order, duplicates, mode, predicates };
+        let common = SharedInput { points, numbers: order, duplicates, mode, predicates };
         Ok(Prepared { workers, common })
     }
 
@@ -199,7 +199,7 @@ impl Plan {
                     Some(Fixed { ownership: self.ownership, each: self.blocks_per_worker });
             }
             let range = self.range(me, blocks);
-            if self.roomy {
+            if self.reserve {
                 // The first one receives all others in the end.
                 let share = if me == 0 { points.len() } else { range.len() };
                 mesh.tets.reserve(7 * share + share / 4 + 1024);
@@ -221,14 +221,14 @@ impl Plan {
 #[derive(Debug)]
 pub struct Prepared {
     /// By worker: directory, submesh, points.
-    pub workers: Vec<(Directory, LocalMesh, Field)>,
+    pub workers: Vec<(Directory, LocalMesh, PointQueue)>,
     /// Data to put their submeshes together afterwards.
-    pub common: Common,
+    pub common: SharedInput,
 }
 
 /// Data that no worker has: the whole set of points.
 #[derive(Debug)]
-pub struct Common {
+pub struct SharedInput {
     /// Kernel coordinates by vertex less 1.
     pub points: Vec<Point>,
     /// Input index by vertex less 1.

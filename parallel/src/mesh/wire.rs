@@ -9,14 +9,14 @@ use ltbw_exact::Point;
 /// Vertex 0 is the vertex at infinity; its coordinates mean nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Site {
+pub struct WireVertex {
     /// Its number in the whole mesh.
     pub vertex: VertexId,
     /// The bits of its kernel coordinates.
     pub bits: [u64; 3],
 }
 
-impl Site {
+impl WireVertex {
     /// Vertex `vertex` at `p`.
     pub fn new(vertex: VertexId, p: Point) -> Self {
         Self { vertex, bits: p.map(f64::to_bits) }
@@ -68,7 +68,7 @@ pub struct Piece {
     /// The names of those that have one.
     pub names: Vec<Name>,
     /// Their vertices, each once.
-    pub sites: Vec<Site>,
+    pub sites: Vec<WireVertex>,
     /// Their faces, but those between two of them.
     pub sides: Vec<Side>,
 }
@@ -130,7 +130,7 @@ pub struct Patch {
     /// Tetrahedra of the cavity.
     pub remove: Vec<TetId>,
     /// The vertices of the new tetrahedra, each once: the inserted point first.
-    pub sites: Vec<Site>,
+    pub sites: Vec<WireVertex>,
     /// New tetrahedra; the inserted point is the first vertex of each.
     pub create: Vec<NewTet>,
     /// Faces of the ring.
@@ -154,7 +154,7 @@ pub struct Moving {
     /// Its name.
     pub name: Name,
     /// Its vertices, positively oriented.
-    pub v: [Site; 4],
+    pub v: [WireVertex; 4],
     /// Its neighbours.
     pub n: [Lead; 4],
 }

@@ -6,13 +6,13 @@ use super::operation::{Operation, Phase};
 use super::table::Table;
 use super::{Handle, Name};
 #[cfg(test)] // the protocol knows no mesh
-use crate::mesh::{LocalMesh, Site};
+use crate::mesh::{LocalMesh, WireVertex};
 
 const NAME: Name = Name { by: 1, number: 2 };
 const HANDLE: Handle = Handle { name: NAME, block: 3, face: 1 };
 
-fn site(vertex: u32) -> Site {
-    Site::new(vertex, [1.0, 2.0, 3.0])
+fn site(vertex: u32) -> WireVertex {
+    WireVertex::new(vertex, [1.0, 2.0, 3.0])
 }
 
 fn table<K: Ord + Copy, V>(key: K, value: V) -> Table<K, V> {

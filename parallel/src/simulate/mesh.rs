@@ -3,7 +3,7 @@
 use super::cost::Payload;
 use super::{Options, Simulation, SimulationError, simulate};
 use crate::mesh::{GatherError, Gathered, LocalMesh, Ownership, Plan, gather};
-use crate::mesh::{Link, Moving, Patch, Piece, Side, Site};
+use crate::mesh::{Link, Moving, Patch, Piece, Side, WireVertex};
 use crate::metrics::{Summary, Survey, Trace};
 use crate::protocol::{Config, Correct, Rules, Worker};
 use ltbw_core::BuildError;
@@ -21,7 +21,7 @@ const TET: u64 = NAME + 4 * (SITE + FACE);
 const NEW: u64 = NAME + 4 * 2 + 4 + 4 * FACE;
 
 impl Payload for LocalMesh {
-    fn point_bytes(_: &Site) -> u64 {
+    fn point_bytes(_: &WireVertex) -> u64 {
         SITE
     }
 

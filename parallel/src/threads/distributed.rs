@@ -1,7 +1,7 @@
 //! A mesh that is where it was built: every worker has its submesh.
 
 use super::{Run, RunError, WorkerStats};
-use crate::mesh::{Common, LocalMesh, gather};
+use crate::mesh::{LocalMesh, SharedInput, gather};
 use crate::metrics::{Summary, Trace};
 use ltbw_core::topology::INFINITE;
 use ltbw_core::{Outcome, Vertex};
@@ -11,7 +11,7 @@ use std::time::Instant;
 #[derive(Debug)]
 pub struct Distributed {
     pub(super) meshes: Vec<LocalMesh>,
-    pub(super) common: Common,
+    pub(super) common: SharedInput,
     pub(super) outcome: Outcome,
     /// Seconds of the start and of the workers.
     pub(super) seconds: [f64; 2],

@@ -13,7 +13,7 @@ pub use worker_loop::{Broken, Ended, Loop, Watch};
 use crate::WorkerError;
 use crate::balance::Balance;
 use crate::mailbox::connect;
-use crate::mesh::{Field, GatherError, LocalMesh, Ownership, Plan, Prepared};
+use crate::mesh::{GatherError, LocalMesh, Ownership, Plan, PointQueue, Prepared};
 use crate::metrics::{Collector, Summary, Trace};
 use crate::protocol::{Closure, Config, Correct, Note, Rule, Worker, WorkerId, message_of};
 use crate::transport::{Delayed, Mail, Transport};
@@ -25,7 +25,7 @@ use watch::ThreadWatch;
 /// Shortest backoff of the paper's rule, beside four latencies.
 const BACKOFF: Duration = Duration::from_micros(20);
 
-type Node = Worker<LocalMesh, Field>;
+type Node = Worker<LocalMesh, PointQueue>;
 
 /// Why there is no mesh.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -226,7 +226,7 @@ impl<'a> Parallel<'a> {
         if plan.ownership != Ownership::Block && self.balance.is_some() {
             return Err(RunError::Settings(Ownership::STAYS.to_owned()));
         }
-        let Prepared { workers, common } = Plan { roomy: true, ..plan }.prepare(set)?;
+        let Prepared { workers, common } = Plan { reserve: true, ..plan }.prepare(set)?;
         let start_seconds = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         let Self { rule, closure, window, .. } = *self;
@@ -279,7 +279,7 @@ impl<'a> Parallel<'a> {
         nodes: Vec<Node>,
         ways: Vec<T>,
         watch: impl Fn(WorkerId) -> W,
-    ) -> Vec<Loop<LocalMesh, Field, Correct, T, W>> {
+    ) -> Vec<Loop<LocalMesh, PointQueue, Correct, T, W>> {
         let pairs = nodes.into_iter().zip(ways);
         pairs
             .map(|(node, way)| {
@@ -303,7 +303,9 @@ type End<W> = (Node, W);
 
 /// Runs every loop on a thread of its own. A loop that panics takes its way along, which tells the
 /// others.
-fn run_all<T, W>(loops: Vec<Loop<LocalMesh, Field, Correct, T, W>>) -> Result<Vec<End<W>>, RunError>
+fn run_all<T, W>(
+    loops: Vec<Loop<LocalMesh, PointQueue, Correct, T, W>>,
+) -> Result<Vec<End<W>>, RunError>
 where
     T: Transport<Mail<LocalMesh>> + Send,
     W: Watch<LocalMesh> + Send,

@@ -9,7 +9,7 @@
 mod ending;
 
 use crate::families::Rng;
-use ltbw::mesh::{Field, Gathered, LocalMesh, Plan};
+use ltbw::mesh::{Gathered, LocalMesh, Plan, PointQueue};
 use ltbw::protocol::check::{Between, History};
 use ltbw::protocol::{
     Action, Closure, Config, Event, Message, Note, Rule, Source, SubmeshError, Worker,
@@ -17,7 +17,7 @@ use ltbw::protocol::{
 use ltbw::{BuildError, Mesh, PointSet};
 use std::collections::{BTreeMap, VecDeque};
 
-type Node = Worker<LocalMesh, Field>;
+type Node = Worker<LocalMesh, PointQueue>;
 
 /// Turns after which a run counts as hanging, per point.
 const TURNS_PER_POINT: usize = 4000;

@@ -1,6 +1,6 @@
 //! A worker's range of vertices, and cursors on it.
 
-use crate::mesh::{LocalMesh, Site};
+use crate::mesh::{LocalMesh, WireVertex};
 use ltbw_core::order::round_of;
 use ltbw_core::topology::VertexId;
 use ltbw_exact::Point;
@@ -176,7 +176,7 @@ impl Cursor {
         range: &Range<VertexId>,
         own: &mut Own,
         mesh: &LocalMesh,
-        taken: &mut Vec<Site>,
+        taken: &mut Vec<WireVertex>,
     ) {
         match &mut self.track {
             Track::Own { next, end, round } => {
@@ -190,7 +190,7 @@ impl Cursor {
             Track::Moved(points) => points.retain(|&(v, p)| {
                 let goes = range.contains(&v);
                 if goes {
-                    taken.push(Site::new(v, p));
+                    taken.push(WireVertex::new(v, p));
                 }
                 !goes
             }),
@@ -198,7 +198,7 @@ impl Cursor {
     }
 
     /// The next point.
-    pub(super) fn next(&mut self, own: &Own, mesh: &LocalMesh) -> Option<Site> {
+    pub(super) fn next(&mut self, own: &Own, mesh: &LocalMesh) -> Option<WireVertex> {
         match &mut self.track {
             Track::Own { next, end, .. } if next == end => None,
             Track::Own { next, end, round } => {
@@ -206,7 +206,7 @@ impl Cursor {
                 *next = own.first(v + 1, *end, *round);
                 Some(mesh.site(v))
             }
-            Track::Moved(points) => points.pop_front().map(|(v, p)| Site::new(v, p)),
+            Track::Moved(points) => points.pop_front().map(|(v, p)| WireVertex::new(v, p)),
         }
     }
 }

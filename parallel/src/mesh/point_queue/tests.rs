@@ -5,19 +5,19 @@ use ltbw_core::order::round_of;
 use ltbw_core::submesh::MeshParams;
 use ltbw_exact::{Mode, Point};
 
-fn field(count: u32) -> (Field, LocalMesh) {
+fn field(count: u32) -> (PointQueue, LocalMesh) {
     let blocks = Blocks::even(count, 4);
     let all: Vec<Point> = (1..=count).map(|v| [f64::from(v); 3]).collect();
     let mut mesh = LocalMesh::new(0, &MeshParams::of(&all, Mode::Normal), blocks.clone());
     mesh.tets.set_points(1, &all);
-    (Field::new(blocks, 1..count + 1, [], 3), mesh)
+    (PointQueue::new(blocks, 1..count + 1, [], 3), mesh)
 }
 
 #[test]
 fn every_point_comes_once_and_a_waiting_one_keeps_its_cursor() {
     let (mut field, mesh) = field(9000);
     let mut seen = vec![0; 9001];
-    let mut waiting: Option<Site> = None;
+    let mut waiting: Option<WireVertex> = None;
     while !field.is_empty() {
         let Some(site) = field.next(&mesh) else {
             // Only the last cursors have nothing else to give.
@@ -51,7 +51,7 @@ fn points_that_wait_are_far_from_each_other() {
     // The piece between two of them is too short to be cut.
     let gaps: Vec<u32> = given.windows(2).map(|pair| pair[1] - pair[0]).collect();
     assert!(gaps.iter().all(|&gap| gap > 1 && gap <= 1 + SHORTEST as u32), "{gaps:?}");
-    let site = Site::new(given[1], [0.0; 3]);
+    let site = WireVertex::new(given[1], [0.0; 3]);
     field.let_go(&site);
     let next = field.next(&mesh).expect("a point");
     assert_eq!(next.vertex, given[1] + 1);
@@ -61,7 +61,7 @@ fn points_that_wait_are_far_from_each_other() {
 #[test]
 fn the_next_round_begins_when_all_cursors_wait() {
     let (mut field, mesh) = field(9000);
-    let round = |site: &Site| round_of(site.vertex, 1);
+    let round = |site: &WireVertex| round_of(site.vertex, 1);
     let rounds: Vec<u32> =
         std::iter::from_fn(|| field.next(&mesh)).take(6).map(|s| round(&s)).collect();
     assert_eq!(rounds, [0, 0, 0, 1, 1, 1]);
@@ -73,14 +73,14 @@ fn what_lies_at_the_interface_goes_first_in_short_pieces_far_from_each_other() {
     let pieces = [1000..1400, 5000..5200];
     let at = |v: VertexId| pieces.iter().any(|piece| piece.contains(&v));
     let mut field = field.interface(pieces.to_vec(), 4);
-    let next = |field: &mut Field| field.next(&mesh).expect("a point");
-    let given: Vec<Site> = (0..4).map(|_| next(&mut field)).collect();
+    let next = |field: &mut PointQueue| field.next(&mesh).expect("a point");
+    let given: Vec<WireVertex> = (0..4).map(|_| next(&mut field)).collect();
     assert!(given.iter().all(|site| at(site.vertex)), "{given:?}");
     let pairs = given.iter().flat_map(|a| given.iter().map(|b| (a.vertex, b.vertex)));
     let near = pairs.filter(|(a, b)| a < b).map(|(a, b)| b - a).min();
     assert!(near >= Some(32), "pieces, not points of one piece: {given:?}");
     // Four are under way: others go on, as they lie.
-    let others: Vec<Site> = (0..3)
+    let others: Vec<WireVertex> = (0..3)
         .map(|_| {
             let site = next(&mut field);
             field.inserted(&mesh, &site);
@@ -117,7 +117,7 @@ fn no_more_points_than_said_are_under_way_while_others_may_go() {
     while !field.is_empty() {
         // Points under way when nothing else may go are another matter.
         if field.ready.is_empty() {
-            under_way.drain(..).for_each(|site: Site| field.inserted(&mesh, &site));
+            under_way.drain(..).for_each(|site: WireVertex| field.inserted(&mesh, &site));
         }
         let others = !field.ready.is_empty();
         let site = field.next(&mesh).expect("a point");

@@ -11,11 +11,11 @@
 //!
 //! Where messages take long that is not enough. The coarse mesh tells where the interface is: there
 //! cursors are short, and go first while fewer than a number of points are under way
-//! ([`Field::interface`]).
+//! ([`PointQueue::interface`]).
 
 mod cursor;
 
-use super::{Blocks, LocalMesh, Site};
+use super::{Blocks, LocalMesh, WireVertex};
 use crate::protocol::{BlockId, Source};
 use cursor::{Cursor, Own, SHORTEST, Track};
 use ltbw_core::topology::VertexId;
@@ -27,7 +27,7 @@ const SCATTER: u32 = 0x9E37_79B9;
 
 /// Points of one worker, on many cursors.
 #[derive(Clone, Debug)]
-pub struct Field {
+pub struct PointQueue {
     blocks: Blocks,
     own: Own,
     /// Cursors of a round.
@@ -52,7 +52,7 @@ pub struct Field {
     given: usize,
 }
 
-impl Field {
+impl PointQueue {
     /// The vertices `range` in curve order, in rounds of `cursors` cursors each. Those of `out` are
     /// not to be given.
     pub fn new(
@@ -268,8 +268,8 @@ impl Field {
     }
 }
 
-impl Source<LocalMesh> for Field {
-    fn next(&mut self, mesh: &LocalMesh) -> Option<Site> {
+impl Source<LocalMesh> for PointQueue {
+    fn next(&mut self, mesh: &LocalMesh) -> Option<WireVertex> {
         if !self.choose() {
             return None;
         }
@@ -289,7 +289,7 @@ impl Source<LocalMesh> for Field {
         self.can_give()
     }
 
-    fn inserted(&mut self, _: &LocalMesh, point: &Site) {
+    fn inserted(&mut self, _: &LocalMesh, point: &WireVertex) {
         if !self.free_current(point.vertex)
             && let Some(cursor) = self.free(point.vertex)
         {
@@ -297,7 +297,7 @@ impl Source<LocalMesh> for Field {
         }
     }
 
-    fn let_go(&mut self, point: &Site) {
+    fn let_go(&mut self, point: &WireVertex) {
         if self.free_current(point.vertex) {
             // It has walked to another worker. The next ones of its cursor would follow it there
             // and meet its locks: other cursors first.
@@ -308,7 +308,7 @@ impl Source<LocalMesh> for Field {
         }
     }
 
-    fn take_block(&mut self, mesh: &LocalMesh, block: BlockId) -> Vec<Site> {
+    fn take_block(&mut self, mesh: &LocalMesh, block: BlockId) -> Vec<WireVertex> {
         let Self { blocks, own, current, urgent, interface, ready, waiting, .. } = self;
         let range = blocks.vertices(block);
         let mut taken = Vec::new();
@@ -325,7 +325,7 @@ impl Source<LocalMesh> for Field {
         taken
     }
 
-    fn give(&mut self, _: BlockId, points: Vec<Site>) {
+    fn give(&mut self, _: BlockId, points: Vec<WireVertex>) {
         self.left += points.len();
         let points: VecDeque<_> = points.iter().map(|s| (s.vertex, s.point())).collect();
         if !points.is_empty() {
