@@ -103,8 +103,10 @@ pub struct RefineStats {
     pub refused: u64,
     /// Rounds that inserted points on segments, on facets, and inside; 0 without rounds.
     pub rounds: [u64; 3],
-    /// Cavities looked at to choose the points of the rounds.
+    /// Cavities opened whole to choose the points of the rounds.
     pub searches: u64,
+    /// Cavities given up on the way, at the cavity of another point.
+    pub barred: u64,
     /// Points of the widest round.
     pub widest: u64,
     /// Points inserted by rounds.

@@ -117,7 +117,8 @@ impl Rounds<'_, '_> {
                     return self.ask(t, v, &first, limit);
                 }
                 Probe::Refuses(reason) => return self.refuse(item, reason),
-                Probe::Useless | Probe::Barred => {}
+                Probe::Barred => return,
+                Probe::Useless => {}
             }
         }
         let mut sides = self.own.state.boundary_sides(t);
@@ -139,17 +140,24 @@ impl Rounds<'_, '_> {
         let place = Place { from: state.start_near(place.from), ..*place };
         let first = cavities.len();
         stats.searches += 1;
-        // Rule (d): boundary points keep apart. In a round of tetrahedra no point does.
+        // Rule (d): boundary points keep apart. Free points keep out of the cavities of those that
+        // ask for an item: it is likely to be in their way, too.
         let is_free = place.carrier == Carrier::Free;
-        let mut admission = |t: TetId, _: Role| {
-            let other = (reserved[t as usize] as usize).checked_sub(1);
-            let other = other.filter(|_| !is_free).map(|k| candidates[k].place.carrier);
-            other.is_none_or(|other| is_same(other, place.carrier))
+        let mut admission = |t: TetId, role: Role| {
+            let other = (reserved[t as usize] as usize).checked_sub(1).map(|k| &candidates[k]);
+            other.is_none_or(|other| match is_free {
+                true => other.fits || role == Role::Ring,
+                false => is_same(other.place.carrier, place.carrier),
+            })
         };
         let open = match state.begin_and_look(&place, &mut admission) {
             Ok(open) => open,
             Err(At::Vertex(_)) => return Probe::Useless,
-            Err(At::SetBack(_)) => return Probe::Barred,
+            Err(At::SetBack(_)) => {
+                stats.searches -= 1;
+                stats.barred += 1;
+                return Probe::Barred;
+            }
         };
         let verdict = verdict(Judge { state: open.owner(), record: &own.record, recovers: false });
         let fits = matches!(verdict, Verdict::Fill(_));
