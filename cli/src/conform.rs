@@ -1,10 +1,12 @@
 //! The glue to the checker's test of conformity: `check --plc`, and the check of our own meshes.
 
 use crate::args::Check;
+use crate::bounds::Asked;
 use crate::console;
 use crate::json::{check_json, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
 use ltbw::domain::{Domain, Prepared};
+use ltbw::refine::Refined;
 use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
 use serde_json::{Value, json};
@@ -16,15 +18,19 @@ use verify::{Breach, Conformity, Finding, Limits, Plc, PlcFacet};
 const SHOWN: usize = 10;
 
 /// A domain as the checker takes it.
-pub(crate) fn plc_of(domain: &Domain) -> Plc {
-    let facet =
-        |f: &ltbw::domain::Facet| PlcFacet { polygons: f.polygons.clone(), holes: f.holes.clone() };
+pub(crate) fn plc_of(domain: &Domain, flat_tolerance: f64) -> Plc {
+    let facet = |f: &ltbw::domain::Facet| PlcFacet {
+        polygons: f.polygons.clone(),
+        holes: f.holes.clone(),
+        marker: f.marker,
+    };
     Plc {
         vertices: domain.vertices.clone(),
         facets: domain.facets.iter().map(facet).collect(),
         segments: domain.segments.iter().map(|(ends, _)| *ends).collect(),
         holes: domain.holes.clone(),
         regions: domain.regions.iter().map(|r| r.seed).collect(),
+        flat_tolerance,
     }
 }
 
@@ -40,7 +46,7 @@ pub(crate) fn check(args: &Check, plc: &Path) -> Result<Exit, Failure> {
     let file = io::read_mesh_file(&args.mesh).map_err(Failure::Read)?;
     let name = show(&args.mesh);
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
-    let ready = args.preparation.prepare(plc)?;
+    let (ready, flat_tolerance) = args.preparation.prepare(plc)?;
     let inside = without_exterior(&file.mesh);
     let limits = Limits {
         radius_edge: args.radius_edge,
@@ -54,7 +60,8 @@ pub(crate) fn check(args: &Check, plc: &Path) -> Result<Exit, Failure> {
     let options = verify::Options { vertex_order: order, ..verify::Options::default() };
     let mesh = verify::Mesh::new(&inside.points, &inside.tets);
     let tags = inside.tet_tags.as_deref();
-    let mut found = verify::conforms(&mesh, &plc_of(&ready.domain), tags, &limits, &options);
+    let complex = plc_of(&ready.domain, flat_tolerance);
+    let mut found = verify::conforms(&mesh, &complex, tags, &limits, &options);
     let same = same_volume(&ready, &found);
     if let Some(path) = &args.json {
         let text = serde_json::to_string_pretty(&certificate(&found, same))
@@ -73,6 +80,27 @@ pub(crate) fn check(args: &Check, plc: &Path) -> Result<Exit, Failure> {
     Ok(Exit::Defect)
 }
 
+/// Checks the mesh; lists as many breaches of each kind as there are excuses, or more.
+pub(crate) fn check_own(
+    inside: &TetMesh,
+    ready: &Prepared,
+    asked: Asked,
+    refined: &Refined,
+    excuses: usize,
+) -> Conformity {
+    let limits = Limits {
+        radius_edge: asked.radius_edge,
+        max_volume: asked.max_volume,
+        region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
+    };
+    let mesh = verify::Mesh::new(&inside.points, &inside.tets);
+    let plc = plc_of(&ready.domain, refined.stats.flat_tolerance);
+    let tags = inside.tet_tags.as_deref();
+    let options = verify::Options::default();
+    let options = verify::Options { max_defects: options.max_defects.max(excuses), ..options };
+    verify::conforms(&mesh, &plc, tags, &limits, &options)
+}
+
 /// The tetrahedra whose tag is not 0, if there are tags and some of them are not 0.
 fn without_exterior(mesh: &TetMesh) -> TetMesh {
     let Some(tags) = mesh.tet_tags.as_ref().filter(|tags| tags.iter().any(|&t| t != 0)) else {
@@ -87,11 +115,15 @@ fn without_exterior(mesh: &TetMesh) -> TetMesh {
     }
 }
 
-/// Has the mesh the exact volume that the check of the domain computed from its facets? That is
-/// the kernel's own check, not the checker's; a domain whose volume is not known passes.
+/// Has the mesh the exact volume that the check of the domain computed from its facets, or one that
+/// differs from it by no more than its patches allow? That is the kernel's own check, not the
+/// checker's; a domain whose volume is not known passes.
 pub(crate) fn same_volume(ready: &Prepared, found: &Conformity) -> bool {
     match (ready.report.volume(), &found.volume) {
-        (Some(a), Some(b)) => a.to_string() == b.to_string(),
+        (Some(a), Some(b)) if found.patches == 0 => a.to_string() == b.to_string(),
+        (Some(a), Some(b)) => {
+            b.difference(&a.to_string()).is_some_and(|d| d <= found.volume_within)
+        }
         _ => true,
     }
 }
@@ -115,9 +147,13 @@ pub(crate) fn print(found: &mut Conformity) {
 pub(crate) fn summary(found: &Conformity) -> String {
     let volume = found.volume.as_ref().map(ToString::to_string).unwrap_or_default();
     let volume = if volume.len() <= 40 { format!(", volume {volume}") } else { String::new() };
+    let within = match found.patches {
+        0 => String::new(),
+        n => format!(", {n} patches, volume within {:.3e}", found.volume_within),
+    };
     format!(
         "structure, orientation, delaunay, conformity, bounds: no defect ({} subfaces, \
-         {} cells{volume}; {} tests by filter, {} exactly)",
+         {} cells{within}{volume}; {} tests by filter, {} exactly)",
         found.subfaces, found.cells, found.tests.0, found.tests.1
     )
 }
@@ -145,6 +181,8 @@ pub(crate) fn certificate(found: &Conformity, same_volume: bool) -> Value {
         "passed": found.passed() && same_volume,
         "volume": found.volume.as_ref().map(ToString::to_string),
         "volume_is_the_domains": same_volume,
+        "patches": found.patches,
+        "volume_within": found.volume_within,
         "tets": found.tets,
         "subfaces": found.subfaces,
         "cells": found.cells,

@@ -36,6 +36,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         asked: Asked { radius_edge: Some(RADIUS_EDGE), max_volume: Some(MAX_VOLUME), size: None },
         field: None,
         max_points: None,
+        flat_tolerance: 0.0,
         outputs: std::slice::from_ref(&args.out),
         keep_exterior: false,
         write_unrecovered: false,

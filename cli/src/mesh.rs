@@ -2,20 +2,20 @@
 
 use crate::args::{Depth, MeshArgs};
 use crate::bounds::{Asked, Field, asked, field};
-use crate::conform::{certificate, plc_of, print, same_volume, summary};
+use crate::conform::{certificate, check_own, print, same_volume, summary};
 use crate::console::{self, Progress, Stop};
 use crate::json::{check_json, distinct, is_stdout, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
 use crate::page::Page;
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
 use crate::run::{check_outputs, set_threads};
-use crate::surface::repairs_json;
+use crate::surface::{print_patches, repairs_json};
 use crate::unrecovered;
 use ltbw::domain::Prepared;
 use ltbw::quality::{self, Extreme, Histogram, Quality};
 use ltbw::refine::{Reason, RefineOutcome, Refined};
 use ltbw::{Extras, TetMesh, canonical_hash, io};
-use ltbw_verify::{self as verify, Breach, Conformity, Finding, Limits};
+use ltbw_verify::{Breach, Conformity, Finding};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -36,6 +36,8 @@ pub(crate) struct Job<'a> {
     pub(crate) field: Option<Field>,
     /// The most points to insert.
     pub(crate) max_points: Option<u64>,
+    /// The distance within which facets are taken for coplanar.
+    pub(crate) flat_tolerance: f64,
     /// Mesh files to write.
     pub(crate) outputs: &'a [PathBuf],
     /// With the exterior.
@@ -74,13 +76,14 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         written.iter().try_for_each(|path| keep_input(input, path))?;
     }
     let stop = Stop::on_signal()?;
-    let ready = args.preparation.prepare(&args.domain)?;
+    let (ready, flat_tolerance) = args.preparation.prepare(&args.domain)?;
     let job = Job {
         command: "mesh",
         name: &args.domain,
         asked,
         field: field(args, &ready)?,
         max_points: args.max_points,
+        flat_tolerance,
         outputs: &args.output,
         keep_exterior: args.keep_exterior,
         write_unrecovered: args.write_unrecovered,
@@ -115,6 +118,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     let mut report = report_of(job, &refined, ready, hash, seconds);
     let quality = Quality::of(&inside.points, &inside.tets);
     print_mesh(&refined, &inside, quality.as_ref());
+    print_patches(job.flat_tolerance, &refined.stats);
     report.quality = quality.as_ref().map(quality_json);
     if refined.outcome != RefineOutcome::Cancelled {
         job.stop.inserted();
@@ -127,7 +131,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     if job.check != Depth::Off && refined.outcome != RefineOutcome::Cancelled {
         let clock = Instant::now();
         let excused = excused(&refined);
-        let mut found = check_own(&inside, ready, job.asked, excused.len());
+        let mut found = check_own(&inside, ready, job.asked, &refined, excused.len());
         let same = same_volume(ready, &found);
         report.certificate = Some(certificate(&found, same));
         report.seconds.check = clock.elapsed().as_secs_f64();
@@ -185,6 +189,7 @@ fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
 fn refine(job: &Job<'_>, ready: &Prepared) -> Result<Refined, Failure> {
     let progress = Progress::new();
     let mut refiner = job.asked.refiner().observer(&progress).cancel(job.stop.token());
+    refiner = refiner.flat_tolerance(job.flat_tolerance);
     if let Some(field) = &job.field {
         refiner = refiner.sizing(field);
     }
@@ -193,20 +198,6 @@ fn refine(job: &Job<'_>, ready: &Prepared) -> Result<Refined, Failure> {
     }
     let failed = |error| Failure::Refine { path: job.name.to_owned(), error };
     refiner.refine(&ready.domain, &ready.lattice).map_err(failed)
-}
-
-/// Checks the mesh; lists as many breaches of each kind as there are excuses, or more.
-fn check_own(inside: &TetMesh, ready: &Prepared, asked: Asked, excuses: usize) -> Conformity {
-    let limits = Limits {
-        radius_edge: asked.radius_edge,
-        max_volume: asked.max_volume,
-        region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
-    };
-    let mesh = verify::Mesh::new(&inside.points, &inside.tets);
-    let (plc, tags) = (plc_of(&ready.domain), inside.tet_tags.as_deref());
-    let options = verify::Options::default();
-    let options = verify::Options { max_defects: options.max_defects.max(excuses), ..options };
-    verify::conforms(&mesh, &plc, tags, &limits, &options)
 }
 
 /// Is everything that the checker found excused? A bound may be exceeded by the tetrahedra that
@@ -393,6 +384,8 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
             "largest_move": ready.largest.map(|m| m.distance),
         },
         "repairs": repairs_json(ready),
+        "flat_tolerance": stats.flat_tolerance,
+        "patches": stats.patches,
         "recover_seconds": stats.recover_seconds,
         "refine_seconds": stats.refine_seconds,
     })
@@ -481,7 +474,7 @@ mod tests {
         let (small, large) = ([0, 1, 2, 3], [0, 2, 1, 4]);
         let inside = TetMesh { points, tets: vec![small, large], ..TetMesh::default() };
         let facets = [[0, 2, 3], [0, 3, 1], [1, 3, 2], [0, 1, 4], [1, 2, 4], [2, 0, 4]];
-        let facet = |f: [u32; 3]| PlcFacet { polygons: vec![f.to_vec()], holes: Vec::new() };
+        let facet = |f: [u32; 3]| PlcFacet { polygons: vec![f.to_vec()], ..PlcFacet::default() };
         let plc = Plc {
             vertices: inside.points.clone(),
             facets: facets.map(facet).to_vec(),

@@ -4,8 +4,10 @@
 use crate::console;
 use crate::json::keep_input;
 use crate::outcome::{Failure, show};
+use ltbw::domain::prepare::LARGEST_TOLERANCE;
 use ltbw::domain::{Domain, DomainReport, Facet, Frame, PrepareError, PrepareOptions, Prepared};
 use ltbw::io;
+use ltbw::refine::RefineStats;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -21,6 +23,12 @@ pub(crate) struct Preparation {
     /// not united. At most 2^-10 of the domain's diagonal.
     #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
     pub(crate) repair: Option<f64>,
+    /// Take neighbouring facets that are coplanar within this distance for one facet
+    ///
+    /// The edges inside such a facet need not be in the mesh; its vertices and its outline are. At
+    /// most 2^-10 of the domain's diagonal; 0: facets are what they are. Default: 0.
+    #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
+    pub(crate) flat_tolerance: Option<f64>,
     /// Measure from the middle of the domain: keeps more bits of a domain far from the origin.
     /// The mesh is then in those coordinates; the offset is reported
     ///
@@ -47,6 +55,17 @@ impl Preparation {
             let text = "--exact-input and --repair: what is repaired is not the exact input";
             return Err(Failure::Usage(text.to_owned()));
         }
+        let flat = self.flat_tolerance.unwrap_or(0.0);
+        if !(0.0..f64::INFINITY).contains(&flat) {
+            return Err(Failure::Usage(format!(
+                "--flat-tolerance {flat}: a tolerance is a length"
+            )));
+        }
+        if self.exact_input && flat > 0.0 {
+            let text = "--exact-input and --flat-tolerance: what is flat within a tolerance is not \
+                        exact";
+            return Err(Failure::Usage(text.to_owned()));
+        }
         if let Some(path) = &self.write_defects {
             io::check_domain_writable(path).map_err(Failure::Write)?;
             inputs.iter().try_for_each(|input| keep_input(input, path))?;
@@ -68,8 +87,9 @@ impl Preparation {
         }
     }
 
-    /// Reads and prepares a domain; tells what was repaired.
-    pub(crate) fn prepare(&self, path: &Path) -> Result<Prepared, Failure> {
+    /// Reads and prepares a domain; tells what was repaired. With the tolerance within which
+    /// facets are taken for coplanar.
+    pub(crate) fn prepare(&self, path: &Path) -> Result<(Prepared, f64), Failure> {
         let file = io::read_domain(path).map_err(Failure::Read)?;
         file.notes.iter().for_each(|n| console::people(&format!("note: {}: {n}", show(path))));
         let result = file.domain.prepare(&self.options(file.oriented));
@@ -84,7 +104,22 @@ impl Preparation {
         let failed = |error| Failure::Domain { path: path.to_owned(), error };
         let ready = result.map_err(failed)?;
         self.note_repairs(&ready);
-        Ok(ready)
+        let flat = self.flat(&ready)?;
+        Ok((ready, flat))
+    }
+
+    /// The tolerance within which facets are taken for coplanar.
+    fn flat(&self, ready: &Prepared) -> Result<f64, Failure> {
+        let flat = self.flat_tolerance.unwrap_or(0.0);
+        let (low, high) = ready.domain.bounds().unwrap_or_default();
+        let diagonal = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
+        let limit = LARGEST_TOLERANCE * diagonal;
+        if flat > limit {
+            return Err(Failure::Usage(format!(
+                "--flat-tolerance {flat:e}: at most {limit:e}, 2^-10 of the domain's diagonal"
+            )));
+        }
+        Ok(flat)
     }
 
     fn note_repairs(&self, ready: &Prepared) {
@@ -160,6 +195,16 @@ pub(crate) fn troubles_json(report: &DomainReport) -> Vec<Value> {
         })
     };
     report.troubles.iter().map(json).collect()
+}
+
+/// Tells what became of the tolerance within which facets are taken for coplanar.
+pub(crate) fn print_patches(asked: f64, stats: &RefineStats) {
+    let (count, tolerance) = (stats.patches, stats.flat_tolerance);
+    if count > 0 {
+        console::people(&format!("patches   {count} of facets coplanar within {tolerance:e}"));
+    } else if asked > 0.0 {
+        console::people("note: no patches: all facets are taken as they are");
+    }
 }
 
 /// The repairs, for the JSON reports.

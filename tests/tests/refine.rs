@@ -14,13 +14,18 @@ fn prepared(domain: &Domain) -> Prepared {
 }
 
 fn plc_of(domain: &Domain) -> Plc {
-    let facet = |f: &Facet| PlcFacet { polygons: f.polygons.clone(), holes: f.holes.clone() };
+    let facet = |f: &Facet| PlcFacet {
+        polygons: f.polygons.clone(),
+        holes: f.holes.clone(),
+        marker: f.marker,
+    };
     Plc {
         vertices: domain.vertices.clone(),
         facets: domain.facets.iter().map(facet).collect(),
         segments: domain.segments.iter().map(|(ends, _)| *ends).collect(),
         holes: domain.holes.clone(),
         regions: domain.regions.iter().map(|r| r.seed).collect(),
+        flat_tolerance: 0.0,
     }
 }
 

@@ -24,8 +24,13 @@ fn prepared(domain: &Domain) -> Prepared {
 }
 
 fn plc_of(domain: &Domain) -> Plc {
-    let facet = |f: &Facet| PlcFacet { polygons: f.polygons.clone(), holes: f.holes.clone() };
+    let facet = |f: &Facet| PlcFacet {
+        polygons: f.polygons.clone(),
+        holes: f.holes.clone(),
+        marker: f.marker,
+    };
     Plc {
+        flat_tolerance: 0.0,
         vertices: domain.vertices.clone(),
         facets: domain.facets.iter().map(facet).collect(),
         segments: domain.segments.iter().map(|(ends, _)| *ends).collect(),

@@ -3,7 +3,8 @@
 
 use ltbw::Random;
 use ltbw::domain::{Domain, Facet, PrepareOptions};
-use ltbw::refine::{RefineOutcome, Refined, Refiner};
+use ltbw::quality::Quality;
+use ltbw::refine::{Excuse, Reason, RefineOutcome, Refined, Refiner};
 use ltbw_verify::{Breach, Limits, Mesh, Options, Plc, PlcFacet, conforms};
 use std::f64::consts::PI;
 
@@ -90,6 +91,17 @@ fn book(sheets: u32) -> Domain {
 /// Refines and has the mesh judged: the boundary is all there, and exactly the excused tetrahedra
 /// are over their bounds. Or the outcome says that the boundary could not be recovered.
 fn certified(domain: &Domain, refiner: &Refiner<'_>, volume: Option<f64>, name: &str) -> Refined {
+    certified_within(domain, refiner, volume, 0.0, name)
+}
+
+/// The same; `tolerance`: that of the refiner.
+fn certified_within(
+    domain: &Domain,
+    refiner: &Refiner<'_>,
+    volume: Option<f64>,
+    tolerance: f64,
+    name: &str,
+) -> Refined {
     let options = PrepareOptions { oriented: false, ..PrepareOptions::default() };
     let ready = domain.prepare(&options).expect("a sound domain");
     let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
@@ -99,10 +111,15 @@ fn certified(domain: &Domain, refiner: &Refiner<'_>, volume: Option<f64>, name: 
     }
     assert!(refined.lost.is_empty(), "{name}: {:?}", refined.lost.first());
     let mesh = refined.to_tet_mesh(false);
-    let facet = |f: &Facet| PlcFacet { polygons: f.polygons.clone(), holes: f.holes.clone() };
+    let facet = |f: &Facet| PlcFacet {
+        polygons: f.polygons.clone(),
+        holes: f.holes.clone(),
+        marker: f.marker,
+    };
     let plc = Plc {
         vertices: ready.domain.vertices.clone(),
         facets: ready.domain.facets.iter().map(facet).collect(),
+        flat_tolerance: tolerance,
         ..Plc::default()
     };
     let limits = Limits { radius_edge: Some(2.0), max_volume: volume, ..Limits::default() };
@@ -113,7 +130,10 @@ fn certified(domain: &Domain, refiner: &Refiner<'_>, volume: Option<f64>, name: 
     assert!(found.counts.keys().all(bounds), "{name}: {:?}", found.findings.first());
     assert!(found.counts.values().all(|&n| n <= refined.excuses.len() as u64), "{name}");
     let own = ready.report.volume().expect("a volume").to_string();
-    assert_eq!(found.volume.expect("a volume").to_string(), own, "{name}");
+    assert_eq!(found.patches > 0, refined.stats.flat_tolerance > 0.0, "{name}");
+    let off = found.volume.expect("a volume").difference(&own).expect("a fraction");
+    assert!(off <= found.volume_within, "{name}: {off:e} {:e}", found.volume_within);
+    assert!(found.patches > 0 || found.volume_within == 0.0, "{name}");
     refined
 }
 
@@ -145,4 +165,156 @@ fn sheets_hinged_on_a_line_do_not_displace_each_other() {
     let refined = certified(&book(6), &Refiner::new(), None, "book");
     assert_eq!(refined.outcome, RefineOutcome::Excused);
     assert!(refined.num_tets() <= 2000, "{}", refined.num_tets());
+}
+
+/// The least dihedral angle in degrees, and the largest circumradius to shortest edge.
+fn shape(refined: &Refined) -> (f64, f64) {
+    let mesh = refined.to_tet_mesh(false);
+    let quality = Quality::of(&mesh.points, &mesh.tets).expect("tetrahedra");
+    (quality.dihedral.least.value, quality.radius_edge.largest.value)
+}
+
+/// A torus of n meridians and m rings, quads cut in two.
+fn torus(n: u32, m: u32) -> Domain {
+    let mut vertices = Vec::new();
+    let mut triangles = Vec::new();
+    let angle = |k: u32, n: u32| (2.0 * PI * f64::from(k) / f64::from(n)).sin_cos();
+    for i in 0..n {
+        for j in 0..m {
+            let ((y, x), (z, r)) = (angle(i, n), angle(j, m));
+            let r = 1.0 + 0.3 * r;
+            vertices.push([r * x, r * y, 0.3 * z].map(|c| f64::from(c as f32)));
+            let at = |i: u32, j: u32| (i % n) * m + j % m;
+            triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    surface(vertices, &triangles)
+}
+
+const FLAT: f64 = 5e-7;
+
+/// Folds of the last bit of a float were segments: dihedral angles of 1e-7 degrees, and twice the
+/// tetrahedra.
+#[test]
+fn spheres_of_quads_cut_in_two_are_small_and_round() {
+    let refiner = Refiner::new().flat_tolerance(FLAT);
+    for n in [12, 20, 30] {
+        let name = format!("sphere of {n}");
+        let domain = sphere(n, 0.0, 1);
+        let refined = certified_within(&domain, &refiner, None, FLAT, &name);
+        let exact = certified(&domain, &Refiner::new(), None, &name);
+        assert!(refined.stats.patches > 0, "{name}");
+        assert!(refined.num_tets() < exact.num_tets(), "{name}: {}", refined.num_tets());
+        // Where the edges of the poles' triangles meet at 12 degrees, bounds are excused.
+        assert!(
+            refined.excuses.len() * 50 <= refined.num_tets(),
+            "{name}: {}",
+            refined.excuses.len()
+        );
+        let corner = |e: &Excuse| matches!(e.reason, Reason::SmallFaceAngle { corner: 0 | 1 });
+        assert!(refined.excuses.iter().all(corner), "{name}: {:?}", refined.excuses);
+    }
+}
+
+#[test]
+fn tori_of_quads_cut_in_two_are_met() {
+    let refiner = Refiner::new().flat_tolerance(FLAT);
+    let refined = certified_within(&torus(24, 24), &refiner, None, FLAT, "torus");
+    assert_eq!(refined.outcome, RefineOutcome::Met);
+    let (angle, ratio) = shape(&refined);
+    assert!(angle > 0.01 && ratio <= 2.0, "{angle} {ratio}");
+}
+
+#[test]
+fn prisms_within_the_tolerance_are_small_and_round() {
+    let refiner = Refiner::new().flat_tolerance(FLAT);
+    for n in [12, 24, 48] {
+        for (noise, seed) in [(1e-8, 1), (1e-7, 0), (1e-7, 1), (1e-7, 2)] {
+            let name = format!("prism of {n}, noise {noise:e}, {seed}");
+            let refined = certified_within(&prism(n, noise, seed), &refiner, None, FLAT, &name);
+            let few = refined.excuses.len() * 50 <= refined.num_tets();
+            assert!(
+                refined.stats.patches > 0 && (few || noise > 1e-8),
+                "{name}: {:?}",
+                refined.excuses
+            );
+            assert!(noise > 1e-8 || shape(&refined).0 > 0.01, "{name}: {:?}", shape(&refined));
+        }
+    }
+}
+
+/// A mesh with bounds on volumes takes many points on patches.
+#[test]
+fn points_on_patches_lie_on_their_polygons() {
+    let refiner = Refiner::new().flat_tolerance(FLAT).max_volume(1e-3);
+    for (noise, seed) in [(1e-8, 3), (1e-7, 4)] {
+        let domain = prism(8, noise, seed);
+        let refined = certified_within(&domain, &refiner, Some(1e-3), FLAT, "fine prism");
+        assert_eq!(refined.outcome, RefineOutcome::Met);
+        assert!(refined.stats.facet_points > 50, "{:?}", refined.stats);
+    }
+}
+
+/// A sheet has the same cell on both sides: no patch; its neighbours have none, either.
+#[test]
+fn sheets_are_no_patches() {
+    let mut domain = book(0);
+    let corners = [[-0.5, -0.5, 0.0], [0.5, -0.5, 1e-8], [0.5, 0.5, 0.0], [-0.5, 0.5, 1e-8]];
+    let first = domain.vertices.len() as u32;
+    domain.vertices.truncate(8);
+    let first = first.min(8);
+    domain.vertices.extend(corners);
+    for t in [[0, 1, 2], [0, 2, 3]] {
+        domain.facets.push(Facet::polygon(&t.map(|k| first + k), 0));
+    }
+    let refiner = Refiner::new().flat_tolerance(FLAT);
+    let refined = certified_within(&domain, &refiner, None, FLAT, "a sheet");
+    assert_eq!((refined.stats.patches, refined.stats.flat_tolerance), (0, 0.0));
+}
+
+#[test]
+fn tolerances_that_are_none_are_refused() {
+    let ready = prism(6, 0.0, 1).prepare(&PrepareOptions::default()).expect("a sound domain");
+    for tolerance in [-1e-9, f64::NAN, f64::INFINITY, 0.01] {
+        let refiner = Refiner::new().flat_tolerance(tolerance);
+        let error = refiner.refine(&ready.domain, &ready.lattice).expect_err("no tolerance");
+        assert!(error.to_string().contains("flat-tolerance"), "{error}");
+    }
+}
+
+/// The checker finds what is wrong with the tiles of a patch.
+#[test]
+fn wrong_tiles_of_a_patch_are_found() {
+    let domain = prism(8, 1e-7, 1);
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let refined = Refiner::new()
+        .flat_tolerance(FLAT)
+        .max_volume(1e-3)
+        .refine(&ready.domain, &ready.lattice)
+        .expect("a mesh");
+    let mesh = refined.to_tet_mesh(false);
+    let judge = |tets: &[[u32; 4]], tolerance: f64| {
+        let facet = |f: &Facet| PlcFacet { polygons: f.polygons.clone(), ..PlcFacet::default() };
+        let plc = Plc {
+            vertices: ready.domain.vertices.clone(),
+            facets: ready.domain.facets.iter().map(facet).collect(),
+            flat_tolerance: tolerance,
+            ..Plc::default()
+        };
+        let view = Mesh::new(&mesh.points, tets);
+        conforms(&view, &plc, None, &Limits::default(), &Options::default())
+    };
+    let found = judge(&mesh.tets, FLAT);
+    assert!(found.passed() && found.patches >= 2, "{:?}", found.findings);
+    // Exact facets have edges that the mesh does not have.
+    assert!(!judge(&mesh.tets, 0.0).passed());
+    // Every tetrahedron on the boundary is missed.
+    let boundary: std::collections::BTreeSet<usize> =
+        refined.boundary(false).iter().map(|face| face.tet).collect();
+    for hole in boundary {
+        let mut tets = mesh.tets.clone();
+        tets.remove(hole);
+        assert!(!judge(&tets, FLAT).passed(), "without tetrahedron {hole}");
+    }
 }

@@ -54,9 +54,13 @@ pub(crate) fn json(report: &Report) -> Result<String, Failure> {
 
 /// A domain as the checker takes it.
 fn plc_of(domain: &Domain) -> Plc {
-    let facet =
-        |f: &ltbw::domain::Facet| PlcFacet { polygons: f.polygons.clone(), holes: f.holes.clone() };
+    let facet = |f: &ltbw::domain::Facet| PlcFacet {
+        polygons: f.polygons.clone(),
+        holes: f.holes.clone(),
+        marker: f.marker,
+    };
     Plc {
+        flat_tolerance: 0.0,
         vertices: domain.vertices.clone(),
         facets: domain.facets.iter().map(facet).collect(),
         segments: domain.segments.iter().map(|(ends, _)| *ends).collect(),

@@ -198,14 +198,14 @@ fn share_segment(plc: &Plc, f: u32, g: u32, corner: u32) -> bool {
 }
 
 /// For each segment and facet at it: the directions in the facet's plane, normal to the segment,
-/// in which the facet extends. Where a patch has several polygons, both sides are taken.
+/// in which the facet extends. Where a part has several polygons, both sides are taken.
 fn inward_directions(plc: &Plc) -> Map<(u32, u32), Vec<Point>> {
     let by_ends: Map<[u32; 2], u32> = (0..).zip(&plc.segments).map(|(s, e)| (e.ends, s)).collect();
     let mut inward: Map<(u32, u32), Vec<Point>> = Map::default();
     for (f, facet) in (0..).zip(&plc.facets) {
         let n = facet.plane.normal();
-        for patch in &facet.patches {
-            for polygon in &patch.polygons {
+        for part in &facet.parts {
+            for polygon in &part.polygons {
                 let at = |v: u32| plc.corners[v as usize].map(|c| c as f64);
                 let turn: f64 = (1..polygon.len())
                     .map(|k| {
@@ -219,7 +219,9 @@ fn inward_directions(plc: &Plc) -> Map<(u32, u32), Vec<Point>> {
                     let Some(&s) = by_ends.get(&edge(a, b)) else { continue };
                     let side = cross(&n, &minus(&at(b), &at(a)));
                     let list = inward.entry((s, f)).or_default();
-                    let single = patch.polygons.len() == 1 && turn != 0.0;
+                    // Polygons of a patch do not enclose each other.
+                    let single = part.polygons.len() == 1 || facet.patch.is_some();
+                    let single = single && turn != 0.0;
                     if !single || turn > 0.0 {
                         list.push(side);
                     }

@@ -1,10 +1,25 @@
 //! The bounds that a mesh has to meet, and the decision whether a tetrahedron does.
 
+use super::RefineError;
+use super::carrier::distance2;
 use super::key::sorted;
 use super::measure::{RatioBound, Shape, VolumeBound};
 use super::state::State;
+use crate::Domain;
+use crate::prepare::LARGEST_TOLERANCE;
 use ltbw_core::topology::TetId;
 use ltbw_exact::Point;
+
+/// A tolerance within which facets may be taken for coplanar.
+pub(super) fn check_tolerance(value: f64, domain: &Domain) -> Result<(), RefineError> {
+    let (low, high) = domain.bounds().unwrap_or(([0.0; 3], [0.0; 3]));
+    let largest = LARGEST_TOLERANCE * distance2(&low, &high).sqrt();
+    if (0.0..=largest).contains(&value) {
+        return Ok(());
+    }
+    let limit = format!("it has to be between 0 and {largest:e}, 2^-10 of the diagonal");
+    Err(RefineError::Bound { name: "flat-tolerance", value, limit })
+}
 
 /// The volume of a regular tetrahedron with edges of length h: h³ √2/12.
 pub(crate) fn regular_volume(h: f64) -> f64 {
@@ -65,6 +80,10 @@ impl Bounds<'_> {
         let ratio = self.ratio.filter(|bound| bound.exceeded(corners));
         // Most meet their bounds, which the filters tell without the shape.
         if volume.is_none() && field.is_none() && ratio.is_none() {
+            return None;
+        }
+        // Between the triangles of a patch: no points make that any better.
+        if state.is_flat(state.vertices(t)) {
             return None;
         }
         let shape = Shape::of(corners);

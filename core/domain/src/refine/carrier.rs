@@ -148,6 +148,19 @@ impl Plane {
         self.point(i, j)
     }
 
+    /// The same for the point of the plane that `target` is projected to along an axis, which is
+    /// not in the plane.
+    pub(crate) fn near_along(&self, axis: usize, target: &Point, tolerance: f64) -> Option<Point> {
+        let flat = |g: &Grid| [g[(axis + 1) % 3] as f64, g[(axis + 2) % 3] as f64];
+        let (o, u, v) = (flat(&self.origin), flat(&self.u), flat(&self.v));
+        let w = [0, 1].map(|k| target[(axis + 1 + k) % 3] - o[k] * UNIT as f64);
+        let turn = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+        let [uu, _, vv, _] = self.gram;
+        let i = round_to(turn(w, v) / turn(u, v), power_below(tolerance / uu.sqrt()));
+        let j = round_to(turn(u, w) / turn(u, v), power_below(tolerance / vv.sqrt()));
+        self.point(i, j)
+    }
+
     /// The point with parameters i and j; `None` outside the box.
     pub(crate) fn point(&self, i: i64, j: i64) -> Option<Point> {
         let mut p = [0.0; 3];

@@ -9,6 +9,7 @@
 //! of the planar cavity are the new subfaces.
 
 use super::carrier::Carrier;
+use super::measure::in_equatorial_ball;
 use super::state::State;
 use super::table::sides;
 use ltbw_core::topology::VertexId;
@@ -23,6 +24,15 @@ pub(crate) struct Change {
     pub(crate) removed: Vec<[VertexId; 3]>,
     /// Edges that the new point is joined to.
     pub(crate) rim: Vec<[VertexId; 2]>,
+    /// Of a patch: walls whose tetrahedra do not inherit their label, and the label they get.
+    pub(crate) relabelled: Vec<(usize, u32)>,
+}
+
+impl Change {
+    /// No change.
+    pub(crate) fn of(facet: u32) -> Self {
+        Self { facet, removed: Vec::new(), rim: Vec::new(), relabelled: Vec::new() }
+    }
 }
 
 /// Where the search for a planar cavity starts.
@@ -41,7 +51,7 @@ impl State {
         let mut candidates: Vec<[VertexId; 3]> =
             self.touched.inner.iter().filter(|(_, g)| *g == f).map(|(s, _)| *s).collect();
         let missing = self.missing_near(f, p);
-        candidates.extend(missing.into_iter().filter(|s| self.conflicts(*s, p, seed)));
+        candidates.extend(missing.into_iter().filter(|s| self.conflicts(f, *s, p, seed)));
         let mut taken = vec![false; candidates.len()];
         let mut list: Vec<usize> = Vec::new();
         for (k, s) in candidates.iter().enumerate() {
@@ -71,11 +81,11 @@ impl State {
             }
         }
         let removed: Vec<[VertexId; 3]> = list.iter().map(|&k| candidates[k]).collect();
-        self.rim(&removed, p, seed).map(|rim| Change { facet: f, removed, rim })
+        self.rim(f, &removed, p, seed).map(|rim| Change { removed, rim, ..Change::of(f) })
     }
 
     /// Is `p` in the perturbed circle of a missing subface, or on its edge that is split?
-    fn conflicts(&self, s: [VertexId; 3], p: &Point, seed: Seed) -> bool {
+    fn conflicts(&self, f: u32, s: [VertexId; 3], p: &Point, seed: Seed) -> bool {
         if let Seed::Along([x, y]) = seed
             && s.contains(&x)
             && s.contains(&y)
@@ -83,13 +93,17 @@ impl State {
             return true;
         }
         let [a, b, c] = s.map(|v| self.at(v));
-        perturb::side_of_circle(&a, &b, &c, p) == Sign::Positive
+        match self.is_patch(f) {
+            true => in_equatorial_ball(&a, &b, &c, p),
+            false => perturb::side_of_circle(&a, &b, &c, p) == Sign::Positive,
+        }
     }
 
     /// The edges of the removed subfaces that border on nothing removed, but for the one that is
     /// split; `None` if `p` is not strictly on the inner side of each.
     pub(crate) fn rim(
         &self,
+        f: u32,
         removed: &[[VertexId; 3]],
         p: &Point,
         seed: Seed,
@@ -107,14 +121,27 @@ impl State {
                     continue;
                 }
                 let (a, b) = (self.at(side[0]), self.at(side[1]));
-                let inner = coplanar_orient(&a, &b, &self.at(opposite));
-                if coplanar_orient(&a, &b, p) != inner {
+                let inner = self.turn_on(f, &a, &b, &self.at(opposite));
+                if self.turn_on(f, &a, &b, p) != inner {
                     return None;
                 }
                 rim.push(side);
             }
         }
         Some(rim)
+    }
+
+    /// The turn of three points on facet `f`; of a patch, in the projection.
+    pub(crate) fn turn_on(&self, f: u32, a: &Point, b: &Point, c: &Point) -> Sign {
+        match &self.plc.facets[f as usize].patch {
+            Some(patch) => Sign::from_ordering(patch.turn([a, b, c]).cmp(&0)),
+            None => coplanar_orient(a, b, c),
+        }
+    }
+
+    /// Is facet `f` a patch?
+    pub(crate) fn is_patch(&self, f: u32) -> bool {
+        self.plc.facets[f as usize].patch.is_some()
     }
 
     /// The facets that a point on `carrier` lies on.

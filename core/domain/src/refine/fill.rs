@@ -60,6 +60,7 @@ impl Inserted {
     ) {
         open.end(|state| {
             let p = state.fill(place, self.next_number);
+            state.relabel_walls(&filling.changes);
             self.next_number += 1;
             self.points.count(place.carrier);
             self.created.clear();

@@ -46,7 +46,8 @@ impl Refinement<'_> {
         }
         let Some(journal) = self.state.journal.take() else { return Step::Gone };
         let complete = failed.is_none() && self.state.is_complete();
-        if complete && self.state.relabel(&journal) {
+        if complete && self.state.relabel(&journal) && self.state.is_labelled(&journal) {
+            self.state.settle_dust(journal.created.iter().map(|&(t, _)| t));
             for (t, v) in journal.created {
                 if self.state.is_live(t, v)
                     && let Some(weight) =

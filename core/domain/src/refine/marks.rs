@@ -22,6 +22,9 @@ const REGION_SHIFT: u32 = 10;
 /// The largest number of a region.
 pub(crate) const MAX_REGION: u32 = u32::MAX >> REGION_SHIFT;
 
+/// Dust of a patch, which belongs to the outer side when that is known.
+pub(crate) const DUST: u32 = MAX_REGION - 1;
+
 /// The slots of edge k.
 pub(crate) const ENDS: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
@@ -79,6 +82,10 @@ impl Marks {
 
     pub(crate) fn set(&mut self, t: TetId, bits: Word) {
         self.words[t as usize] |= bits;
+    }
+
+    pub(crate) fn clear(&mut self, t: TetId, bits: Word) {
+        self.words[t as usize] &= !bits;
     }
 
     pub(crate) fn region(&self, t: TetId) -> u32 {

@@ -10,6 +10,8 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `plc` | the complex: corners, segments, facets as maximal coplanar groups |
+//! | `flat`, `patch` | polygons coplanar within a tolerance, and their projection |
+//! | `layer`, `surface` | where such a patch is in the mesh; how a point changes it |
 //! | `carrier` | points of segments and facets, with whole parameters |
 //! | `measure` | closed balls and bounds: filters and exact integers |
 //! | `marks` | marks of faces and edges, regions: one word per tetrahedron |
@@ -17,7 +19,8 @@
 //! | `registry` | pending boundary items by place |
 //! | `state`, `facet` | mesh, marks and tables; how a point changes a facet |
 //! | `angles`, `near` | where the theory gives no guarantee: small angles, narrow gaps |
-//! | `recover` | from the mesh of the corners to one that has the boundary |
+//! | `dust` | flat tetrahedra of a patch go to its outer side |
+//! | `recover`, `mend` | from the mesh of the corners to one that has the boundary |
 //! | `split` | the three rules |
 //! | `touched`, `verdict` | the boundary in an open cavity, and what follows for its point |
 //! | `fill` | the point inserted, and marks and tables brought up to date |
@@ -35,17 +38,24 @@ mod background;
 mod bounds;
 mod carrier;
 mod defer;
+mod dust;
 mod facet;
 mod fill;
+mod flat;
 mod item;
 mod joint;
 mod journal;
 mod key;
+mod layer;
 mod marks;
 mod measure;
+mod mend;
 mod near;
 mod outcome;
 mod output;
+mod patch;
+#[cfg(test)]
+mod patch_tests;
 mod plc;
 mod record;
 mod recover;
@@ -55,6 +65,7 @@ mod rounds;
 mod run;
 mod split;
 mod state;
+mod surface;
 mod table;
 #[cfg(test)]
 mod tests;

@@ -122,7 +122,7 @@ fn corner_distance(plc: &Plc, p: &Point, facet: &Facet) -> Option<f64> {
         }
         inside
     };
-    facet.patches.iter().flat_map(|patch| &patch.polygons).any(over).then_some(distance)
+    facet.parts.iter().flat_map(|part| &part.polygons).any(over).then_some(distance)
 }
 
 /// The distance of two segments that have no corner in common, if it is between points inside both.

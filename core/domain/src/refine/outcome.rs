@@ -113,6 +113,10 @@ pub struct RefineStats {
     pub round_points: u64,
     /// Phases in which items that wait for each other in a circle were split jointly.
     pub joint_phases: u64,
+    /// The distance within which facets were taken for coplanar: as asked for, or 0.
+    pub flat_tolerance: f64,
+    /// Sets of facets that are coplanar within it, but not exactly.
+    pub patches: usize,
     /// Seconds for the first mesh and the recovery of the boundary.
     pub recover_seconds: f64,
     /// Seconds for the splitting of tetrahedra.

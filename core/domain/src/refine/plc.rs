@@ -6,7 +6,9 @@
 
 use super::RefineError;
 use super::carrier::{Grid, Line, Plane};
-use super::table::{Map, edge};
+use super::flat::{self, Polygon};
+use super::patch::Patch;
+use super::table::{Map, Set, edge};
 use crate::{Domain, Element, Lattice};
 
 /// A segment of the complex.
@@ -17,11 +19,13 @@ pub(crate) struct Segment {
     pub(crate) line: Line,
     /// The facets that it lies on, ascending.
     pub(crate) facets: Vec<u32>,
+    /// The facets of these whose polygons are on both sides of it.
+    pub(crate) twice: Vec<u32>,
 }
 
-/// A facet of the domain as part of a plane.
+/// A facet of the domain as part of one of the complex.
 #[derive(Clone, Debug)]
-pub(crate) struct Patch {
+pub(crate) struct Part {
     /// Its polygons.
     pub(crate) polygons: Vec<Vec<u32>>,
     /// Points in its holes, in fine steps.
@@ -29,13 +33,23 @@ pub(crate) struct Patch {
     pub(crate) marker: i32,
 }
 
-/// A maximal set of coplanar facets of the domain.
+/// A maximal set of coplanar facets of the domain, or a patch: facets that are connected and
+/// coplanar within the tolerance.
 #[derive(Clone, Debug)]
 pub(crate) struct Facet {
+    /// The plane; of a patch that of its largest polygon.
     pub(crate) plane: Plane,
-    pub(crate) patches: Vec<Patch>,
+    pub(crate) parts: Vec<Part>,
+    /// The geometry of a patch.
+    pub(crate) patch: Option<Patch>,
     /// The corners on it, ascending.
     pub(crate) corners: Vec<u32>,
+}
+
+impl Facet {
+    fn new(plane: Plane, patch: Option<Patch>) -> Self {
+        Self { plane, parts: Vec::new(), patch, corners: Vec::new() }
+    }
 }
 
 /// The complex.
@@ -68,7 +82,20 @@ impl Plc {
     ///
     /// # Errors
     /// Polygons that are degenerate or that are not planar and cannot be divided.
+    #[cfg(test)]
     pub(crate) fn new(domain: &Domain, lattice: &Lattice) -> Result<Self, RefineError> {
+        Self::within(domain, lattice, 0.0)
+    }
+
+    /// The same; polygons that are coplanar within `tolerance` make one facet.
+    ///
+    /// # Errors
+    /// Those of [`Plc::new`].
+    pub(crate) fn within(
+        domain: &Domain,
+        lattice: &Lattice,
+        tolerance: f64,
+    ) -> Result<Self, RefineError> {
         let mut plc = Self::default();
         for (v, p) in (0..).zip(&domain.vertices) {
             let steps = lattice.steps(p);
@@ -76,22 +103,48 @@ impl Plc {
         }
         let mut groups: Map<PlaneKey, u32> = Map::default();
         let scale = |p: &ltbw_exact::Point| p.map(|c| c / lattice.fine_step());
-        for (f, facet) in (0..).zip(&domain.facets) {
+        let in_patch = plc.join_patches(domain, tolerance / lattice.step())?;
+        for (f, facet) in (0..).zip(&domain.facets).filter(|(f, _)| !in_patch.contains(f)) {
             let holes: Vec<ltbw_exact::Point> = facet.holes.iter().map(scale).collect();
             for polygons in plc.planar_pieces(f, &facet.polygons)? {
                 let (key, plane) = plc.plane_of(f, &polygons)?;
                 let next = plc.facets.len() as u32;
                 let group = *groups.entry(key).or_insert(next);
                 if group == next {
-                    plc.facets.push(Facet { plane, patches: Vec::new(), corners: Vec::new() });
+                    plc.facets.push(Facet::new(plane, None));
                 }
-                let patch = Patch { polygons, holes: holes.clone(), marker: facet.marker };
-                plc.facets[group as usize].patches.push(patch);
+                let part = Part { polygons, holes: holes.clone(), marker: facet.marker };
+                plc.facets[group as usize].parts.push(part);
             }
         }
         plc.join_edges(&domain.segments);
         plc.join_corners(&groups);
         Ok(plc)
+    }
+
+    /// Makes facets of the polygons that are coplanar within `tolerance` steps, and returns which
+    /// facets of the domain are in these.
+    fn join_patches(&mut self, domain: &Domain, tolerance: f64) -> Result<Set<u32>, RefineError> {
+        let mut taken = Set::default();
+        if tolerance <= 0.0 {
+            return Ok(taken);
+        }
+        for group in flat::patches(&self.corners, domain, tolerance) {
+            let mut pieces = Vec::new();
+            for Polygon { facet, corners, .. } in &group.polygons {
+                let polygons = [corners.clone()];
+                pieces.push((corners.clone(), self.plane_of(*facet, &polygons)?.1));
+                taken.insert(*facet);
+            }
+            let Some(&(_, plane)) = pieces.first() else { continue };
+            let marker = domain.facets[group.polygons[0].facet as usize].marker;
+            let polygons = group.polygons.into_iter().map(|p| p.corners).collect();
+            let patch = Patch::new(&self.corners, group.axis, pieces);
+            let mut facet = Facet::new(plane, Some(patch));
+            facet.parts.push(Part { polygons, holes: Vec::new(), marker });
+            self.facets.push(facet);
+        }
+        Ok(taken)
     }
 
     /// The polygons of a facet, if it is planar; else its triangles, one list each.
@@ -151,15 +204,15 @@ impl Plc {
             }
         };
         for (f, facet) in (0..).zip(&self.facets) {
-            for patch in &facet.patches {
-                for polygon in &patch.polygons {
+            for part in &facet.parts {
+                for polygon in &part.polygons {
                     for (k, &a) in polygon.iter().enumerate() {
                         let b = polygon[(k + 1) % polygon.len()];
                         touch(a, b, &mut |uses| {
                             uses.facets.push(f);
                             match polygon.len() {
                                 2 => uses.drawn = true,
-                                _ => uses.polygons.push((f, patch.marker)),
+                                _ => uses.polygons.push((f, part.marker)),
                             }
                         });
                     }
@@ -175,9 +228,11 @@ impl Plc {
             facets.sort_unstable();
             facets.dedup();
             if !continues {
+                let sides = |f: &&u32| polygons.iter().filter(|(g, _)| g == *f).count() > 1;
+                let twice = facets.iter().filter(sides).copied().collect();
                 let [from, to] = key.map(|v| self.corners[v as usize]);
                 let line = Line { from, to };
-                self.segments.push(Segment { ends: key, line, facets });
+                self.segments.push(Segment { ends: key, line, facets, twice });
             }
         }
     }
@@ -188,7 +243,7 @@ impl Plc {
         let mut facets_at = vec![Vec::new(); self.corners.len()];
         let mut used = vec![false; self.corners.len()];
         for (f, facet) in (0..).zip(&self.facets) {
-            for &v in facet.patches.iter().flat_map(|p| p.polygons.iter().flatten()) {
+            for &v in facet.parts.iter().flat_map(|p| p.polygons.iter().flatten()) {
                 facets_at[v as usize].push(f);
                 used[v as usize] = true;
             }

@@ -10,7 +10,7 @@ use super::RefineError;
 use super::carrier::UNIT;
 use super::item::{Item, Work};
 use super::marks::{ENDS, face_bit};
-use super::plc::{Facet, Patch};
+use super::plc::{Facet, Part};
 use super::state::{FACE, State};
 use super::table::{Map, Set, edge, triangle};
 use ltbw_core::Builder;
@@ -77,6 +77,10 @@ impl State {
         }
         self.at_edge = Some(Map::default());
         for (f, vertices) in (0..).zip(on) {
+            // The layers of patches are found when the rest is there.
+            if self.is_patch(f) {
+                continue;
+            }
             for key in self.triangulate(f, &vertices)? {
                 self.add_subface(key, f);
             }
@@ -138,7 +142,7 @@ impl State {
                 continue;
             }
             // A component between subsegments is in the facet as a whole, or not at all.
-            let verdict = Some(self.patch_of(facet, axis, keys[first]).is_some());
+            let verdict = Some(self.part_of(facet, axis, keys[first]).is_some());
             let mut stack = vec![first];
             inside[first] = verdict;
             while let Some(k) = stack.pop() {
@@ -158,24 +162,24 @@ impl State {
         Ok(keys.into_iter().zip(inside).filter(|(_, i)| *i == Some(true)).map(|(k, _)| k).collect())
     }
 
-    /// The patch that the centroid of a triangle is in, and not in a hole of it; `None` if it is in
+    /// The part that the centroid of a triangle is in, and not in a hole of it; `None` if it is in
     /// no part of the facet.
-    fn patch_of<'f>(
+    fn part_of<'f>(
         &self,
         facet: &'f Facet,
         axis: usize,
         corners: [VertexId; 3],
-    ) -> Option<&'f Patch> {
+    ) -> Option<&'f Part> {
         let p = corners.map(|v| self.at(v));
         let axes = [(axis + 1) % 3, (axis + 2) % 3];
         // Three times the centroid, whole.
         let centre = axes.map(|k| (0..3).map(|i| p[i][k] as i128).sum::<i128>());
-        facet.patches.iter().find(|patch| {
-            let own = self.enclosing(patch, axes, centre);
+        facet.parts.iter().find(|part| {
+            let own = self.enclosing(part, axes, centre);
             own.contains(&true)
-                && !patch.holes.iter().any(|hole| {
+                && !part.holes.iter().any(|hole| {
                     let hole = axes.map(|k| (3.0 * hole[k]).round() as i128);
-                    self.enclosing(patch, axes, hole) == own
+                    self.enclosing(part, axes, hole) == own
                 })
         })
     }
@@ -184,17 +188,17 @@ impl State {
     pub(crate) fn marker(&self, subface: [VertexId; 3]) -> i32 {
         let Some(&f) = self.subfaces.get(&subface) else { return 0 };
         let facet = &self.plc.facets[f as usize];
-        let first = facet.patches.first().map_or(0, |p| p.marker);
-        if facet.patches.iter().all(|p| p.marker == first) {
+        let first = facet.parts.first().map_or(0, |p| p.marker);
+        if facet.parts.iter().all(|p| p.marker == first) {
             return first;
         }
-        let patch = self.patch_of(facet, dominant(&facet.plane.normal()), subface);
-        patch.map_or(first, |p| p.marker)
+        let part = self.part_of(facet, dominant(&facet.plane.normal()), subface);
+        part.map_or(first, |p| p.marker)
     }
 
-    /// Which polygons of a patch enclose a point, given three times its coordinates: those whose
+    /// Which polygons of a part enclose a point, given three times its coordinates: those whose
     /// outline a ray from it crosses an odd number of times.
-    fn enclosing(&self, patch: &Patch, axes: [usize; 2], [x, y]: [i128; 2]) -> Vec<bool> {
+    fn enclosing(&self, part: &Part, axes: [usize; 2], [x, y]: [i128; 2]) -> Vec<bool> {
         let at = |v: u32| axes.map(|k| 3 * i128::from(self.plc.corners[v as usize][k] * UNIT));
         let encloses = |polygon: &Vec<u32>| {
             let mut inside = false;
@@ -209,7 +213,7 @@ impl State {
             }
             inside
         };
-        patch.polygons.iter().map(encloses).collect()
+        part.polygons.iter().map(encloses).collect()
     }
 }
 

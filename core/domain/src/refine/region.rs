@@ -6,7 +6,8 @@
 
 use super::RefineError;
 use super::journal::Journal;
-use super::marks::{MAX_REGION, face_bit, region_of};
+use super::layer::Found;
+use super::marks::{DUST, MAX_REGION, face_bit, region_of};
 use super::state::State;
 use super::table::{Map, Set};
 use crate::Element;
@@ -30,7 +31,8 @@ pub struct RegionInfo {
 }
 
 impl State {
-    /// Labels all tetrahedra; returns the regions, the exterior first.
+    /// Labels all tetrahedra; returns the regions, the exterior first, or `None` if the labels do
+    /// not say what the sides of a patch are. `layers`: those of all patches.
     ///
     /// # Errors
     /// A seed that lies on the boundary; no region inside.
@@ -38,7 +40,8 @@ impl State {
         &mut self,
         holes: &[Point],
         seeds: &[crate::Region],
-    ) -> Result<Vec<RegionInfo>, RefineError> {
+        layers: Option<&Found>,
+    ) -> Result<Option<Vec<RegionInfo>>, RefineError> {
         let slots = self.mesh.topology().slots() as TetId;
         let mut places = Vec::new();
         {
@@ -57,6 +60,9 @@ impl State {
             }
         }
         (0..slots).for_each(|t| self.marks.set_region(t, UNKNOWN));
+        if layers.is_some_and(|layers| !self.bar(layers)) {
+            return Ok(None);
+        }
         let mut stack: Vec<TetId> = self
             .mesh
             .topology()
@@ -79,12 +85,16 @@ impl State {
         for t in 0..slots {
             let used = !self.mesh.topology().at(t).is_free();
             if used && self.marks.region(t) == UNKNOWN {
-                let label = (regions.len() as u32).min(UNKNOWN - 1);
+                let label = (regions.len() as u32).min(DUST - 1);
                 regions.push(RegionInfo::default());
                 self.start(t, label, &mut stack);
             }
         }
-        if regions.len() == 1 { Err(RefineError::NoInterior) } else { Ok(regions) }
+        if regions.len() == 1 {
+            return Err(RefineError::NoInterior);
+        }
+        let chosen = layers.is_none_or(|layers| self.choose_layers(layers));
+        Ok(chosen.then_some(regions))
     }
 
     fn start(&mut self, t: TetId, label: u32, stack: &mut Vec<TetId>) {

@@ -1,7 +1,7 @@
 //! The driver: recover the boundary, find the regions, split what is over its bounds.
 
 use super::RefineError;
-use super::bounds::{Bounds, SizeField, regular_volume};
+use super::bounds::{Bounds, SizeField, check_tolerance, regular_volume};
 use super::carrier::{Carrier, UNIT, corner_point};
 use super::item::{Item, Queues, Work};
 use super::measure::{RatioBound, VolumeBound};
@@ -60,6 +60,7 @@ pub struct Refiner<'a> {
     max_volume: Option<f64>,
     field: Option<&'a SizeField<'a>>,
     floor: Option<f64>,
+    flat_tolerance: f64,
     max_points: Option<u64>,
     cancel: Option<&'a CancelToken>,
     observer: Option<&'a dyn Observer>,
@@ -73,6 +74,7 @@ impl std::fmt::Debug for Refiner<'_> {
             .field("max_volume", &self.max_volume)
             .field("field", &self.field.is_some())
             .field("floor", &self.floor)
+            .field("flat_tolerance", &self.flat_tolerance)
             .field("max_points", &self.max_points)
             .finish_non_exhaustive()
     }
@@ -85,6 +87,7 @@ impl Default for Refiner<'_> {
             max_volume: None,
             field: None,
             floor: None,
+            flat_tolerance: 0.0,
             max_points: None,
             cancel: None,
             observer: None,
@@ -130,6 +133,21 @@ impl<'a> Refiner<'a> {
     /// side.
     pub fn floor(mut self, length: f64) -> Self {
         self.floor = Some(length);
+        self
+    }
+
+    /// Sets the distance within which neighbouring facets are one plane, in the coordinates of the
+    /// domain: at most 2^-10 of the diagonal of its box. By default 0: facets are what they are.
+    ///
+    /// Facets of one polygon that are coplanar within the tolerance make a *patch*. The edges
+    /// inside a patch need not be in the mesh; its vertices and its outline are, exactly, and new
+    /// vertices lie exactly on its polygons. Only surfaces that separate have patches: facets that
+    /// edges connect to an edge of an odd number of facets stay what they are.
+    ///
+    /// If the patches cannot be brought into the mesh, and in rounds, the tolerance is 0 after all:
+    /// [`RefineStats::flat_tolerance`] says so.
+    pub fn flat_tolerance(mut self, length: f64) -> Self {
+        self.flat_tolerance = length;
         self
     }
 
@@ -189,9 +207,36 @@ impl<'a> Refiner<'a> {
         domain: &Domain,
         lattice: &Lattice,
     ) -> Result<(Run<'a>, Vec<RegionInfo>), RefineError> {
+        self.check_bounds(domain, lattice)?;
         let clock = Instant::now();
-        self.check_bounds(lattice)?;
-        let plc = Plc::new(domain, lattice)?;
+        let sought = self.flat_tolerance > 0.0 && self.engine == Engine::Queues;
+        let within = match sought {
+            true => self.recovered_within(domain, lattice, self.flat_tolerance)?,
+            false => None,
+        };
+        let done = match within {
+            Some(done) => Some(done),
+            None => self.recovered_within(domain, lattice, 0.0)?,
+        };
+        // Without patches there is nothing that may not be found.
+        let (mut run, regions) = done.ok_or(RefineError::NoInterior)?;
+        run.stats.recover_seconds = clock.elapsed().as_secs_f64();
+        Ok((run, regions))
+    }
+
+    /// The same within a tolerance; `None` if the patches cannot be brought into the mesh, or have
+    /// one region on both sides.
+    fn recovered_within(
+        &self,
+        domain: &Domain,
+        lattice: &Lattice,
+        tolerance: f64,
+    ) -> Result<Option<(Run<'a>, Vec<RegionInfo>)>, RefineError> {
+        let plc = Plc::within(domain, lattice, tolerance)?;
+        let patches = plc.facets.iter().filter(|facet| facet.patch.is_some()).count();
+        if tolerance > 0.0 && patches == 0 {
+            return Ok(None);
+        }
         let (mesh, kernel) = first_mesh(&plc, lattice)?;
         let carriers = mesh.numbers().iter().map(|&c| Carrier::Corner(c)).collect();
         let next_number = plc.corners.len() as Vertex;
@@ -201,30 +246,41 @@ impl<'a> Refiner<'a> {
             refiner: *self,
             refinement: Refinement::new(State::new(mesh, plc, carriers, near), next_number, floor),
             work: Queues::default(),
-            stats: RefineStats::default(),
+            stats: RefineStats { flat_tolerance: tolerance, patches, ..RefineStats::default() },
             steps: 0,
             most: self.max_points.unwrap_or_else(|| self.default_budget(domain)),
             stop: None,
         };
         run.recover(&kernel)?;
+        let found = match patches {
+            0 => None,
+            _ => match run.recover_patches()? {
+                Some(found) => Some(found),
+                None => return Ok(None),
+            },
+        };
         let mut regions = vec![RegionInfo::default()];
         if run.refinement.state.is_complete() {
-            regions = run.refinement.state.flood(&domain.holes, &domain.regions)?;
+            let state = &mut run.refinement.state;
+            match state.flood(&domain.holes, &domain.regions, found.as_ref())? {
+                Some(all) => regions = all,
+                None => return Ok(None),
+            }
             run.refinement.bounds = Some(self.bounds(&regions, lattice));
             run.put_all();
         }
-        run.stats.recover_seconds = clock.elapsed().as_secs_f64();
-        Ok((run, regions))
+        Ok(Some((run, regions)))
     }
 
     /// Bounds that no mesh can meet are errors.
-    fn check_bounds(&self, lattice: &Lattice) -> Result<(), RefineError> {
+    fn check_bounds(&self, domain: &Domain, lattice: &Lattice) -> Result<(), RefineError> {
         if let Some(value) = self.radius_edge
             && !(1.0..=1e100).contains(&value)
         {
             let limit = "it has to be at least 1 (refinement is sure to end from 2 on)".into();
             return Err(RefineError::Bound { name: "radius-edge", value, limit });
         }
+        check_tolerance(self.flat_tolerance, domain)?;
         let least = lattice.fine_step() * 1024.0;
         let least = least * least * least;
         if let Some(value) = self.max_volume
@@ -303,31 +359,12 @@ pub(super) struct Run<'a> {
     stats: RefineStats,
     steps: u64,
     /// The most points to insert.
-    most: u64,
+    pub(super) most: u64,
     /// Why the work stops early.
-    stop: Option<Reason>,
+    pub(super) stop: Option<Reason>,
 }
 
 impl Run<'_> {
-    /// Splits what is missing until every subsegment, then every subface is there.
-    fn recover(&mut self, kernel: &[VertexId]) -> Result<(), RefineError> {
-        self.refinement.state.enter_segments(kernel, &mut self.work);
-        self.drain_boundary()?;
-        self.refinement.state.enter_subfaces(&mut self.work)?;
-        self.drain_boundary()?;
-        self.refinement.state.at_edge = None;
-        Ok(())
-    }
-
-    fn drain_boundary(&mut self) -> Result<(), RefineError> {
-        // Ends: every insertion takes a new point of the finite lattice, refused items do not
-        // come back, and a deferred one waits for an insertion or for a refusal.
-        while let Some(item) = self.work.next_boundary() {
-            self.step(item)?;
-        }
-        Ok(())
-    }
-
     /// Splits tetrahedra until none is over its bounds, boundary items first; or until there are
     /// this many vertices and no boundary item waits.
     fn refine(&mut self, vertices: usize) -> Result<(), RefineError> {
@@ -376,7 +413,7 @@ impl Run<'_> {
     }
 
     /// One transaction.
-    fn step(&mut self, item: Item) -> Result<(), RefineError> {
+    pub(super) fn step(&mut self, item: Item) -> Result<(), RefineError> {
         self.steps += 1;
         if self.steps.is_multiple_of(CHECK_EVERY) {
             self.look()?;
@@ -402,7 +439,7 @@ impl Run<'_> {
 
     /// Tells the observer, asks the token.
     #[cold]
-    fn look(&mut self) -> Result<(), RefineError> {
+    pub(super) fn look(&mut self) -> Result<(), RefineError> {
         if let Some(observer) = self.refiner.observer {
             observer.progress(self.refinement.state.mesh.num_vertices() as u64, 0);
         }
@@ -428,6 +465,7 @@ impl Run<'_> {
         state.mesh.set_next_number(inserted.next_number);
         let mut excuses = Vec::new();
         if let Some(bounds) = &bounds {
+            state.settle_all_dust();
             for t in state.mesh.tet_ids().filter(|&t| bounds.excess(&state, t).is_some()) {
                 let item = Item::Tet(t, state.vertices(t));
                 let reason = refused.get(&item).map(|r| r.reason).or(self.stop);

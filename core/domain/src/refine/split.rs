@@ -10,6 +10,7 @@ use super::bounds::Bounds;
 use super::carrier::{Carrier, Line, distance2, free_point};
 use super::fill::Inserted;
 use super::item::{Item, Work};
+use super::layer::Hole;
 use super::measure::{Shape, circumcircle};
 use super::outcome::Reason;
 use super::record::{Record, Refusal};
@@ -19,6 +20,7 @@ use super::walk::Way;
 use ltbw_core::cavity::{Admission, Setback};
 use ltbw_core::mesh::At;
 use ltbw_core::topology::{TetId, VertexId};
+use ltbw_exact::Point;
 
 /// A point may be this part of the radius away from the ideal one.
 pub(crate) const TOLERANCE: f64 = 1.0 / 1000.0;
@@ -161,10 +163,9 @@ impl<'a> Refinement<'a> {
             return Step::Refused(Reason::Floor);
         }
         for tolerance in [square.sqrt() * TOLERANCE, 1.0] {
-            let plane = self.state.plc.facets[f as usize].plane;
-            let Some(p) = plane.near(&centre, tolerance) else { continue };
+            let Some((p, is_on)) = self.state.place_on(f, &centre, tolerance) else { continue };
             let place = Place { p, carrier: Carrier::Facet(f), from: self.state.mesh.hint() };
-            let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place);
+            let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, is_on);
             match self.propose(&place, work, admission, verdict) {
                 Proposal::Inserted => return Step::Inserted,
                 Proposal::Deferred(first) => {
@@ -178,6 +179,40 @@ impl<'a> Refinement<'a> {
         }
         let reason = self.state.angles.facet_reason.get(&f).copied();
         Step::Refused(reason.unwrap_or(Reason::Rounding))
+    }
+
+    /// Rule 2 for a triangle that a patch lacks, while the boundary is recovered: inserts a point
+    /// near its centre, or splits the subsegment that is in the way.
+    pub(crate) fn fill_hole<W: Work, A: Admission>(
+        &mut self,
+        hole: &Hole,
+        work: &mut W,
+        admission: &mut A,
+    ) -> Step {
+        if let Some(segment) = hole.between {
+            return self.split(Item::Segment(segment), work, admission);
+        }
+        if hole.square() < self.floor * self.floor {
+            return Step::Refused(Reason::Floor);
+        }
+        for tolerance in [hole.square().sqrt() * TOLERANCE, 1.0] {
+            let Some((p, is_on)) = self.state.place_on(hole.facet, &hole.centre, tolerance) else {
+                continue;
+            };
+            let carrier = Carrier::Facet(hole.facet);
+            let place = Place { p, carrier, from: self.state.mesh.hint() };
+            match self.propose(&place, work, admission, |judge| judge.on_hole(is_on)) {
+                Proposal::Inserted => return Step::Inserted,
+                Proposal::Deferred(first) => {
+                    let Some(&first) = first.first() else { continue };
+                    return self.split(first, work, admission);
+                }
+                Proposal::Refused(reason) => return Step::Refused(reason),
+                Proposal::Useless => {}
+                Proposal::SetBack(setback) => return Step::SetBack(setback),
+            }
+        }
+        Step::Refused(Reason::Rounding)
     }
 
     /// Rule 3: a tetrahedron is split near its circumcentre, unless a subface is on the way there,
@@ -289,6 +324,17 @@ impl State {
         let steps = shell / pace;
         let t = if sharp_low { low as f64 + steps } else { high as f64 - steps };
         Line::near(t, 1.0, low, high)
+    }
+
+    /// A point near `centre` on facet `f`, and `true`; or, if a patch has no polygon there, the
+    /// place itself, where no point may be inserted.
+    fn place_on(&self, f: u32, centre: &Point, tolerance: f64) -> Option<(Point, bool)> {
+        let facet = &self.plc.facets[f as usize];
+        let Some(patch) = &facet.patch else {
+            return facet.plane.near(centre, tolerance).map(|p| (p, true));
+        };
+        let on = patch.place(centre, tolerance).map(|p| (p, true));
+        on.or_else(|| free_point(centre, 1.0).map(|p| (p, false)))
     }
 
     /// The small angle that a tetrahedron is at, if any of its vertices is on something at one.

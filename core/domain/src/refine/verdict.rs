@@ -52,18 +52,28 @@ impl Judge<'_> {
             return Verdict::Refuse(reason);
         }
         let mut changes = Vec::new();
-        for f in state.facets_of(place.carrier) {
+        for f in state.facets_of(place.carrier).into_iter().filter(|&f| state.is_planned(f)) {
             match state.plan(f, &place.p, Seed::Along(ends)) {
                 Some(change) => changes.push(change),
                 None => return Verdict::Refuse(reason.unwrap_or(Reason::Rounding)),
             }
         }
+        match state.plan_patches(&place.p, place.carrier, Some(ends), &changes) {
+            Some(patches) => changes.extend(patches),
+            None => return Verdict::Refuse(reason.unwrap_or(Reason::Rounding)),
+        }
         let lost = state.losses(Some(ends), &changes);
         self.spare(item, place, Filling { split: Some((ends, s)), changes, lost })
     }
 
-    /// On a point that is to split a subface of facet `f`.
-    pub(crate) fn on_subface(&self, corners: [VertexId; 3], f: u32, place: &Place) -> Verdict {
+    /// On a point that is to split a subface of facet `f`, if it `is_on` it.
+    pub(crate) fn on_subface(
+        &self,
+        corners: [VertexId; 3],
+        f: u32,
+        place: &Place,
+        is_on: bool,
+    ) -> Verdict {
         let (state, item) = (self.state, Item::Subface(corners));
         let reason = state.angles.facet_reason.get(&f).copied();
         if let Some(reason) = reason.filter(|_| self.is_too_near(item, &place.p)) {
@@ -72,16 +82,34 @@ impl Judge<'_> {
         if !state.touched.hit_segments.is_empty() {
             return Verdict::Defer(state.hits());
         }
-        if let Some(change) = state.plan(f, &place.p, Seed::At(corners))
-            && change.removed.contains(&corners)
+        let changes = match state.is_planned(f) {
+            _ if !is_on => None,
+            true => state.plan(f, &place.p, Seed::At(corners)).map(|change| vec![change]),
+            false => state.plan_patches(&place.p, place.carrier, None, &[]),
+        };
+        if let Some(changes) = changes
+            && changes.iter().any(|change| change.removed.contains(&corners))
         {
-            let changes = vec![change];
             let lost = state.losses(None, &changes);
             return self.spare(item, place, Filling { split: None, changes, lost });
         }
         match state.segment_between(corners, f, &place.p) {
             Some(segment) => Verdict::Defer(vec![Item::Segment(segment)]),
             None => Verdict::Useless,
+        }
+    }
+
+    /// On a point in a hole of a patch, if it `is_on` the patch.
+    pub(crate) fn on_hole(&self, is_on: bool) -> Verdict {
+        let hits = &self.state.touched.hit_segments;
+        if !hits.is_empty() {
+            return Verdict::Defer(hits.iter().map(|&s| Item::Segment(s)).collect());
+        }
+        match is_on {
+            true => {
+                Verdict::Fill(Filling { lost: self.state.losses(None, &[]), ..Filling::default() })
+            }
+            false => Verdict::Useless,
         }
     }
 

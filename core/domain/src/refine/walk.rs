@@ -89,8 +89,8 @@ impl State {
         // A missing subface is in no cavity, but its own sides may be what is between.
         let beyond = |&(side, opposite): &([VertexId; 2], VertexId)| {
             let [a, b] = side.map(|v| self.at(v));
-            let inner = coplanar_orient(&a, &b, &self.at(opposite));
-            self.segments.contains_key(&side) && coplanar_orient(&a, &b, p) != inner
+            let inner = self.turn_on(f, &a, &b, &self.at(opposite));
+            self.segments.contains_key(&side) && self.turn_on(f, &a, &b, p) != inner
         };
         let own = sides(s).into_iter().filter(beyond).map(|(side, _)| side);
         if let Some(side) = own.min_by_key(|&side| self.place_of(Item::Segment(side))) {
@@ -98,9 +98,9 @@ impl State {
         }
         // The cavity is star-shaped from `p` and has the subface: what is between them is in it.
         let side =
-            |a: VertexId, b: &Point, c: VertexId| coplanar_orient(&self.at(a), b, &self.at(c));
+            |a: VertexId, b: &Point, c: VertexId| self.turn_on(f, &self.at(a), b, &self.at(c));
         let separates = |[x, y]: [VertexId; 2]| {
-            let (b, mine) = (self.at(y), coplanar_orient(&self.at(x), &self.at(y), p));
+            let (b, mine) = (self.at(y), self.turn_on(f, &self.at(x), &self.at(y), p));
             let theirs = s.map(|v| side(x, &b, v));
             let between = !mine.is_zero() && theirs.contains(&-mine) && !theirs.contains(&mine);
             let crosses = s.iter().any(|&v| {

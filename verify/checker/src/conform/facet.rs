@@ -125,7 +125,7 @@ fn big_area(a: Flat, b: Flat, c: Flat) -> BigInt {
 }
 
 /// Does a ray from `p` cross the outline an odd number of times?
-fn encloses(polygon: &[Flat], p: Flat) -> bool {
+pub(super) fn encloses(polygon: &[Flat], p: Flat) -> bool {
     let mut inside = false;
     for (k, &a) in polygon.iter().enumerate() {
         let b = polygon[(k + 1) % polygon.len()];
@@ -137,7 +137,7 @@ fn encloses(polygon: &[Flat], p: Flat) -> bool {
     inside
 }
 
-fn is_on_outline(polygon: &[Flat], p: Flat) -> bool {
+pub(super) fn is_on_outline(polygon: &[Flat], p: Flat) -> bool {
     (0..polygon.len()).any(|k| {
         let (a, b) = (polygon[k], polygon[(k + 1) % polygon.len()]);
         twice_area(a, b, p) == 0 && (0..2).all(|i| a[i].min(b[i]) <= p[i] && p[i] <= a[i].max(b[i]))

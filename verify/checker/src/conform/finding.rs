@@ -32,6 +32,9 @@ pub enum Breach {
     FacetDegenerate,
     /// The faces of the mesh do not tile the facets of one plane. `ids`: the first of these.
     FacetNotTiled,
+    /// A face on a patch turns over in the projection, against most of the others. `ids`: a
+    /// tetrahedron, and the face's vertices.
+    PatchFolded,
     /// A face of one tetrahedron is on no facet. `ids`: the tetrahedron, and the face's vertices.
     HullFaceOffFacet,
     /// Two tetrahedra that no facet separates have different tags. `ids`: both.
@@ -55,6 +58,7 @@ impl Breach {
             Self::SegmentBroken => "this edge of the domain is no chain of edges of the mesh",
             Self::FacetDegenerate => "the corners of this facet are collinear",
             Self::FacetNotTiled => "the faces of the mesh do not tile this facet",
+            Self::PatchFolded => "this face turns over in the projection of its patch",
             Self::HullFaceOffFacet => "this face of one tetrahedron is on no facet",
             Self::TagsDiffer => "no facet separates them, but their tags differ",
             Self::HoleMeshed => "this hole's point is in this tetrahedron",
@@ -100,6 +104,10 @@ pub struct Conformity {
     pub cells: u64,
     /// In-sphere and orientation tests that a filter decided, and those that were exact.
     pub tests: (u64, u64),
+    /// Sets of facets that are coplanar within the tolerance, but not exactly.
+    pub patches: u64,
+    /// The volume is that of the domain within this much, by its patches.
+    pub volume_within: f64,
     /// The exact volume; `None` if coordinates are too fine.
     pub volume: Option<Fraction>,
 }

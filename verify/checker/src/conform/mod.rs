@@ -21,6 +21,10 @@
 mod bounds;
 mod facet;
 mod finding;
+mod flat;
+mod patch;
+mod place;
+mod slab;
 mod whole;
 
 use crate::defect::{Findings, Level};
@@ -33,6 +37,7 @@ use crate::sweep::pieces;
 use facet::FlatFacet;
 pub use finding::{Breach, Conformity, Finding, Limits};
 use num_bigint::BigInt;
+use place::{along, groups, holds};
 use std::collections::{HashMap, HashSet};
 pub use whole::Fraction;
 use whole::{Units, Whole, six_volumes};
@@ -44,6 +49,8 @@ pub struct PlcFacet {
     pub polygons: Vec<Vec<u32>>,
     /// A point in each hole.
     pub holes: Vec<Point>,
+    /// Facets of different markers are in different patches.
+    pub marker: i32,
 }
 
 /// A domain (a piecewise linear complex) in the coordinates of the mesh.
@@ -59,6 +66,8 @@ pub struct Plc {
     pub holes: Vec<Point>,
     /// A point in each region.
     pub regions: Vec<Point>,
+    /// The distance within which facets may be taken for coplanar (`flat`); 0: not at all.
+    pub flat_tolerance: f64,
 }
 
 /// Checks a mesh against the domain that it is to be a mesh of. `tags` are the regions of the
@@ -80,12 +89,12 @@ pub fn conforms(
         return run.out;
     };
     let points: Vec<Whole> = mesh.points.iter().map(|p| units.whole(p)).collect();
-    let on_facets = run.boundary(&units, &points, &faces);
+    let (on_facets, on_patches) = run.boundary(&units, &points, &faces, tags);
     run.hull(&faces, &on_facets);
     let cells = run.cells(&faces, &on_facets, tags);
     let seeds = run.seeds();
     run.volume(&units, &points);
-    run.bounds(&units, &points, limits, &cells, &seeds);
+    run.bounds(&units, &points, limits, (&cells, &seeds), &on_patches);
     run.out
 }
 
@@ -137,8 +146,15 @@ impl Run<'_> {
         faces.filter(|_| self.out.mesh_defect_count == 0)
     }
 
-    /// Vertices, edges and facets of the domain; returns the codes of the faces on facets.
-    fn boundary(&mut self, units: &Units, points: &[Whole], faces: &Faces) -> HashSet<u32> {
+    /// Vertices, edges and facets of the domain; returns the codes of the faces on facets, and per
+    /// vertex the patches that it is on.
+    fn boundary(
+        &mut self,
+        units: &Units,
+        points: &[Whole],
+        faces: &Faces,
+        tags: Option<&[i64]>,
+    ) -> (HashSet<u32>, Vec<Vec<u32>>) {
         let corners: Vec<Whole> = self.plc.vertices.iter().map(|p| units.whole(p)).collect();
         let mut used = vec![false; points.len()];
         self.mesh.tets.iter().flatten().for_each(|&v| used[v as usize] = true);
@@ -158,10 +174,23 @@ impl Run<'_> {
             }
             facets.push(flat);
         }
-        let groups = groups(&facets, &corners);
+        let patches = flat::find(self.plc, &corners).unwrap_or_else(|| {
+            self.add(Breach::TooFine, &[]);
+            Vec::new()
+        });
         let on = self.vertices_on(&facets, &corners, points, &used);
-        self.edges(&corners, points, &on, &groups);
-        self.tiles(&facets, points, faces, &on, &groups)
+        let mut flat = facets;
+        for &f in patches.iter().flat_map(|patch| &patch.facets) {
+            flat[f as usize] = None;
+        }
+        let mut groups = groups(&flat, &corners);
+        for patch in &patches {
+            patch.facets.iter().for_each(|&f| groups[f as usize] = patch.facets[0]);
+        }
+        let outline = self.edges(&corners, points, &on, &groups);
+        let mut codes = self.tiles(&flat, points, faces, &on, &groups);
+        let on = self.patches(&patches, units, points, faces, &on, &outline, tags, &mut codes);
+        (codes, on)
     }
 
     /// Per vertex of the mesh the facets in whose plane and box it lies, ascending.
@@ -234,8 +263,14 @@ impl Run<'_> {
         uses.into_iter().filter(|(_, u)| inner(u)).map(|(edge, _)| edge).collect()
     }
 
-    /// Every edge of a polygon and every segment is a chain of edges of the mesh.
-    fn edges(&mut self, corners: &[Whole], points: &[Whole], on: &[Vec<u32>], groups: &[u32]) {
+    /// Every edge of a polygon and every segment is a chain of edges of the mesh. Returns these.
+    fn edges(
+        &mut self,
+        corners: &[Whole],
+        points: &[Whole],
+        on: &[Vec<u32>],
+        groups: &[u32],
+    ) -> HashSet<[u32; 2]> {
         let continued = self.continued(groups);
         let mut by_facet: Vec<Vec<u32>> = vec![Vec::new(); self.plc.facets.len()];
         for (v, facets) in (0u32..).zip(on) {
@@ -268,6 +303,7 @@ impl Run<'_> {
             }
         }
         self.plc.segments.iter().for_each(|&ends| want(ends, &everything));
+        let chains = wanted.keys().copied().collect();
         for tet in self.mesh.tets {
             for (i, j) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
                 wanted.remove(&edge(tet[i], tet[j]));
@@ -277,6 +313,7 @@ impl Run<'_> {
         broken.sort_unstable();
         broken.dedup();
         broken.iter().for_each(|ends| self.add(Breach::SegmentBroken, ends));
+        chains
     }
 
     /// The faces on the facets of each plane have their area. Returns their codes, from both sides.
@@ -419,8 +456,8 @@ impl Run<'_> {
         units: &Units,
         points: &[Whole],
         limits: &Limits,
-        cells: &[u32],
-        seeds: &[Option<usize>],
+        (cells, seeds): (&[u32], &[Option<usize>]),
+        on_patches: &[Vec<u32>],
     ) {
         let own = |bound: &Option<f64>, seed: &Option<usize>| {
             Some((cells[(*seed)?], units.cubic(bound.filter(|&b| b > 0.0)?)))
@@ -432,6 +469,12 @@ impl Run<'_> {
             let mut found = Vec::new();
             for t in range {
                 let corners = self.mesh.tets[t].map(|v| points[v as usize]);
+                // A tetrahedron between the triangles of one patch has no shape to speak of.
+                let [a, b, c, d] = self.mesh.tets[t].map(|v| &on_patches[v as usize]);
+                let is_flat = a.iter().any(|k| b.contains(k) && c.contains(k) && d.contains(k));
+                if is_flat {
+                    continue;
+                }
                 if limits.radius_edge.is_some_and(|b| bounds::ratio_exceeds(corners, b)) {
                     found.push((Breach::RatioExceeded, t as u32));
                 }
@@ -445,42 +488,4 @@ impl Run<'_> {
         self.out.tets = self.mesh.tets.len() as u64;
         parts.into_iter().flatten().for_each(|(breach, t)| self.add(breach, &[t]));
     }
-}
-
-/// Per facet the first one of its plane.
-fn groups(facets: &[Option<FlatFacet>], corners: &[Whole]) -> Vec<u32> {
-    let mut planes: HashMap<([BigInt; 3], BigInt), u32> = HashMap::new();
-    let group = |(f, flat): (u32, &Option<FlatFacet>)| match flat {
-        Some(flat) => *planes.entry(flat.plane(corners)).or_insert(f),
-        None => f,
-    };
-    (0u32..).zip(facets).map(group).collect()
-}
-
-/// Is `p` in the closed tetrahedron `t`?
-fn holds(mesh: &Mesh, t: usize, p: &Point) -> bool {
-    let corners = mesh.tets[t].map(|v| &mesh.points[v as usize]);
-    let outside = (0..3).any(|k| {
-        let all = || corners.iter().map(|c| c[k]);
-        all().fold(f64::INFINITY, f64::min) > p[k] || all().fold(f64::NEG_INFINITY, f64::max) < p[k]
-    });
-    if outside || !p.iter().all(|c| c.is_finite()) {
-        return false;
-    }
-    let mut tally = Tally::default();
-    let whole = orient3d(corners, &mut tally);
-    (0..4).all(|i| {
-        let mut with = corners;
-        with[i] = p;
-        whole * orient3d(with, &mut tally) >= 0
-    })
-}
-
-/// The place of `p` along the edge from `a` to `b`, if it is on it.
-fn along(a: Whole, b: Whole, p: Whole) -> Option<i128> {
-    let (d, e) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| p[k] - a[k]));
-    let collinear = [(0, 1), (1, 2), (0, 2)].iter().all(|&(i, j)| d[i] * e[j] == d[j] * e[i]);
-    let between = (0..3).all(|k| a[k].min(b[k]) <= p[k] && p[k] <= a[k].max(b[k]));
-    let axis = (0..3).max_by_key(|&k| d[k].abs())?;
-    (collinear && between).then(|| e[axis] * d[axis].signum())
 }

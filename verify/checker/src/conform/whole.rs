@@ -54,6 +54,17 @@ impl Units {
         })
     }
 
+    /// The exponent of the unit.
+    pub(crate) fn exponent(&self) -> i32 {
+        self.low
+    }
+
+    /// An area of square units in the coordinates of the mesh, rounded.
+    pub(crate) fn square(&self, area: f64) -> f64 {
+        let half = f64::from_bits(((1023 + self.low.clamp(-1022, 1023)) as u64) << 52);
+        area * half * half
+    }
+
     /// A volume in cubic units: exact but for overflow and underflow, which bounds of meshes that
     /// fit do not reach.
     pub(crate) fn cubic(&self, volume: f64) -> f64 {
@@ -90,6 +101,25 @@ impl Fraction {
         }
         let divisor = if a < BigInt::ZERO { -a } else { a };
         Self { numerator: numerator / &divisor, denominator: denominator / divisor }
+    }
+}
+
+impl Fraction {
+    /// The absolute difference to a fraction written as text, rounded; `None` if it is none.
+    pub fn difference(&self, text: &str) -> Option<f64> {
+        let (numerator, denominator) = text.split_once('/').unwrap_or((text, "1"));
+        let (n, d): (BigInt, BigInt) = (numerator.parse().ok()?, denominator.parse().ok()?);
+        let (top, bottom) = (&self.numerator * &d - n * &self.denominator, &self.denominator * d);
+        if bottom <= BigInt::ZERO {
+            return None;
+        }
+        let top = if top < BigInt::ZERO { -top } else { top };
+        let bits = |x: &BigInt| i64::try_from(x.bits()).unwrap_or(i64::MAX);
+        // A quotient of 60 bits, rounded.
+        let shift = 60 + bits(&bottom) - bits(&top);
+        let quotient = if shift >= 0 { (top << shift) / bottom } else { (top >> -shift) / bottom };
+        let quotient: f64 = quotient.to_string().parse().ok()?;
+        Some(quotient * (-(shift as f64)).exp2())
     }
 }
 

@@ -90,8 +90,8 @@ impl State {
         for facet in self.facets_of(place.carrier) {
             let own = self.touched.inner.iter().filter(|(_, g)| *g == facet);
             let removed: Vec<_> = own.map(|(s, _)| *s).collect();
-            let rim = self.rim(&removed, &place.p, seed)?;
-            changes.push(Change { facet, removed, rim });
+            let rim = self.rim(facet, &removed, &place.p, seed)?;
+            changes.push(Change { removed, rim, ..Change::of(facet) });
         }
         let lost = self.losses(split.map(|(ends, _)| ends), &changes);
         Some(Filling { split, changes, lost })

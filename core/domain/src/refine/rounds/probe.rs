@@ -75,7 +75,8 @@ impl Rounds<'_, '_> {
         for tolerance in [square.sqrt() * TOLERANCE, 1.0] {
             let Some(p) = plane.near(&centre, tolerance) else { continue };
             let place = Place { p, carrier: Carrier::Facet(f), from: near };
-            match self.probe(item, key, &place, |judge| judge.on_subface(corners, f, &place)) {
+            let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, true);
+            match self.probe(item, key, &place, verdict) {
                 Probe::Fits => return self.take_or_drop(),
                 Probe::Barred => return,
                 Probe::Defers(first) => return self.wait(item, first, near),

@@ -1,0 +1,75 @@
+//! Recovery of the boundary, one item after the other: segments, facets, then patches.
+
+use super::RefineError;
+use super::item::Work;
+use super::layer::{Found, Hole};
+use super::run::Run;
+use super::split::Step;
+use super::table::Set;
+use ltbw_core::cavity::Open;
+use ltbw_core::topology::VertexId;
+
+/// The most rounds in which patches are recovered.
+const ROUNDS: u32 = 256;
+
+impl Run<'_> {
+    /// Splits what is missing until every subsegment, then every subface is there.
+    pub(super) fn recover(&mut self, kernel: &[VertexId]) -> Result<(), RefineError> {
+        self.refinement.state.enter_segments(kernel, &mut self.work);
+        self.drain_boundary()?;
+        self.refinement.state.enter_subfaces(&mut self.work)?;
+        self.drain_boundary()?;
+        self.refinement.state.at_edge = None;
+        Ok(())
+    }
+
+    /// Inserts points where patches are not in the mesh until they are; `None` if that does not
+    /// succeed.
+    pub(super) fn recover_patches(&mut self) -> Result<Option<Found>, RefineError> {
+        for _ in 0..ROUNDS {
+            self.drain_boundary()?;
+            let state = &self.refinement.state;
+            if !state.is_complete() || self.stop.is_some() {
+                return Ok(None);
+            }
+            let mut found = state.find_layers();
+            let Some(mut holes) = state.holes(&mut found) else { return Ok(None) };
+            if holes.is_empty() {
+                return Ok(Some(found));
+            }
+            // One point for holes that have corners in common: the next round looks again.
+            holes.sort_by(Hole::order);
+            let (mut seen, mut inserted) = (Set::default(), false);
+            for hole in holes {
+                if hole.corners.iter().any(|v| seen.contains(v)) {
+                    continue;
+                }
+                seen.extend(hole.corners);
+                inserted |= self.fill(&hole)?;
+            }
+            if !inserted {
+                return Ok(None);
+            }
+        }
+        Ok(None)
+    }
+
+    /// One point for a hole; did it come to be?
+    fn fill(&mut self, hole: &Hole) -> Result<bool, RefineError> {
+        self.look()?;
+        if self.refinement.inserted.points.total() >= self.most {
+            return Ok(false);
+        }
+        let step = self.refinement.fill_hole(hole, &mut self.work, &mut Open);
+        Ok(step == Step::Inserted)
+    }
+
+    fn drain_boundary(&mut self) -> Result<(), RefineError> {
+        // Ends: every insertion takes a new point of the finite lattice, refused items do not
+        // come back, and a deferred one waits for an insertion or for a refusal.
+        while let Some(item) = self.work.next_boundary() {
+            self.step(item)?;
+        }
+        Ok(())
+    }
+}

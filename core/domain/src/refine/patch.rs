@@ -1,0 +1,145 @@
+//! The geometry of a patch: its polygons in the projection along an axis, each with its own plane.
+
+use super::carrier::{Grid, Plane, UNIT};
+use ltbw_exact::Point;
+
+/// A point of the projection, in fine steps.
+pub(crate) type Flat = [i128; 2];
+
+/// The labels on both sides of a patch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Sides {
+    pub(crate) inner: u32,
+    /// The exterior, or else the lower region: flat tetrahedra of the patch belong to it.
+    pub(crate) outer: u32,
+    /// Is the inner side in the direction of the axis?
+    pub(crate) upwards: bool,
+}
+
+/// Polygons that are coplanar within the tolerance.
+#[derive(Clone, Debug)]
+pub(crate) struct Patch {
+    /// The axis along which it is projected.
+    pub(crate) axis: usize,
+    /// Known when the boundary is complete.
+    pub(crate) sides: Option<Sides>,
+    /// The polygons, counter-clockwise in the projection.
+    pieces: Vec<(Vec<Flat>, Plane)>,
+    /// Cells of a grid over the projection with the polygons that may touch them.
+    cells: Vec<Vec<u32>>,
+    low: Flat,
+    /// The sides of a cell, and the number of cells in each direction.
+    size: Flat,
+    count: usize,
+}
+
+/// Twice the signed area of a triangle; coordinates are at most 2^53.
+pub(crate) fn turn(a: Flat, b: Flat, c: Flat) -> i128 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+/// The projection of a point of whole coordinates along an axis.
+pub(crate) fn flat(axis: usize, p: &Point) -> Flat {
+    [p[(axis + 1) % 3] as i128, p[(axis + 2) % 3] as i128]
+}
+
+impl Patch {
+    pub(crate) fn new(corners: &[Grid], axis: usize, polygons: Vec<(Vec<u32>, Plane)>) -> Self {
+        let project = |v: &u32| {
+            let p = corners[*v as usize];
+            [(axis + 1) % 3, (axis + 2) % 3].map(|k| i128::from(p[k]) * i128::from(UNIT))
+        };
+        let pieces: Vec<(Vec<Flat>, Plane)> = polygons
+            .iter()
+            .map(|(ring, plane)| (ring.iter().map(project).collect(), *plane))
+            .collect();
+        let all = || pieces.iter().flat_map(|(ring, _)| ring);
+        let low = [0, 1].map(|k| all().map(|p| p[k]).min().unwrap_or(0));
+        let high = [0, 1].map(|k| all().map(|p| p[k]).max().unwrap_or(0));
+        let count = ((pieces.len() as f64).sqrt() as usize).clamp(1, 1024);
+        let size = [0, 1].map(|k| (high[k] - low[k]) / count as i128 + 1);
+        let mut patch = Self { axis, sides: None, pieces, cells: Vec::new(), low, size, count };
+        patch.cells = vec![Vec::new(); count * count];
+        for k in 0..patch.pieces.len() {
+            let ring = &patch.pieces[k].0;
+            let ends = |i: usize| {
+                let low = ring.iter().map(|p| p[i]).min().unwrap_or(0);
+                let high = ring.iter().map(|p| p[i]).max().unwrap_or(0);
+                patch.column(low, i)..=patch.column(high, i)
+            };
+            let (columns, rows) = (ends(0), ends(1));
+            for column in columns {
+                for row in rows.clone() {
+                    patch.cells[column * count + row].push(k as u32);
+                }
+            }
+        }
+        patch
+    }
+
+    fn column(&self, c: i128, axis: usize) -> usize {
+        ((c - self.low[axis]) / self.size[axis]).clamp(0, self.count as i128 - 1) as usize
+    }
+
+    /// The polygons near a point of the projection.
+    fn near(&self, p: Flat) -> impl Iterator<Item = &(Vec<Flat>, Plane)> {
+        let cell = self.column(p[0], 0) * self.count + self.column(p[1], 1);
+        self.cells[cell].iter().map(|&k| &self.pieces[k as usize])
+    }
+
+    /// Is the centroid of a triangle in a polygon, in the projection?
+    pub(crate) fn holds_centroid(&self, corners: [&Point; 3]) -> bool {
+        let [a, b, c] = corners.map(|p| flat(self.axis, p));
+        let sum = [0, 1].map(|k| a[k] + b[k] + c[k]);
+        let near = sum.map(|c| c.div_euclid(3));
+        self.near(near).any(|(ring, _)| {
+            let scaled: Vec<Flat> = ring.iter().map(|p| p.map(|c| 3 * c)).collect();
+            holds(&scaled, sum)
+        })
+    }
+
+    /// A point of few bits on one of the polygons, within about `tolerance` of where `target` is
+    /// projected to; `None` if there is none.
+    pub(crate) fn place(&self, target: &Point, tolerance: f64) -> Option<Point> {
+        let rounded = target.map(f64::round);
+        let at = flat(self.axis, &rounded);
+        let above = self.near(at).filter(|(ring, _)| holds(ring, at));
+        let mut points = above.filter_map(|(ring, plane)| {
+            let p = plane.near_along(self.axis, target, tolerance)?;
+            holds(ring, flat(self.axis, &p)).then_some(p)
+        });
+        points.next()
+    }
+
+    /// Twice the area of the polygons in the projection.
+    #[cfg(test)]
+    pub(crate) fn area(&self) -> i128 {
+        let area = |ring: &Vec<Flat>| -> i128 {
+            (2..ring.len()).map(|k| turn(ring[0], ring[k - 1], ring[k])).sum()
+        };
+        self.pieces.iter().map(|(ring, _)| area(ring)).sum()
+    }
+
+    /// The sign of a triangle's area in the projection.
+    pub(crate) fn turn(&self, corners: [&Point; 3]) -> i128 {
+        let [a, b, c] = corners.map(|p| flat(self.axis, p));
+        turn(a, b, c).signum()
+    }
+}
+
+/// Is a point in a closed polygon?
+fn holds(ring: &[Flat], p: Flat) -> bool {
+    let mut inside = false;
+    for (k, &a) in ring.iter().enumerate() {
+        let b = ring[(k + 1) % ring.len()];
+        let side = turn(a, b, p);
+        let between = (0..2).all(|i| a[i].min(b[i]) <= p[i] && p[i] <= a[i].max(b[i]));
+        if side == 0 && between {
+            return true;
+        }
+        if (a[1] > p[1]) != (b[1] > p[1]) {
+            inside ^= if b[1] > a[1] { side > 0 } else { side < 0 };
+        }
+    }
+    inside
+}

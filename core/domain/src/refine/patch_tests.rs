@@ -1,0 +1,123 @@
+//! Tests of patches: spheres by latitude and longitude, prisms of rounded triangles.
+
+use super::carrier::Carrier;
+use super::item::Work;
+use super::marks::face_bit;
+use super::patch::{flat, turn};
+use super::split::Step;
+use super::state::{FACE, State};
+use super::table::{Map, sides as sides_of, triangle};
+use super::*;
+use crate::{Domain, Facet, PrepareOptions, Prepared};
+use ltbw_core::topology::tet_of;
+use ltbw_exact::Point;
+use std::f64::consts::PI;
+
+/// A sphere of n rings and n meridians with single-precision coordinates.
+fn sphere(n: u32) -> Prepared {
+    let rings = n - 2;
+    let mut vertices: Vec<Point> = vec![[0.0, 0.0, 0.5], [0.0, 0.0, -0.5]];
+    for j in 0..n {
+        for i in 1..=rings {
+            let (sin, cos) = (PI * f64::from(i) / f64::from(n - 1)).sin_cos();
+            let (y, x) = (2.0 * PI * f64::from(j) / f64::from(n)).sin_cos();
+            vertices.push([sin * x, sin * y, cos].map(|c| f64::from((0.5 * c) as f32)));
+        }
+    }
+    let at = |j: u32, i: u32| 2 + (j % n) * rings + i;
+    let mut triangles = Vec::new();
+    for j in 0..n {
+        triangles.push([0, at(j, 0), at(j + 1, 0)]);
+        triangles.push([1, at(j + 1, rings - 1), at(j, rings - 1)]);
+        for i in 0..rings - 1 {
+            triangles.push([at(j, i), at(j, i + 1), at(j + 1, i)]);
+            triangles.push([at(j, i + 1), at(j + 1, i + 1), at(j + 1, i)]);
+        }
+    }
+    let mut domain = Domain { vertices, ..Domain::default() };
+    domain.facets.extend(triangles.iter().map(|t| Facet::polygon(t, 0)));
+    domain.prepare(&PrepareOptions { oriented: true, ..PrepareOptions::default() }).expect("sound")
+}
+
+/// The mesh has the diagonals that it likes: no point is needed.
+#[test]
+fn quads_cut_in_two_are_recovered_without_a_point() {
+    for n in [12, 30] {
+        let ready = sphere(n);
+        let refiner = Refiner::new().flat_tolerance(5e-7);
+        let (run, regions) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
+        assert_eq!(run.refinement.inserted.points.total(), 0, "{n}");
+        assert_eq!(regions.len(), 2);
+        let state = &run.refinement.state;
+        assert!(state.plc.facets.iter().filter(|f| f.patch.is_some()).count() > n as usize);
+        check_labels(state);
+    }
+}
+
+/// Labels and subfaces after every transaction, by looking at every face: a label changes at the
+/// subfaces of patches only, from side to side, and every patch has its area.
+#[test]
+fn every_transaction_keeps_every_patch_covered() {
+    let ready = sphere(10);
+    let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(2e-4);
+    let (mut run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
+    let mut work = Queues::default();
+    std::mem::swap(&mut work, &mut run.work);
+    let (mut inserted, mut on_patches) = (0, 0);
+    for _ in 0..20_000 {
+        let Some(item) = work.next_boundary().or_else(|| work.next_tet()) else { break };
+        let step = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::Open);
+        if step == Step::Inserted {
+            inserted += 1;
+            let state = &run.refinement.state;
+            on_patches += usize::from(state.carriers.last() != Some(&Carrier::Free));
+            if on_patches % 16 == 0 {
+                check_labels(state);
+            }
+        }
+    }
+    check_labels(&run.refinement.state);
+    assert!(inserted > 100 && on_patches > 50, "{inserted} {on_patches}");
+}
+
+fn check_labels(state: &State) {
+    assert!(state.is_complete());
+    let mut areas = vec![0; state.plc.facets.len()];
+    let mut edges: Map<(u32, [u32; 2]), u32> = Map::default();
+    for (t, tet) in state.mesh.topology().iter() {
+        let (word, v, own) = (state.marks.of(t), tet.vertices(), state.marks.region(t));
+        for (slot, face) in tet.neighbours().into_iter().enumerate() {
+            let other = state.marks.region(tet_of(face));
+            let corners = FACE[slot].map(|k| v[k]);
+            let [a, b, c] = corners;
+            let key = triangle(a, b, c);
+            assert_eq!(word & face_bit(slot) != 0, state.subfaces.contains_key(&key));
+            assert_eq!(own != other, state.subfaces.contains_key(&key), "{t} {slot}");
+            let Some(&f) = state.subfaces.get(&key) else { continue };
+            let Some(patch) = &state.plc.facets[f as usize].patch else { continue };
+            let sides = patch.sides.expect("known sides");
+            if own != sides.inner {
+                continue;
+            }
+            assert_eq!(other, sides.outer);
+            let p = corners.map(|v| state.at(v));
+            let [a, b, c] = [&p[0], &p[1], &p[2]].map(|p| flat(patch.axis, p));
+            let area = turn(a, b, c);
+            // The apex of a positively oriented tetrahedron is on the side that the face turns to
+            // at odd slots.
+            assert_eq!((slot % 2 == 1) == (area > 0), sides.upwards);
+            areas[f as usize] += area.abs();
+            for (side, _) in sides_of(key) {
+                *edges.entry((f, side)).or_default() += 1;
+            }
+        }
+    }
+    for (f, facet) in (0u32..).zip(&state.plc.facets) {
+        let Some(patch) = &facet.patch else { continue };
+        assert_eq!(areas[f as usize], patch.area(), "the area of patch {f}");
+    }
+    for ((f, side), count) in edges {
+        let on = state.segments.get(&side).map(|&s| &state.plc.segments[s as usize].facets);
+        assert_eq!(count, if on.is_some_and(|on| on.contains(&f)) { 1 } else { 2 });
+    }
+}

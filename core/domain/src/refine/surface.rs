@@ -1,0 +1,243 @@
+//! The surface of a patch: how a new point on it changes it.
+//!
+//! The subfaces of a patch are the faces where the label changes from its inner to its outer side.
+//! A new tetrahedron inherits the label of the tetrahedron behind its wall, but one on a subface
+//! of a patch that the point lies on is dust, and belongs to the outer side. So the labels tell the
+//! new subfaces: the faces of the point and an edge of two walls where they differ; and a subface
+//! that becomes a wall between two outer tetrahedra is one no longer.
+//!
+//! The verdict comes before anything is filled. Per patch, what goes and what comes must have one
+//! outline (every edge of them an even number of times, but for the subsegment that is split), and
+//! all that comes must have a positive area in the projection, with the inner side where it
+//! belongs: then the patch is covered exactly once, as before. If that fails with dust on the outer
+//! side, it is tried with labels that are inherited as they are; if that fails, too, the point is
+//! refused.
+
+use super::carrier::Carrier;
+use super::facet::Change;
+use super::journal::Journal;
+use super::layer::is_above;
+use super::marks::face_bit;
+use super::patch::Sides;
+use super::state::{FACE, State};
+use super::table::{Map, edge, sides, triangle};
+use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
+use ltbw_exact::Point;
+use ltbw_exact::predicates::{Sign, orient3d};
+
+/// A wall of the open cavity.
+struct Wall {
+    corners: [VertexId; 3],
+    /// The label that its new tetrahedron has.
+    label: u32,
+    /// The patch of which it is a subface no longer.
+    left: Option<u32>,
+}
+
+impl State {
+    /// The labels on both sides of facet `f`, if it is a patch and they are known.
+    fn sides_of(&self, f: u32) -> Option<Sides> {
+        self.plc.facets[f as usize].patch.as_ref()?.sides
+    }
+
+    /// Is facet `f` one whose triangulation is kept? Of patches that is so in joint steps only,
+    /// where something is missing and labels are not certain.
+    pub(crate) fn is_planned(&self, f: u32) -> bool {
+        !self.is_patch(f) || self.journal.is_some()
+    }
+
+    /// The changes that the point `p` of the open cavity makes to the patches that it lies on,
+    /// given those to the other facets; `None` if it leaves a patch torn. `split`: the subsegment
+    /// that it divides.
+    ///
+    /// While the boundary is recovered there are no changes: layers are looked for afterwards.
+    pub(crate) fn plan_patches(
+        &self,
+        p: &Point,
+        carrier: Carrier,
+        split: Option<[VertexId; 2]>,
+        others: &[Change],
+    ) -> Option<Vec<Change>> {
+        let mut patches = self.facets_of(carrier);
+        patches.retain(|&f| !self.is_planned(f));
+        if patches.is_empty() || patches.iter().any(|&f| self.sides_of(f).is_none()) {
+            return Some(Vec::new());
+        }
+        // A point that takes something else out of the mesh has to wait: no labels would fit.
+        let mut own: Vec<Change> = patches.iter().map(|&f| Change::of(f)).collect();
+        for change in &mut own {
+            let inner = self.touched.inner.iter().filter(|(_, f)| *f == change.facet);
+            change.removed.extend(inner.map(|(s, _)| *s));
+        }
+        let stays = |s: &[VertexId; 3]| !others.iter().any(|c| c.removed.contains(s));
+        let foreign = |(s, f): &([VertexId; 3], u32)| !patches.contains(f) && stays(s);
+        if self.touched.inner.iter().any(foreign) {
+            return Some(own);
+        }
+        let plan = |dust: bool| self.plan_labels(p, &patches, split, others, dust);
+        plan(true).or_else(|| plan(false))
+    }
+
+    /// The same, with or without the rule for dust.
+    fn plan_labels(
+        &self,
+        p: &Point,
+        patches: &[u32],
+        split: Option<[VertexId; 2]>,
+        others: &[Change],
+        dust: bool,
+    ) -> Option<Vec<Change>> {
+        let walls = self.labelled_walls(patches, dust);
+        let mut changes: Vec<Change> = patches.iter().map(|&f| Change::of(f)).collect();
+        let place = |f: u32| patches.iter().position(|&g| g == f);
+        for &(s, f) in &self.touched.inner {
+            if let Some(k) = place(f) {
+                changes[k].removed.push(s);
+            }
+        }
+        for (i, wall) in walls.iter().enumerate() {
+            if let Some(k) = wall.left.and_then(place) {
+                let [a, b, c] = wall.corners;
+                changes[k].removed.push(triangle(a, b, c));
+                changes[k].relabelled.push((i, wall.label));
+            }
+        }
+        let mut edges: Vec<([VertexId; 2], usize)> = Vec::with_capacity(3 * walls.len());
+        for (i, wall) in walls.iter().enumerate() {
+            let [a, b, c] = wall.corners;
+            edges.extend([edge(a, b), edge(b, c), edge(a, c)].map(|e| (e, i)));
+        }
+        edges.sort_unstable();
+        for pair in edges.chunks(2) {
+            let [(e, i), (same, j)] = *pair else { return None };
+            if e != same {
+                return None;
+            }
+            let planned = others.iter().any(|change| change.rim.contains(&e));
+            if walls[i].label == walls[j].label || planned {
+                continue;
+            }
+            let of = patches.iter().filter(|&&f| self.fits(p, f, e, [&walls[i], &walls[j]]));
+            let mut of = of.copied();
+            let (Some(f), None) = (of.next(), of.next()) else { return None };
+            changes[place(f)?].rim.push(e);
+        }
+        let whole = changes.iter().all(|change| self.keeps_outline(change, split));
+        whole.then_some(changes)
+    }
+
+    /// The walls of the open cavity, with the labels of their new tetrahedra.
+    fn labelled_walls(&self, patches: &[u32], dust: bool) -> Vec<Wall> {
+        let topology = self.mesh.topology();
+        let wall = |(corners, outer): ([VertexId; 3], ltbw_core::topology::FaceId)| {
+            let inner = topology.at(tet_of(outer)).neighbours()[slot_of(outer)];
+            let word = self.marks.of(tet_of(inner));
+            let own = self.marks.region(tet_of(inner));
+            let mut wall = Wall { corners, label: own, left: None };
+            if dust && word & face_bit(slot_of(inner)) != 0 {
+                let [a, b, c] = corners;
+                let facet = self.subfaces.get(&triangle(a, b, c));
+                let patch = facet.filter(|f| patches.contains(f));
+                let outer = patch.and_then(|&f| self.sides_of(f)).map(|sides| sides.outer);
+                if let Some(outer) = outer.filter(|&outer| outer != own) {
+                    wall = Wall { corners, label: outer, left: patch.copied() };
+                }
+            }
+            wall
+        };
+        self.mesh.cavity().walls().map(wall).collect()
+    }
+
+    /// May the face of `p` and the edge of two walls be a subface of patch `f`: are its corners on
+    /// it, and is the inner side where it belongs?
+    fn fits(&self, p: &Point, f: u32, [a, b]: [VertexId; 2], walls: [&Wall; 2]) -> bool {
+        let Some(patch) = &self.plc.facets[f as usize].patch else { return false };
+        let Some(sides) = patch.sides else { return false };
+        let on = |v: VertexId| self.lies_on(self.carriers[v as usize], f);
+        let labels = walls.map(|wall| wall.label);
+        if !on(a) || !on(b) || !labels.contains(&sides.inner) || !labels.contains(&sides.outer) {
+            return false;
+        }
+        let inner = walls[usize::from(labels[0] != sides.inner)];
+        let Some(apex) = inner.corners.into_iter().find(|&v| v != a && v != b) else {
+            return false;
+        };
+        let [a, b, apex] = [a, b, apex].map(|v| self.at(v));
+        let turn = patch.turn([p, &a, &b]);
+        let above = match orient3d(p, &a, &b, &apex) {
+            Sign::Positive => turn > 0,
+            Sign::Negative => turn < 0,
+            Sign::Zero => return false,
+        };
+        turn != 0 && above == sides.upwards
+    }
+
+    /// Do what goes and what comes have one outline, but for the subsegment that is split?
+    fn keeps_outline(&self, change: &Change, split: Option<[VertexId; 2]>) -> bool {
+        // The new point has a number that no vertex has.
+        let new = self.carriers.len() as VertexId;
+        let mut counts: Map<[VertexId; 2], [u32; 2]> = Map::default();
+        let added = change.rim.iter().map(|&[a, b]| triangle(a, b, new));
+        for (k, list) in [change.removed.clone(), added.collect()].into_iter().enumerate() {
+            for (side, _) in list.into_iter().flat_map(sides) {
+                counts.entry(side).or_default()[k] += 1;
+            }
+        }
+        if let Some([a, b]) = split {
+            let segment = self.segments.get(&[a, b]).map(|&s| &self.plc.segments[s as usize]);
+            let Some(segment) = segment else { return false };
+            let polygons = if segment.twice.contains(&change.facet) { 2 } else { 1 };
+            let counted = [
+                counts.remove(&[a, b]).unwrap_or_default(),
+                counts.remove(&edge(a, new)).unwrap_or_default(),
+                counts.remove(&edge(b, new)).unwrap_or_default(),
+            ];
+            if counted != [[polygons, 0], [0, polygons], [0, polygons]] {
+                return false;
+            }
+        }
+        !change.removed.is_empty()
+            && counts.iter().all(|(side, &[gone, come])| match side.contains(&new) {
+                true => come == 2,
+                false => gone <= 2 && come <= 2 && (gone + come) % 2 == 0,
+            })
+    }
+
+    /// After the filling: gives the tetrahedra on walls that are subfaces no longer their labels.
+    pub(crate) fn relabel_walls(&mut self, changes: &[Change]) {
+        for &(i, label) in changes.iter().flat_map(|change| &change.relabelled) {
+            let Some(&t) = self.mesh.cavity().star().tets.get(i) else { continue };
+            let across = self.mesh.topology().at(t).neighbours()[0];
+            self.marks.set_region(t, label);
+            self.marks.clear(t, face_bit(0));
+            self.marks.clear(tet_of(across), face_bit(slot_of(across)));
+        }
+    }
+
+    /// After a joint step: does the label change at the subfaces of its tetrahedra only, and from
+    /// the side of each patch where it should?
+    pub(crate) fn is_labelled(&self, journal: &Journal) -> bool {
+        let topology = self.mesh.topology();
+        let live = journal.created.iter().filter(|&&(t, v)| self.is_live(t, v));
+        let sound = |&(t, v): &(TetId, [VertexId; 4])| {
+            let (word, own) = (self.marks.of(t), self.marks.region(t));
+            (0..4).all(|slot| {
+                let other = self.marks.region(tet_of(topology.at(t).neighbours()[slot]));
+                if word & face_bit(slot) == 0 {
+                    return own == other;
+                }
+                let corners = FACE[slot].map(|k| v[k]);
+                let [a, b, c] = corners;
+                let Some(&f) = self.subfaces.get(&triangle(a, b, c)) else { return false };
+                let Some(patch) = &self.plc.facets[f as usize].patch else { return true };
+                let Some(sides) = patch.sides else { return false };
+                let [a, b, c] = corners.map(|v| self.at(v));
+                let turn = patch.turn([&a, &b, &c]);
+                let inwards = is_above(slot, turn) == sides.upwards;
+                let labels = if inwards { [own, other] } else { [other, own] };
+                turn != 0 && labels == [sides.inner, sides.outer]
+            })
+        };
+        live.clone().all(sound)
+    }
+}
