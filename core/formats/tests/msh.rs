@@ -70,7 +70,8 @@ fn version_4_as_gmsh_writes_it() {
     assert_eq!(mesh.tets, [[0, 2, 1, 3], [0, 1, 2, 3], [1, 2, 3, 4]]);
     assert_eq!(mesh.tet_tags, Some(vec![7, 7, 0]));
     assert_eq!(mesh.point_tags, None);
-    assert_eq!(file.notes.len(), 4, "{:?}", file.notes);
+    assert_eq!(file.faces.len(), 1, "{:?}", file.faces);
+    assert_eq!(file.notes.len(), 3, "{:?}", file.notes);
     // Without groups the two volumes are regions.
     let plain = V4.replace("1 0 0 0 1 1 1 2 7 8 1 6", "1 0 0 0 1 1 1 0 0");
     assert_eq!(msh::read(plain.as_bytes()).unwrap().mesh.tet_tags, Some(vec![1, 1, 2]));
@@ -105,16 +106,24 @@ region\r
 $EndElementData\r
 ";
 
+fn sorted(mut corners: [u32; 3]) -> [u32; 3] {
+    corners.sort_unstable();
+    corners
+}
+
 #[test]
 fn version_2_as_gmsh_writes_it() {
     let file = msh::read(V2.as_bytes()).unwrap();
     assert_eq!(file.mesh.tets, [[0, 1, 2, 3], [0, 1, 3, 2]]);
     assert_eq!(file.mesh.tet_tags, Some(vec![-3, 4]));
-    assert_eq!(file.notes, ["elements that are not tetrahedra are not read"]);
+    let triangle = &file.faces[0];
+    assert_eq!((triangle.marker, triangle.tet), (9, 0), "{triangle:?}");
+    assert_eq!(sorted(triangle.corners), [0, 1, 3]);
+    assert_eq!(file.notes, Vec::<String>::new());
     // The view comes before the groups, but only if it is integers.
     let half = msh::read(V2.replace("4.0", "4.5").as_bytes()).unwrap();
     assert_eq!(half.mesh.tet_tags, Some(vec![5, 0]));
-    assert_eq!(half.notes.len(), 2);
+    assert_eq!(half.notes.len(), 1);
 }
 
 fn square(tags: &[i64]) -> TetMesh {

@@ -219,7 +219,8 @@ fn figures_and_boundary_leave_the_mesh_as_it_is() {
         vtu::write_with(&mut bytes, &mesh, &extras, encoding).expect("memory");
         let file = vtu::read(&bytes).expect("our own file");
         assert_eq!(file.mesh, mesh);
-        assert_eq!(file.notes.len(), 2, "{:?}", file.notes);
+        assert_eq!(file.faces, extras.faces);
+        assert_eq!(file.notes.len(), 1, "{:?}", file.notes);
     }
     let mut bytes = Vec::new();
     vtu::write_with(&mut bytes, &mesh, &extras, Encoding::Ascii).expect("memory");
