@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if rounds {
         refiner = refiner.engine(Engine::Rounds { order, start });
     }
-    for _ in 0..repeats {
+    for repeat in 1..=repeats {
         let refined = refiner.refine(&ready.domain, &ready.lattice)?;
         let stats = refined.stats;
         println!(
@@ -45,7 +45,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             refined.lost.len()
         );
         println!("{stats:?}\n{:?}", refined.mesh().predicate_stats());
-        println!("{}", refined.mesh().hash()?);
+        if repeat == repeats {
+            println!("{}", refined.mesh().hash()?);
+        }
     }
     Ok(())
 }

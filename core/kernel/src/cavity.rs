@@ -9,6 +9,8 @@
 //! Cost: O(cavity) expected for cavities of up to 64 boundary vertices, O(k log k) for larger
 //! ones.
 
+mod reopen;
+
 use crate::topology::{FaceId, Full, INFINITE, TetId, Topology, VertexId, tet_of};
 
 /// Decides which tetrahedra conflict with the point in work.
@@ -288,6 +290,11 @@ impl Cavity {
             let wall = |slot: usize| Wall { v: OTHERS[slot].map(|k| v[k]), outer: n[slot] };
             self.walls.push_some([wall(0), wall(1), wall(2), wall(3)], leave);
         }
+        self.make_room(topology)
+    }
+
+    /// Makes sure that there are slots for the star; else the cavity is set back.
+    fn make_room(&mut self, topology: &mut Topology) -> Result<(), Setback> {
         let fresh = self.walls.len().saturating_sub(self.tets.len());
         if topology.reserve(fresh) == Err(Full) {
             self.set_back(topology);

@@ -203,6 +203,22 @@ impl Mesh {
         }
     }
 
+    /// Opens the cavity of a point again, as `tets` list it since an earlier [`Mesh::begin`]. The
+    /// admission says of each tetrahedron of the closure that it has not changed since then.
+    ///
+    /// # Errors
+    /// The admission refused one, or the mesh is full: the mesh is as before.
+    #[doc(hidden)]
+    #[inline]
+    pub fn reopen<A: Admission>(
+        &mut self,
+        tets: &[TetId],
+        admission: &mut A,
+    ) -> Result<OpenCavity<'_, Self>, Setback> {
+        self.cavity.reopen(&mut self.topology, tets, admission)?;
+        Ok(OpenCavity::new(self))
+    }
+
     /// Fills the open cavity with the star of its point; returns the new vertex.
     #[inline]
     pub(crate) fn fill(&mut self, p: Point, number: Vertex) -> VertexId {

@@ -38,7 +38,7 @@ pub(crate) struct Inserted {
     pub(crate) points: Points,
     /// The number of the next vertex.
     pub(crate) next_number: u32,
-    /// The new tetrahedra of the last insertion.
+    /// The new tetrahedra of the last insertion, or the slots that a joint step has written.
     pub(crate) created: Vec<TetId>,
 }
 

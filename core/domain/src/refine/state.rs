@@ -14,7 +14,7 @@ use super::outcome::Reason;
 use super::plc::Plc;
 use super::registry::Registry;
 use super::table::{Map, Set, sides};
-use ltbw_core::cavity::{Admission, Cavity};
+use ltbw_core::cavity::{Admission, Cavity, Open};
 use ltbw_core::mesh::{At, Mesh};
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_core::transaction::{OpenCavity, Opens};
@@ -26,6 +26,8 @@ pub(crate) const FACE: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1
 /// The boundary items in the open cavity, and those that its point would encroach.
 #[derive(Debug, Default)]
 pub(crate) struct Touched {
+    /// Is anything of the cavity marked?
+    pub(crate) is_marked: bool,
     /// Subfaces inside the cavity (both tetrahedra are in it), with their facets.
     pub(crate) inner: Vec<([VertexId; 3], u32)>,
     /// Subsegments of the cavity's boundary.
@@ -52,6 +54,7 @@ impl Touched {
     }
 
     pub(crate) fn clear(&mut self) {
+        self.is_marked = false;
         self.inner.clear();
         self.rim.clear();
         self.inner_edges.clear();
@@ -137,6 +140,28 @@ impl State {
     ) -> Result<OpenCavity<'_, Self>, At> {
         self.mesh.begin(place.p, place.from, admission)?.end(|_| ());
         Ok(OpenCavity::new(self))
+    }
+
+    /// Opens the cavity of a place again, as `tets` list it since an earlier search, and says
+    /// `true`, if all of its closure is `unchanged` since then; else finds it.
+    pub(crate) fn begin_again<A: Admission>(
+        &mut self,
+        place: &Place,
+        tets: &[TetId],
+        unchanged: &mut A,
+    ) -> Result<(OpenCavity<'_, Self>, bool), At> {
+        let is_same = self.mesh.reopen(tets, unchanged).map(|open| open.end(|_| ())).is_ok();
+        if is_same && cfg!(debug_assertions) {
+            self.set_back();
+        }
+        if !is_same || cfg!(debug_assertions) {
+            self.mesh.begin(place.p, place.from, &mut Open)?.end(|_| ());
+        }
+        debug_assert!(
+            !is_same || self.mesh.cavity().tets().eq(tets.iter().copied()),
+            "without changes there is one cavity"
+        );
+        Ok((OpenCavity::new(self), is_same))
     }
 
     /// Finds the cavity of a place, and looks at the boundary in it.

@@ -36,6 +36,7 @@ impl State {
         touched.clear();
         for t in self.mesh.cavity().tets() {
             let word = self.marks.of(t);
+            touched.is_marked |= word & (EDGES | FACES) != 0;
             if word & EDGES != 0 {
                 self.touch_edges(t, word, &mut touched);
             }

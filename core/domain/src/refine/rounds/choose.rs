@@ -13,41 +13,29 @@ use crate::refine::measure::circumcircle;
 use ltbw_core::topology::{TetId, tet_of};
 
 impl Rounds<'_, '_> {
-    /// The candidates of a class that are to be inserted.
-    pub(super) fn choose(&mut self, class: Class) -> Vec<usize> {
+    /// Chooses the candidates of a class that are to be inserted.
+    pub(super) fn choose(&mut self, class: Class) {
         for &t in &self.cavities {
             self.reserved[t as usize] = 0;
         }
         self.candidates.clear();
+        self.chosen.clear();
         self.cavities.clear();
-        match class {
-            Class::Tets => {
-                let own = self.bad.iter().copied();
-                let mut foremost: Vec<TetId> = own.filter(|&t| self.is_foremost(t)).collect();
-                foremost.sort_by(|&a, &b| self.order(a, b));
-                for t in foremost {
-                    if self.reserved[t as usize] == 0 {
-                        self.probe_tet(t);
-                    }
+        if class == Class::Tets {
+            let foremost = std::mem::take(&mut self.foremost);
+            for &(_, t) in &foremost {
+                if self.reserved[t as usize] == 0 {
+                    self.probe_tet(t);
                 }
-                let all = 0..self.candidates.len();
-                all.filter(|&k| self.candidates[k].fits && self.survives(k)).collect()
             }
-            Class::Segments => {
-                for (item, near) in self.ready() {
-                    if let Item::Segment(s) = item {
-                        self.probe_segment(s, near);
-                    }
-                }
-                (0..self.candidates.len()).collect()
-            }
-            Class::Subfaces => {
-                for (item, near) in self.ready() {
-                    if let Item::Subface(s) = item {
-                        self.probe_subface(s, near);
-                    }
-                }
-                (0..self.candidates.len()).collect()
+            self.foremost = foremost;
+            return;
+        }
+        for (item, near) in self.ready() {
+            match item {
+                Item::Segment(s) if class == Class::Segments => self.probe_segment(s, near),
+                Item::Subface(s) if class == Class::Subfaces => self.probe_subface(s, near),
+                _ => {}
             }
         }
     }
@@ -83,56 +71,67 @@ impl Rounds<'_, '_> {
         }
     }
 
-    /// Does a tetrahedron come before all its face neighbours?
-    fn is_foremost(&self, t: TetId) -> bool {
-        let own = self.keys[t as usize];
-        self.own.state.mesh.topology().at(t).neighbours().into_iter().map(tet_of).all(|other| {
-            let key = self.keys[other as usize];
-            key < own || key == own && self.place(t) > self.place(other)
-        })
-    }
-
-    /// The order in which tetrahedra are probed: the largest key first.
-    fn order(&self, a: TetId, b: TetId) -> std::cmp::Ordering {
-        let keys = self.keys[b as usize].cmp(&self.keys[a as usize]);
-        keys.then_with(|| self.place(b).cmp(&self.place(a)))
+    /// Finds the tetrahedra over their bounds that come before all their face neighbours, the
+    /// largest key first; forgets those that are gone.
+    pub(super) fn find_foremost(&mut self) {
+        let mut bad = std::mem::take(&mut self.bad);
+        let mut foremost = std::mem::take(&mut self.foremost);
+        foremost.clear();
+        let topology = self.own.state.mesh.topology();
+        bad.retain(|&(own, t)| {
+            let tet = topology.at(t);
+            if self.keys[t as usize] != own || tet.is_free() {
+                return false;
+            }
+            let is_first = tet.neighbours().into_iter().map(tet_of).all(|other| {
+                let key = self.keys[other as usize];
+                key < own || key == own && self.place(t) > self.place(other)
+            });
+            if is_first {
+                foremost.push((own, t));
+            }
+            true
+        });
+        foremost.sort_unstable_by(|&(j, a), &(k, b)| {
+            k.cmp(&j).then_with(|| self.place(b).cmp(&self.place(a)))
+        });
+        (self.bad, self.foremost) = (bad, foremost);
     }
 
     fn place(&self, t: TetId) -> impl Ord {
         self.own.state.place_of(Item::Tet(t, self.own.state.vertices(t)))
     }
 
-    /// Does candidate `j` come before candidate `k`?
-    pub(super) fn beats(&self, j: usize, k: usize) -> bool {
-        let [a, b] = [j, k].map(|k| &self.candidates[k]);
-        let place = |item| self.own.state.place_of(item);
-        a.key > b.key || a.key == b.key && place(a.item) > place(b.item)
+    /// Takes the last candidate, whose cavity is its own from now on, where none before it has it.
+    pub(super) fn take(&mut self) {
+        self.chosen.push(self.candidates.len() - 1);
+        self.reserve(0);
     }
 
-    /// Writes candidate `k` into the slots of its cavity.
-    pub(super) fn reserve(&mut self, k: usize) {
-        for at in self.candidates[k].cavity.clone() {
-            let t = self.cavities[at] as usize;
-            let before = self.reserved[t];
-            if before == 0 || self.beats(k, before as usize - 1) {
-                self.reserved[t] = k as u32 + 1;
-            }
+    /// Writes the last candidate, with `bits`, into the slots of its cavity.
+    pub(super) fn reserve(&mut self, bits: u32) {
+        let Some(candidate) = self.candidates.last() else { return };
+        let own = self.candidates.len() as u32 | bits;
+        for &t in &self.cavities[candidate.cavity.clone()] {
+            // Candidates come in turns: the one that is there already is before this one.
+            let reserved = &mut self.reserved[t as usize];
+            *reserved = if *reserved == 0 { own } else { *reserved };
         }
     }
 
-    /// The candidate before `k` that has slot `t` in its cavity, if any.
-    pub(super) fn rival(&self, k: usize, t: TetId) -> Option<usize> {
-        let foremost = (self.reserved[t as usize] as usize).checked_sub(1)?;
-        (foremost != k && self.beats(foremost, k)).then_some(foremost)
+    /// Does a candidate before the last one have slot `t` in its cavity?
+    pub(super) fn has_rival(&self, t: TetId) -> bool {
+        self.reserved[t as usize] != 0
     }
 
-    /// Is candidate `k` killed by none before it, and loses no item together with others?
-    pub(super) fn survives(&self, k: usize) -> bool {
-        let is_killed = match self.candidates[k].item {
-            Item::Tet(t, _) => self.rival(k, t).is_some(),
-            Item::Segment(_) => false,
-            Item::Subface(s) => self.tets_at(k, s).iter().all(|&t| self.rival(k, t).is_some()),
+    /// Is the last candidate killed by none before it, and loses no item together with others?
+    pub(super) fn survives(&self) -> bool {
+        let Some(own) = self.candidates.last() else { return false };
+        let is_killed = match own.item {
+            Item::Subface(s) => self.tets_at(own, s).iter().all(|&t| self.has_rival(t)),
+            Item::Tet(..) | Item::Segment(_) => false,
         };
-        !is_killed && !self.loses_jointly(k)
+        // Only what is marked can be lost.
+        !is_killed && !(self.own.state.touched.is_marked && self.loses_jointly(own))
     }
 }

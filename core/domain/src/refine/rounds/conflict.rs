@@ -1,7 +1,7 @@
 //! Joint kills: two points of a round, each of which takes no item out of the mesh, may do so
 //! together. The rules that exclude it, as `docs/refinement.md` numbers them.
 
-use super::Rounds;
+use super::{Candidate, Rounds};
 use crate::refine::carrier::Carrier;
 use crate::refine::marks::{EDGES, ENDS, FACES, face_bit};
 use crate::refine::measure::{in_diametral_ball, in_equatorial_ball};
@@ -10,9 +10,9 @@ use crate::refine::table::{edge, triangle};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 
 impl Rounds<'_, '_> {
-    /// The two tetrahedra at a subface that candidate `k` is to split.
-    pub(super) fn tets_at(&self, k: usize, s: [VertexId; 3]) -> Vec<TetId> {
-        let cavity = &self.cavities[self.candidates[k].cavity.clone()];
+    /// The two tetrahedra at a subface that a candidate is to split.
+    pub(super) fn tets_at(&self, own: &Candidate, s: [VertexId; 3]) -> Vec<TetId> {
+        let cavity = &self.cavities[own.cavity.clone()];
         let has = |t: &&TetId| {
             let v = self.own.state.vertices(**t);
             s.iter().all(|c| v.contains(c))
@@ -20,25 +20,25 @@ impl Rounds<'_, '_> {
         cavity.iter().filter(has).copied().collect()
     }
 
-    /// Rules (b) and (c): does candidate `k` touch a face or edge that it could take out of the
-    /// mesh together with one before it?
-    pub(super) fn loses_jointly(&self, k: usize) -> bool {
-        let cavity = &self.cavities[self.candidates[k].cavity.clone()];
+    /// Rules (b) and (c): does the last candidate touch a face or edge that it could take out of
+    /// the mesh together with one before it?
+    pub(super) fn loses_jointly(&self, own: &Candidate) -> bool {
+        let cavity = &self.cavities[own.cavity.clone()];
         cavity.iter().any(|&t| {
             let word = self.own.state.marks.of(t);
-            word & FACES != 0 && self.loses_face(k, t, word)
-                || word & EDGES != 0 && self.loses_edge(k, t, word)
+            word & FACES != 0 && self.loses_face(own, t, word)
+                || word & EDGES != 0 && self.loses_edge(own, t, word)
         })
     }
 
-    /// Rule (b): a face that is not safe, of which `k` has one tetrahedron and a rival the other.
-    fn loses_face(&self, k: usize, t: TetId, word: u32) -> bool {
-        let (state, carrier) = (&self.own.state, self.candidates[k].place.carrier);
+    /// Rule (b): a face that is not safe, of which it has one tetrahedron and a rival the other.
+    fn loses_face(&self, own: &Candidate, t: TetId, word: u32) -> bool {
+        let (state, carrier) = (&self.own.state, own.place.carrier);
         let topology = state.mesh.topology();
         let tet = topology.at(t);
         (0..4).filter(|&slot| word & face_bit(slot) != 0).any(|slot| {
             let outer = tet.neighbours()[slot];
-            if self.rival(k, tet_of(outer)).is_none() {
+            if !self.has_rival(tet_of(outer)) {
                 return false;
             }
             let [a, b, c] = FACE[slot].map(|i| tet.vertices()[i]);
@@ -55,9 +55,9 @@ impl Rounds<'_, '_> {
     }
 
     /// Rule (c): an edge that is not safe, with a tetrahedron in the cavity of a rival.
-    fn loses_edge(&self, k: usize, t: TetId, word: u32) -> bool {
+    fn loses_edge(&self, own: &Candidate, t: TetId, word: u32) -> bool {
         let state = &self.own.state;
-        let (carrier, v) = (self.candidates[k].place.carrier, state.vertices(t));
+        let (carrier, v) = (own.place.carrier, state.vertices(t));
         ENDS.into_iter().enumerate().filter(|(bit, _)| word >> (4 + bit) & 1 == 1).any(
             |(_, [i, j])| {
                 let ends = edge(v[i], v[j]);
@@ -73,7 +73,7 @@ impl Rounds<'_, '_> {
                     && of.is_some_and(|s| !state.angles.related_segment(carrier, s));
                 let [a, b] = ends.map(|v| state.at(v));
                 let mut look = |at: TetId, apex: VertexId| {
-                    is_met |= self.rival(k, at).is_some();
+                    is_met |= self.has_rival(at);
                     let inside = || apex != INFINITE && in_diametral_ball(&a, &b, &state.at(apex));
                     is_safe = is_safe && !inside();
                 };

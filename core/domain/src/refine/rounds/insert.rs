@@ -1,15 +1,16 @@
 //! The insertion of a round: unconditional, in any order.
 
-use super::{Candidate, Class, InsertOrder, Rounds};
+use super::{Candidate, Class, InsertOrder, Rounds, WRITTEN};
 use crate::refine::RefineError;
 use crate::refine::carrier::Carrier;
 use crate::refine::facet::{Change, Seed};
 use crate::refine::item::Item;
 use crate::refine::state::{Place, State};
 use crate::refine::verdict::Filling;
-use ltbw_core::cavity::Open;
+use ltbw_core::cavity::Role;
 use ltbw_core::order::hilbert;
 use ltbw_core::random::Random;
+use ltbw_core::topology::TetId;
 
 /// A round of fewer points is not sorted along a curve.
 const FEW: usize = 16;
@@ -19,18 +20,16 @@ impl Rounds<'_, '_> {
     ///
     /// # Errors
     /// A point that takes an item out of the mesh, or that lies at a vertex: the choice is wrong.
-    pub(super) fn insert(&mut self, class: Class, chosen: &[usize]) -> Result<(), RefineError> {
-        if chosen.is_empty() {
+    pub(super) fn insert(&mut self, class: Class) -> Result<(), RefineError> {
+        let count = self.chosen.len() as u64;
+        if count == 0 {
             return Ok(());
         }
         self.stats.rounds[class as usize] += 1;
-        self.stats.widest = self.stats.widest.max(chosen.len() as u64);
-        self.stats.round_points += chosen.len() as u64;
-        for k in self.in_order(chosen) {
-            let Candidate { item, place, .. } = self.candidates[k].clone();
-            self.insert_one(item, place)?;
-            self.pending.remove(&item);
-            self.own.record.limits.remove(&item);
+        self.stats.widest = self.stats.widest.max(count);
+        self.stats.round_points += count;
+        for k in self.in_order() {
+            self.insert_one(k)?;
         }
         if !self.own.state.is_complete() {
             return Err(RefineError::Invariant { what: "no round loses an item of the boundary" });
@@ -38,28 +37,32 @@ impl Rounds<'_, '_> {
         Ok(())
     }
 
-    fn insert_one(&mut self, item: Item, place: Place) -> Result<(), RefineError> {
-        let own = &mut *self.own;
-        let place = Place { from: own.state.start_near(place.from), ..place };
-        let on_boundary = place.carrier != Carrier::Free;
-        let open = match on_boundary {
-            true => own.state.begin_and_look(&place, &mut Open),
-            false => own.state.begin(&place, &mut Open),
-        };
-        let open = open.map_err(|_| RefineError::Invariant { what: "chosen points are new" })?;
-        let filling = match on_boundary {
-            true => open.owner().filling(item, &place),
-            false => Some(Filling::default()),
-        };
-        let seen = RefineError::Invariant { what: "a point on a facet sees its planar cavity" };
-        let filling = filling.ok_or(seen)?;
-        own.inserted.fill(open, &place, &filling, None, &mut self.nothing);
-        self.created.extend_from_slice(&own.inserted.created);
+    /// Inserts candidate `k`: into the cavity that its probe has found, if the round has changed
+    /// nothing there, else into the one that is found now.
+    fn insert_one(&mut self, k: usize) -> Result<(), RefineError> {
+        let Self { own, candidates, cavities, reserved, nothing, .. } = self;
+        let Candidate { item, ref place, ref cavity, ref mut filling } = candidates[k];
+        let state = &mut own.state;
+        let place = Place { from: state.start_near(place.from), ..*place };
+        let mut unchanged = |t: TetId, _: Role| reserved[t as usize] != WRITTEN;
+        let open = state.begin_again(&place, &cavities[cavity.clone()], &mut unchanged);
+        let (mut open, is_same) =
+            open.map_err(|_| RefineError::Invariant { what: "chosen points are new" })?;
+        let mut filling = std::mem::take(filling);
+        if !is_same && place.carrier != Carrier::Free {
+            open.owner_mut().touch(&place.p, place.carrier);
+            let seen = RefineError::Invariant { what: "a point on a facet sees its planar cavity" };
+            filling = open.owner().filling(item, &place).ok_or(seen)?;
+        }
+        own.inserted.fill(open, &place, &filling, None, nothing);
+        self.note_created();
+        self.pending.remove(&item);
+        self.own.record.limits.remove(&item);
         Ok(())
     }
 
-    fn in_order(&self, chosen: &[usize]) -> Vec<usize> {
-        let mut order = chosen.to_vec();
+    fn in_order(&self) -> Vec<usize> {
+        let mut order = self.chosen.clone();
         match self.order {
             InsertOrder::Forwards => {}
             InsertOrder::Backwards => order.reverse(),
@@ -67,10 +70,10 @@ impl Rounds<'_, '_> {
                 let rounds = self.stats.rounds.iter().sum::<u64>();
                 Random::new(seed.wrapping_mul(1 << 20).wrapping_add(rounds)).shuffle(&mut order);
             }
-            InsertOrder::Hilbert if chosen.len() < FEW => {}
+            InsertOrder::Hilbert if order.len() < FEW => {}
             InsertOrder::Hilbert => {
-                let points: Vec<_> = chosen.iter().map(|&k| self.candidates[k].place.p).collect();
-                order = hilbert(&points).into_iter().map(|k| chosen[k as usize]).collect();
+                let points: Vec<_> = order.iter().map(|&k| self.candidates[k].place.p).collect();
+                order = hilbert(&points).into_iter().map(|k| order[k as usize]).collect();
             }
         }
         order

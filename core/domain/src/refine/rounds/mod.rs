@@ -18,6 +18,7 @@ use super::record::Refusal;
 use super::split::{Refinement, Step};
 use super::state::Place;
 use super::table::Map;
+use super::verdict::Filling;
 use ltbw_core::cavity::Open;
 use ltbw_core::topology::TetId;
 use std::ops::Range;
@@ -62,15 +63,14 @@ enum Class {
 }
 
 /// A point proposed in a round, and its cavity in the mesh at the start of the round.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 struct Candidate {
     item: Item,
-    key: u64,
     place: Place,
     /// Its tetrahedra in [`Rounds::cavities`].
     cavity: Range<usize>,
-    /// Was the verdict on it that it may be inserted?
-    fits: bool,
+    /// What changes with it, if nothing in its closure changes before.
+    filling: Filling,
 }
 
 /// A boundary item that is to be split.
@@ -91,6 +91,11 @@ struct Asked {
     near: TetId,
 }
 
+/// In place of a candidate: the slot was written by an insertion of this round.
+const WRITTEN: u32 = u32::MAX;
+/// With a candidate: it waits for an item of the boundary.
+const DEFERS: u32 = 1 << 31;
+
 /// A refinement in rounds.
 pub(crate) struct Rounds<'r, 'a> {
     own: &'r mut Refinement<'a>,
@@ -99,14 +104,19 @@ pub(crate) struct Rounds<'r, 'a> {
     most: u64,
     /// Per slot: the key of a tetrahedron over its bounds that was not refused, else 0.
     keys: Vec<u64>,
-    /// The slots whose key is not 0.
-    bad: Vec<TetId>,
+    /// The slots whose key is not 0, with their keys, and others whose key has changed since.
+    bad: Vec<(u64, TetId)>,
+    /// Those of `bad` before all their neighbours, the largest key first.
+    foremost: Vec<(u64, TetId)>,
     /// Boundary items to be split.
     pending: Map<Item, Pending>,
     candidates: Vec<Candidate>,
+    /// Those of them that are to be inserted.
+    chosen: Vec<usize>,
     /// The cavities of the candidates.
     cavities: Vec<TetId>,
-    /// Per slot: one more than the index of the foremost candidate with the slot in its cavity.
+    /// Per slot: one more than the index of the foremost candidate with the slot in its cavity,
+    /// and [`DEFERS`]; or [`WRITTEN`].
     reserved: Vec<u32>,
     /// Boundary items asked for in this round.
     asked: Vec<Asked>,
@@ -114,7 +124,7 @@ pub(crate) struct Rounds<'r, 'a> {
     waits: Vec<(Item, Pending)>,
     /// Items refused in this round.
     refusals: Vec<(Item, Reason)>,
-    /// Slots written by the insertions of this round.
+    /// Slots written by the insertions of this round, each once.
     created: Vec<TetId>,
     /// The work that the fillings put: items that are lost, of which there are none.
     nothing: Queues,
@@ -133,8 +143,10 @@ impl<'r, 'a> Rounds<'r, 'a> {
             most,
             keys: Vec::new(),
             bad: Vec::new(),
+            foremost: Vec::new(),
             pending: Map::default(),
             candidates: Vec::new(),
+            chosen: Vec::new(),
             cavities: Vec::new(),
             reserved: Vec::new(),
             asked: Vec::new(),
@@ -167,14 +179,15 @@ impl<'r, 'a> Rounds<'r, 'a> {
             }
             match class {
                 Some(class) => {
-                    let chosen = self.choose(class);
-                    let total = self.own.inserted.points.total() + chosen.len() as u64;
+                    self.choose(class);
+                    let count = self.chosen.len();
+                    let total = self.own.inserted.points.total() + count as u64;
                     if total > self.most {
                         stop = Some(Reason::Budget);
                         break;
                     }
-                    let progress = self.record_round() || !chosen.is_empty();
-                    self.insert(class, &chosen)?;
+                    let progress = self.record_round() || count > 0;
+                    self.insert(class)?;
                     self.settle();
                     if !progress {
                         return Err(RefineError::Invariant { what: "a round makes progress" });
@@ -189,7 +202,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
 
     /// The class of the next round; `Some(None)` if all pending items wait for each other, `None`
     /// if nothing is left to do.
-    fn next_class(&self) -> Option<Option<Class>> {
+    fn next_class(&mut self) -> Option<Option<Class>> {
         let mut waiting = false;
         let mut subface = false;
         for (&item, pending) in &self.pending {
@@ -202,11 +215,14 @@ impl<'r, 'a> Rounds<'r, 'a> {
                 _ => subface = true,
             }
         }
-        match (subface, waiting, self.bad.is_empty()) {
-            (true, ..) => Some(Some(Class::Subfaces)),
-            (_, true, _) => Some(None),
-            (.., false) => Some(Some(Class::Tets)),
-            _ => None,
+        match (subface, waiting) {
+            (true, _) => Some(Some(Class::Subfaces)),
+            (_, true) => Some(None),
+            _ => {
+                self.find_foremost();
+                // Of tetrahedra over their bounds one is before all others.
+                (!self.foremost.is_empty()).then_some(Some(Class::Tets))
+            }
         }
     }
 
@@ -253,12 +269,13 @@ impl<'r, 'a> Rounds<'r, 'a> {
                     self.own.record.refused.insert(item, Refusal::final_for(reason));
                 }
                 Step::SetBack(_) => return Err(RefineError::Invariant { what: "room for points" }),
-                _ => {}
+                Step::Inserted => self.note_created(),
+                Step::Gone | Step::Deferred => {}
             }
             self.own.record.limits.remove(&item);
             self.pending.remove(&item);
         }
-        self.look_at_all();
+        self.settle();
         Ok(())
     }
 }

@@ -3,15 +3,15 @@
 //! slots are a function of the mesh; of boundary items only those that are taken write theirs.
 
 use super::conflict::is_same;
-use super::{Asked, Candidate, Pending, Rounds};
+use super::{Asked, Candidate, DEFERS, Pending, Rounds};
 use crate::refine::carrier::{Carrier, distance2, free_point};
 use crate::refine::item::Item;
-use crate::refine::key::{key, order_key, sorted};
+use crate::refine::key::{order_key, sorted};
 use crate::refine::measure::{Shape, circumcircle};
 use crate::refine::outcome::Reason;
 use crate::refine::split::TOLERANCE;
 use crate::refine::state::Place;
-use crate::refine::verdict::{Judge, Verdict};
+use crate::refine::verdict::{Filling, Judge, Verdict};
 use crate::refine::walk::Way;
 use ltbw_core::cavity::Role;
 use ltbw_core::mesh::At;
@@ -38,7 +38,6 @@ impl Rounds<'_, '_> {
             return;
         };
         let corners = sorted(ends.map(|v| state.at(v)));
-        let key = key(distance2(&corners[0], &corners[1]), &corners);
         let Some(t) = state.split_parameter(ends, s) else {
             return self.refuse(item, Reason::Floor);
         };
@@ -48,7 +47,7 @@ impl Rounds<'_, '_> {
             return self.refuse(item, Reason::Floor);
         }
         let place = Place { p, carrier: Carrier::Segment(s, t), from: near };
-        match self.probe(item, key, &place, |judge| judge.on_segment(ends, s, &place)) {
+        match self.probe(item, &place, |judge| judge.on_segment(ends, s, &place)) {
             Probe::Fits => self.take_or_drop(),
             Probe::Barred => {}
             Probe::Defers(first) => self.wait(item, first, near),
@@ -69,14 +68,13 @@ impl Rounds<'_, '_> {
         if square < self.own.floor * self.own.floor {
             return self.refuse(item, Reason::Floor);
         }
-        let key = key(square, &points);
         let plane = state.plc.facets[f as usize].plane;
         let reason = state.angles.facet_reason.get(&f).copied();
         for tolerance in [square.sqrt() * TOLERANCE, 1.0] {
             let Some(p) = plane.near(&centre, tolerance) else { continue };
             let place = Place { p, carrier: Carrier::Facet(f), from: near };
             let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, true);
-            match self.probe(item, key, &place, verdict) {
+            match self.probe(item, &place, verdict) {
                 Probe::Fits => return self.take_or_drop(),
                 Probe::Barred => return,
                 Probe::Defers(first) => return self.wait(item, first, near),
@@ -99,22 +97,27 @@ impl Rounds<'_, '_> {
         if radius < self.own.floor {
             return self.refuse(item, Reason::Floor);
         }
-        let limit = self.own.bounds.as_ref().map(|b| b.grain(state, t, &shape));
+        let limit =
+            |own: &Self| own.own.bounds.as_ref().map(|b| b.grain(&own.own.state, t, &shape));
         for tolerance in [radius * TOLERANCE, 1.0] {
             let Some(centre) = shape.circumcentre(&d) else { break };
             let proposed = free_point(&centre, tolerance);
             let p = proposed.unwrap_or(centre);
             let from = match self.own.state.way(t, &p) {
                 Way::Arrived(from) if proposed.is_some() => from,
-                Way::Blocked(subface) => return self.ask(t, v, &[Item::Subface(subface)], limit),
+                Way::Blocked(subface) => {
+                    let limit = limit(self);
+                    return self.ask(t, v, &[Item::Subface(subface)], limit);
+                }
                 Way::Arrived(_) | Way::Outside => continue,
             };
             let place = Place { p, carrier: Carrier::Free, from };
-            let key = self.keys[t as usize];
-            match self.probe(item, key, &place, |judge| judge.on_tet(t)) {
-                Probe::Fits => return self.reserve(self.candidates.len() - 1),
+            match self.probe(item, &place, |judge| judge.on_tet(t)) {
+                Probe::Fits if self.survives() => return self.take(),
+                Probe::Fits => return self.reserve(0),
                 Probe::Defers(first) => {
-                    self.reserve(self.candidates.len() - 1);
+                    self.reserve(DEFERS);
+                    let limit = limit(self);
                     return self.ask(t, v, &first, limit);
                 }
                 Probe::Refuses(reason) => return self.refuse(item, reason),
@@ -124,6 +127,7 @@ impl Rounds<'_, '_> {
         }
         let mut sides = self.own.state.boundary_sides(t);
         self.own.state.sort(&mut sides);
+        let limit = limit(self);
         self.ask(t, v, &sides, limit);
     }
 
@@ -132,7 +136,6 @@ impl Rounds<'_, '_> {
     fn probe(
         &mut self,
         item: Item,
-        key: u64,
         place: &Place,
         verdict: impl FnOnce(Judge<'_>) -> Verdict,
     ) -> Probe {
@@ -145,11 +148,12 @@ impl Rounds<'_, '_> {
         // ask for an item: it is likely to be in their way, too.
         let is_free = place.carrier == Carrier::Free;
         let mut admission = |t: TetId, role: Role| {
-            let other = (reserved[t as usize] as usize).checked_sub(1).map(|k| &candidates[k]);
-            other.is_none_or(|other| match is_free {
-                true => other.fits || role == Role::Ring,
-                false => is_same(other.place.carrier, place.carrier),
-            })
+            let other = reserved[t as usize];
+            match is_free {
+                true => other & DEFERS == 0 || role == Role::Ring,
+                false if other == 0 => true,
+                false => is_same(candidates[other as usize - 1].place.carrier, place.carrier),
+            }
         };
         let open = match state.begin_and_look(&place, &mut admission) {
             Ok(open) => open,
@@ -161,29 +165,25 @@ impl Rounds<'_, '_> {
             }
         };
         let verdict = verdict(Judge { state: open.owner(), record: &own.record, recovers: false });
-        let fits = matches!(verdict, Verdict::Fill(_));
-        if fits || is_free && matches!(verdict, Verdict::Defer(_)) {
-            cavities.extend(open.tets());
-            let place = Place { from: cavities[first], ..place };
-            candidates.push(Candidate { item, key, place, cavity: first..cavities.len(), fits });
-        }
-        match verdict {
-            Verdict::Fill(_) => Probe::Fits,
-            Verdict::Defer(first) => Probe::Defers(first),
-            Verdict::Refuse(reason) => Probe::Refuses(reason),
-            Verdict::Useless => Probe::Useless,
-        }
+        let (probe, filling) = match verdict {
+            Verdict::Fill(filling) => (Probe::Fits, filling),
+            Verdict::Defer(first) if is_free => (Probe::Defers(first), Filling::default()),
+            Verdict::Defer(first) => return Probe::Defers(first),
+            Verdict::Refuse(reason) => return Probe::Refuses(reason),
+            Verdict::Useless => return Probe::Useless,
+        };
+        cavities.extend(open.tets());
+        let place = Place { from: cavities[first], ..place };
+        candidates.push(Candidate { item, place, cavity: first..cavities.len(), filling });
+        probe
     }
 
     /// Takes the last candidate, unless one taken before it is in its way.
     fn take_or_drop(&mut self) {
-        let last = self.candidates.len() - 1;
-        match self.survives(last) {
-            true => self.reserve(last),
-            false => {
-                self.cavities.truncate(self.candidates[last].cavity.start);
-                self.candidates.pop();
-            }
+        if self.survives() {
+            self.take();
+        } else if let Some(last) = self.candidates.pop() {
+            self.cavities.truncate(last.cavity.start);
         }
     }
 

@@ -1,6 +1,6 @@
 //! After the insertions: which tetrahedra are over their bounds, with which keys.
 
-use super::Rounds;
+use super::{Rounds, WRITTEN};
 use crate::refine::RefineError;
 use crate::refine::item::Item;
 use crate::refine::key::{key, sorted};
@@ -9,27 +9,26 @@ use crate::refine::measure::Shape;
 use crate::refine::table::{Set, edge};
 use ltbw_core::topology::TetId;
 
-/// The key of a slot that was written in the round: no key is this one.
-const WRITTEN: u64 = u64::MAX;
-
 impl Rounds<'_, '_> {
+    /// Notes the slots that the last insertion, or joint step, has written.
+    pub(super) fn note_created(&mut self) {
+        let slots = self.own.state.mesh.topology().slots();
+        self.reserved.resize(slots, 0);
+        for &t in &self.own.inserted.created {
+            let reserved = &mut self.reserved[t as usize];
+            if *reserved != WRITTEN {
+                *reserved = WRITTEN;
+                self.created.push(t);
+            }
+        }
+    }
+
     /// Looks at the tetrahedra that the insertions of the round have made.
     pub(super) fn settle(&mut self) {
-        let topology = self.own.state.mesh.topology();
-        self.keys.resize(topology.slots(), 0);
-        self.reserved.resize(topology.slots(), 0);
-        // Each slot is looked at once, however often it was written.
-        let keys = &mut self.keys;
-        self.created.retain(|&t| std::mem::replace(&mut keys[t as usize], WRITTEN) != WRITTEN);
-        self.bad.retain(|&t| {
-            let own = &mut keys[t as usize];
-            if *own != WRITTEN && topology.at(t).is_free() {
-                *own = 0;
-            }
-            *own != 0 && *own != WRITTEN
-        });
+        self.keys.resize(self.own.state.mesh.topology().slots(), 0);
         let mut created = std::mem::take(&mut self.created);
         for t in created.drain(..) {
+            self.reserved[t as usize] = 0;
             self.keys[t as usize] = 0;
             self.look_at_tet(t);
         }
@@ -67,8 +66,9 @@ impl Rounds<'_, '_> {
         }
         let corners = sorted(v.map(|v| state.at(v)));
         let [a, b, c, d] = &corners;
-        self.keys[t as usize] = key(Shape::of([a, b, c, d]).radius2(), &corners);
-        self.bad.push(t);
+        let key = key(Shape::of([a, b, c, d]).radius2(), &corners);
+        self.keys[t as usize] = key;
+        self.bad.push((key, t));
     }
 
     /// Checks that the mesh has every subsegment and subface.
