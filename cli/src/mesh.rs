@@ -222,7 +222,7 @@ fn is_explained(found: &Conformity, inside: &TetMesh, excused: &Excused) -> bool
 type Excused = HashSet<[u32; 4]>;
 
 fn excused(refined: &Refined) -> Excused {
-    refined.excuses.iter().filter_map(|excuse| refined.mesh().tet(excuse.tet)).collect()
+    refined.excuses.iter().filter_map(|excuse| refined.tet(excuse.tet)).collect()
 }
 
 fn ending(refined: &Refined) -> Exit {
@@ -356,7 +356,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
     let stats = &refined.stats;
     let excuse = |e: &ltbw::refine::Excuse| {
         json!({
-            "vertices": refined.mesh().tet(e.tet),
+            "vertices": refined.tet(e.tet),
             "reason": e.reason.to_string(),
         })
     };

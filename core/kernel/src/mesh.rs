@@ -372,6 +372,12 @@ impl Mesh {
         &self.numbers
     }
 
+    /// The same, to be changed: those of finite vertices have to stay different.
+    #[doc(hidden)]
+    pub fn numbers_mut(&mut self) -> &mut [Vertex] {
+        &mut self.numbers
+    }
+
     /// The public number of a finite kernel vertex.
     pub fn number(&self, v: VertexId) -> Option<Vertex> {
         if v == INFINITE { None } else { self.numbers.get(v as usize).copied() }

@@ -31,6 +31,8 @@
 //! | `rounds` | refinement in rounds: one mesh whatever the order of insertion |
 //! | `region` | inside, outside, regions |
 //! | `background` | sizing by a background mesh, or at input vertices |
+//! | `excuse` | what is over its bounds at the end, and why |
+//! | `number` | numbers of vertices, and orders, that are functions of the mesh alone |
 //! | `output` | the mesh and its boundary as plain arrays |
 
 mod angles;
@@ -39,6 +41,7 @@ mod bounds;
 mod carrier;
 mod defer;
 mod dust;
+mod excuse;
 mod facet;
 mod fill;
 mod flat;
@@ -51,6 +54,7 @@ mod marks;
 mod measure;
 mod mend;
 mod near;
+mod number;
 mod outcome;
 mod output;
 mod patch;

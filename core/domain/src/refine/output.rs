@@ -3,6 +3,7 @@
 
 use super::item::Item;
 use super::marks::face_bit;
+use super::number::{from_smallest, in_order};
 use super::outcome::{Excuse, Reason, RefineOutcome, RefineStats};
 use super::region::RegionInfo;
 use super::state::State;
@@ -31,10 +32,13 @@ pub struct Refined {
     /// The lattice of all points.
     pub lattice: Lattice,
     pub(super) state: State,
+    /// The finite tetrahedra, exterior included, in the order of their vertices' numbers.
+    pub(super) order: Vec<TetId>,
 }
 
 impl Refined {
-    /// The Delaunay mesh, exterior included: input vertices keep their indices, new ones follow.
+    /// The Delaunay mesh, exterior included: input vertices keep their indices, new ones follow
+    /// along a Hilbert curve.
     pub fn mesh(&self) -> &Mesh {
         &self.state.mesh
     }
@@ -44,9 +48,16 @@ impl Refined {
         self.state.marks.region(t)
     }
 
-    /// The tetrahedra of the domain.
+    /// The tetrahedra of the domain, by their vertices' numbers: an order that is a function of the
+    /// mesh alone, as those of all arrays are.
     pub fn tets(&self) -> impl Iterator<Item = TetId> + '_ {
-        self.state.mesh.tet_ids().filter(|&t| self.region(t) != 0)
+        self.order.iter().copied().filter(|&t| self.region(t) != 0)
+    }
+
+    /// The vertices of a tetrahedron, positively oriented: the smallest number, then the next; as
+    /// [`Refined::to_tet_mesh`] has them. `None` if `t` is not one.
+    pub fn tet(&self, t: TetId) -> Option<[Vertex; 4]> {
+        self.state.mesh.tet(t).map(in_order)
     }
 
     /// Number of tetrahedra of the domain.
@@ -80,10 +91,10 @@ impl Refined {
     pub fn to_tet_mesh(&self, exterior: bool) -> TetMesh {
         let mut mesh = TetMesh { tets: Vec::new(), ..self.state.mesh.to_tet_mesh() };
         let mut tags = Vec::new();
-        for t in self.state.mesh.tet_ids() {
+        for &t in &self.order {
             let region = self.region(t);
             if exterior || region != 0 {
-                mesh.tets.extend(self.state.mesh.tet(t));
+                mesh.tets.extend(self.tet(t));
                 tags.push(i64::from(region));
             }
         }
@@ -100,13 +111,13 @@ impl Refined {
         let mut faces = Vec::new();
         let mut place = 0;
         let kept = |t| exterior || self.region(t) != 0;
-        for t in state.mesh.tet_ids().filter(|&t| kept(t)) {
+        for t in self.order.iter().copied().filter(|&t| kept(t)) {
             let (word, tet) = (state.marks.of(t), topology.at(t));
             for slot in (0..4).filter(|&slot| word & face_bit(slot) != 0) {
                 let other = tet_of(tet.neighbours()[slot]);
                 // Of two tetrahedra at a triangle, that of the lower region has it, but for the
                 // exterior; of equal ones the first.
-                let rank = |t| (self.region(t) == 0, self.region(t), t);
+                let rank = |t| (self.region(t) == 0, self.region(t), self.tet(t));
                 let shared = kept(other) && !topology.at(other).is_ghost();
                 if shared && rank(other) < rank(t) {
                     continue;
@@ -114,7 +125,7 @@ impl Refined {
                 let corners = OTHERS[slot].map(|k| tet.vertices()[k]);
                 let [a, b, c] = corners;
                 let marker = state.marker(triangle(a, b, c));
-                let corners = corners.map(|v| state.mesh.numbers()[v as usize]);
+                let corners = from_smallest(corners.map(|v| state.mesh.numbers()[v as usize]));
                 faces.push(BoundaryFace { corners, marker: i64::from(marker), tet: place });
             }
             place += 1;

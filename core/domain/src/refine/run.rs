@@ -5,7 +5,7 @@ use super::bounds::{Bounds, SizeField, check_tolerance, regular_volume};
 use super::carrier::{Carrier, UNIT, corner_point};
 use super::item::{Item, Queues, Work};
 use super::measure::{RatioBound, VolumeBound};
-use super::outcome::{Excuse, Reason, RefineOutcome, RefineStats};
+use super::outcome::{Reason, RefineOutcome, RefineStats};
 use super::output::Refined;
 use super::plc::Plc;
 use super::record::Refusal;
@@ -18,7 +18,7 @@ use ltbw_core::CancelToken;
 use ltbw_core::build::{Builder, Observer};
 use ltbw_core::cavity::Open;
 use ltbw_core::mesh::{Mesh, Vertex};
-use ltbw_core::topology::VertexId;
+use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::{Point, PointSet};
 use std::time::Instant;
 
@@ -250,6 +250,7 @@ impl<'a> Refiner<'a> {
             steps: 0,
             most: self.max_points.unwrap_or_else(|| self.default_budget(domain)),
             stop: None,
+            over: None,
         };
         run.recover(&kernel)?;
         let found = match patches {
@@ -362,6 +363,8 @@ pub(super) struct Run<'a> {
     pub(super) most: u64,
     /// Why the work stops early.
     pub(super) stop: Option<Reason>,
+    /// The tetrahedra that are over their bounds, if that is known.
+    over: Option<Vec<TetId>>,
 }
 
 impl Run<'_> {
@@ -395,8 +398,8 @@ impl Run<'_> {
             refiner.cancel.is_some_and(CancelToken::is_cancelled)
         };
         let rounds = Rounds::new(&mut self.refinement, order, self.most);
-        let (stop, stats) = rounds.run(&look)?;
-        self.stop = stop;
+        let (stop, stats, over) = rounds.run(&look)?;
+        (self.stop, self.over) = (stop, Some(over));
         self.stats = RefineStats { recover_seconds: self.stats.recover_seconds, ..stats };
         Ok(())
     }
@@ -455,7 +458,7 @@ impl Run<'_> {
     /// Collects what is over its bounds.
     fn finish(self, regions: Vec<RegionInfo>, lattice: Lattice) -> Refined {
         let Refinement { mut state, bounds, record, inserted, .. } = self.refinement;
-        let (refused, points) = (record.refused, inserted.points);
+        let points = inserted.points;
         let stats = RefineStats {
             segment_points: points.segments,
             facet_points: points.facets,
@@ -463,22 +466,19 @@ impl Run<'_> {
             ..self.stats
         };
         state.mesh.set_next_number(inserted.next_number);
+        state.number_vertices(state.plc.corners.len() as Vertex);
+        let order = state.tets_in_order(inserted.next_number);
         let mut excuses = Vec::new();
         if let Some(bounds) = &bounds {
             state.settle_all_dust();
-            for t in state.mesh.tet_ids().filter(|&t| bounds.excess(&state, t).is_some()) {
-                let item = Item::Tet(t, state.vertices(t));
-                let reason = refused.get(&item).map(|r| r.reason).or(self.stop);
-                let reason = reason.unwrap_or(Reason::Rounding);
-                excuses.push(Excuse { tet: t, reason });
-            }
+            excuses = state.excuses(bounds, &record, &order, self.over, self.stop);
         }
         let segments = state.missing_segments.iter().map(|&s| Item::Segment(s));
         let missing = segments.chain(state.missing.iter().map(|&s| Item::Subface(s)));
-        let reason = |item: &Item| refused.get(item).map(|r| r.reason).or(self.stop);
+        let reason = |item: &Item| record.refused.get(item).map(|r| r.reason).or(self.stop);
         let mut lost: Vec<(Item, Reason)> =
             missing.map(|item| (item, reason(&item).unwrap_or(Reason::Rounding))).collect();
-        lost.sort_unstable();
+        lost.sort_by_cached_key(|(item, _)| state.place_of(*item));
         let outcome = match self.stop {
             _ if !lost.is_empty() => RefineOutcome::Unrecovered,
             Some(Reason::Cancelled) => RefineOutcome::Cancelled,
@@ -486,6 +486,6 @@ impl Run<'_> {
             _ if excuses.is_empty() => RefineOutcome::Met,
             _ => RefineOutcome::Excused,
         };
-        Refined { outcome, excuses, lost, regions, stats, lattice, state }
+        Refined { outcome, excuses, lost, regions, stats, lattice, state, order }
     }
 }

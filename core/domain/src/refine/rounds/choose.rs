@@ -132,6 +132,7 @@ impl Rounds<'_, '_> {
             Item::Tet(..) | Item::Segment(_) => false,
         };
         // Only what is marked can be lost.
-        !is_killed && !(self.own.state.touched.is_marked && self.loses_jointly(own))
+        let loses = self.own.state.touched.is_marked && self.loses_jointly(own);
+        !(is_killed || loses)
     }
 }

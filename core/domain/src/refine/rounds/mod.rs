@@ -159,7 +159,8 @@ impl<'r, 'a> Rounds<'r, 'a> {
     }
 
     /// Carries out rounds until nothing is left to do. `look` is told the number of vertices, and
-    /// says whether the work is cancelled.
+    /// says whether the work is cancelled. Returns why it stopped early, figures, and the
+    /// tetrahedra that are over their bounds.
     ///
     /// Ends: every round inserts a point of a finite lattice, or refuses an item, or asks for one
     /// that was not asked for.
@@ -169,7 +170,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
     pub(crate) fn run(
         mut self,
         look: &dyn Fn(usize) -> bool,
-    ) -> Result<(Option<Reason>, RefineStats), RefineError> {
+    ) -> Result<(Option<Reason>, RefineStats, Vec<TetId>), RefineError> {
         self.look_at_all();
         let mut stop = None;
         while let Some(class) = self.next_class() {
@@ -197,7 +198,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             }
         }
         self.check_complete()?;
-        Ok((stop, self.stats))
+        Ok((stop, self.stats, self.over()))
     }
 
     /// The class of the next round; `Some(None)` if all pending items wait for each other, `None`

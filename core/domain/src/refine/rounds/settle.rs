@@ -71,6 +71,23 @@ impl Rounds<'_, '_> {
         self.bad.push((key, t));
     }
 
+    /// The tetrahedra over their bounds: those that were refused, and those not yet split.
+    pub(super) fn over(&self) -> Vec<TetId> {
+        let state = &self.own.state;
+        let refused = self.own.record.refused.keys().filter_map(|&item| match item {
+            Item::Tet(t, v) => state.is_live(t, v).then_some(t),
+            _ => None,
+        });
+        let is_left = |&(key, t): &(u64, TetId)| {
+            self.keys[t as usize] == key && !state.mesh.topology().at(t).is_free()
+        };
+        let left = self.bad.iter().copied().filter(is_left).map(|(_, t)| t);
+        let mut over: Vec<TetId> = refused.chain(left).collect();
+        over.sort_unstable();
+        over.dedup();
+        over
+    }
+
     /// Checks that the mesh has every subsegment and subface.
     ///
     /// # Errors

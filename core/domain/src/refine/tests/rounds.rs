@@ -52,6 +52,12 @@ fn one_mesh(refiner: &Refiner<'_>, ready: &Prepared, start: usize, name: &str) -
         assert_eq!(other.outcome, first.outcome, "{name} {order:?}");
         assert_eq!(excuses(&other), excuses(&first), "{name} {order:?}");
         assert_eq!(other.num_tets(), first.num_tets(), "{name} {order:?}");
+        for exterior in [false, true] {
+            let of = |refined: &Refined| {
+                (refined.to_tet_mesh(exterior), refined.boundary(exterior), refined.subfaces())
+            };
+            assert!(of(&other) == of(&first), "{name} {order:?}: one numbering");
+        }
     }
     check_all(first.mesh()).expect("invariants of the mesh");
     check_marks(&first.state);

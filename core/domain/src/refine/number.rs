@@ -1,0 +1,100 @@
+//! Numbers and orders that are functions of the mesh alone, in whatever order its points were
+//! inserted: arrays and files of one mesh are equal byte for byte.
+//!
+//! Vertices of the domain keep their indices; the others follow along a Hilbert curve. Vertices of
+//! a tetrahedron: the smallest, the next, then as the orientation says. Tetrahedra are in the
+//! lexicographic order of these.
+
+use super::carrier::Carrier;
+use super::state::State;
+use ltbw_core::cavity::OTHERS;
+use ltbw_core::mesh::Vertex;
+use ltbw_core::order::hilbert;
+use ltbw_core::topology::{TetId, VertexId};
+use ltbw_exact::Point;
+
+/// The vertices of a triangle from the smallest on; it keeps its side.
+pub(crate) fn from_smallest([a, b, c]: [Vertex; 3]) -> [Vertex; 3] {
+    match a.min(b).min(c) {
+        least if least == a => [a, b, c],
+        least if least == b => [b, c, a],
+        _ => [c, a, b],
+    }
+}
+
+/// The vertices of a tetrahedron: the smallest, the next, then as its orientation says.
+pub(crate) fn in_order(v: [Vertex; 4]) -> [Vertex; 4] {
+    let first = (1..4).fold(0, |first, k| if v[k] < v[first] { k } else { first });
+    let [a, b, c] = from_smallest(OTHERS[first].map(|k| v[k]));
+    [v[first], a, b, c]
+}
+
+impl State {
+    /// Numbers the vertices that are no corners of the domain, from `first` on.
+    pub(crate) fn number_vertices(&mut self, first: Vertex) {
+        let is_new = |v: &VertexId| !matches!(self.carriers[*v as usize], Carrier::Corner(_));
+        let new: Vec<VertexId> =
+            (1..=self.mesh.num_vertices() as VertexId).filter(is_new).collect();
+        let points: Vec<Point> = new.iter().map(|&v| self.at(v)).collect();
+        let numbers = self.mesh.numbers_mut();
+        for (number, k) in (first..).zip(hilbert(&points)) {
+            numbers[new[k as usize] as usize] = number;
+        }
+    }
+
+    /// The finite tetrahedra in the order of their vertices' numbers, which are below `end`.
+    pub(crate) fn tets_in_order(&self, end: Vertex) -> Vec<TetId> {
+        let corners = |t: TetId| in_order(self.mesh.tet(t).unwrap_or_default());
+        let smallest = |t: TetId| corners(t)[0] as usize;
+        // Those of one smallest vertex are together, and few.
+        let mut starts = vec![0u32; end as usize + 1];
+        self.mesh.tet_ids().for_each(|t| starts[smallest(t) + 1] += 1);
+        for v in 1..starts.len() {
+            starts[v] += starts[v - 1];
+        }
+        let mut next = starts.clone();
+        let mut order = vec![0; self.mesh.num_tets()];
+        for t in self.mesh.tet_ids() {
+            let place = &mut next[smallest(t)];
+            order[*place as usize] = t;
+            *place += 1;
+        }
+        for range in starts.windows(2) {
+            order[range[0] as usize..range[1] as usize].sort_unstable_by_key(|&t| corners(t));
+        }
+        order
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn even_permutations_have_one_order_and_odd_ones_another() {
+        let (mut even, mut odd) = (0, 0);
+        for code in 0..256 {
+            let v = [0, 2, 4, 6].map(|shift| code >> shift & 3);
+            let is_below = |i: usize, j: usize| u32::from(v[i] < v[j]);
+            let mut sorted = v;
+            sorted.sort_unstable();
+            if sorted != [0, 1, 2, 3] {
+                continue;
+            }
+            let pairs = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+            match pairs.into_iter().map(|[i, j]| is_below(i, j)).sum::<u32>() % 2 {
+                0 => {
+                    assert_eq!(in_order(v), [0, 1, 2, 3], "{v:?}");
+                    even += 1;
+                }
+                _ => {
+                    assert_eq!(in_order(v), [0, 1, 3, 2], "{v:?}");
+                    odd += 1;
+                }
+            }
+        }
+        assert_eq!((even, odd), (12, 12));
+        assert_eq!([[1, 2, 3], [3, 1, 2], [2, 3, 1]].map(from_smallest), [[1, 2, 3]; 3]);
+        assert_eq!([[1, 3, 2], [2, 1, 3], [3, 2, 1]].map(from_smallest), [[1, 3, 2]; 3]);
+    }
+}
