@@ -46,7 +46,7 @@ impl State {
     pub(crate) fn tets_in_order(&self, end: Vertex) -> Vec<TetId> {
         let corners = |t: TetId| in_order(self.mesh.tet(t).unwrap_or_default());
         let smallest = |t: TetId| corners(t)[0] as usize;
-        // Those of one smallest vertex are together, and few.
+        // Tetrahedra of one smallest vertex are together, and few.
         let mut starts = vec![0u32; end as usize + 1];
         self.mesh.tet_ids().for_each(|t| starts[smallest(t) + 1] += 1);
         for v in 1..starts.len() {

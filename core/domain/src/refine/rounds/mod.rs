@@ -69,7 +69,7 @@ struct Candidate {
     place: Place,
     /// Its tetrahedra in [`Rounds::cavities`].
     cavity: Range<usize>,
-    /// What changes with it, if nothing in its closure changes before.
+    /// The changes that come with it, if nothing in its closure changes before.
     filling: Filling,
 }
 
@@ -106,12 +106,12 @@ pub(crate) struct Rounds<'r, 'a> {
     keys: Vec<u64>,
     /// The slots whose key is not 0, with their keys, and others whose key has changed since.
     bad: Vec<(u64, TetId)>,
-    /// Those of `bad` before all their neighbours, the largest key first.
+    /// Entries of `bad` before all their neighbours, the largest key first.
     foremost: Vec<(u64, TetId)>,
     /// Boundary items to be split.
     pending: Map<Item, Pending>,
     candidates: Vec<Candidate>,
-    /// Those of them that are to be inserted.
+    /// Candidates that are to be inserted.
     chosen: Vec<usize>,
     /// The cavities of the candidates.
     cavities: Vec<TetId>,
