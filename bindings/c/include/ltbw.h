@@ -201,6 +201,10 @@ typedef struct ltbw_wishes {
    */
   double repair;
   /*
+   Take facets that are coplanar within this distance for one; 0: exactly coplanar ones.
+   */
+  double flat_tolerance;
+  /*
    Anything but 0: the mesh is not checked against the domain.
    */
   int32_t unchecked;

@@ -70,6 +70,8 @@ pub struct Wishes {
     pub region_count: usize,
     /// Weld vertices within this distance; 0: none but what the lattice welds.
     pub repair: f64,
+    /// Take facets that are coplanar within this distance for one; 0: exactly coplanar ones.
+    pub flat_tolerance: f64,
     /// Anything but 0: the mesh is not checked against the domain.
     pub unchecked: i32,
 }
@@ -208,6 +210,7 @@ impl Wishes {
                 holes,
                 regions: regions.iter().map(region).collect(),
                 repair: given.repair,
+                flat_tolerance: given.flat_tolerance,
                 exact_input: false,
                 unchecked: given.unchecked != 0,
             },

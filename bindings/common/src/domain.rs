@@ -5,8 +5,9 @@ use crate::body::Body;
 use crate::certificate;
 use crate::failure::{Class, Failure};
 use crate::result::{Meshed, Outcome};
+use crate::wishes::Wishes;
 use crate::work::Reins;
-use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared, Region};
+use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::refine::{Background, RefineOutcome, Refined, Refiner};
 use ltbw::{Point, io};
 use std::collections::HashSet;
@@ -28,27 +29,6 @@ pub enum Source {
         /// A marker for each polygon; 0 where there are none.
         markers: Vec<i32>,
     },
-}
-
-/// Bounds and options.
-#[derive(Clone, Debug, Default)]
-pub struct Wishes {
-    /// The largest volume of a tetrahedron.
-    pub max_volume: Option<f64>,
-    /// The largest circumradius to shortest edge.
-    pub radius_edge: Option<f64>,
-    /// The most points to insert.
-    pub max_points: Option<u64>,
-    /// A point in each void. `None`: the orientation of the surface tells.
-    pub holes: Option<Vec<Point>>,
-    /// Regions with properties of their own.
-    pub regions: Vec<Region>,
-    /// The distance within which vertices are welded and seams closed.
-    pub repair: f64,
-    /// Refuse a domain that is not on its lattice.
-    pub exact_input: bool,
-    /// Leave the mesh unchecked.
-    pub unchecked: bool,
 }
 
 impl Source {
@@ -136,6 +116,7 @@ impl Ready {
             Some(bound) => Refiner::new().radius_edge(bound),
             None => Refiner::new().any_shape(),
         };
+        let refiner = refiner.flat_tolerance(wishes.flat_tolerance);
         let mut refiner = refiner.observer(&reins.progress).cancel(&reins.cancel);
         if let Some(bound) = wishes.max_volume {
             refiner = refiner.max_volume(bound);
@@ -161,13 +142,13 @@ impl Ready {
             RefineOutcome::Cancelled => Outcome::Cancelled,
             RefineOutcome::Unrecovered => return Err(unrecovered(&refined)),
         };
+        let flat_tolerance = refined.stats.flat_tolerance;
         let excused: HashSet<[u32; 4]> =
             refined.excuses.iter().filter_map(|e| refined.mesh().tet(e.tet)).collect();
         let mut meshed = Meshed::new(Body::Domain(Box::new(refined)), outcome);
         if !wishes.unchecked && outcome != Outcome::Cancelled {
-            let bounds = (wishes.radius_edge, wishes.max_volume);
             let plain = meshed.plain();
-            let own = certificate::own(&self.prepared, &plain, bounds.0, bounds.1, &excused);
+            let own = certificate::own(&self.prepared, &plain, wishes, flat_tolerance, &excused);
             meshed.certificate = Some(own?);
         }
         meshed.notes = self.notes;

@@ -6,7 +6,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `points` | meshes of point sets |
-//! | `domain` | meshes of domains: source, wishes, check |
+//! | `domain`, `wishes` | meshes of domains: source, demands, check |
 //! | `body` | the mesh itself, and which of its tetrahedra the caller sees |
 //! | `result` | [`Meshed`]: a mesh and its arrays |
 //! | `locate` | tetrahedra that hold given points |
@@ -23,15 +23,17 @@ mod locate;
 mod points;
 mod result;
 mod sync;
+mod wishes;
 mod work;
 
 pub use body::NOWHERE;
 pub use certificate::{Order, check, hash};
-pub use domain::{Ready, Source, Wishes};
+pub use domain::{Ready, Source};
 pub use failure::{Class, Failure};
 pub use points::delaunay;
 pub use result::{Meshed, Outcome};
 pub use sync::Progress;
+pub use wishes::Wishes;
 pub use work::{PATIENCE, Reins, in_pool, unpanicked};
 
 /// An edge length as a function of the place, in the coordinates of the prepared domain.

@@ -34,6 +34,7 @@ pub(crate) struct Asked {
     /// A point inside, an attribute, the largest volume.
     regions: Vec<(Point, f64, Option<f64>)>,
     repair: f64,
+    flat_tolerance: f64,
     exact_input: bool,
     check: bool,
     threads: u32,
@@ -53,6 +54,7 @@ impl Asked {
             holes: self.holes.clone(),
             regions: self.regions.iter().map(region).collect(),
             repair: self.repair,
+            flat_tolerance: self.flat_tolerance,
             exact_input: self.exact_input,
             unchecked: !self.check,
         }

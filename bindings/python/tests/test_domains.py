@@ -126,7 +126,7 @@ def test_what_is_no_domain_is_told(cube, change, error, code):
     assert code in (None, caught.value.code), caught.value
 
 
-@pytest.mark.parametrize("wish", [{"max_volume": -1.0}, {"radius_edge": 0.5}, {"repair": -1.0}])
+@pytest.mark.parametrize("wish", [{"max_volume": -1.0}, {"radius_edge": 0.5}, {"repair": -1.0}, {"flat_tolerance": -1.0}])
 def test_bounds_that_make_no_sense_are_told(cube, wish):
     with pytest.raises(ltbw.InputError):
         ltbw.tetrahedralize(cube, **wish)
@@ -179,4 +179,10 @@ def test_pyvista_surfaces_and_grids(cube):
     assert mesh.grid.n_cells == len(mesh.simplices)
     grid = box.ltbw.tetrahedralize(max_volume=0.05)
     assert grid.n_cells == mesh.grid.n_cells
+    # Quads of a torus are flat up to rounding.
+    torus = pyvista.ParametricTorus(u_res=25, v_res=25, w_res=25).triangulate().clean()
+    exactly = ltbw.tetrahedralize(torus)
+    within = ltbw.tetrahedralize(torus, flat_tolerance=1e-6)
+    assert within.certificate.passed and within.certificate.report["patches"] > 0
+    assert len(within.simplices) < len(exactly.simplices)
     assert ltbw.delaunay(box.points).grid.n_cells == box.ltbw.delaunay().n_cells

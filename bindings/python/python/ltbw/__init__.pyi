@@ -68,6 +68,7 @@ def tetrahedralize(
     holes: ArrayLike | None = ...,
     max_points: int | None = ...,
     repair: float = ...,
+    flat_tolerance: float = ...,
     exact_input: bool = ...,
     progress: Progress | None = ...,
     threads: int = ...,

@@ -1,0 +1,27 @@
+//! Demands on the mesh of a domain.
+
+use ltbw::Point;
+use ltbw::domain::Region;
+
+/// Bounds and options.
+#[derive(Clone, Debug, Default)]
+pub struct Wishes {
+    /// The largest volume of a tetrahedron.
+    pub max_volume: Option<f64>,
+    /// The largest circumradius to shortest edge.
+    pub radius_edge: Option<f64>,
+    /// The most points to insert.
+    pub max_points: Option<u64>,
+    /// A point in each void. `None`: the orientation of the surface tells.
+    pub holes: Option<Vec<Point>>,
+    /// Regions with properties of their own.
+    pub regions: Vec<Region>,
+    /// The distance within which vertices are welded and seams closed.
+    pub repair: f64,
+    /// Facets that are coplanar within this distance are taken for one; 0: exactly coplanar ones.
+    pub flat_tolerance: f64,
+    /// Refuse a domain that is not on its lattice.
+    pub exact_input: bool,
+    /// Leave the mesh unchecked.
+    pub unchecked: bool,
+}
