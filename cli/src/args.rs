@@ -214,6 +214,9 @@ pub(crate) struct Delaunay {
     /// Write a timeline for Perfetto or chrome://tracing: a track for each worker
     #[arg(long, value_name = "FILE", requires = "threads")]
     pub(crate) trace: Option<PathBuf>,
+    /// Write a page to look at: the mesh to turn and cut, histograms, the workers' time
+    #[arg(long, value_name = "HTML")]
+    pub(crate) page: Option<PathBuf>,
     /// The depth of the check of the mesh before it is written
     #[arg(long, value_enum, default_value_t = Depth::Fast)]
     pub(crate) check: Depth,

@@ -6,7 +6,7 @@ use crate::conform::{certificate, check_own, print, same_volume, summary};
 use crate::console::{self, Progress, Stop};
 use crate::json::{check_json, distinct, is_stdout, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
-use crate::page::Page;
+use crate::page::{Page, Scene};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
 use crate::run::{check_outputs, set_threads};
 use crate::surface::{print_patches, repairs_json};
@@ -151,8 +151,10 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     }
     write(job, &refined, &inside, &mut report)?;
     if let (Some(path), Some(quality)) = (job.page, &quality) {
-        let page = Page { name: &show(job.name), report: &report, verdict: &verdict, quality };
-        write_text(path, &page.html(&inside))?;
+        let faces = refined.boundary(false);
+        let scene = Scene { mesh: &inside, faces: &faces, workers: &[] };
+        let page = Page::new(&show(job.name)).view(&scene).mesh(&report, &verdict, quality);
+        write_text(path, &page.html(&report.to_json().unwrap_or_default()))?;
     }
     if let (Some(path), Some(quality)) = (job.histogram, &quality) {
         write_text(path, &crate::picture::histograms::svg(quality))?;
@@ -180,7 +182,7 @@ fn finish_unrecovered(
     Ok(Exit::Defect)
 }
 
-fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
     io::write_bytes(path, text.as_bytes()).map_err(Failure::Write)?;
     console::people(&format!("wrote     {}", show(path)));
     Ok(())

@@ -6,11 +6,14 @@ use crate::console::{self, Progress, Stop};
 use crate::figures::{Figures, SPANS, tables, write_trace};
 use crate::json::{check_json, distinct, is_stdout, keep_input, write_json};
 use crate::lists::lists;
+use crate::mesh::write_text;
 use crate::outcome::{Exit, Failure, show};
+use crate::page::{self, Page, Scene};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
 use ltbw::balance::Balance;
 use ltbw::io::{self, PointFile};
 use ltbw::metrics::{Summary, Trace};
+use ltbw::quality::Quality;
 use ltbw::threads::{Parallel, Run, RunError, WorkerStats};
 use ltbw::{BuildError, Builder, Built, Outcome, PointSet, Stats, TetMesh};
 use ltbw_verify as verify;
@@ -37,6 +40,8 @@ pub(crate) struct Job<'a> {
     pub(crate) read_seconds: f64,
     /// Workers that insert the points.
     pub(crate) workers: u32,
+    /// The file of the page.
+    pub(crate) page: Option<&'a Path>,
     /// Other demands on them.
     pub(crate) parallel: ParallelJob<'a>,
 }
@@ -64,14 +69,15 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
         io::check_parts_writable(path, workers as usize).map_err(Failure::Write)?;
     }
     args.json.as_deref().map_or(Ok(()), check_json)?;
-    args.trace.as_deref().map_or(Ok(()), io::check_bytes_writable).map_err(Failure::Write)?;
+    let pages = [&args.trace, &args.page].into_iter().flatten();
+    pages.clone().try_for_each(|p| io::check_bytes_writable(p)).map_err(Failure::Write)?;
     if workers < 2 && (args.trace.is_some() || args.tables || args.balance) {
         let text = "--trace, --tables and --balance are about several workers: --threads 2 or more";
         return Err(Failure::Usage(text.to_owned()));
     }
     let written = whole.iter().flat_map(|path| io::mesh_files(path));
     let written = written.chain(parts.iter().flat_map(|p| io::part_files(p, workers as usize)));
-    let written = written.chain(args.json.clone()).chain(args.trace.clone());
+    let written = written.chain(args.json.clone()).chain(pages.cloned());
     let written: Vec<PathBuf> = written.collect();
     distinct(&written)?;
     written.iter().try_for_each(|path| keep_input(&args.points, path))?;
@@ -87,6 +93,7 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
         start,
         read_seconds: start.elapsed().as_secs_f64(),
         workers,
+        page: args.page.as_deref(),
         parallel: ParallelJob {
             balance: args.balance,
             tables: args.tables,
@@ -143,6 +150,12 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     if let Some(summary) = summary.filter(|_| job.parallel.tables) {
         console::people(tables(&summary, None).trim_end());
     }
+    let timeline = match (job.page, &trace, &report.parallel) {
+        (Some(_), Some(trace), Some(figures)) => {
+            Some(page::timeline(trace, job.workers as usize, figures.makespan()))
+        }
+        _ => None,
+    };
     if let Some(path) = job.parallel.trace {
         write_trace(path, trace)?;
     }
@@ -153,6 +166,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     report.mesh.hash = Some(hash.clone());
     // The input's own coordinates, under the input's numbers.
     let clock = Instant::now();
+    let mut verdict = "not checked".to_owned();
     let to_check = outcome == Outcome::Complete && job.check != Depth::Off;
     let (tets, neighbours) =
         if to_check { lists(&mesh) } else { (mesh.tets().collect(), Vec::new()) };
@@ -174,6 +188,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
                 return Ok(Exit::OwnDefect);
             }
             console::people(&format!("checked   {}", checked.summary));
+            verdict = checked.summary;
         }
     }
     report.outcome = match outcome {
@@ -183,6 +198,18 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     };
     let mesh = TetMesh { points: set.points().to_vec(), tets, point_tags, tet_tags: None };
     write_outputs(&mesh, &parts, &mut report, job)?;
+    if let Some(path) = job.page {
+        let workers = owners(&mesh, &parts);
+        let scene = Scene { mesh: &mesh, faces: &[], workers: &workers };
+        let mut page = Page::new(&name).view(&scene);
+        if let Some(quality) = Quality::of(&mesh.points, &mesh.tets) {
+            page = page.mesh(&report, &verdict, &quality);
+        }
+        if let Some(timeline) = timeline {
+            page = page.section("Time of the workers", &timeline);
+        }
+        write_text(path, &page.html(&report.to_json().unwrap_or_default()))?;
+    }
     finish(&mut report, job)?;
     if outcome == Outcome::Complete {
         return Ok(Exit::Done);
@@ -207,7 +234,7 @@ struct BuiltBy {
 
 /// One worker is the sequential kernel.
 fn build(set: &PointSet, job: &Job<'_>) -> Result<BuiltBy, RunError> {
-    let in_parts = job.outputs.iter().any(|path| io::is_parts(path));
+    let in_parts = job.page.is_some() || job.outputs.iter().any(|path| io::is_parts(path));
     if job.workers <= 1 {
         let progress = Progress::new();
         let built = Builder::new().observer(&progress).cancel(job.stop.token()).build(set)?;
@@ -219,8 +246,9 @@ fn build(set: &PointSet, job: &Job<'_>) -> Result<BuiltBy, RunError> {
         kernel = kernel.balance(Balance::default());
     }
     // Taking the time takes some.
-    if job.json.is_some() || job.parallel.tables || job.parallel.trace.is_some() {
-        kernel = kernel.measure(if job.parallel.trace.is_some() { SPANS } else { 0 });
+    let is_traced = job.page.is_some() || job.parallel.trace.is_some();
+    if job.json.is_some() || job.parallel.tables || is_traced {
+        kernel = kernel.measure(if is_traced { SPANS } else { 0 });
     }
     let run = kernel.build_distributed(set)?;
     let count = if in_parts { run.parts() } else { 0 };
@@ -318,6 +346,28 @@ fn part_of(mesh: &TetMesh, tets: &[[u32; 4]]) -> TetMesh {
         point_tags: mesh.point_tags.as_ref().map(tags),
         tet_tags: None,
     }
+}
+
+/// The worker of each tetrahedron; none if there was one alone.
+fn owners(mesh: &TetMesh, parts: &[Vec<[u32; 4]>]) -> Vec<u32> {
+    if parts.len() < 2 {
+        return Vec::new();
+    }
+    let sorted = |tet: &[u32; 4]| {
+        let mut corners = *tet;
+        corners.sort_unstable();
+        corners
+    };
+    let of_part = |(worker, tets): (u32, &Vec<[u32; 4]>)| {
+        tets.iter().map(|tet| (sorted(tet), worker)).collect::<Vec<_>>()
+    };
+    let mut owners: Vec<([u32; 4], u32)> = (0..).zip(parts).flat_map(of_part).collect();
+    owners.sort_unstable();
+    let owner = |tet: &[u32; 4]| {
+        let found = owners.binary_search_by_key(&sorted(tet), |&(corners, _)| corners);
+        found.map_or(0, |place| owners[place].1)
+    };
+    mesh.tets.iter().map(owner).collect()
 }
 
 fn empty_report(job: &Job<'_>, input: Input, outcome: &'static str) -> Report {

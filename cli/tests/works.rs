@@ -211,14 +211,9 @@ fn the_demo_meshes_the_model_problem_and_shows_it() {
         assert!(run.stderr.contains(word), "{word}: {}", run.stderr);
     }
     assert_eq!(names(dir.path()), ["demo.html", "demo.vtu"]);
-    // The page needs nothing from outside, and its cut has a polygon for each of some thousands.
+    // The page needs nothing from outside; tests/page.rs looks at it in a browser.
     let page = std::fs::read_to_string(dir.path().join("demo.html")).unwrap();
     assert!(page.starts_with("<!doctype html>") && page.ends_with("</html>\n"));
-    for word in ["<script", "href=", "src=", "url(", "NaN", "inf"] {
-        assert!(!page.contains(word), "{word}");
-    }
-    assert_eq!(page.matches("<svg").count(), 2);
-    assert!(page.matches('Z').count() > 1000, "{}", page.matches('Z').count());
     assert!(page.contains(hash(&run)) && page.contains("ltbw.report/1"));
     // The commands that it names work.
     let next: Vec<&str> =

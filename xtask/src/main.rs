@@ -9,6 +9,7 @@ mod measure;
 mod model_check;
 mod mutants;
 mod parts;
+mod pictures;
 mod predicates;
 mod prove;
 mod python;
@@ -43,6 +44,7 @@ cargo xtask COMMAND
   vectors               writes the conformance kit verify/vectors
   c                     lints, builds and tests the C interface: header, examples under valgrind
   python                lints, builds and tests the Python package: wheel, doctests, tutorial
+  pictures              takes the README's pictures of our own pages, with Chromium
   prove                 the proofs of the filters: coqc and gappa
   model-check [--deep]  the models of verify/models: all states, known-bad variants, loom, shuttle
   tsan                  the thread runtime under ThreadSanitizer, and its canary
@@ -62,6 +64,7 @@ fn main() -> ExitCode {
         "fuzz" => fuzz::run(rest),
         "generate" => generate::run(),
         "vectors" => vectors::run(),
+        "pictures" => pictures::run(),
         "prove" => prove::run(),
         "python" => python::run(),
         "model-check" => model_check::run(rest),

@@ -48,6 +48,11 @@ struct AllMessages {
 }
 
 impl Figures {
+    /// How long the run took, in nanoseconds.
+    pub(crate) fn makespan(&self) -> u64 {
+        self.makespan
+    }
+
     /// The figures of a run.
     pub(crate) fn of(s: &Summary) -> Self {
         let all = s.all_messages();

@@ -1,12 +1,15 @@
-//! Histograms of quality as one picture.
+//! Histograms of quality as one picture, with axes.
 
-use ltbw::quality::Quality;
+use ltbw::quality::{Histogram, Quality};
 use std::fmt::Write as _;
+
+/// The size of one histogram, and the room around its bars: left, right, top, bottom.
+const WIDTH: f64 = 420.0;
+const HEIGHT: f64 = 230.0;
+const ROOM: [f64; 4] = [52.0, 18.0, 34.0, 40.0];
 
 /// The four histograms as one SVG picture, without anything from outside it.
 pub(crate) fn svg(quality: &Quality) -> String {
-    const WIDTH: f64 = 420.0;
-    const HEIGHT: f64 = 220.0;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" \
          font-family=\"sans-serif\" font-size=\"11\">\n\
@@ -16,37 +19,117 @@ pub(crate) fn svg(quality: &Quality) -> String {
     );
     for (k, h) in quality.histograms().into_iter().enumerate() {
         let (x, y) = (WIDTH * (k % 2) as f64, HEIGHT * (k / 2) as f64);
-        let most = h.counts.iter().copied().max().unwrap_or(0).max(1) as f64;
-        let width = (WIDTH - 60.0) / h.counts.len() as f64;
         let _ = writeln!(svg, "<g transform=\"translate({x} {y})\">");
-        let _ = writeln!(svg, "<text x=\"30\" y=\"20\">{}</text>", h.name);
-        for (i, &count) in h.counts.iter().enumerate() {
-            let height = count as f64 / most * (HEIGHT - 70.0);
-            let (left, top) = (30.0 + i as f64 * width, HEIGHT - 30.0 - height);
-            let _ = writeln!(
-                svg,
-                "<rect x=\"{left:.2}\" y=\"{top:.2}\" width=\"{:.2}\" height=\"{height:.2}\" \
-                 fill=\"#4477aa\"><title>{count}</title></rect>",
-                width * 0.92
-            );
-        }
-        let axis = HEIGHT - 14.0;
-        let _ = writeln!(svg, "<text x=\"30\" y=\"{axis}\">{:.3}</text>", h.low);
-        let right = WIDTH - 30.0;
-        let _ = writeln!(
-            svg,
-            "<text x=\"{right}\" y=\"{axis}\" text-anchor=\"end\">{:.3e}; \
-             least {:.3e}, largest {:.3e}</text>\n</g>",
-            h.high, h.least.value, h.largest.value
-        );
+        panel(&mut svg, h);
+        svg.push_str("</g>\n");
     }
     svg.push_str("</svg>\n");
     svg
 }
 
+/// One histogram: title, bars, ticks. Writing to a string cannot fail.
+fn panel(svg: &mut String, h: &Histogram) {
+    let [left, right, top, bottom] = ROOM;
+    let (floor, wide, high) = (HEIGHT - bottom, WIDTH - left - right, HEIGHT - top - bottom);
+    let _ = writeln!(
+        svg,
+        "<text x=\"{left}\" y=\"16\" font-weight=\"bold\">{}</text>\n\
+         <text x=\"{left}\" y=\"28\" fill=\"#555\">from {} to {}</text>",
+        h.name,
+        number(h.least.value),
+        number(h.largest.value)
+    );
+    let counted = h.counts.iter().copied().max().unwrap_or(0).max(1) as f64;
+    let rows = ticks(0.0, counted, 4);
+    let most = rows.last().copied().unwrap_or(counted).max(counted);
+    for value in &rows {
+        let y = floor - value / most * high;
+        let _ = writeln!(
+            svg,
+            "<line x1=\"{left}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\" stroke=\"#ddd\"/>\
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+            left + wide,
+            left - 6.0,
+            y + 4.0,
+            number(*value)
+        );
+    }
+    let step = wide / h.counts.len().max(1) as f64;
+    for (i, &count) in h.counts.iter().enumerate() {
+        let height = count as f64 / most * high;
+        let (from, to) = h.bin(i);
+        let _ = writeln!(
+            svg,
+            "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{height:.2}\" \
+             fill=\"#4477aa\"><title>{} to {}: {count}</title></rect>",
+            left + i as f64 * step,
+            floor - height,
+            step * 0.92,
+            number(from),
+            number(to)
+        );
+    }
+    for value in ticks(h.low, h.high, 6) {
+        let x = left + (value - h.low) / (h.high - h.low) * wide;
+        let _ = writeln!(
+            svg,
+            "<line x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{floor}\" y2=\"{:.1}\" stroke=\"#555\"/>\
+             <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
+            floor + 4.0,
+            floor + 17.0,
+            number(value)
+        );
+    }
+    let _ = writeln!(
+        svg,
+        "<line x1=\"{left}\" x2=\"{:.1}\" y1=\"{floor}\" y2=\"{floor}\" stroke=\"#555\"/>",
+        left + wide
+    );
+}
+
+/// Round numbers from `low` to `high`, about as many as wanted; none if the range is none.
+pub(super) fn ticks(low: f64, high: f64, wanted: usize) -> Vec<f64> {
+    let width = high - low;
+    if !(width > 0.0 && width.is_finite()) {
+        return Vec::new();
+    }
+    let rough = width / wanted as f64;
+    let power = 10f64.powf(rough.log10().floor());
+    let factors = [1.0, 2.0, 5.0, 10.0];
+    let step = factors.iter().map(|f| f * power).find(|&s| s >= rough * 0.999).unwrap_or(rough);
+    let (first, last) = ((low / step).ceil(), (high / step * (1.0 + 1e-9)).floor());
+    (0..=(last - first).max(0.0) as usize).map(|k| (first + k as f64) * step).collect()
+}
+
+/// A number as people read it: four digits at most, powers of ten where zeros would be counted.
+pub(crate) fn number(value: f64) -> String {
+    let size = value.abs();
+    if !value.is_finite() {
+        return "infinite".to_owned();
+    }
+    if size == 0.0 {
+        return "0".to_owned();
+    }
+    if (1e-3..1e6).contains(&size) {
+        let places = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+        let text = format!("{value:.places$}");
+        let text = if text.contains('.') { text.trim_end_matches('0') } else { &text };
+        return text.trim_end_matches('.').to_owned();
+    }
+    let text = format!("{value:.3e}");
+    let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
+    let raised = |c: char| match c {
+        '-' => '⁻',
+        '0'..='9' => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][(c as u8 - b'0') as usize],
+        other => other,
+    };
+    let digits = digits.trim_end_matches('0').trim_end_matches('.');
+    format!("{digits}·10{}", power.chars().map(raised).collect::<String>())
+}
+
 #[cfg(test)]
 mod tests {
-    use super::svg;
+    use super::{number, svg, ticks};
     use ltbw::quality::Quality;
 
     #[test]
@@ -56,6 +139,33 @@ mod tests {
         assert_eq!(svg(&all).matches("<rect").count(), 1 + 36 + 3 * 30);
         // A flat tetrahedron does no harm.
         let flat = Quality::of(&points, &[[0, 1, 2, 4]]).expect("a tetrahedron");
-        assert!(!svg(&flat).is_empty());
+        let flat = svg(&flat);
+        assert!(!flat.contains("NaN") && !flat.contains("inf\""), "{flat}");
+    }
+
+    #[test]
+    fn ticks_are_round_numbers() {
+        assert_eq!(ticks(0.0, 180.0, 6), [0.0, 50.0, 100.0, 150.0]);
+        assert_eq!(ticks(0.0, 9_000.0, 4), [0.0, 5_000.0]);
+        assert_eq!(ticks(0.3, 0.7, 4).len(), 5);
+        assert_eq!(ticks(1.0, 1.0, 4), [0.0; 0]);
+        assert_eq!(ticks(f64::NAN, 1.0, 4), [0.0; 0]);
+    }
+
+    #[test]
+    fn numbers_are_for_people() {
+        let cases = [
+            (0.0, "0"),
+            (179.4251, "179.4"),
+            (0.376_52, "0.3765"),
+            (12_000.0, "12000"),
+            (1.737_83e-5, "1.738·10⁻⁵"),
+            (2e6, "2·10⁶"),
+            (f64::INFINITY, "infinite"),
+            (-2.5, "-2.5"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(number(value), text);
+        }
     }
 }

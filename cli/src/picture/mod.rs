@@ -1,4 +1,4 @@
 //! Pictures of meshes, as SVG without anything from outside them.
 
-pub(crate) mod cut;
+pub(crate) mod curve;
 pub(crate) mod histograms;

@@ -74,6 +74,10 @@ pub(crate) struct Simulate {
     /// Write a timeline for Perfetto or chrome://tracing: a track for each worker
     #[arg(long, value_name = "FILE")]
     pub(crate) trace: Option<PathBuf>,
+    /// Write a page to look at: a timeline by worker, and with more runs LT over latency and the
+    /// speed-up
+    #[arg(long, value_name = "HTML")]
+    pub(crate) page: Option<PathBuf>,
 }
 
 fn kinds() -> impl TypedValueParser<Value = PointKind> {

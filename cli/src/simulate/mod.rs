@@ -1,6 +1,7 @@
 //! `simulate`: the parallel kernel on simulated processors, and the paper's tables.
 
 mod args;
+mod page;
 mod report;
 
 pub(crate) use args::Simulate;
@@ -22,8 +23,9 @@ use std::path::{Path, PathBuf};
 pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     console::end_on_signal()?;
     args.json.as_deref().map_or(Ok(()), check_json)?;
-    args.trace.as_deref().map_or(Ok(()), io::check_bytes_writable).map_err(Failure::Write)?;
-    distinct(&args.json.iter().chain(&args.trace).cloned().collect::<Vec<_>>())?;
+    let pages = [&args.trace, &args.page].into_iter().flatten();
+    pages.clone().try_for_each(|p| io::check_bytes_writable(p)).map_err(Failure::Write)?;
+    distinct(&args.json.iter().chain(pages).cloned().collect::<Vec<_>>())?;
     let name = PathBuf::from(format!("{} {}", args.points, args.kind.name()));
     let points = generate(args.kind, args.points as usize, args.seed);
     let set =
@@ -33,20 +35,15 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     let expected = built.mesh.hash().map_err(|e| Failure::Other(e.to_string()))?.to_string();
     drop(built);
 
-    let (plan, config) = layout(args, set.len());
+    let (plan, config) = layout(args, set.len(), args.processors);
     let options = options(args);
     let mut meshed = mesh(&set, &plan, config, &options, &name)?;
     let hash = meshed.gathered.mesh.hash().map_err(|e| Failure::Other(e.to_string()))?.to_string();
     let alone = alone(&set, &plan, config, &options, &name, &meshed)?;
     let run = Run { args, plan: &plan, config: &config, options: &options };
     let report = Report::new(run, &meshed, alone, &hash, set.len());
-    if let Some(path) = &args.trace {
-        write_trace(path, meshed.trace.take())?;
-    }
-    if let Some(path) = &args.json {
-        let text = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
-        write_json(path, &text)?;
-    }
+    let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
+    let trace = meshed.trace.take();
     let text = format!(
         "{} points on {} processors, rule {}, latency {} ns ({}), seed {}\n{}\n{}\n\
          ltbw.mesh/1 {hash}\n",
@@ -59,6 +56,26 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
         tables(&meshed.summary, Some(alone)),
         cost_model(&options.costs),
     );
+    if let (Some(path), Some(trace)) = (&args.page, &trace) {
+        let run = page::Run {
+            args,
+            set: &set,
+            name: &name,
+            options: &options,
+            summary: &meshed.summary,
+            trace,
+            alone,
+            text: &text,
+            report: &json,
+        };
+        run.write(path)?;
+    }
+    if let Some(path) = &args.trace {
+        write_trace(path, trace)?;
+    }
+    if let Some(path) = &args.json {
+        write_json(path, &json)?;
+    }
     if args.json.as_deref().is_some_and(is_stdout) {
         console::people(text.trim_end());
     } else {
@@ -72,10 +89,9 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
 }
 
 /// The layout of the points, and the configuration of the workers.
-fn layout(args: &Simulate, points: usize) -> (Plan, Config) {
-    let mut plan = Plan::for_high_latency(points, args.processors);
-    let mut config =
-        Config { rule: args.rule, closure: args.closure, ..Config::new(args.processors) };
+fn layout(args: &Simulate, points: usize, processors: u32) -> (Plan, Config) {
+    let mut plan = Plan::for_high_latency(points, processors);
+    let mut config = Config { rule: args.rule, closure: args.closure, ..Config::new(processors) };
     if let Some(window) = args.window {
         config.window = window as usize;
     }
@@ -110,7 +126,7 @@ fn options(args: &Simulate) -> Options {
         slow: args.slow.map(|factor| (0, factor)).into_iter().collect(),
         balance: default.balance.filter(|_| !args.no_balance && !args.creator_owns),
         storm: args.storm.map(|every| Storm { every }),
-        spans: if args.trace.is_some() { SPANS } else { 0 },
+        spans: if args.trace.is_some() || args.page.is_some() { SPANS } else { 0 },
         ..default
     }
 }

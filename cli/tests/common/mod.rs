@@ -8,6 +8,7 @@ pub(crate) struct Run {
     /// The exit code.
     pub(crate) code: i32,
     /// Its output on stdout.
+    #[allow(dead_code, reason = "not every test asks")]
     pub(crate) stdout: String,
     /// Its output on stderr.
     pub(crate) stderr: String,
@@ -25,6 +26,7 @@ impl Run {
 
     /// The line of stderr that tells the error, without `ltbw: `; the last line, and the only
     /// one of its kind.
+    #[allow(dead_code, reason = "not every test asks")]
     pub(crate) fn error(&self) -> &str {
         let errors = self.stderr.lines().filter(|l| l.starts_with("ltbw: ")).count();
         assert_eq!(errors, 1, "{}", self.stderr);

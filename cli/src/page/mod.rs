@@ -1,0 +1,116 @@
+//! Pages to look at: one file of HTML that needs nothing beside it and asks no network.
+
+mod scene;
+mod timeline;
+
+use crate::picture::histograms::{self, number};
+use crate::report::Report;
+use ltbw::quality::Quality;
+pub(crate) use scene::Scene;
+pub(crate) use timeline::timeline;
+
+/// A page in the making.
+pub(crate) struct Page {
+    name: String,
+    sections: String,
+}
+
+const PAGE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("view.css");
+const VIEW: &str = include_str!("view.html");
+const VIEW_SCRIPT: &str = include_str!("view.js");
+
+impl Page {
+    /// A page about the domain, the points or the run of this name.
+    pub(crate) fn new(name: &str) -> Self {
+        Self { name: escape(name), sections: String::new() }
+    }
+
+    /// A view of a mesh, to be turned and cut.
+    pub(crate) fn view(mut self, scene: &Scene<'_>) -> Self {
+        let (head, data) = scene.encode();
+        let values = [("head", &*head), ("data", &data), ("script", VIEW_SCRIPT)];
+        self.sections += &filled(VIEW, &values);
+        self
+    }
+
+    /// Names and values.
+    pub(crate) fn facts(mut self, rows: &[(&str, String)]) -> Self {
+        let row = |(name, value): &(&str, String)| {
+            format!("<tr><td>{name}</td><td>{}</td></tr>\n", escape(value))
+        };
+        let rows: String = rows.iter().map(row).collect();
+        self.sections += &format!("<table class=\"facts\">\n{rows}</table>\n");
+        self
+    }
+
+    /// The figures of a mesh that one asks for first, and the histograms of its quality.
+    pub(crate) fn mesh(self, report: &Report, verdict: &str, quality: &Quality) -> Self {
+        let (angle, ratio) = (&quality.dihedral, &quality.radius_edge);
+        let degrees = [angle.least.value, angle.largest.value].map(number);
+        let rows = [
+            ("tetrahedra", report.mesh.tets.to_string()),
+            ("vertices", report.mesh.vertices.to_string()),
+            ("outcome", report.outcome.to_owned()),
+            ("checked", verdict.to_owned()),
+            ("dihedral angles", format!("{} to {} degrees", degrees[0], degrees[1])),
+            ("circumradius / shortest edge", format!("at most {}", number(ratio.largest.value))),
+            ("largest volume", number(quality.volume.largest.value)),
+            ("ltbw.mesh/1", report.mesh.hash.clone().unwrap_or_default()),
+        ];
+        self.facts(&rows).section("Quality", &histograms::svg(quality))
+    }
+
+    /// A part with a heading; the contents are HTML.
+    pub(crate) fn section(mut self, heading: &str, contents: &str) -> Self {
+        self.sections += &format!("<h2>{heading}</h2>\n{contents}");
+        self
+    }
+
+    /// Text as it is, under a heading.
+    pub(crate) fn text(self, heading: &str, text: &str) -> Self {
+        self.section(heading, &format!("<pre>{}</pre>\n", escape(text)))
+    }
+
+    /// The page; `report` is the JSON of the run.
+    pub(crate) fn html(&self, report: &str) -> String {
+        let report = escape(report);
+        let values = [
+            ("name", &*self.name),
+            ("style", STYLE),
+            ("sections", &self.sections),
+            ("report", &report),
+        ];
+        filled(PAGE, &values)
+    }
+}
+
+/// A template with its places `{{name}}` filled. What is filled in is not looked through again.
+fn filled(template: &str, values: &[(&str, &str)]) -> String {
+    let mut text = String::with_capacity(template.len());
+    let mut rest = template;
+    while let Some((before, after)) = rest.split_once("{{") {
+        text.push_str(before);
+        let Some((name, behind)) = after.split_once("}}") else { break };
+        text.push_str(values.iter().find(|(n, _)| *n == name).map_or("", |(_, value)| value));
+        rest = behind;
+    }
+    text.push_str(rest);
+    text
+}
+
+/// Text as HTML shows it.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_stays_text() {
+        assert_eq!(escape("a<b>&c"), "a&lt;b&gt;&amp;c");
+        assert_eq!(filled("a{{x}}b{{y}}", &[("x", "{{y}}"), ("y", "2")]), "a{{y}}b2");
+    }
+}
