@@ -1,4 +1,4 @@
-//! JSON files: a path, or stdout for `-`; and the inputs that no output may overwrite.
+//! JSON files: a path, or stdout for `-`; other text; and the inputs that no output may overwrite.
 
 use crate::console;
 use crate::outcome::{Failure, show};
@@ -53,4 +53,11 @@ pub(crate) fn write_json(path: &Path, text: &str) -> Result<(), Failure> {
     } else {
         io::write_bytes(path, text.as_bytes()).map_err(Failure::Write)
     }
+}
+
+/// Writes a file of text, and says so.
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    io::write_bytes(path, text.as_bytes()).map_err(Failure::Write)?;
+    console::people(&format!("wrote     {}", show(path)));
+    Ok(())
 }

@@ -4,7 +4,7 @@ use crate::args::{Depth, MeshArgs};
 use crate::bounds::{Asked, Field, asked, field};
 use crate::conform::{certificate, check_own, print, same_volume, summary};
 use crate::console::{self, Progress, Stop};
-use crate::json::{check_json, distinct, is_stdout, keep_input, write_json};
+use crate::json::{check_json, distinct, is_stdout, keep_input, write_json, write_text};
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
@@ -180,12 +180,6 @@ fn finish_unrecovered(
     finish(&mut report, job)?;
     unrecovered::end(refined, !report.outputs.is_empty());
     Ok(Exit::Defect)
-}
-
-pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
-    io::write_bytes(path, text.as_bytes()).map_err(Failure::Write)?;
-    console::people(&format!("wrote     {}", show(path)));
-    Ok(())
 }
 
 fn refine(job: &Job<'_>, ready: &Prepared) -> Result<Refined, Failure> {

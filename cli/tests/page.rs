@@ -57,7 +57,7 @@ const TWO_ROOMS: &str = "\
 1 1.5 0.5 0.5 20 -1
 ";
 
-/// What a browser made of a page.
+/// A page as a browser shows it.
 struct Visit {
     /// The document after its scripts have run.
     dom: String,
@@ -72,7 +72,7 @@ impl Visit {
         rest.split_once('<').unwrap().0
     }
 
-    /// How many tetrahedra the page shows, and of how many.
+    /// The number of tetrahedra that the page shows, and of all.
     fn shown(&self) -> (usize, usize) {
         let text = self.text("<output id=\"shown\">").replace(',', "");
         let number = |k| text.split(' ').nth(k).and_then(|n| n.parse().ok());
@@ -170,7 +170,7 @@ fn a_mesh_is_turned_cut_and_asked() {
     let marked = browser.visit(&page, "cut=x:0.3&colour=marker&bare=1");
     assert!(marked.picture != a.picture && marked.dom.contains("marker 6"));
 
-    // What the page measures is what the library measures.
+    // Measures of the page are those of the library.
     let least = |tet: &[u32; 4]| {
         let quality = TetQuality::of(tet.map(|v| &mesh.points[v as usize]));
         quality.dihedral.into_iter().fold(f64::INFINITY, f64::min)

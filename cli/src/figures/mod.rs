@@ -48,7 +48,7 @@ struct AllMessages {
 }
 
 impl Figures {
-    /// How long the run took, in nanoseconds.
+    /// The time of the whole run, in nanoseconds.
     pub(crate) fn makespan(&self) -> u64 {
         self.makespan
     }

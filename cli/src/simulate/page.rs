@@ -1,7 +1,7 @@
 //! The page of `simulate`: a timeline, and curves that take more runs.
 
 use super::{Simulate, layout, mesh};
-use crate::mesh::write_text;
+use crate::json::write_text;
 use crate::outcome::Failure;
 use crate::page::{Page, timeline};
 use crate::picture::curve;
