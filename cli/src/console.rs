@@ -53,28 +53,27 @@ impl Progress {
 }
 
 impl Observer for Progress {
-    fn progress(&self, done: u64, total: u64) {
+    fn progress(&self, progress: ltbw::Progress) {
         if !self.terminal || self.start.elapsed() < Self::PATIENCE {
             return;
         }
         let bar = self.bar.get_or_init(|| {
-            // Refinement does not know its end.
-            let length = (total > 0).then_some(total);
-            let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::stderr());
+            let total = progress.total;
+            let bar = ProgressBar::with_draw_target(total, ProgressDrawTarget::stderr());
             if let Ok(style) = ProgressStyle::with_template(template(total)) {
                 bar.set_style(style);
             }
             bar
         });
-        bar.set_position(done);
+        bar.set_position(progress.done);
     }
 }
 
-/// The contents of a progress bar; a total of 0 is not known.
-fn template(total: u64) -> &'static str {
+/// The contents of a progress bar: refinement does not know its end.
+fn template(total: Option<u64>) -> &'static str {
     match total {
-        0 => "insert {spinner} {human_pos} points in {elapsed}",
-        _ => "insert {bar:40} {human_pos} of {human_len} points, {eta} left",
+        None => "insert {spinner} {human_pos} points in {elapsed}",
+        Some(_) => "insert {bar:40} {human_pos} of {human_len} points, {eta} left",
     }
 }
 
@@ -149,7 +148,8 @@ mod tests {
 
     #[test]
     fn a_total_that_is_not_known_is_not_told() {
-        assert!(template(1000).contains("{human_len}") && template(1000).contains("{eta}"));
-        assert!(!template(0).contains("{human_len}") && !template(0).contains("{eta}"));
+        let (known, unknown) = (template(Some(1000)), template(None));
+        assert!(known.contains("{human_len}") && known.contains("{eta}"));
+        assert!(!unknown.contains("{human_len}") && !unknown.contains("{eta}"));
     }
 }

@@ -65,8 +65,8 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     check_outputs(&args.output)?;
     args.json.as_deref().map_or(Ok(()), check_json)?;
     let pages = [&args.histogram, &args.page].into_iter().flatten();
-    pages.clone().try_for_each(|p| io::check_bytes_writable(p)).map_err(Failure::Write)?;
-    let written = args.output.iter().flat_map(|path| io::mesh_files(path));
+    pages.clone().try_for_each(io::check_bytes_writable).map_err(Failure::Write)?;
+    let written = args.output.iter().flat_map(io::mesh_files);
     let written: Vec<PathBuf> = written.chain(args.json.clone()).chain(pages.cloned()).collect();
     let written: Vec<PathBuf> =
         written.into_iter().chain(args.preparation.write_defects.clone()).collect();

@@ -69,12 +69,12 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     }
     args.json.as_deref().map_or(Ok(()), check_json)?;
     let pages = [&args.trace, &args.page].into_iter().flatten();
-    pages.clone().try_for_each(|p| io::check_bytes_writable(p)).map_err(Failure::Write)?;
+    pages.clone().try_for_each(io::check_bytes_writable).map_err(Failure::Write)?;
     if workers < 2 && (args.trace.is_some() || args.tables || args.balance) {
         let text = "--trace, --tables and --balance are about several workers: --threads 2 or more";
         return Err(Failure::Usage(text.to_owned()));
     }
-    let written = whole.iter().flat_map(|path| io::mesh_files(path));
+    let written = whole.iter().flat_map(io::mesh_files);
     let written = written.chain(parts.iter().flat_map(|p| io::part_files(p, workers as usize)));
     let written = written.chain(args.json.clone()).chain(pages.cloned());
     let written: Vec<PathBuf> = written.collect();
@@ -113,7 +113,7 @@ pub(crate) fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
 
 /// Finds outputs that cannot be written before the work starts.
 pub(crate) fn check_outputs(outputs: &[PathBuf]) -> Result<(), Failure> {
-    outputs.iter().try_for_each(|path| io::check_mesh_writable(path)).map_err(Failure::Write)
+    outputs.iter().try_for_each(io::check_mesh_writable).map_err(Failure::Write)
 }
 
 /// Meshes points: builds, hashes, checks, writes and reports.
@@ -233,7 +233,7 @@ struct BuiltBy {
 
 /// One worker is the sequential kernel.
 fn build(set: &PointSet, job: &Job<'_>) -> Result<BuiltBy, RunError> {
-    let in_parts = job.page.is_some() || job.outputs.iter().any(|path| io::is_parts(path));
+    let in_parts = job.page.is_some() || job.outputs.iter().any(io::is_parts);
     if job.workers <= 1 {
         let progress = Progress::new();
         let built = Builder::new().observer(&progress).cancel(job.stop.token()).build(set)?;

@@ -152,7 +152,7 @@ fn a_mesh_is_turned_cut_and_asked() {
     let run = ltbw(dir.path(), &args);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let page = dir.path().join("m.html");
-    let mesh = io::read_mesh(&dir.path().join("m.vtu")).unwrap();
+    let mesh = io::read_mesh(dir.path().join("m.vtu")).unwrap();
 
     let whole = browser.visit(&page, "cut=none&colour=region&bare=1");
     assert!(whole.dom.contains("data-ready=\"yes\""), "{}", whole.text("<output id=\"shown\">"));

@@ -21,6 +21,9 @@
 //!
 //! A point set has one mesh, whatever the order of its points: [`Mesh::hash`] is a function of
 //! the coordinates alone. The crate `ltbw-verify` checks meshes, by code of its own.
+//!
+//! `use ltbw::prelude::*` brings what most programs need. The examples by task: `points`, `walk`,
+//! `domain`, `watch` and `threads`, in the folder `examples` of this crate.
 #![forbid(unsafe_code)]
 
 pub mod balance;
@@ -28,6 +31,7 @@ mod failure;
 pub mod mailbox;
 pub mod mesh;
 pub mod metrics;
+pub mod prelude;
 pub mod protocol;
 pub mod simulate;
 mod sync;

@@ -15,10 +15,10 @@ pub struct Progress {
 }
 
 impl Observer for Progress {
-    fn progress(&self, done: u64, total: u64) {
+    fn progress(&self, progress: ltbw::Progress) {
         // Figures for people: neither orders anything else.
-        self.done.store(done, Ordering::Relaxed);
-        self.total.store(total, Ordering::Relaxed);
+        self.done.store(progress.done, Ordering::Relaxed);
+        self.total.store(progress.total.unwrap_or(0), Ordering::Relaxed);
     }
 }
 

@@ -24,7 +24,7 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     console::end_on_signal()?;
     args.json.as_deref().map_or(Ok(()), check_json)?;
     let pages = [&args.trace, &args.page].into_iter().flatten();
-    pages.clone().try_for_each(|p| io::check_bytes_writable(p)).map_err(Failure::Write)?;
+    pages.clone().try_for_each(io::check_bytes_writable).map_err(Failure::Write)?;
     distinct(&args.json.iter().chain(pages).cloned().collect::<Vec<_>>())?;
     let name = PathBuf::from(format!("{} {}", args.points, args.kind.name()));
     let points = generate(args.kind, args.points as usize, args.seed);

@@ -16,7 +16,7 @@ use std::path::Path;
 
 fn fixture(name: &str) -> Domain {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/domains");
-    io::read_domain(&folder.join(name)).unwrap().domain
+    io::read_domain(folder.join(name)).unwrap().domain
 }
 
 #[test]

@@ -35,7 +35,7 @@ fn the_papers_domains_are_those_of_the_files() {
         (DomainKind::Tee, "tee.poly"),
     ] {
         let ours = model(kind);
-        let file = io::read_domain(&folder.join(name)).unwrap().domain;
+        let file = io::read_domain(folder.join(name)).unwrap().domain;
         assert_eq!(ours.vertices.len(), file.vertices.len(), "{kind}");
         assert_eq!(ours.facets.len(), file.facets.len(), "{kind}");
         assert_eq!(facets(&ours), facets(&file), "{kind}");

@@ -49,6 +49,12 @@ pub enum PointError {
         /// The limit.
         limit: usize,
     },
+    /// A flat list whose length is no multiple of three.
+    #[error("{count} numbers are no points of three coordinates each")]
+    NotTriples {
+        /// Numbers given.
+        count: usize,
+    },
 }
 
 /// The way in which the coordinates of a point set get into the exactness window.
@@ -132,6 +138,18 @@ impl PointSet {
             }
         }
         Ok(Self { coords: points, mode: mode_for(range) })
+    }
+
+    /// Validates points whose coordinates lie one after the other: x, y, z, x, y, z, ...
+    ///
+    /// # Errors
+    /// As [`PointSet::new`], and [`PointError::NotTriples`].
+    pub fn from_flat(coordinates: &[f64]) -> Result<Self, PointError> {
+        let (points, rest) = coordinates.as_chunks::<3>();
+        if !rest.is_empty() {
+            return Err(PointError::NotTriples { count: coordinates.len() });
+        }
+        Self::new(points.to_vec())
     }
 
     /// The points, in input order and input coordinates (with `-0.0` as `0.0`).
@@ -288,6 +306,15 @@ mod tests {
         }
         let error = PointSet::new(vec![[0.0, f64::NAN, 0.0]]).expect_err("NaN");
         assert_eq!(error.to_string(), "point 0: coordinate y is NaN, which is not finite");
+    }
+
+    #[test]
+    fn flat_lists_are_triples() {
+        let set = PointSet::from_flat(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0]).expect("two points");
+        assert_eq!(set.points(), [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
+        let error = PointSet::from_flat(&[0.0; 4]).expect_err("four numbers");
+        assert_eq!(error, PointError::NotTriples { count: 4 });
+        assert!(PointSet::from_flat(&[]).expect("no points").is_empty());
     }
 
     #[test]

@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 
 /// Reads a domain file: `.poly`, `.smesh` (with its `.node` if it holds no points itself), `.off`,
 /// `.obj`, `.stl` or `.ply`.
-pub fn read_domain(path: &Path) -> Result<DomainFile, IoError> {
+pub fn read_domain(path: impl AsRef<Path>) -> Result<DomainFile, IoError> {
+    let path = path.as_ref();
     let format = Format::from_path(path)?;
     let parse = match format {
         Format::Off => off::read_domain,
@@ -33,7 +34,8 @@ pub fn read_domain(path: &Path) -> Result<DomainFile, IoError> {
 }
 
 /// The files that [`read_domain`] may read for `path`: itself, and the `.node` beside it.
-pub fn domain_files(path: &Path) -> Vec<PathBuf> {
+pub fn domain_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
+    let path = path.as_ref();
     match Format::from_path(path) {
         Ok(Format::Poly | Format::Smesh) => vec![path.to_owned(), path.with_extension("node")],
         _ => vec![path.to_owned()],
@@ -42,16 +44,18 @@ pub fn domain_files(path: &Path) -> Vec<PathBuf> {
 
 /// Writes a domain with the default [`WriteOptions`]: `.poly`, `.smesh`, `.off`, `.obj`, `.stl` or
 /// `.ply`. The formats of surfaces do not keep all of a domain: see [`not_kept`].
-pub fn write_domain(path: &Path, domain: &Domain) -> Result<(), IoError> {
+pub fn write_domain(path: impl AsRef<Path>, domain: &Domain) -> Result<(), IoError> {
+    let path = path.as_ref();
     write_domain_with(path, domain, WriteOptions::default())
 }
 
 /// Writes a domain as [`write_domain`] does, with a choice where the format leaves one.
 pub fn write_domain_with(
-    path: &Path,
+    path: impl AsRef<Path>,
     domain: &Domain,
     options: WriteOptions,
 ) -> Result<(), IoError> {
+    let path = path.as_ref();
     let format = domain_format(path)?;
     domain.check_structure().map_err(|e| data_error(path, e.into()))?;
     match format {
@@ -75,7 +79,8 @@ fn domain_format(path: &Path) -> Result<Format, IoError> {
 
 /// Tells what would certainly keep a domain from being written, as
 /// [`super::check_points_writable`] does for points.
-pub fn check_domain_writable(path: &Path) -> Result<(), IoError> {
+pub fn check_domain_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
+    let path = path.as_ref();
     domain_format(path)?;
     aside::check(path)
 }

@@ -100,7 +100,8 @@ pub struct DomainFile {
 }
 
 /// Reads a point file: `.npy`, `.xyz`, `.csv`, `.node`, `.ply`, `.off`, `.obj` or `.stl`.
-pub fn read_points(path: &Path) -> Result<PointFile, IoError> {
+pub fn read_points(path: impl AsRef<Path>) -> Result<PointFile, IoError> {
+    let path = path.as_ref();
     let parse = match Format::from_path(path)? {
         Format::Npy => npy::read,
         Format::Xyz => xyz::read,
@@ -116,12 +117,14 @@ pub fn read_points(path: &Path) -> Result<PointFile, IoError> {
 }
 
 /// Reads a mesh file: `.vtu`, `.msh`, `.mesh`, or the pair `.ele` and `.node` (named by either).
-pub fn read_mesh(path: &Path) -> Result<TetMesh, IoError> {
+pub fn read_mesh(path: impl AsRef<Path>) -> Result<TetMesh, IoError> {
+    let path = path.as_ref();
     read_mesh_file(path).map(|f| f.mesh)
 }
 
 /// Reads a mesh file as [`read_mesh`] does, and tells what in it was not read.
-pub fn read_mesh_file(path: &Path) -> Result<MeshFile, IoError> {
+pub fn read_mesh_file(path: impl AsRef<Path>) -> Result<MeshFile, IoError> {
+    let path = path.as_ref();
     let parse = match Format::from_path(path)? {
         Format::Vtu => vtu::read,
         Format::Msh => msh::read,
@@ -133,7 +136,8 @@ pub fn read_mesh_file(path: &Path) -> Result<MeshFile, IoError> {
 }
 
 /// Reads edge lengths at points: an `.mtr` file, whatever its extension.
-pub fn read_sizes(path: &Path) -> Result<Vec<f64>, IoError> {
+pub fn read_sizes(path: impl AsRef<Path>) -> Result<Vec<f64>, IoError> {
+    let path = path.as_ref();
     tetgen::read_mtr(&load(path)?).map_err(|error| parse_error(path, error))
 }
 
@@ -154,16 +158,18 @@ fn pair(path: &Path) -> (PathBuf, PathBuf) {
 
 /// Writes points and their tags with the default [`WriteOptions`].
 /// The formats `.npy` and `.xyz` have no place for tags.
-pub fn write_points(path: &Path, file: &PointFile) -> Result<(), IoError> {
+pub fn write_points(path: impl AsRef<Path>, file: &PointFile) -> Result<(), IoError> {
+    let path = path.as_ref();
     write_points_with(path, file, WriteOptions::default())
 }
 
 /// Writes points as [`write_points`] does, with a choice where the format leaves one.
 pub fn write_points_with(
-    path: &Path,
+    path: impl AsRef<Path>,
     file: &PointFile,
     options: WriteOptions,
 ) -> Result<(), IoError> {
+    let path = path.as_ref();
     let format = writable(path, true)?;
     let (points, tags) = (&file.points, file.point_tags.as_deref());
     check_points(points, tags).map_err(|r| data_error(path, r))?;
@@ -184,23 +190,30 @@ pub fn write_points_with(
 
 /// Writes a mesh with the default [`WriteOptions`]: `.vtu`, `.msh`, `.mesh`, or the
 /// pair `.ele` and `.node` (named by either).
-pub fn write_mesh(path: &Path, mesh: &TetMesh) -> Result<(), IoError> {
+pub fn write_mesh(path: impl AsRef<Path>, mesh: &TetMesh) -> Result<(), IoError> {
+    let path = path.as_ref();
     write_mesh_with(path, mesh, WriteOptions::default())
 }
 
 /// Writes a mesh as [`write_mesh`] does, with a choice where the format leaves one.
-pub fn write_mesh_with(path: &Path, mesh: &TetMesh, options: WriteOptions) -> Result<(), IoError> {
+pub fn write_mesh_with(
+    path: impl AsRef<Path>,
+    mesh: &TetMesh,
+    options: WriteOptions,
+) -> Result<(), IoError> {
+    let path = path.as_ref();
     write_mesh_and(path, mesh, &Extras::default(), options)
 }
 
 /// Writes a mesh as [`write_mesh_with`] does, and the parts of `extras` that the format has a place
 /// for: in `.vtu` all of them; in `.msh`, `.mesh` and a `.face` file beside `.ele` the boundary.
 pub fn write_mesh_and(
-    path: &Path,
+    path: impl AsRef<Path>,
     mesh: &TetMesh,
     extras: &Extras,
     options: WriteOptions,
 ) -> Result<(), IoError> {
+    let path = path.as_ref();
     let format = writable(path, false)?;
     check_mesh(mesh).and_then(|()| check_extras(mesh, extras)).map_err(|r| data_error(path, r))?;
     let faces = &extras.faces;
@@ -258,14 +271,16 @@ fn face_path(path: &Path) -> PathBuf {
 /// Tells, before long work starts, what would certainly keep points from being written to
 /// `path`: an extension that is unknown or holds no points, a folder that is missing or takes no
 /// file, or something under that name that is not a file. Leaves nothing behind.
-pub fn check_points_writable(path: &Path) -> Result<(), IoError> {
+pub fn check_points_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
+    let path = path.as_ref();
     writable(path, true)?;
     aside::check(path)
 }
 
 /// Tells what would certainly keep a mesh from being written, as [`check_points_writable`] does
 /// for points.
-pub fn check_mesh_writable(path: &Path) -> Result<(), IoError> {
+pub fn check_mesh_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
+    let path = path.as_ref();
     match writable(path, false)? {
         Format::Node | Format::Ele => {
             let (node, ele) = pair(path);
@@ -278,12 +293,14 @@ pub fn check_mesh_writable(path: &Path) -> Result<(), IoError> {
 }
 
 /// Tells what would certainly keep [`write_bytes`] from writing to `path`, whatever its extension.
-pub fn check_bytes_writable(path: &Path) -> Result<(), IoError> {
+pub fn check_bytes_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
+    let path = path.as_ref();
     aside::check(path)
 }
 
 /// The files that [`write_mesh`] writes for `path`: itself, or the pair that it names.
-pub fn mesh_files(path: &Path) -> Vec<PathBuf> {
+pub fn mesh_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
+    let path = path.as_ref();
     match Format::from_path(path) {
         Ok(Format::Node | Format::Ele) => {
             let (node, ele) = pair(path);
@@ -294,7 +311,8 @@ pub fn mesh_files(path: &Path) -> Vec<PathBuf> {
 }
 
 /// Writes `bytes` to any file the way all files of this module are written: aside, then renamed.
-pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+pub fn write_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), IoError> {
+    let path = path.as_ref();
     Aside::write(path, |out| out.write_all(bytes))?.publish()
 }
 

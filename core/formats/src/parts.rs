@@ -11,12 +11,14 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Does the extension of `path` say that it lists parts?
-pub fn is_parts(path: &Path) -> bool {
+pub fn is_parts(path: impl AsRef<Path>) -> bool {
+    let path = path.as_ref();
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("pvtu"))
 }
 
 /// The files that [`write_parts`] writes for `path`: the list, then its parts.
-pub fn part_files(path: &Path, parts: usize) -> Vec<PathBuf> {
+pub fn part_files(path: impl AsRef<Path>, parts: usize) -> Vec<PathBuf> {
+    let path = path.as_ref();
     let stem = path.file_stem().unwrap_or_default().to_os_string();
     let part = |k| {
         let mut name = stem.clone();
@@ -30,7 +32,8 @@ pub fn part_files(path: &Path, parts: usize) -> Vec<PathBuf> {
 ///
 /// # Errors
 /// [`IoError`]: an extension that is not `.pvtu`, a missing folder, something that is not a file.
-pub fn check_parts_writable(path: &Path, parts: usize) -> Result<(), IoError> {
+pub fn check_parts_writable(path: impl AsRef<Path>, parts: usize) -> Result<(), IoError> {
+    let path = path.as_ref();
     if !is_parts(path) {
         return Err(IoError::UnknownFormat { path: path.to_owned() });
     }
@@ -41,7 +44,8 @@ pub fn check_parts_writable(path: &Path, parts: usize) -> Result<(), IoError> {
 ///
 /// # Errors
 /// [`IoError`] if a part is not a mesh, or a file cannot be written.
-pub fn write_parts(path: &Path, parts: &[TetMesh]) -> Result<(), IoError> {
+pub fn write_parts(path: impl AsRef<Path>, parts: &[TetMesh]) -> Result<(), IoError> {
+    let path = path.as_ref();
     check_parts_writable(path, parts.len())?;
     let files = part_files(path, parts.len());
     let (list, names) = files.split_at(1);
@@ -106,7 +110,7 @@ mod tests {
         let list = std::fs::read_to_string(&path).expect("a list");
         assert!(list.contains("<Piece Source=\"a&amp;b_0.vtu\"/>"), "{list}");
         assert!(list.contains("Name=\"tag\""), "{list}");
-        let read = |name| crate::read_mesh(&folder.path().join(name)).expect("a part");
+        let read = |name| crate::read_mesh(folder.path().join(name)).expect("a part");
         assert_eq!(read("a&b_0.vtu"), part);
         assert_eq!(read("a&b_1.vtu").tets, empty.tets);
     }
@@ -115,7 +119,7 @@ mod tests {
     fn what_cannot_be_written_is_refused() {
         let folder = tempfile::tempdir().expect("a folder");
         let refused = |name: &str, parts: &[TetMesh]| {
-            write_parts(&folder.path().join(name), parts).expect_err("refused")
+            write_parts(folder.path().join(name), parts).expect_err("refused")
         };
         assert!(matches!(refused("m.vtu", &[]), IoError::UnknownFormat { .. }));
         let broken = TetMesh { tets: vec![[0, 1, 2, 3]], ..TetMesh::default() };

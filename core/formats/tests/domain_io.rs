@@ -137,7 +137,7 @@ fn poly_with_its_points_in_a_node_file() {
     let domain = io::read_domain(&path).unwrap().domain;
     assert_eq!(domain.facets, [Facet::polygon(&[0, 1, 2], 0)]);
     write("a.smesh", "0 3 0 0\n1 1\n3 1 2 3 4\n0\n");
-    let domain = io::read_domain(&dir.path().join("a.smesh")).unwrap().domain;
+    let domain = io::read_domain(dir.path().join("a.smesh")).unwrap().domain;
     assert_eq!(domain.facets, [Facet::polygon(&[0, 1, 2], 4)]);
 }
 

@@ -41,8 +41,8 @@ fn boundaries_are_written_where_the_format_has_a_place() {
     write("b.ele", &Extras::default());
     assert!(!dir.path().join("b.face").exists());
     std::fs::create_dir(dir.path().join("c.face")).expect("a folder");
-    assert!(io::check_mesh_writable(&dir.path().join("c.node")).is_err());
-    assert!(io::check_mesh_writable(&dir.path().join("d.node")).is_ok());
+    assert!(io::check_mesh_writable(dir.path().join("c.node")).is_err());
+    assert!(io::check_mesh_writable(dir.path().join("d.node")).is_ok());
 }
 
 /// Two tetrahedra with boundary triangles of every kind of marker, one between the two.
@@ -153,7 +153,7 @@ fn sizes_are_read_and_refused() {
     assert_eq!(says("1 1\n1 2\n"), "line 2: expected 1 values, found more");
     assert_eq!(says("1 1\n1\n2\n"), "line 3: unexpected data after the last size");
     assert!(says("2 1\n1\n").contains("2 sizes"), "{}", says("2 1\n1\n"));
-    assert!(matches!(io::read_sizes(&dir.path().join("none")), Err(IoError::Read { .. })));
+    assert!(matches!(io::read_sizes(dir.path().join("none")), Err(IoError::Read { .. })));
 }
 
 /// A medium that takes `room` bytes and is full then.

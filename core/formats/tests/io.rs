@@ -75,7 +75,7 @@ proptest! {
             }
         }
         // The `.node` beside the `.ele` names the same mesh.
-        prop_assert_eq!(io::read_mesh(&dir.path().join("a.node")).unwrap().tets, mesh.tets);
+        prop_assert_eq!(io::read_mesh(dir.path().join("a.node")).unwrap().tets, mesh.tets);
     }
 
     /// Cutting, flipping and overwriting bytes of a valid file gives a mesh or an error, never a
@@ -419,12 +419,12 @@ fn a_pair_is_written_whole_or_not_at_all() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::create_dir(dir.path().join("a.ele")).unwrap();
     let mesh = TetMesh::default();
-    let e = io::write_mesh(&dir.path().join("a.node"), &mesh).unwrap_err();
+    let e = io::write_mesh(dir.path().join("a.node"), &mesh).unwrap_err();
     assert_eq!(e.code(), "io.write");
     assert!(!dir.path().join("a.node").exists());
-    assert!(io::check_mesh_writable(&dir.path().join("a.node")).is_err());
-    assert!(io::check_points_writable(&dir.path().join("a.node")).is_ok());
-    assert!(io::check_points_writable(&dir.path().join("a.vtu")).is_err());
-    assert!(io::check_mesh_writable(&dir.path().join("a.xyz")).is_err());
+    assert!(io::check_mesh_writable(dir.path().join("a.node")).is_err());
+    assert!(io::check_points_writable(dir.path().join("a.node")).is_ok());
+    assert!(io::check_points_writable(dir.path().join("a.vtu")).is_err());
+    assert!(io::check_mesh_writable(dir.path().join("a.xyz")).is_err());
     assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
 }

@@ -43,17 +43,17 @@ fn errors_of_files_have_codes() {
     let dir = tempfile::tempdir().expect("a folder");
     let at = |name: &str| dir.path().join(name);
     let code = |result: Result<(), io::IoError>| result.expect_err("refused").code();
-    assert_eq!(code(io::read_points(&at("a.vtu")).map(drop)), "io.wrong-kind");
-    assert_eq!(code(io::read_mesh(&at("a.xyz")).map(drop)), "io.wrong-kind");
-    assert_eq!(code(io::read_points(&at("none.xyz")).map(drop)), "io.read");
+    assert_eq!(code(io::read_points(at("a.vtu")).map(drop)), "io.wrong-kind");
+    assert_eq!(code(io::read_mesh(at("a.xyz")).map(drop)), "io.wrong-kind");
+    assert_eq!(code(io::read_points(at("none.xyz")).map(drop)), "io.read");
     std::fs::create_dir(at("folder.xyz")).expect("a folder");
-    let folder = io::read_points(&at("folder.xyz"));
+    let folder = io::read_points(at("folder.xyz"));
     assert!(folder.as_ref().is_err_and(|e| e.to_string().ends_with("not a regular file")));
     assert_eq!(code(folder.map(drop)), "io.read");
     let points = PointFile { points: vec![[0.0, f64::NAN, 0.0]], ..PointFile::default() };
-    assert_eq!(code(io::write_points(&at("a.xyz"), &points)), "io.data");
-    assert_eq!(code(io::write_points(&at("a.off"), &PointFile::default())), "io.read-only");
-    assert_eq!(code(io::write_points(&at("folder.xyz"), &PointFile::default())), "io.write");
+    assert_eq!(code(io::write_points(at("a.xyz"), &points)), "io.data");
+    assert_eq!(code(io::write_points(at("a.off"), &PointFile::default())), "io.read-only");
+    assert_eq!(code(io::write_points(at("folder.xyz"), &PointFile::default())), "io.write");
     let nowhere = at("missing").join("a.xyz");
     let refused = io::write_points(&nowhere, &PointFile::default());
     // People are shown neither the temporary file's name nor the library's words.
@@ -61,7 +61,7 @@ fn errors_of_files_have_codes() {
     assert!(!text.contains(".ltbw-") && text.contains("a.xyz: cannot write: "), "{text}");
     assert_eq!(code(refused), "io.write");
     std::fs::write(at("b.xyz"), "1 2\n").expect("a file");
-    assert_eq!(code(io::read_points(&at("b.xyz")).map(drop)), "io.parse");
+    assert_eq!(code(io::read_points(at("b.xyz")).map(drop)), "io.parse");
 }
 
 #[test]
@@ -75,10 +75,10 @@ fn bytes_are_written_aside_like_everything_else() {
     assert_eq!(std::fs::read(&path).expect("a file"), b"two");
     assert_eq!(std::fs::read_dir(dir.path()).expect("a folder").count(), 1);
     assert!(io::check_bytes_writable(dir.path()).is_err());
-    assert!(io::check_bytes_writable(&path.join("below a file")).is_err());
-    assert!(io::write_bytes(&path.join("below a file"), b"").is_err());
-    assert!(io::check_mesh_writable(&path.with_extension("vtu")).is_ok());
-    assert!(io::check_mesh_writable(&dir.path().join("none").join("a.vtu")).is_err());
+    assert!(io::check_bytes_writable(path.join("below a file")).is_err());
+    assert!(io::write_bytes(path.join("below a file"), b"").is_err());
+    assert!(io::check_mesh_writable(path.with_extension("vtu")).is_ok());
+    assert!(io::check_mesh_writable(dir.path().join("none").join("a.vtu")).is_err());
 }
 
 #[cfg(target_os = "linux")]
@@ -327,7 +327,7 @@ fn malformed_gmsh_heads_and_views() {
 fn tags_must_be_as_many_as_points() {
     let dir = tempfile::tempdir().expect("a folder");
     let mesh = TetMesh { points: vec![[0.0; 3]], point_tags: Some(vec![]), ..TetMesh::default() };
-    match io::write_mesh(&dir.path().join("a.vtu"), &mesh) {
+    match io::write_mesh(dir.path().join("a.vtu"), &mesh) {
         Err(io::IoError::Data { reason: DataError::Tags { tags: 0, count: 1, .. }, .. }) => {}
         other => panic!("{other:?}"),
     }

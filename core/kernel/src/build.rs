@@ -19,11 +19,53 @@ const CHECK_EVERY: usize = 1024;
 /// as many new ones as there are points.
 const CHECK_GROWTH: usize = 100_000;
 
+/// A stage of long work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Phase {
+    /// Given points are inserted.
+    Insert,
+    /// The boundary of a domain is brought into the mesh.
+    Recover,
+    /// Tetrahedra over a bound are split.
+    Refine,
+}
+
+/// The state of long work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// The stage.
+    pub phase: Phase,
+    /// Points in the mesh.
+    pub done: u64,
+    /// Points that the mesh will have, where that is known.
+    pub total: Option<u64>,
+}
+
+fn inserted(done: u64, total: u64) -> Progress {
+    Progress { phase: Phase::Insert, done, total: Some(total) }
+}
+
 /// Watches long work. Called from the building thread, at least every 1024 points and, in between,
-/// when the mesh has grown by 100,000 tetrahedra.
+/// when the mesh has grown by 100,000 tetrahedra. A closure will do:
+///
+/// ```
+/// use ltbw_core::{Builder, Progress};
+/// use ltbw_exact::PointSet;
+/// let cube = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+/// let show = |p: Progress| println!("{} of {:?} points", p.done, p.total);
+/// let built = Builder::new().observer(&show).build(&PointSet::new(cube)?)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Observer: Sync {
-    /// `done` of `total` points are inserted.
-    fn progress(&self, done: u64, total: u64);
+    /// Takes a report.
+    fn progress(&self, progress: Progress);
+}
+
+impl<F: Fn(Progress) + Sync> Observer for F {
+    fn progress(&self, progress: Progress) {
+        self(progress);
+    }
 }
 
 /// Limits on the work. The default has none.
@@ -260,7 +302,7 @@ impl<'a> Builder<'a> {
             }
         }
         if let Some(observer) = self.observer {
-            observer.progress(total, total);
+            observer.progress(inserted(total, total));
         }
         Outcome::Complete
     }
@@ -271,7 +313,7 @@ impl<'a> Builder<'a> {
     fn look(&self, mesh: &Mesh, done: u64, total: u64) -> Result<usize, Outcome> {
         if done > 0 {
             if let Some(observer) = self.observer {
-                observer.progress(done, total);
+                observer.progress(inserted(done, total));
             }
             if self.is_cancelled() {
                 return Err(Outcome::Cancelled);
@@ -384,7 +426,7 @@ mod tests {
     struct Calls(AtomicU64, Option<CancelToken>);
 
     impl Observer for Calls {
-        fn progress(&self, _: u64, _: u64) {
+        fn progress(&self, _: Progress) {
             self.0.fetch_add(1, Ordering::Relaxed);
             if let Some(token) = &self.1 {
                 token.cancel();

@@ -49,7 +49,9 @@ pub mod transaction;
 #[doc(hidden)]
 pub mod undo;
 
-pub use build::{Budget, BuildError, Builder, Built, Observer, Order, Outcome, Stats};
+pub use build::{
+    Budget, BuildError, Builder, Built, Observer, Order, Outcome, Phase, Progress, Stats,
+};
 pub use cavity::{Admission, Open, Role};
 pub use geometry::PredicateStats;
 pub use hash::{HashError, MeshHash, canonical_hash};

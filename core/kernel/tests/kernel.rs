@@ -3,7 +3,7 @@
 use ltbw_core::invariants::check_all;
 use ltbw_core::{
     Budget, BuildError, Builder, CancelToken, InsertError, Inserted, Mesh, Observer, Order,
-    Outcome, Role,
+    Outcome, Phase, Progress, Role,
 };
 use ltbw_exact::{Point, PointError, PointSet};
 use ltbw_generate::{PointKind, generate};
@@ -311,8 +311,11 @@ struct Count {
 }
 
 impl Observer for Count {
-    fn progress(&self, done: u64, total: u64) {
-        assert!(self.last.swap(done, Ordering::Relaxed) <= done && done <= total);
+    fn progress(&self, progress: Progress) {
+        let Progress { phase, done, total } = progress;
+        assert_eq!(phase, Phase::Insert);
+        let last = self.last.swap(done, Ordering::Relaxed);
+        assert!(last <= done && total.is_some_and(|total| done <= total));
         if self.calls.fetch_add(1, Ordering::Relaxed) + 1 == self.stop_after {
             self.token.cancel();
         }

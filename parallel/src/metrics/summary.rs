@@ -32,6 +32,23 @@ pub struct Summary {
     pub set_back: Nanos,
 }
 
+impl std::fmt::Display for Summary {
+    /// A few lines for people.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let seconds = self.makespan as f64 * 1e-9;
+        writeln!(f, "{} workers, {seconds:.3} s", self.workers.len())?;
+        writeln!(f, "{} points inserted, {} setbacks", self.operations(), self.setbacks())?;
+        write!(
+            f,
+            "latency tolerance {:.4}, with idle time {:.4}; {} messages of {} bytes",
+            self.lt(),
+            self.lt_strict(),
+            self.all_messages().count,
+            self.all_messages().bytes
+        )
+    }
+}
+
 impl Summary {
     /// Joins the collectors of a run that took until `makespan`.
     pub fn new(collectors: &[Collector], makespan: Nanos) -> Self {

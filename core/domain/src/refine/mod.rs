@@ -76,6 +76,7 @@ mod tests;
 mod touched;
 mod verdict;
 mod walk;
+mod whole;
 
 use crate::Element;
 use ltbw_core::build::BuildError;
@@ -90,6 +91,7 @@ pub use output::Refined;
 pub use region::RegionInfo;
 pub use rounds::{Engine, InsertOrder};
 pub use run::Refiner;
+pub use whole::MeshError;
 
 /// Why there is no mesh of a domain.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -15,7 +15,7 @@ use super::split::{Refinement, Step};
 use super::state::State;
 use crate::{Domain, Lattice};
 use ltbw_core::CancelToken;
-use ltbw_core::build::{Builder, Observer};
+use ltbw_core::build::{Builder, Observer, Phase, Progress};
 use ltbw_core::cavity::Open;
 use ltbw_core::mesh::{Mesh, Vertex};
 use ltbw_core::topology::{TetId, VertexId};
@@ -43,15 +43,16 @@ const STEINER_PER_VOLUME: f64 = 4.0;
 /// Refines domains.
 ///
 /// ```
-/// use ltbw_domain::{Domain, Facet, PrepareOptions};
+/// use ltbw_domain::{Domain, Facet};
 /// use ltbw_domain::refine::{RefineOutcome, Refiner};
 /// let mut cube = Domain::default();
 /// cube.vertices = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
-/// for corners in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7,
-/// 5]] { cube.facets.push(Facet::polygon(&corners, 0)); } let ready =
-/// cube.prepare(&PrepareOptions::default())?; let refined =
-/// Refiner::new().max_volume(0.01).refine(&ready.domain, &ready.lattice)?;
-/// assert_eq!(refined.outcome, RefineOutcome::Met); println!("{} tetrahedra", refined.num_tets());
+/// let sides =
+///     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+/// cube.facets = sides.iter().map(|corners| Facet::polygon(corners, 0)).collect();
+/// let refined = Refiner::new().max_volume(0.01).mesh(&cube)?;
+/// assert_eq!(refined.outcome, RefineOutcome::Met);
+/// println!("{} tetrahedra", refined.num_tets());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy)]
@@ -198,6 +199,13 @@ impl<'a> Refiner<'a> {
         }
         run.stats.refine_seconds = clock.elapsed().as_secs_f64();
         Ok(run.finish(regions, *lattice))
+    }
+
+    /// Tells the observer how many vertices there are.
+    fn tell(&self, phase: Phase, vertices: usize) {
+        if let Some(observer) = self.observer {
+            observer.progress(Progress { phase, done: vertices as u64, total: None });
+        }
     }
 
     /// The mesh with the boundary and the regions, and what there is to do in it. Where some of the
@@ -392,9 +400,7 @@ impl Run<'_> {
         }
         let refiner = self.refiner;
         let look = |vertices: usize| {
-            if let Some(observer) = refiner.observer {
-                observer.progress(vertices as u64, 0);
-            }
+            refiner.tell(Phase::Refine, vertices);
             refiner.cancel.is_some_and(CancelToken::is_cancelled)
         };
         let rounds = Rounds::new(&mut self.refinement, order, self.most);
@@ -443,9 +449,9 @@ impl Run<'_> {
     /// Tells the observer, asks the token.
     #[cold]
     pub(super) fn look(&mut self) -> Result<(), RefineError> {
-        if let Some(observer) = self.refiner.observer {
-            observer.progress(self.refinement.state.mesh.num_vertices() as u64, 0);
-        }
+        let is_whole = self.refinement.bounds.is_some();
+        let phase = if is_whole { Phase::Refine } else { Phase::Recover };
+        self.refiner.tell(phase, self.refinement.state.mesh.num_vertices());
         if self.refiner.cancel.is_some_and(CancelToken::is_cancelled) {
             if self.refinement.bounds.is_none() {
                 return Err(RefineError::Cancelled);

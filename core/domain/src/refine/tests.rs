@@ -302,7 +302,7 @@ fn a_budget_ends_the_work_and_is_the_excuse() {
 struct Cancels(AtomicU64, CancelToken);
 
 impl ltbw_core::Observer for Cancels {
-    fn progress(&self, _: u64, _: u64) {
+    fn progress(&self, _: ltbw_core::Progress) {
         if self.0.fetch_add(1, Ordering::Relaxed) == 2 {
             self.1.cancel();
         }
