@@ -17,7 +17,7 @@
 //! | [`query`] | questions to a [`Mesh`], from many threads: locate, nearest, Voronoi cells |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
 //! | [`snapshot`] | [`Snapshot`]: a mesh to be stored, restored through validation |
-//! | [`tetmesh`] | [`TetMesh`]: a plain mesh as files carry it |
+//! | [`tetmesh`], `export` | [`TetMesh`]: a plain mesh as files carry it; a mesh as one |
 //! | [`invariants`] | one slow check per invariant of `docs/invariants.md` |
 //! | [`random`] | the one random generator, the same on every machine |
 //!
@@ -28,6 +28,7 @@
 mod arena;
 pub mod build;
 pub mod cavity;
+mod export;
 mod geometry;
 pub mod hash;
 pub mod invariants;

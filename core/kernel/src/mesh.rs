@@ -13,7 +13,6 @@ use crate::cavity::{Admission, Cavity, Open, Role, Setback, Star};
 use crate::geometry::Geometry;
 use crate::hash::{HashError, MeshHash, canonical_hash};
 use crate::locate::{Found, walk};
-use crate::tetmesh::TetMesh;
 use crate::topology::{INFINITE, TetId, Topology, VertexId, tet_of};
 use crate::transaction::{OpenCavity, Opens};
 use ltbw_exact::points::{Mode, PointError};
@@ -400,21 +399,6 @@ impl Mesh {
         (1..self.numbers.len()).map(|v| (self.numbers[v], self.mode.from_kernel(points[v])))
     }
 
-    /// Coordinates by number, as the corners of tetrahedra name them: those of the input, then of
-    /// points that came later. A duplicate has the coordinates of the vertex at its place; a point
-    /// that a build did not reach has NaN.
-    pub fn points(&self) -> Vec<Point> {
-        let count = self.duplicates.iter().map(|&(d, _)| d + 1).max().unwrap_or(0);
-        let mut points = vec![[f64::NAN; 3]; self.next_number.max(count) as usize];
-        for (v, p) in self.vertices() {
-            points[v as usize] = p;
-        }
-        for &(duplicate, kept) in &self.duplicates {
-            points[duplicate as usize] = points[kept as usize];
-        }
-        points
-    }
-
     /// The duplicates: each number with that of the vertex at the same place.
     pub fn duplicates(&self) -> &[(Vertex, Vertex)] {
         &self.duplicates
@@ -475,12 +459,6 @@ impl Mesh {
                 })
             })
         })
-    }
-
-    /// The mesh as plain arrays, with the input's numbering: a duplicate keeps its number and is
-    /// in no tetrahedron. A point that a cancelled build did not reach has NaN coordinates here.
-    pub fn to_tet_mesh(&self) -> TetMesh {
-        TetMesh { points: self.points(), tets: self.tets().collect(), ..TetMesh::default() }
     }
 
     /// The canonical mesh hash `ltbw.mesh/1` ([`crate::hash`]).
