@@ -1,5 +1,6 @@
 //! The command line and its help.
 
+use crate::rounds::EngineArg;
 use crate::simulate::Simulate;
 use crate::surface::Preparation;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -269,6 +270,9 @@ pub(crate) struct MeshArgs {
     /// The most points to insert
     #[arg(long, value_name = "N", value_parser = any_count)]
     pub(crate) max_points: Option<u64>,
+    /// The engine that refines
+    #[arg(long, value_enum, hide = true, default_value_t)]
+    pub(crate) engine: EngineArg,
     /// Write the exterior between domain and convex hull, too (tag 0)
     #[arg(long)]
     pub(crate) keep_exterior: bool,

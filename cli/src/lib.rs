@@ -44,6 +44,7 @@ mod page;
 mod picture;
 mod refusal;
 mod report;
+mod rounds;
 mod run;
 mod simulate;
 mod surface;

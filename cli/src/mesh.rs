@@ -8,6 +8,7 @@ use crate::json::{check_json, distinct, is_stdout, keep_input, write_json, write
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
+use crate::rounds::{self, EngineArg};
 use crate::run::{check_outputs, set_threads};
 use crate::surface::{print_patches, repairs_json};
 use crate::unrecovered;
@@ -36,6 +37,8 @@ pub(crate) struct Job<'a> {
     pub(crate) field: Option<Field>,
     /// The most points to insert.
     pub(crate) max_points: Option<u64>,
+    /// The engine that refines.
+    pub(crate) engine: EngineArg,
     /// The distance within which facets are taken for coplanar.
     pub(crate) flat_tolerance: f64,
     /// Mesh files to write.
@@ -83,6 +86,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         asked,
         field: field(args, &ready)?,
         max_points: args.max_points,
+        engine: args.engine,
         flat_tolerance,
         outputs: &args.output,
         keep_exterior: args.keep_exterior,
@@ -185,7 +189,7 @@ fn finish_unrecovered(
 fn refine(job: &Job<'_>, ready: &Prepared) -> Result<Refined, Failure> {
     let progress = Progress::new();
     let mut refiner = job.asked.refiner().observer(&progress).cancel(job.stop.token());
-    refiner = refiner.flat_tolerance(job.flat_tolerance);
+    refiner = refiner.flat_tolerance(job.flat_tolerance).engine(job.engine.engine());
     if let Some(field) = &job.field {
         refiner = refiner.sizing(field);
     }
@@ -292,6 +296,7 @@ fn print_mesh(refined: &Refined, inside: &TetMesh, quality: Option<&Quality>) {
         "points    {} on segments, {} on facets, {} inside",
         stats.segment_points, stats.facet_points, stats.free_points
     ));
+    rounds::line(stats).iter().for_each(|line| console::people(line));
     if let Some(quality) = quality {
         let (d, r) = (&quality.dihedral, &quality.radius_edge);
         console::people(&format!(
@@ -367,6 +372,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
         "segment_points": stats.segment_points,
         "facet_points": stats.facet_points,
         "free_points": stats.free_points,
+        "rounds": rounds::json(stats),
         "excused": refined.excuses.len(),
         "excuses": refined.excuses.iter().take(LISTED).map(excuse).collect::<Vec<_>>(),
         "boundary_lost": refined.lost.len(),

@@ -3,6 +3,7 @@
 //!
 //! Random domains: 50 by default, `LTBW_CASES` for more (500 for the full bar).
 
+use ltbw::Extras;
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::refine::{Engine, InsertOrder, RefineOutcome, Refined, Refiner};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
@@ -111,4 +112,130 @@ fn the_problems_of_the_paper_need_no_more_tetrahedra_than_tetgen() {
         assert!(searches <= 1.6, "{kind:?}: {searches}");
         assert!(stats.rounds.iter().sum::<u64>() <= 200, "{kind:?}: {:?}", stats.rounds);
     }
+}
+
+/// The files of a refined domain.
+fn files(refined: &Refined, name: &str) -> Vec<Vec<u8>> {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let mesh = refined.to_tet_mesh(true);
+    let extras = Extras { faces: refined.boundary(true), ..Extras::default() };
+    for end in ["vtu", "mesh", "msh", "ele"] {
+        let path = folder.join(format!("{name}.{end}"));
+        let options = ltbw::io::WriteOptions::default();
+        ltbw::io::write_mesh_and(&path, &mesh, &extras, options).expect("a file");
+    }
+    let read = |end| std::fs::read(folder.join(format!("{name}.{end}"))).expect("a file");
+    ["vtu", "mesh", "msh", "ele", "node"].map(read).to_vec()
+}
+
+#[test]
+fn files_are_equal_byte_for_byte_for_all_orders() {
+    let cases =
+        [(DomainKind::Gear, 1e-3), (DomainKind::TwoMaterial, 1e-2), (DomainKind::Tee, 1e-3)];
+    for (kind, volume) in cases {
+        let ready = prepared(&generate_domain(kind, &Shape::default()).expect("a domain"));
+        let run = |order| {
+            let refiner =
+                Refiner::new().max_volume(volume).engine(Engine::Rounds { order, start: 0 });
+            let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+            assert!(refined.stats.round_points > 0, "{kind:?}");
+            files(&refined, &format!("rounds-{kind:?}"))
+        };
+        let first = run(ORDERS[0]);
+        assert!(first.iter().all(|file| file.len() > 1000), "{kind:?}");
+        for order in &ORDERS[1..] {
+            assert!(run(*order) == first, "{kind:?} {order:?}");
+        }
+    }
+}
+
+/// Every order of every round: a round of n points has n! of them, which all numbers below m! go
+/// through, m being the widest round.
+#[test]
+fn every_order_of_every_round_of_tiny_domains_gives_one_mesh() {
+    let (mut domains, mut rounds, mut runs) = (0, 0, 0);
+    for (kind, angle) in [
+        (DomainKind::LBlock, None),
+        (DomainKind::Schoenhardt, None),
+        (DomainKind::TwoMaterial, None),
+        (DomainKind::Stair, None),
+        (DomainKind::Wedge, Some(45.0)),
+        (DomainKind::Wedge, Some(10.0)),
+        (DomainKind::Spike, Some(20.0)),
+        (DomainKind::Spike, Some(5.0)),
+        (DomainKind::CubeInCube, None),
+    ] {
+        let ready = prepared(
+            &generate_domain(kind, &Shape { angle, ..Shape::default() }).expect("a domain"),
+        );
+        for (volume, start) in [(0.3, 0), (0.1, 0), (0.03, 0), (0.03, 60), (0.01, 0), (0.01, 90)] {
+            let run = |n| {
+                let engine = Engine::Rounds { order: InsertOrder::Nth(n), start };
+                let refiner = Refiner::new().max_volume(volume).engine(engine);
+                refiner.refine(&ready.domain, &ready.lattice).expect("a mesh")
+            };
+            let first = run(0);
+            let (hash, widest) = (first.mesh().hash().expect("a hash"), first.stats.widest);
+            if !(2..=6).contains(&widest) {
+                continue;
+            }
+            let orders: u64 = (1..=widest).product();
+            for n in 1..orders {
+                let (other, name) = (run(n), format!("{kind:?} {volume} order {n}"));
+                assert_eq!(other.mesh().hash().expect("a hash"), hash, "{name}");
+                assert_eq!(other.stats.rounds, first.stats.rounds, "{name}");
+                assert!(other.to_tet_mesh(true) == first.to_tet_mesh(true), "{name}");
+            }
+            domains += 1;
+            rounds += first.stats.rounds.iter().sum::<u64>();
+            runs += orders;
+        }
+    }
+    println!("{domains} domains, {rounds} rounds, {runs} runs");
+    assert!(domains >= 14 && rounds >= 400 && runs >= 240, "{domains} {rounds} {runs}");
+}
+
+/// Hashes of whole meshes, exterior included: the same on every machine. Refinement may change
+/// them, by rules of its own; a run on another machine, or with other threads, may not.
+const GOLDEN: [(DomainKind, f64, Option<f64>, &str); 20] = [
+    (DomainKind::CubeOctahedron, 1e-2, None, "1ad722d693ffe295"),
+    (DomainKind::CubeOctahedron, 1e-3, None, "1ac89c5d680b3c52"),
+    (DomainKind::CubeInCube, 1e-2, None, "e875526381ffded3"),
+    (DomainKind::CubeInCube, 1e-3, None, "b60ea2f6e207296f"),
+    (DomainKind::Gear, 1e-2, None, "299bff8dfa2d15ef"),
+    (DomainKind::Gear, 1e-3, None, "b1c99edea98d1265"),
+    (DomainKind::Tee, 1e-3, None, "7ef55f28cf6380e0"),
+    (DomainKind::Tee, 3e-4, None, "32bf70c4a43dada7"),
+    (DomainKind::Wedge, 1e-2, Some(45.0), "7fca10b507540fc6"),
+    (DomainKind::Wedge, 1e-2, Some(30.0), "16393843bb8f65b0"),
+    (DomainKind::Wedge, 1e-2, Some(5.0), "8687f423cc3e1994"),
+    (DomainKind::Wedge, 1e-2, Some(1.0), "6097814e246fd5d3"),
+    (DomainKind::Spike, 1e-2, Some(30.0), "4ee40f0ce92e48c2"),
+    (DomainKind::Spike, 1e-2, Some(10.0), "6b6248848f23c598"),
+    (DomainKind::Spike, 1e-2, Some(2.0), "b3db02f3df07103f"),
+    (DomainKind::LBlock, 1e-2, None, "537bbd7f7c35ffda"),
+    (DomainKind::Stair, 1e-2, None, "389ee4a0c31e97a7"),
+    (DomainKind::Voxels, 1e-1, None, "bda552bf5a12fe79"),
+    (DomainKind::Schoenhardt, 1e-3, None, "834758dfe50744c0"),
+    (DomainKind::TwoMaterial, 1e-2, None, "086af93a6578fb94"),
+];
+
+#[test]
+fn refined_domains_have_their_golden_hashes() {
+    let mut wrong = Vec::new();
+    for (kind, volume, angle, golden) in GOLDEN {
+        let shape = Shape { angle, ..Shape::default() };
+        let ready = prepared(&generate_domain(kind, &shape).expect("a domain"));
+        let engine = Engine::Rounds { order: InsertOrder::Hilbert, start: 256 };
+        let refiner = Refiner::new().max_volume(volume).engine(engine);
+        let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+        let hash = refined.mesh().hash().expect("a hash").to_string();
+        if hash[..16] != *golden {
+            wrong.push(format!(
+                "(DomainKind::{kind:?}, {volume:e}, {angle:?}, \"{}\"),",
+                &hash[..16]
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "other hashes:\n{}", wrong.join("\n"));
 }

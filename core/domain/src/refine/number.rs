@@ -44,23 +44,31 @@ impl State {
 
     /// The finite tetrahedra in the order of their vertices' numbers, which are below `end`.
     pub(crate) fn tets_in_order(&self, end: Vertex) -> Vec<TetId> {
-        let corners = |t: TetId| in_order(self.mesh.tet(t).unwrap_or_default());
-        let smallest = |t: TetId| corners(t)[0] as usize;
+        let (numbers, topology) = (self.mesh.numbers(), self.mesh.topology());
+        let corners = |t: TetId| topology.at(t).vertices().map(|v| numbers[v as usize]);
+        let smallest = |t: TetId| corners(t).into_iter().fold(end, Vertex::min) as usize;
         // Tetrahedra of one smallest vertex are together, and few.
-        let mut starts = vec![0u32; end as usize + 1];
+        let mut starts = vec![0u32; end as usize + 2];
         self.mesh.tet_ids().for_each(|t| starts[smallest(t) + 1] += 1);
         for v in 1..starts.len() {
             starts[v] += starts[v - 1];
         }
-        let mut next = starts.clone();
         let mut order = vec![0; self.mesh.num_tets()];
         for t in self.mesh.tet_ids() {
-            let place = &mut next[smallest(t)];
+            let place = &mut starts[smallest(t)];
             order[*place as usize] = t;
             *place += 1;
         }
-        for range in starts.windows(2) {
-            order[range[0] as usize..range[1] as usize].sort_unstable_by_key(|&t| corners(t));
+        // Each start has become the next one.
+        let mut few = Vec::new();
+        let mut start = 0;
+        for end in starts {
+            let list = &mut order[start as usize..end as usize];
+            few.clear();
+            few.extend(list.iter().map(|&t| (in_order(corners(t)), t)));
+            few.sort_unstable();
+            list.iter_mut().zip(&few).for_each(|(to, &(_, t))| *to = t);
+            start = end;
         }
         order
     }

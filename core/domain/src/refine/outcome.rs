@@ -119,6 +119,8 @@ pub struct RefineStats {
     pub patches: usize,
     /// Seconds for the first mesh and the recovery of the boundary.
     pub recover_seconds: f64,
+    /// Seconds with queues before the first round; 0 without rounds.
+    pub start_seconds: f64,
     /// Seconds for the splitting of tetrahedra.
     pub refine_seconds: f64,
 }

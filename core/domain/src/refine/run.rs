@@ -194,7 +194,7 @@ impl<'a> Refiner<'a> {
             Engine::Queues => run.refine(usize::MAX)?,
             Engine::Rounds { order, start } => {
                 run.refine(start)?;
-                run.rounds(order)?;
+                run.rounds(order, clock.elapsed().as_secs_f64())?;
             }
         }
         run.stats.refine_seconds = clock.elapsed().as_secs_f64();
@@ -393,8 +393,8 @@ impl Run<'_> {
         }
     }
 
-    /// Goes on in rounds, if there is a boundary.
-    fn rounds(&mut self, order: InsertOrder) -> Result<(), RefineError> {
+    /// Goes on in rounds, if there is a boundary; the queues took `start_seconds`.
+    fn rounds(&mut self, order: InsertOrder, start_seconds: f64) -> Result<(), RefineError> {
         if self.stop.is_some() || self.refinement.bounds.is_none() {
             return Ok(());
         }
@@ -406,7 +406,8 @@ impl Run<'_> {
         let rounds = Rounds::new(&mut self.refinement, order, self.most);
         let (stop, stats, over) = rounds.run(&look)?;
         (self.stop, self.over) = (stop, Some(over));
-        self.stats = RefineStats { recover_seconds: self.stats.recover_seconds, ..stats };
+        let (recover_seconds, start_seconds) = (self.stats.recover_seconds, start_seconds);
+        self.stats = RefineStats { recover_seconds, start_seconds, ..stats };
         Ok(())
     }
 

@@ -70,6 +70,15 @@ impl Rounds<'_, '_> {
                 let rounds = self.stats.rounds.iter().sum::<u64>();
                 Random::new(seed.wrapping_mul(1 << 20).wrapping_add(rounds)).shuffle(&mut order);
             }
+            InsertOrder::Nth(mut n) => {
+                // The digits of n, with as many values as there are places left.
+                for at in 0..order.len() {
+                    let left = order.len() - at;
+                    let next = at + (n % left as u64) as usize;
+                    n /= left as u64;
+                    order[at..=next].rotate_right(1);
+                }
+            }
             InsertOrder::Hilbert if order.len() < FEW => {}
             InsertOrder::Hilbert => {
                 let points: Vec<_> = order.iter().map(|&k| self.candidates[k].place.p).collect();

@@ -52,6 +52,9 @@ pub enum InsertOrder {
     Backwards,
     /// By chance, from a seed.
     Random(u64),
+    /// The permutation of this number, modulo those that there are: all numbers below the factorial
+    /// of the widest round give every order of every round.
+    Nth(u64),
 }
 
 /// The kinds of items, in the order in which they are split.
