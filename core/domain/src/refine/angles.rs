@@ -26,7 +26,7 @@ const SMALL: f64 = 0.883_022_221_559_489_1;
 /// that rounding makes none at the limit sharp.
 const SHARP: f64 = 0.25 * (1.0 + 1e-9);
 /// Corners with more facets than this are not looked at in pairs.
-const CROWD: usize = 64;
+const CROWD: usize = 512;
 
 /// The related pairs, and per facet and segment the reason why it is in one.
 #[derive(Clone, Debug, Default)]

@@ -26,12 +26,15 @@ pub(crate) struct Change {
     pub(crate) rim: Vec<[VertexId; 2]>,
     /// Of a patch: walls whose tetrahedra do not inherit their label, and the label they get.
     pub(crate) relabelled: Vec<(usize, u32)>,
+    /// Of a patch: walls that become subfaces.
+    pub(crate) raised: Vec<(usize, [VertexId; 3])>,
 }
 
 impl Change {
     /// No change.
     pub(crate) fn of(facet: u32) -> Self {
-        Self { facet, removed: Vec::new(), rim: Vec::new(), relabelled: Vec::new() }
+        let (removed, rim, relabelled, raised) = Default::default();
+        Self { facet, removed, rim, relabelled, raised }
     }
 }
 

@@ -65,7 +65,7 @@ impl Inserted {
             self.points.count(place.carrier);
             self.created.clear();
             self.created.extend_from_slice(state.mesh.cavity().star().tets);
-            if place.carrier != Carrier::Free {
+            if place.carrier != Carrier::Free || !filling.changes.is_empty() {
                 self.update_boundary(state, p, filling, work);
             }
             if let Some(bounds) = bounds {

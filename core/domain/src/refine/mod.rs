@@ -21,6 +21,7 @@
 //! | `angles`, `near` | where the theory gives no guarantee: small angles, narrow gaps |
 //! | `dust` | flat tetrahedra of a patch go to its outer side |
 //! | `recover`, `mend` | from the mesh of the corners to one that has the boundary |
+//! | `seed` | the first points where empty balls are large |
 //! | `split` | the three rules |
 //! | `touched`, `verdict` | the boundary in an open cavity, and what follows for its point |
 //! | `fill` | the point inserted, and marks and tables brought up to date |
@@ -67,6 +68,7 @@ mod region;
 mod registry;
 mod rounds;
 mod run;
+mod seed;
 mod split;
 mod state;
 mod surface;

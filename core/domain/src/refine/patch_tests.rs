@@ -3,13 +3,14 @@
 use super::carrier::Carrier;
 use super::item::Work;
 use super::marks::face_bit;
+use super::measure::Shape;
 use super::patch::{flat, turn};
 use super::split::Step;
 use super::state::{FACE, State};
 use super::table::{Map, sides as sides_of, triangle};
 use super::*;
 use crate::{Domain, Facet, PrepareOptions, Prepared};
-use ltbw_core::topology::tet_of;
+use ltbw_core::topology::{TetId, tet_of};
 use ltbw_exact::Point;
 use std::f64::consts::PI;
 
@@ -52,6 +53,29 @@ fn quads_cut_in_two_are_recovered_without_a_point() {
         assert!(state.plc.facets.iter().filter(|f| f.patch.is_some()).count() > n as usize);
         check_labels(state);
     }
+}
+
+/// The vertices of a sphere have one circumsphere: the first point inside takes nearly the whole
+/// mesh, with the dust on it. The subfaces below the dust become those above it, and none is lost.
+#[test]
+fn seeds_part_the_mesh_and_keep_every_patch_covered() {
+    let ready = sphere(30);
+    let refiner = Refiner::new().flat_tolerance(5e-7);
+    let (mut run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
+    let before: Vec<[u32; 3]> = run.refinement.state.subfaces.keys().copied().collect();
+    run.refinement.seed(u64::MAX, &mut run.work, &mut ltbw_core::cavity::Open);
+    let state = &run.refinement.state;
+    check_labels(state);
+    let points = run.refinement.inserted.points;
+    assert!(points.free > 4 && points.total() == points.free, "{points:?}");
+    let gone = before.iter().filter(|s| !state.subfaces.contains_key(*s)).count();
+    assert!(gone > 10 && before.len() == state.subfaces.len(), "{gone}");
+    let all: Vec<TetId> = state.mesh.tet_ids().collect();
+    let largest = all.iter().filter(|&&t| {
+        let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
+        Shape::of([&a, &b, &c, &d]).ratio() > 8.0 && state.marks.region(t) > 0
+    });
+    assert!(largest.count() < all.len() / 4);
 }
 
 /// Labels and subfaces after every transaction, by looking at every face: a label changes at the

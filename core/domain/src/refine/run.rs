@@ -190,6 +190,7 @@ impl<'a> Refiner<'a> {
     pub fn refine(&self, domain: &Domain, lattice: &Lattice) -> Result<Refined, RefineError> {
         let (mut run, regions) = self.recovered(domain, lattice)?;
         let clock = Instant::now();
+        run.refinement.seed(run.most, &mut run.work, &mut Open);
         match self.engine {
             Engine::Queues => run.refine(usize::MAX)?,
             Engine::Rounds { order, start } => {

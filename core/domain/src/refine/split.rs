@@ -41,7 +41,7 @@ pub(crate) enum Step {
 }
 
 /// The end of one proposal for an item.
-enum Proposal {
+pub(crate) enum Proposal {
     Inserted,
     Deferred(Vec<Item>),
     Refused(Reason),
@@ -249,7 +249,7 @@ impl<'a> Refinement<'a> {
                 Way::Arrived(_) | Way::Outside => continue,
             };
             let place = Place { p, carrier: Carrier::Free, from };
-            match self.propose(&place, work, admission, |judge| judge.on_tet(t)) {
+            match self.propose(&place, work, admission, |judge| judge.on_tet(t, &place.p)) {
                 Proposal::Inserted => return Step::Inserted,
                 Proposal::Deferred(first) => {
                     let limit = grain(self);
@@ -270,7 +270,7 @@ impl<'a> Refinement<'a> {
     }
 
     /// Opens the cavity of a place and fills it if that is the verdict; else all is as before.
-    fn propose<W: Work, A: Admission>(
+    pub(crate) fn propose<W: Work, A: Admission>(
         &mut self,
         place: &Place,
         work: &mut W,

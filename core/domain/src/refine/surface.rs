@@ -12,6 +12,10 @@
 //! belongs: then the patch is covered exactly once, as before. If that fails with dust on the outer
 //! side, it is tried with labels that are inherited as they are; if that fails, too, the point is
 //! refused.
+//!
+//! A point that is not on a patch may take dust of it into its cavity together with the subfaces
+//! below. That is no loss: the other faces of the dust become the subfaces, under the same
+//! condition, and the new tetrahedra on them belong to the inner side.
 
 use super::carrier::Carrier;
 use super::facet::Change;
@@ -21,7 +25,7 @@ use super::marks::face_bit;
 use super::patch::Sides;
 use super::state::{FACE, State};
 use super::table::{Map, edge, sides, triangle};
-use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
+use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, orient3d};
 
@@ -32,6 +36,8 @@ struct Wall {
     label: u32,
     /// The patch of which it is a subface no longer.
     left: Option<u32>,
+    /// The patch of which it becomes a subface.
+    raised: Option<u32>,
 }
 
 impl State {
@@ -58,10 +64,28 @@ impl State {
         split: Option<[VertexId; 2]>,
         others: &[Change],
     ) -> Option<Vec<Change>> {
-        let mut patches = self.facets_of(carrier);
-        patches.retain(|&f| !self.is_planned(f));
-        if patches.is_empty() || patches.iter().any(|&f| self.sides_of(f).is_none()) {
+        if self.journal.is_some() {
             return Some(Vec::new());
+        }
+        let mut patches = self.facets_of(carrier);
+        patches.retain(|&f| self.is_patch(f));
+        if patches.iter().any(|&f| self.sides_of(f).is_none()) {
+            return Some(Vec::new());
+        }
+        let stays = |s: &[VertexId; 3]| !others.iter().any(|c| c.removed.contains(s));
+        let foreign = |(s, f): &&([VertexId; 3], u32)| !patches.contains(f) && stays(s);
+        let mut lost: Vec<u32> = self.touched.inner.iter().filter(foreign).map(|x| x.1).collect();
+        lost.sort_unstable();
+        lost.dedup();
+        if patches.is_empty() && lost.is_empty() {
+            return Some(Vec::new());
+        }
+        if lost.iter().all(|&f| self.sides_of(f).is_some()) {
+            let plan = |dust: bool| self.plan_labels(p, [&patches, &lost], split, others, dust);
+            let planned = plan(true).or_else(|| plan(false));
+            if planned.is_some() || lost.is_empty() {
+                return planned;
+            }
         }
         // A point that takes something else out of the mesh has to wait: no labels would fit.
         let mut own: Vec<Change> = patches.iter().map(|&f| Change::of(f)).collect();
@@ -69,27 +93,23 @@ impl State {
             let inner = self.touched.inner.iter().filter(|(_, f)| *f == change.facet);
             change.removed.extend(inner.map(|(s, _)| *s));
         }
-        let stays = |s: &[VertexId; 3]| !others.iter().any(|c| c.removed.contains(s));
-        let foreign = |(s, f): &([VertexId; 3], u32)| !patches.contains(f) && stays(s);
-        if self.touched.inner.iter().any(foreign) {
-            return Some(own);
-        }
-        let plan = |dust: bool| self.plan_labels(p, &patches, split, others, dust);
-        plan(true).or_else(|| plan(false))
+        Some(own)
     }
 
-    /// The same, with or without the rule for dust.
+    /// The same, with or without the rule for dust, for patches that the point is on, and others
+    /// that it takes subfaces of.
     fn plan_labels(
         &self,
         p: &Point,
-        patches: &[u32],
+        [patches, lost]: [&[u32]; 2],
         split: Option<[VertexId; 2]>,
         others: &[Change],
         dust: bool,
     ) -> Option<Vec<Change>> {
-        let walls = self.labelled_walls(patches, dust);
-        let mut changes: Vec<Change> = patches.iter().map(|&f| Change::of(f)).collect();
-        let place = |f: u32| patches.iter().position(|&g| g == f);
+        let walls = self.labelled_walls([patches, lost], dust)?;
+        let all = || patches.iter().chain(lost);
+        let mut changes: Vec<Change> = all().map(|&f| Change::of(f)).collect();
+        let place = |f: u32| all().position(|&g| g == f);
         for &(s, f) in &self.touched.inner {
             if let Some(k) = place(f) {
                 changes[k].removed.push(s);
@@ -100,6 +120,13 @@ impl State {
                 let [a, b, c] = wall.corners;
                 changes[k].removed.push(triangle(a, b, c));
                 changes[k].relabelled.push((i, wall.label));
+            }
+            if let Some(f) = wall.raised {
+                if !self.faces_inwards(f, wall.corners, p) {
+                    return None;
+                }
+                changes[place(f)?].raised.push((i, wall.corners));
+                changes[place(f)?].relabelled.push((i, wall.label));
             }
         }
         let mut edges: Vec<([VertexId; 2], usize)> = Vec::with_capacity(3 * walls.len());
@@ -126,26 +153,62 @@ impl State {
         whole.then_some(changes)
     }
 
-    /// The walls of the open cavity, with the labels of their new tetrahedra.
-    fn labelled_walls(&self, patches: &[u32], dust: bool) -> Vec<Wall> {
+    /// The walls of the open cavity, with the labels of their new tetrahedra; `None` if dust that
+    /// changes sides meets a third one.
+    fn labelled_walls(&self, [patches, lost]: [&[u32]; 2], dust: bool) -> Option<Vec<Wall>> {
         let topology = self.mesh.topology();
         let wall = |(corners, outer): ([VertexId; 3], ltbw_core::topology::FaceId)| {
             let inner = topology.at(tet_of(outer)).neighbours()[slot_of(outer)];
             let word = self.marks.of(tet_of(inner));
             let own = self.marks.region(tet_of(inner));
-            let mut wall = Wall { corners, label: own, left: None };
-            if dust && word & face_bit(slot_of(inner)) != 0 {
-                let [a, b, c] = corners;
-                let facet = self.subfaces.get(&triangle(a, b, c));
-                let patch = facet.filter(|f| patches.contains(f));
-                let outer = patch.and_then(|&f| self.sides_of(f)).map(|sides| sides.outer);
+            let mut wall = Wall { corners, label: own, left: None, raised: None };
+            let [a, b, c] = corners;
+            let is_marked = word & face_bit(slot_of(inner)) != 0;
+            let facet = || self.subfaces.get(&triangle(a, b, c)).copied();
+            if let Some((f, label)) = self.dust_of(tet_of(inner), lost) {
+                wall.label = label;
+                match is_marked {
+                    true if self.marks.region(tet_of(outer)) != label => return None,
+                    true => wall.left = Some(facet().filter(|f| lost.contains(f))?),
+                    false => wall.raised = Some(f),
+                }
+                return Some(wall);
+            }
+            if dust && is_marked {
+                let patch = facet().filter(|f| patches.contains(f));
+                let outer = patch.and_then(|f| self.sides_of(f)).map(|sides| sides.outer);
                 if let Some(outer) = outer.filter(|&outer| outer != own) {
-                    wall = Wall { corners, label: outer, left: patch.copied() };
+                    wall.label = outer;
+                    wall.left = patch;
                 }
             }
-            wall
+            Some(wall)
         };
         self.mesh.cavity().walls().map(wall).collect()
+    }
+
+    /// The patch among some that `t` is dust of, on the outer side, and the label of the inner one.
+    fn dust_of(&self, t: TetId, patches: &[u32]) -> Option<(u32, u32)> {
+        let region = self.marks.region(t);
+        let of = |&f: &u32| {
+            let sides = self.sides_of(f).filter(|sides| sides.outer == region)?;
+            let on = |&v: &VertexId| v != INFINITE && self.lies_on(self.carriers[v as usize], f);
+            self.vertices(t).iter().all(on).then_some((f, sides.inner))
+        };
+        patches.iter().find_map(of)
+    }
+
+    /// Is `p` on the inner side of a face in patch `f` that is not nothing in the projection?
+    fn faces_inwards(&self, f: u32, corners: [VertexId; 3], p: &Point) -> bool {
+        let Some(patch) = &self.plc.facets[f as usize].patch else { return false };
+        let [a, b, c] = corners.map(|v| self.at(v));
+        let turn = patch.turn([&a, &b, &c]);
+        let above = match orient3d(&a, &b, &c, p) {
+            Sign::Positive => turn > 0,
+            Sign::Negative => turn < 0,
+            Sign::Zero => return false,
+        };
+        turn != 0 && patch.sides.is_some_and(|sides| sides.upwards == above)
     }
 
     /// May the face of `p` and the edge of two walls be a subface of patch `f`: are its corners on
@@ -178,6 +241,7 @@ impl State {
         let new = self.carriers.len() as VertexId;
         let mut counts: Map<[VertexId; 2], [u32; 2]> = Map::default();
         let added = change.rim.iter().map(|&[a, b]| triangle(a, b, new));
+        let added = added.chain(change.raised.iter().map(|&(_, [a, b, c])| triangle(a, b, c)));
         for (k, list) in [change.removed.clone(), added.collect()].into_iter().enumerate() {
             for (side, _) in list.into_iter().flat_map(sides) {
                 counts.entry(side).or_default()[k] += 1;
@@ -211,6 +275,15 @@ impl State {
             self.marks.set_region(t, label);
             self.marks.clear(t, face_bit(0));
             self.marks.clear(tet_of(across), face_bit(slot_of(across)));
+        }
+        for change in changes {
+            for &(i, [a, b, c]) in &change.raised {
+                let Some(&t) = self.mesh.cavity().star().tets.get(i) else { continue };
+                let across = self.mesh.topology().at(t).neighbours()[0];
+                self.marks.set(t, face_bit(0));
+                self.marks.set(tet_of(across), face_bit(slot_of(across)));
+                self.add_subface(triangle(a, b, c), change.facet);
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! Verdicts on proposed points: read-only looks at the state with the point's cavity open.
 
-use super::carrier::distance2;
+use super::carrier::{Carrier, distance2};
 use super::facet::{Change, Seed};
 use super::item::Item;
 use super::marks::face_bit;
@@ -84,7 +84,12 @@ impl Judge<'_> {
         }
         let changes = match state.is_planned(f) {
             _ if !is_on => None,
-            true => state.plan(f, &place.p, Seed::At(corners)).map(|change| vec![change]),
+            true => self.state.plan(f, &place.p, Seed::At(corners)).map(|change| {
+                let mut changes = vec![change];
+                let patches = state.plan_patches(&place.p, place.carrier, None, &changes);
+                changes.extend(patches.into_iter().flatten());
+                changes
+            }),
             false => state.plan_patches(&place.p, place.carrier, None, &[]),
         };
         if let Some(changes) = changes
@@ -114,15 +119,19 @@ impl Judge<'_> {
     }
 
     /// On a point that is to split tetrahedron `t`.
-    pub(crate) fn on_tet(&self, t: TetId) -> Verdict {
+    pub(crate) fn on_tet(&self, t: TetId, p: &Point) -> Verdict {
         let state = self.state;
         let mut first = state.hits();
+        let mut changes = Vec::new();
         if first.is_empty() {
-            first = state.losses(None, &[]);
+            changes = state.plan_patches(p, Carrier::Free, None, &[]).unwrap_or_default();
+            first = state.losses(None, &changes);
         }
         match first.is_empty() {
             false => Verdict::Defer(first),
-            true if state.mesh.topology().at(t).is_marked() => Verdict::Fill(Filling::default()),
+            true if state.mesh.topology().at(t).is_marked() => {
+                Verdict::Fill(Filling { changes, ..Filling::default() })
+            }
             true => Verdict::Useless,
         }
     }

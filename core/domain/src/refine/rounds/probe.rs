@@ -112,7 +112,7 @@ impl Rounds<'_, '_> {
                 Way::Arrived(_) | Way::Outside => continue,
             };
             let place = Place { p, carrier: Carrier::Free, from };
-            match self.probe(item, &place, |judge| judge.on_tet(t)) {
+            match self.probe(item, &place, |judge| judge.on_tet(t, &place.p)) {
                 Probe::Fits if self.survives() => return self.take(),
                 Probe::Fits => return self.reserve(0),
                 Probe::Defers(first) => {
