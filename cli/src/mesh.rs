@@ -387,6 +387,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
         },
         "repairs": repairs_json(ready),
         "flat_tolerance": stats.flat_tolerance,
+        "patches_given_up": stats.patches_given_up,
         "patches": stats.patches,
         "recover_seconds": stats.recover_seconds,
         "refine_seconds": stats.refine_seconds,

@@ -26,7 +26,10 @@ pub(crate) struct Preparation {
     /// Take neighbouring facets that are coplanar within this distance for one facet
     ///
     /// The edges inside such a facet need not be in the mesh; its vertices and its outline are. At
-    /// most 2^-10 of the domain's diagonal; 0: facets are what they are. Default: 0.
+    /// most 2^-10 of the domain's diagonal; 0: facets are what they are. Default: 0 for .poly and
+    /// .smesh, and with --exact-input; for surfaces of triangles (.stl .obj .ply .off) 2^-22 of the
+    /// diagonal, or two single-precision steps of the largest coordinate if that is more and all
+    /// coordinates are single-precision numbers.
     #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
     pub(crate) flat_tolerance: Option<f64>,
     /// Measure from the middle of the domain: keeps more bits of a domain far from the origin.
@@ -104,16 +107,19 @@ impl Preparation {
         let failed = |error| Failure::Domain { path: path.to_owned(), error };
         let ready = result.map_err(failed)?;
         self.note_repairs(&ready);
-        let flat = self.flat(&ready)?;
+        let flat = self.flat(path, &file.domain, &ready)?;
         Ok((ready, flat))
     }
 
     /// The tolerance within which facets are taken for coplanar.
-    fn flat(&self, ready: &Prepared) -> Result<f64, Failure> {
-        let flat = self.flat_tolerance.unwrap_or(0.0);
-        let (low, high) = ready.domain.bounds().unwrap_or_default();
-        let diagonal = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
-        let limit = LARGEST_TOLERANCE * diagonal;
+    fn flat(&self, path: &Path, read: &Domain, ready: &Prepared) -> Result<f64, Failure> {
+        let limit = LARGEST_TOLERANCE * diagonal(&ready.domain);
+        let Some(flat) = self.flat_tolerance else {
+            let is_exact = self.exact_input
+                || !io::Format::from_path(path).is_ok_and(io::Format::holds_surface);
+            // Far from the origin single-precision steps are no small lengths.
+            return Ok(if is_exact { 0.0 } else { usual_tolerance(read).min(limit) });
+        };
         if flat > limit {
             return Err(Failure::Usage(format!(
                 "--flat-tolerance {flat:e}: at most {limit:e}, 2^-10 of the domain's diagonal"
@@ -146,6 +152,23 @@ impl Preparation {
         console::people(&format!("wrote     {}: {count} facets with defects", show(path)));
         Ok(())
     }
+}
+
+fn diagonal(domain: &Domain) -> f64 {
+    let (low, high) = domain.bounds().unwrap_or_default();
+    (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// The tolerance within which triangles of a file are coplanar if nothing else is said: 2^-22 of
+/// the diagonal, or two steps of the largest coordinate where all numbers are single-precision.
+fn usual_tolerance(domain: &Domain) -> f64 {
+    let own = diagonal(domain) / f64::from(1u32 << 22);
+    let numbers = || domain.vertices.iter().flatten();
+    let largest = numbers().fold(0.0, |most: f64, c| most.max(c.abs())) as f32;
+    if !numbers().all(|&c| f64::from(c as f32) == c) || largest >= f32::MAX {
+        return own;
+    }
+    own.max(2.0 * (f64::from(largest.next_up()) - f64::from(largest)))
 }
 
 /// Tells what the defects of a domain mean, a line for each kind.
@@ -202,8 +225,13 @@ pub(crate) fn print_patches(asked: f64, stats: &RefineStats) {
     let (count, tolerance) = (stats.patches, stats.flat_tolerance);
     if count > 0 {
         console::people(&format!("patches   {count} of facets coplanar within {tolerance:e}"));
-    } else if asked > 0.0 {
-        console::people("note: no patches: all facets are taken as they are");
+    }
+    if stats.patches_given_up > 0 {
+        let given_up = stats.patches_given_up;
+        console::people(&format!(
+            "note: {given_up} patches of facets coplanar within {asked:e} could not be brought \
+             into the mesh: all facets are taken as they are"
+        ));
     }
 }
 

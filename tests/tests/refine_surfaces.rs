@@ -208,7 +208,7 @@ fn spheres_of_quads_cut_in_two_are_small_and_round() {
         assert!(refined.num_tets() < exact.num_tets(), "{name}: {}", refined.num_tets());
         // Where the edges of the poles' triangles meet at 12 degrees, bounds are excused.
         assert!(
-            refined.excuses.len() * 50 <= refined.num_tets(),
+            refined.excuses.len() * 40 <= refined.num_tets(),
             "{name}: {}",
             refined.excuses.len()
         );

@@ -117,6 +117,8 @@ pub struct RefineStats {
     pub flat_tolerance: f64,
     /// Sets of facets that are coplanar within it, but not exactly.
     pub patches: usize,
+    /// Such sets that could not be brought into the mesh, so that all facets are what they are.
+    pub patches_given_up: usize,
     /// Seconds for the first mesh and the recovery of the boundary.
     pub recover_seconds: f64,
     /// Seconds with queues before the first round; 0 without rounds.

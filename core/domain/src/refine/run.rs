@@ -219,30 +219,35 @@ impl<'a> Refiner<'a> {
         self.check_bounds(domain, lattice)?;
         let clock = Instant::now();
         let sought = self.flat_tolerance > 0.0 && self.engine == Engine::Queues;
+        let mut patches = 0;
         let within = match sought {
-            true => self.recovered_within(domain, lattice, self.flat_tolerance)?,
+            true => self.recovered_within(domain, lattice, self.flat_tolerance, &mut patches)?,
             false => None,
         };
+        let given_up = if within.is_none() { patches } else { 0 };
         let done = match within {
             Some(done) => Some(done),
-            None => self.recovered_within(domain, lattice, 0.0)?,
+            None => self.recovered_within(domain, lattice, 0.0, &mut patches)?,
         };
         // Without patches there is nothing that may not be found.
         let (mut run, regions) = done.ok_or(RefineError::NoInterior)?;
+        run.stats.patches_given_up = given_up;
         run.stats.recover_seconds = clock.elapsed().as_secs_f64();
         Ok((run, regions))
     }
 
-    /// The same within a tolerance; `None` if the patches cannot be brought into the mesh, or have
-    /// one region on both sides.
+    /// The same within a tolerance, and the number of its patches; `None` if they cannot be brought
+    /// into the mesh, or have one region on both sides.
     fn recovered_within(
         &self,
         domain: &Domain,
         lattice: &Lattice,
         tolerance: f64,
+        patches: &mut usize,
     ) -> Result<Option<(Run<'a>, Vec<RegionInfo>)>, RefineError> {
         let plc = Plc::within(domain, lattice, tolerance)?;
-        let patches = plc.facets.iter().filter(|facet| facet.patch.is_some()).count();
+        *patches = plc.facets.iter().filter(|facet| facet.patch.is_some()).count();
+        let patches = *patches;
         if tolerance > 0.0 && patches == 0 {
             return Ok(None);
         }
@@ -407,8 +412,9 @@ impl Run<'_> {
         let rounds = Rounds::new(&mut self.refinement, order, self.most);
         let (stop, stats, over) = rounds.run(&look)?;
         (self.stop, self.over) = (stop, Some(over));
-        let (recover_seconds, start_seconds) = (self.stats.recover_seconds, start_seconds);
-        self.stats = RefineStats { recover_seconds, start_seconds, ..stats };
+        let RefineStats { recover_seconds, patches_given_up, .. } = self.stats;
+        self.stats =
+            RefineStats { recover_seconds, start_seconds, patches_given_up, ..stats };
         Ok(())
     }
 
