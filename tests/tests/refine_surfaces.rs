@@ -223,7 +223,8 @@ fn tori_of_quads_cut_in_two_are_met() {
     let refined = certified_within(&torus(24, 24), &refiner, None, FLAT, "torus");
     assert_eq!(refined.outcome, RefineOutcome::Met);
     let (angle, ratio) = shape(&refined);
-    assert!(angle > 0.01 && ratio <= 2.0, "{angle} {ratio}");
+    // Slivers are split as long as that makes no others.
+    assert!(angle > 0.999 && ratio <= 2.0, "{angle} {ratio}");
 }
 
 #[test]

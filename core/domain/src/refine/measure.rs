@@ -240,6 +240,24 @@ impl Shape {
     }
 }
 
+/// cos² of one degree.
+const TINY: f64 = 0.999_695_413_509_547_9;
+
+/// Has a tetrahedron a dihedral angle below one degree, but for rounding? Either orientation.
+pub(crate) fn has_small_dihedral([p, q, r, s]: [&Point; 4]) -> bool {
+    let (a, b, c) = (minus(p, s), minus(q, s), minus(r, s));
+    let sides = [cross(&b, &c), cross(&c, &a), cross(&a, &b)];
+    let last = [0, 1, 2].map(|k| -(sides[0][k] + sides[1][k] + sides[2][k]));
+    let normals = [sides[0], sides[1], sides[2], last];
+    let squares = normals.map(|n| dot(&n, &n));
+    (1..4).any(|i| {
+        (0..i).any(|j| {
+            let product = dot(&normals[i], &normals[j]);
+            product < 0.0 && product * product > TINY * squares[i] * squares[j]
+        })
+    })
+}
+
 /// The circumcentre of a triangle, rounded, with its squared radius.
 pub(crate) fn circumcircle(a: &Point, b: &Point, c: &Point) -> (Point, f64) {
     let (u, v) = (minus(b, a), minus(c, a));

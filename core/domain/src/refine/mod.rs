@@ -22,6 +22,7 @@
 //! | `dust` | flat tetrahedra of a patch go to its outer side |
 //! | `recover`, `mend` | from the mesh of the corners to one that has the boundary |
 //! | `seed` | the first points where empty balls are large |
+//! | `sliver` | flat tetrahedra that the bounds allow |
 //! | `split` | the three rules |
 //! | `touched`, `verdict` | the boundary in an open cavity, and what follows for its point |
 //! | `fill` | the point inserted, and marks and tables brought up to date |
@@ -69,6 +70,7 @@ mod registry;
 mod rounds;
 mod run;
 mod seed;
+mod sliver;
 mod split;
 mod state;
 mod surface;

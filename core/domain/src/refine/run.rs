@@ -192,7 +192,10 @@ impl<'a> Refiner<'a> {
         let clock = Instant::now();
         run.refinement.seed(run.most, &mut run.work, &mut Open);
         match self.engine {
-            Engine::Queues => run.refine(usize::MAX)?,
+            Engine::Queues => {
+                run.refine(usize::MAX)?;
+                run.split_slivers()?;
+            }
             Engine::Rounds { order, start } => {
                 run.refine(start)?;
                 run.rounds(order, clock.elapsed().as_secs_f64())?;
@@ -384,7 +387,7 @@ pub(super) struct Run<'a> {
 impl Run<'_> {
     /// Splits tetrahedra until none is over its bounds, boundary items first; or until there are
     /// this many vertices and no boundary item waits.
-    fn refine(&mut self, vertices: usize) -> Result<(), RefineError> {
+    pub(super) fn refine(&mut self, vertices: usize) -> Result<(), RefineError> {
         loop {
             if let Some(item) = self.work.next_boundary() {
                 self.step(item)?;
@@ -444,8 +447,7 @@ impl Run<'_> {
             return Ok(());
         }
         match self.refinement.split(item, &mut self.work, &mut Open) {
-            Step::Inserted => {}
-            Step::Gone => {}
+            Step::Inserted | Step::Gone => {}
             Step::Deferred => stats.deferred += 1,
             Step::Refused(_) => stats.refused += 1,
             // `Open` refuses nothing: the mesh is full.

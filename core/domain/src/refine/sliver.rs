@@ -1,0 +1,142 @@
+//! Slivers: tetrahedra with tiny dihedral angles, which bounds of circumradius to shortest edge allow.
+//!
+//! When all bounds are met, a point is looked for whose cavity has the sliver and whose own
+//! tetrahedra meet the bound and have no such angle. So no sliver follows from another, and the
+//! number of tries is bounded. Where none serves the sliver stays.
+
+use super::RefineError;
+use super::carrier::{Carrier, free_point};
+use super::item::{Item, Work};
+use super::measure::{RatioBound, Shape, has_small_dihedral};
+use super::outcome::Reason;
+use super::run::Run;
+use super::split::{Proposal, Refinement, TOLERANCE};
+use super::state::{Place, State};
+use super::verdict::{Judge, Verdict};
+use super::walk::Way;
+use ltbw_core::cavity::{Admission, Open};
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_exact::Point;
+
+/// Points tried for a sliver.
+const TRIES: u32 = 32;
+
+/// They are within this part of the circumradius of the circumcentre.
+const REACH: f64 = 0.75;
+
+impl Run<'_> {
+    /// Splits slivers, and then what is over a bound by that: a sizing field may ask for more.
+    pub(super) fn split_slivers(&mut self) -> Result<(), RefineError> {
+        if self.stop.is_some() {
+            return Ok(());
+        }
+        self.refinement.split_slivers(self.most, &mut self.work, &mut Open);
+        self.refine(usize::MAX)
+    }
+}
+
+impl Refinement<'_> {
+    /// Splits slivers in the regions, in the order of their coordinates, with `most` points.
+    pub(crate) fn split_slivers<W: Work, A: Admission>(
+        &mut self,
+        most: u64,
+        work: &mut W,
+        admission: &mut A,
+    ) {
+        let Some(ratio) = self.bounds.as_ref().and_then(|bounds| bounds.ratio) else { return };
+        let state = &self.state;
+        let of = |t: TetId| Item::Tet(t, state.vertices(t));
+        let mut slivers: Vec<Item> =
+            state.mesh.tet_ids().filter(|&t| state.is_sliver(t)).map(of).collect();
+        state.sort(&mut slivers);
+        for item in slivers {
+            if self.inserted.points.total() >= most {
+                return;
+            }
+            if let Item::Tet(t, v) = item {
+                self.split_sliver(t, v, ratio, work, admission);
+            }
+        }
+    }
+
+    fn split_sliver<W: Work, A: Admission>(
+        &mut self,
+        t: TetId,
+        v: [VertexId; 4],
+        ratio: RatioBound,
+        work: &mut W,
+        admission: &mut A,
+    ) {
+        let corners = v.map(|v| self.state.at(v));
+        let [a, b, c, d] = &corners;
+        let shape = Shape::of([a, b, c, d]);
+        let radius = shape.radius();
+        let Some(centre) = shape.circumcentre(d) else { return };
+        let mut seed = 1;
+        for _ in 0..TRIES {
+            if !self.state.is_live(t, v) {
+                return;
+            }
+            let offset = in_unit_ball(&mut seed);
+            let target = [0, 1, 2].map(|k| centre[k] + REACH * radius * offset[k]);
+            let Some(p) = free_point(&target, radius * TOLERANCE) else { continue };
+            let Way::Arrived(from) = self.state.way(t, &p) else { continue };
+            let place = Place { p, carrier: Carrier::Free, from };
+            let verdict = |judge: Judge<'_>| match judge.on_tet(t, &place.p) {
+                Verdict::Fill(filling) if judge.makes_no_sliver(&p, &ratio) => {
+                    Verdict::Fill(filling)
+                }
+                _ => Verdict::Refuse(Reason::Rounding),
+            };
+            if let Proposal::Inserted | Proposal::SetBack(_) =
+                self.propose(&place, work, admission, verdict)
+            {
+                return;
+            }
+        }
+    }
+}
+
+impl Judge<'_> {
+    /// Would the tetrahedra of the point of the open cavity meet the bound, without tiny angles?
+    fn makes_no_sliver(&self, p: &Point, ratio: &RatioBound) -> bool {
+        self.state.mesh.cavity().faces().all(|face| {
+            if face.contains(&INFINITE) {
+                return false;
+            }
+            let [a, b, c] = face.map(|v| self.state.at(v));
+            let corners = [&a, &b, &c, p];
+            !has_small_dihedral(corners) && !ratio.exceeded(corners)
+        })
+    }
+}
+
+impl State {
+    /// Is a tetrahedron in a region, no dust, and has it a tiny dihedral angle?
+    fn is_sliver(&self, t: TetId) -> bool {
+        if self.marks.region(t) == 0 {
+            return false;
+        }
+        let v = self.vertices(t);
+        let [a, b, c, d] = v.map(|v| self.at(v));
+        has_small_dihedral([&a, &b, &c, &d]) && !self.is_flat(v)
+    }
+}
+
+/// The next point of a sequence in the unit ball, the same everywhere.
+fn in_unit_ball(seed: &mut u64) -> Point {
+    let mut next = || {
+        *seed =
+            seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 32) as f64 / f64::from(1u32 << 31) - 1.0
+    };
+    let mut point = [0.0; 3];
+    // Half of the cube is in the ball; a point outside is shortened in the end.
+    for _ in 0..16 {
+        point = [next(), next(), next()];
+        if point.iter().map(|c| c * c).sum::<f64>() <= 1.0 {
+            return point;
+        }
+    }
+    point.map(|c| 0.5 * c)
+}
