@@ -1,4 +1,4 @@
-//! Slivers: tetrahedra with tiny dihedral angles, which bounds of circumradius to shortest edge allow.
+//! Slivers: tetrahedra with tiny dihedral angles, which bounds on their shape allow.
 //!
 //! When all bounds are met, a point is looked for whose cavity has the sliver and whose own
 //! tetrahedra meet the bound and have no such angle. So no sliver follows from another, and the
