@@ -5,11 +5,15 @@
 //! and nothing else does: there the facet simply continues.
 
 use super::RefineError;
-use super::carrier::{Grid, Line, Plane};
+use super::carrier::{Grid, Line, Plane, corner_point};
 use super::flat::{self, Polygon};
 use super::patch::Patch;
 use super::table::{Map, Set, edge};
 use crate::{Domain, Element, Lattice};
+use ltbw_core::build::Builder;
+use ltbw_core::mesh::Mesh;
+use ltbw_core::topology::VertexId;
+use ltbw_exact::{Point, PointSet};
 
 /// A segment of the complex.
 #[derive(Clone, Debug)]
@@ -29,7 +33,7 @@ pub(crate) struct Part {
     /// Its polygons.
     pub(crate) polygons: Vec<Vec<u32>>,
     /// Points in its holes, in fine steps.
-    pub(crate) holes: Vec<ltbw_exact::Point>,
+    pub(crate) holes: Vec<Point>,
     pub(crate) marker: i32,
 }
 
@@ -78,6 +82,24 @@ struct Uses {
 }
 
 impl Plc {
+    /// The Delaunay mesh of the corners, and the kernel vertex of each.
+    pub(super) fn first_mesh(
+        &self,
+        lattice: &Lattice,
+    ) -> Result<(Mesh, Vec<VertexId>), RefineError> {
+        let points: Vec<Point> = self.corners.iter().map(corner_point).collect();
+        let mut mesh = Builder::new().build(&PointSet::new(points)?)?.mesh;
+        if let Some(&(second, first)) = mesh.duplicates().first() {
+            return Err(RefineError::DuplicateVertex { first, second });
+        }
+        mesh.scaled_by(crate::lattice::PARAMETER_BITS - lattice.exponent());
+        let mut kernel = vec![0; self.corners.len()];
+        for (v, &number) in (0..).zip(mesh.numbers()).skip(1) {
+            kernel[number as usize] = v;
+        }
+        Ok((mesh, kernel))
+    }
+
     /// Takes the complex from a domain whose vertices are on their lattice.
     ///
     /// # Errors
@@ -102,10 +124,10 @@ impl Plc {
             plc.corners.push(steps.ok_or(RefineError::OffLattice { vertex: v, at: *p })?);
         }
         let mut groups: Map<PlaneKey, u32> = Map::default();
-        let scale = |p: &ltbw_exact::Point| p.map(|c| c / lattice.fine_step());
+        let scale = |p: &Point| p.map(|c| c / lattice.fine_step());
         let in_patch = plc.join_patches(domain, tolerance / lattice.step())?;
         for (f, facet) in (0..).zip(&domain.facets).filter(|(f, _)| !in_patch.contains(f)) {
-            let holes: Vec<ltbw_exact::Point> = facet.holes.iter().map(scale).collect();
+            let holes: Vec<Point> = facet.holes.iter().map(scale).collect();
             for polygons in plc.planar_pieces(f, &facet.polygons)? {
                 let (key, plane) = plc.plane_of(f, &polygons)?;
                 let next = plc.facets.len() as u32;

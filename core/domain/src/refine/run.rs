@@ -2,7 +2,7 @@
 
 use super::RefineError;
 use super::bounds::{Bounds, SizeField, check_tolerance, regular_volume};
-use super::carrier::{Carrier, UNIT, corner_point};
+use super::carrier::{Carrier, UNIT};
 use super::item::{Item, Queues, Work};
 use super::measure::{RatioBound, VolumeBound};
 use super::outcome::{Reason, RefineOutcome, RefineStats};
@@ -15,11 +15,11 @@ use super::split::{Refinement, Step};
 use super::state::State;
 use crate::{Domain, Lattice};
 use ltbw_core::CancelToken;
-use ltbw_core::build::{Builder, Observer, Phase, Progress};
+use ltbw_core::build::{Observer, Phase, Progress};
 use ltbw_core::cavity::Open;
-use ltbw_core::mesh::{Mesh, Vertex};
-use ltbw_core::topology::{TetId, VertexId};
-use ltbw_exact::{Point, PointSet};
+use ltbw_core::mesh::Vertex;
+use ltbw_core::topology::TetId;
+use ltbw_exact::Point;
 use std::time::Instant;
 
 /// Transactions between two looks at the cancel token and the observer.
@@ -254,7 +254,7 @@ impl<'a> Refiner<'a> {
         if tolerance > 0.0 && patches == 0 {
             return Ok(None);
         }
-        let (mesh, kernel) = first_mesh(&plc, lattice)?;
+        let (mesh, kernel) = plc.first_mesh(lattice)?;
         let carriers = mesh.numbers().iter().map(|&c| Carrier::Corner(c)).collect();
         let next_number = plc.corners.len() as Vertex;
         let floor = self.floor_in_steps(domain, lattice);
@@ -351,22 +351,6 @@ impl<'a> Refiner<'a> {
             fine_step: step,
         }
     }
-}
-
-/// The Delaunay mesh of the corners, and the kernel vertex of each.
-fn first_mesh(plc: &Plc, lattice: &Lattice) -> Result<(Mesh, Vec<VertexId>), RefineError> {
-    let points: Vec<Point> = plc.corners.iter().map(corner_point).collect();
-    let mut mesh = Builder::new().build(&PointSet::new(points)?)?.mesh;
-    if let Some(&(second, first)) = mesh.duplicates().first() {
-        return Err(RefineError::DuplicateVertex { first, second });
-    }
-    let fine = crate::lattice::PARAMETER_BITS - lattice.exponent();
-    mesh.scaled_by(fine);
-    let mut kernel = vec![0; plc.corners.len()];
-    for (v, &number) in (0..).zip(mesh.numbers()).skip(1) {
-        kernel[number as usize] = v;
-    }
-    Ok((mesh, kernel))
 }
 
 /// One refinement under way.
