@@ -400,8 +400,7 @@ impl Run<'_> {
         let (stop, stats, over) = rounds.run(&look)?;
         (self.stop, self.over) = (stop, Some(over));
         let RefineStats { recover_seconds, patches_given_up, .. } = self.stats;
-        self.stats =
-            RefineStats { recover_seconds, start_seconds, patches_given_up, ..stats };
+        self.stats = RefineStats { recover_seconds, start_seconds, patches_given_up, ..stats };
         Ok(())
     }
 
