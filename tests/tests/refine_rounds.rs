@@ -4,6 +4,7 @@
 //! Random domains: 50 by default, `LTBW_CASES` for more (500 for the full bar).
 
 use ltbw::Extras;
+use ltbw::Random;
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::refine::{Engine, InsertOrder, RefineOutcome, Refined, Refiner};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
@@ -238,4 +239,40 @@ fn refined_domains_have_their_golden_hashes() {
         }
     }
     assert!(wrong.is_empty(), "other hashes:\n{}", wrong.join("\n"));
+}
+
+/// A prism over a polygon of n corners, its sides cut into triangles, with noise: sides that are
+/// long, narrow and nearly coplanar wait for each other in circles.
+fn prism(n: u32) -> Domain {
+    let mut random = Random::new(1);
+    let mut domain = Domain::default();
+    for z in [-0.5, 0.5] {
+        for k in 0..n {
+            let turn = 2.0 * std::f64::consts::PI * f64::from(k) / f64::from(n);
+            let factor = 1.0 + 1e-7 * (2.0 * random.unit() - 1.0);
+            domain.vertices.push([0.5 * turn.cos(), 0.5 * turn.sin(), z].map(|c| c * factor));
+        }
+    }
+    let mut add = |corners: [u32; 3]| domain.facets.push(Facet::polygon(&corners, 0));
+    for k in 0..n {
+        let l = (k + 1) % n;
+        add([k, l, n + l]);
+        add([k, n + l, n + k]);
+    }
+    for k in 1..n - 1 {
+        add([0, k + 1, k]);
+        add([n, n + k, n + k + 1]);
+    }
+    domain
+}
+
+#[test]
+fn joint_steps_at_the_hull_are_the_same_for_all_orders() {
+    let mut phases = 0;
+    for n in [8, 12, 16, 24, 32, 48] {
+        let ready = prepared(&prism(n));
+        let refined = one_mesh(&ready, &Refiner::new(), 0, &format!("a prism of {n} sides"));
+        phases += refined.stats.joint_phases;
+    }
+    assert!(phases > 0);
 }

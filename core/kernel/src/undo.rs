@@ -32,6 +32,11 @@ impl Undo {
         self.cavity.iter().map(|before| before.t)
     }
 
+    /// The slots of the star, those of ghosts among them.
+    pub fn created(&self) -> impl Iterator<Item = TetId> + '_ {
+        self.created.iter().copied()
+    }
+
     /// The vertices that the tetrahedra of the cavity had.
     pub fn cavity_vertices(&self) -> impl Iterator<Item = [VertexId; 4]> + '_ {
         self.cavity.iter().map(|before| before.v)

@@ -48,7 +48,9 @@ impl Refinement<'_> {
         let complete = failed.is_none() && self.state.is_complete();
         if complete && self.state.relabel(&journal) && self.state.is_labelled(&journal) {
             self.state.settle_dust(journal.created.iter().map(|&(t, _)| t));
-            self.inserted.created = journal.created.iter().map(|&(t, _)| t).collect();
+            // Slots of ghosts, too: a tetrahedron may have been there.
+            let written = journal.insertions.iter().flat_map(|(undo, _)| undo.created());
+            self.inserted.created = written.collect();
             for (t, v) in journal.created {
                 if self.state.is_live(t, v)
                     && let Some(weight) =

@@ -6,6 +6,7 @@
 //! lexicographic order of these.
 
 use super::carrier::Carrier;
+use super::key::{OrderKey, order_key};
 use super::state::State;
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::mesh::Vertex;
@@ -33,12 +34,16 @@ impl State {
     /// Numbers the vertices that are no corners of the domain, from `first` on.
     pub(crate) fn number_vertices(&mut self, first: Vertex) {
         let is_new = |v: &VertexId| !matches!(self.carriers[*v as usize], Carrier::Corner(_));
-        let new: Vec<VertexId> =
-            (1..=self.mesh.num_vertices() as VertexId).filter(is_new).collect();
-        let points: Vec<Point> = new.iter().map(|&v| self.at(v)).collect();
+        let mut new: Vec<(OrderKey, VertexId)> = (1..=self.mesh.num_vertices() as VertexId)
+            .filter(is_new)
+            .map(|v| (order_key(&self.at(v)), v))
+            .collect();
+        // Points of one cell of the curve stay in the order in which they come.
+        new.sort_unstable();
+        let points: Vec<Point> = new.iter().map(|&(_, v)| self.at(v)).collect();
         let numbers = self.mesh.numbers_mut();
         for (number, k) in (first..).zip(hilbert(&points)) {
-            numbers[new[k as usize] as usize] = number;
+            numbers[new[k as usize].1 as usize] = number;
         }
     }
 

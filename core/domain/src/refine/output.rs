@@ -112,7 +112,7 @@ impl Refined {
         let mut place = 0;
         let kept = |t| exterior || self.region(t) != 0;
         for t in self.order.iter().copied().filter(|&t| kept(t)) {
-            let (word, tet) = (state.marks.of(t), topology.at(t));
+            let (word, tet, first) = (state.marks.of(t), topology.at(t), faces.len());
             for slot in (0..4).filter(|&slot| word & face_bit(slot) != 0) {
                 let other = tet_of(tet.neighbours()[slot]);
                 // Of two tetrahedra at a triangle, that of the lower region has it, but for the
@@ -128,6 +128,8 @@ impl Refined {
                 let corners = from_smallest(corners.map(|v| state.mesh.numbers()[v as usize]));
                 faces.push(BoundaryFace { corners, marker: i64::from(marker), tet: place });
             }
+            // Slots are no function of the mesh.
+            faces[first..].sort_unstable_by_key(|face: &BoundaryFace| face.corners);
             place += 1;
         }
         faces

@@ -1,8 +1,8 @@
 //! Rounds: one mesh whatever the order of insertion, and the rules that make it so.
 
 use super::{check_conforming, check_marks, model, ready, refine};
-use crate::Prepared;
 use crate::refine::{Engine, InsertOrder, Reason, RefineOutcome, Refined, Refiner};
+use crate::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw_core::invariants::check_all;
 use ltbw_core::mesh::Vertex;
 use ltbw_exact::Point;
@@ -53,10 +53,13 @@ fn one_mesh(refiner: &Refiner<'_>, ready: &Prepared, start: usize, name: &str) -
         assert_eq!(excuses(&other), excuses(&first), "{name} {order:?}");
         assert_eq!(other.num_tets(), first.num_tets(), "{name} {order:?}");
         for exterior in [false, true] {
-            let of = |refined: &Refined| {
-                (refined.to_tet_mesh(exterior), refined.boundary(exterior), refined.subfaces())
-            };
-            assert!(of(&other) == of(&first), "{name} {order:?}: one numbering");
+            let [a, b] = [&other, &first].map(|refined| refined.to_tet_mesh(exterior));
+            assert!(a.points == b.points, "{name} {order:?}: points");
+            assert!(a.tets == b.tets, "{name} {order:?}: tetrahedra");
+            assert!(a == b, "{name} {order:?}: regions");
+            let [a, b] = [&other, &first].map(|refined| refined.boundary(exterior));
+            assert_eq!(a, b, "{name} {order:?}: boundary");
+            assert_eq!(other.subfaces(), first.subfaces(), "{name} {order:?}: subfaces");
         }
     }
     check_all(first.mesh()).expect("invariants of the mesh");
@@ -122,6 +125,25 @@ fn regions_fields_and_re_entrant_corners_have_one_mesh_for_all_orders() {
     let field = |p: Point| 0.05 + 0.2 * p[0];
     let refined = one_mesh(&Refiner::new().sizing(&field), &model(), 0, "a field");
     assert_eq!(refined.outcome, RefineOutcome::Met);
+}
+
+#[test]
+fn thin_plates_have_one_numbering_for_all_orders() {
+    for thin in [0.05, 0.02, 0.01, 0.004] {
+        let at = |i: u32, k: u32| f64::from(i >> k & 1);
+        let mut plate = Domain {
+            vertices: (0..8).map(|i| [at(i, 0), at(i, 1) * 0.9, at(i, 2) * thin]).collect(),
+            ..Domain::default()
+        };
+        for corners in
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+        {
+            plate.facets.push(Facet::polygon(&corners, 0));
+        }
+        let ready = plate.prepare(&PrepareOptions::default()).expect("a sound domain");
+        let refined = one_mesh(&Refiner::new(), &ready, 0, &format!("a plate of {thin}"));
+        assert_eq!(refined.outcome, RefineOutcome::Met);
+    }
 }
 
 #[test]
