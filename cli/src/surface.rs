@@ -230,7 +230,7 @@ pub(crate) fn print_patches(asked: f64, stats: &RefineStats) {
         let given_up = stats.patches_given_up;
         console::people(&format!(
             "note: {given_up} patches of facets coplanar within {asked:e} could not be brought \
-             into the mesh: all facets are taken as they are"
+             into the mesh: their facets are taken as they are"
         ));
     }
 }

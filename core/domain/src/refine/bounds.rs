@@ -5,8 +5,8 @@ use super::carrier::distance2;
 use super::key::sorted;
 use super::measure::{RatioBound, Shape, VolumeBound};
 use super::state::State;
-use crate::Domain;
 use crate::prepare::LARGEST_TOLERANCE;
+use crate::{Domain, Lattice};
 use ltbw_core::topology::TetId;
 use ltbw_exact::Point;
 
@@ -19,6 +19,29 @@ pub(super) fn check_tolerance(value: f64, domain: &Domain) -> Result<(), RefineE
     }
     let limit = format!("it has to be between 0 and {largest:e}, 2^-10 of the diagonal");
     Err(RefineError::Bound { name: "flat-tolerance", value, limit })
+}
+
+/// Bounds that no mesh can meet are errors.
+pub(super) fn check_limits(
+    radius_edge: Option<f64>,
+    max_volume: Option<f64>,
+    lattice: &Lattice,
+) -> Result<(), RefineError> {
+    if let Some(value) = radius_edge
+        && !(1.0..=1e100).contains(&value)
+    {
+        let limit = "it has to be at least 1 (refinement is sure to end from 2 on)".into();
+        return Err(RefineError::Bound { name: "radius-edge", value, limit });
+    }
+    let least = lattice.fine_step() * 1024.0;
+    let least = least * least * least;
+    if let Some(value) = max_volume
+        && !(least..f64::INFINITY).contains(&value)
+    {
+        let limit = format!("the lattice allows {least:e} at least");
+        return Err(RefineError::Bound { name: "max-volume", value, limit });
+    }
+    Ok(())
 }
 
 /// The volume of a regular tetrahedron with edges of length h: h³ √2/12.

@@ -137,7 +137,7 @@ impl State {
             let [a, b, c] = p();
             let patch = self.plc.facets[f as usize].patch.as_ref()?;
             let turn = patch.turn([&a, &b, &c]);
-            patch.holds_centroid([&a, &b, &c]).then_some((f, turn))
+            patch.holds_triangle([&a, &b, &c]).then_some((f, turn))
         };
         common.filter_map(tile).collect()
     }
@@ -157,9 +157,10 @@ impl State {
         outlines
     }
 
-    /// The triangles that are missing where layers are not complete; `None` if it cannot be told.
-    pub(crate) fn holes(&self, found: &mut Found) -> Option<Vec<Hole>> {
-        let mut holes = Vec::new();
+    /// The triangles that are missing where layers are not complete; or the patches for which that
+    /// cannot be told.
+    pub(crate) fn holes(&self, found: &mut Found) -> Result<Vec<Hole>, Vec<u32>> {
+        let (mut holes, mut unknown) = (Vec::new(), Vec::new());
         let outlines = self.outlines();
         let mut on: Option<Vec<Vec<VertexId>>> = None;
         for (f, layers) in (0u32..).zip(&mut found.layers) {
@@ -174,16 +175,19 @@ impl State {
             }
             let open: Set<[VertexId; 2]> = open.into_iter().flatten().collect();
             let on = on.get_or_insert_with(|| self.vertices_on_patches());
-            let planar = self.planar(f, &on[f as usize])?;
+            let Some(planar) = self.planar(f, &on[f as usize]) else {
+                unknown.push(f);
+                continue;
+            };
             let faces: Set<[VertexId; 3]> =
                 layers.lower.iter().chain(&layers.upper).map(|tile| tile.key).collect();
             let before = holes.len();
             self.missing_in(f, &planar, &faces, &open, &mut holes);
             if holes.len() == before {
-                return None;
+                unknown.push(f);
             }
         }
-        Some(holes)
+        if unknown.is_empty() { Ok(holes) } else { Err(unknown) }
     }
 
     fn vertices_on_patches(&self) -> Vec<Vec<VertexId>> {
@@ -227,7 +231,7 @@ impl State {
             let Some(slot) = v.iter().position(|&w| w == count) else { continue };
             let [a, b, c] = FACE[slot].map(|k| vertices[v[k] as usize]);
             let corners = [a, b, c].map(|v| self.at(v));
-            if !patch.holds_centroid(corners.each_ref()) {
+            if !patch.holds_triangle(corners.each_ref()) {
                 continue;
             }
             let key = triangle(a, b, c);

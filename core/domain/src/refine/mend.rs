@@ -23,23 +23,25 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Inserts points where patches are not in the mesh until they are; `None` if that does not
-    /// succeed.
-    pub(super) fn recover_patches(&mut self) -> Result<Option<Found>, RefineError> {
+    /// Inserts points where patches are not in the mesh until they are; or the patches with which
+    /// that does not succeed, if these are known.
+    pub(super) fn recover_patches(&mut self) -> Result<Result<Found, Vec<u32>>, RefineError> {
         for _ in 0..ROUNDS {
             self.drain_boundary()?;
             let state = &self.refinement.state;
             if !state.is_complete() || self.stop.is_some() {
-                return Ok(None);
+                return Ok(Err(Vec::new()));
             }
             let mut found = state.find_layers();
-            let Some(mut holes) = state.holes(&mut found) else { return Ok(None) };
-            if holes.is_empty() {
-                return Ok(Some(found));
-            }
+            let mut holes = match state.holes(&mut found) {
+                Ok(holes) if holes.is_empty() => return Ok(Ok(found)),
+                Ok(holes) => holes,
+                Err(unknown) => return Ok(Err(unknown)),
+            };
             // One point for holes that have corners in common: the next round looks again.
             holes.sort_by(Hole::order);
             let (mut seen, mut inserted) = (Set::default(), false);
+            let all: Set<u32> = holes.iter().map(|hole| hole.facet).collect();
             for hole in holes {
                 if hole.corners.iter().any(|v| seen.contains(v)) {
                     continue;
@@ -48,10 +50,10 @@ impl Run<'_> {
                 inserted |= self.fill(&hole)?;
             }
             if !inserted {
-                return Ok(None);
+                return Ok(Err(all.into_iter().collect()));
             }
         }
-        Ok(None)
+        Ok(Err(Vec::new()))
     }
 
     /// One point for a hole; did it come to be?

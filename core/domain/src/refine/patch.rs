@@ -19,6 +19,8 @@ pub(crate) struct Sides {
 /// Polygons that are coplanar within the tolerance.
 #[derive(Clone, Debug)]
 pub(crate) struct Patch {
+    /// The facet of the domain that it grew from.
+    pub(crate) first: u32,
     /// The axis along which it is projected.
     pub(crate) axis: usize,
     /// Known when the boundary is complete.
@@ -33,6 +35,17 @@ pub(crate) struct Patch {
     count: usize,
 }
 
+/// The most times that patches are looked for, each time without those that were not found.
+pub(crate) const DISSOLVED: u32 = 8;
+
+/// Why patches are not in the mesh.
+pub(crate) struct Unfound {
+    /// The number of all.
+    pub(crate) patches: usize,
+    /// The facets that those grew from without which the others may be found.
+    pub(crate) dissolve: Vec<u32>,
+}
+
 /// Twice the signed area of a triangle; coordinates are at most 2^53.
 pub(crate) fn turn(a: Flat, b: Flat, c: Flat) -> i128 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
@@ -44,7 +57,12 @@ pub(crate) fn flat(axis: usize, p: &Point) -> Flat {
 }
 
 impl Patch {
-    pub(crate) fn new(corners: &[Grid], axis: usize, polygons: Vec<(Vec<u32>, Plane)>) -> Self {
+    pub(crate) fn new(
+        corners: &[Grid],
+        first: u32,
+        axis: usize,
+        polygons: Vec<(Vec<u32>, Plane)>,
+    ) -> Self {
         let project = |v: &u32| {
             let p = corners[*v as usize];
             [(axis + 1) % 3, (axis + 2) % 3].map(|k| i128::from(p[k]) * i128::from(UNIT))
@@ -58,7 +76,8 @@ impl Patch {
         let high = [0, 1].map(|k| all().map(|p| p[k]).max().unwrap_or(0));
         let count = ((pieces.len() as f64).sqrt() as usize).clamp(1, 1024);
         let size = [0, 1].map(|k| (high[k] - low[k]) / count as i128 + 1);
-        let mut patch = Self { axis, sides: None, pieces, cells: Vec::new(), low, size, count };
+        let (sides, cells) = (None, Vec::new());
+        let mut patch = Self { first, axis, sides, pieces, cells, low, size, count };
         patch.cells = vec![Vec::new(); count * count];
         for k in 0..patch.pieces.len() {
             let ring = &patch.pieces[k].0;
@@ -87,13 +106,21 @@ impl Patch {
         self.cells[cell].iter().map(|&k| &self.pieces[k as usize])
     }
 
-    /// Is the centroid of a triangle in a polygon, in the projection?
-    pub(crate) fn holds_centroid(&self, corners: [&Point; 3]) -> bool {
+    /// Is a triangle of vertices within the polygons, in the projection? So it is if its centroid
+    /// is, and the middles of its sides: a side that cuts off a vertex of the outline is not.
+    pub(crate) fn holds_triangle(&self, corners: [&Point; 3]) -> bool {
         let [a, b, c] = corners.map(|p| flat(self.axis, p));
-        let sum = [0, 1].map(|k| a[k] + b[k] + c[k]);
-        let near = sum.map(|c| c.div_euclid(3));
+        let zero = [0, 0];
+        self.holds_mean([a, b, c], 3)
+            && [[a, b, zero], [b, c, zero], [c, a, zero]].iter().all(|s| self.holds_mean(*s, 2))
+    }
+
+    /// Is the sum of some points, divided by their number, in a polygon?
+    fn holds_mean(&self, points: [Flat; 3], count: i128) -> bool {
+        let sum = [0, 1].map(|k| points.iter().map(|p| p[k]).sum::<i128>());
+        let near = sum.map(|c| c.div_euclid(count));
         self.near(near).any(|(ring, _)| {
-            let scaled: Vec<Flat> = ring.iter().map(|p| p.map(|c| 3 * c)).collect();
+            let scaled: Vec<Flat> = ring.iter().map(|p| p.map(|c| count * c)).collect();
             holds(&scaled, sum)
         })
     }

@@ -78,6 +78,30 @@ fn seeds_part_the_mesh_and_keep_every_patch_covered() {
     assert!(largest.count() < all.len() / 4);
 }
 
+/// A side of a cube with a vertex on it that is inside by the last bit of a float: the triangle that
+/// cuts it off is no part of the side, though nearly all of it is.
+#[test]
+fn triangles_that_cut_off_a_vertex_of_the_outline_are_no_tiles() {
+    let bit = f64::from(f32::EPSILON) / 2.0;
+    let mut vertices: Vec<Point> =
+        (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+    vertices.extend([[0.5, bit, 1.0 - bit], [0.5, 0.5, 1.0 - bit]]);
+    let mut domain = Domain { vertices, ..Domain::default() };
+    let top = [[8, 5, 9], [5, 7, 9], [7, 6, 9], [6, 4, 9], [4, 8, 9]];
+    let front = [[0, 1, 8], [1, 5, 8], [0, 8, 4]];
+    domain.facets.extend(top.iter().chain(&front).map(|t| Facet::polygon(t, 0)));
+    let rest = [[0, 2, 3, 1], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    domain.facets.extend(rest.iter().map(|f| Facet::polygon(f, 0)));
+    let ready = domain.prepare(&PrepareOptions { oriented: true, ..PrepareOptions::default() });
+    let ready = ready.expect("sound");
+    let refiner = Refiner::new().flat_tolerance(5e-7);
+    let (run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
+    check_labels(&run.refinement.state);
+    let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    assert_eq!((refined.stats.patches, refined.stats.patches_given_up), (2, 0));
+    assert_eq!(refined.outcome, RefineOutcome::Met);
+}
+
 /// Labels and subfaces after every transaction, by looking at every face: a label changes at the
 /// subfaces of patches only, from side to side, and every patch has its area.
 #[test]

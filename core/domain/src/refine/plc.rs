@@ -106,7 +106,7 @@ impl Plc {
     /// Polygons that are degenerate or that are not planar and cannot be divided.
     #[cfg(test)]
     pub(crate) fn new(domain: &Domain, lattice: &Lattice) -> Result<Self, RefineError> {
-        Self::within(domain, lattice, 0.0)
+        Self::within(domain, lattice, 0.0, &Set::default())
     }
 
     /// The same; polygons that are coplanar within `tolerance` make one facet.
@@ -117,6 +117,7 @@ impl Plc {
         domain: &Domain,
         lattice: &Lattice,
         tolerance: f64,
+        without: &Set<u32>,
     ) -> Result<Self, RefineError> {
         let mut plc = Self::default();
         for (v, p) in (0..).zip(&domain.vertices) {
@@ -125,7 +126,7 @@ impl Plc {
         }
         let mut groups: Map<PlaneKey, u32> = Map::default();
         let scale = |p: &Point| p.map(|c| c / lattice.fine_step());
-        let in_patch = plc.join_patches(domain, tolerance / lattice.step())?;
+        let in_patch = plc.join_patches(domain, tolerance / lattice.step(), without)?;
         for (f, facet) in (0..).zip(&domain.facets).filter(|(f, _)| !in_patch.contains(f)) {
             let holes: Vec<Point> = facet.holes.iter().map(scale).collect();
             for polygons in plc.planar_pieces(f, &facet.polygons)? {
@@ -146,12 +147,19 @@ impl Plc {
 
     /// Makes facets of the polygons that are coplanar within `tolerance` steps, and returns which
     /// facets of the domain are in these.
-    fn join_patches(&mut self, domain: &Domain, tolerance: f64) -> Result<Set<u32>, RefineError> {
+    fn join_patches(
+        &mut self,
+        domain: &Domain,
+        tolerance: f64,
+        without: &Set<u32>,
+    ) -> Result<Set<u32>, RefineError> {
         let mut taken = Set::default();
         if tolerance <= 0.0 {
             return Ok(taken);
         }
-        for group in flat::patches(&self.corners, domain, tolerance) {
+        let groups = flat::patches(&self.corners, domain, tolerance).into_iter();
+        for group in groups.filter(|group| !without.contains(&group.polygons[0].facet)) {
+            let first = group.polygons[0].facet;
             let mut pieces = Vec::new();
             for Polygon { facet, corners, .. } in &group.polygons {
                 let polygons = [corners.clone()];
@@ -159,9 +167,9 @@ impl Plc {
                 taken.insert(*facet);
             }
             let Some(&(_, plane)) = pieces.first() else { continue };
-            let marker = domain.facets[group.polygons[0].facet as usize].marker;
+            let marker = domain.facets[first as usize].marker;
             let polygons = group.polygons.into_iter().map(|p| p.corners).collect();
-            let patch = Patch::new(&self.corners, group.axis, pieces);
+            let patch = Patch::new(&self.corners, first, group.axis, pieces);
             let mut facet = Facet::new(plane, Some(patch));
             facet.parts.push(Part { polygons, holes: Vec::new(), marker });
             self.facets.push(facet);

@@ -1,18 +1,20 @@
 //! The driver: recover the boundary, find the regions, split what is over its bounds.
 
 use super::RefineError;
-use super::bounds::{Bounds, SizeField, check_tolerance, regular_volume};
+use super::bounds::{Bounds, SizeField, check_limits, check_tolerance, regular_volume};
 use super::carrier::{Carrier, UNIT};
 use super::item::{Item, Queues, Work};
 use super::measure::{RatioBound, VolumeBound};
 use super::outcome::{Reason, RefineOutcome, RefineStats};
 use super::output::Refined;
+use super::patch::{DISSOLVED, Unfound};
 use super::plc::Plc;
 use super::record::Refusal;
 use super::region::RegionInfo;
 use super::rounds::{Engine, InsertOrder, Rounds};
 use super::split::{Refinement, Step};
 use super::state::State;
+use super::table::Set;
 use crate::{Domain, Lattice};
 use ltbw_core::CancelToken;
 use ltbw_core::build::{Observer, Phase, Progress};
@@ -219,19 +221,27 @@ impl<'a> Refiner<'a> {
         domain: &Domain,
         lattice: &Lattice,
     ) -> Result<(Run<'a>, Vec<RegionInfo>), RefineError> {
-        self.check_bounds(domain, lattice)?;
+        check_limits(self.radius_edge, self.max_volume, lattice)?;
+        check_tolerance(self.flat_tolerance, domain)?;
         let clock = Instant::now();
         let sought = self.flat_tolerance > 0.0 && self.engine == Engine::Queues;
-        let mut patches = 0;
-        let within = match sought {
-            true => self.recovered_within(domain, lattice, self.flat_tolerance, &mut patches)?,
-            false => None,
-        };
-        let given_up = if within.is_none() { patches } else { 0 };
-        let done = match within {
-            Some(done) => Some(done),
-            None => self.recovered_within(domain, lattice, 0.0, &mut patches)?,
-        };
+        let (mut without, mut given_up) = (Set::default(), 0);
+        let mut done = None;
+        for _ in 0..if sought { DISSOLVED } else { 0 } {
+            match self.recovered_within(domain, lattice, self.flat_tolerance, &without)? {
+                Ok(found) => done = Some(found),
+                Err(Unfound { dissolve, .. }) if !dissolve.is_empty() => {
+                    given_up += dissolve.len();
+                    without.extend(dissolve);
+                    continue;
+                }
+                Err(Unfound { patches, .. }) => given_up += patches,
+            }
+            break;
+        }
+        if done.is_none() {
+            done = self.recovered_within(domain, lattice, 0.0, &without)?.ok();
+        }
         // Without patches there is nothing that may not be found.
         let (mut run, regions) = done.ok_or(RefineError::NoInterior)?;
         run.stats.patches_given_up = given_up;
@@ -239,20 +249,20 @@ impl<'a> Refiner<'a> {
         Ok((run, regions))
     }
 
-    /// The same within a tolerance, and the number of its patches; `None` if they cannot be brought
-    /// into the mesh, or have one region on both sides.
+    /// The same within a tolerance, without the patches that grow from some facets; an error if
+    /// there are none, if they cannot be brought into the mesh, or have one region on both sides.
     fn recovered_within(
         &self,
         domain: &Domain,
         lattice: &Lattice,
         tolerance: f64,
-        patches: &mut usize,
-    ) -> Result<Option<(Run<'a>, Vec<RegionInfo>)>, RefineError> {
-        let plc = Plc::within(domain, lattice, tolerance)?;
-        *patches = plc.facets.iter().filter(|facet| facet.patch.is_some()).count();
-        let patches = *patches;
+        without: &Set<u32>,
+    ) -> Result<Result<(Run<'a>, Vec<RegionInfo>), Unfound>, RefineError> {
+        let plc = Plc::within(domain, lattice, tolerance, without)?;
+        let patches = plc.facets.iter().filter(|facet| facet.patch.is_some()).count();
+        let all = Unfound { patches, dissolve: Vec::new() };
         if tolerance > 0.0 && patches == 0 {
-            return Ok(None);
+            return Ok(Err(all));
         }
         let (mesh, kernel) = plc.first_mesh(lattice)?;
         let carriers = mesh.numbers().iter().map(|&c| Carrier::Corner(c)).collect();
@@ -273,8 +283,13 @@ impl<'a> Refiner<'a> {
         let found = match patches {
             0 => None,
             _ => match run.recover_patches()? {
-                Some(found) => Some(found),
-                None => return Ok(None),
+                Ok(found) => Some(found),
+                Err(unknown) => {
+                    let patch =
+                        |f: &u32| run.refinement.state.plc.facets[*f as usize].patch.as_ref();
+                    let dissolve = unknown.iter().filter_map(patch).map(|p| p.first).collect();
+                    return Ok(Err(Unfound { patches, dissolve }));
+                }
             },
         };
         let mut regions = vec![RegionInfo::default()];
@@ -282,32 +297,12 @@ impl<'a> Refiner<'a> {
             let state = &mut run.refinement.state;
             match state.flood(&domain.holes, &domain.regions, found.as_ref())? {
                 Some(all) => regions = all,
-                None => return Ok(None),
+                None => return Ok(Err(all)),
             }
             run.refinement.bounds = Some(self.bounds(&regions, lattice));
             run.put_all();
         }
-        Ok(Some((run, regions)))
-    }
-
-    /// Bounds that no mesh can meet are errors.
-    fn check_bounds(&self, domain: &Domain, lattice: &Lattice) -> Result<(), RefineError> {
-        if let Some(value) = self.radius_edge
-            && !(1.0..=1e100).contains(&value)
-        {
-            let limit = "it has to be at least 1 (refinement is sure to end from 2 on)".into();
-            return Err(RefineError::Bound { name: "radius-edge", value, limit });
-        }
-        check_tolerance(self.flat_tolerance, domain)?;
-        let least = lattice.fine_step() * 1024.0;
-        let least = least * least * least;
-        if let Some(value) = self.max_volume
-            && !(least..f64::INFINITY).contains(&value)
-        {
-            let limit = format!("the lattice allows {least:e} at least");
-            return Err(RefineError::Bound { name: "max-volume", value, limit });
-        }
-        Ok(())
+        Ok(Ok((run, regions)))
     }
 
     fn floor_in_steps(&self, domain: &Domain, lattice: &Lattice) -> f64 {
