@@ -78,7 +78,7 @@ fn seeds_part_the_mesh_and_keep_every_patch_covered() {
     assert!(largest.count() < all.len() / 4);
 }
 
-/// A side of a cube with a vertex on it that is inside by the last bit of a float: the triangle that
+/// A side of a cube with a vertex on it that is inside by the last bit of a float: a triangle that
 /// cuts it off is no part of the side, though nearly all of it is.
 #[test]
 fn triangles_that_cut_off_a_vertex_of_the_outline_are_no_tiles() {
