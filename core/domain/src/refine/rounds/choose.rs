@@ -22,6 +22,7 @@ impl Rounds<'_, '_> {
         self.chosen.clear();
         self.cavities.clear();
         if class == Class::Tets {
+            self.choices += 1;
             let foremost = std::mem::take(&mut self.foremost);
             for &(_, t) in &foremost {
                 if self.reserved[t as usize] == 0 {

@@ -121,6 +121,8 @@ pub(crate) struct Rounds<'r, 'a> {
     /// Per slot: one more than the index of the foremost candidate with the slot in its cavity,
     /// and [`DEFERS`]; or [`WRITTEN`].
     reserved: Vec<u32>,
+    /// Choices among tetrahedra so far.
+    choices: u64,
     /// Boundary items asked for in this round.
     asked: Vec<Asked>,
     /// Pending items that were found to wait in this round.
@@ -152,6 +154,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             chosen: Vec::new(),
             cavities: Vec::new(),
             reserved: Vec::new(),
+            choices: 0,
             asked: Vec::new(),
             waits: Vec::new(),
             refusals: Vec::new(),

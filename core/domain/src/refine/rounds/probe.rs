@@ -17,6 +17,9 @@ use ltbw_core::cavity::Role;
 use ltbw_core::mesh::At;
 use ltbw_core::topology::{TetId, VertexId};
 
+/// See [`Rounds::goes_on`].
+const PATIENCE: u64 = 32;
+
 /// The result of a probe.
 enum Probe {
     /// The point may be inserted.
@@ -139,6 +142,10 @@ impl Rounds<'_, '_> {
         place: &Place,
         verdict: impl FnOnce(Judge<'_>) -> Verdict,
     ) -> Probe {
+        let goes_on = match item {
+            Item::Tet(t, _) => self.goes_on(t),
+            _ => false,
+        };
         let Self { own, reserved, candidates, cavities, stats, .. } = self;
         let state = &mut own.state;
         let place = Place { from: state.start_near(place.from), ..*place };
@@ -150,7 +157,7 @@ impl Rounds<'_, '_> {
         let mut admission = |t: TetId, role: Role| {
             let other = reserved[t as usize];
             match is_free {
-                true => other & DEFERS == 0 || role == Role::Ring,
+                true => other & DEFERS == 0 || role == Role::Ring || goes_on,
                 false if other == 0 => true,
                 false => is_same(candidates[other as usize - 1].place.carrier, place.carrier),
             }
@@ -176,6 +183,13 @@ impl Rounds<'_, '_> {
         let place = Place { from: cavities[first], ..place };
         candidates.push(Candidate { item, place, cavity: first..cavities.len(), filling });
         probe
+    }
+
+    /// Is this one of the choices in which the probe of a tetrahedron goes on into cavities of
+    /// those that defer? Each has one in [`PATIENCE`]: else thousands that defer in one place would
+    /// wait for each other, one a round.
+    fn goes_on(&self, t: TetId) -> bool {
+        (self.keys[t as usize] >> 8).wrapping_add(self.choices).is_multiple_of(PATIENCE)
     }
 
     /// Takes the last candidate, unless one taken before it is in its way.
