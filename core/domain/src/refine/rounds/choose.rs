@@ -5,7 +5,7 @@
 //! key first; one whose cavity meets that of a point taken before waits for the next round, unless
 //! both points are on one segment, or in one facet and the cavity there has not this subface.
 
-use super::{Class, Rounds};
+use super::{CHECK_EVERY, Class, Look, Rounds};
 use crate::refine::carrier::distance2;
 use crate::refine::item::Item;
 use crate::refine::key::{key, sorted};
@@ -13,8 +13,8 @@ use crate::refine::measure::circumcircle;
 use ltbw_core::topology::{TetId, tet_of};
 
 impl Rounds<'_, '_> {
-    /// Chooses the candidates of a class that are to be inserted.
-    pub(super) fn choose(&mut self, class: Class) {
+    /// Chooses the candidates of a class that are to be inserted; `true` if the work is cancelled.
+    pub(super) fn choose(&mut self, class: Class, look: Look<'_>) -> bool {
         for &t in &self.cavities {
             self.reserved[t as usize] = 0;
         }
@@ -24,13 +24,16 @@ impl Rounds<'_, '_> {
         if class == Class::Tets {
             self.choices += 1;
             let foremost = std::mem::take(&mut self.foremost);
-            for &(_, t) in &foremost {
+            for (k, &(_, t)) in foremost.iter().enumerate() {
+                if k % CHECK_EVERY == CHECK_EVERY - 1 && look(self.own.state.mesh.num_vertices()) {
+                    return true;
+                }
                 if self.reserved[t as usize] == 0 {
                     self.probe_tet(t);
                 }
             }
             self.foremost = foremost;
-            return;
+            return false;
         }
         for (item, near) in self.ready() {
             match item {
@@ -39,6 +42,7 @@ impl Rounds<'_, '_> {
                 _ => {}
             }
         }
+        false
     }
 
     /// The pending items that wait for none, the foremost first, each with a slot near it.

@@ -1,6 +1,6 @@
 //! The insertion of a round: unconditional, in any order.
 
-use super::{Candidate, Class, InsertOrder, Rounds, WRITTEN};
+use super::{CHECK_EVERY, Candidate, Class, InsertOrder, Look, Rounds, WRITTEN};
 use crate::refine::RefineError;
 use crate::refine::carrier::Carrier;
 use crate::refine::facet::{Change, Seed};
@@ -16,25 +16,30 @@ use ltbw_core::topology::TetId;
 const FEW: usize = 16;
 
 impl Rounds<'_, '_> {
-    /// Inserts the chosen candidates.
+    /// Inserts the chosen candidates; `true` if the work is cancelled, and some are left. The mesh
+    /// is a sound one then, too, but a function of the time.
     ///
     /// # Errors
     /// A point that takes an item out of the mesh, or that lies at a vertex: the choice is wrong.
-    pub(super) fn insert(&mut self, class: Class) -> Result<(), RefineError> {
-        let count = self.chosen.len() as u64;
+    pub(super) fn insert(&mut self, class: Class, look: Look<'_>) -> Result<bool, RefineError> {
+        let (mut count, mut cancelled) = (self.chosen.len() as u64, false);
         if count == 0 {
-            return Ok(());
+            return Ok(false);
         }
         self.stats.rounds[class as usize] += 1;
         self.stats.widest = self.stats.widest.max(count);
-        self.stats.round_points += count;
-        for k in self.in_order() {
+        for (done, k) in self.in_order().into_iter().enumerate() {
+            if done % CHECK_EVERY == CHECK_EVERY - 1 && look(self.own.state.mesh.num_vertices()) {
+                (count, cancelled) = (done as u64, true);
+                break;
+            }
             self.insert_one(k)?;
         }
+        self.stats.round_points += count;
         if !self.own.state.is_complete() {
             return Err(RefineError::Invariant { what: "no round loses an item of the boundary" });
         }
-        Ok(())
+        Ok(cancelled)
     }
 
     /// Inserts candidate `k`: into the cavity that its probe has found, if the round has changed

@@ -94,6 +94,12 @@ struct Asked {
     near: TetId,
 }
 
+/// Probes, or insertions, between two looks at whether the work is cancelled.
+const CHECK_EVERY: usize = 1024;
+
+/// Says whether the work is cancelled; is told the number of vertices.
+type Look<'l> = &'l dyn Fn(usize) -> bool;
+
 /// In place of a candidate: the slot was written by an insertion of this round.
 const WRITTEN: u32 = u32::MAX;
 /// With a candidate: it waits for an item of the boundary.
@@ -175,7 +181,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
     /// A broken invariant.
     pub(crate) fn run(
         mut self,
-        look: &dyn Fn(usize) -> bool,
+        look: Look<'_>,
     ) -> Result<(Option<Reason>, RefineStats, Vec<TetId>), RefineError> {
         self.look_at_all();
         let mut stop = None;
@@ -186,7 +192,10 @@ impl<'r, 'a> Rounds<'r, 'a> {
             }
             match class {
                 Some(class) => {
-                    self.choose(class);
+                    if self.choose(class, look) {
+                        stop = Some(Reason::Cancelled);
+                        break;
+                    }
                     let count = self.chosen.len();
                     let total = self.own.inserted.points.total() + count as u64;
                     if total > self.most {
@@ -194,8 +203,12 @@ impl<'r, 'a> Rounds<'r, 'a> {
                         break;
                     }
                     let progress = self.record_round() || count > 0;
-                    self.insert(class)?;
+                    let cancelled = self.insert(class, look)?;
                     self.settle();
+                    if cancelled {
+                        stop = Some(Reason::Cancelled);
+                        break;
+                    }
                     if !progress {
                         return Err(RefineError::Invariant { what: "a round makes progress" });
                     }

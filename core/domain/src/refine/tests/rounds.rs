@@ -156,3 +156,36 @@ fn a_budget_ends_rounds_before_one_that_would_exceed_it() {
     assert!((300..=600).contains(&points), "{points}");
     assert!(refined.lost.is_empty());
 }
+
+#[test]
+fn a_wide_round_can_be_cancelled_and_leaves_a_sound_mesh() {
+    let seen = std::sync::Mutex::new(Vec::new());
+    let token = ltbw_core::CancelToken::new();
+    for most in [u64::MAX, 6000] {
+        seen.lock().expect("no panic").clear();
+        let observer = |progress: ltbw_core::Progress| {
+            seen.lock().expect("no panic").push(progress.done);
+            if progress.done >= most {
+                token.cancel();
+            }
+        };
+        let engine = Engine::Rounds { order: InsertOrder::Hilbert, start: 0 };
+        let refiner = Refiner::new().max_volume(2e-5).engine(engine);
+        let refined = refine(&refiner.observer(&observer).cancel(&token), &model());
+        let seen = seen.lock().expect("no panic");
+        assert!(seen.windows(2).all(|pair| pair[1] <= pair[0] + 1024), "{seen:?}");
+        if most == u64::MAX {
+            // Some rounds are wider than what is done between two looks.
+            assert!(refined.stats.widest > 1100, "{:?}", refined.stats);
+            assert_eq!(refined.outcome, RefineOutcome::Met);
+            continue;
+        }
+        assert_eq!(refined.outcome, RefineOutcome::Cancelled);
+        let count = refined.mesh().num_vertices() as u64;
+        assert_eq!(Some(&count), seen.last(), "nothing is inserted after the token is set");
+        assert!((most..most + 1024).contains(&count), "{count}");
+        check_all(refined.mesh()).expect("invariants of the mesh");
+        check_marks(&refined.state);
+        assert!(refined.lost.is_empty() && !refined.excuses.is_empty());
+    }
+}
