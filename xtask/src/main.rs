@@ -13,6 +13,7 @@ mod pictures;
 mod predicates;
 mod prove;
 mod python;
+mod rounds;
 mod shell;
 mod tsan;
 
@@ -36,6 +37,7 @@ cargo xtask COMMAND
                         surfaces of a folder (by default a set by formula) through `ltbw mesh`
                         beside TetGen (the Python package tetgen), and their twins: turned, scaled,
                         shifted; fails if a run breaks a bar that none may break
+  rounds                refinement in rounds: 500 random domains in five orders, tiny ones in all
   bars                  the full-size bars: hashes equal to CGAL's, times within their limits
   generate              write what is generated from the descriptions of the predicates
   fuzz [--seconds N] [TARGET]...
@@ -61,6 +63,7 @@ fn main() -> ExitCode {
     let done = match command {
         "bench" | "bars" => measure::run(command, rest),
         "parts" => parts::run(rest),
+        "rounds" => rounds::run(),
         "fuzz" => fuzz::run(rest),
         "generate" => generate::run(),
         "vectors" => vectors::run(),
