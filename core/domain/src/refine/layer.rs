@@ -164,12 +164,19 @@ impl State {
         let outlines = self.outlines();
         let mut on: Option<Vec<Vec<VertexId>>> = None;
         for (f, layers) in (0u32..).zip(&mut found.layers) {
-            if self.plc.facets[f as usize].patch.is_none() {
-                continue;
-            }
+            let Some(patch) = &self.plc.facets[f as usize].patch else { continue };
             let open = [&layers.lower, &layers.upper]
                 .map(|layer| open_edges(layer, &outlines[f as usize]));
-            layers.complete = open.each_ref().map(Vec::is_empty);
+            // An outline that crosses itself in the projection has edges enough, but another area.
+            let area = |tile: &Tile| {
+                let [a, b, c] = tile.key.map(|v| self.at(v));
+                patch.area_of([&a, &b, &c])
+            };
+            let whole = |tiles: &[Tile]| tiles.iter().map(area).sum::<i128>() == patch.area();
+            layers.complete = [
+                open[0].is_empty() && whole(&layers.lower),
+                open[1].is_empty() && whole(&layers.upper),
+            ];
             if layers.complete.contains(&true) {
                 continue;
             }

@@ -139,12 +139,17 @@ impl Patch {
     }
 
     /// Twice the area of the polygons in the projection.
-    #[cfg(test)]
     pub(crate) fn area(&self) -> i128 {
         let area = |ring: &Vec<Flat>| -> i128 {
             (2..ring.len()).map(|k| turn(ring[0], ring[k - 1], ring[k])).sum()
         };
         self.pieces.iter().map(|(ring, _)| area(ring)).sum()
+    }
+
+    /// Twice the area of a triangle in the projection.
+    pub(crate) fn area_of(&self, corners: [&Point; 3]) -> i128 {
+        let [a, b, c] = corners.map(|p| flat(self.axis, p));
+        turn(a, b, c).abs()
     }
 
     /// The sign of a triangle's area in the projection.
