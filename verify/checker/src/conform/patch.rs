@@ -157,7 +157,10 @@ impl Run<'_> {
         for (t, tet) in self.mesh.tets.iter().enumerate() {
             for i in 0..4 {
                 let corners = face(tet, i);
-                if corners.iter().any(|&v| on[v as usize].is_empty()) {
+                // A low facet beside a patch, steep or folded under it, may have its corners in the
+                // slab. Its faces are exactly on it, and are no tiles of the patch.
+                let is_elsewhere = codes.contains(&((4 * t + i) as u32));
+                if is_elsewhere || corners.iter().any(|&v| on[v as usize].is_empty()) {
                     continue;
                 }
                 let other = faces.other(t, i);
