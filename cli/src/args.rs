@@ -1,5 +1,6 @@
 //! The command line and its help.
 
+use crate::progress::Show;
 use crate::rounds::EngineArg;
 use crate::simulate::Simulate;
 use crate::surface::Preparation;
@@ -46,6 +47,12 @@ stdout carries data (hash, JSON), stderr what is meant for people.
 #[command(after_long_help = format!("{EXAMPLES}{EXIT_CODES}"))]
 #[command(subcommand_required = true, arg_required_else_help = true)]
 pub(crate) struct Args {
+    /// Tell people errors and outcomes alone
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+    /// The way in which progress is shown, on stderr
+    #[arg(long, global = true, value_enum, value_name = "HOW", default_value = "bar")]
+    pub(crate) progress: Show,
     #[command(subcommand)]
     pub(crate) command: Command,
 }
@@ -141,6 +148,23 @@ on every machine. The mesh is compared with the sequential kernel's.
     /// Show it: mesh the paper's model problem, check the mesh, write demo.vtu and demo.html
     #[command(after_long_help = EXIT_CODES)]
     Demo(Demo),
+    /// Print a script that completes command lines: for bash, zsh, fish, elvish or powershell
+    #[command(after_long_help = concat_help("\
+Examples:
+  ltbw completions bash > /etc/bash_completion.d/ltbw
+  ltbw completions fish > ~/.config/fish/completions/ltbw.fish
+
+"))]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual pages ltbw.1, ltbw-delaunay.1, ... into a folder
+    #[command(after_long_help = EXIT_CODES)]
+    Man {
+        /// The folder, which has to be there
+        folder: PathBuf,
+    },
     /// Hold another implementation to the conformance kit verify/vectors
     #[command(subcommand, after_long_help = EXIT_CODES)]
     Vectors(Vectors),

@@ -6,6 +6,7 @@ use crate::console;
 use crate::domain;
 use crate::json::{check_json, is_stdout, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
+use crate::progress::Stage;
 use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
 use verify::{Level, Outcome, VertexOrder};
@@ -27,13 +28,17 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
         inputs.iter().try_for_each(|input| keep_input(input, json))?;
         check_json(json)?;
     }
+    let stage = Stage::begin("read");
     let file = io::read_mesh_file(&args.mesh).map_err(Failure::Read)?;
+    drop(stage);
     let name = show(&args.mesh);
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
     let TetMesh { points, tets, .. } = &file.mesh;
     let order = if args.any_order { VertexOrder::Any } else { VertexOrder::Oriented };
     let options = verify::Options { vertex_order: order, ..verify::Options::default() };
+    let stage = Stage::begin("check");
     let report = verify::check(&verify::Mesh::new(points, tets), &options);
+    drop(stage);
     if let Some(path) = &args.json {
         let text = report.certificate().to_json().map_err(|e| Failure::Other(e.to_string()))?;
         write_json(path, &(text + "\n"))?;

@@ -1,4 +1,4 @@
-//! Output to stdout and to stderr, progress, and Ctrl-C.
+//! Output to stdout and to stderr, and Ctrl-C.
 //!
 //! A closed pipe (`ltbw … | head`) is no error of ours: its reader has what it wanted. Data that
 //! stdout cannot take for any other reason, such as a full disk, is an output that could not be
@@ -6,15 +6,24 @@
 
 use crate::outcome::{Exit, Failure};
 use crate::sync::Flag;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use ltbw::CancelToken;
 use ltbw::io::IoError;
-use ltbw::{CancelToken, Observer};
-use std::io::{ErrorKind, IsTerminal, Write};
-use std::sync::{Arc, OnceLock};
-use std::time::{Duration, Instant};
+use std::io::{ErrorKind, Write};
+use std::sync::Arc;
+
+/// With `--quiet` people get errors and outcomes alone.
+static QUIET: Flag = Flag::new();
+
+/// Prints no more lines for people but those that begin with `ltbw: `.
+pub(crate) fn be_quiet() {
+    QUIET.set();
+}
 
 /// Prints a line for people, to stderr.
 pub(crate) fn people(line: &str) {
+    if QUIET.is_set() && !line.starts_with("ltbw: ") {
+        return;
+    }
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
@@ -30,58 +39,6 @@ pub(crate) fn data_with(print: impl FnOnce() -> std::io::Result<()>) -> Result<(
             Err(Failure::Write(IoError::Write { path: "stdout".into(), source }))
         }
         _ => Ok(()),
-    }
-}
-
-/// A progress bar on stderr: only on a terminal, and only for work that takes over a second. It
-/// has no colours, whatever `NO_COLOR` says.
-#[derive(Debug)]
-pub(crate) struct Progress {
-    start: Instant,
-    terminal: bool,
-    bar: OnceLock<ProgressBar>,
-}
-
-impl Progress {
-    const PATIENCE: Duration = Duration::from_secs(1);
-
-    /// A bar that does not show yet.
-    pub(crate) fn new() -> Self {
-        let terminal = std::io::stderr().is_terminal();
-        Self { start: Instant::now(), terminal, bar: OnceLock::new() }
-    }
-}
-
-impl Observer for Progress {
-    fn progress(&self, progress: ltbw::Progress) {
-        if !self.terminal || self.start.elapsed() < Self::PATIENCE {
-            return;
-        }
-        let bar = self.bar.get_or_init(|| {
-            let total = progress.total;
-            let bar = ProgressBar::with_draw_target(total, ProgressDrawTarget::stderr());
-            if let Ok(style) = ProgressStyle::with_template(template(total)) {
-                bar.set_style(style);
-            }
-            bar
-        });
-        bar.set_position(progress.done);
-    }
-}
-
-/// The contents of a progress bar: refinement does not know its end.
-fn template(total: Option<u64>) -> &'static str {
-    match total {
-        None => "insert {spinner} {human_pos} points in {elapsed}",
-        Some(_) => "insert {bar:40} {human_pos} of {human_len} points, {eta} left",
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        if let Some(bar) = self.bar.get() {
-            bar.finish_and_clear();
-        }
     }
 }
 
@@ -140,16 +97,4 @@ fn on_signal(handler: impl FnMut() + Send + 'static) -> Result<(), Failure> {
 fn end_now() {
     people("ltbw: stopped");
     std::process::exit(Exit::Stopped as i32);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::template;
-
-    #[test]
-    fn a_total_that_is_not_known_is_not_told() {
-        let (known, unknown) = (template(Some(1000)), template(None));
-        assert!(known.contains("{human_len}") && known.contains("{eta}"));
-        assert!(!unknown.contains("{human_len}") && !unknown.contains("{eta}"));
-    }
 }

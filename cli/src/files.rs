@@ -3,6 +3,7 @@
 use crate::args::{Convert, Generate, Kind};
 use crate::console;
 use crate::outcome::{Exit, Failure, show};
+use crate::progress::Stage;
 use ltbw::Extras;
 use ltbw::domain::{Domain, DomainError};
 use ltbw::io::{self, DomainFile, Encoding, Format, MshVersion, PointFile, WriteOptions};
@@ -18,6 +19,7 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
     let from = Format::from_path(input).map_err(Failure::Read)?;
     let to = Format::from_path(output).map_err(Failure::Write)?;
     let options = options(args);
+    let _stage = Stage::begin("convert");
     if from.holds_domain() && to.holds_domain() && (from, to) != (Format::Ply, Format::Ply) {
         let file = io::read_domain(input).map_err(Failure::Read)?;
         // A surface file without faces is a point cloud.

@@ -19,7 +19,8 @@
 //! | `vectors` | `vectors run`: a foreign program and the conformance kit |
 //! | `report` | the JSON report `ltbw.report/1` |
 //! | `outcome` | exit codes, and errors as one line |
-//! | `console` | what goes to stdout and to stderr, progress, Ctrl-C |
+//! | `console`, `progress` | what goes to stdout and to stderr, Ctrl-C |
+//! | `install` | `completions` and `man` |
 //!
 //! stdout carries data (a hash, JSON), stderr what is meant for people.
 //!
@@ -36,12 +37,14 @@ mod demo;
 mod domain;
 mod figures;
 mod files;
+mod install;
 mod json;
 mod lists;
 mod mesh;
 mod outcome;
 mod page;
 mod picture;
+mod progress;
 mod refusal;
 mod report;
 mod rounds;
@@ -82,6 +85,10 @@ pub fn main() -> ExitCode {
 }
 
 fn dispatch(args: Args) -> Result<Exit, Failure> {
+    progress::show(if args.quiet { progress::Show::None } else { args.progress });
+    if args.quiet {
+        console::be_quiet();
+    }
     match args.command {
         Command::Delaunay(delaunay) => run::delaunay(&delaunay),
         Command::Mesh(args) => mesh::mesh(&args),
@@ -90,6 +97,8 @@ fn dispatch(args: Args) -> Result<Exit, Failure> {
         Command::Generate(generate) => files::generate(&generate),
         Command::Simulate(args) => simulate::simulate(&args),
         Command::Demo(demo) => demo::demo(&demo),
+        Command::Completions { shell } => install::completions(shell),
+        Command::Man { folder } => install::manual(&folder),
         Command::Vectors(Vectors::Run(args)) => vectors::run(&args),
     }
 }

@@ -3,10 +3,11 @@
 use crate::args::{Depth, MeshArgs};
 use crate::bounds::{Asked, Field, asked, field};
 use crate::conform::{certificate, check_own, print, same_volume, summary};
-use crate::console::{self, Progress, Stop};
+use crate::console::{self, Stop};
 use crate::json::{check_json, distinct, is_stdout, keep_input, write_json, write_text};
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
+use crate::progress::{Progress, Stage};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
 use crate::rounds::{self, EngineArg};
 use crate::run::{check_outputs, set_threads};
@@ -79,7 +80,9 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         written.iter().try_for_each(|path| keep_input(input, path))?;
     }
     let stop = Stop::on_signal()?;
+    let stage = Stage::begin("prepare");
     let (ready, flat_tolerance) = args.preparation.prepare(&args.domain)?;
+    drop(stage);
     let job = Job {
         command: "mesh",
         name: &args.domain,
@@ -115,9 +118,11 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
         inside.tet_tags = None;
     }
     let clock = Instant::now();
+    let stage = Stage::begin("hash");
     let hash = canonical_hash(&inside.points, &inside.tets)
         .map_err(|e| Failure::Other(e.to_string()))?
         .to_string();
+    drop(stage);
     seconds.hash = clock.elapsed().as_secs_f64();
     let mut report = report_of(job, &refined, ready, hash, seconds);
     let quality = Quality::of(&inside.points, &inside.tets);
@@ -135,7 +140,9 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     if job.check != Depth::Off && refined.outcome != RefineOutcome::Cancelled {
         let clock = Instant::now();
         let excused = excused(&refined);
+        let stage = Stage::begin("check");
         let mut found = check_own(&inside, ready, job.asked, &refined, excused.len());
+        drop(stage);
         let same = same_volume(ready, &found);
         report.certificate = Some(certificate(&found, same));
         report.seconds.check = clock.elapsed().as_secs_f64();
@@ -424,6 +431,7 @@ fn write(
     let whole = job.keep_exterior.then(|| refined.to_tet_mesh(true));
     let mesh = whole.as_ref().unwrap_or(inside);
     if !job.outputs.is_empty() {
+        let _stage = Stage::begin("write");
         let values = quality::arrays(&mesh.points, &mesh.tets);
         let extras = Extras { values, faces: refined.boundary(job.keep_exterior) };
         for path in job.outputs {

@@ -2,12 +2,13 @@
 
 use crate::args::{Delaunay, Depth};
 use crate::check::check_own;
-use crate::console::{self, Progress, Stop};
+use crate::console::{self, Stop};
 use crate::figures::{Figures, SPANS, tables, write_trace};
 use crate::json::{check_json, distinct, is_stdout, keep_input, write_json, write_text};
 use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{self, Page, Scene};
+use crate::progress::{Progress, Stage};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
 use ltbw::balance::Balance;
 use ltbw::io::{self, PointFile};
@@ -81,7 +82,9 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     distinct(&written)?;
     written.iter().try_for_each(|path| keep_input(&args.points, path))?;
     let stop = Stop::on_signal()?;
+    let stage = Stage::begin("read");
     let file = io::read_points(&args.points).map_err(Failure::Read)?;
+    drop(stage);
     let job = Job {
         command: "delaunay",
         name: &args.points,
@@ -160,7 +163,9 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     }
 
     let clock = Instant::now();
+    let stage = Stage::begin("hash");
     let hash = mesh.hash().map_err(|e| Failure::Other(e.to_string()))?.to_string();
+    drop(stage);
     report.seconds.hash = clock.elapsed().as_secs_f64();
     report.mesh.hash = Some(hash.clone());
     // The input's own coordinates, under the input's numbers.
@@ -174,7 +179,9 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
 
     if to_check {
         let own = verify::Mesh::new(set.points(), &tets).with_hull(&hull);
+        let stage = Stage::begin("check");
         let checked = check_own(&own.with_neighbours(&neighbours), &hash, job.check);
+        drop(stage);
         report.seconds.check = clock.elapsed().as_secs_f64();
         if let Some(checked) = checked {
             report.certificate = checked.certificate;
@@ -249,10 +256,12 @@ fn build(set: &PointSet, job: &Job<'_>) -> Result<BuiltBy, RunError> {
     if job.json.is_some() || job.parallel.tables || is_traced {
         kernel = kernel.measure(if is_traced { SPANS } else { 0 });
     }
+    let stage = Stage::begin("insert");
     let run = kernel.build_distributed(set)?;
     let count = if in_parts { run.parts() } else { 0 };
     let parts = (0..count).map(|part| run.tets(part).collect()).collect();
     let run = run.gather()?;
+    drop(stage);
     let stats = Stats {
         order_seconds: run.start_seconds,
         insert_seconds: run.insert_seconds + run.gather_seconds,
@@ -313,6 +322,7 @@ fn write_outputs(
     job: &Job<'_>,
 ) -> Result<(), Failure> {
     let clock = Instant::now();
+    let _stage = (!job.outputs.is_empty()).then(|| Stage::begin("write"));
     for path in job.outputs {
         let files = if io::is_parts(path) {
             let parts: Vec<TetMesh> = parts.iter().map(|tets| part_of(mesh, tets)).collect();

@@ -1,12 +1,18 @@
 //! The only module of this crate with atomics.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
 
 /// A flag that is set at most once and never taken back. It publishes nothing else.
 #[derive(Debug, Default)]
 pub(crate) struct Flag(AtomicBool);
 
 impl Flag {
+    /// A flag that is not set.
+    pub(crate) const fn new() -> Self {
+        Self(AtomicBool::new(false))
+    }
+
     /// Sets it; true if it was set before.
     pub(crate) fn set(&self) -> bool {
         self.0.swap(true, Ordering::Relaxed)
@@ -15,5 +21,35 @@ impl Flag {
     /// Is it set?
     pub(crate) fn is_set(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// The time when something was done last: a limit on how often it is done. It orders nothing.
+#[derive(Debug, Default)]
+pub(crate) struct Due(AtomicU64);
+
+impl Due {
+    /// Is it `pause` or longer since this was true last, or never true? `now` counts from any
+    /// moment that stays the same.
+    pub(crate) fn is_due(&self, now: Duration, pause: Duration) -> bool {
+        let (now, pause) = (now.as_millis() as u64, pause.as_millis() as u64);
+        let next = self.0.load(Ordering::Relaxed);
+        now >= next && {
+            self.0.store(now + pause, Ordering::Relaxed);
+            true
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Due;
+    use std::time::Duration;
+
+    #[test]
+    fn what_was_done_is_due_after_a_pause() {
+        let (due, pause) = (Due::default(), Duration::from_millis(200));
+        let times = [0, 100, 199, 200, 399, 401].map(Duration::from_millis);
+        assert_eq!(times.map(|t| due.is_due(t, pause)), [true, false, false, true, false, true]);
     }
 }

@@ -78,3 +78,51 @@ fn counts_may_be_written_with_an_exponent_and_bounds_may_be_negative_to_be_refus
         assert!(run.error().contains("-1") && !run.error().contains("unexpected argument"));
     }
 }
+
+#[test]
+fn progress_can_be_read_by_programs_and_silenced() {
+    let dir = tempfile::tempdir().unwrap();
+    assert_eq!(ltbw(dir.path(), &["generate", "uniform", "20000", "-o", "p.npy"]).code, 0);
+    for threads in [&[][..], &["--threads", "2"]] {
+        let args = ["delaunay", "p.npy", "-o", "m.vtu", "--progress", "json"];
+        let run = ltbw(dir.path(), &[&args[..], threads].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let lines = run.stderr.lines().filter(|line| line.starts_with('{'));
+        let lines: Vec<serde_json::Value> =
+            lines.map(|line| serde_json::from_str(line).unwrap()).collect();
+        let mut phases: Vec<&str> = lines.iter().map(|l| l["phase"].as_str().unwrap()).collect();
+        phases.dedup();
+        assert_eq!(phases, ["read", "insert", "hash", "check", "write"]);
+        if threads.is_empty() {
+            let last = lines.iter().rfind(|l| l["phase"] == "insert").unwrap();
+            assert_eq!((&last["done"], &last["total"]), (&20_000.into(), &20_000.into()));
+        }
+    }
+    let quiet = ltbw(dir.path(), &["delaunay", "p.npy", "-o", "m.vtu", "--quiet"]);
+    assert_eq!((quiet.code, quiet.stderr.as_str()), (0, ""));
+    assert!(quiet.stdout.starts_with("ltbw.mesh/1 "));
+    // Errors and outcomes are told all the same.
+    let wrong = ltbw(dir.path(), &["-q", "delaunay", "none.npy"]);
+    assert_eq!((wrong.code, wrong.stderr.lines().count()), (3, 1));
+}
+
+#[test]
+fn shells_and_manuals_know_every_command() {
+    let dir = tempfile::tempdir().unwrap();
+    for shell in ["bash", "zsh", "fish"] {
+        let run = ltbw(dir.path(), &["completions", shell]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        for word in ["delaunay", "simulate", "max-volume"] {
+            assert!(run.stdout.contains(word), "{shell}: {word}");
+        }
+    }
+    let run = ltbw(dir.path(), &["man", "."]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let pages = names(dir.path());
+    for command in ["ltbw.1", "ltbw-mesh.1", "ltbw-check.1", "ltbw-vectors.1"] {
+        assert!(pages.iter().any(|page| page == command), "{pages:?}");
+    }
+    let page = std::fs::read_to_string(dir.path().join("ltbw-mesh.1")).unwrap();
+    assert!(page.starts_with(".ie") && page.contains("max\\-volume"), "{page}");
+    assert_eq!(ltbw(dir.path(), &["man", "missing"]).code, 6);
+}

@@ -10,6 +10,7 @@ use crate::console;
 use crate::figures::{SPANS, cost_model, tables, write_trace};
 use crate::json::{check_json, distinct, is_stdout, write_json};
 use crate::outcome::{Exit, Failure, show};
+use crate::progress::Stage;
 use ltbw::io;
 use ltbw::mesh::{Ownership, Plan};
 use ltbw::protocol::{Closure, Config};
@@ -138,6 +139,7 @@ fn mesh(
     options: &Options,
     name: &Path,
 ) -> Result<Meshed, Failure> {
+    let _stage = Stage::begin("simulate");
     simulate_mesh(set, plan, config, options).map_err(|error| match error {
         MeshError::Build(error) => Failure::Build { path: name.to_owned(), error },
         other => Failure::Other(format!("{}: {other}", show(name))),
