@@ -8,13 +8,15 @@ use crate::json::{check_json, distinct, is_stdout, keep_input, write_json, write
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
 use crate::progress::{Progress, Stage};
-use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
+use crate::report::{
+    Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, quality_json,
+};
 use crate::rounds::{self, EngineArg};
 use crate::run::{check_outputs, set_threads};
 use crate::surface::{print_patches, repairs_json};
 use crate::unrecovered;
 use ltbw::domain::Prepared;
-use ltbw::quality::{self, Extreme, Histogram, Quality};
+use ltbw::quality::{self, Quality};
 use ltbw::refine::{Reason, RefineOutcome, Refined};
 use ltbw::{Extras, TetMesh, canonical_hash, io};
 use ltbw_verify::{Breach, Conformity, Finding};
@@ -398,26 +400,6 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
         "patches": stats.patches,
         "recover_seconds": stats.recover_seconds,
         "refine_seconds": stats.refine_seconds,
-    })
-}
-
-fn quality_json(quality: &Quality) -> Value {
-    let extreme = |e: Extreme| json!({ "value": e.value, "tet": e.tet });
-    let histogram = |h: &Histogram| {
-        json!({
-            "name": h.name,
-            "low": h.low,
-            "high": h.high,
-            "counts": h.counts,
-            "least": extreme(h.least),
-            "largest": extreme(h.largest),
-        })
-    };
-    json!({
-        "dihedral": histogram(&quality.dihedral),
-        "radius_edge": histogram(&quality.radius_edge),
-        "volume": histogram(&quality.volume),
-        "edge": histogram(&quality.edge),
     })
 }
 

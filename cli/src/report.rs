@@ -1,6 +1,8 @@
 //! The JSON report `ltbw.report/1`. A field that exists is never renamed in this version.
 
+use ltbw::quality::{Extreme, Histogram, Quality};
 use serde::Serialize;
+use serde_json::{Value, json};
 
 /// The report of a run.
 #[derive(Debug, Serialize)]
@@ -113,6 +115,27 @@ pub(crate) struct Seconds {
     pub(crate) hash: f64,
     pub(crate) write: f64,
     pub(crate) total: f64,
+}
+
+/// Histograms and extremes of a mesh, as JSON.
+pub(crate) fn quality_json(quality: &Quality) -> Value {
+    let extreme = |e: Extreme| json!({ "value": e.value, "tet": e.tet });
+    let histogram = |h: &Histogram| {
+        json!({
+            "name": h.name,
+            "low": h.low,
+            "high": h.high,
+            "counts": h.counts,
+            "least": extreme(h.least),
+            "largest": extreme(h.largest),
+        })
+    };
+    json!({
+        "dihedral": histogram(&quality.dihedral),
+        "radius_edge": histogram(&quality.radius_edge),
+        "volume": histogram(&quality.volume),
+        "edge": histogram(&quality.edge),
+    })
 }
 
 /// The most memory that this process held so far, in bytes, where the system tells.
