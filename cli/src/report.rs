@@ -27,12 +27,12 @@ pub(crate) struct Report {
     pub(crate) outcome: &'static str,
     /// The figures of refinement, of a domain.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) refinement: Option<serde_json::Value>,
+    pub(crate) refinement: Option<Value>,
     /// Histograms and extremes, of a domain's mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) quality: Option<serde_json::Value>,
+    pub(crate) quality: Option<Value>,
     /// The certificate `ltbw.cert/1`, if the mesh was checked.
-    pub(crate) certificate: Option<serde_json::Value>,
+    pub(crate) certificate: Option<Value>,
     /// Mesh files written.
     pub(crate) outputs: Vec<String>,
     /// Figures of each worker of the parallel kernel; none if one thread inserted.
