@@ -1,4 +1,4 @@
-//! `completions` and `man`: files for those who install the program.
+//! `completions` and `man`: files for packages of the program.
 
 use crate::args::Args;
 use crate::console;
