@@ -406,7 +406,7 @@ impl Mesh {
 
     /// The finite tetrahedra, by id.
     pub fn tet_ids(&self) -> impl Iterator<Item = TetId> + '_ {
-        self.topology.iter().filter(|(_, t)| !t.is_ghost()).map(|(t, _)| t)
+        self.topology.finite().map(|(t, _)| t)
     }
 
     /// The vertices of a finite tetrahedron, positively oriented; `None` if `t` is not one.
@@ -429,10 +429,7 @@ impl Mesh {
 
     /// The finite tetrahedra, positively oriented.
     pub fn tets(&self) -> impl Iterator<Item = [Vertex; 4]> + '_ {
-        self.topology
-            .iter()
-            .filter(|(_, t)| !t.is_ghost())
-            .map(|(_, t)| t.vertices().map(|v| self.numbers[v as usize]))
+        self.topology.finite().map(|(_, t)| t.vertices().map(|v| self.numbers[v as usize]))
     }
 
     /// The hull facets; seen from outside their vertices turn counterclockwise.
@@ -445,7 +442,7 @@ impl Mesh {
 
     /// Every triangle once, hull facets included.
     pub fn faces(&self) -> impl Iterator<Item = [Vertex; 3]> + '_ {
-        self.topology.iter().filter(|(_, t)| !t.is_ghost()).flat_map(move |(id, t)| {
+        self.topology.finite().flat_map(move |(id, t)| {
             let (v, n) = (t.vertices().map(|v| self.numbers[v as usize]), t.neighbours());
             (0..4).filter_map(move |slot| {
                 let u = tet_of(n[slot]);
@@ -463,20 +460,11 @@ impl Mesh {
 
     /// The canonical mesh hash `ltbw.mesh/1` ([`crate::hash`]).
     pub fn hash(&self) -> Result<MeshHash, HashError> {
-        let points: Vec<Point> = self
-            .geometry
-            .points()
-            .iter()
-            .take(self.numbers.len())
-            .skip(1)
-            .map(|&p| self.mode.from_kernel(p))
-            .collect();
-        let tets: Vec<[u32; 4]> = self
-            .topology
-            .iter()
-            .filter(|(_, t)| t.vertices()[3] != INFINITE)
-            .map(|(_, t)| t.vertices().map(|v| v - 1))
-            .collect();
+        let points = self.geometry.points();
+        let points = points.get(1..self.numbers.len()).unwrap_or_default();
+        let points: Vec<Point> = points.iter().map(|&p| self.mode.from_kernel(p)).collect();
+        let finite = self.topology.finite();
+        let tets: Vec<[u32; 4]> = finite.map(|(_, t)| t.vertices().map(|v| v - 1)).collect();
         canonical_hash(&points, &tets)
     }
 }

@@ -197,6 +197,11 @@ impl Topology {
         (0..).zip(self.tets.all()).filter(|(_, t)| !t.is_free())
     }
 
+    /// The finite tetrahedra, ascending. (The last vertex of a vacant slot is at infinity, too.)
+    pub fn finite(&self) -> impl Iterator<Item = (TetId, &Tet)> + '_ {
+        (0..).zip(self.tets.all()).filter(|(_, t)| !t.is_ghost())
+    }
+
     #[inline(always)]
     pub(crate) fn mark(&mut self, t: TetId) {
         self.tets.at_mut(t).v[3] |= MARK;
@@ -251,9 +256,10 @@ impl Topology {
         self.tets.at_mut(tet_of(b)).n[slot_of(b)] = a;
     }
 
-    /// Writes a tetrahedron whose neighbours are not known yet; ghosts are counted.
-    pub(crate) fn write(&mut self, t: TetId, v: [VertexId; 4]) {
-        *self.tets.at_mut(t) = Tet { v, n: [0; 4] };
+    /// Writes a tetrahedron, without the other direction of its links; ghosts are counted.
+    #[inline]
+    pub(crate) fn write(&mut self, t: TetId, v: [VertexId; 4], n: [FaceId; 4]) {
+        *self.tets.at_mut(t) = Tet { v, n };
         self.ghosts += usize::from(v[3] == INFINITE);
     }
 

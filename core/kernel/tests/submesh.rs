@@ -41,7 +41,14 @@ fn walks_and_closures_stay_inside_whatever_the_links_are() {
                 }
                 1 => mesh.put_far(4 * t + below(4), step).expect("room"),
                 2 => mesh.link_far(4 * t + below(4), step).expect("room"),
-                3 => mesh.point_to(4 * t + below(4), 4 * u + below(4)),
+                3 => {
+                    let star = [[1, 2, 3], [2, 1, 4]]
+                        .map(|wall| (wall, [0; 4].map(|_| (below(2) == 1).then(|| below(8)))));
+                    let corners = [0; 5].map(|_| 1 + below(POINTS));
+                    let mut made = Vec::new();
+                    mesh.create_star(&corners, star.into_iter(), &mut made).expect("room");
+                    live.extend(made);
+                }
                 4 => mesh.cache_sphere(t),
                 5 => mesh.link(4 * t + below(4), 4 * u + below(4)),
                 6 => mesh.tag(t, step),
@@ -93,7 +100,7 @@ fn numbers_of_nothing_are_refused() {
     for u in [far, removed_tags, u32::MAX] {
         refused("close", &mut |mesh| mesh.lock(u, 1, true));
         refused("tag", &mut |mesh| mesh.tag(u, 1));
-        refused("remove", &mut |mesh| mesh.remove(u));
+        refused("remove", &mut |mesh| _ = mesh.remove(u));
         refused("conflict", &mut |mesh| _ = mesh.in_conflict(u, &p));
         refused("sphere", &mut |mesh| mesh.cache_sphere(u));
         refused("closure", &mut |mesh| _ = mesh.lock_closure(u, &p, 1, &mut Closure::default()));
@@ -101,7 +108,6 @@ fn numbers_of_nothing_are_refused() {
         refused("link", &mut |mesh| mesh.link(face, 4 * t));
         refused("link", &mut |mesh| mesh.link(4 * t, face));
         refused("link new", &mut |mesh| mesh.link_new(4 * t, face));
-        refused("point to", &mut |mesh| mesh.point_to(4 * t, face));
         refused("link far", &mut |mesh| _ = mesh.link_far(face, 1));
         refused("put far", &mut |mesh| _ = mesh.put_far(face, 1));
     }
@@ -114,6 +120,13 @@ fn numbers_of_nothing_are_refused() {
     refused("set points", &mut |mesh| mesh.set_points(2, &points));
     refused("create", &mut |mesh| _ = mesh.create([1, 2, 3, POINTS as u32 + 1]));
     refused("star", &mut |mesh| {
-        _ = mesh.create_star(&[1, 2, 99, 3], [[1, 2, 3]].into_iter(), &mut Vec::new());
+        let star = [([1, 2, 3], [None; 4])];
+        _ = mesh.create_star(&[1, 2, 99, 3], star.into_iter(), &mut Vec::new());
     });
+    for star in [[([1, 2, 3], [Some(4), None, None, None])], [([1, 2, 4], [None; 4])]] {
+        let all = catch_unwind(AssertUnwindSafe(|| {
+            mesh.create_star(&[1, 2, 3, 4], star.into_iter(), &mut Vec::new())
+        }));
+        assert!(all.is_err(), "{star:?}");
+    }
 }

@@ -5,14 +5,6 @@ use crate::protocol::{BlockId, Directory, Handle, Name, SubmeshError, invariant}
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use rustc_hash::FxHashMap;
 
-/// Slots that a patch may take beside those that it frees: for its tetrahedra, and for a proxy at
-/// each face that may lead to another worker's.
-fn slots_of(patch: &Patch) -> usize {
-    let is_far = |to: &&To| matches!(to, To::Far(_));
-    let far: usize = patch.create.iter().map(|new| new.n.iter().filter(is_far).count()).sum();
-    (patch.create.len() + far + patch.relink.len()).saturating_sub(patch.remove.len())
-}
-
 fn unknown(what: &'static str, number: u32) -> SubmeshError {
     SubmeshError::Unknown { what, number }
 }
@@ -41,16 +33,17 @@ impl LocalMesh {
             return;
         }
         for &t in &patch.remove {
-            self.drop_name(t);
-            self.tets.remove(t);
+            self.remove(t);
         }
         self.set_sites(&patch.sites);
         let mut tets = std::mem::take(&mut self.star);
         self.rim.clear();
         self.rim.extend(patch.sites.iter().map(|site| site.vertex));
-        let walls = patch.create.iter().map(|new| [new.v[1], new.v[2], new.v[3]]);
-        if !patch.create.is_empty() && self.tets.create_star(&self.rim, walls, &mut tets).is_none()
-        {
+        let within =
+            |to: To| if let To::New(k, slot) = to { Some(4 * k + u32::from(slot)) } else { None };
+        let star =
+            patch.create.iter().map(|new| ([new.v[1], new.v[2], new.v[3]], new.n.map(within)));
+        if !patch.create.is_empty() && self.tets.create_star(&self.rim, star, &mut tets).is_none() {
             self.fail_for_room();
             return;
         }
@@ -61,9 +54,7 @@ impl LocalMesh {
             for (slot, to) in (0..).zip(&new.n) {
                 let face = 4 * t + slot;
                 match *to {
-                    To::New(k, there) => {
-                        self.tets.point_to(face, 4 * tets[k as usize] + u32::from(there));
-                    }
+                    To::New(..) => {}
                     To::Old(u, there) => self.tets.link_new(face, 4 * u + u32::from(there)),
                     To::Far(handle) => self.link_new_far(face, handle),
                 }
@@ -89,18 +80,26 @@ impl LocalMesh {
     /// Is there room for a patch, and all that it names by a number? Another worker has made it.
     fn check_patch(&self, patch: &Patch) -> Result<(), SubmeshError> {
         let Patch { remove, sites, create, relink } = patch;
+        // What it takes beside the slots that it frees: its tetrahedra, and a proxy at each face
+        // that may lead to another worker's.
+        let mut slots = create.len() + relink.len();
         for &t in remove {
             self.check_open(t)?;
         }
-        for site in sites {
+        // The place of the vertex at infinity, which is only ever the last of a tetrahedron.
+        let mut infinite = None;
+        for (place, site) in (0..).zip(sites) {
             self.check_vertex(site.vertex)?;
+            if site.vertex == INFINITE && infinite.replace(place).is_some() {
+                return Err(unknown("a vertex given once", INFINITE));
+            }
         }
+        let infinite = infinite.unwrap_or(u32::MAX);
         for new in create {
-            let at = |v: u32| sites.get(v as usize).map(|site| site.vertex);
             let [a, b, c, d] = new.v;
-            let finite = |v| at(v).is_some_and(|v| v != INFINITE);
-            if ![a, b, c].into_iter().all(finite) || at(d).is_none() {
-                return Err(unknown("a vertex", a.max(b).max(c).max(d)));
+            let last = a.max(b).max(c).max(d);
+            if last as usize >= sites.len() || a == infinite || b == infinite || c == infinite {
+                return Err(unknown("a vertex", last));
             }
             for to in &new.n {
                 match *to {
@@ -109,7 +108,10 @@ impl LocalMesh {
                     }
                     To::New(..) => {}
                     To::Old(t, slot) => self.check_open(t).and(check_slot(slot))?,
-                    To::Far(handle) => check_slot(handle.face)?,
+                    To::Far(handle) => {
+                        check_slot(handle.face)?;
+                        slots += 1;
+                    }
                 }
             }
         }
@@ -119,7 +121,8 @@ impl LocalMesh {
             }
             check_slot(relink.slot).and(check_slot(relink.to.face))?;
         }
-        if self.tets.has_room(slots_of(patch)) { Ok(()) } else { Err(self.no_room()) }
+        let slots = slots.saturating_sub(remove.len());
+        if self.tets.has_room(slots) { Ok(()) } else { Err(self.no_room()) }
     }
 
     /// Is there room for tetrahedra that come, and all that they name by a number?
@@ -274,8 +277,7 @@ impl LocalMesh {
             self.put(|tets| tets.link_far(face, handle));
         }
         for &t in &tets {
-            self.drop_name(t);
-            self.tets.remove(t);
+            self.remove(t);
         }
         cargo
     }

@@ -182,8 +182,9 @@ impl LocalMesh {
         self.tets.tag(t, name);
     }
 
-    fn drop_name(&mut self, t: TetId) {
-        if let Some(name) = self.tets.untag(t) {
+    /// Removes a tetrahedron and its name.
+    fn remove(&mut self, t: TetId) {
+        if let Some(name) = self.tets.remove(t) {
             self.names.remove(&name);
         }
     }

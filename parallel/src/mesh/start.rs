@@ -314,7 +314,10 @@ fn link(mesh: &mut LocalMesh, coarse: &Mesh, t: TetId, place: &[(BlockId, Worker
         let (u, there) = (tet_of(face), slot_of(face) as u32);
         let (other_block, other_owner, other_local) = place[u as usize];
         if other_owner == owner {
-            mesh.tets.link(4 * local + slot, 4 * other_local + there);
+            // Both ways at once.
+            if t < u {
+                mesh.tets.link(4 * local + slot, 4 * other_local + there);
+            }
             continue;
         }
         let name = Name { by: COARSE, number: u };

@@ -41,7 +41,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.blocked = None;
         self.topology.reserve(1).ok()?;
         let t = self.topology.take();
-        self.topology.write(t, v);
+        self.topology.write(t, v, [0; 4]);
         self.geometry.reserve_spheres(self.topology.slots());
         self.geometry.set_sphere(t, Sphere::UNKNOWN);
         self.made += 1;
@@ -92,30 +92,41 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         Some(())
     }
 
-    /// Removes tetrahedron `t`, which is unlocked, and the proxies at its faces. What links to it
-    /// is still to be linked anew.
+    /// Removes tetrahedron `t`, which is unlocked, and the proxies at its faces; returns its tag.
+    /// What links to it is still to be linked anew.
     ///
     /// # Panics
     /// If there is no such tetrahedron.
-    pub fn remove(&mut self, t: TetId) {
+    pub fn remove(&mut self, t: TetId) -> Option<T> {
         self.expect_live(t);
         self.blocked = None;
         debug_assert!(!self.is_locked(t));
-        self.untag(t);
-        for slot in 0..4 {
-            self.forget_proxy(4 * t + slot);
+        let tag = self.locks.untag(&mut self.geometry.sphere(t));
+        for (slot, beyond) in (0..).zip(self.topology.tet(t).neighbours()) {
+            self.forget_proxy_at(4 * t + slot, tet_of(beyond));
         }
         self.geometry.set_sphere(t, Sphere::UNKNOWN);
         self.topology.erase(t);
+        tag
     }
 
-    /// Is slot `t` a proxy at `face`? Links that are not made yet lead anywhere.
-    pub(super) fn is_proxy_of(&self, t: TetId, face: FaceId) -> bool {
-        self.topology.get(t).is_some_and(|tet| tet.is_proxy() && tet.neighbours()[0] == face)
+    /// Is slot `t`, to which a link leads (I7), a proxy at `face`? Links that are not made yet lead
+    /// to any slot.
+    #[inline]
+    fn is_proxy_of(&self, t: TetId, face: FaceId) -> bool {
+        let tet = self.topology.tet(t);
+        tet.is_proxy() && tet.neighbours()[0] == face
     }
 
+    #[inline]
     pub(super) fn forget_proxy(&mut self, face: FaceId) {
         let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
+        self.forget_proxy_at(face, there);
+    }
+
+    /// Forgets the proxy at `face` if slot `there` beyond it is one.
+    #[inline]
+    fn forget_proxy_at(&mut self, face: FaceId, there: TetId) {
         if self.is_proxy_of(there, face) {
             self.far.remove(self.geometry.sphere(there));
             self.geometry.set_sphere(there, Sphere::UNKNOWN);

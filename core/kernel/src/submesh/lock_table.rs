@@ -79,32 +79,29 @@ impl<H: Copy, T: Copy> LockTable<H, T> {
         &mut self.entries[place as usize]
     }
 
-    /// Frees the entry if there is nothing to know any more; `sphere` is then the sphere.
-    #[inline]
-    fn tidy(&mut self, sphere: &mut Sphere) {
-        if let Some(place) = sphere.number(KIND) {
-            let entry = &self.entries[place as usize];
-            if entry.lock.is_none() && entry.tag.is_none() {
-                *sphere = entry.sphere;
-                self.free.push(place);
-            }
-        }
-    }
-
     /// Takes the holder away; `sphere` is then what the tetrahedron is to have.
     #[inline]
     pub(crate) fn unlock(&mut self, sphere: &mut Sphere) {
-        if let Some(entry) = self.get_mut(*sphere) {
-            entry.lock = None;
-            self.tidy(sphere);
+        let Some(place) = sphere.number(KIND) else { return };
+        let entry = &mut self.entries[place as usize];
+        entry.lock = None;
+        if entry.tag.is_none() {
+            // There is nothing to know any more.
+            *sphere = entry.sphere;
+            self.free.push(place);
         }
     }
 
     /// Takes the tag away; `sphere` is then what the tetrahedron is to have.
     #[inline]
     pub(crate) fn untag(&mut self, sphere: &mut Sphere) -> Option<T> {
-        let tag = self.get_mut(*sphere)?.tag.take();
-        self.tidy(sphere);
+        let place = sphere.number(KIND)?;
+        let entry = &mut self.entries[place as usize];
+        let tag = entry.tag.take();
+        if entry.lock.is_none() {
+            *sphere = entry.sphere;
+            self.free.push(place);
+        }
         tag
     }
 

@@ -2,35 +2,39 @@
 
 use super::Submesh;
 use crate::cavity::{SMALL, SMALL_WALLS, Star};
-use crate::topology::{FaceId, TetId, VertexId, tet_of};
+use crate::topology::{FaceId, TetId, VertexId, slot_of, tet_of};
 
 impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
-    /// Makes the tetrahedra of `corners[0]` with three other corners each, given by their indices
-    /// `walls`, positively oriented. Their handles are put in `tets`, in the same order; their
-    /// spheres are cached, unless there are more than 64 other corners; their faces are still to be
-    /// linked. `None` at the limit of tetrahedra.
+    /// Makes the tetrahedra of `corners[0]` with three other corners each, given by their indices,
+    /// positively oriented, and with the faces beyond theirs that are of the star, too: its
+    /// tetrahedra are counted from 0. The other faces are still to be linked. The handles are put
+    /// in `tets`, in the same order; their spheres are cached, unless there are more than 64 other
+    /// corners. `None` at the limit of tetrahedra.
     ///
     /// # Panics
-    /// If a corner is no vertex, or an index is none of a corner.
+    /// If a corner is no vertex, an index is none of a corner, or a face is none of the star.
     pub fn create_star(
         &mut self,
         corners: &[VertexId],
-        walls: impl ExactSizeIterator<Item = [u32; 3]>,
+        star: impl ExactSizeIterator<Item = ([u32; 3], [Option<FaceId>; 4])>,
         tets: &mut Vec<TetId>,
     ) -> Option<()> {
         self.blocked = None;
         tets.clear();
-        self.topology.reserve(walls.len()).ok()?;
+        self.topology.reserve(star.len()).ok()?;
         corners.iter().for_each(|&v| self.expect_vertex(v));
         // As in a cavity of the kernel, large stars have no spheres.
-        let small = corners.len() <= SMALL + 1 && walls.len() <= SMALL_WALLS;
+        let small = corners.len() <= SMALL + 1 && star.len() <= SMALL_WALLS;
         let rim = if small { &corners[1..] } else { &[] };
         let mut faces = [[0; 4]; SMALL_WALLS];
-        for (k, wall) in walls.enumerate() {
+        // All slots first: a face may lead to a tetrahedron that comes later.
+        tets.extend((0..star.len()).map(|_| self.topology.take()));
+        for (k, (wall, links)) in star.enumerate() {
             let [a, b, c] = wall.map(|corner| corners[corner as usize]);
-            let t = self.topology.take();
-            self.topology.write(t, [corners[0], a, b, c]);
-            tets.push(t);
+            // A face that is not linked yet leads to slot 0, which there is (I7).
+            let beyond = |face: FaceId| 4 * tets[tet_of(face) as usize] + slot_of(face) as FaceId;
+            let n = links.map(|face| face.map_or(0, beyond));
+            self.topology.write(tets[k], [corners[0], a, b, c], n);
             if small {
                 let [a, b, c] = wall.map(|corner| corner as u8 - 1);
                 faces[k] = [a, b, c, 0];
@@ -46,17 +50,6 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         let place = self.place(corners[0]);
         self.places[place] = hint;
         Some(())
-    }
-
-    /// Says that `beyond` lies beyond `face`, both of new tetrahedra, without the other direction.
-    ///
-    /// # Panics
-    /// If there is no such face.
-    pub fn point_to(&mut self, face: FaceId, beyond: FaceId) {
-        self.expect_live(tet_of(face));
-        self.expect_live(tet_of(beyond));
-        self.blocked = None;
-        self.topology.point_to(face, beyond);
     }
 
     /// Links a face of a new tetrahedron with that of an old one. A proxy that stood there is
