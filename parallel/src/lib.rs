@@ -27,6 +27,7 @@
 #![forbid(unsafe_code)]
 
 pub mod balance;
+pub mod check;
 mod failure;
 pub mod mailbox;
 pub mod mesh;

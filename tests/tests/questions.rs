@@ -7,7 +7,8 @@
 mod tables;
 
 use ltbw::balance::Stock;
-use ltbw::protocol::{Action, Attempt, Correct, Event, Message, Note, RequestView, Rule};
+use ltbw::check::RequestView;
+use ltbw::protocol::{Action, Attempt, Correct, Event, Message, Note, Rule};
 use ltbw::protocol::{Submesh, Ticket, Worker, WorkerId};
 use ltbw_tests::families::Rng;
 use ltbw_tests::vectors::line::Line;

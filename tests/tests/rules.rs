@@ -123,7 +123,7 @@ fn every_invariant_has_its_row_and_its_check() {
     let all: BTreeSet<String> =
         ltbw::protocol::Invariant::ALL.iter().map(ToString::to_string).collect();
     assert_eq!(page, all);
-    let check = read("parallel/src/protocol/check.rs");
+    let check = read("parallel/src/check/mod.rs");
     for number in &all {
         let name = format!("check_{}", number.to_lowercase());
         assert!(check.contains(&format!("fn {name}(")), "no {name}");

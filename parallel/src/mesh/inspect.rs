@@ -1,8 +1,8 @@
-//! The view of a submesh that checkers have: see [`crate::protocol::check`].
+//! The view of a submesh that checkers have: see [`crate::check`].
 
 use super::{LocalMesh, Moving, Patch, WireVertex};
+use crate::check::{Inspect, Seen, Sent};
 use crate::protocol::Name;
-use crate::protocol::check::{Inspect, Seen, Sent};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 
 /// A tetrahedron's vertices, ascending.

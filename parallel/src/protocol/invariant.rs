@@ -3,48 +3,33 @@
 //! `invariant!(P8, holds, "...")` is on in releases: a state that cannot be must not become a wrong
 //! mesh or a run without an end. It panics inside the worker; the runtimes catch that and end the
 //! run with an error that has the number ([`Broken`]). `docs/protocol.md` lists the invariants, and
-//! [`super::check`] tests them over all workers at once.
+//! [`crate::check`] tests them over all workers at once.
 
 use std::fmt;
 
-/// An invariant of `docs/protocol.md`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[allow(missing_docs)] // the page has them
-pub enum Invariant {
-    P1 = 1,
-    P2,
-    P3,
-    P4,
-    P5,
-    P6,
-    P7,
-    P8,
-    P9,
-    P10,
-    P11,
+/// The invariants by their numbers.
+macro_rules! numbered {
+    ($($number:ident)*) => {
+        /// An invariant of `docs/protocol.md`.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[allow(missing_docs)] // the page has them
+        pub enum Invariant {
+            $($number),*
+        }
+
+        impl Invariant {
+            /// All of them, ascending.
+            pub const ALL: [Self; 11] = [$(Self::$number),*];
+        }
+    };
 }
 
-impl Invariant {
-    /// All of them, ascending.
-    pub const ALL: [Self; 11] = [
-        Self::P1,
-        Self::P2,
-        Self::P3,
-        Self::P4,
-        Self::P5,
-        Self::P6,
-        Self::P7,
-        Self::P8,
-        Self::P9,
-        Self::P10,
-        Self::P11,
-    ];
-}
+numbered!(P1 P2 P3 P4 P5 P6 P7 P8 P9 P10 P11);
 
 impl fmt::Display for Invariant {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "P{}", *self as u8)
+        write!(f, "{self:?}")
     }
 }
 

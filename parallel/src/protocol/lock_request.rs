@@ -4,133 +4,15 @@
 //! `docs/protocol.md`, *The owner*, is the table of states and events that this file follows, with
 //! the pseudocode of `advance`, `grant`, `release` and `wake`.
 
+use super::config::Rule;
 use super::directory::{BlockId, WorkerId};
 use super::invariant::invariant;
-use super::operation::Operation;
 use super::rules::Rules;
-use super::submesh::{Found, Neighbour, Source, Submesh};
-use super::variants::Rule;
+use super::state::{Request, Waiter, Want, want};
+use super::submesh::{Found, Source, Submesh};
 use super::worker::{Action, Note, Worker};
-use super::{Attempt, Handle, Message, Name, Ticket};
+use super::{Attempt, Message, Ticket};
 use std::collections::BTreeMap;
-use std::hash::{Hash, Hasher};
-
-/// A tetrahedron to lock and test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Want<T> {
-    Tet(T),
-    Seed(Handle),
-}
-
-/// The walk or request that waits for a tetrahedron.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) enum Waiter {
-    /// The walk of an operation at home here.
-    Walk(Ticket),
-    /// A request.
-    Request(Ticket),
-}
-
-/// One operation's part of its closure here. It keeps its locks while it waits.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Request<S: Submesh> {
-    pub(super) home: WorkerId,
-    pub(super) attempt: Attempt,
-    pub(super) point: S::Point,
-    /// A stack: the last one is looked at next, or waited for.
-    pub(super) wants: Vec<Want<S::Tet>>,
-    /// All tetrahedra locked.
-    pub(super) held: Vec<S::Tet>,
-    /// Tetrahedra in conflict, since the last grant, that were locked one by one ...
-    pub(super) cavity: Vec<S::Tet>,
-    /// ... and those locked at once.
-    pub(super) pieces: Vec<S::Piece>,
-    /// Far neighbours of those, or of all that is held when what touches the cavity is wanted.
-    pub(super) foreign: Vec<Handle>,
-    /// Seeds whose block is not here any more.
-    pub(super) bounced: Vec<Handle>,
-    /// `Expand` not answered yet.
-    pub(super) owed: u32,
-    /// The cavity's vertices, under the vertex closure: what touches them is to be locked.
-    pub(super) around: Vec<u32>,
-    /// Waiting, or denied: an event has to come first.
-    pub(super) stalled: bool,
-    /// Its home was told that an older operation waits for it.
-    pub(super) wounded: bool,
-}
-
-/// The locks of one worker: their requests, and what waits for them.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Locks<S: Submesh> {
-    /// Closures of which a part is here.
-    pub(super) requests: BTreeMap<Ticket, Box<Request<S>>>,
-    /// Walks and requests that wait for a locked tetrahedron.
-    pub(super) waiting: BTreeMap<S::Tet, Vec<Waiter>>,
-    /// Walks and requests that wait for a tetrahedron that is not installed yet.
-    pub(super) absent: BTreeMap<Name, Vec<Waiter>>,
-}
-
-impl<S: Submesh> Locks<S> {
-    pub(super) fn new() -> Self {
-        Self { requests: BTreeMap::new(), waiting: BTreeMap::new(), absent: BTreeMap::new() }
-    }
-
-    /// Is nothing locked, wanted or awaited?
-    pub(super) fn is_empty(&self) -> bool {
-        self.requests.is_empty() && self.waiting.is_empty() && self.absent.is_empty()
-    }
-}
-
-impl<S: Submesh> Request<S> {
-    pub(super) fn new(home: WorkerId, attempt: Attempt, point: S::Point) -> Box<Self> {
-        Box::new(Self {
-            home,
-            attempt,
-            point,
-            // A typical closure.
-            wants: Vec::with_capacity(64),
-            held: Vec::with_capacity(64),
-            cavity: Vec::with_capacity(32),
-            pieces: Vec::new(),
-            foreign: Vec::with_capacity(16),
-            bounced: Vec::new(),
-            owed: 0,
-            around: Vec::new(),
-            stalled: false,
-            wounded: false,
-        })
-    }
-
-    /// A new request in the memory of one that has ended.
-    pub(super) fn renew(
-        mut self: Box<Self>,
-        home: WorkerId,
-        attempt: Attempt,
-        point: S::Point,
-    ) -> Box<Self> {
-        let Self { wants, held, cavity, pieces, foreign, bounced, around, .. } = &mut *self;
-        around.clear();
-        wants.clear();
-        held.clear();
-        cavity.clear();
-        pieces.clear();
-        foreign.clear();
-        bounced.clear();
-        (self.home, self.attempt, self.point) = (home, attempt, point);
-        (self.owed, self.stalled, self.wounded) = (0, false, false);
-        self
-    }
-
-    /// Its state, for people.
-    pub(super) fn describe(&self) -> String {
-        let Self { home, attempt, wants, held, owed, stalled, .. } = self;
-        let (wants, held) = (wants.len(), held.len());
-        format!(
-            "home {home}, attempt {attempt}, {wants} wanted, {held} held, {owed} owed, \
-             stalled: {stalled}"
-        )
-    }
-}
 
 impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// `Expand`: adds to the request of `ticket`, or makes one.
@@ -404,69 +286,6 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             }
         }
     }
-}
-
-/// Wants a neighbour of a locked tetrahedron.
-pub(super) fn want<T>(
-    neighbour: Neighbour<T>,
-    wants: &mut Vec<Want<T>>,
-    foreign: &mut Vec<Handle>,
-) {
-    match neighbour {
-        Neighbour::Near(u) => wants.push(Want::Tet(u)),
-        Neighbour::Far(handle) => foreign.push(handle),
-    }
-}
-
-/// The memory of what has ended. It is no part of a worker's state: two workers that differ only in
-/// it are the same.
-#[derive(Debug)]
-pub(super) struct Spare<S: Submesh> {
-    requests: Vec<Box<Request<S>>>,
-    pub(super) operations: Vec<Box<Operation<S>>>,
-    /// Names of tetrahedra that a patch has made.
-    made: Vec<Name>,
-}
-
-impl<S: Submesh> Spare<S> {
-    /// The number of each that is kept at most.
-    const MOST: usize = 64;
-
-    pub(super) fn new() -> Self {
-        Self { requests: Vec::new(), operations: Vec::new(), made: Vec::new() }
-    }
-
-    fn put(&mut self, request: Box<Request<S>>) {
-        Self::keep(&mut self.requests, request);
-    }
-
-    pub(super) fn put_operation(&mut self, op: Box<Operation<S>>) {
-        Self::keep(&mut self.operations, op);
-    }
-
-    fn keep<T>(ended: &mut Vec<T>, one: T) {
-        if ended.len() < Self::MOST {
-            ended.push(one);
-        }
-    }
-}
-
-impl<S: Submesh> Clone for Spare<S> {
-    fn clone(&self) -> Self {
-        Self::new()
-    }
-}
-
-impl<S: Submesh> PartialEq for Spare<S> {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-impl<S: Submesh> Eq for Spare<S> {}
-
-impl<S: Submesh> Hash for Spare<S> {
-    fn hash<H: Hasher>(&self, _: &mut H) {}
 }
 
 /// Removes `waiter` from all queues.

@@ -7,8 +7,8 @@
 
 use super::directory::{BlockId, WorkerId};
 use super::invariant::invariant;
-use super::lock_request::{Waiter, Want};
 use super::rules::Rules;
+use super::state::{Waiter, Want};
 use super::submesh::{Source, Submesh};
 use super::worker::{Action, Note, Worker};
 use super::{Handle, Message, Name};

@@ -25,6 +25,8 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `worker` | events, actions, and the routing of events |
+//! | `config` | conflict rule, closure, window |
+//! | `state` | what a worker knows of its operations and lock requests |
 //! | `operation` | the home's side of an operation |
 //! | `lock_request` | the owner's side: requests, queues, grants |
 //! | `migration` | blocks that change their owner |
@@ -33,34 +35,33 @@
 //! | `rules` | R1 to R17, as constants |
 //! | `invariant` | P1 to P11, as assertions that hold in releases |
 //! | `submesh` | what is needed of a mesh and of a supply of points |
-//! | `variants` | the paper's conflict rule and closure |
-//! | [`check`], `view` | the invariants over all workers; what checkers look at |
+//! | `variants` | the steps of the paper's conflict rule and closure |
 
-pub mod check;
+mod config;
 mod directory;
 mod invariant;
 mod lock_request;
 mod migration;
 mod operation;
 mod rules;
+mod state;
 mod submesh;
 mod table;
 mod termination;
 #[cfg(all(test, not(any(loom, shuttle))))]
 mod tests;
 mod variants;
-mod view;
 mod worker;
 
+pub use config::{Closure, Config, Rule};
 pub use directory::{BlockId, Directory, WorkerId};
 pub use invariant::{Broken, Invariant, message_of};
 pub(crate) use invariant::{broken, invariant};
 pub use rules::{Correct, Rules};
+pub(crate) use state::{Operations, Phase, Request, Waiter, Want};
 pub use submesh::{Costs, Found, Insert, Neighbour, Source, Submesh, SubmeshError, Walk};
 pub use termination::Token;
-pub use variants::{Closure, Rule};
-pub use view::RequestView;
-pub use worker::{Action, Config, Event, Note, Worker};
+pub use worker::{Action, Event, Note, Worker};
 
 /// The age of an operation, kept across setbacks: the smaller one is older.
 ///

@@ -3,115 +3,15 @@
 //! `docs/protocol.md`, *The home*, is the table of states and events that this file follows, with
 //! the pseudocode of `start`, `granted` and `fill`.
 
+use super::config::Rule;
 use super::directory::WorkerId;
 use super::invariant::invariant;
-use super::lock_request::{Waiter, Want};
 use super::rules::Rules;
+use super::state::{Granted, Operation, Phase, Waiter, Want};
 use super::submesh::{Insert, Source, Submesh, Walk};
 use super::table::Table;
-use super::variants::Rule;
 use super::worker::{Action, Note, Worker};
-use super::{Attempt, BlockId, Handle, Message, Name, Ticket};
-use std::collections::{BTreeMap, BTreeSet};
-
-/// An operation at its home.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Operation<S: Submesh> {
-    pub(super) point: S::Point,
-    pub(super) attempt: Attempt,
-    pub(super) phase: Phase,
-    /// Workers asked in this attempt, with the number of `Expand` not answered yet.
-    pub(super) asked: Table<WorkerId, u32>,
-    /// Every handle asked for in this attempt, and whom.
-    pub(super) whereabouts: Table<Name, WorkerId>,
-    /// The tetrahedra granted, by owner.
-    pub(super) parts: Table<WorkerId, Vec<S::Piece>>,
-    /// The cavity's vertices, under the vertex closure and when the cavity is complete.
-    pub(super) around: Vec<u32>,
-}
-
-/// Where an operation is in its life.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Phase {
-    /// It can start (again).
-    Ready,
-    /// Its walk waits.
-    Walking,
-    /// It collects its closure.
-    Expanding,
-    /// It is set back, and this number of releases is not acknowledged yet.
-    Releasing(u32),
-    /// It is set back, and waits for its backoff to end (the paper's rule).
-    Backoff,
-}
-
-/// The operations at home at one worker.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Operations<S: Submesh> {
-    pub(super) all: BTreeMap<Ticket, Box<Operation<S>>>,
-    /// Operations that can start (again): the paper's QL.
-    pub(super) ready: BTreeSet<Ticket>,
-    /// Committed operations, kept by the known-bad variant that obeys late wounds.
-    pub(super) late: BTreeMap<Ticket, Box<Operation<S>>>,
-}
-
-impl<S: Submesh> Operations<S> {
-    pub(super) fn new() -> Self {
-        Self { all: BTreeMap::new(), ready: BTreeSet::new(), late: BTreeMap::new() }
-    }
-}
-
-/// The content of a `Grant`, but for its ticket and attempt.
-pub(super) struct Granted<S: Submesh> {
-    pub(super) answers: u32,
-    pub(super) pieces: Vec<S::Piece>,
-    pub(super) foreign: Vec<Handle>,
-    pub(super) bounced: Vec<Handle>,
-    pub(super) moved: Vec<(BlockId, WorkerId, u32)>,
-}
-
-impl<S: Submesh> Operation<S> {
-    /// A new operation in the memory of one that has ended.
-    pub(super) fn renew(
-        mut self: Box<Self>,
-        point: S::Point,
-        attempt: Attempt,
-        phase: Phase,
-    ) -> Box<Self> {
-        let Self { asked, whereabouts, parts, around, .. } = &mut *self;
-        asked.clear();
-        whereabouts.clear();
-        parts.clear();
-        around.clear();
-        (self.point, self.attempt, self.phase) = (point, attempt, phase);
-        self
-    }
-
-    pub(super) fn new(point: S::Point, attempt: Attempt, phase: Phase) -> Box<Self> {
-        Box::new(Self {
-            point,
-            attempt,
-            phase,
-            asked: Table::default(),
-            whereabouts: Table::default(),
-            parts: Table::default(),
-            around: Vec::new(),
-        })
-    }
-
-    /// A copy; deriving `Clone` would ask for it of the submesh.
-    fn copy(&self) -> Box<Self> {
-        Box::new(Self {
-            point: self.point.clone(),
-            attempt: self.attempt,
-            phase: self.phase,
-            asked: self.asked.clone(),
-            whereabouts: self.whereabouts.clone(),
-            parts: self.parts.clone(),
-            around: self.around.clone(),
-        })
-    }
-}
+use super::{Attempt, Handle, Message, Name, Ticket};
 
 impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// The operation that a message is about, which must be in this attempt.

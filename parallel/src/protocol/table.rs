@@ -3,7 +3,7 @@
 
 /// A map from `K` to `V`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Table<K, V>(Vec<(K, V)>);
+pub(crate) struct Table<K, V>(Vec<(K, V)>);
 
 impl<K, V> Default for Table<K, V> {
     fn default() -> Self {
@@ -13,7 +13,7 @@ impl<K, V> Default for Table<K, V> {
 
 impl<K: Ord + Copy, V> Table<K, V> {
     /// Reserves room for this number of entries. A hint.
-    pub(super) fn reserve(&mut self, entries: usize) {
+    pub(crate) fn reserve(&mut self, entries: usize) {
         self.0.reserve(entries);
     }
 
@@ -21,17 +21,17 @@ impl<K: Ord + Copy, V> Table<K, V> {
         self.0.binary_search_by(|(k, _)| k.cmp(&key))
     }
 
-    pub(super) fn get(&self, key: K) -> Option<&V> {
+    pub(crate) fn get(&self, key: K) -> Option<&V> {
         self.place(key).ok().map(|place| &self.0[place].1)
     }
 
-    pub(super) fn get_mut(&mut self, key: K) -> Option<&mut V> {
+    pub(crate) fn get_mut(&mut self, key: K) -> Option<&mut V> {
         let place = self.place(key).ok()?;
         Some(&mut self.0[place].1)
     }
 
     /// The value of `key`; `value()` is put there if there is none.
-    pub(super) fn entry(&mut self, key: K, value: impl FnOnce() -> V) -> &mut V {
+    pub(crate) fn entry(&mut self, key: K, value: impl FnOnce() -> V) -> &mut V {
         let place = self.place(key).unwrap_or_else(|place| {
             self.0.insert(place, (key, value()));
             place
@@ -40,7 +40,7 @@ impl<K: Ord + Copy, V> Table<K, V> {
     }
 
     /// Puts a value there if there is none: was there none?
-    pub(super) fn insert_new(&mut self, key: K, value: impl FnOnce() -> V) -> bool {
+    pub(crate) fn insert_new(&mut self, key: K, value: impl FnOnce() -> V) -> bool {
         match self.place(key) {
             Ok(_) => false,
             Err(place) => {
@@ -50,27 +50,27 @@ impl<K: Ord + Copy, V> Table<K, V> {
         }
     }
 
-    pub(super) fn values(&self) -> impl Iterator<Item = &V> {
+    pub(crate) fn values(&self) -> impl Iterator<Item = &V> {
         self.0.iter().map(|(_, value)| value)
     }
 
-    pub(super) fn keys(&self) -> impl Iterator<Item = K> + '_ {
+    pub(crate) fn keys(&self) -> impl Iterator<Item = K> + '_ {
         self.0.iter().map(|&(key, _)| key)
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.0.len()
     }
 
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.0.clear();
     }
 
-    pub(super) fn entries(&self) -> &[(K, V)] {
+    pub(crate) fn entries(&self) -> &[(K, V)] {
         &self.0
     }
 
-    pub(super) fn into_entries(self) -> Vec<(K, V)> {
+    pub(crate) fn into_entries(self) -> Vec<(K, V)> {
         self.0
     }
 }

@@ -1,8 +1,7 @@
 //! Memory of what has ended is used again: no field of the old value may be left. The values below
 //! are written field by field, so that a new field has to be entered here.
 
-use super::lock_request::{Request, Want};
-use super::operation::{Operation, Phase};
+use super::state::{Operation, Phase, Request, Want};
 use super::table::Table;
 use super::{Handle, Name};
 #[cfg(test)] // the protocol knows no mesh

@@ -1,93 +1,33 @@
-//! The paper's variants, kept to be compared with: its conflict rule and its closure. (Its third
-//! one, that the creator owns a tetrahedron, is `mesh::Ownership::Creator`.)
+//! The steps of the paper's variants, kept to be compared with: its conflict rule and its closure
+//! (`config`). (Its third one, that the creator owns a tetrahedron, is `mesh::Ownership::Creator`.)
 //!
 //! Nothing here runs by default. `docs/protocol-variants.md` describes them and says what they
 //! cost. The main code calls this module at five places: where an operation meets a lock at its
 //! home, where its cavity is complete, where a request is asked for more, where it locks, and where
 //! it meets a lock.
 
-use super::lock_request::{Request, want};
-use super::operation::Phase;
+use super::config::Closure;
 use super::rules::Rules;
+use super::state::{Operation, Phase, Request, want};
 use super::submesh::{Insert, Source, Submesh};
 use super::worker::{Action, Worker};
 use super::{Attempt, Message, Ticket, WorkerId};
 
-/// The conflict rule: what happens when a request meets a locked tetrahedron.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Rule {
-    /// An older request wounds the holder and waits; a younger one waits (Rosenkrantz, Stearns
-    /// and Lewis, ACM TODS 3, 1978). Free of deadlock and livelock without any backoff.
-    #[default]
-    WoundWait,
-    /// The paper's: every request that meets a lock is denied and tried again later. Lives by
-    /// randomised backoff only.
-    Paper,
-}
-
-/// The closure that an operation locks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Closure {
-    /// The cavity and its face neighbours: what is needed.
-    #[default]
-    Face,
-    /// The paper's equation (5): all tetrahedra that share a finite vertex with the cavity. Some
-    /// ten times as many; to reproduce the paper's figures.
-    Vertex,
-}
-
-impl Rule {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::WoundWait, Self::Paper];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::WoundWait => "wound-wait",
-            Self::Paper => "paper",
-        }
+impl<S: Submesh> Operation<S> {
+    /// A copy, for the known-bad variant that obeys late wounds; deriving `Clone` would ask for it
+    /// of the submesh.
+    pub(super) fn copy(&self) -> Box<Self> {
+        Box::new(Self {
+            point: self.point.clone(),
+            attempt: self.attempt,
+            phase: self.phase,
+            asked: self.asked.clone(),
+            whereabouts: self.whereabouts.clone(),
+            parts: self.parts.clone(),
+            around: self.around.clone(),
+        })
     }
 }
-
-impl Closure {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::Face, Self::Vertex];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Face => "face",
-            Self::Vertex => "vertex",
-        }
-    }
-}
-
-/// Reads and writes the names of `ALL`.
-macro_rules! named {
-    ($($type:ident: $what:literal),*) => {$(
-        impl std::str::FromStr for $type {
-            type Err = String;
-
-            fn from_str(text: &str) -> Result<Self, String> {
-                let found = Self::ALL.into_iter().find(|one| one.name() == text);
-                found.ok_or_else(|| {
-                    let names = Self::ALL.map(Self::name).join(", ");
-                    format!("no {} `{text}`; there are {names}", $what)
-                })
-            }
-        }
-
-        impl std::fmt::Display for $type {
-            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str(self.name())
-            }
-        }
-    )*};
-}
-
-named!(Rule: "rule", Closure: "closure");
 
 impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// The paper's rule knows no waiting: a request that meets a lock is denied.

@@ -2,38 +2,16 @@
 //! routed: to operations (the home's side), lock requests (the owner's side), blocks that move and
 //! the token.
 
+use super::config::Config;
 use super::directory::{BlockId, Directory, WorkerId};
 use super::invariant::invariant;
-use super::lock_request::{Locks, Spare, Want};
-use super::operation::{Granted, Operations};
 use super::rules::{Correct, Rules};
+use super::state::{Granted, Locks, Operations, Spare, Want};
 use super::submesh::{Source, Submesh, SubmeshError};
 use super::termination::{Pass, Safra};
-use super::variants::{Closure, Rule};
 use super::{Attempt, Message, Ticket};
 use std::collections::VecDeque;
 use std::marker::PhantomData;
-
-/// The configuration, which does not change during a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Config {
-    /// Number of workers.
-    pub workers: u32,
-    /// The conflict rule.
-    pub rule: Rule,
-    /// The closure that an operation locks.
-    pub closure: Closure,
-    /// A worker starts a point only while fewer operations than this are at home here. Walks that
-    /// come in are always taken, and count like its own operations.
-    pub window: usize,
-}
-
-impl Config {
-    /// The default rule and window for `workers` workers.
-    pub fn new(workers: u32) -> Self {
-        Self { workers, rule: Rule::default(), closure: Closure::default(), window: 256 }
-    }
-}
 
 /// An event for a worker.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -117,18 +95,18 @@ pub enum Note {
 /// A worker of the protocol.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Worker<S: Submesh, Q, C = Correct> {
-    pub(super) config: Config,
-    pub(super) mesh: S,
+    pub(crate) config: Config,
+    pub(crate) mesh: S,
     pub(super) source: Q,
-    pub(super) directory: Directory,
+    pub(crate) directory: Directory,
     /// The largest Lamport clock seen.
     clock: u32,
     /// Tickets issued.
     sequence: u32,
-    pub(super) operations: Operations<S>,
-    pub(super) locks: Locks<S>,
+    pub(crate) operations: Operations<S>,
+    pub(crate) locks: Locks<S>,
     pub(super) spare: Spare<S>,
-    pub(super) safra: Safra,
+    pub(crate) safra: Safra,
     stopped: bool,
     /// Points that arrive are dropped: it was told to start no more.
     pub(super) cancelled: bool,
@@ -233,23 +211,6 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// Is nothing locked, awaited or under way here? So it must be at the end of a run.
     pub fn is_quiescent(&self) -> bool {
         self.is_passive() && self.locks.is_empty()
-    }
-
-    /// The worker's state, for people who look at a run that makes no progress.
-    pub fn describe(&self) -> String {
-        let ops = self.operations.all.iter().map(|(ticket, op)| {
-            format!("\n  operation {ticket:?}: attempt {}, {:?}", op.attempt, op.phase)
-        });
-        let requests = self.locks.requests.iter();
-        let requests =
-            requests.map(|(ticket, r)| format!("\n  request {ticket:?}: {}", r.describe()));
-        let absent = self.locks.absent.keys().map(|name| format!("\n  awaits {name:?}"));
-        format!(
-            "worker {}: {}{}",
-            self.id(),
-            if self.source.is_empty() { "no points left" } else { "points left" },
-            ops.chain(requests).chain(absent).collect::<String>()
-        )
     }
 
     /// Takes the worker apart when the run is over.

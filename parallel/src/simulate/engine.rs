@@ -7,8 +7,8 @@ use super::options::Options;
 use super::processor::{Asking, Envelope, Next, Processor};
 use crate::WorkerError;
 use crate::balance::{Balancer, Stock};
+use crate::check::{Between, History, Inspect};
 use crate::metrics::{Cause, Collector, Nanos, Step, Summary, Survey, Trace};
-use crate::protocol::check::{Between, History, Inspect};
 use crate::protocol::{
     Action, Broken, Event, Message, Note, Rules, Source, Submesh, Ticket, Worker, WorkerId,
     message_of,

@@ -9,8 +9,8 @@
 mod ending;
 
 use crate::families::Rng;
+use ltbw::check::{Between, History};
 use ltbw::mesh::{Gathered, LocalMesh, Plan, PointQueue};
-use ltbw::protocol::check::{Between, History};
 use ltbw::protocol::{
     Action, Closure, Config, Event, Message, Note, Rule, Source, SubmeshError, Worker,
 };

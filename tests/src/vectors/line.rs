@@ -6,8 +6,8 @@
 //! panics but [`joined`]: runs of known-bad variants meet states that must not be.
 
 use ltbw::balance::Stock;
+use ltbw::check::{Inspect, Seen, Sent};
 use ltbw::metrics::Survey;
-use ltbw::protocol::check::{Inspect, Seen, Sent};
 use ltbw::protocol::{
     BlockId, Costs, Directory, Handle, Insert, Name, Neighbour, Rules, Source, Submesh, Ticket,
     Walk, Worker, WorkerId,

@@ -1,6 +1,7 @@
 //! The rows of the page's tables, and what each says of a step.
 
-use ltbw::protocol::{Attempt, Correct, Message, Note, RequestView};
+use ltbw::check::RequestView;
+use ltbw::protocol::{Attempt, Correct, Message, Note};
 use ltbw::protocol::{Source, Submesh, Ticket, Worker, WorkerId};
 
 /// The state of one operation at one worker.

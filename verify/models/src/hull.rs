@@ -17,7 +17,7 @@
 //! not happen sets [`Hull::broken`], which the models' safety property looks at.
 
 use crate::variants::Variant;
-use ltbw::protocol::check::{Inspect, Seen, Sent};
+use ltbw::check::{Inspect, Seen, Sent};
 use ltbw::protocol::{
     BlockId, Directory, Handle, Insert, Message, Name, Neighbour, Rules, Submesh, Ticket, Walk,
     WorkerId,

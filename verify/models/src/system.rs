@@ -5,7 +5,7 @@ use crate::hull::{Hull, Letter};
 use crate::variants::Variant;
 use crate::world::{Network, Node, Points, World};
 use ltbw::balance::Stock;
-use ltbw::protocol::check::Between;
+use ltbw::check::Between;
 use ltbw::protocol::{
     Action, Attempt, BlockId, Broken, Event, Message, Name, Note, Rule, Submesh, Ticket, WorkerId,
     message_of,

@@ -5,13 +5,14 @@
 //! the whole mesh. What a state cannot show, that a name is never given again and that an attempt
 //! is one above the last, is in [`History`].
 
-use super::lock_request::{Request, Waiter, Want};
-use super::operation::Phase;
-use super::rules::Rules;
-use super::submesh::{Neighbour, Source, Submesh};
-use super::variants::{Closure, Rule};
-use super::worker::{Note, Worker};
-use super::{Attempt, BlockId, Broken, Invariant, Message, Name, Ticket, WorkerId};
+mod view;
+
+pub use view::RequestView;
+
+use crate::protocol::{
+    Attempt, BlockId, Broken, Closure, Invariant, Message, Name, Neighbour, Note, Phase, Request,
+    Rule, Rules, Source, Submesh, Ticket, Waiter, Want, Worker, WorkerId,
+};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// A tetrahedron as checkers see it.

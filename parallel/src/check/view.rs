@@ -1,11 +1,8 @@
 //! The view of model checkers, and how they fold runs that differ in a counter only.
 
-use super::lock_request::Waiter;
-use super::operation::Operations;
-use super::rules::Rules;
-use super::submesh::{Source, Submesh};
-use super::worker::Worker;
-use super::{Attempt, Message, Ticket, WorkerId};
+use crate::protocol::{
+    Attempt, Message, Operations, Rules, Source, Submesh, Ticket, Waiter, Worker, WorkerId,
+};
 
 /// A request as checkers see it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,6 +20,23 @@ pub struct RequestView<T> {
 }
 
 impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
+    /// The worker's state, for people who look at a run that makes no progress.
+    pub fn describe(&self) -> String {
+        let ops = self.operations.all.iter().map(|(ticket, op)| {
+            format!("\n  operation {ticket:?}: attempt {}, {:?}", op.attempt, op.phase)
+        });
+        let requests = self.locks.requests.iter();
+        let requests =
+            requests.map(|(ticket, r)| format!("\n  request {ticket:?}: {}", r.describe()));
+        let absent = self.locks.absent.keys().map(|name| format!("\n  awaits {name:?}"));
+        format!(
+            "worker {}: {}{}",
+            self.id(),
+            if self.source().is_empty() { "no points left" } else { "points left" },
+            ops.chain(requests).chain(absent).collect::<String>()
+        )
+    }
+
     /// Is an operation of this ticket at home here, and not committed yet?
     pub fn is_home_of(&self, ticket: Ticket) -> bool {
         self.operations.all.contains_key(&ticket)
