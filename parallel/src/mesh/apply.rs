@@ -80,8 +80,8 @@ impl LocalMesh {
     /// Is there room for a patch, and all that it names by a number? Another worker has made it.
     fn check_patch(&self, patch: &Patch) -> Result<(), SubmeshError> {
         let Patch { remove, sites, create, relink } = patch;
-        // What it takes beside the slots that it frees: its tetrahedra, and a proxy at each face
-        // that may lead to another worker's.
+        // The slots that it takes: for its tetrahedra, and for a proxy at each face that may lead to
+        // another worker's.
         let mut slots = create.len() + relink.len();
         for &t in remove {
             self.check_open(t)?;
