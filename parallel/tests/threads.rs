@@ -6,7 +6,64 @@ use ltbw::protocol::{Closure, Rule};
 use ltbw::threads::{Parallel, RunError};
 use ltbw::{BuildError, Builder, CancelToken, Outcome, PointSet, invariants};
 use ltbw_generate::{PointKind, generate};
+use std::fs;
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread;
 use std::time::Duration;
+
+/// Longer than any of these tests takes, on a slow machine, too.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// A watch over one test: a run that hangs fails, and shows what its threads do.
+struct Watch(#[allow(dead_code, reason = "is dropped at the end of the test")] Sender<()>);
+
+impl Watch {
+    fn new() -> Self {
+        Self::with(PATIENCE, || std::process::exit(101))
+    }
+
+    fn with(patience: Duration, end: impl FnOnce() + Send + 'static) -> Self {
+        let (sender, receiver) = channel();
+        let test = thread::current().name().unwrap_or("a test").to_owned();
+        thread::spawn(move || {
+            if receiver.recv_timeout(patience) == Err(RecvTimeoutError::Timeout) {
+                eprintln!("{test} hangs; its threads, with their clock ticks:");
+                eprint!("{}", threads());
+                thread::sleep(Duration::from_secs(1));
+                eprint!("a second later:\n{}", threads());
+                end();
+            }
+        });
+        Self(sender)
+    }
+}
+
+/// The threads of this process: name, state, and clock ticks so far. Empty where there is no
+/// `/proc`.
+fn threads() -> String {
+    let tasks = fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let stats = tasks.filter_map(|task| fs::read_to_string(task.path().join("stat")).ok());
+    let line = |stat: String| {
+        // `number (name) state ...`, of which the twelfth after the name is the time.
+        let (name, rest) = stat.split_once('(')?.1.rsplit_once(')')?;
+        let fields: Vec<&str> = rest.split_whitespace().collect();
+        Some(format!("  {name}: {}, {} ticks\n", fields.first()?, fields.get(11)?))
+    };
+    stats.filter_map(line).collect()
+}
+
+#[test]
+fn a_test_that_hangs_is_told_from_one_that_ends() {
+    let (sender, hung) = channel();
+    let other = sender.clone();
+    drop(Watch::with(Duration::from_millis(50), move || sender.send("ended").expect("a test")));
+    let watch =
+        Watch::with(Duration::from_millis(50), move || other.send("hangs").expect("a test"));
+    assert_eq!(hung.recv_timeout(PATIENCE), Ok("hangs"));
+    drop(watch);
+    assert!(hung.recv_timeout(PATIENCE).is_err(), "both are gone");
+    assert!(!cfg!(target_os = "linux") || threads().contains(": "), "{}", threads());
+}
 
 fn set(kind: PointKind, count: u64, seed: u64) -> PointSet {
     PointSet::new(generate(kind, count as usize, seed)).expect("finite points")
@@ -14,6 +71,7 @@ fn set(kind: PointKind, count: u64, seed: u64) -> PointSet {
 
 #[test]
 fn any_number_of_threads_gives_one_mesh() {
+    let _watch = Watch::new();
     for kind in [PointKind::Uniform, PointKind::Grid, PointKind::Clusters, PointKind::Sphere] {
         let set = set(kind, 8000, 5);
         let expected = Builder::new().build(&set).expect("a mesh").mesh.hash().expect("a hash");
@@ -29,6 +87,7 @@ fn any_number_of_threads_gives_one_mesh() {
 
 #[test]
 fn duplicates_are_those_of_the_builder() {
+    let _watch = Watch::new();
     let mut points = generate(PointKind::Uniform, 3000, 6);
     for k in (0..3000).step_by(7) {
         let p = points[(k * 13 + 5) % 3000];
@@ -46,6 +105,7 @@ fn duplicates_are_those_of_the_builder() {
 
 #[test]
 fn the_result_is_a_sound_mesh() {
+    let _watch = Watch::new();
     let run = Parallel::new(3).build(&set(PointKind::Uniform, 3000, 1)).expect("a mesh");
     invariants::check_all(&run.mesh).expect("invariants");
     let mut mesh = run.mesh;
@@ -55,6 +115,7 @@ fn the_result_is_a_sound_mesh() {
 
 #[test]
 fn rules_and_latency_change_nothing() {
+    let _watch = Watch::new();
     let set = set(PointKind::Uniform, 1500, 9);
     let expected = Builder::new().build(&set).expect("a mesh").mesh.hash().expect("a hash");
     for rule in Rule::ALL {
@@ -68,6 +129,7 @@ fn rules_and_latency_change_nothing() {
 
 #[test]
 fn closures_and_ownerships_change_nothing() {
+    let _watch = Watch::new();
     let set = set(PointKind::Uniform, 1500, 3);
     let expected = Builder::new().build(&set).expect("a mesh").mesh.hash().expect("a hash");
     for (workers, closure) in [2, 5].into_iter().flat_map(|w| Closure::ALL.map(|c| (w, c))) {
@@ -86,6 +148,7 @@ fn closures_and_ownerships_change_nothing() {
 
 #[test]
 fn errors_are_those_of_the_builder() {
+    let _watch = Watch::new();
     let flat = (0..50).map(|i| [f64::from(i % 7), f64::from(i / 7), 0.0]).collect();
     let flat = PointSet::new(flat).expect("finite points");
     let error = Parallel::new(2).build(&flat).expect_err("no mesh");
@@ -99,6 +162,7 @@ fn errors_are_those_of_the_builder() {
 
 #[test]
 fn a_cancelled_run_has_a_mesh_of_some_points() {
+    let _watch = Watch::new();
     let token = CancelToken::new();
     token.cancel();
     let set = set(PointKind::Uniform, 20_000, 2);
@@ -110,6 +174,7 @@ fn a_cancelled_run_has_a_mesh_of_some_points() {
 
 #[test]
 fn blocks_that_move_change_nothing() {
+    let _watch = Watch::new();
     let set = set(PointKind::Clusters, 20_000, 4);
     let expected = Builder::new().build(&set).expect("a mesh").mesh.hash().expect("a hash");
     let mut moved = 0;
@@ -129,11 +194,12 @@ fn blocks_that_move_change_nothing() {
 
 #[test]
 fn blocks_move_in_a_cancelled_run() {
+    let _watch = Watch::new();
     let set = set(PointKind::Uniform, 100_000, 4);
     let token = CancelToken::new();
-    let run = std::thread::scope(|scope| {
+    let run = thread::scope(|scope| {
         scope.spawn(|| {
-            std::thread::sleep(Duration::from_millis(20));
+            thread::sleep(Duration::from_millis(20));
             token.cancel();
         });
         let balance = Balance { low: 2000, ask: 4, again: 10_000 };
@@ -147,6 +213,7 @@ fn blocks_move_in_a_cancelled_run() {
 
 #[test]
 fn a_mesh_may_stay_distributed() {
+    let _watch = Watch::new();
     let set = set(PointKind::Uniform, 5000, 8);
     let parts = Parallel::new(4).build_distributed(&set).expect("a mesh");
     assert_eq!((parts.parts(), parts.outcome()), (4, Outcome::Complete));
@@ -165,6 +232,7 @@ fn a_mesh_may_stay_distributed() {
 
 #[test]
 fn figures_are_taken_if_wanted() {
+    let _watch = Watch::new();
     let set = set(PointKind::Uniform, 5000, 8);
     let run = Parallel::new(3).build(&set).expect("a mesh");
     assert!(run.summary.is_none() && run.trace.is_none());
