@@ -11,6 +11,7 @@
 
 mod reopen;
 
+use crate::edges::{EdgeTable, Met};
 use crate::topology::{FaceId, Full, INFINITE, TetId, Topology, VertexId, tet_of};
 
 /// Decides which tetrahedra conflict with the point in work.
@@ -164,8 +165,8 @@ pub struct Cavity {
     faces: [[u8; 4]; 2 * SMALL],
     /// `table[a * SMALL + b]`: the new face on the boundary edge from a to b (local numbers).
     table: Box<[FaceId; SMALL * SMALL]>,
-    /// Hash table of a large cavity: boundary edges with the new face first met on them.
-    edges: Vec<(u64, FaceId)>,
+    /// The boundary edges of a large cavity, with the new faces on them.
+    edges: EdgeTable,
 }
 
 impl Default for Cavity {
@@ -180,8 +181,8 @@ impl Default for Cavity {
             rim: [0; 2 * SMALL],
             rim_len: 0,
             faces: [[0; 4]; 2 * SMALL],
-            table: Box::new([0; SMALL * SMALL]),
-            edges: Vec::new(),
+            table: Box::new([FaceId::default(); SMALL * SMALL]),
+            edges: EdgeTable::default(),
         }
     }
 }
@@ -360,9 +361,9 @@ impl Cavity {
         };
         for ((wall, &t), face) in walls.iter().zip(&*created).zip(&mut *faces) {
             let [a, b, c] = [name(wall.v[0]), name(wall.v[1]), name(wall.v[2])];
-            table[at(a, b)] = 4 * t + 3;
-            table[at(b, c)] = 4 * t + 1;
-            table[at(c, a)] = 4 * t + 2;
+            table[at(a, b)] = FaceId::new(t, 3);
+            table[at(b, c)] = FaceId::new(t, 1);
+            table[at(c, a)] = FaceId::new(t, 2);
             *face = [a, b, c, 0];
         }
         self.rim_len = count as usize;
@@ -373,34 +374,18 @@ impl Cavity {
         }
     }
 
-    /// Writes the star of a large cavity: every boundary edge joins two new faces, which meet in
-    /// a hash table with linear probing. Its load is at most one half, so probing ends.
+    /// Writes the star of a large cavity: every boundary edge joins two new faces.
     #[cold]
     fn fill_large(&mut self, topology: &mut Topology, point: VertexId) {
-        const EMPTY: u64 = u64::MAX;
         self.rim_len = 0;
-        // Each face has three edges, each edge two faces.
-        let size = (3 * self.walls.len()).next_power_of_two();
-        let shift = 64 - size.trailing_zeros();
-        self.edges.clear();
-        self.edges.resize(size, (EMPTY, 0));
+        self.edges.start(self.walls.len());
         for (wall, &t) in self.walls.iter().zip(&self.created) {
             let [a, b, c] = wall.v;
             topology.put(t, [point, a, b, c], [wall.outer; 4]);
             for (p, q, slot) in [(a, b, 3), (b, c, 1), (c, a, 2)] {
-                let key = u64::from(p.min(q)) << 32 | u64::from(p.max(q));
-                let mut place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> shift) as usize;
-                loop {
-                    let entry = &mut self.edges[place];
-                    if entry.0 == key {
-                        topology.link(entry.1, 4 * t + slot);
-                        break;
-                    }
-                    if entry.0 == EMPTY {
-                        *entry = (key, 4 * t + slot);
-                        break;
-                    }
-                    place = (place + 1) & (size - 1);
+                let face = FaceId::new(t, slot);
+                if let Met::Face(other) = self.edges.meet(p, q, face) {
+                    topology.link(other, face);
                 }
             }
         }

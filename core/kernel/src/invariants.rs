@@ -3,7 +3,7 @@
 //! A failed check names the tetrahedron; the message is for the developer.
 
 use crate::mesh::Mesh;
-use crate::topology::{INFINITE, TetId, Topology, slot_of, tet_of};
+use crate::topology::{FaceId, INFINITE, TetId, Topology, slot_of, tet_of};
 use ltbw_exact::predicates::{Sign, exact, perturb};
 
 /// The vertices of the face opposite `slot`, ascending.
@@ -22,7 +22,7 @@ pub fn check_i1(topology: &Topology) -> Result<(), String> {
             if u as usize >= topology.slots() || topology.tet(u).is_free() {
                 return Err(format!("I1: neighbour {u} of tetrahedron {t} does not exist"));
             }
-            if topology.tet(u).neighbours()[back] != 4 * t + slot as u32 {
+            if topology.tet(u).neighbours()[back] != FaceId::new(t, slot) {
                 return Err(format!("I1: tetrahedra {t} and {u} are not mutual neighbours"));
             }
             if face(topology, t, slot) != face(topology, u, back) {
@@ -160,12 +160,12 @@ mod tests {
     #[test]
     fn broken_adjacency_is_seen() {
         // `put` links the neighbour across face 0 back; the others stay as given.
-        let rewrite = |topology: &mut Topology, slot: usize, face: u32| {
+        let rewrite = |topology: &mut Topology, slot: usize, face: FaceId| {
             let (v, mut n) = (topology.tet(3).vertices(), topology.tet(3).neighbours());
             n[slot] = face;
             topology.put(3, v, n);
         };
-        let far = 4 * 100_000;
+        let far = FaceId::new(100_000, 0);
         let message = damaged(check_i1, |t| rewrite(t, 1, far));
         assert_eq!(message, "I1: neighbour 100000 of tetrahedron 3 does not exist");
         let message = damaged(check_i1, |t| {
@@ -180,8 +180,8 @@ mod tests {
         assert!(message.ends_with("are not mutual neighbours"), "{message}");
         let message = damaged(check_i1, |t| {
             let (a, b) = (t.tet(3).neighbours()[0], t.tet(3).neighbours()[1]);
-            t.link(4 * 3, b);
-            t.link(4 * 3 + 1, a);
+            t.link(FaceId::new(3, 0), b);
+            t.link(FaceId::new(3, 1), a);
         });
         assert!(message.ends_with("do not share the face"), "{message}");
     }

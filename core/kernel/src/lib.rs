@@ -9,6 +9,7 @@
 //! | [`order`] | insertion order: BRIO rounds along a Hilbert curve |
 //! | [`topology`] | tetrahedra and their neighbours: 32 bytes each |
 //! | [`cavity`] | the cavity of a point: expand, admit, fill, set back |
+//! | [`edges`] | the joiner of faces that have an edge in common |
 //! | `sphere`, `geometry`, `locate` | cached spheres, the conflict test, the walk |
 //! | `transaction` | the guard of an open cavity: filled, or set back when it is dropped |
 //! | [`mesh`] | [`Mesh`]: insertion and iteration |
@@ -28,6 +29,7 @@
 mod arena;
 pub mod build;
 pub mod cavity;
+pub mod edges;
 mod export;
 mod geometry;
 pub mod hash;

@@ -18,8 +18,21 @@ use rayon::prelude::*;
 pub type TetId = u32;
 /// Kernel number of a vertex: 0 is the vertex at infinity, the others count from 1.
 pub type VertexId = u32;
-/// A face seen from one of its tetrahedra: `4 * tet + slot of the opposite vertex`.
-pub type FaceId = u32;
+/// A face seen from one of its tetrahedra, as the slot of the vertex opposite: in four bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(transparent)]
+pub struct FaceId(u32);
+
+zeroable!(FaceId { 0: number });
+
+impl FaceId {
+    /// The face of tetrahedron `tet`, at most [`MAX_TETS`], opposite the vertex in `slot`.
+    #[inline(always)]
+    pub const fn new(tet: TetId, slot: usize) -> Self {
+        debug_assert!(tet as usize <= MAX_TETS && slot < 4);
+        Self(tet << 2 | slot as u32)
+    }
+}
 
 /// The vertex at infinity.
 pub const INFINITE: VertexId = 0;
@@ -90,13 +103,13 @@ impl Tet {
 /// The tetrahedron of a face handle.
 #[inline(always)]
 pub fn tet_of(face: FaceId) -> TetId {
-    face >> 2
+    face.0 >> 2
 }
 
 /// The slot, in its tetrahedron, of the vertex opposite a face.
 #[inline(always)]
 pub fn slot_of(face: FaceId) -> usize {
-    (face & 3) as usize
+    (face.0 & 3) as usize
 }
 
 /// All tetrahedra of a mesh, ghosts included.
@@ -226,7 +239,7 @@ impl Topology {
     /// Takes a slot: the last freed one, else a fresh one at the end.
     pub(crate) fn take(&mut self) -> TetId {
         self.free.pop().unwrap_or_else(|| {
-            self.tets.push(Tet { v: FREE, n: [0; 4] });
+            self.tets.push(Tet { v: FREE, n: [FaceId::default(); 4] });
             (self.tets.all().len() - 1) as TetId
         })
     }
@@ -241,7 +254,7 @@ impl Topology {
     #[inline(always)]
     pub(crate) fn put(&mut self, t: TetId, v: [VertexId; 4], n: [FaceId; 4]) {
         *self.tets.at_mut(t) = Tet { v, n };
-        self.tets.at_mut(tet_of(n[0])).n[slot_of(n[0])] = 4 * t;
+        self.tets.at_mut(tet_of(n[0])).n[slot_of(n[0])] = FaceId::new(t, 0);
     }
 
     /// Says what lies beyond `face`, without the other direction.
@@ -276,11 +289,11 @@ impl Topology {
         if offset + slots > self.limit {
             return None;
         }
-        let shift = 4 * offset as u32;
+        let shift = |face| FaceId::new(tet_of(face) + offset as TetId, slot_of(face));
         self.free.extend(other.free.iter().map(|&t| t + offset as u32));
         self.ghosts += other.ghosts;
         self.tets.append(other.tets, slots, |tet| {
-            let n = if tet.is_free() { tet.n } else { tet.n.map(|face| face + shift) };
+            let n = if tet.is_free() { tet.n } else { tet.n.map(shift) };
             Tet { v: tet.v, n }
         });
         Some(offset as TetId)
@@ -323,7 +336,7 @@ impl Topology {
     /// Makes slot `t` a proxy, neighbour of `face`.
     pub(crate) fn put_proxy(&mut self, t: TetId, face: FaceId) {
         *self.tets.at_mut(t) = Tet { v: PROXY, n: [face; 4] };
-        self.tets.at_mut(tet_of(face)).n[slot_of(face)] = 4 * t;
+        self.tets.at_mut(tet_of(face)).n[slot_of(face)] = FaceId::new(t, 0);
     }
 
     pub(crate) fn add_ghosts(&mut self, change: isize) {
@@ -344,7 +357,7 @@ impl Topology {
             [v[1], v[0], v[2], inf],
         ];
         for v in cells {
-            self.tets.push(Tet { v, n: [0; 4] });
+            self.tets.push(Tet { v, n: [FaceId::default(); 4] });
         }
         self.ghosts = 4;
         let same = |a: [u32; 4], i: usize, b: [u32; 4], j: usize| {
@@ -354,7 +367,7 @@ impl Topology {
             for b in 0..a {
                 for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
                     if same(cells[a], i, cells[b], j) {
-                        self.link((4 * a + i) as u32, (4 * b + j) as u32);
+                        self.link(FaceId::new(a as TetId, i), FaceId::new(b as TetId, j));
                     }
                 }
             }

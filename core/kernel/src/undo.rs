@@ -80,8 +80,8 @@ impl Mesh {
             self.topology.put(before.t, before.v, before.n);
         }
         for before in cavity {
-            for (slot, &face) in (0..).zip(&before.n) {
-                self.topology.point_to(face, 4 * before.t + slot);
+            for (slot, &face) in before.n.iter().enumerate() {
+                self.topology.point_to(face, FaceId::new(before.t, slot));
             }
             self.geometry.set_sphere(before.t, before.sphere);
         }

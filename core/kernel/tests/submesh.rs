@@ -1,11 +1,16 @@
 //! Submeshes that are told nonsense: they stay inside their arrays.
 
 use ltbw_core::submesh::{Closure, MeshParams, Submesh};
+use ltbw_core::topology::{FaceId, MAX_TETS};
 use ltbw_core::{Mode, Point, Random};
 use ltbw_generate::{PointKind, generate};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 type Tets = Submesh<u32, u32, u32>;
+
+fn face(t: u32, slot: u32) -> FaceId {
+    FaceId::new(t, slot as usize)
+}
 
 const POINTS: usize = 40;
 
@@ -39,18 +44,19 @@ fn walks_and_closures_stay_inside_whatever_the_links_are() {
                     mesh.unlock(t);
                     mesh.remove(t);
                 }
-                1 => mesh.put_far(4 * t + below(4), step).expect("room"),
-                2 => mesh.link_far(4 * t + below(4), step).expect("room"),
+                1 => mesh.put_far(face(t, below(4)), step).expect("room"),
+                2 => mesh.link_far(face(t, below(4)), step).expect("room"),
                 3 => {
-                    let star = [[1, 2, 3], [2, 1, 4]]
-                        .map(|wall| (wall, [0; 4].map(|_| (below(2) == 1).then(|| below(8)))));
+                    let star = [[1, 2, 3], [2, 1, 4]].map(|wall| {
+                        (wall, [0; 4].map(|_| (below(2) == 1).then(|| face(below(2), below(4)))))
+                    });
                     let corners = [0; 5].map(|_| 1 + below(POINTS));
                     let mut made = Vec::new();
                     mesh.create_star(&corners, star.into_iter(), &mut made).expect("room");
                     live.extend(made);
                 }
                 4 => mesh.cache_sphere(t),
-                5 => mesh.link(4 * t + below(4), 4 * u + below(4)),
+                5 => mesh.link(face(t, below(4)), face(u, below(4))),
                 6 => mesh.tag(t, step),
                 _ if mesh.holder(t).is_none() => mesh.lock(t, step, false),
                 _ => mesh.unlock(t),
@@ -104,12 +110,12 @@ fn numbers_of_nothing_are_refused() {
         refused("conflict", &mut |mesh| _ = mesh.in_conflict(u, &p));
         refused("sphere", &mut |mesh| mesh.cache_sphere(u));
         refused("closure", &mut |mesh| _ = mesh.lock_closure(u, &p, 1, &mut Closure::default()));
-        let face = u.wrapping_mul(4);
-        refused("link", &mut |mesh| mesh.link(face, 4 * t));
-        refused("link", &mut |mesh| mesh.link(4 * t, face));
-        refused("link new", &mut |mesh| mesh.link_new(4 * t, face));
-        refused("link far", &mut |mesh| _ = mesh.link_far(face, 1));
-        refused("put far", &mut |mesh| _ = mesh.put_far(face, 1));
+        let beyond = face(u & MAX_TETS as u32, 0);
+        refused("link", &mut |mesh| mesh.link(beyond, face(t, 0)));
+        refused("link", &mut |mesh| mesh.link(face(t, 0), beyond));
+        refused("link new", &mut |mesh| mesh.link_new(face(t, 0), beyond));
+        refused("link far", &mut |mesh| _ = mesh.link_far(beyond, 1));
+        refused("put far", &mut |mesh| _ = mesh.put_far(beyond, 1));
     }
     for v in [0, POINTS as u32 + 1, u32::MAX] {
         refused("set point", &mut |mesh| mesh.set_point(v, p));
@@ -123,7 +129,7 @@ fn numbers_of_nothing_are_refused() {
         let star = [([1, 2, 3], [None; 4])];
         _ = mesh.create_star(&[1, 2, 99, 3], star.into_iter(), &mut Vec::new());
     });
-    for star in [[([1, 2, 3], [Some(4), None, None, None])], [([1, 2, 4], [None; 4])]] {
+    for star in [[([1, 2, 3], [Some(face(1, 0)), None, None, None])], [([1, 2, 4], [None; 4])]] {
         let all = catch_unwind(AssertUnwindSafe(|| {
             mesh.create_star(&[1, 2, 3, 4], star.into_iter(), &mut Vec::new())
         }));

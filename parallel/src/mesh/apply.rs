@@ -2,7 +2,7 @@
 
 use super::{At, Lead, LocalMesh, Moving, Patch, Relink, Tets, To, WireVertex};
 use crate::protocol::{BlockId, Directory, Handle, Name, SubmeshError, invariant};
-use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
+use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, slot_of, tet_of};
 use rustc_hash::FxHashMap;
 
 fn unknown(what: &'static str, number: u32) -> SubmeshError {
@@ -12,6 +12,11 @@ fn unknown(what: &'static str, number: u32) -> SubmeshError {
 /// Is it the slot of a vertex in a tetrahedron?
 fn check_slot(slot: u8) -> Result<(), SubmeshError> {
     if slot < 4 { Ok(()) } else { Err(unknown("a face by slot", u32::from(slot))) }
+}
+
+/// A face, by a slot that has been checked.
+fn face_of(t: TetId, slot: u8) -> FaceId {
+    FaceId::new(t, usize::from(slot))
 }
 
 impl LocalMesh {
@@ -39,8 +44,7 @@ impl LocalMesh {
         let mut tets = std::mem::take(&mut self.star);
         self.rim.clear();
         self.rim.extend(patch.sites.iter().map(|site| site.vertex));
-        let within =
-            |to: To| if let To::New(k, slot) = to { Some(4 * k + u32::from(slot)) } else { None };
+        let within = |to: To| if let To::New(k, slot) = to { Some(face_of(k, slot)) } else { None };
         let star =
             patch.create.iter().map(|new| ([new.v[1], new.v[2], new.v[3]], new.n.map(within)));
         if !patch.create.is_empty() && self.tets.create_star(&self.rim, star, &mut tets).is_none() {
@@ -51,11 +55,11 @@ impl LocalMesh {
             if let Some(name) = new.name {
                 self.set_name(t, name);
             }
-            for (slot, to) in (0..).zip(&new.n) {
-                let face = 4 * t + slot;
+            for (slot, to) in new.n.iter().enumerate() {
+                let face = FaceId::new(t, slot);
                 match *to {
                     To::New(..) => {}
-                    To::Old(u, there) => self.tets.link_new(face, 4 * u + u32::from(there)),
+                    To::Old(u, there) => self.tets.link_new(face, face_of(u, there)),
                     To::Far(handle) => self.link_new_far(face, handle),
                 }
             }
@@ -80,8 +84,8 @@ impl LocalMesh {
     /// Is there room for a patch, and all that it names by a number? Another worker has made it.
     fn check_patch(&self, patch: &Patch) -> Result<(), SubmeshError> {
         let Patch { remove, sites, create, relink } = patch;
-        // The slots that it takes: for its tetrahedra, and for a proxy at each face that may lead to
-        // another worker's.
+        // The slots that it takes: for its tetrahedra, and for a proxy at each face that may lead
+        // to another worker's.
         let mut slots = create.len() + relink.len();
         for &t in remove {
             self.check_open(t)?;
@@ -188,19 +192,19 @@ impl LocalMesh {
     }
 
     /// Links `face` to the tetrahedron of `handle`: here if it is here, else by a proxy.
-    fn link_handle(&mut self, face: u32, handle: Handle) {
+    fn link_handle(&mut self, face: FaceId, handle: Handle) {
         match self.names.get(&handle.name) {
             Some(&u) => {
-                self.tets.link(face, 4 * u + u32::from(handle.face));
+                self.tets.link(face, face_of(u, handle.face));
             }
             None => self.put(|tets| tets.link_far(face, handle)),
         }
     }
 
     /// The same for a face of a new tetrahedron, at which nothing stands.
-    fn link_new_far(&mut self, face: u32, handle: Handle) {
+    fn link_new_far(&mut self, face: FaceId, handle: Handle) {
         match self.names.get(&handle.name) {
-            Some(&u) => self.tets.link_new(face, 4 * u + u32::from(handle.face)),
+            Some(&u) => self.tets.link_new(face, face_of(u, handle.face)),
             None => self.put(|tets| tets.put_far(face, handle)),
         }
     }
@@ -225,7 +229,7 @@ impl LocalMesh {
         {
             self.set_name(t, name);
         }
-        self.link_handle(4 * t + u32::from(relink.slot), relink.to);
+        self.link_handle(face_of(t, relink.slot), relink.to);
     }
 
     /// Removes the tetrahedra of a block: all of them, or those made after it had moved. `leaves`
@@ -246,7 +250,7 @@ impl LocalMesh {
         });
         let index: FxHashMap<TetId, u32> = tets.iter().copied().zip(0..).collect();
         let mut cargo = Vec::with_capacity(tets.len());
-        let mut far: Vec<(u32, Handle)> = Vec::new();
+        let mut far: Vec<(FaceId, Handle)> = Vec::new();
         for &t in &tets {
             let name = self.ensure_name(t);
             let mut slot = 0;
@@ -295,11 +299,11 @@ impl LocalMesh {
         let new = cargo.iter().map(|m| (m.name, m.v.map(|site| site.vertex)));
         let Some(tets) = self.create_all(new) else { return };
         for (&t, moving) in tets.iter().zip(&cargo) {
-            for (slot, lead) in (0..).zip(&moving.n) {
-                let face = 4 * t + slot;
+            for (slot, lead) in moving.n.iter().enumerate() {
+                let face = FaceId::new(t, slot);
                 match *lead {
                     Lead::In(k, there) => {
-                        self.tets.link(face, 4 * tets[k as usize] + u32::from(there));
+                        self.tets.link(face, face_of(tets[k as usize], there));
                     }
                     Lead::Far(handle) => self.link_handle(face, handle),
                 }

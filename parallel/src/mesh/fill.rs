@@ -5,7 +5,8 @@ use super::blocks::prevailing;
 use super::corners::Corners;
 use super::{At, Link, LocalMesh, NewTet, Patch, Piece, Relink, To, WireVertex};
 use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
-use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_core::edges::{EdgeTable, Met};
+use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, slot_of, tet_of};
 
 /// A face of the cavity's boundary, and the new tetrahedron on it.
 #[derive(Debug)]
@@ -19,8 +20,9 @@ struct Wall {
     patch: u32,
     index: u32,
     name: Option<Name>,
-    /// Neighbours by slot, other walls: wall and slot there. Entry 0 is not used.
-    beside: [(u32, u8); 4],
+    /// Neighbours by slot, faces of other walls' new tetrahedra by the walls' places. Entry 0 is
+    /// not used.
+    beside: [FaceId; 4],
     /// The ring tetrahedron behind the face: its worker, place, slot, block and name.
     worker: WorkerId,
     at: At,
@@ -40,7 +42,7 @@ pub(super) struct Scratch {
     named: Vec<Name>,
     /// The corners of one owner's part, as indices of the cavity's corners.
     places: Vec<u32>,
-    edges: Edges,
+    edges: EdgeTable,
 }
 
 /// The handle of wall `wall`'s new tetrahedron at `slot`.
@@ -67,7 +69,7 @@ impl LocalMesh {
             wall.index = counts[place].1;
             counts[place].1 += 1;
         }
-        edges.join(walls, corners.sites.len());
+        join(walls, edges);
         self.name_walls(walls);
         let mut patches: Vec<(WorkerId, Patch)> = Vec::with_capacity(counts.len() + parts.len());
         for (owner, count) in counts {
@@ -150,7 +152,7 @@ impl LocalMesh {
                     patch: 0,
                     index: 0,
                     name: None,
-                    beside: [(0, 0); 4],
+                    beside: [FaceId::default(); 4],
                     worker,
                     at,
                     slot,
@@ -177,8 +179,9 @@ impl LocalMesh {
         let mut ring: Vec<((WorkerId, TetId), Name)> = Vec::new();
         for k in 0..walls.len() {
             let (owner, worker) = (walls[k].owner, walls[k].worker);
-            let beside =
-                walls[k].beside[1..].iter().any(|&(other, _)| walls[other as usize].owner != owner);
+            let beside = walls[k].beside[1..]
+                .iter()
+                .any(|&face| walls[tet_of(face) as usize].owner != owner);
             if beside || worker != owner {
                 walls[k].name = Some(self.fresh_name());
             }
@@ -213,7 +216,7 @@ fn lead(walls: &[Wall], wall: &Wall, slot: usize) -> To {
             (At::Tet(tet), None) => To::Old(tet, wall.slot),
         };
     }
-    let (other, there) = wall.beside[slot];
+    let (other, there) = (tet_of(wall.beside[slot]), slot_of(wall.beside[slot]) as u8);
     let other = &walls[other as usize];
     match handle_of(other, there) {
         Some(handle) if other.owner != wall.owner => To::Far(handle),
@@ -235,99 +238,30 @@ fn patch_of(patches: &mut Vec<(WorkerId, Patch)>, worker: WorkerId) -> &mut Patc
     &mut patches[place].1
 }
 
-/// Corners of a small cavity, the point among them.
-const SMALL: usize = 64;
 /// The message of a defect of the protocol: the boundary of a cavity is a closed surface.
 const OPEN_BOUNDARY: &str = "an edge of a cavity's boundary has no second face";
-/// No wall.
-const NONE: u16 = u16::MAX;
 
-/// Edges of the boundary, kept for the next cavity.
-#[derive(Debug, Default)]
-struct Edges {
-    /// Small cavities: by the corners from which and to which a wall passes the edge, its number
-    /// and slot as a face.
-    table: Vec<u16>,
-    /// Large ones, with open addressing: both corners in one word, `u64::MAX` where it is empty.
-    keys: Vec<u64>,
-    /// Wall and slot.
-    sides: Vec<(u32, u8)>,
-}
-
-/// The edges of a wall, with the slots opposite them.
-fn edges_of([a, b, c]: [u32; 3]) -> [(u32, u32, u8); 3] {
-    [(a, b, 3), (b, c, 1), (c, a, 2)]
-}
-
-impl Edges {
-    /// Finds the walls beside each other: two of them have an edge in common, which they pass in
-    /// opposite directions.
-    fn join(&mut self, walls: &mut [Wall], corners: usize) {
-        if corners <= SMALL && walls.len() < usize::from(NONE) / 4 {
-            self.join_small(walls);
-        } else {
-            self.join_large(walls);
-        }
-    }
-
-    fn join_small(&mut self, walls: &mut [Wall]) {
-        self.table.resize(SMALL * SMALL, NONE);
-        let table = &mut self.table[..SMALL * SMALL];
-        let at = |from: u32, to: u32| (from as usize % SMALL) * SMALL + to as usize % SMALL;
-        for (from, to, _) in walls.iter().flat_map(|wall| edges_of(wall.v)) {
-            table[at(to, from)] = NONE;
-        }
-        for (k, wall) in (0..).zip(&*walls) {
-            for (from, to, slot) in edges_of(wall.v) {
-                table[at(from, to)] = 4 * k + u16::from(slot);
-            }
-        }
-        for wall in walls {
-            for (from, to, slot) in edges_of(wall.v) {
-                let face = table[at(to, from)];
-                assert!(face != NONE, "{OPEN_BOUNDARY}");
-                wall.beside[slot as usize] = (u32::from(face / 4), (face % 4) as u8);
-            }
-        }
-    }
-
-    fn join_large(&mut self, walls: &mut [Wall]) {
-        // At most half full: every search meets an empty place.
-        let size = (4 * walls.len()).next_power_of_two();
-        self.keys.clear();
-        self.keys.resize(size, u64::MAX);
-        self.sides.resize(self.sides.len().max(size), (0, 0));
-        let mut joined = 0;
-        for k in 0..walls.len() {
-            for (from, to, slot) in edges_of(walls[k].v) {
-                let place = self.place(from, to);
-                let (other, there) = self.sides[place];
-                if self.keys[place] == u64::MAX {
-                    self.keys[place] = key_of(from, to);
-                    self.sides[place] = (k as u32, slot);
-                } else {
-                    walls[k].beside[slot as usize] = (other, there);
-                    walls[other as usize].beside[there as usize] = (k as u32, slot);
+/// Finds the walls beside each other: two of them have an edge in common, which they pass in
+/// opposite directions.
+fn join(walls: &mut [Wall], edges: &mut EdgeTable) {
+    edges.start(walls.len());
+    let mut joined = 0;
+    for k in 0..walls.len() {
+        let [a, b, c] = walls[k].v;
+        for (from, to, slot) in [(a, b, 3), (b, c, 1), (c, a, 2)] {
+            let face = FaceId::new(k as u32, slot);
+            match edges.meet(from, to, face) {
+                Met::Nothing => {}
+                Met::Face(other) => {
+                    walls[k].beside[slot] = other;
+                    walls[tet_of(other) as usize].beside[slot_of(other)] = face;
                     joined += 1;
                 }
+                Met::Defect => panic!("{OPEN_BOUNDARY}"),
             }
         }
-        assert!(2 * joined == 3 * walls.len(), "{OPEN_BOUNDARY}");
     }
-
-    /// The place where an edge is, or would be.
-    fn place(&self, from: u32, to: u32) -> usize {
-        let (key, last) = (key_of(from, to), self.keys.len() - 1);
-        let mut place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize & last;
-        while self.keys[place] != key && self.keys[place] != u64::MAX {
-            place = (place + 1) & last;
-        }
-        place
-    }
-}
-
-fn key_of(a: u32, b: u32) -> u64 {
-    u64::from(a.min(b)) << 32 | u64::from(a.max(b))
+    assert!(2 * joined == 3 * walls.len(), "{OPEN_BOUNDARY}");
 }
 
 #[cfg(test)]
@@ -347,7 +281,7 @@ mod tests {
             patch: 0,
             index: 0,
             name: None,
-            beside: [(0, 0); 4],
+            beside: [FaceId::default(); 4],
             worker: 0,
             at: At::Tet(0),
             slot: 0,
@@ -361,38 +295,29 @@ mod tests {
     #[test]
     fn an_open_boundary_is_refused() {
         for n in [3, 40, 61, 62, 200] {
-            for large in [false, true] {
-                for hole in 0..2 * n as usize {
-                    let mut open = walls(n);
-                    open.remove(hole);
-                    let join = || match large {
-                        true => Edges::default().join_large(&mut open),
-                        false => Edges::default().join(&mut open, n as usize + 3),
-                    };
-                    let panic = std::panic::catch_unwind(std::panic::AssertUnwindSafe(join));
-                    let panic = panic.expect_err("a hole");
-                    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
-                    let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
-                    assert_eq!(text.as_deref(), Some(OPEN_BOUNDARY));
-                }
+            for hole in 0..2 * n as usize {
+                let mut open = walls(n);
+                open.remove(hole);
+                let join = || join(&mut open, &mut EdgeTable::default());
+                let panic = std::panic::catch_unwind(std::panic::AssertUnwindSafe(join));
+                let text = crate::protocol::message_of(&*panic.expect_err("a hole"));
+                assert_eq!(text, OPEN_BOUNDARY);
             }
         }
     }
 
     #[test]
-    fn walls_meet_at_common_edges_in_both_tables() {
-        let mut edges = Edges::default();
-        // Large and small ones in turn: the tables are used again.
+    fn walls_meet_at_common_edges() {
+        let mut edges = EdgeTable::default();
+        // Large and small ones in turn: the table is used again.
         for n in [3, 61, 5, 62, 200, 4] {
-            let (mut walls, mut again) = (walls(n), walls(n));
-            edges.join(&mut walls, n as usize + 3);
-            edges.join_large(&mut again);
+            let mut walls = walls(n);
+            join(&mut walls, &mut edges);
             for (k, wall) in (0..).zip(&walls) {
-                assert_eq!(wall.beside, again[k as usize].beside, "wall {k} of {n}");
                 for slot in 1..4 {
-                    let (other, there) = wall.beside[slot];
+                    let (other, there) = (tet_of(wall.beside[slot]), slot_of(wall.beside[slot]));
                     let other = &walls[other as usize];
-                    assert_eq!(other.beside[there as usize], (k, slot as u8));
+                    assert_eq!(other.beside[there], FaceId::new(k, slot));
                     // All corners but the one opposite are common.
                     let kept = |v: [u32; 3], out: usize| {
                         let mut v = v.to_vec();
@@ -400,7 +325,7 @@ mod tests {
                         v.sort_unstable();
                         v
                     };
-                    assert_eq!(kept(wall.v, slot), kept(other.v, there as usize));
+                    assert_eq!(kept(wall.v, slot), kept(other.v, there));
                 }
             }
         }

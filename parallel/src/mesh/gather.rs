@@ -3,7 +3,7 @@
 use super::{LocalMesh, SharedInput};
 use crate::protocol::{Handle, Name, SubmeshError, WorkerId};
 use ltbw_core::submesh::{AssembleError, Assembly, assemble};
-use ltbw_core::topology::TetId;
+use ltbw_core::topology::{FaceId, TetId};
 use ltbw_core::{Mesh, Vertex};
 use rustc_hash::FxHashMap;
 
@@ -62,7 +62,7 @@ pub fn gather(meshes: Vec<LocalMesh>, common: SharedInput) -> Result<Gathered, G
     }
     let far = |there: Handle| {
         let &(place, t) = places.get(&there.name)?;
-        Some((place, 4 * t + u32::from(there.face & 3)))
+        Some((place, FaceId::new(t, usize::from(there.face & 3))))
     };
     let workers: Vec<WorkerId> = meshes.iter().map(|mesh| mesh.me).collect();
     let parts = meshes.into_iter().map(|mesh| mesh.tets).collect();

@@ -6,7 +6,7 @@ use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
 use ltbw_core::build::independent;
 use ltbw_core::order::hilbert;
 use ltbw_core::submesh::MeshParams;
-use ltbw_core::topology::{INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
+use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{BuildError, Builder, Mesh, PredicateStats};
 use ltbw_exact::{Mode, Point, PointSet};
 use rayon::prelude::*;
@@ -310,19 +310,19 @@ fn link(mesh: &mut LocalMesh, coarse: &Mesh, t: TetId, place: &[(BlockId, Worker
     let (block, owner, local) = place[t as usize];
     debug_assert!(mesh.fixed.is_some() || block == mesh.block_of(local));
     let faces = coarse.topology().get(t).map(Tet::neighbours).unwrap_or_default();
-    for (slot, face) in (0..).zip(faces) {
-        let (u, there) = (tet_of(face), slot_of(face) as u32);
+    for (slot, face) in faces.into_iter().enumerate() {
+        let (u, there) = (tet_of(face), slot_of(face));
         let (other_block, other_owner, other_local) = place[u as usize];
         if other_owner == owner {
             // Both ways at once.
             if t < u {
-                mesh.tets.link(4 * local + slot, 4 * other_local + there);
+                mesh.tets.link(FaceId::new(local, slot), FaceId::new(other_local, there));
             }
             continue;
         }
         let name = Name { by: COARSE, number: u };
         let far = Handle { name, block: other_block, face: there as u8 };
-        if mesh.tets.link_far(4 * local + slot, far).is_none() {
+        if mesh.tets.link_far(FaceId::new(local, slot), far).is_none() {
             mesh.fail_for_room();
         }
         mesh.set_name(local, Name { by: COARSE, number: t });

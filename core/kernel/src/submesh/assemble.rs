@@ -3,7 +3,7 @@
 use super::{FarTable, Submesh};
 use crate::geometry::Geometry;
 use crate::mesh::{Assembly, Mesh};
-use crate::topology::{FaceId, MAX_TETS, Topology, tet_of};
+use crate::topology::{FaceId, MAX_TETS, Topology, slot_of, tet_of};
 
 /// Why submeshes could not be put together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +54,10 @@ pub fn assemble<H: Copy + Eq, T: Copy, F: Copy>(
         let face = tet.neighbours()[0];
         let at = offsets.partition_point(|&offset| offset <= t) - 1;
         let Some(far) = tables[at].get(geometry.sphere(t)) else { continue };
-        let beyond = find(far).and_then(|(place, beyond)| Some(beyond + 4 * offsets.get(place)?));
+        let beyond = find(far).and_then(|(place, face)| {
+            let t = offsets.get(place)?.checked_add(tet_of(face))?;
+            (t as usize <= MAX_TETS).then(|| FaceId::new(t, slot_of(face)))
+        });
         match beyond.filter(|&beyond| topology.get(tet_of(beyond)).is_some()) {
             Some(beyond) => topology.point_to(face, beyond),
             None => return Err(AssembleError::Dangling { submesh: at, far }),

@@ -41,7 +41,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.blocked = None;
         self.topology.reserve(1).ok()?;
         let t = self.topology.take();
-        self.topology.write(t, v, [0; 4]);
+        self.topology.write(t, v, [FaceId::default(); 4]);
         self.geometry.reserve_spheres(self.topology.slots());
         self.geometry.set_sphere(t, Sphere::UNKNOWN);
         self.made += 1;
@@ -102,8 +102,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.blocked = None;
         debug_assert!(!self.is_locked(t));
         let tag = self.locks.untag(&mut self.geometry.sphere(t));
-        for (slot, beyond) in (0..).zip(self.topology.tet(t).neighbours()) {
-            self.forget_proxy_at(4 * t + slot, tet_of(beyond));
+        for (slot, beyond) in self.topology.tet(t).neighbours().into_iter().enumerate() {
+            self.forget_proxy_at(FaceId::new(t, slot), tet_of(beyond));
         }
         self.geometry.set_sphere(t, Sphere::UNKNOWN);
         self.topology.erase(t);
