@@ -4,10 +4,9 @@
 use crate::console;
 use crate::json::keep_input;
 use crate::outcome::{Failure, show};
-use ltbw::domain::prepare::LARGEST_TOLERANCE;
 use ltbw::domain::{Domain, DomainReport, Facet, Frame, PrepareError, PrepareOptions, Prepared};
 use ltbw::io;
-use ltbw::refine::RefineStats;
+use ltbw::refine::{RefineStats, largest_tolerance, usual_tolerance};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -113,13 +112,12 @@ impl Preparation {
 
     /// The tolerance within which facets are taken for coplanar.
     fn flat(&self, path: &Path, read: &Domain, ready: &Prepared) -> Result<f64, Failure> {
-        let limit = LARGEST_TOLERANCE * diagonal(&ready.domain);
         let Some(flat) = self.flat_tolerance else {
             let is_exact = self.exact_input
                 || !io::Format::from_path(path).is_ok_and(io::Format::holds_surface);
-            // Far from the origin single-precision steps are no small lengths.
-            return Ok(if is_exact { 0.0 } else { usual_tolerance(read).min(limit) });
+            return Ok(if is_exact { 0.0 } else { usual_tolerance(read, &ready.domain) });
         };
+        let limit = largest_tolerance(&ready.domain);
         if flat > limit {
             return Err(Failure::Usage(format!(
                 "--flat-tolerance {flat:e}: at most {limit:e}, 2^-10 of the domain's diagonal"
@@ -152,23 +150,6 @@ impl Preparation {
         console::people(&format!("wrote     {}: {count} facets with defects", show(path)));
         Ok(())
     }
-}
-
-fn diagonal(domain: &Domain) -> f64 {
-    let (low, high) = domain.bounds().unwrap_or_default();
-    (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt()
-}
-
-/// The tolerance within which triangles of a file are coplanar if nothing else is said: 2^-22 of
-/// the diagonal, or two steps of the largest coordinate where all numbers are single-precision.
-fn usual_tolerance(domain: &Domain) -> f64 {
-    let own = diagonal(domain) / f64::from(1u32 << 22);
-    let numbers = || domain.vertices.iter().flatten();
-    let largest = numbers().fold(0.0, |most: f64, c| most.max(c.abs())) as f32;
-    if !numbers().all(|&c| f64::from(c as f32) == c) || largest >= f32::MAX {
-        return own;
-    }
-    own.max(2.0 * (f64::from(largest.next_up()) - f64::from(largest)))
 }
 
 /// Tells what the defects of a domain mean, a line for each kind.

@@ -201,7 +201,8 @@ typedef struct ltbw_wishes {
    */
   double repair;
   /*
-   Take facets that are coplanar within this distance for one; 0: exactly coplanar ones.
+   Take facets that are coplanar within this distance for one; 0: what is usual for a surface,
+   as the program does; below 0: only exactly coplanar ones.
    */
   double flat_tolerance;
   /*

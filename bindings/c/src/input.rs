@@ -70,7 +70,8 @@ pub struct Wishes {
     pub region_count: usize,
     /// Weld vertices within this distance; 0: none but what the lattice welds.
     pub repair: f64,
-    /// Take facets that are coplanar within this distance for one; 0: exactly coplanar ones.
+    /// Take facets that are coplanar within this distance for one; 0: what is usual for a surface,
+    /// as the program does; below 0: only exactly coplanar ones.
     pub flat_tolerance: f64,
     /// Anything but 0: the mesh is not checked against the domain.
     pub unchecked: i32,
@@ -210,7 +211,11 @@ impl Wishes {
                 holes,
                 regions: regions.iter().map(region).collect(),
                 repair: given.repair,
-                flat_tolerance: given.flat_tolerance,
+                flat_tolerance: match given.flat_tolerance {
+                    0.0 => None,
+                    below if below < 0.0 => Some(0.0),
+                    within => Some(within),
+                },
                 exact_input: false,
                 unchecked: given.unchecked != 0,
             },

@@ -8,7 +8,7 @@ use crate::result::{Meshed, Outcome};
 use crate::wishes::Wishes;
 use crate::work::Reins;
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
-use ltbw::refine::{Background, RefineOutcome, Refined, Refiner};
+use ltbw::refine::{Background, RefineOutcome, Refined, Refiner, usual_tolerance};
 use ltbw::{Point, io};
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -64,6 +64,7 @@ impl Source {
 #[derive(Debug)]
 pub struct Ready {
     prepared: Prepared,
+    flat_tolerance: f64,
     notes: Vec<String>,
 }
 
@@ -84,7 +85,12 @@ impl Ready {
             ..PrepareOptions::default()
         })?;
         notes.extend(prepared.repairs.notes());
-        Ok(Self { prepared, notes })
+        let flat_tolerance = match wishes.flat_tolerance {
+            Some(given) => given,
+            None if oriented && !wishes.exact_input => usual_tolerance(&domain, &prepared.domain),
+            None => 0.0,
+        };
+        Ok(Self { prepared, flat_tolerance, notes })
     }
 
     /// The place that its coordinates are relative to.
@@ -116,7 +122,7 @@ impl Ready {
             Some(bound) => Refiner::new().radius_edge(bound),
             None => Refiner::new().any_shape(),
         };
-        let refiner = refiner.flat_tolerance(wishes.flat_tolerance);
+        let refiner = refiner.flat_tolerance(self.flat_tolerance);
         let mut refiner = refiner.observer(&reins.progress).cancel(&reins.cancel);
         if let Some(bound) = wishes.max_volume {
             refiner = refiner.max_volume(bound);

@@ -19,7 +19,8 @@ pub struct Wishes {
     /// The distance within which vertices are welded and seams closed.
     pub repair: f64,
     /// Facets that are coplanar within this distance are taken for one; 0: exactly coplanar ones.
-    pub flat_tolerance: f64,
+    /// `None`: for a surface what is usual, as the program does, otherwise 0.
+    pub flat_tolerance: Option<f64>,
     /// Refuse a domain that is not on its lattice.
     pub exact_input: bool,
     /// Leave the mesh unchecked.

@@ -34,7 +34,7 @@ pub(crate) struct Asked {
     /// A point inside, an attribute, the largest volume.
     regions: Vec<(Point, f64, Option<f64>)>,
     repair: f64,
-    flat_tolerance: f64,
+    flat_tolerance: Option<f64>,
     exact_input: bool,
     check: bool,
     threads: u32,

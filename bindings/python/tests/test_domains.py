@@ -181,8 +181,11 @@ def test_pyvista_surfaces_and_grids(cube):
     assert grid.n_cells == mesh.grid.n_cells
     # Quads of a torus are flat up to rounding.
     torus = pyvista.ParametricTorus(u_res=25, v_res=25, w_res=25).triangulate().clean()
-    exactly = ltbw.tetrahedralize(torus)
+    exactly = ltbw.tetrahedralize(torus, flat_tolerance=0.0)
+    assert exactly.certificate.report["patches"] == 0
     within = ltbw.tetrahedralize(torus, flat_tolerance=1e-6)
     assert within.certificate.passed and within.certificate.report["patches"] > 0
     assert len(within.simplices) < len(exactly.simplices)
+    usual = ltbw.tetrahedralize(torus)
+    assert usual.certificate.passed and usual.certificate.report["patches"] > 0
     assert ltbw.delaunay(box.points).grid.n_cells == box.ltbw.delaunay().n_cells

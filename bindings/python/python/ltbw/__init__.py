@@ -89,7 +89,7 @@ def tetrahedralize(
     holes=None,
     max_points=None,
     repair=0.0,
-    flat_tolerance=0.0,
+    flat_tolerance=None,
     exact_input=False,
     progress=None,
     threads=1,
@@ -119,9 +119,11 @@ def tetrahedralize(
         The most points to insert; a mesh that needs more has the outcome ``"budget"``.
     repair : float
         Weld vertices within this distance and close seams as far apart.
-    flat_tolerance : float
+    flat_tolerance : float, optional
         Facets that are coplanar within this distance are taken for one: triangles of a smooth
         surface that are flat up to rounding. At most 2**-10 of the diagonal; 0: exactly coplanar.
+        By default, for surfaces, the larger of 2**-22 of the diagonal and, where all coordinates
+        are float32 numbers, two steps of the largest.
     exact_input : bool
         Refuse a domain that is not exactly on its lattice.
     progress : callable, optional
@@ -161,7 +163,7 @@ def tetrahedralize(
         "holes": None if holes is None else _input.coordinates(holes, "holes").tolist(),
         "regions": [_region(region) for region in regions],
         "repair": float(repair),
-        "flat_tolerance": float(flat_tolerance),
+        "flat_tolerance": None if flat_tolerance is None else float(flat_tolerance),
         "exact_input": bool(exact_input),
         "check": bool(check),
         "threads": _threads(threads),

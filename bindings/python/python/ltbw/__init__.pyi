@@ -68,7 +68,7 @@ def tetrahedralize(
     holes: ArrayLike | None = ...,
     max_points: int | None = ...,
     repair: float = ...,
-    flat_tolerance: float = ...,
+    flat_tolerance: float | None = ...,
     exact_input: bool = ...,
     progress: Progress | None = ...,
     threads: int = ...,

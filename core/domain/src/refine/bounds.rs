@@ -10,10 +10,33 @@ use crate::{Domain, Lattice};
 use ltbw_core::topology::TetId;
 use ltbw_exact::Point;
 
+/// The largest tolerance within which facets of a domain may be taken for coplanar: 2^-10 of the
+/// diagonal.
+pub fn largest_tolerance(domain: &Domain) -> f64 {
+    LARGEST_TOLERANCE * diagonal(domain)
+}
+
+/// The tolerance within which the triangles of a surface are usually taken for coplanar: 2^-22 of
+/// the diagonal, or two steps of the largest coordinate where all numbers are single-precision;
+/// `read` is the surface as its file has it, `ready` as it is to be meshed.
+pub fn usual_tolerance(read: &Domain, ready: &Domain) -> f64 {
+    let own = diagonal(read) / f64::from(1u32 << 22);
+    let numbers = || read.vertices.iter().flatten();
+    let largest = numbers().fold(0.0, |most: f64, c| most.max(c.abs())) as f32;
+    let is_single = numbers().all(|&c| f64::from(c as f32) == c) && largest < f32::MAX;
+    let steps = 2.0 * (f64::from(largest.next_up()) - f64::from(largest));
+    // Far from the origin single-precision steps are no small lengths.
+    if is_single { own.max(steps) } else { own }.min(largest_tolerance(ready))
+}
+
+fn diagonal(domain: &Domain) -> f64 {
+    let (low, high) = domain.bounds().unwrap_or_default();
+    distance2(&low, &high).sqrt()
+}
+
 /// A tolerance within which facets may be taken for coplanar.
 pub(super) fn check_tolerance(value: f64, domain: &Domain) -> Result<(), RefineError> {
-    let (low, high) = domain.bounds().unwrap_or(([0.0; 3], [0.0; 3]));
-    let largest = LARGEST_TOLERANCE * distance2(&low, &high).sqrt();
+    let largest = largest_tolerance(domain);
     if (0.0..=largest).contains(&value) {
         return Ok(());
     }
@@ -140,7 +163,22 @@ impl Bounds<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::cube_root;
+    use super::{cube_root, largest_tolerance, usual_tolerance};
+    use crate::Domain;
+
+    #[test]
+    fn single_precision_numbers_have_steps() {
+        let surface = |far: f64, x: f64| Domain {
+            vertices: vec![[far, 0.0, 0.0], [far + x, 0.0, 0.0]],
+            ..Domain::default()
+        };
+        let usual = |domain: &Domain| usual_tolerance(domain, domain);
+        let (single, double) = (surface(4.0, 1.0), surface(4.0, 1.1));
+        assert_eq!(usual(&single), 2.0 / f64::from(1 << 21), "two steps of 5");
+        assert!((usual(&double) - 1.1 / f64::from(1 << 22)).abs() < 1e-12);
+        let far = surface(f64::from(1 << 20), 1.0);
+        assert_eq!(usual(&far), largest_tolerance(&far), "steps of 2^-3 are no small lengths");
+    }
 
     #[test]
     fn cube_roots_are_near() {
