@@ -179,7 +179,7 @@ fn bad_usage_is_one_line_and_exit_2() {
     }
     let bare = ltbw(dir.path(), &[]);
     assert_eq!(bare.code, 2);
-    assert!(bare.stderr.contains("Usage: ltbw <COMMAND>"), "{}", bare.stderr);
+    assert!(bare.stderr.contains("Usage: ltbw [OPTIONS] <COMMAND>"), "{}", bare.stderr);
     assert_eq!(names(dir.path()), ["a.xyz"]);
 }
 

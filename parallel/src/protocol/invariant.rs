@@ -9,18 +9,18 @@ use std::fmt;
 
 /// The invariants by their numbers.
 macro_rules! numbered {
-    ($($number:ident)*) => {
+    ($first:ident $($number:ident)*) => {
         /// An invariant of `docs/protocol.md`.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         #[allow(missing_docs)] // the page has them
         pub enum Invariant {
-            $($number),*
+            $first = 1, $($number),*
         }
 
         impl Invariant {
             /// All of them, ascending.
-            pub const ALL: [Self; 11] = [$(Self::$number),*];
+            pub const ALL: [Self; 11] = [Self::$first, $(Self::$number),*];
         }
     };
 }
@@ -101,6 +101,11 @@ pub(crate) use invariant;
 #[cfg(all(test, not(any(loom, shuttle))))]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_those_of_the_page() {
+        assert_eq!(Invariant::ALL.map(|i| i as usize), [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]);
+    }
 
     #[test]
     fn a_broken_invariant_is_read_back_from_its_panic() {
