@@ -150,7 +150,7 @@ impl Ready {
         };
         let flat_tolerance = refined.stats.flat_tolerance;
         let excused: HashSet<[u32; 4]> =
-            refined.excuses.iter().filter_map(|e| refined.mesh().tet(e.tet)).collect();
+            refined.excuses.iter().filter_map(|e| refined.tet(e.tet)).collect();
         let mut meshed = Meshed::new(Body::Domain(Box::new(refined)), outcome);
         if !wishes.unchecked && outcome != Outcome::Cancelled {
             let plain = meshed.plain();

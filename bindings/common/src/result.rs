@@ -85,7 +85,7 @@ impl Meshed {
     pub fn tets(&self) -> Vec<[u32; 4]> {
         match &*self.body {
             Body::Points { mesh, .. } => mesh.tets().collect(),
-            Body::Domain(refined) => refined.tets().filter_map(|t| refined.mesh().tet(t)).collect(),
+            Body::Domain(refined) => refined.tets().filter_map(|t| refined.tet(t)).collect(),
         }
     }
 
@@ -95,7 +95,13 @@ impl Meshed {
         let (mesh, place) = (self.body.mesh(), self.body.places());
         let across =
             |t: TetId, slot| mesh.neighbour(t, slot).map_or(NOWHERE, |o| place[o as usize]);
-        let all = |t: TetId| [0, 1, 2, 3].map(|slot| across(t, slot));
+        let all = |t: TetId| {
+            let own = mesh.tet(t).unwrap_or_default();
+            // The kernel has the corners of a domain's tetrahedron in an order of its own.
+            let shown = self.refined().and_then(|refined| refined.tet(t)).unwrap_or(own);
+            let slot = |corner: &u32| own.iter().position(|v| v == corner).unwrap_or_default();
+            shown.map(|corner| across(t, slot(&corner)))
+        };
         self.body.ids().into_iter().map(all).collect()
     }
 

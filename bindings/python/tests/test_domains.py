@@ -189,3 +189,12 @@ def test_pyvista_surfaces_and_grids(cube):
     usual = ltbw.tetrahedralize(torus)
     assert usual.certificate.passed and usual.certificate.report["patches"] > 0
     assert ltbw.delaunay(box.points).grid.n_cells == box.ltbw.delaunay().n_cells
+
+
+def test_neighbours_in_a_domain_are_across_faces(cube):
+    mesh = ltbw.tetrahedralize(cube, max_volume=0.01)
+    for corners, across in zip(mesh.simplices, mesh.neighbors):
+        for k, other in enumerate(across):
+            if other >= 0:
+                assert corners[k] not in mesh.simplices[other]
+                assert set(np.delete(corners, k)) <= set(mesh.simplices[other])

@@ -20,7 +20,9 @@ CALLS = {
 @pytest.mark.parametrize("call", CALLS)
 def test_an_interrupt_ends_the_call(call):
     script = f"""
-    import numpy as np, ltbw
+    import signal, numpy as np, ltbw
+    # A background job of a shell begins without it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     corners = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
     faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     print("ready", flush=True)
