@@ -240,7 +240,7 @@ struct BuiltBy {
 
 /// One worker is the sequential kernel.
 fn build(set: &PointSet, job: &Job<'_>) -> Result<BuiltBy, RunError> {
-    let in_parts = job.page.is_some() || job.outputs.iter().any(io::is_parts);
+    let in_parts = job.outputs.iter().any(io::is_parts);
     if job.workers <= 1 {
         let progress = Progress::new();
         let built = Builder::new().observer(&progress).cancel(job.stop.token()).build(set)?;
@@ -258,7 +258,7 @@ fn build(set: &PointSet, job: &Job<'_>) -> Result<BuiltBy, RunError> {
     }
     let stage = Stage::begin("insert");
     let run = kernel.build_distributed(set)?;
-    let count = if in_parts { run.parts() } else { 0 };
+    let count = if in_parts || job.page.is_some() { run.parts() } else { 0 };
     let parts = (0..count).map(|part| run.tets(part).collect()).collect();
     let run = run.gather()?;
     drop(stage);

@@ -1,11 +1,39 @@
-//! Random domains, the same on every machine.
+//! Random domains, the same on every machine, and domains as refinement and the checker take them.
 
-use ltbw::domain::{Domain, Facet};
+use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw_generate::{DomainKind, Shape, generate_domain, surfaces};
+use ltbw_verify::{Plc, PlcFacet};
 
 /// The faces of a box whose corners are numbered by the bits of their places.
 const FACES: [[u32; 4]; 6] =
     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+
+/// A domain prepared with the usual options.
+///
+/// # Panics
+/// If it is not sound.
+#[must_use]
+pub fn prepared(domain: &Domain) -> Prepared {
+    domain.prepare(&PrepareOptions::default()).expect("a sound domain")
+}
+
+/// A domain as the checker takes it, without a tolerance.
+#[must_use]
+pub fn plc_of(domain: &Domain) -> Plc {
+    let facet = |f: &Facet| PlcFacet {
+        polygons: f.polygons.clone(),
+        holes: f.holes.clone(),
+        marker: f.marker,
+    };
+    Plc {
+        vertices: domain.vertices.clone(),
+        facets: domain.facets.iter().map(facet).collect(),
+        segments: domain.segments.iter().map(|(ends, _)| *ends).collect(),
+        holes: domain.holes.clone(),
+        regions: domain.regions.iter().map(|r| r.seed).collect(),
+        flat_tolerance: 0.0,
+    }
+}
 
 /// A random domain and the kind of it: a box with a turned box hole, a star-shaped polyhedron, or a
 /// union of cubes, in turn.

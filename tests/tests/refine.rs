@@ -2,32 +2,12 @@
 //!
 //! Random domains: 40 by default, `LTBW_CASES` for more (500 for the full bar).
 
-use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
+use ltbw::domain::Prepared;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_tests::cases;
-use ltbw_tests::domains::random_domain;
-use ltbw_verify::{Breach, Conformity, Limits, Mesh, Options, Plc, PlcFacet, conforms};
-
-fn prepared(domain: &Domain) -> Prepared {
-    domain.prepare(&PrepareOptions::default()).expect("a sound domain")
-}
-
-fn plc_of(domain: &Domain) -> Plc {
-    let facet = |f: &Facet| PlcFacet {
-        polygons: f.polygons.clone(),
-        holes: f.holes.clone(),
-        marker: f.marker,
-    };
-    Plc {
-        vertices: domain.vertices.clone(),
-        facets: domain.facets.iter().map(facet).collect(),
-        segments: domain.segments.iter().map(|(ends, _)| *ends).collect(),
-        holes: domain.holes.clone(),
-        regions: domain.regions.iter().map(|r| r.seed).collect(),
-        flat_tolerance: 0.0,
-    }
-}
+use ltbw_tests::domains::{plc_of, prepared, random_domain};
+use ltbw_verify::{Breach, Conformity, Limits, Mesh, Options, Plc, conforms};
 
 /// Refines, and has the result checked against domain and bounds.
 fn refine_and_judge(ready: &Prepared, volume: Option<f64>, ratio: f64) -> (Refined, Conformity) {

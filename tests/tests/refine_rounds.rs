@@ -5,12 +5,12 @@
 
 use ltbw::Extras;
 use ltbw::Random;
-use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
+use ltbw::domain::{Domain, Facet, Prepared};
 use ltbw::refine::{Engine, InsertOrder, RefineOutcome, Refined, Refiner};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_tests::cases;
-use ltbw_tests::domains::random_domain;
-use ltbw_verify::{Breach, Limits, Mesh, Options, Plc, PlcFacet, conforms};
+use ltbw_tests::domains::{plc_of, prepared, random_domain};
+use ltbw_verify::{Breach, Limits, Mesh, Options, conforms};
 
 /// The orders that every domain is refined in.
 const ORDERS: [InsertOrder; 5] = [
@@ -20,26 +20,6 @@ const ORDERS: [InsertOrder; 5] = [
     InsertOrder::Random(1),
     InsertOrder::Random(2),
 ];
-
-fn prepared(domain: &Domain) -> Prepared {
-    domain.prepare(&PrepareOptions::default()).expect("a sound domain")
-}
-
-fn plc_of(domain: &Domain) -> Plc {
-    let facet = |f: &Facet| PlcFacet {
-        polygons: f.polygons.clone(),
-        holes: f.holes.clone(),
-        marker: f.marker,
-    };
-    Plc {
-        flat_tolerance: 0.0,
-        vertices: domain.vertices.clone(),
-        facets: domain.facets.iter().map(facet).collect(),
-        segments: domain.segments.iter().map(|(ends, _)| *ends).collect(),
-        holes: domain.holes.clone(),
-        regions: domain.regions.iter().map(|r| r.seed).collect(),
-    }
-}
 
 /// Refines in all orders, from `start` vertices on: one hash, as many excuses. Judges the mesh.
 fn one_mesh(ready: &Prepared, refiner: &Refiner<'_>, start: usize, name: &str) -> Refined {
