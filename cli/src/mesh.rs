@@ -165,7 +165,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     write(job, &refined, &inside, &mut report)?;
     if let (Some(path), Some(quality)) = (job.page, &quality) {
         let faces = refined.boundary(false);
-        let scene = Scene { mesh: &inside, faces: &faces, workers: &[] };
+        let scene = Scene { mesh: &inside, faces: &faces, hull: &[], workers: &[] };
         let page = Page::new(&show(job.name)).view(&scene).mesh(&report, &verdict, quality);
         write_text(path, &page.html(&report.to_json().unwrap_or_default()))?;
     }

@@ -206,7 +206,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     write_outputs(&mesh, &parts, &mut report, job)?;
     if let Some(path) = job.page {
         let workers = owners(&mesh, &parts);
-        let scene = Scene { mesh: &mesh, faces: &[], workers: &workers };
+        let scene = Scene { mesh: &mesh, faces: &[], hull: &hull, workers: &workers };
         let mut page = Page::new(&name).view(&scene);
         if let Some(quality) = Quality::of(&mesh.points, &mesh.tets) {
             page = page.mesh(&report, &verdict, &quality);

@@ -6,7 +6,7 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use ltbw::{BoundaryFace, Point, TetMesh, order};
 use serde_json::json;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::io::Write as _;
 
 /// The most tetrahedra in a page; of larger meshes the boundary and a slab are.
@@ -18,6 +18,8 @@ pub(crate) struct Scene<'a> {
     pub(crate) mesh: &'a TetMesh,
     /// Triangles with markers.
     pub(crate) faces: &'a [BoundaryFace],
+    /// Corners of the hull's facets; what is shown in part shows their tetrahedra.
+    pub(crate) hull: &'a [[u32; 3]],
     /// The worker that each tetrahedron belongs to; empty if there was one.
     pub(crate) workers: &'a [u32],
 }
@@ -86,11 +88,9 @@ impl Scene<'_> {
             return (0..all.len() as u32).collect();
         }
         let mut is_kept = vec![false; all.len()];
-        let mut outer = 0;
-        for face in self.faces.iter().filter(|f| f.tet < all.len()) {
-            outer += usize::from(!is_kept[face.tet]);
-            is_kept[face.tet] = true;
-        }
+        self.faces.iter().filter(|f| f.tet < all.len()).for_each(|f| is_kept[f.tet] = true);
+        self.at_the_hull().for_each(|t| is_kept[t] = true);
+        let mut outer = is_kept.iter().filter(|&&kept| kept).count();
         // A boundary with no room for anything else is left out.
         if outer > MOST / 2 {
             is_kept.fill(false);
@@ -107,6 +107,23 @@ impl Scene<'_> {
         inner.sort_by(|a, b| far(a).total_cmp(&far(b)));
         inner.iter().take(MOST - outer).for_each(|&t| is_kept[t] = true);
         (0..all.len() as u32).filter(|&t| is_kept[t as usize]).collect()
+    }
+
+    /// The tetrahedra that have a facet of the hull.
+    fn at_the_hull(&self) -> impl Iterator<Item = usize> {
+        let sorted = |mut corners: [u32; 3]| {
+            corners.sort_unstable();
+            corners
+        };
+        let facets: HashSet<[u32; 3]> = self.hull.iter().map(|&f| sorted(f)).collect();
+        let corners: HashSet<u32> = facets.iter().flatten().copied().collect();
+        self.mesh.tets.iter().enumerate().filter_map(move |(t, tet)| {
+            // Few tetrahedra have three corners there.
+            let outer = tet.iter().filter(|v| corners.contains(v)).count() > 2;
+            let [a, b, c, d] = *tet;
+            let faces = [[b, c, d], [a, c, d], [a, b, d], [a, b, c]];
+            (outer && faces.into_iter().any(|f| facets.contains(&sorted(f)))).then_some(t)
+        })
     }
 
     /// The vertices in use, along a Hilbert curve, and the place of each in that list.
@@ -214,7 +231,8 @@ mod tests {
         let tets = vec![[1, 2, 3, 4], [5, 4, 3, 2]];
         let mesh = TetMesh { points, tets, point_tags: None, tet_tags: Some(vec![7, -2]) };
         let faces = [BoundaryFace { corners: [2, 3, 5], marker: 40, tet: 1 }];
-        let (head, data) = Scene { mesh: &mesh, faces: &faces, workers: &[3, 1] }.encode();
+        let (head, data) =
+            Scene { mesh: &mesh, faces: &faces, hull: &[], workers: &[3, 1] }.encode();
         let head: serde_json::Value = serde_json::from_str(&head).expect("JSON");
         assert_eq!(head["points"], 5, "the first point is not in use");
         assert_eq!(head["regions"], json!(["-2", "7"]));
@@ -256,8 +274,16 @@ mod tests {
         let tets = (0..count as u32).map(|t| [4 * t, 4 * t + 1, 4 * t + 2, 4 * t + 3]).collect();
         let mesh = TetMesh { points: points.collect(), tets, ..TetMesh::default() };
         let faces = [BoundaryFace { corners: [0, 1, 2], marker: 1, tet: 0 }];
-        let kept = Scene { mesh: &mesh, faces: &faces, workers: &[] }.kept();
+        let scene = Scene { mesh: &mesh, faces: &faces, hull: &[], workers: &[] };
+        let kept = scene.kept();
         assert_eq!(kept.len(), MOST);
         assert_eq!((kept[0], kept[1]), (0, 501), "the boundary, and the slab in the middle");
+        // Facets of the hull in whatever order of corners; one that no tetrahedron has.
+        let last = 4 * (count as u32 - 1);
+        let hull = [[last + 2, last + 1, last + 3], [4, 7, 5], [8, 9, 12]];
+        let kept = Scene { faces: &[], hull: &hull, ..scene }.kept();
+        assert_eq!(kept.len(), MOST);
+        assert_eq!((kept[0], kept[1]), (1, 501), "a facet of the hull, and the slab");
+        assert_eq!((kept[MOST - 2], kept[MOST - 1]), (count as u32 - 502, count as u32 - 1));
     }
 }
