@@ -165,7 +165,7 @@ Examples:
         /// The folder, which has to be there
         folder: PathBuf,
     },
-    /// Hold another implementation to the conformance kit verify/vectors
+    /// Hold another implementation to the conformance kit, which is inside this program
     #[command(subcommand, after_long_help = EXIT_CODES)]
     Vectors(Vectors),
 }
@@ -176,14 +176,20 @@ pub(crate) enum Vectors {
     /// Ask a program the kit's questions: one JSON object a line in, one a line out
     #[command(after_long_help = concat_help("\
 Examples:
-  ltbw vectors run --executor ./port
-  ltbw vectors run --folder order --executor python3 -- verify/vectors/executor.py
+  ltbw vectors run --executor ./port                             a program of yours
+  ltbw vectors unpack kit                                        the kit and its own executor
+  ltbw vectors run --folder order --executor python3 -- kit/executor.py
 
 Prints, for each folder, the level reached and what the wrong answers tell. Exit code 1 if an
 answer was wrong; what the program does not support is counted apart. See docs/porting.md.
 
 "))]
     Run(VectorsRun),
+    /// Write the kit: questions with answers, their format, an executor in Python
+    Unpack {
+        /// The folder, which is made where it is missing
+        folder: PathBuf,
+    },
 }
 
 /// `ltbw vectors run`.
@@ -195,9 +201,9 @@ pub(crate) struct VectorsRun {
     /// Its arguments
     #[arg(last = true)]
     pub(crate) arguments: Vec<String>,
-    /// The kit's folder
-    #[arg(long, value_name = "FOLDER", default_value = "verify/vectors")]
-    pub(crate) vectors: PathBuf,
+    /// Another kit than the one inside this program
+    #[arg(long, value_name = "DIR", alias = "vectors")]
+    pub(crate) kit: Option<PathBuf>,
     /// Only this folder of the kit; may be given several times
     #[arg(long, value_name = "NAME", value_parser = [
         "predicates", "order", "cavity", "insert", "delaunay", "protocol", "interleavings",

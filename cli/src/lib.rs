@@ -16,7 +16,7 @@
 //! | `files` | `convert` and `generate` |
 //! | `simulate` | `simulate`: the parallel kernel on simulated processors |
 //! | `demo` | `demo` |
-//! | `vectors` | `vectors run`: a foreign program and the conformance kit |
+//! | `vectors`, `kit` | `vectors`: a foreign program and the conformance kit |
 //! | `report` | the JSON report `ltbw.report/1` |
 //! | `outcome` | exit codes, and errors as one line |
 //! | `console`, `progress` | what goes to stdout and to stderr, Ctrl-C |
@@ -39,6 +39,7 @@ mod figures;
 mod files;
 mod install;
 mod json;
+mod kit;
 mod lists;
 mod mesh;
 mod outcome;
@@ -100,5 +101,6 @@ fn dispatch(args: Args) -> Result<Exit, Failure> {
         Command::Completions { shell } => install::completions(shell),
         Command::Man { folder } => install::manual(&folder),
         Command::Vectors(Vectors::Run(args)) => vectors::run(&args),
+        Command::Vectors(Vectors::Unpack { folder }) => vectors::unpack(&folder),
     }
 }

@@ -1,4 +1,5 @@
-//! `vectors run`: asks a foreign program the questions of the conformance kit.
+//! `vectors run`: asks a foreign program the questions of the conformance kit. `vectors unpack`:
+//! writes the kit.
 //!
 //! One JSON object a line in, one a line out. What a wrong answer tells is in the case's flags;
 //! what the program cannot do it says (`{"unsupported": true}`). A folder's *level* is the highest
@@ -6,12 +7,13 @@
 
 use crate::args::VectorsRun;
 use crate::console;
-use crate::outcome::{Exit, Failure};
+use crate::kit;
+use crate::outcome::{Exit, Failure, show};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
@@ -106,7 +108,7 @@ impl Executor {
         let mut command = Command::new(program);
         command.args(args).stdin(Stdio::piped()).stdout(Stdio::piped());
         let failed = |error: &dyn std::fmt::Display| {
-            Failure::Usage(format!("executor {}: {error}", crate::outcome::show(program)))
+            Failure::Usage(format!("executor {}: {error}", show(program)))
         };
         let mut child = command.spawn().map_err(|error| failed(&error))?;
         let to = child.stdin.take();
@@ -171,35 +173,61 @@ fn short(value: &Value) -> String {
     if cut.len() < text.len() { format!("{cut}...") } else { cut }
 }
 
-/// The files of a folder, by name.
-fn files(folder: &Path) -> Result<Vec<File>, Failure> {
-    let bad = |path: &Path, error: &dyn std::fmt::Display| {
-        Failure::Usage(format!("{}: {error}", crate::outcome::show(path)))
-    };
-    let entries = std::fs::read_dir(folder).map_err(|error| bad(folder, &error))?;
-    let mut paths: Vec<PathBuf> = entries
-        .filter_map(|entry| entry.ok().map(|entry| entry.path()))
-        .filter(|path| path.extension().is_some_and(|extension| extension == "json"))
-        .collect();
-    paths.sort();
-    if paths.is_empty() {
-        return Err(bad(folder, &"no vectors"));
+/// The texts of a kit, by path: of a folder, or of the kit inside the program.
+fn kit(folder: Option<&Path>) -> Result<BTreeMap<String, String>, Failure> {
+    let Some(root) = folder else { return kit::files() };
+    let mut texts = BTreeMap::new();
+    for name in FOLDERS {
+        let folder = root.join(name);
+        let entries = std::fs::read_dir(&folder).map_err(|error| bad(&folder, &error))?;
+        for path in entries.filter_map(|entry| entry.ok().map(|entry| entry.path())) {
+            let Some(file) = path.file_name().filter(|_| is_json(&path)) else { continue };
+            let text = std::fs::read_to_string(&path).map_err(|error| bad(&path, &error))?;
+            texts.insert(format!("{name}/{}", file.to_string_lossy()), text);
+        }
     }
-    let read = |path: &PathBuf| {
-        let text = std::fs::read_to_string(path).map_err(|error| bad(path, &error))?;
-        serde_json::from_str(&text).map_err(|error| bad(path, &error))
+    Ok(texts)
+}
+
+fn is_json(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "json")
+}
+
+fn bad(path: &Path, error: &dyn std::fmt::Display) -> Failure {
+    Failure::Usage(format!("{}: {error}", show(path)))
+}
+
+/// The files of a folder of the kit, by name.
+fn files(kit: &BTreeMap<String, String>, folder: &str) -> Result<Vec<File>, Failure> {
+    let of_folder = |path: &&String| path.split('/').next() == Some(folder);
+    let paths: Vec<&String> =
+        kit.keys().filter(of_folder).filter(|p| p.ends_with(".json")).collect();
+    if paths.is_empty() {
+        return Err(bad(Path::new(folder), &"no vectors"));
+    }
+    let parse = |path: &&String| {
+        serde_json::from_str(&kit[*path]).map_err(|error| bad(Path::new(path), &error))
     };
-    paths.iter().map(read).collect()
+    paths.iter().map(parse).collect()
+}
+
+/// `ltbw vectors unpack`.
+pub(crate) fn unpack(folder: &Path) -> Result<Exit, Failure> {
+    let written = kit::unpack(folder)?;
+    let count = written.len();
+    console::people(&format!("wrote     {count} files of the kit into {}", show(folder)));
+    Ok(Exit::Done)
 }
 
 /// `ltbw vectors run`.
 pub(crate) fn run(args: &VectorsRun) -> Result<Exit, Failure> {
+    let kit = kit(args.kit.as_deref())?;
     let mut executor = Executor::start(&args.executor, &args.arguments, args.timeout)?;
     let (mut wrong, mut version) = (0, String::new());
     let chosen = |folder: &str| args.folder.is_empty() || args.folder.iter().any(|f| f == folder);
     for folder in FOLDERS.into_iter().filter(|folder| chosen(folder)) {
         let mut tally = Tally::default();
-        for file in files(&args.vectors.join(folder))? {
+        for file in files(&kit, folder)? {
             version.clone_from(&file.kit);
             for case in &file.cases {
                 let verdict = match executor.ask(&case.ask) {

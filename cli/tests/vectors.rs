@@ -7,6 +7,7 @@ mod common;
 mod require;
 
 use common::{Run, ltbw};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -28,7 +29,7 @@ fn python() -> Option<&'static str> {
 /// Asks a Python program of the kit's folders.
 fn ask(script: &Path, folders: &[&str]) -> Run {
     let kit = kit();
-    let mut args = vec!["vectors", "run", "--executor", "python3", "--vectors"];
+    let mut args = vec!["vectors", "run", "--executor", "python3", "--kit"];
     args.push(kit.to_str().unwrap());
     for folder in folders {
         args.extend(["--folder", folder]);
@@ -122,10 +123,73 @@ fn wrong_answers_are_told_by_their_flags() {
     assert!(run.stderr.contains("started again"), "{}", run.stderr);
 }
 
+/// Texts of the files under a folder by path, apart from Python's caches.
+fn texts(root: &Path) -> BTreeMap<PathBuf, String> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![root.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            let name = path.strip_prefix(root).unwrap().to_owned();
+            match path.is_dir() {
+                true if name.ends_with("__pycache__") => {}
+                true => folders.push(path),
+                false => {
+                    found.insert(name, std::fs::read_to_string(path).unwrap());
+                }
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn the_kit_inside_the_program_is_that_of_the_repository() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = ltbw(dir.path(), &["vectors", "unpack", "new/kit"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let unpacked = texts(&dir.path().join("new/kit"));
+    let own = texts(&kit());
+    assert!(unpacked.keys().eq(own.keys()), "`cargo xtask vectors` packs the kit anew");
+    for (path, text) in &own {
+        assert!(unpacked[path] == *text, "{}: `cargo xtask vectors`", path.display());
+    }
+    assert!(own.len() > 20 && own.contains_key(Path::new("executor.py")));
+    // A folder that cannot be made is an output that cannot be written.
+    std::fs::write(dir.path().join("file"), "").unwrap();
+    assert_eq!(ltbw(dir.path(), &["vectors", "unpack", "file/kit"]).code, 6);
+}
+
+#[test]
+fn porting_needs_the_program_alone() {
+    if python().is_none() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/porting.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let lines = page.lines().filter_map(|line| line.strip_prefix("    ltbw "));
+    // `./port` is the reader's own program.
+    let commands: Vec<&str> = lines.filter(|line| !line.contains("./port")).collect();
+    assert_eq!(commands.len(), 2, "{commands:?}");
+    for command in commands {
+        let mut args: Vec<&str> = command.split(' ').collect();
+        if let Some(executor) = args.iter().position(|word| *word == "--executor") {
+            // All of it is asked for above.
+            args.splice(executor..executor, ["--folder", "cavity"]);
+        }
+        let run = ltbw(dir.path(), &args);
+        assert_eq!(run.code, 0, "{command}: {}", run.stderr);
+    }
+}
+
 #[test]
 fn no_executor_and_no_kit_are_refused() {
     let missing = ["vectors", "run", "--executor", "./no-such-program"];
     let run = ltbw(Path::new("."), &missing);
     assert_eq!(run.code, 2);
     assert!(run.error().contains("no-such-program"));
+    let missing = ["vectors", "run", "--executor", "true", "--kit", "no-such-kit"];
+    let run = ltbw(Path::new("."), &missing);
+    assert_eq!(run.code, 2);
+    assert!(run.error().contains("no-such-kit"));
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The conformance kit through the C interface: predicates, and Delaunay meshes by their hash.
 
-    ltbw vectors run verify/vectors --executor python3 -- bindings/c/tests/executor.py LIBRARY
+    ltbw vectors run --executor python3 -- bindings/c/tests/executor.py LIBRARY
 """
 
 import ctypes
