@@ -3,6 +3,7 @@
 use crate::progress::Show;
 use crate::rounds::EngineArg;
 use crate::simulate::Simulate;
+use crate::streams::Streams;
 use crate::surface::Preparation;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, ValueEnum};
@@ -31,6 +32,7 @@ Examples:
 
 Formats, by extension: points .npy .xyz .csv .node .ply, and read only .off .obj .stl;
 domains .poly .smesh .off .obj .stl .ply; meshes .vtu .msh .mesh .ele (with .node).
+`-` is stdin or stdout, in the format that --format names: --format npy, say.
 stdout carries data (hash, JSON), stderr what is meant for people.
 
 ";
@@ -251,6 +253,8 @@ pub(crate) struct Delaunay {
     /// The depth of the check of the mesh before it is written
     #[arg(long, value_enum, default_value_t = Depth::Fast)]
     pub(crate) check: Depth,
+    #[command(flatten)]
+    pub(crate) streams: Streams,
 }
 
 /// `--check`.
@@ -327,6 +331,8 @@ pub(crate) struct MeshArgs {
     /// Whether the checker looks at the mesh before it is written
     #[arg(long, value_enum, default_value_t = Depth::Fast)]
     pub(crate) check: Depth,
+    #[command(flatten)]
+    pub(crate) streams: Streams,
 }
 
 /// `ltbw check`.
@@ -340,6 +346,8 @@ pub(crate) struct Check {
     /// The order of a tetrahedron's vertices means nothing (scipy and Qhull write such meshes)
     #[arg(long)]
     pub(crate) any_order: bool,
+    #[command(flatten)]
+    pub(crate) streams: Streams,
     #[command(flatten)]
     pub(crate) preparation: Preparation,
     /// Check that the mesh conforms to this domain
@@ -368,6 +376,8 @@ pub(crate) struct Convert {
     /// Write .msh in version 2.2 instead of 4.1
     #[arg(long)]
     pub(crate) msh2: bool,
+    #[command(flatten)]
+    pub(crate) streams: Streams,
 }
 
 /// `ltbw generate`.
@@ -388,6 +398,8 @@ pub(crate) struct Generate {
     /// Where to write: points .npy .xyz .csv .node .ply, domains .poly .smesh .off .obj .stl .ply
     #[arg(short, long = "output", value_name = "FILE")]
     pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) streams: Streams,
 }
 
 /// A kind of point set or domain that `generate` makes.

@@ -5,7 +5,7 @@ use crate::conform;
 use crate::console;
 use crate::domain;
 use crate::json::{check_json, is_stdout, keep_input, write_json};
-use crate::outcome::{Exit, Failure, show};
+use crate::outcome::{Exit, Failure};
 use crate::progress::Stage;
 use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
@@ -16,22 +16,23 @@ const SHOWN: usize = 10;
 
 /// `ltbw check`.
 pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
-    if domain::is_domain(&args.mesh) {
-        return domain::check(args);
+    console::end_on_signal()?;
+    let source = args.streams.resolve(Some(&args.mesh), &[])?.input(&args.mesh)?;
+    if source.format.holds_domain() {
+        return domain::check(args, &source);
     }
     if let Some(plc) = &args.plc {
-        return conform::check(args, plc);
+        return conform::check(args, &source, plc);
     }
-    console::end_on_signal()?;
     if let Some(json) = &args.json {
         let inputs = io::mesh_files(&args.mesh);
         inputs.iter().try_for_each(|input| keep_input(input, json))?;
         check_json(json)?;
     }
     let stage = Stage::begin("read");
-    let file = io::read_mesh_file(&args.mesh).map_err(Failure::Read)?;
+    let file = source.mesh()?;
     drop(stage);
-    let name = show(&args.mesh);
+    let name = source.show();
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
     let TetMesh { points, tets, .. } = &file.mesh;
     let order = if args.any_order { VertexOrder::Any } else { VertexOrder::Oriented };

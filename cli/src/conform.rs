@@ -5,6 +5,7 @@ use crate::bounds::Asked;
 use crate::console;
 use crate::json::{check_json, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
+use crate::streams::{Formats, Source};
 use ltbw::domain::{Domain, Prepared};
 use ltbw::refine::Refined;
 use ltbw::{TetMesh, io};
@@ -35,18 +36,17 @@ pub(crate) fn plc_of(domain: &Domain, flat_tolerance: f64) -> Plc {
 }
 
 /// `ltbw check MESH --plc DOMAIN`.
-pub(crate) fn check(args: &Check, plc: &Path) -> Result<Exit, Failure> {
-    console::end_on_signal()?;
+pub(crate) fn check(args: &Check, mesh: &Source, plc: &Path) -> Result<Exit, Failure> {
     args.preparation.check(&[&args.mesh, plc])?;
     if let Some(json) = &args.json {
         let inputs = io::mesh_files(&args.mesh).into_iter().chain(io::domain_files(plc));
         inputs.into_iter().try_for_each(|input| keep_input(&input, json))?;
         check_json(json)?;
     }
-    let file = io::read_mesh_file(&args.mesh).map_err(Failure::Read)?;
-    let name = show(&args.mesh);
+    let file = mesh.mesh()?;
+    let name = mesh.show();
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
-    let (ready, flat_tolerance) = args.preparation.prepare(plc)?;
+    let (ready, flat_tolerance) = args.preparation.prepare(&Formats::default().input(plc)?)?;
     let inside = without_exterior(&file.mesh);
     let limits = Limits {
         radius_edge: args.radius_edge,

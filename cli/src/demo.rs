@@ -7,7 +7,7 @@ use crate::json::distinct;
 use crate::mesh::{Job, mesh_domain};
 use crate::outcome::{Exit, Failure, show};
 use crate::rounds::EngineArg;
-use crate::run::check_outputs;
+use crate::streams::Formats;
 use ltbw::domain::PrepareOptions;
 use ltbw::io;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
@@ -22,7 +22,7 @@ const RADIUS_EDGE: f64 = 2.0;
 pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
     let start = Instant::now();
     let page = args.out.with_extension("html");
-    check_outputs(std::slice::from_ref(&args.out))?;
+    Formats::default().meshes_writable(std::slice::from_ref(&args.out))?;
     io::check_bytes_writable(&page).map_err(Failure::Write)?;
     distinct(&[args.out.clone(), page.clone()])?;
     let stop = Stop::on_signal()?;
@@ -40,6 +40,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         engine: EngineArg::default(),
         flat_tolerance: 0.0,
         outputs: std::slice::from_ref(&args.out),
+        formats: Formats::default(),
         keep_exterior: false,
         write_unrecovered: false,
         json: None,

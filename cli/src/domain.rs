@@ -3,25 +3,20 @@
 use crate::args::Check;
 use crate::console;
 use crate::json::{check_json, keep_input, write_json};
-use crate::outcome::{Exit, Failure, show};
+use crate::outcome::{Exit, Failure};
+use crate::streams::Source;
 use crate::surface::{print_troubles, troubles_json};
 use ltbw::domain::{
     CheckOptions, Domain, DomainDefect, DomainReport, Element, PrepareError, PrepareOptions,
     Severity, Snapped,
 };
-use ltbw::io::{self, DomainFile, Format};
+use ltbw::io::{self, DomainFile};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// Defects that people are shown of each kind; the report lists more.
 const SHOWN: usize = 5;
-
-/// Is this a file that `check` takes for a domain?
-pub(crate) fn is_domain(path: &Path) -> bool {
-    Format::from_path(path).is_ok_and(Format::holds_domain)
-}
 
 /// The report. A field that exists is never renamed in this version.
 #[derive(Debug, Serialize)]
@@ -68,17 +63,16 @@ struct LatticePart {
 }
 
 /// `ltbw check` of a domain.
-pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
-    console::end_on_signal()?;
+pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
     args.preparation.check(&[&args.mesh])?;
     if let Some(json) = &args.json {
         io::domain_files(&args.mesh).iter().try_for_each(|input| keep_input(input, json))?;
         check_json(json)?;
     }
-    let file = io::read_domain(&args.mesh).map_err(Failure::Read)?;
-    let name = show(&args.mesh);
+    let file = source.domain()?;
+    let name = source.show();
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
-    let failed = |error: PrepareError| Failure::Domain { path: args.mesh.clone(), error };
+    let failed = |error: PrepareError| Failure::Domain { path: source.name.clone(), error };
     let options = CheckOptions { oriented: file.oriented, ..CheckOptions::default() };
     let report = file.domain.check(&options).map_err(|e| failed(e.into()))?;
     print_domain(&name, &file.domain, &report);

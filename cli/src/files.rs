@@ -4,33 +4,46 @@ use crate::args::{Convert, Generate, Kind};
 use crate::console;
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
+use crate::streams::{Formats, name_of};
 use ltbw::Extras;
 use ltbw::domain::{Domain, DomainError};
 use ltbw::io::{self, DomainFile, Encoding, Format, MshVersion, PointFile, WriteOptions};
 use ltbw_generate::{Shape, generate_domain};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// A file to write, or stdout.
+struct Output<'a> {
+    path: &'a Path,
+    /// Its name in messages.
+    name: PathBuf,
+    format: Format,
+    formats: Formats,
+}
 
 /// `ltbw convert`.
 ///
 /// A `.node` file is points, unless the other file can only be a mesh.
 pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
     console::end_on_signal()?;
-    let (input, output) = (&args.input, &args.output);
-    let from = Format::from_path(input).map_err(Failure::Read)?;
-    let to = Format::from_path(output).map_err(Failure::Write)?;
+    let output = &args.output;
+    let formats = args.streams.resolve(Some(&args.input), std::slice::from_ref(output))?;
+    let source = formats.input(&args.input)?;
+    let (from, to) = (source.format, formats.of_output(output)?);
+    let output = &Output { path: output, name: name_of(output), format: to, formats };
+    let input = &source.name;
     let options = options(args);
     let _stage = Stage::begin("convert");
     if from.holds_domain() && to.holds_domain() && (from, to) != (Format::Ply, Format::Ply) {
-        let file = io::read_domain(input).map_err(Failure::Read)?;
+        let file = source.domain()?;
         // A surface file without faces is a point cloud.
         if !(file.domain.facets.is_empty() && from.holds_points()) {
             return convert_domain(input, output, &file, options);
         }
     }
     if from.holds_points() && to.holds_points() {
-        let file = io::read_points(input).map_err(Failure::Read)?;
+        let file = source.points()?;
         notes(input, &file.notes);
-        write_points(output, to, &file, options)
+        write_points(output, &file, options)
     } else if from.holds_domain() && !from.holds_points() {
         let text = format!("{}: a domain is neither points nor a mesh", show(input));
         Err(Failure::Usage(text))
@@ -44,35 +57,35 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
             "{}: points are no mesh; `ltbw delaunay {} -o {}` makes one of them",
             show(input),
             show(input),
-            show(output)
+            show(&output.name)
         );
         Err(Failure::Usage(text))
     } else {
-        let file = io::read_mesh_file(input).map_err(Failure::Read)?;
+        let file = source.mesh()?;
         notes(input, &file.notes);
         let mesh = file.mesh;
         if to.holds_mesh() {
             let extras = Extras { faces: file.faces, ..Extras::default() };
-            io::write_mesh_and(output, &mesh, &extras, options).map_err(Failure::Write)?;
+            formats.write_mesh(output.path, &mesh, &extras, options)?;
             let (points, tets) = (mesh.points.len(), mesh.tets.len());
             console::people(&format!(
                 "wrote     {}: {points} points, {tets} tetrahedra",
-                show(output)
+                show(&output.name)
             ));
             return Ok(Exit::Done);
         }
         let text = format!("{} tetrahedra are not kept: this format holds points", mesh.tets.len());
-        notes(output, &[text]);
+        notes(&output.name, &[text]);
         let point_tags = mesh.point_tags;
         let file = PointFile { points: mesh.points, point_tags, notes: Vec::new() };
-        write_points(output, to, &file, options)
+        write_points(output, &file, options)
     }
 }
 
 /// A domain from one format into another.
 fn convert_domain(
     input: &Path,
-    output: &Path,
+    output: &Output<'_>,
     file: &DomainFile,
     options: WriteOptions,
 ) -> Result<Exit, Failure> {
@@ -82,10 +95,14 @@ fn convert_domain(
     write_domain(output, &file.domain, options)
 }
 
-fn write_domain(path: &Path, domain: &Domain, options: WriteOptions) -> Result<Exit, Failure> {
-    let format = Format::from_path(path).map_err(Failure::Write)?;
-    io::write_domain_with(path, domain, options).map_err(Failure::Write)?;
-    notes(path, &io::not_kept(domain, format));
+fn write_domain(
+    output: &Output<'_>,
+    domain: &Domain,
+    options: WriteOptions,
+) -> Result<Exit, Failure> {
+    let path = &output.name;
+    output.formats.write_domain(output.path, domain, options)?;
+    notes(path, &io::not_kept(domain, output.format));
     let (vertices, facets) = (domain.vertices.len(), domain.facets.len());
     console::people(&format!("wrote     {}: {vertices} vertices, {facets} facets", show(path)));
     Ok(Exit::Done)
@@ -100,15 +117,15 @@ fn options(args: &Convert) -> WriteOptions {
 }
 
 fn write_points(
-    path: &Path,
-    format: Format,
+    output: &Output<'_>,
     file: &PointFile,
     options: WriteOptions,
 ) -> Result<Exit, Failure> {
-    if file.point_tags.is_some() && !format.holds_point_tags() {
+    let path = &output.name;
+    if file.point_tags.is_some() && !output.format.holds_point_tags() {
         notes(path, &["tags are not kept: this format has no place for them".to_owned()]);
     }
-    io::write_points_with(path, file, options).map_err(Failure::Write)?;
+    output.formats.write_points(output.path, file, options)?;
     console::people(&format!("wrote     {}: {} points", show(path), file.points.len()));
     Ok(Exit::Done)
 }
@@ -120,20 +137,25 @@ fn notes(path: &Path, notes: &[String]) {
 /// `ltbw generate`.
 pub(crate) fn generate(args: &Generate) -> Result<Exit, Failure> {
     console::end_on_signal()?;
+    let path = &args.output;
+    let formats = args.streams.resolve(None, std::slice::from_ref(path))?;
+    let output = || {
+        let format = formats.of_output(path)?;
+        Ok(Output { path, name: name_of(path), format, formats })
+    };
     let kind = match args.kind {
         Kind::Points(kind) => kind,
         Kind::Domain(kind) => {
-            io::check_domain_writable(&args.output).map_err(Failure::Write)?;
+            formats.domain_writable(path)?;
             let shape = Shape { count: args.count, angle: args.angle, seed: args.seed };
             let domain =
                 generate_domain(kind, &shape).map_err(|e| Failure::Usage(e.to_string()))?;
-            return write_domain(&args.output, &domain, WriteOptions::default());
+            return write_domain(&output()?, &domain, WriteOptions::default());
         }
     };
-    io::check_points_writable(&args.output).map_err(Failure::Write)?;
-    let format = Format::from_path(&args.output).map_err(Failure::Write)?;
+    formats.points_writable(path)?;
     let count = args.count.unwrap_or(1000) as usize;
     let points = ltbw_generate::generate(kind, count, args.seed);
     let file = PointFile { points, ..PointFile::default() };
-    write_points(&args.output, format, &file, WriteOptions::default())
+    write_points(&output()?, &file, WriteOptions::default())
 }

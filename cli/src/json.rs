@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// Does this argument mean stdout?
 pub(crate) fn is_stdout(path: &Path) -> bool {
-    path.as_os_str() == "-"
+    path.as_os_str() == "-" || path == Path::new("/dev/stdout")
 }
 
 /// Finds out whether JSON cannot be written to `path`, before the work starts.
@@ -33,12 +33,14 @@ pub(crate) fn keep_input(input: &Path, output: &Path) -> Result<(), Failure> {
 pub(crate) fn distinct(outputs: &[PathBuf]) -> Result<(), Failure> {
     let mut places = HashSet::new();
     for output in outputs {
+        // stdout has two names.
+        let output = if is_stdout(output) { Path::new("-") } else { output };
         // A file that is not there yet has a folder all the same.
         let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
         let folder = folder.unwrap_or(Path::new(".")).canonicalize();
         let place =
             output.canonicalize().ok().or_else(|| Some(folder.ok()?.join(output.file_name()?)));
-        if !places.insert(place.unwrap_or_else(|| output.clone())) {
+        if !places.insert(place.unwrap_or_else(|| output.to_owned())) {
             let text = format!("{}: two outputs would be written there", show(output));
             return Err(Failure::Usage(text));
         }

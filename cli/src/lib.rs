@@ -14,6 +14,7 @@
 //! | `domain` | `check` of a domain |
 //! | `lists` | a mesh as the lists that the checker takes |
 //! | `files` | `convert` and `generate` |
+//! | `streams` | stdin and stdout in place of files |
 //! | `simulate` | `simulate`: the parallel kernel on simulated processors |
 //! | `demo` | `demo` |
 //! | `vectors`, `kit` | `vectors`: a foreign program and the conformance kit |
@@ -51,6 +52,7 @@ mod report;
 mod rounds;
 mod run;
 mod simulate;
+mod streams;
 mod surface;
 mod sync;
 mod unrecovered;

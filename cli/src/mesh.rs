@@ -12,7 +12,8 @@ use crate::report::{
     Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, quality_json,
 };
 use crate::rounds::{self, EngineArg};
-use crate::run::{check_outputs, set_threads};
+use crate::run::set_threads;
+use crate::streams::{Formats, name_of, on_stdout};
 use crate::surface::{print_patches, repairs_json};
 use crate::unrecovered;
 use ltbw::domain::Prepared;
@@ -44,8 +45,9 @@ pub(crate) struct Job<'a> {
     pub(crate) engine: EngineArg,
     /// The distance within which facets are taken for coplanar.
     pub(crate) flat_tolerance: f64,
-    /// Mesh files to write.
+    /// Mesh files to write, and the formats that their names do not tell.
     pub(crate) outputs: &'a [PathBuf],
+    pub(crate) formats: Formats,
     /// With the exterior.
     pub(crate) keep_exterior: bool,
     /// Write the Delaunay mesh, exterior included, even if the boundary is not in it.
@@ -68,7 +70,8 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     set_threads(args.threads)?;
     let asked = asked(args)?;
     args.preparation.check(&[&args.domain])?;
-    check_outputs(&args.output)?;
+    let formats = args.streams.resolve(Some(&args.domain), &args.output)?;
+    formats.meshes_writable(&args.output)?;
     args.json.as_deref().map_or(Ok(()), check_json)?;
     let pages = [&args.histogram, &args.page].into_iter().flatten();
     pages.clone().try_for_each(io::check_bytes_writable).map_err(Failure::Write)?;
@@ -81,19 +84,21 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     for input in inputs.into_iter().flatten() {
         written.iter().try_for_each(|path| keep_input(input, path))?;
     }
+    let source = formats.input(&args.domain)?;
     let stop = Stop::on_signal()?;
     let stage = Stage::begin("prepare");
-    let (ready, flat_tolerance) = args.preparation.prepare(&args.domain)?;
+    let (ready, flat_tolerance) = args.preparation.prepare(&source)?;
     drop(stage);
     let job = Job {
         command: "mesh",
-        name: &args.domain,
+        name: &source.name,
         asked,
         field: field(args, &ready)?,
         max_points: args.max_points,
         engine: args.engine,
         flat_tolerance,
         outputs: &args.output,
+        formats,
         keep_exterior: args.keep_exterior,
         write_unrecovered: args.write_unrecovered,
         json: args.json.as_deref(),
@@ -185,7 +190,8 @@ fn finish_unrecovered(
 ) -> Result<Exit, Failure> {
     unrecovered::tell(refined);
     if job.write_unrecovered {
-        let Some(written) = unrecovered::write(job.outputs, mesh, job.check != Depth::Off)? else {
+        let (outputs, check) = ((job.outputs, job.formats), job.check != Depth::Off);
+        let Some(written) = unrecovered::write(outputs, mesh, check)? else {
             return Ok(Exit::OwnDefect);
         };
         report.outputs = written;
@@ -418,7 +424,8 @@ fn write(
         let extras = Extras { values, faces: refined.boundary(job.keep_exterior) };
         for path in job.outputs {
             let options = io::WriteOptions::default();
-            io::write_mesh_and(path, mesh, &extras, options).map_err(Failure::Write)?;
+            job.formats.write_mesh(path, mesh, &extras, options)?;
+            let path = &name_of(path);
             report.outputs.push(path.to_string_lossy().into_owned());
             console::people(&format!("wrote     {}", show(path)));
         }
@@ -442,6 +449,7 @@ fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
     }
     if let Some(hash) = report.mesh.hash.as_ref()
         && !job.json.is_some_and(is_stdout)
+        && !on_stdout(job.outputs)
     {
         console::data(&format!("ltbw.mesh/1 {hash}\n"))?;
     }

@@ -91,7 +91,8 @@ impl Failure {
             Failure::Write(
                 IoError::UnknownFormat { .. }
                 | IoError::WrongKind { .. }
-                | IoError::ReadOnly { .. },
+                | IoError::ReadOnly { .. }
+                | IoError::SeveralFiles { .. },
             ) => Exit::Usage,
             Failure::Write(_) | Failure::Other(_) => Exit::Output,
             Failure::Build { error: BuildError::Cancelled, .. }

@@ -10,6 +10,7 @@ use crate::outcome::{Exit, Failure, show};
 use crate::page::{self, Page, Scene};
 use crate::progress::{Progress, Stage};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
+use crate::streams::{Formats, name_of, on_stdout};
 use ltbw::balance::Balance;
 use ltbw::io::{self, PointFile};
 use ltbw::metrics::{Summary, Trace};
@@ -26,8 +27,9 @@ pub(crate) struct Job<'a> {
     pub(crate) command: &'static str,
     /// The name of the points in messages.
     pub(crate) name: &'a Path,
-    /// Mesh files to write.
+    /// Mesh files to write, and the formats that their names do not tell.
     pub(crate) outputs: &'a [PathBuf],
+    pub(crate) formats: Formats,
     /// The file of the report.
     pub(crate) json: Option<&'a Path>,
     /// The depth of the check.
@@ -64,7 +66,8 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let workers = args.threads.map_or(1, u32::from);
     let (parts, whole): (Vec<_>, Vec<_>) =
         args.output.iter().cloned().partition(|path| io::is_parts(path));
-    check_outputs(&whole)?;
+    let formats = args.streams.resolve(Some(&args.points), &args.output)?;
+    formats.meshes_writable(&whole)?;
     for path in &parts {
         io::check_parts_writable(path, workers as usize).map_err(Failure::Write)?;
     }
@@ -81,14 +84,16 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let written: Vec<PathBuf> = written.collect();
     distinct(&written)?;
     written.iter().try_for_each(|path| keep_input(&args.points, path))?;
+    let source = formats.input(&args.points)?;
     let stop = Stop::on_signal()?;
     let stage = Stage::begin("read");
-    let file = io::read_points(&args.points).map_err(Failure::Read)?;
+    let file = source.points()?;
     drop(stage);
     let job = Job {
         command: "delaunay",
-        name: &args.points,
+        name: &source.name,
         outputs: &args.output,
+        formats,
         json: args.json.as_deref(),
         check: args.check,
         stop: &stop,
@@ -112,11 +117,6 @@ pub(crate) fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
         .num_threads(usize::from(threads))
         .build_global()
         .map_err(|e| Failure::Other(format!("cannot start {threads} threads: {e}")))
-}
-
-/// Finds outputs that cannot be written before the work starts.
-pub(crate) fn check_outputs(outputs: &[PathBuf]) -> Result<(), Failure> {
-    outputs.iter().try_for_each(io::check_mesh_writable).map_err(Failure::Write)
 }
 
 /// Meshes points: builds, hashes, checks, writes and reports.
@@ -329,8 +329,9 @@ fn write_outputs(
             io::write_parts(path, &parts).map_err(Failure::Write)?;
             io::part_files(path, parts.len())
         } else {
-            io::write_mesh(path, mesh).map_err(Failure::Write)?;
-            vec![path.clone()]
+            let (extras, options) = Default::default();
+            job.formats.write_mesh(path, mesh, &extras, options)?;
+            vec![name_of(path)]
         };
         for path in files {
             report.outputs.push(path.to_string_lossy().into_owned());
@@ -414,7 +415,7 @@ fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
         write_json(path, &text)?;
     }
     match &report.mesh.hash {
-        Some(hash) if !job.json.is_some_and(is_stdout) => {
+        Some(hash) if !job.json.is_some_and(is_stdout) && !on_stdout(job.outputs) => {
             console::data(&format!("ltbw.mesh/1 {hash}\n"))?;
         }
         _ => {}

@@ -4,6 +4,7 @@
 use crate::console;
 use crate::json::keep_input;
 use crate::outcome::{Failure, show};
+use crate::streams::Source;
 use ltbw::domain::{Domain, DomainReport, Facet, Frame, PrepareError, PrepareOptions, Prepared};
 use ltbw::io;
 use ltbw::refine::{RefineStats, largest_tolerance, usual_tolerance};
@@ -91,9 +92,9 @@ impl Preparation {
 
     /// Reads and prepares a domain; tells what was repaired. With the tolerance within which
     /// facets are taken for coplanar.
-    pub(crate) fn prepare(&self, path: &Path) -> Result<(Prepared, f64), Failure> {
-        let file = io::read_domain(path).map_err(Failure::Read)?;
-        file.notes.iter().for_each(|n| console::people(&format!("note: {}: {n}", show(path))));
+    pub(crate) fn prepare(&self, source: &Source) -> Result<(Prepared, f64), Failure> {
+        let file = source.domain()?;
+        file.notes.iter().for_each(|n| console::people(&format!("note: {}: {n}", source.show())));
         let result = file.domain.prepare(&self.options(file.oriented));
         let report = result.as_ref().err().and_then(PrepareError::report);
         print_troubles(report);
@@ -103,18 +104,17 @@ impl Preparation {
         {
             console::people(&format!("note: --repair {tolerance:e} leaves defects"));
         }
-        let failed = |error| Failure::Domain { path: path.to_owned(), error };
+        let failed = |error| Failure::Domain { path: source.name.clone(), error };
         let ready = result.map_err(failed)?;
         self.note_repairs(&ready);
-        let flat = self.flat(path, &file.domain, &ready)?;
+        let flat = self.flat(source, &file.domain, &ready)?;
         Ok((ready, flat))
     }
 
     /// The tolerance within which facets are taken for coplanar.
-    fn flat(&self, path: &Path, read: &Domain, ready: &Prepared) -> Result<f64, Failure> {
+    fn flat(&self, source: &Source, read: &Domain, ready: &Prepared) -> Result<f64, Failure> {
         let Some(flat) = self.flat_tolerance else {
-            let is_exact = self.exact_input
-                || !io::Format::from_path(path).is_ok_and(io::Format::holds_surface);
+            let is_exact = self.exact_input || !source.format.holds_surface();
             return Ok(if is_exact { 0.0 } else { usual_tolerance(read, &ready.domain) });
         };
         let limit = largest_tolerance(&ready.domain);

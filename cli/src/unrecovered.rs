@@ -3,6 +3,7 @@
 
 use crate::console;
 use crate::outcome::{Failure, show};
+use crate::streams::{Formats, name_of};
 use ltbw::refine::Refined;
 use ltbw::{Extras, TetMesh, io};
 use ltbw_verify as verify;
@@ -25,7 +26,7 @@ pub(crate) fn tell(refined: &Refined) {
 /// Writes the mesh, judged for structure and Delaunay alone if `check` says so; the files written,
 /// or `None` if the mesh has a defect.
 pub(crate) fn write(
-    outputs: &[PathBuf],
+    (outputs, formats): (&[PathBuf], Formats),
     mesh: &TetMesh,
     check: bool,
 ) -> Result<Option<Vec<String>>, Failure> {
@@ -46,7 +47,8 @@ pub(crate) fn write(
     }
     for path in outputs {
         let options = io::WriteOptions::default();
-        io::write_mesh_and(path, mesh, &Extras::default(), options).map_err(Failure::Write)?;
+        formats.write_mesh(path, mesh, &Extras::default(), options)?;
+        let path = &name_of(path);
         written.push(path.to_string_lossy().into_owned());
         console::people(&format!("wrote     {}, without regions", show(path)));
     }

@@ -1,27 +1,16 @@
 //! Reading and writing domains, whatever their format.
 
 use super::aside::{self, Aside};
-use super::surface::Faces;
-use super::{DomainFile, Encoding, stl, tetgen, wrong_kind};
-use super::{Format, IoError, WriteOptions, data_error, load, obj, off, parse_error, ply, poly};
+use super::{DomainFile, Format, IoError, WriteOptions, load, parse_domain, parse_error};
+use super::{poly, streams, tetgen, wrong_kind};
 use ltbw_domain::Domain;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Reads a domain file: `.poly`, `.smesh` (with its `.node` if it holds no points itself), `.off`,
 /// `.obj`, `.stl` or `.ply`.
 pub fn read_domain(path: impl AsRef<Path>) -> Result<DomainFile, IoError> {
     let path = path.as_ref();
-    let format = Format::from_path(path)?;
-    let parse = match format {
-        Format::Off => off::read_domain,
-        Format::Obj => obj::read_domain,
-        Format::Stl => stl::read_domain,
-        Format::Ply => ply::read_domain,
-        Format::Poly => poly::read_poly,
-        Format::Smesh => poly::read_smesh,
-        _ => return Err(wrong_kind(path, format, "a domain is")),
-    };
+    let format = domain_format(path)?;
     let bytes = load(path)?;
     if matches!(format, Format::Poly | Format::Smesh) && poly::needs_node(&bytes) {
         let beside = path.with_extension("node");
@@ -30,7 +19,7 @@ pub fn read_domain(path: impl AsRef<Path>) -> Result<DomainFile, IoError> {
             if format == Format::Poly { poly::read_poly_with } else { poly::read_smesh_with };
         return parse(&bytes, node).map_err(|error| parse_error(path, error));
     }
-    parse(&bytes).map_err(|error| parse_error(path, error))
+    parse_domain(path, format, &bytes)
 }
 
 /// The files that [`read_domain`] may read for `path`: itself, and the `.node` beside it.
@@ -57,19 +46,9 @@ pub fn write_domain_with(
 ) -> Result<(), IoError> {
     let path = path.as_ref();
     let format = domain_format(path)?;
-    domain.check_structure().map_err(|e| data_error(path, e.into()))?;
-    match format {
-        Format::Poly => Aside::write(path, |out| poly::write_poly(out, domain))?.publish(),
-        Format::Smesh => {
-            poly::check_smesh(domain).map_err(|e| data_error(path, e))?;
-            Aside::write(path, |out| poly::write_smesh(out, domain))?.publish()
-        }
-        _ => {
-            let faces = Faces::of(domain, format == Format::Stl);
-            let faces = faces.map_err(|e| data_error(path, e))?;
-            Aside::write(path, |out| write_faces(out, &faces, format, options.encoding))?.publish()
-        }
-    }
+    let faces = streams::domain_ready(path, format, domain)?;
+    Aside::write(path, |out| streams::put_domain(out, format, domain, faces.as_ref(), options))?
+        .publish()
 }
 
 fn domain_format(path: &Path) -> Result<Format, IoError> {
@@ -106,24 +85,4 @@ pub fn not_kept(domain: &Domain, format: Format) -> Vec<String> {
         lost.push("facets of several polygons are written as their triangles".to_owned());
     }
     lost
-}
-
-/// Writes the faces of a surface as `.off`, `.obj`, `.stl` or `.ply`.
-fn write_faces(
-    out: &mut dyn Write,
-    faces: &Faces<'_>,
-    format: Format,
-    encoding: Encoding,
-) -> std::io::Result<()> {
-    let points = faces.points();
-    let corners = || faces.iter().map(|(corners, _)| corners);
-    match format {
-        Format::Ply => ply::write_surface(out, points, &faces.iter().collect::<Vec<_>>(), encoding),
-        Format::Stl => {
-            let triangles = corners().filter_map(|c| c.try_into().ok());
-            stl::write_surface(out, points, &triangles.collect::<Vec<[u32; 3]>>())
-        }
-        Format::Obj => obj::write_surface(out, points, &corners().collect::<Vec<_>>()),
-        _ => off::write_surface(out, points, &corners().collect::<Vec<_>>()),
-    }
 }

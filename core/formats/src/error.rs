@@ -37,6 +37,17 @@ pub enum IoError {
         /// The file.
         path: PathBuf,
     },
+    /// One stream was given for a format of several files.
+    #[error(
+        "{}: .{extension} is a format of several files here, which one stream cannot be",
+        show(path)
+    )]
+    SeveralFiles {
+        /// The name of the stream.
+        path: PathBuf,
+        /// The format's extension.
+        extension: &'static str,
+    },
     /// The operating system could not read the file.
     #[error("{}: cannot read: {source}", show(path))]
     Read {
@@ -80,6 +91,7 @@ impl IoError {
             IoError::UnknownFormat { .. } => "io.unknown-format",
             IoError::WrongKind { .. } => "io.wrong-kind",
             IoError::ReadOnly { .. } => "io.read-only",
+            IoError::SeveralFiles { .. } => "io.several-files",
             IoError::Read { .. } => "io.read",
             IoError::Write { .. } => "io.write",
             IoError::Parse { .. } => "io.parse",

@@ -47,6 +47,7 @@ pub mod ply;
 pub mod poly;
 mod scalar;
 pub mod stl;
+mod streams;
 mod surface;
 pub mod tetgen;
 mod text;
@@ -63,8 +64,11 @@ use ltbw_core::{BoundaryFace, Extras, TetMesh};
 use ltbw_domain::Domain;
 use ltbw_exact::Point;
 pub use parts::{check_parts_writable, is_parts, part_files, write_parts};
-use std::io::Write;
 use std::path::{Path, PathBuf};
+pub use streams::{
+    check_domain_stream, check_mesh_stream, check_points_stream, parse_domain, parse_mesh,
+    parse_points, write_domain_to, write_mesh_to, write_points_to,
+};
 
 /// Points as files carry them.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -102,18 +106,11 @@ pub struct DomainFile {
 /// Reads a point file: `.npy`, `.xyz`, `.csv`, `.node`, `.ply`, `.off`, `.obj` or `.stl`.
 pub fn read_points(path: impl AsRef<Path>) -> Result<PointFile, IoError> {
     let path = path.as_ref();
-    let parse = match Format::from_path(path)? {
-        Format::Npy => npy::read,
-        Format::Xyz => xyz::read,
-        Format::Csv => csv::read,
-        Format::Node => tetgen::read_node,
-        Format::Ply => ply::read,
-        Format::Off => off::read,
-        Format::Obj => obj::read,
-        Format::Stl => stl::read,
-        format => return Err(wrong_kind(path, format, "points are")),
-    };
-    parse(&load(path)?).map_err(|error| parse_error(path, error))
+    let format = Format::from_path(path)?;
+    if !format.holds_points() {
+        return Err(wrong_kind(path, format, "points are"));
+    }
+    parse_points(path, format, &load(path)?)
 }
 
 /// Reads a mesh file: `.vtu`, `.msh`, `.mesh`, or the pair `.ele` and `.node` (named by either).
@@ -125,14 +122,11 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<TetMesh, IoError> {
 /// Reads a mesh file as [`read_mesh`] does, and tells what in it was not read.
 pub fn read_mesh_file(path: impl AsRef<Path>) -> Result<MeshFile, IoError> {
     let path = path.as_ref();
-    let parse = match Format::from_path(path)? {
-        Format::Vtu => vtu::read,
-        Format::Msh => msh::read,
-        Format::Medit => medit::read,
-        Format::Node | Format::Ele => return read_pair(path),
-        format => return Err(wrong_kind(path, format, "a mesh is")),
-    };
-    parse(&load(path)?).map_err(|error| parse_error(path, error))
+    match Format::from_path(path)? {
+        Format::Node | Format::Ele => read_pair(path),
+        format if format.holds_mesh() => parse_mesh(path, format, &load(path)?),
+        format => Err(wrong_kind(path, format, "a mesh is")),
+    }
 }
 
 /// Reads edge lengths at points: an `.mtr` file, whatever its extension.
@@ -171,21 +165,8 @@ pub fn write_points_with(
 ) -> Result<(), IoError> {
     let path = path.as_ref();
     let format = writable(path, true)?;
-    let (points, tags) = (&file.points, file.point_tags.as_deref());
-    check_points(points, tags).map_err(|r| data_error(path, r))?;
-    if format == Format::Ply {
-        check_float_tags("point", tags).map_err(|r| data_error(path, r))?;
-        return Aside::write(path, |out| ply::write(out, points, tags, options.encoding))?
-            .publish();
-    }
-    let write = match format {
-        Format::Npy => npy::write,
-        Format::Xyz => xyz::write,
-        Format::Csv => csv::write,
-        Format::Node => tetgen::write_node,
-        format => return Err(wrong_kind(path, format, "points are")),
-    };
-    Aside::write(path, |out| write(out, points, tags))?.publish()
+    streams::points_ready(path, format, file)?;
+    Aside::write(path, |out| streams::put_points(out, format, file, options))?.publish()
 }
 
 /// Writes a mesh with the default [`WriteOptions`]: `.vtu`, `.msh`, `.mesh`, or the
@@ -215,23 +196,12 @@ pub fn write_mesh_and(
 ) -> Result<(), IoError> {
     let path = path.as_ref();
     let format = writable(path, false)?;
-    check_mesh(mesh).and_then(|()| check_extras(mesh, extras)).map_err(|r| data_error(path, r))?;
-    let faces = &extras.faces;
-    let write: fn(&mut dyn Write, &TetMesh, &Extras, WriteOptions) -> _ = match format {
-        Format::Vtu => {
-            |out, mesh, extras, options| vtu::write_with(out, mesh, extras, options.encoding)
-        }
-        Format::Msh => {
-            msh::check(mesh).map_err(|r| data_error(path, r))?;
-            |out, mesh, extras, options| {
-                msh::write_with(out, mesh, &extras.faces, options.msh_version, options.encoding)
-            }
-        }
-        Format::Medit => |out, mesh, extras, _| medit::write_with(out, mesh, &extras.faces),
-        Format::Node | Format::Ele => return write_pair(path, mesh, faces),
-        format => return Err(wrong_kind(path, format, "a mesh is")),
-    };
-    Aside::write(path, |out| write(out, mesh, extras, options))?.publish()
+    streams::mesh_ready(path, format, mesh, extras)?;
+    match format {
+        Format::Node | Format::Ele => write_pair(path, mesh, &extras.faces),
+        _ => Aside::write(path, |out| streams::put_mesh(out, format, mesh, extras, options))?
+            .publish(),
+    }
 }
 
 /// The format of `path`, if points (or else meshes) can be written in it.
@@ -314,6 +284,11 @@ pub fn mesh_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
 pub fn write_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), IoError> {
     let path = path.as_ref();
     Aside::write(path, |out| out.write_all(bytes))?.publish()
+}
+
+/// All bytes of a file, whatever its extension. A folder and a device are refused.
+pub fn read_bytes(path: impl AsRef<Path>) -> Result<Vec<u8>, IoError> {
+    load(path.as_ref())
 }
 
 fn load(path: &Path) -> Result<Vec<u8>, IoError> {

@@ -1,0 +1,277 @@
+//! stdin and stdout in place of files: `-`, in the format that `--format` names.
+//!
+//! The format of a file without a known extension is named in the same way. Where stdout carries a
+//! file nothing else goes there.
+
+use crate::console;
+use crate::json::is_stdout;
+use crate::outcome::{Failure, show};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use ltbw::io::{self, DomainFile, Format, IoError, MeshFile, PointFile, WriteOptions};
+use ltbw::{Domain, Extras, TetMesh};
+use std::cell::OnceCell;
+use std::io::{BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+/// The formats of what has no extension.
+#[derive(Debug, Clone, Default, clap::Args)]
+pub(crate) struct Streams {
+    /// The format of `-` (stdin, stdout) or of a file whose extension tells none: npy, vtu, ...
+    #[arg(long, value_name = "NAME", value_parser = names(), hide_possible_values = true)]
+    pub(crate) format: Option<Format>,
+    /// The format of such an output where --format is about the input
+    #[arg(long, value_name = "NAME", value_parser = names(), hide_possible_values = true)]
+    pub(crate) output_format: Option<Format>,
+}
+
+/// A parser of formats by their extensions.
+fn names() -> impl TypedValueParser<Value = Format> {
+    let names = Format::ALL.map(Format::extension);
+    PossibleValuesParser::new(names)
+        .try_map(|name| Format::from_path(Path::new(&format!("a.{name}"))))
+}
+
+/// Does `-` stand for stdin here?
+fn is_stdin(path: &Path) -> bool {
+    path.as_os_str() == "-" || path == Path::new("/dev/stdin")
+}
+
+/// Is the format left open by this path?
+fn is_open(path: &Path) -> bool {
+    is_stdin(path) || is_stdout(path) || Format::from_path(path).is_err() && !io::is_parts(path)
+}
+
+impl Streams {
+    /// The options, taken for an input and some outputs; an option without a use is refused.
+    pub(crate) fn resolve(
+        &self,
+        input: Option<&Path>,
+        outputs: &[PathBuf],
+    ) -> Result<Formats, Failure> {
+        let unused = |option: &str| {
+            Err(Failure::Usage(format!("{option}: the extension of every file tells its format")))
+        };
+        let input = input.is_some_and(is_open);
+        let output = outputs.iter().any(|path| is_open(path));
+        let shared = self.format.filter(|_| !input && self.output_format.is_none());
+        if self.output_format.is_some() && !output {
+            return unused("--output-format");
+        }
+        if self.format.is_some() && !input && !(output && shared.is_some()) {
+            return unused("--format");
+        }
+        Ok(Formats { input: self.format.filter(|_| input), output: self.output_format.or(shared) })
+    }
+}
+
+/// The formats of an input and of outputs whose names do not tell them.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Formats {
+    input: Option<Format>,
+    output: Option<Format>,
+}
+
+impl Formats {
+    /// An input, of which nothing is read yet.
+    pub(crate) fn input(self, path: &Path) -> Result<Source, Failure> {
+        let stdin = is_stdin(path);
+        let name = if stdin { PathBuf::from("stdin") } else { path.to_owned() };
+        let format = match (is_open(path), self.input) {
+            (true, Some(format)) => format,
+            (true, None) if stdin => {
+                return Err(Failure::Usage("stdin: --format has to name its format".to_owned()));
+            }
+            _ => Format::from_path(path).map_err(Failure::Read)?,
+        };
+        Ok(Source { name, format, stdin, is_open: is_open(path), bytes: OnceCell::new() })
+    }
+
+    /// The format of an output.
+    pub(crate) fn of_output(self, path: &Path) -> Result<Format, Failure> {
+        match self.output {
+            Some(format) if is_open(path) => Ok(format),
+            None if is_stdout(path) => {
+                let text = "stdout: --format, or --output-format beside that of the input, has to \
+                            name its format";
+                Err(Failure::Usage(text.to_owned()))
+            }
+            _ => Format::from_path(path).map_err(Failure::Write),
+        }
+    }
+
+    /// Finds out, before the work, whether meshes cannot be written.
+    pub(crate) fn meshes_writable(self, outputs: &[PathBuf]) -> Result<(), Failure> {
+        let writable = |path: &PathBuf| {
+            if !is_open(path) {
+                return io::check_mesh_writable(path).map_err(Failure::Write);
+            }
+            let format = self.of_output(path)?;
+            io::check_mesh_stream(name_of(path), format).map_err(Failure::Write)?;
+            file_writable(path)
+        };
+        outputs.iter().try_for_each(writable)
+    }
+
+    /// Finds out whether points cannot be written.
+    pub(crate) fn points_writable(self, path: &Path) -> Result<(), Failure> {
+        if !is_open(path) {
+            return io::check_points_writable(path).map_err(Failure::Write);
+        }
+        io::check_points_stream(name_of(path), self.of_output(path)?).map_err(Failure::Write)?;
+        file_writable(path)
+    }
+
+    /// Finds out whether a domain cannot be written.
+    pub(crate) fn domain_writable(self, path: &Path) -> Result<(), Failure> {
+        if !is_open(path) {
+            return io::check_domain_writable(path).map_err(Failure::Write);
+        }
+        io::check_domain_stream(name_of(path), self.of_output(path)?).map_err(Failure::Write)?;
+        file_writable(path)
+    }
+
+    /// Writes a mesh to a file or to stdout.
+    pub(crate) fn write_mesh(
+        self,
+        path: &Path,
+        mesh: &TetMesh,
+        extras: &Extras,
+        options: WriteOptions,
+    ) -> Result<(), Failure> {
+        if !is_open(path) {
+            return io::write_mesh_and(path, mesh, extras, options).map_err(Failure::Write);
+        }
+        let (name, format) = (name_of(path), self.of_output(path)?);
+        write(path, |out| io::write_mesh_to(out, &name, format, mesh, extras, options))
+    }
+
+    /// Writes points to a file or to stdout.
+    pub(crate) fn write_points(
+        self,
+        path: &Path,
+        file: &PointFile,
+        options: WriteOptions,
+    ) -> Result<(), Failure> {
+        if !is_open(path) {
+            return io::write_points_with(path, file, options).map_err(Failure::Write);
+        }
+        let (name, format) = (name_of(path), self.of_output(path)?);
+        write(path, |out| io::write_points_to(out, &name, format, file, options))
+    }
+
+    /// Writes a domain to a file or to stdout.
+    pub(crate) fn write_domain(
+        self,
+        path: &Path,
+        domain: &Domain,
+        options: WriteOptions,
+    ) -> Result<(), Failure> {
+        if !is_open(path) {
+            return io::write_domain_with(path, domain, options).map_err(Failure::Write);
+        }
+        let (name, format) = (name_of(path), self.of_output(path)?);
+        write(path, |out| io::write_domain_to(out, &name, format, domain, options))
+    }
+}
+
+/// Does stdout carry one of these outputs, and so nothing else?
+pub(crate) fn on_stdout(outputs: &[PathBuf]) -> bool {
+    outputs.iter().any(|path| is_stdout(path))
+}
+
+/// The name of an output in messages.
+pub(crate) fn name_of(path: &Path) -> PathBuf {
+    if is_stdout(path) { PathBuf::from("stdout") } else { path.to_owned() }
+}
+
+fn file_writable(path: &Path) -> Result<(), Failure> {
+    if is_stdout(path) {
+        return Ok(());
+    }
+    io::check_bytes_writable(path).map_err(Failure::Write)
+}
+
+/// Writes to stdout as it comes, or to a file of any extension.
+fn write(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> Result<(), IoError>,
+) -> Result<(), Failure> {
+    if !is_stdout(path) {
+        let mut bytes = Vec::new();
+        fill(&mut bytes).map_err(Failure::Write)?;
+        return io::write_bytes(path, &bytes).map_err(Failure::Write);
+    }
+    let mut refused = None;
+    console::data_with(|| {
+        let mut out = BufWriter::with_capacity(1 << 20, std::io::stdout().lock());
+        match fill(&mut out) {
+            Ok(()) => out.flush(),
+            Err(IoError::Write { source, .. }) => Err(source),
+            Err(error) => {
+                refused = Some(error);
+                Ok(())
+            }
+        }
+    })?;
+    refused.map_or(Ok(()), |error| Err(Failure::Write(error)))
+}
+
+/// An input of the program.
+#[derive(Debug)]
+pub(crate) struct Source {
+    /// Its name in messages: the path, or `stdin`.
+    pub(crate) name: PathBuf,
+    /// Its format.
+    pub(crate) format: Format,
+    stdin: bool,
+    is_open: bool,
+    bytes: OnceCell<Vec<u8>>,
+}
+
+impl Source {
+    /// Its name in a message.
+    pub(crate) fn show(&self) -> String {
+        show(&self.name)
+    }
+
+    /// The points in it.
+    pub(crate) fn points(&self) -> Result<PointFile, Failure> {
+        if self.is_open {
+            return io::parse_points(&self.name, self.format, self.bytes()?).map_err(Failure::Read);
+        }
+        io::read_points(&self.name).map_err(Failure::Read)
+    }
+
+    /// The mesh in it.
+    pub(crate) fn mesh(&self) -> Result<MeshFile, Failure> {
+        if self.is_open {
+            return io::parse_mesh(&self.name, self.format, self.bytes()?).map_err(Failure::Read);
+        }
+        io::read_mesh_file(&self.name).map_err(Failure::Read)
+    }
+
+    /// The domain in it.
+    pub(crate) fn domain(&self) -> Result<DomainFile, Failure> {
+        if self.is_open {
+            return io::parse_domain(&self.name, self.format, self.bytes()?).map_err(Failure::Read);
+        }
+        io::read_domain(&self.name).map_err(Failure::Read)
+    }
+
+    /// All of it, which is read once.
+    fn bytes(&self) -> Result<&[u8], Failure> {
+        if let Some(bytes) = self.bytes.get() {
+            return Ok(bytes);
+        }
+        let bytes = if self.stdin {
+            let mut bytes = Vec::new();
+            let read = std::io::stdin().lock().read_to_end(&mut bytes);
+            let failed = |source| IoError::Read { path: self.name.clone(), source };
+            read.map(|_| bytes).map_err(failed)
+        } else {
+            io::read_bytes(&self.name)
+        };
+        let bytes = bytes.map_err(Failure::Read)?;
+        Ok(self.bytes.get_or_init(|| bytes))
+    }
+}
