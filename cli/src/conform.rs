@@ -5,6 +5,7 @@ use crate::bounds::Asked;
 use crate::console;
 use crate::json::{check_json, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
+use crate::progress::Stage;
 use crate::streams::{Formats, Source};
 use ltbw::domain::{Domain, Prepared};
 use ltbw::refine::Refined;
@@ -43,10 +44,15 @@ pub(crate) fn check(args: &Check, mesh: &Source, plc: &Path) -> Result<Exit, Fai
         inputs.into_iter().try_for_each(|input| keep_input(&input, json))?;
         check_json(json)?;
     }
+    let stage = Stage::begin("read");
     let file = mesh.mesh()?;
+    drop(stage);
     let name = mesh.show();
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
+    let stage = Stage::begin("prepare");
     let (ready, flat_tolerance) = args.preparation.prepare(&Formats::default().input(plc)?)?;
+    drop(stage);
+    let stage = Stage::begin("check");
     let inside = without_exterior(&file.mesh);
     let limits = Limits {
         radius_edge: args.radius_edge,
@@ -63,6 +69,7 @@ pub(crate) fn check(args: &Check, mesh: &Source, plc: &Path) -> Result<Exit, Fai
     let complex = plc_of(&ready.domain, flat_tolerance);
     let mut found = verify::conforms(&mesh, &complex, tags, &limits, &options);
     let same = same_volume(&ready, &found);
+    drop(stage);
     if let Some(path) = &args.json {
         let text = serde_json::to_string_pretty(&certificate(&found, same))
             .map_err(|e| Failure::Other(e.to_string()))?;

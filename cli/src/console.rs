@@ -5,6 +5,7 @@
 //! written. Lines for people are dropped if stderr takes none: there is nobody to tell.
 
 use crate::outcome::{Exit, Failure};
+use crate::progress;
 use crate::sync::Flag;
 use ltbw::CancelToken;
 use ltbw::io::IoError;
@@ -24,7 +25,9 @@ pub(crate) fn people(line: &str) {
     if QUIET.is_set() && !line.starts_with("ltbw: ") {
         return;
     }
-    let _ = writeln!(std::io::stderr(), "{line}");
+    // A bar may be on the terminal's last line, and comes again below.
+    let start = if progress::has_bars() { "\r\x1b[2K" } else { "" };
+    let _ = writeln!(std::io::stderr(), "{start}{line}");
 }
 
 /// Prints data, to stdout.

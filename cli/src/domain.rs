@@ -4,6 +4,7 @@ use crate::args::Check;
 use crate::console;
 use crate::json::{check_json, keep_input, write_json};
 use crate::outcome::{Exit, Failure};
+use crate::progress::Stage;
 use crate::streams::Source;
 use crate::surface::{print_troubles, troubles_json};
 use ltbw::domain::{
@@ -69,12 +70,16 @@ pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
         io::domain_files(&args.mesh).iter().try_for_each(|input| keep_input(input, json))?;
         check_json(json)?;
     }
+    let stage = Stage::begin("read");
     let file = source.domain()?;
+    drop(stage);
     let name = source.show();
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
     let failed = |error: PrepareError| Failure::Domain { path: source.name.clone(), error };
     let options = CheckOptions { oriented: file.oriented, ..CheckOptions::default() };
+    let stage = Stage::begin("check");
     let report = file.domain.check(&options).map_err(|e| failed(e.into()))?;
+    drop(stage);
     print_domain(&name, &file.domain, &report);
     print_defects(&report);
     let options = args.preparation.options(file.oriented);

@@ -118,21 +118,21 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     let clock = Instant::now();
     let refined = refine(job, ready)?;
     seconds.refine = clock.elapsed().as_secs_f64();
+    let clock = Instant::now();
+    let stage = Stage::begin("hash");
     let unrecovered = refined.outcome == RefineOutcome::Unrecovered;
     // Without the boundary nobody knows what is inside: the whole mesh, and no regions.
     let mut inside = refined.to_tet_mesh(unrecovered);
     if unrecovered {
         inside.tet_tags = None;
     }
-    let clock = Instant::now();
-    let stage = Stage::begin("hash");
     let hash = canonical_hash(&inside.points, &inside.tets)
         .map_err(|e| Failure::Other(e.to_string()))?
         .to_string();
-    drop(stage);
     seconds.hash = clock.elapsed().as_secs_f64();
     let mut report = report_of(job, &refined, ready, hash, seconds);
     let quality = Quality::of(&inside.points, &inside.tets);
+    drop(stage);
     print_mesh(&refined, &inside, quality.as_ref());
     print_patches(job.flat_tolerance, &refined.stats);
     report.quality = quality.as_ref().map(quality_json);
@@ -146,8 +146,8 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     let mut verdict = "not checked".to_owned();
     if job.check != Depth::Off && refined.outcome != RefineOutcome::Cancelled {
         let clock = Instant::now();
-        let excused = excused(&refined);
         let stage = Stage::begin("check");
+        let excused = excused(&refined);
         let mut found = check_own(&inside, ready, job.asked, &refined, excused.len());
         drop(stage);
         let same = same_volume(ready, &found);
@@ -169,6 +169,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     }
     write(job, &refined, &inside, &mut report)?;
     if let (Some(path), Some(quality)) = (job.page, &quality) {
+        let _stage = Stage::begin("page");
         let faces = refined.boundary(false);
         let scene = Scene { mesh: &inside, faces: &faces, hull: &[], workers: &[] };
         let page = Page::new(&show(job.name)).view(&scene).mesh(&report, &verdict, quality);
@@ -202,7 +203,7 @@ fn finish_unrecovered(
 }
 
 fn refine(job: &Job<'_>, ready: &Prepared) -> Result<Refined, Failure> {
-    let progress = Progress::new();
+    let progress = Progress::begin("recover");
     let mut refiner = job.asked.refiner().observer(&progress).cancel(job.stop.token());
     refiner = refiner.flat_tolerance(job.flat_tolerance).engine(job.engine.engine());
     if let Some(field) = &job.field {
@@ -416,10 +417,10 @@ fn write(
     report: &mut Report,
 ) -> Result<(), Failure> {
     let clock = Instant::now();
+    let _stage = (!job.outputs.is_empty()).then(|| Stage::begin("write"));
     let whole = job.keep_exterior.then(|| refined.to_tet_mesh(true));
     let mesh = whole.as_ref().unwrap_or(inside);
     if !job.outputs.is_empty() {
-        let _stage = Stage::begin("write");
         let values = quality::arrays(&mesh.points, &mesh.tets);
         let extras = Extras { values, faces: refined.boundary(job.keep_exterior) };
         for path in job.outputs {

@@ -1,7 +1,7 @@
 //! Progress on stderr: a bar or a spinner on a terminal for what takes over a second, lines of JSON
 //! with `--progress json`, and otherwise nothing. It has no colours, whatever `NO_COLOR` says.
 
-use crate::sync::{Due, Flag};
+use crate::sync::{Counts, Due, Flag};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use ltbw::Observer;
 use serde_json::json;
@@ -11,10 +11,14 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 const PATIENCE: Duration = Duration::from_secs(1);
+/// The name and version of the lines of JSON: `docs/schema/progress.json`.
+const SCHEMA: &str = "ltbw.progress/1";
 const TICK: Duration = Duration::from_millis(200);
 
 /// Lines of JSON in place of bars.
 static JSON: Flag = Flag::new();
+/// The begin of the program.
+static START: OnceLock<Instant> = OnceLock::new();
 /// No bars.
 static HIDDEN: Flag = Flag::new();
 
@@ -29,8 +33,9 @@ pub(crate) enum Show {
     None,
 }
 
-/// Sets the way in which progress is shown.
+/// Sets the way in which progress is shown; the program begins.
 pub(crate) fn show(show: Show) {
+    START.get_or_init(Instant::now);
     match show {
         Show::Bar => {}
         Show::Json => {
@@ -42,13 +47,14 @@ pub(crate) fn show(show: Show) {
     }
 }
 
-fn has_bars() -> bool {
+/// Are there bars on a terminal?
+pub(crate) fn has_bars() -> bool {
     !JSON.is_set() && !HIDDEN.is_set() && std::io::stderr().is_terminal()
 }
 
 /// Writes a line of JSON. Nobody misses it if stderr takes none.
 fn line(phase: &str, done: Option<u64>, total: Option<u64>) {
-    let text = json!({ "phase": phase, "done": done, "total": total });
+    let text = json!({ "schema": SCHEMA, "phase": phase, "done": done, "total": total });
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
@@ -61,38 +67,70 @@ fn name(phase: ltbw::Phase) -> &'static str {
     }
 }
 
-/// Progress of work that counts its points.
+/// The state of a stage, for the thread that shows it.
+#[derive(Debug, Default)]
+struct Shown {
+    ended: Mutex<bool>,
+    bell: Condvar,
+    /// Its points, once some are counted.
+    counts: Counts,
+}
+
+/// A stage of work: on a terminal a bar or a spinner is there from its second second on, and at
+/// once where the program has worked for longer. It ends when this is dropped.
 #[derive(Debug)]
-pub(crate) struct Progress {
-    start: Instant,
-    has_bars: bool,
-    bar: OnceLock<ProgressBar>,
-    due: Due,
+pub(crate) struct Stage {
+    shown: Arc<Shown>,
+    thread: Option<JoinHandle<()>>,
 }
 
-impl Progress {
-    /// Progress that does not show yet.
-    pub(crate) fn new() -> Self {
-        let due = Due::default();
-        Self { start: Instant::now(), has_bars: has_bars(), bar: OnceLock::new(), due }
-    }
-}
-
-impl Observer for Progress {
-    fn progress(&self, progress: ltbw::Progress) {
+impl Stage {
+    /// Begins a stage.
+    pub(crate) fn begin(name: &'static str) -> Self {
         if JSON.is_set() {
-            let is_last = progress.total == Some(progress.done);
-            if self.due.is_due(self.start.elapsed(), TICK) || is_last {
-                line(name(progress.phase), Some(progress.done), progress.total);
-            }
-            return;
+            line(name, None, None);
         }
-        if !self.has_bars || self.start.elapsed() < PATIENCE {
-            return;
-        }
-        let bar = self.bar.get_or_init(|| bar(template(progress.total), progress.total));
-        bar.set_position(progress.done);
+        let shown = Arc::<Shown>::default();
+        let watched = Arc::clone(&shown);
+        let turn = move || spin(name, &watched);
+        // Without a thread there is no spinner, which is no reason to fail.
+        let thread = std::thread::Builder::new().name("spinner".to_owned());
+        let thread = has_bars().then(|| thread.spawn(turn).ok()).flatten();
+        Self { shown, thread }
     }
+}
+
+/// The time that a stage waits before it shows, at the age of the program.
+fn patience(age: Duration) -> Duration {
+    PATIENCE.saturating_sub(TICK).saturating_sub(age).max(TICK)
+}
+
+/// Shows a stage until it has ended.
+fn spin(name: &str, shown: &Shown) {
+    let wait = |time| {
+        let guard = shown.ended.lock().unwrap_or_else(PoisonError::into_inner);
+        let result = shown.bell.wait_timeout_while(guard, time, |ended| !*ended);
+        *result.unwrap_or_else(PoisonError::into_inner).0
+    };
+    if wait(patience(START.get_or_init(Instant::now).elapsed())) {
+        return;
+    }
+    let mut counted = None;
+    let mut bar = bar(&template(name, counted), None);
+    bar.tick();
+    while !wait(TICK) {
+        let now = shown.counts.get();
+        if let Some((done, total)) = now {
+            if counted.is_none() {
+                bar.finish_and_clear();
+                bar = self::bar(&template(name, now), total);
+            }
+            bar.set_position(done);
+            counted = now;
+        }
+        bar.tick();
+    }
+    bar.finish_and_clear();
 }
 
 fn bar(template: &str, total: Option<u64>) -> ProgressBar {
@@ -103,91 +141,95 @@ fn bar(template: &str, total: Option<u64>) -> ProgressBar {
     bar
 }
 
-/// The contents of a progress bar: refinement does not know its end.
-fn template(total: Option<u64>) -> &'static str {
-    match total {
-        None => "insert {spinner} {human_pos} points in {elapsed}",
-        Some(_) => "insert {bar:40} {human_pos} of {human_len} points, {eta} left",
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        if let Some(bar) = self.bar.get() {
-            bar.finish_and_clear();
+/// The contents of a bar: nothing is counted at first, and refinement does not know its end.
+fn template(name: &str, counts: Option<(u64, Option<u64>)>) -> String {
+    match counts {
+        None => format!("{name} {{spinner}} {{elapsed}}"),
+        Some((_, None)) => format!("{name} {{spinner}} {{human_pos}} points in {{elapsed}}"),
+        Some((_, Some(_))) => {
+            format!("{name} {{bar:40}} {{human_pos}} of {{human_len}} points, {{eta}} left")
         }
     }
-}
-
-/// A stage of work that counts nothing: on a terminal a spinner turns from its second second on.
-/// It ends when this is dropped.
-#[derive(Debug)]
-pub(crate) struct Stage {
-    ended: Arc<(Mutex<bool>, Condvar)>,
-    spinner: Option<JoinHandle<()>>,
-}
-
-impl Stage {
-    /// Begins a stage.
-    pub(crate) fn begin(name: &'static str) -> Self {
-        if JSON.is_set() {
-            line(name, None, None);
-        }
-        let ended = Arc::<(Mutex<bool>, Condvar)>::default();
-        let watched = Arc::clone(&ended);
-        let turn = move || spin(name, &watched);
-        // Without a thread there is no spinner, which is no reason to fail.
-        let thread = std::thread::Builder::new().name("spinner".to_owned());
-        let spinner = has_bars().then(|| thread.spawn(turn).ok()).flatten();
-        Self { ended, spinner }
-    }
-}
-
-/// Turns a spinner until the stage has ended.
-fn spin(name: &str, (ended, bell): &(Mutex<bool>, Condvar)) {
-    let wait = |time| {
-        let guard = ended.lock().unwrap_or_else(PoisonError::into_inner);
-        let result = bell.wait_timeout_while(guard, time, |ended| !*ended);
-        *result.unwrap_or_else(PoisonError::into_inner).0
-    };
-    if wait(PATIENCE - TICK) {
-        return;
-    }
-    let bar = bar(&format!("{name} {{spinner}} {{elapsed}}"), None);
-    bar.tick();
-    while !wait(TICK) {
-        bar.tick();
-    }
-    bar.finish_and_clear();
 }
 
 impl Drop for Stage {
     fn drop(&mut self) {
-        *self.ended.0.lock().unwrap_or_else(PoisonError::into_inner) = true;
-        self.ended.1.notify_all();
-        if let Some(spinner) = self.spinner.take() {
+        *self.shown.ended.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.shown.bell.notify_all();
+        if let Some(thread) = self.thread.take() {
             // A spinner that panicked is gone; the work is not.
-            let _ = spinner.join();
+            let _ = thread.join();
+        }
+    }
+}
+
+/// A stage that counts its points.
+#[derive(Debug)]
+pub(crate) struct Progress {
+    start: Instant,
+    due: Due,
+    stage: Stage,
+}
+
+impl Progress {
+    /// Begins a stage whose points are counted once there are some.
+    pub(crate) fn begin(name: &'static str) -> Self {
+        Self { start: Instant::now(), due: Due::default(), stage: Stage::begin(name) }
+    }
+}
+
+impl Observer for Progress {
+    fn progress(&self, progress: ltbw::Progress) {
+        self.stage.shown.counts.set(progress.done, progress.total);
+        if JSON.is_set() {
+            let is_last = progress.total == Some(progress.done);
+            if self.due.is_due(self.start.elapsed(), TICK) || is_last {
+                line(name(progress.phase), Some(progress.done), progress.total);
+            }
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Stage, template};
+    use super::{PATIENCE, Progress, Stage, patience, template};
+    use ltbw::Observer as _;
+    use std::sync::Arc;
+    use std::time::Duration;
 
     #[test]
     fn a_total_that_is_not_known_is_not_told() {
-        let (known, unknown) = (template(Some(1000)), template(None));
+        let (known, unknown) =
+            (template("insert", Some((1, Some(1000)))), template("insert", Some((1, None))));
         assert!(known.contains("{human_len}") && known.contains("{eta}"));
         assert!(!unknown.contains("{human_len}") && !unknown.contains("{eta}"));
+        assert!(unknown.contains("{human_pos}") && !template("x", None).contains("{human_pos}"));
     }
 
     #[test]
     fn a_stage_ends_when_it_is_dropped() {
         let stage = Stage::begin("check");
-        let ended = std::sync::Arc::clone(&stage.ended);
+        let shown = Arc::clone(&stage.shown);
         drop(stage);
-        assert!(*ended.0.lock().expect("the lock"));
+        assert!(*shown.ended.lock().expect("the lock"));
+    }
+
+    #[test]
+    fn a_stage_shows_within_the_first_second_and_at_once_after_it() {
+        let age = Duration::from_millis;
+        assert!(patience(age(0)) < PATIENCE && patience(age(0)) > age(500));
+        assert!(patience(age(600)) < age(400) && patience(age(60_000)) < age(300));
+    }
+
+    #[test]
+    fn points_are_shown_as_they_are_counted() {
+        let progress = Progress::begin("insert");
+        let counts = || progress.stage.shown.counts.get();
+        assert_eq!(counts(), None);
+        let now = |done, total| ltbw::Progress { phase: ltbw::Phase::Insert, done, total };
+        progress.progress(now(3, Some(9)));
+        assert_eq!(counts(), Some((3, Some(9))));
+        progress.progress(now(4, None));
+        assert_eq!(counts(), Some((4, None)));
     }
 }

@@ -1,4 +1,5 @@
-//! The JSON report `ltbw.report/1`. A field that exists is never renamed in this version.
+//! The JSON report `ltbw.report/1`, as `docs/schema/report.json` has it. A field that exists is
+//! never renamed in this version.
 
 use ltbw::quality::{Extreme, Histogram, Quality};
 use serde::Serialize;

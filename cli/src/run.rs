@@ -159,6 +159,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         _ => None,
     };
     if let Some(path) = job.parallel.trace {
+        let _stage = Stage::begin("trace");
         write_trace(path, trace)?;
     }
 
@@ -172,6 +173,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     let clock = Instant::now();
     let mut verdict = "not checked".to_owned();
     let to_check = outcome == Outcome::Complete && job.check != Depth::Off;
+    let stage = to_check.then(|| Stage::begin("check"));
     let (tets, neighbours) =
         if to_check { lists(&mesh) } else { (mesh.tets().collect(), Vec::new()) };
     let hull: Vec<[u32; 3]> = mesh.hull_facets().collect();
@@ -179,7 +181,6 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
 
     if to_check {
         let own = verify::Mesh::new(set.points(), &tets).with_hull(&hull);
-        let stage = Stage::begin("check");
         let checked = check_own(&own.with_neighbours(&neighbours), &hash, job.check);
         drop(stage);
         report.seconds.check = clock.elapsed().as_secs_f64();
@@ -205,6 +206,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     let mesh = TetMesh { points: set.points().to_vec(), tets, point_tags, tet_tags: None };
     write_outputs(&mesh, &parts, &mut report, job)?;
     if let Some(path) = job.page {
+        let _stage = Stage::begin("page");
         let workers = owners(&mesh, &parts);
         let scene = Scene { mesh: &mesh, faces: &[], hull: &hull, workers: &workers };
         let mut page = Page::new(&name).view(&scene);
@@ -242,7 +244,7 @@ struct BuiltBy {
 fn build(set: &PointSet, job: &Job<'_>) -> Result<BuiltBy, RunError> {
     let in_parts = job.outputs.iter().any(io::is_parts);
     if job.workers <= 1 {
-        let progress = Progress::new();
+        let progress = Progress::begin("insert");
         let built = Builder::new().observer(&progress).cancel(job.stop.token()).build(set)?;
         let parts = if in_parts { vec![built.mesh.tets().collect()] } else { Vec::new() };
         return Ok(BuiltBy { built, workers: Vec::new(), parts, summary: None, trace: None });

@@ -41,6 +41,38 @@ impl Due {
     }
 }
 
+/// The numbers of things done and of all. It orders nothing: a reader may see one of them late.
+#[derive(Debug)]
+pub(crate) struct Counts {
+    done: AtomicU64,
+    total: AtomicU64,
+}
+
+/// Stands for a number that there is not.
+const NONE: u64 = u64::MAX;
+
+impl Default for Counts {
+    /// Nothing is counted yet.
+    fn default() -> Self {
+        Self { done: AtomicU64::new(NONE), total: AtomicU64::new(NONE) }
+    }
+}
+
+impl Counts {
+    /// Sets both numbers.
+    pub(crate) fn set(&self, done: u64, total: Option<u64>) {
+        self.total.store(total.unwrap_or(NONE), Ordering::Relaxed);
+        self.done.store(done, Ordering::Relaxed);
+    }
+
+    /// The numbers set last, if any were.
+    pub(crate) fn get(&self) -> Option<(u64, Option<u64>)> {
+        let known =
+            |number: &AtomicU64| Some(number.load(Ordering::Relaxed)).filter(|n| *n != NONE);
+        Some((known(&self.done)?, known(&self.total)))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::Due;

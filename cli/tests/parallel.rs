@@ -127,6 +127,48 @@ fn threads_tell_what_they_did() {
     assert_eq!(tracks.len(), 3, "a track for each worker");
     let kinds: BTreeSet<&str> = events.iter().filter_map(|e| e["name"].as_str()).collect();
     assert!(kinds.contains("fill") && kinds.contains("poll"), "{kinds:?}");
+    arrows_have_both_ends(&trace, 3);
+}
+
+/// Every message that was sent is taken once, not before, and both in a stretch of its worker's
+/// time; workers and program have names.
+fn arrows_have_both_ends(trace: &Value, workers: usize) {
+    let events = trace["traceEvents"].as_array().unwrap();
+    let of = |ph: &'static str| events.iter().filter(move |event| event["ph"] == ph);
+    let thousandths = |event: &Value, field: &str| {
+        let time = event[field].as_f64().unwrap();
+        assert!(time >= 0.0, "{event}");
+        (time * 1e3).round() as u64
+    };
+    let mut stretches = vec![BTreeMap::new(); workers];
+    for span in of("X") {
+        let (begin, length) = (thousandths(span, "ts"), thousandths(span, "dur"));
+        assert!(length > 0, "{span}");
+        stretches[span["tid"].as_u64().unwrap() as usize].insert(begin, begin + length);
+    }
+    let holds = |event: &Value| {
+        let (worker, time) = (event["tid"].as_u64().unwrap() as usize, thousandths(event, "ts"));
+        let stretch = stretches[worker].range(..=time).next_back();
+        assert!(stretch.is_some_and(|(_, &end)| time < end), "no stretch around {event}");
+        time
+    };
+    let mut ends = BTreeMap::new();
+    for end in of("f") {
+        assert_eq!(end["bp"], "e");
+        assert!(ends.insert(end["id"].as_u64().unwrap(), end).is_none(), "two ends: {end}");
+    }
+    let mut kinds = BTreeSet::new();
+    for start in of("s") {
+        let end = ends.remove(&start["id"].as_u64().unwrap()).unwrap();
+        assert!(holds(start) <= holds(end), "{start} {end}");
+        assert!(start["tid"] != end["tid"] && start["name"] == end["name"], "{start} {end}");
+        kinds.insert(start["name"].as_str().unwrap());
+    }
+    assert!(ends.is_empty(), "an end without a start");
+    assert!(kinds.contains("expand") && kinds.contains("grant"), "requests, answers: {kinds:?}");
+    let names: Vec<&str> = of("M").map(|event| event["args"]["name"].as_str().unwrap()).collect();
+    assert_eq!(names[..2], ["ltbw", "worker 0"]);
+    assert_eq!(names.len(), workers + 1);
 }
 
 #[test]
@@ -142,7 +184,7 @@ fn the_simulator_prints_its_tables() {
     let report = json(&dir.path().join("a.json"));
     assert_eq!(
         (&report["schema"], &report["command"]),
-        (&"ltbw.report/1".into(), &"simulate".into())
+        (&"ltbw.simulation/1".into(), &"simulate".into())
     );
     let simulation = &report["simulation"];
     for field in FIGURES.into_iter().chain(["efficiency", "workers", "cost_model"]) {
@@ -151,7 +193,7 @@ fn the_simulator_prints_its_tables() {
     assert_eq!(simulation["workers"].as_array().unwrap().len(), 4);
     assert!((0.0..=1.0).contains(&simulation["lt"].as_f64().unwrap()));
     assert_eq!(simulation["settings"]["latency"], 100_000);
-    assert!(!json(&dir.path().join("t.json"))["traceEvents"].as_array().unwrap().is_empty());
+    arrows_have_both_ends(&json(&dir.path().join("t.json")), 4);
     // The mesh is that of the points, and one seed is one run.
     let generated = ["generate", "uniform", "2000", "--seed", "3", "-o", "p.npy"];
     assert_eq!(ltbw(dir.path(), &generated).code, 0);

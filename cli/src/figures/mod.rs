@@ -92,7 +92,7 @@ pub(crate) fn write_trace(path: &Path, trace: Option<Trace>) -> Result<(), Failu
     io::write_bytes(path, &text).map_err(Failure::Write)?;
     if !trace.is_complete {
         console::people(&format!(
-            "note: {}: only the first {SPANS} stretches of each worker's time",
+            "note: {}: only the first {SPANS} stretches and messages of each worker",
             show(path)
         ));
     }

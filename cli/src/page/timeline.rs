@@ -70,7 +70,7 @@ mod tests {
             span(1, 1_000, 3_000, SpanKind::Idle),
             span(7, 0, 1, SpanKind::Idle),
         ];
-        let rows = rows(&Trace { spans, is_complete: true }, 2, 4_000);
+        let rows = rows(&Trace { spans, flows: Vec::new(), is_complete: true }, 2, 4_000);
         assert_eq!(rows[0], format!("{}f{}", "a".repeat(2_000), "c".repeat(1_999)));
         let (blank, idle) = (" ".repeat(1_000), "h".repeat(2_000));
         assert_eq!(rows[1], format!("{blank}{idle}{blank}"));
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn a_page_of_many_workers_stays_small() {
-        let trace = Trace { spans: Vec::new(), is_complete: true };
+        let trace = Trace { spans: Vec::new(), flows: Vec::new(), is_complete: true };
         let all: usize = rows(&trace, 1_024, 1_000_000).iter().map(String::len).sum();
         assert!(all <= LETTERS);
         assert_eq!(rows(&trace, 1, 0)[0].len(), FINEST);

@@ -68,7 +68,7 @@ pub(crate) struct Simulate {
     /// Give no blocks to workers that run out of points
     #[arg(long)]
     pub(crate) no_balance: bool,
-    /// Write the report as JSON (schema ltbw.report/1), `-` for stdout
+    /// Write the report as JSON (schema ltbw.simulation/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,
     /// Write a timeline for Perfetto or chrome://tracing: a track for each worker

@@ -1,4 +1,4 @@
-//! The JSON report of `simulate`, in the schema `ltbw.report/1`.
+//! The JSON report of `simulate`: `ltbw.simulation/1`, as `docs/schema/simulation.json` has it.
 
 use super::Simulate;
 use crate::figures::Figures;
@@ -83,7 +83,7 @@ impl Report {
         let s = &meshed.summary;
         let mesh = &meshed.gathered.mesh;
         Self {
-            schema: crate::report::Report::SCHEMA,
+            schema: "ltbw.simulation/1",
             command: "simulate",
             input: Input {
                 kind: run.args.kind.name(),

@@ -1,6 +1,7 @@
 //! One worker's figures while it runs.
 
 use super::figures::WorkerFigures;
+use super::flow::Port;
 use super::span::{Span, SpanKind};
 use super::{Nanos, Survey};
 use crate::protocol::{Action, Attempt, Event, Message, Note, Submesh, Ticket, WorkerId};
@@ -13,6 +14,8 @@ pub enum Cause {
     Work,
     /// A message of this kind.
     Message {
+        /// Its sender.
+        from: WorkerId,
         /// [`Message::kind`].
         kind: &'static str,
         /// The operation that it is about, and the attempt; a commit is about the last attempt.
@@ -33,8 +36,8 @@ impl Cause {
     /// The cause that `event` is.
     pub fn of<S: Submesh>(event: &Event<S>) -> Self {
         match event {
-            Event::Message { message, .. } => {
-                Self::Message { kind: message.kind(), about: about(message) }
+            Event::Message { from, message } => {
+                Self::Message { from: *from, kind: message.kind(), about: about(message) }
             }
             Event::Work => Self::Work,
             Event::Retry(ticket) => Self::Retry(*ticket),
@@ -103,6 +106,9 @@ pub struct Collector {
     pub(super) messages: BTreeMap<&'static str, (u64, u64)>,
     spans: Option<Vec<Span>>,
     spans_left: usize,
+    /// Messages sent and taken, if stretches of time are kept; no more than of these.
+    ports: [Vec<Port>; 2],
+    ports_left: usize,
 }
 
 impl Collector {
@@ -119,6 +125,8 @@ impl Collector {
             messages: BTreeMap::new(),
             spans: (spans > 0).then(Vec::new),
             spans_left: spans,
+            ports: Default::default(),
+            ports_left: spans,
         }
     }
 
@@ -172,7 +180,7 @@ impl Collector {
     pub fn step<S: Submesh>(&mut self, cause: Cause, step: Step, actions: &[Action<S>]) {
         self.idle_until(step.begin);
         let was_active = self.active > 0;
-        if let Cause::Message { kind: "walk", about: Some((ticket, attempt)) } = cause
+        if let Cause::Message { kind: "walk", about: Some((ticket, attempt)), .. } = cause
             && attempt > 0
         {
             self.attempts.insert(ticket, attempt);
@@ -206,6 +214,7 @@ impl Collector {
             }
             None => {}
         }
+        self.messages(cause, step, actions);
         let walked = step.end.min(step.begin + step.walk);
         self.span(step.begin, walked, SpanKind::Walk, about);
         self.span(walked, step.end, kind, about);
@@ -229,9 +238,14 @@ impl Collector {
         &self.figures
     }
 
+    /// Messages sent and taken in steps that were kept.
+    pub(super) fn take_ports(&mut self) -> [Vec<Port>; 2] {
+        std::mem::take(&mut self.ports)
+    }
+
     /// Takes the stretches of time that were kept, and says whether some were not.
     pub fn take_spans(&mut self) -> (Vec<Span>, bool) {
-        let complete = self.spans_left > 0;
+        let complete = self.spans_left > 0 && self.ports_left > 0;
         (self.spans.take().unwrap_or_default(), complete)
     }
 
@@ -301,6 +315,33 @@ impl Collector {
                 kind
             }
             Note::Stopped => kind,
+        }
+    }
+
+    /// Keeps the ends of a step's messages about operations, as long as there is room for its time.
+    fn messages<S: Submesh>(&mut self, cause: Cause, step: Step, actions: &[Action<S>]) {
+        // A step without length has no stretch that an arrow could begin or end in.
+        if self.spans.is_none() || self.spans_left < 2 || step.begin >= step.end {
+            return;
+        }
+        let me = self.figures.worker;
+        let step = (step.begin, step.end);
+        if let Cause::Message { from, kind, about: Some(about) } = cause {
+            self.port(1, Port { from, to: me, kind, about, step });
+        }
+        for action in actions {
+            if let Action::Send { to, message } = action
+                && let Some(about) = about(message)
+            {
+                self.port(0, Port { from: me, to: *to, kind: message.kind(), about, step });
+            }
+        }
+    }
+
+    fn port(&mut self, end: usize, port: Port) {
+        if self.ports_left > 0 {
+            self.ports_left -= 1;
+            self.ports[end].push(port);
         }
     }
 

@@ -31,12 +31,14 @@
 
 mod collector;
 mod figures;
+mod flow;
 mod span;
 mod summary;
 mod trace;
 
 pub use collector::{Cause, Collector, Step};
 pub use figures::{Cavities, Messages, Polls, Times, WorkerFigures};
+pub use flow::Flow;
 pub use span::{Span, SpanKind};
 pub use summary::Summary;
 pub use trace::Trace;

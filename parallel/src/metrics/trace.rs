@@ -1,5 +1,6 @@
 //! A timeline of a run, as a trace for Chrome's or Perfetto's viewer.
 
+use super::flow::{Flow, join};
 use super::span::Span;
 use super::{Collector, Nanos};
 use crate::protocol::WorkerId;
@@ -10,44 +11,58 @@ use std::io::{self, Write};
 pub struct Trace {
     /// Stretches of time, by worker, then by time.
     pub spans: Vec<Span>,
-    /// Did every stretch find room?
+    /// Messages about operations, by the time at which they were sent.
+    pub flows: Vec<Flow>,
+    /// Did every stretch and every message find room?
     pub is_complete: bool,
 }
 
 impl Trace {
+    /// The name and version of the format of [`Trace::write`].
+    pub const SCHEMA: &'static str = "ltbw.trace/1";
+
     /// Takes the stretches of time out of all collectors.
     pub fn take(collectors: &mut [Collector]) -> Self {
-        let mut trace = Self { spans: Vec::new(), is_complete: true };
+        let mut trace = Self { spans: Vec::new(), flows: Vec::new(), is_complete: true };
+        let (mut sent, mut taken) = (Vec::new(), Vec::new());
         for collector in collectors {
+            let [mut starts, mut ends] = collector.take_ports();
+            sent.append(&mut starts);
+            taken.append(&mut ends);
             let (spans, complete) = collector.take_spans();
             trace.spans.extend(spans);
             trace.is_complete &= complete;
         }
+        trace.flows = join(sent, taken);
         trace
     }
 
-    /// Writes the trace as JSON in Chrome's trace event format: one track for each worker.
+    /// Writes the trace as JSON in Chrome's trace event format: one track for each worker, an arrow
+    /// for each message, such as those from a request to its answer.
     ///
     /// # Errors
     ///
     /// The errors of `out`.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        let complete = self.is_complete;
-        writeln!(out, "{{\"displayTimeUnit\":\"ns\",\"otherData\":{{\"complete\":{complete}}},")?;
-        write!(out, "\"traceEvents\":[")?;
-        let mut separator = "\n";
+        let (schema, complete) = (Self::SCHEMA, self.is_complete);
+        write!(out, "{{\"displayTimeUnit\":\"ns\",")?;
+        writeln!(out, "\"otherData\":{{\"schema\":\"{schema}\",\"complete\":{complete}}},")?;
+        write!(
+            out,
+            "\"traceEvents\":[\n{{\"name\":\"process_name\",\"ph\":\"M\",\"pid\":0,\
+             \"args\":{{\"name\":\"ltbw\"}}}}"
+        )?;
         for pair in self.tracks() {
             write!(
                 out,
-                "{separator}{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":0,\"tid\":{pair},\
+                ",\n{{\"name\":\"thread_name\",\"ph\":\"M\",\"pid\":0,\"tid\":{pair},\
                  \"args\":{{\"name\":\"worker {pair}\"}}}}"
             )?;
-            separator = ",\n";
         }
         for span in &self.spans {
             write!(
                 out,
-                "{separator}{{\"name\":\"{}\",\"ph\":\"X\",\"pid\":0,\"tid\":{},\"ts\":{},\
+                ",\n{{\"name\":\"{}\",\"ph\":\"X\",\"pid\":0,\"tid\":{},\"ts\":{},\
                  \"dur\":{}",
                 span.kind.name(),
                 span.worker,
@@ -58,7 +73,18 @@ impl Trace {
                 write!(out, ",\"args\":{{\"op\":\"{}.{}.{}\"}}", t.clock, t.worker, t.sequence)?;
             }
             write!(out, "}}")?;
-            separator = ",\n";
+        }
+        for (id, flow) in self.flows.iter().enumerate() {
+            let ends = [("s", flow.from, flow.sent), ("f\",\"bp\":\"e", flow.to, flow.taken)];
+            for (end, worker, time) in ends {
+                write!(
+                    out,
+                    ",\n{{\"name\":\"{}\",\"cat\":\"message\",\"ph\":\"{end}\",\"id\":{id},\
+                     \"pid\":0,\"tid\":{worker},\"ts\":{}}}",
+                    flow.kind,
+                    Micros(time)
+                )?;
+            }
         }
         writeln!(out, "\n]}}")
     }

@@ -1,0 +1,132 @@
+//! All JSON that the program writes names its schema and is as `docs/schema` has it: nothing is
+//! missing, and no field is written that its schema does not have.
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+#[allow(dead_code, reason = "shared with the other tests, which use all of it")]
+mod common;
+mod schema;
+
+use common::ltbw;
+use schema::{all, faults, validate};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// Runs the program, which may find defects, and validates the JSON that it wrote to `file`.
+fn written(dir: &Path, args: &[&str], file: &str) -> Value {
+    let run = ltbw(dir, args);
+    assert!(run.code == 0 || run.code == 1, "{args:?}: {}", run.stderr);
+    let text = std::fs::read_to_string(dir.join(file)).unwrap();
+    let value: Value = serde_json::from_str(&text).unwrap();
+    validate(&value);
+    value
+}
+
+fn generate(dir: &Path, words: &str) {
+    let words: Vec<&str> = std::iter::once("generate").chain(words.split(' ')).collect();
+    let run = ltbw(dir, &words);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+}
+
+#[test]
+fn schemas_are_named_after_what_they_describe() {
+    let schemas = all();
+    let names: Vec<&str> = schemas.iter().map(|s| s["title"].as_str().unwrap()).collect();
+    let expected = ["cert", "conformity", "domain", "progress", "report", "simulation", "trace"];
+    assert_eq!(names, expected.map(|name| format!("ltbw.{name}/1")));
+}
+
+#[test]
+fn reports_of_points_are_as_their_schema_has_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    generate(dir, "uniform 3000 -o p.npy");
+    let one = written(dir, &["delaunay", "p.npy", "-o", "m.vtu", "--json", "r.json"], "r.json");
+    assert_eq!((&one["schema"], &one["workers"]), (&"ltbw.report/1".into(), &json!([])));
+    assert_eq!(one["certificate"]["schema"], "ltbw.cert/1");
+    let threads = ["delaunay", "p.npy", "--threads", "2", "--check", "full"];
+    let two = [&threads[..], &["--json", "t.json", "--trace", "trace.json"]].concat();
+    assert!(written(dir, &two, "t.json")["parallel"].is_object());
+    let trace: Value =
+        serde_json::from_str(&std::fs::read_to_string(dir.join("trace.json")).unwrap()).unwrap();
+    assert_eq!(trace["otherData"]["schema"], "ltbw.trace/1");
+    validate(&trace);
+    // The same points four times; a defect has its place in the certificate.
+    std::fs::write(dir.join("q.xyz"), "0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 0 1\n").unwrap();
+    let off = written(
+        dir,
+        &["delaunay", "q.xyz", "-o", "q.ele", "--check", "off", "--json", "r.json"],
+        "r.json",
+    );
+    assert_eq!((&off["certificate"], &off["input"]["duplicates"]), (&Value::Null, &json!(1)));
+    written(dir, &["check", "m.vtu", "--json", "c.json"], "c.json");
+    let nodes = "5 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n4 0 0 -1\n";
+    std::fs::write(dir.join("bad.node"), nodes).unwrap();
+    std::fs::write(dir.join("bad.ele"), "2 4 0\n0 0 1 2 3\n1 0 1 2 4\n").unwrap();
+    let bad = written(dir, &["check", "bad.ele", "--json", "c.json"], "c.json");
+    assert!(!bad["defects"].as_array().unwrap().is_empty(), "{bad}");
+}
+
+#[test]
+fn reports_of_domains_are_as_their_schema_has_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    generate(dir, "wedge --angle 5 -o d.poly");
+    for engine in ["queues", "rounds"] {
+        let args = ["mesh", "d.poly", "--engine", engine, "--max-volume", "1e-3", "-o", "d.vtu"];
+        let report = written(dir, &[&args[..], &["--json", "r.json"]].concat(), "r.json");
+        assert_eq!(report["certificate"]["schema"], "ltbw.conformity/1");
+        assert!(report["quality"].is_object() && report["refinement"].is_object());
+    }
+    let plc = ["check", "d.vtu", "--plc", "d.poly", "--max-volume", "1e-9", "--json", "c.json"];
+    let certificate = written(dir, &plc, "c.json");
+    assert!(!certificate["breaches"].as_array().unwrap().is_empty());
+    written(dir, &["check", "d.poly", "--json", "d.json"], "d.json");
+    // A vertex too many, a tetrahedron without a side, and coordinates off the lattice.
+    let off = "OFF\n5 3 0\n0 0 0\n0.1 0 0\n0 0.3 0\n0 0 0.7\n9 9 9\n3 0 1 2\n3 0 1 3\n3 1 2 3\n";
+    std::fs::write(dir.join("open.off"), off).unwrap();
+    let open = written(dir, &["check", "open.off", "--json", "d.json"], "d.json");
+    assert_eq!(open["passed"], false);
+    assert!(!open["defects"].as_array().unwrap().is_empty() && !open["kinds"][0].is_null());
+}
+
+#[test]
+fn reports_of_simulations_and_lines_of_progress_are_as_their_schemas_have_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    let args = ["simulate", "--points", "600", "--processors", "3", "--slow", "2"];
+    let report = written(dir, &[&args[..], &["--json", "s.json"]].concat(), "s.json");
+    assert_eq!(report["schema"], "ltbw.simulation/1");
+    generate(dir, "cube-octahedron -o d.poly");
+    generate(dir, "uniform 2000 -o p.npy");
+    for args in [
+        &["mesh", "d.poly", "--max-volume", "1e-3", "-o", "d.vtu"][..],
+        &["delaunay", "p.npy", "-o", "m.vtu"],
+        &["check", "m.vtu"],
+        &["convert", "m.vtu", "m.msh"],
+        &["check", "d.vtu", "--plc", "d.poly"],
+        &args,
+    ] {
+        let run = ltbw(dir, &[args, &["--progress", "json"]].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let lines: Vec<&str> = run.stderr.lines().filter(|line| line.starts_with('{')).collect();
+        assert!(!lines.is_empty(), "{args:?}");
+        lines.iter().for_each(|line| validate(&serde_json::from_str(line).unwrap()));
+    }
+}
+
+#[test]
+fn what_a_schema_does_not_have_is_found() {
+    let good = json!({ "schema": "ltbw.progress/1", "phase": "read", "done": 1, "total": null });
+    assert_eq!(faults(&good), Vec::<String>::new());
+    for (field, wrong) in
+        [("done", json!(-1)), ("done", json!("1")), ("phase", json!("rest")), ("other", json!(1))]
+    {
+        let mut bad = good.clone();
+        bad[field] = wrong;
+        assert_eq!(faults(&bad).len(), 1, "{bad}");
+    }
+    let mut short = good;
+    short.as_object_mut().unwrap().remove("total");
+    assert_eq!(faults(&short).len(), 1);
+    assert_eq!(faults(&json!({ "schema": "ltbw.nothing/1" })).len(), 1);
+}
