@@ -11,16 +11,6 @@ use ltbw::points::MAX_POINTS;
 use ltbw_generate::{DomainKind, PointKind};
 use std::path::PathBuf;
 
-const EXIT_CODES: &str = "\
-Exit codes:
-  0  done and checked
-  1  `check` found a defect in the file it was given; a bound is not met everywhere
-  2  usage: the command line makes no sense
-  3  input rejected: one line on stderr names the file, the place and the reason
-  4  cancelled (Ctrl-C), or the budget of points was used up; the mesh so far was written
-  5  the checker found a defect in our own output; nothing was written
-  6  an output could not be written; nothing is left under its name";
-
 const EXAMPLES: &str = "\
 Examples:
   ltbw demo                                      the paper's model problem, meshed and shown
@@ -33,9 +23,7 @@ Examples:
 Formats, by extension: points .npy .xyz .csv .node .ply, and read only .off .obj .stl;
 domains .poly .smesh .off .obj .stl .ply; meshes .vtu .msh .mesh .ele (with .node).
 `-` is stdin or stdout, in the format that --format names: --format npy, say.
-stdout carries data (hash, JSON), stderr what is meant for people.
-
-";
+stdout carries data (hash, JSON), stderr what is meant for people.";
 
 /// Exact 3D Delaunay meshes: points in, checked mesh out.
 #[derive(Debug, Parser)]
@@ -46,7 +34,7 @@ stdout carries data (hash, JSON), stderr what is meant for people.
     point set has one mesh: the same on every machine, for any number of threads. An independent\n\
     checker looks at every mesh before it is written.")]
 #[command(after_help = "`ltbw help COMMAND` tells more, with examples.")]
-#[command(after_long_help = format!("{EXAMPLES}{EXIT_CODES}"))]
+#[command(after_long_help = EXAMPLES)]
 #[command(subcommand_required = true, arg_required_else_help = true)]
 pub(crate) struct Args {
     /// Tell people errors and outcomes alone
@@ -54,6 +42,7 @@ pub(crate) struct Args {
     pub(crate) quiet: bool,
     /// The way in which progress is shown, on stderr
     #[arg(long, global = true, value_enum, value_name = "HOW", default_value = "bar")]
+    #[arg(hide_short_help = true)]
     pub(crate) progress: Show,
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -63,7 +52,7 @@ pub(crate) struct Args {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Mesh a point set: its exact Delaunay triangulation, checked
-    #[command(after_long_help = concat_help("\
+    #[command(after_long_help = "\
 Examples:
   ltbw delaunay points.xyz                             only the hash, on stdout
   ltbw delaunay points.npy -o mesh.vtu -o mesh.ele     two files (and mesh.node)
@@ -72,29 +61,24 @@ Examples:
   ltbw delaunay points.npy --threads 4 --tables        what the workers did with their time
 
 Duplicate points are meshed once, under their smallest index; the report counts and maps them.
-Ctrl-C stops early: the mesh of the points inserted so far is written, unchecked.
-
-"))]
+Ctrl-C stops early: the mesh of the points inserted so far is written, unchecked.")]
     Delaunay(Delaunay),
     /// Mesh a domain: conforming Delaunay refinement to bounds that are met exactly
-    #[command(after_long_help = concat_help("\
+    #[command(after_long_help = "\
 Examples:
   ltbw generate cube-octahedron -o model.poly
   ltbw mesh model.poly --max-volume 1e-5 -o model.vtu
   ltbw mesh part.stl --radius-edge 1.5 -o part.msh --json -
-  ltbw mesh model.poly --tetgen-switches pq1.4a0.001 -o model.ele
   ltbw mesh model.poly --sizes model.mtr -o model.vtu         edge lengths at the vertices
   ltbw check model.vtu --plc model.poly --max-volume 1e-5     check it once more
 
 The vertices of the domain are moved to a lattice (the largest move is reported); every point of
 the mesh is then exact, and lies exactly on its facet. The mesh is of the inside alone unless
 --keep-exterior asks for more; tags are regions, 0 the exterior. What cannot be met, near small
-angles of the domain, is listed with its reason, and the exit code is 1.
-
-"))]
+angles of the domain, is listed with its reason, and the exit code is 1.")]
     Mesh(MeshArgs),
     /// Check anybody's mesh: what is wrong, exactly and where
-    #[command(after_long_help = concat_help("\
+    #[command(after_long_help = "\
 Examples:
   ltbw check mesh.vtu                      verdict and first defects, on stderr
   ltbw check mesh.vtu --plc domain.poly    does it conform to the domain?
@@ -105,12 +89,10 @@ Levels: structure (indices, duplicates), topology (faces, closed hull), orientat
 (local test of every interior face, convex hull), canonical (which of several Delaunay meshes).
 Of a domain: duplicate and unused vertices, facets that are degenerate, not planar, overlap or
 cross, T-junctions, leaks, orientation, holes and regions outside; and once more after its
-vertices are moved to the lattice on which it is meshed. Every test is exact.
-
-"))]
+vertices are moved to the lattice on which it is meshed. Every test is exact.")]
     Check(Check),
     /// Convert points to points, a domain to a domain, or a mesh to a mesh
-    #[command(after_long_help = concat_help("\
+    #[command(after_long_help = "\
 Examples:
   ltbw convert points.csv points.npy
   ltbw convert mesh.vtu mesh.mesh
@@ -120,22 +102,18 @@ Examples:
 Points: .npy .xyz .csv .node .ply, and read only .off .obj .stl (their vertices).
 Domains: .poly .smesh .off .obj .stl .ply; a surface goes to a format of points as its vertices.
 Meshes: .vtu .msh (4.1 and 2.2) .mesh .ele (with .node).
-Coordinates survive bit for bit; tags survive where the format has a place for them.
-
-"))]
+Coordinates survive bit for bit; tags survive where the format has a place for them.")]
     Convert(Convert),
     /// Generate a test point set or a model domain, the same on every machine
-    #[command(after_long_help = concat_help("\
+    #[command(after_long_help = "\
 Examples:
   ltbw generate uniform 1000000 -o points.npy
   ltbw generate clusters 50000 --seed 7 -o clusters.xyz
   ltbw generate cube-octahedron -o m.poly             the paper's model problem
-  ltbw generate wedge --angle 5 -o wedge.off
-
-"))]
+  ltbw generate wedge --angle 5 -o wedge.off")]
     Generate(Generate),
     /// Run the parallel kernel on simulated processors: the paper's tables
-    #[command(after_long_help = concat_help("\
+    #[command(after_long_help = "\
 Examples:
   ltbw simulate                                            16 processors, 100,000 points
   ltbw simulate --processors 64 --latency 100us --points 1000000 --json run.json
@@ -143,32 +121,26 @@ Examples:
   ltbw simulate --rule paper --closure vertex --creator-owns     all as in the paper
 
 Time is virtual: work and messages cost what the printed cost model says. One seed gives one run,
-on every machine. The mesh is compared with the sequential kernel's.
-
-"))]
+on every machine. The mesh is compared with the sequential kernel's.")]
     Simulate(Simulate),
     /// Show it: mesh the paper's model problem, check the mesh, write demo.vtu and demo.html
-    #[command(after_long_help = EXIT_CODES)]
     Demo(Demo),
     /// Print a script that completes command lines: for bash, zsh, fish, elvish or powershell
-    #[command(after_long_help = concat_help("\
+    #[command(after_long_help = "\
 Examples:
   ltbw completions bash > /etc/bash_completion.d/ltbw
-  ltbw completions fish > ~/.config/fish/completions/ltbw.fish
-
-"))]
+  ltbw completions fish > ~/.config/fish/completions/ltbw.fish")]
     Completions {
         /// The shell
         shell: clap_complete::Shell,
     },
     /// Write the manual pages ltbw.1, ltbw-delaunay.1, ... into a folder
-    #[command(after_long_help = EXIT_CODES)]
     Man {
         /// The folder, which has to be there
         folder: PathBuf,
     },
     /// Hold another implementation to the conformance kit, which is inside this program
-    #[command(subcommand, after_long_help = EXIT_CODES)]
+    #[command(subcommand)]
     Vectors(Vectors),
 }
 
@@ -176,16 +148,14 @@ Examples:
 #[derive(Debug, Subcommand)]
 pub(crate) enum Vectors {
     /// Ask a program the kit's questions: one JSON object a line in, one a line out
-    #[command(after_long_help = concat_help("\
+    #[command(after_long_help = "\
 Examples:
   ltbw vectors run --executor ./port                             a program of yours
   ltbw vectors unpack kit                                        the kit and its own executor
   ltbw vectors run --folder order --executor python3 -- kit/executor.py
 
 Prints, for each folder, the level reached and what the wrong answers tell. Exit code 1 if an
-answer was wrong; what the program does not support is counted apart. See docs/porting.md.
-
-"))]
+answer was wrong; what the program does not support is counted apart. See docs/porting.md.")]
     Run(VectorsRun),
     /// Write the kit: questions with answers, their format, an executor in Python
     Unpack {
@@ -214,10 +184,6 @@ pub(crate) struct VectorsRun {
     /// The longest time for an answer
     #[arg(long, value_name = "SECONDS", default_value_t = 60)]
     pub(crate) timeout: u64,
-}
-
-fn concat_help(text: &str) -> String {
-    format!("{text}{EXIT_CODES}")
 }
 
 /// `ltbw delaunay`.
@@ -285,13 +251,14 @@ pub(crate) struct MeshArgs {
     /// Largest edge length: no volume above that of the regular tetrahedron with such edges
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_negative_numbers = true)]
     pub(crate) size: Option<f64>,
-    /// Edge lengths at the vertices of the domain, linear in between: TetGen's .mtr file
+    /// Edge lengths at the domain's vertices: TetGen's .mtr file
     ///
-    /// A header `COUNT 1`, then a length for each vertex.
+    /// They are linear in between. A header `COUNT 1`, then a length for each vertex.
     #[arg(long, value_name = "MTR")]
     pub(crate) sizes: Option<PathBuf>,
-    /// The mesh whose points --sizes is about, instead of the domain's vertices
+    /// The mesh that --sizes is about, not the domain's vertices
     #[arg(long, value_name = "MESH", requires = "sizes")]
+    #[arg(hide_short_help = true)]
     pub(crate) background: Option<PathBuf>,
     /// Bounds as TetGen's switches give them: `q` with a ratio, `a` with a volume
     #[arg(
@@ -300,9 +267,11 @@ pub(crate) struct MeshArgs {
         allow_hyphen_values = true,
         conflicts_with_all = ["radius_edge", "max_volume"]
     )]
+    #[arg(hide_short_help = true)]
     pub(crate) tetgen_switches: Option<String>,
     /// The most points to insert
     #[arg(long, value_name = "N", value_parser = any_count)]
+    #[arg(hide_short_help = true)]
     pub(crate) max_points: Option<u64>,
     /// The engine that refines
     #[arg(long, value_enum, hide = true, default_value_t)]
@@ -313,14 +282,16 @@ pub(crate) struct MeshArgs {
     /// Write the Delaunay mesh of all points, without regions, if the boundary cannot be brought
     /// into it
     #[arg(long)]
+    #[arg(hide_short_help = true)]
     pub(crate) write_unrecovered: bool,
     #[command(flatten)]
     pub(crate) preparation: Preparation,
-    /// Write a page that shows a cut through the mesh, the histograms and the report
+    /// Write a page: the mesh to turn and cut, histograms, report
     #[arg(long, value_name = "HTML")]
     pub(crate) page: Option<PathBuf>,
     /// Write the histograms of quality as a picture
     #[arg(long, value_name = "SVG")]
+    #[arg(hide_short_help = true)]
     pub(crate) histogram: Option<PathBuf>,
     /// Threads for checking, hashing and output [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -467,15 +438,5 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Args::command().debug_assert();
-    }
-
-    #[test]
-    fn long_help_of_every_command_has_the_exit_codes() {
-        let mut command = Args::command();
-        let help = command.render_long_help().to_string();
-        assert!(help.contains("Exit codes:") && help.contains("Examples:"));
-        for sub in command.get_subcommands_mut().filter(|s| s.get_name() != "help") {
-            assert!(sub.render_long_help().to_string().contains("Exit codes:"));
-        }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::args::Args;
 use crate::console;
+use crate::help;
 use crate::outcome::{Exit, Failure, show};
 use clap::CommandFactory as _;
 use ltbw::io;
@@ -28,7 +29,10 @@ pub(crate) fn manual(folder: &Path) -> Result<Exit, Failure> {
 
 fn page(folder: &Path, command: &clap::Command, name: &str) -> Result<(), Failure> {
     let mut text = Vec::new();
-    let page = clap_mangen::Man::new(command.clone()).title(name.to_uppercase());
+    let words = command.get_after_long_help().map(ToString::to_string).unwrap_or_default();
+    let words = format!("{words}\n\n{}", help::exit_codes(command.get_name()));
+    let page = clap_mangen::Man::new(command.clone().after_long_help(words));
+    let page = page.title(name.to_uppercase());
     page.render(&mut text).map_err(|e| Failure::Other(e.to_string()))?;
     let path = folder.join(format!("{name}.1"));
     io::write_bytes(&path, &text).map_err(Failure::Write)?;

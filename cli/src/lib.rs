@@ -21,6 +21,7 @@
 //! | `report` | the JSON report `ltbw.report/1` |
 //! | `outcome` | exit codes, and errors as one line |
 //! | `console`, `progress` | what goes to stdout and to stderr, Ctrl-C |
+//! | `help` | the long help, and the exit codes of each command |
 //! | `install` | `completions` and `man` |
 //!
 //! stdout carries data (a hash, JSON), stderr what is meant for people.
@@ -38,6 +39,7 @@ mod demo;
 mod domain;
 mod figures;
 mod files;
+mod help;
 mod install;
 mod json;
 mod kit;
@@ -76,9 +78,10 @@ pub fn parse(words: &[OsString]) -> Result<(), Refusal> {
 
 /// Runs the program on the command line of this process.
 pub fn main() -> ExitCode {
-    let result = match Args::try_parse() {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let result = match Args::try_parse_from(&words) {
         Ok(args) => dispatch(args),
-        Err(error) => refusal::explain(&error),
+        Err(error) => refusal::explain(&error, &words),
     };
     let exit = result.unwrap_or_else(|failure| {
         console::people(&format!("ltbw: {failure}"));

@@ -5,7 +5,7 @@ use crate::bounds::{Asked, Field, asked, field};
 use crate::conform::{certificate, check_own, print, same_volume, summary};
 use crate::console::{self, Stop};
 use crate::json::{check_json, distinct, is_stdout, keep_input, write_json, write_text};
-use crate::outcome::{Exit, Failure, show};
+use crate::outcome::{Exit, Failure, seconds as told, show};
 use crate::page::{Page, Scene};
 use crate::progress::{Progress, Stage};
 use crate::report::{
@@ -441,8 +441,13 @@ fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
     report.seconds.total = job.start.elapsed().as_secs_f64();
     let s = &report.seconds;
     console::people(&format!(
-        "seconds   {:.2}: read {:.2}, refine {:.2}, hash {:.2}, check {:.2}, write {:.2}",
-        s.total, s.read, s.refine, s.hash, s.check, s.write
+        "seconds   {}: read {}, refine {}, hash {}, check {}, write {}",
+        told(s.total),
+        told(s.read),
+        told(s.refine),
+        told(s.hash),
+        told(s.check),
+        told(s.write)
     ));
     if let Some(path) = job.json {
         let text = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;

@@ -109,7 +109,27 @@ impl Failure {
     }
 }
 
+/// Seconds for people: two digits after the point, four below a hundredth, `0` for none.
+pub(crate) fn seconds(time: f64) -> String {
+    match time {
+        t if t >= 0.01 => format!("{t:.2}"),
+        t if t > 0.0 => format!("{:.4}", t.max(0.0001)),
+        _ => "0".to_owned(),
+    }
+}
+
 /// A path as it can stand inside a one-line message.
 pub(crate) fn show(path: &Path) -> String {
     path.to_string_lossy().chars().map(|c| if c.is_control() { '?' } else { c }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::seconds;
+
+    #[test]
+    fn short_times_are_told_as_well_as_long_ones() {
+        let times = [12.345, 0.01, 0.0042, 0.000_04, 0.0].map(seconds);
+        assert_eq!(times, ["12.35", "0.01", "0.0042", "0.0001", "0"]);
+    }
 }

@@ -1,8 +1,10 @@
 //! The answer to a command line that is no command: help, or one line with a hint.
 
 use crate::console;
+use crate::help;
 use crate::outcome::{Exit, Failure};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use std::ffi::OsString;
 
 /// A command line that is no command: what to say.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -61,10 +63,14 @@ fn one_line(text: &str, tips: &str) -> String {
 }
 
 /// Prints help where it was asked for, and what is wrong with the command line in one line.
-pub(crate) fn explain(error: &clap::Error) -> Result<Exit, Failure> {
+pub(crate) fn explain(error: &clap::Error, words: &[OsString]) -> Result<Exit, Failure> {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            console::data_with(|| error.print())?;
+            let is_help = error.kind() == ErrorKind::DisplayHelp;
+            match help::long(words).filter(|_| is_help) {
+                Some(text) => console::data(&text)?,
+                None => console::data_with(|| error.print())?,
+            }
             Ok(Exit::Done)
         }
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {

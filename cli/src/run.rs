@@ -6,7 +6,7 @@ use crate::console::{self, Stop};
 use crate::figures::{Figures, SPANS, tables, write_trace};
 use crate::json::{check_json, distinct, is_stdout, keep_input, write_json, write_text};
 use crate::lists::lists;
-use crate::outcome::{Exit, Failure, show};
+use crate::outcome::{Exit, Failure, seconds, show};
 use crate::page::{self, Page, Scene};
 use crate::progress::{Progress, Stage};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
@@ -408,9 +408,14 @@ fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
     report.seconds.total = job.start.elapsed().as_secs_f64();
     let s = &report.seconds;
     console::people(&format!(
-        "seconds   {:.2}: read {:.2}, order {:.2}, insert {:.2}, hash {:.2}, check {:.2}, \
-         write {:.2}",
-        s.total, s.read, s.order, s.insert, s.hash, s.check, s.write
+        "seconds   {}: read {}, order {}, insert {}, hash {}, check {}, write {}",
+        seconds(s.total),
+        seconds(s.read),
+        seconds(s.order),
+        seconds(s.insert),
+        seconds(s.hash),
+        seconds(s.check),
+        seconds(s.write)
     ));
     if let Some(path) = job.json {
         let text = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;

@@ -16,11 +16,12 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Preparation {
     /// Reject a domain that is not exactly on its lattice
     #[arg(long)]
+    #[arg(hide_short_help = true)]
     pub(crate) exact_input: bool,
-    /// Weld vertices within this distance, and close seams of T-junctions as far apart
+    /// Weld vertices within this distance; close seams as wide
     ///
-    /// Open edges get the ends of other open edges near them. Holes are not filled, and bodies are
-    /// not united. At most 2^-10 of the domain's diagonal.
+    /// Seams are rows of T-junctions. Open edges get the ends of other open edges near them. Holes
+    /// are not filled, and bodies are not united. At most 2^-10 of the domain's diagonal.
     #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
     pub(crate) repair: Option<f64>,
     /// Take neighbouring facets that are coplanar within this distance for one facet
@@ -32,18 +33,21 @@ pub(crate) struct Preparation {
     /// coordinates are single-precision numbers.
     #[arg(long, value_name = "TOL", allow_negative_numbers = true)]
     pub(crate) flat_tolerance: Option<f64>,
-    /// Measure from the middle of the domain: keeps more bits of a domain far from the origin.
-    /// The mesh is then in those coordinates; the offset is reported
+    /// Measure from the middle of the domain: keeps more bits of one far from the origin
     ///
-    /// This is done by itself where the distance takes two bits or more.
+    /// The mesh is then in those coordinates; the offset is reported. This is done by itself where
+    /// the distance takes two bits or more.
     #[arg(long)]
+    #[arg(hide_short_help = true)]
     pub(crate) local_frame: bool,
     /// Keep the coordinates of the file, whatever bits they cost
     #[arg(long, conflicts_with = "local_frame")]
+    #[arg(hide_short_help = true)]
     pub(crate) own_frame: bool,
-    /// Write the facets that keep the domain from being meshed as a surface to look at:
-    /// .ply .poly .off .obj .stl (markers tell the kind in .ply and .poly)
+    /// Write the facets that keep the domain from being meshed: .ply .poly (with the kind as their
+    /// marker) .off .obj .stl
     #[arg(long, value_name = "FILE")]
+    #[arg(hide_short_help = true)]
     pub(crate) write_defects: Option<PathBuf>,
 }
 

@@ -46,27 +46,35 @@ pub(crate) struct Simulate {
     pub(crate) creator_owns: bool,
     /// Operations that a worker starts at most at a time
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(hide_short_help = true)]
     pub(crate) window: Option<u32>,
     /// Insertion cursors of each worker
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(hide_short_help = true)]
     pub(crate) cursors: Option<u32>,
     /// Points of a worker under way before those that need no other worker go first; 0: as they lie
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4096))]
+    #[arg(hide_short_help = true)]
     pub(crate) abreast: Option<u32>,
     /// Blocks of each worker at the start
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
+    #[arg(hide_short_help = true)]
     pub(crate) blocks: Option<u32>,
     /// Points of the coarse mesh that is distributed at the start
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..))]
+    #[arg(hide_short_help = true)]
     pub(crate) sample: Option<u32>,
     /// Processor 0 takes this number of times longer for everything
     #[arg(long, value_name = "FACTOR", value_parser = positive)]
+    #[arg(hide_short_help = true)]
     pub(crate) slow: Option<f64>,
     /// Move a random block to a random worker each TIME
     #[arg(long, value_name = "TIME", value_parser = nanos)]
+    #[arg(hide_short_help = true)]
     pub(crate) storm: Option<u64>,
     /// Give no blocks to workers that run out of points
     #[arg(long)]
+    #[arg(hide_short_help = true)]
     pub(crate) no_balance: bool,
     /// Write the report as JSON (schema ltbw.simulation/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]
