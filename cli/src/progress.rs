@@ -63,6 +63,8 @@ fn name(phase: ltbw::Phase) -> &'static str {
     match phase {
         ltbw::Phase::Recover => "recover",
         ltbw::Phase::Refine => "refine",
+        ltbw::Phase::Order => "order",
+        ltbw::Phase::Gather => "gather",
         _ => "insert",
     }
 }
@@ -163,29 +165,40 @@ impl Drop for Stage {
     }
 }
 
-/// A stage that counts its points.
+/// Stages that follow each other, as the kernel names them; most count their points.
 #[derive(Debug)]
 pub(crate) struct Progress {
     start: Instant,
     due: Due,
-    stage: Stage,
+    stage: Mutex<(&'static str, Option<Stage>)>,
 }
 
 impl Progress {
     /// Begins a stage whose points are counted once there are some.
     pub(crate) fn begin(name: &'static str) -> Self {
-        Self { start: Instant::now(), due: Due::default(), stage: Stage::begin(name) }
+        let stage = Mutex::new((name, Some(Stage::begin(name))));
+        Self { start: Instant::now(), due: Due::default(), stage }
     }
 }
 
 impl Observer for Progress {
     fn progress(&self, progress: ltbw::Progress) {
-        self.stage.shown.counts.set(progress.done, progress.total);
-        if JSON.is_set() {
-            let is_last = progress.total == Some(progress.done);
-            if self.due.is_due(self.start.elapsed(), TICK) || is_last {
-                line(name(progress.phase), Some(progress.done), progress.total);
-            }
+        let ltbw::Progress { phase, done, total } = progress;
+        let mut stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
+        if stage.0 != name(phase) {
+            // The one before ends first: on a terminal both would be on one line.
+            stage.1 = None;
+            *stage = (name(phase), Some(Stage::begin(name(phase))));
+        }
+        if matches!(phase, ltbw::Phase::Order | ltbw::Phase::Gather) {
+            return;
+        }
+        if let Some(stage) = &stage.1 {
+            stage.shown.counts.set(done, total);
+        }
+        let is_due = || self.due.is_due(self.start.elapsed(), TICK) || total == Some(done);
+        if JSON.is_set() && is_due() {
+            line(name(phase), Some(done), total);
         }
     }
 }
@@ -193,7 +206,7 @@ impl Observer for Progress {
 #[cfg(test)]
 mod tests {
     use super::{PATIENCE, Progress, Stage, patience, template};
-    use ltbw::Observer as _;
+    use ltbw::{Observer as _, Phase};
     use std::sync::Arc;
     use std::time::Duration;
 
@@ -224,12 +237,18 @@ mod tests {
     #[test]
     fn points_are_shown_as_they_are_counted() {
         let progress = Progress::begin("insert");
-        let counts = || progress.stage.shown.counts.get();
+        let shown = || {
+            let stage = progress.stage.lock().expect("the stage");
+            (stage.0, stage.1.as_ref().expect("a stage").shown.counts.get())
+        };
+        let counts = || shown().1;
         assert_eq!(counts(), None);
-        let now = |done, total| ltbw::Progress { phase: ltbw::Phase::Insert, done, total };
+        let now = |done, total| ltbw::Progress { phase: Phase::Insert, done, total };
         progress.progress(now(3, Some(9)));
         assert_eq!(counts(), Some((3, Some(9))));
         progress.progress(now(4, None));
         assert_eq!(counts(), Some((4, None)));
+        progress.progress(ltbw::Progress { phase: Phase::Gather, done: 9, total: Some(9) });
+        assert_eq!(shown(), ("gather", None));
     }
 }

@@ -13,10 +13,9 @@ use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Sec
 use crate::streams::{Formats, name_of, on_stdout};
 use ltbw::balance::Balance;
 use ltbw::io::{self, PointFile};
-use ltbw::metrics::{Summary, Trace};
 use ltbw::quality::Quality;
-use ltbw::threads::{Parallel, Run, RunError, WorkerStats};
-use ltbw::{BuildError, Builder, Built, Outcome, PointSet, Stats, TetMesh};
+use ltbw::threads::RunError;
+use ltbw::{BuildError, Builder, Built, Outcome, PointSet, TetMesh};
 use ltbw_verify as verify;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -127,7 +126,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     let count = file.points.len();
     let set = PointSet::new(file.points)
         .map_err(|error| Failure::Points { path: job.name.to_owned(), error })?;
-    let BuiltBy { built, workers, parts, summary, trace } = match build(&set, job) {
+    let built = match build(&set, job) {
         Ok(built) => built,
         Err(RunError::Build(BuildError::Cancelled)) => {
             let input = Input { points: count, ..Input::default() };
@@ -142,9 +141,9 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         Err(error) => return Err(Failure::Other(error.to_string())),
     };
     let mut report = report_of(&built, count, job);
+    let Built { mesh, outcome, workers, parts, summary, trace, .. } = built;
     report.workers = workers;
     report.parallel = summary.as_ref().map(Figures::of);
-    let Built { mesh, outcome, .. } = built;
     if outcome == Outcome::Complete {
         job.stop.inserted();
     }
@@ -229,49 +228,24 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     Ok(Exit::Stopped)
 }
 
-/// A mesh, and by whom it was built.
-struct BuiltBy {
-    built: Built,
-    /// None if one thread inserted.
-    workers: Vec<WorkerStats>,
-    /// The tetrahedra of each worker, if an output is to be in parts.
-    parts: Vec<Vec<[u32; 4]>>,
-    summary: Option<Summary>,
-    trace: Option<Trace>,
-}
-
-/// One worker is the sequential kernel.
-fn build(set: &PointSet, job: &Job<'_>) -> Result<BuiltBy, RunError> {
-    let in_parts = job.outputs.iter().any(io::is_parts);
-    if job.workers <= 1 {
-        let progress = Progress::begin("insert");
-        let built = Builder::new().observer(&progress).cancel(job.stop.token()).build(set)?;
-        let parts = if in_parts { vec![built.mesh.tets().collect()] } else { Vec::new() };
-        return Ok(BuiltBy { built, workers: Vec::new(), parts, summary: None, trace: None });
-    }
-    let mut kernel = Parallel::new(job.workers).cancel(job.stop.token());
+/// Builds the mesh, on as many threads as the job has workers.
+fn build(set: &PointSet, job: &Job<'_>) -> Result<Built, RunError> {
+    let progress = Progress::begin("order");
+    let mut builder = Builder::new().threads(job.workers);
+    builder = builder.observer(&progress).cancel(job.stop.token());
     if job.parallel.balance {
-        kernel = kernel.balance(Balance::default());
+        builder = builder.balance(Balance::default());
     }
     // Taking the time takes some.
     let is_traced = job.page.is_some() || job.parallel.trace.is_some();
     if job.json.is_some() || job.parallel.tables || is_traced {
-        kernel = kernel.measure(if is_traced { SPANS } else { 0 });
+        builder = builder.measure(if is_traced { SPANS } else { 0 });
     }
-    let stage = Stage::begin("insert");
-    let run = kernel.build_distributed(set)?;
-    let count = if in_parts || job.page.is_some() { run.parts() } else { 0 };
-    let parts = (0..count).map(|part| run.tets(part).collect()).collect();
-    let run = run.gather()?;
-    drop(stage);
-    let stats = Stats {
-        order_seconds: run.start_seconds,
-        insert_seconds: run.insert_seconds + run.gather_seconds,
-        predicates: run.mesh.predicate_stats(),
-    };
-    let Run { mesh, outcome, duplicates, workers, summary, trace, .. } = run;
-    let built = Built { mesh, outcome, stats, duplicates };
-    Ok(BuiltBy { built, workers, parts, summary, trace })
+    let in_parts = job.outputs.iter().any(io::is_parts);
+    if in_parts || (job.page.is_some() && job.workers > 1) {
+        builder = builder.parts();
+    }
+    builder.build(set)
 }
 
 /// The report of a build, without what comes after it.

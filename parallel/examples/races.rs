@@ -6,7 +6,7 @@
 
 use ltbw::balance::Balance;
 use ltbw::threads::Parallel;
-use ltbw::{Builder, CancelToken, Outcome, PointSet};
+use ltbw::{Builder, CancelToken, Outcome, Phase, PointSet, Progress};
 use ltbw_generate::{PointKind, generate};
 use std::time::Duration;
 
@@ -30,17 +30,19 @@ fn whole_runs(points: usize) -> Result<u32, Failure> {
     Ok(runs)
 }
 
-/// A run that another thread cancels.
+/// A run that the calling thread cancels, as it is told of the progress.
 fn cancelled_run(points: usize) -> Result<u32, Failure> {
     let set = PointSet::new(generate(PointKind::Uniform, points, 3))?;
     let token = CancelToken::new();
-    let run = std::thread::scope(|scope| {
-        scope.spawn(|| {
+    // No worker waits for the observer.
+    let watch = |p: Progress| {
+        if p.phase == Phase::Insert {
             std::thread::sleep(Duration::from_millis(30));
             token.cancel();
-        });
-        Parallel::new(4).latency(Duration::from_millis(20)).cancel(&token).build(&set)
-    })?;
+        }
+    };
+    let kernel = Parallel::new(4).latency(Duration::from_millis(20)).observer(&watch);
+    let run = kernel.cancel(&token).build(&set)?;
     if run.outcome != Outcome::Cancelled {
         return Err("the run was too short to be cancelled".into());
     }

@@ -5,10 +5,10 @@ use ltbw::prelude::*;
 /// Meshes with two workers.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let place = |i: u32| [i * 37 % 1009, i * 53 % 1013, i * 71 % 1019].map(f64::from);
-    let run =
-        Parallel::new(2).measure(0).build(&PointSet::new((0..20_000).map(place).collect())?)?;
-    println!("{} tetrahedra", run.mesh.num_tets());
-    if let Some(summary) = run.summary {
+    let set = PointSet::new((0..20_000).map(place).collect())?;
+    let built = Builder::new().threads(2).measure(0).build(&set)?;
+    println!("{} tetrahedra, {:?}", built.mesh.num_tets(), built.outcome);
+    if let Some(summary) = built.summary {
         println!("{summary}");
     }
     Ok(())

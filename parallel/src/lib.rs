@@ -1,7 +1,7 @@
 //! `ltbw`: a parallel 3D Delaunay mesh generation kernel. Users add this crate alone.
 //!
-//! It re-exports [`ltbw_core`], the exact sequential kernel. The parallel kernel
-//! (Latency-Tolerant Bowyer-Watson) is built on the same cavity code.
+//! Its [`Builder`] makes meshes of points, by the exact sequential kernel, [`ltbw_core`], or on
+//! several threads by the parallel one (Latency-Tolerant Bowyer-Watson), on the same cavity code.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -27,6 +27,7 @@
 #![forbid(unsafe_code)]
 
 pub mod balance;
+mod builder;
 pub mod check;
 mod failure;
 pub mod mailbox;
@@ -39,6 +40,7 @@ mod sync;
 pub mod threads;
 pub mod transport;
 
+pub use builder::{Builder, Built};
 pub use failure::WorkerError;
 
 pub use ltbw_core::*;

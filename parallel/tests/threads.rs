@@ -4,7 +4,7 @@ use ltbw::balance::Balance;
 use ltbw::mesh::{Ownership, Plan};
 use ltbw::protocol::{Closure, Rule};
 use ltbw::threads::{Parallel, RunError};
-use ltbw::{BuildError, Builder, CancelToken, Outcome, PointSet, invariants};
+use ltbw::{BuildError, Builder, CancelToken, Outcome, Phase, PointSet, Progress, invariants};
 use ltbw_generate::{PointKind, generate};
 use std::fs;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -164,9 +164,15 @@ fn errors_are_those_of_the_builder() {
 fn a_cancelled_run_has_a_mesh_of_some_points() {
     let _watch = Watch::new();
     let token = CancelToken::new();
-    token.cancel();
     let set = set(PointKind::Uniform, 20_000, 2);
-    let run = Parallel::new(4).cancel(&token).build(&set).expect("a mesh");
+    // As the first point is inserted.
+    let watch = |p: Progress| {
+        if p.phase == Phase::Insert {
+            token.cancel();
+        }
+    };
+    let run = Parallel::new(4).cancel(&token).observer(&watch).latency(Duration::from_millis(5));
+    let run = run.build(&set).expect("a mesh");
     assert_eq!(run.outcome, Outcome::Cancelled);
     assert!((4..20_000).contains(&run.mesh.num_vertices()), "{}", run.mesh.num_vertices());
     invariants::check_all(&run.mesh).expect("invariants");
@@ -197,15 +203,16 @@ fn blocks_move_in_a_cancelled_run() {
     let _watch = Watch::new();
     let set = set(PointKind::Uniform, 100_000, 4);
     let token = CancelToken::new();
-    let run = thread::scope(|scope| {
-        scope.spawn(|| {
+    // No worker waits for the observer.
+    let watch = |p: Progress| {
+        if p.phase == Phase::Insert {
             thread::sleep(Duration::from_millis(20));
             token.cancel();
-        });
-        let balance = Balance { low: 2000, ask: 4, again: 10_000 };
-        let kernel = Parallel::new(12).balance(balance).cancel(&token);
-        kernel.latency(Duration::from_millis(2)).build(&set)
-    });
+        }
+    };
+    let balance = Balance { low: 2000, ask: 4, again: 10_000 };
+    let kernel = Parallel::new(12).balance(balance).cancel(&token).observer(&watch);
+    let run = kernel.latency(Duration::from_millis(2)).build(&set);
     let run = run.expect("a mesh");
     assert_eq!(run.outcome, Outcome::Cancelled);
     invariants::check_all(&run.mesh).expect("invariants");

@@ -1,7 +1,8 @@
 //! Our mesh against CGAL's: the same tetrahedra, the same hull, the same hash, or the same refusal.
 
 use crate::cgal::{Cgal, Failure, Reply};
-use ltbw::{BuildError, Builder, Mesh, Order, Point, PointSet};
+use ltbw::build::Builder;
+use ltbw::{BuildError, Mesh, Order, Point, PointSet};
 
 /// Builds `points` in `order` and compares with CGAL; `Err` says what differs.
 pub fn compare(cgal: &mut Cgal, points: &[Point], order: Order) -> Result<(), String> {

@@ -8,8 +8,9 @@
 //! by the symmetry of the grids: the perturbation orders points by (x, y, z) and knows no symmetry
 //! but translation and scaling.
 
+use ltbw::build::Builder;
 use ltbw::invariants::check_all;
-use ltbw::{BuildError, Builder, Order, Point, PointSet};
+use ltbw::{BuildError, Order, Point, PointSet};
 use ltbw_tests::epsilon::Small;
 use ltbw_tests::families::Rng;
 use ltbw_tests::small_world::{Expected, World, subsets};

@@ -4,7 +4,6 @@ use crate::body::Body;
 use crate::failure::Failure;
 use crate::result::{Meshed, Outcome};
 use crate::work::{Reins, in_pool};
-use ltbw::threads::Parallel;
 use ltbw::{Builder, Point, PointSet};
 
 /// The Delaunay mesh of points, by `threads` threads, at least one.
@@ -14,19 +13,13 @@ use ltbw::{Builder, Point, PointSet};
 pub fn delaunay(points: Vec<Point>, threads: u32, reins: &Reins) -> Result<Meshed, Failure> {
     in_pool(threads, || {
         let set = PointSet::new(points)?;
-        let (mesh, outcome) = if threads <= 1 {
-            let builder = Builder::new().observer(&reins.progress).cancel(&reins.cancel);
-            let built = builder.build(&set)?;
-            (built.mesh, built.outcome)
-        } else {
-            let run = Parallel::new(threads).cancel(&reins.cancel).build(&set)?;
-            (run.mesh, run.outcome)
-        };
-        let outcome = match outcome {
+        let builder = Builder::new().threads(threads);
+        let built = builder.observer(&reins.progress).cancel(&reins.cancel).build(&set)?;
+        let outcome = match built.outcome {
             ltbw::Outcome::Complete => Outcome::Complete,
             ltbw::Outcome::Cancelled => Outcome::Cancelled,
             ltbw::Outcome::Budget | ltbw::Outcome::TooManyTets => Outcome::Budget,
         };
-        Ok(Meshed::new(Body::Points { mesh: Box::new(mesh), set }, outcome))
+        Ok(Meshed::new(Body::Points { mesh: Box::new(built.mesh), set }, outcome))
     })
 }

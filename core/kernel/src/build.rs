@@ -23,8 +23,12 @@ const CHECK_GROWTH: usize = 100_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Phase {
+    /// Points are put in order, and the work of several threads is prepared.
+    Order,
     /// Given points are inserted.
     Insert,
+    /// The parts of several threads are put together.
+    Gather,
     /// The boundary of a domain is brought into the mesh.
     Recover,
     /// Tetrahedra over a bound are split.
@@ -40,10 +44,6 @@ pub struct Progress {
     pub done: u64,
     /// Points that the mesh will have, where that is known.
     pub total: Option<u64>,
-}
-
-fn inserted(done: u64, total: u64) -> Progress {
-    Progress { phase: Phase::Insert, done, total: Some(total) }
 }
 
 /// Watches long work. Called from the building thread, at least every 1024 points and, in between,
@@ -230,10 +230,7 @@ impl<'a> Builder<'a> {
     pub fn build(&self, set: &PointSet) -> Result<Built, BuildError> {
         let clock = Instant::now();
         let points = set.kernel_points();
-        let mut order: Vec<u32> = match self.order {
-            Order::Brio => brio_hilbert(&points),
-            Order::Input => (0..set.len() as u32).collect(),
-        };
+        let mut order = self.order_of(&points);
         let order_seconds = clock.elapsed().as_secs_f64();
         if self.is_cancelled() {
             return Err(BuildError::Cancelled);
@@ -264,6 +261,37 @@ impl<'a> Builder<'a> {
         })
     }
 
+    fn order_of(&self, points: &[Point]) -> Vec<u32> {
+        match self.order {
+            Order::Brio => brio_hilbert(points),
+            Order::Input => (0..points.len() as u32).collect(),
+        }
+    }
+
+    /// The points, of `count`, that the budget allows: it always allows four.
+    #[doc(hidden)]
+    pub fn allowed(&self, count: usize) -> usize {
+        self.budget.max_points.map_or(count, |most| count.min(most.max(4) as usize))
+    }
+
+    /// The input indices of the points that the budget of points allows, in the order of their
+    /// insertion; `None` if it allows all.
+    ///
+    /// # Errors
+    /// As [`Builder::build`]: there is no first tetrahedron.
+    #[doc(hidden)]
+    pub fn allowed_points(&self, set: &PointSet) -> Result<Option<Vec<u32>>, BuildError> {
+        let most = self.allowed(set.len());
+        if most == set.len() {
+            return Ok(None);
+        }
+        let points = set.kernel_points();
+        let mut order = self.order_of(&points);
+        first_tet(&points, &mut order)?;
+        order.truncate(most);
+        Ok(Some(order))
+    }
+
     /// Inserts `order[4..]`. Meanwhile the second entries of duplicates are kernel vertices.
     fn insert_all<A: Admission>(
         &self,
@@ -272,10 +300,10 @@ impl<'a> Builder<'a> {
         order: &[u32],
         admission: &mut A,
     ) -> Outcome {
-        let total = order.len() as u64;
+        let most = self.allowed(order.len()) as u64;
         let mut batch = Vec::with_capacity(CHECK_EVERY);
         for (start, numbers) in (0..).step_by(CHECK_EVERY).zip(order.chunks(CHECK_EVERY)) {
-            let mut next_look = match self.look(mesh, start, total) {
+            let mut next_look = match self.look(mesh, start, most) {
                 Ok(next) => next,
                 Err(outcome) => return outcome,
             };
@@ -286,11 +314,12 @@ impl<'a> Builder<'a> {
                 if k < 4 {
                     continue;
                 }
-                if self.budget.max_points.is_some_and(|most| k >= most) {
+                if k >= most {
+                    self.tell(most, most);
                     return Outcome::Budget;
                 }
                 if mesh.num_tets() > next_look {
-                    next_look = match self.look(mesh, k, total) {
+                    next_look = match self.look(mesh, k, most) {
                         Ok(next) => next,
                         Err(outcome) => return outcome,
                     };
@@ -301,10 +330,14 @@ impl<'a> Builder<'a> {
                 }
             }
         }
-        if let Some(observer) = self.observer {
-            observer.progress(inserted(total, total));
-        }
+        self.tell(most, most);
         Outcome::Complete
+    }
+
+    fn tell(&self, done: u64, total: u64) {
+        if let Some(observer) = self.observer {
+            observer.progress(Progress { phase: Phase::Insert, done, total: Some(total) });
+        }
     }
 
     /// Looks at the observer, the cancel token and the budget after `done` insertions: how many
@@ -312,9 +345,7 @@ impl<'a> Builder<'a> {
     #[cold]
     fn look(&self, mesh: &Mesh, done: u64, total: u64) -> Result<usize, Outcome> {
         if done > 0 {
-            if let Some(observer) = self.observer {
-                observer.progress(inserted(done, total));
-            }
+            self.tell(done, total);
             if self.is_cancelled() {
                 return Err(Outcome::Cancelled);
             }
@@ -410,74 +441,4 @@ fn first_tet(points: &[Point], order: &mut [u32]) -> Result<[(Point, Vertex); 4]
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::invariants::check_all;
-    use ltbw_generate::{PointKind, generate};
-    use std::sync::atomic::{AtomicU64, Ordering};
-
-    /// Points of the moment curve: every two of them share an edge, n^2 / 2 tetrahedra.
-    fn curve(count: u32) -> PointSet {
-        let points = (0..count).map(f64::from).map(|t| [t, t * t, t * t * t]).collect();
-        PointSet::new(points).expect("finite points")
-    }
-
-    #[derive(Default)]
-    struct Calls(AtomicU64, Option<CancelToken>);
-
-    impl Observer for Calls {
-        fn progress(&self, _: Progress) {
-            self.0.fetch_add(1, Ordering::Relaxed);
-            if let Some(token) = &self.1 {
-                token.cancel();
-            }
-        }
-    }
-
-    #[test]
-    fn fast_growth_is_looked_at_between_batches() {
-        let set = curve(800);
-        let calls = Calls::default();
-        let built = Builder::new().observer(&calls).build(&set).expect("a mesh");
-        let tets = built.mesh.num_tets();
-        assert!(tets > 300_000, "{tets}");
-        // One call is that of the end: all points are one batch.
-        let looks = calls.0.load(Ordering::Relaxed) - 1;
-        assert!((1..=(tets / CHECK_GROWTH) as u64).contains(&looks), "{looks}");
-
-        let calls = Calls(AtomicU64::new(0), Some(CancelToken::new()));
-        let token = calls.1.as_ref().expect("a token");
-        let built = Builder::new().observer(&calls).cancel(token).build(&set).expect("a mesh");
-        assert_eq!(built.outcome, Outcome::Cancelled);
-        let tets = built.mesh.num_tets();
-        assert!((CHECK_GROWTH..CHECK_GROWTH + 2000).contains(&tets), "{tets}");
-
-        for most in [1, 5_000, 150_000] {
-            let budget = Budget { max_tets: Some(most), ..Budget::default() };
-            let built = Builder::new().budget(budget).build(&set).expect("a mesh");
-            assert_eq!(built.outcome, Outcome::Budget);
-            let tets = built.mesh.num_tets() as u64;
-            assert!((most + 1..most + 2000).contains(&tets), "{tets} for {most}");
-        }
-    }
-
-    #[test]
-    fn an_exhausted_mesh_is_kept() {
-        let points = generate(PointKind::Uniform, 500, 3);
-        let set = PointSet::new(points).expect("finite points");
-        let budget = Budget { max_points: Some(4), ..Budget::default() };
-        let mut mesh = Builder::new().budget(budget).build(&set).expect("a mesh").mesh;
-        let mut order = brio_hilbert(set.points());
-        first_tet(set.points(), &mut order).expect("a tetrahedron");
-        let mut left = 3000;
-        let mut refuse = |_, _| {
-            left -= 1;
-            left > 0
-        };
-        let points = set.kernel_points();
-        let outcome = Builder::new().insert_all(&mut mesh, &points, &order, &mut refuse);
-        assert_eq!(outcome, Outcome::TooManyTets);
-        assert!((5..500).contains(&mesh.num_vertices()));
-        check_all(&mesh).expect("invariants");
-    }
-}
+mod tests;

@@ -49,7 +49,7 @@ pub enum GatherError {
 /// # Errors
 /// [`GatherError`] if there are too many tetrahedra, or if the submeshes do not fit together.
 pub fn gather(meshes: Vec<LocalMesh>, common: SharedInput) -> Result<Gathered, GatherError> {
-    let SharedInput { points, numbers, mut duplicates, mode, predicates } = common;
+    let SharedInput { points, numbers, next, mut duplicates, mode, predicates } = common;
     if let Some((worker, error)) = meshes.iter().find_map(|m| Some((m.me, m.error?))) {
         return Err(GatherError::Failed { worker, error });
     }
@@ -67,12 +67,13 @@ pub fn gather(meshes: Vec<LocalMesh>, common: SharedInput) -> Result<Gathered, G
     let workers: Vec<WorkerId> = meshes.iter().map(|mesh| mesh.me).collect();
     let parts = meshes.into_iter().map(|mesh| mesh.tets).collect();
     let assembly = Assembly { points, numbers, duplicates: &duplicates, mode, predicates };
-    let mesh = assemble(parts, far, assembly).map_err(|misfit| match misfit {
+    let mut mesh = assemble(parts, far, assembly).map_err(|misfit| match misfit {
         AssembleError::Dangling { submesh, far } => {
             GatherError::Dangling { worker: workers[submesh], name: far.name }
         }
         AssembleError::TooManyTets => GatherError::TooManyTets,
         AssembleError::NoSubmeshes => GatherError::NoParts,
     })?;
+    mesh.set_next_number(next);
     Ok(Gathered { duplicates: mesh.duplicates().to_vec(), mesh })
 }

@@ -7,7 +7,7 @@ use ltbw_core::build::independent;
 use ltbw_core::order::hilbert;
 use ltbw_core::submesh::MeshParams;
 use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
-use ltbw_core::{BuildError, Builder, Mesh, PredicateStats};
+use ltbw_core::{BuildError, Builder, CancelToken, Mesh, PredicateStats, Vertex};
 use ltbw_exact::{Mode, Point, PointSet};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -98,8 +98,27 @@ impl Plan {
     /// # Errors
     /// As [`Builder::build`]: there is no first tetrahedron.
     pub fn prepare(&self, set: &PointSet) -> Result<Prepared, BuildError> {
+        self.prepare_some(set, None, None)
+    }
+
+    /// As [`Plan::prepare`], for the points `only`, by index, or all; `cancel` may end it early.
+    pub(crate) fn prepare_some(
+        &self,
+        set: &PointSet,
+        only: Option<&[u32]>,
+        cancel: Option<&CancelToken>,
+    ) -> Result<Prepared, BuildError> {
         let kernel = set.kernel_points();
-        let order = hilbert(&kernel);
+        let order = match only {
+            None => hilbert(&kernel),
+            Some(only) => {
+                let points: Vec<Point> = only.iter().map(|&i| kernel[i as usize]).collect();
+                hilbert(&points).into_iter().map(|k| only[k as usize]).collect()
+            }
+        };
+        if cancel.is_some_and(CancelToken::is_cancelled) {
+            return Err(BuildError::Cancelled);
+        }
         // With room for the vertex at infinity, which the gathered mesh has in front.
         let mut points: Vec<Point> = Vec::with_capacity(order.len() + 1);
         points.par_extend(order.par_iter().map(|&i| kernel[i as usize]));
@@ -138,8 +157,9 @@ impl Plan {
             .collect();
         let predicates = coarse.predicate_stats();
         let mode = set.mode();
-        let common = SharedInput { points, numbers: order, duplicates, mode, predicates };
-        Ok(Prepared { workers, common })
+        let (numbers, next) = (order, set.len() as Vertex);
+        let common = SharedInput { points, numbers, next, duplicates, mode, predicates };
+        Ok(Prepared { workers, common, started: sample.len() })
     }
 
     /// Ranks of the sample, ascending: evenly along the curve, with four affinely independent
@@ -224,6 +244,8 @@ pub struct Prepared {
     pub workers: Vec<(Directory, LocalMesh, PointQueue)>,
     /// Data to put their submeshes together afterwards.
     pub common: SharedInput,
+    /// Points of the coarse mesh, its duplicates included.
+    pub started: usize,
 }
 
 /// Data that no worker has: the whole set of points.
@@ -233,6 +255,8 @@ pub struct SharedInput {
     pub points: Vec<Point>,
     /// Input index by vertex less 1.
     pub numbers: Vec<u32>,
+    /// Number that the next inserted point gets.
+    pub next: Vertex,
     /// Points of the sample that equal another one: vertex numbers of both.
     pub duplicates: Vec<(VertexId, VertexId)>,
     /// The mode of computing with the points.

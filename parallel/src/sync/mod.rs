@@ -3,6 +3,9 @@
 
 #[cfg(tsan)]
 mod annotated;
+mod tally;
+
+pub(crate) use tally::Tally;
 
 #[cfg(tsan)]
 pub(crate) use annotated::{Condvar, Mutex, MutexGuard};

@@ -4,6 +4,7 @@
 //! work (the paper's queues QR before QL before LB) and sleeps when there is neither.
 
 mod distributed;
+mod teller;
 mod watch;
 mod worker_loop;
 
@@ -17,9 +18,11 @@ use crate::mesh::{GatherError, LocalMesh, Ownership, Plan, PointQueue, Prepared}
 use crate::metrics::{Collector, Summary, Trace};
 use crate::protocol::{Closure, Config, Correct, Note, Rule, Worker, WorkerId, message_of};
 use crate::transport::{Delayed, Mail, Transport};
-use ltbw_core::{BuildError, CancelToken, Mesh, Outcome, Vertex};
+use ltbw_core::{BuildError, CancelToken, Mesh, Observer, Outcome, Phase, Vertex};
 use ltbw_exact::PointSet;
 use std::time::{Duration, Instant};
+pub(crate) use teller::PAUSE;
+use teller::{Listener, Teller};
 use watch::ThreadWatch;
 
 /// Shortest backoff of the paper's rule, beside four latencies.
@@ -131,6 +134,8 @@ pub struct Parallel<'a> {
     balance: Option<Balance>,
     spans: Option<usize>,
     cancel: Option<&'a CancelToken>,
+    listener: Listener<'a>,
+    only: Option<&'a [Vertex]>,
 }
 
 impl<'a> Parallel<'a> {
@@ -154,6 +159,8 @@ impl<'a> Parallel<'a> {
             balance: None,
             spans: None,
             cancel: None,
+            listener: Listener::default(),
+            only: None,
         }
     }
 
@@ -208,12 +215,34 @@ impl<'a> Parallel<'a> {
         self
     }
 
+    /// Sets the observer of progress. It is called from the calling thread alone: ten times a
+    /// second at most while points are inserted, and once as the other phases begin. No worker
+    /// waits for it.
+    pub fn observer(mut self, observer: &'a dyn Observer) -> Self {
+        self.listener = Listener(Some(observer));
+        self
+    }
+
+    /// Inserts the points with these numbers alone, each of them named once.
+    pub(crate) fn only(mut self, points: Option<&'a [Vertex]>) -> Self {
+        self.only = points;
+        self
+    }
+
     /// Builds the mesh.
     ///
     /// # Errors
     /// [`RunError`] says why there is no mesh.
     pub fn build(&self, set: &PointSet) -> Result<Run, RunError> {
-        self.build_distributed(set)?.gather()
+        let parts = self.build_distributed(set)?;
+        self.gather(parts)
+    }
+
+    /// Puts the parts together, and says so.
+    pub(crate) fn gather(&self, parts: Distributed) -> Result<Run, RunError> {
+        let points = parts.common.points.len() as u64;
+        self.listener.tell(Phase::Gather, points, points);
+        parts.gather()
     }
 
     /// Builds the mesh and leaves it distributed: every worker has its submesh.
@@ -222,11 +251,17 @@ impl<'a> Parallel<'a> {
     /// [`RunError`] says why there is no mesh.
     pub fn build_distributed(&self, set: &PointSet) -> Result<Distributed, RunError> {
         let clock = Instant::now();
-        let plan = self.plan.unwrap_or_else(|| self.default_plan(set.len()));
+        let points = self.only.map_or(set.len(), <[Vertex]>::len);
+        let total = points as u64;
+        let plan = self.plan.unwrap_or_else(|| self.default_plan(points));
         if plan.ownership != Ownership::Block && self.balance.is_some() {
             return Err(RunError::Settings(Ownership::STAYS.to_owned()));
         }
-        let Prepared { workers, common } = Plan { reserve: true, ..plan }.prepare(set)?;
+        self.listener.tell(Phase::Order, 0, total);
+        let plan = Plan { reserve: true, ..plan };
+        let prepared = plan.prepare_some(set, self.only, self.cancel)?;
+        let Prepared { workers, common, started } = prepared;
+        let teller = Teller::new(self.listener, started as u64, total);
         let start_seconds = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         let Self { rule, closure, window, .. } = *self;
@@ -235,13 +270,13 @@ impl<'a> Parallel<'a> {
             .into_iter()
             .map(|(directory, mesh, field)| Worker::new(config, directory, mesh, field))
             .collect();
-        let watch = |id| self.watch(id, clock);
+        let watch = |id| self.watch(id, clock).counted(teller.tally());
         let ends = if self.latency.is_zero() {
-            run_all(self.loops(nodes, connect(self.workers), watch))?
+            run_all(self.loops(nodes, connect(self.workers), watch), &teller)?
         } else {
             let ways = connect(self.workers).into_iter();
             let ways = ways.map(|way| Delayed::new(way, self.latency)).collect();
-            run_all(self.loops(nodes, ways, watch))?
+            run_all(self.loops(nodes, ways, watch), &teller)?
         };
         let insert_seconds = clock.elapsed().as_secs_f64();
         let cancelled = ends.iter().any(|(node, _)| node.has_dropped_points());
@@ -253,7 +288,12 @@ impl<'a> Parallel<'a> {
             meshes.push(node.into_parts().0);
         }
         let (summary, trace) = self.summary(collectors);
-        let outcome = if cancelled { Outcome::Cancelled } else { Outcome::Complete };
+        let outcome = if cancelled {
+            Outcome::Cancelled
+        } else {
+            self.listener.tell(Phase::Insert, total, total);
+            Outcome::Complete
+        };
         let seconds = [start_seconds, insert_seconds];
         Ok(Distributed { meshes, common, outcome, seconds, workers: stats, summary, trace })
     }
@@ -267,7 +307,10 @@ impl<'a> Parallel<'a> {
         Plan { ownership, ..Plan::new(points, self.workers) }
     }
 
-    fn watch(&self, id: WorkerId, start: Instant) -> ThreadWatch<'a> {
+    fn watch<'w>(&self, id: WorkerId, start: Instant) -> ThreadWatch<'w>
+    where
+        'a: 'w,
+    {
         let backoff = BACKOFF + 4 * self.latency;
         let processors = std::thread::available_parallelism().map_or(1, usize::from);
         let crowded = self.workers as usize > processors;
@@ -305,14 +348,22 @@ type End<W> = (Node, W);
 /// others.
 fn run_all<T, W>(
     loops: Vec<Loop<LocalMesh, PointQueue, Correct, T, W>>,
+    teller: &Teller<'_>,
 ) -> Result<Vec<End<W>>, RunError>
 where
     T: Transport<Mail<LocalMesh>> + Send,
     W: Watch<LocalMesh> + Send,
 {
     let results: Vec<_> = std::thread::scope(|scope| {
-        let threads: Vec<_> =
-            loops.into_iter().map(|worker| scope.spawn(move || worker.run())).collect();
+        let spawn = |worker: Loop<_, _, _, T, W>| {
+            let leave = teller.leave();
+            scope.spawn(move || {
+                let _leave = leave;
+                worker.run()
+            })
+        };
+        let threads: Vec<_> = loops.into_iter().map(spawn).collect();
+        teller.tell_until(threads.len() as u32);
         threads.into_iter().map(std::thread::ScopedJoinHandle::join).collect()
     });
     let mut ends = Vec::with_capacity(results.len());

@@ -124,6 +124,11 @@ impl Transport<Mail<LocalMesh>> for Faulty {
     }
 }
 
+/// The teller of a run that nobody watches.
+fn silent() -> Teller<'static> {
+    Teller::new(Listener::default(), 0, 0)
+}
+
 fn nodes(set: &PointSet, workers: u32) -> Vec<Node> {
     let config = Config { window: 16, ..Config::new(workers) };
     let prepared = Plan::new(set.len(), workers).prepare(set).expect("a start");
@@ -139,7 +144,7 @@ fn a_broken_invariant_ends_the_run_by_its_number() {
     let ways =
         connect(3).into_iter().map(|inner| Faulty { inner, loses: false, done: false }).collect();
     let loops = kernel.loops(nodes(&set, 3), ways, |id| kernel.watch(id, clock));
-    let error = run_all(loops).map(drop).expect_err("a grant that arrives twice");
+    let error = run_all(loops, &silent()).map(drop).expect_err("a grant that arrives twice");
     let RunError::Worker(WorkerError::Broken { invariant, .. }) = &error else { panic!("{error}") };
     assert_eq!(*invariant, Invariant::P8, "{error}");
     // The process lives.
@@ -159,7 +164,7 @@ fn a_worker_that_fails_ends_the_run_by_name() {
         };
         let ways = connect(3).into_iter();
         let ways = ways.map(|way| Delayed::new(way, kernel.latency)).collect();
-        let error = run_all(kernel.loops(nodes, ways, watch)).map(drop);
+        let error = run_all(kernel.loops(nodes, ways, watch), &silent()).map(drop);
         let said = WorkerError::Failed { worker: victim, message: "planted".to_string() };
         assert_eq!(error, Err(said.into()));
     }
@@ -171,7 +176,7 @@ fn a_run_that_hangs_fails_and_says_what_was_last() {
     let (kernel, clock) = (Parallel::new(3), Instant::now());
     let ways = connect(3).into_iter().map(|inner| Faulty { inner, loses: true, done: false });
     let watch = |id| Bomb::new(kernel.watch(id, clock), u32::MAX, Duration::from_secs(2));
-    let error = run_all(kernel.loops(nodes(&set, 3), ways.collect(), watch)).map(drop);
+    let error = run_all(kernel.loops(nodes(&set, 3), ways.collect(), watch), &silent()).map(drop);
     let Err(RunError::Worker(WorkerError::Failed { message, .. })) = error else {
         panic!("{error:?}")
     };

@@ -4,8 +4,9 @@
 use super::WorkerStats;
 use super::worker_loop::Watch;
 use crate::metrics::{Cause, Collector, Nanos, Step, Survey};
-use crate::protocol::{Action, Attempt, BlockId, Event, WorkerId};
+use crate::protocol::{Action, Attempt, BlockId, Event, Note, WorkerId};
 use crate::simulate::{LOAD_BYTES, Payload, bytes};
+use crate::sync::Tally;
 use ltbw_core::CancelToken;
 use std::time::{Duration, Instant};
 
@@ -18,6 +19,9 @@ const DOUBLINGS: u32 = 10;
 /// Looks for messages of a worker with nothing to do, some ten microseconds in all, before it
 /// sleeps.
 const LOOKS: u32 = 100;
+
+/// Points that a worker has done before it says so.
+const BATCH: u64 = 64;
 
 /// The watch of a worker thread.
 #[derive(Debug)]
@@ -32,6 +36,10 @@ pub(super) struct ThreadWatch<'a> {
     looks: u32,
     pub(super) stats: WorkerStats,
     meter: Option<Meter>,
+    /// The figures of all workers, if somebody wants to know.
+    tally: Option<&'a Tally>,
+    /// Points done that the tally does not have yet.
+    untold: u64,
 }
 
 /// Takes the time of everything.
@@ -63,7 +71,23 @@ impl<'a> ThreadWatch<'a> {
         let random = 0x9e37_79b9_7f4a_7c15 ^ u64::from(worker) << 32 | 1;
         let stats = WorkerStats::default();
         let looks = if crowded { 0 } else { LOOKS };
-        Self { start, cancel, told: false, backoff, random, looks, stats, meter }
+        let (tally, untold) = (None, 0);
+        Self { start, cancel, told: false, backoff, random, looks, stats, meter, tally, untold }
+    }
+
+    /// Adds the points done to `tally`.
+    pub(super) fn counted(mut self, tally: Option<&'a Tally>) -> Self {
+        self.tally = tally;
+        self
+    }
+
+    fn count(&mut self, most: u64) {
+        if self.untold > most {
+            if let Some(tally) = self.tally {
+                tally.add(self.untold);
+            }
+            self.untold = 0;
+        }
     }
 
     /// Ends the measuring.
@@ -149,16 +173,26 @@ impl<S: Payload> Watch<S> for ThreadWatch<'_> {
                         meter.collector.sent(message.kind(), bytes(message));
                     }
                 }
-                Action::Note(note) => self.stats.note(*note),
+                Action::Note(note) => {
+                    let is_done =
+                        matches!(note, Note::Local | Note::Known | Note::Committed { .. });
+                    self.untold += u64::from(is_done);
+                    self.stats.note(*note);
+                }
                 Action::Backoff { .. } => {}
             }
         }
+        self.count(BATCH);
         if let Some(meter) = &mut self.meter {
             let (begin, end) = (meter.last, nanos(self.start));
             let step = Step { begin, end, communication: 0, walk: 0 };
             meter.collector.step(meter.cause, step, actions);
             meter.last = end;
         }
+    }
+
+    fn sleeps(&mut self) {
+        self.count(0);
     }
 
     fn sent(&mut self, asked: usize) {
