@@ -1,6 +1,7 @@
 //! The geometry of a patch: its polygons in the projection along an axis, each with its own plane.
 
 use super::carrier::{Grid, Plane, UNIT};
+use super::table::edge;
 use ltbw_exact::Point;
 
 /// A point of the projection, in fine steps.
@@ -27,8 +28,12 @@ pub(crate) struct Patch {
     pub(crate) sides: Option<Sides>,
     /// The polygons, counter-clockwise in the projection.
     pieces: Vec<(Vec<Flat>, Plane)>,
-    /// Cells of a grid over the projection with the polygons that may touch them.
+    /// The outline: sides that one polygon has.
+    outline: Vec<[Flat; 2]>,
+    /// Cells of a grid over the projection with the polygons, and the sides of the outline, that
+    /// may touch them.
     cells: Vec<Vec<u32>>,
+    outline_cells: Vec<Vec<u32>>,
     low: Flat,
     /// The sides of a cell, and the number of cells in each direction.
     size: Flat,
@@ -74,26 +79,36 @@ impl Patch {
         let all = || pieces.iter().flat_map(|(ring, _)| ring);
         let low = [0, 1].map(|k| all().map(|p| p[k]).min().unwrap_or(0));
         let high = [0, 1].map(|k| all().map(|p| p[k]).max().unwrap_or(0));
+        let outline = outline(&polygons).into_iter().map(|side| side.map(|v| project(&v)));
+        let outline: Vec<[Flat; 2]> = outline.collect();
         let count = ((pieces.len() as f64).sqrt() as usize).clamp(1, 1024);
         let size = [0, 1].map(|k| (high[k] - low[k]) / count as i128 + 1);
-        let (sides, cells) = (None, Vec::new());
-        let mut patch = Self { first, axis, sides, pieces, cells, low, size, count };
-        patch.cells = vec![Vec::new(); count * count];
-        for k in 0..patch.pieces.len() {
-            let ring = &patch.pieces[k].0;
-            let ends = |i: usize| {
-                let low = ring.iter().map(|p| p[i]).min().unwrap_or(0);
-                let high = ring.iter().map(|p| p[i]).max().unwrap_or(0);
-                patch.column(low, i)..=patch.column(high, i)
-            };
-            let (columns, rows) = (ends(0), ends(1));
-            for column in columns {
-                for row in rows.clone() {
-                    patch.cells[column * count + row].push(k as u32);
-                }
-            }
-        }
+        let (sides, cells, outline_cells) = (None, Vec::new(), Vec::new());
+        let mut patch =
+            Self { first, axis, sides, pieces, outline, cells, outline_cells, low, size, count };
+        patch.cells = patch.spread(patch.pieces.iter().map(|(ring, _)| &ring[..]));
+        patch.outline_cells = patch.spread(patch.outline.iter().map(|side| &side[..]));
         patch
+    }
+
+    /// The cells with the numbers of what may touch them.
+    fn spread<'p>(&self, all: impl Iterator<Item = &'p [Flat]>) -> Vec<Vec<u32>> {
+        let mut cells = vec![Vec::new(); self.count * self.count];
+        for (k, points) in (0..).zip(all) {
+            self.cells_of(points).for_each(|cell| cells[cell].push(k));
+        }
+        cells
+    }
+
+    /// The cells that the box of some points touches.
+    fn cells_of(&self, points: &[Flat]) -> impl Iterator<Item = usize> + use<> {
+        let ends = |i: usize| {
+            let low = points.iter().map(|p| p[i]).min().unwrap_or(0);
+            let high = points.iter().map(|p| p[i]).max().unwrap_or(0);
+            self.column(low, i)..=self.column(high, i)
+        };
+        let (columns, rows, count) = (ends(0), ends(1), self.count);
+        columns.flat_map(move |column| rows.clone().map(move |row| column * count + row))
     }
 
     fn column(&self, c: i128, axis: usize) -> usize {
@@ -106,13 +121,26 @@ impl Patch {
         self.cells[cell].iter().map(|&k| &self.pieces[k as usize])
     }
 
-    /// Is a triangle of vertices within the polygons, in the projection? So it is if its centroid
-    /// is, and the middles of its sides: a side that cuts off a vertex of the outline is not.
+    /// Is a triangle within the polygons, in the projection? So it is if its centroid is and no
+    /// side of the outline goes through it. Of one that is nothing in the projection the middles
+    /// of its sides decide.
     pub(crate) fn holds_triangle(&self, corners: [&Point; 3]) -> bool {
         let [a, b, c] = corners.map(|p| flat(self.axis, p));
+        if !self.holds_mean([a, b, c], 3) {
+            return false;
+        }
         let zero = [0, 0];
-        self.holds_mean([a, b, c], 3)
-            && [[a, b, zero], [b, c, zero], [c, a, zero]].iter().all(|s| self.holds_mean(*s, 2))
+        match turn(a, b, c) {
+            0 => [[a, b, zero], [b, c, zero], [c, a, zero]].iter().all(|s| self.holds_mean(*s, 2)),
+            1.. => !self.is_cut([a, b, c]),
+            _ => !self.is_cut([a, c, b]),
+        }
+    }
+
+    /// Does a side of the outline go through the inside of a triangle that is counter-clockwise?
+    fn is_cut(&self, triangle: [Flat; 3]) -> bool {
+        let meets = |&k: &u32| goes_through(self.outline[k as usize], triangle);
+        self.cells_of(&triangle).any(|cell| self.outline_cells[cell].iter().any(meets))
     }
 
     /// Is the sum of some points, divided by their number, in a polygon?
@@ -157,6 +185,29 @@ impl Patch {
         let [a, b, c] = corners.map(|p| flat(self.axis, p));
         turn(a, b, c).signum()
     }
+}
+
+/// The sides that one polygon has.
+fn outline(polygons: &[(Vec<u32>, Plane)]) -> Vec<[u32; 2]> {
+    let sides = |ring: &Vec<u32>| {
+        let ring = ring.clone();
+        (0..ring.len()).map(move |k| edge(ring[k], ring[(k + 1) % ring.len()]))
+    };
+    let mut all: Vec<[u32; 2]> = polygons.iter().flat_map(|(ring, _)| sides(ring)).collect();
+    all.sort_unstable();
+    all.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]).collect()
+}
+
+/// Does a line from p to q go through the inside of a counter-clockwise triangle? If not, one of
+/// the sides, or the line, has nothing of the other strictly on its inner side.
+fn goes_through([p, q]: [Flat; 2], [a, b, c]: [Flat; 3]) -> bool {
+    let beyond = |a: Flat, b: Flat| turn(a, b, p) <= 0 && turn(a, b, q) <= 0;
+    let corners = [a, b, c].map(|v| turn(p, q, v));
+    !(beyond(a, b)
+        || beyond(b, c)
+        || beyond(c, a)
+        || corners.iter().all(|&t| t <= 0)
+        || corners.iter().all(|&t| t >= 0))
 }
 
 /// Is a point in a closed polygon?

@@ -102,6 +102,40 @@ fn triangles_that_cut_off_a_vertex_of_the_outline_are_no_tiles() {
     assert_eq!(refined.outcome, RefineOutcome::Met);
 }
 
+/// A side of a cube with a pocket whose edge is inside by the last bit of a float: a large triangle
+/// over the pocket is no part of the side, though its middle is, and the middles of its sides.
+#[test]
+fn triangles_over_a_pocket_are_no_tiles() {
+    let bit = f64::from(f32::EPSILON) / 2.0;
+    let mut vertices: Vec<Point> =
+        (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+    let square = [[0.375, 0.125], [0.625, 0.125], [0.625, 0.25], [0.375, 0.25]];
+    for z in [1.0 - bit, 0.5] {
+        vertices.extend(square.map(|[x, y]| [x, y, z]));
+    }
+    let mut domain = Domain { vertices, ..Domain::default() };
+    let outer = [4, 5, 7, 6];
+    let mut add = |corners: &[u32]| domain.facets.push(Facet::polygon(corners, 0));
+    for k in 0..4 {
+        let l = (k + 1) % 4;
+        let [a, b, c, d] = [outer[k], outer[l], 8 + l as u32, 8 + k as u32];
+        add(&[a, b, c]);
+        add(&[a, c, d]);
+        add(&[d, c, c + 4, d + 4]);
+    }
+    let rest =
+        [[12, 13, 14, 15], [0, 2, 3, 1], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    rest.iter().for_each(|corners| add(corners));
+    let ready = domain.prepare(&PrepareOptions { oriented: true, ..PrepareOptions::default() });
+    let ready = ready.expect("sound");
+    let refiner = Refiner::new().flat_tolerance(5e-7);
+    let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    assert_eq!((refined.stats.patches, refined.stats.patches_given_up), (1, 0));
+    assert_eq!(refined.outcome, RefineOutcome::Met);
+    let (run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
+    check_labels(&run.refinement.state);
+}
+
 /// Labels and subfaces after every transaction, by looking at every face: a label changes at the
 /// subfaces of patches only, from side to side, and every patch has its area.
 #[test]
