@@ -156,6 +156,8 @@ def ltbw_to_python(mesh):
         agree(f"{name} by PyVista: points", points, mesh.points.astype(np.float32).astype(float))
     run("convert", "in.ele", "m.npy")
     agree("m.npy by NumPy", np.load(FOLDER / "m.npy"), mesh.points)
+    run("convert", "in.ele", "m.txt")
+    agree("m.txt by NumPy", np.loadtxt(FOLDER / "m.txt"), mesh.points)
 
 
 def meshio_to_ltbw(mesh):
@@ -181,6 +183,7 @@ def meshio_to_ltbw(mesh):
         {"binary": True, "compression": None},
         {"binary": True, "compression": "zlib"},
         {"binary": True, "compression": "zlib", "header_type": "UInt64"},
+        {"binary": True, "compression": "lzma"},
     ]:
         write("from.vtu", ["tag"], ["region"], **options)
     groups = ["gmsh:physical", "gmsh:geometrical"]
@@ -201,7 +204,7 @@ def vtk_to_ltbw(mesh):
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
     for mode in ["Ascii", "Binary", "Appended"]:
-        for zlib in [False, True]:
+        for compressor in ["None", "ZLib", "LZ4", "LZMA"]:
             for order in ["LittleEndian", "BigEndian"]:
                 for header in ["UInt32", "UInt64"]:
                     for encode in [False, True] if mode == "Appended" else [False]:
@@ -211,13 +214,29 @@ def vtk_to_ltbw(mesh):
                         getattr(writer, f"SetDataModeTo{mode}")()
                         getattr(writer, f"SetByteOrderTo{order}")()
                         getattr(writer, f"SetHeaderTypeTo{header}")()
-                        getattr(writer, f"SetCompressorTypeTo{'ZLib' if zlib else 'None'}")()
+                        getattr(writer, f"SetCompressorTypeTo{compressor}")()
                         writer.SetEncodeAppendedData(encode)
                         if not writer.Write():
                             raise RuntimeError("VTK cannot write")
                         run("convert", "vtk.vtu", "back.ele")
-                        what = f"{mode} {order} {header} zlib={zlib} base64={encode} from VTK"
+                        what = f"{mode} {order} {header} {compressor} base64={encode} from VTK"
                         read_pair("back").compare(what, mesh)
+
+
+def numpy_to_ltbw(mesh):
+    """Points as NumPy writes them as text and in archives."""
+
+    def check(what, name):
+        run("convert", name, "points_back.npy")
+        agree(what, np.load(FOLDER / "points_back.npy"), mesh.points)
+
+    for delimiter in [" ", ",", ", "]:
+        np.savetxt(FOLDER / "p.txt", mesh.points, delimiter=delimiter, header="x y z")
+        check(f"p.txt with {delimiter!r}", "p.txt")
+    np.savez(FOLDER / "p.npz", mesh.points)
+    check("p.npz, one array", "p.npz")
+    np.savez_compressed(FOLDER / "p.npz", tets=mesh.tets, points=np.asfortranarray(mesh.points))
+    check("p.npz, compressed, by name", "p.npz")
 
 
 def surfaces_to_ltbw(mesh):
@@ -272,6 +291,9 @@ def parts_to_python():
         return corners[np.lexsort(corners.T)]
 
     agree("parts.pvtu by PyVista: cells", parts.n_cells, whole.n_cells)
+    pieces = [pyvista.read(FOLDER / f"parts_{k}.vtu") for k in range(3)]
+    workers = np.repeat(np.arange(3), [piece.n_cells for piece in pieces])
+    agree("parts.pvtu by PyVista: workers", parts.cell_data["worker"], workers)
     agree("parts.pvtu by PyVista: tetrahedra", rows(parts), rows(whole))
 
 
@@ -288,7 +310,13 @@ def main():
     rng = np.random.default_rng(4)
     mesh.tags = rng.integers(-5, 100, len(mesh.points))
     mesh.regions = rng.integers(1, 6, len(mesh.tets))
-    for direction in [ltbw_to_python, meshio_to_ltbw, vtk_to_ltbw, surfaces_to_ltbw]:
+    for direction in [
+        ltbw_to_python,
+        meshio_to_ltbw,
+        vtk_to_ltbw,
+        numpy_to_ltbw,
+        surfaces_to_ltbw,
+    ]:
         direction(mesh)
     # Regions that are no physical groups.
     mesh.regions = rng.integers(-3, 4, len(mesh.tets))

@@ -20,7 +20,7 @@ Examples:
   ltbw check mesh.vtu                            check anybody's mesh, exactly
   ltbw convert mesh.vtu mesh.ele                 also writes mesh.node
 
-Formats, by extension: points .npy .xyz .csv .node .ply, and read only .off .obj .stl;
+Formats, by extension: points .npy .xyz .txt .csv .node .ply, and read only .npz .off .obj .stl;
 domains .poly .smesh .off .obj .stl .ply; meshes .vtu .msh .mesh .ele (with .node).
 `-` is stdin or stdout, in the format that --format names: --format npy, say.
 stdout carries data (hash, JSON), stderr what is meant for people.";
@@ -99,7 +99,7 @@ Examples:
   ltbw convert mesh.vtu points.xyz      the points of a mesh
   ltbw convert mesh.vtu mesh.msh --msh2 --ascii     for programs that read no newer Gmsh files
 
-Points: .npy .xyz .csv .node .ply, and read only .off .obj .stl (their vertices).
+Points: .npy .xyz .txt .csv .node .ply, and read only .npz, .off .obj .stl (their vertices).
 Domains: .poly .smesh .off .obj .stl .ply; a surface goes to a format of points as its vertices.
 Meshes: .vtu .msh (4.1 and 2.2) .mesh .ele (with .node).
 Coordinates survive bit for bit; tags survive where the format has a place for them.")]
@@ -189,7 +189,7 @@ pub(crate) struct VectorsRun {
 /// `ltbw delaunay`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Delaunay {
-    /// The points: .npy .xyz .csv .node .ply .off .obj .stl
+    /// The points: .npy .npz .xyz .txt .csv .node .ply .off .obj .stl
     pub(crate) points: PathBuf,
     /// Where to write the mesh: .vtu .msh .mesh .ele (with .node); may be given several times.
     /// As .pvtu it is left distributed: a .vtu beside it for each worker
@@ -366,7 +366,8 @@ pub(crate) struct Generate {
     /// The angle of a wedge or spike
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub(crate) angle: Option<f64>,
-    /// Where to write: points .npy .xyz .csv .node .ply, domains .poly .smesh .off .obj .stl .ply
+    /// Where to write: points .npy .xyz .txt .csv .node .ply,
+    /// domains .poly .smesh .off .obj .stl .ply
     #[arg(short, long = "output", value_name = "FILE")]
     pub(crate) output: PathBuf,
     #[command(flatten)]

@@ -31,7 +31,7 @@ fn points_that_are_no_points() {
     );
     assert_eq!(reject("a.npy", b"garbage"), "a.npy: header: not a NumPy file");
     assert_eq!(reject("a.xyz", b"\x00\x01garbage\n"), "a.xyz: line 1: `??garbage` is not a number");
-    assert!(reject("a.txt", b"0 0 0\n").starts_with("a.txt: unknown extension"));
+    assert!(reject("a.dat", b"0 0 0\n").starts_with("a.dat: unknown extension"));
     assert!(reject("points", b"0 0 0\n").starts_with("points: unknown extension"));
     assert_eq!(
         reject("a.vtu", b"<VTKFile/>"),

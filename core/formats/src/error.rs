@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 pub enum IoError {
     /// The extension of the file name is not one that is known.
     #[error(
-        "{}: unknown extension; points: .npy .xyz .csv .node .ply (read only: .off .obj .stl); \
-         domains: .poly .smesh .off .obj .stl .ply; meshes: .vtu .msh .mesh .ele",
+        "{}: unknown extension; points: .npy .xyz .txt .csv .node .ply (read only: .npz .off .obj \
+         .stl); domains: .poly .smesh .off .obj .stl .ply; meshes: .vtu .msh .mesh .ele",
         show(path)
     )]
     UnknownFormat {
@@ -30,7 +30,7 @@ pub enum IoError {
     },
     /// Files of this format are read, but not written.
     #[error(
-        "{}: this format is only read; points are written as .npy .xyz .csv .node .ply",
+        "{}: this format is only read; points are written as .npy .xyz .txt .csv .node .ply",
         show(path)
     )]
     ReadOnly {

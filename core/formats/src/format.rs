@@ -9,8 +9,12 @@ use std::path::Path;
 pub enum Format {
     /// NumPy array.
     Npy,
+    /// NumPy arrays in a ZIP archive. As points: read only.
+    Npz,
     /// Coordinates separated by blanks.
     Xyz,
+    /// Coordinates separated by blanks or commas, as `numpy.savetxt` writes them.
+    Txt,
     /// Comma- or semicolon-separated columns.
     Csv,
     /// Stanford polygons.
@@ -39,9 +43,11 @@ pub enum Format {
 
 impl Format {
     /// Every format.
-    pub const ALL: [Format; 14] = [
+    pub const ALL: [Format; 16] = [
         Format::Npy,
+        Format::Npz,
         Format::Xyz,
+        Format::Txt,
         Format::Csv,
         Format::Ply,
         Format::Off,
@@ -69,7 +75,9 @@ impl Format {
     pub fn extension(self) -> &'static str {
         match self {
             Format::Npy => "npy",
+            Format::Npz => "npz",
             Format::Xyz => "xyz",
+            Format::Txt => "txt",
             Format::Csv => "csv",
             Format::Ply => "ply",
             Format::Off => "off",
@@ -88,7 +96,10 @@ impl Format {
     /// Whether a file of this format can hold points alone.
     pub fn holds_points(self) -> bool {
         self.is_read_only()
-            || matches!(self, Format::Npy | Format::Xyz | Format::Csv | Format::Ply | Format::Node)
+            || matches!(
+                self,
+                Format::Npy | Format::Xyz | Format::Txt | Format::Csv | Format::Ply | Format::Node
+            )
     }
 
     /// Whether a file of this format (with its companion) can hold a mesh.
@@ -109,12 +120,12 @@ impl Format {
 
     /// Whether points are read from files of this format, but not written to them.
     pub fn is_read_only(self) -> bool {
-        matches!(self, Format::Off | Format::Obj | Format::Stl)
+        matches!(self, Format::Npz | Format::Off | Format::Obj | Format::Stl)
     }
 
     /// Whether point tags survive in this format.
     pub fn holds_point_tags(self) -> bool {
-        !self.is_read_only() && !matches!(self, Format::Npy | Format::Xyz)
+        !self.is_read_only() && !matches!(self, Format::Npy | Format::Xyz | Format::Txt)
     }
 }
 

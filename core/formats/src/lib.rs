@@ -3,7 +3,9 @@
 //! | extension | holds | tags | module |
 //! |---|---|---|---|
 //! | `.npy` | points (NumPy array of shape (n, 3)) | no | [`npy`] |
+//! | `.npz` | points, read only: an array of shape (n, 3) among NumPy arrays | no | [`npz`] |
 //! | `.xyz` | points, one on a line | no | [`xyz`] |
+//! | `.txt` | points, as `numpy.savetxt` writes them | no | [`txt`] |
 //! | `.csv` | points, columns `x,y,z` | column `tag` | [`csv`] |
 //! | `.ply` | points (Stanford polygons); a surface | property `tag` | [`ply`] |
 //! | `.off` | a surface; points, read only: the vertices | no | [`off`] |
@@ -40,6 +42,7 @@ mod format;
 pub mod medit;
 pub mod msh;
 pub mod npy;
+pub mod npz;
 pub mod obj;
 pub mod off;
 mod parts;
@@ -51,6 +54,7 @@ mod streams;
 mod surface;
 pub mod tetgen;
 mod text;
+pub mod txt;
 pub mod vtu;
 pub mod xyz;
 
@@ -103,7 +107,8 @@ pub struct DomainFile {
     pub notes: Vec<String>,
 }
 
-/// Reads a point file: `.npy`, `.xyz`, `.csv`, `.node`, `.ply`, `.off`, `.obj` or `.stl`.
+/// Reads a point file: `.npy`, `.npz`, `.xyz`, `.txt`, `.csv`, `.node`, `.ply`, `.off`, `.obj` or
+/// `.stl`.
 pub fn read_points(path: impl AsRef<Path>) -> Result<PointFile, IoError> {
     let path = path.as_ref();
     let format = Format::from_path(path)?;
@@ -151,7 +156,7 @@ fn pair(path: &Path) -> (PathBuf, PathBuf) {
 }
 
 /// Writes points and their tags with the default [`WriteOptions`].
-/// The formats `.npy` and `.xyz` have no place for tags.
+/// The formats `.npy`, `.xyz` and `.txt` have no place for tags.
 pub fn write_points(path: impl AsRef<Path>, file: &PointFile) -> Result<(), IoError> {
     let path = path.as_ref();
     write_points_with(path, file, WriteOptions::default())

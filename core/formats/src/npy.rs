@@ -51,6 +51,14 @@ pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
     Ok(PointFile { points, ..PointFile::default() })
 }
 
+/// Do these bytes start an array that [`read`] would take for points?
+pub(super) fn starts_points(bytes: &[u8]) -> bool {
+    split(bytes).and_then(|(header, _)| parse_header(header)).is_ok()
+}
+
+/// The most bytes of a header of format version 1, with all before it.
+pub(super) const LONGEST_HEADER: u64 = 10 + u16::MAX as u64;
+
 fn header_error(reason: Reason) -> ParseError {
     ParseError::new(Place::Header, reason)
 }

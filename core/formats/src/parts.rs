@@ -1,11 +1,12 @@
 //! `.pvtu`: a mesh in several parts, each a `.vtu` file of its own beside it.
 //!
 //! `m.pvtu` lists `m_0.vtu`, `m_1.vtu` and so on; ParaView opens it as one mesh. A part has the
-//! points of its own tetrahedra, so that a point at the boundary between parts is in several.
+//! points of its own tetrahedra, so that a point at the boundary between parts is in several. The
+//! array `worker` of cells, `Int32`, is the number of the part.
 //! Source: the VTK file formats page of the VTK documentation.
 
 use super::aside::{self, Aside};
-use super::{Encoding, IoError, check_mesh, data_error, vtu};
+use super::{IoError, check_mesh, data_error, vtu};
 use ltbw_core::TetMesh;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -50,9 +51,9 @@ pub fn write_parts(path: impl AsRef<Path>, parts: &[TetMesh]) -> Result<(), IoEr
     let files = part_files(path, parts.len());
     let (list, names) = files.split_at(1);
     let mut written = Vec::new();
-    for (part, name) in parts.iter().zip(names) {
+    for (worker, (part, name)) in (0..).zip(parts.iter().zip(names)) {
         check_mesh(part).map_err(|r| data_error(name, r))?;
-        written.push(Aside::write(name, |out| vtu::write(out, part, Encoding::Binary))?);
+        written.push(Aside::write(name, |out| vtu::write_part(out, part, worker))?);
     }
     let tagged = !parts.is_empty() && parts.iter().all(|part| part.point_tags.is_some());
     let index = Aside::write(&list[0], |out| write_list(out, names, tagged))?;
@@ -75,6 +76,7 @@ fn write_list(out: &mut dyn Write, names: &[PathBuf], tagged: bool) -> std::io::
               </PPointData>\n",
         )?;
     }
+    out.write_all(b"<PCellData>\n<PDataArray type=\"Int32\" Name=\"worker\"/>\n</PCellData>\n")?;
     for name in names {
         let name = name.file_name().unwrap_or_default().to_string_lossy();
         let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
@@ -110,6 +112,13 @@ mod tests {
         let list = std::fs::read_to_string(&path).expect("a list");
         assert!(list.contains("<Piece Source=\"a&amp;b_0.vtu\"/>"), "{list}");
         assert!(list.contains("Name=\"tag\""), "{list}");
+        assert!(list.contains("<PDataArray type=\"Int32\" Name=\"worker\"/>"), "{list}");
+        // The last array of the second part: one number of four bytes for each tetrahedron.
+        let second = folder.path().join("c_1.vtu");
+        write_parts(folder.path().join("c.pvtu"), &[empty.clone(), part.clone()]).expect("written");
+        let bytes = std::fs::read(&second).expect("a part");
+        let end = bytes.windows(16).rposition(|w| w == b"\n</AppendedData>").expect("an end");
+        assert_eq!(bytes[end - 12..end], [4, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]);
         let read = |name| crate::read_mesh(folder.path().join(name)).expect("a part");
         assert_eq!(read("a&b_0.vtu"), part);
         assert_eq!(read("a&b_1.vtu").tets, empty.tets);

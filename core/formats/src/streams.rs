@@ -7,7 +7,9 @@ use super::{
     DomainFile, Encoding, Extras, Format, IoError, MeshFile, PointFile, TetMesh, WriteOptions,
 };
 use super::{check_extras, check_float_tags, check_mesh, check_points, data_error, parse_error};
-use super::{csv, medit, msh, npy, obj, off, ply, poly, stl, tetgen, vtu, wrong_kind, xyz};
+use super::{
+    csv, medit, msh, npy, npz, obj, off, ply, poly, stl, tetgen, txt, vtu, wrong_kind, xyz,
+};
 use ltbw_domain::Domain;
 use std::io::Write;
 use std::path::Path;
@@ -24,7 +26,9 @@ pub fn parse_points(
     let name = name.as_ref();
     let parse = match format {
         Format::Npy => npy::read,
+        Format::Npz => npz::read,
         Format::Xyz => xyz::read,
+        Format::Txt => txt::read,
         Format::Csv => csv::read,
         Format::Node => tetgen::read_node,
         Format::Ply => ply::read,
@@ -201,6 +205,7 @@ pub(super) fn put_points(
     let (points, tags) = (&file.points, file.point_tags.as_deref());
     match format {
         Format::Npy => npy::write(out, points, tags),
+        Format::Txt => txt::write(out, points, tags),
         Format::Csv => csv::write(out, points, tags),
         Format::Node => tetgen::write_node(out, points, tags),
         Format::Ply => ply::write(out, points, tags, options.encoding),

@@ -4,7 +4,7 @@ use ltbw_core::TetMesh;
 use ltbw_formats as io;
 use ltbw_formats::{
     DataError, Encoding, Format, IoError, MshVersion, ParseError, PointFile, WriteOptions, csv,
-    medit, msh, npy, tetgen, vtu, xyz,
+    medit, msh, npy, npz, tetgen, txt, vtu, xyz,
 };
 use proptest::prelude::*;
 use std::path::Path;
@@ -14,7 +14,8 @@ use strategies::{bits, float_tags, meshes, points};
 
 type ReadPoints = fn(&[u8]) -> Result<PointFile, ParseError>;
 
-const POINT_FORMATS: [Format; 4] = [Format::Npy, Format::Xyz, Format::Csv, Format::Node];
+const POINT_FORMATS: [Format; 5] =
+    [Format::Npy, Format::Xyz, Format::Txt, Format::Csv, Format::Node];
 const MESH_FORMATS: [Format; 4] = [Format::Ele, Format::Medit, Format::Msh, Format::Vtu];
 
 /// Every choice that the formats leave.
@@ -129,7 +130,9 @@ proptest! {
 
     #[test]
     fn any_bytes_are_read_without_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
-        for read in [npy::read as ReadPoints, xyz::read, csv::read, tetgen::read_node] {
+        for read in
+            [npy::read as ReadPoints, npz::read, xyz::read, txt::read, csv::read, tetgen::read_node]
+        {
             let _ = read(&bytes);
         }
         let _ = (medit::read(&bytes), msh::read(&bytes), vtu::read(&bytes));
@@ -384,7 +387,7 @@ fn pieces_are_joined() {
 #[test]
 fn names_of_files() {
     assert_eq!(Format::from_path(Path::new("a/B.VTU")).unwrap(), Format::Vtu);
-    for name in ["a", "a.txt", ".npy", "a.npy.gz", ""] {
+    for name in ["a", "a.dat", ".npy", "a.npy.gz", ""] {
         let e = Format::from_path(Path::new(name)).unwrap_err();
         assert_eq!(e.code(), "io.unknown-format", "{name}");
         assert!(e.to_string().starts_with(&format!("{name}: unknown extension")));

@@ -60,6 +60,10 @@ fn errors_of_files_have_codes() {
     let text = refused.as_ref().map_err(ToString::to_string).expect_err("refused");
     assert!(!text.contains(".ltbw-") && text.contains("a.xyz: cannot write: "), "{text}");
     assert_eq!(code(refused), "io.write");
+    let stream = io::parse_mesh("stdin", io::Format::Ele, b"");
+    assert_eq!(code(stream.map(drop)), "io.several-files");
+    let apart = io::parse_domain("stdin", io::Format::Poly, b"0 3 0 0\n0 0\n0\n0\n");
+    assert_eq!(code(apart.map(drop)), "io.several-files");
     std::fs::write(at("b.xyz"), "1 2\n").expect("a file");
     assert_eq!(code(io::read_points(at("b.xyz")).map(drop)), "io.parse");
 }

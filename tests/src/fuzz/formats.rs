@@ -5,14 +5,14 @@
 
 use ltbw::domain::Domain;
 use ltbw::io::{DomainFile, Encoding, Format, MeshFile, MshVersion, ParseError, PointFile};
-use ltbw::io::{csv, medit, msh, npy, obj, off, ply, poly, stl, tetgen, vtu, xyz};
+use ltbw::io::{csv, medit, msh, npy, npz, obj, off, ply, poly, stl, tetgen, txt, vtu, xyz};
 use ltbw::{Point, TetMesh};
 
 /// A reader.
 type Read<File> = fn(&[u8]) -> Result<File, ParseError>;
 
 /// The readers of points, in the order of the first byte of an input.
-const POINTS: [(Format, Read<PointFile>); 8] = [
+const POINTS: [(Format, Read<PointFile>); 10] = [
     (Format::Npy, npy::read),
     (Format::Xyz, xyz::read),
     (Format::Csv, csv::read),
@@ -21,6 +21,8 @@ const POINTS: [(Format, Read<PointFile>); 8] = [
     (Format::Off, off::read),
     (Format::Obj, obj::read),
     (Format::Stl, stl::read),
+    (Format::Txt, txt::read),
+    (Format::Npz, npz::read),
 ];
 
 /// The readers of meshes, which follow.
@@ -114,13 +116,16 @@ fn points_come_back(file: &PointFile) {
     let mut out = Vec::new();
     tetgen::write_node(&mut out, &file.points, tags).expect("memory");
     same(tetgen::read_node(&out), &file.point_tags);
-    // These two have no place for tags.
+    // These have no place for tags.
     let mut out = Vec::new();
     npy::write(&mut out, &file.points, tags).expect("memory");
     same(npy::read(&out), &None);
     let mut out = Vec::new();
     xyz::write(&mut out, &file.points, tags).expect("memory");
     same(xyz::read(&out), &None);
+    let mut out = Vec::new();
+    txt::write(&mut out, &file.points, tags).expect("memory");
+    same(txt::read(&out), &None);
     for encoding in [Encoding::Ascii, Encoding::Binary] {
         let mut out = Vec::new();
         // Tags may be no doubles.

@@ -3,12 +3,14 @@
 //! Written: one piece, `Float64` points, `Int64` arrays named `tag` (points) and `region` (cells)
 //! where there are tags; figures of tetrahedra and boundary triangles on request; arrays are
 //! appended raw, or text. Read: any number of pieces; arrays as
-//! text, inline in base64, or appended raw or in base64; uncompressed or compressed by zlib;
+//! text, inline in base64, or appended raw or in base64; uncompressed or compressed by zlib, LZ4
+//! or LZMA;
 //! either byte order. Tetrahedra (VTK type 10) become the mesh; cells of dimension 0 to 2 and
 //! other arrays are not read, and a note says so; other cells are refused.
 //! Source: the VTK file formats page of the VTK documentation.
 
 mod array;
+mod blocks;
 mod cells;
 mod write;
 
@@ -21,6 +23,7 @@ use array::{Layout, Stream};
 use ltbw_core::TetMesh;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
+pub(crate) use write::write_part;
 pub use write::{write, write_with};
 
 /// VTK's number for a tetrahedron.

@@ -9,6 +9,10 @@ use crate::text::{push_float, push_integer, push_point, write_rows};
 use ltbw_core::{Extras, TetMesh};
 use std::io::Write;
 
+/// The section of cells' data, where there are regions and where not.
+const REGIONS: &str = "CellData Scalars=\"region\"";
+const CELLS: &str = "CellData";
+
 /// Writes the row of a number as text or as bytes.
 type Row<'a> = Box<dyn Fn(usize, &mut Vec<u8>) + Sync + 'a>;
 
@@ -34,6 +38,23 @@ pub fn write(out: &mut dyn Write, mesh: &TetMesh, encoding: Encoding) -> std::io
     write_with(out, mesh, &Extras::default(), encoding)
 }
 
+/// Writes the part of a mesh that a worker has, with the worker's number at each tetrahedron.
+pub(crate) fn write_part(out: &mut dyn Write, mesh: &TetMesh, worker: i32) -> std::io::Result<()> {
+    let extras = Extras::default();
+    let tets = mesh.tets.len();
+    let mut arrays = geometry(mesh, &extras, Encoding::Binary);
+    arrays.extend(data(mesh, &extras, Encoding::Binary));
+    arrays.push(Array {
+        section: if mesh.tet_tags.is_some() { REGIONS } else { CELLS },
+        name: "worker",
+        kind: "Int32",
+        rows: tets,
+        bytes: 4 * tets,
+        row: Box::new(move |_, row| row.extend(worker.to_le_bytes())),
+    });
+    write_arrays(out, mesh.points.len(), tets, &arrays, Encoding::Binary)
+}
+
 /// Writes a `.vtu` file as [`write()`] does, with arrays for the figures of the tetrahedra, and
 /// with the boundary as triangles and an array `marker`.
 ///
@@ -47,6 +68,18 @@ pub fn write_with(
 ) -> std::io::Result<()> {
     let mut arrays = geometry(mesh, extras, encoding);
     arrays.extend(data(mesh, extras, encoding));
+    let cells = mesh.tets.len() + extras.faces.len();
+    write_arrays(out, mesh.points.len(), cells, &arrays, encoding)
+}
+
+/// Writes a grid of one piece.
+fn write_arrays(
+    out: &mut dyn Write,
+    points: usize,
+    cells: usize,
+    arrays: &[Array<'_>],
+    encoding: Encoding,
+) -> std::io::Result<()> {
     let header = match encoding {
         Encoding::Binary => " header_type=\"UInt64\"",
         Encoding::Ascii => "",
@@ -55,9 +88,7 @@ pub fn write_with(
         out,
         "<?xml version=\"1.0\"?>\n\
          <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\"{header}>\n\
-         <UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
-        mesh.points.len(),
-        mesh.tets.len() + extras.faces.len()
+         <UnstructuredGrid>\n<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n"
     )?;
     let mut offset = 0;
     for (k, array) in arrays.iter().enumerate() {
@@ -85,7 +116,7 @@ pub fn write_with(
     out.write_all(b"</Piece>\n</UnstructuredGrid>\n")?;
     if encoding == Encoding::Binary {
         out.write_all(b"<AppendedData encoding=\"raw\">\n_")?;
-        for Array { rows, bytes, row, .. } in &arrays {
+        for Array { rows, bytes, row, .. } in arrays {
             out.write_all(&(*bytes as u64).to_le_bytes())?;
             write_rows(out, *rows, row)?;
         }
@@ -180,8 +211,8 @@ fn data<'a>(mesh: &'a TetMesh, extras: &'a Extras, encoding: Encoding) -> Vec<Ar
         arrays.push(integers(section, "tag", tags.len(), Box::new(move |i| tags[i])));
     }
     let section = match mesh.tet_tags {
-        Some(_) => "CellData Scalars=\"region\"",
-        None => "CellData",
+        Some(_) => REGIONS,
+        None => CELLS,
     };
     if let Some(tags) = &mesh.tet_tags {
         arrays.push(integers(section, "region", cells, Box::new(move |i| tags[owner(i)])));
