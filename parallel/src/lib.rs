@@ -52,3 +52,8 @@ pub use ltbw_exact::interop;
 pub use ltbw_exact::{points, predicates};
 #[doc(no_inline)]
 pub use ltbw_formats as io;
+
+/// Examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

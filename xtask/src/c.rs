@@ -4,7 +4,7 @@
 use crate::require;
 use crate::shell::{self, cargo, command, root, target};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Warnings are errors.
 const FLAGS: [&str; 5] = ["-Wall", "-Wextra", "-Werror", "-O1", "-g"];
@@ -22,18 +22,10 @@ const VALGRIND: [&str; 5] = [
 pub(crate) fn run() -> Result<(), String> {
     let package = root().join("bindings/c");
     let own_target = target().join("c");
-    let dist = own_target.join("dist");
-    let cargo_program = cargo().get_program().to_string_lossy().into_owned();
-    let in_package = |arguments: &[&str]| {
-        let mut command = command(&cargo_program);
-        command.current_dir(&package).env("CARGO_TARGET_DIR", &own_target).args(arguments);
-        shell::run(&mut command)
-    };
     in_package(&["fmt", "--check"])?;
     in_package(&["clippy", "--quiet", "--release", "--all-targets", "--", "-D", "warnings"])?;
     in_package(&["test", "--quiet", "--release", "--test", "header"])?;
-    in_package(&["build", "--quiet", "--release"])?;
-    install(&package, &own_target, &dist).map_err(|e| format!("{}: {e}", dist.display()))?;
+    let dist = build()?;
     for tool in ["cc", "c++", "valgrind"] {
         if !shell::works(command(tool).arg("--version")) {
             let reason = format!("{tool} does not start");
@@ -63,6 +55,23 @@ pub(crate) fn run() -> Result<(), String> {
     kit(&lib.join("libltbw.so"))
 }
 
+/// Runs cargo in the package.
+fn in_package(arguments: &[&str]) -> Result<(), String> {
+    let mut cargo = command(&cargo().get_program().to_string_lossy());
+    cargo.current_dir(root().join("bindings/c")).env("CARGO_TARGET_DIR", target().join("c"));
+    shell::run(cargo.args(arguments))
+}
+
+/// Builds the libraries; the folder of what users install.
+pub(crate) fn build() -> Result<PathBuf, String> {
+    let own_target = target().join("c");
+    let dist = own_target.join("dist");
+    in_package(&["build", "--quiet", "--release"])?;
+    let failed = |error| format!("{}: {error}", dist.display());
+    install(&root().join("bindings/c"), &own_target, &dist).map_err(failed)?;
+    Ok(dist)
+}
+
 /// Puts header, libraries and the pkg-config file where users would have them.
 fn install(package: &Path, own_target: &Path, dist: &Path) -> std::io::Result<()> {
     let (include, lib) = (dist.join("include"), dist.join("lib"));
@@ -79,13 +88,7 @@ fn install(package: &Path, own_target: &Path, dist: &Path) -> std::io::Result<()
 
 /// The conformance kit through the library: all that it says it can must be right.
 fn kit(library: &Path) -> Result<(), String> {
-    let program = match std::env::var_os("LTBW_PROGRAM") {
-        Some(program) => program.into(),
-        None => {
-            shell::run(cargo().args(["build", "--quiet", "--release", "-p", "ltbw-cli"]))?;
-            target().join("release/ltbw")
-        }
-    };
+    let program = shell::program()?;
     let mut command = command(&program.to_string_lossy());
     command.args(["vectors", "run", "--folder", "predicates", "--folder", "delaunay"]);
     command.args(["--executor", "python3", "--"]);

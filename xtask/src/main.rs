@@ -3,6 +3,7 @@
 
 mod c;
 mod coverage;
+mod dist;
 mod fuzz;
 mod generate;
 mod measure;
@@ -15,6 +16,7 @@ mod prove;
 mod python;
 mod rounds;
 mod shell;
+mod terminal;
 mod tsan;
 
 // The rule about missing tools is the tests' own, not a copy of it.
@@ -46,6 +48,10 @@ cargo xtask COMMAND
   vectors               writes the conformance kit verify/vectors
   c                     lints, builds and tests the C interface: header, examples under valgrind
   python                lints, builds and tests the Python package: wheel, doctests, tutorial
+  dist [crates|program|c|python]...
+                        what is published, in target/dist: crates packaged without a warning, the
+                        archives of program and C interface, the wheel
+  terminal [N]          on a terminal, no second without output after the first: 3 million points
   pictures              takes the README's pictures of our own pages, with Chromium
   prove                 the proofs of the filters: coqc and gappa
   model-check [--deep]  the models of verify/models: all states, known-bad variants, loom, shuttle
@@ -70,6 +76,8 @@ fn main() -> ExitCode {
         "pictures" => pictures::run(),
         "prove" => prove::run(),
         "python" => python::run(),
+        "dist" => dist::run(rest),
+        "terminal" => terminal::run(rest),
         "model-check" => model_check::run(rest),
         "tsan" => tsan::run(),
         "c" => c::run(),

@@ -2,7 +2,7 @@
 //! its own beside what cargo builds, and tested.
 
 use crate::shell::{self, cargo, command, root, target};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The packages that build and test it.
 const PACKAGES: [&str; 6] = [
@@ -32,23 +32,11 @@ pub(crate) fn run() -> Result<(), String> {
     shell::run(in_package(&cargo_program).args(["fmt", "--check"]))?;
     let clippy = ["clippy", "--quiet", "--release", "--all-targets", "--", "-D", "warnings"];
     shell::run(in_package(&cargo_program).args(clippy))?;
-    let wheels = own_target.join("dist");
-    // Only one wheel is to be installed: this one.
-    drop(std::fs::remove_dir_all(&wheels));
-    let build = ["-m", "maturin", "build", "--release", "--quiet", "--locked", "--out"];
-    shell::run(in_package(&python).args(build).arg(&wheels).args(["-i", &python]))?;
-    let wheel = wheel(&wheels)?;
+    let wheel = wheel(&own_target.join("dist"))?;
     let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
     let fresh = ["--force-reinstall", "--no-deps"];
     shell::run(in_package(&python).args(install).args(fresh).arg(&wheel))?;
-    let given = std::env::var_os("LTBW_PROGRAM").map(PathBuf::from);
-    let program = match given {
-        Some(program) => program,
-        None => {
-            shell::run(cargo().args(["build", "--quiet", "--release", "-p", "ltbw-cli"]))?;
-            target().join("release/ltbw")
-        }
-    };
+    let program = shell::program()?;
     let tests = |arguments: &[&str]| {
         let mut pytest = in_package(&python);
         pytest.args(["-m", "pytest", "-q"]).args(arguments).env("LTBW_PROGRAM", &program);
@@ -59,8 +47,23 @@ pub(crate) fn run() -> Result<(), String> {
     shell::run(in_package(&python).arg("tutorial.py"))
 }
 
+/// Builds the wheel, the only one of its folder.
+pub(crate) fn wheel(wheels: &Path) -> Result<PathBuf, String> {
+    let python = shell::python("python-bindings", &PACKAGES, TEST)?;
+    // Only one wheel is to be installed or handed out: this one.
+    if let Ok(old) = wheel_in(wheels) {
+        std::fs::remove_file(&old).map_err(|error| format!("{}: {error}", old.display()))?;
+    }
+    let mut maturin = command(&python.to_string_lossy());
+    maturin.current_dir(root().join("bindings/python"));
+    maturin.env("CARGO_TARGET_DIR", target().join("python"));
+    maturin.args(["-m", "maturin", "build", "--release", "--quiet", "--locked", "--out"]);
+    shell::run(maturin.arg(wheels).arg("-i").arg(&python))?;
+    wheel_in(wheels)
+}
+
 /// The wheel in a folder.
-fn wheel(folder: &std::path::Path) -> Result<PathBuf, String> {
+fn wheel_in(folder: &Path) -> Result<PathBuf, String> {
     let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let mut paths = entries.filter_map(Result::ok).map(|entry| entry.path());
     let wheel = paths.find(|path| path.extension().is_some_and(|e| e == "whl"));

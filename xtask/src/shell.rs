@@ -51,6 +51,15 @@ pub(crate) fn run(command: &mut Command) -> Result<(), String> {
     }
 }
 
+/// The program `ltbw`: the one that `LTBW_PROGRAM` names, or one that is built for this.
+pub(crate) fn program() -> Result<PathBuf, String> {
+    if let Some(program) = std::env::var_os("LTBW_PROGRAM") {
+        return Ok(program.into());
+    }
+    run(cargo().args(["build", "--quiet", "--release", "-p", "ltbw-cli"]))?;
+    Ok(target().join("release/ltbw"))
+}
+
 /// Does `command` start and succeed? Its output is dropped.
 pub(crate) fn works(command: &mut Command) -> bool {
     let quiet = command.stdout(Stdio::null()).stderr(Stdio::null());

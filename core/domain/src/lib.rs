@@ -39,3 +39,8 @@ pub use plc::{Domain, Facet, Region};
 pub use prepare::{Frame, PrepareError, PrepareOptions, Prepared};
 pub use repair::Repairs;
 pub use triangulate::{Problem, Triangulated};
+
+/// Examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

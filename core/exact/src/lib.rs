@@ -23,3 +23,8 @@ pub use predicates::Sign;
 
 /// A point: three finite coordinates.
 pub type Point = [f64; 3];
+
+/// Examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -379,3 +379,8 @@ fn parse_error(path: &Path, error: ParseError) -> IoError {
 fn data_error(path: &Path, reason: DataError) -> IoError {
     IoError::Data { path: path.to_owned(), reason }
 }
+
+/// Examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -360,3 +360,8 @@ mod tests {
         (PointKind::Duplicates, 0x5bf6_cac8_adc1_8350),
     ];
 }
+
+/// Examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -64,3 +64,8 @@ pub use random::Random;
 pub use snapshot::{Snapshot, SnapshotError};
 pub use sync::CancelToken;
 pub use tetmesh::{BoundaryFace, Extras, TetMesh};
+
+/// Examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -129,3 +129,8 @@ pub use defect::{Defect, Kind, Level};
 pub use hash::{HashError, canonical_hash};
 pub use mesh::{Depth, Mesh, NO_NEIGHBOUR, Options, Point, VertexOrder};
 pub use report::{Certificate, Counts, Hash, LevelReport, Outcome, Report};
+
+/// Examples of the README, as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
