@@ -22,6 +22,14 @@
 //! A point set has one mesh, whatever the order of its points: [`Mesh::hash`] is a function of
 //! the coordinates alone. The crate `ltbw-verify` checks meshes, by code of its own.
 //!
+//! Features, none of them on by itself:
+//!
+//! | feature | what it brings |
+//! |---|---|
+//! | `ndarray` | [`PointSet`] of an (n, 3) view, `points_array`, `simplices_array` of meshes |
+//! | `nalgebra` | [`PointSet`] from a slice of `Point3<f64>`, conversions in `interop` |
+//! | `serde` | [`Snapshot`], [`PointSet`], [`TetMesh`] and figures to be stored and read |
+//!
 //! `use ltbw::prelude::*` brings what most programs need. The examples by task: `points`, `walk`,
 //! `domain`, `watch` and `threads`, in the folder `examples` of this crate.
 #![forbid(unsafe_code)]
@@ -47,7 +55,7 @@ pub use ltbw_core::*;
 #[doc(no_inline)]
 pub use ltbw_domain::{self as domain, quality, refine};
 pub use ltbw_domain::{Domain, DomainDefect, DomainError, Facet, Lattice, Region, Snapped};
-#[cfg(feature = "nalgebra")]
+#[cfg(any(feature = "nalgebra", feature = "ndarray"))]
 pub use ltbw_exact::interop;
 pub use ltbw_exact::{points, predicates};
 #[doc(no_inline)]

@@ -5,13 +5,13 @@
 //! |---|---|
 //! | [`points`] | [`PointSet`]: validated points, the exactness window |
 //! | [`predicates`] | `orient3d`, `insphere`, the planar ones: filter, exact, perturbation |
-//! | `interop` | conversions from and to `nalgebra` (feature `nalgebra`) |
+//! | `interop` | conversions from and to `nalgebra` and `ndarray` (features of these names) |
 //!
 //! This is the ground floor: it knows no mesh. `docs/numerics.md` argues why nothing depends on a
 //! rounded value; `verify/proofs` proves the constants.
 #![forbid(unsafe_code)]
 
-#[cfg(feature = "nalgebra")]
+#[cfg(any(feature = "nalgebra", feature = "ndarray"))]
 pub mod interop;
 pub mod points;
 pub mod predicates;

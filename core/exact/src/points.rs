@@ -49,10 +49,11 @@ pub enum PointError {
         /// The limit.
         limit: usize,
     },
-    /// A flat list whose length is no multiple of three.
+    /// A flat list whose length is no multiple of three, or an array whose rows have not three
+    /// numbers.
     #[error("{count} numbers are no points of three coordinates each")]
     NotTriples {
-        /// Numbers given.
+        /// Numbers given, in all or in a row.
         count: usize,
     },
 }

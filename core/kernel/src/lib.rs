@@ -18,6 +18,7 @@
 //! | [`query`] | questions to a [`Mesh`], from many threads: locate, nearest, Voronoi cells |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
 //! | [`snapshot`] | [`Snapshot`]: a mesh to be stored, restored through validation |
+//! | `numbering` | kernel vertices by public number |
 //! | [`tetmesh`], `export` | [`TetMesh`]: a plain mesh as files carry it; a mesh as one |
 //! | [`invariants`] | one slow check per invariant of `docs/invariants.md` |
 //! | [`random`] | the one random generator, the same on every machine |
@@ -36,6 +37,7 @@ pub mod hash;
 pub mod invariants;
 mod locate;
 pub mod mesh;
+mod numbering;
 pub mod order;
 pub mod query;
 pub mod random;

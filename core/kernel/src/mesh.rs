@@ -13,12 +13,14 @@ use crate::cavity::{Admission, Cavity, Open, Role, Setback, Star};
 use crate::geometry::Geometry;
 use crate::hash::{HashError, MeshHash, canonical_hash};
 use crate::locate::{Found, walk};
+use crate::numbering::Numbering;
 use crate::topology::{INFINITE, TetId, Topology, VertexId, tet_of};
 use crate::transaction::{OpenCavity, Opens};
 use ltbw_exact::points::{Mode, PointError};
 use ltbw_exact::{Point, Sign};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::OnceLock;
 
 /// Number of a vertex: the index of its point in the input, then counting on for inserted ones.
 pub type Vertex = u32;
@@ -103,6 +105,8 @@ pub struct Mesh {
     pub(crate) next_number: Vertex,
     /// The start of the next walk.
     hint: TetId,
+    /// Made as somebody asks for it.
+    numbering: OnceLock<Numbering>,
 }
 
 impl Opens for Mesh {
@@ -153,6 +157,7 @@ impl Mesh {
             mode,
             next_number: 0,
             hint: 0,
+            numbering: OnceLock::new(),
         }
     }
 
@@ -224,6 +229,11 @@ impl Mesh {
         let v = self.numbers.len() as VertexId;
         self.geometry.put_point(v, p);
         self.numbers.push(number);
+        if let Some(numbering) = self.numbering.get_mut()
+            && !numbering.note(number, v)
+        {
+            self.renumbered();
+        }
         self.cavity.reserve_vertices(self.numbers.len());
         self.hint = self.cavity.fill(&mut self.topology, v);
         self.geometry.created(self.topology.slots(), &self.cavity.star(), &p);
@@ -374,7 +384,18 @@ impl Mesh {
     /// The same, to be changed: those of finite vertices have to stay different.
     #[doc(hidden)]
     pub fn numbers_mut(&mut self) -> &mut [Vertex] {
+        self.renumbered();
         &mut self.numbers
+    }
+
+    /// Kernel vertices by public number.
+    pub(crate) fn numbering(&self) -> &Numbering {
+        self.numbering.get_or_init(|| Numbering::new(&self.numbers, &self.duplicates))
+    }
+
+    /// Some vertices have other numbers than before.
+    pub(crate) fn renumbered(&mut self) {
+        self.numbering.take();
     }
 
     /// The public number of a finite kernel vertex.

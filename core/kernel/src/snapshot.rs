@@ -195,6 +195,7 @@ impl Snapshot {
         }
         mesh.duplicates.clone_from(&self.duplicates);
         mesh.next_number = self.next;
+        mesh.renumbered();
         let found = mesh.hash()?;
         if found != self.hash {
             return Err(SnapshotError::OtherMesh { stored: self.hash, found });

@@ -7,6 +7,7 @@ use crate::cavity::Cavity;
 use crate::geometry::Geometry;
 use crate::topology::{INFINITE, Topology, VertexId};
 use ltbw_exact::{Mode, Point};
+use std::sync::OnceLock;
 
 /// All that a mesh built elsewhere needs beside its tetrahedra.
 #[derive(Debug)]
@@ -66,6 +67,7 @@ impl Mesh {
             mode,
             next_number: count as Vertex,
             hint: 0,
+            numbering: OnceLock::new(),
         };
         mesh.hint = mesh.topology.iter().next().map_or(0, |(t, _)| t);
         mesh.note_duplicates(pairs);

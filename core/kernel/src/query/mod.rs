@@ -41,6 +41,7 @@ pub use voronoi::{Cell, CellFace, CellFaces};
 pub use zone::{Conflicts, Wall, Zone};
 
 use crate::mesh::{Mesh, Vertex};
+use crate::numbering::Numbering;
 use crate::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
 use ltbw_exact::points::PointError;
@@ -86,6 +87,7 @@ impl Mesh {
     /// Prepares for questions to this mesh, which cannot change meanwhile.
     ///
     /// Cost: O(n) time, 8 bytes per vertex; O(n log n) and 12 bytes if few numbers have a vertex.
+    /// Half of it is that of [`Mesh::point`], and stays with the mesh.
     #[must_use]
     pub fn queries(&self) -> Queries<'_> {
         Queries::new(self)
@@ -96,29 +98,20 @@ impl Mesh {
 #[derive(Debug)]
 pub struct Queries<'m> {
     mesh: &'m Mesh,
-    kernel: Numbering,
+    kernel: &'m Numbering,
     /// A finite tetrahedron at each kernel vertex; entry 0 is not used.
     incident: Vec<TetId>,
 }
 
 impl<'m> Queries<'m> {
     fn new(mesh: &'m Mesh) -> Self {
-        let duplicates = mesh.duplicates.iter().map(|&(duplicate, _)| duplicate);
-        let largest = mesh.numbers.iter().skip(1).copied().chain(duplicates).max();
-        let count = largest.map_or(0, |v| v as usize + 1);
-        let used = mesh.numbers.len() + mesh.duplicates.len();
-        let kernel = if count > 4 * used + 1024 {
-            Numbering::sparse(mesh)
-        } else {
-            Numbering::dense(mesh, count)
-        };
         let mut incident = vec![0; mesh.numbers.len()];
         for (t, tet) in mesh.topology.iter().filter(|(_, tet)| !tet.is_ghost()) {
             for v in tet.vertices() {
                 incident[v as usize] = t;
             }
         }
-        Self { mesh, kernel, incident }
+        Self { mesh, kernel: mesh.numbering(), incident }
     }
 
     /// The mesh.
@@ -173,64 +166,10 @@ impl<'m> Queries<'m> {
         self.resolve(v).map(|k| self.number(k))
     }
 
-    /// Bytes held beside the mesh ([`Mesh::memory_bytes`]).
+    /// Bytes held beside the large arrays of the mesh ([`Mesh::memory_bytes`]).
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.kernel.memory_bytes() + self.incident.capacity() * size_of::<TetId>()
-    }
-}
-
-/// Kernel vertices by public number.
-#[derive(Debug)]
-enum Numbering {
-    /// By index; [`INFINITE`] stands for none.
-    Dense(Vec<VertexId>),
-    /// By number, ascending: few numbers have a vertex, as after a build that was cut short.
-    Sparse(Vec<(Vertex, VertexId)>),
-}
-
-impl Numbering {
-    /// `count` is above all numbers.
-    fn dense(mesh: &Mesh, count: usize) -> Self {
-        let mut kernel = vec![INFINITE; count];
-        for (v, &number) in (0..).zip(&mesh.numbers).skip(1) {
-            kernel[number as usize] = v;
-        }
-        for &(duplicate, kept) in &mesh.duplicates {
-            kernel[duplicate as usize] = kernel[kept as usize];
-        }
-        Self::Dense(kernel)
-    }
-
-    fn sparse(mesh: &Mesh) -> Self {
-        let vertices = (0..).zip(&mesh.numbers).skip(1);
-        let mut pairs: Vec<_> = vertices.map(|(v, &number)| (number, v)).collect();
-        pairs.sort_unstable();
-        let kept = Self::Sparse(pairs);
-        let duplicates = mesh.duplicates.iter();
-        let mut all: Vec<_> = duplicates.filter_map(|d| Some((d.0, kept.get(d.1)?))).collect();
-        if let Self::Sparse(pairs) = kept {
-            all.extend(pairs);
-        }
-        all.sort_unstable();
-        Self::Sparse(all)
-    }
-
-    fn get(&self, v: Vertex) -> Option<VertexId> {
-        match self {
-            Self::Dense(kernel) => kernel.get(v as usize).copied().filter(|&k| k != INFINITE),
-            Self::Sparse(pairs) => {
-                let at = pairs.binary_search_by_key(&v, |pair| pair.0).ok()?;
-                pairs.get(at).map(|pair| pair.1)
-            }
-        }
-    }
-
-    fn memory_bytes(&self) -> usize {
-        match self {
-            Self::Dense(kernel) => kernel.capacity() * size_of::<VertexId>(),
-            Self::Sparse(pairs) => pairs.capacity() * size_of::<(Vertex, VertexId)>(),
-        }
     }
 }
 

@@ -1,0 +1,82 @@
+//! Kernel vertices by public number: the way back from what callers know.
+
+use crate::topology::{INFINITE, VertexId};
+
+/// Kernel vertices by public number.
+#[derive(Debug)]
+pub(crate) enum Numbering {
+    /// By index; [`INFINITE`] stands for none.
+    Dense(Vec<VertexId>),
+    /// By number, ascending: few numbers have a vertex, as after a build that was cut short.
+    Sparse(Vec<(u32, VertexId)>),
+}
+
+impl Numbering {
+    /// The numbering of kernel vertices with `numbers`, of which the first stands for the vertex at
+    /// infinity, and of `duplicates`, each with a number that is kept.
+    pub(crate) fn new(numbers: &[u32], duplicates: &[(u32, u32)]) -> Self {
+        let all = numbers.iter().skip(1).copied().chain(duplicates.iter().map(|pair| pair.0));
+        let count = all.max().map_or(0, |v| v as usize + 1);
+        let used = numbers.len() + duplicates.len();
+        if count > 4 * used + 1024 {
+            Self::sparse(numbers, duplicates)
+        } else {
+            Self::dense(numbers, duplicates, count)
+        }
+    }
+
+    /// `count` is above all numbers.
+    fn dense(numbers: &[u32], duplicates: &[(u32, u32)], count: usize) -> Self {
+        let mut kernel = vec![INFINITE; count];
+        for (v, &number) in (0..).zip(numbers).skip(1) {
+            kernel[number as usize] = v;
+        }
+        for &(duplicate, kept) in duplicates {
+            kernel[duplicate as usize] = kernel[kept as usize];
+        }
+        Self::Dense(kernel)
+    }
+
+    fn sparse(numbers: &[u32], duplicates: &[(u32, u32)]) -> Self {
+        let vertices = (0..).zip(numbers).skip(1);
+        let mut pairs: Vec<_> = vertices.map(|(v, &number)| (number, v)).collect();
+        pairs.sort_unstable();
+        let kept = Self::Sparse(pairs);
+        let duplicates = duplicates.iter();
+        let mut all: Vec<_> = duplicates.filter_map(|d| Some((d.0, kept.get(d.1)?))).collect();
+        if let Self::Sparse(pairs) = kept {
+            all.extend(pairs);
+        }
+        all.sort_unstable();
+        Self::Sparse(all)
+    }
+
+    pub(crate) fn get(&self, v: u32) -> Option<VertexId> {
+        match self {
+            Self::Dense(kernel) => kernel.get(v as usize).copied().filter(|&k| k != INFINITE),
+            Self::Sparse(pairs) => {
+                let at = pairs.binary_search_by_key(&v, |pair| pair.0).ok()?;
+                pairs.get(at).map(|pair| pair.1)
+            }
+        }
+    }
+
+    /// Notes a new kernel vertex whose number is the next one; false if it is another.
+    pub(crate) fn note(&mut self, number: u32, v: VertexId) -> bool {
+        match self {
+            Self::Dense(kernel) if kernel.len() == number as usize => kernel.push(v),
+            Self::Sparse(pairs) if pairs.last().is_none_or(|last| last.0 < number) => {
+                pairs.push((number, v));
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    pub(crate) fn memory_bytes(&self) -> usize {
+        match self {
+            Self::Dense(kernel) => kernel.capacity() * size_of::<VertexId>(),
+            Self::Sparse(pairs) => pairs.capacity() * size_of::<(u32, VertexId)>(),
+        }
+    }
+}
