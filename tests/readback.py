@@ -133,6 +133,8 @@ def ltbw_to_python(mesh):
     outputs = [
         ("m.vtu", []),
         ("text.vtu", ["--ascii"]),
+        ("m.vtk", []),
+        ("text.vtk", ["--ascii"]),
         ("m.msh", []),
         ("text.msh", ["--ascii"]),
         ("old.msh", ["--msh2"]),
@@ -144,7 +146,7 @@ def ltbw_to_python(mesh):
     for name, options in outputs:
         run("convert", "in.ele", name, *options)
         of_meshio(meshio.read(FOLDER / name)).compare(f"{name} by meshio", mesh)
-        if name.endswith(".vtu"):
+        if name.endswith((".vtu", ".vtk")):
             of_pyvista(pyvista.read(FOLDER / name)).compare(f"{name} by PyVista", mesh)
     for name, options in [("m.ply", []), ("text.ply", ["--ascii"])]:
         run("convert", "in.ele", name, *options)
@@ -221,6 +223,53 @@ def vtk_to_ltbw(mesh):
                         run("convert", "vtk.vtu", "back.ele")
                         what = f"{mode} {order} {header} {compressor} base64={encode} from VTK"
                         read_pair("back").compare(what, mesh)
+
+
+def legacy_to_ltbw(mesh):
+    """VTK's legacy files, as VTK and meshio write them: meshes and surfaces."""
+    from vtkmodules.vtkIOLegacy import vtkPolyDataWriter, vtkUnstructuredGridWriter
+
+    grid = pyvista.UnstructuredGrid({pyvista.CellType.TETRA: mesh.tets}, mesh.points)
+    grid.point_data["tag"], grid.cell_data["region"] = mesh.tags, mesh.regions
+    poly = pyvista.Sphere(theta_resolution=8, phi_resolution=6)
+    poly = pyvista.PolyData.from_regular_faces(poly.points.astype(float), poly.regular_faces)
+    for version in [42, 51]:
+        for mode in ["ASCII", "Binary"]:
+            for data, writer in [(grid, vtkUnstructuredGridWriter()), (poly, vtkPolyDataWriter())]:
+                writer.SetFileName(str(FOLDER / "vtk.vtk"))
+                writer.SetInputData(data)
+                writer.SetFileVersion(version)
+                getattr(writer, f"SetFileTypeTo{mode}")()
+                if not writer.Write():
+                    raise RuntimeError("VTK cannot write")
+                what = f"{mode} legacy {version} from VTK"
+                if data is grid:
+                    run("convert", "vtk.vtk", "back.ele")
+                    back = read_pair("back")
+                    (back.compare if mode == "Binary" else back.compare_digits)(what, mesh)
+                    continue
+                run("check", "vtk.vtk")
+                run("convert", "vtk.vtk", "back.ply")
+                run("convert", "back.ply", "back.vtk")
+                back = pyvista.read(FOLDER / "back.vtk")
+                agree(f"{what}: points", np.allclose(back.points, poly.points), True)
+                agree(f"{what}: triangles", back.regular_faces, poly.regular_faces)
+    for options in [
+        {"file_format": "vtk42", "binary": True},
+        {"file_format": "vtk51", "binary": True},
+        {"file_format": "vtk42", "binary": False},
+        {"file_format": "vtk51", "binary": False},
+    ]:
+        data = meshio.Mesh(
+            mesh.points,
+            [("tetra", mesh.tets)],
+            point_data={"tag": mesh.tags},
+            cell_data={"region": [mesh.regions]},
+        )
+        data.write(FOLDER / "meshio.vtk", **options)
+        run("convert", "meshio.vtk", "back.ele")
+        back = read_pair("back")
+        (back.compare if options["binary"] else back.compare_digits)(f"{options} from meshio", mesh)
 
 
 def numpy_to_ltbw(mesh):
@@ -314,6 +363,7 @@ def main():
         ltbw_to_python,
         meshio_to_ltbw,
         vtk_to_ltbw,
+        legacy_to_ltbw,
         numpy_to_ltbw,
         surfaces_to_ltbw,
     ]:

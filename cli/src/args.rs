@@ -21,8 +21,8 @@ Examples:
   ltbw convert mesh.vtu mesh.ele                 also writes mesh.node
 
 Formats, by extension: points .npy .xyz .txt .csv .node .ply, and read only .npz .off .obj .stl;
-domains .poly .smesh .off .obj .stl .ply; meshes .vtu .msh .mesh .ele (with .node).
-`-` is stdin or stdout, in the format that --format names: --format npy, say.
+domains .poly .smesh .off .obj .stl .ply .vtk; meshes .vtu .vtk .msh .mesh .ele (with
+.node). `-` is stdin or stdout, in the format that --format names: --format npy, say.
 stdout carries data (hash, JSON), stderr what is meant for people.";
 
 /// Exact 3D Delaunay meshes: points in, checked mesh out.
@@ -83,7 +83,7 @@ Examples:
   ltbw check mesh.vtu                      verdict and first defects, on stderr
   ltbw check mesh.vtu --plc domain.poly    does it conform to the domain?
   ltbw check mesh.ele --json cert.json     the certificate ltbw.cert/1, with every defect's place
-  ltbw check domain.stl                    a domain: .poly .smesh .off .obj .stl .ply
+  ltbw check domain.stl                    a domain: .poly .smesh .off .obj .stl .ply .vtk
 
 Levels: structure (indices, duplicates), topology (faces, closed hull), orientation, Delaunay
 (local test of every interior face, convex hull), canonical (which of several Delaunay meshes).
@@ -100,8 +100,8 @@ Examples:
   ltbw convert mesh.vtu mesh.msh --msh2 --ascii     for programs that read no newer Gmsh files
 
 Points: .npy .xyz .txt .csv .node .ply, and read only .npz, .off .obj .stl (their vertices).
-Domains: .poly .smesh .off .obj .stl .ply; a surface goes to a format of points as its vertices.
-Meshes: .vtu .msh (4.1 and 2.2) .mesh .ele (with .node).
+Domains: .poly .smesh .off .obj .stl .ply .vtk; a surface goes to points as its vertices.
+Meshes: .vtu .vtk .msh (4.1 and 2.2) .mesh .ele (with .node).
 Coordinates survive bit for bit; tags survive where the format has a place for them.")]
     Convert(Convert),
     /// Generate a test point set or a model domain, the same on every machine
@@ -191,7 +191,7 @@ pub(crate) struct VectorsRun {
 pub(crate) struct Delaunay {
     /// The points: .npy .npz .xyz .txt .csv .node .ply .off .obj .stl
     pub(crate) points: PathBuf,
-    /// Where to write the mesh: .vtu .msh .mesh .ele (with .node); may be given several times.
+    /// Where to write the mesh: .vtu .vtk .msh .mesh .ele (with .node); may be given several times.
     /// As .pvtu it is left distributed: a .vtu beside it for each worker
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
@@ -237,9 +237,9 @@ pub(crate) enum Depth {
 /// `ltbw mesh`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct MeshArgs {
-    /// The domain: .poly .smesh .off .obj .stl .ply
+    /// The domain: .poly .smesh .off .obj .stl .ply .vtk
     pub(crate) domain: PathBuf,
-    /// Where to write the mesh: .vtu .msh .mesh .ele (with .node); may be given several times
+    /// Where to write the mesh: .vtu .vtk .msh .mesh .ele (with .node); may be given several times
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
     /// Largest circumradius to shortest edge, at least 1 (sure to end from 2 on) [default: 2]
@@ -309,7 +309,8 @@ pub(crate) struct MeshArgs {
 /// `ltbw check`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Check {
-    /// The mesh: .vtu .msh .mesh .ele (with .node); or domain: .poly .smesh .off .obj .stl .ply
+    /// The mesh: .vtu .vtk .msh .mesh .ele (with .node); or the domain: .poly .smesh .off .obj .stl
+    /// .ply .vtk
     pub(crate) mesh: PathBuf,
     /// Write the certificate as JSON (ltbw.cert/1; of a domain ltbw.domain/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]
@@ -341,7 +342,7 @@ pub(crate) struct Convert {
     /// The file to write
     #[arg(value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// Write numbers as text where the format knows both: .vtu .msh .ply
+    /// Write numbers as text where the format knows both: .vtu .vtk .msh .ply
     #[arg(long)]
     pub(crate) ascii: bool,
     /// Write .msh in version 2.2 instead of 4.1
@@ -367,7 +368,7 @@ pub(crate) struct Generate {
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub(crate) angle: Option<f64>,
     /// Where to write: points .npy .xyz .txt .csv .node .ply,
-    /// domains .poly .smesh .off .obj .stl .ply
+    /// domains .poly .smesh .off .obj .stl .ply .vtk
     #[arg(short, long = "output", value_name = "FILE")]
     pub(crate) output: PathBuf,
     #[command(flatten)]

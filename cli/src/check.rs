@@ -18,7 +18,7 @@ const SHOWN: usize = 10;
 pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     console::end_on_signal()?;
     let source = args.streams.resolve(Some(&args.mesh), &[])?.input(&args.mesh)?;
-    if source.format.holds_domain() {
+    if source.is_domain()? {
         return domain::check(args, &source);
     }
     if let Some(plc) = &args.plc {

@@ -33,7 +33,10 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
     let input = &source.name;
     let options = options(args);
     let _stage = Stage::begin("convert");
-    if from.holds_domain() && to.holds_domain() && (from, to) != (Format::Ply, Format::Ply) {
+    let from_domain = source.is_domain()?;
+    // A `.vtk` file holds the one or the other.
+    let from_mesh = from.holds_mesh() && !(from == Format::Vtk && from_domain);
+    if from_domain && to.holds_domain() && (from, to) != (Format::Ply, Format::Ply) {
         let file = source.domain()?;
         // A surface file without faces is a point cloud.
         if !(file.domain.facets.is_empty() && from.holds_points()) {
@@ -44,15 +47,15 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
         let file = source.points()?;
         notes(input, &file.notes);
         write_points(output, &file, options)
-    } else if from.holds_domain() && !from.holds_points() {
+    } else if from_domain && !from.holds_points() {
         let text = format!("{}: a domain is neither points nor a mesh", show(input));
         Err(Failure::Usage(text))
-    } else if !from.holds_mesh() && to.holds_domain() {
+    } else if !from_mesh && to.holds_domain() && !to.holds_mesh() {
         Err(Failure::Usage(format!("{}: points are no domain", show(input))))
-    } else if to.holds_domain() && to != Format::Ply {
+    } else if to.holds_domain() && !to.holds_mesh() && to != Format::Ply {
         // A .ply file may hold the points alone.
         Err(Failure::Usage(format!("{}: a mesh is no domain", show(input))))
-    } else if !from.holds_mesh() {
+    } else if !from_mesh {
         let text = format!(
             "{}: points are no mesh; `ltbw delaunay {} -o {}` makes one of them",
             show(input),

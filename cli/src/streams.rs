@@ -83,7 +83,9 @@ impl Formats {
             }
             _ => Format::from_path(path).map_err(Failure::Read)?,
         };
-        Ok(Source { name, format, stdin, is_open: is_open(path), bytes: OnceCell::new() })
+        // A `.vtk` file tells in its header whether it is a mesh.
+        let is_open = is_open(path) || format == Format::Vtk;
+        Ok(Source { name, format, stdin, is_open, bytes: OnceCell::new() })
     }
 
     /// The format of an output.
@@ -242,6 +244,14 @@ impl Source {
         io::read_points(&self.name).map_err(Failure::Read)
     }
 
+    /// Is it a domain? A `.vtk` file tells it in its header.
+    pub(crate) fn is_domain(&self) -> Result<bool, Failure> {
+        match self.format {
+            Format::Vtk => Ok(io::vtk::is_surface(self.bytes()?)),
+            format => Ok(format.holds_domain()),
+        }
+    }
+
     /// The mesh in it.
     pub(crate) fn mesh(&self) -> Result<MeshFile, Failure> {
         if self.is_open {
@@ -259,7 +269,7 @@ impl Source {
     }
 
     /// All of it, which is read once.
-    fn bytes(&self) -> Result<&[u8], Failure> {
+    pub(crate) fn bytes(&self) -> Result<&[u8], Failure> {
         if let Some(bytes) = self.bytes.get() {
             return Ok(bytes);
         }

@@ -79,7 +79,7 @@ pub fn not_kept(domain: &Domain, format: Format) -> Vec<String> {
     say(!domain.regions.is_empty(), "regions");
     say(!domain.segments.is_empty(), "free-standing segments");
     let marked = domain.facets.iter().any(|f| f.marker != 0);
-    say(marked && format != Format::Ply, "markers of facets");
+    say(marked && !matches!(format, Format::Ply | Format::Vtk), "markers of facets");
     let parts = |f: &ltbw_domain::Facet| f.polygons.len() > 1 || !f.holes.is_empty();
     if domain.facets.iter().any(parts) {
         lost.push("facets of several polygons are written as their triangles".to_owned());

@@ -11,7 +11,8 @@ pub enum IoError {
     /// The extension of the file name is not one that is known.
     #[error(
         "{}: unknown extension; points: .npy .xyz .txt .csv .node .ply (read only: .npz .off .obj \
-         .stl); domains: .poly .smesh .off .obj .stl .ply; meshes: .vtu .msh .mesh .ele",
+         .stl); domains: .poly .smesh .off .obj .stl .ply .vtk; \
+         meshes: .vtu .vtk .msh .mesh .ele",
         show(path)
     )]
     UnknownFormat {

@@ -39,11 +39,13 @@ pub enum Format {
     Msh,
     /// VTK unstructured grid.
     Vtu,
+    /// VTK legacy file: an unstructured grid, or a surface.
+    Vtk,
 }
 
 impl Format {
     /// Every format.
-    pub const ALL: [Format; 16] = [
+    pub const ALL: [Format; 17] = [
         Format::Npy,
         Format::Npz,
         Format::Xyz,
@@ -60,6 +62,7 @@ impl Format {
         Format::Medit,
         Format::Msh,
         Format::Vtu,
+        Format::Vtk,
     ];
 
     /// The format that the extension of `path` names; upper and lower case are the same.
@@ -90,6 +93,7 @@ impl Format {
             Format::Medit => "mesh",
             Format::Msh => "msh",
             Format::Vtu => "vtu",
+            Format::Vtk => "vtk",
         }
     }
 
@@ -104,7 +108,10 @@ impl Format {
 
     /// Whether a file of this format (with its companion) can hold a mesh.
     pub fn holds_mesh(self) -> bool {
-        matches!(self, Format::Node | Format::Ele | Format::Medit | Format::Msh | Format::Vtu)
+        matches!(
+            self,
+            Format::Node | Format::Ele | Format::Medit | Format::Msh | Format::Vtu | Format::Vtk
+        )
     }
 
     /// Whether a file of this format can hold a domain.
@@ -115,7 +122,7 @@ impl Format {
     /// Whether a file of this format can hold a surface: a domain of polygons alone, without
     /// points that say where holes and regions are. Its facets are oriented.
     pub fn holds_surface(self) -> bool {
-        matches!(self, Format::Off | Format::Obj | Format::Stl | Format::Ply)
+        matches!(self, Format::Off | Format::Obj | Format::Stl | Format::Ply | Format::Vtk)
     }
 
     /// Whether points are read from files of this format, but not written to them.
@@ -151,7 +158,7 @@ pub enum MshVersion {
 /// Choices that some formats leave to the writer.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct WriteOptions {
-    /// Text or binary numbers, in `.ply`, `.msh` and `.vtu`.
+    /// Text or binary numbers, in `.ply`, `.msh`, `.vtu` and `.vtk`.
     pub encoding: Encoding,
     /// Which version of `.msh`.
     pub msh_version: MshVersion,

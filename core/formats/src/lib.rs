@@ -18,6 +18,7 @@
 //! | `.msh` | mesh (Gmsh 4.1, 2.2) | view `tag`, physical groups | [`msh`] |
 //! | `.mesh` | mesh (Medit, ASCII) | references | [`medit`] |
 //! | `.vtu` | mesh (VTK, text or binary) | arrays `tag`, `region` | [`vtu`] |
+//! | `.vtk` | mesh, or a surface (VTK's legacy files) | arrays `tag`, `region` | [`vtk`] |
 //! | `.pvtu` | mesh in parts, `.vtu` files beside it (written) | array `tag` | [`write_parts`] |
 //!
 //! Readers take any bytes and never panic: each is a fuzz target. A count in a header is a claim
@@ -55,6 +56,7 @@ mod surface;
 pub mod tetgen;
 mod text;
 pub mod txt;
+pub mod vtk;
 pub mod vtu;
 pub mod xyz;
 

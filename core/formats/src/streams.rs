@@ -8,7 +8,7 @@ use super::{
 };
 use super::{check_extras, check_float_tags, check_mesh, check_points, data_error, parse_error};
 use super::{
-    csv, medit, msh, npy, npz, obj, off, ply, poly, stl, tetgen, txt, vtu, wrong_kind, xyz,
+    csv, medit, msh, npy, npz, obj, off, ply, poly, stl, tetgen, txt, vtk, vtu, wrong_kind, xyz,
 };
 use ltbw_domain::Domain;
 use std::io::Write;
@@ -40,7 +40,7 @@ pub fn parse_points(
     parse(bytes).map_err(|error| parse_error(name, error))
 }
 
-/// A mesh from the bytes of a file: `.vtu`, `.msh` or `.mesh`.
+/// A mesh from the bytes of a file: `.vtu`, `.vtk`, `.msh` or `.mesh`.
 ///
 /// # Errors
 /// [`IoError`] with `name`: a format without a mesh or of two files, or bytes that break its rules.
@@ -52,6 +52,7 @@ pub fn parse_mesh(
     let name = name.as_ref();
     let parse = match format {
         Format::Vtu => vtu::read,
+        Format::Vtk => vtk::read,
         Format::Msh => msh::read,
         Format::Medit => medit::read,
         Format::Node | Format::Ele => return Err(several(name, format)),
@@ -76,6 +77,7 @@ pub fn parse_domain(
         Format::Obj => obj::read_domain,
         Format::Stl => stl::read_domain,
         Format::Ply => ply::read_domain,
+        Format::Vtk => vtk::read_domain,
         Format::Poly | Format::Smesh if poly::needs_node(bytes) => {
             return Err(several(name, format));
         }
@@ -239,6 +241,7 @@ pub(super) fn put_mesh(
             msh::write_with(out, mesh, &extras.faces, options.msh_version, options.encoding)
         }
         Format::Medit => medit::write_with(out, mesh, &extras.faces),
+        Format::Vtk => vtk::write_with(out, mesh, extras, options.encoding),
         _ => vtu::write_with(out, mesh, extras, options.encoding),
     }
 }
@@ -287,6 +290,7 @@ fn write_faces(
     let corners = || faces.iter().map(|(corners, _)| corners);
     match format {
         Format::Ply => ply::write_surface(out, points, &faces.iter().collect::<Vec<_>>(), encoding),
+        Format::Vtk => vtk::write_surface(out, points, &faces.iter().collect::<Vec<_>>(), encoding),
         Format::Stl => {
             let triangles = corners().filter_map(|c| c.try_into().ok());
             stl::write_surface(out, points, &triangles.collect::<Vec<[u32; 3]>>())

@@ -5,8 +5,8 @@
 
 use ltbw::domain::Domain;
 use ltbw::io::{DomainFile, Encoding, Format, MeshFile, MshVersion, ParseError, PointFile};
-use ltbw::io::{csv, medit, msh, npy, npz, obj, off, ply, poly, stl, tetgen, txt, vtu, xyz};
-use ltbw::{Point, TetMesh};
+use ltbw::io::{csv, medit, msh, npy, npz, obj, off, ply, poly, stl, tetgen, txt, vtk, vtu, xyz};
+use ltbw::{Extras, Point, TetMesh};
 
 /// A reader.
 type Read<File> = fn(&[u8]) -> Result<File, ParseError>;
@@ -26,16 +26,17 @@ const POINTS: [(Format, Read<PointFile>); 10] = [
 ];
 
 /// The readers of meshes, which follow.
-const MESHES: [(Format, Read<MeshFile>); 5] = [
+const MESHES: [(Format, Read<MeshFile>); 6] = [
     (Format::Medit, medit::read),
     (Format::Msh, msh::read),
     (Format::Vtu, vtu::read),
     (Format::Ele, tetrahedra),
     (Format::Node, pair),
+    (Format::Vtk, vtk::read),
 ];
 
 /// The readers of domains, the last.
-const DOMAINS: [(Format, Read<DomainFile>); 8] = [
+const DOMAINS: [(Format, Read<DomainFile>); 9] = [
     (Format::Poly, poly::read_poly),
     (Format::Smesh, poly::read_smesh),
     (Format::Off, off::read_domain),
@@ -44,6 +45,7 @@ const DOMAINS: [(Format, Read<DomainFile>); 8] = [
     (Format::Ply, ply::read_domain),
     (Format::Poly, node_and_poly),
     (Format::Smesh, node_and_smesh),
+    (Format::Vtk, vtk::read_domain),
 ];
 
 /// An `.ele` file beside four points.
@@ -74,6 +76,24 @@ fn node_and_smesh(bytes: &[u8]) -> Result<DomainFile, ParseError> {
     poly::read_smesh_with(smesh, tetgen::parse_node(node)?)
 }
 
+/// The readers of each list that were there when the corpus was begun: they keep their bytes, which
+/// are those below `LATER`.
+const FIRST: [usize; 3] = [8, 5, 8];
+const LATER: usize = 231;
+
+/// The list of readers that a byte chooses (0: points, 1: meshes, 2: domains), and the place in it.
+fn reader(byte: u8) -> (usize, usize) {
+    let lengths = [POINTS.len(), MESHES.len(), DOMAINS.len()];
+    let byte = usize::from(byte);
+    let (starts, ends) = match byte < LATER {
+        true => ([0; 3], FIRST),
+        false => (FIRST, lengths),
+    };
+    let places = (0..3).flat_map(|list| (starts[list]..ends[list]).map(move |k| (list, k)));
+    let places: Vec<(usize, usize)> = places.collect();
+    places[byte % LATER % places.len()]
+}
+
 /// Reads all but the first byte, which chooses the format. What can be read is written in the
 /// formats that keep it, and read again.
 ///
@@ -82,16 +102,10 @@ fn node_and_smesh(bytes: &[u8]) -> Result<DomainFile, ParseError> {
 /// back the same.
 pub fn formats(bytes: &[u8]) {
     let Some((&choice, bytes)) = bytes.split_first() else { return };
-    let choice = usize::from(choice) % (POINTS.len() + MESHES.len() + DOMAINS.len());
-    let (points, meshes) = (POINTS.get(choice), POINTS.len()..POINTS.len() + MESHES.len());
-    let error = if let Some((_, read)) = points {
-        read(bytes).map(|file| points_come_back(&file)).err()
-    } else if meshes.contains(&choice) {
-        let (_, read) = MESHES[choice - meshes.start];
-        read(bytes).map(|file| mesh_comes_back(&file.mesh)).err()
-    } else {
-        let (_, read) = DOMAINS[choice - meshes.end];
-        read(bytes).map(|file| domain_comes_back(&file.domain)).err()
+    let error = match reader(choice) {
+        (0, k) => (POINTS[k].1)(bytes).map(|file| points_come_back(&file)).err(),
+        (1, k) => (MESHES[k].1)(bytes).map(|file| mesh_comes_back(&file.mesh)).err(),
+        (_, k) => (DOMAINS[k].1)(bytes).map(|file| domain_comes_back(&file.domain)).err(),
     };
     if let Some(error) = error {
         assert!(!error.to_string().contains('\n'), "{error:?}");
@@ -158,6 +172,9 @@ fn mesh_comes_back(mesh: &TetMesh) {
         let mut out = Vec::new();
         vtu::write(&mut out, mesh, encoding).expect("memory");
         same(vtu::read(&out));
+        let mut out = Vec::new();
+        vtk::write_with(&mut out, mesh, &Extras::default(), encoding).expect("memory");
+        same(vtk::read(&out));
         for version in [MshVersion::V4_1, MshVersion::V2_2] {
             let mut out = Vec::new();
             // Tags may be no doubles.
@@ -188,7 +205,15 @@ fn domain_comes_back(domain: &Domain) {
 
 #[cfg(test)]
 mod tests {
-    use super::{DOMAINS, Format, MESHES, POINTS};
+    use super::{DOMAINS, Format, MESHES, POINTS, reader};
+
+    #[test]
+    fn every_reader_has_a_byte_and_the_first_keep_theirs() {
+        let chosen: std::collections::BTreeSet<_> = (0..=255).map(reader).collect();
+        assert_eq!(chosen.len(), POINTS.len() + MESHES.len() + DOMAINS.len());
+        let first = [0, 7, 8, 12, 13, 20, 21, 230].map(reader);
+        assert_eq!(first, [(0, 0), (0, 7), (1, 0), (1, 4), (2, 0), (2, 7), (0, 0), (2, 7)]);
+    }
 
     /// A new format without a reader here would never be fuzzed.
     #[test]

@@ -1,10 +1,21 @@
 //! The pieces of a grid, compared with what they announce and appended to the mesh.
 
-use super::{Piece, Reason, State, TETRAHEDRON, TRIANGLE};
+use super::{Piece, Reason, TETRAHEDRON, TRIANGLE};
+use ltbw_core::TetMesh;
 
-impl State<'_> {
+/// The mesh that the pieces make.
+#[derive(Default)]
+pub(crate) struct Grid {
+    pub(crate) mesh: TetMesh,
+    /// Triangles with their markers.
+    pub(crate) triangles: Vec<([u32; 3], i64)>,
+    pub(crate) other_cells: bool,
+    pieces: usize,
+}
+
+impl Grid {
     /// Checks a piece and appends it to the mesh.
-    pub(super) fn add(&mut self, piece: Piece) -> Result<(), Reason> {
+    pub(crate) fn add(&mut self, piece: Piece) -> Result<(), Reason> {
         let (points, cells) = (piece.points, piece.cells);
         let (coordinates, rest) = piece.coordinates.as_chunks::<3>();
         same("points", points, coordinates.len() + usize::from(!rest.is_empty()))?;

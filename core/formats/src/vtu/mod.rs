@@ -20,7 +20,7 @@ use super::faces::owned;
 use super::scalar::Scalar;
 use super::text::{Tokens, count, float, integer};
 use array::{Layout, Stream};
-use ltbw_core::TetMesh;
+pub(crate) use cells::Grid;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 pub(crate) use write::write_part;
@@ -46,18 +46,18 @@ enum Wanted {
 
 /// A piece of a grid as the file tells it, before it is checked.
 #[derive(Default)]
-struct Piece {
+pub(crate) struct Piece {
     /// The offset of its start in the file.
-    offset: usize,
-    points: u64,
-    cells: u64,
-    coordinates: Vec<f64>,
-    connectivity: Vec<i64>,
-    offsets: Vec<i64>,
-    types: Vec<i64>,
-    tags: Option<Vec<i64>>,
-    regions: Option<Vec<i64>>,
-    markers: Option<Vec<i64>>,
+    pub(crate) offset: usize,
+    pub(crate) points: u64,
+    pub(crate) cells: u64,
+    pub(crate) coordinates: Vec<f64>,
+    pub(crate) connectivity: Vec<i64>,
+    pub(crate) offsets: Vec<i64>,
+    pub(crate) types: Vec<i64>,
+    pub(crate) tags: Option<Vec<i64>>,
+    pub(crate) regions: Option<Vec<i64>>,
+    pub(crate) markers: Option<Vec<i64>>,
 }
 
 /// The values of an array of a piece.
@@ -109,12 +109,8 @@ struct State<'a> {
     piece: Option<Piece>,
     /// The array that is being read, if it is one that is wanted.
     wanted: Option<(Wanted, Storage)>,
-    pieces: usize,
-    mesh: TetMesh,
-    /// Triangles with their markers.
-    triangles: Vec<([u32; 3], i64)>,
+    grid: Grid,
     other_arrays: bool,
-    other_cells: bool,
 }
 
 /// Reads a `.vtu` file.
@@ -136,11 +132,8 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         open: Vec::new(),
         piece: None,
         wanted: None,
-        pieces: 0,
-        mesh: TetMesh::default(),
-        triangles: Vec::new(),
+        grid: Grid::default(),
         other_arrays: false,
-        other_cells: false,
     };
     let mut finished = false;
     // Every event but the last consumes at least a byte.
@@ -178,12 +171,13 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         let text = "arrays other than `tag` of points, `region` and `marker` of cells are not read";
         notes.push(text.into());
     }
-    if state.other_cells {
+    let grid = state.grid;
+    if grid.other_cells {
         notes.push("cells that are neither tetrahedra nor triangles are not read".into());
     }
-    let (faces, note) = owned(&state.mesh, &state.triangles);
+    let (faces, note) = owned(&grid.mesh, &grid.triangles);
     notes.extend(note);
-    Ok(MeshFile { mesh: state.mesh, faces, notes })
+    Ok(MeshFile { mesh: grid.mesh, faces, notes })
 }
 
 /// The offset of the first `word`, which starts with `<`, in `bytes`.
@@ -425,7 +419,7 @@ impl State<'_> {
             Some("Piece") => {
                 if let Some(piece) = self.piece.take() {
                     let offset = piece.offset;
-                    self.add(piece).map_err(|r| ParseError::at(self.bytes, offset, r))?;
+                    self.grid.add(piece).map_err(|r| ParseError::at(self.bytes, offset, r))?;
                 }
             }
             _ => {}
