@@ -9,7 +9,7 @@ mod assembled;
 pub use assembled::Assembly;
 
 use crate::PredicateStats;
-use crate::cavity::{Admission, Cavity, Open, Role, Setback, Star};
+use crate::cavity::{Admission, Cavity, Conflict, Open, Role, Setback, Star};
 use crate::geometry::Geometry;
 use crate::hash::{HashError, MeshHash, canonical_hash};
 use crate::locate::{Found, walk};
@@ -205,6 +205,13 @@ impl Mesh {
             Ok(()) => Ok(OpenCavity::new(self)),
             Err(setback) => Err(At::SetBack(setback)),
         }
+    }
+
+    /// Is a point in kernel coordinates inside the (perturbed) circumsphere of tetrahedron `t`?
+    #[doc(hidden)]
+    pub fn in_conflict(&mut self, t: TetId, p: &Point) -> bool {
+        let mut conflict = self.geometry.conflict_of(p);
+        conflict.surely(t) || conflict.in_conflict(&self.topology, t)
     }
 
     /// Opens the cavity of a point again, as `tets` list it since an earlier [`Mesh::begin`]. The

@@ -20,6 +20,7 @@ impl Rounds<'_, '_> {
         }
         self.candidates.clear();
         self.chosen.clear();
+        self.blocks.clear();
         self.cavities.clear();
         if class == Class::Tets {
             self.choices += 1;

@@ -5,6 +5,7 @@
 //! mesh before it. Every verdict is taken on the mesh at the start of the round, by coordinates and
 //! never by numbers or slots; insertion is unconditional. `docs/refinement.md`, *Rounds*.
 
+mod block;
 mod choose;
 mod conflict;
 mod insert;
@@ -127,6 +128,8 @@ pub(crate) struct Rounds<'r, 'a> {
     /// Per slot: one more than the index of the foremost candidate with the slot in its cavity,
     /// and [`DEFERS`]; or [`WRITTEN`].
     reserved: Vec<u32>,
+    /// Subfaces that bar tetrahedra of this round.
+    blocks: Vec<block::Block>,
     /// Choices among tetrahedra so far.
     choices: u64,
     /// Boundary items asked for in this round.
@@ -160,6 +163,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             chosen: Vec::new(),
             cavities: Vec::new(),
             reserved: Vec::new(),
+            blocks: Vec::new(),
             choices: 0,
             asked: Vec::new(),
             waits: Vec::new(),
@@ -280,10 +284,8 @@ impl<'r, 'a> Rounds<'r, 'a> {
     /// Splits items jointly that wait for each other in a circle, in the order of their places.
     fn split_circles(&mut self) -> Result<(), RefineError> {
         self.stats.joint_phases += 1;
-        let mut items: Vec<Item> = self.pending.keys().copied().collect();
-        self.own.state.sort(&mut items);
         let mut work = Queues::default();
-        for item in items {
+        for item in self.circles() {
             match self.own.split_jointly(item, &mut work, &mut Open) {
                 Step::Refused(reason) => {
                     self.own.record.refused.insert(item, Refusal::final_for(reason));
@@ -297,5 +299,41 @@ impl<'r, 'a> Rounds<'r, 'a> {
         }
         self.settle();
         Ok(())
+    }
+
+    /// The foremost item of each circle of items that wait for each other, in the order of their
+    /// places. Every item waits for one, so that each way ends in a circle.
+    fn circles(&self) -> Vec<Item> {
+        let mut items: Vec<Item> = self.pending.keys().copied().collect();
+        self.own.state.sort(&mut items);
+        let mut seen: Map<Item, usize> = Map::default();
+        let mut foremost = Vec::new();
+        for (walk, &start) in items.iter().enumerate() {
+            let mut at = start;
+            // A way goes on to items not seen before, of which there are as many as are pending.
+            while !seen.contains_key(&at) {
+                seen.insert(at, walk);
+                let first = self.pending.get(&at).and_then(|pending| pending.first);
+                let Some(first) = first else { break };
+                at = first;
+            }
+            if seen.get(&at) != Some(&walk) {
+                continue;
+            }
+            // The circle that starts at `at`.
+            let (mut circle, mut next) = (Vec::new(), at);
+            for _ in 0..items.len() {
+                circle.push(next);
+                let first = self.pending.get(&next).and_then(|pending| pending.first);
+                next = first.unwrap_or(at);
+                if next == at {
+                    break;
+                }
+            }
+            self.own.state.sort(&mut circle);
+            foremost.extend(circle.first());
+        }
+        self.own.state.sort(&mut foremost);
+        foremost
     }
 }

@@ -110,18 +110,26 @@ impl Rounds<'_, '_> {
                 Way::Arrived(from) if proposed.is_some() => from,
                 Way::Blocked(subface) => {
                     let limit = limit(self);
-                    return self.ask(t, v, &[Item::Subface(subface)], limit);
+                    self.ask(t, v, &[Item::Subface(subface)], limit);
+                    return;
                 }
                 Way::Arrived(_) | Way::Outside => continue,
             };
+            if let Some(reason) = self.blocked(&p, v) {
+                return self.refuse(item, reason);
+            }
             let place = Place { p, carrier: Carrier::Free, from };
             match self.probe(item, &place, |judge| judge.on_tet(t, &place.p)) {
                 Probe::Fits if self.survives() => return self.take(),
                 Probe::Fits => return self.reserve(0),
                 Probe::Defers(first) => {
-                    self.reserve(DEFERS);
                     let limit = limit(self);
-                    return self.ask(t, v, &first, limit);
+                    // One that is refused is in nobody's way.
+                    match self.ask(t, v, &first, limit) {
+                        true => self.reserve(DEFERS),
+                        false => self.note_blocks(limit),
+                    }
+                    return;
                 }
                 Probe::Refuses(reason) => return self.refuse(item, reason),
                 Probe::Barred => return,
@@ -217,12 +225,19 @@ impl Rounds<'_, '_> {
         }
     }
 
-    /// A tetrahedron asks for boundary items to be split, unless all of them were refused.
-    fn ask(&mut self, t: TetId, v: [VertexId; 4], first: &[Item], limit: Option<f64>) {
+    /// A tetrahedron asks for boundary items to be split; `false` if all of them were refused, and
+    /// it is in its turn.
+    fn ask(&mut self, t: TetId, v: [VertexId; 4], first: &[Item], limit: Option<f64>) -> bool {
         let reason = self.own.state.reason_near(v);
         match self.first_of(first, limit, reason) {
-            Ok(item) => self.asked.push(Asked { item, limit, near: t }),
-            Err(reason) => self.refuse(Item::Tet(t, self.own.state.vertices(t)), reason),
+            Ok(item) => {
+                self.asked.push(Asked { item, limit, near: t });
+                true
+            }
+            Err(reason) => {
+                self.refuse(Item::Tet(t, self.own.state.vertices(t)), reason);
+                false
+            }
         }
     }
 

@@ -189,3 +189,18 @@ fn a_wide_round_can_be_cancelled_and_leaves_a_sound_mesh() {
         assert!(refined.lost.is_empty() && !refined.excuses.is_empty());
     }
 }
+
+/// A ball of quads cut in two, flat but for rounding: its centre takes the concave ones out of the
+/// mesh, and under this floor none of them may be split. One search each would be 1,701.
+#[test]
+fn tetrahedra_that_the_same_subfaces_bar_are_refused_without_a_search() {
+    let made = ltbw_generate::surfaces::globe(24, 24, 0.0, 1);
+    let facets = made.facets.iter().map(|f| Facet::polygon(&f.polygons[0], 0)).collect();
+    let ball = Domain { vertices: made.vertices, facets, ..Domain::default() };
+    let ready = ball.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let engine = Engine::Rounds { order: InsertOrder::Hilbert, start: 0 };
+    let refined = refine(&Refiner::new().floor(0.15).engine(engine), &ready);
+    assert_eq!(refined.outcome, RefineOutcome::Excused);
+    let (excused, searches) = (refined.excuses.len(), refined.stats.searches);
+    assert!(excused > 1000 && searches < 200, "{searches} searches, {excused} excused");
+}
