@@ -1,15 +1,17 @@
 //! Refinement in rounds: one mesh whatever the order of insertion, judged by the independent
 //! checker and against the engine with queues.
 //!
-//! Random domains: 50 by default, `LTBW_CASES` for more (500 for the full bar).
+//! Random domains: 50 by default, `LTBW_CASES` for more (500 for the full bar). Named domains: five
+//! orders, `LTBW_ORDERS` for more (22). Parts: those of the folder `LTBW_PARTS`.
 
 use ltbw::Extras;
 use ltbw::Random;
-use ltbw::domain::{Domain, Facet, Prepared};
+use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::refine::{Engine, InsertOrder, RefineOutcome, Refined, Refiner};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_tests::cases;
 use ltbw_tests::domains::{plc_of, prepared, random_domain};
+use ltbw_tests::require::skip;
 use ltbw_verify::{Breach, Limits, Mesh, Options, conforms};
 
 /// The orders that every domain is refined in.
@@ -21,15 +23,28 @@ const ORDERS: [InsertOrder; 5] = [
     InsertOrder::Random(2),
 ];
 
-/// Refines in all orders, from `start` vertices on: one hash, as many excuses. Judges the mesh.
-fn one_mesh(ready: &Prepared, refiner: &Refiner<'_>, start: usize, name: &str) -> Refined {
+/// The same, and as many by chance as `LTBW_ORDERS` asks for.
+fn orders() -> Vec<InsertOrder> {
+    let text = std::env::var("LTBW_ORDERS").unwrap_or_else(|_| ORDERS.len().to_string());
+    let count: u64 = text.parse().expect("LTBW_ORDERS is a whole number");
+    let more = (ORDERS.len() as u64..count).map(InsertOrder::Random);
+    ORDERS.into_iter().chain(more).collect()
+}
+
+/// Refines in some orders, from `start` vertices on: one hash, as many excuses. Judges the mesh.
+fn one_mesh(
+    (ready, name): (&Prepared, &str),
+    refiner: &Refiner<'_>,
+    start: usize,
+    orders: &[InsertOrder],
+) -> Refined {
     let run = |order| {
         let refiner = refiner.engine(Engine::Rounds { order, start });
         refiner.refine(&ready.domain, &ready.lattice).unwrap_or_else(|e| panic!("{name}: {e}"))
     };
-    let first = run(ORDERS[0]);
+    let first = run(orders[0]);
     let hash = first.mesh().hash().expect("a hash");
-    for order in &ORDERS[1..] {
+    for order in &orders[1..] {
         let other = run(*order);
         assert_eq!(other.mesh().hash().expect("a hash"), hash, "{name} {order:?}");
         assert_eq!(other.excuses.len(), first.excuses.len(), "{name} {order:?}");
@@ -58,7 +73,7 @@ fn random_domains_have_one_mesh_for_all_orders() {
         let volume = (0..3).map(|k| high[k] - low[k]).product::<f64>() / 2000.0;
         let refiner = Refiner::new();
         let refiner = if seed % 2 == 0 { refiner.max_volume(volume) } else { refiner };
-        let rounds = one_mesh(&ready, &refiner, 0, &name);
+        let rounds = one_mesh((&ready, &name), &refiner, 0, &ORDERS);
         let queues = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
         if queues.outcome == RefineOutcome::Met {
             assert_eq!(rounds.outcome, RefineOutcome::Met, "{name}");
@@ -251,8 +266,54 @@ fn joint_steps_at_the_hull_are_the_same_for_all_orders() {
     let mut phases = 0;
     for n in [8, 12, 16, 24, 32, 48] {
         let ready = prepared(&prism(n));
-        let refined = one_mesh(&ready, &Refiner::new(), 0, &format!("a prism of {n} sides"));
+        let name = format!("a prism of {n} sides");
+        let refined = one_mesh((&ready, &name), &Refiner::new(), 0, &orders());
         phases += refined.stats.joint_phases;
     }
     assert!(phases > 0);
+}
+
+#[test]
+fn named_domains_have_one_mesh_for_all_orders() {
+    let (orders, mut points) = (orders(), 0);
+    for (kind, volume, angle, _) in GOLDEN {
+        let shape = Shape { angle, ..Shape::default() };
+        let ready = prepared(&generate_domain(kind, &shape).expect("a domain"));
+        let (name, refiner) = (format!("{kind:?} {volume}"), Refiner::new().max_volume(volume));
+        points += one_mesh((&ready, &name), &refiner, 0, &orders).stats.round_points;
+    }
+    println!("{} domains in {} orders, {points} points by rounds", GOLDEN.len(), orders.len());
+    assert!(points > 10_000, "{points}");
+}
+
+/// Parts of a folder: those that no geometric error bars, without a tolerance.
+#[test]
+fn parts_have_one_mesh_for_all_orders() {
+    let Some(folder) = std::env::var_os("LTBW_PARTS") else {
+        return skip("parts in rounds", "parts", "LTBW_PARTS names no folder").expect("a skip");
+    };
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
+    paths.sort();
+    let mut parts = 0;
+    for path in paths {
+        let name = path.display().to_string();
+        let Ok(file) = ltbw::io::read_domain(&path) else { continue };
+        let options = PrepareOptions { oriented: file.oriented, ..PrepareOptions::default() };
+        let Ok(ready) = file.domain.prepare(&options) else { continue };
+        let queues = Refiner::new().refine(&ready.domain, &ready.lattice).expect("a mesh");
+        if !queues.lost.is_empty() {
+            println!("{name}: not recovered, {} items", queues.lost.len());
+            continue;
+        }
+        let rounds = one_mesh((&ready, &name), &Refiner::new(), 0, &orders());
+        let excused = [&rounds, &queues].map(|refined| refined.excuses.len());
+        let tets = [&rounds, &queues].map(Refined::num_tets);
+        println!("{name}: excused {excused:?}, tetrahedra {tets:?} (rounds, queues)");
+        if queues.outcome == RefineOutcome::Met {
+            assert_eq!(rounds.outcome, RefineOutcome::Met, "{name}");
+        }
+        parts += 1;
+    }
+    assert!(parts > 0, "no part");
 }

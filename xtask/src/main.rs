@@ -33,13 +33,15 @@ cargo xtask COMMAND
   bench [SET]...        our order + insert against CGAL's, interleaved pairs, median of 7
   bench threads [N [ROUNDS]]
                         one and two threads against the sequential kernel and CGAL on TBB, N points
-  bench refine          refinement against TetGen's (the Python package tetgen), and over 500 random
-                        domains
+  bench refine          refinement by both engines, beside the commit before (LTBW_BEFORE names its
+                        measure_refine), against TetGen's (the Python package tetgen), and over 500
+                        random domains
   parts [DIR] [--twins] [--only TEXT]
                         surfaces of a folder (by default a set by formula) through `ltbw mesh`
                         beside TetGen (the Python package tetgen), and their twins: turned, scaled,
                         shifted; fails if a run breaks a bar that none may break
-  rounds                refinement in rounds: 500 random domains in five orders, tiny ones in all
+  rounds [DIR]          refinement in rounds: 500 random domains in five orders, named ones and the
+                        parts of a folder in 22, tiny ones in all
   bars                  the full-size bars: hashes equal to CGAL's, times within their limits
   generate              write what is generated from the descriptions of the predicates
   fuzz [--seconds N] [TARGET]...
@@ -69,7 +71,7 @@ fn main() -> ExitCode {
     let done = match command {
         "bench" | "bars" => measure::run(command, rest),
         "parts" => parts::run(rest),
-        "rounds" => rounds::run(),
+        "rounds" => rounds::run(rest),
         "fuzz" => fuzz::run(rest),
         "generate" => generate::run(),
         "vectors" => vectors::run(),

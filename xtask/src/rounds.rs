@@ -1,11 +1,19 @@
 //! `rounds`: refinement in rounds at full size. 500 random domains in five orders are judged, and
-//! compared with the queues; tiny domains in every permutation; files, golden hashes; 100 random
-//! domains against CGAL.
+//! compared with the queues; named domains and the parts of a folder in 22 orders; tiny domains in
+//! every permutation; files, golden hashes; 100 random domains against CGAL.
 
 use crate::shell::{self, cargo};
 
-/// Runs the tests of rounds with all their cases.
-pub(crate) fn run() -> Result<(), String> {
+/// The orders of insertion that named domains and parts are refined in.
+const ORDERS: &str = "22";
+
+/// Runs the tests of rounds with all their cases, and with the parts of a folder if one is given.
+pub(crate) fn run(args: &[String]) -> Result<(), String> {
+    let parts = match args {
+        [] => None,
+        [folder] => Some(std::path::absolute(folder).map_err(|e| format!("{folder}: {e}"))?),
+        _ => return Err("usage: rounds [DIR]".to_owned()),
+    };
     for (test, cases) in [("refine_rounds", "500"), ("refine_cgal", "100")] {
         let mut command = cargo();
         command.args([
@@ -18,7 +26,9 @@ pub(crate) fn run() -> Result<(), String> {
             "--",
             "--nocapture",
         ]);
-        shell::run(command.env("LTBW_CASES", cases))?;
+        command.env("LTBW_CASES", cases).env("LTBW_ORDERS", ORDERS);
+        parts.iter().for_each(|folder| _ = command.env("LTBW_PARTS", folder));
+        shell::run(&mut command)?;
     }
     Ok(())
 }

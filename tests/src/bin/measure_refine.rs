@@ -5,11 +5,12 @@
 //! Every run is a process of its own, ours and TetGen's in turn, so that a slow spell of the
 //! machine hits both; times are those of the processor, and the median of the pairs' ratios of time
 //! per tetrahedron counts. TetGen is the Python package `tetgen`; `LTBW_TETGEN_PYTHON` names a
-//! Python that has it.
+//! Python that has it. The engines are compared with each other in the same way, and with the
+//! commit before where `LTBW_BEFORE` names a `measure_refine` built from it.
 
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::io;
-use ltbw::refine::{RefineOutcome, Refiner};
+use ltbw::refine::{Engine, InsertOrder, RefineOutcome, Refiner};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_tests::domains::random_domain;
 use ltbw_tests::require::skip;
@@ -29,6 +30,9 @@ const SLOWEST: f64 = 1.0;
 const MEMORY: f64 = 300e6 / 1024.0;
 /// No random domain may take this many times the median time per tetrahedron.
 const UNEVEN: f64 = 10.0;
+
+/// The engine of rounds as the program starts it.
+const ROUNDS: Engine = Engine::Rounds { order: InsertOrder::Hilbert, start: 4096 };
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -60,9 +64,11 @@ fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let result = match args[..] {
-        [] => compare().and_then(|fast| Ok(evenness()? && fast)),
-        ["once", volume] => once(volume),
-        _ => Err("usage: measure_refine".into()),
+        [] => engines().and_then(|()| Ok(compare()? & evenness()?)),
+        ["engines"] => engines().map(|()| true),
+        ["once", volume] => once(volume, Engine::Queues),
+        ["once", volume, "rounds"] => once(volume, ROUNDS),
+        _ => Err("usage: measure_refine [engines]".into()),
     };
     match result {
         Ok(true) => ExitCode::SUCCESS,
@@ -80,9 +86,9 @@ fn model() -> Result<Prepared, Failure> {
 }
 
 /// Refines the model problem in this process and prints what it took.
-fn once(volume: &str) -> Result<bool, Failure> {
+fn once(volume: &str, engine: Engine) -> Result<bool, Failure> {
     let ready = model()?;
-    let refiner = Refiner::new().max_volume(volume.parse()?);
+    let refiner = Refiner::new().max_volume(volume.parse()?).engine(engine);
     let start = processor_seconds();
     let refined = refiner.refine(&ready.domain, &ready.lattice)?;
     let seconds = processor_seconds() - start;
@@ -136,6 +142,43 @@ fn compare() -> Result<bool, Failure> {
     });
     std::fs::remove_file(&file)?;
     result
+}
+
+/// The table of the engines, beside the commit before: tetrahedra, time of each, its ratio to that
+/// of the queues in the same turn, and memory.
+fn engines() -> Result<(), Failure> {
+    let own = std::env::current_exe()?;
+    let mut programs = vec![("queues", own.clone(), None), ("rounds", own, Some("rounds"))];
+    match std::env::var_os("LTBW_BEFORE") {
+        Some(before) => programs.push(("queues, before", PathBuf::from(before), None)),
+        None => skip("the commit before", "before", "LTBW_BEFORE names no measure_refine of it")?,
+    }
+    println!(
+        "| largest volume | engine | tets | us/tet | to queues | MiB |\n|---|---|--:|--:|--:|--:|"
+    );
+    for (volume, _) in VOLUMES {
+        let mut turns: Vec<Vec<Taken>> = Vec::new();
+        for _ in 0..PAIRS {
+            let once = |(_, program, engine): &(&str, PathBuf, Option<&str>)| {
+                run(Command::new(program).args(["once", volume]).args(engine))
+            };
+            turns.push(programs.iter().map(once).collect::<Result<_, _>>()?);
+        }
+        for (k, (name, ..)) in programs.iter().enumerate() {
+            let middle = |number: &dyn Fn(&Vec<Taken>) -> f64| {
+                median(&mut turns.iter().map(number).collect::<Vec<_>>())
+            };
+            println!(
+                "| {volume} | {name} | {} | {:.2} | {:.2} | {:.0} |",
+                turns[0][k].tets,
+                middle(&|turn| turn[k].microseconds_each()),
+                middle(&|turn| turn[k].microseconds_each() / turn[0].microseconds_each()),
+                middle(&|turn| turn[k].peak) / 1024.0,
+            );
+        }
+    }
+    println!("\nprocessor time of the refinement, one thread, medians of {PAIRS} turns\n");
+    Ok(())
 }
 
 fn table(own: &PathBuf, theirs: impl Fn() -> Command) -> Result<bool, Failure> {
