@@ -8,8 +8,6 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let set = PointSet::new((0..20_000).map(place).collect())?;
     let built = Builder::new().threads(2).measure(0).build(&set)?;
     println!("{} tetrahedra, {:?}", built.mesh.num_tets(), built.outcome);
-    if let Some(summary) = built.summary {
-        println!("{summary}");
-    }
+    built.summary.iter().for_each(|summary| println!("{summary}"));
     Ok(())
 }

@@ -2,13 +2,10 @@
 
 use ltbw::prelude::*;
 
-/// Meshes a cube that is fine at one corner.
+/// Meshes a box with a hole, fine at one corner.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let sides =
-        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let vertices = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
-    let facets = sides.iter().map(|s| Facet::polygon(s, 0)).collect();
-    let cube = Domain { vertices, facets, ..Domain::default() };
+    let hole = Domain { holes: vec![[0.5; 3]], ..Domain::cuboid([0.25; 3], [0.75; 3]) };
+    let domain = Domain::cuboid([0.0; 3], [2.0, 1.0, 1.0]).join(hole);
     let size = |p: Point| 0.05 + 0.2 * p.iter().sum::<f64>();
     let enough = CancelToken::new();
     let watch = |p: Progress| {
@@ -17,7 +14,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
             enough.cancel();
         }
     };
-    let refined = Refiner::new().sizing(&size).observer(&watch).cancel(&enough).mesh(&cube)?;
+    let refined = Refiner::new().sizing(&size).observer(&watch).cancel(&enough).mesh(&domain)?;
     println!("{:?}: {} tetrahedra", refined.outcome, refined.num_tets());
     Ok(())
 }

@@ -53,6 +53,46 @@ impl Facet {
 }
 
 impl Domain {
+    /// A box with sides parallel to the axes. Their markers are 1 and 2 at the low and the high end
+    /// of x, 3 and 4 of y, 5 and 6 of z.
+    ///
+    /// ```
+    /// use ltbw_domain::Domain;
+    /// let hole = Domain { holes: vec![[0.5; 3]], ..Domain::cuboid([0.25; 3], [0.75; 3]) };
+    /// let domain = Domain::cuboid([0.0; 3], [2.0, 1.0, 1.0]).join(hole);
+    /// assert_eq!((domain.vertices.len(), domain.facets.len()), (16, 12));
+    /// assert_eq!(domain.bounds(), Some(([0.0; 3], [2.0, 1.0, 1.0])));
+    /// ```
+    #[must_use]
+    pub fn cuboid(low: Point, high: Point) -> Self {
+        let corner = |i: u32| [0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] });
+        let sides =
+            [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let facets = (1..).zip(&sides).map(|(marker, side)| Facet::polygon(side, marker)).collect();
+        Self { vertices: (0..8).map(corner).collect(), facets, ..Self::default() }
+    }
+
+    /// This domain and `other` as one: its numbers of vertices go on where these end. Equal
+    /// vertices stay two until the domain is prepared.
+    #[must_use]
+    pub fn join(mut self, other: Self) -> Self {
+        let first = self.vertices.len() as u32;
+        // Beyond the last index no vertex is named, as the check of the structure says.
+        let shift = |v: &mut u32| *v = v.saturating_add(first);
+        self.vertices.extend(other.vertices);
+        self.facets.extend(other.facets.into_iter().map(|mut facet| {
+            facet.polygons.iter_mut().flatten().for_each(shift);
+            facet
+        }));
+        self.segments.extend(other.segments.into_iter().map(|(mut ends, marker)| {
+            ends.iter_mut().for_each(shift);
+            (ends, marker)
+        }));
+        self.holes.extend(other.holes);
+        self.regions.extend(other.regions);
+        self
+    }
+
     /// Checks what every later step relies on: there is something to mesh, all numbers are finite,
     /// every index names a vertex, every polygon has two vertices at least.
     ///
@@ -133,5 +173,53 @@ impl Domain {
         Some(self.vertices.iter().fold((first, first), |(low, high), p| {
             ([0, 1, 2].map(|k| low[k].min(p[k])), [0, 1, 2].map(|k| high[k].max(p[k])))
         }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joined_domains_keep_all_that_they_had() {
+        let region = Region { seed: [0.1; 3], attribute: 7.0, max_volume: Some(0.5) };
+        let other = Domain {
+            segments: vec![([0, 7], 9)],
+            holes: vec![[0.5; 3]],
+            regions: vec![region],
+            ..Domain::cuboid([0.25; 3], [0.75; 3])
+        };
+        let joined = Domain::cuboid([0.0; 3], [1.0; 3]).join(other.clone());
+        assert_eq!(joined.segments, [([8, 15], 9)]);
+        assert_eq!((&joined.holes, &joined.regions), (&other.holes, &other.regions));
+        assert_eq!(joined.vertices[8..], other.vertices);
+        for (facet, before) in joined.facets[6..].iter().zip(&other.facets) {
+            assert_eq!(facet.marker, before.marker);
+            let back = facet.polygons[0].iter().map(|v| v - 8);
+            assert!(back.eq(before.polygons[0].iter().copied()));
+        }
+        joined.check_structure().expect("a sound structure");
+        // Indices that name nothing stay such.
+        let facet = Facet::polygon(&[u32::MAX; 3], 0);
+        let wrong = Domain { facets: vec![facet], ..Domain::default() };
+        let error = joined.join(wrong).check_structure().expect_err("no such vertex");
+        assert!(matches!(error, DomainError::Index { vertex: u32::MAX, .. }), "{error}");
+    }
+
+    #[test]
+    fn the_sides_of_a_box_have_markers_and_face_outwards() {
+        let (low, high) = ([1.0, 2.0, 3.0], [2.0, 4.0, 6.0]);
+        let cuboid = Domain::cuboid(low, high);
+        for facet in &cuboid.facets {
+            let corners: Vec<Point> =
+                facet.polygons[0].iter().map(|&v| cuboid.vertices[v as usize]).collect();
+            let (axis, end) = ((facet.marker - 1) as usize / 2, (facet.marker - 1) % 2);
+            let place = if end == 0 { low[axis] } else { high[axis] };
+            assert!(corners.iter().all(|p| p[axis] == place), "{}", facet.marker);
+            let [u, v] = [1, 2].map(|k| [0, 1, 2].map(|i| corners[k][i] - corners[0][i]));
+            let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+            let normal = u[i] * v[j] - u[j] * v[i];
+            assert!((normal > 0.0) == (end == 1), "{}: {normal}", facet.marker);
+        }
     }
 }
