@@ -5,6 +5,7 @@ use ltbw::Random;
 use ltbw::domain::{Domain, Facet, PrepareOptions};
 use ltbw::quality::Quality;
 use ltbw::refine::{Excuse, Reason, RefineOutcome, Refined, Refiner};
+use ltbw_generate::surfaces::{single, turned};
 use ltbw_verify::{Breach, Limits, Mesh, Options, Plc, PlcFacet, conforms};
 use std::f64::consts::PI;
 
@@ -243,6 +244,79 @@ fn prisms_within_the_tolerance_are_small_and_round() {
             assert!(noise > 1e-8 || shape(&refined).0 > 0.01, "{name}: {:?}", shape(&refined));
         }
     }
+}
+
+/// A box of height 1 with pockets in its top, between every other pair of these numbers.
+fn pockets(x: &[f64], y: &[f64], depth: f64) -> Domain {
+    let (columns, rows) = (x.len() as u32, y.len() as u32);
+    let mut vertices = Vec::new();
+    x.iter().for_each(|&x| vertices.extend(y.iter().map(|&y| [x, y, 1.0])));
+    let top = |i: u32, j: u32| i * rows + j;
+    let mut triangles = Vec::new();
+    for i in 0..columns - 1 {
+        for j in 0..rows - 1 {
+            let edge = [top(i, j), top(i + 1, j), top(i + 1, j + 1), top(i, j + 1)];
+            let [a, b, c, d] = edge;
+            if i % 2 == 0 || j % 2 == 0 {
+                triangles.extend([[a, b, c], [a, c, d]]);
+                continue;
+            }
+            let first = vertices.len() as u32;
+            let floor = edge.map(|v| vertices[v as usize]).map(|[x, y, z]| [x, y, z - depth]);
+            vertices.extend(floor);
+            triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| first + k)));
+            for k in 0..4 {
+                let l = (k + 1) % 4;
+                let [a, b] = [edge[k as usize], edge[l as usize]];
+                triangles.extend([[a, b, first + l], [a, first + l, first + k]]);
+            }
+        }
+    }
+    let base = vertices.len() as u32;
+    let corners = [[0, 0], [columns - 1, 0], [columns - 1, rows - 1], [0, rows - 1]];
+    let corners = corners.map(|[i, j]| vertices[top(i, j) as usize]);
+    vertices.extend(corners.map(|[x, y, _]| [x, y, 0.0]));
+    triangles.extend([[0, 2, 1], [0, 3, 2]].map(|t| t.map(|k| base + k)));
+    let sides: [Vec<u32>; 4] = [
+        (0..columns).map(|i| top(i, 0)).collect(),
+        (0..rows).map(|j| top(columns - 1, j)).collect(),
+        (0..columns).rev().map(|i| top(i, rows - 1)).collect(),
+        (0..rows).rev().map(|j| top(0, j)).collect(),
+    ];
+    for (k, side) in (0..).zip(sides) {
+        let [p, q] = [base + k, base + (k + 1) % 4];
+        triangles.extend(side.windows(2).map(|pair| [p, pair[1], pair[0]]));
+        triangles.push([p, q, side[side.len() - 1]]);
+    }
+    surface(vertices, &triangles)
+}
+
+/// Flat tetrahedra lie over the edges of the pockets: faces between two of them were taken for
+/// parts of the top, and faces of nearly collinear corners, which was given up for that.
+#[test]
+fn turned_boxes_with_pockets_have_all_their_patches() {
+    let grids = [
+        ([0.0, 0.19, 0.44, 0.56, 0.77, 1.0], [0.0, 0.18, 0.4, 0.65, 0.81, 1.0]),
+        ([0.0, 0.18, 0.4, 0.61, 0.8, 1.0], [0.0, 0.13, 0.33, 0.67, 0.81, 1.0]),
+    ];
+    for (x, y) in grids {
+        let domain = single(turned(&pockets(&x, &y, 0.5)));
+        let refiner = Refiner::new().flat_tolerance(FLAT);
+        let refined = certified_within(&domain, &refiner, None, FLAT, "pockets");
+        let stats = refined.stats;
+        assert!(stats.patches > 20 && stats.patches_given_up == 0, "{stats:?}");
+        assert_eq!(refined.outcome, RefineOutcome::Met);
+    }
+}
+
+/// The centres of triangles between the long edges of a low step lie outside the box of the
+/// lattice: such a triangle was refused, and with it the tetrahedron that asked for it.
+#[test]
+fn triangles_with_centres_far_outside_are_split() {
+    let x = [0.0, 0.07, 0.419, 0.665, 0.801, 1.0];
+    let y = [0.0, 0.124, 0.34, 0.648, 0.908, 1.0];
+    let refined = certified(&pockets(&x, &y, 0.03), &Refiner::new(), None, "low steps");
+    assert_eq!(refined.outcome, RefineOutcome::Met);
 }
 
 /// A mesh with bounds on volumes takes many points on patches.

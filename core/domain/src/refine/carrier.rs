@@ -185,3 +185,17 @@ pub(crate) fn free_point(target: &Point, tolerance: f64) -> Option<Point> {
     let p = target.map(|c| (c / quantum as f64).round() * quantum as f64 + 0.0);
     p.iter().all(|c| c.abs() <= LARGEST as f64).then_some(p)
 }
+
+/// The point on the way from `from` to `target` that is within the box, with a margin, and nearest
+/// to `target`; `target` itself if that is in the box.
+pub(crate) fn within_box(from: &Point, target: &Point) -> Point {
+    let largest = LARGEST as f64;
+    let part = |k: usize| {
+        let way = target[k] - from[k];
+        let end = (0.99 * largest).copysign(way);
+        if target[k].abs() <= largest { 1.0 } else { ((end - from[k]) / way).max(0.0) }
+    };
+    let part = (0..3).map(part).fold(1.0, f64::min);
+    let inside = [0, 1, 2].map(|k| from[k] + part * (target[k] - from[k]));
+    if part < 1.0 && inside.iter().all(|c| c.is_finite()) { inside } else { *target }
+}

@@ -5,10 +5,10 @@
 //! patch, and the two others would cover the same place with the inner side where it belongs, these
 //! are the subfaces instead.
 
-use super::layer::is_above;
 use super::marks::face_bit;
 use super::state::{FACE, State};
 use super::table::{edge, triangle};
+use super::tiles::is_above;
 use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
 
 impl State {

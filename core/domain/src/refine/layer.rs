@@ -1,10 +1,6 @@
 //! The layers of patches: recovery of patches within a tolerance.
 //!
-//! Vertices of a patch are not quite in one plane, so the Delaunay mesh may hold *dust*: tetrahedra
-//! whose four corners are on the patch and whose faces all lie in its polygons, in the projection.
-//! The faces of the mesh that lie in the patch and have no dust below them are its *lower layer*,
-//! those with none above them the *upper* one. Without dust the two are the same, and with it one
-//! of them is needed, that on the inner side. A layer is complete if every subsegment of the patch
+//! The tiles of a layer are found in `tiles`. A layer is complete if every subsegment of the patch
 //! is an edge of as many triangles as there are polygons at the segment, and every other edge is
 //! one of two: then, since all its triangles have a positive area in the projection and its
 //! outline is that of the patch, it covers the patch exactly once.
@@ -18,8 +14,9 @@ use super::marks::{DUST, face_bit};
 use super::patch::Sides;
 use super::state::{FACE, State};
 use super::table::{Map, Set, sides, triangle};
+use super::tiles::{Found, Tile};
 use ltbw_core::Builder;
-use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
+use ltbw_core::topology::{VertexId, slot_of, tet_of};
 use ltbw_exact::{Point, PointSet};
 
 /// The distance of an apex from the plane, in the units of the rounded projection.
@@ -27,24 +24,6 @@ const APEX: f64 = (1u64 << 52) as f64;
 
 /// Circles are smaller than this, in fine steps.
 const LARGEST: f64 = (1u64 << 60) as f64;
-
-/// A face of a layer.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Tile {
-    pub(crate) key: [VertexId; 3],
-    /// The tetrahedron on its side of the layer, which is not dust, and the face's slot there.
-    tet: TetId,
-    slot: usize,
-}
-
-/// The layers of a patch.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Layers {
-    lower: Vec<Tile>,
-    upper: Vec<Tile>,
-    /// Which of them is complete.
-    complete: [bool; 2],
-}
 
 /// Where a patch is not in the mesh.
 #[derive(Clone, Debug)]
@@ -59,13 +38,6 @@ pub(crate) struct Hole {
     radius: f64,
 }
 
-/// All layers, by facet, and all dust with its facet.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Found {
-    layers: Vec<Layers>,
-    dust: Vec<(TetId, u32)>,
-}
-
 /// A planar triangulation: triangles with those across their sides, in the order of [`sides`].
 struct Planar {
     places: Map<VertexId, [f64; 2]>,
@@ -74,74 +46,7 @@ struct Planar {
     frame: [Point; 3],
 }
 
-/// Is the apex of a positively oriented tetrahedron, opposite `slot`, above the face, whose
-/// projection has this sign?
-pub(crate) fn is_above(slot: usize, turn: i128) -> bool {
-    (slot % 2 == 1) == (turn > 0)
-}
-
 impl State {
-    /// The patches on which each vertex lies.
-    fn patches_at(&self) -> Vec<Vec<u32>> {
-        let is_patch = |f: &u32| self.plc.facets[*f as usize].patch.is_some();
-        let of = |&carrier| self.facets_of(carrier).into_iter().filter(is_patch).collect();
-        let mut all: Vec<Vec<u32>> = self.carriers.iter().skip(1).map(of).collect();
-        all.insert(0, Vec::new());
-        all
-    }
-
-    /// Finds the layers of all patches.
-    pub(crate) fn find_layers(&self) -> Found {
-        let patches = self.patches_at();
-        let mut found = Found::default();
-        found.layers.resize(self.plc.facets.len(), Layers::default());
-        for t in self.mesh.tet_ids() {
-            let v = self.vertices(t);
-            let mut faces = [const { Vec::new() }; 4];
-            for (slot, list) in faces.iter_mut().enumerate() {
-                *list = self.tiles_of(&patches, FACE[slot].map(|k| v[k]));
-            }
-            // A face that is nothing in the projection is no tile, but may be one of dust.
-            let mut dust: Vec<u32> = faces.iter().flatten().map(|&(f, _)| f).collect();
-            dust.sort_unstable();
-            dust.dedup();
-            dust.retain(|f| faces.iter().all(|list| list.iter().any(|(g, _)| g == f)));
-            found.dust.extend(dust.first().map(|&f| (t, f)));
-            for (slot, list) in faces.iter().enumerate() {
-                let [a, b, c] = FACE[slot].map(|k| v[k]);
-                let key = triangle(a, b, c);
-                let across = self.mesh.topology().at(t).neighbours()[slot];
-                let ghost = self.mesh.topology().at(tet_of(across)).is_ghost();
-                for &(f, turn) in list.iter().filter(|(_, turn)| *turn != 0) {
-                    let layers = &mut found.layers[f as usize];
-                    let above = is_above(slot, turn);
-                    if !dust.contains(&f) {
-                        layers.side(above).push(Tile { key, tet: t, slot });
-                    }
-                    if ghost {
-                        let (tet, slot) = (tet_of(across), slot_of(across));
-                        layers.side(!above).push(Tile { key, tet, slot });
-                    }
-                }
-            }
-        }
-        found
-    }
-
-    /// The patches that a face of the mesh lies in, with the sign of its projection.
-    fn tiles_of(&self, patches: &[Vec<u32>], face: [VertexId; 3]) -> Vec<(u32, i128)> {
-        let [a, b, c] = face.map(|v| &patches[v as usize]);
-        let common = a.iter().filter(|f| b.contains(f) && c.contains(f));
-        let p = || face.map(|v| self.at(v));
-        let tile = |&f: &u32| {
-            let [a, b, c] = p();
-            let patch = self.plc.facets[f as usize].patch.as_ref()?;
-            let turn = patch.turn([&a, &b, &c]);
-            patch.holds_triangle([&a, &b, &c]).then_some((f, turn))
-        };
-        common.filter_map(tile).collect()
-    }
-
     /// The subsegments of each patch.
     fn outlines(&self) -> Vec<Vec<([VertexId; 2], usize)>> {
         let mut outlines = vec![Vec::new(); self.plc.facets.len()];
@@ -165,6 +70,9 @@ impl State {
         let mut on: Option<Vec<Vec<VertexId>>> = None;
         for (f, layers) in (0u32..).zip(&mut found.layers) {
             let Some(patch) = &self.plc.facets[f as usize].patch else { continue };
+            for layer in [&mut layers.lower, &mut layers.upper] {
+                drop_fins(layer, &outlines[f as usize]);
+            }
             let open = [&layers.lower, &layers.upper]
                 .map(|layer| open_edges(layer, &outlines[f as usize]));
             // An outline that crosses itself in the projection has edges enough, but another area.
@@ -301,8 +209,8 @@ impl State {
                 self.mark_both(tile, true);
             }
         }
-        for &(t, _) in &found.dust {
-            self.marks.set_region(t, DUST);
+        for dust in &found.dust {
+            self.marks.set_region(dust.tet, DUST);
         }
         true
     }
@@ -329,8 +237,10 @@ impl State {
         }
         for (f, layers) in (0u32..).zip(&found.layers) {
             let label = |layer: &[Tile]| {
-                let first = self.marks.region(layer.first()?.tet);
-                layer.iter().all(|tile| self.marks.region(tile.tet) == first).then_some(first)
+                let labels = layer.iter().map(|tile| self.marks.region(tile.tet));
+                let mut labels = labels.filter(|&label| label != DUST);
+                let first = labels.next()?;
+                labels.all(|label| label == first).then_some(first)
             };
             let facet = &self.plc.facets[f as usize];
             if facet.patch.is_none() {
@@ -357,10 +267,11 @@ impl State {
                 patch.sides = Some(Sides { inner, outer, upwards });
             }
         }
-        for &(t, f) in &found.dust {
-            let sides = self.plc.facets[f as usize].patch.as_ref().and_then(|p| p.sides);
-            let Some(sides) = sides else { return false };
-            self.marks.set_region(t, sides.outer);
+        for dust in &found.dust {
+            let patch = self.plc.facets[dust.facet as usize].patch.as_ref();
+            let Some(sides) = patch.and_then(|p| p.sides) else { return false };
+            let is_inner = dust.above == Some(sides.upwards);
+            self.marks.set_region(dust.tet, if is_inner { sides.inner } else { sides.outer });
         }
         self.mesh.topology().iter().all(|(t, tet)| {
             let (word, own) = (self.marks.of(t), self.marks.region(t));
@@ -382,15 +293,9 @@ impl State {
     }
 }
 
-impl Layers {
-    /// The layer of the side on which a tetrahedron is.
-    fn side(&mut self, above: bool) -> &mut Vec<Tile> {
-        if above { &mut self.upper } else { &mut self.lower }
-    }
-}
-
-/// The edges of which a layer has not as many triangles as it should.
-fn open_edges(layer: &[Tile], outline: &[([VertexId; 2], usize)]) -> Vec<[VertexId; 2]> {
+/// The number of triangles that are missing at each edge of a layer; negative where there are too
+/// many.
+fn missing_at(layer: &[Tile], outline: &[([VertexId; 2], usize)]) -> Map<[VertexId; 2], isize> {
     let mut counts: Map<[VertexId; 2], isize> = Map::default();
     for (side, _) in layer.iter().flat_map(|tile| sides(tile.key)) {
         *counts.entry(side).or_insert(2) -= 1;
@@ -398,7 +303,35 @@ fn open_edges(layer: &[Tile], outline: &[([VertexId; 2], usize)]) -> Vec<[Vertex
     for &(side, count) in outline {
         *counts.entry(side).or_insert(2) -= 2 - count as isize;
     }
+    counts
+}
+
+/// The edges of which a layer has not as many triangles as it should.
+fn open_edges(layer: &[Tile], outline: &[([VertexId; 2], usize)]) -> Vec<[VertexId; 2]> {
+    let counts = missing_at(layer, outline);
     counts.into_iter().filter(|&(_, left)| left != 0).map(|(side, _)| side).collect()
+}
+
+/// Drops triangles of nearly collinear corners that hang on an edge with triangles enough, with
+/// nothing at another edge: they lie in the patch as they lie in the one across its outline.
+fn drop_fins(layer: &mut Vec<Tile>, outline: &[([VertexId; 2], usize)]) {
+    let mut counts = missing_at(layer, outline);
+    // Every pass but the last drops a triangle.
+    loop {
+        let before = layer.len();
+        layer.retain(|tile| {
+            let own = sides(tile.key).map(|(side, _)| side);
+            let left = own.map(|side| counts.get(&side).copied().unwrap_or(0));
+            let is_fin = left.iter().any(|&n| n < 0) && left.contains(&1);
+            if is_fin {
+                own.iter().for_each(|side| *counts.entry(*side).or_insert(0) += 1);
+            }
+            !is_fin
+        });
+        if layer.len() == before {
+            return;
+        }
+    }
 }
 
 impl Planar {

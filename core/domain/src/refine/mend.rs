@@ -2,10 +2,11 @@
 
 use super::RefineError;
 use super::item::Work;
-use super::layer::{Found, Hole};
+use super::layer::Hole;
 use super::run::Run;
 use super::split::Step;
 use super::table::Set;
+use super::tiles::Found;
 use ltbw_core::cavity::Open;
 use ltbw_core::topology::VertexId;
 

@@ -11,7 +11,7 @@
 //! |---|---|
 //! | `plc` | the complex: corners, segments, facets as maximal coplanar groups |
 //! | `flat`, `patch` | polygons coplanar within a tolerance, and their projection |
-//! | `layer`, `surface` | where such a patch is in the mesh; how a point changes it |
+//! | `tiles`, `layer`, `surface` | where such a patch is in the mesh; how a point changes it |
 //! | `carrier` | points of segments and facets, with whole parameters |
 //! | `measure` | closed balls and bounds: filters and exact integers |
 //! | `marks` | marks of faces and edges, regions: one word per tetrahedron |
@@ -77,6 +77,7 @@ mod surface;
 mod table;
 #[cfg(test)]
 mod tests;
+mod tiles;
 mod touched;
 mod verdict;
 mod walk;

@@ -1,6 +1,6 @@
 //! The geometry of a patch: its polygons in the projection along an axis, each with its own plane.
 
-use super::carrier::{Grid, Plane, UNIT};
+use super::carrier::{Grid, Plane, UNIT, corner_point};
 use super::table::edge;
 use ltbw_exact::Point;
 
@@ -30,6 +30,8 @@ pub(crate) struct Patch {
     pieces: Vec<(Vec<Flat>, Plane)>,
     /// The outline: sides that one polygon has.
     outline: Vec<[Flat; 2]>,
+    /// The heights of their ends, along the axis.
+    heights: Vec<[f64; 2]>,
     /// Cells of a grid over the projection with the polygons, and the sides of the outline, that
     /// may touch them.
     cells: Vec<Vec<u32>>,
@@ -79,13 +81,26 @@ impl Patch {
         let all = || pieces.iter().flat_map(|(ring, _)| ring);
         let low = [0, 1].map(|k| all().map(|p| p[k]).min().unwrap_or(0));
         let high = [0, 1].map(|k| all().map(|p| p[k]).max().unwrap_or(0));
-        let outline = outline(&polygons).into_iter().map(|side| side.map(|v| project(&v)));
-        let outline: Vec<[Flat; 2]> = outline.collect();
+        let sides = outline(&polygons);
+        let outline: Vec<[Flat; 2]> = sides.iter().map(|s| s.map(|v| project(&v))).collect();
+        let height = |v: u32| corner_point(&corners[v as usize])[axis];
+        let heights = sides.into_iter().map(|side| side.map(height)).collect();
         let count = ((pieces.len() as f64).sqrt() as usize).clamp(1, 1024);
         let size = [0, 1].map(|k| (high[k] - low[k]) / count as i128 + 1);
         let (sides, cells, outline_cells) = (None, Vec::new(), Vec::new());
-        let mut patch =
-            Self { first, axis, sides, pieces, outline, cells, outline_cells, low, size, count };
+        let mut patch = Self {
+            first,
+            axis,
+            sides,
+            pieces,
+            outline,
+            heights,
+            cells,
+            outline_cells,
+            low,
+            size,
+            count,
+        };
         patch.cells = patch.spread(patch.pieces.iter().map(|(ring, _)| &ring[..]));
         patch.outline_cells = patch.spread(patch.outline.iter().map(|side| &side[..]));
         patch
@@ -141,6 +156,25 @@ impl Patch {
     fn is_cut(&self, triangle: [Flat; 3]) -> bool {
         let meets = |&k: &u32| goes_through(self.outline[k as usize], triangle);
         self.cells_of(&triangle).any(|cell| self.outline_cells[cell].iter().any(meets))
+    }
+
+    /// The height of a triangle over a side of the outline that goes through it in the projection,
+    /// rounded: the farthest of all.
+    pub(crate) fn height_over_outline(&self, corners: [&Point; 3]) -> Option<f64> {
+        let [a, b, c] = corners.map(|p| flat(self.axis, p));
+        let mut points = [(a, corners[0]), (b, corners[1]), (c, corners[2])];
+        if turn(a, b, c) < 0 {
+            points.swap(1, 2);
+        }
+        let (triangle, tops) = (points.map(|p| p.0), points.map(|p| p.1[self.axis]));
+        let over = |k: u32| {
+            let side = self.outline[k as usize];
+            let cuts = goes_through(side, triangle);
+            cuts.then(|| height_over(side, self.heights[k as usize], triangle, tops))
+        };
+        let cells = self.cells_of(&triangle);
+        let all = cells.flat_map(|cell| self.outline_cells[cell].iter().filter_map(|&k| over(k)));
+        all.max_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 
     /// Is the sum of some points, divided by their number, in a polygon?
@@ -208,6 +242,33 @@ fn goes_through([p, q]: [Flat; 2], [a, b, c]: [Flat; 3]) -> bool {
         || beyond(c, a)
         || corners.iter().all(|&t| t <= 0)
         || corners.iter().all(|&t| t >= 0))
+}
+
+/// The height of a counter-clockwise triangle over a line that goes through it in the projection,
+/// in the middle of what they have in common.
+fn height_over([p, q]: [Flat; 2], ends: [f64; 2], triangle: [Flat; 3], tops: [f64; 3]) -> f64 {
+    let [a, b, c] = triangle;
+    let (mut from, mut to) = (0.0, 1.0_f64);
+    let mut weights = [[0.0; 2]; 3];
+    for (k, (a, b)) in [(b, c), (c, a), (a, b)].into_iter().enumerate() {
+        // The line is within this side where the turn, which is linear, is positive.
+        let [s, t] = [turn(a, b, p) as f64, turn(a, b, q) as f64];
+        weights[k] = [s, t];
+        match (s < 0.0, t < 0.0) {
+            (true, false) => from = f64::max(from, s / (s - t)),
+            (false, true) => to = f64::min(to, s / (s - t)),
+            _ => {}
+        }
+    }
+    let middle = (from + to) / 2.0;
+    let at = |[s, t]: [f64; 2]| s + middle * (t - s);
+    let base = tops[0];
+    let (mut sum, mut total) = (0.0, 0.0);
+    for (weight, top) in weights.into_iter().map(at).zip(tops) {
+        sum += weight * (top - base);
+        total += weight;
+    }
+    sum / total - at(ends.map(|h| h - base))
 }
 
 /// Is a point in a closed polygon?

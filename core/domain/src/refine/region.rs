@@ -6,10 +6,10 @@
 
 use super::RefineError;
 use super::journal::Journal;
-use super::layer::Found;
 use super::marks::{DUST, MAX_REGION, face_bit, region_of};
 use super::state::State;
 use super::table::{Map, Set};
+use super::tiles::Found;
 use crate::Element;
 use ltbw_core::query::Location;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};

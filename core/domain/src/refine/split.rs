@@ -7,7 +7,7 @@
 
 use super::angles::{direction, is_sharp};
 use super::bounds::Bounds;
-use super::carrier::{Carrier, Line, distance2, free_point};
+use super::carrier::{Carrier, Line, distance2, free_point, within_box};
 use super::fill::Inserted;
 use super::item::{Item, Work};
 use super::layer::Hole;
@@ -48,6 +48,15 @@ pub(crate) enum Proposal {
     /// The point did not serve.
     Useless,
     SetBack(Setback),
+}
+
+/// Where a point for a triangle is looked for, and how far from the triangle that is: its centre,
+/// which a circle of this squared radius has, or, if that is outside the box, a point on the way.
+fn aim(corners: [Point; 3], centre: &Point, square: f64) -> (Point, f64) {
+    let middle = [0, 1, 2].map(|k| corners.iter().map(|c| c[k] / 3.0).sum());
+    let target = within_box(&middle, centre);
+    let radius = if target == *centre { square } else { distance2(&middle, &target) };
+    (target, radius.sqrt())
 }
 
 /// The refinement: state, bounds, and what came of earlier proposals.
@@ -162,7 +171,8 @@ impl<'a> Refinement<'a> {
         if square < self.floor * self.floor {
             return Step::Refused(Reason::Floor);
         }
-        for tolerance in [square.sqrt() * TOLERANCE, 1.0] {
+        let (centre, radius) = aim([a, b, c], &centre, square);
+        for tolerance in [radius * TOLERANCE, 1.0] {
             let Some((p, is_on)) = self.state.place_on(f, &centre, tolerance) else { continue };
             let place = Place { p, carrier: Carrier::Facet(f), from: self.state.mesh.hint() };
             let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, is_on);
@@ -195,8 +205,10 @@ impl<'a> Refinement<'a> {
         if hole.square() < self.floor * self.floor {
             return Step::Refused(Reason::Floor);
         }
-        for tolerance in [hole.square().sqrt() * TOLERANCE, 1.0] {
-            let Some((p, is_on)) = self.state.place_on(hole.facet, &hole.centre, tolerance) else {
+        let corners = hole.corners.map(|v| self.state.at(v));
+        let (centre, radius) = aim(corners, &hole.centre, hole.square());
+        for tolerance in [radius * TOLERANCE, 1.0] {
+            let Some((p, is_on)) = self.state.place_on(hole.facet, &centre, tolerance) else {
                 continue;
             };
             let carrier = Carrier::Facet(hole.facet);

@@ -20,11 +20,11 @@
 use super::carrier::Carrier;
 use super::facet::Change;
 use super::journal::Journal;
-use super::layer::is_above;
 use super::marks::face_bit;
 use super::patch::Sides;
 use super::state::{FACE, State};
 use super::table::{Map, edge, sides, triangle};
+use super::tiles::is_above;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, orient3d};
