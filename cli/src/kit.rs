@@ -28,7 +28,26 @@ pub(crate) fn unpack(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
             Failure::Write(io::IoError::Write { path: parent.to_owned(), source })
         })?;
         io::write_bytes(&path, text.as_bytes()).map_err(Failure::Write)?;
+        if text.starts_with("#!") {
+            make_executable(&path).map_err(|source| {
+                Failure::Write(io::IoError::Write { path: path.clone(), source })
+            })?;
+        }
         written.push(path);
     }
     Ok(written)
+}
+
+#[cfg(unix)]
+fn make_executable(path: &Path) -> std::io::Result<()> {
+    use std::os::unix::fs::PermissionsExt as _;
+    let mut permissions = std::fs::metadata(path)?.permissions();
+    // Readers may run it, too.
+    permissions.set_mode(permissions.mode() | (permissions.mode() & 0o444) >> 2);
+    std::fs::set_permissions(path, permissions)
+}
+
+#[cfg(not(unix))]
+fn make_executable(_: &Path) -> std::io::Result<()> {
+    Ok(())
 }

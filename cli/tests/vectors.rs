@@ -154,6 +154,15 @@ fn the_kit_inside_the_program_is_that_of_the_repository() {
         assert!(unpacked[path] == *text, "{}: `cargo xtask vectors`", path.display());
     }
     assert!(own.len() > 20 && own.contains_key(Path::new("executor.py")));
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        let mode = |name: &str| {
+            let file = dir.path().join("new/kit").join(name);
+            std::fs::metadata(file).unwrap().permissions().mode()
+        };
+        assert_eq!((mode("executor.py") & 0o100, mode("README.md") & 0o111), (0o100, 0));
+    }
     // A folder that cannot be made is an output that cannot be written.
     std::fs::write(dir.path().join("file"), "").unwrap();
     assert_eq!(ltbw(dir.path(), &["vectors", "unpack", "file/kit"]).code, 6);
