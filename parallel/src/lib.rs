@@ -22,6 +22,16 @@
 //! A point set has one mesh, whatever the order of its points: [`Mesh::hash`] is a function of
 //! the coordinates alone. The crate `ltbw-verify` checks meshes, by code of its own.
 //!
+//! | to | take |
+//! |---|---|
+//! | mesh points, on any number of threads | [`Builder`]; it gives a [`Built`] with a [`Mesh`] |
+//! | mesh a domain to bounds of size and shape | [`Refiner::mesh`], of a [`Domain`]: [`Refined`] |
+//! | walk, locate, ask for neighbours and Voronoi cells | [`Mesh::queries`], [`query`] |
+//! | read and write files | [`io`] |
+//! | see and stop long work | [`Observer`], [`Progress`], [`CancelToken`], [`Budget`] |
+//! | measure meshes and threads | [`quality`], [`metrics`] |
+//! | set up the parallel kernel, or simulate one | [`threads`], [`balance`], [`simulate`] |
+//!
 //! Features, none of them on by itself:
 //!
 //! | feature | what it brings |
@@ -36,25 +46,42 @@
 
 pub mod balance;
 mod builder;
+#[doc(hidden)]
 pub mod check;
 mod failure;
+#[doc(hidden)]
 pub mod mailbox;
+#[doc(hidden)]
 pub mod mesh;
 pub mod metrics;
 pub mod prelude;
+#[doc(hidden)]
 pub mod protocol;
 pub mod simulate;
 mod sync;
 pub mod threads;
+#[doc(hidden)]
 pub mod transport;
 
 pub use builder::{Builder, Built};
 pub use failure::WorkerError;
 
+// All that the kernel has is here, and what programs need is shown.
+#[doc(hidden)]
 pub use ltbw_core::*;
+#[doc(inline)]
+pub use ltbw_core::{
+    Budget, BuildError, CancelToken, InsertError, Inserted, Mesh, MeshHash, Observer, Order,
+    Outcome, Phase, Point, PointError, PointSet, Progress, Snapshot, Stats, TetMesh, Vertex, query,
+    snapshot,
+};
 #[doc(no_inline)]
 pub use ltbw_domain::{self as domain, quality, refine};
-pub use ltbw_domain::{Domain, DomainDefect, DomainError, Facet, Lattice, Region, Snapped};
+#[doc(inline)]
+pub use ltbw_domain::{
+    Domain, DomainDefect, DomainError, Facet, Lattice, Region, Snapped,
+    refine::{Refined, Refiner},
+};
 #[cfg(any(feature = "nalgebra", feature = "ndarray"))]
 pub use ltbw_exact::interop;
 pub use ltbw_exact::{points, predicates};

@@ -46,8 +46,9 @@ pub struct Progress {
     pub total: Option<u64>,
 }
 
-/// Watches long work. Called from the building thread, at least every 1024 points and, in between,
-/// when the mesh has grown by 100,000 tetrahedra. A closure will do:
+/// Watches long work, from the calling thread. The builder of this crate calls it at least every
+/// 1024 points and, in between, when the mesh has grown by 100,000 tetrahedra; that of `ltbw` ten
+/// times a second at most. A closure will do:
 ///
 /// ```
 /// use ltbw_core::{Builder, Progress};

@@ -8,20 +8,23 @@
 //! |---|---|
 //! | [`order`] | insertion order: BRIO rounds along a Hilbert curve |
 //! | [`topology`] | tetrahedra and their neighbours: 32 bytes each |
-//! | [`cavity`] | the cavity of a point: expand, admit, fill, set back |
-//! | [`edges`] | the joiner of faces that have an edge in common |
+//! | `cavity` | the cavity of a point: expand, admit, fill, set back |
+//! | `edges` | the joiner of faces that have an edge in common |
 //! | `sphere`, `geometry`, `locate` | cached spheres, the conflict test, the walk |
 //! | `transaction` | the guard of an open cavity: filled, or set back when it is dropped |
 //! | [`mesh`] | [`Mesh`]: insertion and iteration |
 //! | [`build`] | [`Builder`]: from a [`PointSet`] to a [`Mesh`] |
-//! | [`submesh`] | [`submesh::Submesh`]: the tetrahedra of one parallel worker, with locks |
+//! | `submesh` | the tetrahedra of one parallel worker, with locks |
 //! | [`query`] | questions to a [`Mesh`], from many threads: locate, nearest, Voronoi cells |
 //! | [`hash`] | the canonical mesh hash `ltbw.mesh/1` |
 //! | [`snapshot`] | [`Snapshot`]: a mesh to be stored, restored through validation |
 //! | `numbering` | kernel vertices by public number |
 //! | [`tetmesh`], `export` | [`TetMesh`]: a plain mesh as files carry it; a mesh as one |
-//! | [`invariants`] | one slow check per invariant of `docs/invariants.md` |
-//! | [`random`] | the one random generator, the same on every machine |
+//! | `invariants` | one slow check per invariant of `docs/invariants.md` |
+//! | `random` | the one random generator, the same on every machine |
+//!
+//! Inner modules that are not shown here are public to the other crates of the workspace alone, and
+//! may change with every version.
 //!
 //! Unsafe code is in `arena` (arrays without bounds checks) and `sphere::simd` (vector code) alone;
 //! atomics in `sync`.
@@ -29,22 +32,27 @@
 
 mod arena;
 pub mod build;
+#[doc(hidden)]
 pub mod cavity;
+#[doc(hidden)]
 pub mod edges;
 mod export;
 mod geometry;
 pub mod hash;
+#[doc(hidden)]
 pub mod invariants;
 mod locate;
 pub mod mesh;
 mod numbering;
 pub mod order;
 pub mod query;
+#[doc(hidden)]
 pub mod random;
 #[cfg(feature = "serde")]
 mod serialise;
 pub mod snapshot;
 mod sphere;
+#[doc(hidden)]
 pub mod submesh;
 mod sync;
 pub mod tetmesh;
@@ -57,11 +65,13 @@ pub mod undo;
 pub use build::{
     Budget, BuildError, Builder, Built, Observer, Order, Outcome, Phase, Progress, Stats,
 };
+#[doc(inline)]
 pub use cavity::{Admission, Open, Role};
 pub use geometry::PredicateStats;
 pub use hash::{HashError, MeshHash, canonical_hash};
 pub use ltbw_exact::{Mode, Point, PointError, PointSet, Sign};
 pub use mesh::{InsertError, Inserted, Mesh, Vertex};
+#[doc(inline)]
 pub use random::Random;
 pub use snapshot::{Snapshot, SnapshotError};
 pub use sync::CancelToken;

@@ -9,14 +9,19 @@ mod watch;
 mod worker_loop;
 
 pub use distributed::Distributed;
+#[doc(hidden)]
 pub use worker_loop::{Broken, Ended, Loop, Watch};
 
 use crate::WorkerError;
 use crate::balance::Balance;
 use crate::mailbox::connect;
-use crate::mesh::{GatherError, LocalMesh, Ownership, Plan, PointQueue, Prepared};
+use crate::mesh::{GatherError, LocalMesh, PointQueue, Prepared};
+#[doc(inline)]
+pub use crate::mesh::{Ownership, Plan};
 use crate::metrics::{Collector, Summary, Trace};
-use crate::protocol::{Closure, Config, Correct, Note, Rule, Worker, WorkerId, message_of};
+#[doc(inline)]
+pub use crate::protocol::{Closure, Config, Rule};
+use crate::protocol::{Correct, Note, Worker, WorkerId, message_of};
 use crate::transport::{Delayed, Mail, Transport};
 use ltbw_core::{BuildError, CancelToken, Mesh, Observer, Outcome, Phase, Vertex};
 use ltbw_exact::PointSet;
