@@ -5,9 +5,8 @@ use crate::console;
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
 use crate::streams::{Formats, name_of};
-use ltbw::Extras;
-use ltbw::domain::{Domain, DomainError};
-use ltbw::io::{self, DomainFile, Encoding, Format, MshVersion, PointFile, WriteOptions};
+use ltbw::domain::{CheckOptions, Domain, DomainError};
+use ltbw::io::{self, DomainFile, Encoding, Format, MeshFile, MshVersion, PointFile, WriteOptions};
 use ltbw_generate::{Shape, generate_domain};
 use std::path::{Path, PathBuf};
 
@@ -66,19 +65,25 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
     } else {
         let file = source.mesh()?;
         notes(input, &file.notes);
-        let mesh = file.mesh;
+        if !file.names.is_empty() && !to.holds_names() {
+            let text = "names of groups are not kept: this format has no place for them";
+            notes(&output.name, &[text.to_owned()]);
+        }
         if to.holds_mesh() {
-            let extras = Extras { faces: file.faces, ..Extras::default() };
-            formats.write_mesh(output.path, &mesh, &extras, options)?;
-            let (points, tets) = (mesh.points.len(), mesh.tets.len());
+            formats.write_mesh_file(output.path, &file, options)?;
+            let (points, tets) = (file.mesh.points.len(), file.mesh.tets.len());
             console::people(&format!(
                 "wrote     {}: {points} points, {tets} tetrahedra",
                 show(&output.name)
             ));
             return Ok(Exit::Done);
         }
-        let text = format!("{} tetrahedra are not kept: this format holds points", mesh.tets.len());
-        notes(&output.name, &[text]);
+        let MeshFile { mesh, faces, .. } = file;
+        let lost = [(mesh.tets.len(), "tetrahedra"), (faces.len(), "boundary triangles")];
+        for (count, name) in lost.into_iter().filter(|&(count, _)| count > 0) {
+            let text = format!("{count} {name} are not kept: this format holds points");
+            notes(&output.name, &[text]);
+        }
         let point_tags = mesh.point_tags;
         let file = PointFile { points: mesh.points, point_tags, notes: Vec::new() };
         write_points(output, &file, options)
@@ -95,7 +100,24 @@ fn convert_domain(
     notes(input, &file.notes);
     let failed = |e: DomainError| Failure::Domain { path: input.to_owned(), error: e.into() };
     file.domain.check_structure().map_err(failed)?;
-    write_domain(output, &file.domain, options)
+    if !file.oriented || output.format.holds_surface() {
+        return write_domain(output, &file.domain, options);
+    }
+    // Orientation means nothing in the other format: hole points say what is not inside.
+    let asked = CheckOptions { oriented: true, ..CheckOptions::default() };
+    let found = file.domain.check(&asked).ok().filter(|report| report.cells.is_some());
+    if found.is_none() {
+        let text = "the surface has defects: no hole points are added; all it encloses is inside";
+        notes(&output.name, &[text.to_owned()]);
+    }
+    let voids = found.map(|report| report.voids).unwrap_or_default();
+    let mut domain = file.domain.clone();
+    if !voids.is_empty() {
+        let text = format!("a hole point is added in each of {} voids", voids.len());
+        notes(&output.name, &[text]);
+    }
+    domain.holes.extend(voids);
+    write_domain(output, &domain, options)
 }
 
 fn write_domain(

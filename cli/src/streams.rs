@@ -147,6 +147,20 @@ impl Formats {
         write(path, |out| io::write_mesh_to(out, &name, format, mesh, extras, options))
     }
 
+    /// Writes a mesh as it was read to a file or to stdout.
+    pub(crate) fn write_mesh_file(
+        self,
+        path: &Path,
+        file: &MeshFile,
+        options: WriteOptions,
+    ) -> Result<(), Failure> {
+        if !is_open(path) {
+            return io::write_mesh_file(path, file, options).map_err(Failure::Write);
+        }
+        let (name, format) = (name_of(path), self.of_output(path)?);
+        write(path, |out| io::write_mesh_file_to(out, &name, format, file, options))
+    }
+
     /// Writes points to a file or to stdout.
     pub(crate) fn write_points(
         self,

@@ -1,5 +1,6 @@
 //! Obstacles for a newcomer: outputs that overwrite each other, folders that take no file, a
-//! mesh of a domain taken for one of its points, numbers written in other ways.
+//! mesh of a domain taken for one of its points, numbers written in other ways. Others of the kind:
+//! pipes in `streams.rs`, losses in `losses.rs`, the conformance kit in `vectors.rs`.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 mod common;
@@ -125,4 +126,103 @@ fn shells_and_manuals_know_every_command() {
     let page = std::fs::read_to_string(dir.path().join("ltbw-mesh.1")).unwrap();
     assert!(page.starts_with(".ie") && page.contains("max\\-volume"), "{page}");
     assert_eq!(ltbw(dir.path(), &["man", "missing"]).code, 6);
+}
+
+/// The lines of `--progress json`.
+fn progress(dir: &std::path::Path, args: &[&str]) -> Vec<serde_json::Value> {
+    let run = ltbw(dir, &[args, &["--progress", "json"]].concat());
+    assert_eq!(run.code, 0, "{args:?}: {}", run.stderr);
+    let lines = run.stderr.lines().filter(|line| line.starts_with('{'));
+    lines.map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// A total that nobody knows is none, not 0, of which 97,928 points were done.
+#[test]
+fn progress_never_exceeds_its_total() {
+    let dir = tempfile::tempdir().unwrap();
+    assert_eq!(ltbw(dir.path(), &["generate", "tee", "-o", "d.poly"]).code, 0);
+    let lines = progress(dir.path(), &["mesh", "d.poly", "--max-volume", "1e-3"]);
+    assert!(lines.iter().any(|l| l["phase"] == "refine" && l["done"].as_u64() > Some(0)));
+    for line in &lines {
+        if let Some(total) = line["total"].as_u64() {
+            assert!(total > 0 && line["done"].as_u64() <= Some(total), "{line}");
+        }
+    }
+}
+
+#[test]
+fn every_long_command_tells_its_phases() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    assert_eq!(ltbw(dir, &["generate", "uniform", "300", "-o", "p.npy"]).code, 0);
+    let commands: [(&[&str], &[&str]); 4] = [
+        (
+            &["delaunay", "p.npy", "--threads", "2", "-o", "m.vtu"],
+            &["read", "insert", "hash", "check", "write"],
+        ),
+        (&["check", "m.vtu"], &["read", "check"]),
+        (&["convert", "m.vtu", "m.msh"], &["convert"]),
+        (&["simulate", "--points", "300"], &["simulate"]),
+    ];
+    for (args, wanted) in commands {
+        let lines = progress(dir, args);
+        for phase in wanted {
+            assert!(lines.iter().any(|line| line["phase"] == *phase), "{args:?}: {phase}");
+        }
+    }
+}
+
+#[test]
+fn a_misspelt_option_is_answered_with_the_right_one_and_the_right_help() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = ltbw(dir.path(), &["delaunay", "p.npy", "--thread", "2"]);
+    assert_eq!(run.code, 2);
+    let error = run.error();
+    assert!(error.contains("--threads") && error.contains("ltbw delaunay --help"), "{error}");
+}
+
+#[test]
+fn short_times_have_digits_and_help_tells_the_codes_of_its_command() {
+    let dir = tempfile::tempdir().unwrap();
+    assert_eq!(ltbw(dir.path(), &["generate", "uniform", "100", "-o", "p.npy"]).code, 0);
+    let run = ltbw(dir.path(), &["delaunay", "p.npy"]);
+    let seconds = run.stderr.lines().find(|line| line.starts_with("seconds ")).unwrap();
+    let insert = seconds.split(", ").find_map(|part| part.strip_prefix("insert ")).unwrap();
+    assert!(insert.parse::<f64>().unwrap() > 0.0, "{seconds}");
+    let help = ltbw(dir.path(), &["convert", "--help"]).stdout;
+    // Neither checks a convert its own output, nor finds it defects.
+    assert!(help.contains("\n  6  ") && !help.contains("\n  5  "), "{help}");
+    let help = ltbw(dir.path(), &["mesh", "--help"]).stdout;
+    let (_, size) = help.split_once("--size <LENGTH>").unwrap();
+    let size: Vec<&str> = size.split("--sizes").next().unwrap().split_whitespace().collect();
+    assert!(size.join(" ").contains("no volume above that of the regular tetrahedron"), "{size:?}");
+}
+
+/// Files that newcomers bring: each is read, or refused by a line that names what is.
+#[test]
+fn files_of_newcomers_are_read_or_the_right_ones_are_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    std::fs::write(dir.join("p.txt"), "# x y z\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n").unwrap();
+    assert_eq!(ltbw(dir, &["delaunay", "p.txt", "-o", "m.vtk"]).code, 0);
+    assert_eq!(ltbw(dir, &["check", "m.vtk"]).code, 0);
+    // A compressor in the header of a file that holds text alone.
+    assert_eq!(ltbw(dir, &["convert", "m.vtk", "m.vtu", "--ascii"]).code, 0);
+    let text = std::fs::read_to_string(dir.join("m.vtu")).unwrap();
+    for name in ["LZ4", "LZMA", "ZLib"] {
+        let header = format!("<VTKFile compressor=\"vtk{name}DataCompressor\"");
+        std::fs::write(dir.join("c.vtu"), text.replacen("<VTKFile", &header, 1)).unwrap();
+        let run = ltbw(dir, &["check", "c.vtu"]);
+        assert_eq!(run.code, 0, "{name}: {}", run.stderr);
+    }
+    for name in ["a.vtp", "a.meshb", "a.inp"] {
+        std::fs::write(dir.join(name), "").unwrap();
+        let run = ltbw(dir, &["check", name]);
+        assert_eq!(run.code, 3);
+        assert!(run.error().contains("unknown extension; points: .npy"), "{}", run.stderr);
+    }
+    std::fs::write(dir.join("old.msh"), "$MeshFormat\n4 0 8\n$EndMeshFormat\n").unwrap();
+    let run = ltbw(dir, &["check", "old.msh"]);
+    assert_eq!(run.code, 3);
+    assert!(run.error().ends_with("version 4; 4.1 and 2.2 are read"), "{}", run.stderr);
 }

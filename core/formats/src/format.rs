@@ -130,6 +130,11 @@ impl Format {
         matches!(self, Format::Npz | Format::Off | Format::Obj | Format::Stl)
     }
 
+    /// Whether names of regions and of markers survive in this format.
+    pub fn holds_names(self) -> bool {
+        self == Format::Msh
+    }
+
     /// Whether point tags survive in this format.
     pub fn holds_point_tags(self) -> bool {
         !self.is_read_only() && !matches!(self, Format::Npy | Format::Xyz | Format::Txt)

@@ -73,7 +73,7 @@ pub use parts::{check_parts_writable, is_parts, part_files, write_parts};
 use std::path::{Path, PathBuf};
 pub use streams::{
     check_domain_stream, check_mesh_stream, check_points_stream, parse_domain, parse_mesh,
-    parse_points, write_domain_to, write_mesh_to, write_points_to,
+    parse_points, write_domain_to, write_mesh_file_to, write_mesh_to, write_points_to,
 };
 
 /// Points as files carry them.
@@ -94,8 +94,21 @@ pub struct MeshFile {
     pub mesh: TetMesh,
     /// Triangles of the file that are faces of tetrahedra, with their markers.
     pub faces: Vec<BoundaryFace>,
+    /// Names of regions and of markers of boundary triangles (`.msh`).
+    pub names: Vec<GroupName>,
     /// The parts of the file that were not read, in words for people.
     pub notes: Vec<String>,
+}
+
+/// The name of a group of tetrahedra or of boundary triangles.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct GroupName {
+    /// 3 for tetrahedra, 2 for triangles.
+    pub dimension: u8,
+    /// The region, or the marker.
+    pub group: i64,
+    /// The name.
+    pub name: String,
 }
 
 /// A domain as files carry it.
@@ -209,6 +222,21 @@ pub fn write_mesh_and(
         _ => Aside::write(path, |out| streams::put_mesh(out, format, mesh, extras, options))?
             .publish(),
     }
+}
+
+/// Writes a mesh as it was read: with its boundary, and in `.msh` with the names of its groups.
+pub fn write_mesh_file(
+    path: impl AsRef<Path>,
+    file: &MeshFile,
+    options: WriteOptions,
+) -> Result<(), IoError> {
+    let path = path.as_ref();
+    if Format::from_path(path)? != Format::Msh {
+        let extras = Extras { faces: file.faces.clone(), ..Extras::default() };
+        return write_mesh_and(path, &file.mesh, &extras, options);
+    }
+    streams::file_ready(path, file)?;
+    Aside::write(path, |out| streams::put_msh(out, file, options))?.publish()
 }
 
 /// The format of `path`, if points (or else meshes) can be written in it.

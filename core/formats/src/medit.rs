@@ -94,7 +94,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let mesh = TetMesh { points, tets, point_tags, tet_tags };
     let (faces, note) = owned(&mesh, &triangles);
     notes.extend(note);
-    Ok(MeshFile { mesh, faces, notes })
+    Ok(MeshFile { mesh, faces, notes, names: Vec::new() })
 }
 
 /// The number that must follow inside the section `keyword`.

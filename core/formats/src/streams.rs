@@ -122,6 +122,42 @@ pub fn write_mesh_to(
     put_mesh(out, format, mesh, extras, options).map_err(|source| write_error(name, source))
 }
 
+/// Writes a mesh to a stream, as [`super::write_mesh_file`] does to a file.
+///
+/// # Errors
+/// [`IoError`] with `name`: a format of two files, data that it cannot hold, or what `out` says.
+pub fn write_mesh_file_to(
+    out: &mut dyn Write,
+    name: impl AsRef<Path>,
+    format: Format,
+    file: &MeshFile,
+    options: WriteOptions,
+) -> Result<(), IoError> {
+    let name = name.as_ref();
+    if format != Format::Msh {
+        let extras = Extras { faces: file.faces.clone(), ..Extras::default() };
+        return write_mesh_to(out, name, format, &file.mesh, &extras, options);
+    }
+    file_ready(name, file)?;
+    put_msh(out, file, options).map_err(|source| write_error(name, source))
+}
+
+/// Checks that a mesh with its boundary can be written as `.msh`.
+pub(super) fn file_ready(name: &Path, file: &MeshFile) -> Result<(), IoError> {
+    let extras = Extras { faces: file.faces.clone(), ..Extras::default() };
+    mesh_ready(name, Format::Msh, &file.mesh, &extras)
+}
+
+/// Writes `.msh` with names, after [`file_ready`].
+pub(super) fn put_msh(
+    out: &mut dyn Write,
+    file: &MeshFile,
+    options: WriteOptions,
+) -> std::io::Result<()> {
+    let MeshFile { mesh, faces, names, .. } = file;
+    msh::write_named(out, mesh, faces, names, options.msh_version, options.encoding)
+}
+
 /// Writes a domain to a stream, as [`super::write_domain_with`] does to a file.
 ///
 /// # Errors

@@ -197,7 +197,7 @@ pub fn parse_ele(bytes: &[u8], node: NodeFile) -> Result<MeshFile, ParseError> {
         notes.push("corners after the fourth of quadratic tetrahedra are not read".into());
     }
     let mesh = TetMesh { points, tets, point_tags, tet_tags };
-    Ok(MeshFile { mesh, faces: Vec::new(), notes })
+    Ok(MeshFile { mesh, faces: Vec::new(), notes, names: Vec::new() })
 }
 
 /// A region: an integer, also when written as a float; `None` for any other number.

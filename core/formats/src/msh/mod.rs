@@ -6,8 +6,9 @@
 //! entity. A view `tag` at the nodes and a view `region` in the elements are tags, too, if they
 //! are integers everywhere; the view comes before the groups. Triangles of three nodes
 //! that are faces of tetrahedra are boundary triangles, with their physical group as marker. Other
-//! elements of dimension 0 to 2, other views and other sections are not read, and a note says so;
-//! other volume elements are refused.
+//! elements of dimension 0 to 2, names of groups of points and curves, other views and other
+//! sections are not read, and a note says so; other volume elements are refused. Names of groups of
+//! surfaces and volumes are kept for a file of the same format.
 //!
 //! Written: version 4.1, or 2.2. Point tags are a view `tag`, with values of type double. Regions
 //! are physical groups, each with an entity of its own, if all are positive and below 2^31 (what
@@ -24,13 +25,13 @@ mod write;
 
 pub use super::MshVersion;
 
-use super::MeshFile;
 use super::error::{ParseError, Place, Reason, excerpt};
 use super::text::{capacity, count};
+use super::{GroupName, MeshFile};
 use parts::Parts;
 use source::{Form, Source};
 pub(super) use write::check;
-pub use write::{write, write_with};
+pub use write::{write, write_named, write_with};
 
 /// Reads a `.msh` file.
 pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
@@ -131,8 +132,8 @@ fn mesh_format(source: &mut Source<'_>) -> Result<MshVersion, ParseError> {
     Ok(version)
 }
 
-/// Reads `$PhysicalNames`, lines of text also in binary files, for the markers that names of
-/// surfaces tell.
+/// Reads `$PhysicalNames`, lines of text also in binary files: names of surfaces and volumes, and
+/// markers that names of surfaces tell.
 fn names(source: &mut Source<'_>, parts: &mut Parts) -> Result<(), ParseError> {
     let mut others = false;
     for line in tags(source)? {
@@ -143,11 +144,16 @@ fn names(source: &mut Source<'_>, parts: &mut Parts) -> Result<(), ParseError> {
         let marker = name.and_then(|name| name.strip_prefix(write::NAME)?.parse().ok());
         match (dimension, group, marker) {
             (Some("2"), Some(group), Some(marker)) => drop(parts.markers.insert(group, marker)),
+            (Some(dimension @ ("2" | "3")), Some(group), None) => {
+                let dimension = if dimension == "2" { 2 } else { 3 };
+                let name = name.unwrap_or_default().to_owned();
+                parts.names.push(GroupName { dimension, group, name });
+            }
             _ => others = true,
         }
     }
     if others {
-        parts.notes.push("names of physical groups are not read".to_owned());
+        parts.notes.push("names of physical groups of points and curves are not read".to_owned());
     }
     source.end("PhysicalNames")
 }

@@ -1,10 +1,10 @@
 //! The common parts of the two versions of `.msh`: nodes and tetrahedra under numbers of the
 //! file, and how they become a mesh.
 
-use crate::MeshFile;
 use crate::error::Reason;
 use crate::faces::owned;
 use crate::scalar::exact_integer;
+use crate::{GroupName, MeshFile};
 use ltbw_core::TetMesh;
 use ltbw_exact::Point;
 use std::collections::HashMap;
@@ -115,6 +115,8 @@ pub(super) struct Parts {
     pub(super) triangles: Vec<Triangle>,
     /// Markers of the groups of surfaces whose names tell them.
     pub(super) markers: HashMap<i64, i64>,
+    /// Other names of groups of surfaces and volumes.
+    pub(super) names: Vec<GroupName>,
     /// Values of the view `tag` at nodes, by number.
     pub(super) tags: Option<Vec<(u64, f64)>>,
     /// Values of the view `region` in elements, by number.
@@ -143,7 +145,8 @@ impl Parts {
 
     /// The mesh: nodes in the order of the file, tetrahedra in the order of their numbers.
     pub(super) fn mesh(self) -> Result<MeshFile, Reason> {
-        let Parts { nodes, tets, mut triangles, markers, tags, regions, mut notes, .. } = self;
+        let Parts { nodes, tets, mut triangles, markers, names, tags, regions, mut notes, .. } =
+            self;
         let missing = |name| Reason::Syntax(format!("there is no section `{name}`"));
         let nodes = nodes.ok_or_else(|| missing("$Nodes"))?;
         // A file that was cut between sections must not pass for a mesh without elements.
@@ -181,7 +184,7 @@ impl Parts {
             triangles.iter().map(|t| (t.corners, marker(t))).collect();
         let (faces, note) = owned(&mesh, &triangles);
         notes.extend(note);
-        Ok(MeshFile { mesh, faces, notes })
+        Ok(MeshFile { mesh, faces, notes, names })
     }
 }
 

@@ -4,7 +4,7 @@ use super::MshVersion;
 use super::parts::{TETRAHEDRON, TRIANGLE};
 use crate::error::DataError;
 use crate::text::{push_integer, push_point, write_rows};
-use crate::{Encoding, check_float_tags};
+use crate::{Encoding, GroupName, check_float_tags};
 use ltbw_core::{BoundaryFace, TetMesh};
 use std::io::{Error, ErrorKind, Result, Write};
 
@@ -80,16 +80,33 @@ impl<'a> Surfaces<'a> {
         self.markers.partition_point(|&m| m < self.faces[face].marker)
     }
 
-    /// The names of the groups that have one.
-    fn write_names(&self, sink: &mut Sink<'_>) -> Result<()> {
-        let named: Vec<(i64, &String)> =
-            self.groups.iter().filter_map(|(g, name)| Some((*g, name.as_ref()?))).collect();
+    /// The names of groups: those that tell markers, and those given of groups that are there.
+    fn write_names(
+        &self,
+        sink: &mut Sink<'_>,
+        regions: &Regions<'_>,
+        names: &[GroupName],
+    ) -> Result<()> {
+        let own = self.groups.iter().filter_map(|(group, name)| Some((2, *group, name.clone()?)));
+        let volumes: &[i64] = match regions {
+            Regions::Groups(_, different) => different,
+            _ => &[],
+        };
+        let is_there = |n: &&GroupName| match n.dimension {
+            2 => self.groups.iter().any(|(group, own)| *group == n.group && own.is_none()),
+            _ => volumes.binary_search(&n.group).is_ok(),
+        };
+        // A name ends at its line and at its quotes.
+        let plain = |name: &str| name.chars().filter(|&c| !c.is_control() && c != '"').collect();
+        let given = names.iter().filter(is_there);
+        let given = given.map(|n| (i64::from(n.dimension), n.group, plain(&n.name)));
+        let named: Vec<(i64, i64, String)> = own.chain(given).collect();
         if named.is_empty() {
             return Ok(());
         }
         sink.line(&format!("$PhysicalNames\n{}", named.len()))?;
-        for (group, name) in named {
-            sink.line(&format!("2 {group} \"{name}\""))?;
+        for (dimension, group, name) in named {
+            sink.line(&format!("{dimension} {group} \"{name}\""))?;
         }
         sink.line("$EndPhysicalNames")
     }
@@ -220,6 +237,21 @@ pub fn write_with(
     version: MshVersion,
     encoding: Encoding,
 ) -> Result<()> {
+    write_named(out, mesh, faces, &[], version, encoding)
+}
+
+/// Writes a `.msh` file as [`write_with`] does, with the names of regions and markers that it has.
+///
+/// # Errors
+/// Those of [`write_with`].
+pub fn write_named(
+    out: &mut dyn Write,
+    mesh: &TetMesh,
+    faces: &[BoundaryFace],
+    names: &[GroupName],
+    version: MshVersion,
+    encoding: Encoding,
+) -> Result<()> {
     check(mesh).map_err(|e| Error::new(ErrorKind::InvalidInput, e))?;
     if i32::try_from(mesh.points.len().max(mesh.tets.len() + faces.len())).is_err() {
         let text = "more points or elements than a .msh file can number";
@@ -241,7 +273,7 @@ pub fn write_with(
         sink.end("MeshFormat")?;
     }
     let surfaces = Surfaces::new(faces);
-    surfaces.write_names(sink)?;
+    surfaces.write_names(sink, &regions, names)?;
     match version {
         MshVersion::V4_1 => version_4(sink, mesh, &regions, &surfaces)?,
         MshVersion::V2_2 => version_2(sink, mesh, &regions, &surfaces)?,

@@ -51,7 +51,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     }
     let (faces, note) = owned(&grid.mesh, &grid.triangles);
     notes.extend(note);
-    Ok(MeshFile { mesh: grid.mesh, faces, notes })
+    Ok(MeshFile { mesh: grid.mesh, faces, notes, names: Vec::new() })
 }
 
 /// Reads a `.vtk` file with a surface.
