@@ -71,7 +71,9 @@ fn version_4_as_gmsh_writes_it() {
     assert_eq!(mesh.tet_tags, Some(vec![7, 7, 0]));
     assert_eq!(mesh.point_tags, None);
     assert_eq!(file.faces.len(), 1, "{:?}", file.faces);
-    assert_eq!(file.notes.len(), 3, "{:?}", file.notes);
+    assert_eq!(file.notes.len(), 2, "{:?}", file.notes);
+    let name = &file.names[0];
+    assert_eq!((file.names.len(), name.dimension, name.group), (1, 3, 7), "{name:?}");
     // Without groups the two volumes are regions.
     let plain = V4.replace("1 0 0 0 1 1 1 2 7 8 1 6", "1 0 0 0 1 1 1 0 0");
     assert_eq!(msh::read(plain.as_bytes()).unwrap().mesh.tet_tags, Some(vec![1, 1, 2]));
