@@ -68,6 +68,13 @@ impl Inserted {
             if place.carrier != Carrier::Free || !filling.changes.is_empty() {
                 self.update_boundary(state, p, filling, work);
             }
+            // Labels are inherited; what they have to be is a function of the subfaces alone.
+            debug_assert!(
+                bounds.is_none()
+                    || state.journal.is_some()
+                    || state.is_labelled(self.created.iter().copied()),
+                "the label changes where there is no subface, or not at one"
+            );
             if let Some(bounds) = bounds {
                 self.put_created(state, bounds, work);
             }

@@ -12,6 +12,7 @@ use super::outcome::Reason;
 use super::split::{Refinement, Step};
 use super::state::State;
 use ltbw_core::cavity::Admission;
+use ltbw_core::topology::TetId;
 
 /// The most transactions of a joint step.
 const MOST: usize = 256;
@@ -46,7 +47,9 @@ impl Refinement<'_> {
         }
         let Some(journal) = self.state.journal.take() else { return Step::Gone };
         let complete = failed.is_none() && self.state.is_complete();
-        if complete && self.state.relabel(&journal) && self.state.is_labelled(&journal) {
+        let live = journal.created.iter().filter(|&&(t, v)| self.state.is_live(t, v));
+        let live: Vec<TetId> = live.map(|&(t, _)| t).collect();
+        if complete && self.state.relabel(&journal) && self.state.is_labelled(live) {
             self.state.settle_dust(journal.created.iter().map(|&(t, _)| t));
             // Slots of ghosts, too: a tetrahedron may have been there.
             let written = journal.insertions.iter().flat_map(|(undo, _)| undo.created());

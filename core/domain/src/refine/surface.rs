@@ -19,7 +19,6 @@
 
 use super::carrier::Carrier;
 use super::facet::Change;
-use super::journal::Journal;
 use super::marks::face_bit;
 use super::patch::Sides;
 use super::state::{FACE, State};
@@ -287,12 +286,12 @@ impl State {
         }
     }
 
-    /// After a joint step: does the label change at the subfaces of its tetrahedra only, and from
-    /// the side of each patch where it should?
-    pub(crate) fn is_labelled(&self, journal: &Journal) -> bool {
+    /// Does the label change at the subfaces of these new tetrahedra only, and from the side of
+    /// each patch where it should?
+    pub(crate) fn is_labelled(&self, tets: impl IntoIterator<Item = TetId>) -> bool {
         let topology = self.mesh.topology();
-        let live = journal.created.iter().filter(|&&(t, v)| self.is_live(t, v));
-        let sound = |&(t, v): &(TetId, [VertexId; 4])| {
+        tets.into_iter().all(|t| {
+            let v = self.vertices(t);
             let (word, own) = (self.marks.of(t), self.marks.region(t));
             (0..4).all(|slot| {
                 let other = self.marks.region(tet_of(topology.at(t).neighbours()[slot]));
@@ -310,7 +309,6 @@ impl State {
                 let labels = if inwards { [own, other] } else { [other, own] };
                 turn != 0 && labels == [sides.inner, sides.outer]
             })
-        };
-        live.clone().all(sound)
+        })
     }
 }
