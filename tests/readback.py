@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads what `ltbw` writes with meshio and PyVista, and lets `ltbw` read what they write.
+"""Reads what `ltbw` writes with meshio, PyVista and Gmsh, and lets `ltbw` read what they write.
 
 usage: readback.py LTBW FOLDER
 
@@ -13,11 +13,12 @@ import sys
 from pathlib import Path
 
 try:
+    import gmsh
     import meshio
     import numpy as np
     import pyvista
-except ImportError as error:
-    print(f"a Python package is missing: {error}")
+except (ImportError, OSError) as error:
+    print(f"a Python package, or a library that it needs, is missing: {error}")
     sys.exit(3)
 
 LTBW = Path(sys.argv[1]).resolve()
@@ -346,7 +347,89 @@ def parts_to_python():
     agree("parts.pvtu by PyVista: tetrahedra", rows(parts), rows(whole))
 
 
+# Two cells with a wall between them; the corners of facets, and their markers.
+CELLS = [
+    ([0, 1, 3, 2], 4), ([0, 1, 7, 6], 0), ([2, 3, 9, 8], 12), ([0, 2, 8, 6], 4), ([1, 3, 9, 7], 30),
+    ([1, 4, 5, 3], 4), ([1, 4, 10, 7], 8), ([3, 5, 11, 9], 8), ([4, 5, 11, 10], -7),
+    ([6, 7, 9, 8], 4), ([7, 10, 11, 9], 4),
+]
+
+
+def boundary_to_python():
+    """The boundary triangles of a domain, with their markers, are the same to all readers."""
+    with open(FOLDER / "cells.poly", "w") as out:
+        print("12 3 0 0", file=out)
+        for k in range(12):
+            x = [0, 1, 0, 1, 3, 3][k % 6]
+            print(k, x, k % 6 in (2, 3, 5) and 1 or 0, k // 6, file=out)
+        print(len(CELLS), 1, file=out)
+        for corners, marker in CELLS:
+            print(1, 0, marker, file=out)
+            print(4, *corners, file=out)
+        # No holes, two regions.
+        print(0, 2, "0 0.5 0.5 0.5 5", "1 2 0.5 0.5 3", sep="\n", file=out)
+    binary = ["b.vtu", "b.vtk", "b.msh", "b.mesh", "b.ele"]
+    run("mesh", "cells.poly", "--max-volume", "0.02", *[w for n in binary for w in ("-o", n)])
+    run("convert", "b.vtu", "old.msh", "--msh2")
+    run("convert", "b.msh", "text.msh", "--ascii")
+    run("convert", "b.msh", "back.vtu")
+
+    def rows(triangles, markers):
+        # Corners of a triangle sorted, then the triangles.
+        corners = np.sort(np.asarray(triangles, dtype=np.int64), axis=1)
+        rows = np.hstack([corners, np.asarray(markers, dtype=np.int64)[:, None]])
+        return rows[np.lexsort(rows.T[::-1])]
+
+    faces = [line.split() for line in open(FOLDER / "b.face")][1:]
+    wanted = rows([row[1:4] for row in faces], [row[4] for row in faces])
+    agree("markers of the boundary", np.unique(wanted[:, 3]), [-7, 0, 4, 8, 12, 30])
+    # Groups of Gmsh are positive: the others have free numbers, and names.
+    names = {0: "marker 0", -7: "marker -7"}
+    for name in ["b.vtu", "back.vtu", "b.vtk", "b.mesh"]:
+        mesh = meshio.read(FOLDER / name)
+        array = "medit:ref" if name.endswith(".mesh") else "marker"
+        marks = mesh.cell_data_dict[array]["triangle"]
+        agree(f"{name} by meshio: boundary", rows(mesh.cells_dict["triangle"], marks), wanted)
+    for name in ["b.vtu", "back.vtu", "b.vtk"]:
+        grid = pyvista.read(FOLDER / name)
+        marks = grid.cell_data["marker"][grid.celltypes == pyvista.CellType.TRIANGLE]
+        triangles = grid.cells_dict[pyvista.CellType.TRIANGLE]
+        agree(f"{name} by PyVista: boundary", rows(triangles, marks), wanted)
+    for name in ["b.msh", "text.msh", "old.msh"]:
+        mesh = meshio.read(FOLDER / name)
+        known = {text: marker for marker, text in names.items()}
+        groups = [(text, tag) for text, (tag, dim) in mesh.field_data.items() if dim == 2]
+        markers = {tag: known.get(text, tag) for text, tag in groups}
+        marks = [markers.get(g, g) for g in mesh.cell_data_dict["gmsh:physical"]["triangle"]]
+        agree(f"{name} by meshio: boundary", rows(mesh.cells_dict["triangle"], marks), wanted)
+        agree(f"{name} by Gmsh: boundary", rows(*of_gmsh(name, known)), wanted)
+    agree("b.mesh by Gmsh: triangles", gmsh_triangles("b.mesh"), wanted[:, :3])
+
+
+def of_gmsh(name, known):
+    """The triangles of a file with the markers of their groups, as Gmsh sees them."""
+    triangles, markers = [], []
+    gmsh.open(str(FOLDER / name))
+    for _, group in gmsh.model.getPhysicalGroups(2):
+        marker = known.get(gmsh.model.getPhysicalName(2, group), group)
+        for entity in gmsh.model.getEntitiesForPhysicalGroup(2, group):
+            _, corners = gmsh.model.mesh.getElementsByType(2, entity)
+            triangles.extend(corners.reshape(-1, 3).astype(np.int64) - 1)
+            markers.extend([marker] * (len(corners) // 3))
+    return triangles, markers
+
+
+def gmsh_triangles(name):
+    """The corners of all triangles of a file, as Gmsh sees them."""
+    gmsh.open(str(FOLDER / name))
+    _, corners = gmsh.model.mesh.getElementsByType(2)
+    rows = np.sort(corners.reshape(-1, 3).astype(np.int64) - 1, axis=1)
+    return rows[np.lexsort(rows.T[::-1])]
+
+
 def main():
+    gmsh.initialize()
+    gmsh.option.setNumber("General.Verbosity", 2)
     run("generate", "uniform", 400, "--seed", 3, "-o", "points.npy")
     points = np.load(FOLDER / "points.npy")
     # Exponents of all sizes, and the zero with a sign, are doubles like others.
@@ -372,6 +455,8 @@ def main():
     mesh.regions = rng.integers(-3, 4, len(mesh.tets))
     ltbw_to_python(mesh)
     parts_to_python()
+    boundary_to_python()
+    gmsh.finalize()
     for failure in failures:
         print(f"FAILED: {failure}")
     print(f"{checks} comparisons, {len(failures)} failed")

@@ -1,6 +1,6 @@
-//! Files of ours read by meshio and PyVista, and files of theirs by us: `tests/readback.py`.
+//! Files of ours read by meshio, PyVista and Gmsh, and files of theirs by us: `tests/readback.py`.
 //!
-//! Python is `$LTBW_PYTHON` or `python3`, with the packages meshio, pyvista and numpy.
+//! Python is `$LTBW_PYTHON` or `python3`, with the packages meshio, pyvista, gmsh and numpy.
 
 #[path = "../../tests/src/require.rs"]
 #[expect(unreachable_pub, reason = "it is public in the library that owns it")]
@@ -13,7 +13,7 @@ use std::process::Command;
 const MISSING: i32 = 3;
 
 #[test]
-fn meshio_and_pyvista_read_what_we_write_and_the_other_way_round() {
+fn meshio_pyvista_and_gmsh_read_what_we_write_and_the_other_way_round() {
     let python = std::env::var("LTBW_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/readback.py");
     let folder = tempfile::tempdir().unwrap();
