@@ -33,6 +33,8 @@ cargo xtask COMMAND
   bench [SET]...        our order + insert against CGAL's, interleaved pairs, median of 7
   bench threads [N [ROUNDS]]
                         one and two threads against the sequential kernel and CGAL on TBB, N points
+  bench python [N [ROUNDS]]
+                        ltbw.delaunay of the Python package beside the program, N points
   bench refine          refinement by both engines, beside the commit before (LTBW_BEFORE names its
                         measure_refine), against TetGen's (the Python package tetgen), and over 500
                         random domains

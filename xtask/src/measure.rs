@@ -1,17 +1,21 @@
 //! `bench` and `bars`: the programs `measure`, `measure_refine` and `measure_threads` of the tests
 //! package, built with the release profile.
 
+use crate::python;
 use crate::require;
 use crate::shell::{self, cargo, command, target};
 
 /// Builds and runs `measure` with `mode` and `args`, or `measure_refine` for `bench refine` and
-/// `measure_threads` for `bench threads`.
+/// `measure_threads` for `bench threads`; `bench python` is of the Python package.
 pub(crate) fn run(mode: &str, args: &[String]) -> Result<(), String> {
     if mode == "bench" && args == ["refine"] {
         return refine();
     }
     if mode == "bench" && args.first().is_some_and(|name| name == "threads") {
         return threads(&args[1..]);
+    }
+    if mode == "bench" && args.first().is_some_and(|name| name == "python") {
+        return python::bench(&args[1..]);
     }
     // One thread, ordering included: that is what CGAL's sequential version gets.
     shell::run(

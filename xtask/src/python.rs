@@ -3,6 +3,7 @@
 
 use crate::shell::{self, cargo, command, root, target};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// The packages that build and test it.
 const PACKAGES: [&str; 6] = [
@@ -19,23 +20,11 @@ const TEST: &str = "import maturin, numpy, pytest, meshio, pyvista, scipy";
 
 /// Lints, builds, installs, tests.
 pub(crate) fn run() -> Result<(), String> {
-    let package = root().join("bindings/python");
-    let own_target = target().join("python");
-    let python = shell::python("python-bindings", &PACKAGES, TEST)?;
-    let python = python.to_string_lossy();
-    let in_package = |program: &str| {
-        let mut command = command(program);
-        command.current_dir(&package).env("CARGO_TARGET_DIR", &own_target);
-        command
-    };
     let cargo_program = cargo().get_program().to_string_lossy().into_owned();
     shell::run(in_package(&cargo_program).args(["fmt", "--check"]))?;
     let clippy = ["clippy", "--quiet", "--release", "--all-targets", "--", "-D", "warnings"];
     shell::run(in_package(&cargo_program).args(clippy))?;
-    let wheel = wheel(&own_target.join("dist"))?;
-    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-    let fresh = ["--force-reinstall", "--no-deps"];
-    shell::run(in_package(&python).args(install).args(fresh).arg(&wheel))?;
+    let python = installed()?;
     let program = shell::program()?;
     let tests = |arguments: &[&str]| {
         let mut pytest = in_package(&python);
@@ -47,6 +36,30 @@ pub(crate) fn run() -> Result<(), String> {
     shell::run(in_package(&python).arg("tutorial.py"))
 }
 
+/// Measures the package beside the program: `bench.py`.
+pub(crate) fn bench(arguments: &[String]) -> Result<(), String> {
+    let (python, program) = (installed()?, shell::program()?);
+    shell::run(in_package(&python).arg("bench.py").arg(&program).args(arguments))
+}
+
+/// A program that runs in the package's folder.
+fn in_package(program: &str) -> Command {
+    let mut command = command(program);
+    command.current_dir(root().join("bindings/python"));
+    command.env("CARGO_TARGET_DIR", target().join("python"));
+    command
+}
+
+/// Builds the wheel and installs it into the Python of its own, whose path it returns.
+fn installed() -> Result<String, String> {
+    let python = shell::python("python-bindings", &PACKAGES, TEST)?.to_string_lossy().into_owned();
+    let wheel = wheel(&target().join("python/dist"))?;
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    let fresh = ["--force-reinstall", "--no-deps"];
+    shell::run(in_package(&python).args(install).args(fresh).arg(&wheel))?;
+    Ok(python)
+}
+
 /// Builds the wheel, the only one of its folder.
 pub(crate) fn wheel(wheels: &Path) -> Result<PathBuf, String> {
     let python = shell::python("python-bindings", &PACKAGES, TEST)?;
@@ -54,9 +67,7 @@ pub(crate) fn wheel(wheels: &Path) -> Result<PathBuf, String> {
     if let Ok(old) = wheel_in(wheels) {
         std::fs::remove_file(&old).map_err(|error| format!("{}: {error}", old.display()))?;
     }
-    let mut maturin = command(&python.to_string_lossy());
-    maturin.current_dir(root().join("bindings/python"));
-    maturin.env("CARGO_TARGET_DIR", target().join("python"));
+    let mut maturin = in_package(&python.to_string_lossy());
     maturin.args(["-m", "maturin", "build", "--release", "--quiet", "--locked", "--out"]);
     shell::run(maturin.arg(wheels).arg("-i").arg(&python))?;
     wheel_in(wheels)
