@@ -52,7 +52,7 @@ pub(crate) enum Proposal {
 
 /// Where a point for a triangle is looked for, and how far from the triangle that is: its centre,
 /// which a circle of this squared radius has, or, if that is outside the box, a point on the way.
-fn aim(corners: [Point; 3], centre: &Point, square: f64) -> (Point, f64) {
+pub(crate) fn aim(corners: [Point; 3], centre: &Point, square: f64) -> (Point, f64) {
     let middle = [0, 1, 2].map(|k| corners.iter().map(|c| c[k] / 3.0).sum());
     let target = within_box(&middle, centre);
     let radius = if target == *centre { square } else { distance2(&middle, &target) };

@@ -9,7 +9,7 @@ use crate::refine::item::Item;
 use crate::refine::key::{order_key, sorted};
 use crate::refine::measure::{Shape, circumcircle};
 use crate::refine::outcome::Reason;
-use crate::refine::split::TOLERANCE;
+use crate::refine::split::{TOLERANCE, aim};
 use crate::refine::state::Place;
 use crate::refine::verdict::{Filling, Judge, Verdict};
 use crate::refine::walk::Way;
@@ -73,7 +73,8 @@ impl Rounds<'_, '_> {
         }
         let plane = state.plc.facets[f as usize].plane;
         let reason = state.angles.facet_reason.get(&f).copied();
-        for tolerance in [square.sqrt() * TOLERANCE, 1.0] {
+        let (centre, radius) = aim(points, &centre, square);
+        for tolerance in [radius * TOLERANCE, 1.0] {
             let Some(p) = plane.near(&centre, tolerance) else { continue };
             let place = Place { p, carrier: Carrier::Facet(f), from: near };
             let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, true);
