@@ -3,7 +3,7 @@
 use crate::args::Check;
 use crate::bounds::Asked;
 use crate::console;
-use crate::json::{check_json, keep_input, write_json};
+use crate::json::{check_json, distinct, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
 use crate::streams::{Formats, Source};
@@ -43,6 +43,8 @@ pub(crate) fn check(args: &Check, mesh: &Source, plc: &Path) -> Result<Exit, Fai
         let inputs = io::mesh_files(&args.mesh).into_iter().chain(io::domain_files(plc));
         inputs.into_iter().try_for_each(|input| keep_input(&input, json))?;
         check_json(json)?;
+        let others = args.preparation.write_defects.iter();
+        distinct(&others.chain([json]).cloned().collect::<Vec<_>>())?;
     }
     let stage = Stage::begin("read");
     let file = mesh.mesh()?;

@@ -2,7 +2,7 @@
 
 use crate::args::Check;
 use crate::console;
-use crate::json::{check_json, keep_input, write_json};
+use crate::json::{check_json, distinct, keep_input, write_json};
 use crate::outcome::{Exit, Failure};
 use crate::progress::Stage;
 use crate::streams::Source;
@@ -69,6 +69,8 @@ pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
     if let Some(json) = &args.json {
         io::domain_files(&args.mesh).iter().try_for_each(|input| keep_input(input, json))?;
         check_json(json)?;
+        let others = args.preparation.write_defects.iter();
+        distinct(&others.chain([json]).cloned().collect::<Vec<_>>())?;
     }
     let stage = Stage::begin("read");
     let file = source.domain()?;
@@ -83,13 +85,17 @@ pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
     print_domain(&name, &file.domain, &report);
     print_defects(&report);
     let options = args.preparation.options(file.oriented);
+    let stage = Stage::begin("prepare");
     let snapped = file.domain.snap_by(&PrepareOptions { exact_input: false, ..options });
     let snapped = snapped.map_err(failed)?;
+    drop(stage);
     print_lattice(&snapped);
     if args.preparation.exact_input {
         snapped.clone().exact().map_err(|e| failed(e.into()))?;
     }
+    let stage = Stage::begin("check");
     let after = after_snapping(&file.domain, &report, &snapped, &options).map_err(failed)?;
+    drop(stage);
     let passed = report.passed() && after.is_none();
     if let Some(path) = &args.json {
         let text = json_report(&file.domain, file.oriented, &report, &snapped, after.as_ref());

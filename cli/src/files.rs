@@ -2,6 +2,7 @@
 
 use crate::args::{Convert, Generate, Kind};
 use crate::console;
+use crate::json::is_stdout;
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
 use crate::streams::{Formats, name_of};
@@ -26,8 +27,12 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
     console::end_on_signal()?;
     let output = &args.output;
     let formats = args.streams.resolve(Some(&args.input), std::slice::from_ref(output))?;
+    let to = formats.of_output(output)?;
+    if !is_stdout(output) {
+        io::check_bytes_writable(output).map_err(Failure::Write)?;
+    }
     let source = formats.input(&args.input)?;
-    let (from, to) = (source.format, formats.of_output(output)?);
+    let from = source.format;
     let output = &Output { path: output, name: name_of(output), format: to, formats };
     let input = &source.name;
     let options = options(args);

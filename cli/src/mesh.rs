@@ -76,13 +76,14 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     let pages = [&args.histogram, &args.page].into_iter().flatten();
     pages.clone().try_for_each(io::check_bytes_writable).map_err(Failure::Write)?;
     let written = args.output.iter().flat_map(io::mesh_files);
-    let written: Vec<PathBuf> = written.chain(args.json.clone()).chain(pages.cloned()).collect();
-    let written: Vec<PathBuf> =
-        written.into_iter().chain(args.preparation.write_defects.clone()).collect();
+    let written = written.chain(args.json.clone()).chain(pages.cloned());
+    let written: Vec<PathBuf> = written.chain(args.preparation.write_defects.clone()).collect();
     distinct(&written)?;
-    let inputs = [Some(&args.domain), args.sizes.as_ref(), args.background.as_ref()];
-    for input in inputs.into_iter().flatten() {
-        written.iter().try_for_each(|path| keep_input(input, path))?;
+    // A `.poly` may have its points in a `.node`.
+    let mut inputs = io::domain_files(&args.domain);
+    inputs.extend([&args.sizes, &args.background].into_iter().flatten().cloned());
+    for input in inputs {
+        written.iter().try_for_each(|path| keep_input(&input, path))?;
     }
     let source = formats.input(&args.domain)?;
     let stop = Stop::on_signal()?;

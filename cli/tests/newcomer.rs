@@ -12,7 +12,7 @@ fn no_output_replaces_another() {
     let dir = tempfile::tempdir().unwrap();
     assert_eq!(ltbw(dir.path(), &["generate", "uniform", "50", "-o", "p.npy"]).code, 0);
     assert_eq!(ltbw(dir.path(), &["generate", "wedge", "-o", "d.poly"]).code, 0);
-    let cases: [&[&str]; 7] = [
+    let cases: [&[&str]; 11] = [
         &["delaunay", "p.npy", "-o", "a.vtu", "--json", "a.vtu"],
         &["delaunay", "p.npy", "-o", "a.vtu", "-o", "./a.vtu"],
         &["delaunay", "p.npy", "-o", "a.ele", "--json", "a.node"],
@@ -20,6 +20,10 @@ fn no_output_replaces_another() {
         &["mesh", "d.poly", "--page", "x", "--histogram", "x"],
         &["mesh", "d.poly", "--page", "x", "--json", "x"],
         &["simulate", "--points", "100", "--json", "x", "--trace", "x"],
+        &["mesh", "d.poly", "-o", "a.ele", "--json", "a.face"],
+        &["mesh", "d.poly", "-o", "a.ele", "--page", "a.face"],
+        &["check", "d.poly", "--json", "x.ply", "--write-defects", "x.ply"],
+        &["check", "p.npy", "--plc", "d.poly", "--json", "x.ply", "--write-defects", "x.ply"],
     ];
     for args in cases {
         let run = ltbw(dir.path(), args);
@@ -32,6 +36,31 @@ fn no_output_replaces_another() {
     assert_eq!(run.code, 0, "{}", run.stderr);
 }
 
+/// Points of a domain in a `.node`, which a mesh of the same name would replace.
+#[test]
+fn points_of_a_domain_are_not_overwritten() {
+    let dir = tempfile::tempdir().unwrap();
+    assert_eq!(ltbw(dir.path(), &["generate", "cube-in-cube", "-o", "d.poly"]).code, 0);
+    // Where the points are in the `.poly` the mesh may have its name, also the second time.
+    for _ in 0..2 {
+        let run = ltbw(dir.path(), &["mesh", "d.poly", "-o", "d.ele"]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+    }
+    let whole = std::fs::read_to_string(dir.path().join("d.poly")).unwrap();
+    let mut lines = whole.lines().skip_while(|line| line.starts_with('#'));
+    let count: usize = lines.next().unwrap().split(' ').next().unwrap().parse().unwrap();
+    let points: Vec<&str> = lines.by_ref().take(count).collect();
+    let facets: Vec<&str> = lines.collect();
+    let node = format!("{count} 3 0 0\n{}\n", points.join("\n"));
+    std::fs::write(dir.path().join("e.node"), &node).unwrap();
+    std::fs::write(dir.path().join("e.poly"), format!("0 3 0 0\n{}\n", facets.join("\n"))).unwrap();
+    let run = ltbw(dir.path(), &["mesh", "e.poly", "-o", "e.ele"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    assert_eq!(run.error(), "e.node: this would overwrite the input");
+    assert_eq!(std::fs::read_to_string(dir.path().join("e.node")).unwrap(), node);
+    assert_eq!(ltbw(dir.path(), &["mesh", "e.poly", "-o", "other.ele"]).code, 0);
+}
+
 /// No file can be made in `/proc`, whoever asks.
 #[cfg(target_os = "linux")]
 #[test]
@@ -42,6 +71,10 @@ fn outputs_are_tried_before_the_work() {
         &["delaunay", "p.npy", "-o", "/proc/a.vtu"][..],
         &["delaunay", "p.npy", "--json", "/proc/a.json"],
         &["demo", "--out", "/proc/a.vtu"],
+        &["convert", "missing.npy", "/proc/a.xyz"],
+        &["mesh", "missing.poly", "-o", "/proc/a.vtu"],
+        &["mesh", "missing.poly", "--page", "/proc/a.html"],
+        &["simulate", "--trace", "/proc/a.json"],
     ] {
         let run = ltbw(dir.path(), args);
         assert_eq!(run.code, 6, "{args:?}: {}", run.stderr);

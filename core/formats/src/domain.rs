@@ -22,13 +22,18 @@ pub fn read_domain(path: impl AsRef<Path>) -> Result<DomainFile, IoError> {
     parse_domain(path, format, &bytes)
 }
 
-/// The files that [`read_domain`] may read for `path`: itself, and the `.node` beside it.
+/// The files that [`read_domain`] reads for `path`: itself, and the `.node` beside it if the points
+/// are there.
 pub fn domain_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
     let path = path.as_ref();
-    match Format::from_path(path) {
-        Ok(Format::Poly | Format::Smesh) => vec![path.to_owned(), path.with_extension("node")],
-        _ => vec![path.to_owned()],
+    let mut files = vec![path.to_owned()];
+    // What cannot be read has no other file.
+    if let Ok(Format::Poly | Format::Smesh) = Format::from_path(path)
+        && load(path).is_ok_and(|bytes| poly::needs_node(&bytes))
+    {
+        files.push(path.with_extension("node"));
     }
+    files
 }
 
 /// Writes a domain with the default [`WriteOptions`]: `.poly`, `.smesh`, `.off`, `.obj`, `.stl` or

@@ -303,13 +303,14 @@ pub fn check_bytes_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
     aside::check(path)
 }
 
-/// The files that [`write_mesh`] writes for `path`: itself, or the pair that it names.
+/// The files that [`write_mesh_and`] writes for `path`: itself, or the pair that it names and the
+/// `.face` beside it.
 pub fn mesh_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
     let path = path.as_ref();
     match Format::from_path(path) {
         Ok(Format::Node | Format::Ele) => {
             let (node, ele) = pair(path);
-            vec![node, ele]
+            vec![node, ele, face_path(path)]
         }
         _ => vec![path.to_owned()],
     }
