@@ -20,6 +20,15 @@ pub enum Order {
     Any,
 }
 
+impl Order {
+    fn for_checker(self) -> verify::VertexOrder {
+        match self {
+            Self::Any => verify::VertexOrder::Any,
+            Self::Oriented => verify::VertexOrder::Oriented,
+        }
+    }
+}
+
 /// Checks a mesh against all that makes it a Delaunay mesh; JSON `ltbw.cert/1`, and whether it
 /// passed.
 ///
@@ -31,10 +40,7 @@ pub fn check(
     order: Order,
     all_points: bool,
 ) -> Result<(bool, String), Failure> {
-    let vertex_order = match order {
-        Order::Any => verify::VertexOrder::Any,
-        Order::Oriented => verify::VertexOrder::Oriented,
-    };
+    let vertex_order = order.for_checker();
     let options = verify::Options { vertex_order, all_points, ..verify::Options::default() };
     let report = verify::check(&verify::Mesh::new(points, tets), &options);
     Ok((report.passed(), json(&report)?))
@@ -70,6 +76,46 @@ fn plc_of(domain: &Domain, flat_tolerance: f64) -> Plc {
     }
 }
 
+/// The findings on a mesh of a domain, and whether it has the domain's volume.
+fn conformity(
+    ready: &Prepared,
+    mesh: &TetMesh,
+    wishes: &Wishes,
+    flat_tolerance: f64,
+    options: &verify::Options,
+) -> (Conformity, bool) {
+    let Wishes { radius_edge, max_volume, .. } = *wishes;
+    let region_volumes = ready.domain.regions.iter().map(|r| r.max_volume).collect();
+    let limits = Limits { radius_edge, max_volume, region_volumes };
+    let (plc, tags) = (plc_of(&ready.domain, flat_tolerance), mesh.tet_tags.as_deref());
+    let given = verify::Mesh::new(&mesh.points, &mesh.tets);
+    let found = verify::conforms(&given, &plc, tags, &limits, options);
+    // Patches within a tolerance change the volume by as much as they say.
+    let same = match (ready.report.volume(), &found.volume) {
+        (Some(a), Some(b)) if found.patches == 0 => a.to_string() == b.to_string(),
+        (Some(a), Some(b)) => {
+            b.difference(&a.to_string()).is_some_and(|d| d <= found.volume_within)
+        }
+        _ => true,
+    };
+    (found, same)
+}
+
+/// The certificate of anybody's mesh of a domain, without exterior, and whether it passed.
+pub(crate) fn of_domain(
+    ready: &Prepared,
+    mesh: &TetMesh,
+    order: Order,
+    wishes: &Wishes,
+    flat_tolerance: f64,
+) -> (bool, String) {
+    let options =
+        verify::Options { vertex_order: order.for_checker(), ..verify::Options::default() };
+    let (found, same) = conformity(ready, mesh, wishes, flat_tolerance, &options);
+    let passed = same && found.passed();
+    (passed, json_of(&found, passed).to_string())
+}
+
 /// The certificate of a domain's own mesh.
 ///
 /// # Errors
@@ -81,24 +127,11 @@ pub(crate) fn own(
     flat_tolerance: f64,
     excused: &HashSet<[u32; 4]>,
 ) -> Result<String, Failure> {
-    let Wishes { radius_edge, max_volume, .. } = *wishes;
-    let region_volumes = ready.domain.regions.iter().map(|r| r.max_volume).collect();
-    let limits = Limits { radius_edge, max_volume, region_volumes };
     let options = verify::Options::default();
     // A tetrahedron that is not listed cannot be told to be excused.
     let max_defects = options.max_defects.max(excused.len());
     let options = verify::Options { max_defects, ..options };
-    let (plc, tags) = (plc_of(&ready.domain, flat_tolerance), mesh.tet_tags.as_deref());
-    let given = verify::Mesh::new(&mesh.points, &mesh.tets);
-    let found = verify::conforms(&given, &plc, tags, &limits, &options);
-    // Patches within a tolerance change the volume by as much as they say.
-    let same = match (ready.report.volume(), &found.volume) {
-        (Some(a), Some(b)) if found.patches == 0 => a.to_string() == b.to_string(),
-        (Some(a), Some(b)) => {
-            b.difference(&a.to_string()).is_some_and(|d| d <= found.volume_within)
-        }
-        _ => true,
-    };
+    let (found, same) = conformity(ready, mesh, wishes, flat_tolerance, &options);
     let text = json_of(&found, same && found.passed()).to_string();
     if same && is_explained(&found, &mesh.tets, excused) {
         return Ok(text);

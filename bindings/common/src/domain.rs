@@ -2,14 +2,14 @@
 
 use crate::Field;
 use crate::body::Body;
-use crate::certificate;
+use crate::certificate::{self, Order};
 use crate::failure::{Class, Failure};
 use crate::result::{Meshed, Outcome};
 use crate::wishes::Wishes;
 use crate::work::Reins;
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::refine::{Background, RefineOutcome, Refined, Refiner, usual_tolerance};
-use ltbw::{Point, io};
+use ltbw::{Point, TetMesh, io};
 use std::collections::HashSet;
 use std::path::PathBuf;
 
@@ -134,6 +134,22 @@ impl Ready {
             refiner = refiner.sizing(field);
         }
         Ok(refiner.refine(&self.prepared.domain, &self.prepared.lattice)?)
+    }
+
+    /// Checks anybody's mesh of the domain, without exterior, by independent code: structure, Delaunay
+    /// property, conformity, volume, and the bounds of `wishes`. JSON `ltbw.conformity/1`, and
+    /// whether it passed.
+    #[must_use]
+    pub fn check(
+        &self,
+        points: &[Point],
+        tets: &[[u32; 4]],
+        order: Order,
+        wishes: &Wishes,
+    ) -> (bool, String) {
+        let (points, tets) = (points.to_vec(), tets.to_vec());
+        let mesh = TetMesh { points, tets, ..TetMesh::default() };
+        certificate::of_domain(&self.prepared, &mesh, order, wishes, self.flat_tolerance)
     }
 
     /// Checks the mesh.

@@ -1,9 +1,10 @@
 //! Certificates and hashes of anybody's meshes.
 
 use crate::arrays::{Coordinates, points};
+use crate::domain::{Asked, Given};
 use crate::failure::Failure;
 use crate::supervise::supervised;
-use ltbw_bindings::{Class, Order};
+use ltbw_bindings::{Class, Order, Ready};
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 
@@ -30,6 +31,26 @@ pub(crate) fn check(
     let order = if any_order { Order::Any } else { Order::Oriented };
     let checked =
         supervised(py, None, |_| Ok(ltbw_bindings::check(&points, &tets, order, all_points)?))?;
+    Ok(checked.1)
+}
+
+/// Checks a mesh of a domain, without exterior; JSON `ltbw.conformity/1`.
+#[pyfunction]
+pub(crate) fn check_domain(
+    py: Python<'_>,
+    coordinates: Coordinates<'_>,
+    simplices: Corners<'_>,
+    any_order: bool,
+    given: Given<'_>,
+    asked: Asked,
+) -> PyResult<String> {
+    let (points, tets) = (points(&coordinates)?, tets(&simplices)?);
+    let order = if any_order { Order::Any } else { Order::Oriented };
+    let (source, wishes) = (given.source()?, asked.wishes());
+    let checked = supervised(py, None, |_| {
+        let ready = Ready::new(source, &wishes)?;
+        Ok(ready.check(&points, &tets, order, &wishes))
+    })?;
     Ok(checked.1)
 }
 

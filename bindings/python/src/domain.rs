@@ -22,6 +22,21 @@ pub(crate) enum Given<'py> {
     Arrays(Coordinates<'py>, Vec<i64>, Vec<usize>, Option<Vec<i32>>),
 }
 
+impl Given<'_> {
+    /// The same without arrays of Python's.
+    pub(crate) fn source(self) -> Result<Source, Failure> {
+        Ok(match self {
+            Self::File(path) => Source::File(path),
+            Self::Arrays(coordinates, corners, starts, markers) => Source::Arrays {
+                vertices: points(&coordinates)?,
+                corners,
+                starts,
+                markers: markers.unwrap_or_default(),
+            },
+        })
+    }
+}
+
 /// Bounds and options, by the names that Python gives them.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -41,7 +56,7 @@ pub(crate) struct Asked {
 }
 
 impl Asked {
-    fn wishes(&self) -> Wishes {
+    pub(crate) fn wishes(&self) -> Wishes {
         let region = |&(seed, attribute, max_volume): &(Point, f64, Option<f64>)| Region {
             seed,
             attribute,
@@ -72,15 +87,7 @@ pub(crate) fn tetrahedralize(
     asked: Asked,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Meshed> {
-    let source = match given {
-        Given::File(path) => Source::File(path),
-        Given::Arrays(coordinates, corners, starts, markers) => Source::Arrays {
-            vertices: points(&coordinates)?,
-            corners,
-            starts,
-            markers: markers.unwrap_or_default(),
-        },
-    };
+    let source = given.source()?;
     let (tell, wishes) = (progress.as_ref(), asked.wishes());
     let whole = |reins: &Reins| {
         in_pool(asked.threads, || {

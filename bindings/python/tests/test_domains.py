@@ -198,3 +198,25 @@ def test_neighbours_in_a_domain_are_across_faces(cube):
             if other >= 0:
                 assert corners[k] not in mesh.simplices[other]
                 assert set(np.delete(corners, k)) <= set(mesh.simplices[other])
+
+
+def test_anybodys_mesh_is_checked_against_its_domain(cube):
+    corners, faces = cube
+    mesh = ltbw.tetrahedralize(cube, max_volume=0.01)
+    points, tets = mesh.points, mesh.simplices
+    assert ltbw.check(points, tets, cube, max_volume=0.01, radius_edge=2).passed
+    small = ltbw.check(points, tets, plc=cube, max_volume=1e-4)
+    assert not small.passed
+    assert [c["breach"] for c in small.report["breach_counts"]] == ["volume_exceeded"]
+    assert not ltbw.check(points, tets[1:], cube).passed
+    moved = np.asarray(corners, dtype=float) * [1, 1, 2]
+    assert not ltbw.check(points, tets, (moved, faces)).passed
+    shuffled = tets.copy()
+    shuffled[0] = shuffled[0][[1, 0, 2, 3]]
+    assert not ltbw.check(points, shuffled, cube).passed
+    assert ltbw.check(points, shuffled, cube, any_order=True).passed
+    with pytest.raises(ltbw.DomainError):
+        ltbw.check(points, tets, (corners, faces[1:]))
+    for wrong in ({"max_volume": 1}, {"plc": cube, "all_points": True}):
+        with pytest.raises(ltbw.InputError):
+            ltbw.check(points, tets, **wrong)

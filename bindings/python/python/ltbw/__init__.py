@@ -155,19 +155,17 @@ def tetrahedralize(
     >>> mesh.outcome, mesh.certificate.passed
     ('met', True)
     """
-    wishes = {
-        "max_volume": None if max_volume is None else float(max_volume),
-        "radius_edge": None if radius_edge is None else float(radius_edge),
-        "size": _input.size(size),
-        "max_points": max_points,
-        "holes": None if holes is None else _input.coordinates(holes, "holes").tolist(),
-        "regions": [_region(region) for region in regions],
-        "repair": float(repair),
-        "flat_tolerance": None if flat_tolerance is None else float(flat_tolerance),
-        "exact_input": bool(exact_input),
-        "check": bool(check),
-        "threads": _threads(threads),
-    }
+    wishes = _input.wishes(
+        **_input.bounds(max_volume, radius_edge, flat_tolerance),
+        size=_input.size(size),
+        max_points=max_points,
+        holes=None if holes is None else _input.coordinates(holes, "holes").tolist(),
+        regions=[_region(region) for region in regions],
+        repair=float(repair),
+        exact_input=bool(exact_input),
+        check=bool(check),
+        threads=_threads(threads),
+    )
     kernel, certificate, notes = _native.tetrahedralize(_input.surface(surface), wishes, progress)
     return Mesh(kernel, certificate, notes)
 

@@ -75,5 +75,13 @@ def tetrahedralize(
     check: bool = ...,
 ) -> Mesh: ...
 def check(
-    points: ArrayLike, simplices: ArrayLike, *, any_order: bool = ..., all_points: bool = ...
+    points: ArrayLike,
+    simplices: ArrayLike,
+    plc: Any = ...,
+    *,
+    max_volume: float | None = ...,
+    radius_edge: float | None = ...,
+    flat_tolerance: float | None = ...,
+    any_order: bool = ...,
+    all_points: bool = ...,
 ) -> Certificate: ...

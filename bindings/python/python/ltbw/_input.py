@@ -99,6 +99,34 @@ def surface(given):
     )
 
 
+def bounds(max_volume, radius_edge, flat_tolerance):
+    """Bounds by their names, as numbers."""
+    given = {
+        "max_volume": max_volume,
+        "radius_edge": radius_edge,
+        "flat_tolerance": flat_tolerance,
+    }
+    return {name: None if value is None else float(value) for name, value in given.items()}
+
+
+def wishes(**given):
+    """All that the native half wants to know of a domain's mesh, with the usual values."""
+    usual = {
+        "max_volume": None,
+        "radius_edge": None,
+        "size": None,
+        "max_points": None,
+        "holes": None,
+        "regions": [],
+        "repair": 0.0,
+        "flat_tolerance": None,
+        "exact_input": False,
+        "check": True,
+        "threads": 1,
+    }
+    return {**usual, **given}
+
+
 def size(given):
     """A wanted edge length: a number, one for each vertex, or a function of the place."""
     if given is None or callable(given):

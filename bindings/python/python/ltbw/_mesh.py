@@ -7,6 +7,7 @@ import os
 import numpy as np
 
 from . import _input, _native
+from ._errors import InputError
 
 
 class Certificate:
@@ -30,17 +31,36 @@ class Certificate:
         return f"<ltbw.Certificate {'passed' if self.passed else 'FAILED'}>"
 
 
-def check(points, simplices, *, any_order=False, all_points=False):
+def check(
+    points,
+    simplices,
+    plc=None,
+    *,
+    max_volume=None,
+    radius_edge=None,
+    flat_tolerance=None,
+    any_order=False,
+    all_points=False,
+):
     """Checks anybody's mesh: structure, orientation, the Delaunay property, the canonical rule.
+
+    With a domain also conformity: every facet is a union of triangles of the mesh, which fills the
+    domain, has no exterior, and keeps the bounds.
 
     Parameters
     ----------
     points : array_like of shape (n, 3)
     simplices : array_like of int, of shape (m, 4)
+    plc : optional
+        A domain, as :func:`tetrahedralize` takes it.
+    max_volume, radius_edge : float, optional
+        Bounds that every tetrahedron has to keep; with a domain only.
+    flat_tolerance : float, optional
+        As for :func:`tetrahedralize`; with a domain only.
     any_order : bool
         The order of a tetrahedron's corners means nothing (scipy and Qhull write such meshes).
     all_points : bool
-        Every point has to be a vertex.
+        Every point has to be a vertex; without a domain only.
 
     >>> import ltbw
     >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
@@ -49,7 +69,17 @@ def check(points, simplices, *, any_order=False, all_points=False):
     """
     array = _input.coordinates(points)
     rows = _input.corners(simplices, 4, "simplices")
-    return Certificate(_native.check(array, rows, bool(any_order), bool(all_points)))
+    wishes = _input.bounds(max_volume, radius_edge, flat_tolerance)
+    if plc is None:
+        given = [name for name, value in wishes.items() if value is not None]
+        if given:
+            raise InputError(f"{', '.join(given)}: with a domain only", "check.bounds")
+        return Certificate(_native.check(array, rows, bool(any_order), bool(all_points)))
+    if all_points:
+        raise InputError("all_points: without a domain only", "check.all_points")
+    surface = _input.surface(plc)
+    text = _native.check_domain(array, rows, bool(any_order), surface, _input.wishes(**wishes))
+    return Certificate(text)
 
 
 class Mesh:

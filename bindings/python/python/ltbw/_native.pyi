@@ -34,4 +34,11 @@ def check(
     any_order: bool,
     all_points: bool,
 ) -> str: ...
+def check_domain(
+    coordinates: NDArray[np.float64],
+    simplices: NDArray[np.int64],
+    any_order: bool,
+    given: Any,
+    asked: dict[str, Any],
+) -> str: ...
 def mesh_hash(coordinates: NDArray[np.float64], simplices: NDArray[np.int64]) -> str: ...
