@@ -14,7 +14,7 @@
 //! | `.poly` | domain (TetGen) | facet markers, regions | [`poly`] |
 //! | `.smesh` | domain (TetGen), facets of one polygon each | facet markers, regions | [`poly`] |
 //! | `.node` | points (TetGen); beside `.ele`: a mesh | markers | [`tetgen`] |
-//! | `.ele` | mesh (TetGen), with the `.node` beside it | markers, regions | [`tetgen`] |
+//! | `.ele` | mesh (TetGen), with `.node` and `.face` beside it | markers, regions | [`tetgen`] |
 //! | `.msh` | mesh (Gmsh 4.1, 2.2) | view `tag`, physical groups | [`msh`] |
 //! | `.mesh` | mesh (Medit, ASCII) | references | [`medit`] |
 //! | `.vtu` | mesh (VTK, text or binary) | arrays `tag`, `region` | [`vtu`] |
@@ -133,7 +133,8 @@ pub fn read_points(path: impl AsRef<Path>) -> Result<PointFile, IoError> {
     parse_points(path, format, &load(path)?)
 }
 
-/// Reads a mesh file: `.vtu`, `.msh`, `.mesh`, or the pair `.ele` and `.node` (named by either).
+/// Reads a mesh file: `.vtu`, `.vtk`, `.msh`, `.mesh`, or the pair `.ele` and `.node` (named by
+/// either) with the `.face` file beside it, if there is one.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<TetMesh, IoError> {
     let path = path.as_ref();
     read_mesh_file(path).map(|f| f.mesh)
@@ -157,8 +158,19 @@ pub fn read_sizes(path: impl AsRef<Path>) -> Result<Vec<f64>, IoError> {
 
 fn read_pair(path: &Path) -> Result<MeshFile, IoError> {
     let (node_path, ele_path) = pair(path);
+    let face_path = face_path(path);
     let node = tetgen::parse_node(&load(&node_path)?).map_err(|e| parse_error(&node_path, e))?;
-    tetgen::parse_ele(&load(&ele_path)?, node).map_err(|e| parse_error(&ele_path, e))
+    let first = node.first;
+    let file = tetgen::parse_ele(&load(&ele_path)?, node).map_err(|e| parse_error(&ele_path, e))?;
+    match load(&face_path) {
+        Ok(bytes) => {
+            tetgen::parse_face(&bytes, file, first).map_err(|e| parse_error(&face_path, e))
+        }
+        Err(IoError::Read { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
+            Ok(file)
+        }
+        Err(error) => Err(error),
+    }
 }
 
 /// The `.node` and `.ele` files of the mesh that either of them names.
@@ -189,7 +201,7 @@ pub fn write_points_with(
     Aside::write(path, |out| streams::put_points(out, format, file, options))?.publish()
 }
 
-/// Writes a mesh with the default [`WriteOptions`]: `.vtu`, `.msh`, `.mesh`, or the
+/// Writes a mesh with the default [`WriteOptions`]: `.vtu`, `.vtk`, `.msh`, `.mesh`, or the
 /// pair `.ele` and `.node` (named by either).
 pub fn write_mesh(path: impl AsRef<Path>, mesh: &TetMesh) -> Result<(), IoError> {
     let path = path.as_ref();
@@ -207,7 +219,8 @@ pub fn write_mesh_with(
 }
 
 /// Writes a mesh as [`write_mesh_with`] does, and the parts of `extras` that the format has a place
-/// for: in `.vtu` all of them; in `.msh`, `.mesh` and a `.face` file beside `.ele` the boundary.
+/// for: in `.vtu` and `.vtk` all of them; in `.msh`, `.mesh` and a `.face` file beside `.ele` the
+/// boundary.
 pub fn write_mesh_and(
     path: impl AsRef<Path>,
     mesh: &TetMesh,
@@ -258,14 +271,16 @@ fn write_pair(path: &Path, mesh: &TetMesh, faces: &[BoundaryFace]) -> Result<(),
     let tags = mesh.point_tags.as_deref();
     let node = Aside::write(&node_path, |out| tetgen::write_node(out, &mesh.points, tags))?;
     let face_path = face_path(path);
+    // Faces of another mesh must not stay beside this one.
     let face = match faces {
-        [] => None,
+        [] if !face_path.exists() => None,
         _ => Some(Aside::write(&face_path, |out| tetgen::write_face(out, faces))?),
     };
     node.publish()?;
     // A `.node` of this mesh beside an `.ele` of another would be worse than none.
     ele.publish().inspect_err(|_| drop(std::fs::remove_file(&node_path)))?;
-    face.map_or(Ok(()), Aside::publish)
+    let published = face.map_or(Ok(()), Aside::publish);
+    published.inspect_err(|_| drop(std::fs::remove_file(&face_path)))
 }
 
 /// The `.face` file of the mesh that an `.ele` or `.node` file names.
@@ -303,8 +318,8 @@ pub fn check_bytes_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
     aside::check(path)
 }
 
-/// The files that [`write_mesh_and`] writes for `path`: itself, or the pair that it names and the
-/// `.face` beside it.
+/// The files that [`read_mesh`] may read for `path`, and [`write_mesh`] write: itself, or the `.node`,
+/// `.ele` and `.face` files that it names.
 pub fn mesh_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
     let path = path.as_ref();
     match Format::from_path(path) {

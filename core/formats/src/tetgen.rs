@@ -1,4 +1,4 @@
-//! `.node` and `.ele`: TetGen's points and tetrahedra.
+//! `.node`, `.ele` and `.face`: TetGen's points, tetrahedra and boundary triangles.
 //!
 //! A `.node` file has a header `points 3 attributes markers` and then for each point its number,
 //! three coordinates, the attributes and, if `markers` is 1, a boundary marker (read as the
@@ -9,6 +9,7 @@
 //! Source: the TetGen manual, "File formats".
 
 use super::error::{ParseError, Reason};
+use super::faces::owned;
 use super::text::{
     Lines, capacity, count, float, integer, point, push_integer, push_point, write_rows,
 };
@@ -198,6 +199,82 @@ pub fn parse_ele(bytes: &[u8], node: NodeFile) -> Result<MeshFile, ParseError> {
     }
     let mesh = TetMesh { points, tets, point_tags, tet_tags };
     Ok(MeshFile { mesh, faces: Vec::new(), notes, names: Vec::new() })
+}
+
+/// Parses a `.face` file beside the mesh of `file`, whose points are numbered from `first` (0 or 1),
+/// and gives the mesh its boundary triangles.
+pub fn parse_face(bytes: &[u8], mut file: MeshFile, first: u8) -> Result<MeshFile, ParseError> {
+    let mut lines = Lines::new(bytes);
+    let [announced, markers, more @ ..] = header(bytes, &mut lines)?;
+    if markers > 1 {
+        let text = format!("{markers} markers for each triangle");
+        return Err(bad_header(bytes, &lines, text));
+    }
+    if more != [0; 2] {
+        let text = "a header of more than two values".to_owned();
+        return Err(bad_header(bytes, &lines, text));
+    }
+    let first = i64::from(first);
+    let last = first + file.mesh.points.len() as i64 - 1;
+    let mut triangles = Vec::with_capacity(capacity(announced, lines.remaining(), 8));
+    let mut first_row = first;
+    // The header does not tell the corners of a row and its tetrahedra: the first row does.
+    let (mut corners, mut tets) = (3, 0);
+    for row in 0..announced {
+        let Some(line) = lines.next() else {
+            let reason = Reason::Truncated { what: "triangles", announced, found: row };
+            return Err(ParseError::at(bytes, bytes.len(), reason));
+        };
+        let at = |r| ParseError::at(bytes, line.offset, r);
+        if row == 0 {
+            let beyond = line.fields().count().saturating_sub(4 + markers as usize);
+            (corners, tets) = match beyond {
+                2 => (3, 2),
+                3 => (6, 0),
+                5 => (6, 2),
+                _ => (3, 0),
+            };
+        }
+        let width = 1 + corners + markers as usize + tets;
+        let (mut triangle, mut marker, mut found) = ([0_u32; 3], 0, 0);
+        for field in line.fields() {
+            found += 1;
+            let value = integer(field).map_err(at)?;
+            match found {
+                1 => number(field, "triangle", &mut first_row, row).map_err(at)?,
+                n if n > width => return Err(at(Reason::TooManyValues { expected: width })),
+                n if n <= 1 + corners => {
+                    if value < first || value > last {
+                        let (what, number) = ("triangle", first_row as u64 + row);
+                        return Err(at(Reason::Index { what, number, index: value, first, last }));
+                    }
+                    if let Some(corner) = triangle.get_mut(n - 2) {
+                        *corner = (value - first) as u32;
+                    }
+                }
+                n if markers == 1 && n == 2 + corners => marker = value,
+                _ => {}
+            }
+        }
+        if found < width {
+            return Err(at(Reason::TooFewValues { expected: width, found }));
+        }
+        triangles.push((triangle, marker));
+    }
+    if let Some(line) = lines.next() {
+        return Err(ParseError::at(bytes, line.offset, Reason::Surplus("triangle")));
+    }
+    if corners == 6 {
+        let text = "corners after the third of quadratic triangles are not read";
+        file.notes.push(text.to_owned());
+    }
+    if tets > 0 {
+        file.notes.push("tetrahedra of triangles are not read".to_owned());
+    }
+    let (faces, note) = owned(&file.mesh, &triangles);
+    file.faces = faces;
+    file.notes.extend(note);
+    Ok(file)
 }
 
 /// A region: an integer, also when written as a float; `None` for any other number.

@@ -76,6 +76,8 @@ fn boundaries_are_read_back() {
         ("e.msh", Encoding::Binary, MshVersion::V4_1),
         ("f.msh", Encoding::Ascii, MshVersion::V2_2),
         ("g.msh", Encoding::Binary, MshVersion::V2_2),
+        ("h.ele", Encoding::Ascii, MshVersion::V4_1),
+        ("i.node", Encoding::Ascii, MshVersion::V4_1),
     ] {
         let path = dir.path().join(name);
         let options = io::WriteOptions { encoding, msh_version };
@@ -88,6 +90,76 @@ fn boundaries_are_read_back() {
     }
     let text = std::fs::read_to_string(dir.path().join("d.msh")).expect("a text");
     assert!(text.contains("$PhysicalNames\n3\n2 2 \"marker -3\"\n2 3 \"marker 0\"\n"), "{text}");
+}
+
+#[test]
+fn faces_beside_tetrahedra_are_read_in_every_form() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).expect(name);
+    let path = dir.path().join("a.ele");
+    write("a.node", "4 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n");
+    write("a.ele", "1 4\n1 1 2 3 4\n");
+    assert_eq!(io::read_mesh_file(&path).expect("no faces").faces, []);
+    let face = |corners, marker| BoundaryFace { corners, marker, tet: 0 };
+    let beyond = "tetrahedra of triangles are not read";
+    let quadratic = "corners after the third of quadratic triangles are not read";
+    let lost = "1 triangles that are faces of no tetrahedron are not read";
+    for (text, expected, notes) in [
+        ("2 1 # a comment\n1 1 3 2 -5\n2 2 3 4 9\n", boundary(), vec![]),
+        ("2 1\n0 1 2 3 -5\n1 2 3 4 9\n", boundary(), vec![]),
+        ("1 0\n1 1 3 2\n", vec![face([0, 2, 1], 0)], vec![]),
+        ("1\n1 1 3 2\n", vec![face([0, 2, 1], 0)], vec![]),
+        ("1 1\n1 1 3 2 7 1 -1\n", vec![face([0, 2, 1], 7)], vec![beyond]),
+        ("1 1\n1 1 3 2 4 4 4 7\n", vec![face([0, 2, 1], 7)], vec![quadratic]),
+        ("2 1\n1 1 3 2 4\n2 1 1 2 4\n", vec![face([0, 2, 1], 4)], vec![lost]),
+        ("0 1\n", vec![], vec![]),
+    ] {
+        write("a.face", text);
+        let file = io::read_mesh_file(&path).expect(text);
+        assert_eq!(file.faces, expected, "{text}");
+        assert_eq!(file.notes, notes, "{text}");
+    }
+    for (text, said) in [
+        ("", "line 1: no header"),
+        ("1 2\n", "line 1: not supported: 2 markers for each triangle"),
+        ("1 1 1\n", "line 1: not supported: a header of more than two values"),
+        ("2 1\n1 1 2 3 4\n", "line 3: the file announces 2 triangles, but ends after 1"),
+        (
+            "18446744073709551615 1\n",
+            "line 2: the file announces 18446744073709551615 triangles, \
+                                      but ends after 0",
+        ),
+        ("1 1\n1 1 2 3 4\n2 1 2 3 4\n", "line 3: unexpected data after the last triangle"),
+        ("1 1\n1 1 2 5 4\n", "line 2: triangle 1 names point 5, but points are numbered 1 to 4"),
+        ("1 1\n1 1 2 0 4\n", "line 2: triangle 1 names point 0, but points are numbered 1 to 4"),
+        ("2 1\n1 1 2 3 4\n3 1 2 3 4\n", "line 3: triangle number 3, where 2 was expected"),
+        ("1 1\n1 1 2 3\n", "line 2: expected 5 values, found 4"),
+        ("1 1\n1 1 2 3 4 5\n", "line 2: expected 5 values, found more"),
+        ("2 1\n1 1 2 3 4\n2 1 2 3\n", "line 3: expected 5 values, found 4"),
+        ("1 1\n1 1 2 3 x\n", "line 2: `x` is not an integer that fits"),
+    ] {
+        write("a.face", text);
+        let error = io::read_mesh_file(&path).expect_err(text).to_string();
+        assert!(error.ends_with(&format!("a.face: {said}")), "{text}: {error}");
+    }
+    std::fs::remove_file(dir.path().join("a.face")).expect("removed");
+    std::fs::create_dir(dir.path().join("a.face")).expect("a folder");
+    assert_eq!(io::read_mesh_file(&path).expect_err("a folder").code(), "io.read");
+}
+
+/// A `.face` file that is there is read with the mesh: it must not be that of another.
+#[test]
+fn faces_of_another_mesh_do_not_stay() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("a.ele");
+    let (mesh, faces) = walled();
+    let extras = Extras { faces, ..Extras::default() };
+    io::write_mesh_and(&path, &mesh, &extras, io::WriteOptions::default()).expect("written");
+    io::write_mesh(&path, &corner()).expect("written");
+    let file = io::read_mesh_file(&path).expect("a mesh");
+    assert_eq!((file.mesh, file.faces, file.notes), (corner(), vec![], vec![]));
+    let text = std::fs::read_to_string(dir.path().join("a.face")).expect("a text");
+    assert_eq!(text, "0 1\n");
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! File formats: round trips on bits, and what each reader says of malformed input.
 
-use ltbw_core::TetMesh;
+use ltbw_core::{BoundaryFace, TetMesh};
 use ltbw_formats as io;
 use ltbw_formats::{
-    DataError, Encoding, Format, IoError, MshVersion, ParseError, PointFile, WriteOptions, csv,
-    medit, msh, npy, npz, tetgen, txt, vtu, xyz,
+    DataError, Encoding, Format, IoError, MeshFile, MshVersion, ParseError, PointFile,
+    WriteOptions, csv, medit, msh, npy, npz, tetgen, txt, vtu, xyz,
 };
 use proptest::prelude::*;
 use std::path::Path;
@@ -112,6 +112,12 @@ proptest! {
         let mut whole = Vec::new();
         tetgen::write_node(&mut whole, points, tags).unwrap();
         errors.push(tetgen::read_pair(&whole, &ele).err());
+        let corners = mesh.tets.iter().map(|&[a, b, c, _]| [a, b, c]);
+        let faces: Vec<BoundaryFace> =
+            corners.map(|corners| BoundaryFace { corners, marker: 1, tet: 0 }).collect();
+        let face = file(&|o| tetgen::write_face(o, &faces).unwrap());
+        let beside = MeshFile { mesh: mesh.clone(), ..MeshFile::default() };
+        errors.push(tetgen::parse_face(&face, beside, 0).err());
         errors.push(medit::read(&file(&|o| medit::write(o, &mesh).unwrap())).err());
         let mut msh = mesh.clone();
         msh.point_tags = float_tags(&msh.point_tags);
@@ -138,6 +144,7 @@ proptest! {
         let _ = (medit::read(&bytes), msh::read(&bytes), vtu::read(&bytes));
         let _ = tetgen::read_pair(&bytes, &bytes);
         let _ = tetgen::read_pair(b"1 3\n1 0 0 0\n", &bytes);
+        let _ = tetgen::parse_face(&bytes, MeshFile::default(), 1);
     }
 }
 

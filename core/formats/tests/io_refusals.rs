@@ -104,8 +104,8 @@ fn a_mesh_names_its_files() {
         files.iter().map(|file| file.to_string_lossy().into_owned()).collect()
     };
     assert_eq!(names("d/a.vtu"), ["d/a.vtu"]);
-    assert_eq!(names("d/a.ele"), ["d/a.node", "d/a.ele"]);
-    assert_eq!(names("d/a.NODE"), ["d/a.NODE", "d/a.ele"]);
+    assert_eq!(names("d/a.ele"), ["d/a.node", "d/a.ele", "d/a.face"]);
+    assert_eq!(names("d/a.NODE"), ["d/a.NODE", "d/a.ele", "d/a.face"]);
     assert_eq!(names("a.unknown"), ["a.unknown"]);
 }
 
