@@ -4,6 +4,7 @@
 mod common;
 
 use common::ltbw;
+use std::collections::HashSet;
 use std::path::Path;
 
 /// The lines of stderr that tell of a loss, or of what was not read.
@@ -17,11 +18,24 @@ fn read(dir: &Path, name: &str) -> ltbw::io::MeshFile {
     ltbw::io::read_mesh_file(dir.join(name)).unwrap()
 }
 
-/// A mesh with regions, and boundary triangles with markers, in `m.vtu`.
+/// A mesh with several regions and boundary triangles with several markers, in `m.vtu`.
 fn meshed(dir: &Path) {
-    for args in [&["generate", "tee", "-o", "d.poly"][..], &["mesh", "d.poly", "-o", "m.vtu"]] {
+    let domain = ["generate", "two-material", "-o", "d.poly"];
+    for args in [&domain[..], &["mesh", "d.poly", "-o", "m.vtu"]] {
         assert_eq!(ltbw(dir, args).code, 0);
     }
+}
+
+/// Boundary triangles with their markers, in an order of their own.
+fn markers(file: &ltbw::io::MeshFile) -> Vec<([u32; 3], i64)> {
+    let sorted = |face: &ltbw::BoundaryFace| {
+        let mut corners = face.corners;
+        corners.sort_unstable();
+        (corners, face.marker)
+    };
+    let mut list: Vec<([u32; 3], i64)> = file.faces.iter().map(sorted).collect();
+    list.sort_unstable();
+    list
 }
 
 #[test]
@@ -30,31 +44,27 @@ fn boundary_and_regions_survive_in_every_format_of_meshes() {
     let dir = dir.path();
     meshed(dir);
     let first = read(dir, "m.vtu");
-    assert!(!first.faces.is_empty() && first.mesh.tet_tags.is_some());
-    let markers = |file: &ltbw::io::MeshFile| {
-        let mut list: Vec<([u32; 3], i64)> = file
-            .faces
-            .iter()
-            .map(|face| {
-                let mut corners = face.corners;
-                corners.sort_unstable();
-                (corners, face.marker)
-            })
-            .collect();
-        list.sort_unstable();
-        list
-    };
+    let different: HashSet<i64> = first.faces.iter().map(|face| face.marker).collect();
+    assert!(different.len() >= 2, "markers {different:?}");
+    let regions: HashSet<i64> = first.mesh.tet_tags.iter().flatten().copied().collect();
+    assert!(regions.len() >= 2, "regions {regions:?}");
     // The figures of tetrahedra are not tags.
     assert_eq!(notes(dir, &["convert", "m.vtu", "a.vtu"]).len(), 1);
-    for name in ["b.vtk", "b.msh", "b.mesh", "b.vtu"] {
-        assert_eq!(notes(dir, &["convert", "a.vtu", name]), [""; 0], "{name}");
-        let back = read(dir, name);
-        assert_eq!(markers(&back), markers(&first), "{name}");
-        assert_eq!(back.mesh.tet_tags, first.mesh.tet_tags, "{name}");
+    for name in ["b.vtk", "b.msh", "b.mesh", "b.vtu", "b.ele"] {
+        // There, and from there on.
+        for (from, to) in [("a.vtu", name), (name, "c.vtu")] {
+            assert_eq!(notes(dir, &["convert", from, to]), [""; 0], "{from} {to}");
+            let back = read(dir, to);
+            assert_eq!(markers(&back), markers(&first), "{from} {to}");
+            assert_eq!(back.mesh.tet_tags, first.mesh.tet_tags, "{from} {to}");
+        }
     }
-    assert_eq!(notes(dir, &["convert", "a.vtu", "b.ele"]), [""; 0]);
+    let rows = first.faces.iter().zip(0..).map(|(face, row)| {
+        let [a, b, c] = face.corners;
+        format!("{row} {a} {b} {c} {}\n", face.marker)
+    });
     let face = std::fs::read_to_string(dir.join("b.face")).unwrap();
-    assert!(face.starts_with(&format!("{} 1\n", first.faces.len())), "{}", &face[..20]);
+    assert_eq!(face, format!("{} 1\n{}", first.faces.len(), rows.collect::<String>()));
     let lost = notes(dir, &["convert", "a.vtu", "b.xyz"]);
     assert_eq!(lost.len(), 2, "{lost:?}");
     assert!(lost[0].ends_with("tetrahedra are not kept: this format holds points"));
@@ -85,6 +95,33 @@ fn names_of_groups_survive_in_msh_and_are_told_elsewhere() {
         let told = notes(dir, &["convert", "a.msh", output]);
         let text = "names of groups are not kept: this format has no place for them";
         assert!(told.iter().any(|note| note.ends_with(text)), "{output}: {told:?}");
+    }
+}
+
+/// Names of groups that are empty in the mesh, or cannot be groups: some tetrahedra are in none, a
+/// triangle of the surface is no face, and a marker that no group can have needs a free one.
+#[test]
+fn names_survive_where_groups_do_not() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n2 1 \"inlet\"\n\
+                2 4 \"wall\"\n3 7 \"steel\"\n3 8 \"air\"\n$EndPhysicalNames\n$Nodes\n5\n\
+                1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0 0 -1\n$EndNodes\n$Elements\n5\n\
+                1 2 2 1 1 3 4 5\n2 2 2 4 1 1 2 4\n3 2 2 0 1 2 3 4\n4 4 2 7 1 1 2 3 4\n\
+                5 4 2 0 1 1 3 2 5\n$EndElements\n";
+    std::fs::write(dir.join("g.msh"), text).unwrap();
+    let named = [(2, 1, "inlet"), (2, 4, "wall"), (3, 7, "steel"), (3, 8, "air")];
+    for (output, options) in [("a.msh", &[][..]), ("b.msh", &["--msh2"]), ("c.msh", &["--ascii"])] {
+        let args = [&["convert", "g.msh", output][..], options].concat();
+        let told = notes(dir, &args);
+        let lost = "1 triangles that are faces of no tetrahedron are not read";
+        assert!(told.len() == 1 && told[0].ends_with(lost), "{told:?}");
+        let file = read(dir, output);
+        let names = file.names.iter().map(|n| (n.dimension, n.group, n.name.as_str()));
+        assert_eq!(names.collect::<Vec<_>>(), named, "{output}");
+        let markers: Vec<i64> = file.faces.iter().map(|face| face.marker).collect();
+        assert_eq!((markers, file.mesh.tet_tags), (vec![4, 0], Some(vec![7, 0])), "{output}");
+        assert!(file.notes.is_empty(), "{:?}", file.notes);
     }
 }
 

@@ -244,3 +244,14 @@ fn malformed() {
         }
     }
 }
+
+/// A name of an empty group says nothing of the geometrical entity that has its number.
+#[test]
+fn names_of_groups_do_not_name_entities() {
+    let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"steel\"\n\
+                $EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0 0 -1\n\
+                $EndNodes\n$Elements\n2\n1 4 2 0 1 1 2 3 4\n2 4 2 0 2 1 3 2 5\n$EndElements\n";
+    let file = msh::read(text.as_bytes()).unwrap();
+    assert_eq!((file.mesh.tet_tags, file.names), (Some(vec![1, 2]), vec![]));
+    assert_eq!(file.notes, ["names of physical groups without tetrahedra are not read"]);
+}

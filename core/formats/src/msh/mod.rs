@@ -8,7 +8,7 @@
 //! that are faces of tetrahedra are boundary triangles, with their physical group as marker. Other
 //! elements of dimension 0 to 2, names of groups of points and curves, other views and other
 //! sections are not read, and a note says so; other volume elements are refused. Names of groups of
-//! surfaces and volumes are kept for a file of the same format.
+//! surfaces and volumes are kept for a file of the same format, also of groups in which nothing is.
 //!
 //! Written: version 4.1, or 2.2. Point tags are a view `tag`, with values of type double. Regions
 //! are physical groups, each with an entity of its own, if all are positive and below 2^31 (what

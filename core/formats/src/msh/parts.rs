@@ -145,8 +145,8 @@ impl Parts {
 
     /// The mesh: nodes in the order of the file, tetrahedra in the order of their numbers.
     pub(super) fn mesh(self) -> Result<MeshFile, Reason> {
-        let Parts { nodes, tets, mut triangles, markers, names, tags, regions, mut notes, .. } =
-            self;
+        let Parts { nodes, tets, mut triangles, markers, mut names, .. } = self;
+        let (tags, regions, mut notes) = (self.tags, self.regions, self.notes);
         let missing = |name| Reason::Syntax(format!("there is no section `{name}`"));
         let nodes = nodes.ok_or_else(|| missing("$Nodes"))?;
         // A file that was cut between sections must not pass for a mesh without elements.
@@ -175,7 +175,13 @@ impl Parts {
             }
             tags
         });
+        let grouped = from_data.is_some() || tets.iter().any(|t| t.physical != 0);
         let tet_tags = from_data.or_else(|| groups(&tets));
+        if tet_tags.is_some() && !grouped && names.iter().any(|n| n.dimension == 3) {
+            // They would name geometrical entities that have the same numbers.
+            names.retain(|n| n.dimension != 3);
+            notes.push("names of physical groups without tetrahedra are not read".to_owned());
+        }
         let tets = tets.iter().map(|t| t.corners).collect();
         let mesh = TetMesh { points: nodes.points, tets, point_tags, tet_tags };
         triangles.sort_by_key(|t| t.number);

@@ -58,13 +58,17 @@ struct Surfaces<'a> {
 }
 
 impl<'a> Surfaces<'a> {
-    fn new(faces: &'a [BoundaryFace]) -> Self {
+    fn new(faces: &'a [BoundaryFace], names: &[GroupName]) -> Self {
         let mut markers: Vec<i64> = faces.iter().map(|f| f.marker).collect();
         markers.sort_unstable();
         markers.dedup();
         let fits = |m: &i64| (1..=i64::from(i32::MAX)).contains(m);
         // Gmsh has no group 0 and no negative one; some readers want all elements in groups.
-        let mut free = (1..).filter(|g| markers.binary_search(g).is_err());
+        let mut taken: Vec<i64> =
+            names.iter().filter(|n| n.dimension == 2).map(|n| n.group).collect();
+        taken.extend(&markers);
+        taken.sort_unstable();
+        let mut free = (1..).filter(|g| taken.binary_search(g).is_err());
         let group = |m: &i64| match fits(m) {
             true => (*m, None),
             false => (free.next().unwrap_or_default(), Some(format!("{NAME}{m}"))),
@@ -80,25 +84,13 @@ impl<'a> Surfaces<'a> {
         self.markers.partition_point(|&m| m < self.faces[face].marker)
     }
 
-    /// The names of groups: those that tell markers, and those given of groups that are there.
-    fn write_names(
-        &self,
-        sink: &mut Sink<'_>,
-        regions: &Regions<'_>,
-        names: &[GroupName],
-    ) -> Result<()> {
+    /// The names of groups: those that tell markers, and those given, also of groups in which
+    /// nothing is: where regions are a view their numbers are still those of the names.
+    fn write_names(&self, sink: &mut Sink<'_>, names: &[GroupName]) -> Result<()> {
         let own = self.groups.iter().filter_map(|(group, name)| Some((2, *group, name.clone()?)));
-        let volumes: &[i64] = match regions {
-            Regions::Groups(_, different) => different,
-            _ => &[],
-        };
-        let is_there = |n: &&GroupName| match n.dimension {
-            2 => self.groups.iter().any(|(group, own)| *group == n.group && own.is_none()),
-            _ => volumes.binary_search(&n.group).is_ok(),
-        };
         // A name ends at its line and at its quotes.
         let plain = |name: &str| name.chars().filter(|&c| !c.is_control() && c != '"').collect();
-        let given = names.iter().filter(is_there);
+        let given = names.iter().filter(|n| matches!(n.dimension, 2 | 3));
         let given = given.map(|n| (i64::from(n.dimension), n.group, plain(&n.name)));
         let named: Vec<(i64, i64, String)> = own.chain(given).collect();
         if named.is_empty() {
@@ -272,8 +264,8 @@ pub fn write_named(
         sink.row(|row| row.int(1))?;
         sink.end("MeshFormat")?;
     }
-    let surfaces = Surfaces::new(faces);
-    surfaces.write_names(sink, &regions, names)?;
+    let surfaces = Surfaces::new(faces, names);
+    surfaces.write_names(sink, names)?;
     match version {
         MshVersion::V4_1 => version_4(sink, mesh, &regions, &surfaces)?,
         MshVersion::V2_2 => version_2(sink, mesh, &regions, &surfaces)?,
