@@ -100,7 +100,7 @@ Examples:
   ltbw convert mesh.vtu mesh.msh --msh2 --ascii     for programs that read no newer Gmsh files
 
 Points: .npy .xyz .txt .csv .node .ply, and read only .npz, .off .obj .stl (their vertices).
-Domains: .poly .smesh .off .obj .stl .ply .vtk; a surface goes to points as its vertices.
+Domains: .poly .smesh .off .obj .stl .ply .vtk.
 Meshes: .vtu .vtk .msh (4.1 and 2.2) .mesh .ele (with .node).
 Coordinates survive bit for bit; tags survive where the format has a place for them.")]
     Convert(Convert),

@@ -7,7 +7,7 @@ use ltbw_domain::Domain;
 use std::path::{Path, PathBuf};
 
 /// Reads a domain file: `.poly`, `.smesh` (with its `.node` if it holds no points itself), `.off`,
-/// `.obj`, `.stl` or `.ply`.
+/// `.obj`, `.stl`, `.ply` or `.vtk`.
 pub fn read_domain(path: impl AsRef<Path>) -> Result<DomainFile, IoError> {
     let path = path.as_ref();
     let format = domain_format(path)?;
@@ -36,8 +36,8 @@ pub fn domain_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
     files
 }
 
-/// Writes a domain with the default [`WriteOptions`]: `.poly`, `.smesh`, `.off`, `.obj`, `.stl` or
-/// `.ply`. The formats of surfaces do not keep all of a domain: see [`not_kept`].
+/// Writes a domain with the default [`WriteOptions`]: `.poly`, `.smesh`, `.off`, `.obj`, `.stl`,
+/// `.ply` or `.vtk`. The formats of surfaces do not keep all of a domain: see [`not_kept`].
 pub fn write_domain(path: impl AsRef<Path>, domain: &Domain) -> Result<(), IoError> {
     let path = path.as_ref();
     write_domain_with(path, domain, WriteOptions::default())

@@ -100,7 +100,7 @@ def tetrahedralize(
     Parameters
     ----------
     surface : path, tuple, pyvista.PolyData, meshio.Mesh, or anything with vertices and faces
-        The domain: a file (``.poly .smesh .off .obj .stl .ply``); ``(vertices, faces)`` or
+        The domain: a file (``.poly .smesh .off .obj .stl .ply .vtk``); ``(vertices, faces)`` or
         ``(vertices, faces, markers)``, faces as an array of shape (f, 3) or lists of corners.
     max_volume : float, optional
         The largest volume of a tetrahedron.

@@ -190,7 +190,7 @@ class Mesh:
         return self.certificate if text is None else Certificate(text)
 
     def save(self, path):
-        """Writes the mesh: ``.vtu .msh .mesh .ele``."""
+        """Writes the mesh: ``.vtu .vtk .msh .mesh .ele``."""
         self._kernel.save(os.fspath(path))
 
     def to_meshio(self):

@@ -2,7 +2,7 @@
 //!
 //! An array is a header and data. Without compression the header is the number of bytes; with it,
 //! the number of blocks, the size of a block, the size of the last one if it is smaller (else 0)
-//! and the compressed size of each block.  In base64, header and data may be padded each for
+//! and the compressed size of each block. In base64, header and data may be padded each for
 //! itself; here padding may stand behind any group, which covers all writers.
 //! Source: the VTK file formats page of the VTK documentation; RFC 4648; RFC 1950.
 
