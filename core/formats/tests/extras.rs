@@ -92,6 +92,28 @@ fn boundaries_are_read_back() {
     assert!(text.contains("$PhysicalNames\n3\n2 2 \"marker -3\"\n2 3 \"marker 0\"\n"), "{text}");
 }
 
+/// Programs that ignore the numbers of elements in views take one value for each, in their order.
+#[test]
+fn a_view_of_regions_has_a_value_for_each_element_in_their_order() {
+    let (mut mesh, faces) = walled();
+    mesh.tet_tags = Some(vec![9, 0]);
+    for (version, numbers) in
+        [(MshVersion::V4_1, [1, 2, 5, 4, 7, 3, 6]), (MshVersion::V2_2, [1, 2, 3, 4, 5, 6, 7])]
+    {
+        let mut bytes = Vec::new();
+        msh::write_with(&mut bytes, &mesh, &faces, version, Encoding::Ascii).expect("written");
+        let text = String::from_utf8(bytes.clone()).expect("a text");
+        let (_, view) = text.split_once("\"region\"\n1\n0\n3\n0\n1\n").expect("a view");
+        let rows: Vec<String> = numbers
+            .iter()
+            .map(|&n| format!("{n} {}\n", if matches!(n, 2 | 6 | 7) { 0 } else { 9 }))
+            .collect();
+        assert_eq!(view, format!("7\n{}$EndElementData\n", rows.concat()), "{version:?}");
+        let read = msh::read(&bytes).expect("a mesh");
+        assert_eq!((read.mesh, read.faces), (mesh.clone(), faces.clone()));
+    }
+}
+
 #[test]
 fn faces_beside_tetrahedra_are_read_in_every_form() {
     let dir = tempfile::tempdir().expect("a folder");

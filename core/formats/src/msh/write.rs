@@ -271,21 +271,37 @@ pub fn write_named(
         MshVersion::V2_2 => version_2(sink, mesh, &regions, &surfaces)?,
     }
     if let Some(tags) = &mesh.point_tags {
-        view(sink, "NodeData", "tag", tags)?;
+        view(sink, "NodeData", "tag", tags.len(), |i| (i, tags[i]))?;
     }
     if let Regions::View(tags) = regions {
-        view(sink, "ElementData", "region", tags)?;
+        // Some readers ignore the numbers: a value for each element, in the order of the elements.
+        let count = tags.len();
+        view(sink, "ElementData", "region", count + faces.len(), |i| {
+            let Some(place) = i.checked_sub(count) else { return (i, tags[i]) };
+            let face = match version {
+                MshVersion::V4_1 => surfaces.order[place],
+                MshVersion::V2_2 => place,
+            };
+            (count + face, tags.get(faces[face].tet).copied().unwrap_or(0))
+        })?;
     }
     Ok(())
 }
 
-/// Writes a view: a value at each node or in each tetrahedron.
-fn view(sink: &mut Sink<'_>, section: &str, name: &str, tags: &[i64]) -> Result<()> {
+/// Writes a view: nodes or elements, numbered from 0, and their values.
+fn view(
+    sink: &mut Sink<'_>,
+    section: &str,
+    name: &str,
+    count: usize,
+    value: impl Fn(usize) -> (usize, i64) + Sync,
+) -> Result<()> {
     // One text (the name), one real (the time), three integers: time step, components, values.
-    sink.line(&format!("${section}\n1\n\"{name}\"\n1\n0\n3\n0\n1\n{}", tags.len()))?;
-    sink.rows(tags.len(), |i, row| {
-        row.int(i as i64 + 1);
-        row.whole(tags[i]);
+    sink.line(&format!("${section}\n1\n\"{name}\"\n1\n0\n3\n0\n1\n{count}"))?;
+    sink.rows(count, |i, row| {
+        let (number, value) = value(i);
+        row.int(number as i64 + 1);
+        row.whole(value);
     })?;
     sink.end(section)
 }
