@@ -136,7 +136,10 @@ pub struct Parallel<'a> {
     window: usize,
     latency: Duration,
     plan: Option<Plan>,
-    balance: Option<Balance>,
+    /// Not an option: optimised code looks at the numbers before it looks whether blocks move, and
+    /// memcheck takes that for a use of what was never written.
+    balance: Balance,
+    is_balanced: bool,
     spans: Option<usize>,
     cancel: Option<&'a CancelToken>,
     listener: Listener<'a>,
@@ -161,7 +164,8 @@ impl<'a> Parallel<'a> {
             window,
             latency: Duration::ZERO,
             plan: None,
-            balance: None,
+            balance: Balance::default(),
+            is_balanced: false,
             spans: None,
             cancel: None,
             listener: Listener::default(),
@@ -203,7 +207,7 @@ impl<'a> Parallel<'a> {
     /// Lets workers that run out of points ask others for blocks. Not done otherwise: the blocks
     /// are even at the start, and what moves has to be found out about by all.
     pub fn balance(mut self, balance: Balance) -> Self {
-        self.balance = Some(balance);
+        (self.balance, self.is_balanced) = (balance, true);
         self
     }
 
@@ -259,7 +263,7 @@ impl<'a> Parallel<'a> {
         let points = self.only.map_or(set.len(), <[Vertex]>::len);
         let total = points as u64;
         let plan = self.plan.unwrap_or_else(|| self.default_plan(points));
-        if plan.ownership != Ownership::Block && self.balance.is_some() {
+        if plan.ownership != Ownership::Block && self.is_balanced {
             return Err(RunError::Settings(Ownership::STAYS.to_owned()));
         }
         self.listener.tell(Phase::Order, 0, total);
@@ -305,9 +309,9 @@ impl<'a> Parallel<'a> {
 
     /// The layout by default: a point's star need not be divided where no block moves.
     fn default_plan(&self, points: usize) -> Plan {
-        let ownership = match self.balance {
-            Some(_) => Ownership::Block,
-            None => Ownership::Newest,
+        let ownership = match self.is_balanced {
+            true => Ownership::Block,
+            false => Ownership::Newest,
         };
         Plan { ownership, ..Plan::new(points, self.workers) }
     }
@@ -332,7 +336,8 @@ impl<'a> Parallel<'a> {
         pairs
             .map(|(node, way)| {
                 let watch = watch(node.id());
-                Loop::new(node, self.workers, way, watch, self.balance)
+                let balance = self.is_balanced.then_some(self.balance);
+                Loop::new(node, self.workers, way, watch, balance)
             })
             .collect()
     }
