@@ -102,7 +102,21 @@ fn files_that_are_nearly_right_are_refused_in_one_line() {
     assert_eq!(coloured.expect("a file").notes, ["colours of faces are not read"]);
     let error = npy::read(b"\x93NUMPY\x04\x00\x00\x00").expect_err("version 4").to_string();
     assert!(error.contains("version 4"), "{error}");
-    let files = io::domain_files(std::path::Path::new("a/b.poly"));
-    assert_eq!(files, [std::path::Path::new("a/b.poly"), std::path::Path::new("a/b.node")]);
-    assert_eq!(io::domain_files(std::path::Path::new("a/b.off")).len(), 1);
+}
+
+#[test]
+fn a_domain_is_read_from_two_files_where_its_points_are_in_the_other() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    for (name, text, beside) in [
+        ("a.poly", "# points elsewhere\n0 3 0 0\n", Some("a.node")),
+        ("b.smesh", "0 3 0 0\n", Some("b.node")),
+        ("c.poly", "1 3 0 0\n0 0 0 0\n", None),
+        ("d.off", "OFF\n0 0 0\n", None),
+    ] {
+        std::fs::write(path(name), text).expect("a file");
+        let wanted: Vec<_> = [Some(name), beside].into_iter().flatten().map(path).collect();
+        assert_eq!(io::domain_files(path(name)), wanted);
+    }
+    assert_eq!(io::domain_files(path("missing.poly")).len(), 1);
 }
