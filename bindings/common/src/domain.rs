@@ -136,9 +136,9 @@ impl Ready {
         Ok(refiner.refine(&self.prepared.domain, &self.prepared.lattice)?)
     }
 
-    /// Checks anybody's mesh of the domain, without exterior, by independent code: structure, Delaunay
-    /// property, conformity, volume, and the bounds of `wishes`. JSON `ltbw.conformity/1`, and
-    /// whether it passed.
+    /// Checks anybody's mesh of the domain, without exterior, by independent code: structure,
+    /// Delaunay property, conformity, volume, and the bounds of `wishes`. JSON
+    /// `ltbw.conformity/1`, and whether it passed.
     #[must_use]
     pub fn check(
         &self,

@@ -27,7 +27,7 @@ pub fn read_domain(path: impl AsRef<Path>) -> Result<DomainFile, IoError> {
 pub fn domain_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
     let path = path.as_ref();
     let mut files = vec![path.to_owned()];
-    // What cannot be read has no other file.
+    // A file that cannot be read names no other.
     if let Ok(Format::Poly | Format::Smesh) = Format::from_path(path)
         && load(path).is_ok_and(|bytes| poly::needs_node(&bytes))
     {

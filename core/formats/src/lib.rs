@@ -318,8 +318,8 @@ pub fn check_bytes_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
     aside::check(path)
 }
 
-/// The files that [`read_mesh`] may read for `path`, and [`write_mesh`] write: itself, or the `.node`,
-/// `.ele` and `.face` files that it names.
+/// The files that [`read_mesh`] may read for `path`, and [`write_mesh`] write: itself, or the
+/// `.node`, `.ele` and `.face` files that it names.
 pub fn mesh_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
     let path = path.as_ref();
     match Format::from_path(path) {

@@ -201,8 +201,8 @@ pub fn parse_ele(bytes: &[u8], node: NodeFile) -> Result<MeshFile, ParseError> {
     Ok(MeshFile { mesh, faces: Vec::new(), notes, names: Vec::new() })
 }
 
-/// Parses a `.face` file beside the mesh of `file`, whose points are numbered from `first` (0 or 1),
-/// and gives the mesh its boundary triangles.
+/// Parses a `.face` file beside the mesh of `file`, whose points are numbered from `first` (0 or
+/// 1), and gives the mesh its boundary triangles.
 pub fn parse_face(bytes: &[u8], mut file: MeshFile, first: u8) -> Result<MeshFile, ParseError> {
     let mut lines = Lines::new(bytes);
     let [announced, markers, more @ ..] = header(bytes, &mut lines)?;
