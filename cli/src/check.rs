@@ -4,7 +4,7 @@ use crate::args::{Check, Depth};
 use crate::conform;
 use crate::console;
 use crate::domain;
-use crate::json::{check_json, is_stdout, keep_input, write_json};
+use crate::json::{check_report, is_stdout, write_json};
 use crate::outcome::{Exit, Failure};
 use crate::progress::Stage;
 use ltbw::{TetMesh, io};
@@ -25,9 +25,7 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
         return conform::check(args, &source, plc);
     }
     if let Some(json) = &args.json {
-        let inputs = io::mesh_files(&args.mesh);
-        inputs.iter().try_for_each(|input| keep_input(input, json))?;
-        check_json(json)?;
+        check_report(json, &io::mesh_files(&args.mesh), None)?;
     }
     let stage = Stage::begin("read");
     let file = source.mesh()?;

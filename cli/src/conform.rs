@@ -3,7 +3,7 @@
 use crate::args::Check;
 use crate::bounds::Asked;
 use crate::console;
-use crate::json::{check_json, distinct, keep_input, write_json};
+use crate::json::{check_report, write_json};
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
 use crate::streams::{Formats, Source};
@@ -40,11 +40,8 @@ pub(crate) fn plc_of(domain: &Domain, flat_tolerance: f64) -> Plc {
 pub(crate) fn check(args: &Check, mesh: &Source, plc: &Path) -> Result<Exit, Failure> {
     args.preparation.check(&[&args.mesh, plc])?;
     if let Some(json) = &args.json {
-        let inputs = io::mesh_files(&args.mesh).into_iter().chain(io::domain_files(plc));
-        inputs.into_iter().try_for_each(|input| keep_input(&input, json))?;
-        check_json(json)?;
-        let others = args.preparation.write_defects.iter();
-        distinct(&others.chain([json]).cloned().collect::<Vec<_>>())?;
+        let inputs = [io::mesh_files(&args.mesh), io::domain_files(plc)].concat();
+        check_report(json, &inputs, args.preparation.write_defects.as_ref())?;
     }
     let stage = Stage::begin("read");
     let file = mesh.mesh()?;

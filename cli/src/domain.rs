@@ -2,7 +2,7 @@
 
 use crate::args::Check;
 use crate::console;
-use crate::json::{check_json, distinct, keep_input, write_json};
+use crate::json::{check_report, write_json};
 use crate::outcome::{Exit, Failure};
 use crate::progress::Stage;
 use crate::streams::Source;
@@ -67,10 +67,8 @@ struct LatticePart {
 pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
     args.preparation.check(&[&args.mesh])?;
     if let Some(json) = &args.json {
-        io::domain_files(&args.mesh).iter().try_for_each(|input| keep_input(input, json))?;
-        check_json(json)?;
-        let others = args.preparation.write_defects.iter();
-        distinct(&others.chain([json]).cloned().collect::<Vec<_>>())?;
+        let other = args.preparation.write_defects.as_ref();
+        check_report(json, &io::domain_files(&args.mesh), other)?;
     }
     let stage = Stage::begin("read");
     let file = source.domain()?;

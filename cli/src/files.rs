@@ -2,7 +2,7 @@
 
 use crate::args::{Convert, Generate, Kind};
 use crate::console;
-use crate::json::is_stdout;
+use crate::json::file_writable;
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
 use crate::streams::{Formats, name_of};
@@ -28,9 +28,7 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
     let output = &args.output;
     let formats = args.streams.resolve(Some(&args.input), std::slice::from_ref(output))?;
     let to = formats.of_output(output)?;
-    if !is_stdout(output) {
-        io::check_bytes_writable(output).map_err(Failure::Write)?;
-    }
+    file_writable(output)?;
     let source = formats.input(&args.input)?;
     let from = source.format;
     let output = &Output { path: output, name: name_of(output), format: to, formats };

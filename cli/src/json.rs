@@ -11,12 +11,24 @@ pub(crate) fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-" || path == Path::new("/dev/stdout")
 }
 
-/// Finds out whether JSON cannot be written to `path`, before the work starts.
-pub(crate) fn check_json(path: &Path) -> Result<(), Failure> {
+/// Finds out whether nothing can be written to `path`, a file or stdout, before the work starts.
+pub(crate) fn file_writable(path: &Path) -> Result<(), Failure> {
     if is_stdout(path) {
         return Ok(());
     }
     io::check_bytes_writable(path).map_err(Failure::Write)
+}
+
+/// Finds out, before the work, whether the report of a check cannot be written: it replaces none of
+/// the inputs, and is not the same file as `other`.
+pub(crate) fn check_report(
+    json: &Path,
+    inputs: &[PathBuf],
+    other: Option<&PathBuf>,
+) -> Result<(), Failure> {
+    inputs.iter().try_for_each(|input| keep_input(input, json))?;
+    file_writable(json)?;
+    distinct(&other.cloned().into_iter().chain([json.to_owned()]).collect::<Vec<_>>())
 }
 
 /// Refuses to write `output` where the file `input` is.

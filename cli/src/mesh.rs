@@ -4,7 +4,7 @@ use crate::args::{Depth, MeshArgs};
 use crate::bounds::{Asked, Field, asked, field};
 use crate::conform::{certificate, check_own, print, same_volume, summary};
 use crate::console::{self, Stop};
-use crate::json::{check_json, distinct, is_stdout, keep_input, write_json, write_text};
+use crate::json::{distinct, file_writable, is_stdout, keep_input, write_json, write_text};
 use crate::outcome::{Exit, Failure, seconds as told, show};
 use crate::page::{Page, Scene};
 use crate::progress::{Progress, Stage};
@@ -72,7 +72,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     args.preparation.check(&[&args.domain])?;
     let formats = args.streams.resolve(Some(&args.domain), &args.output)?;
     formats.meshes_writable(&args.output)?;
-    args.json.as_deref().map_or(Ok(()), check_json)?;
+    args.json.as_deref().map_or(Ok(()), file_writable)?;
     let pages = [&args.histogram, &args.page].into_iter().flatten();
     pages.clone().try_for_each(io::check_bytes_writable).map_err(Failure::Write)?;
     let written = args.output.iter().flat_map(io::mesh_files);

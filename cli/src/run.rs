@@ -4,7 +4,7 @@ use crate::args::{Delaunay, Depth};
 use crate::check::check_own;
 use crate::console::{self, Stop};
 use crate::figures::{Figures, SPANS, tables, write_trace};
-use crate::json::{check_json, distinct, is_stdout, keep_input, write_json, write_text};
+use crate::json::{distinct, file_writable, is_stdout, keep_input, write_json, write_text};
 use crate::lists::lists;
 use crate::outcome::{Exit, Failure, seconds, show};
 use crate::page::{self, Page, Scene};
@@ -70,7 +70,7 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     for path in &parts {
         io::check_parts_writable(path, workers as usize).map_err(Failure::Write)?;
     }
-    args.json.as_deref().map_or(Ok(()), check_json)?;
+    args.json.as_deref().map_or(Ok(()), file_writable)?;
     let pages = [&args.trace, &args.page].into_iter().flatten();
     pages.clone().try_for_each(io::check_bytes_writable).map_err(Failure::Write)?;
     if workers < 2 && (args.trace.is_some() || args.tables || args.balance) {

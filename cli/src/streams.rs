@@ -4,7 +4,7 @@
 //! file nothing else goes there.
 
 use crate::console;
-use crate::json::is_stdout;
+use crate::json::{file_writable, is_stdout};
 use crate::outcome::{Failure, show};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use ltbw::io::{self, DomainFile, Format, IoError, MeshFile, PointFile, WriteOptions};
@@ -198,13 +198,6 @@ pub(crate) fn on_stdout(outputs: &[PathBuf]) -> bool {
 /// The name of an output in messages.
 pub(crate) fn name_of(path: &Path) -> PathBuf {
     if is_stdout(path) { PathBuf::from("stdout") } else { path.to_owned() }
-}
-
-fn file_writable(path: &Path) -> Result<(), Failure> {
-    if is_stdout(path) {
-        return Ok(());
-    }
-    io::check_bytes_writable(path).map_err(Failure::Write)
 }
 
 /// Writes to stdout as it comes, or to a file of any extension.

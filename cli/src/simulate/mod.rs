@@ -8,7 +8,7 @@ pub(crate) use args::Simulate;
 
 use crate::console;
 use crate::figures::{SPANS, cost_model, tables, write_trace};
-use crate::json::{check_json, distinct, is_stdout, write_json};
+use crate::json::{distinct, file_writable, is_stdout, write_json};
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
 use ltbw::PointSet;
@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 /// `ltbw simulate`.
 pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     console::end_on_signal()?;
-    args.json.as_deref().map_or(Ok(()), check_json)?;
+    args.json.as_deref().map_or(Ok(()), file_writable)?;
     let pages = [&args.trace, &args.page].into_iter().flatten();
     pages.clone().try_for_each(io::check_bytes_writable).map_err(Failure::Write)?;
     distinct(&args.json.iter().chain(pages).cloned().collect::<Vec<_>>())?;

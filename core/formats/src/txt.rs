@@ -4,39 +4,17 @@
 //! Blank lines and comments (from `#` to the end of the line) are skipped. Values after the third
 //! are not read; a note says so.
 
+use super::PointFile;
 use super::error::ParseError;
-use super::text::{Lines, point, push_point, write_rows};
-use super::{Point, PointFile};
-use std::io::Write;
+pub use super::xyz::write;
+use super::xyz::{first_point, read_lines};
 
 /// Reads a `.txt` file.
 pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
-    let mut file = PointFile::default();
-    let mut more = false;
-    for line in Lines::new(bytes) {
-        let at = |r| ParseError::at(bytes, line.offset, r);
-        let (p, surplus) = if line.text.contains(&b',') {
-            // An empty field is no number: columns must not move.
-            let mut fields = line.text.split(|&b| b == b',').map(<[u8]>::trim_ascii);
-            (point(&mut fields, 0).map_err(at)?, fields.next().is_some())
-        } else {
-            let mut fields = line.fields();
-            (point(&mut fields, 0).map_err(at)?, fields.next().is_some())
-        };
-        more |= surplus;
-        file.points.push(p);
-    }
-    if more {
-        file.notes.push("values after the third on a line are not read".to_owned());
-    }
-    Ok(file)
-}
-
-/// Writes a `.txt` file, which `numpy.loadtxt` reads. The format has no place for tags.
-pub fn write(out: &mut dyn Write, points: &[Point], _tags: Option<&[i64]>) -> std::io::Result<()> {
-    write_rows(out, points.len(), |i, row| {
-        push_point(row, &points[i], b' ');
-        row.push(b'\n');
+    read_lines(bytes, |line| match line.text.contains(&b',') {
+        // An empty field is no number: columns must not move.
+        true => first_point(&mut line.text.split(|&b| b == b',').map(<[u8]>::trim_ascii)),
+        false => first_point(&mut line.fields()),
     })
 }
 

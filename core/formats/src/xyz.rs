@@ -3,19 +3,34 @@
 //! Blank lines and comments (from `#` to the end of the line) are skipped. Values after the third
 //! (colours, normals) are not read; a note says so.
 
-use super::error::ParseError;
-use super::text::{Lines, point, push_point, write_rows};
+use super::error::{ParseError, Reason};
+use super::text::{Line, Lines, point, push_point, write_rows};
 use super::{Point, PointFile};
 use std::io::Write;
 
 /// Reads an `.xyz` file.
 pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
+    read_lines(bytes, |line| first_point(&mut line.fields()))
+}
+
+/// The point at the start of a line, and whether more values follow.
+pub(super) fn first_point<'a>(
+    fields: &mut impl Iterator<Item = &'a [u8]>,
+) -> Result<(Point, bool), Reason> {
+    Ok((point(fields, 0)?, fields.next().is_some()))
+}
+
+/// Reads a file with one point on a line, which `parse` takes as [`first_point`] does.
+pub(super) fn read_lines(
+    bytes: &[u8],
+    parse: impl Fn(Line<'_>) -> Result<(Point, bool), Reason>,
+) -> Result<PointFile, ParseError> {
     let mut file = PointFile::default();
     let mut more = false;
     for line in Lines::new(bytes) {
-        let mut fields = line.fields();
-        let p = point(&mut fields, 0).map_err(|r| ParseError::at(bytes, line.offset, r))?;
-        more |= fields.next().is_some();
+        let parsed = parse(line).map_err(|r| ParseError::at(bytes, line.offset, r));
+        let (p, surplus) = parsed?;
+        more |= surplus;
         file.points.push(p);
     }
     if more {
