@@ -103,9 +103,9 @@ int main(int count, char **words) {
   }
   surface.face_count = 6;
 
-  // Progress may end the work: the mesh so far, or none yet.
+  // Progress may end the work, here far from its end: the mesh so far, or none yet.
   wishes = ltbw_wishes{};
-  wishes.max_volume = 1e-5;
+  wishes.max_volume = 1e-8;
   ltbw_run run{};
   run.progress = stop;
   const ltbw_status status = ltbw_tetrahedralize(&surface, &wishes, &run, &made);
