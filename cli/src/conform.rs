@@ -116,8 +116,8 @@ fn without_exterior(mesh: &TetMesh) -> TetMesh {
     TetMesh {
         points: mesh.points.clone(),
         tets: kept().map(|t| mesh.tets[t]).collect(),
-        point_tags: None,
         tet_tags: Some(kept().filter_map(|t| tags.get(t).copied()).collect()),
+        ..TetMesh::default()
     }
 }
 

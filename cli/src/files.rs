@@ -7,7 +7,7 @@ use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
 use crate::streams::{Formats, name_of};
 use ltbw::domain::{CheckOptions, Domain, DomainError};
-use ltbw::io::{self, DomainFile, Encoding, Format, MeshFile, MshVersion, PointFile, WriteOptions};
+use ltbw::io::{self, DomainFile, Encoding, Format, MshVersion, PointFile, WriteOptions};
 use ltbw_generate::{Shape, generate_domain};
 use std::path::{Path, PathBuf};
 
@@ -73,7 +73,7 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
             notes(&output.name, &[text.to_owned()]);
         }
         if to.holds_mesh() {
-            formats.write_mesh_file(output.path, &file, options)?;
+            formats.write_mesh(output.path, file.writer().options(options))?;
             let (points, tets) = (file.mesh.points.len(), file.mesh.tets.len());
             console::people(&format!(
                 "wrote     {}: {points} points, {tets} tetrahedra",
@@ -81,8 +81,8 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
             ));
             return Ok(Exit::Done);
         }
-        let MeshFile { mesh, faces, .. } = file;
-        let lost = [(mesh.tets.len(), "tetrahedra"), (faces.len(), "boundary triangles")];
+        let mesh = file.mesh;
+        let lost = [(mesh.tets.len(), "tetrahedra"), (mesh.faces.len(), "boundary triangles")];
         for (count, name) in lost.into_iter().filter(|&(count, _)| count > 0) {
             let text = format!("{count} {name} are not kept: this format holds points");
             notes(&output.name, &[text]);

@@ -17,9 +17,10 @@ use crate::streams::{Formats, name_of, on_stdout};
 use crate::surface::{print_patches, repairs_json};
 use crate::unrecovered;
 use ltbw::domain::Prepared;
+use ltbw::io::{self, MeshWriter};
 use ltbw::quality::{self, Quality};
 use ltbw::refine::{Reason, RefineOutcome, Refined};
-use ltbw::{Extras, TetMesh, canonical_hash, io};
+use ltbw::{TetMesh, canonical_hash};
 use ltbw_verify::{Breach, Conformity, Finding};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashSet};
@@ -123,10 +124,10 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     let stage = Stage::begin("hash");
     let unrecovered = refined.outcome == RefineOutcome::Unrecovered;
     // Without the boundary nobody knows what is inside: the whole mesh, and no regions.
-    let mut inside = refined.to_tet_mesh(unrecovered);
-    if unrecovered {
-        inside.tet_tags = None;
-    }
+    let inside = match unrecovered {
+        true => TetMesh { tet_tags: None, faces: Vec::new(), ..refined.with_exterior() },
+        false => refined.inside(),
+    };
     let hash = canonical_hash(&inside.points, &inside.tets)
         .map_err(|e| Failure::Other(e.to_string()))?
         .to_string();
@@ -171,8 +172,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     write(job, &refined, &inside, &mut report)?;
     if let (Some(path), Some(quality)) = (job.page, &quality) {
         let _stage = Stage::begin("page");
-        let faces = refined.boundary(false);
-        let scene = Scene { mesh: &inside, faces: &faces, hull: &[], workers: &[] };
+        let scene = Scene { mesh: &inside, hull: &[], workers: &[] };
         let page = Page::new(&show(job.name)).view(&scene).mesh(&report, &verdict, quality);
         write_text(path, &page.html(&report.to_json().unwrap_or_default()))?;
     }
@@ -419,14 +419,12 @@ fn write(
 ) -> Result<(), Failure> {
     let clock = Instant::now();
     let _stage = (!job.outputs.is_empty()).then(|| Stage::begin("write"));
-    let whole = job.keep_exterior.then(|| refined.to_tet_mesh(true));
+    let whole = job.keep_exterior.then(|| refined.with_exterior());
     let mesh = whole.as_ref().unwrap_or(inside);
     if !job.outputs.is_empty() {
         let values = quality::arrays(&mesh.points, &mesh.tets);
-        let extras = Extras { values, faces: refined.boundary(job.keep_exterior) };
         for path in job.outputs {
-            let options = io::WriteOptions::default();
-            job.formats.write_mesh(path, mesh, &extras, options)?;
+            job.formats.write_mesh(path, MeshWriter::new(mesh).values(&values))?;
             let path = &name_of(path);
             report.outputs.push(path.to_string_lossy().into_owned());
             console::people(&format!("wrote     {}", show(path)));

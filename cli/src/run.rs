@@ -12,7 +12,7 @@ use crate::progress::{Progress, Stage};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
 use crate::streams::{Formats, name_of, on_stdout};
 use ltbw::balance::Balance;
-use ltbw::io::{self, PointFile};
+use ltbw::io::{self, MeshWriter, PointFile};
 use ltbw::quality::Quality;
 use ltbw::threads::RunError;
 use ltbw::{BuildError, Builder, Built, Outcome, PointSet, TetMesh};
@@ -202,12 +202,13 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         Outcome::Cancelled => "cancelled",
         Outcome::Budget | Outcome::TooManyTets => "budget",
     };
-    let mesh = TetMesh { points: set.points().to_vec(), tets, point_tags, tet_tags: None };
+    let points = set.points().to_vec();
+    let mesh = TetMesh { points, tets, point_tags, ..TetMesh::default() };
     write_outputs(&mesh, &parts, &mut report, job)?;
     if let Some(path) = job.page {
         let _stage = Stage::begin("page");
         let workers = owners(&mesh, &parts);
-        let scene = Scene { mesh: &mesh, faces: &[], hull: &hull, workers: &workers };
+        let scene = Scene { mesh: &mesh, hull: &hull, workers: &workers };
         let mut page = Page::new(&name).view(&scene);
         if let Some(quality) = Quality::of(&mesh.points, &mesh.tets) {
             page = page.mesh(&report, &verdict, &quality);
@@ -305,8 +306,7 @@ fn write_outputs(
             io::write_parts(path, &parts).map_err(Failure::Write)?;
             io::part_files(path, parts.len())
         } else {
-            let (extras, options) = Default::default();
-            job.formats.write_mesh(path, mesh, &extras, options)?;
+            job.formats.write_mesh(path, MeshWriter::new(mesh))?;
             vec![name_of(path)]
         };
         for path in files {
@@ -330,7 +330,7 @@ fn part_of(mesh: &TetMesh, tets: &[[u32; 4]]) -> TetMesh {
         points: used.iter().map(|&v| mesh.points[v as usize]).collect(),
         tets: tets.iter().map(|tet| tet.map(place)).collect(),
         point_tags: mesh.point_tags.as_ref().map(tags),
-        tet_tags: None,
+        ..TetMesh::default()
     }
 }
 

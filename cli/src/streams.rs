@@ -7,8 +7,8 @@ use crate::console;
 use crate::json::{file_writable, is_stdout};
 use crate::outcome::{Failure, show};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use ltbw::io::{self, DomainFile, Format, IoError, MeshFile, PointFile, WriteOptions};
-use ltbw::{Domain, Extras, TetMesh};
+use ltbw::Domain;
+use ltbw::io::{self, DomainFile, Format, IoError, MeshFile, MeshWriter, PointFile, WriteOptions};
 use std::cell::OnceCell;
 use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -133,32 +133,12 @@ impl Formats {
     }
 
     /// Writes a mesh to a file or to stdout.
-    pub(crate) fn write_mesh(
-        self,
-        path: &Path,
-        mesh: &TetMesh,
-        extras: &Extras,
-        options: WriteOptions,
-    ) -> Result<(), Failure> {
+    pub(crate) fn write_mesh(self, path: &Path, mesh: MeshWriter<'_>) -> Result<(), Failure> {
         if !is_open(path) {
-            return io::write_mesh_and(path, mesh, extras, options).map_err(Failure::Write);
+            return mesh.write(path).map_err(Failure::Write);
         }
         let (name, format) = (name_of(path), self.of_output(path)?);
-        write(path, |out| io::write_mesh_to(out, &name, format, mesh, extras, options))
-    }
-
-    /// Writes a mesh as it was read to a file or to stdout.
-    pub(crate) fn write_mesh_file(
-        self,
-        path: &Path,
-        file: &MeshFile,
-        options: WriteOptions,
-    ) -> Result<(), Failure> {
-        if !is_open(path) {
-            return io::write_mesh_file(path, file, options).map_err(Failure::Write);
-        }
-        let (name, format) = (name_of(path), self.of_output(path)?);
-        write(path, |out| io::write_mesh_file_to(out, &name, format, file, options))
+        write(path, |out| mesh.write_to(out, &name, format))
     }
 
     /// Writes points to a file or to stdout.

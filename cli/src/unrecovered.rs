@@ -4,8 +4,9 @@
 use crate::console;
 use crate::outcome::{Failure, show};
 use crate::streams::{Formats, name_of};
+use ltbw::TetMesh;
+use ltbw::io::MeshWriter;
 use ltbw::refine::Refined;
-use ltbw::{Extras, TetMesh, io};
 use ltbw_verify as verify;
 use std::path::PathBuf;
 
@@ -46,8 +47,7 @@ pub(crate) fn write(
         );
     }
     for path in outputs {
-        let options = io::WriteOptions::default();
-        formats.write_mesh(path, mesh, &Extras::default(), options)?;
+        formats.write_mesh(path, MeshWriter::new(mesh))?;
         let path = &name_of(path);
         written.push(path.to_string_lossy().into_owned());
         console::people(&format!("wrote     {}, without regions", show(path)));

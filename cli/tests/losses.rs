@@ -33,7 +33,7 @@ fn markers(file: &ltbw::io::MeshFile) -> Vec<([u32; 3], i64)> {
         corners.sort_unstable();
         (corners, face.marker)
     };
-    let mut list: Vec<([u32; 3], i64)> = file.faces.iter().map(sorted).collect();
+    let mut list: Vec<([u32; 3], i64)> = file.mesh.faces.iter().map(sorted).collect();
     list.sort_unstable();
     list
 }
@@ -44,7 +44,7 @@ fn boundary_and_regions_survive_in_every_format_of_meshes() {
     let dir = dir.path();
     meshed(dir);
     let first = read(dir, "m.vtu");
-    let different: HashSet<i64> = first.faces.iter().map(|face| face.marker).collect();
+    let different: HashSet<i64> = first.mesh.faces.iter().map(|face| face.marker).collect();
     assert!(different.len() >= 2, "markers {different:?}");
     let regions: HashSet<i64> = first.mesh.tet_tags.iter().flatten().copied().collect();
     assert!(regions.len() >= 2, "regions {regions:?}");
@@ -59,12 +59,12 @@ fn boundary_and_regions_survive_in_every_format_of_meshes() {
             assert_eq!(back.mesh.tet_tags, first.mesh.tet_tags, "{from} {to}");
         }
     }
-    let rows = first.faces.iter().zip(0..).map(|(face, row)| {
+    let rows = first.mesh.faces.iter().zip(0..).map(|(face, row)| {
         let [a, b, c] = face.corners;
         format!("{row} {a} {b} {c} {}\n", face.marker)
     });
     let face = std::fs::read_to_string(dir.join("b.face")).unwrap();
-    assert_eq!(face, format!("{} 1\n{}", first.faces.len(), rows.collect::<String>()));
+    assert_eq!(face, format!("{} 1\n{}", first.mesh.faces.len(), rows.collect::<String>()));
     let lost = notes(dir, &["convert", "a.vtu", "b.xyz"]);
     assert_eq!(lost.len(), 2, "{lost:?}");
     assert!(lost[0].ends_with("tetrahedra are not kept: this format holds points"));
@@ -88,7 +88,7 @@ fn names_of_groups_survive_in_msh_and_are_told_elsewhere() {
         let file = read(dir, output);
         let names = file.names.iter().map(|n| (n.dimension, n.group, n.name.as_str()));
         assert_eq!(names.collect::<Vec<_>>(), named, "{output}");
-        assert_eq!((file.faces[0].marker, file.mesh.tet_tags), (4, Some(vec![7])));
+        assert_eq!((file.mesh.faces[0].marker, file.mesh.tet_tags), (4, Some(vec![7])));
         assert!(file.notes.is_empty(), "{:?}", file.notes);
     }
     for output in ["a.vtu", "a.vtk", "a.mesh", "a.ele", "a.xyz"] {
@@ -119,7 +119,7 @@ fn names_survive_where_groups_do_not() {
         let file = read(dir, output);
         let names = file.names.iter().map(|n| (n.dimension, n.group, n.name.as_str()));
         assert_eq!(names.collect::<Vec<_>>(), named, "{output}");
-        let markers: Vec<i64> = file.faces.iter().map(|face| face.marker).collect();
+        let markers: Vec<i64> = file.mesh.faces.iter().map(|face| face.marker).collect();
         assert_eq!((markers, file.mesh.tet_tags), (vec![4, 0], Some(vec![7, 0])), "{output}");
         assert!(file.notes.is_empty(), "{:?}", file.notes);
     }

@@ -16,7 +16,7 @@ fn refine_and_judge(ready: &Prepared, volume: Option<f64>, ratio: f64) -> (Refin
         refiner = refiner.max_volume(volume);
     }
     let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-    let mesh = refined.to_tet_mesh(false);
+    let mesh = refined.inside();
     let limits = Limits {
         radius_edge: Some(ratio),
         max_volume: volume,
@@ -79,7 +79,7 @@ fn a_damaged_mesh_does_not_conform() {
     let ready = generated(DomainKind::CubeOctahedron, &Shape::default());
     let refiner = Refiner::new().max_volume(5e-3);
     let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-    let good = refined.to_tet_mesh(false);
+    let good = refined.inside();
     let plc = plc_of(&ready.domain);
     let judge = |mesh: &ltbw::TetMesh, plc: &Plc, limits: &Limits| {
         let view = Mesh::new(&mesh.points, &mesh.tets);
@@ -101,7 +101,7 @@ fn a_damaged_mesh_does_not_conform() {
     bad.points[moved.expect("a point on x = 0")][0] = 1e-15;
     assert!(!judge(&bad, &plc, &none).passed());
     // The exterior is meshed, too.
-    let whole = refined.to_tet_mesh(true);
+    let whole = refined.with_exterior();
     let whole = ltbw::TetMesh { tet_tags: None, ..whole };
     assert!(judge(&whole, &plc, &none).count(Breach::HoleMeshed) > 0);
     // A domain with another vertex, another edge, another facet.

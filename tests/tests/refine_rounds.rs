@@ -5,7 +5,6 @@
 //! orders, `LTBW_ORDERS` for more (22). Surfaces: some by formula, and those of the folder
 //! `LTBW_PARTS`, if it is set.
 
-use ltbw::Extras;
 use ltbw::Random;
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::refine::{Engine, InsertOrder, RefineOutcome, Refined, Refiner};
@@ -49,7 +48,7 @@ fn one_mesh(
         assert_eq!(other.mesh().hash().expect("a hash"), hash, "{name} {order:?}");
         assert_eq!(other.excuses.len(), first.excuses.len(), "{name} {order:?}");
     }
-    let mesh = first.to_tet_mesh(false);
+    let mesh = first.inside();
     let limits = Limits { radius_edge: Some(2.0), ..Limits::default() };
     let view = Mesh::new(&mesh.points, &mesh.tets);
     let plc = plc_of(&ready.domain);
@@ -113,12 +112,10 @@ fn the_problems_of_the_paper_need_no_more_tetrahedra_than_tetgen() {
 /// The files of a refined domain.
 fn files(refined: &Refined, name: &str) -> Vec<Vec<u8>> {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let mesh = refined.to_tet_mesh(true);
-    let extras = Extras { faces: refined.boundary(true), ..Extras::default() };
+    let mesh = refined.with_exterior();
     for end in ["vtu", "mesh", "msh", "ele"] {
         let path = folder.join(format!("{name}.{end}"));
-        let options = ltbw::io::WriteOptions::default();
-        ltbw::io::write_mesh_and(&path, &mesh, &extras, options).expect("a file");
+        ltbw::io::write_mesh(&path, &mesh).expect("a file");
     }
     let read = |end| std::fs::read(folder.join(format!("{name}.{end}"))).expect("a file");
     ["vtu", "mesh", "msh", "ele", "node"].map(read).to_vec()
@@ -180,7 +177,7 @@ fn every_order_of_every_round_of_tiny_domains_gives_one_mesh() {
                 let (other, name) = (run(n), format!("{kind:?} {volume} order {n}"));
                 assert_eq!(other.mesh().hash().expect("a hash"), hash, "{name}");
                 assert_eq!(other.stats.rounds, first.stats.rounds, "{name}");
-                assert!(other.to_tet_mesh(true) == first.to_tet_mesh(true), "{name}");
+                assert!(other.with_exterior() == first.with_exterior(), "{name}");
             }
             domains += 1;
             rounds += first.stats.rounds.iter().sum::<u64>();

@@ -111,7 +111,7 @@ fn certified_within(
         return refined;
     }
     assert!(refined.lost.is_empty(), "{name}: {:?}", refined.lost.first());
-    let mesh = refined.to_tet_mesh(false);
+    let mesh = refined.inside();
     let facet = |f: &Facet| PlcFacet {
         polygons: f.polygons.clone(),
         holes: f.holes.clone(),
@@ -170,7 +170,7 @@ fn sheets_hinged_on_a_line_do_not_displace_each_other() {
 
 /// The least dihedral angle in degrees, and the largest circumradius to shortest edge.
 fn shape(refined: &Refined) -> (f64, f64) {
-    let mesh = refined.to_tet_mesh(false);
+    let mesh = refined.inside();
     let quality = Quality::of(&mesh.points, &mesh.tets).expect("tetrahedra");
     (quality.dihedral.least.value, quality.radius_edge.largest.value)
 }
@@ -368,7 +368,7 @@ fn wrong_tiles_of_a_patch_are_found() {
         .max_volume(1e-3)
         .refine(&ready.domain, &ready.lattice)
         .expect("a mesh");
-    let mesh = refined.to_tet_mesh(false);
+    let mesh = refined.inside();
     let judge = |tets: &[[u32; 4]], tolerance: f64| {
         let facet = |f: &Facet| PlcFacet { polygons: f.polygons.clone(), ..PlcFacet::default() };
         let plc = Plc {
@@ -386,7 +386,7 @@ fn wrong_tiles_of_a_patch_are_found() {
     assert!(!judge(&mesh.tets, 0.0).passed());
     // Every tetrahedron on the boundary is missed.
     let boundary: std::collections::BTreeSet<usize> =
-        refined.boundary(false).iter().map(|face| face.tet).collect();
+        refined.boundary().iter().map(|face| face.tet).collect();
     for hole in boundary {
         let mut tets = mesh.tets.clone();
         tets.remove(hole);

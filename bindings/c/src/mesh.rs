@@ -128,7 +128,7 @@ fn tetrahedralized(source: Source, asked: &Asked, run: Run) -> Result<Meshed, Fa
                 let constant = move |_| edge_length.unwrap_or(f64::INFINITY);
                 let field: Option<&ltbw_bindings::Field<'_>> =
                     if edge_length.is_some() { Some(&constant) } else { None };
-                let refined = ready.refine(wishes, field, reins)?;
+                let refined = ready.refine(wishes, field, &reins.progress, &reins.cancel)?;
                 ready.finish(wishes, refined)
             })
         });
@@ -146,7 +146,7 @@ fn tetrahedralized(source: Source, asked: &Asked, run: Run) -> Result<Meshed, Fa
         looked: Mutex::new(Instant::now()),
         failure: Mutex::new(None),
     };
-    let refined = ready.refine(wishes, Some(&|p| function.at(p)), &reins);
+    let refined = ready.refine(wishes, Some(&|p| function.at(p)), &reins.progress, &reins.cancel);
     if let Some(failure) = function.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
         return Err(failure);
     }
@@ -244,6 +244,6 @@ pub unsafe extern "C" fn ltbw_mesh_save(mesh: *const Mesh, file: *const c_char) 
         // SAFETY: as the caller promises.
         let mesh = unsafe { mesh.as_ref() }.ok_or_else(|| null("mesh"))?;
         // SAFETY: as the caller promises.
-        mesh.meshed.save(&unsafe { path(file) }?)
+        mesh.meshed.save(&unsafe { path(file) }?, &ltbw::CancelToken::new())
     })
 }

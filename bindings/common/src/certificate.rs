@@ -3,7 +3,7 @@
 use crate::failure::{Class, Failure};
 use crate::wishes::Wishes;
 use ltbw::domain::{Domain, Prepared};
-use ltbw::{Point, TetMesh, canonical_hash};
+use ltbw::{Point, TetMesh};
 use ltbw_verify::{self as verify, Breach, Conformity, Limits, Plc, PlcFacet, Report};
 use serde_json::{Value, json};
 use std::collections::HashSet;
@@ -44,14 +44,6 @@ pub fn check(
     let options = verify::Options { vertex_order, all_points, ..verify::Options::default() };
     let report = verify::check(&verify::Mesh::new(points, tets), &options);
     Ok((report.passed(), json(&report)?))
-}
-
-/// The canonical hash `ltbw.mesh/1` of anybody's mesh.
-///
-/// # Errors
-/// A mesh without one.
-pub fn hash(points: &[Point], tets: &[[u32; 4]]) -> Result<String, Failure> {
-    Ok(canonical_hash(points, tets)?.to_string())
 }
 
 pub(crate) fn json(report: &Report) -> Result<String, Failure> {

@@ -6,10 +6,9 @@ use crate::certificate::{self, Order};
 use crate::failure::{Class, Failure};
 use crate::result::{Meshed, Outcome};
 use crate::wishes::Wishes;
-use crate::work::Reins;
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::refine::{Background, RefineOutcome, Refined, Refiner, usual_tolerance};
-use ltbw::{Point, TetMesh, io};
+use ltbw::{CancelToken, Observer, Point, TetMesh, io};
 use std::collections::HashSet;
 use std::path::PathBuf;
 
@@ -108,7 +107,7 @@ impl Ready {
         Ok(Box::new(move |p| background.at(p)))
     }
 
-    /// Refines, with a sizing field or without.
+    /// Refines, with a sizing field or without. The observer is called by this thread.
     ///
     /// # Errors
     /// Bounds that no mesh can meet; work cancelled before there is a mesh.
@@ -116,14 +115,15 @@ impl Ready {
         &self,
         wishes: &Wishes,
         field: Option<&Field<'_>>,
-        reins: &Reins,
+        observer: &dyn Observer,
+        cancel: &CancelToken,
     ) -> Result<Refined, Failure> {
         let refiner = match wishes.radius_edge {
             Some(bound) => Refiner::new().radius_edge(bound),
             None => Refiner::new().any_shape(),
         };
         let refiner = refiner.flat_tolerance(self.flat_tolerance);
-        let mut refiner = refiner.observer(&reins.progress).cancel(&reins.cancel);
+        let mut refiner = refiner.observer(observer).cancel(cancel);
         if let Some(bound) = wishes.max_volume {
             refiner = refiner.max_volume(bound);
         }

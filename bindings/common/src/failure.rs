@@ -97,6 +97,7 @@ impl From<IoError> for Failure {
         let (class, code) = match &error {
             IoError::Read { .. } => (Class::File, "file.read"),
             IoError::Write { .. } => (Class::File, "file.write"),
+            IoError::Cancelled { .. } => (Class::Cancelled, "cancelled"),
             IoError::Parse { .. } => (Class::Input, "file.parse"),
             IoError::Data { .. } => (Class::Input, "file.data"),
             _ => (Class::Input, "file.format"),

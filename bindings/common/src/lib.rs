@@ -27,7 +27,7 @@ mod wishes;
 mod work;
 
 pub use body::NOWHERE;
-pub use certificate::{Order, check, hash};
+pub use certificate::{Order, check};
 pub use domain::{Ready, Source};
 pub use failure::{Class, Failure};
 pub use points::delaunay;

@@ -7,7 +7,7 @@ use crate::locate::Locator;
 use ltbw::quality::{self, Quality};
 use ltbw::refine::Refined;
 use ltbw::topology::TetId;
-use ltbw::{BoundaryFace, Extras, Point, TetMesh, canonical_hash, io};
+use ltbw::{BoundaryFace, CancelToken, Point, TetMesh, canonical_hash, io};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
@@ -120,7 +120,7 @@ impl Meshed {
     /// Boundary triangles of a domain; none of a point set.
     #[must_use]
     pub fn boundary(&self) -> Vec<BoundaryFace> {
-        self.refined().map(|refined| refined.boundary(false)).unwrap_or_default()
+        self.refined().map(|refined| refined.boundary()).unwrap_or_default()
     }
 
     /// The region of each tetrahedron, from 1; of a point set all are 1.
@@ -172,23 +172,22 @@ impl Meshed {
     /// The mesh as files carry it.
     pub(crate) fn plain(&self) -> TetMesh {
         match self.refined() {
-            Some(refined) => refined.to_tet_mesh(false),
+            Some(refined) => refined.inside(),
             None => TetMesh { points: self.points(), tets: self.tets(), ..TetMesh::default() },
         }
     }
 
-    /// Writes the mesh; the extension tells the format.
+    /// Writes the mesh; the extension tells the format. Cancelled, it leaves the file as it was.
     ///
     /// # Errors
-    /// Formats that hold no mesh; files that cannot be written.
-    pub fn save(&self, path: &Path) -> Result<(), Failure> {
+    /// Formats that hold no mesh; files that cannot be written; work cancelled.
+    pub fn save(&self, path: &Path, cancel: &CancelToken) -> Result<(), Failure> {
         let mesh = self.plain();
         let values = match self.refined() {
             Some(_) => quality::arrays(&mesh.points, &mesh.tets),
             None => Vec::new(),
         };
-        let extras = Extras { values, faces: self.boundary() };
-        Ok(io::write_mesh_and(path, &mesh, &extras, io::WriteOptions::default())?)
+        Ok(io::MeshWriter::new(&mesh).values(&values).cancel(cancel).write(path)?)
     }
 
     /// The certificate as JSON: of points `ltbw.cert/1`, made anew; of a domain the one that came

@@ -4,7 +4,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
-use ltbw::{BoundaryFace, Point, TetMesh, order};
+use ltbw::{Point, TetMesh, order};
 use serde_json::json;
 use std::collections::{BTreeMap, HashSet};
 use std::io::Write as _;
@@ -14,10 +14,8 @@ const MOST: usize = 300_000;
 
 /// A mesh and what its tetrahedra and faces belong to.
 pub(crate) struct Scene<'a> {
-    /// The mesh, with its regions as tags.
+    /// The mesh, with its regions as tags and its boundary faces.
     pub(crate) mesh: &'a TetMesh,
-    /// Triangles with markers.
-    pub(crate) faces: &'a [BoundaryFace],
     /// Corners of the hull's facets; what is shown in part shows their tetrahedra.
     pub(crate) hull: &'a [[u32; 3]],
     /// The worker that each tetrahedron belongs to; empty if there was one.
@@ -41,7 +39,7 @@ impl Scene<'_> {
         let tags = self.mesh.tet_tags.as_deref().unwrap_or_default();
         let regions = numbered(tets.iter().filter_map(|&(_, t)| tags.get(t as usize).copied()));
         let workers = numbered(self.workers.iter().map(|&w| i64::from(w)));
-        let markers = numbered(self.faces.iter().map(|f| f.marker));
+        let markers = numbered(self.mesh.faces.iter().map(|f| f.marker));
         let of = |table: &BTreeMap<i64, u32>, value: Option<i64>| {
             value.and_then(|v| table.get(&v).copied()).unwrap_or(0)
         };
@@ -88,7 +86,7 @@ impl Scene<'_> {
             return (0..all.len() as u32).collect();
         }
         let mut is_kept = vec![false; all.len()];
-        self.faces.iter().filter(|f| f.tet < all.len()).for_each(|f| is_kept[f.tet] = true);
+        self.mesh.faces.iter().filter(|f| f.tet < all.len()).for_each(|f| is_kept[f.tet] = true);
         self.at_the_hull().for_each(|t| is_kept[t] = true);
         let mut outer = is_kept.iter().filter(|&&kept| kept).count();
         // A boundary with no room for anything else is left out.
@@ -154,7 +152,7 @@ impl Scene<'_> {
         let mut by_tet: Vec<(u32, u32)> =
             tets.iter().enumerate().map(|(i, &(_, t))| (t, i as u32)).collect();
         by_tet.sort_unstable();
-        for face in self.faces {
+        for face in &self.mesh.faces {
             let Ok(found) = by_tet.binary_search_by_key(&face.tet, |&(t, _)| t as usize) else {
                 continue;
             };
@@ -200,6 +198,7 @@ impl Columns {
 mod tests {
     use super::*;
     use flate2::read::ZlibDecoder;
+    use ltbw::BoundaryFace;
     use std::io::Read as _;
 
     /// The columns of data whose lengths are given.
@@ -229,10 +228,10 @@ mod tests {
             [1.0, 1.0, 1.0],
         ];
         let tets = vec![[1, 2, 3, 4], [5, 4, 3, 2]];
-        let mesh = TetMesh { points, tets, point_tags: None, tet_tags: Some(vec![7, -2]) };
-        let faces = [BoundaryFace { corners: [2, 3, 5], marker: 40, tet: 1 }];
-        let (head, data) =
-            Scene { mesh: &mesh, faces: &faces, hull: &[], workers: &[3, 1] }.encode();
+        let faces = vec![BoundaryFace { corners: [2, 3, 5], marker: 40, tet: 1 }];
+        let tet_tags = Some(vec![7, -2]);
+        let mesh = TetMesh { points, tets, tet_tags, faces, ..TetMesh::default() };
+        let (head, data) = Scene { mesh: &mesh, hull: &[], workers: &[3, 1] }.encode();
         let head: serde_json::Value = serde_json::from_str(&head).expect("JSON");
         assert_eq!(head["points"], 5, "the first point is not in use");
         assert_eq!(head["regions"], json!(["-2", "7"]));
@@ -272,16 +271,17 @@ mod tests {
             [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z], [0.0, 0.0, z + 0.5]]
         });
         let tets = (0..count as u32).map(|t| [4 * t, 4 * t + 1, 4 * t + 2, 4 * t + 3]).collect();
-        let mesh = TetMesh { points: points.collect(), tets, ..TetMesh::default() };
-        let faces = [BoundaryFace { corners: [0, 1, 2], marker: 1, tet: 0 }];
-        let scene = Scene { mesh: &mesh, faces: &faces, hull: &[], workers: &[] };
+        let faces = vec![BoundaryFace { corners: [0, 1, 2], marker: 1, tet: 0 }];
+        let mut mesh = TetMesh { points: points.collect(), tets, faces, ..TetMesh::default() };
+        let scene = Scene { mesh: &mesh, hull: &[], workers: &[] };
         let kept = scene.kept();
         assert_eq!(kept.len(), MOST);
         assert_eq!((kept[0], kept[1]), (0, 501), "the boundary, and the slab in the middle");
         // Facets of the hull in whatever order of corners; one that no tetrahedron has.
         let last = 4 * (count as u32 - 1);
         let hull = [[last + 2, last + 1, last + 3], [4, 7, 5], [8, 9, 12]];
-        let kept = Scene { faces: &[], hull: &hull, ..scene }.kept();
+        mesh.faces.clear();
+        let kept = Scene { mesh: &mesh, hull: &hull, workers: &[] }.kept();
         assert_eq!(kept.len(), MOST);
         assert_eq!((kept[0], kept[1]), (1, 501), "a facet of the hull, and the slab");
         assert_eq!((kept[MOST - 2], kept[MOST - 1]), (count as u32 - 502, count as u32 - 1));

@@ -5,6 +5,8 @@
 //! had the final name is still there, untouched.
 
 use super::error::IoError;
+use super::write_error;
+use ltbw_core::CancelToken;
 use std::fs::File;
 use std::io::{BufWriter, Error, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -23,18 +25,31 @@ impl Aside {
         path: &Path,
         fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<Self, IoError> {
-        Self::try_write(path, fill).map_err(|e| write_error(path, e))
+        Self::write_until(path, None, fill)
+    }
+
+    /// Writes a file as [`Aside::write`] does, until the token says otherwise.
+    pub(super) fn write_until(
+        path: &Path,
+        cancel: Option<&CancelToken>,
+        fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    ) -> Result<Self, IoError> {
+        Self::try_write(path, cancel, fill).map_err(|e| match cancel {
+            Some(token) if token.is_cancelled() => IoError::Cancelled { path: path.to_owned() },
+            _ => write_error(path, e),
+        })
     }
 
     fn try_write(
         path: &Path,
+        cancel: Option<&CancelToken>,
         fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> std::io::Result<Self> {
         let target = target(path)?;
         let (file, temp_path) = temporary(&target)?.into_parts();
-        let mut out = BufWriter::with_capacity(1 << 20, file);
+        let mut out = BufWriter::with_capacity(1 << 20, Cancellable { file, cancel });
         fill(&mut out)?;
-        let file: File = out.into_inner().map_err(|e| e.into_error())?;
+        let file = out.into_inner().map_err(|e| e.into_error())?.file;
         file.sync_all()?;
         Ok(Self { file: temp_path, path: path.to_owned(), target })
     }
@@ -43,6 +58,25 @@ impl Aside {
     pub(super) fn publish(self) -> Result<(), IoError> {
         let Self { file, path, target } = self;
         file.persist(&target).map_err(|e| write_error(&path, e.error))
+    }
+}
+
+/// A file that is written until a token says otherwise.
+struct Cancellable<'a> {
+    file: File,
+    cancel: Option<&'a CancelToken>,
+}
+
+impl Write for Cancellable<'_> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        match self.cancel.is_some_and(CancelToken::is_cancelled) {
+            true => Err(Error::other("cancelled")),
+            false => self.file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.file.flush()
     }
 }
 
@@ -57,10 +91,6 @@ fn temporary(target: &Path) -> std::io::Result<NamedTempFile> {
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     builder.tempfile_in(folder(target)).map_err(bare)
-}
-
-fn write_error(path: &Path, source: Error) -> IoError {
-    IoError::Write { path: path.to_owned(), source }
 }
 
 /// The temporary file's name means nothing to people: keep only the operating system's reason.
@@ -130,6 +160,28 @@ mod tests {
             Err(Error::from(ErrorKind::StorageFull))
         });
         assert!(matches!(result, Err(IoError::Write { .. })));
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(dir.path()), ["a.xyz"]);
+    }
+
+    #[test]
+    fn a_write_that_is_cancelled_in_the_midst_leaves_the_old_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.xyz");
+        std::fs::write(&path, "old").unwrap();
+        let (token, mut taken) = (CancelToken::new(), 0);
+        let result = Aside::write_until(&path, Some(&token), |out| {
+            for k in 0..100 {
+                if k == 3 {
+                    token.cancel();
+                }
+                out.write_all(&[b'x'; 1 << 20])?;
+                taken += 1;
+            }
+            Ok(())
+        });
+        assert!(matches!(result, Err(IoError::Cancelled { .. })));
+        assert!((3..6).contains(&taken), "{taken}");
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(names(dir.path()), ["a.xyz"]);
     }

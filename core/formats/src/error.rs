@@ -83,6 +83,12 @@ pub enum IoError {
         #[source]
         reason: DataError,
     },
+    /// The writing was cancelled: nothing has the final name that had not before.
+    #[error("{}: cancelled, and not written", show(path))]
+    Cancelled {
+        /// The file.
+        path: PathBuf,
+    },
 }
 
 impl IoError {
@@ -97,6 +103,7 @@ impl IoError {
             IoError::Write { .. } => "io.write",
             IoError::Parse { .. } => "io.parse",
             IoError::Data { .. } => "io.data",
+            IoError::Cancelled { .. } => "io.cancelled",
         }
     }
 }

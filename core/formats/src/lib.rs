@@ -58,6 +58,7 @@ mod text;
 pub mod txt;
 pub mod vtk;
 pub mod vtu;
+mod writer;
 pub mod xyz;
 
 use aside::Aside;
@@ -66,15 +67,16 @@ pub use domain::{
 };
 pub use error::{DataError, IoError, ParseError, Place, Reason};
 pub use format::{Encoding, Format, MshVersion, WriteOptions};
-use ltbw_core::{BoundaryFace, Extras, TetMesh};
+use ltbw_core::{BoundaryFace, TetMesh};
 use ltbw_domain::Domain;
 use ltbw_exact::Point;
 pub use parts::{check_parts_writable, is_parts, part_files, write_parts};
 use std::path::{Path, PathBuf};
 pub use streams::{
     check_domain_stream, check_mesh_stream, check_points_stream, parse_domain, parse_mesh,
-    parse_points, write_domain_to, write_mesh_file_to, write_mesh_to, write_points_to,
+    parse_points, write_domain_to, write_points_to,
 };
+pub use writer::MeshWriter;
 
 /// Points as files carry them.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -90,10 +92,8 @@ pub struct PointFile {
 /// A mesh as files carry it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MeshFile {
-    /// The mesh.
+    /// The mesh; its boundary faces are the triangles of the file that are faces of tetrahedra.
     pub mesh: TetMesh,
-    /// Triangles of the file that are faces of tetrahedra, with their markers.
-    pub faces: Vec<BoundaryFace>,
     /// Names of regions and of markers of boundary triangles (`.msh`).
     pub names: Vec<GroupName>,
     /// The parts of the file that were not read, in words for people.
@@ -201,11 +201,11 @@ pub fn write_points_with(
     Aside::write(path, |out| streams::put_points(out, format, file, options))?.publish()
 }
 
-/// Writes a mesh with the default [`WriteOptions`]: `.vtu`, `.vtk`, `.msh`, `.mesh`, or the
-/// pair `.ele` and `.node` (named by either).
+/// Writes a mesh with its tags and boundary faces, with the default [`WriteOptions`]: `.vtu`, `.vtk`,
+/// `.msh`, `.mesh`, or the pair `.ele` and `.node` (named by either) with `.face` beside it.
+/// [`MeshWriter`] writes figures and names with it.
 pub fn write_mesh(path: impl AsRef<Path>, mesh: &TetMesh) -> Result<(), IoError> {
-    let path = path.as_ref();
-    write_mesh_with(path, mesh, WriteOptions::default())
+    MeshWriter::new(mesh).write(path)
 }
 
 /// Writes a mesh as [`write_mesh`] does, with a choice where the format leaves one.
@@ -214,42 +214,7 @@ pub fn write_mesh_with(
     mesh: &TetMesh,
     options: WriteOptions,
 ) -> Result<(), IoError> {
-    let path = path.as_ref();
-    write_mesh_and(path, mesh, &Extras::default(), options)
-}
-
-/// Writes a mesh as [`write_mesh_with`] does, and the parts of `extras` that the format has a place
-/// for: in `.vtu` and `.vtk` all of them; in `.msh`, `.mesh` and a `.face` file beside `.ele` the
-/// boundary.
-pub fn write_mesh_and(
-    path: impl AsRef<Path>,
-    mesh: &TetMesh,
-    extras: &Extras,
-    options: WriteOptions,
-) -> Result<(), IoError> {
-    let path = path.as_ref();
-    let format = writable(path, false)?;
-    streams::mesh_ready(path, format, mesh, extras)?;
-    match format {
-        Format::Node | Format::Ele => write_pair(path, mesh, &extras.faces),
-        _ => Aside::write(path, |out| streams::put_mesh(out, format, mesh, extras, options))?
-            .publish(),
-    }
-}
-
-/// Writes a mesh as it was read: with its boundary, and in `.msh` with the names of its groups.
-pub fn write_mesh_file(
-    path: impl AsRef<Path>,
-    file: &MeshFile,
-    options: WriteOptions,
-) -> Result<(), IoError> {
-    let path = path.as_ref();
-    if Format::from_path(path)? != Format::Msh {
-        let extras = Extras { faces: file.faces.clone(), ..Extras::default() };
-        return write_mesh_and(path, &file.mesh, &extras, options);
-    }
-    streams::file_ready(path, file)?;
-    Aside::write(path, |out| streams::put_msh(out, file, options))?.publish()
+    MeshWriter::new(mesh).options(options).write(path)
 }
 
 /// The format of `path`, if points (or else meshes) can be written in it.
@@ -263,24 +228,6 @@ fn writable(path: &Path, points: bool) -> Result<Format, IoError> {
     } else {
         Ok(format)
     }
-}
-
-fn write_pair(path: &Path, mesh: &TetMesh, faces: &[BoundaryFace]) -> Result<(), IoError> {
-    let (node_path, ele_path) = pair(path);
-    let ele = Aside::write(&ele_path, |out| tetgen::write_ele(out, mesh))?;
-    let tags = mesh.point_tags.as_deref();
-    let node = Aside::write(&node_path, |out| tetgen::write_node(out, &mesh.points, tags))?;
-    let face_path = face_path(path);
-    // Faces of another mesh must not stay beside this one.
-    let face = match faces {
-        [] if !face_path.exists() => None,
-        _ => Some(Aside::write(&face_path, |out| tetgen::write_face(out, faces))?),
-    };
-    node.publish()?;
-    // A `.node` of this mesh beside an `.ele` of another would be worse than none.
-    ele.publish().inspect_err(|_| drop(std::fs::remove_file(&node_path)))?;
-    let published = face.map_or(Ok(()), Aside::publish);
-    published.inspect_err(|_| drop(std::fs::remove_file(&face_path)))
 }
 
 /// The `.face` file of the mesh that an `.ele` or `.node` file names.
@@ -392,18 +339,10 @@ fn check_mesh(mesh: &TetMesh) -> Result<(), DataError> {
             return Err(DataError::Index { tet, point, points });
         }
     }
-    Ok(())
-}
-
-fn check_extras(mesh: &TetMesh, extras: &Extras) -> Result<(), DataError> {
-    let (points, tets) = (mesh.points.len(), mesh.tets.len());
-    if let Some((_, values)) = extras.values.iter().find(|(_, values)| values.len() != tets) {
-        return Err(DataError::Tags { what: "tetrahedra", tags: values.len(), count: tets });
-    }
     let known = |f: &BoundaryFace| {
-        f.tet < tets && f.corners.iter().all(|&corner| (corner as usize) < points)
+        f.tet < mesh.tets.len() && f.corners.iter().all(|&corner| (corner as usize) < points)
     };
-    match extras.faces.iter().position(|f| !known(f)) {
+    match mesh.faces.iter().position(|f| !known(f)) {
         Some(face) => Err(DataError::Face { face }),
         None => Ok(()),
     }
@@ -420,6 +359,10 @@ fn wrong_kind(path: &Path, format: Format, wanted: &'static str) -> IoError {
 
 fn parse_error(path: &Path, error: ParseError) -> IoError {
     IoError::Parse { path: path.to_owned(), error }
+}
+
+fn write_error(path: &Path, source: std::io::Error) -> IoError {
+    IoError::Write { path: path.to_owned(), source }
 }
 
 fn data_error(path: &Path, reason: DataError) -> IoError {

@@ -13,7 +13,7 @@ use super::MeshFile;
 use super::error::{ParseError, Reason, excerpt};
 use super::faces::owned;
 use super::text::{Tokens, capacity, count, float, integer, push_integer, push_point, write_rows};
-use ltbw_core::{BoundaryFace, TetMesh};
+use ltbw_core::TetMesh;
 use ltbw_exact::Point;
 use std::io::Write;
 
@@ -91,10 +91,11 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let triangles: Vec<([u32; 3], i64)> = triangles.into_iter().zip(markers).collect();
     let tags = |t: Vec<i64>, mark: bool| (mark || t.iter().any(|&r| r != 0)).then_some(t);
     let (point_tags, tet_tags) = (tags(point_tags, marked[0]), tags(tet_tags, marked[1]));
-    let mesh = TetMesh { points, tets, point_tags, tet_tags };
-    let (faces, note) = owned(&mesh, &triangles);
+    let mut mesh = TetMesh { points, tets, point_tags, tet_tags, faces: Vec::new() };
+    let note;
+    (mesh.faces, note) = owned(&mesh, &triangles);
     notes.extend(note);
-    Ok(MeshFile { mesh, faces, notes, names: Vec::new() })
+    Ok(MeshFile { mesh, notes, names: Vec::new() })
 }
 
 /// The number that must follow inside the section `keyword`.
@@ -188,17 +189,9 @@ fn number_from_0<const N: usize>(
     Ok(tets)
 }
 
-/// Writes a `.mesh` file.
+/// Writes a `.mesh` file; the references of triangles are the markers of their facets.
 pub fn write(out: &mut dyn Write, mesh: &TetMesh) -> std::io::Result<()> {
-    write_with(out, mesh, &[])
-}
-
-/// Writes a `.mesh` file with boundary triangles, whose references are the markers of their facets.
-pub fn write_with(
-    out: &mut dyn Write,
-    mesh: &TetMesh,
-    faces: &[BoundaryFace],
-) -> std::io::Result<()> {
+    let faces = &mesh.faces;
     let tag = |tags: &Option<Vec<i64>>, i: usize| {
         tags.as_ref().and_then(|t| t.get(i)).copied().unwrap_or(0)
     };

@@ -106,6 +106,7 @@ mod tests {
             tets: vec![[0, 1, 2, 3]],
             point_tags: Some(vec![1, 2, 3, 4]),
             tet_tags: None,
+            faces: Vec::new(),
         };
         let empty = TetMesh { point_tags: Some(Vec::new()), ..TetMesh::default() };
         write_parts(&path, &[part.clone(), empty.clone()]).expect("written");

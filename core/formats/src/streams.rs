@@ -3,10 +3,8 @@
 //! `name` stands in messages only. Formats of several files are refused: one stream is one file.
 
 use super::surface::Faces;
-use super::{
-    DomainFile, Encoding, Extras, Format, IoError, MeshFile, PointFile, TetMesh, WriteOptions,
-};
-use super::{check_extras, check_float_tags, check_mesh, check_points, data_error, parse_error};
+use super::{DomainFile, Encoding, Format, IoError, MeshFile, PointFile, WriteOptions};
+use super::{check_float_tags, check_points, data_error, parse_error, write_error};
 use super::{
     csv, medit, msh, npy, npz, obj, off, ply, poly, stl, tetgen, txt, vtk, vtu, wrong_kind, xyz,
 };
@@ -104,60 +102,6 @@ pub fn write_points_to(
     put_points(out, format, file, options).map_err(|source| write_error(name, source))
 }
 
-/// Writes a mesh to a stream, as [`super::write_mesh_and`] does to a file.
-///
-/// # Errors
-/// [`IoError`] with `name`: a format of two files, data that it cannot hold, or what `out` says.
-pub fn write_mesh_to(
-    out: &mut dyn Write,
-    name: impl AsRef<Path>,
-    format: Format,
-    mesh: &TetMesh,
-    extras: &Extras,
-    options: WriteOptions,
-) -> Result<(), IoError> {
-    let name = name.as_ref();
-    check_mesh_stream(name, format)?;
-    mesh_ready(name, format, mesh, extras)?;
-    put_mesh(out, format, mesh, extras, options).map_err(|source| write_error(name, source))
-}
-
-/// Writes a mesh to a stream, as [`super::write_mesh_file`] does to a file.
-///
-/// # Errors
-/// [`IoError`] with `name`: a format of two files, data that it cannot hold, or what `out` says.
-pub fn write_mesh_file_to(
-    out: &mut dyn Write,
-    name: impl AsRef<Path>,
-    format: Format,
-    file: &MeshFile,
-    options: WriteOptions,
-) -> Result<(), IoError> {
-    let name = name.as_ref();
-    if format != Format::Msh {
-        let extras = Extras { faces: file.faces.clone(), ..Extras::default() };
-        return write_mesh_to(out, name, format, &file.mesh, &extras, options);
-    }
-    file_ready(name, file)?;
-    put_msh(out, file, options).map_err(|source| write_error(name, source))
-}
-
-/// Checks that a mesh with its boundary can be written as `.msh`.
-pub(super) fn file_ready(name: &Path, file: &MeshFile) -> Result<(), IoError> {
-    let extras = Extras { faces: file.faces.clone(), ..Extras::default() };
-    mesh_ready(name, Format::Msh, &file.mesh, &extras)
-}
-
-/// Writes `.msh` with names, after [`file_ready`].
-pub(super) fn put_msh(
-    out: &mut dyn Write,
-    file: &MeshFile,
-    options: WriteOptions,
-) -> std::io::Result<()> {
-    let MeshFile { mesh, faces, names, .. } = file;
-    msh::write_named(out, mesh, faces, names, options.msh_version, options.encoding)
-}
-
 /// Writes a domain to a stream, as [`super::write_domain_with`] does to a file.
 ///
 /// # Errors
@@ -190,7 +134,7 @@ pub fn check_points_stream(name: impl AsRef<Path>, format: Format) -> Result<(),
     Ok(())
 }
 
-/// Tells whether [`write_mesh_to`] takes this format at all.
+/// Tells whether [`super::MeshWriter::write_to`] takes this format at all.
 ///
 /// # Errors
 /// [`IoError`] with `name`, if it does not.
@@ -216,10 +160,6 @@ pub fn check_domain_stream(name: impl AsRef<Path>, format: Format) -> Result<(),
 
 fn several(name: &Path, format: Format) -> IoError {
     IoError::SeveralFiles { path: name.to_owned(), extension: format.extension() }
-}
-
-fn write_error(name: &Path, source: std::io::Error) -> IoError {
-    IoError::Write { path: name.to_owned(), source }
 }
 
 /// Checks that points can be written in a format.
@@ -248,37 +188,6 @@ pub(super) fn put_points(
         Format::Node => tetgen::write_node(out, points, tags),
         Format::Ply => ply::write(out, points, tags, options.encoding),
         _ => xyz::write(out, points, tags),
-    }
-}
-
-/// Checks that a mesh can be written in a format.
-pub(super) fn mesh_ready(
-    name: &Path,
-    format: Format,
-    mesh: &TetMesh,
-    extras: &Extras,
-) -> Result<(), IoError> {
-    check_mesh(mesh)
-        .and_then(|()| check_extras(mesh, extras))
-        .and_then(|()| if format == Format::Msh { msh::check(mesh) } else { Ok(()) })
-        .map_err(|r| data_error(name, r))
-}
-
-/// Writes a mesh for which [`mesh_ready`] had no complaint, in a format of one file.
-pub(super) fn put_mesh(
-    out: &mut dyn Write,
-    format: Format,
-    mesh: &TetMesh,
-    extras: &Extras,
-    options: WriteOptions,
-) -> std::io::Result<()> {
-    match format {
-        Format::Msh => {
-            msh::write_with(out, mesh, &extras.faces, options.msh_version, options.encoding)
-        }
-        Format::Medit => medit::write_with(out, mesh, &extras.faces),
-        Format::Vtk => vtk::write_with(out, mesh, extras, options.encoding),
-        _ => vtu::write_with(out, mesh, extras, options.encoding),
     }
 }
 

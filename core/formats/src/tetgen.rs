@@ -197,8 +197,8 @@ pub fn parse_ele(bytes: &[u8], node: NodeFile) -> Result<MeshFile, ParseError> {
     if corners == 10 {
         notes.push("corners after the fourth of quadratic tetrahedra are not read".into());
     }
-    let mesh = TetMesh { points, tets, point_tags, tet_tags };
-    Ok(MeshFile { mesh, faces: Vec::new(), notes, names: Vec::new() })
+    let mesh = TetMesh { points, tets, point_tags, tet_tags, faces: Vec::new() };
+    Ok(MeshFile { mesh, notes, names: Vec::new() })
 }
 
 /// Parses a `.face` file beside the mesh of `file`, whose points are numbered from `first` (0 or
@@ -272,7 +272,7 @@ pub fn parse_face(bytes: &[u8], mut file: MeshFile, first: u8) -> Result<MeshFil
         file.notes.push("tetrahedra of triangles are not read".to_owned());
     }
     let (faces, note) = owned(&file.mesh, &triangles);
-    file.faces = faces;
+    file.mesh.faces = faces;
     file.notes.extend(note);
     Ok(file)
 }

@@ -1,6 +1,6 @@
 //! Data beside the mesh in mesh files, edge lengths, and writers whose medium is full.
 
-use ltbw_core::{BoundaryFace, Extras, TetMesh};
+use ltbw_core::{BoundaryFace, CancelToken, TetMesh};
 use ltbw_domain::quality;
 use ltbw_formats as io;
 use ltbw_formats::{
@@ -14,7 +14,13 @@ fn corner() -> TetMesh {
         tets: vec![[0, 1, 2, 3]],
         point_tags: Some(vec![1, 2, 3, 4]),
         tet_tags: Some(vec![7]),
+        faces: Vec::new(),
     }
+}
+
+/// The same with two boundary faces.
+fn bounded() -> TetMesh {
+    TetMesh { faces: boundary(), ..corner() }
 }
 
 fn boundary() -> Vec<BoundaryFace> {
@@ -25,20 +31,19 @@ fn boundary() -> Vec<BoundaryFace> {
 #[test]
 fn boundaries_are_written_where_the_format_has_a_place() {
     let dir = tempfile::tempdir().expect("a folder");
-    let extras = Extras { faces: boundary(), ..Extras::default() };
-    let write = |name: &str, extras: &Extras| {
+    let write = |name: &str, mesh: &TetMesh| {
         let path = dir.path().join(name);
-        io::write_mesh_and(&path, &corner(), extras, io::WriteOptions::default()).expect("written");
-        assert_eq!(io::read_mesh(&path).expect("a mesh"), corner(), "{name}");
+        io::write_mesh(&path, mesh).expect("written");
+        assert_eq!(io::read_mesh(&path).expect("a mesh"), *mesh, "{name}");
     };
     let text = |name: &str| std::fs::read_to_string(dir.path().join(name)).expect("a text");
-    write("a.mesh", &extras);
+    write("a.mesh", &bounded());
     assert!(text("a.mesh").ends_with("\nTriangles\n2\n1 3 2 -5\n2 3 4 9\nEnd\n"));
-    write("b.mesh", &Extras::default());
+    write("b.mesh", &corner());
     assert!(!text("b.mesh").contains("Triangles"));
-    write("a.ele", &extras);
+    write("a.ele", &bounded());
     assert_eq!(text("a.face"), "2 1\n0 0 2 1 -5\n1 1 2 3 9\n");
-    write("b.ele", &Extras::default());
+    write("b.ele", &corner());
     assert!(!dir.path().join("b.face").exists());
     std::fs::create_dir(dir.path().join("c.face")).expect("a folder");
     assert!(io::check_mesh_writable(dir.path().join("c.node")).is_err());
@@ -46,28 +51,27 @@ fn boundaries_are_written_where_the_format_has_a_place() {
 }
 
 /// Two tetrahedra with boundary triangles of every kind of marker, one between the two.
-fn walled() -> (TetMesh, Vec<BoundaryFace>) {
+fn walled() -> TetMesh {
     let mut mesh = corner();
     mesh.points.push([0.0, 0.0, -1.0]);
     mesh.tets.push([0, 2, 1, 4]);
     mesh.point_tags = None;
     mesh.tet_tags = Some(vec![2, 1]);
     let face = |corners, marker, tet| BoundaryFace { corners, marker, tet };
-    let faces = vec![
+    mesh.faces = vec![
         face([0, 2, 1], 12, 0),
         face([1, 2, 3], 0, 0),
         face([0, 1, 3], -3, 0),
         face([1, 0, 4], i64::from(i32::MAX) + 1, 1),
         face([2, 1, 4], 1, 1),
     ];
-    (mesh, faces)
+    mesh
 }
 
 #[test]
 fn boundaries_are_read_back() {
     let dir = tempfile::tempdir().expect("a folder");
-    let (mesh, faces) = walled();
-    let extras = Extras { faces: faces.clone(), ..Extras::default() };
+    let mesh = walled();
     for (name, encoding, msh_version) in [
         ("a.vtu", Encoding::Ascii, MshVersion::V4_1),
         ("b.vtu", Encoding::Binary, MshVersion::V4_1),
@@ -78,14 +82,15 @@ fn boundaries_are_read_back() {
         ("g.msh", Encoding::Binary, MshVersion::V2_2),
         ("h.ele", Encoding::Ascii, MshVersion::V4_1),
         ("i.node", Encoding::Ascii, MshVersion::V4_1),
+        ("j.vtk", Encoding::Ascii, MshVersion::V4_1),
+        ("k.vtk", Encoding::Binary, MshVersion::V4_1),
     ] {
         let path = dir.path().join(name);
         let options = io::WriteOptions { encoding, msh_version };
-        io::write_mesh_and(&path, &mesh, &extras, options).expect("written");
+        io::write_mesh_with(&path, &mesh, options).expect("written");
         let read = io::read_mesh_file(&path).expect("a mesh");
-        assert_eq!(read.mesh, mesh, "{name}");
         // Version 4.1 of `.msh` has elements by group; their numbers tell the order.
-        assert_eq!(read.faces, faces, "{name}");
+        assert_eq!(read.mesh, mesh, "{name}");
         assert_eq!(read.notes, [] as [&str; 0], "{name}");
     }
     let text = std::fs::read_to_string(dir.path().join("d.msh")).expect("a text");
@@ -95,13 +100,13 @@ fn boundaries_are_read_back() {
 /// Programs that ignore the numbers of elements in views take one value for each, in their order.
 #[test]
 fn a_view_of_regions_has_a_value_for_each_element_in_their_order() {
-    let (mut mesh, faces) = walled();
+    let mut mesh = walled();
     mesh.tet_tags = Some(vec![9, 0]);
     for (version, numbers) in
         [(MshVersion::V4_1, [1, 2, 5, 4, 7, 3, 6]), (MshVersion::V2_2, [1, 2, 3, 4, 5, 6, 7])]
     {
         let mut bytes = Vec::new();
-        msh::write_with(&mut bytes, &mesh, &faces, version, Encoding::Ascii).expect("written");
+        msh::write(&mut bytes, &mesh, version, Encoding::Ascii).expect("written");
         let text = String::from_utf8(bytes.clone()).expect("a text");
         let (_, view) = text.split_once("\"region\"\n1\n0\n3\n0\n1\n").expect("a view");
         let rows: Vec<String> = numbers
@@ -110,7 +115,7 @@ fn a_view_of_regions_has_a_value_for_each_element_in_their_order() {
             .collect();
         assert_eq!(view, format!("7\n{}$EndElementData\n", rows.concat()), "{version:?}");
         let read = msh::read(&bytes).expect("a mesh");
-        assert_eq!((read.mesh, read.faces), (mesh.clone(), faces.clone()));
+        assert_eq!(read.mesh, mesh);
     }
 }
 
@@ -121,7 +126,7 @@ fn faces_beside_tetrahedra_are_read_in_every_form() {
     let path = dir.path().join("a.ele");
     write("a.node", "4 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n");
     write("a.ele", "1 4\n1 1 2 3 4\n");
-    assert_eq!(io::read_mesh_file(&path).expect("no faces").faces, []);
+    assert_eq!(io::read_mesh_file(&path).expect("no faces").mesh.faces, []);
     let face = |corners, marker| BoundaryFace { corners, marker, tet: 0 };
     let beyond = "tetrahedra of triangles are not read";
     let quadratic = "corners after the third of quadratic triangles are not read";
@@ -138,7 +143,7 @@ fn faces_beside_tetrahedra_are_read_in_every_form() {
     ] {
         write("a.face", text);
         let file = io::read_mesh_file(&path).expect(text);
-        assert_eq!(file.faces, expected, "{text}");
+        assert_eq!(file.mesh.faces, expected, "{text}");
         assert_eq!(file.notes, notes, "{text}");
     }
     for (text, said) in [
@@ -174,41 +179,59 @@ fn faces_beside_tetrahedra_are_read_in_every_form() {
 fn faces_of_another_mesh_do_not_stay() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("a.ele");
-    let (mesh, faces) = walled();
-    let extras = Extras { faces, ..Extras::default() };
-    io::write_mesh_and(&path, &mesh, &extras, io::WriteOptions::default()).expect("written");
+    io::write_mesh(&path, &walled()).expect("written");
     io::write_mesh(&path, &corner()).expect("written");
     let file = io::read_mesh_file(&path).expect("a mesh");
-    assert_eq!((file.mesh, file.faces, file.notes), (corner(), vec![], vec![]));
+    assert_eq!((file.mesh, file.notes), (corner(), vec![]));
     let text = std::fs::read_to_string(dir.path().join("a.face")).expect("a text");
     assert_eq!(text, "0 1\n");
 }
 
 #[test]
-fn extras_must_be_of_the_mesh() {
+fn figures_and_faces_must_be_of_the_mesh() {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("a.vtu");
-    let reason = |extras: Extras| match io::write_mesh_and(
-        &path,
-        &corner(),
-        &extras,
-        io::WriteOptions::default(),
-    ) {
-        Err(IoError::Data { reason, .. }) => reason,
-        other => panic!("{other:?}"),
-    };
-    let values = vec![("volume", vec![1.0, 2.0])];
-    let error = reason(Extras { values, ..Extras::default() });
+    let reason =
+        |mesh: &TetMesh, values: &[(&'static str, Vec<f64>)]| match io::MeshWriter::new(mesh)
+            .values(values)
+            .write(&path)
+        {
+            Err(IoError::Data { reason, .. }) => reason,
+            other => panic!("{other:?}"),
+        };
+    let error = reason(&corner(), &[("volume", vec![1.0, 2.0])]);
     assert_eq!(error, DataError::Tags { what: "tetrahedra", tags: 2, count: 1 });
     for wrong in [
         BoundaryFace { corners: [0, 1, 4], marker: 0, tet: 0 },
         BoundaryFace { corners: [0, 1, 2], marker: 0, tet: 1 },
     ] {
         let faces = [boundary(), vec![wrong]].concat();
-        let error = reason(Extras { faces, ..Extras::default() });
-        assert_eq!(error, DataError::Face { face: 2 });
+        assert_eq!(reason(&TetMesh { faces, ..corner() }, &[]), DataError::Face { face: 2 });
     }
     assert!(!path.exists());
+}
+
+/// What was there before stays, in files of one part and of several.
+#[test]
+fn a_cancelled_mesh_is_not_written() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let mesh = TetMesh { tets: vec![[0, 1, 2, 3]; 200_000], tet_tags: None, ..bounded() };
+    let token = CancelToken::new();
+    for (name, is_there) in [("a.vtu", false), ("a.msh", true), ("a.ele", false), ("a.vtk", true)] {
+        let path = dir.path().join(name);
+        if is_there {
+            std::fs::write(&path, "old").expect("written");
+        }
+        token.cancel();
+        let error = io::MeshWriter::new(&mesh).cancel(&token).write(&path).expect_err("cancelled");
+        assert!(matches!(&error, IoError::Cancelled { path: p } if *p == path), "{error}");
+        assert_eq!(error.code(), "io.cancelled");
+        assert_eq!(std::fs::read(&path).ok(), is_there.then(|| b"old".to_vec()), "{name}");
+    }
+    assert_eq!(std::fs::read_dir(dir.path()).expect("a folder").count(), 2);
+    let path = dir.path().join("b.mesh");
+    io::MeshWriter::new(&bounded()).cancel(&CancelToken::new()).write(&path).expect("written");
+    assert_eq!(io::read_mesh(&path).expect("a mesh"), bounded());
 }
 
 #[test]
@@ -274,8 +297,8 @@ impl Write for Medium {
 /// Wherever the medium is full, the writer says so; no failure is swallowed.
 #[test]
 fn a_full_medium_is_an_error_at_every_byte() {
-    let (mesh, faces) = (corner(), boundary());
-    let extras = Extras { values: vec![("volume", vec![0.5])], faces: faces.clone() };
+    let mesh = bounded();
+    let values = [("volume", vec![0.5])];
     let tags = mesh.point_tags.as_deref();
     let (points, mesh) = (&mesh.points, &mesh);
     type Writer<'a> = Box<dyn Fn(&mut dyn Write) -> std::io::Result<()> + 'a>;
@@ -285,15 +308,14 @@ fn a_full_medium_is_an_error_at_every_byte() {
         Box::new(|out| csv::write(out, points, tags)),
         Box::new(|out| tetgen::write_node(out, points, tags)),
         Box::new(|out| tetgen::write_ele(out, mesh)),
-        Box::new(|out| tetgen::write_face(out, &faces)),
-        Box::new(|out| medit::write_with(out, mesh, &faces)),
+        Box::new(|out| tetgen::write_face(out, &mesh.faces)),
+        Box::new(|out| medit::write(out, mesh)),
     ];
     for encoding in [Encoding::Ascii, Encoding::Binary] {
-        let extras = &extras;
-        writers.push(Box::new(move |out| vtu::write_with(out, mesh, extras, encoding)));
+        let values = &values;
+        writers.push(Box::new(move |out| vtu::write_with(out, mesh, values, encoding)));
         for version in [MshVersion::V2_2, MshVersion::V4_1] {
-            let faces = &faces;
-            writers.push(Box::new(move |out| msh::write_with(out, mesh, faces, version, encoding)));
+            writers.push(Box::new(move |out| msh::write(out, mesh, version, encoding)));
         }
     }
     for (k, write) in writers.iter().enumerate() {

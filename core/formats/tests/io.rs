@@ -310,7 +310,7 @@ fn malformed_vtu() {
     let file = vtu::read(&good).unwrap();
     assert_eq!(file.mesh.tets, [[0, 1, 2, 3]]);
     assert_eq!(file.notes, [] as [&str; 0]);
-    assert_eq!(file.faces.len(), 1);
+    assert_eq!(file.mesh.faces.len(), 1);
     let line = grid(("4", "2"), xyz, ["0 1 2 3 0 1", "4 6", "10 3"]);
     let note = "cells that are neither tetrahedra nor triangles are not read";
     assert_eq!(vtu::read(&line).unwrap().notes, [note]);

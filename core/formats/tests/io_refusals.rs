@@ -301,7 +301,7 @@ fn gmsh_elements_have_their_numbers_of_nodes() {
         let tets = if kind == 4 { 2 } else { 1 };
         assert_eq!(found.mesh.tets, vec![[0, 1, 2, 3]; tets], "type {kind}");
         let triangles = usize::from(kind == 2);
-        assert_eq!(found.faces.len(), triangles, "type {kind}");
+        assert_eq!(found.mesh.faces.len(), triangles, "type {kind}");
         assert_eq!(found.notes.len(), 2 - tets - triangles, "type {kind}: {:?}", found.notes);
         for wrong in [nodes - 1, nodes + 1] {
             assert!(msh::read(file(kind, wrong).as_bytes()).is_err(), "type {kind}, {wrong} nodes");

@@ -70,7 +70,7 @@ fn version_4_as_gmsh_writes_it() {
     assert_eq!(mesh.tets, [[0, 2, 1, 3], [0, 1, 2, 3], [1, 2, 3, 4]]);
     assert_eq!(mesh.tet_tags, Some(vec![7, 7, 0]));
     assert_eq!(mesh.point_tags, None);
-    assert_eq!(file.faces.len(), 1, "{:?}", file.faces);
+    assert_eq!(mesh.faces.len(), 1, "{:?}", mesh.faces);
     assert_eq!(file.notes.len(), 2, "{:?}", file.notes);
     let name = &file.names[0];
     assert_eq!((file.names.len(), name.dimension, name.group), (1, 3, 7), "{name:?}");
@@ -118,7 +118,7 @@ fn version_2_as_gmsh_writes_it() {
     let file = msh::read(V2.as_bytes()).unwrap();
     assert_eq!(file.mesh.tets, [[0, 1, 2, 3], [0, 1, 3, 2]]);
     assert_eq!(file.mesh.tet_tags, Some(vec![-3, 4]));
-    let triangle = &file.faces[0];
+    let triangle = &file.mesh.faces[0];
     assert_eq!((triangle.marker, triangle.tet), (9, 0), "{triangle:?}");
     assert_eq!(sorted(triangle.corners), [0, 1, 3]);
     assert_eq!(file.notes, Vec::<String>::new());
@@ -134,6 +134,7 @@ fn square(tags: &[i64]) -> TetMesh {
         tets: [[0, 1, 2, 3], [1, 2, 3, 4], [3, 2, 1, 0], [4, 3, 2, 1]][..tags.len()].to_vec(),
         point_tags: None,
         tet_tags: Some(tags.to_vec()),
+        faces: Vec::new(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! `.vtk`: VTK's legacy files of all versions, text and binary, as meshes and as surfaces.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-use ltbw_core::{BoundaryFace, Extras, TetMesh};
+use ltbw_core::{BoundaryFace, TetMesh};
 use ltbw_domain::{Domain, Facet};
 use ltbw_formats::{self as io, Encoding, Format, WriteOptions, vtk};
 use proptest::prelude::*;
@@ -43,7 +43,7 @@ fn every_version_gives_the_same_mesh() {
         assert_eq!(file.mesh.point_tags, Some(vec![5, -6, 7, 8]), "{version}");
         assert_eq!(file.mesh.tet_tags, Some(vec![9]), "{version}");
         let face = BoundaryFace { corners: [0, 2, 1], marker: 4, tet: 0 };
-        assert_eq!(file.faces, [face], "{version}");
+        assert_eq!(file.mesh.faces, [face], "{version}");
         assert_eq!(file.notes.len(), 2, "other cells and arrays: {:?}", file.notes);
         assert!(!vtk::is_surface(text(version).as_bytes()));
     }
@@ -150,7 +150,7 @@ proptest! {
     fn meshes_survive_on_bits(mesh in meshes(), ascii in any::<bool>()) {
         let encoding = if ascii { Encoding::Ascii } else { Encoding::Binary };
         let mut out = Vec::new();
-        vtk::write_with(&mut out, &mesh, &Extras::default(), encoding).unwrap();
+        vtk::write_with(&mut out, &mesh, &[], encoding).unwrap();
         let back = vtk::read(&out).unwrap();
         prop_assert_eq!(bits(&back.mesh.points), bits(&mesh.points));
         prop_assert_eq!(&back.mesh, &TetMesh { points: back.mesh.points.clone(), ..mesh });
@@ -167,7 +167,7 @@ proptest! {
     ) {
         let encoding = if ascii { Encoding::Ascii } else { Encoding::Binary };
         let mut out = Vec::new();
-        vtk::write_with(&mut out, &mesh, &Extras::default(), encoding).unwrap();
+        vtk::write_with(&mut out, &mesh, &[], encoding).unwrap();
         for mut bytes in [out, binary_surface()] {
             let place = at.index(bytes.len());
             bytes[place] = byte;

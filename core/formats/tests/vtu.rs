@@ -1,7 +1,7 @@
 //! `.vtu`: the ways in which arrays are stored, and malformed input of the binary ones.
 
 use flate2::{Compression, write::ZlibEncoder};
-use ltbw_core::{BoundaryFace, Extras, TetMesh};
+use ltbw_core::{BoundaryFace, TetMesh};
 use ltbw_formats::{Encoding, vtu};
 use std::io::Write;
 
@@ -140,6 +140,7 @@ fn every_way_to_store_arrays_reads_the_same() {
         tets: vec![[3, 1, 2, 0]],
         point_tags: Some(vec![-1, 2, i64::MAX, 4]),
         tet_tags: Some(vec![17]),
+        faces: Vec::new(),
     };
     let stores = every_store();
     assert_eq!(stores.len(), 24);
@@ -208,22 +209,21 @@ fn figures_and_boundary_leave_the_mesh_as_it_is() {
         tets: vec![[0, 1, 2, 3], [1, 2, 3, 4]],
         point_tags: None,
         tet_tags: Some(vec![1, 2]),
+        faces: vec![
+            BoundaryFace { corners: [0, 2, 1], marker: -7, tet: 0 },
+            BoundaryFace { corners: [1, 2, 4], marker: 8, tet: 1 },
+        ],
     };
-    let faces = vec![
-        BoundaryFace { corners: [0, 2, 1], marker: -7, tet: 0 },
-        BoundaryFace { corners: [1, 2, 4], marker: 8, tet: 1 },
-    ];
-    let extras = Extras { values: vec![("volume", vec![0.25, f64::INFINITY])], faces };
+    let values = [("volume", vec![0.25, f64::INFINITY])];
     for encoding in [Encoding::Binary, Encoding::Ascii] {
         let mut bytes = Vec::new();
-        vtu::write_with(&mut bytes, &mesh, &extras, encoding).expect("memory");
+        vtu::write_with(&mut bytes, &mesh, &values, encoding).expect("memory");
         let file = vtu::read(&bytes).expect("our own file");
         assert_eq!(file.mesh, mesh);
-        assert_eq!(file.faces, extras.faces);
         assert_eq!(file.notes.len(), 1, "{:?}", file.notes);
     }
     let mut bytes = Vec::new();
-    vtu::write_with(&mut bytes, &mesh, &extras, Encoding::Ascii).expect("memory");
+    vtu::write_with(&mut bytes, &mesh, &values, Encoding::Ascii).expect("memory");
     let text = String::from_utf8(bytes).expect("text");
     let array = |name: &str| {
         let (_, rest) =

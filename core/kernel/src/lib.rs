@@ -75,7 +75,7 @@ pub use mesh::{InsertError, Inserted, Mesh, Vertex};
 pub use random::Random;
 pub use snapshot::{Snapshot, SnapshotError};
 pub use sync::CancelToken;
-pub use tetmesh::{BoundaryFace, Extras, TetMesh};
+pub use tetmesh::{BoundaryFace, TetMesh};
 
 /// Examples of the README, as tests.
 #[cfg(doctest)]

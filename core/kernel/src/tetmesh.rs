@@ -2,7 +2,7 @@
 
 use ltbw_exact::Point;
 
-/// A tetrahedral mesh with optional integer tags, as files carry it.
+/// A tetrahedral mesh with optional tags and boundary faces, as files carry it.
 #[derive(Debug, Clone, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TetMesh {
@@ -14,10 +14,15 @@ pub struct TetMesh {
     pub point_tags: Option<Vec<i64>>,
     /// One tag per tetrahedron (regions), if the file has them.
     pub tet_tags: Option<Vec<i64>>,
+    /// Triangles of the boundary and of walls inside, with the markers of their facets; none where
+    /// nothing is known of facets.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub faces: Vec<BoundaryFace>,
 }
 
 /// A triangle of a mesh's boundary, or of a wall inside it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoundaryFace {
     /// Three indices of points, turning counter-clockwise when seen from outside its tetrahedron.
     pub corners: [u32; 3],
@@ -25,13 +30,4 @@ pub struct BoundaryFace {
     pub marker: i64,
     /// The tetrahedron that it is a face of, by its place in the mesh's list.
     pub tet: usize,
-}
-
-/// Data that some mesh formats carry beside the mesh: figures of its tetrahedra, and its boundary.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Extras {
-    /// Names of figures, each with a value for every tetrahedron.
-    pub values: Vec<(&'static str, Vec<f64>)>,
-    /// Boundary triangles.
-    pub faces: Vec<BoundaryFace>,
 }

@@ -6,7 +6,7 @@
 use ltbw::domain::Domain;
 use ltbw::io::{DomainFile, Encoding, Format, MeshFile, MshVersion, ParseError, PointFile};
 use ltbw::io::{csv, medit, msh, npy, npz, obj, off, ply, poly, stl, tetgen, txt, vtk, vtu, xyz};
-use ltbw::{Extras, Point, TetMesh};
+use ltbw::{BoundaryFace, Point, TetMesh};
 
 /// A reader.
 type Read<File> = fn(&[u8]) -> Result<File, ParseError>;
@@ -149,6 +149,18 @@ fn points_come_back(file: &PointFile) {
     }
 }
 
+/// Boundary faces as a set: those of flat tetrahedra have no outer side to turn to.
+fn boundary(mesh: &TetMesh) -> Vec<([u32; 3], i64)> {
+    let sorted = |face: &BoundaryFace| {
+        let mut corners = face.corners;
+        corners.sort_unstable();
+        (corners, face.marker)
+    };
+    let mut all: Vec<_> = mesh.faces.iter().map(sorted).collect();
+    all.sort_unstable();
+    all
+}
+
 fn mesh_comes_back(mesh: &TetMesh) {
     assert!(mesh.points.iter().flatten().all(|c| c.is_finite()));
     assert!(mesh.tets.iter().flatten().all(|&v| (v as usize) < mesh.points.len()));
@@ -160,6 +172,7 @@ fn mesh_comes_back(mesh: &TetMesh) {
         assert_eq!(back.tets, mesh.tets);
         assert_eq!(back.point_tags, mesh.point_tags);
         assert_eq!(back.tet_tags, mesh.tet_tags);
+        assert_eq!(boundary(&back), boundary(mesh));
     };
     let mut out = Vec::new();
     medit::write(&mut out, mesh).expect("memory");
@@ -167,13 +180,16 @@ fn mesh_comes_back(mesh: &TetMesh) {
     let (mut node, mut ele) = (Vec::new(), Vec::new());
     tetgen::write_node(&mut node, &mesh.points, mesh.point_tags.as_deref()).expect("memory");
     tetgen::write_ele(&mut ele, mesh).expect("memory");
-    same(tetgen::read_pair(&node, &ele));
+    let mut face = Vec::new();
+    tetgen::write_face(&mut face, &mesh.faces).expect("memory");
+    let first = tetgen::parse_node(&node).expect("we wrote it").first;
+    same(tetgen::read_pair(&node, &ele).and_then(|file| tetgen::parse_face(&face, file, first)));
     for encoding in [Encoding::Ascii, Encoding::Binary] {
         let mut out = Vec::new();
         vtu::write(&mut out, mesh, encoding).expect("memory");
         same(vtu::read(&out));
         let mut out = Vec::new();
-        vtk::write_with(&mut out, mesh, &Extras::default(), encoding).expect("memory");
+        vtk::write_with(&mut out, mesh, &[], encoding).expect("memory");
         same(vtk::read(&out));
         for version in [MshVersion::V4_1, MshVersion::V2_2] {
             let mut out = Vec::new();

@@ -55,7 +55,7 @@ impl Refined {
     }
 
     /// The vertices of a tetrahedron, positively oriented: the smallest number, then the next; as
-    /// [`Refined::to_tet_mesh`] has them. `None` if `t` is not one.
+    /// [`Refined::inside`] has them. `None` if `t` is not one.
     pub fn tet(&self, t: TetId) -> Option<[Vertex; 4]> {
         self.state.mesh.tet(t).map(in_order)
     }
@@ -86,9 +86,19 @@ impl Refined {
 }
 
 impl Refined {
-    /// The mesh as plain arrays, tetrahedra tagged with their regions; with the exterior (tag 0)
-    /// on request.
-    pub fn to_tet_mesh(&self, exterior: bool) -> TetMesh {
+    /// The mesh of the domain as plain arrays: tetrahedra tagged with their regions, and the
+    /// boundary faces of [`Refined::boundary`].
+    pub fn inside(&self) -> TetMesh {
+        self.plain(false)
+    }
+
+    /// The mesh with all tetrahedra, those of the exterior tagged with 0; its faces are those of the
+    /// domain's facets that stand free in the exterior, too.
+    pub fn with_exterior(&self) -> TetMesh {
+        self.plain(true)
+    }
+
+    fn plain(&self, exterior: bool) -> TetMesh {
         let mut mesh = TetMesh { tets: Vec::new(), ..self.state.mesh.to_tet_mesh() };
         let mut tags = Vec::new();
         for &t in &self.order {
@@ -99,14 +109,18 @@ impl Refined {
             }
         }
         mesh.tet_tags = Some(tags);
+        mesh.faces = self.faces(exterior);
         mesh
     }
 
     /// The triangles that the mesh has of the domain's facets, with the facets' markers; each
-    /// belongs to a tetrahedron of [`Refined::to_tet_mesh`] with the same argument, and points out
-    /// of it. A triangle between two regions belongs to one of them; one that stands free in the
-    /// exterior to none, and is left out unless the exterior is wanted.
-    pub fn boundary(&self, exterior: bool) -> Vec<BoundaryFace> {
+    /// belongs to a tetrahedron of [`Refined::inside`], and points out of it. A triangle between
+    /// two regions belongs to one of them; one that stands free in the exterior is left out.
+    pub fn boundary(&self) -> Vec<BoundaryFace> {
+        self.faces(false)
+    }
+
+    fn faces(&self, exterior: bool) -> Vec<BoundaryFace> {
         let (state, topology) = (&self.state, self.state.mesh.topology());
         let mut faces = Vec::new();
         let mut place = 0;

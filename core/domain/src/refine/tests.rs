@@ -203,7 +203,7 @@ fn a_run_repeats_exactly() {
     let refiner = Refiner::new().max_volume(1e-3);
     let [a, b] = [(), ()].map(|()| refine(&refiner, &model()));
     assert_eq!(a.mesh().topology(), b.mesh().topology());
-    assert_eq!(a.to_tet_mesh(true), b.to_tet_mesh(true));
+    assert_eq!(a.with_exterior(), b.with_exterior());
     assert_eq!(a.subfaces(), b.subfaces());
 }
 
@@ -244,13 +244,13 @@ fn regions_have_their_own_bounds_and_holes_are_left_out() {
     assert_eq!((refined.outcome, refined.regions.len()), (RefineOutcome::Met, 3));
     let count = |region| refined.tets().filter(|&t| refined.region(t) == region).count();
     assert!(count(1) > 3 * count(2), "{} {}", count(1), count(2));
-    let mesh = refined.to_tet_mesh(false);
+    let mesh = refined.inside();
     let volume =
         |t: &[u32; 4]| crate::quality::TetQuality::of(t.map(|v| &mesh.points[v as usize])).volume;
     let sum: f64 = mesh.tets.iter().map(volume).sum();
     assert!((sum - 2.0).abs() < 1e-12, "{sum}");
     let whole = refine(&Refiner::new(), &model());
-    assert!(whole.to_tet_mesh(true).tets.len() > whole.num_tets());
+    assert!(whole.with_exterior().tets.len() > whole.num_tets());
 }
 
 #[test]
@@ -259,7 +259,7 @@ fn a_sizing_field_is_met() {
     let field = |p: Point| 0.05 + 0.2 * p[0];
     let refined = refine(&Refiner::new().sizing(&field), &ready);
     assert_eq!(refined.outcome, RefineOutcome::Met);
-    let mesh = refined.to_tet_mesh(false);
+    let mesh = refined.inside();
     let (mut fine, mut coarse) = (0, 0);
     for tet in &mesh.tets {
         let corners = tet.map(|v| &mesh.points[v as usize]);
@@ -424,11 +424,11 @@ fn the_boundary_has_the_markers_of_its_facets_and_points_outwards() {
         facet.marker = marker;
     }
     let refined = refine(&Refiner::new().max_volume(2e-2), &ready);
-    for exterior in [false, true] {
-        let (mesh, faces) = (refined.to_tet_mesh(exterior), refined.boundary(exterior));
+    for mesh in [refined.inside(), refined.with_exterior()] {
+        let faces = &mesh.faces;
         assert_eq!(faces.len(), refined.subfaces().len(), "every triangle once");
         let mut seen = vec![0.0; count as usize];
-        for face in &faces {
+        for face in faces {
             let tet = mesh.tets[face.tet];
             let apex = tet.into_iter().find(|v| !face.corners.contains(v)).expect("a corner");
             let [a, b, c] = face.corners.map(|v| mesh.points[v as usize]);
@@ -477,9 +477,9 @@ fn coplanar_facets_keep_markers_of_their_own() {
     }
     let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
     let refined = refine(&Refiner::new().max_volume(1e-2), &ready);
-    let mesh = refined.to_tet_mesh(false);
+    let mesh = refined.inside();
     let mut lid = [0, 0];
-    for face in refined.boundary(false) {
+    for face in refined.boundary() {
         let p = face.corners.map(|v| mesh.points[v as usize]);
         if face.marker >= 6 {
             assert!(p.iter().all(|p| p[2] == 1.0));

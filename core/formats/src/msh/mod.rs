@@ -31,7 +31,7 @@ use super::{GroupName, MeshFile};
 use parts::Parts;
 use source::{Form, Source};
 pub(super) use write::check;
-pub use write::{write, write_named, write_with};
+pub use write::{write, write_named};
 
 /// Reads a `.msh` file.
 pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {

@@ -183,14 +183,16 @@ impl Parts {
             notes.push("names of physical groups without tetrahedra are not read".to_owned());
         }
         let tets = tets.iter().map(|t| t.corners).collect();
-        let mesh = TetMesh { points: nodes.points, tets, point_tags, tet_tags };
+        let points = nodes.points;
+        let mut mesh = TetMesh { points, tets, point_tags, tet_tags, faces: Vec::new() };
         triangles.sort_by_key(|t| t.number);
         let marker = |t: &Triangle| markers.get(&t.physical).copied().unwrap_or(t.physical);
         let triangles: Vec<([u32; 3], i64)> =
             triangles.iter().map(|t| (t.corners, marker(t))).collect();
-        let (faces, note) = owned(&mesh, &triangles);
+        let note;
+        (mesh.faces, note) = owned(&mesh, &triangles);
         notes.extend(note);
-        Ok(MeshFile { mesh, faces, notes, names })
+        Ok(MeshFile { mesh, notes, names })
     }
 }
 

@@ -204,47 +204,33 @@ impl Row<'_> {
     }
 }
 
-/// Writes a `.msh` file without boundary triangles: see [`write_with`].
+/// Writes a `.msh` file; binary is little endian.
 ///
 /// # Errors
-/// As [`write_with`].
+/// Those of `out`, and [`ErrorKind::InvalidInput`] for a tag that is not exactly a double where it
+/// has to be, and for more points or elements than the format can number.
 pub fn write(
     out: &mut dyn Write,
     mesh: &TetMesh,
     version: MshVersion,
     encoding: Encoding,
 ) -> Result<()> {
-    write_with(out, mesh, &[], version, encoding)
+    write_named(out, mesh, &[], version, encoding)
 }
 
-/// Writes a `.msh` file; binary is little endian.
+/// Writes a `.msh` file as [`write()`] does, with names of regions and markers.
 ///
 /// # Errors
-/// Those of `out`, and [`ErrorKind::InvalidInput`] for a tag that is not exactly a double where it
-/// has to be, and for more points or elements than the format can number.
-pub fn write_with(
-    out: &mut dyn Write,
-    mesh: &TetMesh,
-    faces: &[BoundaryFace],
-    version: MshVersion,
-    encoding: Encoding,
-) -> Result<()> {
-    write_named(out, mesh, faces, &[], version, encoding)
-}
-
-/// Writes a `.msh` file as [`write_with`] does, with the names of regions and markers that it has.
-///
-/// # Errors
-/// Those of [`write_with`].
+/// Those of [`write()`].
 pub fn write_named(
     out: &mut dyn Write,
     mesh: &TetMesh,
-    faces: &[BoundaryFace],
     names: &[GroupName],
     version: MshVersion,
     encoding: Encoding,
 ) -> Result<()> {
     check(mesh).map_err(|e| Error::new(ErrorKind::InvalidInput, e))?;
+    let faces = mesh.faces.as_slice();
     if i32::try_from(mesh.points.len().max(mesh.tets.len() + faces.len())).is_err() {
         let text = "more points or elements than a .msh file can number";
         return Err(Error::new(ErrorKind::InvalidInput, text));

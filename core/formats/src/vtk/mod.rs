@@ -50,8 +50,10 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         notes.push("cells that are neither tetrahedra nor triangles are not read".to_owned());
     }
     let (faces, note) = owned(&grid.mesh, &grid.triangles);
+    let mut mesh = grid.mesh;
+    mesh.faces = faces;
     notes.extend(note);
-    Ok(MeshFile { mesh: grid.mesh, faces, notes, names: Vec::new() })
+    Ok(MeshFile { mesh, notes, names: Vec::new() })
 }
 
 /// Reads a `.vtk` file with a surface.

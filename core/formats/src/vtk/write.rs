@@ -2,7 +2,7 @@
 
 use crate::Encoding;
 use crate::text::{push_float, push_integer, push_point, write_rows};
-use ltbw_core::{Extras, TetMesh};
+use ltbw_core::TetMesh;
 use ltbw_exact::Point;
 use std::io::{Result, Write};
 
@@ -100,11 +100,11 @@ impl Sink<'_> {
 pub fn write_with(
     out: &mut dyn Write,
     mesh: &TetMesh,
-    extras: &Extras,
+    values: &[(&'static str, Vec<f64>)],
     encoding: Encoding,
 ) -> Result<()> {
     let mut sink = Sink { out, ascii: encoding == Encoding::Ascii };
-    let (tets, faces) = (&mesh.tets, &extras.faces);
+    let (tets, faces) = (&mesh.tets, &mesh.faces);
     let cells = tets.len() + faces.len();
     sink.header("UNSTRUCTURED_GRID", &mesh.points)?;
     let end = |i: usize| {
@@ -136,7 +136,7 @@ pub fn write_with(
     // A triangle has the values of its tetrahedron.
     let owner = |i: usize| if i < tets.len() { i } else { faces[i - tets.len()].tet };
     let arrays =
-        usize::from(mesh.tet_tags.is_some()) + usize::from(!faces.is_empty()) + extras.values.len();
+        usize::from(mesh.tet_tags.is_some()) + usize::from(!faces.is_empty()) + values.len();
     if arrays == 0 {
         return Ok(());
     }
@@ -150,7 +150,7 @@ pub fn write_with(
         let marker = |i: usize| i.checked_sub(tets.len()).map_or(0, |f| faces[f].marker);
         sink.integers(cells, marker)?;
     }
-    for (name, values) in &extras.values {
+    for (name, values) in values {
         writeln!(sink.out, "{name} 1 {cells} double")?;
         sink.floats(cells, |i| values[owner(i)])?;
     }

@@ -177,8 +177,10 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         notes.push("cells that are neither tetrahedra nor triangles are not read".into());
     }
     let (faces, note) = owned(&grid.mesh, &grid.triangles);
+    let mut mesh = grid.mesh;
+    mesh.faces = faces;
     notes.extend(note);
-    Ok(MeshFile { mesh: grid.mesh, faces, notes, names: Vec::new() })
+    Ok(MeshFile { mesh, notes, names: Vec::new() })
 }
 
 /// The offset of the first `word`, which starts with `<`, in `bytes`.

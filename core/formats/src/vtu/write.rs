@@ -6,7 +6,7 @@
 use super::{TETRAHEDRON, TRIANGLE};
 use crate::Encoding;
 use crate::text::{push_float, push_integer, push_point, write_rows};
-use ltbw_core::{Extras, TetMesh};
+use ltbw_core::TetMesh;
 use std::io::Write;
 
 /// The section of cells' data, where there are regions and where not.
@@ -28,47 +28,46 @@ struct Array<'a> {
     row: Row<'a>,
 }
 
-/// Writes a `.vtu` file.
+/// Writes a `.vtu` file, the boundary as triangles with an array `marker`.
 ///
 /// Binary: integers of the connectivity take 4 bytes where they fit, else 8.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write(out: &mut dyn Write, mesh: &TetMesh, encoding: Encoding) -> std::io::Result<()> {
-    write_with(out, mesh, &Extras::default(), encoding)
+    write_with(out, mesh, &[], encoding)
 }
 
 /// Writes the part of a mesh that a worker has, with the worker's number at each tetrahedron.
 pub(crate) fn write_part(out: &mut dyn Write, mesh: &TetMesh, worker: i32) -> std::io::Result<()> {
-    let extras = Extras::default();
-    let tets = mesh.tets.len();
-    let mut arrays = geometry(mesh, &extras, Encoding::Binary);
-    arrays.extend(data(mesh, &extras, Encoding::Binary));
+    let cells = mesh.tets.len() + mesh.faces.len();
+    let mut arrays = geometry(mesh, Encoding::Binary);
+    arrays.extend(data(mesh, &[], Encoding::Binary));
     arrays.push(Array {
         section: if mesh.tet_tags.is_some() { REGIONS } else { CELLS },
         name: "worker",
         kind: "Int32",
-        rows: tets,
-        bytes: 4 * tets,
+        rows: cells,
+        bytes: 4 * cells,
         row: Box::new(move |_, row| row.extend(worker.to_le_bytes())),
     });
-    write_arrays(out, mesh.points.len(), tets, &arrays, Encoding::Binary)
+    write_arrays(out, mesh.points.len(), cells, &arrays, Encoding::Binary)
 }
 
-/// Writes a `.vtu` file as [`write()`] does, with arrays for the figures of the tetrahedra, and
-/// with the boundary as triangles and an array `marker`.
+/// Writes a `.vtu` file as [`write()`] does, with arrays of figures: names, each with a value for
+/// every tetrahedron.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write_with(
     out: &mut dyn Write,
     mesh: &TetMesh,
-    extras: &Extras,
+    values: &[(&'static str, Vec<f64>)],
     encoding: Encoding,
 ) -> std::io::Result<()> {
-    let mut arrays = geometry(mesh, extras, encoding);
-    arrays.extend(data(mesh, extras, encoding));
-    let cells = mesh.tets.len() + extras.faces.len();
+    let mut arrays = geometry(mesh, encoding);
+    arrays.extend(data(mesh, values, encoding));
+    let cells = mesh.tets.len() + mesh.faces.len();
     write_arrays(out, mesh.points.len(), cells, &arrays, encoding)
 }
 
@@ -126,8 +125,8 @@ fn write_arrays(
 }
 
 /// The arrays of points and cells: the points first.
-fn geometry<'a>(mesh: &'a TetMesh, extras: &'a Extras, encoding: Encoding) -> Vec<Array<'a>> {
-    let (points, tets, faces) = (&mesh.points, &mesh.tets, &extras.faces);
+fn geometry(mesh: &TetMesh, encoding: Encoding) -> Vec<Array<'_>> {
+    let (points, tets, faces) = (&mesh.points, &mesh.tets, &mesh.faces);
     let (cells, corner_count) = (tets.len() + faces.len(), 4 * tets.len() + 3 * faces.len());
     let ascii = encoding == Encoding::Ascii;
     let wide = ascii || i32::try_from(points.len().max(corner_count)).is_err();
@@ -187,8 +186,12 @@ fn geometry<'a>(mesh: &'a TetMesh, extras: &'a Extras, encoding: Encoding) -> Ve
 }
 
 /// The arrays of tags, markers and figures.
-fn data<'a>(mesh: &'a TetMesh, extras: &'a Extras, encoding: Encoding) -> Vec<Array<'a>> {
-    let (tets, faces) = (mesh.tets.len(), &extras.faces);
+fn data<'a>(
+    mesh: &'a TetMesh,
+    values: &'a [(&'static str, Vec<f64>)],
+    encoding: Encoding,
+) -> Vec<Array<'a>> {
+    let (tets, faces) = (mesh.tets.len(), &mesh.faces);
     let ascii = encoding == Encoding::Ascii;
     let integers =
         move |section, name, rows: usize, value: Box<dyn Fn(usize) -> i64 + Sync + 'a>| {
@@ -221,7 +224,7 @@ fn data<'a>(mesh: &'a TetMesh, extras: &'a Extras, encoding: Encoding) -> Vec<Ar
         let marker = move |i: usize| if i < tets { 0 } else { faces[i - tets].marker };
         arrays.push(integers(section, "marker", cells, Box::new(marker)));
     }
-    for (name, values) in &extras.values {
+    for (name, values) in values {
         let row: Row<'a> = Box::new(move |i, row| {
             let value = values[owner(i)];
             if ascii {

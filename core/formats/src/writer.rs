@@ -1,0 +1,168 @@
+//! Meshes on their way to files and streams.
+
+use crate::aside::Aside;
+use crate::{
+    DataError, Format, GroupName, IoError, MeshFile, WriteOptions, check_mesh, check_mesh_stream,
+    data_error, face_path, medit, msh, pair, tetgen, vtk, vtu, writable, write_error,
+};
+use ltbw_core::{CancelToken, TetMesh};
+use std::io::Write;
+use std::path::Path;
+
+/// A mesh to be written, and what goes with it.
+///
+/// The mesh itself has tags and boundary faces. `.vtu` and `.vtk` have a place for all of it but
+/// names; `.mesh` and `.ele` (with `.node` and `.face` beside it) for tags and faces; `.msh` for
+/// names, too.
+///
+/// ```no_run
+/// use ltbw_core::TetMesh;
+/// use ltbw_domain::quality;
+/// use ltbw_formats::{IoError, MeshWriter};
+///
+/// fn with_quality(mesh: &TetMesh) -> Result<(), IoError> {
+///     let figures = quality::arrays(&mesh.points, &mesh.tets);
+///     MeshWriter::new(mesh).values(&figures).write("mesh.vtu")
+/// }
+/// ```
+#[derive(Debug, Clone, Copy)]
+#[must_use]
+pub struct MeshWriter<'a> {
+    mesh: &'a TetMesh,
+    values: &'a [(&'static str, Vec<f64>)],
+    names: &'a [GroupName],
+    options: WriteOptions,
+    cancel: Option<&'a CancelToken>,
+}
+
+impl<'a> MeshWriter<'a> {
+    /// A mesh with nothing but its own tags and faces, and the default [`WriteOptions`].
+    pub fn new(mesh: &'a TetMesh) -> Self {
+        Self { mesh, values: &[], names: &[], options: WriteOptions::default(), cancel: None }
+    }
+
+    /// Names of figures, each with a value for every tetrahedron, as
+    /// [`quality::arrays`](ltbw_domain::quality::arrays) has them.
+    pub fn values(self, values: &'a [(&'static str, Vec<f64>)]) -> Self {
+        Self { values, ..self }
+    }
+
+    /// Names of regions and of markers.
+    pub fn names(self, names: &'a [GroupName]) -> Self {
+        Self { names, ..self }
+    }
+
+    /// A choice where the format leaves one.
+    pub fn options(self, options: WriteOptions) -> Self {
+        Self { options, ..self }
+    }
+
+    /// A token by which another thread ends the writing: nothing gets a final name then.
+    pub fn cancel(self, token: &'a CancelToken) -> Self {
+        Self { cancel: Some(token), ..self }
+    }
+
+    /// Writes to a file; its extension tells the format.
+    ///
+    /// # Errors
+    /// [`IoError`] with `path`: an extension of no mesh, data that the format cannot hold, a file
+    /// that cannot be written, or [`IoError::Cancelled`].
+    pub fn write(self, path: impl AsRef<Path>) -> Result<(), IoError> {
+        let path = path.as_ref();
+        let format = writable(path, false)?;
+        self.ready(path, format)?;
+        match format {
+            Format::Node | Format::Ele => self.write_pair(path),
+            _ => {
+                let file = Aside::write_until(path, self.cancel, |out| self.put(out, format))?;
+                self.still(path)?;
+                file.publish()
+            }
+        }
+    }
+
+    /// Writes to a stream in a format of one file; `name` stands in messages only.
+    ///
+    /// # Errors
+    /// [`IoError`] with `name`: a format of several files, data that it cannot hold, or what `out`
+    /// says.
+    pub fn write_to(
+        self,
+        out: &mut dyn Write,
+        name: impl AsRef<Path>,
+        format: Format,
+    ) -> Result<(), IoError> {
+        let name = name.as_ref();
+        check_mesh_stream(name, format)?;
+        self.ready(name, format)?;
+        self.put(out, format).map_err(|source| write_error(name, source))
+    }
+
+    /// Was the writing not cancelled?
+    fn still(&self, path: &Path) -> Result<(), IoError> {
+        match self.cancel.is_some_and(CancelToken::is_cancelled) {
+            true => Err(IoError::Cancelled { path: path.to_owned() }),
+            false => Ok(()),
+        }
+    }
+
+    /// Checks that the format can hold the data.
+    fn ready(&self, name: &Path, format: Format) -> Result<(), IoError> {
+        let tets = self.mesh.tets.len();
+        let is_short = |values: &Vec<f64>| values.len() != tets;
+        let values = match self.values.iter().find(|(_, values)| is_short(values)) {
+            Some((_, values)) => {
+                Err(DataError::Tags { what: "tetrahedra", tags: values.len(), count: tets })
+            }
+            None => Ok(()),
+        };
+        check_mesh(self.mesh)
+            .and(values)
+            .and_then(|()| if format == Format::Msh { msh::check(self.mesh) } else { Ok(()) })
+            .map_err(|reason| data_error(name, reason))
+    }
+
+    /// Writes a mesh for which [`MeshWriter::ready`] had no complaint, in a format of one file.
+    fn put(&self, out: &mut dyn Write, format: Format) -> std::io::Result<()> {
+        let Self { mesh, values, names, options, .. } = *self;
+        match format {
+            Format::Msh => {
+                msh::write_named(out, mesh, names, options.msh_version, options.encoding)
+            }
+            Format::Medit => medit::write(out, mesh),
+            Format::Vtk => vtk::write_with(out, mesh, values, options.encoding),
+            _ => vtu::write_with(out, mesh, values, options.encoding),
+        }
+    }
+
+    /// Writes `.node`, `.ele`, and `.face` where there are boundary faces.
+    fn write_pair(&self, path: &Path) -> Result<(), IoError> {
+        let mesh = self.mesh;
+        let aside = |path: &Path, fill: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
+            Aside::write_until(path, self.cancel, fill)
+        };
+        let (node_path, ele_path) = pair(path);
+        let ele = aside(&ele_path, &|out| tetgen::write_ele(out, mesh))?;
+        let tags = mesh.point_tags.as_deref();
+        let node = aside(&node_path, &|out| tetgen::write_node(out, &mesh.points, tags))?;
+        let face_path = face_path(path);
+        // Faces of another mesh must not stay beside this one.
+        let face = match mesh.faces.as_slice() {
+            [] if !face_path.exists() => None,
+            faces => Some(aside(&face_path, &|out| tetgen::write_face(out, faces))?),
+        };
+        self.still(path)?;
+        node.publish()?;
+        // A `.node` of this mesh beside an `.ele` of another would be worse than none.
+        ele.publish().inspect_err(|_| drop(std::fs::remove_file(&node_path)))?;
+        let published = face.map_or(Ok(()), Aside::publish);
+        published.inspect_err(|_| drop(std::fs::remove_file(&face_path)))
+    }
+}
+
+impl MeshFile {
+    /// The mesh to be written as it was read, with the names of its groups.
+    pub fn writer(&self) -> MeshWriter<'_> {
+        MeshWriter::new(&self.mesh).names(&self.names)
+    }
+}
