@@ -244,6 +244,6 @@ pub unsafe extern "C" fn ltbw_mesh_save(mesh: *const Mesh, file: *const c_char) 
         // SAFETY: as the caller promises.
         let mesh = unsafe { mesh.as_ref() }.ok_or_else(|| null("mesh"))?;
         // SAFETY: as the caller promises.
-        mesh.meshed.save(&unsafe { path(file) }?, &ltbw::CancelToken::new())
+        mesh.meshed.save(&unsafe { path(file) }?, &Reins::default().cancel)
     })
 }

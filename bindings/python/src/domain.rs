@@ -11,6 +11,7 @@ use ltbw::refine::Refined;
 use ltbw_bindings::{Class, Ready, Reins, Source, Wishes, in_pool, unpanicked};
 use pyo3::prelude::*;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Where the domain comes from.
 #[derive(FromPyObject)]
@@ -88,15 +89,18 @@ pub(crate) fn tetrahedralize(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Meshed> {
     let source = given.source()?;
-    let (tell, wishes) = (progress.as_ref(), asked.wishes());
-    let whole = |reins: &Reins| {
+    let (tell, wishes, asked) = (progress.as_ref(), Arc::new(asked.wishes()), Arc::new(asked));
+    let own = (Arc::clone(&wishes), Arc::clone(&asked));
+    let whole = move |reins: &Reins| {
+        let (wishes, asked) = own;
         in_pool(asked.threads, || {
             let ready = Ready::new(source, &wishes)?;
             let field = asked.size.as_ref().map(|size| size.field(&ready)).transpose()?.flatten();
             if let (None, Some(Size::Function(_))) = (&field, &asked.size) {
                 return Ok((ready, None));
             }
-            let refined = ready.refine(&wishes, field.as_deref(), reins)?;
+            let refined =
+                ready.refine(&wishes, field.as_deref(), &reins.progress, &reins.cancel)?;
             Ok((ready, Some(refined)))
         })
     };
@@ -108,9 +112,9 @@ pub(crate) fn tetrahedralize(
         }
         (None, _) => return Err(Failure::new(Class::Internal, "internal.size", "no sizes").into()),
     };
-    let meshed = supervised(py, None, |_| Ok(ready.finish(&wishes, refined)?))?;
+    let meshed = supervised(py, None, move |_| Ok(ready.finish(&wishes, refined)?))?;
     let (certificate, notes) = (meshed.certificate.clone(), meshed.notes.clone());
-    Ok((Kernel(meshed), certificate, notes))
+    Ok((Kernel::new(meshed), certificate, notes))
 }
 
 /// Refines on the calling thread: the function of the sizes is asked there, and nowhere else.
@@ -125,7 +129,7 @@ fn with_function(
     let asked = Function::new(function, ready.offset(), &reins, tell);
     let refined = py.detach(|| {
         let field = |p| asked.at(p);
-        unpanicked(|| Ok(ready.refine(wishes, Some(&field), &reins)?))
+        unpanicked(|| Ok(ready.refine(wishes, Some(&field), &asked, &reins.cancel)?))
     });
     asked.raised().map_or(refined, Err)
 }

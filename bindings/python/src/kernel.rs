@@ -10,10 +10,27 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A mesh; `ltbw.Mesh` gives its arrays their names.
 #[pyclass(frozen, module = "ltbw._native")]
-pub(crate) struct Kernel(pub(crate) Meshed);
+pub(crate) struct Kernel(Arc<Meshed>);
+
+impl Kernel {
+    pub(crate) fn new(meshed: Meshed) -> Self {
+        Self(Arc::new(meshed))
+    }
+
+    /// The part of the mesh that `make` makes, without the interpreter.
+    fn made<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        make: impl FnOnce(&Meshed) -> T + Send + 'static,
+    ) -> Result<T, Failure> {
+        let mesh = Arc::clone(&self.0);
+        supervised(py, None, move |_| Ok(make(&mesh)))
+    }
+}
 
 #[pymethods]
 impl Kernel {
@@ -25,25 +42,25 @@ impl Kernel {
 
     /// Coordinates of the vertices, of shape (n, 3).
     fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let points = py.detach(|| self.0.points());
+        let points = self.made(py, Meshed::points)?;
         coordinates(py, points)
     }
 
     /// Corners of the tetrahedra, of shape (m, 4).
     fn simplices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i32>>> {
-        let tets = py.detach(|| self.0.tets());
+        let tets = self.made(py, Meshed::tets)?;
         rows(py, tets)
     }
 
     /// Across the face opposite each corner the tetrahedron there, or -1.
     fn neighbors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i32>>> {
-        let neighbours = py.detach(|| self.0.neighbours());
+        let neighbours = self.made(py, Meshed::neighbours)?;
         rows(py, neighbours)
     }
 
     /// Facets of the convex hull, of shape (h, 3), seen counterclockwise from outside.
     fn convex_hull<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i32>>> {
-        let hull = py.detach(|| self.0.hull());
+        let hull = self.made(py, Meshed::hull)?;
         rows(py, hull)
     }
 
@@ -58,14 +75,15 @@ impl Kernel {
         &self,
         py: Python<'py>,
     ) -> PyResult<(Bound<'py, PyArray2<i32>>, Bound<'py, PyArray1<i64>>)> {
-        let faces = py.detach(|| self.0.boundary());
+        let faces = self.made(py, Meshed::boundary)?;
         let markers = faces.iter().map(|f| f.marker).collect();
         Ok((rows(py, faces.iter().map(|f| f.corners).collect())?, line(py, markers)))
     }
 
     /// The region of each tetrahedron, from 1.
-    fn regions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i32>> {
-        line(py, self.0.regions().into_iter().map(|r| r as i32).collect())
+    fn regions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<i32>>> {
+        let regions = self.made(py, Meshed::regions)?;
+        Ok(line(py, regions.into_iter().map(|r| r as i32).collect()))
     }
 
     /// The tetrahedra over a bound, each with the reason.
@@ -85,13 +103,13 @@ impl Kernel {
         xi: Coordinates<'py>,
     ) -> PyResult<Bound<'py, PyArray1<i32>>> {
         let wanted = points(&xi)?;
-        let found = supervised(py, None, |_| Ok(self.0.find(&wanted)?))?;
+        let found = self.made(py, move |mesh| mesh.find(&wanted))?.map_err(Failure::from)?;
         Ok(line(py, bytemuck::cast_vec(found)))
     }
 
     /// Histograms and extremes of dihedral angle, radius-edge ratio, volume and edge length.
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let Some(quality) = py.detach(|| self.0.quality()) else { return Ok(None) };
+        let Some(quality) = self.made(py, Meshed::quality)? else { return Ok(None) };
         let all = PyDict::new(py);
         let histogram = |h: &Histogram| {
             let entries = PyDict::new(py);
@@ -111,11 +129,17 @@ impl Kernel {
 
     /// Writes the mesh; the extension tells the format.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        Ok(supervised(py, None, |_| -> Result<(), Failure> { Ok(self.0.save(&path)?) })?)
+        let mesh = Arc::clone(&self.0);
+        Ok(supervised(py, None, move |reins| Ok(mesh.save(&path, &reins.cancel)?))?)
+    }
+
+    /// The canonical hash `ltbw.mesh/1`.
+    fn hash(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(self.made(py, Meshed::hash)?.map_err(Failure::from)?)
     }
 
     /// The certificate of the mesh as JSON.
     fn certify(&self, py: Python<'_>, full: bool) -> PyResult<Option<String>> {
-        Ok(supervised(py, None, |_| Ok(self.0.certify(full)?))?)
+        Ok(self.made(py, move |mesh| mesh.certify(full))?.map_err(Failure::from)?)
     }
 }

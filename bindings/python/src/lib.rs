@@ -26,6 +26,5 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(domain::tetrahedralize, module)?)?;
     module.add_function(wrap_pyfunction!(certificate::check, module)?)?;
     module.add_function(wrap_pyfunction!(certificate::check_domain, module)?)?;
-    module.add_function(wrap_pyfunction!(certificate::mesh_hash, module)?)?;
     module.add_function(wrap_pyfunction!(supervise::panics, module)?)
 }

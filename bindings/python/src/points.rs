@@ -15,6 +15,6 @@ pub(crate) fn delaunay(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Kernel> {
     let given = points(&coordinates)?;
-    let work = |reins: &Reins| Ok(ltbw_bindings::delaunay(given, threads, reins)?);
-    Ok(Kernel(supervised(py, progress.as_ref(), work)?))
+    let work = move |reins: &Reins| Ok(ltbw_bindings::delaunay(given, threads, reins)?);
+    Ok(Kernel::new(supervised(py, progress.as_ref(), work)?))
 }

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::supervise::look;
-use ltbw::Point;
+use ltbw::{Observer, Point, Progress};
 use ltbw_bindings::{Class, Field, PATIENCE, Ready, Reins};
 use pyo3::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -79,10 +79,16 @@ impl<'a> Function<'a> {
             checked(length, Some(place))
         });
         asked.unwrap_or_else(|failure| {
-            self.reins.cancel.cancel();
-            *self.raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(failure);
+            self.fails(failure);
             f64::INFINITY
         })
+    }
+
+    /// Cancels the work for an exception, which goes back when the work has ended.
+    fn fails(&self, failure: Failure) {
+        self.reins.cancel.cancel();
+        let mut raised = self.raised.lock().unwrap_or_else(PoisonError::into_inner);
+        raised.get_or_insert(failure);
     }
 
     /// Looks for signals and tells the progress, now and then.
@@ -99,5 +105,15 @@ impl<'a> Function<'a> {
     /// The exception, if one was raised.
     pub(crate) fn raised(self) -> Option<Failure> {
         self.raised.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Work that asks for no sizes for a while is watched all the same.
+impl Observer for Function<'_> {
+    fn progress(&self, progress: Progress) {
+        self.reins.progress.progress(progress);
+        if !self.reins.cancel.is_cancelled() {
+            Python::attach(|py| self.look(py)).unwrap_or_else(|failure| self.fails(failure));
+        }
     }
 }

@@ -4,6 +4,12 @@ use crate::failure::Failure;
 use ltbw_bindings::{Class, PATIENCE, Reins, unpanicked};
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
+use std::sync::Arc;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+/// The time that interrupted work has to come to its end, before it is left to itself.
+const GRACE: Duration = Duration::from_millis(200);
 
 /// Looks for signals and tells the progress: an exception of either ends the work.
 pub(crate) fn look(py: Python<'_>, reins: &Reins, tell: Option<&Py<PyAny>>) -> PyResult<()> {
@@ -21,30 +27,50 @@ pub(crate) fn look(py: Python<'_>, reins: &Reins, tell: Option<&Py<PyAny>>) -> P
 }
 
 /// Carries out `work` on a thread of its own, with the interpreter free for others.
-pub(crate) fn supervised<T: Send>(
+///
+/// An exception of `look` cancels the work. What looks at the token ends at once; a check, say,
+/// does not: it is left to its thread, which owns all that it works with and drops the result.
+pub(crate) fn supervised<T: Send + 'static>(
     py: Python<'_>,
     tell: Option<&Py<PyAny>>,
-    work: impl FnOnce(&Reins) -> Result<T, Failure> + Send,
+    work: impl FnOnce(&Reins) -> Result<T, Failure> + Send + 'static,
 ) -> Result<T, Failure> {
-    let reins = Reins::default();
-    std::thread::scope(|scope| {
-        let reins = &reins;
-        let worker = scope.spawn(move || {
-            let result = unpanicked(|| work(reins));
-            reins.progress.end();
-            result
+    let reins = Arc::new(Reins::default());
+    let (sender, receiver) = channel();
+    let own = Arc::clone(&reins);
+    let carried_out = move || {
+        // Nobody waits for the result of work that was left to itself.
+        drop(sender.send(unpanicked(|| work(&own))));
+    };
+    let started = std::thread::Builder::new().name("ltbw".to_owned()).spawn(carried_out);
+    started.map_err(|e| Failure::new(Class::Internal, "threads.start", e))?;
+    let mut waiting = receiver;
+    let mut raised: Option<(PyErr, Instant)> = None;
+    // Ends with the work, or some time after it was cancelled.
+    loop {
+        // A receiver may be sent to the call without the interpreter, but not lent.
+        let (receiver, received) = py.detach(move || {
+            let received = waiting.recv_timeout(PATIENCE);
+            (waiting, received)
         });
-        let mut raised = None;
-        // Ends with the work, which looks at the token.
-        while !py.detach(|| reins.progress.wait(PATIENCE)) {
-            if raised.is_none() {
-                raised = look(py, reins, tell).err();
+        waiting = receiver;
+        match (received, raised.take()) {
+            (Ok(_) | Err(RecvTimeoutError::Disconnected), Some((error, _))) => {
+                return Err(error.into());
+            }
+            (Ok(result), None) => return result,
+            (Err(RecvTimeoutError::Disconnected), None) => {
+                return Err(Failure::new(Class::Internal, "internal.panic", "a thread was lost"));
+            }
+            (Err(RecvTimeoutError::Timeout), Some((error, since))) if since.elapsed() > GRACE => {
+                return Err(error.into());
+            }
+            (Err(RecvTimeoutError::Timeout), earlier) => {
+                let raises = || look(py, &reins, tell).err().map(|error| (error, Instant::now()));
+                raised = earlier.or_else(raises);
             }
         }
-        let lost = || Failure::new(Class::Internal, "internal.panic", "a thread was lost");
-        let result = worker.join().unwrap_or_else(|_| Err(lost()));
-        raised.map_or(result, |error| Err(error.into()))
-    })
+    }
 }
 
 /// Panics, for the test that a panic is an ordinary exception.

@@ -191,6 +191,64 @@ def test_pyvista_surfaces_and_grids(cube):
     assert ltbw.delaunay(box.points).grid.n_cells == box.ltbw.delaunay().n_cells
 
 
+def areas(mesh):
+    """The area of the boundary by marker."""
+    a, b, c = (mesh.points[mesh.triangles[:, k]] for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    return {int(m): round(area[mesh.triface_markers == m].sum(), 9) for m in set(mesh.triface_markers)}
+
+
+@pytest.mark.parametrize("name", ["marker", "gmsh:physical", "medit:ref", "MarkerId"])
+def test_markers_of_meshios_surfaces_are_kept(cube, name, tmp_path):
+    import meshio
+
+    corners, faces = cube
+    triangles = [[a, b, c] for a, b, c, _ in faces[:2]] + [[a, c, d] for a, _, c, d in faces[:2]]
+    blocks = [("triangle", triangles), ("line", [[0, 1]]), ("quad", faces[2:])]
+    data = {name: [[4, 5, 4, 5], [77], [6, 7, 8, -9]], "other": [[1.5] * 4, [0], [2] * 4]}
+    given = meshio.Mesh(corners, blocks, cell_data=data)
+    expected = {4: 1.0, 5: 1.0, 6: 1.0, 7: 1.0, 8: 1.0, -9: 1.0}
+    assert areas(ltbw.tetrahedralize(given, max_volume=0.01)) == expected
+    # And through a file, as meshio names them there.
+    mesh = ltbw.tetrahedralize((corners, faces, range(1, 7)))
+    for file in ("a.msh", "a.mesh", "a.vtu"):
+        mesh.save(tmp_path / file)
+        assert areas(ltbw.tetrahedralize(meshio.read(tmp_path / file))) == dict.fromkeys(range(1, 7), 1.0)
+
+
+def test_markers_of_pyvistas_surfaces_are_kept(cube):
+    pyvista = pytest.importorskip("pyvista")
+    corners, faces = cube
+    poly = pyvista.PolyData(np.array(corners), np.hstack([[4, *f] for f in faces]))
+    assert areas(ltbw.tetrahedralize(poly)) == {0: 6.0}
+    poly.cell_data["marker"] = [3, 1, 4, 1, 5, 9]
+    poly.cell_data["Normals"] = np.zeros((6, 3))
+    expected = {3: 1.0, 1: 2.0, 4: 1.0, 5: 1.0, 9: 1.0}
+    assert areas(ltbw.tetrahedralize(poly)) == expected
+    grid = poly.ltbw.tetrahedralize()
+    assert grid.n_cells == len(ltbw.tetrahedralize(poly).simplices)
+    # Cells of lines come before those of faces.
+    with_line = pyvista.PolyData(np.array(corners), np.hstack([[4, *f] for f in faces]), lines=[2, 0, 1])
+    with_line.cell_data["MarkerId"] = [77, 3, 1, 4, 1, 5, 9]
+    assert areas(ltbw.tetrahedralize(with_line)) == expected
+
+
+def test_markers_that_are_not_clear_are_warned_about(cube):
+    pyvista = pytest.importorskip("pyvista")
+    corners, faces = cube
+    poly = pyvista.PolyData(np.array(corners), np.hstack([[4, *f] for f in faces]))
+    poly.cell_data["gmsh:physical"] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+    poly.cell_data["medit:ref"] = [7] * 6
+    with pytest.warns(UserWarning, match="'gmsh:physical' is taken for markers, not 'medit:ref'"):
+        mesh = ltbw.tetrahedralize(poly)
+    assert areas(mesh) == dict.fromkeys(range(1, 7), 1.0)
+    for bad in ([0.5] * 6, [2**31] * 6, [np.nan] * 6):
+        other = pyvista.PolyData(np.array(corners), np.hstack([[4, *f] for f in faces]))
+        other.cell_data["marker"] = bad
+        with pytest.warns(UserWarning, match="not taken for markers"):
+            assert areas(ltbw.tetrahedralize(other)) == {0: 6.0}
+
+
 def test_neighbours_in_a_domain_are_across_faces(cube):
     mesh = ltbw.tetrahedralize(cube, max_volume=0.01)
     for corners, across in zip(mesh.simplices, mesh.neighbors):

@@ -1,46 +1,92 @@
-"""Ctrl-C ends every call, and Python goes on."""
+"""Ctrl-C ends every call within half a second, and Python goes on."""
 
 import os
-import signal
 import subprocess
 import sys
 import textwrap
 
 import pytest
 
+# Seconds from the signal to the exception.
+BAR = 0.5
+
+# What comes before the signal, and what is interrupted.
 CALLS = {
-    "delaunay": "ltbw.delaunay(np.random.default_rng(1).random((3_000_000, 3)))",
-    "threads": "ltbw.delaunay(np.random.default_rng(1).random((3_000_000, 3)), threads=2)",
-    "domain": "ltbw.tetrahedralize((corners, faces), max_volume=1e-8)",
-    "function": "ltbw.tetrahedralize((corners, faces), size=lambda p: 0.005)",
+    "delaunay": ("", "ltbw.delaunay(cloud(3_000_000))"),
+    "threads": ("", "ltbw.delaunay(cloud(3_000_000), threads=2)"),
+    "domain": ("", "ltbw.tetrahedralize((corners, faces), max_volume=1e-8)"),
+    "function": ("", "ltbw.tetrahedralize((corners, faces), size=lambda p: 0.005)"),
+    "check": ("mesh = ltbw.delaunay(cloud(500_000)); mesh.points, mesh.simplices",
+              "ltbw.check(mesh.points, mesh.simplices)"),
+    "certificate": ("mesh = ltbw.delaunay(cloud(2_000_000))", "mesh.check(full=True)"),
+    "conformity": ("mesh = ltbw.tetrahedralize((corners, faces), max_volume=2e-6, check=False)\n"
+                   "mesh.points, mesh.simplices",
+                   "ltbw.check(mesh.points, mesh.simplices, (corners, faces))"),
+    "hash": ("mesh = ltbw.delaunay(cloud(2_000_000))", "mesh.hash"),
+    "save": ("mesh = ltbw.delaunay(cloud(1_000_000))", "mesh.save('interrupted.msh')"),
+    "quality": ("mesh = ltbw.delaunay(cloud(1_000_000))", "mesh.quality"),
 }
+
+SCRIPT = """
+import os, signal, threading, time
+import numpy as np
+import ltbw
+
+# A background job of a shell begins without it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+corners = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+sent = []
+
+def cloud(count):
+    return np.random.default_rng(1).random((count, 3))
+
+def send():
+    sent.append(time.monotonic())
+    os.kill(os.getpid(), signal.SIGINT)
+
+def begin(patience):
+    timer = threading.Timer(patience, send)
+    timer.start()
+    return timer
+"""
+
+
+def seconds(call, folder):
+    """Seconds that a call, some of which has been done, takes to end after the signal."""
+    before, interrupted = CALLS[call]
+    # Numpy needs a moment for the millions of points that some calls make first.
+    patience = 1.5 if "cloud" in interrupted else 0.3
+    ends = f"""
+{before}
+timer = begin({patience})
+try:
+    {interrupted}
+    timer.cancel()
+    print("finished before the signal")
+except KeyboardInterrupt:
+    took = time.monotonic() - sent[0]
+    timer.join()
+    small = ltbw.delaunay([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    print(took, small.outcome, small.check().passed)
+"""
+    script = textwrap.dedent(SCRIPT) + ends
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=300, cwd=folder
+    )
+    assert done.returncode == 0, done.stderr
+    took, *after = done.stdout.split()
+    assert after == ["complete", "True"], done.stdout
+    return float(took)
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals are sent as on Unix")
 @pytest.mark.parametrize("call", CALLS)
-def test_an_interrupt_ends_the_call(call):
-    script = f"""
-    import signal, numpy as np, ltbw
-    # A background job of a shell begins without it.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    corners = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
-    faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-    print("ready", flush=True)
-    try:
-        {CALLS[call]}
-    except KeyboardInterrupt:
-        print("interrupted", ltbw.delaunay([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).outcome)
-    """
-    command = [sys.executable, "-c", textwrap.dedent(script)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
-        try:
-            assert child.stdout.readline() == "ready\n"
-            # The call is somewhere in its work.
-            with pytest.raises(subprocess.TimeoutExpired):
-                child.wait(1.0)
-            child.send_signal(signal.SIGINT)
-            out, _ = child.communicate(timeout=60)
-        finally:
-            child.kill()
-    assert out == "interrupted complete\n"
-    assert child.returncode == 0
+def test_an_interrupt_ends_the_call(call, tmp_path):
+    took = seconds(call, tmp_path)
+    if took > BAR:
+        # Others may have had the machine: once more.
+        took = seconds(call, tmp_path)
+    assert took <= BAR
+    # Neither a file nor part of one.
+    assert list(tmp_path.iterdir()) == []

@@ -201,8 +201,8 @@ pub fn write_points_with(
     Aside::write(path, |out| streams::put_points(out, format, file, options))?.publish()
 }
 
-/// Writes a mesh with its tags and boundary faces, with the default [`WriteOptions`]: `.vtu`, `.vtk`,
-/// `.msh`, `.mesh`, or the pair `.ele` and `.node` (named by either) with `.face` beside it.
+/// Writes a mesh with its tags and boundary faces, with the default [`WriteOptions`]: `.vtu`,
+/// `.vtk`, `.msh`, `.mesh`, or the pair `.ele` and `.node` (named by either) with `.face` beside.
 /// [`MeshWriter`] writes figures and names with it.
 pub fn write_mesh(path: impl AsRef<Path>, mesh: &TetMesh) -> Result<(), IoError> {
     MeshWriter::new(mesh).write(path)

@@ -211,7 +211,7 @@ fn figures_and_faces_must_be_of_the_mesh() {
     assert!(!path.exists());
 }
 
-/// What was there before stays, in files of one part and of several.
+/// Files that were there before stay, in files of one part and of several.
 #[test]
 fn a_cancelled_mesh_is_not_written() {
     let dir = tempfile::tempdir().expect("a folder");

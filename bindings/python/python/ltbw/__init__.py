@@ -101,7 +101,9 @@ def tetrahedralize(
     ----------
     surface : path, tuple, pyvista.PolyData, meshio.Mesh, or anything with vertices and faces
         The domain: a file (``.poly .smesh .off .obj .stl .ply .vtk``); ``(vertices, faces)`` or
-        ``(vertices, faces, markers)``, faces as an array of shape (f, 3) or lists of corners.
+        ``(vertices, faces, markers)``, faces as an array of shape (f, 3) or lists of corners. Of a
+        pyvista or meshio surface, ``cell_data`` with a usual name (``marker``, ``gmsh:physical``,
+        ``medit:ref``, ...) are the markers; where it is not clear which, a warning tells.
     max_volume : float, optional
         The largest volume of a tetrahedron.
     radius_edge : float or None

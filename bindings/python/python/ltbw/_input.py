@@ -4,6 +4,7 @@ import os
 
 import numpy as np
 
+from . import _markers
 from ._errors import InputError
 
 
@@ -26,7 +27,7 @@ def coordinates(points, what="points"):
 
 
 def corners(rows, width, what):
-    """An array of shape (m, width), int64, in C order."""
+    """An array of shape (m, width), int64, or int32 where it is that, in C order."""
     array = np.asarray(rows)
     if array.size == 0:
         return np.zeros((0, width), dtype=np.int64)
@@ -34,7 +35,7 @@ def corners(rows, width, what):
         raise InputError(f"{what}: whole numbers are wanted, not {array.dtype}", f"{what}.type")
     if array.ndim != 2 or array.shape[1] != width:
         raise InputError(f"{what}: shape (m, {width}) is wanted, not {array.shape}", f"{what}.shape")
-    return np.ascontiguousarray(array, dtype=np.int64)
+    return np.ascontiguousarray(array, dtype=np.int32 if array.dtype == np.int32 else np.int64)
 
 
 def _rows(faces):
@@ -65,6 +66,14 @@ def _padded(faces):
     return flat, starts
 
 
+def _of_faces(poly, count):
+    """The markers among pyvista's data of cells: vertices, lines, then the faces."""
+    cells = getattr(poly, "cell_data", {})
+    before = 0 if poly.n_cells == count else poly.n_verts + poly.n_lines
+    arrays = [(name, np.asarray(cells[name])[before : before + count]) for name in cells.keys()]
+    return _markers.among(arrays)
+
+
 def surface(given):
     """What the native half takes for a source: a path, or vertices, corners, starts, markers."""
     if isinstance(given, (str, os.PathLike)):
@@ -78,20 +87,25 @@ def surface(given):
         return coordinates(given[0], "vertices"), flat, starts, markers
     # pyvista: PolyData has `faces` in one line, and `points`.
     if hasattr(given, "points") and hasattr(given, "faces"):
-        return coordinates(given.points, "points"), *_padded(given.faces), None
+        flat, starts = _padded(given.faces)
+        return coordinates(given.points, "points"), flat, starts, _of_faces(given, len(starts))
     # meshio: cells in blocks by kind.
     if hasattr(given, "points") and hasattr(given, "cells"):
-        flat, starts = [], []
-        for block in given.cells:
+        flat, starts, taken = [], [], []
+        for k, block in enumerate(given.cells):
             if block.type in ("triangle", "quad", "polygon"):
                 own, places = _rows(np.asarray(block.data))
                 starts.extend(len(flat) + place for place in places)
                 flat.extend(own)
-        return coordinates(given.points, "points"), flat, starts, None
+                taken.append(k)
+        data = getattr(given, "cell_data", {})
+        arrays = [(n, np.concatenate([v[k] for k in taken])) for n, v in data.items() if taken]
+        return coordinates(given.points, "points"), flat, starts, _markers.among(arrays)
     # trimesh and others.
     if hasattr(given, "vertices") and hasattr(given, "faces"):
         flat, starts = _rows(np.asarray(given.faces))
-        return coordinates(given.vertices, "vertices"), flat, starts, None
+        data = getattr(given, "face_attributes", {})
+        return coordinates(given.vertices, "vertices"), flat, starts, _markers.among(data.items())
     raise InputError(
         "a surface is a path, (vertices, faces), a pyvista PolyData, or a meshio mesh, "
         f"not {type(given).__name__}",

@@ -92,8 +92,8 @@ impl Refined {
         self.plain(false)
     }
 
-    /// The mesh with all tetrahedra, those of the exterior tagged with 0; its faces are those of the
-    /// domain's facets that stand free in the exterior, too.
+    /// The mesh with all tetrahedra, those of the exterior tagged with 0; its faces are those of
+    /// the domain's facets that stand free in the exterior, too.
     pub fn with_exterior(&self) -> TetMesh {
         self.plain(true)
     }
