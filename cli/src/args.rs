@@ -118,7 +118,7 @@ Examples:
   ltbw simulate                                            16 processors, 100,000 points
   ltbw simulate --processors 64 --latency 100us --points 1000000 --json run.json
   ltbw simulate --rule paper --distribution heavy-tail --trace t.json
-  ltbw simulate --rule paper --closure vertex --creator-owns     all as in the paper
+  ltbw simulate --rule paper --closure vertex --ownership creator     all as in the paper
 
 Time is virtual: work and messages cost what the printed cost model says. One seed gives one run,
 on every machine. The mesh is compared with the sequential kernel's.")]

@@ -2,8 +2,8 @@
 //! `cargo run --release -p ltbw --example latency_tolerance -- 60000`.
 //!
 //! 16 and 32 processors with that number of points each, latencies from 1 to 300 µs: LT at least
-//! 0.94, LT strict at least 0.90, setbacks below 2 % of operations. Fails if a run misses one of
-//! them.
+//! 0.94 of the worst processor (the paper's figure), LT strict at least 0.90 of all, setbacks below
+//! 2 % of operations. Fails if a run misses one of them.
 
 use ltbw::PointSet;
 use ltbw::mesh::Plan;
@@ -16,22 +16,37 @@ type Failure = Box<dyn std::error::Error>;
 fn main() -> Result<(), Failure> {
     let each: usize = std::env::args().nth(1).map_or(Ok(60_000), |text| text.parse())?;
     println!("{:?}", Options::default().costs);
-    println!("processors  latency     LT  LT strict  setbacks  worst  messages/int.  active");
+    println!(
+        "processors  latency  LT worst     all  strict worst     all  efficiency  setbacks  most  \
+         messages/int.  active"
+    );
     let mut missed = 0;
     for processors in [16, 32] {
         let set = PointSet::new(generate(PointKind::Uniform, each * processors as usize, 1))?;
+        let one = simulate_mesh(
+            &set,
+            &Plan::for_high_latency(set.len(), 1),
+            Config::new(1),
+            &Options::default(),
+        );
+        let alone = one?.summary.makespan;
         for latency in [1_000, 10_000, 100_000, 300_000] {
             let network = Network { latency, ..Network::default() };
             let options = Options { network, ..Options::default() };
             let plan = Plan::for_high_latency(set.len(), processors);
             let s = simulate_mesh(&set, &plan, Config::new(processors), &options)?.summary;
-            let met = s.lt() >= 0.94 && s.lt_strict() >= 0.90 && s.setback_share() < 0.02;
+            let worst = s.extremes_of_tolerance().map_or(1.0, |(worst, _)| worst.lt());
+            let met = worst >= 0.94 && s.lt_strict() >= 0.90 && s.setback_share() < 0.02;
             missed += u32::from(!met);
             println!(
-                "{processors:>10} {:>5} µs {:>7.4} {:>9.4} {:>8.2} % {:>6} {:>13.1} {:>6.1} %{}",
+                "{processors:>10} {:>5} µs {:>9.4} {:>7.4} {:>13.4} {:>7.4} {:>9.1} % {:>7.2} % \
+                 {:>5} {:>14.1} {:>5.1} %{}",
                 latency / 1000,
+                worst,
                 s.lt(),
+                s.worst_lt_strict(),
                 s.lt_strict(),
+                100.0 * s.efficiency(alone),
                 100.0 * s.setback_share(),
                 s.worst_setbacks(),
                 s.messages_per_interface_cavity(),

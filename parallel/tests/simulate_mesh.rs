@@ -3,7 +3,7 @@
 use ltbw::mesh::{Ownership, Plan};
 use ltbw::protocol::{Closure, Config, Rule};
 use ltbw::simulate::{
-    Bursts, Distribution, MeshError, Meshed, Network, Options, SimulationError, Storm,
+    Bursts, CostModel, Distribution, MeshError, Meshed, Network, Options, SimulationError, Storm,
     simulate_mesh,
 };
 use ltbw::{Builder, PointSet, invariants};
@@ -75,6 +75,32 @@ fn case(seed: u64) -> (PointSet, Plan, Rule, Options) {
     let rule = Rule::WoundWait;
     let plan = Plan { blocks_per_worker: 4, sample: 10, ..layout(seed, set.len(), workers) };
     (set, plan, rule, options)
+}
+
+#[test]
+fn who_polls_seldom_has_the_same_mesh_with_fewer_polls() {
+    let set = PointSet::new(generate(PointKind::Uniform, 3000, 5)).expect("finite points");
+    let plan = Plan::new(set.len(), 4);
+    let runs: Vec<Meshed> = [1, 2, 50, u32::MAX]
+        .into_iter()
+        .map(|poll_every| {
+            let costs = CostModel::cow();
+            let options = Options { poll_every, costs, network: Network::cow(), ..options(5) };
+            run(&set, plan, Rule::WoundWait, &options)
+        })
+        .collect();
+    let vain = |run: &Meshed| run.summary.polls.total - run.summary.polls.useful;
+    assert!(runs.is_sorted_by_key(|run| std::cmp::Reverse(vain(run))));
+    assert!(vain(&runs[0]) > 2 * vain(&runs[2]));
+    // A cavity takes about 2.4 ms on one of the paper's processors.
+    let one = Plan { workers: 1, ..plan };
+    let options = Options { costs: CostModel::cow(), ..options(5) };
+    let alone = run(&set, one, Rule::WoundWait, &options).summary;
+    let each = alone.cavity_times.successful as f64 / alone.operations() as f64;
+    assert!((2.0e6..2.8e6).contains(&each), "{each}");
+    let never = Options { poll_every: 0, ..options };
+    let refused = simulate_mesh(&set, &one, Config::new(1), &never);
+    assert!(matches!(refused, Err(MeshError::Simulation(SimulationError::Options(_)))));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The simulator, on the smallest mesh that there is.
 
 use ltbw::balance::Balance;
-use ltbw::metrics::{SpanKind, Summary};
+use ltbw::metrics::{SpanKind, Summary, WorkerFigures};
 use ltbw::protocol::{Config, Correct, Directory, Rule, Rules, Worker, WorkerId};
 use ltbw::simulate::{
     Bursts, Distribution, Network, Options, Simulation, SimulationError, Storm, simulate,
@@ -79,9 +79,23 @@ fn conserved(summary: &Summary) {
         assert!(worker.times.idle_active <= worker.times.idle);
         assert!(worker.times.idle_at_end <= worker.times.idle);
     }
-    let busy = summary.times.all() - summary.times.idle;
-    assert!(summary.successful + summary.set_back <= busy);
-    assert!(summary.local_active + summary.interface_active <= summary.successful);
+    let whole = (summary.cavity_times, summary.times);
+    for (own, times) in summary.workers.iter().map(|w| (w.cavity_times, w.times)).chain([whole]) {
+        assert!(own.successful + own.set_back <= times.all() - times.idle);
+        assert!(own.local_active + own.interface_active <= own.successful);
+        assert!((0.0..=1.0).contains(&own.lt()));
+    }
+    let sum = |f: fn(&WorkerFigures) -> u64| summary.workers.iter().map(f).sum::<u64>();
+    assert_eq!(sum(|w| w.cavity_times.successful), whole.0.successful);
+    assert_eq!(sum(|w| w.cavity_times.set_back), whole.0.set_back);
+    // All that is sent is taken; loads are no messages of the protocol.
+    let loads = summary.messages.get("load").map_or(0, |m| m.count);
+    assert_eq!(sum(|w| w.sent.count), summary.all_messages().count);
+    assert_eq!(sum(|w| w.received), summary.all_messages().count - loads);
+    if let Some((worst, best)) = summary.extremes_of_tolerance() {
+        assert!(summary.workers.iter().all(|w| worst.lt() <= w.lt() && w.lt() <= best.lt()));
+        assert!(summary.worst_lt_strict() <= worst.lt_strict());
+    }
     assert!((0.0..=1.0).contains(&summary.lt()));
     assert!(summary.lt_strict() <= 1.0);
     assert!(summary.polls.useful <= summary.polls.total);

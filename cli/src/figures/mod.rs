@@ -21,6 +21,7 @@ pub(crate) const SPANS: usize = 200_000;
 pub(crate) struct Figures {
     lt: f64,
     lt_strict: f64,
+    worst: Worst,
     setbacks: u64,
     operations: u64,
     worst_setbacks: u32,
@@ -36,7 +37,30 @@ pub(crate) struct Figures {
     set_back: u64,
     surface_to_volume: f64,
     imbalance_tets: u64,
-    workers: Vec<WorkerFigures>,
+    workers: Vec<Worker>,
+}
+
+/// The lowest latency tolerance of any worker, and whose it is; the lowest strict one.
+#[derive(Debug, Serialize)]
+struct Worst {
+    worker: u32,
+    lt: f64,
+    lt_strict: f64,
+}
+
+/// A worker's figures.
+#[derive(Debug, Serialize)]
+struct Worker {
+    lt: f64,
+    lt_strict: f64,
+    #[serde(flatten)]
+    figures: WorkerFigures,
+}
+
+impl Worker {
+    fn new(figures: &WorkerFigures) -> Self {
+        Self { lt: figures.lt(), lt_strict: figures.lt_strict(), figures: *figures }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -59,6 +83,11 @@ impl Figures {
         Self {
             lt: s.lt(),
             lt_strict: s.lt_strict(),
+            worst: Worst {
+                worker: s.extremes_of_tolerance().map_or(0, |(worst, _)| worst.worker),
+                lt: s.extremes_of_tolerance().map_or(1.0, |(worst, _)| worst.lt()),
+                lt_strict: s.worst_lt_strict(),
+            },
             setbacks: s.setbacks(),
             operations: s.operations(),
             worst_setbacks: s.worst_setbacks(),
@@ -73,13 +102,13 @@ impl Figures {
             cavities: s.cavities,
             share_active: s.cavities.share_active(),
             times: s.times,
-            successful: s.successful,
-            local_active: s.local_active,
-            interface_active: s.interface_active,
-            set_back: s.set_back,
+            successful: s.cavity_times.successful,
+            local_active: s.cavity_times.local_active,
+            interface_active: s.cavity_times.interface_active,
+            set_back: s.cavity_times.set_back,
             surface_to_volume: s.surface_to_volume(),
             imbalance_tets: s.imbalance_tets(),
-            workers: s.workers.clone(),
+            workers: s.workers.iter().map(Worker::new).collect(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The figures of a parallel run as the paper's tables, beside the paper's own.
 
-use ltbw::metrics::{Summary, Times};
+use ltbw::metrics::{Cavities, CavityTimes, Polls, Summary, Times, WorkerFigures};
 use ltbw::simulate::CostModel;
 use std::fmt::Write;
 
@@ -8,8 +8,10 @@ use std::fmt::Write;
 pub(crate) fn tables(summary: &Summary, alone: Option<u64>) -> String {
     let mut text = String::new();
     headline(&mut text, summary, alone);
-    table_iii_and_iv(&mut text, summary);
-    table_v_and_vi(&mut text, summary);
+    table_iii(&mut text, summary);
+    table_iv(&mut text, summary);
+    table_v(&mut text, summary);
+    table_vi(&mut text, summary);
     messages(&mut text, summary);
     workers(&mut text, summary);
     text
@@ -22,59 +24,136 @@ macro_rules! line {
     };
 }
 
+/// The paper's figures are those of cube-in-cube with 8 and 16 million tetrahedra, where
+/// nothing else is said.
 fn headline(text: &mut String, s: &Summary, alone: Option<u64>) {
-    line!(text, "Insertion of points; the paper's runs refine a mesh.\n");
-    line!(text, "{:<44}{:>12}{:>16}", "", "this run", "paper");
-    let row = |text: &mut String, name: &str, ours: String, paper: &str| {
-        line!(text, "{name:<44}{ours:>12}{paper:>16}");
+    line!(
+        text,
+        "Insertion of points; the paper's runs refine a mesh. Paper: cube-in-cube, 8M and 16M"
+    );
+    line!(text, "tetrahedra, 32 processors.\n");
+    line!(text, "{:<44}{:>12}{:>10}{:>8}", "", "this run", "paper 8M", "16M");
+    let row = |text: &mut String, name: &str, ours: String, paper: [&str; 2]| {
+        line!(text, "{name:<44}{ours:>12}{:>10}{:>8}", paper[0], paper[1]);
     };
-    row(text, "latency tolerance LT", format!("{:.4}", s.lt()), "0.96, 0.94");
-    row(text, "LT strict (idle time counted)", format!("{:.4}", s.lt_strict()), "-");
-    let active = percent(s.cavities.share_active());
-    row(text, "cavities completed while others active", active, "63.6 %, 65.1 %");
-    let each = format!("{:.1}", s.messages_per_interface_cavity());
-    row(text, "messages per interface cavity", each, "17 to 33");
-    row(text, "insertions (operations)", s.operations().to_string(), "");
-    row(text, "setbacks", s.setbacks().to_string(), "");
-    row(text, "setbacks per operation", percent(s.setback_share()), "");
-    row(text, "most setbacks of one operation", s.worst_setbacks().to_string(), "");
-    row(text, "makespan", seconds(s.makespan), "");
-    if let Some(alone) = alone {
-        row(text, "time of one processor", seconds(alone), "");
-        row(text, "efficiency", percent(s.efficiency(alone)), "");
+    if let Some((worst, _)) = s.extremes_of_tolerance() {
+        let name = format!("latency tolerance LT, worst worker ({})", worst.worker);
+        row(text, &name, format!("{:.4}", worst.lt()), ["0.96", "0.94"]);
     }
+    row(text, "LT, all workers", format!("{:.4}", s.lt()), ["-"; 2]);
+    let strict = format!("{:.4}", s.worst_lt_strict());
+    row(text, "LT strict (idle time counted), worst worker", strict, ["-"; 2]);
+    row(text, "LT strict, all workers", format!("{:.4}", s.lt_strict()), ["-"; 2]);
+    if let Some(alone) = alone {
+        row(text, "efficiency", percent(s.efficiency(alone)), ["-"; 2]);
+        let gain = alone as f64 / s.makespan.max(1) as f64;
+        row(text, "speed-up over one processor", format!("{gain:.2}"), ["-"; 2]);
+        row(text, "time of one processor", seconds(alone), ["-"; 2]);
+    }
+    row(text, "makespan", seconds(s.makespan), ["201 s", "388 s"]);
+    row(text, "insertions (operations)", s.operations().to_string(), ["-"; 2]);
+    row(text, "setbacks", s.setbacks().to_string(), ["-"; 2]);
+    row(text, "setbacks per operation", percent(s.setback_share()), ["-"; 2]);
+    row(text, "most setbacks of one operation", s.worst_setbacks().to_string(), ["-"; 2]);
+    let each = format!("{:.1}", s.messages_per_interface_cavity());
+    row(text, "messages per interface cavity", each, ["-"; 2]);
 }
 
-fn table_iii_and_iv(text: &mut String, s: &Summary) {
-    line!(text, "\nTable III: partition at the end");
-    line!(text, "  surface to volume, largest   {:>10.4}", s.surface_to_volume());
-    line!(text, "  imbalance in tetrahedra      {:>10}", s.imbalance_tets());
-    let c = &s.cavities;
-    let of = |n: u64| percent(n as f64 / c.all().max(1) as f64);
-    line!(text, "\nTable IV: cavities completed     none active       some active");
-    let row = |text: &mut String, name: &str, none: u64, some: u64| {
-        line!(text, "  {name:<22}{none:>12} {:>7}{some:>10} {:>7}", of(none), of(some));
-    };
-    row(text, "local", c.local, c.local_active);
-    row(text, "interface", c.interface, c.interface_active);
+fn table_iii(text: &mut String, s: &Summary) {
+    line!(text, "\nTable III: partition at the end; the paper's: 1M on 16 processors");
+    line!(text, "  {:<28}{:>10}{:>14}{:>14}", "", "this run", "paper, LTBW", "paper, SMGP");
+    let surface = s.surface_to_volume();
+    line!(
+        text,
+        "  {:<28}{surface:>10.4}{:>14}{:>14}",
+        "surface to volume, largest",
+        ".101",
+        ".064"
+    );
+    let imbalance = s.imbalance_tets();
+    line!(text, "  {:<28}{imbalance:>10}{:>14}{:>14}", "imbalance in tetrahedra", "11194", "3058");
 }
 
-fn table_v_and_vi(text: &mut String, s: &Summary) {
-    line!(text, "\nTable V: time of all workers");
-    let row = |text: &mut String, name: &str, ns: u64| {
-        line!(text, "  {name:<46}{:>12}", seconds(ns));
+/// The workers that tolerate latency worst and best, as the paper has it.
+fn table_iv(text: &mut String, s: &Summary) {
+    let Some((worst, best)) = s.extremes_of_tolerance() else { return };
+    line!(
+        text,
+        "\nTable IV: cavities completed by the workers of lowest and highest LT, and by all"
+    );
+    let of = |w: &WorkerFigures| w.worker.to_string();
+    let head = ["worker", &of(worst), &of(best), "all"];
+    columns(text, &head, ["worst 16M", "best 16M"]);
+    let own = [worst.cavities, best.cavities, s.cavities];
+    let row = |text: &mut String, name: &str, f: fn(&Cavities) -> u64, paper: [&str; 2]| {
+        let [a, b, c] = own.map(|c| f(&c).to_string());
+        columns(text, &[name, &a, &b, &c], paper);
     };
-    row(text, "M, in cavities that succeeded", s.successful);
-    row(text, "A, of it local, while a cavity is active", s.local_active);
-    row(text, "I, of it interface, while a cavity is active", s.interface_active);
-    row(text, "S, in cavities that were set back", s.set_back);
-    row(text, "idle while a cavity is active", s.times.idle_active);
-    row(text, "time with a cavity active", s.times.active);
-    line!(text, "\nTable VI: polls");
-    let p = &s.polls;
-    line!(text, "  {:<30}{:>14}{:>14}", "all", p.total, seconds(p.total_time));
-    line!(text, "  {:<30}{:>14}{:>14}", "that found a message", p.useful, seconds(p.useful_time));
-    row(text, "idle after the last insertion, all workers", s.times.idle_at_end);
+    row(text, "local, none active", |c| c.local, ["32840", "29826"]);
+    row(text, "local, some active", |c| c.local_active, ["44800", "43444"]);
+    row(text, "interface, none other active", |c| c.interface, ["2893", "2907"]);
+    row(text, "interface, some active", |c| c.interface_active, ["17684", "17588"]);
+    let [a, b, c] = own.map(|c| percent(c.share_active()));
+    columns(text, &["share while some active", &a, &b, &c], ["63.6 %", "65.1 %"]);
+}
+
+/// The worker of the lowest LT, as the paper has it.
+fn table_v(text: &mut String, s: &Summary) {
+    let Some((worst, best)) = s.extremes_of_tolerance() else { return };
+    line!(text, "\nTable V: time of the workers of lowest and highest LT, and of all");
+    let of = |w: &WorkerFigures| w.worker.to_string();
+    columns(text, &["worker", &of(worst), &of(best), "all"], ["paper 8M", "paper 16M"]);
+    let own = [(worst.cavity_times, worst.times), (best.cavity_times, best.times)];
+    let own = [own[0], own[1], (s.cavity_times, s.times)];
+    type Part = fn(&(CavityTimes, Times)) -> u64;
+    let row = |text: &mut String, name: &str, f: Part, paper: [&str; 2]| {
+        let [a, b, c] = own.map(|times| seconds(f(&times)));
+        columns(text, &[name, &a, &b, &c], paper);
+    };
+    row(text, "M, in cavities that succeeded", |t| t.0.successful, ["107.37 s", "235.45 s"]);
+    let active: Part = |t| t.0.local_active + t.0.interface_active;
+    row(text, "A + I, while a cavity is active", active, ["54.78 s", "107.40 s"]);
+    row(text, "I, of it in interface cavities", |t| t.0.interface_active, ["41.43 s", "42.39 s"]);
+    row(text, "S, in cavities that were set back", |t| t.0.set_back, ["4.18 s", "9.98 s"]);
+    row(text, "idle while a cavity is active", |t| t.1.idle_active, ["-"; 2]);
+    row(text, "time with a cavity active", |t| t.1.active, ["-"; 2]);
+    let lt = own.map(|(cavities, _)| format!("{:.4}", cavities.lt()));
+    columns(text, &["LT = (A + I) / (A + I + S)", &lt[0], &lt[1], &lt[2]], ["0.96", "0.94"]);
+}
+
+/// The workers with the smallest and the largest share of useful polling, as the paper has it.
+fn table_vi(text: &mut String, s: &Summary) {
+    let Some((least, most)) = s.extremes_of_polling() else { return };
+    line!(
+        text,
+        "\nTable VI: polls of the workers with the least and the most useful ones, by time"
+    );
+    let of = |w: &WorkerFigures| w.worker.to_string();
+    columns(text, &["worker", &of(least), &of(most), "all"], ["least 8M", "most 8M"]);
+    let own = [least.polls, most.polls, s.polls];
+    let row = |text: &mut String, name: &str, f: fn(&Polls) -> String, paper: [&str; 2]| {
+        let [a, b, c] = own.map(|p| f(&p));
+        columns(text, &[name, &a, &b, &c], paper);
+    };
+    row(text, "polls", |p| p.total.to_string(), ["861388", "157744"]);
+    row(text, "that found a message", |p| p.useful.to_string(), ["43292", "50546"]);
+    row(text, "their time", |p| seconds(p.total_time), ["58.63 s", "57.75 s"]);
+    row(text, "of it useful", |p| seconds(p.useful_time), ["30.11 s", "53.95 s"]);
+    let vain = |a: u64, b: u64| percent((a - b) as f64 / s.makespan.max(1) as f64);
+    let [a, b] = [least, most].map(|w| vain(w.polls.total_time, w.polls.useful_time));
+    columns(text, &["in vain, of the run's time", &a, &b, "-"], ["14.2 %", "1.9 %"]);
+    let received = s.workers.iter().map(|w| w.received).sum::<u64>().to_string();
+    let [a, b] = [least, most].map(|w| w.received.to_string());
+    columns(text, &["messages taken", &a, &b, &received], ["200684", "380254"]);
+    let [a, b] = [least, most].map(|w| seconds(w.times.idle_at_end));
+    let all = seconds(s.times.idle_at_end);
+    columns(text, &["idle after the last insertion", &a, &b, &all], ["33.95 s", "2.51 s"]);
+}
+
+/// A name, three figures of this run, two of the paper.
+fn columns(text: &mut String, own: &[&str; 4], paper: [&str; 2]) {
+    let [name, a, b, c] = own;
+    line!(text, "  {name:<34}{a:>13}{b:>13}{c:>14}{:>12}{:>12}", paper[0], paper[1]);
 }
 
 fn messages(text: &mut String, s: &Summary) {
@@ -89,19 +168,25 @@ fn messages(text: &mut String, s: &Summary) {
 /// Figures 5 and 7; of many workers the first and the last.
 fn workers(text: &mut String, s: &Summary) {
     const SHOWN: usize = 32;
-    line!(text, "\nFigures 5 and 7: each worker's time and cavities");
     line!(
         text,
-        "  {:>6} {:>9} {:>9} {:>9} {:>9}   {:>9} {:>9} {:>9} {:>9}",
+        "\nFigures 5 and 7: each worker's time; its cavities, setbacks and services to others"
+    );
+    line!(
+        text,
+        "  {:>6} {:>7} {:>8} {:>8} {:>8} {:>8}  {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
         "worker",
+        "LT",
         "meshing",
-        "communic.",
-        "balancing",
+        "communi.",
+        "balanc.",
         "idle",
         "local",
-        "loc. act.",
+        "l. act.",
         "interf.",
-        "int. act."
+        "i. act.",
+        "set back",
+        "services"
     );
     let hidden = s.workers.len().saturating_sub(SHOWN);
     for (k, w) in s.workers.iter().enumerate() {
@@ -112,12 +197,13 @@ fn workers(text: &mut String, s: &Summary) {
             continue;
         }
         let share = |f: fn(&Times) -> u64| percent(f(&w.times) as f64 / s.makespan.max(1) as f64);
-        let all = w.cavities.all().max(1) as f64;
+        let all = (w.cavities.all() + w.setbacks + w.services).max(1) as f64;
         let kind = |n: u64| percent(n as f64 / all);
         line!(
             text,
-            "  {:>6} {:>9} {:>9} {:>9} {:>9}   {:>9} {:>9} {:>9} {:>9}",
+            "  {:>6} {:>7.4} {:>8} {:>8} {:>8} {:>8}  {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
             w.worker,
+            w.lt(),
             share(|t| t.meshing),
             share(|t| t.communication + t.polling),
             share(|t| t.balancing),
@@ -125,7 +211,9 @@ fn workers(text: &mut String, s: &Summary) {
             kind(w.cavities.local),
             kind(w.cavities.local_active),
             kind(w.cavities.interface),
-            kind(w.cavities.interface_active)
+            kind(w.cavities.interface_active),
+            kind(w.setbacks),
+            kind(w.services)
         );
     }
 }

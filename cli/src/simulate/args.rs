@@ -1,9 +1,10 @@
 //! The command line of `simulate`.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use ltbw::mesh::Ownership;
 use ltbw::points::MAX_POINTS;
 use ltbw::protocol::{Closure, Rule};
-use ltbw::simulate::Distribution;
+use ltbw::simulate::{CostModel, Distribution, Network};
 use ltbw_generate::PointKind;
 use std::path::PathBuf;
 
@@ -14,15 +15,20 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "P", default_value_t = 16)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(crate) processors: u32,
+    /// The costs of work and messages: of today's machines, or of the paper's 32 workstations
+    /// (2.4 ms a cavity, 33 us a poll in vain, 100 Mbit/s)
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) machine: Machine,
     /// Mean time from sending a message to its arrival: a number with ns, us, ms or s
-    #[arg(long, value_name = "TIME", default_value = "10us", value_parser = nanos)]
-    pub(crate) latency: u64,
+    /// [default: 10us; 100us on cow]
+    #[arg(long, value_name = "TIME", value_parser = nanos)]
+    pub(crate) latency: Option<u64>,
     /// The spread of single latencies around the mean
     #[arg(long, default_value = "constant", value_parser = distributions())]
     pub(crate) distribution: Distribution,
-    /// Bandwidth of each processor's link, in Gbit/s
-    #[arg(long, value_name = "GBIT/S", default_value_t = 10.0, value_parser = positive)]
-    pub(crate) bandwidth: f64,
+    /// Bandwidth of each processor's link, in Gbit/s [default: 10; 0.1 on cow]
+    #[arg(long, value_name = "GBIT/S", value_parser = positive)]
+    pub(crate) bandwidth: Option<f64>,
     /// About how many points (grids round up)
     #[arg(long, value_name = "N", default_value_t = 100_000)]
     #[arg(value_parser = clap::value_parser!(u32).range(4..=MAX_POINTS as i64))]
@@ -40,10 +46,14 @@ pub(crate) struct Simulate {
     /// the cavity (the paper's equation 5)
     #[arg(long, default_value = "face", value_parser = closures())]
     pub(crate) closure: Closure,
-    /// A new tetrahedron belongs to the processor that created it, as in the paper; blocks do not
-    /// move then
-    #[arg(long, conflicts_with = "storm")]
-    pub(crate) creator_owns: bool,
+    /// The owner of a new tetrahedron: that of its block, that of the new point's block (as on
+    /// threads), or its creator, as in the paper; blocks move under the first only
+    #[arg(long, default_value = "block", value_parser = ownerships())]
+    pub(crate) ownership: Ownership,
+    /// A processor with work of its own looks for messages before each N-th insertion
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) poll_every: u32,
     /// Operations that a worker starts at most at a time
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     #[arg(hide_short_help = true)]
@@ -86,6 +96,44 @@ pub(crate) struct Simulate {
     /// speed-up
     #[arg(long, value_name = "HTML")]
     pub(crate) page: Option<PathBuf>,
+}
+
+/// The machine whose processors are simulated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Machine {
+    /// Today's processors on a fast network
+    #[default]
+    Modern,
+    /// The paper's CoW: 32 Sun Ultra 5 on Fast Ethernet
+    Cow,
+}
+
+impl Machine {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Modern => "modern",
+            Self::Cow => "cow",
+        }
+    }
+
+    pub(crate) fn costs(self) -> CostModel {
+        match self {
+            Self::Modern => CostModel::default(),
+            Self::Cow => CostModel::cow(),
+        }
+    }
+
+    pub(crate) fn network(self) -> Network {
+        match self {
+            Self::Modern => Network::default(),
+            Self::Cow => Network::cow(),
+        }
+    }
+}
+
+fn ownerships() -> impl TypedValueParser<Value = Ownership> {
+    let names = Ownership::ALL.map(Ownership::name);
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<Ownership>())
 }
 
 fn kinds() -> impl TypedValueParser<Value = PointKind> {

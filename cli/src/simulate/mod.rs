@@ -24,6 +24,10 @@ use std::path::{Path, PathBuf};
 /// `ltbw simulate`.
 pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     console::end_on_signal()?;
+    if args.storm.is_some() && args.ownership != Ownership::Block {
+        let text = "--storm moves blocks, which only --ownership block allows";
+        return Err(Failure::Usage(text.to_owned()));
+    }
     args.json.as_deref().map_or(Ok(()), file_writable)?;
     let pages = [&args.trace, &args.page].into_iter().flatten();
     pages.clone().try_for_each(io::check_bytes_writable).map_err(Failure::Write)?;
@@ -47,10 +51,11 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
     let trace = meshed.trace.take();
     let text = format!(
-        "{} points on {} processors, rule {}, latency {} ns ({}), seed {}\n{}\n{}\n\
+        "{} points on {} processors ({}), rule {}, latency {} ns ({}), seed {}\n{}\n{}\n\
          ltbw.mesh/1 {hash}\n",
         set.len(),
         plan.workers,
+        args.machine.name(),
         config.rule,
         options.network.latency,
         options.network.distribution.name(),
@@ -100,9 +105,7 @@ fn layout(args: &Simulate, points: usize, processors: u32) -> (Plan, Config) {
     if let Some(cursors) = args.cursors {
         plan.cursors = cursors as usize;
     }
-    if args.creator_owns {
-        plan.ownership = Ownership::Creator;
-    }
+    plan.ownership = args.ownership;
     if let Some(abreast) = args.abreast {
         plan.abreast = abreast as usize;
     }
@@ -117,16 +120,20 @@ fn layout(args: &Simulate, points: usize, processors: u32) -> (Plan, Config) {
 
 fn options(args: &Simulate) -> Options {
     let default = Options::default();
+    let machine = args.machine.network();
+    let moves = !args.no_balance && args.ownership == Ownership::Block;
     Options {
         seed: args.seed,
+        costs: args.machine.costs(),
         network: Network {
-            latency: args.latency,
+            latency: args.latency.unwrap_or(machine.latency),
             distribution: args.distribution,
-            byte: 8.0 / args.bandwidth,
+            byte: args.bandwidth.map_or(machine.byte, |gbits| 8.0 / gbits),
             bursts: None,
         },
+        poll_every: args.poll_every,
         slow: args.slow.map(|factor| (0, factor)).into_iter().collect(),
-        balance: default.balance.filter(|_| !args.no_balance && !args.creator_owns),
+        balance: default.balance.filter(|_| moves),
         storm: args.storm.map(|every| Storm { every }),
         spans: if args.trace.is_some() || args.page.is_some() { SPANS } else { 0 },
         ..default

@@ -34,10 +34,28 @@ impl Ownership {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Block, Self::Newest, Self::Creator];
 
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Block => "block",
+            Self::Newest => "newest",
+            Self::Creator => "creator",
+        }
+    }
+
     /// The message when blocks are to move although they do not tell the owners of tetrahedra.
     pub(crate) const STAYS: &str = "blocks cannot move where new tetrahedra belong to their \
                                     creator or to the owner of their newest vertex: no balance, \
                                     no storm";
+}
+
+impl std::str::FromStr for Ownership {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = Self::ALL.into_iter().find(|o| o.name() == text);
+        found.ok_or_else(|| format!("no ownership `{text}`: block, newest or creator"))
+    }
 }
 
 /// The layout of a run.

@@ -156,6 +156,8 @@ impl Collector {
         let (count, sum) = self.messages.entry(kind).or_default();
         *count += 1;
         *sum += bytes;
+        self.figures.sent.count += 1;
+        self.figures.sent.bytes += bytes;
     }
 
     /// The worker handed over messages, where a runtime does not do that in the step that sends.
@@ -203,6 +205,15 @@ impl Collector {
             _ => {
                 times.communication += communication;
                 times.meshing += time - communication;
+            }
+        }
+        if let Cause::Message { from, kind, .. } = cause
+            && from != self.figures.worker
+        {
+            self.figures.received += 1;
+            if kind == "expand" {
+                self.figures.services += 1;
+                self.figures.service_time += time;
             }
         }
         let local = matches!(cause, Cause::Work) && about.is_none();

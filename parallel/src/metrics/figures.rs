@@ -98,6 +98,40 @@ impl Times {
     }
 }
 
+/// Time in cavities (Table V), where it was spent: on a worker's own and on those of others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct CavityTimes {
+    /// M: in cavities that succeeded.
+    pub successful: Nanos,
+    /// A: the part of M in local cavities, while a cavity of the worker was active.
+    pub local_active: Nanos,
+    /// I: the part of M in interface cavities, while a cavity of the worker was active.
+    pub interface_active: Nanos,
+    /// S: in cavities that were set back.
+    pub set_back: Nanos,
+}
+
+impl CavityTimes {
+    /// Latency tolerance (A + I) / (A + I + S); 1 if no cavity was ever active.
+    pub fn lt(&self) -> f64 {
+        let useful = self.local_active + self.interface_active;
+        1.0 - share(self.set_back, useful + self.set_back)
+    }
+
+    /// LT strict: 1 − (idle while a cavity is active + S) / (time with a cavity active).
+    pub(super) fn lt_strict(&self, times: &Times) -> f64 {
+        1.0 - share(times.idle_active + self.set_back, times.active)
+    }
+
+    pub(super) fn add(&mut self, other: &Self) {
+        self.successful += other.successful;
+        self.local_active += other.local_active;
+        self.interface_active += other.interface_active;
+        self.set_back += other.set_back;
+    }
+}
+
 /// Looks for messages (Table VI).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -113,6 +147,11 @@ pub struct Polls {
 }
 
 impl Polls {
+    /// The share of the time in polls that found a message.
+    pub fn useful_share(&self) -> f64 {
+        share(self.useful_time, self.total_time)
+    }
+
     pub(super) fn add(&mut self, other: &Self) {
         self.total += other.total;
         self.useful += other.useful;
@@ -129,6 +168,8 @@ pub struct WorkerFigures {
     pub worker: WorkerId,
     /// Its time.
     pub times: Times,
+    /// The part of that time in cavities.
+    pub cavity_times: CavityTimes,
     /// Cavities completed by it.
     pub cavities: Cavities,
     /// Points that were vertices already.
@@ -139,6 +180,14 @@ pub struct WorkerFigures {
     pub worst_setbacks: Attempt,
     /// Requests that had to wait for a lock here.
     pub waits: u64,
+    /// Requests of others for a part of a closure, taken here (Figure 7).
+    pub services: u64,
+    /// The time of the steps that took them.
+    pub service_time: Nanos,
+    /// Messages sent.
+    pub sent: Messages,
+    /// Messages of others about operations, blocks or the end, taken.
+    pub received: u64,
     /// Blocks given away.
     pub migrations: u64,
     /// Workers that had a part of an interface cavity's closure, summed over these cavities.
@@ -149,6 +198,18 @@ pub struct WorkerFigures {
     pub tets: u64,
     /// Faces of these that are another worker's too.
     pub interface_faces: u64,
+}
+
+impl WorkerFigures {
+    /// Latency tolerance of this worker (Table V).
+    pub fn lt(&self) -> f64 {
+        self.cavity_times.lt()
+    }
+
+    /// LT strict of this worker: idle time counts, too.
+    pub fn lt_strict(&self) -> f64 {
+        self.cavity_times.lt_strict(&self.times)
+    }
 }
 
 /// Messages of one kind.

@@ -16,13 +16,16 @@
 //!   some active}.
 //! * *Table V*. M: time in cavities that succeeded; A: the part of M in local cavities while
 //!   act ≥ 1; I: the part of M in interface cavities while act ≥ 1; S: time in cavities that were
-//!   set back. Latency tolerance LT = (A + I) / (A + I + S).
+//!   set back. Latency tolerance LT = (A + I) / (A + I + S). Time counts for the worker that spent
+//!   it. The paper's table shows the worker with the lowest LT.
 //! * *LT strict* = 1 − (idle while act ≥ 1 + S) / (time with act ≥ 1): LT alone is blind to idle
 //!   time.
 //! * *Table VI*. Polls, those that found a message, the time of each; messages; idle time after a
-//!   worker's last insertion.
+//!   worker's last insertion. The paper shows the workers with the smallest and the largest share
+//!   of useful polling.
 //! * *Figure 5*. Each worker's time: meshing, communication, balancing, idle.
-//! * *Figure 7*. Each worker's cavities by kind.
+//! * *Figure 7*. Each worker's cavities by kind, its setbacks, and the requests of others that it
+//!   served.
 //!
 //! Time goes to operations step by step: a step that handles a message about an operation costs
 //! that operation, whichever worker it runs on, with sending and receiving. What a step does
@@ -37,7 +40,7 @@ mod summary;
 mod trace;
 
 pub use collector::{Cause, Collector, Step};
-pub use figures::{Cavities, Messages, Polls, Times, WorkerFigures};
+pub use figures::{Cavities, CavityTimes, Messages, Polls, Times, WorkerFigures};
 pub use flow::Flow;
 pub use span::{Span, SpanKind};
 pub use summary::Summary;

@@ -2,7 +2,7 @@
 
 use super::Nanos;
 use super::collector::{Collector, Ending};
-use super::figures::{Cavities, Messages, Polls, Times, WorkerFigures, share};
+use super::figures::{Cavities, CavityTimes, Messages, Polls, Times, WorkerFigures, share};
 use crate::protocol::{Attempt, Ticket};
 use std::collections::{BTreeMap, HashMap};
 
@@ -22,14 +22,8 @@ pub struct Summary {
     pub polls: Polls,
     /// Messages by kind.
     pub messages: BTreeMap<&'static str, Messages>,
-    /// M: time in cavities that succeeded.
-    pub successful: Nanos,
-    /// A: the part of M in local cavities, while a cavity of the worker was active.
-    pub local_active: Nanos,
-    /// I: the part of M in interface cavities, while a cavity of the worker was active.
-    pub interface_active: Nanos,
-    /// S: time in cavities that were set back.
-    pub set_back: Nanos,
+    /// The time of all workers in cavities.
+    pub cavity_times: CavityTimes,
 }
 
 impl std::fmt::Display for Summary {
@@ -40,9 +34,12 @@ impl std::fmt::Display for Summary {
         writeln!(f, "{} points inserted, {} setbacks", self.operations(), self.setbacks())?;
         write!(
             f,
-            "latency tolerance {:.4}, with idle time {:.4}; {} messages of {} bytes",
+            "latency tolerance {:.4}, with idle time {:.4}, of the worst worker {:.4}, {:.4}; \
+             {} messages of {} bytes",
             self.lt(),
             self.lt_strict(),
+            self.extremes_of_tolerance().map_or(1.0, |(worst, _)| worst.lt()),
+            self.worst_lt_strict(),
             self.all_messages().count,
             self.all_messages().bytes
         )
@@ -59,10 +56,7 @@ impl Summary {
             cavities: Cavities::default(),
             polls: Polls::default(),
             messages: BTreeMap::new(),
-            successful: 0,
-            local_active: 0,
-            interface_active: 0,
-            set_back: 0,
+            cavity_times: CavityTimes::default(),
         };
         for collector in collectors {
             summary.times.add(&collector.figures.times);
@@ -78,26 +72,30 @@ impl Summary {
         summary
     }
 
-    /// Tells the time of attempts that succeeded from that of attempts that were set back. The
-    /// time of an operation whose point was a vertex already, or that was never finished, is
-    /// neither.
+    /// Tells the time of attempts that succeeded from that of attempts that were set back, for the
+    /// worker that spent it. The time of an operation whose point was a vertex already, or that was
+    /// never finished, is neither.
     fn attribute(&mut self, collectors: &[Collector]) {
         let endings: HashMap<Ticket, (Attempt, Ending)> =
             collectors.iter().flat_map(|c| c.endings.iter().map(|(&t, &e)| (t, e))).collect();
-        self.successful = self.times.local;
-        self.local_active = self.times.local_active;
-        for (&(ticket, attempt), &spent) in collectors.iter().flat_map(|c| &c.spent) {
-            match endings.get(&ticket) {
-                Some(&(last, _)) if attempt < last => self.set_back += spent.all,
-                Some((_, ending)) => {
-                    self.successful += spent.all;
-                    *match ending {
-                        Ending::Local => &mut self.local_active,
-                        Ending::Interface => &mut self.interface_active,
-                    } += spent.active;
+        for (collector, worker) in collectors.iter().zip(&mut self.workers) {
+            let own = &mut worker.cavity_times;
+            own.successful = worker.times.local;
+            own.local_active = worker.times.local_active;
+            for (&(ticket, attempt), &spent) in &collector.spent {
+                match endings.get(&ticket) {
+                    Some(&(last, _)) if attempt < last => own.set_back += spent.all,
+                    Some((_, ending)) => {
+                        own.successful += spent.all;
+                        *match ending {
+                            Ending::Local => &mut own.local_active,
+                            Ending::Interface => &mut own.interface_active,
+                        } += spent.active;
+                    }
+                    None => {}
                 }
-                None => {}
             }
+            self.cavity_times.add(own);
         }
     }
 
@@ -116,15 +114,41 @@ impl Summary {
         self.workers.iter().map(|w| w.worst_setbacks).max().unwrap_or(0)
     }
 
-    /// Latency tolerance (A + I) / (A + I + S); 1 if no cavity was ever active.
+    /// Latency tolerance of all workers together.
     pub fn lt(&self) -> f64 {
-        let useful = self.local_active + self.interface_active;
-        1.0 - share(self.set_back, useful + self.set_back)
+        self.cavity_times.lt()
     }
 
-    /// 1 − (idle while a cavity is active + S) / (time with a cavity active).
+    /// LT strict of all workers together.
     pub fn lt_strict(&self) -> f64 {
-        1.0 - share(self.times.idle_active + self.set_back, self.times.active)
+        self.cavity_times.lt_strict(&self.times)
+    }
+
+    /// The workers that tolerate latency worst and best, by LT: those of Tables IV and V. The first
+    /// of equal ones; none only in a run without workers.
+    pub fn extremes_of_tolerance(&self) -> Option<(&WorkerFigures, &WorkerFigures)> {
+        self.extremes(WorkerFigures::lt)
+    }
+
+    /// The worker with the lowest LT strict; it may be another one than the one with the lowest LT.
+    pub fn worst_lt_strict(&self) -> f64 {
+        self.extremes(WorkerFigures::lt_strict).map_or(1.0, |(worst, _)| worst.lt_strict())
+    }
+
+    /// The workers with the smallest and the largest share of useful polling, by time: those of
+    /// Table VI.
+    pub fn extremes_of_polling(&self) -> Option<(&WorkerFigures, &WorkerFigures)> {
+        self.extremes(|worker| worker.polls.useful_share())
+    }
+
+    fn extremes(
+        &self,
+        by: impl Fn(&WorkerFigures) -> f64,
+    ) -> Option<(&WorkerFigures, &WorkerFigures)> {
+        let order = |a: &&WorkerFigures, b: &&WorkerFigures| by(a).total_cmp(&by(b));
+        let least = self.workers.iter().min_by(order)?;
+        // The last of equal ones is what `max_by` gives.
+        Some((least, self.workers.iter().rev().max_by(order)?))
     }
 
     /// Share of the processors' time that one processor would have needed for the whole run:

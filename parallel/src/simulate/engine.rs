@@ -145,13 +145,13 @@ where
                 let id = worker.id();
                 // Work done before the run does not count.
                 worker.mesh_mut().take_costs();
-                let slow = options.slow.iter().find(|(w, _)| *w == id);
                 Processor {
                     inbox: Default::default(),
                     retries: Default::default(),
                     orders: Default::default(),
                     is_busy: false,
-                    slowness: slow.map_or(1.0, |&(_, factor)| factor),
+                    unpolled: 0,
+                    slowness: options.slowness(id),
                     balancer: options.balance.map(|b| Balancer::new(b, id, count)),
                     asking: Asking::No,
                     collector: Collector::new(id, options.spans),
@@ -299,8 +299,9 @@ where
         if processor.is_busy {
             return;
         }
-        match processor.next() {
+        match processor.next(self.options.poll_every) {
             Next::Rest => {}
+            Next::GoOn => self.step(id, Event::Work, self.now, 0),
             Next::Ask => self.ask(id),
             Next::Take(envelope) => self.take(id, envelope),
             Next::Do(event) => {

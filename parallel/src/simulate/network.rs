@@ -24,6 +24,13 @@ impl Default for Network {
     }
 }
 
+impl Network {
+    /// Fast Ethernet, of the paper's CoW: 100 Mbit/s. The paper gives no latency: 100 µs.
+    pub fn cow() -> Self {
+        Self { latency: 100_000, byte: 80.0, ..Self::default() }
+    }
+}
+
 /// For `length` at the begin of each `every`, no message arrives; then all do that should have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bursts {

@@ -42,6 +42,9 @@ pub struct Options {
     /// The invariants of the protocol are checked over all workers each time this number of events
     /// have happened; 0 for never. A check takes time in proportion to the mesh.
     pub check_every: u64,
+    /// A worker with work of its own looks for messages before each `poll_every`-th step of it: the
+    /// paper polls after every cavity, and names over-polling as the price.
+    pub poll_every: u32,
     /// Stretches of time kept for a trace, per worker; 0 for no trace.
     pub spans: usize,
 }
@@ -60,6 +63,7 @@ impl Default for Options {
             max_events: 10_000_000_000,
             patience: 3_600_000_000_000,
             check_every: 0,
+            poll_every: 1,
             spans: 0,
         }
     }
@@ -72,6 +76,11 @@ pub(super) const MAX_PROCESSORS: usize = 1024;
 const LONGEST: Nanos = 86_400_000_000_000;
 
 impl Options {
+    /// The factor by which a processor takes longer.
+    pub(super) fn slowness(&self, id: WorkerId) -> f64 {
+        self.slow.iter().find(|(w, _)| *w == id).map_or(1.0, |&(_, factor)| factor)
+    }
+
     /// Do the options make sense for this number of workers?
     pub(super) fn check(&self, workers: usize) -> Result<(), SimulationError> {
         let network = &self.network;
@@ -85,6 +94,7 @@ impl Options {
             ((0.0..=1e6).contains(&network.byte), "a byte must take from 0 to 10^6 ns"),
             (times.iter().all(|&t| t <= LONGEST), "no time may be longer than a day"),
             (bursts.length < bursts.every, "a burst must be shorter than its period"),
+            (self.poll_every > 0, "messages must be looked for every so many steps, not every 0"),
             (storm > 0 && balance > 0, "periods must not be 0"),
             (
                 self.slow.iter().all(|(_, factor)| (0.001..=1e6).contains(factor)),

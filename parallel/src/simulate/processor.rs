@@ -22,6 +22,8 @@ pub(super) enum Next<S: Submesh> {
     Take(Envelope<S>),
     /// It looks in vain for a message, then does this.
     Do(Event<S>),
+    /// It goes on with its own work without a look.
+    GoOn,
     /// It asks others for blocks.
     Ask,
     /// Nothing.
@@ -48,6 +50,8 @@ pub(super) struct Processor<S: Submesh, Q, C> {
     /// Moves and the cancel.
     pub(super) orders: VecDeque<Event<S>>,
     pub(super) is_busy: bool,
+    /// Steps of own work since it last looked for messages.
+    pub(super) unpolled: u32,
     /// The factor by which it takes longer than others.
     pub(super) slowness: f64,
     pub(super) balancer: Option<Balancer>,
@@ -56,12 +60,18 @@ pub(super) struct Processor<S: Submesh, Q, C> {
 }
 
 impl<S: Submesh, Q: Source<S> + Stock, C: Rules> Processor<S, Q, C> {
-    /// Messages come before local work, and set-back operations before new points.
-    pub(super) fn next(&mut self) -> Next<S> {
+    /// Messages come before local work, and set-back operations before new points; they are looked
+    /// for before each `poll_every`-th step of local work.
+    pub(super) fn next(&mut self, poll_every: u32) -> Next<S> {
         if self.worker.is_stopped() {
             self.orders.clear();
             self.asking = Asking::No;
         }
+        if self.unpolled + 1 < poll_every && self.worker.has_work() {
+            self.unpolled += 1;
+            return Next::GoOn;
+        }
+        self.unpolled = 0;
         if let Some(envelope) = self.inbox.pop_front() {
             Next::Take(envelope)
         } else if let Some(ticket) = self.retries.pop_front() {
