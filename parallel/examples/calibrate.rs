@@ -77,7 +77,7 @@ fn walk_step(mesh: &mut LocalMesh, n: usize) -> Result<f64, Failure> {
     let order = ltbw::order::hilbert(&points);
     mesh.take_costs();
     let start = clock()?;
-    for (k, &i) in (1..).zip(&order) {
+    for (k, &i) in (1u32..).zip(&order) {
         std::hint::black_box(mesh.walk(&WireVertex::new(k, points[i as usize]), None));
     }
     let time = clock()? - start;

@@ -16,7 +16,7 @@ struct World {
     /// From, to, message.
     messages: VecDeque<(u32, u32, Message<LocalMesh>)>,
     /// The vertices around which the operation under way locks.
-    around: Vec<u32>,
+    around: Vec<u64>,
     /// Workers asked for it.
     asked: BTreeSet<u32>,
 }
@@ -57,7 +57,8 @@ impl World {
             let is_asked = self.asked.contains(&worker.id());
             wrong += usize::from(is_asked && part.locked().next().is_none());
             for (t, v) in part.tets() {
-                let touches = v.iter().any(|v| self.around.binary_search(v).is_ok());
+                let names = v.map(|v| worker.mesh().name(v));
+                let touches = names.iter().any(|v| self.around.binary_search(v).is_ok());
                 let is_locked = part.holder(t).is_some();
                 locked += usize::from(is_locked);
                 wrong += usize::from(touches != is_locked);

@@ -79,8 +79,8 @@ impl Geometry {
         }
     }
 
-    /// Geometry of a submesh: vertices 1 to `vertices`, of which it knows some. `step` is
-    /// a power of two of which all coordinates are multiples, or zero.
+    /// Geometry of a submesh that begins with vertices 1 to `vertices`. `step` is a power of two of
+    /// which all coordinates are multiples, or zero.
     pub(crate) fn submesh(low: Point, high: Point, wide: bool, step: f64, vertices: usize) -> Self {
         let mut geometry = Self::new(low, high, wide, 0, 0);
         geometry.points = Arena::filled([0.0; 3], vertices + 1);
@@ -93,6 +93,18 @@ impl Geometry {
     #[inline(always)]
     pub(crate) fn set_point(&mut self, v: VertexId, p: Point) {
         *self.points.at_mut(v) = p;
+    }
+
+    /// Makes room for the coordinates of vertices up to `last`.
+    pub(crate) fn grow_points(&mut self, last: VertexId) {
+        self.points.grow(last as usize + 1, [0.0; 3]);
+    }
+
+    /// Says that the mesh has a vertex at `p` that is none of the points that the step was made of.
+    pub(crate) fn refine_step(&mut self, p: &Point) {
+        if !self.wide {
+            self.step = self.step.min(lattice_step(p));
+        }
     }
 
     /// Says that `count` vertices from `first` on get coordinates. A hint.

@@ -81,8 +81,29 @@ fn refine(points: &[Point], keyed: &mut [(u64, u32)], depth: usize) {
     });
 }
 
+/// A Hilbert curve through a box, of fixed depth: it says where a point that came later lies among
+/// those that were ordered.
+#[derive(Clone, Copy, Debug)]
+pub struct Curve(Cube);
+
+impl Curve {
+    /// The curve by which [`hilbert`] orders points whose bounding box is `low`..`high`, but for
+    /// what it sorts again in clusters.
+    pub fn of_box(low: Point, high: Point) -> Self {
+        Self(Cube::around([low, high].iter()))
+    }
+
+    /// The number of the cell of `p` along the curve. A point outside the box has that of a cell at
+    /// its border.
+    #[inline]
+    pub fn key(&self, p: &Point) -> u64 {
+        if self.0.side > 0.0 { self.0.key(p) } else { 0 }
+    }
+}
+
 /// An axis-parallel cube that holds some points. Coordinates are halved, so that the side of the
 /// cube around any finite points is finite.
+#[derive(Clone, Copy, Debug)]
 struct Cube {
     low: Point,
     side: f64,

@@ -1,9 +1,10 @@
 //! The tetrahedra of one worker of the parallel kernel, with their locks.
 //!
-//! Vertices have one numbering for the whole mesh, 1 to n; a submesh knows the coordinates of those
-//! that its tetrahedra have. Where a neighbour belongs to another submesh there stands a *proxy*: a
-//! slot whose only neighbour is the tetrahedron in front of it, with a *far handle* that means
-//! something to the caller.
+//! Vertices have numbers of the submesh's own, 1 to n, dense in the order in which it meets them:
+//! first those that it is to insert, along the curve, then what comes from others or is made on the
+//! way. The names that vertices have elsewhere are the caller's. Where a neighbour belongs to
+//! another submesh there stands a *proxy*: a slot whose only neighbour is the tetrahedron in front
+//! of it, with a *far handle* that means something to the caller.
 //!
 //! A tetrahedron can be *locked* for a holder: no walk enters it and no cavity takes it. A lock
 //! takes the cached sphere away, so that unlocked tetrahedra are tested as fast as in a whole mesh:
@@ -28,7 +29,7 @@ mod star;
 mod walk;
 
 pub use crate::mesh::Assembly;
-pub use assemble::{AssembleError, assemble};
+pub use assemble::{AssembleError, Numbers, assemble};
 pub use lock::Closure;
 
 use crate::cavity::{Cavity, Conflict};
@@ -86,7 +87,7 @@ pub enum Owns<F> {
     By(F),
 }
 
-/// The box, the arithmetic and the size of the whole mesh.
+/// The box and the arithmetic of the whole mesh, and the size of a part.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshParams {
     low: Point,
@@ -113,6 +114,17 @@ impl MeshParams {
         let none = || of_chunk(&[]);
         let (low, high, step) = points.par_chunks(1 << 14).map(of_chunk).reduce(none, join);
         Self { low, high, wide, step, vertices: points.len(), max_tets: MAX_TETS }
+    }
+
+    /// Sets how many vertices a submesh has at the start: those that it is to insert. At first it
+    /// is the number of all points.
+    pub fn vertices(self, vertices: usize) -> Self {
+        Self { vertices, ..self }
+    }
+
+    /// The corners of the box.
+    pub fn bounds(&self) -> (Point, Point) {
+        (self.low, self.high)
     }
 
     /// Sets how many tetrahedra, hull ghosts and proxies included, a submesh may have at most: no
@@ -238,7 +250,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.topology.get(t).is_some_and(|tet| !tet.is_vacant())
     }
 
-    /// Is `v` a finite vertex of the whole mesh?
+    /// Is `v` a finite vertex here?
     pub fn is_vertex(&self, v: VertexId) -> bool {
         v != INFINITE && (v as usize) < self.geometry.points().len()
     }

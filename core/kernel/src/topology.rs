@@ -282,9 +282,13 @@ impl Topology {
         self.release(t);
     }
 
-    /// Appends the slots of `other`, with its links changed to match; returns their offset. `None`
-    /// if there would be too many.
-    pub(crate) fn append(&mut self, other: Self) -> Option<TetId> {
+    /// Appends the slots of `other`, with its links changed to match and its vertices renamed;
+    /// returns their offset. `None` if there would be too many.
+    pub(crate) fn append(
+        &mut self,
+        other: Self,
+        name: impl Fn(VertexId) -> VertexId + Sync,
+    ) -> Option<TetId> {
         let (offset, slots) = (self.slots(), other.slots());
         if offset + slots > self.limit {
             return None;
@@ -294,7 +298,9 @@ impl Topology {
         self.ghosts += other.ghosts;
         self.tets.append(other.tets, slots, |tet| {
             let n = if tet.is_free() { tet.n } else { tet.n.map(shift) };
-            Tet { v: tet.v, n }
+            // A vacant slot is known by its vertices.
+            let v = if tet.is_vacant() { tet.v } else { tet.v.map(&name) };
+            Tet { v, n }
         });
         Some(offset as TetId)
     }
@@ -331,6 +337,17 @@ impl Topology {
         for tet in self.tets.all_mut().iter_mut().filter(|tet| !tet.is_free()) {
             tet.v = tet.v.map(&name);
         }
+    }
+
+    /// Renames the vertices of every tetrahedron that has one above `highest`.
+    pub(crate) fn rename_above(
+        &mut self,
+        highest: VertexId,
+        name: impl Fn(VertexId) -> VertexId + Sync,
+    ) {
+        let meets = |tet: &Tet| tet.v.into_iter().max() > Some(highest) && !tet.is_vacant();
+        let tets = self.tets.all_mut().par_iter_mut().with_min_len(1 << 14);
+        tets.filter(|tet| meets(tet)).for_each(|tet| tet.v = tet.v.map(&name));
     }
 
     /// Makes slot `t` a proxy, neighbour of `face`.

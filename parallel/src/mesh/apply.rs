@@ -1,6 +1,7 @@
 //! Patches and moves: what changes a submesh from outside.
 
-use super::{At, Lead, LocalMesh, Moving, Patch, Relink, Tets, To, WireVertex};
+use super::name::{NOWHERE, count_of, given};
+use super::{At, Lead, LocalMesh, Moving, Patch, Relink, Tets, To, VertexName, WireVertex};
 use crate::protocol::{BlockId, Directory, Handle, Name, SubmeshError, invariant};
 use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, slot_of, tet_of};
 use rustc_hash::FxHashMap;
@@ -40,14 +41,18 @@ impl LocalMesh {
         for &t in &patch.remove {
             self.remove(t);
         }
-        self.set_sites(&patch.sites);
         let mut tets = std::mem::take(&mut self.star);
-        self.rim.clear();
-        self.rim.extend(patch.sites.iter().map(|site| site.vertex));
+        let mut rim = std::mem::take(&mut self.rim);
+        rim.clear();
+        rim.extend(patch.sites.iter().map(|site| self.take_site(site)));
         let within = |to: To| if let To::New(k, slot) = to { Some(face_of(k, slot)) } else { None };
         let star =
             patch.create.iter().map(|new| ([new.v[1], new.v[2], new.v[3]], new.n.map(within)));
-        if !patch.create.is_empty() && self.tets.create_star(&self.rim, star, &mut tets).is_none() {
+        tets.clear();
+        let is_full =
+            !patch.create.is_empty() && self.tets.create_star(&rim, star, &mut tets).is_none();
+        self.rim = rim;
+        if is_full {
             self.fail_for_room();
             return;
         }
@@ -94,7 +99,7 @@ impl LocalMesh {
         let mut infinite = None;
         for (place, site) in (0..).zip(sites) {
             self.check_vertex(site.vertex)?;
-            if site.vertex == INFINITE && infinite.replace(place).is_some() {
+            if site.vertex == NOWHERE && infinite.replace(place).is_some() {
                 return Err(unknown("a vertex given once", INFINITE));
             }
         }
@@ -136,7 +141,7 @@ impl LocalMesh {
             for site in &moving.v {
                 self.check_vertex(site.vertex)?;
             }
-            if moving.v[..3].iter().any(|site| site.vertex == INFINITE) {
+            if moving.v[..3].iter().any(|site| site.vertex == NOWHERE) {
                 return Err(unknown("a finite vertex", INFINITE));
             }
             for lead in &moving.n {
@@ -161,16 +166,27 @@ impl LocalMesh {
         if open { Ok(()) } else { Err(unknown("an unlocked tetrahedron", t)) }
     }
 
-    fn check_vertex(&self, v: VertexId) -> Result<(), SubmeshError> {
-        let known = v == INFINITE || self.tets.is_vertex(v);
-        if known { Ok(()) } else { Err(unknown("a vertex", v)) }
+    /// Is it the name of a vertex, as far as that can be told: is a given one among those given?
+    fn check_vertex(&self, name: VertexName) -> Result<(), SubmeshError> {
+        let known = given(name).is_none_or(|place| place < self.blocks.end());
+        if known { Ok(()) } else { Err(unknown("a vertex", count_of(name))) }
     }
 
-    /// Takes the coordinates of vertices.
-    fn set_sites(&mut self, sites: &[WireVertex]) {
-        for site in sites.iter().filter(|site| site.vertex != INFINITE) {
-            self.tets.set_point(site.vertex, site.point());
+    /// The number here of a vertex, a new one if it has none.
+    #[inline]
+    pub(super) fn take_site(&mut self, site: &WireVertex) -> VertexId {
+        self.vertices.number(site.vertex).unwrap_or_else(|| self.add_site(site))
+    }
+
+    fn add_site(&mut self, site: &WireVertex) -> VertexId {
+        let p = site.point();
+        let v = self.vertices.add(site.vertex, &p);
+        self.tets.make_vertices(v);
+        self.tets.set_point(v, p);
+        if given(site.vertex).is_none() {
+            self.tets.refine_step(&p);
         }
+        v
     }
 
     /// Makes new tetrahedra, given by name and vertices, which are not linked yet; `None` at the
@@ -243,9 +259,10 @@ impl LocalMesh {
         let tets = self.strays.remove(&block).unwrap_or_else(|| {
             // From now on an insertion beside the block may make tetrahedra that belong to it.
             if leaves {
-                self.tets.leave_range(self.blocks.vertices(block));
+                let numbers = self.vertices.numbers_of(self.blocks.vertices(block));
+                self.tets.leave_range(numbers);
             }
-            let all = self.tets.tets().filter(|&(_, v)| self.blocks.of_tet(v) == block);
+            let all = self.tets.tets().filter(|&(_, v)| self.block_with(v) == block);
             all.map(|(t, _)| t).collect()
         });
         let index: FxHashMap<TetId, u32> = tets.iter().copied().zip(0..).collect();
@@ -293,11 +310,11 @@ impl LocalMesh {
             self.error = Some(error);
             return;
         }
+        let mut new = Vec::with_capacity(cargo.len());
         for moving in &cargo {
-            self.set_sites(&moving.v);
+            new.push((moving.name, [0, 1, 2, 3].map(|k| self.take_site(&moving.v[k]))));
         }
-        let new = cargo.iter().map(|m| (m.name, m.v.map(|site| site.vertex)));
-        let Some(tets) = self.create_all(new) else { return };
+        let Some(tets) = self.create_all(new.into_iter()) else { return };
         for (&t, moving) in tets.iter().zip(&cargo) {
             for (slot, lead) in moving.n.iter().enumerate() {
                 let face = FaceId::new(t, slot);

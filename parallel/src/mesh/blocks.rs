@@ -1,19 +1,26 @@
 //! Which block a vertex and a tetrahedron belong to.
 
+use super::name::{VertexName, given};
 use crate::protocol::BlockId;
+use ltbw_core::order::Curve;
 use ltbw_core::topology::{INFINITE, VertexId};
+use ltbw_exact::Point;
 use std::sync::Arc;
 
 /// The blocks of a mesh: pieces of a Hilbert curve through its vertices.
 ///
-/// Vertices are numbered along the curve, so that a block is a range of numbers. Cuts lie between
-/// points, at no fixed depth of the curve: a cluster is cut as evenly as anything.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+/// Given vertices are numbered along the curve, so that a block is a range of numbers. Cuts lie
+/// between points, at no fixed depth of the curve: a cluster is cut as evenly as anything. A vertex
+/// that is made on the way belongs where its coordinates lie along the curve, at the depth of one
+/// key: a function of the coordinates and of the cuts, which all workers have.
+#[derive(Clone, Debug)]
 pub struct Blocks {
     /// First vertex of each block, and one past the last vertex of all.
     starts: Arc<[VertexId]>,
     /// Blocks by vertices, in 2^-32: blocks are nearly even, so that this guesses a block.
     density: u64,
+    /// The curve, and the key on it of each block's first vertex; ascending.
+    cuts: Option<(Curve, Arc<[u64]>)>,
 }
 
 impl Blocks {
@@ -21,7 +28,32 @@ impl Blocks {
     pub fn even(vertices: u32, blocks: BlockId) -> Self {
         let (n, k) = (u64::from(vertices), u64::from(blocks.max(1)));
         let density = (k << 32) / n.max(1);
-        Self { starts: (0..=k).map(|b| 1 + (b * n / k) as VertexId).collect(), density }
+        let starts = (0..=k).map(|b| 1 + (b * n / k) as VertexId).collect();
+        Self { starts, density, cuts: None }
+    }
+
+    /// The same blocks, for vertices to come, too: `points` are those given, along `curve`.
+    pub(super) fn along(self, curve: Curve, points: &[Point]) -> Self {
+        let last = points.len().saturating_sub(1);
+        let first = |&start: &VertexId| points.get((start as usize - 1).min(last));
+        let key = |start| first(start).map_or(0, |p| curve.key(p));
+        let mut keys: Vec<u64> = self.starts[..self.starts.len() - 1].iter().map(key).collect();
+        // Clusters are sorted again: inside one cell the keys are equal, and never fall.
+        keys.sort_unstable();
+        Self { cuts: Some((curve, keys.into())), ..self }
+    }
+
+    /// The block of a finite vertex by its name, at `p`.
+    #[inline]
+    pub(super) fn of_name(&self, name: VertexName, p: &Point) -> BlockId {
+        given(name).map_or_else(|| self.of_point(p), |place| self.of_vertex(place))
+    }
+
+    /// The block of the place where `p` lies on the curve.
+    fn of_point(&self, p: &Point) -> BlockId {
+        let Some((curve, keys)) = &self.cuts else { return 0 };
+        let key = curve.key(p);
+        (keys.partition_point(|&first| first <= key).max(1) - 1) as BlockId
     }
 
     /// Number of blocks.
@@ -32,6 +64,11 @@ impl Blocks {
     /// Is there no block? Never.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// One past the last vertex that was given.
+    pub(super) fn end(&self) -> VertexId {
+        self.starts[self.starts.len() - 1]
     }
 
     /// The vertices of `block`.
@@ -81,6 +118,15 @@ pub(super) fn prevailing([a, b, c]: [BlockId; 3], d: Option<BlockId>) -> BlockId
     }
 }
 
+/// The same, with the vertex at infinity, which has none, anywhere.
+pub(super) fn prevailing_of(mut blocks: [Option<BlockId>; 4]) -> BlockId {
+    if let Some(place) = blocks.iter().position(Option::is_none) {
+        blocks.swap(place, 3);
+    }
+    let [a, b, c, d] = blocks;
+    prevailing([a, b, c].map(|block| block.unwrap_or(0)), d)
+}
+
 /// The most frequent of four numbers; of equally frequent ones, the least.
 #[inline]
 fn majority(a: BlockId, b: BlockId, c: BlockId, d: BlockId) -> BlockId {
@@ -100,7 +146,12 @@ fn majority(a: BlockId, b: BlockId, c: BlockId, d: BlockId) -> BlockId {
 
 #[cfg(test)]
 mod tests {
+    use super::super::name::made;
     use super::*;
+    use ltbw_core::order::hilbert;
+    use ltbw_core::submesh::MeshParams;
+    use ltbw_exact::Mode;
+    use ltbw_generate::{PointKind, generate};
 
     #[test]
     fn blocks_are_ranges_and_majorities() {
@@ -134,6 +185,28 @@ mod tests {
             let blocks = Blocks::even(n, k);
             for v in 1..=n {
                 assert!(blocks.vertices(blocks.of_vertex(v)).contains(&v), "{v} of {n} in {k}");
+            }
+        }
+    }
+
+    /// Names do not matter where no two points share a cell: coordinates tell the same.
+    #[test]
+    fn a_vertex_made_at_a_given_place_belongs_to_the_same_block() {
+        let points = generate(PointKind::Uniform, 3000, 1);
+        let order = hilbert(&points);
+        let sorted: Vec<Point> = order.iter().map(|&i| points[i as usize]).collect();
+        let curve = || {
+            let (low, high) = MeshParams::of(&sorted, Mode::Normal).bounds();
+            Curve::of_box(low, high)
+        };
+        for count in [1, 2, 7, 64, 3000] {
+            let blocks = Blocks::even(3000, count).along(curve(), &sorted);
+            for (place, p) in (1u32..).zip(&sorted) {
+                let made = blocks.of_name(made(0, place), p);
+                assert_eq!(made, blocks.of_name(place.into(), p), "{place} of {count}");
+            }
+            for outside in [[-9.0; 3], [9.0; 3]] {
+                assert!(blocks.of_point(&outside) < count);
             }
         }
     }

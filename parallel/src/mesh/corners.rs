@@ -1,7 +1,6 @@
 //! The corners of a cavity, each once.
 
-use super::WireVertex;
-use ltbw_core::topology::VertexId;
+use super::{VertexName, WireVertex};
 
 /// The corners met so far, kept for the next cavity.
 #[derive(Debug, Default)]
@@ -22,9 +21,9 @@ impl Corners {
     }
 
     /// The index of a corner; `site` is asked for if it is a new one.
-    pub(super) fn index(&mut self, vertex: VertexId, site: impl FnOnce() -> WireVertex) -> u32 {
+    pub(super) fn index(&mut self, vertex: VertexName, site: impl FnOnce() -> WireVertex) -> u32 {
         let last = self.table.len() - 1;
-        let mut place = (vertex.wrapping_mul(0x9e37_79b9) >> 12) as usize & last;
+        let mut place = (vertex.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as usize & last;
         loop {
             match self.table[place] {
                 0 => {
@@ -49,7 +48,7 @@ mod tests {
         // The second time with what the first one has left; vertices collide in the table.
         for most in [64, 40] {
             corners.start(most);
-            let vertices: Vec<VertexId> = (0..most as u32).map(|k| k * 4096).collect();
+            let vertices: Vec<VertexName> = (0..most as u64).map(|k| k << 40).collect();
             let all = || vertices.iter().chain(&vertices);
             let indices: Vec<u32> = all()
                 .map(|&v| corners.index(v, || WireVertex { vertex: v, bits: [0; 3] }))

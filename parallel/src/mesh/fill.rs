@@ -1,12 +1,13 @@
 //! The home's retriangulation: the star of the point over the cavity's boundary, as one patch for
 //! every worker that loses, gets or links a tetrahedron.
 
-use super::blocks::prevailing;
+use super::blocks::{prevailing, prevailing_of};
 use super::corners::Corners;
-use super::{At, Link, LocalMesh, NewTet, Patch, Piece, Relink, To, WireVertex};
+use super::name::NOWHERE;
+use super::{At, Link, LocalMesh, NewTet, Patch, Piece, Relink, To, VertexName, WireVertex};
 use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
 use ltbw_core::edges::{EdgeTable, Met};
-use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, slot_of, tet_of};
+use ltbw_core::topology::{FaceId, TetId, slot_of, tet_of};
 
 /// A face of the cavity's boundary, and the new tetrahedron on it.
 #[derive(Debug)]
@@ -125,10 +126,10 @@ impl LocalMesh {
             places.clear();
             places.extend(piece.sites.iter().map(|site| corners.index(site.vertex, || *site)));
             let new = &corners.sites[corner_blocks.len()..];
-            corner_blocks.extend(new.iter().map(|site| self.blocks.of_vertex(site.vertex)));
+            corner_blocks.extend(new.iter().map(|site| self.block_of_site(site)));
             for side in &piece.sides {
                 let v = side.v.map(|k| places[k as usize]);
-                let [a, b, c] = v.map(|k| corners.sites[k as usize].vertex);
+                let names = v.map(|k| corners.sites[k as usize].vertex);
                 let (worker, at, slot, ring_name) = match side.link {
                     Link::Far(handle) if named.binary_search(&handle.name).is_ok() => continue,
                     Link::Near { tet, slot, name, .. } => (worker, At::Tet(tet), slot, name),
@@ -137,13 +138,18 @@ impl LocalMesh {
                         (worker, At::Named(name), face, Some(name))
                     }
                 };
-                let block = self.block_by(corner_blocks, v, c);
+                let block = self.block_by(corner_blocks, v, names[2]);
                 let owner = directory.owner(block);
                 let ring_block = match side.link {
                     Link::Far(handle) => handle.block,
                     // The block matters only to a worker that has not got the ring tetrahedron.
                     Link::Near { .. } if worker == owner => 0,
-                    Link::Near { apex, .. } => self.block_at(worker, ghost_last([a, b, c, apex])),
+                    Link::Near { apex, .. } => {
+                        let block =
+                            |k: usize| (names[k] != NOWHERE).then(|| corner_blocks[v[k] as usize]);
+                        let blocks = || prevailing_of([block(0), block(1), block(2), apex]);
+                        self.fixed.map_or_else(blocks, |fixed| fixed.block_of(worker))
+                    }
                 };
                 walls.push(Wall {
                     v,
@@ -164,12 +170,12 @@ impl LocalMesh {
     }
 
     /// The block of a new tetrahedron on corners `v`, the last of which is vertex `last`.
-    fn block_by(&self, blocks: &[BlockId], v: [u32; 3], last: VertexId) -> BlockId {
+    fn block_by(&self, blocks: &[BlockId], v: [u32; 3], last: VertexName) -> BlockId {
         if let Some(fixed) = self.fixed {
             return fixed.block_of(fixed.owner_of_new(blocks[0], self.me));
         }
         let [a, b, c] = v.map(|k| blocks[k as usize]);
-        prevailing([blocks[0], a, b], (last != INFINITE).then_some(c))
+        prevailing([blocks[0], a, b], (last != NOWHERE).then_some(c))
     }
 
     /// Names what another worker must know: new tetrahedra beside those of others, and ring
@@ -194,14 +200,6 @@ impl LocalMesh {
             }
         }
     }
-}
-
-/// A tetrahedron's vertices with the one at infinity last.
-fn ghost_last(mut v: [VertexId; 4]) -> [VertexId; 4] {
-    if let Some(place) = v.iter().position(|&v| v == INFINITE) {
-        v.swap(place, 3);
-    }
-    v
 }
 
 /// The other side of face `slot` of the new tetrahedron of `wall`.

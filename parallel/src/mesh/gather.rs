@@ -1,10 +1,11 @@
 //! The end of a parallel run: submeshes put together to one mesh.
 
-use super::{LocalMesh, SharedInput};
+use super::{LocalMesh, SharedInput, VertexName, given};
 use crate::protocol::{Handle, Name, SubmeshError, WorkerId};
-use ltbw_core::submesh::{AssembleError, Assembly, assemble};
-use ltbw_core::topology::{FaceId, TetId};
+use ltbw_core::submesh::{AssembleError, Assembly, Numbers, assemble};
+use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId};
 use ltbw_core::{Mesh, Vertex};
+use ltbw_exact::Point;
 use rustc_hash::FxHashMap;
 
 /// The result of a run.
@@ -44,12 +45,41 @@ pub enum GatherError {
     TooManyTets,
 }
 
+/// The vertices that were made on the way. They have the numbers after those given, in the order
+/// of their names: the order of their makers, and of each one's making.
+struct MadeVertices {
+    numbers: FxHashMap<VertexName, VertexId>,
+    points: Vec<Point>,
+}
+
+impl MadeVertices {
+    fn of(meshes: &[LocalMesh], given_ones: usize) -> Self {
+        let mut all: Vec<(VertexName, Point)> = Vec::new();
+        for mesh in meshes {
+            let (_, others) = mesh.vertices.all();
+            let named = (mesh.vertices.run() + 1..).zip(others);
+            let made = named.filter(|&(_, name)| given(name).is_none());
+            all.extend(made.map(|(v, name)| (name, mesh.tets.point(v))));
+        }
+        all.sort_unstable_by_key(|&(name, _)| name);
+        all.dedup_by_key(|&mut (name, _)| name);
+        let first = given_ones as VertexId + 1;
+        let numbers = (first..).zip(&all).map(|(number, &(name, _))| (name, number)).collect();
+        Self { numbers, points: all.into_iter().map(|(_, p)| p).collect() }
+    }
+
+    /// The number of a vertex in the whole mesh.
+    fn number(&self, name: VertexName) -> Option<VertexId> {
+        given(name).or_else(|| self.numbers.get(&name).copied())
+    }
+}
+
 /// Puts the submeshes of a finished run together.
 ///
 /// # Errors
 /// [`GatherError`] if there are too many tetrahedra, or if the submeshes do not fit together.
 pub fn gather(meshes: Vec<LocalMesh>, common: SharedInput) -> Result<Gathered, GatherError> {
-    let SharedInput { points, numbers, next, mut duplicates, mode, predicates } = common;
+    let SharedInput { mut points, mut numbers, next, mut duplicates, mode, predicates } = common;
     if let Some((worker, error)) = meshes.iter().find_map(|m| Some((m.me, m.error?))) {
         return Err(GatherError::Failed { worker, error });
     }
@@ -57,15 +87,25 @@ pub fn gather(meshes: Vec<LocalMesh>, common: SharedInput) -> Result<Gathered, G
     for (k, mesh) in meshes.iter().enumerate() {
         places.extend(mesh.names.iter().map(|(&name, &t)| (name, (k, t))));
     }
+    let made = MadeVertices::of(&meshes, points.len());
     for mesh in &meshes {
-        duplicates.extend(&mesh.duplicates);
+        let pair = |&(point, v): &(VertexName, VertexName)| Some((given(point)?, made.number(v)?));
+        duplicates.extend(mesh.duplicates.iter().filter_map(pair));
     }
+    points.extend(made.points.iter().copied());
+    numbers.extend((0..made.points.len()).map(|k| next + k as Vertex));
+    let next = next + made.points.len() as Vertex;
     let far = |there: Handle| {
         let &(place, t) = places.get(&there.name)?;
         Some((place, FaceId::new(t, usize::from(there.face & 3))))
     };
     let workers: Vec<WorkerId> = meshes.iter().map(|mesh| mesh.me).collect();
-    let parts = meshes.into_iter().map(|mesh| mesh.tets).collect();
+    let part = |mesh: LocalMesh| {
+        let (first, others) = mesh.vertices.all();
+        let others = others.map(|name| made.number(name).unwrap_or(INFINITE)).collect();
+        (mesh.tets, Numbers { first, run: mesh.vertices.run(), others })
+    };
+    let parts = meshes.into_iter().map(part).collect();
     let assembly = Assembly { points, numbers, duplicates: &duplicates, mode, predicates };
     let mut mesh = assemble(parts, far, assembly).map_err(|misfit| match misfit {
         AssembleError::Dangling { submesh, far } => {

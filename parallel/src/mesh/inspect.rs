@@ -1,13 +1,12 @@
 //! The view of a submesh that checkers have: see [`crate::check`].
 
-use super::{LocalMesh, Moving, Patch, WireVertex};
+use super::{LocalMesh, Moving, Patch, VertexName, WireVertex};
 use crate::check::{Inspect, Seen, Sent};
 use crate::protocol::Name;
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 
 /// A tetrahedron's vertices, ascending.
-fn key(v: [VertexId; 4]) -> Vec<u64> {
-    let mut v = v.map(u64::from);
+fn key(mut v: [VertexName; 4]) -> Vec<u64> {
     v.sort_unstable();
     v.to_vec()
 }
@@ -17,7 +16,7 @@ impl Inspect for LocalMesh {
         let look = |(t, v): (TetId, [VertexId; 4])| Seen {
             tet: t,
             name: self.tets.tag_of(t),
-            vertices: key(v),
+            vertices: key(v.map(|v| self.vertices.name(v))),
             block: self.block_of(t),
             holder: self.tets.holder(t),
             links: self.tets.neighbours(t).map(|face| self.neighbour(tet_of(face))).to_vec(),

@@ -4,7 +4,10 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `wire` | the values that submeshes send each other |
+//! | `name` | names of vertices |
+//! | `vertices` | a submesh's vertices: their numbers here and their names |
 //! | `blocks` | ownership: the block of a vertex and of a tetrahedron |
+//! | `around` | the vertex closure of a cavity |
 //! | `corners` | the corners of a cavity, each once |
 //! | `piece` | the owner's side: what is in conflict, locked at once and described |
 //! | `fill` | the home's retriangulation of a cavity, as one patch per owner |
@@ -18,18 +21,22 @@
 //! a message that names it may be under way even when no neighbour is far any more.
 
 mod apply;
+mod around;
 mod blocks;
 mod corners;
 mod fill;
 mod gather;
 mod inspect;
+mod name;
 mod piece;
 mod point_queue;
 mod start;
+mod vertices;
 mod wire;
 
 pub use blocks::Blocks;
 pub use gather::{GatherError, Gathered, gather};
+pub use name::{VertexName, given, made};
 pub use point_queue::PointQueue;
 pub use start::{Ownership, Plan, Prepared, SharedInput};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
@@ -39,9 +46,12 @@ use crate::protocol::{
     BlockId, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Rules, Submesh,
     SubmeshError, Ticket, Walk, WorkerId,
 };
+use around::finite;
 use ltbw_core::submesh::{self as kernel, MeshParams, Owns};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
-use rustc_hash::{FxHashMap, FxHashSet};
+use name::NOWHERE;
+use rustc_hash::FxHashMap;
+use vertices::Vertices;
 
 /// The kernel's view of a submesh. Tetrahedra that others know are tagged with their names.
 pub(crate) type Tets = kernel::Submesh<Ticket, Name, Handle>;
@@ -50,6 +60,7 @@ pub(crate) type Tets = kernel::Submesh<Ticket, Name, Handle>;
 #[derive(Debug)]
 pub struct LocalMesh {
     tets: Tets,
+    vertices: Vertices,
     blocks: Blocks,
     /// The ownership of tetrahedra, if not by blocks.
     fixed: Option<Fixed>,
@@ -58,11 +69,11 @@ pub struct LocalMesh {
     /// Names given so far.
     named: u32,
     /// The places of points that were located but could not be inserted at once.
-    located: FxHashMap<VertexId, TetId>,
+    located: FxHashMap<VertexName, TetId>,
     /// New tetrahedra of blocks that have moved, by block.
     strays: FxHashMap<BlockId, Vec<TetId>>,
-    /// Points that were vertices already: number of the point, and of the vertex.
-    duplicates: Vec<(VertexId, VertexId)>,
+    /// Points that were vertices already: name of the point, and of the vertex.
+    duplicates: Vec<(VertexName, VertexName)>,
     /// Why the submesh has failed: it changes nothing any more.
     error: Option<SubmeshError>,
     reported: (u64, u64, u64),
@@ -95,10 +106,17 @@ impl Fixed {
 }
 
 impl LocalMesh {
-    /// A submesh without tetrahedra.
-    pub fn new(me: WorkerId, params: &MeshParams, blocks: Blocks) -> Self {
+    /// A submesh without tetrahedra, whose worker is to insert the given vertices `own`.
+    pub fn new(
+        me: WorkerId,
+        params: &MeshParams,
+        blocks: Blocks,
+        own: std::ops::Range<VertexId>,
+    ) -> Self {
         Self {
-            tets: Tets::new(params),
+            // A vacant slot names vertex 1, which must exist.
+            tets: Tets::new(&params.vertices(own.len().max(1))),
+            vertices: Vertices::new(blocks.clone(), own),
             blocks,
             fixed: None,
             me,
@@ -121,6 +139,25 @@ impl LocalMesh {
         &self.tets
     }
 
+    /// The name of a vertex here by its number in [`LocalMesh::tets`].
+    pub fn name(&self, v: VertexId) -> VertexName {
+        self.vertices.name(v)
+    }
+
+    /// The finite tetrahedra of given vertices alone, by their places along the curve.
+    pub(crate) fn given_tets(&self) -> impl Iterator<Item = [VertexId; 4]> + '_ {
+        self.tets.tets().filter(|(_, v)| v[3] != INFINITE).filter_map(|(_, v)| {
+            let [a, b, c, d] = v.map(|v| given(self.vertices.name(v)));
+            Some([a?, b?, c?, d?])
+        })
+    }
+
+    /// Number of vertices that have a number here: those of the own stretch, and all others that
+    /// some tetrahedron here has had.
+    pub fn num_vertices(&self) -> usize {
+        self.vertices.next() as usize - 1
+    }
+
     /// Number of tetrahedra, ghosts included.
     pub fn num_tets(&self) -> usize {
         self.tets.tets().count()
@@ -137,7 +174,7 @@ impl LocalMesh {
     /// With ownership by blocks its block tells. With ownership by the newest vertex a tetrahedron
     /// of this worker has at least one vertex of this worker; a creator cannot be told.
     pub fn misplaced(&self, directory: &Directory) -> Option<TetId> {
-        let block = |v: VertexId| self.blocks.of_vertex(v);
+        let block = |v: VertexId| self.vertices.block(v);
         let is_mine = |v: [VertexId; 4]| match self.fixed {
             None => directory.is_mine(self.block_with(v)),
             Some(Fixed { ownership: Ownership::Creator, .. }) => true,
@@ -152,12 +189,16 @@ impl LocalMesh {
 
     /// The block of a tetrahedron here with vertices `v`.
     fn block_with(&self, v: [VertexId; 4]) -> BlockId {
-        self.block_at(self.me, v)
+        self.fixed.map_or_else(|| block_of_tet(&self.vertices, v), |fixed| fixed.block_of(self.me))
     }
 
-    /// The block of a tetrahedron of `worker` with vertices `v`.
-    fn block_at(&self, worker: WorkerId, v: [VertexId; 4]) -> BlockId {
-        self.fixed.map_or_else(|| self.blocks.of_tet(v), |fixed| fixed.block_of(worker))
+    /// The block of a vertex that may be none here.
+    fn block_of_site(&self, site: &WireVertex) -> BlockId {
+        match self.vertices.number(site.vertex) {
+            Some(INFINITE) => 0,
+            Some(v) => self.vertices.block(v),
+            None => self.blocks.of_name(site.vertex, &site.point()),
+        }
     }
 
     /// Says that there is no room for more tetrahedra: the run fails.
@@ -209,7 +250,12 @@ impl LocalMesh {
     }
 
     fn site(&self, v: VertexId) -> WireVertex {
-        site(&self.tets, v)
+        site(&self.tets, &self.vertices, v)
+    }
+
+    /// The vertex at a place of the own stretch of the curve.
+    fn site_at(&self, place: VertexId) -> WireVertex {
+        self.site(self.vertices.numbers_of(place..place).start)
     }
 
     fn sites(&self, t: TetId) -> [WireVertex; 4] {
@@ -221,68 +267,22 @@ impl LocalMesh {
     fn neighbour(&self, u: TetId) -> Neighbour<TetId> {
         self.tets.far(u).map_or(Neighbour::Near(u), Neighbour::Far)
     }
-
-    /// The neighbours of `t` across faces that have one of `corners`.
-    fn around(&self, t: TetId, corners: &[VertexId]) -> impl Iterator<Item = TetId> {
-        let is_corner = self.tets.vertices(t).map(|v| corners.binary_search(&v).is_ok());
-        let others = move |slot: usize| (1..4).any(|k| is_corner[(slot + k) % 4]);
-        let neighbours = self.tets.neighbours(t).map(tet_of).into_iter().enumerate();
-        neighbours.filter(move |&(slot, _)| others(slot)).map(|(_, u)| u)
-    }
-
-    /// The obstacle in the vertex closure of `point` to inserting it at once: a locked tetrahedron,
-    /// else another worker's.
-    fn vertex_closure(&mut self, point: &WireVertex, seed: TetId) -> Option<Insert<TetId>> {
-        let (mut seen, mut far, mut locked) = (FxHashSet::default(), false, None);
-        let mut corners: Vec<VertexId> = self.tets.vertices(seed).to_vec();
-        let mut cavity = vec![seed];
-        seen.insert(seed);
-        // The cavity; then, from it on, what touches it.
-        let mut next = 0;
-        while let Some(&t) = cavity.get(next) {
-            next += 1;
-            for u in self.tets.neighbours(t).map(tet_of) {
-                if self.tets.far(u).is_some() {
-                    far = true;
-                } else if self.in_conflict(u, point) && seen.insert(u) {
-                    corners.extend(self.tets.vertices(u));
-                    cavity.push(u);
-                }
-            }
-        }
-        let corners = finite(corners);
-        let mut all = cavity;
-        while let Some(t) = all.pop() {
-            if self.tets.holder(t).is_some() {
-                locked = locked.or(Some(Insert::Locked(t)));
-            }
-            for u in self.around(t, &corners) {
-                if self.tets.far(u).is_some() {
-                    far = true;
-                } else if seen.insert(u) {
-                    all.push(u);
-                }
-            }
-        }
-        locked.or(far.then_some(Insert::Blocked))
-    }
 }
 
 /// A vertex that a submesh knows, with its coordinates.
-fn site(tets: &Tets, v: VertexId) -> WireVertex {
+fn site(tets: &Tets, vertices: &Vertices, v: VertexId) -> WireVertex {
     if v == INFINITE {
-        WireVertex { vertex: INFINITE, bits: [0; 3] }
+        WireVertex { vertex: NOWHERE, bits: [0; 3] }
     } else {
-        WireVertex::new(v, tets.point(v))
+        WireVertex::new(vertices.name(v), tets.point(v))
     }
 }
 
-/// The finite ones of some vertices, each once, ascending.
-fn finite(mut vertices: Vec<VertexId>) -> Vec<VertexId> {
-    vertices.retain(|&v| v != INFINITE);
-    vertices.sort_unstable();
-    vertices.dedup();
-    vertices
+/// The block of a tetrahedron with vertices `v`.
+#[inline]
+fn block_of_tet(vertices: &Vertices, v: [VertexId; 4]) -> BlockId {
+    let [a, b, c] = [v[0], v[1], v[2]].map(|v| vertices.block(v));
+    blocks::prevailing([a, b, c], (v[3] != INFINITE).then(|| vertices.block(v[3])))
 }
 
 impl Submesh for LocalMesh {
@@ -295,27 +295,45 @@ impl Submesh for LocalMesh {
     fn walk(&mut self, point: &WireVertex, from: Option<Name>) -> Walk<TetId> {
         let named = from.and_then(|name| self.names.get(&name).copied());
         let start = named.or_else(|| self.located.remove(&point.vertex));
-        let walk = self.tets.walk(point.vertex, &point.point(), start);
+        let v = self.vertices.number(point.vertex).unwrap_or(INFINITE);
+        let walk = self.tets.walk(v, &point.point(), start);
         match walk {
             Walk::Locked(t) => _ = self.located.insert(point.vertex, t),
-            Walk::Duplicate(v) => self.duplicates.push((point.vertex, v)),
+            Walk::Duplicate(v) => self.duplicates.push((point.vertex, self.vertices.name(v))),
             Walk::At(_) | Walk::Exits(_) | Walk::NoTets => {}
         }
         walk
     }
 
     fn insert(&mut self, point: &WireVertex, seed: TetId, directory: &Directory) -> Insert<TetId> {
-        let Self { tets, blocks, fixed, me, .. } = self;
+        let (v, p) = (self.vertices.number(point.vertex), point.point());
+        if v.is_none() {
+            // It has a number here if it becomes a vertex here.
+            self.tets.make_vertices(self.vertices.next());
+        }
+        let Self { tets, vertices, blocks, fixed, me, .. } = self;
+        let elsewhere = v.is_none().then(|| blocks.of_name(point.vertex, &p));
+        let number = v.unwrap_or(vertices.next());
+        let new_block = || elsewhere.unwrap_or_else(|| vertices.block(number));
         let owns = match fixed {
-            None => Owns::By(|v| directory.is_mine(blocks.of_tet(v))),
+            None => Owns::By(|[_, a, b, c]: [VertexId; 4]| {
+                let [a, b] = [a, b].map(|v| vertices.block(v));
+                let c = (c != INFINITE).then(|| vertices.block(c));
+                directory.is_mine(blocks::prevailing([new_block(), a, b], c))
+            }),
             Some(fixed) => {
-                let owner = fixed.owner_of_new(blocks.of_vertex(point.vertex), *me);
+                let owner = fixed.owner_of_new(new_block(), *me);
                 if owner == *me { Owns::All } else { Owns::None }
             }
         };
-        let insert = tets.insert(point.vertex, &point.point(), seed, owns);
+        let insert = tets.insert(number, &p, seed, owns);
         match insert {
-            Insert::Done => self.forget_removed(),
+            Insert::Done => {
+                if v.is_none() {
+                    self.take_site(point);
+                }
+                self.forget_removed();
+            }
             Insert::Locked(_) | Insert::Blocked => _ = self.located.insert(point.vertex, seed),
             Insert::Full => self.fail_for_room(),
         }
@@ -351,12 +369,12 @@ impl Submesh for LocalMesh {
         around.into_iter().for_each(|u| f(self.neighbour(u)));
     }
 
-    fn corners(parts: &[(WorkerId, Vec<Piece>)]) -> Vec<u32> {
+    fn corners(parts: &[(WorkerId, Vec<Piece>)]) -> Vec<u64> {
         let pieces = parts.iter().flat_map(|(_, pieces)| pieces);
         finite(pieces.flat_map(|p| p.sites.iter().map(|site| site.vertex)).collect())
     }
 
-    fn neighbours_around(&self, t: TetId, corners: &[u32], mut f: impl FnMut(Neighbour<TetId>)) {
+    fn neighbours_around(&self, t: TetId, corners: &[u64], mut f: impl FnMut(Neighbour<TetId>)) {
         self.around(t, corners).for_each(|u| f(self.neighbour(u)));
     }
 

@@ -1,23 +1,26 @@
 //! The owner's side of an operation: what is in conflict here, locked at once, and described to the
 //! home by its faces.
 
+use super::vertices::Vertices;
 use super::{Link, LocalMesh, Piece, Side, Tets, site};
 use crate::protocol::{Handle, Ticket};
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::submesh::Closure;
-use ltbw_core::topology::{FaceId, TetId, slot_of, tet_of};
+use ltbw_core::topology::{FaceId, INFINITE, TetId, slot_of, tet_of};
 
 impl LocalMesh {
     /// Describes what was locked at once.
     pub(super) fn describe_closure(&mut self, closure: &Closure) -> Piece {
-        let Self { tets: mesh, scratch, .. } = self;
+        let Self { tets: mesh, scratch, vertices, .. } = self;
+        let site = |v| site(mesh, vertices, v);
         let tets = &closure.locked[..closure.inside];
         let corners = &mut scratch.corners;
         corners.start((3 * closure.boundary.len()).min(4 * tets.len()));
         let mut sides = Vec::with_capacity(closure.boundary.len());
         for &(v, outer) in &closure.boundary {
-            let v = v.map(|v| corners.index(v, || site(mesh, v)));
-            let link = mesh.far(tet_of(outer)).map_or_else(|| near(mesh, outer), Link::Far);
+            let v = v.map(|v| corners.index(vertices.name(v), || site(v)));
+            let link =
+                mesh.far(tet_of(outer)).map_or_else(|| near(mesh, vertices, outer), Link::Far);
             sides.push(Side { v, link });
         }
         let mut names = Vec::with_capacity(8);
@@ -36,7 +39,8 @@ impl LocalMesh {
         let mut sides = Vec::with_capacity(2 * tets.len() + 2);
         for &t in tets {
             names.extend(self.tets.tag_of(t));
-            let v = self.tets.vertices(t).map(|v| corners.index(v, || site(&self.tets, v)));
+            let v = self.tets.vertices(t);
+            let v = v.map(|v| corners.index(self.vertices.name(v), || self.site(v)));
             for (slot, face) in self.tets.neighbours(t).into_iter().enumerate() {
                 if let Some(link) = self.link_at(face, holder) {
                     sides.push(Side { v: OTHERS[slot].map(|k| v[k]), link });
@@ -67,15 +71,17 @@ impl LocalMesh {
             Some(name) if lock.map(|(by, _)| by) != holder => {
                 Link::Far(Handle { name, block: self.block_of(tet), face: slot_of(face) as u8 })
             }
-            _ => near(&self.tets, face),
+            _ => near(&self.tets, &self.vertices, face),
         })
     }
 }
 
 /// The tetrahedron here beyond a face of a cavity.
-fn near(mesh: &Tets, face: FaceId) -> Link {
+fn near(mesh: &Tets, vertices: &Vertices, face: FaceId) -> Link {
     let (tet, slot) = (tet_of(face), slot_of(face));
-    Link::Near { tet, slot: slot as u8, apex: mesh.vertices(tet)[slot], name: mesh.tag_of(tet) }
+    let apex = mesh.vertices(tet)[slot];
+    let apex = (apex != INFINITE).then(|| vertices.block(apex));
+    Link::Near { tet, slot: slot as u8, apex, name: mesh.tag_of(tet) }
 }
 
 #[cfg(test)]
@@ -97,7 +103,7 @@ mod tests {
         tets: Vec<TetId>,
         names: Vec<Name>,
         sites: Vec<WireVertex>,
-        sides: Vec<([u32; 3], String)>,
+        sides: Vec<([u64; 3], String)>,
     }
 
     impl Closure {

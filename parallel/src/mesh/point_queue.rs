@@ -15,7 +15,7 @@
 
 mod cursor;
 
-use super::{Blocks, LocalMesh, WireVertex};
+use super::{Blocks, LocalMesh, VertexName, WireVertex};
 use crate::protocol::{BlockId, Source};
 use cursor::{Cursor, Own, SHORTEST, Track};
 use ltbw_core::topology::VertexId;
@@ -229,7 +229,7 @@ impl PointQueue {
     }
 
     /// Takes out the cursor, not the one followed, that gave `vertex`; `None` if it has no more.
-    fn free(&mut self, vertex: VertexId) -> Option<Cursor> {
+    fn free(&mut self, vertex: VertexName) -> Option<Cursor> {
         let k = self.waiting.iter().position(|c| c.given == Some(vertex))?;
         let mut cursor = self.waiting.swap_remove(k);
         cursor.given = None;
@@ -237,7 +237,7 @@ impl PointQueue {
     }
 
     /// If the cursor that is followed gave `vertex` it may go on.
-    fn free_current(&mut self, vertex: VertexId) -> bool {
+    fn free_current(&mut self, vertex: VertexName) -> bool {
         match &mut self.current {
             Some(cursor) if cursor.given == Some(vertex) => {
                 cursor.given = None;
@@ -317,7 +317,7 @@ impl Source<LocalMesh> for PointQueue {
         let to_come: Vec<VertexId> = own.since_round(&range, self.next_round).collect();
         for v in to_come {
             own.take_out(v);
-            taken.push(mesh.site(v));
+            taken.push(mesh.site_at(v));
         }
         self.look_for_more();
         self.left -= taken.len();
@@ -327,7 +327,7 @@ impl Source<LocalMesh> for PointQueue {
 
     fn give(&mut self, _: BlockId, points: Vec<WireVertex>) {
         self.left += points.len();
-        let points: VecDeque<_> = points.iter().map(|s| (s.vertex, s.point())).collect();
+        let points: VecDeque<_> = points.into();
         if !points.is_empty() {
             self.ready.push_back(Cursor::new(Track::Moved(points)));
         }

@@ -1,10 +1,10 @@
 //! The start of a parallel run: vertices along the curve, a coarse mesh of a sample, its
 //! tetrahedra distributed to their owners.
 
-use super::{Blocks, Fixed, LocalMesh, PointQueue};
+use super::{Blocks, Fixed, LocalMesh, PointQueue, WireVertex};
 use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
 use ltbw_core::build::independent;
-use ltbw_core::order::hilbert;
+use ltbw_core::order::{Curve, hilbert};
 use ltbw_core::submesh::MeshParams;
 use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{BuildError, Builder, CancelToken, Mesh, PredicateStats, Vertex};
@@ -141,10 +141,12 @@ impl Plan {
         let mut points: Vec<Point> = Vec::with_capacity(order.len() + 1);
         points.par_extend(order.par_iter().map(|&i| kernel[i as usize]));
         let sample = self.sample_of(&points)?;
-        let blocks = Blocks::even(points.len() as u32, self.workers * self.blocks_per_worker);
+        let params = MeshParams::of(&points, set.mode()).at_most(self.max_tets);
+        let (low, high) = params.bounds();
+        let blocks = Blocks::even(points.len() as u32, self.workers * self.blocks_per_worker)
+            .along(Curve::of_box(low, high), &points);
         let owners: Vec<WorkerId> =
             (0..blocks.len()).map(|block| block / self.blocks_per_worker).collect();
-        let params = MeshParams::of(&points, set.mode()).at_most(self.max_tets);
         // The one is sequential, the other mostly waits for memory.
         let (coarse, mut workers) = rayon::join(
             || coarse_mesh(&points, &sample),
@@ -231,18 +233,18 @@ impl Plan {
     /// A submesh for each worker, without tetrahedra, with the points of its range.
     fn submeshes(&self, params: &MeshParams, blocks: &Blocks, points: &[Point]) -> Vec<LocalMesh> {
         let submesh = |me| {
-            let mut mesh = LocalMesh::new(me, params, blocks.clone());
+            let range = self.range(me, blocks);
+            let mut mesh = LocalMesh::new(me, params, blocks.clone(), range.clone());
             if self.ownership != Ownership::Block {
                 mesh.fixed =
                     Some(Fixed { ownership: self.ownership, each: self.blocks_per_worker });
             }
-            let range = self.range(me, blocks);
             if self.reserve {
                 // The first one receives all others in the end.
                 let share = if me == 0 { points.len() } else { range.len() };
                 mesh.tets.reserve(7 * share + share / 4 + 1024);
             }
-            mesh.tets.set_points(range.start, &points[range.start as usize - 1..][..range.len()]);
+            mesh.tets.set_points(1, &points[range.start as usize - 1..][..range.len()]);
             mesh
         };
         (0..self.workers).into_par_iter().map(submesh).collect()
@@ -317,9 +319,10 @@ fn distribute(
     let create = |(mesh, tets): (&mut LocalMesh, &Vec<TetId>)| {
         let mut made = Vec::with_capacity(tets.len());
         for v in tets.iter().filter_map(|&t| corners(t)) {
-            for &w in v.iter().filter(|&&w| w != INFINITE) {
-                mesh.tets.set_point(w, points[w as usize - 1]);
-            }
+            let v = v.map(|w| match w {
+                INFINITE => INFINITE,
+                w => mesh.take_site(&WireVertex::new(w, points[w as usize - 1])),
+            });
             // Without room the run fails before anything looks at the submesh.
             let Some(local) = mesh.tets.create(v) else {
                 mesh.fail_for_room();
@@ -339,11 +342,7 @@ fn distribute(
         for &t in tets {
             link(mesh, coarse, t, &place);
         }
-        let own = |block: BlockId| owners[block as usize] == mesh.me;
-        let ranges = || (0..blocks.len()).filter(|&b| own(b)).map(|b| blocks.vertices(b));
-        let first = ranges().map(|r| r.start).min().unwrap_or(0);
-        let last = ranges().map(|r| r.end).max().unwrap_or(0);
-        mesh.tets.set_own_range(first..last);
+        mesh.tets.set_own_range(1..mesh.vertices.run() + 1);
     });
 }
 

@@ -1,7 +1,8 @@
 //! The values that submeshes send each other, with coordinates as bits.
 
+use super::VertexName;
 use crate::protocol::{BlockId, Handle, Name};
-use ltbw_core::topology::{TetId, VertexId};
+use ltbw_core::topology::TetId;
 use ltbw_exact::Point;
 
 /// A vertex with its coordinates, as bits: the protocol never sees a float.
@@ -10,15 +11,16 @@ use ltbw_exact::Point;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WireVertex {
-    /// Its number in the whole mesh.
-    pub vertex: VertexId,
+    /// Its name.
+    pub vertex: VertexName,
     /// The bits of its kernel coordinates.
     pub bits: [u64; 3],
 }
 
 impl WireVertex {
     /// Vertex `vertex` at `p`.
-    pub fn new(vertex: VertexId, p: Point) -> Self {
+    pub fn new(vertex: impl Into<VertexName>, p: Point) -> Self {
+        let vertex = vertex.into();
         Self { vertex, bits: p.map(f64::to_bits) }
     }
 
@@ -39,8 +41,8 @@ pub enum Link {
         tet: TetId,
         /// The slot there of the vertex opposite the common face.
         slot: u8,
-        /// The vertex there.
-        apex: VertexId,
+        /// The block of the vertex there; `None` if that is at infinity.
+        apex: Option<BlockId>,
         /// Its name, if it has one.
         name: Option<Name>,
     },

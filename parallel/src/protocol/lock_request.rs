@@ -22,7 +22,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         ticket: Ticket,
         attempt: Attempt,
         point: S::Point,
-        (wants, around): (impl IntoIterator<Item = Want<S::Tet>>, Vec<u32>),
+        (wants, around): (impl IntoIterator<Item = Want<S::Tet>>, Vec<u64>),
         out: &mut Vec<Action<S>>,
     ) {
         let spare = &mut self.spare.requests;

@@ -143,7 +143,7 @@ pub enum Message<S: Submesh> {
         /// cavity's vertices: to lock is what touches them, without a test; it spreads from the
         /// seeds and from all that is locked.
         #[cfg_attr(feature = "serde", serde(default))]
-        around: Vec<u32>,
+        around: Vec<u64>,
     },
     /// The answer to `answers` messages `Expand`: everything asked for is locked.
     Grant {

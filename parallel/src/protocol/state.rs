@@ -19,7 +19,7 @@ pub(crate) struct Operation<S: Submesh> {
     /// The tetrahedra granted, by owner.
     pub(crate) parts: Table<WorkerId, Vec<S::Piece>>,
     /// The cavity's vertices, under the vertex closure and when the cavity is complete.
-    pub(crate) around: Vec<u32>,
+    pub(crate) around: Vec<u64>,
 }
 
 /// Where an operation is in its life.
@@ -129,7 +129,7 @@ pub(crate) struct Request<S: Submesh> {
     /// `Expand` not answered yet.
     pub(crate) owed: u32,
     /// The cavity's vertices, under the vertex closure: what touches them is to be locked.
-    pub(crate) around: Vec<u32>,
+    pub(crate) around: Vec<u64>,
     /// Waiting, or denied: an event has to come first.
     pub(crate) stalled: bool,
     /// Its home was told that an older operation waits for it.

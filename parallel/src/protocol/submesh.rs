@@ -128,7 +128,7 @@ pub trait Submesh: Sized {
     fn neighbours(&self, t: Self::Tet, f: impl FnMut(Neighbour<Self::Tet>));
 
     /// The finite vertices of a cavity, ascending; none if the submesh knows the face closure only.
-    fn corners(parts: &[(WorkerId, Vec<Self::Piece>)]) -> Vec<u32> {
+    fn corners(parts: &[(WorkerId, Vec<Self::Piece>)]) -> Vec<u64> {
         let _ = parts;
         Vec::new()
     }
@@ -138,7 +138,7 @@ pub trait Submesh: Sized {
     fn neighbours_around(
         &self,
         t: Self::Tet,
-        corners: &[u32],
+        corners: &[u64],
         f: impl FnMut(Neighbour<Self::Tet>),
     ) {
         let _ = (t, corners, f);

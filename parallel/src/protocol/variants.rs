@@ -84,7 +84,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     }
 
     /// Tells a request the cavity's vertices: what touches them across a face is wanted.
-    pub(super) fn widen(&mut self, ticket: Ticket, vertices: Vec<u32>) {
+    pub(super) fn widen(&mut self, ticket: Ticket, vertices: Vec<u64>) {
         let Some(request) = self.locks.requests.get_mut(&ticket) else { return };
         if !request.around.is_empty() || vertices.is_empty() {
             return;

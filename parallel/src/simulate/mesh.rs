@@ -9,7 +9,7 @@ use crate::protocol::{Config, Correct, Rules, Worker};
 use ltbw_core::BuildError;
 use ltbw_exact::PointSet;
 
-/// Vertex number and coordinates.
+/// The number of a given vertex, and coordinates.
 const SITE: u64 = 28;
 /// A name, or none.
 const NAME: u64 = 9;

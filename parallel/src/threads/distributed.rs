@@ -3,7 +3,6 @@
 use super::{Run, RunError, WorkerStats};
 use crate::mesh::{LocalMesh, SharedInput, gather};
 use crate::metrics::{Summary, Trace};
-use ltbw_core::topology::INFINITE;
 use ltbw_core::{Outcome, Vertex};
 use std::time::Instant;
 
@@ -34,9 +33,8 @@ impl Distributed {
     /// The finite tetrahedra of a part, positively oriented, by the input's numbers. Each
     /// tetrahedron of the mesh is in one part; a part may be empty.
     pub fn tets(&self, part: usize) -> impl Iterator<Item = [Vertex; 4]> + '_ {
-        let all = self.meshes.get(part).into_iter().flat_map(|mesh| mesh.tets().tets());
-        let finite = all.map(|(_, v)| v).filter(|v| v[3] != INFINITE);
-        finite.map(|v| v.map(|v| self.common.numbers[v as usize - 1]))
+        let all = self.meshes.get(part).into_iter().flat_map(LocalMesh::given_tets);
+        all.map(|v| v.map(|v| self.common.numbers[v as usize - 1]))
     }
 
     /// Puts the parts together.

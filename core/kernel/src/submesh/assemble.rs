@@ -3,7 +3,35 @@
 use super::{FarTable, Submesh};
 use crate::geometry::Geometry;
 use crate::mesh::{Assembly, Mesh};
-use crate::topology::{FaceId, MAX_TETS, Topology, slot_of, tet_of};
+use crate::topology::{FaceId, INFINITE, MAX_TETS, Topology, VertexId, slot_of, tet_of};
+
+/// The numbers of a submesh's vertices in the whole mesh.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Numbers {
+    /// The number of the submesh's vertex 1; the next ones follow it ...
+    pub first: VertexId,
+    /// ... up to this one of its own.
+    pub run: VertexId,
+    /// Numbers of its vertices from there on.
+    pub others: Vec<VertexId>,
+}
+
+impl Numbers {
+    /// The number in the whole mesh of a submesh's vertex, which must be one (I7).
+    #[inline]
+    fn of(&self, v: VertexId) -> VertexId {
+        match v.checked_sub(self.run + 1) {
+            _ if v == INFINITE => INFINITE,
+            None => self.first + (v - 1),
+            Some(place) => self.others.get(place as usize).copied().unwrap_or(INFINITE),
+        }
+    }
+
+    /// Are the numbers up to `run` the same?
+    fn keeps_run(&self) -> bool {
+        self.first == 1
+    }
+}
 
 /// Why submeshes could not be put together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,8 +49,8 @@ pub enum AssembleError<F> {
     },
 }
 
-/// Puts all submeshes of a mesh together. `find` finds the submesh and the face beyond a proxy by
-/// its far handle.
+/// Puts all submeshes of a mesh together, each with the numbers of its vertices. `find` finds the
+/// submesh and the face beyond a proxy by its far handle.
 ///
 /// Vertices that no tetrahedron has are left out.
 ///
@@ -31,21 +59,29 @@ pub enum AssembleError<F> {
 ///
 /// Cost: O(tetrahedra), less those of the first.
 pub fn assemble<H: Copy + Eq, T: Copy, F: Copy>(
-    submeshes: Vec<Submesh<H, T, F>>,
+    submeshes: Vec<(Submesh<H, T, F>, Numbers)>,
     find: impl Fn(F) -> Option<(usize, FaceId)>,
     assembly: Assembly<'_>,
 ) -> Result<Mesh, AssembleError<F>> {
-    let mut submeshes = submeshes.into_iter().map(Submesh::settle);
-    let (mut topology, mut geometry, far) = submeshes.next().ok_or(AssembleError::NoSubmeshes)?;
+    let settled = |(mesh, numbers): (Submesh<H, T, F>, Numbers)| (mesh.settle(), numbers);
+    let mut submeshes = submeshes.into_iter().map(settled);
+    let first = submeshes.next().ok_or(AssembleError::NoSubmeshes)?;
+    let ((mut topology, mut geometry, far), numbers) = first;
+    if !numbers.keeps_run() {
+        topology.rename_above(0, |v| numbers.of(v));
+    } else if !numbers.others.is_empty() {
+        topology.rename_above(numbers.run, |v| numbers.of(v));
+    }
     let mut tables = vec![far];
     // The limit of a submesh is not that of the whole mesh.
     topology.set_limit(MAX_TETS);
     let mut offsets = vec![0];
-    for (their_topology, their_geometry, far) in submeshes {
+    for ((their_topology, their_geometry, far), numbers) in submeshes {
         tables.push(far);
         let (slots, theirs) = (topology.slots(), their_topology.slots());
         geometry.stats += their_geometry.stats;
-        offsets.push(topology.append(their_topology).ok_or(AssembleError::TooManyTets)?);
+        let offset = topology.append(their_topology, |v| numbers.of(v));
+        offsets.push(offset.ok_or(AssembleError::TooManyTets)?);
         geometry.append_spheres(slots, their_geometry, theirs);
     }
     let (used, proxies) = topology.survey(assembly.points.len());

@@ -6,6 +6,20 @@ use crate::topology::{FaceId, TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::Point;
 
 impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
+    /// Makes room for the coordinates of vertices up to `last`.
+    pub fn make_vertices(&mut self, last: VertexId) {
+        if last as usize >= self.geometry.points().len() {
+            self.geometry.grow_points(last);
+            self.cavity.reserve_vertices(last as usize + 1);
+            self.others = true;
+        }
+    }
+
+    /// Says that the mesh has a vertex at `p` that is none of the points of its parameters.
+    pub fn refine_step(&mut self, p: &Point) {
+        self.geometry.refine_step(p);
+    }
+
     /// Gives vertex `v` its coordinates.
     ///
     /// # Panics

@@ -16,9 +16,10 @@ const TRIES: usize = 4;
 const NEAR: VertexId = 64;
 
 impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
-    /// Walks towards `p`, which is to be vertex `v`, from `start` if that is a tetrahedron here,
-    /// else from one made lately near by. Such a walk is free to start elsewhere when it meets a
-    /// proxy: the submesh need not be convex, and steps here cost less than to ask another.
+    /// Walks towards `p`, which is to be vertex `v` (or 0, if it has no number yet), from `start`
+    /// if that is a tetrahedron here, else from one made lately near by. Such a walk is free to
+    /// start elsewhere when it meets a proxy: the submesh need not be convex, and steps here cost
+    /// less than to ask another.
     pub fn walk(&mut self, v: VertexId, p: &Point, start: Option<TetId>) -> Walk<TetId, F> {
         let start = start.filter(|&t| self.is_live(t));
         let free = start.is_none();

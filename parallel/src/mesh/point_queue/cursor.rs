@@ -1,9 +1,8 @@
 //! A worker's range of vertices, and cursors on it.
 
-use crate::mesh::{LocalMesh, WireVertex};
+use crate::mesh::{LocalMesh, VertexName, WireVertex, given};
 use ltbw_core::order::round_of;
 use ltbw_core::topology::VertexId;
-use ltbw_exact::Point;
 use std::collections::VecDeque;
 use std::ops::Range;
 
@@ -102,7 +101,12 @@ pub(super) enum Track {
     /// The submesh has their coordinates.
     Own { next: VertexId, end: VertexId, round: u32 },
     /// Points that have moved here.
-    Moved(VecDeque<(VertexId, Point)>),
+    Moved(VecDeque<WireVertex>),
+}
+
+/// Is it a given vertex of `range`?
+fn lies_in(site: &WireVertex, range: &Range<VertexId>) -> bool {
+    given(site.vertex).is_some_and(|place| range.contains(&place))
 }
 
 /// A piece of a Hilbert curve.
@@ -111,7 +115,7 @@ pub(super) struct Cursor {
     /// The points left.
     pub(super) track: Track,
     /// The point given last, if it is not inserted yet.
-    pub(super) given: Option<VertexId>,
+    pub(super) given: Option<VertexName>,
     /// It lies at the interface, as far as is known.
     pub(super) is_interface: bool,
 }
@@ -166,7 +170,7 @@ impl Cursor {
                 let both = (*next).max(range.start)..(*end).min(range.end);
                 both.filter(|&v| own.gives(v, *round)).count()
             }
-            Track::Moved(points) => points.iter().filter(|(v, _)| range.contains(v)).count(),
+            Track::Moved(points) => points.iter().filter(|site| lies_in(site, range)).count(),
         }
     }
 
@@ -182,15 +186,15 @@ impl Cursor {
             Track::Own { next, end, round } => {
                 for v in (*next).max(range.start)..(*end).min(range.end) {
                     if round_of(v, own.rounds) == *round && !own.take_out(v) {
-                        taken.push(mesh.site(v));
+                        taken.push(mesh.site_at(v));
                     }
                 }
                 *next = own.first(*next, *end, *round);
             }
-            Track::Moved(points) => points.retain(|&(v, p)| {
-                let goes = range.contains(&v);
+            Track::Moved(points) => points.retain(|site| {
+                let goes = lies_in(site, range);
                 if goes {
-                    taken.push(WireVertex::new(v, p));
+                    taken.push(*site);
                 }
                 !goes
             }),
@@ -204,9 +208,9 @@ impl Cursor {
             Track::Own { next, end, round } => {
                 let v = *next;
                 *next = own.first(v + 1, *end, *round);
-                Some(mesh.site(v))
+                Some(mesh.site_at(v))
             }
-            Track::Moved(points) => points.pop_front().map(|(v, p)| WireVertex::new(v, p)),
+            Track::Moved(points) => points.pop_front(),
         }
     }
 }

@@ -8,7 +8,8 @@ use ltbw_exact::{Mode, Point};
 fn field(count: u32) -> (PointQueue, LocalMesh) {
     let blocks = Blocks::even(count, 4);
     let all: Vec<Point> = (1..=count).map(|v| [f64::from(v); 3]).collect();
-    let mut mesh = LocalMesh::new(0, &MeshParams::of(&all, Mode::Normal), blocks.clone());
+    let params = MeshParams::of(&all, Mode::Normal);
+    let mut mesh = LocalMesh::new(0, &params, blocks.clone(), 1..count + 1);
     mesh.tets.set_points(1, &all);
     (PointQueue::new(blocks, 1..count + 1, [], 3), mesh)
 }
@@ -40,7 +41,7 @@ fn every_point_comes_once_and_a_waiting_one_keeps_its_cursor() {
 #[test]
 fn points_that_wait_are_far_from_each_other() {
     let (mut field, mesh) = field(900);
-    let mut given: Vec<VertexId> = Vec::new();
+    let mut given: Vec<VertexName> = Vec::new();
     while let Some(site) = field.next(&mesh) {
         given.push(site.vertex);
     }
@@ -49,8 +50,8 @@ fn points_that_wait_are_far_from_each_other() {
     assert_eq!(given[3..6].iter().map(|v| v / 300).max(), Some(2), "{given:?}");
     given.sort_unstable();
     // The piece between two of them is too short to be cut.
-    let gaps: Vec<u32> = given.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    assert!(gaps.iter().all(|&gap| gap > 1 && gap <= 1 + SHORTEST as u32), "{gaps:?}");
+    let gaps: Vec<u64> = given.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    assert!(gaps.iter().all(|&gap| gap > 1 && gap <= 1 + SHORTEST as u64), "{gaps:?}");
     let site = WireVertex::new(given[1], [0.0; 3]);
     field.let_go(&site);
     let next = field.next(&mesh).expect("a point");
@@ -61,7 +62,7 @@ fn points_that_wait_are_far_from_each_other() {
 #[test]
 fn the_next_round_begins_when_all_cursors_wait() {
     let (mut field, mesh) = field(9000);
-    let round = |site: &WireVertex| round_of(site.vertex, 1);
+    let round = |site: &WireVertex| round_of(site.vertex as u32, 1);
     let rounds: Vec<u32> =
         std::iter::from_fn(|| field.next(&mesh)).take(6).map(|s| round(&s)).collect();
     assert_eq!(rounds, [0, 0, 0, 1, 1, 1]);
@@ -71,7 +72,7 @@ fn the_next_round_begins_when_all_cursors_wait() {
 fn what_lies_at_the_interface_goes_first_in_short_pieces_far_from_each_other() {
     let (field, mesh) = field(9000);
     let pieces = [1000..1400, 5000..5200];
-    let at = |v: VertexId| pieces.iter().any(|piece| piece.contains(&v));
+    let at = |v: VertexName| pieces.iter().any(|piece| piece.contains(&(v as VertexId)));
     let mut field = field.interface(pieces.to_vec(), 4);
     let next = |field: &mut PointQueue| field.next(&mesh).expect("a point");
     let given: Vec<WireVertex> = (0..4).map(|_| next(&mut field)).collect();
@@ -111,7 +112,7 @@ fn no_more_points_than_said_are_under_way_while_others_may_go() {
     // Three rounds: in the first one an interface cursor has a single point or none.
     let (field, mesh) = field(70_000);
     let pieces = [20_000..26_000, 28_000..31_000];
-    let at = |v: VertexId| pieces.iter().any(|piece| piece.contains(&v));
+    let at = |v: VertexName| pieces.iter().any(|piece| piece.contains(&(v as VertexId)));
     let mut field = field.interface(pieces.clone(), 10);
     let (mut under_way, mut most) = (Vec::new(), 0);
     while !field.is_empty() {

@@ -1,0 +1,27 @@
+//! Names of vertices, the same at every worker.
+
+use crate::protocol::WorkerId;
+use ltbw_core::topology::{INFINITE, VertexId};
+
+/// The name of a vertex: in the upper half its maker's number plus 1, or 0 if it was given; in the
+/// lower half that one's counter, from 1 up. 0 is the vertex at infinity.
+pub type VertexName = u64;
+
+/// The vertex at infinity.
+pub(super) const NOWHERE: VertexName = 0;
+
+/// The name of the vertex that worker `by` makes as its `count`-th.
+pub fn made(by: WorkerId, count: u32) -> VertexName {
+    (u64::from(by) + 1) << 32 | u64::from(count)
+}
+
+/// The place along the curve of a vertex that was given.
+#[inline]
+pub fn given(name: VertexName) -> Option<VertexId> {
+    u32::try_from(name).ok().filter(|&rank| rank != INFINITE)
+}
+
+/// The lower half of a name, for messages.
+pub(super) fn count_of(name: VertexName) -> u32 {
+    name as u32
+}

@@ -1,0 +1,132 @@
+//! The vertices of one worker's submesh: their names among workers, and their numbers here.
+//!
+//! A *name* is who made the vertex and that one's counter. The points of the input have no maker:
+//! their counter is the place along the curve, which all workers share and none changes. A submesh
+//! numbers what it has from 1 up without gaps: first its own stretch of the curve, so that name and
+//! number differ by a constant, then all others in the order in which they come.
+
+use super::Blocks;
+use super::name::{NOWHERE, VertexName};
+use crate::protocol::BlockId;
+use ltbw_core::topology::{INFINITE, VertexId};
+use ltbw_exact::Point;
+use rustc_hash::FxHashMap;
+use std::ops::Range;
+
+/// A vertex that is not of the worker's own stretch of the curve.
+#[derive(Clone, Copy, Debug)]
+struct Other {
+    name: VertexName,
+    block: BlockId,
+}
+
+/// Names and numbers.
+#[derive(Clone, Debug)]
+pub(super) struct Vertices {
+    blocks: Blocks,
+    /// The place along the curve before that of number 1.
+    before: VertexId,
+    /// The number of vertices of the own stretch.
+    run: VertexId,
+    /// The vertices with the numbers after those.
+    others: Vec<Other>,
+    numbers: FxHashMap<VertexName, VertexId>,
+}
+
+impl Vertices {
+    /// The vertices of the stretch `own`.
+    pub(super) fn new(blocks: Blocks, own: Range<VertexId>) -> Self {
+        let (before, run) = (own.start.saturating_sub(1), own.len() as VertexId);
+        Self { blocks, before, run, others: Vec::new(), numbers: FxHashMap::default() }
+    }
+
+    /// The numbers of vertices at places of the own stretch.
+    pub(super) fn numbers_of(&self, places: Range<VertexId>) -> Range<VertexId> {
+        let number = |place: VertexId| 1 + (place.max(self.before + 1) - self.before - 1);
+        number(places.start)..number(places.end)
+    }
+
+    /// The largest number of the own stretch.
+    pub(super) fn run(&self) -> VertexId {
+        self.run
+    }
+
+    /// The number that the next vertex gets.
+    pub(super) fn next(&self) -> VertexId {
+        self.run + 1 + self.others.len() as VertexId
+    }
+
+    /// The name of the vertex with number `v`, which is one here, or 0.
+    #[inline]
+    pub(super) fn name(&self, v: VertexId) -> VertexName {
+        match v {
+            INFINITE => NOWHERE,
+            v if v <= self.run => VertexName::from(self.before + v),
+            v => self.others[(v - self.run) as usize - 1].name,
+        }
+    }
+
+    /// The number here of a vertex; `None` if it has none.
+    #[inline]
+    pub(super) fn number(&self, name: VertexName) -> Option<VertexId> {
+        let place = name.wrapping_sub(VertexName::from(self.before));
+        if place.wrapping_sub(1) < VertexName::from(self.run) {
+            return Some(place as VertexId);
+        }
+        if name == NOWHERE { Some(INFINITE) } else { self.numbers.get(&name).copied() }
+    }
+
+    /// Gives a vertex that has no number the next one.
+    pub(super) fn add(&mut self, name: VertexName, p: &Point) -> VertexId {
+        let (number, block) = (self.next(), self.blocks.of_name(name, p));
+        self.others.push(Other { name, block });
+        self.numbers.insert(name, number);
+        number
+    }
+
+    /// The block of a finite vertex here.
+    #[inline]
+    pub(super) fn block(&self, v: VertexId) -> BlockId {
+        if v <= self.run {
+            self.blocks.of_vertex(self.before + v)
+        } else {
+            self.others[(v - self.run) as usize - 1].block
+        }
+    }
+
+    /// The place along the curve of number 1, and the names from the end of the own stretch on.
+    pub(super) fn all(&self) -> (VertexId, impl ExactSizeIterator<Item = VertexName> + '_) {
+        (self.before + 1, self.others.iter().map(|other| other.name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::name::{given, made};
+    use super::*;
+
+    #[test]
+    fn names_and_numbers_are_inverse() {
+        let mut vertices = Vertices::new(Blocks::even(100, 4), 26..51);
+        assert_eq!((vertices.name(1), vertices.name(25), vertices.next()), (26, 50, 26));
+        assert_eq!((vertices.number(26), vertices.number(51)), (Some(1), None));
+        let names = [51, 25, made(0, 1), made(3, 1), made(3, 2), 100, 1];
+        for (number, name) in (26..).zip(names) {
+            assert_eq!((vertices.number(name), vertices.next()), (None, number));
+            assert_eq!(vertices.add(name, &[0.5; 3]), number);
+        }
+        for v in 0..vertices.next() {
+            assert_eq!(vertices.number(vertices.name(v)), Some(v));
+        }
+        let blocks: Vec<BlockId> = (1..33).map(|v| vertices.block(v)).collect();
+        assert_eq!(blocks[..27], [[1; 25].as_slice(), &[2, 0]].concat());
+        assert_eq!((vertices.numbers_of(30..41), given(made(0, 7))), (5..16, None));
+    }
+
+    #[test]
+    fn a_worker_without_a_stretch_numbers_what_comes() {
+        let mut vertices = Vertices::new(Blocks::even(3, 8), 3..3);
+        assert_eq!((vertices.next(), vertices.number(3)), (1, None));
+        assert_eq!((vertices.add(3, &[0.0; 3]), vertices.name(1)), (1, 3));
+    }
+}
