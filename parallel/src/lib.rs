@@ -36,12 +36,13 @@
 //!
 //! | feature | what it brings |
 //! |---|---|
-//! | `ndarray` | [`PointSet`] of an (n, 3) view, `points_array`, `simplices_array` of meshes |
-//! | `nalgebra` | [`PointSet`] from a slice of `Point3<f64>`, conversions in `interop` |
+//! | `ndarray` | [`PointSet`] of an (n, 3) view, arrays of meshes and of [`quality`] |
+//! | `nalgebra` | [`PointSet`] from a slice of `Point3<f64>`, a matrix of [`quality`] |
 //! | `serde` | [`Snapshot`], [`PointSet`], [`TetMesh`] and figures to be stored and read |
 //!
 //! `use ltbw::prelude::*` brings what most programs need. The examples by task: `points`, `walk`,
 //! `domain`, `watch` and `threads`, in the folder `examples` of this crate.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 pub mod balance;

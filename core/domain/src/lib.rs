@@ -20,10 +20,12 @@
 //! | [`defect`] | [`DomainError`], [`DomainDefect`]: what is wrong, with ids and coordinates |
 //! | [`refine`] | conforming Delaunay refinement |
 //! | [`quality`] | histograms and extremes of angles, ratios, volumes, edges |
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 pub mod check;
 pub mod defect;
+mod display;
 pub mod lattice;
 pub mod plc;
 pub mod prepare;

@@ -137,20 +137,65 @@ impl Histogram {
     }
 }
 
-/// Figures of every tetrahedron, with the names under which mesh files carry them: `radius_edge`,
-/// `volume`, and `dihedral_min` and `dihedral_max` in degrees. All vertices have to be points.
-#[must_use]
-pub fn arrays(points: &[Point], tets: &[[u32; 4]]) -> Vec<(&'static str, Vec<f64>)> {
-    let names = ["radius_edge", "volume", "dihedral_min", "dihedral_max"];
-    let mut arrays = names.map(|name| (name, Vec::with_capacity(tets.len())));
-    for tet in tets {
+/// Names of the figures of a tetrahedron under which mesh files carry them; angles in degrees.
+pub const FIGURES: [&str; 4] = ["radius_edge", "volume", "dihedral_min", "dihedral_max"];
+
+/// The [`FIGURES`] of each tetrahedron.
+fn figures<'a>(
+    points: &'a [Point],
+    tets: &'a [[u32; 4]],
+) -> impl Iterator<Item = [f64; 4]> + use<'a> {
+    tets.iter().map(|tet| {
         let q = TetQuality::of(tet.map(|v| &points[v as usize]));
         let least = q.dihedral.into_iter().fold(f64::INFINITY, f64::min);
         let largest = q.dihedral.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        let values = [q.radius_edge, q.volume, least, largest];
+        [q.radius_edge, q.volume, least, largest]
+    })
+}
+
+/// The [`FIGURES`] of every tetrahedron, each with its name. All vertices have to be points.
+#[must_use]
+pub fn arrays(points: &[Point], tets: &[[u32; 4]]) -> Vec<(&'static str, Vec<f64>)> {
+    let mut arrays = FIGURES.map(|name| (name, Vec::with_capacity(tets.len())));
+    for values in figures(points, tets) {
         arrays.iter_mut().zip(values).for_each(|(array, value)| array.1.push(value));
     }
     arrays.into()
+}
+
+/// The [`FIGURES`] as an array of shape (m, 4), a row for each tetrahedron (feature `ndarray`). All
+/// vertices have to be points.
+///
+/// ```
+/// use ltbw_domain::quality::{FIGURES, to_ndarray};
+///
+/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let all = to_ndarray(&points, &[[0, 1, 2, 3], [0, 1, 2, 3]]);
+/// assert_eq!(all.dim(), (2, FIGURES.len()));
+/// assert_eq!(all[[1, 1]], 1.0 / 6.0);
+/// ```
+#[cfg(feature = "ndarray")]
+#[must_use]
+pub fn to_ndarray(points: &[Point], tets: &[[u32; 4]]) -> ndarray::Array2<f64> {
+    ltbw_exact::interop::to_ndarray(figures(points, tets).collect())
+}
+
+/// The [`FIGURES`] as a matrix with a row for each tetrahedron (feature `nalgebra`). All vertices
+/// have to be points.
+///
+/// ```
+/// use ltbw_domain::quality::{FIGURES, to_nalgebra};
+///
+/// let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let all = to_nalgebra(&points, &[[0, 1, 2, 3], [0, 1, 2, 3]]);
+/// assert_eq!(all.shape(), (2, FIGURES.len()));
+/// assert_eq!(all[(1, 1)], 1.0 / 6.0);
+/// ```
+#[cfg(feature = "nalgebra")]
+#[must_use]
+pub fn to_nalgebra(points: &[Point], tets: &[[u32; 4]]) -> nalgebra::MatrixXx4<f64> {
+    let values: Vec<f64> = figures(points, tets).flatten().collect();
+    nalgebra::MatrixXx4::from_row_slice(&values)
 }
 
 impl Quality {

@@ -9,6 +9,7 @@
 //!
 //! This is the ground floor: it knows no mesh. `docs/numerics.md` argues why nothing depends on a
 //! rounded value; `verify/proofs` proves the constants.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 #[cfg(any(feature = "nalgebra", feature = "ndarray"))]

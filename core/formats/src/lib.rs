@@ -32,6 +32,7 @@
 //! Cost: reading holds the file and the result in memory; a million points of text take about
 //! half a second each way. Writing formats in parallel on the current rayon pool.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 mod aside;

@@ -5,6 +5,7 @@
 //! only, whose results IEEE 754 fixes to the bit. A point set is a function of its kind, size and
 //! seed; golden tests hold it still.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 pub mod domains;

@@ -28,6 +28,7 @@
 //!
 //! Unsafe code is in `arena` (arrays without bounds checks) and `sphere::simd` (vector code) alone;
 //! atomics in `sync`.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(unsafe_code)]
 
 mod arena;

@@ -107,6 +107,7 @@ mod check;
 mod conform;
 mod defect;
 mod determinant;
+mod display;
 mod exact;
 mod faces;
 mod geometry;

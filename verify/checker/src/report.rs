@@ -171,6 +171,21 @@ impl Certificate<'_> {
     /// The name and version of the schema.
     pub const SCHEMA: &'static str = "ltbw.cert/1";
 
+    /// Whether every level that was asked for passed.
+    pub fn passed(&self) -> bool {
+        self.passed
+    }
+
+    /// Number of defects of each kind, listed or not.
+    pub(crate) fn defect_counts(&self) -> &BTreeMap<Kind, u64> {
+        self.defect_counts
+    }
+
+    /// Numbers of things in the mesh, and its hash, if there is one.
+    pub(crate) fn figures(&self) -> (&Counts, Option<&str>) {
+        (&self.mesh.counts, self.mesh.hash)
+    }
+
     /// The certificate as JSON text, indented.
     pub fn to_json(&self) -> serde_json::Result<String> {
         serde_json::to_string_pretty(self)
