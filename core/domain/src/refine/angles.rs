@@ -7,6 +7,11 @@
 //! unrelated facet only after that item was split. Features with narrow gaps between them (`near`)
 //! are related, too.
 //!
+//! What meets at a corner alone is related there alone: the reason counts for items that have the
+//! corner, which make the corner's ball, and whose radius is that of the last shells. All others are
+//! as far apart as the angle makes them at their distance from the corner, and are split as
+//! anywhere.
+//!
 //! The theory gives a guarantee from arccos(1/3) = 70.53° on, and none between. 20° was measured:
 //! on surfaces of triangles a larger angle relates nearly all facets, since every flat edge is a
 //! segment.
@@ -28,18 +33,38 @@ const SHARP: f64 = 0.25 * (1.0 + 1e-9);
 /// Corners with more facets than this are not looked at in pairs.
 const CROWD: usize = 512;
 
-/// The related pairs, and per facet and segment the reason why it is in one.
+/// The reasons why two features are related, or why one is related to any.
+type Reasons = Vec<Reason>;
+
+/// The related pairs, and per facet and segment the reasons why it is in one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Angles {
-    facets: Set<[u32; 2]>,
+    facets: Map<[u32; 2], Reasons>,
     /// Segment and facet.
-    segments: Set<(u32, u32)>,
+    segments: Map<(u32, u32), Reasons>,
     /// Two segments.
-    sharp: Set<[u32; 2]>,
+    sharp: Map<[u32; 2], Reasons>,
     /// Corner and facet.
     corners: Set<(u32, u32)>,
-    pub(crate) facet_reason: Map<u32, Reason>,
-    pub(crate) segment_reason: Map<u32, Reason>,
+    of_facet: Map<u32, Reasons>,
+    of_segment: Map<u32, Reasons>,
+}
+
+/// Adds a reason that is not there yet.
+fn add<K: Eq + std::hash::Hash>(map: &mut Map<K, Reasons>, key: K, reason: Reason) {
+    let list = map.entry(key).or_default();
+    if !list.contains(&reason) {
+        list.push(reason);
+    }
+}
+
+/// The first reason that counts for an item which has the corners that `has` says.
+fn first(reasons: Option<&Reasons>, has: &impl Fn(u32) -> bool) -> Option<Reason> {
+    let counts = |reason: &Reason| match *reason {
+        Reason::SmallFaceAngle { corner } => has(corner),
+        _ => true,
+    };
+    reasons?.iter().copied().find(counts)
 }
 
 /// Is the angle between two directions below the one whose squared cosine is `limit`?
@@ -67,7 +92,7 @@ impl Angles {
                     if x.iter().any(|a| y.iter().any(|b| is_small(a, b, SMALL))) {
                         let reason = Reason::SmallDihedral { segment: segment.ends };
                         angles.relate_facets(f, g, reason);
-                        angles.segment_reason.entry(s).or_insert(reason);
+                        add(&mut angles.of_segment, s, reason);
                     }
                 }
             }
@@ -86,8 +111,8 @@ impl Angles {
                 let reason = Reason::NearFacet { corner };
                 self.corners.insert((corner, f));
                 for &s in &plc.segments_at[corner as usize] {
-                    self.segments.insert((s, f));
-                    self.segment_reason.entry(s).or_insert(reason);
+                    add(&mut self.segments, (s, f), reason);
+                    add(&mut self.of_segment, s, reason);
                 }
                 for &g in plc.facets_at[corner as usize].iter().filter(|&&g| g != f) {
                     self.relate_facets(f, g, reason);
@@ -96,11 +121,11 @@ impl Angles {
             Pair::Segments(s, r) => {
                 let [a, b] = [s, r].map(|s| &plc.segments[s as usize]);
                 let reason = Reason::NearSegments { first: a.ends, second: b.ends };
-                self.sharp.insert(edge(s, r));
-                self.segments.extend(b.facets.iter().map(|&f| (s, f)));
-                self.segments.extend(a.facets.iter().map(|&f| (r, f)));
+                add(&mut self.sharp, edge(s, r), reason);
+                b.facets.iter().for_each(|&f| add(&mut self.segments, (s, f), reason));
+                a.facets.iter().for_each(|&f| add(&mut self.segments, (r, f), reason));
                 for s in [s, r] {
-                    self.segment_reason.entry(s).or_insert(reason);
+                    add(&mut self.of_segment, s, reason);
                 }
                 for &f in &a.facets {
                     for &g in b.facets.iter().filter(|&&g| g != f) {
@@ -112,9 +137,9 @@ impl Angles {
     }
 
     fn relate_facets(&mut self, f: u32, g: u32, reason: Reason) {
-        self.facets.insert(edge(f, g));
-        self.facet_reason.entry(f).or_insert(reason);
-        self.facet_reason.entry(g).or_insert(reason);
+        add(&mut self.facets, edge(f, g), reason);
+        add(&mut self.of_facet, f, reason);
+        add(&mut self.of_facet, g, reason);
     }
 
     /// Relates what meets at one corner alone.
@@ -131,21 +156,21 @@ impl Angles {
         };
         for (k, &s) in segments.iter().enumerate() {
             for &r in segments[..k].iter().filter(|&&r| small(s, r)) {
-                self.segment_reason.entry(s).or_insert(reason);
-                self.segment_reason.entry(r).or_insert(reason);
-                self.sharp.insert(edge(s, r));
+                add(&mut self.of_segment, s, reason);
+                add(&mut self.of_segment, r, reason);
+                add(&mut self.sharp, edge(s, r), reason);
                 let [of_s, of_r] = [s, r].map(|s| &plc.segments[s as usize].facets);
                 // Two sides of one facet: the small angle is in its plane, not between facets.
                 if of_s.iter().any(|f| of_r.contains(f)) {
                     continue;
                 }
                 for &f in of_r.iter().filter(|f| !of_s.contains(f)) {
-                    self.segments.insert((s, f));
-                    self.facet_reason.entry(f).or_insert(reason);
+                    add(&mut self.segments, (s, f), reason);
+                    add(&mut self.of_facet, f, reason);
                 }
                 for &f in of_s.iter().filter(|f| !of_r.contains(f)) {
-                    self.segments.insert((r, f));
-                    self.facet_reason.entry(f).or_insert(reason);
+                    add(&mut self.segments, (r, f), reason);
+                    add(&mut self.of_facet, f, reason);
                 }
                 for &f in of_s {
                     for &g in of_r.iter().filter(|&&g| g != f && !share_segment(plc, f, g, corner))
@@ -157,26 +182,59 @@ impl Angles {
         }
     }
 
-    /// Is a vertex that lives on `carrier` related to segment `s`?
-    pub(crate) fn related_segment(&self, carrier: Carrier, s: u32) -> bool {
+    /// Why facet `f` is related to any other, if it is.
+    pub(crate) fn reason_of_facet(&self, f: u32) -> Option<Reason> {
+        self.of_facet.get(&f)?.first().copied()
+    }
+
+    /// Why segment `s` is related to any other, if it is.
+    pub(crate) fn reason_of_segment(&self, s: u32) -> Option<Reason> {
+        self.of_segment.get(&s)?.first().copied()
+    }
+
+    /// The same, for an item of it with the corners that `has` says.
+    pub(crate) fn reason_on_facet(&self, f: u32, has: &impl Fn(u32) -> bool) -> Option<Reason> {
+        first(self.of_facet.get(&f), has)
+    }
+
+    /// The same, for a subsegment with the corners that `has` says.
+    pub(crate) fn reason_on_segment(&self, s: u32, has: &impl Fn(u32) -> bool) -> Option<Reason> {
+        first(self.of_segment.get(&s), has)
+    }
+
+    /// Why a vertex that lives on `carrier` is related to a subsegment of `s` with the corners that
+    /// `has` says, if it is.
+    pub(crate) fn related_segment(
+        &self,
+        carrier: Carrier,
+        s: u32,
+        has: &impl Fn(u32) -> bool,
+    ) -> Option<Reason> {
         match carrier {
-            Carrier::Facet(g) => self.segments.contains(&(s, g)),
-            Carrier::Segment(r, _) => self.sharp.contains(&edge(r, s)),
-            Carrier::Corner(_) | Carrier::Free => false,
+            Carrier::Facet(g) => first(self.segments.get(&(s, g)), has),
+            Carrier::Segment(r, _) => first(self.sharp.get(&edge(r, s)), has),
+            Carrier::Corner(_) | Carrier::Free => None,
         }
     }
 
-    /// Is a vertex that lives on `carrier` related to facet `f`?
-    pub(crate) fn related(&self, plc: &Plc, carrier: Carrier, f: u32) -> bool {
+    /// Why a vertex that lives on `carrier` is related to an item on facet `f` with the corners that
+    /// `has` says, if it is.
+    pub(crate) fn related(
+        &self,
+        plc: &Plc,
+        carrier: Carrier,
+        f: u32,
+        has: &impl Fn(u32) -> bool,
+    ) -> Option<Reason> {
+        let with = |g: &u32| first(self.facets.get(&edge(f, *g)), has);
         match carrier {
-            Carrier::Facet(g) => self.facets.contains(&edge(f, g)),
-            Carrier::Segment(s, _) => {
-                let of_s = &plc.segments[s as usize].facets;
-                self.segments.contains(&(s, f))
-                    || of_s.iter().any(|&g| self.facets.contains(&edge(f, g)))
+            Carrier::Facet(g) => with(&g),
+            Carrier::Segment(s, _) => first(self.segments.get(&(s, f)), has)
+                .or_else(|| plc.segments[s as usize].facets.iter().find_map(with)),
+            Carrier::Corner(corner) => {
+                self.corners.contains(&(corner, f)).then_some(Reason::NearFacet { corner })
             }
-            Carrier::Corner(c) => self.corners.contains(&(c, f)),
-            Carrier::Free => false,
+            Carrier::Free => None,
         }
     }
 }

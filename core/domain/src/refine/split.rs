@@ -187,7 +187,7 @@ impl<'a> Refinement<'a> {
                 Proposal::SetBack(setback) => return Step::SetBack(setback),
             }
         }
-        let reason = self.state.angles.facet_reason.get(&f).copied();
+        let reason = self.state.angles.reason_of_facet(f);
         Step::Refused(reason.unwrap_or(Reason::Rounding))
     }
 
@@ -351,14 +351,14 @@ impl State {
 
     /// The small angle that a tetrahedron is at, if any of its vertices is on something at one.
     pub(crate) fn reason_near(&self, v: [VertexId; 4]) -> Reason {
-        let facets = |f: &u32| self.angles.facet_reason.get(f);
+        let facets = |f: &u32| self.angles.reason_of_facet(*f);
         let reasons = v.into_iter().find_map(|v| match self.carriers[v as usize] {
-            Carrier::Segment(s, _) => self.angles.segment_reason.get(&s),
+            Carrier::Segment(s, _) => self.angles.reason_of_segment(s),
             Carrier::Corner(c) => self.plc.facets_at[c as usize].iter().find_map(facets),
             Carrier::Facet(f) => facets(&f),
             Carrier::Free => None,
         });
-        reasons.copied().unwrap_or(Reason::Rounding)
+        reasons.unwrap_or(Reason::Rounding)
     }
 
     /// Does vertex `v` of segment `s` lie at a corner where another segment leaves at less than

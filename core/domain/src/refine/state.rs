@@ -212,6 +212,16 @@ impl State {
         }
     }
 
+    /// Is an input corner a vertex of a boundary item?
+    pub(crate) fn has_corner(&self, item: Item, corner: u32) -> bool {
+        let is = |v: &VertexId| self.carriers.get(*v as usize) == Some(&Carrier::Corner(corner));
+        match item {
+            Item::Segment(s) => s.iter().any(is),
+            Item::Subface(s) => s.iter().any(is),
+            Item::Tet(..) => false,
+        }
+    }
+
     /// Is `p` in the closed ball of a subsegment?
     pub(crate) fn encroaches_segment(&self, [a, b]: [VertexId; 2], p: &Point) -> bool {
         in_diametral_ball(&self.at(a), &self.at(b), p)
@@ -324,22 +334,18 @@ impl State {
     /// Why a point on `carrier` may not ask for a boundary item to be split, if it may not: they
     /// are at a small angle with each other, or too near.
     pub(crate) fn relation(&self, carrier: Carrier, item: Item) -> Option<Reason> {
-        let of_facet = |f: u32| {
-            let related = self.angles.related(&self.plc, carrier, f);
-            related.then(|| self.angles.facet_reason.get(&f)).flatten()
-        };
-        let reason = match item {
+        let has = |corner: u32| self.has_corner(item, corner);
+        let of_facet = |f: u32| self.angles.related(&self.plc, carrier, f, &has);
+        match item {
             Item::Segment(s) => {
                 let of = *self.segments.get(&s)?;
-                let own = self.angles.related_segment(carrier, of);
-                let own = own.then(|| self.angles.segment_reason.get(&of)).flatten();
                 let facets = &self.plc.segments[of as usize].facets;
+                let own = self.angles.related_segment(carrier, of, &has);
                 own.or_else(|| facets.iter().find_map(|&f| of_facet(f)))
             }
             Item::Subface(s) => of_facet(*self.subfaces.get(&s)?),
             Item::Tet(..) => None,
-        };
-        reason.copied()
+        }
     }
 
     /// The missing subfaces of facet `f` whose balls may hold `p`.

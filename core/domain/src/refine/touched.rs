@@ -47,11 +47,9 @@ impl State {
         let Touched { rim, inner_edges, hit_segments, .. } = &mut touched;
         inner_edges.sort_unstable();
         let is_hit = |s: &&[VertexId; 2]| {
-            let related = carrier != Carrier::Free
-                && self
-                    .segments
-                    .get(*s)
-                    .is_some_and(|&of| self.angles.related_segment(carrier, of));
+            let has = |corner: u32| self.has_corner(Item::Segment(**s), corner);
+            let related = |&of: &u32| self.angles.related_segment(carrier, of, &has).is_some();
+            let related = carrier != Carrier::Free && self.segments.get(*s).is_some_and(related);
             !related && self.encroaches_segment(**s, p)
         };
         hit_segments.extend(rim.iter().chain(&*inner_edges).filter(is_hit));
@@ -126,7 +124,8 @@ impl State {
             if inside {
                 touched.inner.push((key, facet));
             }
-            if !self.angles.related(&self.plc, carrier, facet)
+            let has = |corner: u32| self.has_corner(Item::Subface(key), corner);
+            if self.angles.related(&self.plc, carrier, facet, &has).is_none()
                 && self.encroaches_subface(key, facet, p, carrier)
             {
                 touched.hit_subfaces.push(key);

@@ -47,10 +47,12 @@ impl Judge<'_> {
     /// On a point that is to split a subsegment of segment `s`.
     pub(crate) fn on_segment(&self, ends: [VertexId; 2], s: u32, place: &Place) -> Verdict {
         let (state, item) = (self.state, Item::Segment(ends));
-        let reason = state.angles.segment_reason.get(&s).copied();
+        let has = |corner: u32| state.has_corner(item, corner);
+        let reason = state.angles.reason_on_segment(s, &has);
         if let Some(reason) = reason.filter(|_| self.is_too_near(item, &place.p)) {
             return Verdict::Refuse(reason);
         }
+        let reason = state.angles.reason_of_segment(s);
         let mut changes = Vec::new();
         for f in state.facets_of(place.carrier).into_iter().filter(|&f| state.is_planned(f)) {
             match state.plan(f, &place.p, Seed::Along(ends)) {
@@ -75,7 +77,8 @@ impl Judge<'_> {
         is_on: bool,
     ) -> Verdict {
         let (state, item) = (self.state, Item::Subface(corners));
-        let reason = state.angles.facet_reason.get(&f).copied();
+        let has = |corner: u32| state.has_corner(item, corner);
+        let reason = state.angles.reason_on_facet(f, &has);
         if let Some(reason) = reason.filter(|_| self.is_too_near(item, &place.p)) {
             return Verdict::Refuse(reason);
         }

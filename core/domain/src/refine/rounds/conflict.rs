@@ -3,6 +3,7 @@
 
 use super::{Candidate, Rounds};
 use crate::refine::carrier::Carrier;
+use crate::refine::item::Item;
 use crate::refine::marks::{EDGES, ENDS, FACES, face_bit};
 use crate::refine::measure::{in_diametral_ball, in_equatorial_ball};
 use crate::refine::state::FACE;
@@ -69,8 +70,10 @@ impl Rounds<'_, '_> {
                 }
                 let others = (0..4).filter(|&slot| slot != i && slot != j).map(|slot| v[slot]);
                 let mut is_met = false;
-                let mut is_safe = !matches!(carrier, Carrier::Segment(..))
-                    && of.is_some_and(|s| !state.angles.related_segment(carrier, s));
+                let has = |corner: u32| state.has_corner(Item::Segment(ends), corner);
+                let related = |s: u32| state.angles.related_segment(carrier, s, &has).is_some();
+                let mut is_safe =
+                    !matches!(carrier, Carrier::Segment(..)) && of.is_some_and(|s| !related(s));
                 let [a, b] = ends.map(|v| state.at(v));
                 let mut look = |at: TetId, apex: VertexId| {
                     is_met |= self.has_rival(at);

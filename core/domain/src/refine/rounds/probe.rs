@@ -72,7 +72,7 @@ impl Rounds<'_, '_> {
             return self.refuse(item, Reason::Floor);
         }
         let plane = state.plc.facets[f as usize].plane;
-        let reason = state.angles.facet_reason.get(&f).copied();
+        let reason = state.angles.reason_of_facet(f);
         let (centre, radius) = aim(points, &centre, square);
         for tolerance in [radius * TOLERANCE, 1.0] {
             let Some(p) = plane.near(&centre, tolerance) else { continue };
