@@ -7,10 +7,9 @@
 //! unrelated facet only after that item was split. Features with narrow gaps between them (`near`)
 //! are related, too.
 //!
-//! What meets at a corner alone is related there alone: the reason counts for items that have the
-//! corner, which make the corner's ball, and whose radius is that of the last shells. All others are
-//! as far apart as the angle makes them at their distance from the corner, and are split as
-//! anywhere.
+//! Features that meet at a corner alone are related there alone: the reason counts for items that
+//! have the corner, which make its ball; the last shells are the radius. All others are as far
+//! apart as the angle makes them at their distance from the corner, and are split as anywhere.
 //!
 //! The theory gives a guarantee from arccos(1/3) = 70.53° on, and none between. 20° was measured:
 //! on surfaces of triangles a larger angle relates nearly all facets, since every flat edge is a
@@ -47,6 +46,9 @@ pub(crate) struct Angles {
     /// Corner and facet.
     corners: Set<(u32, u32)>,
     of_facet: Map<u32, Reasons>,
+    /// Per segment: pairs of facets at a small dihedral angle, with the square of the sine of half
+    /// of it.
+    wedges: Map<u32, Vec<([u32; 2], f64)>>,
     of_segment: Map<u32, Reasons>,
 }
 
@@ -73,6 +75,11 @@ fn is_small(a: &Point, b: &Point, limit: f64) -> bool {
     product > 0.0 && product * product > limit * dot(a, a) * dot(b, b)
 }
 
+/// The square of the sine of half the angle between two directions, rounded.
+fn half_sine2(a: &Point, b: &Point) -> f64 {
+    (1.0 - dot(a, b) / (dot(a, a) * dot(b, b)).sqrt()).max(0.0) / 2.0
+}
+
 /// Do two segments with these directions leave a corner at less than 60°?
 pub(crate) fn is_sharp(a: &Point, b: &Point) -> bool {
     is_small(a, b, SHARP)
@@ -89,7 +96,11 @@ impl Angles {
             for (k, &f) in segment.facets.iter().enumerate() {
                 for &g in &segment.facets[..k] {
                     let [x, y] = [f, g].map(|f| inward.get(&(s, f)).unwrap_or(&none));
-                    if x.iter().any(|a| y.iter().any(|b| is_small(a, b, SMALL))) {
+                    let pairs = x.iter().flat_map(|a| y.iter().map(move |b| (a, b)));
+                    let small = pairs.filter(|(a, b)| is_small(a, b, SMALL));
+                    let least = small.map(|(a, b)| half_sine2(a, b)).reduce(f64::min);
+                    if let Some(half) = least {
+                        angles.wedges.entry(s).or_default().push(([f, g], half));
                         let reason = Reason::SmallDihedral { segment: segment.ends };
                         angles.relate_facets(f, g, reason);
                         add(&mut angles.of_segment, s, reason);
@@ -182,6 +193,24 @@ impl Angles {
         }
     }
 
+    /// Is nothing at a small angle?
+    pub(crate) fn is_empty(&self) -> bool {
+        self.sharp.is_empty() && self.wedges.is_empty()
+    }
+
+    /// Are two segments at a small angle at a corner?
+    pub(crate) fn is_tip(&self, s: u32, r: u32, corner: u32) -> bool {
+        let reason = Reason::SmallFaceAngle { corner };
+        self.sharp.get(&edge(s, r)).is_some_and(|reasons| reasons.contains(&reason))
+    }
+
+    /// The pairs of facets at segment `s` whose dihedral angle is so small that the square of the
+    /// sine of half of it is below `limit`.
+    pub(crate) fn wedges(&self, s: u32, limit: f64) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let all = self.wedges.get(&s).into_iter().flatten();
+        all.filter(move |(_, half)| *half < limit).map(|(pair, _)| *pair)
+    }
+
     /// Why facet `f` is related to any other, if it is.
     pub(crate) fn reason_of_facet(&self, f: u32) -> Option<Reason> {
         self.of_facet.get(&f)?.first().copied()
@@ -217,8 +246,8 @@ impl Angles {
         }
     }
 
-    /// Why a vertex that lives on `carrier` is related to an item on facet `f` with the corners that
-    /// `has` says, if it is.
+    /// Why a vertex that lives on `carrier` is related to an item on facet `f` with the corners
+    /// that `has` says, if it is.
     pub(crate) fn related(
         &self,
         plc: &Plc,

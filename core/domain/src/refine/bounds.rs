@@ -111,6 +111,15 @@ impl Bounds<'_> {
             || self.ratio.is_some_and(|bound| bound.exceeded(corners))
     }
 
+    /// Is tetrahedron `t` of the domain over a bound on its size?
+    pub(crate) fn is_large(&self, state: &State, t: TetId) -> bool {
+        let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
+        let corners = [&a, &b, &c, &d];
+        let own = self.volumes.get(state.marks.region(t) as usize).copied().flatten();
+        let bounds = own.into_iter().chain(self.field_bound(corners));
+        bounds.into_iter().any(|bound| bound.exceeded(corners))
+    }
+
     /// The factor by which tetrahedron `t` of the domain is over its bounds, if it is: at least 1.
     #[inline(always)]
     pub(crate) fn excess(&self, state: &State, t: TetId) -> Option<f64> {

@@ -99,6 +99,11 @@ impl RatioBound {
         Self { bound }
     }
 
+    /// The bound B.
+    pub(crate) fn value(&self) -> f64 {
+        self.bound
+    }
+
     /// Does circumradius to shortest edge exceed the bound? Never for equal.
     #[inline(always)]
     pub(crate) fn exceeded(&self, [p, q, r, s]: [&Point; 4]) -> bool {

@@ -19,6 +19,7 @@
 //! | `registry` | pending boundary items by place |
 //! | `state`, `facet` | mesh, marks and tables; how a point changes a facet |
 //! | `angles`, `near` | where the theory gives no guarantee: small angles, narrow gaps |
+//! | `sharp` | tetrahedra at angles too small for their bound of shape |
 //! | `dust` | flat tetrahedra of a patch go to its outer side |
 //! | `recover`, `mend` | from the mesh of the corners to one that has the boundary |
 //! | `seed` | the first points where empty balls are large |
@@ -70,6 +71,7 @@ mod registry;
 mod rounds;
 mod run;
 mod seed;
+mod sharp;
 mod sliver;
 mod split;
 mod state;

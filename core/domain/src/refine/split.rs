@@ -246,6 +246,9 @@ impl<'a> Refinement<'a> {
         if radius < self.floor {
             return Step::Refused(Reason::Floor);
         }
+        if let Some(reason) = self.beyond_help(t, v) {
+            return Step::Refused(reason);
+        }
         let grain = |own: &Self| own.bounds.as_ref().map(|b| b.grain(&own.state, t, &shape));
         for tolerance in [radius * TOLERANCE, 1.0] {
             let Some(centre) = shape.circumcentre(&d) else { break };

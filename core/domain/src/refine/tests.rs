@@ -2,6 +2,7 @@
 
 mod cavity;
 mod rounds;
+mod sharp;
 
 use super::carrier::Carrier;
 use super::item::Work;

@@ -1,0 +1,94 @@
+//! Small angles of the input: what is excused there, and what is met elsewhere.
+
+use super::{ready, refine};
+use crate::refine::{Reason, RefineOutcome, Refined, Refiner};
+use crate::{Domain, Facet, PrepareOptions, Prepared};
+use ltbw_core::invariants::check_all;
+use ltbw_generate::{DomainKind, Shape};
+
+fn wedge(angle: f64) -> Prepared {
+    ready(DomainKind::Wedge, &Shape { angle: Some(angle), ..Shape::default() })
+}
+
+/// The points that were inserted.
+fn points(refined: &Refined) -> u64 {
+    let stats = refined.stats;
+    stats.segment_points + stats.facet_points + stats.free_points
+}
+
+/// A cone of `n` triangles on a band of rings, each `step` below the one before, with a flat base.
+fn cone(n: u32, height: f64, rings: u32, step: f64) -> Prepared {
+    let mut domain = Domain { vertices: vec![[0.0, 0.0, height]], ..Domain::default() };
+    for ring in 0..=rings {
+        for k in 0..n {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(n)).sin_cos();
+            domain.vertices.push([0.5 * cos, 0.5 * sin, -step * f64::from(ring)]);
+        }
+    }
+    let at = |ring: u32, k: u32| 1 + ring * n + k % n;
+    for k in 0..n {
+        domain.facets.push(Facet::polygon(&[0, at(0, k), at(0, k + 1)], 0));
+        for r in 0..rings {
+            let side = [at(r, k), at(r + 1, k), at(r + 1, k + 1), at(r, k + 1)];
+            domain.facets.push(Facet::polygon(&side, 0));
+        }
+    }
+    let base: Vec<u32> = (0..n).rev().map(|k| at(rings, k)).collect();
+    domain.facets.push(Facet::polygon(&base, 0));
+    domain.prepare(&PrepareOptions::default()).expect("a sound domain")
+}
+
+/// The numbers of tetrahedra are those from before small angles got rules of their own.
+#[test]
+fn wedges_from_25_degrees_on_meet_every_bound() {
+    for (angle, count) in [(25.0, 404.0), (30.0, 468.0), (45.0, 657.0), (60.0, 789.0)] {
+        let refined = refine(&Refiner::new().max_volume(1e-3), &wedge(angle));
+        assert_eq!(refined.outcome, RefineOutcome::Met, "{angle}");
+        let tets = refined.num_tets() as f64;
+        assert!((tets / count - 1.0).abs() <= 0.02, "{angle}: {tets}");
+        assert_eq!(refine(&Refiner::new(), &wedge(angle)).num_tets(), 3, "{angle}");
+    }
+}
+
+/// They took 5 to 6 points, and four times as many tetrahedra were excused.
+#[test]
+fn wedges_too_thin_for_their_bound_of_shape_are_left_as_they_are() {
+    for angle in [0.1, 1.0, 5.0, 10.0, 14.0] {
+        let refined = refine(&Refiner::new(), &wedge(angle));
+        check_all(refined.mesh()).expect("invariants of the mesh");
+        assert_eq!((points(&refined), refined.num_tets()), (0, 3), "{angle}");
+        assert_eq!(refined.outcome, RefineOutcome::Excused, "{angle}");
+    }
+    // With another bound on shapes another angle is too small: none of these wedges is over it.
+    assert_eq!(refine(&Refiner::new().radius_edge(6.0), &wedge(10.0)).outcome, RefineOutcome::Met);
+    assert!(points(&refine(&Refiner::new(), &wedge(15.0))) > 0, "it may be met, but for rounding");
+}
+
+#[test]
+fn bounds_on_volumes_are_worked_on_at_small_angles() {
+    for angle in [5.0, 10.0] {
+        let refined = refine(&Refiner::new().max_volume(1e-3), &wedge(angle));
+        assert!(points(&refined) > 0, "{angle}");
+    }
+}
+
+/// 187 and 267 tetrahedra were excused.
+#[test]
+fn the_tips_of_a_cone_are_excused_once() {
+    for height in [1.0, 2.0] {
+        let refined = refine(&Refiner::new(), &cone(48, height, 0, 0.0));
+        assert!(refined.excuses.len() <= 48, "{height}: {}", refined.excuses.len());
+        assert!(refined.num_tets() <= 60, "{height}: {}", refined.num_tets());
+        let apex = |r| matches!(r, Reason::SmallFaceAngle { corner: 0 });
+        assert!(refined.excuses.iter().all(|e| apex(e.reason)), "{height}");
+    }
+}
+
+/// The facets of a cone were related to each other everywhere since they meet at the apex: 79
+/// tetrahedra, most of them near the base, were excused.
+#[test]
+fn needles_are_refined_far_from_their_tips() {
+    let refined = refine(&Refiner::new(), &cone(24, 1.0, 4, 0.02));
+    check_all(refined.mesh()).expect("invariants of the mesh");
+    assert!(refined.excuses.len() <= 48, "{}", refined.excuses.len());
+}
