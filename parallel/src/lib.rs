@@ -58,6 +58,8 @@ pub mod metrics;
 pub mod prelude;
 #[doc(hidden)]
 pub mod protocol;
+#[doc(hidden)]
+pub mod refining;
 pub mod simulate;
 mod sync;
 pub mod threads;

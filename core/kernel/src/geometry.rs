@@ -134,6 +134,8 @@ impl Geometry {
     /// Appends the spheres of another submesh's `other_slots` slots to those of `slots` slots.
     pub(crate) fn append_spheres(&mut self, slots: usize, other: Self, other_slots: usize) {
         self.reserve_spheres(slots);
+        // Either may have vertices that the other has not.
+        self.step = self.step.min(other.step);
         self.spheres.append(other.spheres, other_slots, |sphere| sphere);
     }
 

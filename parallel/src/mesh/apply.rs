@@ -330,5 +330,6 @@ impl LocalMesh {
         for &t in &tets {
             self.tets.cache_sphere(t);
         }
+        self.star = tets;
     }
 }

@@ -79,7 +79,7 @@ pub struct LocalMesh {
     reported: (u64, u64, u64),
     scratch: fill::Scratch,
     closure: kernel::Closure,
-    /// New tetrahedra of a patch, and their vertices.
+    /// New tetrahedra of a patch or of a block, and the vertices of a patch.
     star: Vec<TetId>,
     rim: Vec<VertexId>,
 }
@@ -456,6 +456,14 @@ impl Submesh for LocalMesh {
 
     fn adopt(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {
         self.adopt_all(cargo, made);
+    }
+
+    fn made_at_once(&self) -> &[TetId] {
+        self.tets.made_at_once()
+    }
+
+    fn installed(&self) -> &[TetId] {
+        &self.star
     }
 
     #[inline]

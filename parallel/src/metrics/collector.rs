@@ -293,7 +293,7 @@ impl Collector {
                 }
                 SpanKind::Fill
             }
-            Note::Known => {
+            Note::Known | Note::Gone => {
                 self.figures.known += 1;
                 kind
             }

@@ -234,6 +234,9 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             let (made, mut strays) = (&mut self.spare.made, Vec::new());
             made.clear();
             self.mesh.apply::<C>(patch, &self.directory, made, &mut strays);
+            if Q::WATCHES {
+                self.source.created(&self.mesh, self.mesh.installed());
+            }
             if !self.locks.absent.is_empty() {
                 let awaited = made.iter().filter_map(|name| self.locks.absent.remove(name));
                 woken.extend(awaited.flatten());

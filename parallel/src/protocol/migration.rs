@@ -138,6 +138,9 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     fn install(&mut self, cargo: S::Cargo, out: &mut Vec<Action<S>>) {
         let mut made = Vec::new();
         self.mesh.adopt(cargo, &mut made);
+        if Q::WATCHES {
+            self.source.created(&self.mesh, self.mesh.installed());
+        }
         let woken: Vec<Waiter> =
             made.into_iter().filter_map(|name| self.locks.absent.remove(&name)).flatten().collect();
         self.wake(woken, out);

@@ -8,7 +8,7 @@ use super::directory::WorkerId;
 use super::invariant::invariant;
 use super::rules::Rules;
 use super::state::{Granted, Operation, Phase, Waiter, Want};
-use super::submesh::{Insert, Source, Submesh, Walk};
+use super::submesh::{Insert, Item, Source, Submesh, Walk};
 use super::table::Table;
 use super::worker::{Action, Note, Worker};
 use super::{Attempt, Handle, Message, Name, Ticket};
@@ -36,7 +36,8 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         true
     }
 
-    /// Walks to the point; inserts it at once if nothing is in the way, else begins an operation.
+    /// Walks to the point, or begins at its item; inserts it at once if nothing is in the way, else
+    /// begins an operation.
     pub(super) fn start(
         &mut self,
         ticket: Option<Ticket>,
@@ -45,7 +46,17 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         from: Option<Name>,
         out: &mut Vec<Action<S>>,
     ) {
-        match self.mesh.walk(&point, from) {
+        let walk = match self.source.item(&self.mesh, &point) {
+            Item::Free => self.mesh.walk(&point, from),
+            Item::At(t) if self.mesh.holder(t).is_some() => Walk::Locked(t),
+            Item::At(t) if self.mesh.in_conflict(t, &point) => Walk::At(t),
+            Item::At(_) | Item::Gone => {
+                self.source.let_go(&point);
+                out.push(Action::Note(Note::Gone));
+                return;
+            }
+        };
+        match walk {
             Walk::Duplicate(_) => {
                 self.source.let_go(&point);
                 out.push(Action::Note(Note::Known));
@@ -53,6 +64,9 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             Walk::At(seed) => match self.insert(&point, seed) {
                 Insert::Done => {
                     self.source.inserted(&self.mesh, &point);
+                    if Q::WATCHES {
+                        self.source.created(&self.mesh, self.mesh.made_at_once());
+                    }
                     out.push(Action::Note(Note::Local));
                 }
                 // Locks that it would hold while it waits would be in others' way, and an older

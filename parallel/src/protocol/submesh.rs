@@ -190,6 +190,16 @@ pub trait Submesh: Sized {
     /// Installs extracted tetrahedra. Pushes their names to `made`.
     fn adopt(&mut self, cargo: Self::Cargo, made: &mut Vec<Name>);
 
+    /// The tetrahedra that the last insertion at once has made.
+    fn made_at_once(&self) -> &[Self::Tet] {
+        &[]
+    }
+
+    /// The tetrahedra that the last patch or the last ones extracted elsewhere have brought here.
+    fn installed(&self) -> &[Self::Tet] {
+        &[]
+    }
+
     /// Why the submesh has failed, if it has. It changes nothing any more, and the run fails.
     fn error(&self) -> Option<SubmeshError> {
         None
@@ -201,9 +211,24 @@ pub trait Submesh: Sized {
     }
 }
 
+/// The item of a point: what it is inserted for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Item<T> {
+    /// None: the point is inserted for its own sake, wherever it lies.
+    Free,
+    /// A tetrahedron of this worker that is to go. If it is in conflict with the point, the
+    /// operation begins there, without a walk.
+    At(T),
+    /// The item that it was to be inserted for is gone.
+    Gone,
+}
+
 /// Where points to insert come from: the paper's field `Fd` of points, or its list `LB` of bad
 /// elements when the mesh is refined.
 pub trait Source<S: Submesh> {
+    /// Does it want to hear of tetrahedra?
+    const WATCHES: bool = false;
+
     /// The next point.
     fn next(&mut self, mesh: &S) -> Option<S::Point>;
 
@@ -215,7 +240,20 @@ pub trait Source<S: Submesh> {
         !self.is_empty()
     }
 
-    /// `point` has left for another worker, or was a vertex already.
+    /// The item of a point that it has given, looked at whenever the point's operation starts. From
+    /// there to the commit the item is locked.
+    fn item(&self, mesh: &S, point: &S::Point) -> Item<S::Tet> {
+        let _ = (mesh, point);
+        Item::Free
+    }
+
+    /// Tetrahedra have appeared at this worker: made here, or come from others. Some may have left
+    /// again. Called if it [`Source::WATCHES`].
+    fn created(&mut self, mesh: &S, tets: &[S::Tet]) {
+        let _ = (mesh, tets);
+    }
+
+    /// `point` has left for another worker, was a vertex already, or its item is gone.
     fn let_go(&mut self, point: &S::Point) {
         let _ = point;
     }

@@ -66,6 +66,8 @@ pub enum Note {
     Local,
     /// A point was a vertex already.
     Known,
+    /// A point was let go: its item is gone.
+    Gone,
     /// An operation asks for its closure.
     Began(Ticket),
     /// A request waits for a locked tetrahedron.

@@ -404,7 +404,7 @@ where
                 self.operations += 1;
                 self.last_insertion = time;
             }
-            Note::Known => self.last_insertion = time,
+            Note::Known | Note::Gone => self.last_insertion = time,
             Note::SetBack { .. } => self.setbacks += 1,
             Note::Stopped => self.stopped += 1,
             Note::Began(_) | Note::Waits(_) | Note::Migrated(_) => {}

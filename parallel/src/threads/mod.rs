@@ -13,15 +13,15 @@ pub use distributed::Distributed;
 pub use worker_loop::{Broken, Ended, Loop, Watch};
 
 use crate::WorkerError;
-use crate::balance::Balance;
+use crate::balance::{Balance, Stock};
 use crate::mailbox::connect;
-use crate::mesh::{GatherError, LocalMesh, PointQueue, Prepared};
+use crate::mesh::{GatherError, LocalMesh, PointQueue, Prepared, SharedInput};
 #[doc(inline)]
 pub use crate::mesh::{Ownership, Plan};
 use crate::metrics::{Collector, Summary, Trace};
 #[doc(inline)]
 pub use crate::protocol::{Closure, Config, Rule};
-use crate::protocol::{Correct, Note, Worker, WorkerId, message_of};
+use crate::protocol::{Correct, Note, Source, Worker, WorkerId, message_of};
 use crate::transport::{Delayed, Mail, Transport};
 use ltbw_core::{BuildError, CancelToken, Mesh, Observer, Outcome, Phase, Vertex};
 use ltbw_exact::PointSet;
@@ -33,7 +33,7 @@ use watch::ThreadWatch;
 /// Shortest backoff of the paper's rule, beside four latencies.
 const BACKOFF: Duration = Duration::from_micros(20);
 
-type Node = Worker<LocalMesh, PointQueue>;
+type Node<Q = PointQueue> = Worker<LocalMesh, Q>;
 
 /// Why there is no mesh.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -88,7 +88,7 @@ impl WorkerStats {
                 self.interface += u64::from(parts > 1);
             }
             Note::Migrated(_) => self.migrated += 1,
-            Note::Known | Note::Began(_) | Note::Waits(_) | Note::Stopped => {}
+            Note::Known | Note::Gone | Note::Began(_) | Note::Waits(_) | Note::Stopped => {}
         }
     }
 }
@@ -270,15 +270,32 @@ impl<'a> Parallel<'a> {
         let plan = Plan { reserve: true, ..plan };
         let prepared = plan.prepare_some(set, self.only, self.cancel)?;
         let Prepared { workers, common, started } = prepared;
-        let teller = Teller::new(self.listener, started as u64, total);
-        let start_seconds = clock.elapsed().as_secs_f64();
-        let clock = Instant::now();
-        let Self { rule, closure, window, .. } = *self;
-        let config = Config { rule, closure, window, ..Config::new(self.workers) };
+        let config = self.config();
         let nodes: Vec<Node> = workers
             .into_iter()
             .map(|(directory, mesh, field)| Worker::new(config, directory, mesh, field))
             .collect();
+        self.run_nodes(nodes, common, [started as u64, total], clock)
+    }
+
+    /// The configuration of each worker.
+    pub(crate) fn config(&self) -> Config {
+        let Self { rule, closure, window, .. } = *self;
+        Config { rule, closure, window, ..Config::new(self.workers) }
+    }
+
+    /// Runs workers to their end. `started` and `total` are numbers of points to tell of; the start
+    /// began at `clock`.
+    pub(crate) fn run_nodes<Q: Source<LocalMesh> + Stock + Send>(
+        &self,
+        nodes: Vec<Node<Q>>,
+        common: SharedInput,
+        [started, total]: [u64; 2],
+        clock: Instant,
+    ) -> Result<Distributed, RunError> {
+        let teller = Teller::new(self.listener, started, total);
+        let start_seconds = clock.elapsed().as_secs_f64();
+        let clock = Instant::now();
         let watch = |id| self.watch(id, clock).counted(teller.tally());
         let ends = if self.latency.is_zero() {
             run_all(self.loops(nodes, connect(self.workers), watch), &teller)?
@@ -308,7 +325,7 @@ impl<'a> Parallel<'a> {
     }
 
     /// The layout by default: a point's star need not be divided where no block moves.
-    fn default_plan(&self, points: usize) -> Plan {
+    pub(crate) fn default_plan(&self, points: usize) -> Plan {
         let ownership = match self.is_balanced {
             true => Ownership::Block,
             false => Ownership::Newest,
@@ -326,12 +343,17 @@ impl<'a> Parallel<'a> {
         ThreadWatch::new(id, start, self.cancel, backoff, self.spans, crowded)
     }
 
-    fn loops<T: Transport<Mail<LocalMesh>>, W: Watch<LocalMesh>>(
+    fn loops<Q, T, W>(
         &self,
-        nodes: Vec<Node>,
+        nodes: Vec<Node<Q>>,
         ways: Vec<T>,
         watch: impl Fn(WorkerId) -> W,
-    ) -> Vec<Loop<LocalMesh, PointQueue, Correct, T, W>> {
+    ) -> Vec<Loop<LocalMesh, Q, Correct, T, W>>
+    where
+        Q: Source<LocalMesh> + Stock,
+        T: Transport<Mail<LocalMesh>>,
+        W: Watch<LocalMesh>,
+    {
         let pairs = nodes.into_iter().zip(ways);
         pairs
             .map(|(node, way)| {
@@ -352,20 +374,21 @@ impl<'a> Parallel<'a> {
 }
 
 /// A worker at its end, and its watch.
-type End<W> = (Node, W);
+type End<Q, W> = (Node<Q>, W);
 
 /// Runs every loop on a thread of its own. A loop that panics takes its way along, which tells the
 /// others.
-fn run_all<T, W>(
-    loops: Vec<Loop<LocalMesh, PointQueue, Correct, T, W>>,
+fn run_all<Q, T, W>(
+    loops: Vec<Loop<LocalMesh, Q, Correct, T, W>>,
     teller: &Teller<'_>,
-) -> Result<Vec<End<W>>, RunError>
+) -> Result<Vec<End<Q, W>>, RunError>
 where
+    Q: Source<LocalMesh> + Stock + Send,
     T: Transport<Mail<LocalMesh>> + Send,
     W: Watch<LocalMesh> + Send,
 {
     let results: Vec<_> = std::thread::scope(|scope| {
-        let spawn = |worker: Loop<_, _, _, T, W>| {
+        let spawn = |worker: Loop<_, Q, _, T, W>| {
             let leave = teller.leave();
             scope.spawn(move || {
                 let _leave = leave;

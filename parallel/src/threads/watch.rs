@@ -174,8 +174,10 @@ impl<S: Payload> Watch<S> for ThreadWatch<'_> {
                     }
                 }
                 Action::Note(note) => {
-                    let is_done =
-                        matches!(note, Note::Local | Note::Known | Note::Committed { .. });
+                    let is_done = matches!(
+                        note,
+                        Note::Local | Note::Known | Note::Gone | Note::Committed { .. }
+                    );
                     self.untold += u64::from(is_done);
                     self.stats.note(*note);
                 }

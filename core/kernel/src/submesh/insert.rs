@@ -114,6 +114,11 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.places[place] = hint;
     }
 
+    /// The tetrahedra that the last successful [`Submesh::insert`] has made.
+    pub fn made_at_once(&self) -> &[TetId] {
+        self.cavity.star().tets
+    }
+
     /// Takes the tags of the tagged tetrahedra that the last successful [`Submesh::insert`]
     /// removed. They are not tagged any more.
     pub fn take_removed_tags(&mut self) -> std::vec::Drain<'_, T> {
