@@ -6,7 +6,7 @@ use crate::sync::Mutex;
 use crate::threads::{PAUSE, Parallel, Run, RunError, WorkerStats};
 use ltbw_core::build::Builder as Sequential;
 use ltbw_core::{
-    Budget, CancelToken, Mesh, Observer, Order, Outcome, Phase, Progress, Stats, Vertex,
+    Budget, BuildError, CancelToken, Mesh, Observer, Order, Outcome, Phase, Progress, Stats, Vertex,
 };
 use ltbw_exact::PointSet;
 use std::fmt;
@@ -187,13 +187,28 @@ impl<'a> Builder<'a> {
         Ok(Built { mesh, outcome, stats, duplicates, workers, summary, trace, parts })
     }
 
+    /// Was the work not cancelled?
+    fn still(&self) -> Result<(), RunError> {
+        match self.cancel.is_some_and(CancelToken::is_cancelled) {
+            true => Err(BuildError::Cancelled.into()),
+            false => Ok(()),
+        }
+    }
+
     fn build_in_parallel(
         &self,
         sequential: &Sequential<'_>,
         set: &PointSet,
     ) -> Result<Built, RunError> {
         let clock = Instant::now();
+        let total = sequential.allowed(set.len());
+        // Which points a budget allows, the order of all of them tells: some time for many.
+        if let (Some(observer), true) = (self.observer, total < set.len()) {
+            observer.progress(Progress { phase: Phase::Order, done: 0, total: Some(total as u64) });
+        }
+        self.still()?;
         let only = sequential.allowed_points(set)?;
+        self.still()?;
         let choice_seconds = clock.elapsed().as_secs_f64();
         let mut kernel = Parallel::new(self.threads).only(only.as_deref());
         if let Some(token) = self.cancel {

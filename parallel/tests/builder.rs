@@ -132,6 +132,33 @@ fn a_build_that_is_cancelled_before_has_no_mesh() {
     }
 }
 
+/// The points that a budget allows are sorted out before the workers begin: a phase, too.
+#[test]
+fn the_choice_of_a_budget_is_told_and_may_be_cancelled() {
+    let set = set(PointKind::Uniform, 20_000);
+    let told = Mutex::new(Vec::new());
+    let watch = |p: Progress| told.lock().expect("a list").push(p);
+    let builder = Builder::new().threads(2).observer(&watch);
+    builder.budget(points(5000)).build(&set).expect("a mesh");
+    let order = |told: &[Progress]| told.iter().filter(|p| p.phase == Phase::Order).count();
+    let list = std::mem::take(&mut *told.lock().expect("a list"));
+    assert_eq!(list[0], Progress { phase: Phase::Order, done: 0, total: Some(5000) });
+    assert_eq!(order(&list), 2, "the choice, and the workers' order: {list:?}");
+    builder.build(&set).expect("a mesh");
+    assert_eq!(order(&told.lock().expect("a list")), 1, "nothing to choose");
+    // Cancelled by the first report, the points are not sorted: four threads would not begin.
+    let token = CancelToken::new();
+    let reports = Mutex::new(0);
+    let cancels = |_: Progress| {
+        *reports.lock().expect("a number") += 1;
+        token.cancel();
+    };
+    let builder = Builder::new().threads(4).observer(&cancels).cancel(&token);
+    let error = builder.budget(points(5000)).build(&set).expect_err("no mesh");
+    assert_eq!(error, RunError::Build(BuildError::Cancelled));
+    assert_eq!(*reports.lock().expect("a number"), 1);
+}
+
 #[test]
 fn parts_and_figures_are_kept_if_wanted() {
     let set = set(PointKind::Uniform, 4000);

@@ -1,5 +1,6 @@
 //! `c`: the C interface of `bindings/c`: lints, header, both examples compiled and run under
-//! valgrind, the conformance kit through the library. What users install goes to `target/c/dist`.
+//! valgrind, one also by the pkg-config file, the conformance kit through the library. What users
+//! install goes to `target/c/dist`.
 
 use crate::require;
 use crate::shell::{self, cargo, command, root, target};
@@ -53,8 +54,30 @@ pub(crate) fn run() -> Result<(), String> {
         command
     };
     shell::run(&mut valgrind(&points))?;
+    by_pkg_config(&package, &dist, &own_target)?;
     shell::run(valgrind(&domain).arg(own_target.join("domain.vtu")))?;
     kit(&lib.join("libltbw.so"))
+}
+
+/// Compiles and runs an example with no more than what the pkg-config file says.
+fn by_pkg_config(package: &Path, dist: &Path, own_target: &Path) -> Result<(), String> {
+    let mut pkg_config = command("pkg-config");
+    pkg_config.env("PKG_CONFIG_PATH", dist.join("lib/pkgconfig"));
+    let output = pkg_config.args(["--cflags", "--libs", "ltbw"]).output();
+    let Ok(output) = output else {
+        let reason = "pkg-config does not start";
+        return require::skip("the pkg-config file of the C interface", "pkg-config", reason);
+    };
+    if !output.status.success() {
+        return Err(format!("{pkg_config:?}: {}", String::from_utf8_lossy(&output.stderr)));
+    }
+    let flags = String::from_utf8_lossy(&output.stdout).into_owned();
+    let program = own_target.join("points-by-pkg-config");
+    let mut cc = command("cc");
+    cc.args(FLAGS).arg("-std=c11").arg(package.join("examples/points.c"));
+    shell::run(cc.args(flags.split_whitespace()).arg("-o").arg(&program))?;
+    let library = dist.join("lib");
+    shell::run(command(&program.to_string_lossy()).env("LD_LIBRARY_PATH", library))
 }
 
 /// Runs cargo in the package.

@@ -38,6 +38,8 @@ cargo xtask COMMAND
   bench refine          refinement by both engines, beside the commit before (LTBW_BEFORE names its
                         measure_refine), against TetGen's (the Python package tetgen), and over 500
                         random domains
+  bench instructions    instructions of a build and of `ltbw mesh` by callgrind; fails where `mesh`
+                        takes 2 % more than the program LTBW_BEFORE_PROGRAM, of the commit before
   parts [DIR] [--twins] [--only TEXT]
                         surfaces of a folder (by default a set by formula) through `ltbw mesh`
                         beside TetGen (the Python package tetgen), and their twins: turned, scaled,

@@ -4,6 +4,7 @@
 use crate::python;
 use crate::require;
 use crate::shell::{self, cargo, command, target};
+use std::path::{Path, PathBuf};
 
 /// Builds and runs `measure` with `mode` and `args`, or `measure_refine` for `bench refine` and
 /// `measure_threads` for `bench threads`; `bench python` is of the Python package.
@@ -13,6 +14,9 @@ pub(crate) fn run(mode: &str, args: &[String]) -> Result<(), String> {
     }
     if mode == "bench" && args.first().is_some_and(|name| name == "threads") {
         return threads(&args[1..]);
+    }
+    if mode == "bench" && args == ["instructions"] {
+        return instructions();
     }
     if mode == "bench" && args.first().is_some_and(|name| name == "python") {
         return python::bench(&args[1..]);
@@ -54,25 +58,69 @@ fn refine() -> Result<(), String> {
     shell::run(cargo().env("RAYON_NUM_THREADS", "1").args(["run", "--quiet"]).args(program))
 }
 
-/// Instructions of a build of 100,000 uniform points, by callgrind: a figure for regressions that
-/// no noise touches.
+/// Instructions of a build of 100,000 uniform points, and of `ltbw mesh` on two model domains, by
+/// callgrind: figures for regressions that no noise touches. Of `mesh` also beside the program of
+/// the commit before, which `LTBW_BEFORE_PROGRAM` names.
 fn instructions() -> Result<(), String> {
     if !shell::works(command("valgrind").arg("--version")) {
         return require::skip("instruction counts", "valgrind", "valgrind is not installed");
     }
     let example = ["--release", "-p", "ltbw-core", "--example", "build_speed"];
     shell::run(cargo().args(["build", "--quiet"]).args(example))?;
-    let program = target().join("release/examples/build_speed");
+    let example = target().join("release/examples/build_speed");
+    let count = counted(&example, &["uniform", "100000"])?;
+    println!("\ninstructions to generate and build 100,000 uniform points: {}", grouped(count));
+    let before = std::env::var_os("LTBW_BEFORE_PROGRAM").map(PathBuf::from);
+    let program = shell::program()?;
+    for (domain, volume) in [("gear", "1e-4"), ("tee", "1e-4")] {
+        let file = target().join(format!("bench-{domain}.poly")).to_string_lossy().into_owned();
+        shell::run(command(&program.to_string_lossy()).args(["generate", domain, "-o", &file]))?;
+        let words = ["mesh", &file, "--max-volume", volume, "--quiet"];
+        let now = counted(&program, &words)?;
+        println!("instructions of `mesh` on {domain}, volume {volume}: {}", grouped(now));
+        if let Some(before) = &before {
+            let then = counted(before, &words)?;
+            let more = (now as f64 / then as f64 - 1.0) * 100.0;
+            println!("  {} before: {more:+.2} %", grouped(then));
+            if more > MOST {
+                return Err(format!("`mesh` on {domain} takes {more:.2} % more instructions"));
+            }
+        }
+    }
+    match before {
+        Some(_) => Ok(()),
+        None => {
+            let reason = "LTBW_BEFORE_PROGRAM names no program of it";
+            require::skip("the commit before", "before", reason)
+        }
+    }
+}
+
+/// The most instructions that a change may add, in percent.
+const MOST: f64 = 2.0;
+
+/// A number with its digits in groups of three.
+fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().map(text).collect();
+    groups.join(",")
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap_or_default()
+}
+
+/// Instructions of a program on one thread.
+fn counted(program: &Path, words: &[&str]) -> Result<u64, String> {
     let output = command("valgrind")
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
         .arg(program)
-        .args(["uniform", "100000"])
+        .args(words)
         .env("RAYON_NUM_THREADS", "1")
         .output()
         .map_err(|e| format!("valgrind: {e}"))?;
     let log = String::from_utf8_lossy(&output.stderr);
     let count = log.lines().find_map(|line| line.split_once("refs:"));
-    let (_, count) = count.ok_or_else(|| format!("valgrind printed no count: {log}"))?;
-    println!("\ninstructions to generate and build 100,000 uniform points: {}", count.trim());
-    Ok(())
+    let count = count.and_then(|(_, count)| count.trim().replace(',', "").parse().ok());
+    count.ok_or_else(|| format!("valgrind printed no count: {log}"))
 }

@@ -1,7 +1,7 @@
 //! `formats`: bytes to a file of any format.
 //!
-//! The first byte chooses the reader, the others are the file. For a pair (`.node` and `.ele`,
-//! `.node` and `.poly`) they are the one, a line `%`, and the other.
+//! The first byte chooses the reader, the others are the file. For several (`.node`, `.ele` and
+//! `.face`; `.node` and `.poly`) they are the one, a line `%`, and the next.
 
 use ltbw::domain::Domain;
 use ltbw::io::{DomainFile, Encoding, Format, MeshFile, MshVersion, ParseError, PointFile};
@@ -48,9 +48,17 @@ const DOMAINS: [(Format, Read<DomainFile>); 9] = [
     (Format::Vtk, vtk::read_domain),
 ];
 
-/// An `.ele` file beside four points.
+/// An `.ele` file, and perhaps a `.face` file, beside four points.
 fn tetrahedra(bytes: &[u8]) -> Result<MeshFile, ParseError> {
-    tetgen::read_pair(b"4 3\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n", bytes)
+    beside(b"4 3\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n", bytes)
+}
+
+/// An `.ele` file beside points, and the `.face` file behind it, if there is one.
+fn beside(node: &[u8], bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let (ele, face) = halves(bytes);
+    let first = tetgen::parse_node(node)?.first;
+    let file = tetgen::read_pair(node, ele)?;
+    if face.is_empty() { Ok(file) } else { tetgen::parse_face(face, file, first) }
 }
 
 /// The bytes before the first line `%`, and those after it.
@@ -62,8 +70,8 @@ fn halves(bytes: &[u8]) -> (&[u8], &[u8]) {
 }
 
 fn pair(bytes: &[u8]) -> Result<MeshFile, ParseError> {
-    let (node, ele) = halves(bytes);
-    tetgen::read_pair(node, ele)
+    let (node, others) = halves(bytes);
+    beside(node, others)
 }
 
 fn node_and_poly(bytes: &[u8]) -> Result<DomainFile, ParseError> {

@@ -83,7 +83,8 @@ fn cube_root(x: f64) -> f64 {
     root
 }
 
-/// A wanted edge length, as a function of the place in the input's coordinates.
+/// A wanted edge length, as a function of the place in the coordinates of the mesh: those of the
+/// input less [`Lattice::offset`](crate::Lattice::offset).
 pub type SizeField<'a> = dyn Fn(Point) -> f64 + Sync + 'a;
 
 /// All bounds, in fine steps.

@@ -123,9 +123,17 @@ impl<'a> Refiner<'a> {
         self
     }
 
-    /// Asks for an edge length at each place, in the coordinates of the snapped domain: a
-    /// tetrahedron may have the volume of the regular one with edges of the length that the field
-    /// has at its centroid. The function has to give the same answer for the same point.
+    /// Asks for an edge length at each place: a tetrahedron may have the volume of the regular one
+    /// with edges of the length that the field has at its centroid. The function has to give the
+    /// same answer for the same point.
+    ///
+    /// It is asked in the coordinates of the mesh: those of the input less [`Lattice::offset`],
+    /// which is zero but for a domain that is small beside its distance from the origin. Whoever
+    /// means places of such an input adds the offset of [`Prepared::lattice`], and then calls
+    /// [`Refiner::refine`].
+    ///
+    /// [`Lattice::offset`]: crate::Lattice::offset
+    /// [`Prepared::lattice`]: crate::Prepared::lattice
     pub fn sizing(mut self, field: &'a SizeField<'a>) -> Self {
         self.field = Some(field);
         self
