@@ -37,6 +37,7 @@ mod conform;
 mod console;
 mod demo;
 mod domain;
+mod excused;
 mod figures;
 mod files;
 mod help;

@@ -4,6 +4,7 @@ use crate::args::{Depth, MeshArgs};
 use crate::bounds::{Asked, Field, asked, field};
 use crate::conform::{certificate, check_own, print, same_volume, summary};
 use crate::console::{self, Stop};
+use crate::excused;
 use crate::json::{distinct, file_writable, is_stdout, keep_input, write_json, write_text};
 use crate::outcome::{Exit, Failure, seconds as told, show};
 use crate::page::{Page, Scene};
@@ -19,11 +20,11 @@ use crate::unrecovered;
 use ltbw::domain::Prepared;
 use ltbw::io::{self, MeshWriter};
 use ltbw::quality::{self, Quality};
-use ltbw::refine::{Reason, RefineOutcome, Refined};
+use ltbw::refine::{RefineOutcome, Refined};
 use ltbw::{TetMesh, canonical_hash};
 use ltbw_verify::{Breach, Conformity, Finding};
 use serde_json::{Value, json};
-use std::collections::{BTreeMap, HashSet};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -252,19 +253,10 @@ fn ending(refined: &Refined) -> Exit {
             return Exit::Stopped;
         }
     };
-    let mut reasons: BTreeMap<Reason, usize> = BTreeMap::new();
-    for &reason in refined.excuses.iter().map(|e| &e.reason) {
-        *reasons.entry(reason).or_default() += 1;
-    }
-    let text: Vec<String> =
-        reasons.iter().take(5).map(|(reason, n)| format!("{n} for {reason}")).collect();
-    let more = reasons.len().saturating_sub(5);
-    let more = if more > 0 { format!(", and {more} more reasons") } else { String::new() };
     console::people(&format!(
-        "ltbw: {}: {} tetrahedra over a bound: {}{more}",
+        "ltbw: {}: {}",
         if exit == Exit::Stopped { "budget used up" } else { "excused" },
-        refined.excuses.len(),
-        text.join(", ")
+        excused::text(refined)
     ));
     exit
 }
@@ -391,6 +383,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
         "free_points": stats.free_points,
         "rounds": rounds::json(stats),
         "excused": refined.excuses.len(),
+        "excused_at": excused::json(refined),
         "excuses": refined.excuses.iter().take(LISTED).map(excuse).collect::<Vec<_>>(),
         "boundary_lost": refined.lost.len(),
         "regions": refined.regions.iter().skip(1).map(region).collect::<Vec<_>>(),

@@ -76,6 +76,13 @@ fn reports_of_domains_are_as_their_schema_has_them() {
         let report = written(dir, &[&args[..], &["--json", "r.json"]].concat(), "r.json");
         assert_eq!(report["certificate"]["schema"], "ltbw.conformity/1");
         assert!(report["quality"].is_object() && report["refinement"].is_object());
+        let refinement = &report["refinement"];
+        let tets = |value: &Value| value["tets"].as_u64().unwrap();
+        let at = ["corners", "segments", "elsewhere"].map(|name| &refinement["excused_at"][name]);
+        let all = refinement["excused_at"]["by_reason"].as_array().unwrap();
+        assert_eq!(at.iter().map(|sum| tets(sum)).sum::<u64>(), refinement["excused"]);
+        assert_eq!(all.iter().map(tets).sum::<u64>(), refinement["excused"]);
+        assert!(at[0]["volume"].as_f64().unwrap() > 0.0, "{report}");
     }
     let plc = ["check", "d.vtu", "--plc", "d.poly", "--max-volume", "1e-9", "--json", "c.json"];
     let certificate = written(dir, &plc, "c.json");

@@ -1,11 +1,15 @@
-//! The tetrahedra that are over their bounds at the end, each with the reason.
+//! The tetrahedra that are over their bounds at the end, each with the reason; and counts of them
+//! by corner and segment.
 
 use super::bounds::Bounds;
 use super::item::Item;
+use super::measure::Shape;
 use super::number::in_order;
 use super::outcome::{Excuse, Reason};
+use super::output::Refined;
 use super::record::Record;
 use super::state::State;
+use super::table::Map;
 use ltbw_core::topology::TetId;
 
 impl State {
@@ -35,5 +39,35 @@ impl State {
             Excuse { tet, reason: reason.unwrap_or(Reason::Rounding) }
         };
         over.into_iter().map(excuse).collect()
+    }
+}
+
+/// The tetrahedra over a bound for one reason: at one corner or segment of the input, for example.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Excused {
+    /// The reason that they have in common.
+    pub reason: Reason,
+    /// Their number.
+    pub tets: usize,
+    /// The volume that they fill, rounded, in the coordinates of the domain.
+    pub volume: f64,
+}
+
+impl Refined {
+    /// The excuses counted by reason, in the order of reasons: corner by corner, then segment by
+    /// segment.
+    pub fn excused(&self) -> Vec<Excused> {
+        let mut all: Map<Reason, (usize, f64)> = Map::default();
+        let step = self.lattice.fine_step();
+        for excuse in &self.excuses {
+            let [a, b, c, d] = self.state.vertices(excuse.tet).map(|v| self.state.at(v));
+            let volume = Shape::of([&a, &b, &c, &d]).det.abs() / 6.0 * step * step * step;
+            let entry = all.entry(excuse.reason).or_default();
+            *entry = (entry.0 + 1, entry.1 + volume);
+        }
+        let excused = |(reason, (tets, volume))| Excused { reason, tets, volume };
+        let mut list: Vec<Excused> = all.into_iter().map(excused).collect();
+        list.sort_unstable_by_key(|excused| excused.reason);
+        list
     }
 }

@@ -92,6 +92,7 @@ use ltbw_exact::points::PointError;
 
 pub use background::{Background, BackgroundError};
 pub use bounds::{SizeField, largest_tolerance, usual_tolerance};
+pub use excuse::Excused;
 pub use item::{Item, Queues, Work};
 pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats};
 pub use output::Refined;

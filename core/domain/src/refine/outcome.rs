@@ -42,6 +42,18 @@ pub enum Reason {
     Rounding,
 }
 
+impl Reason {
+    /// Is it a corner of the input: a small angle there, or a facet too near?
+    pub fn is_corner(&self) -> bool {
+        matches!(self, Self::SmallFaceAngle { .. } | Self::NearFacet { .. })
+    }
+
+    /// Is it a segment of the input: a small dihedral angle there, or another segment too near?
+    pub fn is_segment(&self) -> bool {
+        matches!(self, Self::SmallDihedral { .. } | Self::NearSegments { .. })
+    }
+}
+
 impl std::fmt::Display for Reason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

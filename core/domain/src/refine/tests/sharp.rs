@@ -92,3 +92,23 @@ fn needles_are_refined_far_from_their_tips() {
     check_all(refined.mesh()).expect("invariants of the mesh");
     assert!(refined.excuses.len() <= 48, "{}", refined.excuses.len());
 }
+
+/// A wedge is excused as a whole, so that the volumes by corner and segment are that of the wedge.
+#[test]
+fn excuses_are_counted_by_corner_and_segment_with_their_volume() {
+    let refined = refine(&Refiner::new(), &wedge(5.0));
+    let all = refined.excused();
+    assert_eq!(all.iter().map(|e| e.tets).sum::<usize>(), refined.excuses.len());
+    assert!(all.iter().any(|e| e.reason.is_corner()) && all.iter().any(|e| e.reason.is_segment()));
+    assert!(all.windows(2).all(|pair| pair[0].reason < pair[1].reason));
+    let mesh = refined.mesh();
+    let volume = |t: [u32; 4]| {
+        let [a, b, c, d] = t.map(|v| mesh.point(v).expect("a vertex"));
+        let [u, v, w] = [b, c, d].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
+        let (x, y) = (v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2]);
+        (u[0] * x + u[1] * y + u[2] * (v[0] * w[1] - v[1] * w[0])).abs() / 6.0
+    };
+    let whole: f64 = refined.tets().filter_map(|t| refined.tet(t)).map(volume).sum();
+    let told: f64 = all.iter().map(|e| e.volume).sum();
+    assert!((told / whole - 1.0).abs() < 1e-9, "{told:e} {whole:e}");
+}
