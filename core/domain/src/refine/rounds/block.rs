@@ -2,21 +2,25 @@
 //!
 //! Where thousands of tetrahedra have their centres in one place, as in a ball, a few subfaces that
 //! may not be split bar the points of all of them. To open a cavity of thousands of tetrahedra for
-//! each only to find the same subfaces takes the time of its square. So the first refusal of a
-//! round leaves its subfaces behind, and a tetrahedron whose point would take one of them out of
-//! the mesh is refused in its turn at the cost of two tests.
+//! each only to find the same subfaces takes the time of its square. So a refusal leaves these
+//! subfaces behind, and from then on a tetrahedron whose point would take one of them out of the
+//! mesh is refused by two tests.
 
 use super::Rounds;
+use super::foremost::Foremost;
+use crate::refine::carrier::free_point;
 use crate::refine::item::Item;
 use crate::refine::marks::{FACES, face_bit};
 use crate::refine::outcome::Reason;
+use crate::refine::split::TOLERANCE;
 use crate::refine::state::FACE;
 use crate::refine::table::triangle;
+use crate::refine::walk::Way;
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_exact::Point;
 
-/// The most subfaces of a round that are kept.
-const MOST: usize = 16;
+/// The most subfaces that one refusal leaves behind, and the most that are kept.
+const MOST: [usize; 2] = [4, 64];
 
 /// A subface that may not be split.
 #[derive(Debug)]
@@ -27,11 +31,11 @@ pub(super) struct Block {
 }
 
 impl Rounds<'_, '_> {
-    /// Keeps the subfaces that the refused point of the last candidate would take out of the mesh,
+    /// Notes the subfaces that the refused point of the last candidate would take out of the mesh,
     /// if they may not be split under its limit.
     pub(super) fn note_blocks(&mut self, limit: Option<f64>) {
         let Some(own) = self.candidates.last() else { return };
-        if self.blocks.len() >= MOST || self.own.state.touched.inner.is_empty() {
+        if self.own.state.touched.inner.is_empty() {
             return;
         }
         let topology = self.own.state.mesh.topology();
@@ -56,17 +60,57 @@ impl Rounds<'_, '_> {
         }
         let place = |block: &Block| self.own.state.place_of(Item::Subface(block.corners));
         found.sort_by_cached_key(place);
-        found.truncate(MOST - self.blocks.len());
-        self.blocks.extend(found);
+        found.truncate(MOST[0]);
+        self.new_blocks.extend(found);
+    }
+
+    /// Forgets subfaces that are gone, or may be split, or have another tetrahedron beside them.
+    pub(super) fn check_blocks(&mut self) {
+        let Self { blocks, own, .. } = self;
+        let (state, record) = (&own.state, &own.record);
+        blocks.retain(|block| {
+            let stays = |&t: &TetId| {
+                let v = state.vertices(t);
+                block.corners.iter().all(|c| v.contains(c))
+            };
+            block.sides.iter().all(stays)
+                && state.subfaces.contains_key(&block.corners)
+                && record.refused.contains_key(&Item::Subface(block.corners))
+        });
+    }
+
+    /// Adds the subfaces that were found in this round to those that are kept, and refuses those of
+    /// the foremost that they bar and that were not probed.
+    pub(super) fn refuse_blocked(&mut self) {
+        let mut found = std::mem::take(&mut self.new_blocks);
+        found.retain(|block| self.blocks.iter().all(|other| other.corners != block.corners));
+        found.sort_by_cached_key(|b| self.own.state.place_of(Item::Subface(b.corners)));
+        found.dedup_by_key(|block| block.corners);
+        found.truncate(MOST[1].saturating_sub(self.blocks.len()));
+        self.blocks.append(&mut found);
+        if self.blocks.is_empty() {
+            return;
+        }
+        let followers: Vec<Foremost> = self.followers().copied().collect();
+        for own in followers {
+            let tolerance = own.shape.radius() * TOLERANCE;
+            let point = own.centre.and_then(|centre| free_point(&centre, tolerance));
+            let arrives = |p: &Point| matches!(self.own.state.way(own.t, p), Way::Arrived(_));
+            if let Some(p) = point.filter(arrives)
+                && let Some(reason) = self.blocked(&p, &own)
+            {
+                self.refuse(Item::Tet(own.t, self.own.state.vertices(own.t)), reason);
+            }
+        }
     }
 
     /// The reason why a tetrahedron with the point `p` is refused, if that would take a subface out
-    /// of the mesh that others were refused for in this round.
-    pub(super) fn blocked(&mut self, p: &Point, v: [VertexId; 4]) -> Option<Reason> {
+    /// of the mesh that others were refused for.
+    pub(super) fn blocked(&mut self, p: &Point, own: &Foremost) -> Option<Reason> {
         let mesh = &mut self.own.state.mesh;
         let mut lost =
             self.blocks.iter().filter(|b| b.sides.iter().all(|&t| mesh.in_conflict(t, p)));
         lost.next()?;
-        Some(self.own.state.reason_near(v))
+        Some(self.own.state.reason_near(own.corners))
     }
 }

@@ -1,48 +1,58 @@
 //! The choice of a round: candidates, probes, and the kill rule.
 //!
-//! A tetrahedron is dropped if a candidate with a larger key has it in its cavity: where cavities
-//! only overlap, both points are taken. Boundary items are taken one after the other, the largest
+//! Of tetrahedra all candidates are probed on the mesh at the start of the round, in any order: one
+//! is dropped if a candidate with a larger key has it in its cavity. Where cavities only overlap,
+//! both points are taken. Boundary items are taken one after the other, the largest
 //! key first; one whose cavity meets that of a point taken before waits for the next round, unless
 //! both points are on one segment, or in one facet and the cavity there has not this subface.
 
-use super::{CHECK_EVERY, Class, Look, Rounds};
+use super::{CHECK_EVERY, Class, LAST, Look, Rounds};
 use crate::refine::carrier::distance2;
 use crate::refine::item::Item;
 use crate::refine::key::{key, sorted};
 use crate::refine::measure::circumcircle;
-use ltbw_core::topology::{TetId, tet_of};
+use ltbw_core::topology::TetId;
 
 impl Rounds<'_, '_> {
     /// Chooses the candidates of a class that are to be inserted; `true` if the work is cancelled.
     pub(super) fn choose(&mut self, class: Class, look: Look<'_>) -> bool {
-        for &t in &self.cavities {
-            self.reserved[t as usize] = 0;
-        }
         self.candidates.clear();
         self.chosen.clear();
-        self.blocks.clear();
         self.cavities.clear();
         if class == Class::Tets {
-            self.choices += 1;
-            let foremost = std::mem::take(&mut self.foremost);
-            for (k, &(_, t)) in foremost.iter().enumerate() {
-                if k % CHECK_EVERY == CHECK_EVERY - 1 && look(self.own.state.mesh.num_vertices()) {
-                    return true;
-                }
-                if self.reserved[t as usize] == 0 {
-                    self.probe_tet(t);
-                }
-            }
-            self.foremost = foremost;
-            return false;
+            return self.choose_tets(look);
         }
-        for (item, near) in self.ready() {
+        let ready = self.ready();
+        self.forget_reserved(ready.len());
+        for (item, near) in ready {
             match item {
                 Item::Segment(s) if class == Class::Segments => self.probe_segment(s, near),
                 Item::Subface(s) if class == Class::Subfaces => self.probe_subface(s, near),
                 _ => {}
             }
         }
+        false
+    }
+
+    /// Probes the leaders among the foremost tetrahedra, then takes those that are killed by none.
+    fn choose_tets(&mut self, look: Look<'_>) -> bool {
+        let (ranks, order) = self.ranks();
+        self.forget_reserved(ranks.len());
+        self.check_blocks();
+        for (done, &k) in order.iter().enumerate() {
+            if done % CHECK_EVERY == CHECK_EVERY - 1 && look(self.own.state.mesh.num_vertices()) {
+                return true;
+            }
+            let own = self.foremost[self.leaders[k as usize] as usize];
+            self.probe_tet(&own, ranks[k as usize]);
+        }
+        for k in 0..self.candidates.len() {
+            if self.candidates[k].fits && self.survives(k) {
+                self.chosen.push(k);
+            }
+        }
+        self.conclude();
+        self.refuse_blocked();
         false
     }
 
@@ -77,68 +87,49 @@ impl Rounds<'_, '_> {
         }
     }
 
-    /// Finds the tetrahedra over their bounds that come before all their face neighbours, the
-    /// largest key first; forgets those that are gone.
-    pub(super) fn find_foremost(&mut self) {
-        let mut bad = std::mem::take(&mut self.bad);
-        let mut foremost = std::mem::take(&mut self.foremost);
-        foremost.clear();
-        let topology = self.own.state.mesh.topology();
-        bad.retain(|&(own, t)| {
-            let tet = topology.at(t);
-            if self.keys[t as usize] != own || tet.is_free() {
-                return false;
+    /// Starts a round of `count` ranks, in which no slot is reserved or written.
+    pub(super) fn forget_reserved(&mut self, count: usize) {
+        let count = count as u32;
+        self.free = match self.written().checked_add(count).filter(|&most| most < LAST) {
+            Some(_) => self.written(),
+            None => {
+                self.reserved.fill(0);
+                0
             }
-            let is_first = tet.neighbours().into_iter().map(tet_of).all(|other| {
-                let key = self.keys[other as usize];
-                key < own || key == own && self.place(t) > self.place(other)
-            });
-            if is_first {
-                foremost.push((own, t));
-            }
-            true
-        });
-        foremost.sort_unstable_by(|&(j, a), &(k, b)| {
-            k.cmp(&j).then_with(|| self.place(b).cmp(&self.place(a)))
-        });
-        (self.bad, self.foremost) = (bad, foremost);
-    }
-
-    fn place(&self, t: TetId) -> impl Ord {
-        self.own.state.place_of(Item::Tet(t, self.own.state.vertices(t)))
+        };
+        (self.count, self.batch) = (count, 0);
     }
 
     /// Takes the last candidate, whose cavity is its own from now on, where none before it has it.
     pub(super) fn take(&mut self) {
         self.chosen.push(self.candidates.len() - 1);
-        self.reserve(0);
+        self.reserve();
     }
 
-    /// Writes the last candidate, with `bits`, into the slots of its cavity.
-    pub(super) fn reserve(&mut self, bits: u32) {
+    /// Writes the last candidate into the slots of its cavity, where none before it is.
+    pub(super) fn reserve(&mut self) {
         let Some(candidate) = self.candidates.last() else { return };
-        let own = self.candidates.len() as u32 | bits;
+        let own = self.free + self.count - candidate.rank;
         for &t in &self.cavities[candidate.cavity.clone()] {
-            // Candidates come in turns: the one that is there already is before this one.
             let reserved = &mut self.reserved[t as usize];
-            *reserved = if *reserved == 0 { own } else { *reserved };
+            *reserved = own.max(*reserved);
         }
     }
 
-    /// Does a candidate before the last one have slot `t` in its cavity?
-    pub(super) fn has_rival(&self, t: TetId) -> bool {
-        self.reserved[t as usize] != 0
+    /// Does a candidate before the one of this rank have slot `t` in its cavity?
+    pub(super) fn has_rival(&self, t: TetId, rank: u32) -> bool {
+        self.reserved[t as usize] > self.free + self.count - rank
     }
 
-    /// Is the last candidate killed by none before it, and loses no item together with others?
-    pub(super) fn survives(&self) -> bool {
-        let Some(own) = self.candidates.last() else { return false };
+    /// Is a candidate killed by none before it, and loses no item together with others?
+    pub(super) fn survives(&self, k: usize) -> bool {
+        let own = &self.candidates[k];
         let is_killed = match own.item {
-            Item::Subface(s) => self.tets_at(own, s).iter().all(|&t| self.has_rival(t)),
-            Item::Tet(..) | Item::Segment(_) => false,
+            Item::Subface(s) => self.tets_at(own, s).iter().all(|&t| self.has_rival(t, own.rank)),
+            Item::Tet(t, _) => self.has_rival(t, own.rank),
+            Item::Segment(_) => false,
         };
         // Only what is marked can be lost.
-        let loses = self.own.state.touched.is_marked && self.loses_jointly(own);
-        !(is_killed || loses)
+        !(is_killed || own.is_marked && self.loses_jointly(own))
     }
 }

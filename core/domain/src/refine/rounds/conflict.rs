@@ -21,8 +21,8 @@ impl Rounds<'_, '_> {
         cavity.iter().filter(has).copied().collect()
     }
 
-    /// Rules (b) and (c): does the last candidate touch a face or edge that it could take out of
-    /// the mesh together with one before it?
+    /// Rules (b) and (c): does a candidate touch a face or edge that it could take out of the
+    /// mesh together with one before it?
     pub(super) fn loses_jointly(&self, own: &Candidate) -> bool {
         let cavity = &self.cavities[own.cavity.clone()];
         cavity.iter().any(|&t| {
@@ -39,7 +39,7 @@ impl Rounds<'_, '_> {
         let tet = topology.at(t);
         (0..4).filter(|&slot| word & face_bit(slot) != 0).any(|slot| {
             let outer = tet.neighbours()[slot];
-            if !self.has_rival(tet_of(outer)) {
+            if !self.has_rival(tet_of(outer), own.rank) {
                 return false;
             }
             let [a, b, c] = FACE[slot].map(|i| tet.vertices()[i]);
@@ -76,7 +76,7 @@ impl Rounds<'_, '_> {
                     !matches!(carrier, Carrier::Segment(..)) && of.is_some_and(|s| !related(s));
                 let [a, b] = ends.map(|v| state.at(v));
                 let mut look = |at: TetId, apex: VertexId| {
-                    is_met |= self.has_rival(at);
+                    is_met |= self.has_rival(at, own.rank);
                     let inside = || apex != INFINITE && in_diametral_ball(&a, &b, &state.at(apex));
                     is_safe = is_safe && !inside();
                 };

@@ -1,6 +1,6 @@
 //! The insertion of a round: unconditional, in any order.
 
-use super::{CHECK_EVERY, Candidate, Class, InsertOrder, Look, Rounds, WRITTEN};
+use super::{CHECK_EVERY, Candidate, Class, InsertOrder, Look, Rounds};
 use crate::refine::RefineError;
 use crate::refine::carrier::Carrier;
 use crate::refine::facet::{Change, Seed};
@@ -14,6 +14,8 @@ use ltbw_core::topology::TetId;
 
 /// A round of fewer points is not sorted along a curve.
 const FEW: usize = 16;
+/// Insertions between two looks at the new tetrahedra, which are in the cache then.
+const BATCH: usize = 32;
 
 impl Rounds<'_, '_> {
     /// Inserts the chosen candidates; `true` if the work is cancelled, and some are left. The mesh
@@ -28,7 +30,10 @@ impl Rounds<'_, '_> {
         }
         self.stats.rounds[class as usize] += 1;
         self.stats.widest = self.stats.widest.max(count);
-        for (done, k) in self.in_order().into_iter().enumerate() {
+        for (done, k) in self.in_order(class).into_iter().enumerate() {
+            if done % BATCH == BATCH - 1 {
+                self.look_at_created();
+            }
             if done % CHECK_EVERY == CHECK_EVERY - 1 && look(self.own.state.mesh.num_vertices()) {
                 (count, cancelled) = (done as u64, true);
                 break;
@@ -45,11 +50,12 @@ impl Rounds<'_, '_> {
     /// Inserts candidate `k`: into the cavity that its probe has found, if the round has changed
     /// nothing there, else into the one that is found now.
     fn insert_one(&mut self, k: usize) -> Result<(), RefineError> {
+        let last = self.free + self.count;
         let Self { own, candidates, cavities, reserved, nothing, .. } = self;
-        let Candidate { item, ref place, ref cavity, ref mut filling } = candidates[k];
+        let Candidate { item, ref place, ref cavity, ref mut filling, .. } = candidates[k];
         let state = &mut own.state;
         let place = Place { from: state.start_near(place.from), ..*place };
-        let mut unchanged = |t: TetId, _: Role| reserved[t as usize] != WRITTEN;
+        let mut unchanged = |t: TetId, _: Role| reserved[t as usize] <= last;
         let open = state.begin_again(&place, &cavities[cavity.clone()], &mut unchanged);
         let (mut open, is_same) =
             open.map_err(|_| RefineError::Invariant { what: "chosen points are new" })?;
@@ -66,7 +72,7 @@ impl Rounds<'_, '_> {
         Ok(())
     }
 
-    fn in_order(&self) -> Vec<usize> {
+    fn in_order(&self, class: Class) -> Vec<usize> {
         let mut order = self.chosen.clone();
         match self.order {
             InsertOrder::Forwards => {}
@@ -84,7 +90,8 @@ impl Rounds<'_, '_> {
                     order[at..=next].rotate_right(1);
                 }
             }
-            InsertOrder::Hilbert if order.len() < FEW => {}
+            // Tetrahedra are probed along the curve.
+            InsertOrder::Hilbert if order.len() < FEW || class == Class::Tets => {}
             InsertOrder::Hilbert => {
                 let points: Vec<_> = order.iter().map(|&k| self.candidates[k].place.p).collect();
                 order = hilbert(&points).into_iter().map(|k| order[k as usize]).collect();

@@ -8,6 +8,7 @@
 mod block;
 mod choose;
 mod conflict;
+mod foremost;
 mod insert;
 mod probe;
 mod settle;
@@ -70,6 +71,12 @@ enum Class {
 #[derive(Debug)]
 struct Candidate {
     item: Item,
+    /// Its place among the candidates of the round; 0 is the foremost.
+    rank: u32,
+    /// May the point be inserted, if no other one is in its way?
+    fits: bool,
+    /// Is anything of its cavity marked?
+    is_marked: bool,
     place: Place,
     /// Its tetrahedra in [`Rounds::cavities`].
     cavity: Range<usize>,
@@ -95,16 +102,23 @@ struct Asked {
     near: TetId,
 }
 
+/// The outcome of the probe of a tetrahedron that is not split now: the item that it asks for,
+/// or the reason why it is refused.
+#[derive(Debug)]
+struct Conclusion {
+    t: TetId,
+    rank: u32,
+    verdict: Result<Asked, Reason>,
+}
+
 /// Probes, or insertions, between two looks at whether the work is cancelled.
 const CHECK_EVERY: usize = 1024;
 
 /// Says whether the work is cancelled; is told the number of vertices.
 type Look<'l> = &'l dyn Fn(usize) -> bool;
 
-/// In place of a candidate: the slot was written by an insertion of this round.
-const WRITTEN: u32 = u32::MAX;
-/// With a candidate: it waits for an item of the boundary.
-const DEFERS: u32 = 1 << 31;
+/// The largest entry of [`Rounds::reserved`] for a candidate.
+const LAST: u32 = u32::MAX >> 1;
 
 /// A refinement in rounds.
 pub(crate) struct Rounds<'r, 'a> {
@@ -114,10 +128,12 @@ pub(crate) struct Rounds<'r, 'a> {
     most: u64,
     /// Per slot: the key of a tetrahedron over its bounds that was not refused, else 0.
     keys: Vec<u64>,
-    /// The slots whose key is not 0, with their keys, and others whose key has changed since.
-    bad: Vec<(u64, TetId)>,
-    /// Entries of `bad` before all their neighbours, the largest key first.
-    foremost: Vec<(u64, TetId)>,
+    /// The tetrahedra whose key is not 0, and others that are gone since.
+    bad: Vec<foremost::Bad>,
+    /// Tetrahedra among them that come before all around them.
+    foremost: Vec<foremost::Foremost>,
+    /// Per group of the foremost: the index of the one that comes first.
+    leaders: Vec<u32>,
     /// Boundary items to be split.
     pending: Map<Item, Pending>,
     candidates: Vec<Candidate>,
@@ -125,13 +141,20 @@ pub(crate) struct Rounds<'r, 'a> {
     chosen: Vec<usize>,
     /// The cavities of the candidates.
     cavities: Vec<TetId>,
-    /// Per slot: one more than the index of the foremost candidate with the slot in its cavity,
-    /// and [`DEFERS`]; or [`WRITTEN`].
+    /// Per slot, if it is more than `free`: `count` more, less the rank of the foremost candidate
+    /// with the slot in its cavity; or more than that, if this round has written it.
     reserved: Vec<u32>,
-    /// Subfaces that bar tetrahedra of this round.
+    /// The largest entry of the rounds before.
+    free: u32,
+    /// The number of ranks of this round.
+    count: u32,
+    /// Looks at new tetrahedra in this round so far.
+    batch: u32,
+    /// Subfaces that tetrahedra were refused for in earlier rounds, and those of this one.
     blocks: Vec<block::Block>,
-    /// Choices among tetrahedra so far.
-    choices: u64,
+    new_blocks: Vec<block::Block>,
+    /// Tetrahedra of this round that are not to be split now.
+    conclusions: Vec<Conclusion>,
     /// Boundary items asked for in this round.
     asked: Vec<Asked>,
     /// Pending items that were found to wait in this round.
@@ -158,13 +181,18 @@ impl<'r, 'a> Rounds<'r, 'a> {
             keys: Vec::new(),
             bad: Vec::new(),
             foremost: Vec::new(),
+            leaders: Vec::new(),
             pending: Map::default(),
             candidates: Vec::new(),
             chosen: Vec::new(),
             cavities: Vec::new(),
             reserved: Vec::new(),
+            free: 0,
+            count: 0,
+            batch: 0,
             blocks: Vec::new(),
-            choices: 0,
+            new_blocks: Vec::new(),
+            conclusions: Vec::new(),
             asked: Vec::new(),
             waits: Vec::new(),
             refusals: Vec::new(),
@@ -284,6 +312,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
     /// Splits items jointly that wait for each other in a circle, in the order of their places.
     fn split_circles(&mut self) -> Result<(), RefineError> {
         self.stats.joint_phases += 1;
+        self.forget_reserved(0);
         let mut work = Queues::default();
         for item in self.circles() {
             match self.own.split_jointly(item, &mut work, &mut Open) {

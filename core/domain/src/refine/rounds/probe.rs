@@ -1,24 +1,23 @@
 //! Probes: the cavity of a proposed point is opened, looked at and set back. A probe for a
-//! tetrahedron writes its candidate into all slots of its cavity, whatever the verdict, so that the
-//! slots are a function of the mesh; of boundary items only those that are taken write theirs.
+//! tetrahedron runs to its end and writes its candidate into all slots of its cavity, unless it is
+//! refused, so that the slots are a function of the mesh; of boundary items only those that are
+//! taken write theirs.
 
 use super::conflict::is_same;
-use super::{Asked, Candidate, DEFERS, Pending, Rounds};
+use super::foremost::Foremost;
+use super::{Asked, Candidate, Conclusion, Pending, Rounds};
 use crate::refine::carrier::{Carrier, distance2, free_point};
 use crate::refine::item::Item;
-use crate::refine::key::{order_key, sorted};
+use crate::refine::key::sorted;
 use crate::refine::measure::{Shape, circumcircle};
 use crate::refine::outcome::Reason;
 use crate::refine::split::{TOLERANCE, aim};
 use crate::refine::state::Place;
 use crate::refine::verdict::{Filling, Judge, Verdict};
 use crate::refine::walk::Way;
-use ltbw_core::cavity::Role;
+use ltbw_core::cavity::{Open, Role};
 use ltbw_core::mesh::At;
 use ltbw_core::topology::{TetId, VertexId};
-
-/// See [`Rounds::goes_on`].
-const PATIENCE: u64 = 32;
 
 /// The result of a probe.
 enum Probe {
@@ -49,8 +48,9 @@ impl Rounds<'_, '_> {
         if nearest < self.own.floor * self.own.floor {
             return self.refuse(item, Reason::Floor);
         }
+        let rank = self.candidates.len() as u32;
         let place = Place { p, carrier: Carrier::Segment(s, t), from: near };
-        match self.probe(item, &place, |judge| judge.on_segment(ends, s, &place)) {
+        match self.probe((item, rank), &place, |judge| judge.on_segment(ends, s, &place)) {
             Probe::Fits => self.take_or_drop(),
             Probe::Barred => {}
             Probe::Defers(first) => self.wait(item, first, near),
@@ -76,9 +76,10 @@ impl Rounds<'_, '_> {
         let (centre, radius) = aim(points, &centre, square);
         for tolerance in [radius * TOLERANCE, 1.0] {
             let Some(p) = plane.near(&centre, tolerance) else { continue };
+            let rank = self.candidates.len() as u32;
             let place = Place { p, carrier: Carrier::Facet(f), from: near };
             let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, true);
-            match self.probe(item, &place, verdict) {
+            match self.probe((item, rank), &place, verdict) {
                 Probe::Fits => return self.take_or_drop(),
                 Probe::Barred => return,
                 Probe::Defers(first) => return self.wait(item, first, near),
@@ -89,89 +90,102 @@ impl Rounds<'_, '_> {
         self.refuse(item, reason.unwrap_or(Reason::Rounding));
     }
 
-    /// Proposes a point for a tetrahedron.
-    pub(super) fn probe_tet(&mut self, t: TetId) {
-        let state = &self.own.state;
-        let mut v = state.vertices(t);
-        let item = Item::Tet(t, v);
-        v.sort_unstable_by_key(|&v| order_key(&state.at(v)));
-        let [a, b, c, d] = v.map(|v| state.at(v));
-        let shape = Shape::of([&a, &b, &c, &d]);
+    /// Proposes a point for a tetrahedron, the leader of a group, of this rank.
+    pub(super) fn probe_tet(&mut self, own: &Foremost, rank: u32) {
+        let &Foremost { t, corners: v, shape, centre, .. } = own;
+        let conclude = |own: &mut Self, first: Vec<Item>| {
+            let limit = own.limit(t, &shape);
+            let reason = own.own.state.reason_near(v);
+            let verdict = own.first_of(&first, limit, reason);
+            let verdict = verdict.map(|item| Asked { item, limit, near: t });
+            let is_refused = verdict.is_err();
+            own.conclusions.push(Conclusion { t, rank, verdict });
+            (is_refused, limit)
+        };
+        let item = Item::Tet(t, self.own.state.vertices(t));
         let radius = shape.radius();
         if radius < self.own.floor {
-            return self.refuse(item, Reason::Floor);
+            self.conclusions.push(Conclusion { t, rank, verdict: Err(Reason::Floor) });
+            return;
         }
-        let limit =
-            |own: &Self| own.own.bounds.as_ref().map(|b| b.grain(&own.own.state, t, &shape));
         for tolerance in [radius * TOLERANCE, 1.0] {
-            let Some(centre) = shape.circumcentre(&d) else { break };
+            let Some(centre) = centre else { break };
             let proposed = free_point(&centre, tolerance);
             let p = proposed.unwrap_or(centre);
             let from = match self.own.state.way(t, &p) {
                 Way::Arrived(from) if proposed.is_some() => from,
                 Way::Blocked(subface) => {
-                    let limit = limit(self);
-                    self.ask(t, v, &[Item::Subface(subface)], limit);
+                    conclude(self, vec![Item::Subface(subface)]);
                     return;
                 }
                 Way::Arrived(_) | Way::Outside => continue,
             };
-            if let Some(reason) = self.blocked(&p, v) {
-                return self.refuse(item, reason);
+            if let Some(reason) = self.blocked(&p, own) {
+                self.conclusions.push(Conclusion { t, rank, verdict: Err(reason) });
+                return;
             }
             let place = Place { p, carrier: Carrier::Free, from };
-            match self.probe(item, &place, |judge| judge.on_tet(t, &place.p)) {
-                Probe::Fits if self.survives() => return self.take(),
-                Probe::Fits => return self.reserve(0),
+            match self.probe((item, rank), &place, |judge| judge.on_tet(t, &place.p)) {
+                Probe::Fits => return self.reserve(),
                 Probe::Defers(first) => {
-                    let limit = limit(self);
                     // One that is refused is in nobody's way.
-                    match self.ask(t, v, &first, limit) {
-                        true => self.reserve(DEFERS),
-                        false => self.note_blocks(limit),
+                    match conclude(self, first) {
+                        (false, _) => self.reserve(),
+                        (true, limit) => self.note_blocks(limit),
                     }
                     return;
                 }
-                Probe::Refuses(reason) => return self.refuse(item, reason),
-                Probe::Barred => return,
-                Probe::Useless => {}
+                Probe::Refuses(_) | Probe::Barred | Probe::Useless => {}
             }
         }
         let mut sides = self.own.state.boundary_sides(t);
         self.own.state.sort(&mut sides);
-        let limit = limit(self);
-        self.ask(t, v, &sides, limit);
+        conclude(self, sides);
+    }
+
+    /// Asks for the boundary items that the probed tetrahedra wait for, and refuses those that none
+    /// may be split for. One that is killed waits for what becomes of its place.
+    pub(super) fn conclude(&mut self) {
+        for Conclusion { t, rank, verdict } in std::mem::take(&mut self.conclusions) {
+            if self.has_rival(t, rank) {
+                continue;
+            }
+            match verdict {
+                Ok(asked) => self.asked.push(asked),
+                Err(reason) => self.refuse(Item::Tet(t, self.own.state.vertices(t)), reason),
+            }
+        }
+    }
+
+    /// The shortest edge that splitting a tetrahedron may lead to.
+    fn limit(&self, t: TetId, shape: &Shape) -> Option<f64> {
+        self.own.bounds.as_ref().map(|bounds| bounds.grain(&self.own.state, t, shape))
     }
 
     /// Opens the cavity of a place, takes the verdict and sets the cavity back. A point that serves
     /// its item becomes a candidate.
     fn probe(
         &mut self,
-        item: Item,
+        (item, rank): (Item, u32),
         place: &Place,
         verdict: impl FnOnce(Judge<'_>) -> Verdict,
     ) -> Probe {
-        let goes_on = match item {
-            Item::Tet(t, _) => self.goes_on(t),
-            _ => false,
-        };
-        let Self { own, reserved, candidates, cavities, stats, .. } = self;
+        let Self { own, reserved, candidates, cavities, stats, free, count, .. } = self;
         let state = &mut own.state;
         let place = Place { from: state.start_near(place.from), ..*place };
         let first = cavities.len();
         stats.searches += 1;
-        // Rule (d): boundary points keep apart. Free points keep out of the cavities of those that
-        // ask for an item: it is likely to be in their way, too.
         let is_free = place.carrier == Carrier::Free;
-        let mut admission = |t: TetId, role: Role| {
-            let other = reserved[t as usize];
-            match is_free {
-                true => other & DEFERS == 0 || role == Role::Ring || goes_on,
-                false if other == 0 => true,
-                false => is_same(candidates[other as usize - 1].place.carrier, place.carrier),
-            }
+        let open = match is_free {
+            true => state.begin_and_look(&place, &mut Open),
+            // Rule (d): boundary points keep apart.
+            false => state.begin_and_look(&place, &mut |t: TetId, _: Role| {
+                let other = reserved[t as usize];
+                let before = || &candidates[(*free + *count - other) as usize].place;
+                other <= *free || is_same(before().carrier, place.carrier)
+            }),
         };
-        let open = match state.begin_and_look(&place, &mut admission) {
+        let open = match open {
             Ok(open) => open,
             Err(At::Vertex(_)) => return Probe::Useless,
             Err(At::SetBack(_)) => {
@@ -190,27 +204,22 @@ impl Rounds<'_, '_> {
         };
         cavities.extend(open.tets());
         let place = Place { from: cavities[first], ..place };
-        candidates.push(Candidate { item, place, cavity: first..cavities.len(), filling });
+        let cavity = first..cavities.len();
+        let (fits, is_marked) = (matches!(probe, Probe::Fits), open.owner().touched.is_marked);
+        candidates.push(Candidate { item, rank, fits, is_marked, place, cavity, filling });
         probe
-    }
-
-    /// Is this one of the choices in which the probe of a tetrahedron goes on into cavities of
-    /// those that defer? Each has one in [`PATIENCE`]: else thousands that defer in one place would
-    /// wait for each other, one a round.
-    fn goes_on(&self, t: TetId) -> bool {
-        (self.keys[t as usize] >> 8).wrapping_add(self.choices).is_multiple_of(PATIENCE)
     }
 
     /// Takes the last candidate, unless one taken before it is in its way.
     fn take_or_drop(&mut self) {
-        if self.survives() {
+        if self.survives(self.candidates.len() - 1) {
             self.take();
         } else if let Some(last) = self.candidates.pop() {
             self.cavities.truncate(last.cavity.start);
         }
     }
 
-    fn refuse(&mut self, item: Item, reason: Reason) {
+    pub(super) fn refuse(&mut self, item: Item, reason: Reason) {
         self.refusals.push((item, reason));
     }
 
@@ -223,22 +232,6 @@ impl Rounds<'_, '_> {
                 self.waits.push((item, Pending { first: Some(first), near }));
             }
             Err(reason) => self.refuse(item, reason),
-        }
-    }
-
-    /// A tetrahedron asks for boundary items to be split; `false` if all of them were refused, and
-    /// it is in its turn.
-    fn ask(&mut self, t: TetId, v: [VertexId; 4], first: &[Item], limit: Option<f64>) -> bool {
-        let reason = self.own.state.reason_near(v);
-        match self.first_of(first, limit, reason) {
-            Ok(item) => {
-                self.asked.push(Asked { item, limit, near: t });
-                true
-            }
-            Err(reason) => {
-                self.refuse(Item::Tet(t, self.own.state.vertices(t)), reason);
-                false
-            }
         }
     }
 

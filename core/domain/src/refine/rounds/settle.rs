@@ -1,6 +1,7 @@
 //! After the insertions: which tetrahedra are over their bounds, with which keys.
 
-use super::{Rounds, WRITTEN};
+use super::Rounds;
+use super::foremost::Bad;
 use crate::refine::RefineError;
 use crate::refine::item::Item;
 use crate::refine::key::{key, sorted};
@@ -14,27 +15,40 @@ impl Rounds<'_, '_> {
     pub(super) fn note_created(&mut self) {
         let slots = self.own.state.mesh.topology().slots();
         self.reserved.resize(slots, 0);
+        let written = self.written();
         for &t in &self.own.inserted.created {
             let reserved = &mut self.reserved[t as usize];
-            if *reserved != WRITTEN {
-                *reserved = WRITTEN;
+            if *reserved != written {
+                *reserved = written;
                 self.created.push(t);
             }
         }
     }
 
-    /// Looks at the tetrahedra that the insertions of the round have made.
-    pub(super) fn settle(&mut self) {
+    /// The entry of slots that the insertions since the last look have written: it is larger than
+    /// those of candidates, and than those written before.
+    pub(super) fn written(&self) -> u32 {
+        self.free + self.count + 1 + self.batch
+    }
+
+    /// Looks at the tetrahedra made since the last look, as long as they are in the cache.
+    pub(super) fn look_at_created(&mut self) {
         self.keys.resize(self.own.state.mesh.topology().slots(), 0);
         let mut created = std::mem::take(&mut self.created);
         for t in created.drain(..) {
-            self.reserved[t as usize] = 0;
             self.keys[t as usize] = 0;
             self.look_at_tet(t);
         }
         self.created = created;
-        // Items that are gone are asked for no more.
+        self.batch += 1;
+    }
+
+    /// Ends a round.
+    pub(super) fn settle(&mut self) {
+        self.look_at_created();
         let state = &self.own.state;
+        state.mesh.topology().free_slots().iter().for_each(|&t| self.keys[t as usize] = 0);
+        // Items that are gone are asked for no more.
         self.pending.retain(|item, _| match item {
             Item::Segment(s) => state.segments.contains_key(s),
             Item::Subface(s) => state.subfaces.contains_key(s),
@@ -68,7 +82,7 @@ impl Rounds<'_, '_> {
         let [a, b, c, d] = &corners;
         let key = key(Shape::of([a, b, c, d]).radius2(), &corners);
         self.keys[t as usize] = key;
-        self.bad.push((key, t));
+        self.bad.push(Bad::new(key, t));
     }
 
     /// The tetrahedra over their bounds: those that were refused, and those not yet split.
@@ -78,10 +92,10 @@ impl Rounds<'_, '_> {
             Item::Tet(t, v) => state.is_live(t, v).then_some(t),
             _ => None,
         });
-        let is_left = |&(key, t): &(u64, TetId)| {
+        let is_left = |&Bad { key, t, .. }: &Bad| {
             self.keys[t as usize] == key && !state.mesh.topology().at(t).is_free()
         };
-        let left = self.bad.iter().copied().filter(is_left).map(|(_, t)| t);
+        let left = self.bad.iter().copied().filter(is_left).map(|bad| bad.t);
         let mut over: Vec<TetId> = refused.chain(left).collect();
         over.sort_unstable();
         over.dedup();

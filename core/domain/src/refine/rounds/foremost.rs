@@ -1,0 +1,186 @@
+//! Which tetrahedra over their bounds are candidates of a round: functions of the mesh and its
+//! keys, whatever the order in which they are found.
+
+use super::Rounds;
+use crate::refine::item::Item;
+use crate::refine::key::order_key;
+use crate::refine::measure::Shape;
+use crate::refine::table::Map;
+use ltbw_core::order::hilbert;
+use ltbw_core::topology::{TetId, VertexId, tet_of};
+use ltbw_exact::Point;
+use std::cmp::Ordering;
+
+/// A tetrahedron over its bounds, or one that was.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bad {
+    pub(super) key: u64,
+    pub(super) t: TetId,
+    /// The slots of a neighbour, if that is on the way, and of one that came before `t` when it was
+    /// looked at, with the key of that one.
+    witness: (Option<TetId>, TetId, u64),
+}
+
+impl Bad {
+    pub(super) fn new(key: u64, t: TetId) -> Self {
+        Self { key, t, witness: (None, t, 0) }
+    }
+}
+
+/// A tetrahedron that comes before all those around it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Foremost {
+    key: u64,
+    pub(super) t: TetId,
+    /// Its corners, sorted by coordinates, and its shape by them.
+    pub(super) corners: [VertexId; 4],
+    pub(super) shape: Shape,
+    pub(super) centre: Option<Point>,
+    /// The number of those whose circumspheres are nearly its own.
+    group: u32,
+}
+
+/// The place of a circumsphere among those that are nearly equal: the power of two below its
+/// radius, and the cell of its centre in a grid of half of that.
+type GroupKey = (i32, [i64; 3]);
+
+/// Where 0 is in its cell of the grid.
+const SHIFT: f64 = 0.382;
+
+/// Two spheres of one group hold each other's centres: their radii are from s to 2s, and their
+/// centres at most s √3/2 apart.
+fn group_of(centre: &Point, radius: f64) -> GroupKey {
+    let exponent = (radius.to_bits() >> 52) as i32;
+    let half = f64::from_bits(((exponent - 1).max(1) as u64) << 52);
+    // Domains with a middle have it at 0, which is in one cell.
+    (exponent, centre.map(|c| (c / half + SHIFT).floor() as i64))
+}
+
+impl Rounds<'_, '_> {
+    /// Finds the tetrahedra over their bounds that come before all those around them: their face
+    /// neighbours, and the face neighbours of these. Forgets those that are gone.
+    pub(super) fn find_foremost(&mut self) {
+        let mut bad = std::mem::take(&mut self.bad);
+        let mut foremost = std::mem::take(&mut self.foremost);
+        foremost.clear();
+        bad.retain_mut(|own| {
+            if self.keys[own.t as usize] != own.key {
+                return false;
+            }
+            if !self.is_barred(own) {
+                match self.one_before(own.t) {
+                    Some((way, other)) => own.witness = (way, other, self.keys[other as usize]),
+                    None => foremost.push(self.foremost_at(own.t, own.key)),
+                }
+            }
+            true
+        });
+        (self.bad, self.foremost) = (bad, foremost);
+        self.find_leaders();
+    }
+
+    /// Is the one that came before this tetrahedron still there, and near it?
+    fn is_barred(&self, own: &Bad) -> bool {
+        let (way, other, key) = own.witness;
+        // A key names its tetrahedron: one that was a neighbour still is. One beyond a neighbour is
+        // near as long as a tetrahedron in that slot has both beside it, be it another one.
+        let is_beside = |way: TetId, t: TetId| self.neighbours(t).contains(&way);
+        key != 0
+            && self.keys[other as usize] == key
+            && way.is_none_or(|way| is_beside(way, own.t) && is_beside(way, other))
+    }
+
+    /// A tetrahedron around `t` that comes before it, and the neighbour that is on the way to it.
+    fn one_before(&self, t: TetId) -> Option<(Option<TetId>, TetId)> {
+        let neighbours = self.neighbours(t);
+        let beside = neighbours.into_iter().find(|&other| self.is_before(other, t));
+        let beyond = |way: TetId| {
+            let mut all = self.neighbours(way).into_iter();
+            all.find(|&other| self.is_before(other, t)).map(|other| (Some(way), other))
+        };
+        beside.map(|other| (None, other)).or_else(|| neighbours.into_iter().find_map(beyond))
+    }
+
+    fn neighbours(&self, t: TetId) -> [TetId; 4] {
+        self.own.state.mesh.topology().at(t).neighbours().map(tet_of)
+    }
+
+    /// Is one tetrahedron over its bounds, and comes before another one?
+    fn is_before(&self, one: TetId, other: TetId) -> bool {
+        let [a, b] = [one, other].map(|t| self.keys[t as usize]);
+        a > b || a == b && one != other && self.place(one) < self.place(other)
+    }
+
+    fn foremost_at(&self, t: TetId, key: u64) -> Foremost {
+        let state = &self.own.state;
+        let mut corners = state.vertices(t);
+        corners.sort_unstable_by_key(|&v| order_key(&state.at(v)));
+        let [a, b, c, d] = corners.map(|v| state.at(v));
+        let shape = Shape::of([&a, &b, &c, &d]);
+        Foremost { key, t, corners, shape, centre: shape.circumcentre(&d), group: 0 }
+    }
+
+    /// Finds, of each group of the foremost, the one that comes before the others: its centre is in
+    /// their circumspheres.
+    fn find_leaders(&mut self) {
+        let mut foremost = std::mem::take(&mut self.foremost);
+        let mut numbers: Map<GroupKey, u32> = Map::default();
+        let leaders = &mut self.leaders;
+        leaders.clear();
+        for k in 0..foremost.len() {
+            let own = &foremost[k];
+            let next = leaders.len() as u32;
+            let group = match own.centre {
+                Some(centre) => {
+                    *numbers.entry(group_of(&centre, own.shape.radius())).or_insert(next)
+                }
+                None => next,
+            };
+            foremost[k].group = group;
+            match leaders.get_mut(group as usize) {
+                None => leaders.push(k as u32),
+                Some(leader) => {
+                    if self.own.state.compare(&foremost[k], &foremost[*leader as usize]).is_lt() {
+                        *leader = k as u32;
+                    }
+                }
+            }
+        }
+        self.foremost = foremost;
+    }
+
+    /// The leaders' ranks by their numbers, and their numbers along a Hilbert curve.
+    pub(super) fn ranks(&self) -> (Vec<u32>, Vec<u32>) {
+        let leader = |&k: &u32| &self.foremost[self.leaders[k as usize] as usize];
+        let count = self.leaders.len() as u32;
+        let mut falling: Vec<u32> = (0..count).collect();
+        let state = &self.own.state;
+        falling.sort_unstable_by(|j, k| state.compare(leader(j), leader(k)));
+        let mut ranks = vec![0; self.leaders.len()];
+        for (rank, &k) in (0..).zip(&falling) {
+            ranks[k as usize] = rank;
+        }
+        let corners: Vec<Point> =
+            (0..count).map(|k| self.own.state.at(leader(&k).corners[0])).collect();
+        (ranks, hilbert(&corners))
+    }
+
+    /// The foremost that are no leaders.
+    pub(super) fn followers(&self) -> impl Iterator<Item = &Foremost> + '_ {
+        let is_leader = |k: u32, own: &Foremost| self.leaders[own.group as usize] == k;
+        let all = (0..).zip(&self.foremost);
+        all.filter(move |&(k, own)| !is_leader(k, own)).map(|(_, own)| own)
+    }
+
+    fn place(&self, t: TetId) -> impl Ord {
+        self.own.state.place_of(Item::Tet(t, self.own.state.vertices(t)))
+    }
+}
+
+impl crate::refine::state::State {
+    /// Which of two tetrahedra comes first?
+    fn compare(&self, a: &Foremost, b: &Foremost) -> Ordering {
+        let place = |own: &Foremost| own.corners.map(|v| order_key(&self.at(v)));
+        b.key.cmp(&a.key).then_with(|| place(a).cmp(&place(b)))
+    }
+}
