@@ -287,7 +287,7 @@ impl Topology {
     pub(crate) fn append(
         &mut self,
         other: Self,
-        name: impl Fn(VertexId) -> VertexId + Sync,
+        names: impl Fn([VertexId; 4]) -> [VertexId; 4] + Sync,
     ) -> Option<TetId> {
         let (offset, slots) = (self.slots(), other.slots());
         if offset + slots > self.limit {
@@ -298,9 +298,7 @@ impl Topology {
         self.ghosts += other.ghosts;
         self.tets.append(other.tets, slots, |tet| {
             let n = if tet.is_free() { tet.n } else { tet.n.map(shift) };
-            // A vacant slot is known by its vertices.
-            let v = if tet.is_vacant() { tet.v } else { tet.v.map(&name) };
-            Tet { v, n }
+            Tet { v: names(tet.v), n }
         });
         Some(offset as TetId)
     }
@@ -339,15 +337,20 @@ impl Topology {
         }
     }
 
-    /// Renames the vertices of every tetrahedron that has one above `highest`.
+    /// Renames the vertices of every slot that has one above `highest`.
     pub(crate) fn rename_above(
         &mut self,
         highest: VertexId,
-        name: impl Fn(VertexId) -> VertexId + Sync,
+        names: impl Fn([VertexId; 4]) -> [VertexId; 4] + Sync,
     ) {
-        let meets = |tet: &Tet| tet.v.into_iter().max() > Some(highest) && !tet.is_vacant();
-        let tets = self.tets.all_mut().par_iter_mut().with_min_len(1 << 14);
-        tets.filter(|tet| meets(tet)).for_each(|tet| tet.v = tet.v.map(&name));
+        let chunks = self.tets.all_mut().par_chunks_mut(1 << 14);
+        chunks.for_each(|chunk| {
+            for tet in chunk {
+                if tet.v.iter().any(|&v| v > highest) {
+                    tet.v = names(tet.v);
+                }
+            }
+        });
     }
 
     /// Makes slot `t` a proxy, neighbour of `face`.

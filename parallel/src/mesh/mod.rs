@@ -194,6 +194,9 @@ impl LocalMesh {
 
     /// The block of a vertex that may be none here.
     fn block_of_site(&self, site: &WireVertex) -> BlockId {
+        if let Some(place) = given(site.vertex) {
+            return self.blocks.of_vertex(place);
+        }
         match self.vertices.number(site.vertex) {
             Some(INFINITE) => 0,
             Some(v) => self.vertices.block(v),

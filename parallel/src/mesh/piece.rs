@@ -11,7 +11,8 @@ use ltbw_core::topology::{FaceId, INFINITE, TetId, slot_of, tet_of};
 impl LocalMesh {
     /// Describes what was locked at once.
     pub(super) fn describe_closure(&mut self, closure: &Closure) -> Piece {
-        let Self { tets: mesh, scratch, vertices, .. } = self;
+        let Self { tets: mesh, scratch, vertices, fixed, .. } = self;
+        let told = fixed.is_none().then_some(&*vertices);
         let site = |v| site(mesh, vertices, v);
         let tets = &closure.locked[..closure.inside];
         let corners = &mut scratch.corners;
@@ -19,8 +20,7 @@ impl LocalMesh {
         let mut sides = Vec::with_capacity(closure.boundary.len());
         for &(v, outer) in &closure.boundary {
             let v = v.map(|v| corners.index(vertices.name(v), || site(v)));
-            let link =
-                mesh.far(tet_of(outer)).map_or_else(|| near(mesh, vertices, outer), Link::Far);
+            let link = mesh.far(tet_of(outer)).map_or_else(|| near(mesh, told, outer), Link::Far);
             sides.push(Side { v, link });
         }
         let mut names = Vec::with_capacity(8);
@@ -71,16 +71,18 @@ impl LocalMesh {
             Some(name) if lock.map(|(by, _)| by) != holder => {
                 Link::Far(Handle { name, block: self.block_of(tet), face: slot_of(face) as u8 })
             }
-            _ => near(&self.tets, &self.vertices, face),
+            _ => near(&self.tets, self.fixed.is_none().then_some(&self.vertices), face),
         })
     }
 }
 
-/// The tetrahedron here beyond a face of a cavity.
-fn near(mesh: &Tets, vertices: &Vertices, face: FaceId) -> Link {
+/// The tetrahedron here beyond a face of a cavity. Its apex is told where blocks tell owners.
+fn near(mesh: &Tets, vertices: Option<&Vertices>, face: FaceId) -> Link {
     let (tet, slot) = (tet_of(face), slot_of(face));
-    let apex = mesh.vertices(tet)[slot];
-    let apex = (apex != INFINITE).then(|| vertices.block(apex));
+    let apex = vertices.and_then(|vertices| {
+        let apex = mesh.vertices(tet)[slot];
+        (apex != INFINITE).then(|| vertices.block(apex))
+    });
     Link::Near { tet, slot: slot as u8, apex, name: mesh.tag_of(tet) }
 }
 

@@ -41,7 +41,8 @@ pub enum Link {
         tet: TetId,
         /// The slot there of the vertex opposite the common face.
         slot: u8,
-        /// The block of the vertex there; `None` if that is at infinity.
+        /// The block of the vertex there; `None` if that is at infinity, or if blocks do not tell
+        /// the owners of tetrahedra.
         apex: Option<BlockId>,
         /// Its name, if it has one.
         name: Option<Name>,

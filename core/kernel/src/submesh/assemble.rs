@@ -17,14 +17,27 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// The number in the whole mesh of a submesh's vertex, which must be one (I7).
-    #[inline]
-    fn of(&self, v: VertexId) -> VertexId {
-        match v.checked_sub(self.run + 1) {
-            _ if v == INFINITE => INFINITE,
-            None => self.first + (v - 1),
-            Some(place) => self.others.get(place as usize).copied().unwrap_or(INFINITE),
+    /// The numbers in the whole mesh of a slot's vertices in the submesh.
+    #[inline(always)]
+    fn of(&self, v: [VertexId; 4]) -> [VertexId; 4] {
+        // Most tetrahedra have vertices of the run alone.
+        if v.iter().all(|&w| w.wrapping_sub(1) < self.run) {
+            v.map(|w| w + (self.first - 1))
+        } else {
+            self.of_others(v)
         }
+    }
+
+    fn of_others(&self, v: [VertexId; 4]) -> [VertexId; 4] {
+        // A vacant slot is known by its vertices.
+        if v[0] == INFINITE {
+            return v;
+        }
+        v.map(|w| match w.checked_sub(self.run + 1) {
+            _ if w == INFINITE => INFINITE,
+            None => self.first + (w - 1),
+            Some(place) => self.others.get(place as usize).copied().unwrap_or(INFINITE),
+        })
     }
 
     /// Are the numbers up to `run` the same?
