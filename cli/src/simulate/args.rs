@@ -52,7 +52,7 @@ pub(crate) struct Simulate {
     pub(crate) ownership: Ownership,
     /// A processor with work of its own looks for messages before each N-th insertion
     #[arg(long, value_name = "N", default_value_t = 1)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000), hide_short_help = true)]
     pub(crate) poll_every: u32,
     /// Operations that a worker starts at most at a time
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
