@@ -206,6 +206,8 @@ def test_markers_of_meshios_surfaces_are_kept(cube, name, tmp_path):
     triangles = [[a, b, c] for a, b, c, _ in faces[:2]] + [[a, c, d] for a, _, c, d in faces[:2]]
     blocks = [("triangle", triangles), ("line", [[0, 1]]), ("quad", faces[2:])]
     data = {name: [[4, 5, 4, 5], [77], [6, 7, 8, -9]], "other": [[1.5] * 4, [0], [2] * 4]}
+    # Data that is none of ours may have any shape.
+    data["apart"] = [np.zeros((4, 3)), [0], np.zeros(4)]
     given = meshio.Mesh(corners, blocks, cell_data=data)
     expected = {4: 1.0, 5: 1.0, 6: 1.0, 7: 1.0, 8: 1.0, -9: 1.0}
     assert areas(ltbw.tetrahedralize(given, max_volume=0.01)) == expected

@@ -57,7 +57,7 @@ impl<'a> MeshWriter<'a> {
         Self { options, ..self }
     }
 
-    /// A token by which another thread ends the writing: nothing gets a final name then.
+    /// A token by which another thread ends the writing of files: none gets its final name then.
     pub fn cancel(self, token: &'a CancelToken) -> Self {
         Self { cancel: Some(token), ..self }
     }

@@ -152,8 +152,8 @@ impl LocalMesh {
         })
     }
 
-    /// Number of vertices that have a number here: those of the own stretch, and all others that
-    /// some tetrahedron here has had.
+    /// Number of vertices that have a number here: those of the own stretch, and all corners so far
+    /// of cavities from which tetrahedra came.
     pub fn num_vertices(&self) -> usize {
         self.vertices.next() as usize - 1
     }

@@ -172,7 +172,7 @@ pub struct WorkerFigures {
     pub cavity_times: CavityTimes,
     /// Cavities completed by it.
     pub cavities: Cavities,
-    /// Points that were vertices already.
+    /// Points that were vertices already; in refining, points whose tetrahedron was gone.
     pub known: u64,
     /// Setbacks of operations at home here.
     pub setbacks: u64,

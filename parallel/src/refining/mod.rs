@@ -83,13 +83,14 @@ impl Bounds {
     };
 
     /// Bounds for a mesh of `set`: the largest volume, and the largest circumradius to shortest
-    /// edge, above 1.
+    /// edge, above 1.02.
     ///
     /// # Errors
     /// [`RefineError`] if no refinement can keep them, or if new points might not be exact.
     pub fn new(set: &PointSet, max_volume: f64, max_radius_edge: f64) -> Result<Self, RefineError> {
-        // A ratio of 1 would let edges get shorter by rounding.
-        if !(max_volume > 0.0 && max_radius_edge > 1.01) {
+        // A point may lie a hundredth of the radius off the centre: with a ratio near 1 edges would
+        // get shorter.
+        if !(max_volume > 0.0 && max_radius_edge > 1.02) {
             return Err(RefineError::Bounds { volume: max_volume, ratio: max_radius_edge });
         }
         let points = set.kernel_points();

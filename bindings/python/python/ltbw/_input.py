@@ -99,7 +99,8 @@ def surface(given):
                 flat.extend(own)
                 taken.append(k)
         data = getattr(given, "cell_data", {})
-        arrays = [(n, np.concatenate([v[k] for k in taken])) for n, v in data.items() if taken]
+        named = ((n, v) for n, v in data.items() if taken and n in _markers.NAMES)
+        arrays = [(n, np.concatenate([v[k] for k in taken])) for n, v in named]
         return coordinates(given.points, "points"), flat, starts, _markers.among(arrays)
     # trimesh and others.
     if hasattr(given, "vertices") and hasattr(given, "faces"):

@@ -10,7 +10,8 @@
 //! facets alone.
 //!
 //! Such a tetrahedron that is over its bound of shape only is excused at once, with the corner or
-//! segment for a reason. Before, it was split for some levels, each of which left as many excused.
+//! segment for a reason; rounds do not do that yet. Before, it was split for some levels, each of
+//! which left as many excused.
 
 use super::carrier::{Carrier, distance2};
 use super::measure::circumcircle;
