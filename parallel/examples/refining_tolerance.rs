@@ -39,7 +39,7 @@ fn main() -> Result<(), Failure> {
             "{:>4} µs {:>7} {:>9.4} {:>7.4} {:>10.4} {:>9.1} % {:>6.2} % {:>5.1} % {:>7}",
             latency / 1000,
             s.operations(),
-            s.extremes_of_tolerance().map_or(1.0, |(worst, _)| worst.lt()),
+            s.worst_lt(),
             s.lt(),
             s.lt_strict(),
             100.0 * s.efficiency(alone.makespan),

@@ -85,7 +85,7 @@ impl Figures {
             lt_strict: s.lt_strict(),
             worst: Worst {
                 worker: s.extremes_of_tolerance().map_or(0, |(worst, _)| worst.worker),
-                lt: s.extremes_of_tolerance().map_or(1.0, |(worst, _)| worst.lt()),
+                lt: s.worst_lt(),
                 lt_strict: s.worst_lt_strict(),
             },
             setbacks: s.setbacks(),

@@ -33,9 +33,8 @@ impl Run<'_> {
         let s = self.summary;
         let workers = self.args.processors;
         let title = format!("{} on {workers} processors", self.name.display());
-        let worst = s.extremes_of_tolerance().map_or(1.0, |(worst, _)| worst.lt());
         let facts = [
-            ("latency tolerance LT, worst processor", format!("{worst:.4}")),
+            ("latency tolerance LT, worst processor", format!("{:.4}", s.worst_lt())),
             ("LT, all processors", format!("{:.4}", s.lt())),
             ("LT strict (idle time counted), all", format!("{:.4}", s.lt_strict())),
             ("efficiency", format!("{:.4}", s.efficiency(self.alone))),

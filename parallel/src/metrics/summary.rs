@@ -38,7 +38,7 @@ impl std::fmt::Display for Summary {
              {} messages of {} bytes",
             self.lt(),
             self.lt_strict(),
-            self.extremes_of_tolerance().map_or(1.0, |(worst, _)| worst.lt()),
+            self.worst_lt(),
             self.worst_lt_strict(),
             self.all_messages().count,
             self.all_messages().bytes
@@ -130,7 +130,12 @@ impl Summary {
         self.extremes(WorkerFigures::lt)
     }
 
-    /// The worker with the lowest LT strict; it may be another one than the one with the lowest LT.
+    /// The lowest LT of any worker; 1 if there is none.
+    pub fn worst_lt(&self) -> f64 {
+        self.extremes_of_tolerance().map_or(1.0, |(worst, _)| worst.lt())
+    }
+
+    /// The lowest LT strict of any worker, which may be another one than that with the lowest LT.
     pub fn worst_lt_strict(&self) -> f64 {
         self.extremes(WorkerFigures::lt_strict).map_or(1.0, |(worst, _)| worst.lt_strict())
     }
