@@ -76,14 +76,25 @@ fn cross(a: &Point, b: &Point) -> Point {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+/// Lengths of the edges.
+fn lengths(corners: [&Point; 4]) -> [f64; 6] {
+    EDGES.map(|[i, j, ..]| {
+        let d = minus(corners[i], corners[j]);
+        dot(&d, &d).sqrt()
+    })
+}
+
+/// The volume, never negative.
+fn volume(corners: [&Point; 4]) -> f64 {
+    let [a, b, c] = [0, 1, 2].map(|k| minus(corners[k], corners[3]));
+    dot(&a, &cross(&b, &c)).abs() / 6.0
+}
+
 impl TetQuality {
     /// Measures a tetrahedron.
     #[must_use]
     pub fn of(corners: [&Point; 4]) -> Self {
-        let edges = EDGES.map(|[i, j, ..]| {
-            let d = minus(corners[i], corners[j]);
-            dot(&d, &d).sqrt()
-        });
+        let edges = lengths(corners);
         // The angle between the two faces at an edge is that between their normals, both taken
         // from the edge towards the third corner.
         let dihedral = EDGES.map(|[i, j, k, l]| {
@@ -206,20 +217,21 @@ impl Quality {
         if tets.is_empty() || !known {
             return None;
         }
-        let measure = |tet: &[u32; 4]| TetQuality::of(tet.map(|v| &points[v as usize]));
-        let (mut volume, mut edge) = (0.0, 0.0);
-        for tet in tets.iter().map(measure) {
-            volume = tet.volume.max(volume);
-            edge = tet.edges.into_iter().fold(edge, f64::max);
+        let corners = |tet: &[u32; 4]| tet.map(|v| &points[v as usize]);
+        // Widths of the histograms need no angles, which are what costs time.
+        let (mut largest, mut edge) = (0.0, 0.0);
+        for tet in tets.iter().map(corners) {
+            largest = volume(tet).max(largest);
+            edge = lengths(tet).into_iter().fold(edge, f64::max);
         }
         let mut all = Self {
             tets: tets.len(),
             dihedral: Histogram::new("dihedral angle, degrees", 0.0, 180.0, 36),
             radius_edge: Histogram::new("circumradius / shortest edge", 0.6, 2.1, 30),
-            volume: Histogram::new("volume", 0.0, volume, 30),
+            volume: Histogram::new("volume", 0.0, largest, 30),
             edge: Histogram::new("edge length", 0.0, edge, 30),
         };
-        for (t, tet) in tets.iter().map(measure).enumerate() {
+        for (t, tet) in tets.iter().map(|tet| TetQuality::of(corners(tet))).enumerate() {
             tet.dihedral.into_iter().for_each(|angle| all.dihedral.add(angle, t));
             tet.edges.into_iter().for_each(|length| all.edge.add(length, t));
             all.radius_edge.add(tet.radius_edge, t);
