@@ -10,8 +10,7 @@
 //! facets alone.
 //!
 //! Such a tetrahedron that is over its bound of shape only is excused at once, with the corner or
-//! segment for a reason; rounds do not do that yet. Before, it was split for some levels, each of
-//! which left as many excused.
+//! segment for a reason. Before, it was split for some levels, each of which left as many excused.
 
 use super::carrier::{Carrier, distance2};
 use super::measure::circumcircle;
@@ -25,8 +24,8 @@ use ltbw_core::topology::{TetId, VertexId};
 const REST: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
 
 impl Refinement<'_> {
-    /// The corner or segment because of which splitting tetrahedron `t` is no help, if it is over
-    /// its bound of shape only.
+    /// The corner or segment because of which splitting tetrahedron `t`, with its vertices in any
+    /// order, is no help, if it is over its bound of shape only. Of several the order says which.
     pub(crate) fn beyond_help(&self, t: TetId, v: [VertexId; 4]) -> Option<Reason> {
         if self.state.angles.is_empty() {
             return None;

@@ -23,7 +23,7 @@ use ltbw_exact::predicates::Sign;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-fn ready(kind: DomainKind, shape: &Shape) -> Prepared {
+pub(super) fn ready(kind: DomainKind, shape: &Shape) -> Prepared {
     // The generator was built on another instance of this crate, whose types are not these.
     let made = generate_domain(kind, shape).expect("a domain");
     let mut domain = Domain { vertices: made.vertices, holes: made.holes, ..Domain::default() };

@@ -108,9 +108,68 @@ impl Rounds<'_, '_> {
     /// of the mesh that others were refused for.
     pub(super) fn blocked(&mut self, p: &Point, own: &Foremost) -> Option<Reason> {
         let mesh = &mut self.own.state.mesh;
-        let mut lost =
-            self.blocks.iter().filter(|b| b.sides.iter().all(|&t| mesh.in_conflict(t, p)));
-        lost.next()?;
-        Some(self.own.state.reason_near(own.corners))
+        let is_lost = |block: &&Block| block.sides.iter().all(|&t| mesh.in_conflict(t, p));
+        let lost: Vec<Item> =
+            self.blocks.iter().filter(is_lost).map(|b| Item::Subface(b.corners)).collect();
+        if lost.is_empty() {
+            return None;
+        }
+        // It may be split for a shorter edge than those before allowed.
+        let limit = self.limit(own.t, &own.shape);
+        let bars = |item: &Item| self.own.record.bars(item, limit).is_some();
+        lost.iter().any(bars).then(|| self.own.state.reason_near(own.corners))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Block;
+    use crate::refine::Refiner;
+    use crate::refine::item::Item;
+    use crate::refine::marks::face_bit;
+    use crate::refine::outcome::Reason;
+    use crate::refine::record::Refusal;
+    use crate::refine::rounds::{InsertOrder, Rounds};
+    use crate::refine::state::FACE;
+    use crate::refine::table::triangle;
+    use crate::refine::tests::ready;
+    use ltbw_core::topology::tet_of;
+    use ltbw_generate::{DomainKind, Shape};
+
+    #[test]
+    fn a_block_bars_no_tetrahedron_that_allows_shorter_edges() {
+        let ready = ready(DomainKind::TwoMaterial, &Shape::default());
+        let refiner = Refiner::new().max_volume(1e-3);
+        let (mut run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
+        let mut rounds = Rounds::new(&mut run.refinement, InsertOrder::Hilbert, u64::MAX);
+        rounds.look_at_all();
+        rounds.find_foremost();
+        let state = &rounds.own.state;
+        let inner = rounds.bad.iter().find_map(|bad| {
+            let tet = state.mesh.topology().at(bad.t);
+            let slot = (0..4).find(|&slot| {
+                let other = tet_of(tet.neighbours()[slot]);
+                state.marks.of(bad.t) & face_bit(slot) != 0
+                    && !state.mesh.topology().at(other).is_ghost()
+            })?;
+            let corners = FACE[slot].map(|k| tet.vertices()[k]);
+            Some((bad.t, corners, tet_of(tet.neighbours()[slot])))
+        });
+        let (t, corners, other) = inner.expect("a subface between two regions");
+        // Its centroid is in the balls on both sides.
+        let points = corners.map(|v| state.at(v));
+        let p = [0, 1, 2].map(|k| points.iter().map(|p| p[k] / 3.0).sum::<f64>().round());
+        let [a, b, c] = corners;
+        let corners = triangle(a, b, c);
+        let own = rounds.foremost_at(t, 1);
+        rounds.blocks.push(Block { corners, sides: [t, other] });
+        let limit = rounds.limit(t, &own.shape).expect("bounds");
+        for (factor, is_barred) in [(0.5, true), (1.0, true), (2.0, false)] {
+            let refusal = Refusal { reason: Reason::Floor, limit: Some(factor * limit) };
+            rounds.own.record.refused.insert(Item::Subface(corners), refusal);
+            assert_eq!(rounds.blocked(&p, &own).is_some(), is_barred, "{factor}");
+        }
+        rounds.own.record.refused.insert(Item::Subface(corners), Refusal::final_for(Reason::Floor));
+        assert!(rounds.blocked(&p, &own).is_some());
     }
 }

@@ -111,7 +111,7 @@ impl Rounds<'_, '_> {
         a > b || a == b && one != other && self.place(one) < self.place(other)
     }
 
-    fn foremost_at(&self, t: TetId, key: u64) -> Foremost {
+    pub(super) fn foremost_at(&self, t: TetId, key: u64) -> Foremost {
         let state = &self.own.state;
         let mut corners = state.vertices(t);
         corners.sort_unstable_by_key(|&v| order_key(&state.at(v)));

@@ -158,7 +158,7 @@ impl Rounds<'_, '_> {
     }
 
     /// The shortest edge that splitting a tetrahedron may lead to.
-    fn limit(&self, t: TetId, shape: &Shape) -> Option<f64> {
+    pub(super) fn limit(&self, t: TetId, shape: &Shape) -> Option<f64> {
         self.own.bounds.as_ref().map(|bounds| bounds.grain(&self.own.state, t, shape))
     }
 

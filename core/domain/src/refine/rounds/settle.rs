@@ -4,9 +4,10 @@ use super::Rounds;
 use super::foremost::Bad;
 use crate::refine::RefineError;
 use crate::refine::item::Item;
-use crate::refine::key::{key, sorted};
+use crate::refine::key::{key, order_key};
 use crate::refine::marks::{ENDS, FACES};
 use crate::refine::measure::Shape;
+use crate::refine::record::Refusal;
 use crate::refine::table::{Set, edge};
 use ltbw_core::topology::TetId;
 
@@ -66,7 +67,8 @@ impl Rounds<'_, '_> {
         all.into_iter().for_each(|t| self.look_at_tet(t));
     }
 
-    /// Gives a tetrahedron over its bounds its key, unless it was refused.
+    /// Gives a tetrahedron over its bounds its key, unless it was refused; one that points cannot
+    /// help is refused at once.
     fn look_at_tet(&mut self, t: TetId) {
         let state = &self.own.state;
         let tet = state.mesh.topology().at(t);
@@ -78,7 +80,13 @@ impl Rounds<'_, '_> {
         if self.own.record.refused.contains_key(&Item::Tet(t, v)) {
             return;
         }
-        let corners = sorted(v.map(|v| state.at(v)));
+        let mut by_place = v;
+        by_place.sort_unstable_by_key(|&v| order_key(&state.at(v)));
+        if let Some(reason) = self.own.beyond_help(t, by_place) {
+            self.own.record.refused.insert(Item::Tet(t, v), Refusal::final_for(reason));
+            return;
+        }
+        let corners = by_place.map(|v| state.at(v));
         let [a, b, c, d] = &corners;
         let key = key(Shape::of([a, b, c, d]).radius2(), &corners);
         self.keys[t as usize] = key;
