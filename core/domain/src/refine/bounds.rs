@@ -107,9 +107,10 @@ impl Bounds<'_> {
         let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
         let corners = [&a, &b, &c, &d];
         let exceeds = |bound: Option<VolumeBound>| bound.is_some_and(|b| b.exceeded(corners));
-        exceeds(self.volumes.get(region).copied().flatten())
+        let is_over = exceeds(self.volumes.get(region).copied().flatten())
             || exceeds(self.field_bound(corners))
-            || self.ratio.is_some_and(|bound| bound.exceeded(corners))
+            || self.ratio.is_some_and(|bound| bound.exceeded(corners));
+        is_over && !state.is_flat(state.vertices(t))
     }
 
     /// Is tetrahedron `t` of the domain over a bound on its size?

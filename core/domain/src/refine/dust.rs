@@ -5,17 +5,20 @@
 //! patch, and the two others would cover the same place with the inner side where it belongs, these
 //! are the subfaces instead.
 
-use super::marks::face_bit;
+use super::item::Item;
+use super::marks::{FACES, face_bit};
 use super::state::{FACE, State};
 use super::table::{edge, triangle};
 use super::tiles::is_above;
 use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
+use std::cmp::Reverse;
 
 impl State {
     /// Moves all dust to the outer sides.
     pub(crate) fn settle_all_dust(&mut self) {
         if self.plc.facets.iter().any(|facet| facet.patch.is_some()) {
-            let all: Vec<TetId> = self.mesh.tet_ids().collect();
+            let has_two = |t: &TetId| (self.marks.of(*t) & FACES).count_ones() == 2;
+            let all: Vec<TetId> = self.mesh.tet_ids().filter(has_two).collect();
             self.settle_dust(all);
         }
     }
@@ -23,11 +26,23 @@ impl State {
     /// Moves dust among these tetrahedra, and what it uncovers, to the outer sides.
     pub(crate) fn settle_dust(&mut self, tets: impl IntoIterator<Item = TetId>) {
         let mut list: Vec<TetId> = tets.into_iter().collect();
+        self.sort_last_first(&mut list);
         // No tetrahedron comes back from an outer side, so each moves once at most.
         while let Some(t) = list.pop() {
             if self.settle(t) {
-                list.extend(self.mesh.topology().at(t).neighbours().map(tet_of));
+                let mut next = self.mesh.topology().at(t).neighbours().map(tet_of).to_vec();
+                self.sort_last_first(&mut next);
+                list.append(&mut next);
             }
+        }
+    }
+
+    /// Tetrahedra the last of which comes first by coordinates, where that decides.
+    fn sort_last_first(&self, tets: &mut Vec<TetId>) {
+        if self.by_place {
+            tets.retain(|&t| self.mesh.tet(t).is_some());
+            let place = |t: &TetId| Reverse(self.place_of(Item::Tet(*t, self.vertices(*t))));
+            tets.sort_by_cached_key(place);
         }
     }
 

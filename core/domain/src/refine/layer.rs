@@ -9,7 +9,7 @@
 //! triangulation of the rounded projection tells where triangles are missing, and so where points
 //! are inserted; that triangulation is never taken for true.
 
-use super::carrier::{cross, dot, minus};
+use super::carrier::{Carrier, cross, dot, minus};
 use super::marks::{DUST, face_bit};
 use super::patch::Sides;
 use super::state::{FACE, State};
@@ -284,6 +284,9 @@ impl State {
 
     /// Are all four corners on one patch?
     pub(crate) fn is_flat(&self, v: [VertexId; 4]) -> bool {
+        if self.carriers[v[0] as usize] == Carrier::Free {
+            return false;
+        }
         let mut patches = self.facets_of(self.carriers[v[0] as usize]);
         patches.retain(|&f| {
             let on = |v: &VertexId| self.lies_on(self.carriers[*v as usize], f);

@@ -162,7 +162,7 @@ fn every_transaction_keeps_every_patch_covered() {
     assert!(inserted > 100 && on_patches > 50, "{inserted} {on_patches}");
 }
 
-fn check_labels(state: &State) {
+pub(super) fn check_labels(state: &State) {
     assert!(state.is_complete());
     let mut areas = vec![0; state.plc.facets.len()];
     let mut edges: Map<(u32, [u32; 2]), u32> = Map::default();

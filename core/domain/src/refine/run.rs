@@ -155,7 +155,7 @@ impl<'a> Refiner<'a> {
     /// vertices lie exactly on its polygons. Only surfaces that separate have patches: facets that
     /// edges connect to an edge of an odd number of facets stay what they are.
     ///
-    /// If the patches cannot be brought into the mesh, and in rounds, the tolerance is 0 after all:
+    /// If the patches cannot be brought into the mesh, the tolerance is 0 after all:
     /// [`RefineStats::flat_tolerance`] says so.
     pub fn flat_tolerance(mut self, length: f64) -> Self {
         self.flat_tolerance = length;
@@ -204,7 +204,11 @@ impl<'a> Refiner<'a> {
         match self.engine {
             Engine::Queues => {
                 run.refine(usize::MAX)?;
-                run.split_slivers()?;
+                // A sizing field may ask for more afterwards.
+                if run.stop.is_none() {
+                    run.refinement.split_slivers(run.most, &mut run.work, &mut Open);
+                    run.refine(usize::MAX)?;
+                }
             }
             Engine::Rounds { order, start } => {
                 run.refine(start)?;
@@ -232,10 +236,9 @@ impl<'a> Refiner<'a> {
         check_limits(self.radius_edge, self.max_volume, lattice)?;
         check_tolerance(self.flat_tolerance, domain)?;
         let clock = Instant::now();
-        let sought = self.flat_tolerance > 0.0 && self.engine == Engine::Queues;
         let (mut without, mut given_up) = (Set::default(), 0);
         let mut done = None;
-        for _ in 0..if sought { DISSOLVED } else { 0 } {
+        for _ in 0..if self.flat_tolerance > 0.0 { DISSOLVED } else { 0 } {
             match self.recovered_within(domain, lattice, self.flat_tolerance, &without)? {
                 Ok(found) => done = Some(found),
                 Err(Unfound { dissolve, .. }) if !dissolve.is_empty() => {
@@ -399,11 +402,10 @@ impl Run<'_> {
             refiner.tell(Phase::Refine, vertices);
             refiner.cancel.is_some_and(CancelToken::is_cancelled)
         };
-        let rounds = Rounds::new(&mut self.refinement, order, self.most);
+        let rounds = Rounds::new(&mut self.refinement, order, self.most, self.stats);
         let (stop, stats, over) = rounds.run(&look)?;
         (self.stop, self.over) = (stop, Some(over));
-        let RefineStats { recover_seconds, patches_given_up, .. } = self.stats;
-        self.stats = RefineStats { recover_seconds, start_seconds, patches_given_up, ..stats };
+        self.stats = RefineStats { start_seconds, ..stats };
         Ok(())
     }
 

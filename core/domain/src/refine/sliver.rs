@@ -4,36 +4,24 @@
 //! tetrahedra meet the bound and have no such angle. So no sliver follows from another, and the
 //! number of tries is bounded. Where none serves the sliver stays.
 
-use super::RefineError;
 use super::carrier::{Carrier, free_point};
 use super::item::{Item, Work};
+use super::key::sorted;
 use super::measure::{RatioBound, Shape, has_small_dihedral};
 use super::outcome::Reason;
-use super::run::Run;
 use super::split::{Proposal, Refinement, TOLERANCE};
 use super::state::{Place, State};
 use super::verdict::{Judge, Verdict};
 use super::walk::Way;
-use ltbw_core::cavity::{Admission, Open};
+use ltbw_core::cavity::Admission;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
 
 /// Points tried for a sliver.
-const TRIES: u32 = 32;
+pub(crate) const TRIES: u32 = 32;
 
 /// They are within this part of the circumradius of the circumcentre.
-const REACH: f64 = 0.75;
-
-impl Run<'_> {
-    /// Splits slivers, and then what is over a bound by that: a sizing field may ask for more.
-    pub(super) fn split_slivers(&mut self) -> Result<(), RefineError> {
-        if self.stop.is_some() {
-            return Ok(());
-        }
-        self.refinement.split_slivers(self.most, &mut self.work, &mut Open);
-        self.refine(usize::MAX)
-    }
-}
+pub(crate) const REACH: f64 = 0.75;
 
 impl Refinement<'_> {
     /// Splits slivers in the regions, in the order of their coordinates, with `most` points.
@@ -99,32 +87,33 @@ impl Refinement<'_> {
 
 impl Judge<'_> {
     /// Would the tetrahedra of the point of the open cavity meet the bound, without tiny angles?
-    fn makes_no_sliver(&self, p: &Point, ratio: &RatioBound) -> bool {
+    pub(crate) fn makes_no_sliver(&self, p: &Point, ratio: &RatioBound) -> bool {
         self.state.mesh.cavity().faces().all(|face| {
             if face.contains(&INFINITE) {
                 return false;
             }
             let [a, b, c] = face.map(|v| self.state.at(v));
-            let corners = [&a, &b, &c, p];
-            !has_small_dihedral(corners) && !ratio.exceeded(corners)
+            // The angles are rounded, in an order that is the same for all orders of the face.
+            let [d, e, f] = &sorted([a, b, c]);
+            !has_small_dihedral([d, e, f, p]) && !ratio.exceeded([&a, &b, &c, p])
         })
     }
 }
 
 impl State {
     /// Is a tetrahedron in a region, no dust, and has it a tiny dihedral angle?
-    fn is_sliver(&self, t: TetId) -> bool {
+    pub(crate) fn is_sliver(&self, t: TetId) -> bool {
         if self.marks.region(t) == 0 {
             return false;
         }
         let v = self.vertices(t);
-        let [a, b, c, d] = v.map(|v| self.at(v));
+        let [a, b, c, d] = sorted(v.map(|v| self.at(v)));
         has_small_dihedral([&a, &b, &c, &d]) && !self.is_flat(v)
     }
 }
 
 /// The next point of a sequence in the unit ball, the same everywhere.
-fn in_unit_ball(seed: &mut u64) -> Point {
+pub(crate) fn in_unit_ball(seed: &mut u64) -> Point {
     let mut next = || {
         *seed =
             seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -10,6 +10,7 @@ use super::bounds::Bounds;
 use super::carrier::{Carrier, Line, distance2, free_point, within_box};
 use super::fill::Inserted;
 use super::item::{Item, Work};
+use super::key::sorted;
 use super::layer::Hole;
 use super::measure::{Shape, circumcircle};
 use super::outcome::Reason;
@@ -166,12 +167,16 @@ impl<'a> Refinement<'a> {
         if let Some(refusal) = self.record.refused.get(&item) {
             return Step::Refused(refusal.reason);
         }
-        let [a, b, c] = corners.map(|v| self.state.at(v));
-        let (centre, square) = circumcircle(&a, &b, &c);
+        let mut points = corners.map(|v| self.state.at(v));
+        if self.state.by_place {
+            points = sorted(points);
+        }
+        let [a, b, c] = &points;
+        let (centre, square) = circumcircle(a, b, c);
         if square < self.floor * self.floor {
             return Step::Refused(Reason::Floor);
         }
-        let (centre, radius) = aim([a, b, c], &centre, square);
+        let (centre, radius) = aim(points, &centre, square);
         for tolerance in [radius * TOLERANCE, 1.0] {
             let Some((p, is_on)) = self.state.place_on(f, &centre, tolerance) else { continue };
             let place = Place { p, carrier: Carrier::Facet(f), from: self.state.mesh.hint() };
@@ -343,7 +348,7 @@ impl State {
 
     /// A point near `centre` on facet `f`, and `true`; or, if a patch has no polygon there, the
     /// place itself, where no point may be inserted.
-    fn place_on(&self, f: u32, centre: &Point, tolerance: f64) -> Option<(Point, bool)> {
+    pub(crate) fn place_on(&self, f: u32, centre: &Point, tolerance: f64) -> Option<(Point, bool)> {
         let facet = &self.plc.facets[f as usize];
         let Some(patch) = &facet.patch else {
             return facet.plane.near(centre, tolerance).map(|p| (p, true));

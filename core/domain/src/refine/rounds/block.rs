@@ -49,8 +49,12 @@ impl Rounds<'_, '_> {
                 let corners = triangle(a, b, c);
                 let is_lost = touched.inner.iter().any(|&(s, _)| s == corners);
                 let sides = [t, tet_of(tet.neighbours()[slot])];
+                // Beside dust of a patch others may become subfaces in its place.
+                let is_fixed =
+                    !sides.iter().any(|&t| self.own.state.is_flat(self.own.state.vertices(t)));
                 // Each is met from both sides.
                 if is_lost
+                    && is_fixed
                     && sides[0] < sides[1]
                     && self.own.record.bars(&Item::Subface(corners), limit).is_some()
                 {
@@ -127,7 +131,7 @@ mod tests {
     use crate::refine::Refiner;
     use crate::refine::item::Item;
     use crate::refine::marks::face_bit;
-    use crate::refine::outcome::Reason;
+    use crate::refine::outcome::{Reason, RefineStats};
     use crate::refine::record::Refusal;
     use crate::refine::rounds::{InsertOrder, Rounds};
     use crate::refine::state::FACE;
@@ -141,7 +145,8 @@ mod tests {
         let ready = ready(DomainKind::TwoMaterial, &Shape::default());
         let refiner = Refiner::new().max_volume(1e-3);
         let (mut run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
-        let mut rounds = Rounds::new(&mut run.refinement, InsertOrder::Hilbert, u64::MAX);
+        let (own, stats) = (&mut run.refinement, RefineStats::default());
+        let mut rounds = Rounds::new(own, InsertOrder::Hilbert, u64::MAX, stats);
         rounds.look_at_all();
         rounds.find_foremost();
         let state = &rounds.own.state;

@@ -6,12 +6,12 @@
 //! key first; one whose cavity meets that of a point taken before waits for the next round, unless
 //! both points are on one segment, or in one facet and the cavity there has not this subface.
 
-use super::{CHECK_EVERY, Class, LAST, Look, Rounds};
+use super::{CHECK_EVERY, Candidate, Class, LAST, Look, Rounds};
 use crate::refine::carrier::distance2;
 use crate::refine::item::Item;
 use crate::refine::key::{key, sorted};
 use crate::refine::measure::circumcircle;
-use ltbw_core::topology::TetId;
+use ltbw_core::topology::{TetId, tet_of};
 
 impl Rounds<'_, '_> {
     /// Chooses the candidates of a class that are to be inserted; `true` if the work is cancelled.
@@ -19,8 +19,10 @@ impl Rounds<'_, '_> {
         self.candidates.clear();
         self.chosen.clear();
         self.cavities.clear();
-        if class == Class::Tets {
-            return self.choose_tets(look);
+        match class {
+            Class::Tets => return self.choose_tets(look),
+            Class::Slivers => return self.choose_slivers(look),
+            Class::Segments | Class::Subfaces => {}
         }
         let ready = self.ready();
         self.forget_reserved(ready.len());
@@ -98,6 +100,7 @@ impl Rounds<'_, '_> {
             }
         };
         (self.count, self.batch) = (count, 0);
+        self.alone.clear();
     }
 
     /// Takes the last candidate, whose cavity is its own from now on, where none before it has it.
@@ -116,6 +119,31 @@ impl Rounds<'_, '_> {
         }
     }
 
+    /// Notes by its rank whether the last candidate has to be alone.
+    pub(super) fn note_alone(&mut self) {
+        if let Some(candidate) = self.candidates.last()
+            && (candidate.alone || !self.alone.is_empty())
+        {
+            self.alone.resize(self.count as usize, false);
+            self.alone[candidate.rank as usize] = candidate.alone;
+        }
+    }
+
+    /// Has a candidate's closure slots in the cavities of those before it, if one of the two has to
+    /// be alone?
+    fn is_crowded(&self, own: &Candidate) -> bool {
+        let is_met = |t: TetId| {
+            let other = self.reserved[t as usize];
+            let rank = || (self.free + self.count - other) as usize;
+            self.has_rival(t, own.rank) && (own.alone || self.alone[rank()])
+        };
+        let topology = self.own.state.mesh.topology();
+        !self.alone.is_empty()
+            && self.cavities[own.cavity.clone()].iter().any(|&t| {
+                is_met(t) || topology.at(t).neighbours().iter().any(|&n| is_met(tet_of(n)))
+            })
+    }
+
     /// Does a candidate before the one of this rank have slot `t` in its cavity?
     pub(super) fn has_rival(&self, t: TetId, rank: u32) -> bool {
         self.reserved[t as usize] > self.free + self.count - rank
@@ -130,6 +158,6 @@ impl Rounds<'_, '_> {
             Item::Segment(_) => false,
         };
         // Only what is marked can be lost.
-        !(is_killed || own.is_marked && self.loses_jointly(own))
+        !(is_killed || own.is_marked && self.loses_jointly(own) || self.is_crowded(own))
     }
 }

@@ -28,7 +28,7 @@ impl Rounds<'_, '_> {
         if count == 0 {
             return Ok(false);
         }
-        self.stats.rounds[class as usize] += 1;
+        self.stats.rounds[(class as usize).min(Class::Tets as usize)] += 1;
         self.stats.widest = self.stats.widest.max(count);
         for (done, k) in self.in_order(class).into_iter().enumerate() {
             if done % BATCH == BATCH - 1 {
@@ -52,13 +52,16 @@ impl Rounds<'_, '_> {
     fn insert_one(&mut self, k: usize) -> Result<(), RefineError> {
         let last = self.free + self.count;
         let Self { own, candidates, cavities, reserved, nothing, .. } = self;
-        let Candidate { item, ref place, ref cavity, ref mut filling, .. } = candidates[k];
+        let Candidate { item, alone, ref place, ref cavity, ref mut filling, .. } = candidates[k];
         let state = &mut own.state;
         let place = Place { from: state.start_near(place.from), ..*place };
         let mut unchanged = |t: TetId, _: Role| reserved[t as usize] <= last;
         let open = state.begin_again(&place, &cavities[cavity.clone()], &mut unchanged);
         let (mut open, is_same) =
             open.map_err(|_| RefineError::Invariant { what: "chosen points are new" })?;
+        if alone && !is_same {
+            return Err(RefineError::Invariant { what: "a point is alone where it has to be" });
+        }
         let mut filling = std::mem::take(filling);
         if !is_same && place.carrier != Carrier::Free {
             open.owner_mut().touch(&place.p, place.carrier);

@@ -12,6 +12,7 @@ mod foremost;
 mod insert;
 mod probe;
 mod settle;
+mod sliver;
 
 use super::RefineError;
 use super::item::{Item, Queues};
@@ -23,6 +24,7 @@ use super::table::Map;
 use super::verdict::Filling;
 use ltbw_core::cavity::Open;
 use ltbw_core::topology::TetId;
+use probe::Probe;
 use std::ops::Range;
 
 /// The engine that refines.
@@ -65,6 +67,7 @@ enum Class {
     Segments,
     Subfaces,
     Tets,
+    Slivers,
 }
 
 /// A point proposed in a round, and its cavity in the mesh at the start of the round.
@@ -77,6 +80,8 @@ struct Candidate {
     fits: bool,
     /// Is anything of its cavity marked?
     is_marked: bool,
+    /// Does it have to be the foremost in its whole closure, and to be left alone there?
+    alone: bool,
     place: Place,
     /// Its tetrahedra in [`Rounds::cavities`].
     cavity: Range<usize>,
@@ -150,6 +155,10 @@ pub(crate) struct Rounds<'r, 'a> {
     count: u32,
     /// Looks at new tetrahedra in this round so far.
     batch: u32,
+    /// Per rank: is the candidate of this rank to be alone? Empty if none is.
+    alone: Vec<bool>,
+    /// Slivers not yet looked at, when all else is done.
+    slivers: Option<Vec<sliver::Sliver>>,
     /// Subfaces that tetrahedra were refused for in earlier rounds, and those of this one.
     blocks: Vec<block::Block>,
     new_blocks: Vec<block::Block>,
@@ -169,8 +178,13 @@ pub(crate) struct Rounds<'r, 'a> {
 }
 
 impl<'r, 'a> Rounds<'r, 'a> {
-    /// Rounds from the present state on, in which nothing is missing.
-    pub(crate) fn new(own: &'r mut Refinement<'a>, order: InsertOrder, most: u64) -> Self {
+    /// Rounds from the present state on, in which nothing is missing, with the figures so far.
+    pub(crate) fn new(
+        own: &'r mut Refinement<'a>,
+        order: InsertOrder,
+        most: u64,
+        stats: RefineStats,
+    ) -> Self {
         own.state.by_place = true;
         own.state.registry = Default::default();
         own.record = Default::default();
@@ -190,6 +204,8 @@ impl<'r, 'a> Rounds<'r, 'a> {
             free: 0,
             count: 0,
             batch: 0,
+            alone: Vec::new(),
+            slivers: None,
             blocks: Vec::new(),
             new_blocks: Vec::new(),
             conclusions: Vec::new(),
@@ -198,7 +214,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             refusals: Vec::new(),
             created: Vec::new(),
             nothing: Queues::default(),
-            stats: RefineStats::default(),
+            stats,
         }
     }
 
@@ -230,11 +246,16 @@ impl<'r, 'a> Rounds<'r, 'a> {
                     }
                     let count = self.chosen.len();
                     let total = self.own.inserted.points.total() + count as u64;
+                    if total > self.most && class == Class::Slivers {
+                        self.slivers = Some(Vec::new());
+                        continue;
+                    }
                     if total > self.most {
                         stop = Some(Reason::Budget);
                         break;
                     }
-                    let progress = self.record_round() || count > 0;
+                    // Of slivers the foremost is split, or looked at no more.
+                    let progress = self.record_round() || count > 0 || class == Class::Slivers;
                     let cancelled = self.insert(class, look)?;
                     self.settle();
                     if cancelled {
@@ -273,7 +294,10 @@ impl<'r, 'a> Rounds<'r, 'a> {
             _ => {
                 self.find_foremost();
                 // Of tetrahedra over their bounds one is before all others.
-                (!self.foremost.is_empty()).then_some(Some(Class::Tets))
+                match self.foremost.is_empty() {
+                    false => Some(Some(Class::Tets)),
+                    true => self.has_slivers().then_some(Some(Class::Slivers)),
+                }
             }
         }
     }
@@ -300,6 +324,8 @@ impl<'r, 'a> Rounds<'r, 'a> {
         }
         for (item, reason) in self.refusals.drain(..) {
             let limit = record.limits.remove(&item);
+            // The floor is no lower for a proposal that allows shorter edges.
+            let limit = limit.filter(|_| reason != Reason::Floor);
             record.refused.insert(item, Refusal { reason, limit });
             self.pending.remove(&item);
             if let Item::Tet(t, _) = item {

@@ -20,7 +20,7 @@ use ltbw_core::mesh::At;
 use ltbw_core::topology::{TetId, VertexId};
 
 /// The result of a probe.
-enum Probe {
+pub(super) enum Probe {
     /// The point may be inserted.
     Fits,
     /// One taken before is in its way.
@@ -71,14 +71,15 @@ impl Rounds<'_, '_> {
         if square < self.own.floor * self.own.floor {
             return self.refuse(item, Reason::Floor);
         }
-        let plane = state.plc.facets[f as usize].plane;
         let reason = state.angles.reason_of_facet(f);
         let (centre, radius) = aim(points, &centre, square);
         for tolerance in [radius * TOLERANCE, 1.0] {
-            let Some(p) = plane.near(&centre, tolerance) else { continue };
+            let Some((p, is_on)) = self.own.state.place_on(f, &centre, tolerance) else {
+                continue;
+            };
             let rank = self.candidates.len() as u32;
             let place = Place { p, carrier: Carrier::Facet(f), from: near };
-            let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, true);
+            let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, is_on);
             match self.probe((item, rank), &place, verdict) {
                 Probe::Fits => return self.take_or_drop(),
                 Probe::Barred => return,
@@ -126,7 +127,10 @@ impl Rounds<'_, '_> {
             }
             let place = Place { p, carrier: Carrier::Free, from };
             match self.probe((item, rank), &place, |judge| judge.on_tet(t, &place.p)) {
-                Probe::Fits => return self.reserve(),
+                Probe::Fits => {
+                    self.note_alone();
+                    return self.reserve();
+                }
                 Probe::Defers(first) => {
                     // One that is refused is in nobody's way.
                     match conclude(self, first) {
@@ -164,7 +168,7 @@ impl Rounds<'_, '_> {
 
     /// Opens the cavity of a place, takes the verdict and sets the cavity back. A point that serves
     /// its item becomes a candidate.
-    fn probe(
+    pub(super) fn probe(
         &mut self,
         (item, rank): (Item, u32),
         place: &Place,
@@ -206,12 +210,16 @@ impl Rounds<'_, '_> {
         let place = Place { from: cavities[first], ..place };
         let cavity = first..cavities.len();
         let (fits, is_marked) = (matches!(probe, Probe::Fits), open.owner().touched.is_marked);
-        candidates.push(Candidate { item, rank, fits, is_marked, place, cavity, filling });
+        // Labels at a patch are a function of the mesh as long as one point at a time changes it.
+        let is_patch = |f: u32| open.owner().is_patch(f);
+        let alone = filling.changes.iter().any(|change| is_patch(change.facet));
+        candidates.push(Candidate { item, rank, fits, is_marked, alone, place, cavity, filling });
         probe
     }
 
     /// Takes the last candidate, unless one taken before it is in its way.
     fn take_or_drop(&mut self) {
+        self.note_alone();
         if self.survives(self.candidates.len() - 1) {
             self.take();
         } else if let Some(last) = self.candidates.pop() {

@@ -64,7 +64,9 @@ fn one_mesh(refiner: &Refiner<'_>, ready: &Prepared, start: usize, name: &str) -
     }
     check_all(first.mesh()).expect("invariants of the mesh");
     check_marks(&first.state);
-    assert!(first.stats.rounds.iter().sum::<u64>() > 0, "{name}: {:?}", first.stats);
+    let is_beyond_help = first.num_tets() == first.excuses.len();
+    let rounds = first.stats.rounds.iter().sum::<u64>();
+    assert!(rounds > 0 || is_beyond_help, "{name}: {:?}", first.stats);
     first
 }
 
@@ -92,7 +94,7 @@ fn the_problems_of_the_paper_have_one_mesh_for_all_orders() {
 
 #[test]
 fn small_angles_have_one_mesh_for_all_orders() {
-    let mut excused = 0;
+    let (mut excused, mut excused_by_queues) = (0, 0);
     let shapes = [60.0, 45.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.1]
         .into_iter()
         .flat_map(|angle| [(DomainKind::Wedge, angle), (DomainKind::Spike, angle)]);
@@ -106,8 +108,10 @@ fn small_angles_have_one_mesh_for_all_orders() {
             assert_eq!(refined.outcome, RefineOutcome::Met, "{kind:?} {angle}");
         }
         excused += refined.excuses.len();
+        excused_by_queues += queues.excuses.len();
     }
-    assert!(excused > 0);
+    // 74 and 71.
+    assert!(excused > 0 && excused <= excused_by_queues * 11 / 10, "{excused}");
 }
 
 #[test]
@@ -188,6 +192,78 @@ fn a_wide_round_can_be_cancelled_and_leaves_a_sound_mesh() {
         check_marks(&refined.state);
         assert!(refined.lost.is_empty() && !refined.excuses.is_empty());
     }
+}
+
+/// A surface by formula, of single polygons; its type is that of another instance of this crate.
+macro_rules! surface {
+    ($made:expr) => {{
+        let made = $made;
+        let polygons = made.facets.iter().flat_map(|f| &f.polygons);
+        let facets = polygons.map(|polygon| Facet::polygon(polygon, 0)).collect();
+        let domain = Domain { vertices: made.vertices, facets, ..Domain::default() };
+        domain.prepare(&PrepareOptions::default()).expect("a sound domain")
+    }};
+}
+
+/// Points at a patch are alone in their closures: labels of flat tetrahedra and subfaces are a
+/// function of the mesh, too.
+#[test]
+fn patches_within_a_tolerance_have_one_mesh_for_all_orders() {
+    use ltbw_generate::surfaces::{globe, prism, torus, turned};
+    let (mut patches, mut excused, mut excused_by_queues) = (0, 0, 0);
+    for (name, made, volume) in [
+        ("a globe", globe(16, 16, 0.0, 1), None),
+        ("a fine globe", globe(12, 12, 0.0, 1), Some(1e-4)),
+        ("a globe, turned", turned(&globe(12, 12, 0.0, 1)), None),
+        ("a prism", prism(12, 1e-7, 1), None),
+        ("a fine prism", prism(12, 1e-7, 1), Some(3e-4)),
+        ("a prism, turned", turned(&prism(12, 1e-7, 1)), None),
+        ("a torus", torus(10), None),
+        ("a torus, turned", turned(&torus(10)), None),
+    ] {
+        let ready = surface!(made);
+        let tolerance = crate::refine::usual_tolerance(&ready.domain, &ready.domain);
+        let refiner = Refiner::new().flat_tolerance(tolerance.max(5e-7));
+        let refiner = volume.map_or(refiner, |volume| refiner.max_volume(volume));
+        let refined = one_mesh(&refiner, &ready, 0, name);
+        crate::refine::patch_tests::check_labels(&refined.state);
+        let queues = refine(&refiner, &ready);
+        println!(
+            "{name}: {} {}, {} patches, {} {} tetrahedra, {:?} {}",
+            refined.excuses.len(),
+            queues.excuses.len(),
+            refined.stats.patches,
+            refined.num_tets(),
+            queues.num_tets(),
+            refined.stats.rounds,
+            refined.stats.joint_phases
+        );
+        assert_eq!(refined.stats.patches, queues.stats.patches, "{name}");
+        if queues.outcome == RefineOutcome::Met {
+            assert_eq!(refined.outcome, RefineOutcome::Met, "{name}");
+        }
+        patches += refined.stats.patches;
+        excused += refined.excuses.len();
+        excused_by_queues += queues.excuses.len();
+    }
+    assert!(patches > 100, "{patches}");
+    assert!(excused <= excused_by_queues, "{excused} {excused_by_queues}");
+}
+
+/// Slivers that a point serves are gone, as with queues, and none follows.
+#[test]
+fn slivers_are_split_in_rounds() {
+    let ready = surface!(ltbw_generate::surfaces::torus(24));
+    let slivers = |refined: &Refined| {
+        let state = &refined.state;
+        state.mesh.tet_ids().filter(|&t| state.is_sliver(t)).count()
+    };
+    let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(1e-4);
+    let refined = one_mesh(&refiner, &ready, 0, "a torus");
+    let queues = refine(&refiner, &ready);
+    let counts = [slivers(&refined), slivers(&queues)];
+    println!("{counts:?} slivers, {} {} tetrahedra", refined.num_tets(), queues.num_tets());
+    assert!(counts[0] <= counts[1].max(2), "{counts:?}");
 }
 
 /// A ball of quads cut in two, flat but for rounding: its centre takes the concave ones out of the
