@@ -1,5 +1,6 @@
 //! The command line and its help.
 
+use crate::numbers::whole;
 use crate::progress::Show;
 use crate::rounds::EngineArg;
 use crate::simulate::Simulate;
@@ -183,6 +184,7 @@ pub(crate) struct VectorsRun {
     pub(crate) folder: Vec<String>,
     /// The longest time for an answer
     #[arg(long, value_name = "SECONDS", default_value_t = 60)]
+    #[arg(value_parser = whole::<u64>(0..=u64::MAX), allow_negative_numbers = true)]
     pub(crate) timeout: u64,
 }
 
@@ -199,7 +201,8 @@ pub(crate) struct Delaunay {
     ///
     /// The mesh and its hash do not depend on this. By default one thread inserts, and all cores
     /// order, check, hash and write. A worker should have some 5,000 points at least.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(1..=1024))]
+    #[arg(allow_negative_numbers = true)]
     pub(crate) threads: Option<u16>,
     /// Give blocks to workers that run out of points
     #[arg(long, requires = "threads")]
@@ -211,10 +214,10 @@ pub(crate) struct Delaunay {
     #[arg(long, requires = "threads")]
     pub(crate) tables: bool,
     /// Write a timeline for Perfetto or chrome://tracing: a track for each worker
-    #[arg(long, value_name = "FILE", requires = "threads")]
+    #[arg(long, value_name = "FILE|-", requires = "threads")]
     pub(crate) trace: Option<PathBuf>,
     /// Write a page to look at: the mesh to turn and cut, histograms, the workers' time
-    #[arg(long, value_name = "HTML")]
+    #[arg(long, value_name = "HTML|-")]
     pub(crate) page: Option<PathBuf>,
     /// The depth of the check of the mesh before it is written
     #[arg(long, value_enum, default_value_t = Depth::Fast)]
@@ -270,7 +273,8 @@ pub(crate) struct MeshArgs {
     #[arg(hide_short_help = true)]
     pub(crate) tetgen_switches: Option<String>,
     /// The most points to insert
-    #[arg(long, value_name = "N", value_parser = any_count)]
+    #[arg(long, value_name = "N", value_parser = whole::<u64>(0..=u64::MAX))]
+    #[arg(allow_negative_numbers = true)]
     #[arg(hide_short_help = true)]
     pub(crate) max_points: Option<u64>,
     /// The engine that refines
@@ -287,14 +291,15 @@ pub(crate) struct MeshArgs {
     #[command(flatten)]
     pub(crate) preparation: Preparation,
     /// Write a page: the mesh to turn and cut, histograms, report
-    #[arg(long, value_name = "HTML")]
+    #[arg(long, value_name = "HTML|-")]
     pub(crate) page: Option<PathBuf>,
     /// Write the histograms of quality as a picture
-    #[arg(long, value_name = "SVG")]
+    #[arg(long, value_name = "SVG|-")]
     #[arg(hide_short_help = true)]
     pub(crate) histogram: Option<PathBuf>,
     /// Threads for checking, hashing and output [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(1..=1024))]
+    #[arg(allow_negative_numbers = true)]
     pub(crate) threads: Option<u16>,
     /// Write the report as JSON (schema ltbw.report/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]
@@ -312,7 +317,8 @@ pub(crate) struct Check {
     /// The mesh: .vtu .vtk .msh .mesh .ele (with .node); or the domain: .poly .smesh .off .obj .stl
     /// .ply .vtk
     pub(crate) mesh: PathBuf,
-    /// Write the certificate as JSON (ltbw.cert/1; of a domain ltbw.domain/1), `-` for stdout
+    /// Write the certificate as JSON (ltbw.cert/1; with --plc ltbw.conformity/1; of a domain
+    /// ltbw.domain/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,
     /// The order of a tetrahedron's vertices means nothing (scipy and Qhull write such meshes)
@@ -359,10 +365,12 @@ pub(crate) struct Generate {
     #[arg(value_parser = kinds())]
     pub(crate) kind: Kind,
     /// About how many points (grids round up) [default: 1000], or parts of a domain
-    #[arg(value_name = "N", value_parser = counts)]
+    #[arg(value_name = "N", value_parser = whole::<u32>(0..=MAX_POINTS as u64))]
+    #[arg(allow_negative_numbers = true)]
     pub(crate) count: Option<u32>,
     /// Another seed gives another set of the same kind
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = whole::<u64>(0..=u64::MAX))]
+    #[arg(allow_negative_numbers = true)]
     pub(crate) seed: u64,
     /// The angle of a wedge or spike
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
@@ -389,28 +397,6 @@ fn length(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|e| format!("{e}"))?;
     let good = value.is_finite() && value > 0.0;
     good.then_some(value).ok_or_else(|| "a length is positive and finite".to_owned())
-}
-
-/// A whole number up to `most`, also written like `1e6`.
-fn whole(text: &str, most: u64) -> Result<u64, String> {
-    let plain = text.parse::<u64>().ok();
-    // Above 2^53 not every whole number is a double.
-    let scientific = || {
-        let value: f64 = text.parse().ok()?;
-        let is_whole = (0.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() == 0.0;
-        is_whole.then_some(value as u64)
-    };
-    let value = plain.or_else(scientific).ok_or("not a whole number such as 1000000 or 1e6")?;
-    (value <= most).then_some(value).ok_or_else(|| format!("{value} is not in 0..={most}"))
-}
-
-/// No more points than a point set may have.
-pub(crate) fn counts(text: &str) -> Result<u32, String> {
-    whole(text, MAX_POINTS as u64).map(|count| count as u32)
-}
-
-fn any_count(text: &str) -> Result<u64, String> {
-    whole(text, u64::MAX)
 }
 
 fn kinds() -> impl TypedValueParser<Value = Kind> {

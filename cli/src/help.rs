@@ -80,6 +80,31 @@ pub(crate) fn long(words: &[OsString]) -> Option<String> {
     Some(of(command))
 }
 
+/// The command that a command line names, as far as it names one: `ltbw mesh`, say.
+pub(crate) fn command(words: &[OsString]) -> String {
+    let mut program = Args::command();
+    program.build();
+    let (mut command, mut path) = (&program, PROGRAM.to_owned());
+    let mut words = words.iter().skip(1).filter_map(|word| word.to_str());
+    while let Some(word) = words.next() {
+        if let Some(option) = word.strip_prefix("--") {
+            let takes_value =
+                |arg: &Arg| arg.get_long() == Some(option) && arg.get_action().takes_values();
+            if command.get_arguments().any(takes_value) {
+                words.next();
+            }
+            continue;
+        }
+        if word.starts_with('-') {
+            continue;
+        }
+        // The next word is an argument, or a mistake.
+        let Some(next) = command.find_subcommand(word).filter(|_| word != "help") else { break };
+        (command, path) = (next, format!("{path} {word}"));
+    }
+    path
+}
+
 /// The long help of a command.
 fn of(command: &Command) -> String {
     let examples = command.get_after_long_help().map(ToString::to_string).unwrap_or_default();

@@ -3,6 +3,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `args` | the command line and its help |
+//! | `numbers` | whole numbers on the command line |
 //! | `refusal` | what is said of a command line that is no command |
 //! | `run` | `delaunay`: read, build, check, hash, write, report |
 //! | `mesh` | `mesh`: read, prepare, refine, check, write, report |
@@ -46,6 +47,7 @@ mod json;
 mod kit;
 mod lists;
 mod mesh;
+mod numbers;
 mod outcome;
 mod page;
 mod picture;
@@ -74,7 +76,7 @@ pub use refusal::Refusal;
 /// # Errors
 /// Why it is no command: a mistake, or a question for help.
 pub fn parse(words: &[OsString]) -> Result<(), Refusal> {
-    Args::try_parse_from(words).map(|_| ()).map_err(|error| Refusal::of(&error))
+    Args::try_parse_from(words).map(|_| ()).map_err(|error| Refusal::of(&error, words))
 }
 
 /// Runs the program on the command line of this process.
@@ -92,7 +94,11 @@ pub fn main() -> ExitCode {
 }
 
 fn dispatch(args: Args) -> Result<Exit, Failure> {
-    progress::show(if args.quiet { progress::Show::None } else { args.progress });
+    progress::show(match args.progress {
+        // Whoever asks for lines of JSON has a program to read them.
+        progress::Show::Bar if args.quiet => progress::Show::None,
+        asked => asked,
+    });
     if args.quiet {
         console::be_quiet();
     }

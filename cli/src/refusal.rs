@@ -18,14 +18,15 @@ pub struct Refusal {
 }
 
 impl Refusal {
-    pub(crate) fn of(error: &clap::Error) -> Self {
+    pub(crate) fn of(error: &clap::Error, words: &[OsString]) -> Self {
         let (exit, is_help) = match error.kind() {
             ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => (Exit::Done, true),
             ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => (Exit::Usage, true),
             _ => (Exit::Usage, false),
         };
         let text = error.to_string();
-        let text = if is_help { text } else { one_line(&text, &tips(error)) };
+        let text =
+            if is_help { text } else { one_line(&text, &tips(error), &help::command(words)) };
         Self { exit: exit as u8, is_help, text }
     }
 }
@@ -43,23 +44,14 @@ fn tips(error: &clap::Error) -> String {
     if words.is_empty() { String::new() } else { format!("; did you mean {}?", words.join(" or ")) }
 }
 
-/// The command whose help to read: what clap's line of usage begins with.
-fn command_of(text: &str) -> String {
-    // An argument that says the same comes before it.
-    let usage = text.rsplit("Usage: ").next().unwrap_or_default();
-    let is_name = |word: &&str| word.chars().all(|c| c.is_ascii_lowercase());
-    let names: Vec<&str> = usage.split_whitespace().take_while(is_name).collect();
-    if names.first() == Some(&"ltbw") { names.join(" ") } else { "ltbw".to_owned() }
-}
-
 /// The first paragraph of clap's message as one line. It repeats the argument, and a terminal obeys
 /// control characters that clap leaves in it: they become `?`.
-fn one_line(text: &str, tips: &str) -> String {
+fn one_line(text: &str, tips: &str, command: &str) -> String {
     let first = text.split("\n\n").next().unwrap_or_default();
     let words: Vec<&str> = first.split_whitespace().collect();
     let line = words.join(" ");
     let line = line.strip_prefix("error: ").unwrap_or(&line);
-    format!("{line}{tips}; see `{} --help`", command_of(text)).replace(char::is_control, "?")
+    format!("{line}{tips}; see `{command} --help`").replace(char::is_control, "?")
 }
 
 /// Prints help where it was asked for, and what is wrong with the command line in one line.
@@ -79,7 +71,7 @@ pub(crate) fn explain(error: &clap::Error, words: &[OsString]) -> Result<Exit, F
             Ok(Exit::Usage)
         }
         _ => {
-            console::people(&format!("ltbw: {}", Refusal::of(error).text));
+            console::people(&format!("ltbw: {}", Refusal::of(error, words).text));
             Ok(Exit::Usage)
         }
     }
@@ -94,7 +86,8 @@ mod tests {
 
     fn text(words: &[&str]) -> String {
         let words: Vec<_> = ["ltbw"].iter().chain(words).map(OsString::from).collect();
-        Refusal::of(&Args::try_parse_from(words).expect_err("no command")).text
+        let error = Args::try_parse_from(&words).expect_err("no command");
+        Refusal::of(&error, &words).text
     }
 
     /// Control characters of an argument must not come back to the terminal.
@@ -102,8 +95,8 @@ mod tests {
     fn a_refusal_repeats_no_control_characters() {
         for word in ["a\u{1b}[2Jb", "x\u{7}", "\u{0}", "one\ntwo", "tab\tbed", "\u{9b}31m"] {
             let words: Vec<_> = ["ltbw", word].iter().map(OsString::from).collect();
-            let error = Args::try_parse_from(words).expect_err("no such command");
-            let text = Refusal::of(&error).text;
+            let error = Args::try_parse_from(&words).expect_err("no such command");
+            let text = Refusal::of(&error, &words).text;
             assert!(!text.chars().any(char::is_control), "{text:?}");
             assert!(text.contains("unrecognized subcommand"), "{text:?}");
         }
@@ -116,5 +109,36 @@ mod tests {
         assert!(said.contains("did you mean `--threads`?"), "{said}");
         assert!(said.ends_with("see `ltbw delaunay --help`"), "{said}");
         assert!(text(&["delauny"]).contains("did you mean `delaunay`?"));
+    }
+
+    #[test]
+    fn a_wrong_value_names_the_help_of_its_command() {
+        let cases: [(&[&str], &str); 10] = [
+            (&["delaunay", "p.npy", "--check", "fats"], "ltbw delaunay"),
+            (&["generate", "unifrm", "10", "-o", "z.npy"], "ltbw generate"),
+            (&["generate", "uniform", "-5", "-o", "z.npy"], "ltbw generate"),
+            (&["simulate", "--points", "x"], "ltbw simulate"),
+            (&["mesh", "p.npy", "--page"], "ltbw mesh"),
+            (&["completions", "tcsh"], "ltbw completions"),
+            (&["--progress", "mesh", "delaunay", "p.npy", "--threads", "0"], "ltbw delaunay"),
+            (&["-q", "--progress=json", "check", "m.vtu", "--radius-edge", "x"], "ltbw check"),
+            (&["vectors", "run", "--folder", "x", "--executor", "e"], "ltbw vectors run"),
+            (&["mesh", "delaunay", "--radius-edge", "x"], "ltbw mesh"),
+        ];
+        for (words, command) in cases {
+            let said = text(words);
+            assert!(said.ends_with(&format!("; see `{command} --help`")), "{words:?}: {said}");
+        }
+    }
+
+    #[test]
+    fn counts_are_told_in_plain_words() {
+        let said = text(&["simulate", "--points", "x"]);
+        assert!(
+            said.starts_with("invalid value 'x' for '--points <N>': expected a whole"),
+            "{said}"
+        );
+        let said = text(&["generate", "uniform", "-5", "-o", "z.npy"]);
+        assert!(said.starts_with("invalid value '-5' for '[N]': expected a whole"), "{said}");
     }
 }

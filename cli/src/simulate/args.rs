@@ -1,5 +1,6 @@
 //! The command line of `simulate`.
 
+use crate::numbers::whole;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use ltbw::mesh::Ownership;
 use ltbw::points::MAX_POINTS;
@@ -13,7 +14,7 @@ use std::path::PathBuf;
 pub(crate) struct Simulate {
     /// Simulated processors
     #[arg(long, value_name = "P", default_value_t = 16)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(value_parser = whole::<u32>(1..=1024), allow_negative_numbers = true)]
     pub(crate) processors: u32,
     /// The costs of work and messages: of today's machines, or of the paper's 32 workstations
     /// (2.4 ms a cavity, 33 us a poll in vain, 100 Mbit/s)
@@ -31,13 +32,14 @@ pub(crate) struct Simulate {
     pub(crate) bandwidth: Option<f64>,
     /// About how many points (grids round up)
     #[arg(long, value_name = "N", default_value_t = 100_000)]
-    #[arg(value_parser = clap::value_parser!(u32).range(4..=MAX_POINTS as i64))]
+    #[arg(value_parser = whole::<u32>(4..=MAX_POINTS as u64), allow_negative_numbers = true)]
     pub(crate) points: u32,
     /// The kind of point set
     #[arg(long, default_value = "uniform", value_parser = kinds())]
     pub(crate) kind: PointKind,
     /// Determines the points and all that is random in the run
     #[arg(long, default_value_t = 1)]
+    #[arg(value_parser = whole::<u64>(0..=u64::MAX), allow_negative_numbers = true)]
     pub(crate) seed: u64,
     /// The rule for a request that meets a locked tetrahedron
     #[arg(long, default_value = "wound-wait", value_parser = rules())]
@@ -52,27 +54,28 @@ pub(crate) struct Simulate {
     pub(crate) ownership: Ownership,
     /// A processor with work of its own looks for messages before each N-th insertion
     #[arg(long, value_name = "N", default_value_t = 1)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000), hide_short_help = true)]
+    #[arg(value_parser = whole::<u32>(1..=1_000_000), hide_short_help = true)]
+    #[arg(allow_negative_numbers = true)]
     pub(crate) poll_every: u32,
     /// Operations that a worker starts at most at a time
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    #[arg(hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=4096))]
+    #[arg(hide_short_help = true, allow_negative_numbers = true)]
     pub(crate) window: Option<u32>,
     /// Insertion cursors of each worker
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    #[arg(hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=4096))]
+    #[arg(hide_short_help = true, allow_negative_numbers = true)]
     pub(crate) cursors: Option<u32>,
     /// Points of a worker under way before those that need no other worker go first; 0: as they lie
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4096))]
-    #[arg(hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(0..=4096))]
+    #[arg(hide_short_help = true, allow_negative_numbers = true)]
     pub(crate) abreast: Option<u32>,
     /// Blocks of each worker at the start
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
-    #[arg(hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1..=256))]
+    #[arg(hide_short_help = true, allow_negative_numbers = true)]
     pub(crate) blocks: Option<u32>,
     /// Points of the coarse mesh that is distributed at the start
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..))]
-    #[arg(hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(4..=u32::MAX.into()))]
+    #[arg(hide_short_help = true, allow_negative_numbers = true)]
     pub(crate) sample: Option<u32>,
     /// Processor 0 takes this number of times longer for everything
     #[arg(long, value_name = "FACTOR", value_parser = positive)]
@@ -90,11 +93,11 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,
     /// Write a timeline for Perfetto or chrome://tracing: a track for each worker
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE|-")]
     pub(crate) trace: Option<PathBuf>,
     /// Write a page to look at: a timeline by worker, and with more runs LT over latency and the
     /// speed-up
-    #[arg(long, value_name = "HTML")]
+    #[arg(long, value_name = "HTML|-")]
     pub(crate) page: Option<PathBuf>,
 }
 
