@@ -9,6 +9,7 @@ use crate::outcome::{Exit, Failure};
 use crate::progress::Stage;
 use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
+use std::path::Path;
 use verify::{Level, Outcome, VertexOrder};
 
 /// Defects that people are shown; the certificate lists more.
@@ -17,12 +18,15 @@ const SHOWN: usize = 10;
 /// `ltbw check`.
 pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     console::end_on_signal()?;
-    let source = args.streams.resolve(Some(&args.mesh), &[])?.input(&args.mesh)?;
+    let inputs: Vec<&Path> =
+        [Some(&args.mesh), args.plc.as_ref()].into_iter().flatten().map(|p| &**p).collect();
+    let formats = args.streams.resolve(&inputs, &[])?;
+    let source = formats.input(&args.mesh)?;
     if source.is_domain()? {
         return domain::check(args, &source);
     }
     if let Some(plc) = &args.plc {
-        return conform::check(args, &source, plc);
+        return conform::check(args, &source, plc, formats);
     }
     if let Some(json) = &args.json {
         check_report(json, &io::mesh_files(&args.mesh), None)?;

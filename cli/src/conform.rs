@@ -4,7 +4,7 @@ use crate::args::Check;
 use crate::bounds::Asked;
 use crate::console;
 use crate::json::{check_report, write_json};
-use crate::outcome::{Exit, Failure, show};
+use crate::outcome::{Exit, Failure};
 use crate::progress::Stage;
 use crate::streams::{Formats, Source};
 use ltbw::domain::{Domain, Prepared};
@@ -37,7 +37,13 @@ pub(crate) fn plc_of(domain: &Domain, flat_tolerance: f64) -> Plc {
 }
 
 /// `ltbw check MESH --plc DOMAIN`.
-pub(crate) fn check(args: &Check, mesh: &Source, plc: &Path) -> Result<Exit, Failure> {
+pub(crate) fn check(
+    args: &Check,
+    mesh: &Source,
+    plc: &Path,
+    formats: Formats,
+) -> Result<Exit, Failure> {
+    let domain = formats.input(plc)?;
     args.preparation.check(&[&args.mesh, plc])?;
     if let Some(json) = &args.json {
         let inputs = [io::mesh_files(&args.mesh), io::domain_files(plc)].concat();
@@ -49,7 +55,7 @@ pub(crate) fn check(args: &Check, mesh: &Source, plc: &Path) -> Result<Exit, Fai
     let name = mesh.show();
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
     let stage = Stage::begin("prepare");
-    let (ready, flat_tolerance) = args.preparation.prepare(&Formats::default().input(plc)?)?;
+    let (ready, flat_tolerance) = args.preparation.prepare(&domain)?;
     drop(stage);
     let stage = Stage::begin("check");
     let inside = without_exterior(&file.mesh);
@@ -82,7 +88,7 @@ pub(crate) fn check(args: &Check, mesh: &Source, plc: &Path) -> Result<Exit, Fai
     if !same {
         console::people("defect    the mesh has not the volume of the domain");
     }
-    console::people(&format!("ltbw: {name}: does not conform to {}", show(plc)));
+    console::people(&format!("ltbw: {name}: does not conform to {}", domain.show()));
     Ok(Exit::Defect)
 }
 

@@ -41,6 +41,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         flat_tolerance: 0.0,
         outputs: std::slice::from_ref(&args.out),
         formats: Formats::default(),
+        stdout_taken: false,
         keep_exterior: false,
         write_unrecovered: false,
         json: None,

@@ -26,7 +26,7 @@ struct Output<'a> {
 pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
     console::end_on_signal()?;
     let output = &args.output;
-    let formats = args.streams.resolve(Some(&args.input), std::slice::from_ref(output))?;
+    let formats = args.streams.resolve(&[&args.input], std::slice::from_ref(output))?;
     let to = formats.of_output(output)?;
     file_writable(output)?;
     let source = formats.input(&args.input)?;
@@ -166,7 +166,7 @@ fn notes(path: &Path, notes: &[String]) {
 pub(crate) fn generate(args: &Generate) -> Result<Exit, Failure> {
     console::end_on_signal()?;
     let path = &args.output;
-    let formats = args.streams.resolve(None, std::slice::from_ref(path))?;
+    let formats = args.streams.resolve(&[], std::slice::from_ref(path))?;
     let output = || {
         let format = formats.of_output(path)?;
         Ok(Output { path, name: name_of(path), format, formats })

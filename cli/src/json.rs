@@ -11,6 +11,11 @@ pub(crate) fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-" || path == Path::new("/dev/stdout")
 }
 
+/// The name of an output in messages.
+pub(crate) fn name_of(path: &Path) -> PathBuf {
+    if is_stdout(path) { PathBuf::from("stdout") } else { path.to_owned() }
+}
+
 /// Finds out whether nothing can be written to `path`, a file or stdout, before the work starts.
 pub(crate) fn file_writable(path: &Path) -> Result<(), Failure> {
     if is_stdout(path) {
@@ -69,9 +74,9 @@ pub(crate) fn write_json(path: &Path, text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Writes a file of text, and says so.
+/// Writes a file of text, or to stdout for `-`, and says so.
 pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
-    io::write_bytes(path, text.as_bytes()).map_err(Failure::Write)?;
-    console::people(&format!("wrote     {}", show(path)));
+    write_json(path, text)?;
+    console::people(&format!("wrote     {}", show(&name_of(path))));
     Ok(())
 }

@@ -95,7 +95,7 @@ pub fn main() -> ExitCode {
 
 fn dispatch(args: Args) -> Result<Exit, Failure> {
     progress::show(match args.progress {
-        // Whoever asks for lines of JSON has a program to read them.
+        // Lines of JSON are for a program, not for people.
         progress::Show::Bar if args.quiet => progress::Show::None,
         asked => asked,
     });

@@ -5,7 +5,7 @@ use crate::bounds::{Asked, Field, asked, field};
 use crate::conform::{certificate, check_own, print, same_volume, summary};
 use crate::console::{self, Stop};
 use crate::excused;
-use crate::json::{distinct, file_writable, is_stdout, keep_input, write_json, write_text};
+use crate::json::{distinct, file_writable, keep_input, write_json, write_text};
 use crate::outcome::{Exit, Failure, seconds as told, show};
 use crate::page::{Page, Scene};
 use crate::progress::{Progress, Stage};
@@ -50,6 +50,8 @@ pub(crate) struct Job<'a> {
     /// Mesh files to write, and the formats that their names do not tell.
     pub(crate) outputs: &'a [PathBuf],
     pub(crate) formats: Formats,
+    /// An output goes to stdout, and so nothing else does.
+    pub(crate) stdout_taken: bool,
     /// With the exterior.
     pub(crate) keep_exterior: bool,
     /// Write the Delaunay mesh, exterior included, even if the boundary is not in it.
@@ -72,11 +74,11 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     set_threads(args.threads)?;
     let asked = asked(args)?;
     args.preparation.check(&[&args.domain])?;
-    let formats = args.streams.resolve(Some(&args.domain), &args.output)?;
+    let formats = args.streams.resolve(&[&args.domain], &args.output)?;
     formats.meshes_writable(&args.output)?;
     args.json.as_deref().map_or(Ok(()), file_writable)?;
     let pages = [&args.histogram, &args.page].into_iter().flatten();
-    pages.clone().try_for_each(io::check_bytes_writable).map_err(Failure::Write)?;
+    pages.clone().try_for_each(|path| file_writable(path))?;
     let written = args.output.iter().flat_map(io::mesh_files);
     let written = written.chain(args.json.clone()).chain(pages.cloned());
     let written: Vec<PathBuf> = written.chain(args.preparation.write_defects.clone()).collect();
@@ -102,6 +104,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         flat_tolerance,
         outputs: &args.output,
         formats,
+        stdout_taken: on_stdout(&written),
         keep_exterior: args.keep_exterior,
         write_unrecovered: args.write_unrecovered,
         json: args.json.as_deref(),
@@ -445,13 +448,10 @@ fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
         let text = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
         write_json(path, &text)?;
     }
-    if let Some(hash) = report.mesh.hash.as_ref()
-        && !job.json.is_some_and(is_stdout)
-        && !on_stdout(job.outputs)
-    {
-        console::data(&format!("ltbw.mesh/1 {hash}\n"))?;
+    match &report.mesh.hash {
+        Some(hash) if !job.stdout_taken => console::data(&format!("ltbw.mesh/1 {hash}\n")),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 #[cfg(test)]

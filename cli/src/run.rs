@@ -4,7 +4,7 @@ use crate::args::{Delaunay, Depth};
 use crate::check::check_own;
 use crate::console::{self, Stop};
 use crate::figures::{Figures, SPANS, tables, write_trace};
-use crate::json::{distinct, file_writable, is_stdout, keep_input, write_json, write_text};
+use crate::json::{distinct, file_writable, keep_input, write_json, write_text};
 use crate::lists::lists;
 use crate::outcome::{Exit, Failure, seconds, show};
 use crate::page::{self, Page, Scene};
@@ -41,6 +41,8 @@ pub(crate) struct Job<'a> {
     pub(crate) read_seconds: f64,
     /// Workers that insert the points.
     pub(crate) workers: u32,
+    /// An output goes to stdout, and so nothing else does.
+    pub(crate) stdout_taken: bool,
     /// The file of the page.
     pub(crate) page: Option<&'a Path>,
     /// Other demands on them.
@@ -65,14 +67,14 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let workers = args.threads.map_or(1, u32::from);
     let (parts, whole): (Vec<_>, Vec<_>) =
         args.output.iter().cloned().partition(|path| io::is_parts(path));
-    let formats = args.streams.resolve(Some(&args.points), &args.output)?;
+    let formats = args.streams.resolve(&[&args.points], &args.output)?;
     formats.meshes_writable(&whole)?;
     for path in &parts {
         io::check_parts_writable(path, workers as usize).map_err(Failure::Write)?;
     }
     args.json.as_deref().map_or(Ok(()), file_writable)?;
     let pages = [&args.trace, &args.page].into_iter().flatten();
-    pages.clone().try_for_each(io::check_bytes_writable).map_err(Failure::Write)?;
+    pages.clone().try_for_each(|path| file_writable(path))?;
     if workers < 2 && (args.trace.is_some() || args.tables || args.balance) {
         let text = "--trace, --tables and --balance are about several workers: --threads 2 or more";
         return Err(Failure::Usage(text.to_owned()));
@@ -99,6 +101,7 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
         start,
         read_seconds: start.elapsed().as_secs_f64(),
         workers,
+        stdout_taken: on_stdout(&written),
         page: args.page.as_deref(),
         parallel: ParallelJob {
             balance: args.balance,
@@ -396,10 +399,7 @@ fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
         write_json(path, &text)?;
     }
     match &report.mesh.hash {
-        Some(hash) if !job.json.is_some_and(is_stdout) && !on_stdout(job.outputs) => {
-            console::data(&format!("ltbw.mesh/1 {hash}\n"))?;
-        }
-        _ => {}
+        Some(hash) if !job.stdout_taken => console::data(&format!("ltbw.mesh/1 {hash}\n")),
+        _ => Ok(()),
     }
-    Ok(())
 }

@@ -4,6 +4,7 @@
 //! file nothing else goes there.
 
 use crate::console;
+pub(crate) use crate::json::name_of;
 use crate::json::{file_writable, is_stdout};
 use crate::outcome::{Failure, show};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -42,16 +43,19 @@ fn is_open(path: &Path) -> bool {
 }
 
 impl Streams {
-    /// The options, taken for an input and some outputs; an option without a use is refused.
+    /// The options, taken for inputs and outputs; an option without a use is refused.
     pub(crate) fn resolve(
         &self,
-        input: Option<&Path>,
+        inputs: &[&Path],
         outputs: &[PathBuf],
     ) -> Result<Formats, Failure> {
+        if inputs.iter().filter(|path| is_stdin(path)).count() > 1 {
+            return Err(Failure::Usage("stdin: two inputs cannot both be read from it".to_owned()));
+        }
         let unused = |option: &str| {
             Err(Failure::Usage(format!("{option}: the extension of every file tells its format")))
         };
-        let input = input.is_some_and(is_open);
+        let input = inputs.iter().any(|path| is_open(path));
         let output = outputs.iter().any(|path| is_open(path));
         let shared = self.format.filter(|_| !input && self.output_format.is_none());
         if self.output_format.is_some() && !output {
@@ -173,11 +177,6 @@ impl Formats {
 /// Does stdout carry one of these outputs, and so nothing else?
 pub(crate) fn on_stdout(outputs: &[PathBuf]) -> bool {
     outputs.iter().any(|path| is_stdout(path))
-}
-
-/// The name of an output in messages.
-pub(crate) fn name_of(path: &Path) -> PathBuf {
-    if is_stdout(path) { PathBuf::from("stdout") } else { path.to_owned() }
 }
 
 /// Writes to stdout as it comes, or to a file of any extension.

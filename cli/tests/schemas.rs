@@ -118,7 +118,16 @@ fn reports_of_simulations_and_lines_of_progress_are_as_their_schemas_have_them()
         let lines: Vec<&str> = run.stderr.lines().filter(|line| line.starts_with('{')).collect();
         assert!(!lines.is_empty(), "{args:?}");
         lines.iter().for_each(|line| validate(&serde_json::from_str(line).unwrap()));
+        // Quiet means no words for people: a program reads the lines.
+        let run = ltbw(dir, &[args, &["--progress", "json", "-q"]].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        assert!(!run.stderr.is_empty() && run.stderr.lines().all(|line| line.starts_with('{')));
     }
+    let run = ltbw(dir, &["delaunay", "no.npy", "--progress", "json", "-q"]);
+    assert_eq!(
+        (run.code, run.error()),
+        (3, "no.npy: cannot read: No such file or directory (os error 2)")
+    );
 }
 
 #[test]

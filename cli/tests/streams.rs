@@ -120,6 +120,65 @@ fn streams_that_make_no_sense_are_refused() {
     }
 }
 
+/// Pages, pictures and traces go where reports go: `-` is stdout, and never a file of that name.
+#[test]
+fn pages_pictures_and_traces_go_to_stdout() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    assert_eq!(ltbw(dir, &["generate", "uniform", "300", "-o", "p.npy"]).code, 0);
+    assert_eq!(ltbw(dir, &["generate", "wedge", "-o", "d.poly"]).code, 0);
+    let simulate = ["simulate", "--points", "5e2", "--processors", "2e0"];
+    let threads = ["delaunay", "p.npy", "--threads", "2"];
+    let (html, trace) = (("<!doctype html>", "</html>"), ("{", "}"));
+    let cases = [
+        (&["delaunay", "p.npy", "--page", "-"][..], html),
+        (&[&threads[..], &["--trace", "-"]].concat(), trace),
+        (&["mesh", "d.poly", "--page", "-"], html),
+        (&["mesh", "d.poly", "--histogram", "/dev/stdout"], ("<svg", "</svg>")),
+        (&[&simulate[..], &["--page", "-"]].concat(), html),
+        (&[&simulate[..], &["--trace", "-"]].concat(), trace),
+    ];
+    for (args, (start, end)) in cases {
+        let run = Run::of(fed(dir, b"", args));
+        assert_eq!(run.code, 0, "{args:?}: {}", run.stderr);
+        let text = run.stdout.trim();
+        assert!(text.to_lowercase().starts_with(start), "{args:?}: {text:.100}");
+        assert!(text.ends_with(end), "{args:?}: nothing else is on stdout");
+        assert!(run.stderr.contains("wrote     stdout"), "{args:?}: {}", run.stderr);
+    }
+    let twice = [&threads[..], &["--page", "-", "--json", "-"]].concat();
+    let cases: [&[&str]; 4] = [
+        &twice,
+        &["mesh", "d.poly", "--page", "-", "--histogram", "-"],
+        &["mesh", "d.poly", "-o", "-", "--output-format", "vtu", "--page", "/dev/stdout"],
+        &["simulate", "--points", "500", "--json", "-", "--trace", "-"],
+    ];
+    for args in cases {
+        let run = Run::of(fed(dir, b"", args));
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{args:?}: {}", run.stderr);
+        assert!(run.error().contains("two outputs"), "{args:?}: {}", run.stderr);
+    }
+    assert_eq!(names(dir), ["d.poly", "p.npy"]);
+}
+
+/// Of a mesh and its domain either may come from stdin; `--format` is about that one.
+#[test]
+fn a_domain_to_conform_to_comes_from_stdin() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    for args in [&["generate", "wedge", "-o", "d.poly"][..], &["mesh", "d.poly", "-o", "d.vtu"]] {
+        assert_eq!(ltbw(dir, args).code, 0);
+    }
+    let domain = bytes(dir, "d.poly");
+    let args = ["check", "d.vtu", "--plc", "-", "--format", "poly"];
+    let run = Run::of(fed(dir, &domain, &args));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let run = Run::of(fed(dir, &domain, &["check", "d.vtu", "--plc", "-"]));
+    assert_eq!((run.code, run.error()), (2, "stdin: --format has to name its format"));
+    let run = Run::of(fed(dir, &domain, &["check", "-", "--plc", "-", "--format", "vtk"]));
+    assert_eq!((run.code, run.error()), (2, "stdin: two inputs cannot both be read from it"));
+}
+
 /// A reader that has enough closes its pipe: no error, as for other data on stdout.
 #[cfg(unix)]
 #[test]

@@ -6,8 +6,8 @@ mod tables;
 pub(crate) use tables::{cost_model, tables};
 
 use crate::console;
+use crate::json::{name_of, write_json};
 use crate::outcome::{Failure, show};
-use ltbw::io;
 use ltbw::metrics::{Cavities, Messages, Polls, Summary, Times, Trace, WorkerFigures};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -118,7 +118,8 @@ pub(crate) fn write_trace(path: &Path, trace: Option<Trace>) -> Result<(), Failu
     let Some(trace) = trace else { return Ok(()) };
     let mut text = Vec::new();
     trace.write(&mut text).map_err(|e| Failure::Other(e.to_string()))?;
-    io::write_bytes(path, &text).map_err(Failure::Write)?;
+    write_json(path, &String::from_utf8_lossy(&text))?;
+    let path = &name_of(path);
     if !trace.is_complete {
         console::people(&format!(
             "note: {}: only the first {SPANS} stretches and messages of each worker",

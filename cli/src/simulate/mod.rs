@@ -8,12 +8,12 @@ pub(crate) use args::Simulate;
 
 use crate::console;
 use crate::figures::{SPANS, cost_model, tables, write_trace};
-use crate::json::{distinct, file_writable, is_stdout, write_json};
+use crate::json::{distinct, file_writable, write_json};
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
+use crate::streams::on_stdout;
 use ltbw::PointSet;
 use ltbw::build::Builder;
-use ltbw::io;
 use ltbw::mesh::{Ownership, Plan};
 use ltbw::protocol::{Closure, Config};
 use ltbw::simulate::{MeshError, Meshed, Network, Options, Storm, simulate_mesh};
@@ -30,8 +30,9 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     }
     args.json.as_deref().map_or(Ok(()), file_writable)?;
     let pages = [&args.trace, &args.page].into_iter().flatten();
-    pages.clone().try_for_each(io::check_bytes_writable).map_err(Failure::Write)?;
-    distinct(&args.json.iter().chain(pages).cloned().collect::<Vec<_>>())?;
+    pages.clone().try_for_each(|path| file_writable(path))?;
+    let written: Vec<PathBuf> = args.json.iter().chain(pages).cloned().collect();
+    distinct(&written)?;
     let name = PathBuf::from(format!("{} {}", args.points, args.kind.name()));
     let points = generate(args.kind, args.points as usize, args.seed);
     let set =
@@ -83,7 +84,7 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     if let Some(path) = &args.json {
         write_json(path, &json)?;
     }
-    if args.json.as_deref().is_some_and(is_stdout) {
+    if on_stdout(&written) {
         console::people(text.trim_end());
     } else {
         console::data(&text)?;
