@@ -71,6 +71,11 @@ int main(int count, char **words) {
       return fail("markers");
     }
   }
+  double offset[3] = {1, 1, 1};
+  if (ltbw_mesh_offset(made, offset) != LTBW_OK || offset[0] != 0 || offset[1] != 0 ||
+      offset[2] != 0) {
+    return fail("offset");
+  }
   const char *certificate = ltbw_mesh_certificate(made);
   if (certificate == nullptr ||
       std::string(certificate).find("\"passed\":true") == std::string::npos) {
@@ -102,6 +107,26 @@ int main(int count, char **words) {
     return fail("an open surface");
   }
   surface.face_count = 6;
+
+  // Far from the origin coordinates are relative to a place, unless the frame is the surface's own.
+  std::vector<double> far = vertices;
+  for (double &x : far) {
+    x += 5e5;
+  }
+  surface.vertices = far.data();
+  for (int32_t frame = 0; frame < 4; ++frame) {
+    wishes = ltbw_wishes{};
+    wishes.frame = frame;
+    made = nullptr;
+    const ltbw_status status = ltbw_tetrahedralize(&surface, &wishes, nullptr, &made);
+    Mesh one(made);
+    if (frame == 3 ? status != LTBW_INPUT
+                   : status != LTBW_OK || ltbw_mesh_offset(made, offset) != LTBW_OK ||
+                         (offset[0] == 0) != (frame == 1)) {
+      return fail("frame");
+    }
+  }
+  surface.vertices = vertices.data();
 
   // Progress may end the work, here far from its end: the mesh so far, or none yet.
   wishes = ltbw_wishes{};

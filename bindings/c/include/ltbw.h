@@ -209,6 +209,16 @@ typedef struct ltbw_wishes {
    Anything but 0: the mesh is not checked against the domain.
    */
   int32_t unchecked;
+  /*
+   Anything but 0: a domain that is not exactly on its lattice is refused.
+   */
+  int32_t exact_input;
+  /*
+   The coordinates of the mesh. 0: the surface's own, unless its distance from the origin takes
+   two bits of them or more: then those from the middle of the domain, which are finer
+   (`ltbw_mesh_offset` tells). 1: its own. 2: those from the middle.
+   */
+  int32_t frame;
 } ltbw_wishes;
 
 #ifdef __cplusplus
@@ -218,7 +228,8 @@ extern "C" {
 /*
  Coordinates of the vertices, three each; their number goes to `count`.
 
- # Safety
+ What the caller promises:
+
  The mesh is null or one of this library; `count` is null or a place for a number.
  */
 const double *ltbw_mesh_points(const struct ltbw_mesh *mesh, size_t *count);
@@ -226,7 +237,8 @@ const double *ltbw_mesh_points(const struct ltbw_mesh *mesh, size_t *count);
 /*
  Corners of the tetrahedra, four each; their number goes to `count`.
 
- # Safety
+ What the caller promises:
+
  The mesh is null or one of this library; `count` is null or a place for a number.
  */
 const uint32_t *ltbw_mesh_tets(const struct ltbw_mesh *mesh, size_t *count);
@@ -235,7 +247,8 @@ const uint32_t *ltbw_mesh_tets(const struct ltbw_mesh *mesh, size_t *count);
  Across the face opposite each corner the tetrahedron there, or `UINT32_MAX`; the number of rows
  goes to `count`.
 
- # Safety
+ What the caller promises:
+
  The mesh is null or one of this library; `count` is null or a place for a number.
  */
 const uint32_t *ltbw_mesh_neighbours(const struct ltbw_mesh *mesh, size_t *count);
@@ -243,7 +256,8 @@ const uint32_t *ltbw_mesh_neighbours(const struct ltbw_mesh *mesh, size_t *count
 /*
  Facets of the convex hull of all vertices, three corners each, counterclockwise from outside.
 
- # Safety
+ What the caller promises:
+
  The mesh is null or one of this library; `count` is null or a place for a number.
  */
 const uint32_t *ltbw_mesh_hull(const struct ltbw_mesh *mesh, size_t *count);
@@ -251,7 +265,8 @@ const uint32_t *ltbw_mesh_hull(const struct ltbw_mesh *mesh, size_t *count);
 /*
  Boundary triangles of a domain, three corners each, counterclockwise from outside.
 
- # Safety
+ What the caller promises:
+
  The mesh is null or one of this library; `count` is null or a place for a number.
  */
 const uint32_t *ltbw_mesh_boundary(const struct ltbw_mesh *mesh, size_t *count);
@@ -259,7 +274,8 @@ const uint32_t *ltbw_mesh_boundary(const struct ltbw_mesh *mesh, size_t *count);
 /*
  The markers of the facets that the boundary triangles are part of.
 
- # Safety
+ What the caller promises:
+
  The mesh is null or one of this library; `count` is null or a place for a number.
  */
 const int64_t *ltbw_mesh_boundary_markers(const struct ltbw_mesh *mesh, size_t *count);
@@ -267,7 +283,8 @@ const int64_t *ltbw_mesh_boundary_markers(const struct ltbw_mesh *mesh, size_t *
 /*
  The region of each tetrahedron, from 1.
 
- # Safety
+ What the caller promises:
+
  The mesh is null or one of this library; `count` is null or a place for a number.
  */
 const uint32_t *ltbw_mesh_regions(const struct ltbw_mesh *mesh, size_t *count);
@@ -275,7 +292,8 @@ const uint32_t *ltbw_mesh_regions(const struct ltbw_mesh *mesh, size_t *count);
 /*
  The tetrahedra over a bound.
 
- # Safety
+ What the caller promises:
+
  The mesh is null or one of this library; `count` is null or a place for a number.
  */
 const uint32_t *ltbw_mesh_excused(const struct ltbw_mesh *mesh, size_t *count);
@@ -283,7 +301,8 @@ const uint32_t *ltbw_mesh_excused(const struct ltbw_mesh *mesh, size_t *count);
 /*
  The reason why the `number`-th of them is; NULL where there is none.
 
- # Safety
+ What the caller promises:
+
  The mesh is null or one of this library.
  */
 const char *ltbw_mesh_excuse(const struct ltbw_mesh *mesh, size_t number);
@@ -292,7 +311,8 @@ const char *ltbw_mesh_excuse(const struct ltbw_mesh *mesh, size_t number);
  The certificate as JSON: of points made anew, of a domain the one that came with the mesh; NULL
  if the mesh was not checked.
 
- # Safety
+ What the caller promises:
+
  The mesh is null or one of this library.
  */
 const char *ltbw_mesh_certificate(const struct ltbw_mesh *mesh);
@@ -311,7 +331,8 @@ const char *ltbw_last_error_code(void);
  The numbers of the elements at fault in this thread's last failure, counted from 0; their number
  goes to `count`. They live until the next failure.
 
- # Safety
+ What the caller promises:
+
  `count` is null or a place for a number.
  */
 const uint32_t *ltbw_last_error_ids(size_t *count);
@@ -329,7 +350,8 @@ const char *ltbw_version(void);
 /*
  The Delaunay mesh of `count` points, three coordinates each.
 
- # Safety
+ What the caller promises:
+
  Pointers as at the head of the crate; `run` may be null.
  */
 enum ltbw_status ltbw_delaunay(const double *coordinates,
@@ -340,7 +362,8 @@ enum ltbw_status ltbw_delaunay(const double *coordinates,
 /*
  A conforming Delaunay mesh of the domain that a surface bounds.
 
- # Safety
+ What the caller promises:
+
  Pointers as at the head of the crate; `wishes` and `run` may be null.
  */
 enum ltbw_status ltbw_tetrahedralize(const struct ltbw_surface *surface,
@@ -349,9 +372,11 @@ enum ltbw_status ltbw_tetrahedralize(const struct ltbw_surface *surface,
                                      struct ltbw_mesh **out);
 
 /*
- A conforming Delaunay mesh of the domain in a file: `.poly .smesh .off .obj .stl .ply`.
+ A conforming Delaunay mesh of the domain in a file: `.poly .smesh .off .obj .stl .ply
+ .vtk`.
 
- # Safety
+ What the caller promises:
+
  Pointers as at the head of the crate; `wishes` and `run` may be null.
  */
 enum ltbw_status ltbw_tetrahedralize_file(const char *file,
@@ -362,7 +387,8 @@ enum ltbw_status ltbw_tetrahedralize_file(const char *file,
 /*
  Frees a mesh and all its arrays; NULL is nothing to free.
 
- # Safety
+ What the caller promises:
+
  The mesh is null, or comes from this library and was not freed yet.
  */
 void ltbw_mesh_free(struct ltbw_mesh *mesh);
@@ -370,15 +396,28 @@ void ltbw_mesh_free(struct ltbw_mesh *mesh);
 /*
  The state in which the work ended.
 
- # Safety
+ What the caller promises:
+
  The mesh is one of this library.
  */
 enum ltbw_outcome ltbw_mesh_outcome(const struct ltbw_mesh *mesh);
 
 /*
- For each of `count` points a tetrahedron that holds it, or `UINT32_MAX`: goes to `found`.
+ The place that the mesh's coordinates are relative to: zeros, but of a domain far from the
+ origin in a frame that is not its own. Three numbers go to `offset`.
 
- # Safety
+ What the caller promises:
+
+ The mesh is one of this library; `offset` has room for three numbers.
+ */
+enum ltbw_status ltbw_mesh_offset(const struct ltbw_mesh *mesh, double *offset);
+
+/*
+ For each of `count` points, in the mesh's coordinates, a tetrahedron that holds it, or
+ `UINT32_MAX`: goes to `found`.
+
+ What the caller promises:
+
  Pointers as at the head of the crate; `found` has room for `count` numbers.
  */
 enum ltbw_status ltbw_mesh_find(const struct ltbw_mesh *mesh,
@@ -389,15 +428,17 @@ enum ltbw_status ltbw_mesh_find(const struct ltbw_mesh *mesh,
 /*
  The canonical hash `ltbw.mesh/1`: 64 hexadecimal digits and a zero go to `hash`.
 
- # Safety
+ What the caller promises:
+
  The mesh is one of this library; `hash` has room for 65 characters.
  */
 enum ltbw_status ltbw_mesh_hash(const struct ltbw_mesh *mesh, char *hash);
 
 /*
- Writes the mesh; the extension tells the format: `.vtu .msh .mesh .ele`.
+ Writes the mesh; the extension tells the format: `.vtu .vtk .msh .mesh .ele`.
 
- # Safety
+ What the caller promises:
+
  Pointers as at the head of the crate.
  */
 enum ltbw_status ltbw_mesh_save(const struct ltbw_mesh *mesh, const char *file);
@@ -406,7 +447,8 @@ enum ltbw_status ltbw_mesh_save(const struct ltbw_mesh *mesh, const char *file);
  The orientation of a tetrahedron: positive if it is that of the origin and the three unit
  vectors in their order.
 
- # Safety
+ What the caller promises:
+
  Each pointer is null or points to three numbers.
  */
 int32_t ltbw_orient3d(const double *a, const double *b, const double *c, const double *d);
@@ -414,7 +456,8 @@ int32_t ltbw_orient3d(const double *a, const double *b, const double *c, const d
 /*
  Positive if e is inside the sphere through a, b, c, d, a tetrahedron of positive orientation.
 
- # Safety
+ What the caller promises:
+
  Each pointer is null or points to three numbers.
  */
 int32_t ltbw_insphere(const double *a,
@@ -426,7 +469,8 @@ int32_t ltbw_insphere(const double *a,
 /*
  The same of the perturbed sphere: never 0 for five different points.
 
- # Safety
+ What the caller promises:
+
  Each pointer is null or points to three numbers.
  */
 int32_t ltbw_side_of_sphere(const double *a,
@@ -438,7 +482,8 @@ int32_t ltbw_side_of_sphere(const double *a,
 /*
  Positive if d is beyond the perturbed hull facet a, b, c.
 
- # Safety
+ What the caller promises:
+
  Each pointer is null or points to three numbers.
  */
 int32_t ltbw_side_of_hull_facet(const double *a,

@@ -3,7 +3,7 @@
 use crate::error::null;
 use crate::run::Run;
 use kernel::Point;
-use ltbw_bindings::{Class, Failure, Reins, Source};
+use ltbw_bindings::{Class, Failure, Frame, Reins, Source};
 use std::ffi::{CStr, c_char, c_void};
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -75,6 +75,12 @@ pub struct Wishes {
     pub flat_tolerance: f64,
     /// Anything but 0: the mesh is not checked against the domain.
     pub unchecked: i32,
+    /// Anything but 0: a domain that is not exactly on its lattice is refused.
+    pub exact_input: i32,
+    /// The coordinates of the mesh. 0: the surface's own, unless its distance from the origin takes
+    /// two bits of them or more: then those from the middle of the domain, which are finer
+    /// (`ltbw_mesh_offset` tells). 1: its own. 2: those from the middle.
+    pub frame: i32,
 }
 
 /// The values at a pointer.
@@ -216,13 +222,27 @@ impl Wishes {
                     below if below < 0.0 => Some(0.0),
                     within => Some(within),
                 },
-                exact_input: false,
+                exact_input: given.exact_input != 0,
+                frame: frame(given.frame)?,
                 unchecked: given.unchecked != 0,
             },
             edge_length,
             size: given.size,
             context: given.context,
         })
+    }
+}
+
+/// The frame of a number.
+fn frame(number: i32) -> Result<Frame, Failure> {
+    match number {
+        0 => Ok(Frame::Auto),
+        1 => Ok(Frame::Own),
+        2 => Ok(Frame::Local),
+        _ => {
+            let text = format!("a frame of {number}: it is 0, 1 or 2");
+            Err(Failure::new(Class::Input, "frame.number", text))
+        }
     }
 }
 

@@ -95,7 +95,8 @@ pub unsafe extern "C" fn ltbw_tetrahedralize(
     })
 }
 
-/// A conforming Delaunay mesh of the domain in a file: `.poly .smesh .off .obj .stl .ply`.
+/// A conforming Delaunay mesh of the domain in a file: `.poly .smesh .off .obj .stl .ply
+/// .vtk`.
 ///
 /// # Safety
 /// Pointers as at the head of the crate; `wishes` and `run` may be null.
@@ -183,7 +184,29 @@ pub unsafe extern "C" fn ltbw_mesh_outcome(mesh: *const Mesh) -> Outcome {
     }
 }
 
-/// For each of `count` points a tetrahedron that holds it, or `UINT32_MAX`: goes to `found`.
+/// The place that the mesh's coordinates are relative to: zeros, but of a domain far from the
+/// origin in a frame that is not its own. Three numbers go to `offset`.
+///
+/// # Safety
+/// The mesh is one of this library; `offset` has room for three numbers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ltbw_mesh_offset(mesh: *const Mesh, offset: *mut f64) -> Status {
+    guarded(|| {
+        // SAFETY: as the caller promises.
+        let mesh = unsafe { mesh.as_ref() }.ok_or_else(|| null("mesh"))?;
+        if offset.is_null() {
+            return Err(null("offset"));
+        }
+        for (k, x) in mesh.meshed.offset().into_iter().enumerate() {
+            // SAFETY: `offset` has room for three numbers, as the caller promises.
+            unsafe { offset.add(k).write(x) };
+        }
+        Ok(())
+    })
+}
+
+/// For each of `count` points, in the mesh's coordinates, a tetrahedron that holds it, or
+/// `UINT32_MAX`: goes to `found`.
 ///
 /// # Safety
 /// Pointers as at the head of the crate; `found` has room for `count` numbers.
@@ -198,7 +221,8 @@ pub unsafe extern "C" fn ltbw_mesh_find(
         // SAFETY: as the caller promises.
         let mesh = unsafe { mesh.as_ref() }.ok_or_else(|| null("mesh"))?;
         // SAFETY: as the caller promises.
-        let places = mesh.meshed.find(&unsafe { points(coordinates, count, "points") }?)?;
+        let places = unsafe { points(coordinates, count, "points") }?;
+        let places = mesh.meshed.find(&places, &Reins::default().cancel)?;
         if count > 0 && found.is_null() {
             return Err(null("found"));
         }
@@ -234,7 +258,7 @@ pub unsafe extern "C" fn ltbw_mesh_hash(mesh: *const Mesh, hash: *mut c_char) ->
     })
 }
 
-/// Writes the mesh; the extension tells the format: `.vtu .msh .mesh .ele`.
+/// Writes the mesh; the extension tells the format: `.vtu .vtk .msh .mesh .ele`.
 ///
 /// # Safety
 /// Pointers as at the head of the crate.

@@ -2,6 +2,7 @@
 
 use crate::failure::{Class, Failure};
 use crate::wishes::Wishes;
+use crate::work::in_own_pool;
 use ltbw::domain::{Domain, Prepared};
 use ltbw::{Point, TetMesh};
 use ltbw_verify::{self as verify, Breach, Conformity, Limits, Plc, PlcFacet, Report};
@@ -42,8 +43,10 @@ pub fn check(
 ) -> Result<(bool, String), Failure> {
     let vertex_order = order.for_checker();
     let options = verify::Options { vertex_order, all_points, ..verify::Options::default() };
-    let report = verify::check(&verify::Mesh::new(points, tets), &options);
-    Ok((report.passed(), json(&report)?))
+    in_own_pool(|| {
+        let report = verify::check(&verify::Mesh::new(points, tets), &options);
+        Ok((report.passed(), json(&report)?))
+    })
 }
 
 pub(crate) fn json(report: &Report) -> Result<String, Failure> {

@@ -81,9 +81,14 @@ impl Ready {
             repair: wishes.repair,
             // Holes that are given say what is void.
             oriented: oriented && wishes.holes.is_none(),
+            frame: wishes.frame,
             ..PrepareOptions::default()
         })?;
         notes.extend(prepared.repairs.notes());
+        let offset = prepared.lattice.offset();
+        if offset != [0.0; 3] {
+            notes.push(format!("coordinates are relative to {offset:?}"));
+        }
         let flat_tolerance = match wishes.flat_tolerance {
             Some(given) => given,
             None if oriented && !wishes.exact_input => usual_tolerance(&domain, &prepared.domain),

@@ -7,6 +7,7 @@ use ltbw::points::PointError;
 use ltbw::refine::{BackgroundError, RefineError};
 use ltbw::threads::RunError;
 use ltbw::{BuildError, HashError};
+use std::path::PathBuf;
 
 /// The class of a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,12 +37,20 @@ pub struct Failure {
     pub message: String,
     /// The numbers of the elements at fault, counted from 0.
     pub ids: Vec<u32>,
+    /// The operating system's number of an error, and the file.
+    pub file: Option<(i32, PathBuf)>,
 }
 
 impl Failure {
     /// A failure of no element in particular.
     pub fn new(class: Class, code: &'static str, message: impl ToString) -> Self {
-        Self { class, code, message: message.to_string(), ids: Vec::new() }
+        Self { class, code, message: message.to_string(), ids: Vec::new(), file: None }
+    }
+
+    /// The operating system's reason, if it is one of a file.
+    #[must_use]
+    pub fn reason(&self) -> Option<std::io::Error> {
+        self.file.as_ref().map(|(number, _)| std::io::Error::from_raw_os_error(*number))
     }
 
     /// The same failure with elements at fault.
@@ -102,7 +111,13 @@ impl From<IoError> for Failure {
             IoError::Data { .. } => (Class::Input, "file.data"),
             _ => (Class::Input, "file.format"),
         };
-        Self::new(class, code, &error)
+        let file = match &error {
+            IoError::Read { path, source } | IoError::Write { path, source } => {
+                source.raw_os_error().map(|number| (number, path.clone()))
+            }
+            _ => None,
+        };
+        Self { file, ..Self::new(class, code, &error) }
     }
 }
 
@@ -123,13 +138,22 @@ fn numbers(element: &Element) -> Vec<u32> {
 
 impl From<DomainError> for Failure {
     fn from(error: DomainError) -> Self {
-        Self::new(Class::Domain, error.code(), &error)
+        let at_fault = match &error {
+            DomainError::NotFinite { element, .. }
+            | DomainError::Index { element, .. }
+            | DomainError::ShortPolygon { element, .. } => numbers(element),
+            DomainError::RegionValue { region, .. } => vec![*region],
+            DomainError::OffLattice { vertex, .. } => vec![*vertex],
+            _ => Vec::new(),
+        };
+        Self::new(Class::Domain, error.code(), &error).with(at_fault)
     }
 }
 
 impl From<PrepareError> for Failure {
     fn from(error: PrepareError) -> Self {
         let class = match error {
+            PrepareError::Domain(error) => return error.into(),
             PrepareError::Tolerance { .. } => Class::Input,
             _ => Class::Domain,
         };

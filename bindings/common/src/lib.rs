@@ -34,7 +34,9 @@ pub use points::delaunay;
 pub use result::{Meshed, Outcome};
 pub use sync::Progress;
 pub use wishes::Wishes;
-pub use work::{PATIENCE, Reins, in_pool, unpanicked};
+pub use work::{PATIENCE, Reins, in_own_pool, in_pool, unpanicked};
+
+pub use ltbw::domain::Frame;
 
 /// An edge length as a function of the place, in the coordinates of the prepared domain.
 pub type Field<'a> = dyn Fn(ltbw::Point) -> f64 + Sync + 'a;

@@ -1,10 +1,11 @@
 //! Tetrahedra that hold given points.
 
 use crate::body::{Body, NOWHERE};
-use crate::failure::Failure;
+use crate::failure::{Class, Failure};
+use ltbw::order::hilbert;
 use ltbw::query::{Cursor, Location, Queries};
 use ltbw::topology::TetId;
-use ltbw::{Mesh, Point};
+use ltbw::{CancelToken, Mesh, Point};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -31,10 +32,33 @@ impl Locator {
     }
 
     /// For each point a tetrahedron that holds it, or [`NOWHERE`].
-    pub(crate) fn find(&self, points: &[Point]) -> Result<Vec<u32>, Failure> {
+    pub(crate) fn find(&self, points: &[Point], cancel: &CancelToken) -> Result<Vec<u32>, Failure> {
+        let finite = |p: &Point| p.iter().all(|x| x.is_finite());
+        if let Some(index) = points.iter().position(|p| !finite(p)) {
+            let text = format!("point {index} is {:?}, which is no place", points[index]);
+            let failure = Failure::new(Class::Input, "points.not-finite", text);
+            return Err(failure.with(u32::try_from(index)));
+        }
         let queries = self.asked.borrow_dependent();
-        let find = |cursor: &mut Cursor<'_>, &p: &Point| self.find_one(queries.mesh(), cursor, p);
-        points.par_iter().map_init(|| queries.cursor(), find).collect()
+        let find = |cursor: &mut Cursor<'_>, &k: &u32| {
+            if cancel.is_cancelled() {
+                return Err(Failure::new(
+                    Class::Cancelled,
+                    "cancelled",
+                    "the search was cancelled",
+                ));
+            }
+            Ok((k, self.find_one(queries.mesh(), cursor, points[k as usize])?))
+        };
+        // Walks from one point to the next are short along the curve.
+        let order = hilbert(points);
+        let found = order.par_iter().map_init(|| queries.cursor(), find);
+        let found: Vec<(u32, u32)> = found.collect::<Result<_, Failure>>()?;
+        let mut places = vec![NOWHERE; points.len()];
+        for (k, place) in found {
+            places[k as usize] = place;
+        }
+        Ok(places)
     }
 
     fn find_one(&self, mesh: &Mesh, cursor: &mut Cursor<'_>, p: Point) -> Result<u32, Failure> {

@@ -4,8 +4,9 @@ use crate::body::{Body, NOWHERE};
 use crate::certificate;
 use crate::failure::Failure;
 use crate::locate::Locator;
+use crate::work::in_own_pool;
 use ltbw::quality::{self, Quality};
-use ltbw::refine::Refined;
+use ltbw::refine::{Refined, RegionInfo};
 use ltbw::topology::TetId;
 use ltbw::{BoundaryFace, CancelToken, Point, TetMesh, canonical_hash, io};
 use std::path::Path;
@@ -147,12 +148,40 @@ impl Meshed {
         self.refined().map_or([0.0; 3], |refined| refined.lattice.offset())
     }
 
-    /// For each point a tetrahedron that holds it, or [`NOWHERE`]. The first call takes O(n).
+    /// Attributes of the regions, the first that of region 1; NaN of a region without one.
+    #[must_use]
+    pub fn attributes(&self) -> Vec<f64> {
+        let attribute = |r: &RegionInfo| if r.seed.is_some() { r.attribute } else { f64::NAN };
+        match &*self.body {
+            Body::Points { .. } => vec![f64::NAN],
+            Body::Domain(refined) => refined.regions.iter().skip(1).map(attribute).collect(),
+        }
+    }
+
+    /// For each duplicate its number, a tetrahedron at the vertex in its place, and that vertex.
+    #[must_use]
+    pub fn coplanar(&self) -> Vec<[u32; 3]> {
+        let duplicates = self.duplicates();
+        if duplicates.is_empty() {
+            return Vec::new();
+        }
+        let mut at = vec![NOWHERE; self.points().len()];
+        for (t, corners) in (0..).zip(self.tets()) {
+            for v in corners {
+                at[v as usize] = at[v as usize].min(t);
+            }
+        }
+        duplicates.into_iter().map(|[point, vertex]| [point, at[vertex as usize], vertex]).collect()
+    }
+
+    /// For each point, in the mesh's coordinates, a tetrahedron that holds it, or [`NOWHERE`]. The
+    /// first call takes O(n).
     ///
     /// # Errors
-    /// A point that is not finite.
-    pub fn find(&self, points: &[Point]) -> Result<Vec<u32>, Failure> {
-        self.locator.get_or_init(|| Locator::new(&self.body)).find(points)
+    /// A point that is not finite; work cancelled.
+    pub fn find(&self, points: &[Point], cancel: &CancelToken) -> Result<Vec<u32>, Failure> {
+        let locator = self.locator.get_or_init(|| Locator::new(&self.body));
+        in_own_pool(|| locator.find(points, cancel))
     }
 
     /// The canonical hash `ltbw.mesh/1`.
@@ -160,7 +189,7 @@ impl Meshed {
     /// # Errors
     /// A mesh without one.
     pub fn hash(&self) -> Result<String, Failure> {
-        Ok(canonical_hash(&self.points(), &self.tets())?.to_string())
+        in_own_pool(|| Ok(canonical_hash(&self.points(), &self.tets())?.to_string()))
     }
 
     /// Histograms and extremes; `None` of a mesh without tetrahedra.
@@ -206,6 +235,6 @@ impl Meshed {
         let depth = if full { ltbw_verify::Depth::Full } else { ltbw_verify::Depth::Fast };
         let all_points = self.outcome == Outcome::Complete;
         let options = ltbw_verify::Options { depth, all_points, ..ltbw_verify::Options::default() };
-        certificate::json(&ltbw_verify::check(&mesh, &options)).map(Some)
+        in_own_pool(|| certificate::json(&ltbw_verify::check(&mesh, &options)).map(Some))
     }
 }

@@ -1,7 +1,7 @@
 //! Demands on the mesh of a domain.
 
 use ltbw::Point;
-use ltbw::domain::Region;
+use ltbw::domain::{Frame, Region};
 
 /// Bounds and options.
 #[derive(Clone, Debug, Default)]
@@ -21,6 +21,8 @@ pub struct Wishes {
     /// Facets that are coplanar within this distance are taken for one; 0: exactly coplanar ones.
     /// `None`: for a surface what is usual, as the program does, otherwise 0.
     pub flat_tolerance: Option<f64>,
+    /// The coordinates of the mesh.
+    pub frame: Frame,
     /// Refuse a domain that is not on its lattice.
     pub exact_input: bool,
     /// Leave the mesh unchecked.

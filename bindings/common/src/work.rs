@@ -4,6 +4,7 @@ use crate::failure::{Class, Failure};
 use crate::sync::Progress;
 use ltbw::CancelToken;
 use std::any::Any;
+use std::num::NonZero;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
@@ -31,6 +32,20 @@ fn defect(panic: &(dyn Any + Send)) -> Failure {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic");
     Failure::new(Class::Internal, "internal.panic", format!("a defect of ltbw: {text}"))
+}
+
+/// Carries out `work` on threads of its own, as many as there are processors.
+///
+/// The pool that Rayon keeps for all is never used: its threads do not live on in a process that
+/// was forked, where whoever waits for them waits for ever.
+///
+/// # Errors
+/// Those of `work`; threads that do not start.
+pub fn in_own_pool<T: Send, E: From<Failure> + Send>(
+    work: impl FnOnce() -> Result<T, E> + Send,
+) -> Result<T, E> {
+    let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
+    in_pool(u32::try_from(threads).unwrap_or(1), work)
 }
 
 /// Carries out `work` with no more than `threads` threads for sorting and checking.

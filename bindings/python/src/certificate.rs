@@ -4,9 +4,10 @@ use crate::arrays::{Coordinates, points};
 use crate::domain::{Asked, Given};
 use crate::failure::Failure;
 use crate::supervise::supervised;
-use ltbw_bindings::{Class, Order, Ready, Reins};
+use ltbw_bindings::{Class, Order, Ready, Reins, in_own_pool};
 use numpy::{Element, PyReadonlyArray2};
 use pyo3::prelude::*;
+use std::fmt::Display;
 
 /// Tetrahedra as numpy has them, of shape (m, 4): int32 as ours are, or int64.
 #[derive(FromPyObject)]
@@ -16,7 +17,7 @@ pub(crate) enum Corners<'py> {
 }
 
 impl Corners<'_> {
-    /// The corners of the tetrahedra; an index that no u32 holds becomes one that names no point.
+    /// The corners of the tetrahedra.
     fn rows(&self) -> Result<Vec<[u32; 4]>, Failure> {
         match self {
             Self::Narrow(array) => rows(array),
@@ -25,12 +26,24 @@ impl Corners<'_> {
     }
 }
 
-fn rows<T: Element + Copy + TryInto<u32>>(
+fn rows<T: Element + Copy + Display + TryInto<u32>>(
     array: &PyReadonlyArray2<'_, T>,
 ) -> Result<Vec<[u32; 4]>, Failure> {
     let flat = array.as_slice().map_err(|e| Failure::new(Class::Input, "tets.layout", e))?;
     let (rows, _) = flat.as_chunks::<4>();
-    Ok(rows.iter().map(|row| row.map(|v| v.try_into().unwrap_or(u32::MAX))).collect())
+    let named = |(t, row): (u32, &[T; 4])| {
+        let mut corners = [0; 4];
+        for (corner, &v) in corners.iter_mut().zip(row) {
+            *corner = v.try_into().map_err(|_| {
+                let text = format!("tetrahedron {t} names point {v}");
+                Failure::from(
+                    ltbw_bindings::Failure::new(Class::Input, "tets.index", text).with([t]),
+                )
+            })?;
+        }
+        Ok(corners)
+    };
+    (0..).zip(rows).map(named).collect()
 }
 
 /// Checks a mesh against everything that makes it a Delaunay mesh; JSON `ltbw.cert/1`.
@@ -62,8 +75,10 @@ pub(crate) fn check_domain(
     let order = if any_order { Order::Any } else { Order::Oriented };
     let (source, wishes) = (given.source()?, asked.wishes());
     let checked = supervised(py, None, move |_| {
-        let ready = Ready::new(source, &wishes)?;
-        Ok(ready.check(&points, &tets, order, &wishes))
+        in_own_pool(|| {
+            let ready = Ready::new(source, &wishes)?;
+            Ok(ready.check(&points, &tets, order, &wishes))
+        })
     })?;
     Ok(checked.1)
 }

@@ -8,10 +8,10 @@ use crate::supervise::supervised;
 use ltbw::Point;
 use ltbw::domain::Region;
 use ltbw::refine::Refined;
-use ltbw_bindings::{Class, Ready, Reins, Source, Wishes, in_pool, unpanicked};
+use ltbw_bindings::{Class, Frame, Ready, Reins, Source, Wishes, in_pool, unpanicked};
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Where the domain comes from.
 #[derive(FromPyObject)]
@@ -52,6 +52,7 @@ pub(crate) struct Asked {
     repair: f64,
     flat_tolerance: Option<f64>,
     exact_input: bool,
+    own_frame: Option<bool>,
     check: bool,
     threads: u32,
 }
@@ -72,6 +73,11 @@ impl Asked {
             repair: self.repair,
             flat_tolerance: self.flat_tolerance,
             exact_input: self.exact_input,
+            frame: match self.own_frame {
+                None => Frame::Auto,
+                Some(true) => Frame::Own,
+                Some(false) => Frame::Local,
+            },
             unchecked: !self.check,
         }
     }
@@ -112,9 +118,24 @@ pub(crate) fn tetrahedralize(
         }
         (None, _) => return Err(Failure::new(Class::Internal, "internal.size", "no sizes").into()),
     };
-    let meshed = supervised(py, None, move |_| Ok(ready.finish(&wishes, refined)?))?;
+    let threads = asked.threads;
+    let finish = move |_: &Reins| in_pool(threads, || Ok(ready.finish(&wishes, refined)?));
+    let meshed = supervised(py, None, finish)?;
     let (certificate, notes) = (meshed.certificate.clone(), meshed.notes.clone());
     Ok((Kernel::new(meshed), certificate, notes))
+}
+
+/// Refuses work of the calling thread in a process that was forked after such work: it uses the
+/// threads that Rayon keeps, which are lost there.
+fn forked() -> Result<(), Failure> {
+    static BEGUN: OnceLock<u32> = OnceLock::new();
+    let own = std::process::id();
+    if *BEGUN.get_or_init(|| own) == own {
+        return Ok(());
+    }
+    let text = "a sizing function was used before this process was forked, and cannot be used in \
+                it: start processes by \"spawn\" or \"forkserver\"";
+    Err(Failure::new(Class::Input, "threads.forked", text))
 }
 
 /// Refines on the calling thread: the function of the sizes is asked there, and nowhere else.
@@ -125,6 +146,7 @@ fn with_function(
     function: &Py<PyAny>,
     tell: Option<&Py<PyAny>>,
 ) -> Result<Refined, Failure> {
+    forked()?;
     let reins = Reins::default();
     let asked = Function::new(function, ready.offset(), &reins, tell);
     let refined = py.detach(|| {

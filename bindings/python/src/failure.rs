@@ -2,6 +2,7 @@
 
 use ltbw_bindings::Class;
 use pyo3::prelude::*;
+use std::io::ErrorKind;
 
 /// Why there is no result.
 #[derive(Debug)]
@@ -42,13 +43,25 @@ impl From<Failure> for PyErr {
             Class::Recovery => "RecoveryError",
             Class::Cancelled => "Cancelled",
             Class::Internal => "InternalError",
+            Class::File if failure.reason().is_some_and(|e| e.kind() == ErrorKind::NotFound) => {
+                "MissingFileError"
+            }
             Class::File => "FileError",
         };
+        let reason = failure.reason();
         Python::attach(|py| {
             let made = py
                 .import("ltbw._errors")
                 .and_then(|module| module.getattr(name))
-                .and_then(|class| class.call1((failure.message, failure.code, failure.ids)));
+                .and_then(|class| class.call1((failure.message, failure.code, failure.ids)))
+                .and_then(|error| {
+                    if let (Some(reason), Some((number, path))) = (reason, failure.file) {
+                        error.setattr("errno", number)?;
+                        error.setattr("strerror", reason.to_string())?;
+                        error.setattr("filename", path)?;
+                    }
+                    Ok(error)
+                });
             made.map_or_else(|error| error, PyErr::from_value)
         })
     }

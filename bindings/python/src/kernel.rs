@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::supervise::supervised;
 use ltbw::Point;
 use ltbw::quality::Histogram;
-use ltbw_bindings::Meshed;
+use ltbw_bindings::{Meshed, Reins, in_own_pool};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -28,7 +28,7 @@ impl Kernel {
         make: impl FnOnce(&Meshed) -> T + Send + 'static,
     ) -> Result<T, Failure> {
         let mesh = Arc::clone(&self.0);
-        supervised(py, None, move |_| Ok(make(&mesh)))
+        supervised(py, None, move |_| in_own_pool(|| Ok(make(&mesh))))
     }
 }
 
@@ -64,9 +64,15 @@ impl Kernel {
         rows(py, hull)
     }
 
-    /// Duplicates, each with the vertex at its place.
-    fn duplicates<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i32>>> {
-        rows(py, self.0.duplicates())
+    /// Duplicates, each with a tetrahedron at the vertex in its place, and that vertex.
+    fn coplanar<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i32>>> {
+        let coplanar = self.made(py, Meshed::coplanar)?;
+        rows(py, coplanar)
+    }
+
+    /// Attributes of the regions; NaN of a region without one.
+    fn attributes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        line(py, self.0.attributes())
     }
 
     /// Boundary triangles of a domain, and the markers of their facets.
@@ -103,7 +109,9 @@ impl Kernel {
         xi: Coordinates<'py>,
     ) -> PyResult<Bound<'py, PyArray1<i32>>> {
         let wanted = points(&xi)?;
-        let found = self.made(py, move |mesh| mesh.find(&wanted))?.map_err(Failure::from)?;
+        let mesh = Arc::clone(&self.0);
+        let find = move |reins: &Reins| Ok(mesh.find(&wanted, &reins.cancel)?);
+        let found = supervised(py, None, find)?;
         Ok(line(py, bytemuck::cast_vec(found)))
     }
 
@@ -130,7 +138,8 @@ impl Kernel {
     /// Writes the mesh; the extension tells the format.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let mesh = Arc::clone(&self.0);
-        Ok(supervised(py, None, move |reins| Ok(mesh.save(&path, &reins.cancel)?))?)
+        let save = move |reins: &Reins| in_own_pool(|| Ok(mesh.save(&path, &reins.cancel)?));
+        Ok(supervised(py, None, save)?)
     }
 
     /// The canonical hash `ltbw.mesh/1`.

@@ -22,6 +22,7 @@ use pyo3::prelude::*;
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<kernel::Kernel>()?;
+    module.add_function(wrap_pyfunction!(points::read_points, module)?)?;
     module.add_function(wrap_pyfunction!(points::delaunay, module)?)?;
     module.add_function(wrap_pyfunction!(domain::tetrahedralize, module)?)?;
     module.add_function(wrap_pyfunction!(certificate::check, module)?)?;

@@ -1,20 +1,33 @@
 //! Delaunay meshes of point sets.
 
-use crate::arrays::{Coordinates, points};
+use crate::arrays::{Coordinates, coordinates, points};
 use crate::kernel::Kernel;
 use crate::supervise::supervised;
-use ltbw_bindings::Reins;
+use ltbw_bindings::{Reins, in_own_pool};
+use numpy::PyArray2;
 use pyo3::prelude::*;
+use std::path::PathBuf;
+
+/// The points of a file.
+#[pyfunction]
+pub(crate) fn read_points(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let read = move |_: &Reins| {
+        in_own_pool(|| {
+            Ok(ltbw::io::read_points(&path).map_err(ltbw_bindings::Failure::from)?.points)
+        })
+    };
+    coordinates(py, supervised(py, None, read)?)
+}
 
 /// Meshes points on `threads` threads.
 #[pyfunction]
 pub(crate) fn delaunay(
     py: Python<'_>,
-    coordinates: Coordinates<'_>,
+    given: Coordinates<'_>,
     threads: u32,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Kernel> {
-    let given = points(&coordinates)?;
+    let given = points(&given)?;
     let work = move |reins: &Reins| Ok(ltbw_bindings::delaunay(given, threads, reins)?);
     Ok(Kernel::new(supervised(py, progress.as_ref(), work)?))
 }

@@ -3,7 +3,6 @@
 use crate::failure::Failure;
 use ltbw_bindings::{Class, PATIENCE, Reins, unpanicked};
 use pyo3::prelude::*;
-use pyo3::types::PyBool;
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
@@ -17,8 +16,8 @@ pub(crate) fn look(py: Python<'_>, reins: &Reins, tell: Option<&Py<PyAny>>) -> P
         let Some(tell) = tell else { return Ok(()) };
         let (done, total) = reins.progress.figures();
         let answer = tell.call1(py, (done, total))?;
-        // `False` asks for the end; the mesh so far is kept.
-        if answer.bind(py).is(&*PyBool::new(py, false)) {
+        // `False`, numpy's too, asks for the end; the mesh so far is kept.
+        if let Ok(false) = answer.extract::<bool>(py) {
             reins.cancel.cancel();
         }
         Ok(())

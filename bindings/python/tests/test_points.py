@@ -80,7 +80,7 @@ def test_whole_numbers_and_duplicates():
     points = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4], [0, 0, 0], [4, 0, 0]]
     mesh = ltbw.delaunay(points)
     assert mesh.points.dtype == np.float64 and mesh.simplices.dtype == np.int32
-    assert mesh.coplanar.tolist() == [[4, 0], [5, 1]]
+    assert mesh.coplanar.tolist() == [[4, 0, 0], [5, 0, 1]]
 
 
 @pytest.mark.parametrize(
@@ -125,7 +125,7 @@ def test_certificates():
     assert ltbw.check(points, theirs, any_order=True).passed
     broken = ltbw.check(points, mesh.simplices[1:])
     assert not broken.passed and broken.defects
-    assert not ltbw.check(points, [[0, 1, 2, 500], [0, -1, 2, 3]]).passed
+    assert not ltbw.check(points, [[0, 1, 2, 500], [0, 4, 2, 3]]).passed
     json.dumps(full.report)
 
 

@@ -24,6 +24,14 @@ CALLS = {
                    "ltbw.check(mesh.points, mesh.simplices, (corners, faces))"),
     "hash": ("mesh = ltbw.delaunay(cloud(2_000_000))", "mesh.hash"),
     "save": ("mesh = ltbw.delaunay(cloud(1_000_000))", "mesh.save('interrupted.msh')"),
+    "find": ("mesh = ltbw.delaunay(cloud(1_000_000)); mesh.find_simplex([0.5, 0.5, 0.5])",
+             "mesh.find_simplex(cloud(3_000_000)[:, ::-1])"),
+    "function after a search": (
+        "mesh = ltbw.delaunay(cloud(200_000))\n"
+        "searching = threading.Thread(target=lambda: mesh.find_simplex(cloud(600_000)[:, ::-1]))\n"
+        "searching.start()",
+        "ltbw.tetrahedralize((corners, faces), size=lambda p: 0.005)",
+    ),
     "quality": ("mesh = ltbw.delaunay(cloud(1_000_000))", "mesh.quality"),
 }
 

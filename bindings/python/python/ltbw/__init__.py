@@ -11,7 +11,7 @@ The same input has the same mesh, whatever the number of threads: :attr:`Mesh.ha
 True
 """
 
-from . import _input, _native
+from . import _input, _markers, _native
 from ._errors import (
     Cancelled,
     DomainError,
@@ -19,6 +19,7 @@ from ._errors import (
     FileError,
     InputError,
     InternalError,
+    MissingFileError,
     RecoveryError,
 )
 from ._mesh import Certificate, Mesh, check
@@ -34,6 +35,7 @@ __all__ = [
     "InputError",
     "InternalError",
     "Mesh",
+    "MissingFileError",
     "RecoveryError",
     "check",
     "delaunay",
@@ -42,10 +44,7 @@ __all__ = [
 
 
 def _threads(threads):
-    count = int(threads)
-    if count != threads or not 1 <= count <= 4096:
-        raise InputError(f"threads: a number from 1 to 4096, not {threads}", "threads.count")
-    return count
+    return _input.whole(threads, "threads", "threads.count", 1, 4096)
 
 
 def delaunay(points, threads=1, *, progress=None):
@@ -53,8 +52,9 @@ def delaunay(points, threads=1, *, progress=None):
 
     Parameters
     ----------
-    points : array_like of shape (n, 3)
-        Finite coordinates. Duplicates are allowed: the first of them is the vertex.
+    points : array_like of shape (n, 3), path, or anything with ``points``
+        Finite coordinates: an array, a file (``.npy .xyz .txt .csv .ply`` ...), a pyvista data set
+        or a meshio mesh. Duplicates are allowed: the first of them is the vertex.
     threads : int
         Threads to work with; the mesh is the same for any number.
     progress : callable, optional
@@ -75,7 +75,8 @@ def delaunay(points, threads=1, *, progress=None):
     >>> ltbw.delaunay([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).simplices.shape
     (1, 4)
     """
-    array = _input.coordinates(points)
+    array = _input.places(points)
+    progress = _input.function(progress, "progress")
     return Mesh(_native.delaunay(array, _threads(threads), progress))
 
 
@@ -91,6 +92,7 @@ def tetrahedralize(
     repair=0.0,
     flat_tolerance=None,
     exact_input=False,
+    frame="auto",
     progress=None,
     threads=1,
     check=True,
@@ -128,6 +130,11 @@ def tetrahedralize(
         are float32 numbers, two steps of the largest.
     exact_input : bool
         Refuse a domain that is not exactly on its lattice.
+    frame : {"auto", "own", "local"}
+        The coordinates of the mesh: the surface's own, or those from the middle of the domain, which
+        are finer where it lies far from the origin. ``"auto"``: local ones where the distance takes
+        two bits or more of the coordinates; a warning says so, and :attr:`Mesh.offset` is what
+        ``points`` are relative to.
     progress : callable, optional
         As for :func:`delaunay`.
     threads : int
@@ -160,16 +167,34 @@ def tetrahedralize(
     wishes = _input.wishes(
         **_input.bounds(max_volume, radius_edge, flat_tolerance),
         size=_input.size(size),
-        max_points=max_points,
+        max_points=None
+        if max_points is None
+        else _input.whole(max_points, "max_points", "max_points.count", 0, 2**63),
         holes=None if holes is None else _input.coordinates(holes, "holes").tolist(),
-        regions=[_region(region) for region in regions],
-        repair=float(repair),
-        exact_input=bool(exact_input),
-        check=bool(check),
+        regions=_regions(regions),
+        repair=_input.number(repair, "repair", "repair.type"),
+        exact_input=_input.truth(exact_input, "exact_input"),
+        own_frame=_input.frame(frame),
+        check=_input.truth(check, "check"),
         threads=_threads(threads),
     )
-    kernel, certificate, notes = _native.tetrahedralize(_input.surface(surface), wishes, progress)
-    return Mesh(kernel, certificate, notes)
+    source, progress = _input.surface(surface), _input.function(progress, "progress")
+    kernel, certificate, notes = _native.tetrahedralize(source, wishes, progress)
+    mesh = Mesh(kernel, certificate, notes, getattr(surface, "field_data", None))
+    if frame == "auto" and mesh.offset.any():
+        _markers.warn(
+            "the domain lies far from the origin: points of the mesh are relative to "
+            f"mesh.offset, {mesh.offset.tolist()}; frame='own' keeps the surface's coordinates, "
+            "frame='local' asks for this"
+        )
+    return mesh
+
+
+def _regions(given):
+    try:
+        return [_region(region) for region in given]
+    except TypeError as error:
+        raise InputError(f"regions: a sequence, not {given!r}", "regions.layout") from error
 
 
 def _region(given):
@@ -177,7 +202,12 @@ def _region(given):
         point, attribute, *volume = given
         x, y, z = point
         volume = None if not volume or volume[0] is None else float(volume[0])
+        if volume is not None and not volume > 0.0:
+            text = f"regions: {given!r}: the largest volume is positive"
+            raise InputError(text, "regions.max_volume")
         return (float(x), float(y), float(z)), float(attribute), volume
+    except InputError:
+        raise
     except (TypeError, ValueError) as error:
         text = f"regions: (point, attribute) or (point, attribute, max_volume), not {given!r}"
         raise InputError(text, "regions.layout") from error

@@ -1,6 +1,6 @@
 import os
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,7 @@ class InputError(Error, ValueError): ...
 class DomainError(Error, ValueError): ...
 class RecoveryError(Error, RuntimeError): ...
 class FileError(Error, OSError): ...
+class MissingFileError(FileError, FileNotFoundError): ...
 class Cancelled(Error, RuntimeError): ...
 class InternalError(Error, RuntimeError): ...
 
@@ -22,6 +23,7 @@ class Certificate:
     report: dict[str, Any]
     passed: bool
     defects: list[Any]
+    def __bool__(self) -> bool: ...
     @property
     def hash(self) -> str | None: ...
 
@@ -39,6 +41,7 @@ class Mesh:
     triface: NDArray[np.int32]
     triface_markers: NDArray[np.int64]
     regions: NDArray[np.int32]
+    region_attributes: NDArray[np.float64]
     excuses: list[tuple[int, str]]
     hash: str
     quality: dict[str, dict[str, Any]] | None
@@ -50,13 +53,14 @@ class Mesh:
     def find_simplex(self, xi: ArrayLike) -> NDArray[np.int32]: ...
     def check(self, *, full: bool = ...) -> Certificate | None: ...
     def save(self, path: str | os.PathLike[str]) -> None: ...
-    def to_meshio(self) -> Any: ...
+    def to_meshio(self, names: Literal["ltbw", "gmsh", "medit"] = ...) -> Any: ...
 
+Frame = Literal["auto", "own", "local"]
 Progress = Callable[[int, int | None], Any]
 Region = tuple[Sequence[float], float] | tuple[Sequence[float], float, float | None]
 
 def delaunay(
-    points: ArrayLike, threads: int = ..., *, progress: Progress | None = ...
+    points: Any, threads: int = ..., *, progress: Progress | None = ...
 ) -> Mesh: ...
 def tetrahedralize(
     surface: Any,
@@ -70,18 +74,20 @@ def tetrahedralize(
     repair: float = ...,
     flat_tolerance: float | None = ...,
     exact_input: bool = ...,
+    frame: Frame = ...,
     progress: Progress | None = ...,
     threads: int = ...,
     check: bool = ...,
 ) -> Mesh: ...
 def check(
     points: ArrayLike,
-    simplices: ArrayLike,
+    tets: ArrayLike,
     plc: Any = ...,
     *,
     max_volume: float | None = ...,
     radius_edge: float | None = ...,
     flat_tolerance: float | None = ...,
+    frame: Frame = ...,
     any_order: bool = ...,
     all_points: bool = ...,
 ) -> Certificate: ...

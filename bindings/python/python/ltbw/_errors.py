@@ -32,7 +32,14 @@ class Cancelled(Error, RuntimeError):
 
 
 class FileError(Error, OSError):
-    """A file could not be read or written."""
+    """A file could not be read or written: ``errno`` and ``filename`` as those of OSError."""
+
+    def __str__(self):
+        return self.args[0]
+
+
+class MissingFileError(FileError, FileNotFoundError):
+    """A file, or the folder of a file to be written, is not there."""
 
 
 class InternalError(Error, RuntimeError):

@@ -1,15 +1,19 @@
 """Points and surfaces, as users have them, made into arrays."""
 
+import math
+import operator
 import os
 
 import numpy as np
 
-from . import _markers
+from . import _markers, _native
 from ._errors import InputError
 
 
 def coordinates(points, what="points"):
     """An array of shape (n, 3), float64, in C order; anything that numpy takes for one."""
+    if np.ma.is_masked(points):
+        raise InputError(f"{what}: some are masked", "points.masked")
     try:
         array = np.asarray(points)
         if array.dtype == object or array.dtype.kind not in "fiu":
@@ -26,9 +30,62 @@ def coordinates(points, what="points"):
     return array
 
 
+def places(given):
+    """Points as :func:`ltbw.delaunay` takes them: an array, a path, or what has ``points``."""
+    if isinstance(given, (str, os.PathLike)):
+        return _native.read_points(os.fspath(given))
+    if not isinstance(given, np.ndarray) and hasattr(given, "points"):
+        given = given.points
+    return coordinates(given)
+
+
+def number(given, what, code):
+    """A float; not a bool, not a text."""
+    try:
+        if isinstance(given, (bool, np.bool_, str, bytes)):
+            raise TypeError
+        return float(given)
+    except (TypeError, ValueError):
+        raise InputError(f"{what}: a number, not {given!r}", code) from None
+
+
+def whole(given, what, code, least, most):
+    """A whole number within limits; floats that are whole are taken, too."""
+    try:
+        if isinstance(given, (float, np.floating)):
+            value = int(given)
+            if value != given:
+                raise TypeError
+        else:
+            value = operator.index(given)
+        if isinstance(given, (bool, np.bool_)) or not least <= value <= most:
+            raise TypeError
+        return value
+    except (TypeError, ValueError, OverflowError):
+        text = f"{what}: a whole number from {least} to {most}, not {given!r}"
+        raise InputError(text, code) from None
+
+
+def truth(given, what):
+    """A bool, Python's or numpy's."""
+    if isinstance(given, (bool, np.bool_)):
+        return bool(given)
+    raise InputError(f"{what}: True or False, not {given!r}", f"{what}.type")
+
+
+def function(given, what):
+    """A function or None."""
+    if given is None or callable(given):
+        return given
+    raise InputError(f"{what}: a function, not {given!r}", f"{what}.type")
+
+
 def corners(rows, width, what):
     """An array of shape (m, width), int64, or int32 where it is that, in C order."""
-    array = np.asarray(rows)
+    try:
+        array = np.asarray(rows)
+    except ValueError as error:
+        raise InputError(f"{what}: {error}", f"{what}.shape") from error
     if array.size == 0:
         return np.zeros((0, width), dtype=np.int64)
     if array.dtype.kind not in "iu":
@@ -46,10 +103,23 @@ def _rows(faces):
         starts = range(0, faces.size, faces.shape[1]) if faces.size else range(0)
         return faces.ravel().tolist(), list(starts)
     flat, starts = [], []
-    for face in faces:
+    for number, face in enumerate(faces):
         starts.append(len(flat))
-        flat.extend(int(v) for v in face)
+        try:
+            flat.extend(operator.index(v) for v in face)
+        except TypeError:
+            text = f"face {number}: whole numbers of corners are wanted, not {face!r}"
+            raise InputError(text, "faces.type", [number]) from None
     return flat, starts
+
+
+def _markers_of(given, count):
+    """A marker for each of ``count`` faces."""
+    limits = ("faces.markers", -(2**31), 2**31 - 1)
+    given = list(given)
+    if len(given) != count:
+        raise InputError(f"{len(given)} markers for {count} faces", "faces.markers")
+    return [whole(m, f"marker of face {k}", *limits) for k, m in enumerate(given)]
 
 
 def _padded(faces):
@@ -80,12 +150,17 @@ def surface(given):
         return os.fspath(given)
     if isinstance(given, tuple) and len(given) in (2, 3):
         flat, starts = _rows(given[1] if isinstance(given[1], np.ndarray) else list(given[1]))
-        markers = [int(m) for m in given[2]] if len(given) == 3 and given[2] is not None else None
-        if markers is not None and len(markers) != len(starts):
-            text = f"{len(markers)} markers for {len(starts)} faces"
-            raise InputError(text, "faces.markers")
+        markers = None
+        if len(given) == 3 and given[2] is not None:
+            markers = _markers_of(given[2], len(starts))
         return coordinates(given[0], "vertices"), flat, starts, markers
-    # pyvista: PolyData has `faces` in one line, and `points`.
+    # pyvista: grids have cells of any kind, PolyData `faces` in one line; both have `points`.
+    if hasattr(given, "extract_surface") and not hasattr(given, "faces"):
+        kind = type(given).__name__
+        text = f"a pyvista {kind} is no surface: give its extract_surface()"
+        raise InputError(text, "surface.type")
+    if getattr(given, "n_strips", 0):
+        given = given.triangulate()
     if hasattr(given, "points") and hasattr(given, "faces"):
         flat, starts = _padded(given.faces)
         return coordinates(given.points, "points"), flat, starts, _of_faces(given, len(starts))
@@ -121,7 +196,21 @@ def bounds(max_volume, radius_edge, flat_tolerance):
         "radius_edge": radius_edge,
         "flat_tolerance": flat_tolerance,
     }
-    return {name: None if value is None else float(value) for name, value in given.items()}
+    # An infinite bound bounds nothing.
+    return {
+        name: None if value is None or value == math.inf else number(value, name, f"{name}.type")
+        for name, value in given.items()
+    }
+
+
+FRAMES = {"auto": None, "own": True, "local": False}
+
+
+def frame(given):
+    """The frame's name as the native half takes it."""
+    if isinstance(given, str) and given in FRAMES:
+        return FRAMES[given]
+    raise InputError(f"frame: 'auto', 'own' or 'local', not {given!r}", "frame.name")
 
 
 def wishes(**given):
@@ -136,6 +225,7 @@ def wishes(**given):
         "repair": 0.0,
         "flat_tolerance": None,
         "exact_input": False,
+        "own_frame": None,
         "check": True,
         "threads": 1,
     }
@@ -146,7 +236,10 @@ def size(given):
     """A wanted edge length: a number, one for each vertex, or a function of the place."""
     if given is None or callable(given):
         return given
-    array = np.asarray(given)
+    try:
+        array = np.asarray(given)
+    except ValueError:
+        array = np.empty(0, object)
     if array.dtype.kind not in "fiu" or array.ndim > 1:
         raise InputError("size: a number, one for each vertex, or a function", "size.type")
     if array.ndim == 0:

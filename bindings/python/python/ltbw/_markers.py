@@ -1,8 +1,12 @@
 """Markers of facets among the data that surfaces of other packages carry."""
 
+import os
+import sys
 import warnings
 
 import numpy as np
+
+HERE = os.path.dirname(__file__)
 
 # Arrays of cells that are markers, by the names that meshio, Gmsh, Medit, TetGen, VTK and this package
 # give them; the first that is there is taken.
@@ -23,9 +27,16 @@ NAMES = (
 )
 
 
+def warn(text):
+    """Warns at the line outside this package that called it."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == HERE:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, UserWarning, stacklevel=level - 1)
+
+
 def _warn(text):
-    # The caller of `tetrahedralize`, through `surface` and the functions here.
-    warnings.warn(f"surface: {text}", UserWarning, stacklevel=5)
+    warn(f"surface: {text}")
 
 
 def _whole(name, values):

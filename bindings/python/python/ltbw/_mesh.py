@@ -27,18 +27,22 @@ class Certificate:
         """The canonical hash ``ltbw.mesh/1``, if the checker made one."""
         return self.report.get("mesh", {}).get("hash")
 
+    def __bool__(self):
+        return self.passed
+
     def __repr__(self):
         return f"<ltbw.Certificate {'passed' if self.passed else 'FAILED'}>"
 
 
 def check(
     points,
-    simplices,
+    tets,
     plc=None,
     *,
     max_volume=None,
     radius_edge=None,
     flat_tolerance=None,
+    frame="auto",
     any_order=False,
     all_points=False,
 ):
@@ -50,13 +54,16 @@ def check(
     Parameters
     ----------
     points : array_like of shape (n, 3)
-    simplices : array_like of int, of shape (m, 4)
+    tets : array_like of int, of shape (m, 4)
     plc : optional
         A domain, as :func:`tetrahedralize` takes it.
     max_volume, radius_edge : float, optional
         Bounds that every tetrahedron has to keep; with a domain only.
     flat_tolerance : float, optional
         As for :func:`tetrahedralize`; with a domain only.
+    frame : {"auto", "own", "local"}
+        The coordinates of ``points``, as for :func:`tetrahedralize`; with a domain only. Meshes of
+        others are in the domain's own.
     any_order : bool
         The order of a tetrahedron's corners means nothing (scipy and Qhull write such meshes).
     all_points : bool
@@ -68,17 +75,20 @@ def check(
     <ltbw.Certificate passed>
     """
     array = _input.coordinates(points)
-    rows = _input.corners(simplices, 4, "simplices")
+    rows = _input.corners(tets, 4, "tets")
+    any_order = _input.truth(any_order, "any_order")
+    all_points = _input.truth(all_points, "all_points")
     wishes = _input.bounds(max_volume, radius_edge, flat_tolerance)
     if plc is None:
         given = [name for name, value in wishes.items() if value is not None]
         if given:
             raise InputError(f"{', '.join(given)}: with a domain only", "check.bounds")
-        return Certificate(_native.check(array, rows, bool(any_order), bool(all_points)))
+        return Certificate(_native.check(array, rows, any_order, all_points))
     if all_points:
         raise InputError("all_points: without a domain only", "check.all_points")
     surface = _input.surface(plc)
-    text = _native.check_domain(array, rows, bool(any_order), surface, _input.wishes(**wishes))
+    wishes = _input.wishes(**wishes, own_frame=_input.frame(frame))
+    text = _native.check_domain(array, rows, any_order, surface, wishes)
     return Certificate(text)
 
 
@@ -92,16 +102,19 @@ class Mesh:
     ``simplices``                 ``elem`` (tetgen)      corners of tetrahedra, int32, (m, 4)
     ``neighbors``                 scipy                  across the face opposite each corner, or -1
     ``convex_hull``               scipy                  facets of the convex hull, (h, 3)
-    ``coplanar``                                         duplicates and their vertices, (d, 2)
+    ``coplanar``                  scipy                  duplicates: point, tetrahedron, vertex, (d, 3)
     ``triangles``                 ``triface``            boundary triangles of a domain, (b, 3)
     ``triface_markers``           tetgen                 their facets' markers, (b,)
     ``regions``                                          region of each tetrahedron, from 1, (m,)
+    ``region_attributes``                                attribute of each region, (r,)
     ``grid``                      pyvista                the mesh as pyvista.UnstructuredGrid
     ============================  =====================  ==========================================
     """
 
-    def __init__(self, kernel, certificate=None, notes=()):
+    def __init__(self, kernel, certificate=None, notes=(), field_data=None):
         self._kernel = kernel
+        # Names of groups that a meshio surface came with: (marker, dimension) each.
+        self._names = dict(field_data or {})
         self.certificate = None if certificate is None else Certificate(certificate)
         self.notes = list(notes)
 
@@ -112,23 +125,28 @@ class Mesh:
 
     @functools.cached_property
     def points(self):
+        """Coordinates, float64, (n, 3)."""
         return self._kernel.points()
 
     @functools.cached_property
     def simplices(self):
+        """Corners of the tetrahedra, int32, (m, 4)."""
         return self._kernel.simplices()
 
     @functools.cached_property
     def neighbors(self):
+        """Across the face opposite each corner the tetrahedron there, or -1; int32, (m, 4)."""
         return self._kernel.neighbors()
 
     @functools.cached_property
     def convex_hull(self):
+        """Facets of the convex hull, seen counterclockwise from outside; int32, (h, 3)."""
         return self._kernel.convex_hull()
 
     @functools.cached_property
     def coplanar(self):
-        return self._kernel.duplicates()
+        """Duplicates: point, a tetrahedron at the vertex in its place, that vertex; int32, (d, 3)."""
+        return self._kernel.coplanar()
 
     @functools.cached_property
     def _boundary(self):
@@ -136,15 +154,25 @@ class Mesh:
 
     @property
     def triangles(self):
+        """Boundary triangles of a domain, inner facets too; int32, (b, 3)."""
         return self._boundary[0]
 
     @property
     def triface_markers(self):
+        """The markers of the boundary triangles' facets; int64, (b,)."""
         return self._boundary[1]
 
     @functools.cached_property
     def regions(self):
+        """The region of each tetrahedron, from 1; int32, (m,)."""
         return self._kernel.regions()
+
+    @functools.cached_property
+    def region_attributes(self):
+        """The attribute of each region, that of region 1 first; NaN where ``regions`` of
+        :func:`tetrahedralize` gave none. ``region_attributes[regions - 1]`` is one for each
+        tetrahedron."""
+        return self._kernel.attributes()
 
     node = property(lambda self: self.points, doc="The same as ``points``.")
     elem = property(lambda self: self.simplices, doc="The same as ``simplices``.")
@@ -157,7 +185,8 @@ class Mesh:
 
     @property
     def offset(self):
-        """What ``points`` of a domain far from the origin are relative to; else zeros."""
+        """The place that ``points`` are relative to, of a domain far from the origin: ``points +
+        offset`` are, rounded, in the surface's coordinates. Else zeros."""
         return np.array(self._kernel.offset())
 
     @functools.cached_property
@@ -173,6 +202,8 @@ class Mesh:
 
     def find_simplex(self, xi):
         """For each point of ``xi``, of shape (..., 3), a tetrahedron that holds it, or -1. Exact.
+
+        Coordinates are those of ``points``.
 
         >>> import ltbw
         >>> mesh = ltbw.delaunay([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
@@ -190,19 +221,36 @@ class Mesh:
         return self.certificate if text is None else Certificate(text)
 
     def save(self, path):
-        """Writes the mesh: ``.vtu .vtk .msh .mesh .ele``."""
+        """Writes the mesh: ``.vtu .vtk .msh .mesh .ele``. Groups of ``.msh`` are named by their
+        markers; names that a meshio surface came with are in :meth:`to_meshio` alone."""
         self._kernel.save(os.fspath(path))
 
-    def to_meshio(self):
-        """The mesh as a ``meshio.Mesh``: tetrahedra with regions, boundary with markers."""
+    def to_meshio(self, names="ltbw"):
+        """The mesh as a ``meshio.Mesh``: tetrahedra with regions, boundary with markers.
+
+        ``names`` are those of the data of cells: ``"ltbw"``: ``region`` and ``marker``; those that
+        meshio's writers of other programs look for: ``"gmsh"`` (``gmsh:physical``, for
+        ``file_format="gmsh22"``; :meth:`save` writes 4.1) or ``"medit"`` (``medit:ref``, for
+        ``.mesh``). Names of groups of a meshio surface are in ``field_data``.
+        """
         import meshio
 
-        cells, regions, markers = [("tetra", self.simplices)], [self.regions], [0 * self.regions]
+        regions, cells = self.regions, [("tetra", self.simplices)]
+        markers = self.triface_markers.astype(np.int32)
         if len(self.triangles):
             cells.append(("triangle", self.triangles))
-            regions.append(np.zeros(len(self.triangles), np.int32))
-            markers.append(self.triface_markers.astype(np.int32))
-        return meshio.Mesh(self.points, cells, cell_data={"region": regions, "marker": markers})
+        both = [regions, markers][: len(cells)]
+        if names == "ltbw":
+            none = [regions, np.zeros(len(markers), np.int32)], [0 * regions, markers]
+            data = {name: all[: len(cells)] for name, all in zip(("region", "marker"), none)}
+        elif names == "gmsh":
+            data = {"gmsh:physical": both, "gmsh:geometrical": both}
+        elif names == "medit":
+            data = {"medit:ref": both}
+        else:
+            text = f"names: 'ltbw', 'gmsh' or 'medit', not {names!r}"
+            raise InputError(text, "meshio.names")
+        return meshio.Mesh(self.points, cells, cell_data=data, field_data=self._names)
 
     @functools.cached_property
     def grid(self):
