@@ -113,16 +113,22 @@ pub(crate) fn check_own(
     verify::conforms(&mesh, &plc, tags, &limits, &options)
 }
 
-/// The tetrahedra whose tag is not 0, if there are tags and some of them are not 0.
+/// The tetrahedra whose tag is not 0, or without tags the attribute, if some of them are not 0.
 fn without_exterior(mesh: &TetMesh) -> TetMesh {
-    let Some(tags) = mesh.tet_tags.as_ref().filter(|tags| tags.iter().any(|&t| t != 0)) else {
-        return mesh.clone();
+    let tags = mesh.tet_tags.as_ref();
+    let attributes = mesh.tet_attributes.as_ref().filter(|_| tags.is_none());
+    let is_outside = |t: usize| {
+        tags.and_then(|tags| tags.get(t)).is_some_and(|&tag| tag == 0)
+            || attributes.and_then(|all| all.get(t)).is_some_and(|&value| value == 0.0)
     };
-    let kept = || (0..mesh.tets.len()).filter(|&t| tags.get(t).is_none_or(|&tag| tag != 0));
+    let kept: Vec<usize> = (0..mesh.tets.len()).filter(|&t| !is_outside(t)).collect();
+    if kept.is_empty() {
+        return mesh.clone();
+    }
     TetMesh {
         points: mesh.points.clone(),
-        tets: kept().map(|t| mesh.tets[t]).collect(),
-        tet_tags: Some(kept().filter_map(|t| tags.get(t).copied()).collect()),
+        tets: kept.iter().map(|&t| mesh.tets[t]).collect(),
+        tet_tags: tags.map(|tags| kept.iter().filter_map(|&t| tags.get(t).copied()).collect()),
         ..TetMesh::default()
     }
 }

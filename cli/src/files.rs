@@ -5,7 +5,7 @@ use crate::console;
 use crate::json::file_writable;
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
-use crate::streams::{Formats, name_of};
+use crate::streams::{Formats, attributes_note, name_of};
 use ltbw::domain::{CheckOptions, Domain, DomainError};
 use ltbw::io::{self, DomainFile, Encoding, Format, MshVersion, PointFile, WriteOptions};
 use ltbw_generate::{Shape, generate_domain};
@@ -73,6 +73,8 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
             notes(&output.name, &[text.to_owned()]);
         }
         if to.holds_mesh() {
+            let note = attributes_note(&file.mesh, to).map(str::to_owned);
+            notes(&output.name, &Vec::from_iter(note));
             formats.write_mesh(output.path, file.writer().options(options))?;
             let (points, tets) = (file.mesh.points.len(), file.mesh.tets.len());
             console::people(&format!(

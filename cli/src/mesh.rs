@@ -14,7 +14,7 @@ use crate::report::{
 };
 use crate::rounds::{self, EngineArg};
 use crate::run::set_threads;
-use crate::streams::{Formats, name_of, on_stdout};
+use crate::streams::{Formats, attributes_note, name_of, on_stdout};
 use crate::surface::{print_patches, repairs_json};
 use crate::unrecovered;
 use ltbw::domain::Prepared;
@@ -129,7 +129,12 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     let unrecovered = refined.outcome == RefineOutcome::Unrecovered;
     // Without the boundary nobody knows what is inside: the whole mesh, and no regions.
     let inside = match unrecovered {
-        true => TetMesh { tet_tags: None, faces: Vec::new(), ..refined.with_exterior() },
+        true => TetMesh {
+            tet_tags: None,
+            tet_attributes: None,
+            faces: Vec::new(),
+            ..refined.with_exterior()
+        },
         false => refined.inside(),
     };
     let hash = canonical_hash(&inside.points, &inside.tets)
@@ -421,7 +426,9 @@ fn write(
         let values = quality::arrays(&mesh.points, &mesh.tets);
         for path in job.outputs {
             job.formats.write_mesh(path, MeshWriter::new(mesh).values(&values))?;
+            let note = attributes_note(mesh, job.formats.of_output(path)?);
             let path = &name_of(path);
+            note.iter().for_each(|n| console::people(&format!("note: {}: {n}", show(path))));
             report.outputs.push(path.to_string_lossy().into_owned());
             console::people(&format!("wrote     {}", show(path)));
         }

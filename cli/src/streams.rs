@@ -8,8 +8,8 @@ pub(crate) use crate::json::name_of;
 use crate::json::{file_writable, is_stdout};
 use crate::outcome::{Failure, show};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use ltbw::Domain;
 use ltbw::io::{self, DomainFile, Format, IoError, MeshFile, MeshWriter, PointFile, WriteOptions};
+use ltbw::{Domain, TetMesh};
 use std::cell::OnceCell;
 use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -171,6 +171,18 @@ impl Formats {
         }
         let (name, format) = (name_of(path), self.of_output(path)?);
         write(path, |out| io::write_domain_to(out, &name, format, domain, options))
+    }
+}
+
+/// A note on the attributes or the numbers of a mesh's regions, if a format has no place for both.
+pub(crate) fn attributes_note(mesh: &TetMesh, format: Format) -> Option<&'static str> {
+    mesh.tet_attributes.as_ref()?;
+    match format {
+        Format::Ele | Format::Node => {
+            mesh.tet_tags.as_ref().map(|_| "attributes of regions stand in place of their numbers")
+        }
+        _ if format.holds_attributes() => None,
+        _ => Some("attributes of regions are not kept: this format has no place for them"),
     }
 }
 

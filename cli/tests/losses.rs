@@ -71,6 +71,54 @@ fn boundary_and_regions_survive_in_every_format_of_meshes() {
     assert!(lost[1].ends_with("boundary triangles are not kept: this format holds points"));
 }
 
+/// Attributes are what users tell materials by; numbers of regions are ours.
+#[test]
+fn attributes_of_regions_reach_the_mesh() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    meshed(dir);
+    let plain = std::fs::read_to_string(dir.join("d.poly")).unwrap();
+    // The attributes of this domain are the numbers of its regions, which tell all.
+    assert_eq!(read(dir, "m.vtu").mesh.tet_attributes, None);
+    let mut regions = plain.lines().rev().take(2).map(str::to_owned).collect::<Vec<_>>();
+    let mut text = plain.clone();
+    for (row, attribute) in regions.iter_mut().rev().zip(["70", "90.5"]) {
+        let mut words: Vec<&str> = row.split(' ').collect();
+        words[4] = attribute;
+        text = text.replace(&*row, &words.join(" "));
+    }
+    std::fs::write(dir.join("a.poly"), text).unwrap();
+    let mesh = |output: &str| notes(dir, &["mesh", "a.poly", "-o", output]);
+    let first = |name: &str| {
+        let values = read(dir, name).mesh.tet_attributes.unwrap();
+        let different: HashSet<u64> = values.iter().map(|value| value.to_bits()).collect();
+        assert_eq!(different, HashSet::from([70.0_f64.to_bits(), 90.5_f64.to_bits()]), "{name}");
+        values
+    };
+    assert_eq!((mesh("a.vtu"), mesh("a.vtk")), (Vec::new(), Vec::new()));
+    assert_eq!(first("a.vtu"), first("a.vtk"));
+    assert_eq!(read(dir, "a.vtu").mesh.tet_tags, read(dir, "a.vtk").mesh.tet_tags);
+    let told = mesh("a.ele");
+    assert_eq!(told, ["note: a.ele: attributes of regions stand in place of their numbers"]);
+    assert_eq!(first("a.ele"), first("a.vtu"));
+    let lost = "attributes of regions are not kept: this format has no place for them";
+    for (name, other) in [("a.msh", "b.msh"), ("a.mesh", "b.mesh")] {
+        assert_eq!(mesh(name), [format!("note: {name}: {lost}")]);
+        let told = notes(dir, &["convert", "a.vtu", other]);
+        assert!(told.contains(&format!("note: {other}: {lost}")), "{told:?}");
+    }
+    assert_eq!(notes(dir, &["convert", "a.ele", "c.vtu"]), [""; 0]);
+    assert_eq!(first("c.vtu"), first("a.vtu"));
+    let exterior = ["mesh", "a.poly", "--keep-exterior", "-o", "e.ele"];
+    assert_eq!(notes(dir, &exterior).len(), 1);
+    for name in ["a.ele", "c.vtu", "e.ele"] {
+        assert_eq!(ltbw(dir, &["check", name, "--plc", "a.poly"]).code, 0, "{name}");
+    }
+    // One hash, whatever the attributes are.
+    let hashes = ["a.poly", "d.poly"].map(|name| ltbw(dir, &["mesh", name]).stdout);
+    assert_eq!(hashes[0], hashes[1]);
+}
+
 #[test]
 fn names_of_groups_survive_in_msh_and_are_told_elsewhere() {
     let dir = tempfile::tempdir().unwrap();

@@ -140,6 +140,12 @@ pub enum DataError {
         /// Its tag.
         tag: i64,
     },
+    /// An attribute is NaN or infinite.
+    #[error("tetrahedron {tet} has an attribute that is not finite")]
+    Attribute {
+        /// The tetrahedron.
+        tet: usize,
+    },
     /// A domain that cannot be used.
     #[error(transparent)]
     Domain(#[from] ltbw_domain::DomainError),

@@ -135,6 +135,11 @@ impl Format {
         self == Format::Msh
     }
 
+    /// Whether attributes of regions survive in this format.
+    pub fn holds_attributes(self) -> bool {
+        matches!(self, Format::Node | Format::Ele | Format::Vtu | Format::Vtk)
+    }
+
     /// Whether point tags survive in this format.
     pub fn holds_point_tags(self) -> bool {
         !self.is_read_only() && !matches!(self, Format::Npy | Format::Xyz | Format::Txt)

@@ -14,11 +14,11 @@
 //! | `.poly` | domain (TetGen) | facet markers, regions | [`poly`] |
 //! | `.smesh` | domain (TetGen), facets of one polygon each | facet markers, regions | [`poly`] |
 //! | `.node` | points (TetGen); beside `.ele`: a mesh | markers | [`tetgen`] |
-//! | `.ele` | mesh (TetGen), with `.node` and `.face` beside it | markers, regions | [`tetgen`] |
+//! | `.ele` | mesh (TetGen), beside `.node` and `.face` | markers, attributes | [`tetgen`] |
 //! | `.msh` | mesh (Gmsh 4.1, 2.2) | view `tag`, physical groups | [`msh`] |
 //! | `.mesh` | mesh (Medit, ASCII) | references | [`medit`] |
-//! | `.vtu` | mesh (VTK, text or binary) | arrays `tag`, `region` | [`vtu`] |
-//! | `.vtk` | mesh, or a surface (VTK's legacy files) | arrays `tag`, `region` | [`vtk`] |
+//! | `.vtu` | mesh (VTK, text or binary) | arrays `tag`, `region`, `attribute` | [`vtu`] |
+//! | `.vtk` | mesh, or a surface (VTK's legacy files) | the same | [`vtk`] |
 //! | `.pvtu` | mesh in parts, `.vtu` files beside it (written) | array `tag` | [`write_parts`] |
 //!
 //! Readers take any bytes and never panic: each is a fuzz target. A count in a header is a claim
@@ -309,7 +309,7 @@ fn check_points(points: &[Point], tags: Option<&[i64]>) -> Result<(), DataError>
     check_tags("points", tags, points.len())
 }
 
-fn check_tags(what: &'static str, tags: Option<&[i64]>, count: usize) -> Result<(), DataError> {
+fn check_tags<T>(what: &'static str, tags: Option<&[T]>, count: usize) -> Result<(), DataError> {
     match tags {
         Some(t) if t.len() != count => Err(DataError::Tags { what, tags: t.len(), count }),
         _ => Ok(()),
@@ -335,6 +335,11 @@ fn check_mesh(mesh: &TetMesh) -> Result<(), DataError> {
     let points = mesh.points.len();
     check_points(&mesh.points, mesh.point_tags.as_deref())?;
     check_tags("tetrahedra", mesh.tet_tags.as_deref(), mesh.tets.len())?;
+    let attributes = mesh.tet_attributes.as_deref();
+    check_tags("tetrahedra", attributes, mesh.tets.len())?;
+    if let Some(tet) = attributes.and_then(|a| a.iter().position(|value| !value.is_finite())) {
+        return Err(DataError::Attribute { tet });
+    }
     for (tet, corners) in mesh.tets.iter().enumerate() {
         if let Some(&point) = corners.iter().find(|&&v| v as usize >= points) {
             return Err(DataError::Index { tet, point, points });

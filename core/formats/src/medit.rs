@@ -91,7 +91,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let triangles: Vec<([u32; 3], i64)> = triangles.into_iter().zip(markers).collect();
     let tags = |t: Vec<i64>, mark: bool| (mark || t.iter().any(|&r| r != 0)).then_some(t);
     let (point_tags, tet_tags) = (tags(point_tags, marked[0]), tags(tet_tags, marked[1]));
-    let mut mesh = TetMesh { points, tets, point_tags, tet_tags, faces: Vec::new() };
+    let mut mesh = TetMesh { points, tets, point_tags, tet_tags, ..TetMesh::default() };
     let note;
     (mesh.faces, note) = owned(&mesh, &triangles);
     notes.extend(note);

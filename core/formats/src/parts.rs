@@ -105,8 +105,7 @@ mod tests {
             points: corners.to_vec(),
             tets: vec![[0, 1, 2, 3]],
             point_tags: Some(vec![1, 2, 3, 4]),
-            tet_tags: None,
-            faces: Vec::new(),
+            ..TetMesh::default()
         };
         let empty = TetMesh { point_tags: Some(Vec::new()), ..TetMesh::default() };
         write_parts(&path, &[part.clone(), empty.clone()]).expect("written");

@@ -4,14 +4,15 @@
 //! three coordinates, the attributes and, if `markers` is 1, a boundary marker (read as the
 //! point's tag). Points are numbered from 0 or from 1. An `.ele` file has a header `tetrahedra
 //! corners attributes` and for each tetrahedron its number, 4 corners (or 10, of which the first
-//! four are read) and the attributes, the last of which is the region (read as the tag). From `#`
-//! to the end of a line is a comment. We write numbers from 0.
+//! four are read) and the attributes. The last is that of the region: read as the tag if it is an
+//! integer everywhere, else as an attribute. From `#` to the end of a line is a comment. We write
+//! numbers from 0, and attributes where the mesh has them, else tags.
 //! Source: the TetGen manual, "File formats".
 
 use super::error::{ParseError, Reason};
 use super::faces::owned;
 use super::text::{
-    Lines, capacity, count, float, integer, point, push_integer, push_point, write_rows,
+    Lines, capacity, count, float, integer, point, push_float, push_integer, push_point, write_rows,
 };
 use super::{MeshFile, Point, PointFile};
 use ltbw_core::{BoundaryFace, TetMesh};
@@ -149,6 +150,7 @@ pub fn parse_ele(bytes: &[u8], node: NodeFile) -> Result<MeshFile, ParseError> {
     let reserve = capacity(announced, lines.remaining(), 10);
     let mut tets = Vec::with_capacity(reserve);
     let mut tags = Vec::with_capacity(if attributes > 0 { reserve } else { 0 });
+    let mut values = Vec::with_capacity(if attributes > 0 { reserve } else { 0 });
     let (mut first_row, mut whole) = (first, true);
     let width = 1 + corners as usize + attributes as usize;
     for row in 0..announced {
@@ -175,9 +177,10 @@ pub fn parse_ele(bytes: &[u8], node: NodeFile) -> Result<MeshFile, ParseError> {
                     }
                 }
                 n if n == width => {
-                    let region = region(field).map_err(at)?;
+                    let (value, region) = region(field).map_err(at)?;
                     whole &= region.is_some();
                     tags.push(region.unwrap_or(0));
+                    values.push(value);
                 }
                 _ => drop(float(field).map_err(at)?),
             }
@@ -191,13 +194,14 @@ pub fn parse_ele(bytes: &[u8], node: NodeFile) -> Result<MeshFile, ParseError> {
         return Err(ParseError::at(bytes, line.offset, Reason::Surplus("tetrahedron")));
     }
     let tet_tags = (attributes > 0 && whole).then_some(tags);
-    if attributes > u64::from(tet_tags.is_some()) {
-        notes.push("attributes of tetrahedra other than an integer region are not read".into());
+    let tet_attributes = (attributes > 0 && !whole).then_some(values);
+    if attributes > 1 {
+        notes.push("attributes of tetrahedra before the last are not read".into());
     }
     if corners == 10 {
         notes.push("corners after the fourth of quadratic tetrahedra are not read".into());
     }
-    let mesh = TetMesh { points, tets, point_tags, tet_tags, faces: Vec::new() };
+    let mesh = TetMesh { points, tets, point_tags, tet_tags, tet_attributes, ..TetMesh::default() };
     Ok(MeshFile { mesh, notes, names: Vec::new() })
 }
 
@@ -277,14 +281,14 @@ pub fn parse_face(bytes: &[u8], mut file: MeshFile, first: u8) -> Result<MeshFil
     Ok(file)
 }
 
-/// A region: an integer, also when written as a float; `None` for any other number.
-fn region(token: &[u8]) -> Result<Option<i64>, Reason> {
+/// An attribute of a region, and the integer that it is, also when written as a float.
+fn region(token: &[u8]) -> Result<(f64, Option<i64>), Reason> {
     if let Ok(value) = integer(token) {
-        return Ok(Some(value));
+        return Ok((value as f64, Some(value)));
     }
     let value = float(token)?;
     let exact = value.fract() == 0.0 && value.abs() <= 9_007_199_254_740_992.0;
-    Ok(exact.then_some(value as i64))
+    Ok((value, exact.then_some(value as i64)))
 }
 
 /// Writes a `.node` file, numbered from 0.
@@ -336,17 +340,21 @@ pub fn read_mtr(bytes: &[u8]) -> Result<Vec<f64>, ParseError> {
     Ok(sizes)
 }
 
-/// Writes an `.ele` file, numbered from 0.
+/// Writes an `.ele` file, numbered from 0: with attributes, or else with tags.
 pub fn write_ele(out: &mut dyn Write, mesh: &TetMesh) -> std::io::Result<()> {
-    let tags = mesh.tet_tags.as_deref();
-    writeln!(out, "{} 4 {}", mesh.tets.len(), u8::from(tags.is_some()))?;
+    let (tags, attributes) = (mesh.tet_tags.as_deref(), mesh.tet_attributes.as_deref());
+    let columns = u8::from(tags.is_some() || attributes.is_some());
+    writeln!(out, "{} 4 {columns}", mesh.tets.len())?;
     write_rows(out, mesh.tets.len(), |i, row| {
         push_integer(row, i as i64);
         for &v in &mesh.tets[i] {
             row.push(b' ');
             push_integer(row, i64::from(v));
         }
-        if let Some(&tag) = tags.and_then(|t| t.get(i)) {
+        if let Some(&value) = attributes.and_then(|a| a.get(i)) {
+            row.push(b' ');
+            push_float(row, value);
+        } else if let Some(&tag) = tags.and_then(|t| t.get(i)) {
             row.push(b' ');
             push_integer(row, tag);
         }

@@ -11,9 +11,9 @@ use std::path::Path;
 
 /// A mesh to be written, and what goes with it.
 ///
-/// The mesh itself has tags and boundary faces. `.vtu` and `.vtk` have a place for all of it but
-/// names; `.mesh` and `.ele` (with `.node` and `.face` beside it) for tags and faces; `.msh` for
-/// names, too.
+/// The mesh itself has tags, attributes and boundary faces. `.vtu` and `.vtk` have a place for all
+/// of it but names; `.mesh` and `.ele` (with `.node` and `.face` beside it) for tags and faces;
+/// `.msh` for names, too. An `.ele` file has attributes in place of tags if there are some.
 ///
 /// ```no_run
 /// use ltbw_core::TetMesh;

@@ -14,7 +14,7 @@ fn corner() -> TetMesh {
         tets: vec![[0, 1, 2, 3]],
         point_tags: Some(vec![1, 2, 3, 4]),
         tet_tags: Some(vec![7]),
-        faces: Vec::new(),
+        ..TetMesh::default()
     }
 }
 
@@ -48,6 +48,57 @@ fn boundaries_are_written_where_the_format_has_a_place() {
     std::fs::create_dir(dir.path().join("c.face")).expect("a folder");
     assert!(io::check_mesh_writable(dir.path().join("c.node")).is_err());
     assert!(io::check_mesh_writable(dir.path().join("d.node")).is_ok());
+}
+
+#[test]
+fn attributes_are_kept_where_the_format_has_a_place() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let mut mesh = walled();
+    mesh.tet_attributes = Some(vec![70.0, 90.5]);
+    let back = |name: &str, mesh: &TetMesh| {
+        let path = dir.path().join(name);
+        io::write_mesh(&path, mesh).expect("written");
+        io::read_mesh_file(&path).expect("a mesh")
+    };
+    for name in ["a.vtu", "a.vtk"] {
+        let file = back(name, &mesh);
+        assert_eq!((file.mesh, file.notes), (mesh.clone(), Vec::new()), "{name}");
+    }
+    let file = back("a.ele", &mesh);
+    // In TetGen's file they stand where regions stand without them.
+    let read = (file.mesh.tet_tags, file.mesh.tet_attributes.clone());
+    assert_eq!(read, (None, mesh.tet_attributes.clone()));
+    let text = std::fs::read_to_string(dir.path().join("a.ele")).expect("a text");
+    assert_eq!(text, "2 4 1\n0 0 1 2 3 70\n1 0 2 1 4 90.5\n");
+    for name in ["a.msh", "a.mesh"] {
+        let file = back(name, &mesh);
+        assert_eq!((file.mesh.tet_tags, file.mesh.tet_attributes), (Some(vec![2, 1]), None));
+    }
+    for format in io::Format::ALL.into_iter().filter(|format| format.holds_mesh()) {
+        let keeps = !matches!(format, io::Format::Msh | io::Format::Medit);
+        assert_eq!(format.holds_attributes(), keeps, "{format:?}");
+    }
+    for (attributes, at) in [(vec![1.0], "1 tags for 2"), (vec![1.0, f64::NAN], "tetrahedron 1")] {
+        mesh.tet_attributes = Some(attributes);
+        let error = io::write_mesh(dir.path().join("b.vtu"), &mesh).expect_err("refused");
+        assert!(error.to_string().contains(at), "{error}");
+    }
+}
+
+/// Arrays of the same name that are something else stay what they were: not read, with a note.
+#[test]
+fn other_arrays_of_that_name_are_passed_over() {
+    let mut bytes = Vec::new();
+    let mesh = TetMesh { tet_attributes: Some(vec![1.5]), ..corner() };
+    vtu::write(&mut bytes, &mesh, Encoding::Ascii).expect("memory");
+    let text = String::from_utf8(bytes).expect("text");
+    let ours = "type=\"Float64\" Name=\"attribute\"";
+    assert!(vtu::read(text.as_bytes()).expect("a mesh").mesh == mesh && text.contains(ours));
+    let other = "type=\"Float64\" Name=\"attribute\" NumberOfComponents=\"3\"";
+    for other in [other, "type=\"Int64\" Name=\"attribute\""] {
+        let file = vtu::read(text.replace(ours, other).as_bytes()).expect("a mesh");
+        assert_eq!((file.mesh.tet_attributes, file.notes.len()), (None, 1), "{other}");
+    }
 }
 
 /// Two tetrahedra with boundary triangles of every kind of marker, one between the two.

@@ -164,7 +164,11 @@ fn malformed_tetgen_headers_and_rows() {
     // The last attribute is the region; those before it are numbers that are not kept.
     let file = pair("1 4 2\n0 0 1 2 3 0.125 7\n").expect("two attributes");
     assert_eq!(file.mesh.tet_tags, Some(vec![7]));
-    assert_eq!(file.notes, ["attributes of tetrahedra other than an integer region are not read"]);
+    assert_eq!(file.notes, ["attributes of tetrahedra before the last are not read"]);
+    let file = pair("2 4 1\n0 0 1 2 3 70\n1 0 1 2 3 90.5\n").expect("an attribute");
+    assert_eq!((file.mesh.tet_tags, file.notes.len()), (None, 0));
+    assert_eq!(file.mesh.tet_attributes, Some(vec![70.0, 90.5]));
+    assert_eq!(says(pair("1 4 1\n0 0 1 2 3 nan\n")), "line 2: `nan` is not a finite number");
     assert_eq!(says(pair("1 4 2\n0 0 1 2 3 x 7\n")), "line 2: `x` is not a number");
     assert_eq!(
         says(pair("1 4\n0 0 1 2 3\n1 0 1 2 3\n")),

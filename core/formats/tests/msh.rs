@@ -134,7 +134,7 @@ fn square(tags: &[i64]) -> TetMesh {
         tets: [[0, 1, 2, 3], [1, 2, 3, 4], [3, 2, 1, 0], [4, 3, 2, 1]][..tags.len()].to_vec(),
         point_tags: None,
         tet_tags: Some(tags.to_vec()),
-        faces: Vec::new(),
+        ..TetMesh::default()
     }
 }
 

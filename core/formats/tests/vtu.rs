@@ -140,7 +140,7 @@ fn every_way_to_store_arrays_reads_the_same() {
         tets: vec![[3, 1, 2, 0]],
         point_tags: Some(vec![-1, 2, i64::MAX, 4]),
         tet_tags: Some(vec![17]),
-        faces: Vec::new(),
+        ..TetMesh::default()
     };
     let stores = every_store();
     assert_eq!(stores.len(), 24);
@@ -207,12 +207,13 @@ fn figures_and_boundary_leave_the_mesh_as_it_is() {
     let mesh = TetMesh {
         points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]],
         tets: vec![[0, 1, 2, 3], [1, 2, 3, 4]],
-        point_tags: None,
         tet_tags: Some(vec![1, 2]),
+        tet_attributes: Some(vec![70.0, 90.5]),
         faces: vec![
             BoundaryFace { corners: [0, 2, 1], marker: -7, tet: 0 },
             BoundaryFace { corners: [1, 2, 4], marker: 8, tet: 1 },
         ],
+        ..TetMesh::default()
     };
     let values = [("volume", vec![0.25, f64::INFINITY])];
     for encoding in [Encoding::Binary, Encoding::Ascii] {
@@ -235,5 +236,6 @@ fn figures_and_boundary_leave_the_mesh_as_it_is() {
     assert_eq!(array("types"), "10 10 5 5");
     assert_eq!(array("region"), "1 2 1 2", "a triangle looks like its tetrahedron");
     assert_eq!(array("marker"), "0 0 -7 8");
+    assert_eq!(array("attribute"), "70 90.5 70 90.5");
     assert_eq!(array("volume"), "0.25 inf 0.25 inf");
 }

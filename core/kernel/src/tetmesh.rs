@@ -14,6 +14,9 @@ pub struct TetMesh {
     pub point_tags: Option<Vec<i64>>,
     /// One tag per tetrahedron (regions), if the file has them.
     pub tet_tags: Option<Vec<i64>>,
+    /// One attribute per tetrahedron: that of its region, if the domain gives regions attributes.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub tet_attributes: Option<Vec<f64>>,
     /// Triangles of the boundary and of walls inside, with the markers of their facets; none where
     /// nothing is known of facets.
     #[cfg_attr(feature = "serde", serde(default))]

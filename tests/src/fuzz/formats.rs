@@ -174,6 +174,9 @@ fn mesh_comes_back(mesh: &TetMesh) {
     assert!(mesh.tets.iter().flatten().all(|&v| (v as usize) < mesh.points.len()));
     assert!(mesh.tet_tags.as_ref().is_none_or(|t| t.len() == mesh.tets.len()));
     assert!(mesh.point_tags.as_ref().is_none_or(|t| t.len() == mesh.points.len()));
+    let attributes = mesh.tet_attributes.as_ref();
+    assert!(attributes.is_none_or(|t| t.len() == mesh.tets.len()));
+    assert!(attributes.is_none_or(|t| t.iter().all(|value| value.is_finite())));
     let same = |back: Result<MeshFile, ParseError>| {
         let back = back.expect("we wrote it").mesh;
         assert_eq!(bits(&back.points), bits(&mesh.points));
@@ -187,7 +190,9 @@ fn mesh_comes_back(mesh: &TetMesh) {
     same(medit::read(&out));
     let (mut node, mut ele) = (Vec::new(), Vec::new());
     tetgen::write_node(&mut node, &mesh.points, mesh.point_tags.as_deref()).expect("memory");
-    tetgen::write_ele(&mut ele, mesh).expect("memory");
+    // Attributes would take the place of tags.
+    let plain = TetMesh { tet_attributes: None, ..mesh.clone() };
+    tetgen::write_ele(&mut ele, &plain).expect("memory");
     let mut face = Vec::new();
     tetgen::write_face(&mut face, &mesh.faces).expect("memory");
     let first = tetgen::parse_node(&node).expect("we wrote it").first;
@@ -195,7 +200,9 @@ fn mesh_comes_back(mesh: &TetMesh) {
     for encoding in [Encoding::Ascii, Encoding::Binary] {
         let mut out = Vec::new();
         vtu::write(&mut out, mesh, encoding).expect("memory");
-        same(vtu::read(&out));
+        let back = vtu::read(&out);
+        assert_eq!(back.as_ref().expect("we wrote it").mesh.tet_attributes.as_ref(), attributes);
+        same(back);
         let mut out = Vec::new();
         vtk::write_with(&mut out, mesh, &[], encoding).expect("memory");
         same(vtk::read(&out));

@@ -48,6 +48,18 @@ impl Refined {
         self.state.marks.region(t)
     }
 
+    /// The attributes of all regions, for their tetrahedra: that which the domain gives a region,
+    /// else the region's own number, so that 0 is the exterior alone (files have 0 for no
+    /// attribute). `None` where these are the numbers of the regions: they tell nothing more.
+    pub fn attributes(&self) -> Option<Vec<f64>> {
+        let attribute = |(region, info): (u32, &RegionInfo)| {
+            if info.attribute == 0.0 { f64::from(region) } else { info.attribute }
+        };
+        let all: Vec<f64> = (0..).zip(&self.regions).map(attribute).collect();
+        let is_own = (0..).zip(&all).all(|(region, &value)| value == f64::from(region));
+        (!is_own).then_some(all)
+    }
+
     /// The tetrahedra of the domain, by their vertices' numbers: an order that is a function of the
     /// mesh alone, as those of all arrays are.
     pub fn tets(&self) -> impl Iterator<Item = TetId> + '_ {
@@ -86,8 +98,9 @@ impl Refined {
 }
 
 impl Refined {
-    /// The mesh of the domain as plain arrays: tetrahedra tagged with their regions, and the
-    /// boundary faces of [`Refined::boundary`].
+    /// The mesh of the domain as plain arrays: tetrahedra tagged with their regions and, where the
+    /// domain gives some, with the attributes of these, and the boundary faces of
+    /// [`Refined::boundary`].
     pub fn inside(&self) -> TetMesh {
         self.plain(false)
     }
@@ -108,6 +121,9 @@ impl Refined {
                 tags.push(i64::from(region));
             }
         }
+        mesh.tet_attributes = self.attributes().and_then(|of| {
+            tags.iter().map(|&region| of.get(usize::try_from(region).ok()?).copied()).collect()
+        });
         mesh.tet_tags = Some(tags);
         mesh.faces = self.faces(exterior);
         mesh

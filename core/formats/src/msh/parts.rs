@@ -184,7 +184,7 @@ impl Parts {
         }
         let tets = tets.iter().map(|t| t.corners).collect();
         let points = nodes.points;
-        let mut mesh = TetMesh { points, tets, point_tags, tet_tags, faces: Vec::new() };
+        let mut mesh = TetMesh { points, tets, point_tags, tet_tags, ..TetMesh::default() };
         triangles.sort_by_key(|t| t.number);
         let marker = |t: &Triangle| markers.get(&t.physical).copied().unwrap_or(t.physical);
         let triangles: Vec<([u32; 3], i64)> =

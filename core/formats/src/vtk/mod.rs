@@ -1,9 +1,10 @@
 //! `.vtk`: VTK's legacy format, versions 1 to 5, text and binary.
 //!
 //! Read: an `UNSTRUCTURED_GRID` as a mesh, by the rules of `.vtu`: tetrahedra, triangles that are
-//! their faces, integer arrays `tag` of points, `region` and `marker` of cells; and `POLYDATA` as a
-//! surface, the polygons with an integer array `marker`. Other datasets and triangle strips are
-//! refused; other cells and arrays are not read, and a note says so. Written: version 5.1.
+//! their faces, integer arrays `tag` of points, `region` and `marker` of cells, and `attribute`;
+//! and `POLYDATA` as a surface, the polygons with an integer array `marker`. Other datasets and
+//! triangle strips are refused; other cells and arrays are not read, and a note says so. Written:
+//! version 5.1.
 //! Source: "VTK File Formats", the chapter on simple legacy formats.
 
 mod source;
@@ -13,7 +14,7 @@ use super::error::{ParseError, Place, Reason, excerpt};
 use super::faces::owned;
 use super::surface::{Corners, Surface};
 use super::text::count;
-use super::vtu::{Grid, Piece};
+use super::vtu::{Grid, OTHER_ARRAYS, Piece};
 use super::{DomainFile, MeshFile, Point};
 use source::{Source, Type};
 pub(crate) use write::write_surface;
@@ -39,12 +40,12 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         tags: parts.tags,
         regions: parts.regions,
         markers: parts.markers,
+        attributes: parts.attributes,
         ..Piece::default()
     };
     grid.add(piece).map_err(|r| ParseError::new(Place::End, r))?;
     if parts.other_arrays {
-        let text = "arrays other than `tag` of points, `region` and `marker` of cells are not read";
-        notes.push(text.to_owned());
+        notes.push(OTHER_ARRAYS.to_owned());
     }
     if grid.other_cells {
         notes.push("cells that are neither tetrahedra nor triangles are not read".to_owned());
@@ -103,7 +104,7 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
     if parts.before > 0 {
         notes.push("vertices and lines are not read".to_owned());
     }
-    let tagged = parts.tags.is_some() || parts.regions.is_some();
+    let tagged = parts.tags.is_some() || parts.regions.is_some() || parts.attributes.is_some();
     if parts.other_arrays || tagged {
         notes.push("arrays other than `marker` of polygons are not read".to_owned());
     }
@@ -140,6 +141,7 @@ struct Parts {
     tags: Option<Vec<i64>>,
     regions: Option<Vec<i64>>,
     markers: Option<Vec<i64>>,
+    attributes: Option<Vec<f64>>,
     other_arrays: bool,
 }
 
@@ -355,6 +357,13 @@ fn array(
     [width, rows]: [u64; 2],
     about: About,
 ) -> Result<(), ParseError> {
+    if (about, name, width) == (About::Cells, b"attribute", 1) && !kind.is_whole() {
+        if parts.attributes.is_some() {
+            return Err(source.syntax("the same array twice"));
+        }
+        parts.attributes = Some(source.floats(kind, rows)?);
+        return Ok(());
+    }
     let list = match (about, name) {
         (About::Points, b"tag") => Some(&mut parts.tags),
         (About::Cells, b"region") => Some(&mut parts.regions),

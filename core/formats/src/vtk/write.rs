@@ -91,7 +91,8 @@ impl Sink<'_> {
     }
 }
 
-/// Writes a mesh: tags as the array `tag` of points, regions as `region`, boundary triangles as
+/// Writes a mesh: tags as the array `tag` of points, regions as `region`, their attributes as
+/// `attribute`, boundary triangles as
 /// cells behind the tetrahedra with the array `marker`, and figures of the tetrahedra, all as in
 /// `.vtu`.
 ///
@@ -135,8 +136,11 @@ pub fn write_with(
     }
     // A triangle has the values of its tetrahedron.
     let owner = |i: usize| if i < tets.len() { i } else { faces[i - tets.len()].tet };
+    let attributes = mesh.tet_attributes.iter().map(|values| ("attribute", values));
+    let floats: Vec<(&str, &Vec<f64>)> =
+        attributes.chain(values.iter().map(|(name, values)| (*name, values))).collect();
     let arrays =
-        usize::from(mesh.tet_tags.is_some()) + usize::from(!faces.is_empty()) + values.len();
+        usize::from(mesh.tet_tags.is_some()) + usize::from(!faces.is_empty()) + floats.len();
     if arrays == 0 {
         return Ok(());
     }
@@ -150,7 +154,7 @@ pub fn write_with(
         let marker = |i: usize| i.checked_sub(tets.len()).map_or(0, |f| faces[f].marker);
         sink.integers(cells, marker)?;
     }
-    for (name, values) in values {
+    for (name, values) in floats {
         writeln!(sink.out, "{name} 1 {cells} double")?;
         sink.floats(cells, |i| values[owner(i)])?;
     }

@@ -27,6 +27,9 @@ impl Grid {
         if let Some(regions) = &piece.regions {
             same("values in `region`", cells, regions.len())?;
         }
+        if let Some(attributes) = &piece.attributes {
+            same("values in `attribute`", cells, attributes.len())?;
+        }
         if let Some(markers) = &piece.markers {
             same("values in `marker`", cells, markers.len())?;
         }
@@ -43,6 +46,8 @@ impl Grid {
         let first = self.pieces == 0;
         append(&mut self.mesh.point_tags, piece.tags, first)?;
         append(&mut self.mesh.tet_tags, regions, first)?;
+        let attributes = piece.attributes.map(|a| kept.iter().map(|&cell| a[cell]).collect());
+        append(&mut self.mesh.tet_attributes, attributes, first)?;
         self.pieces += 1;
         Ok(())
     }
@@ -113,7 +118,7 @@ fn same(what: &'static str, announced: u64, found: usize) -> Result<(), Reason> 
 }
 
 /// Appends the tags of a piece; either all pieces have them or none.
-fn append(all: &mut Option<Vec<i64>>, piece: Option<Vec<i64>>, first: bool) -> Result<(), Reason> {
+fn append<T>(all: &mut Option<Vec<T>>, piece: Option<Vec<T>>, first: bool) -> Result<(), Reason> {
     match (all.as_mut(), piece) {
         (Some(all), Some(piece)) => all.extend(piece),
         (None, piece) if first => *all = piece,

@@ -1,13 +1,13 @@
 //! `.vtu`: VTK's XML format of unstructured grids, which ParaView opens.
 //!
 //! Written: one piece, `Float64` points, `Int64` arrays named `tag` (points) and `region` (cells)
-//! where there are tags; boundary triangles behind the tetrahedra, with the array `marker` of
-//! cells; figures of tetrahedra on request; arrays are appended raw, or text. Read: any number of
-//! pieces; arrays as text, inline in base64, or appended raw or in base64; uncompressed or
-//! compressed by zlib, LZ4 or LZMA; either byte order. Tetrahedra (VTK type 10) become the mesh;
-//! triangles (type 5) that are faces of tetrahedra are boundary triangles, with their `marker`;
-//! other cells of dimension 0 to 2 and other arrays are not read, and a note says so; other cells
-//! are refused.
+//! where there are tags, and `attribute` where regions have attributes; boundary triangles behind
+//! the tetrahedra, with the array `marker` of cells; figures of tetrahedra on request; arrays are
+//! appended raw, or text. Read: any number of pieces; arrays as text, inline in base64, or appended
+//! raw or in base64; uncompressed or compressed by zlib, LZ4 or LZMA; either byte order. Tetrahedra
+//! (VTK type 10) become the mesh; triangles (type 5) that are faces of tetrahedra are boundary
+//! triangles, with their `marker`; other cells of dimension 0 to 2 and other arrays are not read,
+//! and a note says so; other cells are refused.
 //! Source: the VTK file formats page of the VTK documentation.
 
 mod array;
@@ -33,6 +33,10 @@ const TETRAHEDRON: i64 = 10;
 /// And for a triangle.
 const TRIANGLE: i64 = 5;
 
+/// The note on arrays that are not read.
+pub(crate) const OTHER_ARRAYS: &str =
+    "arrays other than `tag` of points, `region`, `attribute` and `marker` of cells are not read";
+
 /// The arrays of a piece that are read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Wanted {
@@ -43,6 +47,7 @@ enum Wanted {
     Tags,
     Regions,
     Markers,
+    Attributes,
 }
 
 /// A piece of a grid as the file tells it, before it is checked.
@@ -59,6 +64,7 @@ pub(crate) struct Piece {
     pub(crate) tags: Option<Vec<i64>>,
     pub(crate) regions: Option<Vec<i64>>,
     pub(crate) markers: Option<Vec<i64>>,
+    pub(crate) attributes: Option<Vec<f64>>,
 }
 
 /// The values of an array of a piece.
@@ -71,6 +77,7 @@ impl Piece {
     fn list(&mut self, wanted: Wanted) -> List<'_> {
         List::Integers(match wanted {
             Wanted::Points => return List::Floats(&mut self.coordinates),
+            Wanted::Attributes => return List::Floats(self.attributes.get_or_insert_default()),
             Wanted::Connectivity => &mut self.connectivity,
             Wanted::Offsets => &mut self.offsets,
             Wanted::Types => &mut self.types,
@@ -169,8 +176,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     }
     let mut notes = Vec::new();
     if state.other_arrays {
-        let text = "arrays other than `tag` of points, `region` and `marker` of cells are not read";
-        notes.push(text.into());
+        notes.push(OTHER_ARRAYS.into());
     }
     let grid = state.grid;
     if grid.other_cells {
@@ -238,6 +244,13 @@ fn is_whole(element: &BytesStart<'_>) -> Result<bool, Reason> {
     Ok(kind.starts_with("Int") || kind.starts_with("UInt"))
 }
 
+/// Does an array hold a number for each point or cell?
+fn is_single(element: &BytesStart<'_>) -> Result<bool, Reason> {
+    let components = attribute(element, "NumberOfComponents")?;
+    let kind = attribute(element, "type")?.unwrap_or_default();
+    Ok(components.is_none_or(|number| number == "1") && kind.starts_with("Float"))
+}
+
 fn count_attribute(element: &BytesStart<'_>, name: &str) -> Result<u64, Reason> {
     match attribute(element, name)? {
         Some(value) => count(value.as_bytes()),
@@ -279,6 +292,7 @@ impl State<'_> {
                     ("PointData", "tag") => Wanted::Tags,
                     ("CellData", "region") => Wanted::Regions,
                     ("CellData", "marker") if is_whole(element)? => Wanted::Markers,
+                    ("CellData", "attribute") if is_single(element)? => Wanted::Attributes,
                     _ => {
                         self.other_arrays = true;
                         self.open.push(name.to_owned());
@@ -309,6 +323,7 @@ impl State<'_> {
             Wanted::Tags => piece.tags.replace(Vec::new()).is_none(),
             Wanted::Regions => piece.regions.replace(Vec::new()).is_none(),
             Wanted::Markers => piece.markers.replace(Vec::new()).is_none(),
+            Wanted::Attributes => piece.attributes.replace(Vec::new()).is_none(),
         };
         if !fresh {
             return Err(Reason::Syntax("the same array twice in a piece".into()));

@@ -224,7 +224,8 @@ fn data<'a>(
         let marker = move |i: usize| if i < tets { 0 } else { faces[i - tets].marker };
         arrays.push(integers(section, "marker", cells, Box::new(marker)));
     }
-    for (name, values) in values {
+    let attributes = mesh.tet_attributes.iter().map(|values| ("attribute", values));
+    for (name, values) in attributes.chain(values.iter().map(|(name, values)| (*name, values))) {
         let row: Row<'a> = Box::new(move |i, row| {
             let value = values[owner(i)];
             if ascii {

@@ -34,7 +34,7 @@ pub(crate) fn meshes() -> impl Strategy<Value = TetMesh> {
                     tets,
                     point_tags,
                     tet_tags,
-                    faces: Vec::new(),
+                    ..TetMesh::default()
                 },
             )
         })
