@@ -93,13 +93,16 @@ fn outputs_that_cannot_be_written() {
     for args in [&["delaunay", "a.npy", "-o", "b.vtu"][..], &["check", "missing.vtu"]] {
         let run = ltbw(dir.path(), &[args, &["--json", "no/x.json"]].concat());
         assert_eq!(run.code, 6, "{}", run.stderr);
-        let why = "no/x.json: cannot write: No such file or directory (os error 2)";
+        let why = "no/x.json: cannot write: the folder no is missing";
         assert_eq!(run.stderr, format!("ltbw: {why}\n"));
     }
     let run = ltbw(dir.path(), &["convert", "a.npy", "no/a.xyz"]);
     assert_eq!(run.code, 6, "{}", run.stderr);
     let run = ltbw(dir.path(), &["generate", "grid", "8", "-o", "no/a.xyz"]);
     assert_eq!(run.code, 6, "{}", run.stderr);
+    let run = ltbw(dir.path(), &["man", "no/dir"]);
+    let why = "no/dir/ltbw.1: cannot write: the folder no/dir is missing";
+    assert_eq!((run.code, run.error()), (6, why));
     assert_eq!(names(dir.path()), ["a.npy", "dir.vtu"]);
 }
 
@@ -156,7 +159,7 @@ fn a_full_disk_leaves_the_old_file() {
 fn bad_usage_is_one_line_and_exit_2() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join("a.xyz"), "0 0 0\n").unwrap();
-    let cases: [(&[&str], &str); 12] = [
+    let cases: [(&[&str], &str); 14] = [
         (&["delaunay"], "the following required arguments were not provided: <POINTS>"),
         (&["delaunay", "a.xyz", "--frobnicate"], "unexpected argument '--frobnicate'"),
         (&["delaunay", "a.xyz", "--threads", "0"], "invalid value '0'"),
@@ -169,6 +172,8 @@ fn bad_usage_is_one_line_and_exit_2() {
         (&["generate", "uniform", "268435457", "-o", "b.xyz"], "invalid value '268435457'"),
         (&["convert", "a.xyz", "b.vtu"], "a.xyz: points are no mesh"),
         (&["convert", "a.xyz", "b.off"], "b.off: this format is only read"),
+        (&["delaunay", "a.xyz", "-o", "x.stl"], "x.stl: this format holds a surface or points"),
+        (&["generate", "uniform", "-5", "-o", "b.xyz"], "invalid value '-5' for '[N]'"),
     ];
     for (args, start) in cases {
         let run = ltbw(dir.path(), args);

@@ -4,13 +4,16 @@
 //! and only then renamed. When anything fails before, the temporary file is removed and whatever
 //! had the final name is still there, untouched.
 
-use super::error::IoError;
+use super::error::{IoError, show};
 use super::write_error;
 use ltbw_core::CancelToken;
 use std::fs::File;
 use std::io::{BufWriter, Error, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempPath};
+
+/// Links that are followed one after the other: as many as Linux follows.
+const LINKS: usize = 40;
 
 /// A file written in full under a temporary name.
 pub(super) struct Aside {
@@ -117,9 +120,32 @@ fn target(path: &Path) -> std::io::Result<PathBuf> {
             Err(Error::new(ErrorKind::InvalidInput, "not a regular file"))
         }
         Ok(_) => std::fs::canonicalize(path),
-        Err(e) if e.kind() == ErrorKind::NotFound => Ok(path.to_owned()),
+        Err(e) if e.kind() == ErrorKind::NotFound => {
+            let target = behind_links(path)?;
+            let folder = folder(&target);
+            match std::fs::metadata(folder) {
+                Ok(_) => Ok(target),
+                Err(e) if e.kind() == ErrorKind::NotFound => {
+                    let text = format!("the folder {} is missing", show(folder));
+                    Err(Error::new(ErrorKind::NotFound, text))
+                }
+                Err(e) => Err(e),
+            }
+        }
         Err(e) => Err(e),
     }
+}
+
+/// The file that a link leads to, which need not be there.
+fn behind_links(path: &Path) -> std::io::Result<PathBuf> {
+    let mut path = path.to_owned();
+    for _ in 0..LINKS {
+        match std::fs::read_link(&path) {
+            Ok(next) => path = folder(&path).join(next),
+            Err(_) => return Ok(path),
+        }
+    }
+    Err(Error::other("too many symbolic links"))
 }
 
 /// Tells, before long work starts, what would certainly keep `path` from being written: a missing
@@ -210,6 +236,38 @@ mod tests {
         assert_eq!(std::fs::read(&real).unwrap(), b"new");
         assert!(std::fs::symlink_metadata(&link).unwrap().file_type().is_symlink());
         assert_eq!(std::fs::metadata(&real).unwrap().permissions().mode(), ordinary);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_to_what_is_not_there_yet_is_followed() {
+        use std::os::unix::fs::symlink;
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        std::fs::create_dir(at("deep")).unwrap();
+        symlink("deep/second", at("first")).unwrap();
+        symlink("../real.xyz", at("deep/second")).unwrap();
+        check(&at("first")).unwrap();
+        Aside::write(&at("first"), |out| out.write_all(b"new")).unwrap().publish().unwrap();
+        assert_eq!(std::fs::read(at("real.xyz")).unwrap(), b"new");
+        for link in ["first", "deep/second"] {
+            assert!(std::fs::symlink_metadata(at(link)).unwrap().file_type().is_symlink());
+        }
+        symlink("nowhere/a.xyz", at("broken")).unwrap();
+        symlink("round", at("round")).unwrap();
+        for (link, why) in [("broken", "/nowhere is missing"), ("round", "symbolic links")] {
+            let error = check(&at(link)).unwrap_err().to_string();
+            assert!(error.contains(why), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_folder_that_is_missing_is_named() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("missing").join("a.xyz");
+        let written = Aside::write(&path, |out| out.write_all(b"new")).err().unwrap().to_string();
+        assert!(written.ends_with("/missing is missing"), "{written}");
+        assert_eq!(check(&path).unwrap_err().to_string(), written);
     }
 
     #[test]

@@ -356,7 +356,8 @@ fn check_mesh(mesh: &TetMesh) -> Result<(), DataError> {
 
 fn wrong_kind(path: &Path, format: Format, wanted: &'static str) -> IoError {
     let holds = match (format.holds_mesh(), format.holds_points(), format.holds_domain()) {
-        (_, true, _) => "points",
+        (_, true, true) => "a surface or points",
+        (_, true, false) => "points",
         (true, ..) => "a mesh",
         _ => "a domain",
     };
