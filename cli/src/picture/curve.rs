@@ -21,8 +21,14 @@ pub(crate) fn svg(title: &str, settings: &[String], values: &[f64], beside: &[f6
     let finite = values.iter().chain(beside).copied().filter(|v| v.is_finite());
     let largest = finite.fold(0.0, f64::max);
     let largest = if largest > 0.0 { largest } else { 1.0 };
-    let rows = ticks(0.0, largest, 4);
-    let most = largest * 1.04;
+    let mut rows = ticks(0.0, largest, 4);
+    // The axis ends with a number that is told: at 1 for what is below it.
+    if let [.., before, last] = rows[..]
+        && last < largest
+    {
+        rows.push(2.0 * last - before);
+    }
+    let most = rows.last().copied().unwrap_or(largest).max(largest) * 1.04;
     let x = |k: usize| {
         let gaps = settings.len().saturating_sub(1).max(1);
         LEFT + 14.0 + k as f64 / gaps as f64 * (WIDTH - LEFT - 42.0)
@@ -79,6 +85,8 @@ mod tests {
         let picture = super::svg("speed-up", &settings, &[1.0, 1.9, 3.4], &[1.0, 2.0, 4.0]);
         assert_eq!(picture.matches("<circle").count(), 3);
         assert_eq!(picture.matches("<polyline").count(), 2);
+        let below = super::svg("LT", &settings, &[0.98, 0.9, 0.6], &[0.9, 0.8, 0.5]);
+        assert!(below.contains("text-anchor=\"end\">1</text>"), "{below}");
         for list in [&[][..], &[0.0], &[f64::NAN]] {
             let picture = super::svg("nothing", &[], list, &[]);
             assert!(!picture.contains("NaN") && !picture.contains("inf"), "{picture}");

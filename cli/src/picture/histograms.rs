@@ -58,15 +58,27 @@ fn panel(svg: &mut String, h: &Histogram) {
     for (i, &count) in h.counts.iter().enumerate() {
         let height = count as f64 / most * high;
         let (from, to) = h.bin(i);
+        // The last bar counts what is beyond the axis, too.
+        let is_open = i + 1 == h.counts.len() && h.largest.value > h.high;
+        let range = match is_open {
+            true => format!("{} and above", number(from)),
+            false => format!("{} to {}", number(from), number(to)),
+        };
+        if is_open {
+            let _ = writeln!(
+                svg,
+                "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"#555\">{range}</text>",
+                left + wide,
+                floor - height - 4.0
+            );
+        }
         let _ = writeln!(
             svg,
             "<rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{height:.2}\" \
-             fill=\"#4477aa\"><title>{} to {}: {count}</title></rect>",
+             fill=\"#4477aa\"><title>{range}: {count}</title></rect>",
             left + i as f64 * step,
             floor - height,
-            step * 0.92,
-            number(from),
-            number(to)
+            step * 0.92
         );
     }
     for value in ticks(h.low, h.high, 6) {
@@ -141,6 +153,8 @@ mod tests {
         let flat = Quality::of(&points, &[[0, 1, 2, 4]]).expect("a tetrahedron");
         let flat = svg(&flat);
         assert!(!flat.contains("NaN") && !flat.contains("inf\""), "{flat}");
+        // A bar that counts values beyond the axis tells it.
+        assert!(flat.contains("\">2.05 and above</text>") && !svg(&all).contains("and above"));
     }
 
     #[test]

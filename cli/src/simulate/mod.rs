@@ -33,7 +33,7 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     pages.clone().try_for_each(|path| file_writable(path))?;
     let written: Vec<PathBuf> = args.json.iter().chain(pages).cloned().collect();
     distinct(&written)?;
-    let name = PathBuf::from(format!("{} {}", args.points, args.kind.name()));
+    let name = PathBuf::from(format!("{} {} points", args.points, args.kind.name()));
     let points = generate(args.kind, args.points as usize, args.seed);
     let set =
         PointSet::new(points).map_err(|error| Failure::Points { path: name.clone(), error })?;

@@ -32,7 +32,8 @@ impl Run<'_> {
     pub(super) fn write(&self, path: &Path) -> Result<(), Failure> {
         let s = self.summary;
         let workers = self.args.processors;
-        let title = format!("{} on {workers} processors", self.name.display());
+        let plural = if workers == 1 { "" } else { "s" };
+        let title = format!("{} on {workers} processor{plural}", self.name.display());
         let facts = [
             ("latency tolerance LT, worst processor", format!("{:.4}", s.worst_lt())),
             ("LT, all processors", format!("{:.4}", s.lt())),
