@@ -16,16 +16,26 @@ use std::cmp::Ordering;
 pub(super) struct Bad {
     pub(super) key: u64,
     pub(super) t: TetId,
-    /// The slots of a neighbour, if that is on the way, and of one that came before `t` when it was
-    /// looked at, with the key of that one.
-    witness: (Option<TetId>, TetId, u64),
+    witness: Witness,
+}
+
+/// A tetrahedron that came before another one when that was looked at, and the neighbour on the way
+/// to it, or `t` itself, each with its entry in [`Rounds::keys`] then.
+#[derive(Clone, Copy, Debug)]
+struct Witness {
+    tets: [TetId; 2],
+    keys: [u64; 2],
 }
 
 impl Bad {
     pub(super) fn new(key: u64, t: TetId) -> Self {
-        Self { key, t, witness: (None, t, 0) }
+        // No tetrahedron is before itself.
+        Self { key, t, witness: Witness { tets: [t; 2], keys: [key, 0] } }
     }
 }
+
+/// Entries of [`Rounds::keys`] from here on are keys.
+pub(super) const LEAST_KEY: u64 = 1 << 48;
 
 /// A tetrahedron that comes before all those around it.
 #[derive(Clone, Copy, Debug)]
@@ -67,11 +77,14 @@ impl Rounds<'_, '_> {
             if self.keys[own.t as usize] != own.key {
                 return false;
             }
-            if !self.is_barred(own) {
-                match self.one_before(own.t) {
-                    Some((way, other)) => own.witness = (way, other, self.keys[other as usize]),
-                    None => foremost.push(self.foremost_at(own.t, own.key)),
-                }
+            let Witness { tets, keys } = own.witness;
+            // Slots with the same entries have the same tetrahedra, which are where they were.
+            if keys[1] != 0 && tets.map(|t| self.keys[t as usize]) == keys {
+                return true;
+            }
+            match self.witness_of(own.t, own.key) {
+                Some(witness) => own.witness = witness,
+                None => foremost.push(self.foremost_at(own.t, own.key)),
             }
             true
         });
@@ -79,36 +92,45 @@ impl Rounds<'_, '_> {
         self.find_leaders();
     }
 
-    /// Is the one that came before this tetrahedron still there, and near it?
-    fn is_barred(&self, own: &Bad) -> bool {
-        let (way, other, key) = own.witness;
-        // A key names its tetrahedron: one that was a neighbour still is. One beyond a neighbour is
-        // near as long as a tetrahedron in that slot has both beside it, be it another one.
-        let is_beside = |way: TetId, t: TetId| self.neighbours(t).contains(&way);
-        key != 0
-            && self.keys[other as usize] == key
-            && way.is_none_or(|way| is_beside(way, own.t) && is_beside(way, other))
+    /// Looks around the tetrahedra over their bounds from number `first` on, which are new and in
+    /// the cache: what is before one of them now may be so when the round has ended.
+    pub(super) fn find_witnesses(&mut self, first: usize) {
+        for k in first..self.bad.len() {
+            let Bad { key, t, .. } = self.bad[k];
+            if let Some(witness) = self.witness_of(t, key) {
+                self.bad[k].witness = witness;
+            }
+        }
     }
 
-    /// A tetrahedron around `t` that comes before it, and the neighbour that is on the way to it.
-    fn one_before(&self, t: TetId) -> Option<(Option<TetId>, TetId)> {
+    /// A tetrahedron around `t`, which has this key, that comes before it.
+    fn witness_of(&self, t: TetId, key: u64) -> Option<Witness> {
+        let tets = self.one_before(t, key)?;
+        Some(Witness { tets, keys: tets.map(|t| self.keys[t as usize]) })
+    }
+
+    /// The neighbour on the way, or `t`, and a tetrahedron around `t`, which has this key, that
+    /// comes before it.
+    fn one_before(&self, t: TetId, key: u64) -> Option<[TetId; 2]> {
         let neighbours = self.neighbours(t);
-        let beside = neighbours.into_iter().find(|&other| self.is_before(other, t));
+        let beside = neighbours.into_iter().find(|&other| self.is_before(other, t, key));
         let beyond = |way: TetId| {
             let mut all = self.neighbours(way).into_iter();
-            all.find(|&other| self.is_before(other, t)).map(|other| (Some(way), other))
+            all.find(|&other| self.is_before(other, t, key)).map(|other| [way, other])
         };
-        beside.map(|other| (None, other)).or_else(|| neighbours.into_iter().find_map(beyond))
+        let beside = beside.map(|other| [t, other]);
+        beside.or_else(|| neighbours.into_iter().find_map(beyond))
     }
 
     fn neighbours(&self, t: TetId) -> [TetId; 4] {
         self.own.state.mesh.topology().at(t).neighbours().map(tet_of)
     }
 
-    /// Is one tetrahedron over its bounds, and comes before another one?
-    fn is_before(&self, one: TetId, other: TetId) -> bool {
-        let [a, b] = [one, other].map(|t| self.keys[t as usize]);
-        a > b || a == b && one != other && self.place(one) < self.place(other)
+    /// Is one tetrahedron over its bounds, and comes before `other`, which has this key?
+    #[inline(always)]
+    fn is_before(&self, one: TetId, other: TetId, key: u64) -> bool {
+        let own = self.keys[one as usize];
+        own > key || own == key && one != other && self.place(one) < self.place(other)
     }
 
     pub(super) fn foremost_at(&self, t: TetId, key: u64) -> Foremost {
@@ -153,11 +175,13 @@ impl Rounds<'_, '_> {
     pub(super) fn ranks(&self) -> (Vec<u32>, Vec<u32>) {
         let leader = |&k: &u32| &self.foremost[self.leaders[k as usize] as usize];
         let count = self.leaders.len() as u32;
-        let mut falling: Vec<u32> = (0..count).collect();
+        let mut falling: Vec<(u64, u32)> = (0..count).map(|k| (leader(&k).key, k)).collect();
         let state = &self.own.state;
-        falling.sort_unstable_by(|j, k| state.compare(leader(j), leader(k)));
+        falling.sort_unstable_by(|(a, j), (b, k)| {
+            b.cmp(a).then_with(|| state.compare(leader(j), leader(k)))
+        });
         let mut ranks = vec![0; self.leaders.len()];
-        for (rank, &k) in (0..).zip(&falling) {
+        for (rank, &(_, k)) in (0..).zip(&falling) {
             ranks[k as usize] = rank;
         }
         let corners: Vec<Point> =
@@ -172,6 +196,7 @@ impl Rounds<'_, '_> {
         all.filter(move |&(k, own)| !is_leader(k, own)).map(|(_, own)| own)
     }
 
+    #[cold]
     fn place(&self, t: TetId) -> impl Ord {
         self.own.state.place_of(Item::Tet(t, self.own.state.vertices(t)))
     }

@@ -131,8 +131,11 @@ pub(crate) struct Rounds<'r, 'a> {
     order: InsertOrder,
     /// The most points to insert.
     most: u64,
-    /// Per slot: the key of a tetrahedron over its bounds that was not refused, else 0.
+    /// Per slot: the key of a tetrahedron over its bounds that was not refused, else 0, or the
+    /// number of the look at which it was found to be none.
     keys: Vec<u64>,
+    /// The number of looks at new tetrahedra, less than any key.
+    looks: u64,
     /// The tetrahedra whose key is not 0, and others that are gone since.
     bad: Vec<foremost::Bad>,
     /// Tetrahedra among them that come before all around them.
@@ -193,6 +196,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             order,
             most,
             keys: Vec::new(),
+            looks: 0,
             bad: Vec::new(),
             foremost: Vec::new(),
             leaders: Vec::new(),

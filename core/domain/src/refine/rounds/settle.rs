@@ -1,10 +1,10 @@
 //! After the insertions: which tetrahedra are over their bounds, with which keys.
 
 use super::Rounds;
-use super::foremost::Bad;
+use super::foremost::{Bad, LEAST_KEY};
 use crate::refine::RefineError;
 use crate::refine::item::Item;
-use crate::refine::key::{key, order_key};
+use crate::refine::key::{key, order_key, sorted};
 use crate::refine::marks::{ENDS, FACES};
 use crate::refine::measure::Shape;
 use crate::refine::record::Refusal;
@@ -36,11 +36,14 @@ impl Rounds<'_, '_> {
     pub(super) fn look_at_created(&mut self) {
         self.keys.resize(self.own.state.mesh.topology().slots(), 0);
         let mut created = std::mem::take(&mut self.created);
+        self.looks += 1;
+        let first = self.bad.len();
         for t in created.drain(..) {
-            self.keys[t as usize] = 0;
+            self.keys[t as usize] = self.looks;
             self.look_at_tet(t);
         }
         self.created = created;
+        self.find_witnesses(first);
         self.batch += 1;
     }
 
@@ -80,15 +83,18 @@ impl Rounds<'_, '_> {
         if self.own.record.refused.contains_key(&Item::Tet(t, v)) {
             return;
         }
-        let mut by_place = v;
-        by_place.sort_unstable_by_key(|&v| order_key(&state.at(v)));
-        if let Some(reason) = self.own.beyond_help(t, by_place) {
-            self.own.record.refused.insert(Item::Tet(t, v), Refusal::final_for(reason));
-            return;
+        if !state.angles.is_empty() {
+            let mut by_place = v;
+            by_place.sort_unstable_by_key(|&v| order_key(&state.at(v)));
+            if let Some(reason) = self.own.beyond_help(t, by_place) {
+                self.own.record.refused.insert(Item::Tet(t, v), Refusal::final_for(reason));
+                return;
+            }
         }
-        let corners = by_place.map(|v| state.at(v));
+        let corners = sorted(v.map(|v| state.at(v)));
         let [a, b, c, d] = &corners;
         let key = key(Shape::of([a, b, c, d]).radius2(), &corners);
+        let key = key.max(LEAST_KEY);
         self.keys[t as usize] = key;
         self.bad.push(Bad::new(key, t));
     }
