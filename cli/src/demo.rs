@@ -3,7 +3,7 @@
 use crate::args::{Demo, Depth};
 use crate::bounds::Asked;
 use crate::console::{self, Stop};
-use crate::json::distinct;
+use crate::json::{distinct, is_stdout};
 use crate::mesh::{Job, mesh_domain};
 use crate::outcome::{Exit, Failure, show};
 use crate::rounds::EngineArg;
@@ -21,6 +21,10 @@ const RADIUS_EDGE: f64 = 2.0;
 /// `ltbw demo`.
 pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
     let start = Instant::now();
+    if is_stdout(&args.out) {
+        let text = "--out: stdout has no place for the page, which goes beside the mesh";
+        return Err(Failure::Usage(text.to_owned()));
+    }
     let page = args.out.with_extension("html");
     Formats::default().meshes_writable(std::slice::from_ref(&args.out))?;
     io::check_bytes_writable(&page).map_err(Failure::Write)?;

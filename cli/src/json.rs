@@ -52,6 +52,7 @@ pub(crate) fn distinct(outputs: &[PathBuf]) -> Result<(), Failure> {
     for output in outputs {
         // stdout has two names.
         let output = if is_stdout(output) { Path::new("-") } else { output };
+        let output = &behind_links(output);
         // A file that is not there yet has a folder all the same.
         let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
         let folder = folder.unwrap_or(Path::new(".")).canonicalize();
@@ -63,6 +64,17 @@ pub(crate) fn distinct(outputs: &[PathBuf]) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// The path that a symbolic link leads to, whether anything is there or not.
+fn behind_links(path: &Path) -> PathBuf {
+    let mut path = path.to_owned();
+    // A circle of links is refused where it is to be written.
+    for _ in 0..40 {
+        let Ok(next) = path.read_link() else { break };
+        path = path.parent().unwrap_or(Path::new("")).join(next);
+    }
+    path
 }
 
 /// Writes JSON to a file, or to stdout for `-`.

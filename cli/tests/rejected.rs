@@ -130,6 +130,25 @@ fn the_input_is_not_overwritten() {
     assert_eq!(names(dir.path()), ["m.ele", "m.node", "p.node"]);
 }
 
+/// Two names of one file that is not there yet are one output, too.
+#[cfg(unix)]
+#[test]
+fn links_to_one_file_are_one_output() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    assert_eq!(ltbw(dir.path(), &["generate", "uniform", "50", "-o", "p.npy"]).code, 0);
+    std::os::unix::fs::symlink("m.vtu", at("link.vtu")).unwrap();
+    for outputs in [["m.vtu", "link.vtu"], ["link.vtu", "./m.vtu"]] {
+        let run = ltbw(dir.path(), &["delaunay", "p.npy", "-o", outputs[0], "--json", outputs[1]]);
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(run.error().ends_with("two outputs would be written there"), "{}", run.stderr);
+    }
+    let run = ltbw(dir.path(), &["delaunay", "p.npy", "-o", "link.vtu", "--json", "r.json"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert_eq!(names(dir.path()), ["link.vtu", "m.vtu", "p.npy", "r.json"]);
+    assert!(std::fs::symlink_metadata(at("link.vtu")).unwrap().file_type().is_symlink());
+}
+
 /// A limit on the size of files stands in for a full disk: writing fails in the middle.
 #[cfg(unix)]
 #[test]
@@ -159,7 +178,7 @@ fn a_full_disk_leaves_the_old_file() {
 fn bad_usage_is_one_line_and_exit_2() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join("a.xyz"), "0 0 0\n").unwrap();
-    let cases: [(&[&str], &str); 14] = [
+    let cases: [(&[&str], &str); 15] = [
         (&["delaunay"], "the following required arguments were not provided: <POINTS>"),
         (&["delaunay", "a.xyz", "--frobnicate"], "unexpected argument '--frobnicate'"),
         (&["delaunay", "a.xyz", "--threads", "0"], "invalid value '0'"),
@@ -174,6 +193,7 @@ fn bad_usage_is_one_line_and_exit_2() {
         (&["convert", "a.xyz", "b.off"], "b.off: this format is only read"),
         (&["delaunay", "a.xyz", "-o", "x.stl"], "x.stl: this format holds a surface or points"),
         (&["generate", "uniform", "-5", "-o", "b.xyz"], "invalid value '-5' for '[N]'"),
+        (&["demo", "--out", "-"], "--out: stdout has no place for the page"),
     ];
     for (args, start) in cases {
         let run = ltbw(dir.path(), args);
