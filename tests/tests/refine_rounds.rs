@@ -334,9 +334,8 @@ fn judged(name: &str, domain: &Domain, oriented: bool) -> bool {
             "{name}: {patches} patches, excused {excused:?}, tetrahedra {tets:?} (rounds, queues)"
         );
         assert_eq!(patches, queues.stats.patches, "{name}");
-        // Of a turned shell with patches seven are left, with queues none.
         if queues.outcome == RefineOutcome::Met {
-            assert!(excused[0] <= if patches > 0 { 7 } else { 0 }, "{name}");
+            assert_eq!(rounds.outcome, RefineOutcome::Met, "{name}");
         }
     }
     true

@@ -160,6 +160,8 @@ pub(crate) struct Rounds<'r, 'a> {
     batch: u32,
     /// Per rank: is the candidate of this rank to be alone? Empty if none is.
     alone: Vec<bool>,
+    /// The numbers of points at which refusals at patches were forgotten.
+    retried: Vec<u64>,
     /// Slivers not yet looked at, when all else is done.
     slivers: Option<Vec<sliver::Sliver>>,
     /// Subfaces that tetrahedra were refused for in earlier rounds, and those of this one.
@@ -209,6 +211,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             count: 0,
             batch: 0,
             alone: Vec::new(),
+            retried: Vec::new(),
             slivers: None,
             blocks: Vec::new(),
             new_blocks: Vec::new(),
@@ -298,6 +301,9 @@ impl<'r, 'a> Rounds<'r, 'a> {
             _ => {
                 self.find_foremost();
                 // Of tetrahedra over their bounds one is before all others.
+                if self.foremost.is_empty() && self.retry() {
+                    self.find_foremost();
+                }
                 match self.foremost.is_empty() {
                     false => Some(Some(Class::Tets)),
                     true => self.has_slivers().then_some(Some(Class::Slivers)),

@@ -7,9 +7,13 @@ use crate::refine::item::Item;
 use crate::refine::key::{key, order_key, sorted};
 use crate::refine::marks::{ENDS, FACES};
 use crate::refine::measure::Shape;
+use crate::refine::outcome::Reason;
 use crate::refine::record::Refusal;
 use crate::refine::table::{Set, edge};
 use ltbw_core::topology::TetId;
+
+/// The most times that refusals at patches are forgotten.
+const RETRIES: usize = 4;
 
 impl Rounds<'_, '_> {
     /// Notes the slots that the last insertion, or joint step, has written.
@@ -97,6 +101,41 @@ impl Rounds<'_, '_> {
         let key = key.max(LEAST_KEY);
         self.keys[t as usize] = key;
         self.bad.push(Bad::new(key, t));
+    }
+
+    /// A second chance for what was refused at patches, when nothing else is left to do: a point
+    /// that would have torn one may fit by now. `false` if there is none, or nothing has changed
+    /// since, or often enough.
+    pub(super) fn retry(&mut self) -> bool {
+        let points = self.own.inserted.points.total();
+        if self.retried.len() == RETRIES || self.retried.last() == Some(&points) {
+            return false;
+        }
+        let (state, record) = (&self.own.state, &mut self.own.record);
+        let is_torn = |item: &Item| match item {
+            Item::Segment(s) => state.segments.get(s).is_some_and(|&s| {
+                state.plc.segments[s as usize].facets.iter().any(|&f| state.is_patch(f))
+            }),
+            Item::Subface(s) => state.subfaces.get(s).is_some_and(|&f| state.is_patch(f)),
+            Item::Tet(..) => false,
+        };
+        let before = record.refused.len();
+        record.refused.retain(|item, own| own.reason != Reason::Rounding || !is_torn(item));
+        if record.refused.len() == before {
+            return false;
+        }
+        self.retried.push(points);
+        let mut tets = Vec::new();
+        record.refused.retain(|&item, _| match item {
+            Item::Tet(t, v) if state.is_live(t, v) => {
+                tets.push(t);
+                false
+            }
+            _ => true,
+        });
+        tets.sort_unstable();
+        tets.into_iter().for_each(|t| self.look_at_tet(t));
+        true
     }
 
     /// The tetrahedra over their bounds: those that were refused, and those not yet split.

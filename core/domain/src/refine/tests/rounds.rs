@@ -209,7 +209,7 @@ macro_rules! surface {
 /// function of the mesh, too.
 #[test]
 fn patches_within_a_tolerance_have_one_mesh_for_all_orders() {
-    use ltbw_generate::surfaces::{globe, prism, torus, turned};
+    use ltbw_generate::surfaces::{globe, prism, shell, single, torus, turned};
     let (mut patches, mut excused, mut excused_by_queues) = (0, 0, 0);
     for (name, made, volume) in [
         ("a globe", globe(16, 16, 0.0, 1), None),
@@ -220,6 +220,7 @@ fn patches_within_a_tolerance_have_one_mesh_for_all_orders() {
         ("a prism, turned", turned(&prism(12, 1e-7, 1)), None),
         ("a torus", torus(10), None),
         ("a torus, turned", turned(&torus(10)), None),
+        ("a shell, turned", single(turned(&shell(0.1))), None),
     ] {
         let ready = surface!(made);
         let tolerance = crate::refine::usual_tolerance(&ready.domain, &ready.domain);
