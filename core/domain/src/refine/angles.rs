@@ -50,6 +50,8 @@ pub(crate) struct Angles {
     /// of it.
     wedges: Map<u32, Vec<([u32; 2], f64)>>,
     of_segment: Map<u32, Reasons>,
+    /// The square of the sine of half the angle below which a bound on shapes is not met at tips.
+    tips_below: f64,
 }
 
 /// Adds a reason that is not there yet.
@@ -196,6 +198,22 @@ impl Angles {
     /// Is nothing at a small angle?
     pub(crate) fn is_empty(&self) -> bool {
         self.sharp.is_empty() && self.wedges.is_empty()
+    }
+
+    /// Takes the bound on shapes that tells which tips are too sharp for it.
+    pub(crate) fn bound_tips(&mut self, bound: Option<f64>) {
+        let sine2 = bound.map_or(0.0, |b| 0.25 / (b * b));
+        self.tips_below = (1.0 - (1.0 - sine2).sqrt()) / 2.0;
+    }
+
+    /// The sine of half the least angle of segment `s` with another one at a corner, of those that
+    /// are too sharp for the bound on shapes.
+    pub(crate) fn sharpest(&self, plc: &Plc, s: u32, corner: u32) -> Option<f64> {
+        let mine = direction(plc, s, corner);
+        let others = plc.segments_at[corner as usize].iter().filter(|&&r| r != s);
+        let tips = others.filter(|&&r| self.is_tip(s, r, corner));
+        let halves = tips.map(|&r| half_sine2(&mine, &direction(plc, r, corner)));
+        halves.filter(|&half| half < self.tips_below).reduce(f64::min).map(f64::sqrt)
     }
 
     /// Are two segments at a small angle at a corner?

@@ -35,12 +35,16 @@ impl Refinement<'_> {
                 self.record.refused.remove(&first);
             }
             if self.record.waits_for(first, item) {
-                reason = Reason::Interlocked;
+                reason = self.state.reason_in_circle(item);
                 if self.bounds.is_none() || self.state.journal.is_some() {
                     continue;
                 }
                 match self.split_jointly(first, work, admission) {
                     Step::Refused(why) => {
+                        let why = match why {
+                            Reason::Interlocked => self.state.reason_in_circle(first),
+                            why => why,
+                        };
                         self.record.refused.insert(first, Refusal::final_for(why));
                         continue;
                     }

@@ -9,6 +9,7 @@
 use super::item::{Item, Queues, Work};
 use super::journal::Journal;
 use super::outcome::Reason;
+use super::record::TIP_SHARE;
 use super::split::{Refinement, Step};
 use super::state::State;
 use ltbw_core::cavity::Admission;
@@ -25,13 +26,16 @@ impl Refinement<'_> {
         work: &mut W,
         admission: &mut A,
     ) -> Step {
-        self.state.journal = Some(Journal::default());
+        let limit = self.record.limits.get(&item).filter(|_| !self.state.by_place);
+        let limit = limit.map(|limit| TIP_SHARE * limit);
+        self.state.journal = Some(Journal { limit, ..Journal::default() });
         let before = self.inserted.points;
         let mut own = Queues::default();
         own.put(item, 1.0);
         let mut failed = None;
         self.record.waits.clear();
         for _ in 0..MOST {
+            self.record.joint_transactions += 1;
             if self.state.by_place {
                 own.sort_boundary(|item| self.state.place_of(item));
             }

@@ -8,6 +8,8 @@ use ltbw_core::undo::Undo;
 /// The changes of a joint step so far.
 #[derive(Debug, Default)]
 pub(crate) struct Journal {
+    /// The shortest edge that may be made near small angles.
+    pub(crate) limit: Option<f64>,
     /// The insertions, each with the marks of its cavity.
     pub(crate) insertions: Vec<(Undo, Vec<Word>)>,
     /// Entries of the tables, each as it was before.

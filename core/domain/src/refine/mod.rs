@@ -38,6 +38,7 @@
 //! | `number` | numbers of vertices, and orders, that are functions of the mesh alone |
 //! | `output` | the mesh and its boundary as plain arrays |
 
+mod again;
 mod angles;
 mod background;
 mod bounds;

@@ -5,6 +5,10 @@ use super::item::Item;
 use super::outcome::Reason;
 use super::table::Map;
 
+/// The part of its limit down to which an edge may be made between two segments at a small angle:
+/// the points of both are as near to each other as the angle makes them.
+pub(crate) const TIP_SHARE: f64 = 0.5;
+
 /// Why an item was refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Refusal {
@@ -33,6 +37,8 @@ pub(crate) struct Record {
     pub(crate) limits: Map<Item, f64>,
     /// Boundary items that wait for another one, since the last insertion.
     pub(crate) waits: Map<Item, Item>,
+    /// The transactions of joint steps so far.
+    pub(crate) joint_transactions: usize,
 }
 
 impl Record {

@@ -204,6 +204,7 @@ impl<'a> Refiner<'a> {
         match self.engine {
             Engine::Queues => {
                 run.refine(usize::MAX)?;
+                run.refine_again()?;
                 // A sizing field may ask for more afterwards.
                 if run.stop.is_none() {
                     run.refinement.split_slivers(run.most, &mut run.work, &mut Open);
@@ -310,6 +311,7 @@ impl<'a> Refiner<'a> {
                 Some(all) => regions = all,
                 None => return Ok(Err(all)),
             }
+            state.angles.bound_tips(self.radius_edge);
             run.refinement.bounds = Some(self.bounds(&regions, lattice));
             run.put_all();
         }

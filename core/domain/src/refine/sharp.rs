@@ -9,16 +9,23 @@
 //! segment, and points on the facets leave a thinner collar of tetrahedra with vertices on the two
 //! facets alone.
 //!
+//! Two subsegments that leave a corner at a small angle, long beside their distance, displace each
+//! other: they are split together. Where they make a tip, no subsegment is cut at all if the side
+//! of the tip would then be shorter than the limit allows: if one were, the others could not
+//! follow, and what lies between them would be worse than the tip was.
+//!
 //! Such a tetrahedron that is over its bound of shape only is excused at once, with the corner or
 //! segment for a reason. Before, it was split for some levels, each of which left as many excused.
 
 use super::carrier::{Carrier, distance2};
+use super::item::Item;
 use super::measure::circumcircle;
 use super::outcome::Reason;
 use super::split::Refinement;
 use super::state::State;
 use super::table::edge;
 use ltbw_core::topology::{TetId, VertexId};
+use ltbw_exact::Point;
 
 /// The vertices of a tetrahedron but for one.
 const REST: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
@@ -38,6 +45,37 @@ impl Refinement<'_> {
 }
 
 impl State {
+    /// The side of the tip that a point of a subsegment makes at a corner with a tip too sharp for
+    /// the bound on shapes, if all segments are cut there at its distance from the corner.
+    pub(crate) fn tip_side(&self, ends: [VertexId; 2], p: &Point) -> Option<f64> {
+        let s = *self.segments.get(&ends)?;
+        let side = |end: VertexId| {
+            let Carrier::Corner(corner) = self.carriers[end as usize] else { return None };
+            let half = self.angles.sharpest(&self.plc, s, corner)?;
+            Some(2.0 * half * distance2(&self.at(end), p).sqrt())
+        };
+        ends.into_iter().filter_map(side).reduce(f64::min)
+    }
+
+    /// May a point of `item` take `other` out of the mesh, although they are related for this
+    /// reason? Two subsegments at a corner may be split together.
+    pub(crate) fn go_together(&self, item: Item, other: Item, reason: Reason) -> bool {
+        let (Item::Segment(_), Item::Segment(_)) = (item, other) else { return false };
+        matches!(reason, Reason::SmallFaceAngle { corner } if self.has_corner(item, corner))
+    }
+
+    /// The small angle at which a subsegment is, or that it and others displace each other.
+    pub(crate) fn reason_in_circle(&self, item: Item) -> Reason {
+        let has = |corner: u32| self.has_corner(item, corner);
+        let reason = match item {
+            Item::Segment(s) => {
+                self.segments.get(&s).and_then(|&s| self.angles.reason_on_segment(s, &has))
+            }
+            _ => None,
+        };
+        reason.unwrap_or(Reason::Interlocked)
+    }
+
     /// The corner at which a tetrahedron is on a tip for this bound on its shape.
     fn tip(&self, v: [VertexId; 4], bound: f64) -> Option<Reason> {
         (0..4).find_map(|k| {

@@ -5,11 +5,15 @@ use super::facet::{Change, Seed};
 use super::item::Item;
 use super::marks::face_bit;
 use super::outcome::Reason;
-use super::record::Record;
+use super::record::{Record, TIP_SHARE};
 use super::state::{FACE, Place, State};
 use super::table::triangle;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
+
+/// Joint steps at small angles are begun while there were no more transactions in joint steps than
+/// this number for each vertex; a part takes up to one.
+const JOINT: usize = 4;
 
 /// The changes of the boundary that come with a point.
 #[derive(Debug, Default)]
@@ -142,7 +146,14 @@ impl Judge<'_> {
     /// Would the point make an edge shorter than what `item` is limited to? The vertex nearest to a
     /// new point is always on the rim of its cavity.
     fn is_too_near(&self, item: Item, p: &Point) -> bool {
-        let Some(&limit) = self.record.limits.get(&item) else { return false };
+        let joint = self.state.journal.as_ref().and_then(|journal| journal.limit);
+        let Some(limit) = self.record.limits.get(&item).copied().or(joint) else { return false };
+        if let Item::Segment(ends) = item
+            && !self.state.by_place
+            && self.state.tip_side(ends, p).is_some_and(|side| side < TIP_SHARE * limit)
+        {
+            return true;
+        }
         let mut rim = self.state.mesh.cavity().faces().flatten();
         rim.any(|v| v != INFINITE && distance2(&self.state.at(v), p) < limit * limit)
     }
@@ -152,14 +163,21 @@ impl Judge<'_> {
     ///
     /// Afterwards the boundary is complete, and stays so: what would be lost is split first, or,
     /// where that would take this item out of the mesh, with it. If it may not be split, or is at a
-    /// small angle with the point's own carrier, the point is refused.
+    /// small angle with the point's own carrier, the point is refused, but for two subsegments at
+    /// one corner.
     fn spare(&self, item: Item, place: &Place, filling: Filling) -> Verdict {
         let lost = &filling.lost;
         if lost.is_empty() || self.recovers {
             return Verdict::Fill(filling);
         }
-        let related = lost.iter().find_map(|&other| self.state.relation(place.carrier, other));
-        if let Some(reason) = related {
+        let related = |&other: &Item| {
+            let reason = self.state.relation(place.carrier, other)?;
+            let spent = self.record.joint_transactions;
+            let may = !self.state.by_place && spent <= JOINT * self.state.mesh.num_vertices();
+            let together = may && self.state.go_together(item, other, reason);
+            (!together).then_some(reason)
+        };
+        if let Some(reason) = lost.iter().find_map(related) {
             return Verdict::Refuse(reason);
         }
         if self.state.journal.is_some() {

@@ -110,8 +110,9 @@ fn small_angles_have_one_mesh_for_all_orders() {
         excused += refined.excuses.len();
         excused_by_queues += queues.excuses.len();
     }
-    // 74 and 71.
-    assert!(excused > 0 && excused <= excused_by_queues * 11 / 10, "{excused}");
+    // Rounds split no subsegments at one corner together, and ask nothing again: 74.
+    assert!(excused > 0 && excused <= 78, "{excused}");
+    assert!(excused_by_queues <= excused, "{excused_by_queues}");
 }
 
 #[test]

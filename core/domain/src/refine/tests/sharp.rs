@@ -4,7 +4,7 @@ use super::{ready, refine};
 use crate::refine::{Reason, RefineOutcome, Refined, Refiner};
 use crate::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw_core::invariants::check_all;
-use ltbw_generate::{DomainKind, Shape};
+use ltbw_generate::{DomainKind, Shape, surfaces};
 
 fn wedge(angle: f64) -> Prepared {
     ready(DomainKind::Wedge, &Shape { angle: Some(angle), ..Shape::default() })
@@ -91,6 +91,34 @@ fn needles_are_refined_far_from_their_tips() {
     let refined = refine(&Refiner::new(), &cone(24, 1.0, 4, 0.02));
     check_all(refined.mesh()).expect("invariants of the mesh");
     assert!(refined.excuses.len() <= 48, "{}", refined.excuses.len());
+}
+
+/// Where one needle was cut its neighbours could not follow: 288 tetrahedra were excused.
+#[test]
+fn needles_are_cut_alike_or_not_at_all() {
+    let refined = refine(&Refiner::new(), &cone(48, 2.0, 1, 0.05));
+    check_all(refined.mesh()).expect("invariants of the mesh");
+    assert!(refined.excuses.len() <= 230, "{}", refined.excuses.len());
+    let apex = |r| matches!(r, Reason::SmallFaceAngle { corner: 0 });
+    assert!(refined.excuses.iter().all(|e| apex(e.reason)));
+}
+
+/// Subsegments at one corner displaced each other, and refused each other for it, and with them all
+/// that waited for them: 170 and 244 tetrahedra were excused.
+#[test]
+fn subsegments_at_a_small_angle_are_split_together() {
+    for (corners, noise, seed, most) in [(12, 1e-6, 1, 110), (16, 1e-2, 2, 170)] {
+        // The generator was built on another instance of this crate, whose types are not these.
+        let made = surfaces::prism(corners, noise, seed);
+        let mut domain = Domain { vertices: made.vertices, ..Domain::default() };
+        domain.facets.extend(made.facets.iter().map(|f| Facet::polygon(&f.polygons[0], 0)));
+        let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+        let refined = refine(&Refiner::new(), &ready);
+        check_all(refined.mesh()).expect("invariants of the mesh");
+        assert!(refined.excuses.len() <= most, "{corners}: {}", refined.excuses.len());
+        let is_named = |r: Reason| r.is_corner() || r.is_segment();
+        assert!(refined.excuses.iter().all(|e| is_named(e.reason)), "{corners}");
+    }
 }
 
 /// A wedge is excused as a whole, so that the volumes by corner and segment are that of the wedge.
