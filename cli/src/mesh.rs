@@ -405,6 +405,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
         },
         "repairs": repairs_json(ready),
         "flat_tolerance": stats.flat_tolerance,
+        "patches_folded": stats.patches_folded,
         "patches_given_up": stats.patches_given_up,
         "patches": stats.patches,
         "recover_seconds": stats.recover_seconds,

@@ -211,6 +211,12 @@ pub(crate) fn print_patches(asked: f64, stats: &RefineStats) {
     if count > 0 {
         console::people(&format!("patches   {count} of facets coplanar within {tolerance:e}"));
     }
+    if stats.patches_folded > 0 {
+        let folded = stats.patches_folded;
+        console::people(&format!(
+            "note: {folded} patches end where they would fold over themselves"
+        ));
+    }
     if stats.patches_given_up > 0 {
         let given_up = stats.patches_given_up;
         console::people(&format!(

@@ -91,8 +91,9 @@ impl Tolerance {
     }
 }
 
-/// The patches of the facets of a domain with these corners, within a tolerance in steps.
-pub(crate) fn patches(corners: &[Grid], domain: &Domain, tolerance: f64) -> Vec<Group> {
+/// The patches of the facets of a domain with these corners, within a tolerance in steps, and the
+/// number of times that one ends where it would fold over itself.
+pub(crate) fn patches(corners: &[Grid], domain: &Domain, tolerance: f64) -> (Vec<Group>, usize) {
     let (polygons, uses) = polygons_of(corners, domain);
     let tolerance = Tolerance::new(tolerance);
     let open = open_facets(domain, &uses);
@@ -103,7 +104,7 @@ pub(crate) fn patches(corners: &[Grid], domain: &Domain, tolerance: f64) -> Vec<
         at.sort_unstable();
         (-dot(&polygons[k].normal, &polygons[k].normal), at)
     });
-    let mut groups = Vec::new();
+    let (mut groups, mut folds) = (Vec::new(), 0);
     for first in order {
         if !free[first] {
             continue;
@@ -119,6 +120,7 @@ pub(crate) fn patches(corners: &[Grid], domain: &Domain, tolerance: f64) -> Vec<
             }
             (base, list) = (next, larger);
         }
+        folds += usize::from(search.folds(&list, &base, &tolerance));
         free[first] = false;
         let first = Base::of(&polygons[first], corners);
         for &(k, _) in &list {
@@ -130,7 +132,7 @@ pub(crate) fn patches(corners: &[Grid], domain: &Domain, tolerance: f64) -> Vec<
             groups.push(Group { polygons, axis: base.axis });
         }
     }
-    groups
+    (groups, folds)
 }
 
 /// The plane of a patch.
@@ -199,24 +201,41 @@ impl Search<'_> {
         // Breadth first; each polygon enters once.
         while let Some((k, polygon)) = list.get(next).cloned() {
             next += 1;
-            let ring = &polygon.corners;
-            for (i, &a) in ring.iter().enumerate() {
-                let b = ring[(i + 1) % ring.len()];
-                let across = across(self.uses, self.domain, [a, b], k);
-                let Some(other) = across.filter(|o| self.free[*o] && !seen.contains(o)) else {
-                    continue;
-                };
-                let mut joined = self.polygons[other].clone();
-                if joined.runs(a, b) {
-                    joined.turn();
-                }
-                if joined.fits(base, self.corners, tolerance) {
+            for (other, joined) in self.beside(k, &polygon) {
+                if !seen.contains(&other) && joined.fits(base, self.corners, tolerance) {
                     seen.insert(other);
                     list.push((other, joined));
                 }
             }
         }
         list
+    }
+
+    /// The free polygons across the edges of a polygon, turned as it is.
+    fn beside<'a>(
+        &'a self,
+        k: usize,
+        polygon: &'a Polygon,
+    ) -> impl Iterator<Item = (usize, Polygon)> + 'a {
+        let ring = &polygon.corners;
+        ring.iter().enumerate().filter_map(move |(i, &a)| {
+            let b = ring[(i + 1) % ring.len()];
+            let other = across(self.uses, self.domain, [a, b], k).filter(|o| self.free[*o])?;
+            let mut joined = self.polygons[other].clone();
+            if joined.runs(a, b) {
+                joined.turn();
+            }
+            Some((other, joined))
+        })
+    }
+
+    /// Does the patch end at a free polygon within the tolerance that would fold over it?
+    fn folds(&self, list: &[(usize, Polygon)], base: &Base, tolerance: &Tolerance) -> bool {
+        let inside: Set<usize> = list.iter().map(|(k, _)| *k).collect();
+        let mut ends = list.iter().flat_map(|(k, polygon)| self.beside(*k, polygon));
+        ends.any(|(other, joined)| {
+            !inside.contains(&other) && joined.is_within(base, self.corners, tolerance)
+        })
     }
 }
 
@@ -323,11 +342,16 @@ impl Polygon {
 
     /// Does it belong to the patch of `base`?
     fn fits(&self, base: &Base, corners: &[Grid], tolerance: &Tolerance) -> bool {
+        self.normal[base.axis] > 0
+            && self.is_within(base, corners, tolerance)
+            && (self.is_near(&base.normal) || self.is_needle(corners, tolerance))
+    }
+
+    /// Are its corners within the tolerance of a plane?
+    fn is_within(&self, base: &Base, corners: &[Grid], tolerance: &Tolerance) -> bool {
         let square = dot(&base.normal, &base.normal);
         let height = |v: u32| base.height(&corners[v as usize]);
-        self.normal[base.axis] > 0
-            && self.corners.iter().all(|&v| tolerance.holds(height(v), square))
-            && (self.is_near(&base.normal) || self.is_needle(corners, tolerance))
+        self.corners.iter().all(|&v| tolerance.holds(height(v), square))
     }
 
     /// Is the normal within 60° of another one?

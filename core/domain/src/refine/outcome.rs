@@ -129,6 +129,9 @@ pub struct RefineStats {
     pub flat_tolerance: f64,
     /// Sets of facets that are coplanar within it, but not exactly.
     pub patches: usize,
+    /// Places where such a set ends although facets beyond are coplanar with it, since it would
+    /// fold over itself in its projection.
+    pub patches_folded: usize,
     /// Such sets that could not be brought into the mesh, so that all facets are what they are.
     pub patches_given_up: usize,
     /// Seconds for the first mesh and the recovery of the boundary.

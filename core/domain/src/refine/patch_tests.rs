@@ -5,9 +5,10 @@ use super::item::Work;
 use super::marks::face_bit;
 use super::measure::Shape;
 use super::patch::{flat, turn};
+use super::plc::Plc;
 use super::split::Step;
 use super::state::{FACE, State};
-use super::table::{Map, sides as sides_of, triangle};
+use super::table::{Map, Set, sides as sides_of, triangle};
 use super::*;
 use crate::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw_core::topology::{TetId, tet_of};
@@ -100,6 +101,37 @@ fn triangles_that_cut_off_a_vertex_of_the_outline_are_no_tiles() {
     let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
     assert_eq!((refined.stats.patches, refined.stats.patches_given_up), (2, 0));
     assert_eq!(refined.outcome, RefineOutcome::Met);
+}
+
+/// The top of a box runs back under itself and on, all within the tolerance, and its first part is
+/// bent by less than that.
+#[test]
+fn patches_end_where_they_would_fold() {
+    let profile =
+        [[0.0, 1.0], [0.6, 1.0], [0.4, 1.0 - 2e-7], [1.0, 1.0 - 4e-7], [1.0, 0.0], [0.0; 2]];
+    let at = |x: f64| profile.map(|[y, z]| [x, y, z]);
+    let mut domain = Domain { vertices: [at(0.0), at(1.0)].concat(), ..Domain::default() };
+    domain.vertices.push([0.5, 0.3, 1.0 - 5e-8]);
+    let mut add = |corners: &[u32]| domain.facets.push(Facet::polygon(corners, 0));
+    add(&[0, 1, 2, 3, 4, 5]);
+    add(&[11, 10, 9, 8, 7, 6]);
+    for k in 1..6 {
+        let l = (k + 1) % 6;
+        add(&[k, 6 + k, 6 + l, l]);
+    }
+    for [a, b] in [[0, 6], [6, 7], [7, 1], [1, 0]] {
+        add(&[a, b, 12]);
+    }
+    let options = PrepareOptions { oriented: true, ..PrepareOptions::default() };
+    let ready = domain.prepare(&options).expect("sound");
+    let found = |tolerance: f64| {
+        let plc = Plc::within(&ready.domain, &ready.lattice, tolerance, &Set::default());
+        let plc = plc.expect("a complex");
+        (plc.folds, plc.facets.iter().filter(|facet| facet.patch.is_some()).count())
+    };
+    assert_eq!(found(5e-7), (2, 1));
+    // The parts of the top are then not within it of each other.
+    assert_eq!(found(1e-7), (0, 1));
 }
 
 /// A side of a cube with a pocket whose edge is inside by the last bit of a float: a large triangle

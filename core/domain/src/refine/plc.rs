@@ -66,6 +66,8 @@ pub(crate) struct Plc {
     pub(crate) facets_at: Vec<Vec<u32>>,
     /// Per corner: the segments that end there.
     pub(crate) segments_at: Vec<Vec<u32>>,
+    /// The number of times that a patch ends where it would fold over itself.
+    pub(crate) folds: usize,
 }
 
 /// A plane as its primitive normal n and n·x.
@@ -157,8 +159,10 @@ impl Plc {
         if tolerance <= 0.0 {
             return Ok(taken);
         }
-        let groups = flat::patches(&self.corners, domain, tolerance).into_iter();
-        for group in groups.filter(|group| !without.contains(&group.polygons[0].facet)) {
+        let (groups, folds) = flat::patches(&self.corners, domain, tolerance);
+        self.folds = folds;
+        for group in groups.into_iter().filter(|group| !without.contains(&group.polygons[0].facet))
+        {
             let first = group.polygons[0].facet;
             let mut pieces = Vec::new();
             for Polygon { facet, corners, .. } in &group.polygons {

@@ -277,6 +277,8 @@ impl<'a> Refiner<'a> {
             return Ok(Err(all));
         }
         let (mesh, kernel) = plc.first_mesh(lattice)?;
+        let patches_folded = plc.folds;
+        let stats = RefineStats { patches, patches_folded, ..RefineStats::default() };
         let carriers = mesh.numbers().iter().map(|&c| Carrier::Corner(c)).collect();
         let next_number = plc.corners.len() as Vertex;
         let floor = self.floor_in_steps(domain, lattice);
@@ -285,7 +287,7 @@ impl<'a> Refiner<'a> {
             refiner: *self,
             refinement: Refinement::new(State::new(mesh, plc, carriers, near), next_number, floor),
             work: Queues::default(),
-            stats: RefineStats { flat_tolerance: tolerance, patches, ..RefineStats::default() },
+            stats: RefineStats { flat_tolerance: tolerance, ..stats },
             steps: 0,
             most: self.max_points.unwrap_or_else(|| self.default_budget(domain)),
             stop: None,
