@@ -3,8 +3,8 @@
 use ltbw::refine::{Engine, InsertOrder, RefineStats};
 use serde_json::{Value, json};
 
-/// The vertices up to which queues are used.
-const START: usize = 4096;
+/// The vertices up to which queues are used, by default.
+pub(crate) const START: usize = 4096;
 
 /// The engine that refines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -40,6 +40,7 @@ pub(crate) fn json(stats: &RefineStats) -> Value {
             "barred": stats.barred,
             "widest": stats.widest,
             "joint_phases": stats.joint_phases,
+            "threads": stats.round_threads,
             "start_seconds": stats.start_seconds,
         }),
     }

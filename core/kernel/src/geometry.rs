@@ -4,6 +4,10 @@
 //! A conflict test goes through up to four stages, each certain when it answers: the cached
 //! sphere, the semi-static filter, exact arithmetic, symbolic perturbation.
 
+mod shared;
+
+pub(crate) use shared::SharedConflict;
+
 use crate::arena::Arena;
 use crate::cavity::{Conflict, Star};
 use crate::sphere::{Frame, Maker, Query, Sphere, Verdict, simd};
@@ -205,57 +209,23 @@ impl Geometry {
         (self.step, self.step_in_work) = (0.0, 0.0);
     }
 
+    /// The predicates of the point in work.
+    #[inline(always)]
+    fn predicates(&mut self) -> Predicates<'_> {
+        let Self { points, wide, step_in_work, stats, .. } = self;
+        Predicates { points, wide: *wide, step: *step_in_work, stats }
+    }
+
     /// Sign of orient3d of vertices `a`, `b`, `c` and the point `p`, filtered and counted.
     #[inline(always)]
-    pub(crate) fn orient(&mut self, [a, b, c]: [VertexId; 3], p: &Point) -> Sign {
-        self.stats.orient3d_calls += 1;
-        let [a, b, c] = [a, b, c].map(|v| self.points.at(v));
-        let fast = if self.wide {
-            filter::orient3d_any(a, b, c, p)
-        } else {
-            filter::orient3d_lattice(a, b, c, p, self.step_in_work)
-        };
-        match fast {
-            Some(sign) => sign,
-            None => {
-                self.stats.orient3d_exact += 1;
-                exact::orient3d(a, b, c, p)
-            }
-        }
+    pub(crate) fn orient(&mut self, v: [VertexId; 3], p: &Point) -> Sign {
+        self.predicates().orient(v, p)
     }
 
     /// Is `p` inside the perturbed circumsphere of `t`? The cached sphere has not decided.
     #[inline(never)]
     fn conflict_by_points(&mut self, topology: &Topology, t: TetId, p: &Point) -> bool {
-        let [a, b, c, d] = topology.tet(t).vertices();
-        if d == INFINITE {
-            let sign = match self.orient([a, b, c], p) {
-                Sign::Zero => {
-                    let [a, b, c] = [a, b, c].map(|v| self.point(v));
-                    perturb::side_of_circle(a, b, c, p)
-                }
-                sign => sign,
-            };
-            return sign == Sign::Positive;
-        }
-        let [a, b, c, d] = [a, b, c, d].map(|v| self.points.at(v));
-        self.stats.sphere_undecided += 1;
-        let fast = if self.wide {
-            filter::insphere_any(a, b, c, d, p)
-        } else {
-            filter::insphere_lattice([a, b, c, d], p, self.step_in_work)
-        };
-        let sign = fast.unwrap_or_else(|| {
-            self.stats.insphere_exact += 1;
-            exact::insphere(a, b, c, d, p)
-        });
-        let sign = if sign == Sign::Zero {
-            self.stats.insphere_perturbed += 1;
-            perturb::perturbed_side(a, b, c, d, p)
-        } else {
-            sign
-        };
-        sign == Sign::Positive
+        self.predicates().in_conflict(topology, t, p)
     }
 
     /// Caches the spheres of the star around `p`; there are `slots` slots now.
@@ -322,6 +292,109 @@ fn lattice_step(p: &Point) -> f64 {
     step(p[0]).min(step(p[1])).min(step(p[2]))
 }
 
+/// Predicates of vertices and one point, filtered and counted.
+#[derive(Debug)]
+struct Predicates<'a> {
+    points: &'a Arena<Point>,
+    /// See [`Geometry::wide`].
+    wide: bool,
+    /// See [`Geometry::step_in_work`].
+    step: f64,
+    stats: &'a mut PredicateStats,
+}
+
+impl Predicates<'_> {
+    #[inline(always)]
+    fn orient(&mut self, [a, b, c]: [VertexId; 3], p: &Point) -> Sign {
+        self.stats.orient3d_calls += 1;
+        let [a, b, c] = [a, b, c].map(|v| self.points.at(v));
+        let fast = if self.wide {
+            filter::orient3d_any(a, b, c, p)
+        } else {
+            filter::orient3d_lattice(a, b, c, p, self.step)
+        };
+        match fast {
+            Some(sign) => sign,
+            None => {
+                self.stats.orient3d_exact += 1;
+                exact::orient3d(a, b, c, p)
+            }
+        }
+    }
+
+    /// Is `p` inside the perturbed circumsphere of `t`? The cached sphere has not decided.
+    #[inline(always)]
+    fn in_conflict(&mut self, topology: &Topology, t: TetId, p: &Point) -> bool {
+        let [a, b, c, d] = topology.tet(t).vertices();
+        if d == INFINITE {
+            let sign = match self.orient([a, b, c], p) {
+                Sign::Zero => {
+                    let [a, b, c] = [a, b, c].map(|v| self.points.at(v));
+                    perturb::side_of_circle(a, b, c, p)
+                }
+                sign => sign,
+            };
+            return sign == Sign::Positive;
+        }
+        let [a, b, c, d] = [a, b, c, d].map(|v| self.points.at(v));
+        self.stats.sphere_undecided += 1;
+        let fast = if self.wide {
+            filter::insphere_any(a, b, c, d, p)
+        } else {
+            filter::insphere_lattice([a, b, c, d], p, self.step)
+        };
+        let sign = fast.unwrap_or_else(|| {
+            self.stats.insphere_exact += 1;
+            exact::insphere(a, b, c, d, p)
+        });
+        let sign = if sign == Sign::Zero {
+            self.stats.insphere_perturbed += 1;
+            perturb::perturbed_side(a, b, c, d, p)
+        } else {
+            sign
+        };
+        sign == Sign::Positive
+    }
+
+    /// Which of four are in conflict for certain, of those that the mask `unknown` asks for, and
+    /// which of these are still unknown.
+    #[inline(always)]
+    fn filter(
+        &mut self,
+        topology: &Topology,
+        tets: [TetId; 4],
+        unknown: u32,
+        p: &Point,
+    ) -> (u32, u32) {
+        // Two or more: the vector filter pays.
+        if unknown & (unknown - 1) == 0 || self.wide {
+            return (0, unknown);
+        }
+        let corners = tets.map(|t| topology.tet(t).vertices());
+        let (inside, outside) = simd::filter_insphere(self.points, corners, p);
+        let open = unknown & !(inside | outside);
+        self.stats.sphere_undecided += u64::from((unknown & !open).count_ones());
+        (inside & unknown, open)
+    }
+}
+
+/// Decides what is still unknown, one after the other.
+#[inline(always)]
+fn decide_rest(
+    conflict: &mut impl Conflict,
+    topology: &Topology,
+    tets: [TetId; 4],
+    (mut conflicts, mut open): (u32, u32),
+) -> u32 {
+    while open != 0 {
+        if conflict.in_conflict(topology, tets[open.trailing_zeros() as usize & 3]) {
+            conflicts |= open & open.wrapping_neg();
+        }
+        open &= open - 1;
+    }
+    conflicts
+}
+
 /// [`Conflict`] with one point.
 #[derive(Debug)]
 pub(crate) struct PointConflict<'a> {
@@ -361,22 +434,8 @@ impl Conflict for PointConflict<'_> {
 
     #[inline(never)]
     fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
-        let (mut conflicts, mut open) = (0, unknown);
-        // Two or more: the vector filter pays.
-        if unknown & (unknown - 1) != 0 && !self.geometry.wide {
-            let corners = tets.map(|t| topology.tet(t).vertices());
-            let (inside, outside) = simd::filter_insphere(&self.geometry.points, corners, &self.p);
-            conflicts = inside & unknown;
-            open &= !(inside | outside);
-            self.geometry.stats.sphere_undecided += u64::from((unknown & !open).count_ones());
-        }
-        while open != 0 {
-            if self.in_conflict(topology, tets[open.trailing_zeros() as usize & 3]) {
-                conflicts |= open & open.wrapping_neg();
-            }
-            open &= open - 1;
-        }
-        conflicts
+        let known = self.geometry.predicates().filter(topology, tets, unknown, &self.p);
+        decide_rest(self, topology, tets, known)
     }
 
     #[cold]

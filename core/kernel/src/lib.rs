@@ -49,6 +49,8 @@ pub mod order;
 pub mod query;
 #[doc(hidden)]
 pub mod random;
+#[doc(hidden)]
+pub mod search;
 #[cfg(feature = "serde")]
 mod serialise;
 pub mod snapshot;

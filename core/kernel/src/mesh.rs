@@ -9,7 +9,7 @@ mod assembled;
 pub use assembled::Assembly;
 
 use crate::PredicateStats;
-use crate::cavity::{Admission, Cavity, Conflict, Open, Role, Setback, Star};
+use crate::cavity::{Admission, Cavity, Open, Role, Setback, Star};
 use crate::geometry::Geometry;
 use crate::hash::{HashError, MeshHash, canonical_hash};
 use crate::locate::{Found, walk};
@@ -207,11 +207,10 @@ impl Mesh {
         }
     }
 
-    /// Is a point in kernel coordinates inside the (perturbed) circumsphere of tetrahedron `t`?
+    /// Counts predicate calls that were made beside the mesh.
     #[doc(hidden)]
-    pub fn in_conflict(&mut self, t: TetId, p: &Point) -> bool {
-        let mut conflict = self.geometry.conflict_of(p);
-        conflict.surely(t) || conflict.in_conflict(&self.topology, t)
+    pub fn add_stats(&mut self, stats: PredicateStats) {
+        self.geometry.stats += stats;
     }
 
     /// Opens the cavity of a point again, as `tets` list it since an earlier [`Mesh::begin`]. The

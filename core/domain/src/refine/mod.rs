@@ -71,6 +71,7 @@ mod region;
 mod registry;
 mod rounds;
 mod run;
+mod script;
 mod seed;
 mod sharp;
 mod sliver;
@@ -100,6 +101,7 @@ pub use output::Refined;
 pub use region::RegionInfo;
 pub use rounds::{Engine, InsertOrder};
 pub use run::Refiner;
+pub use script::{Chosen, Script};
 pub use whole::MeshError;
 
 /// Why there is no mesh of a domain.

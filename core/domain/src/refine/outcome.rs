@@ -123,6 +123,8 @@ pub struct RefineStats {
     pub widest: u64,
     /// Points inserted by rounds.
     pub round_points: u64,
+    /// Threads that chose the points of the rounds; 0 without rounds.
+    pub round_threads: usize,
     /// Phases in which items that wait for each other in a circle were split jointly.
     pub joint_phases: u64,
     /// The distance within which facets were taken for coplanar: as asked for, or 0.

@@ -1,7 +1,10 @@
 //! The driver: recover the boundary, find the regions, split what is over its bounds.
 
+mod budget;
+mod scripted;
+
 use super::RefineError;
-use super::bounds::{Bounds, SizeField, check_limits, check_tolerance, regular_volume};
+use super::bounds::{Bounds, SizeField, check_limits, check_tolerance};
 use super::carrier::{Carrier, UNIT};
 use super::item::{Item, Queues, Work};
 use super::measure::{RatioBound, VolumeBound};
@@ -12,6 +15,7 @@ use super::plc::Plc;
 use super::record::Refusal;
 use super::region::RegionInfo;
 use super::rounds::{Engine, InsertOrder, Rounds};
+use super::script::Script;
 use super::split::{Refinement, Step};
 use super::state::State;
 use super::table::Set;
@@ -21,26 +25,13 @@ use ltbw_core::build::{Observer, Phase, Progress};
 use ltbw_core::cavity::Open;
 use ltbw_core::mesh::Vertex;
 use ltbw_core::topology::TetId;
-use ltbw_exact::Point;
 use std::time::Instant;
 
 /// Transactions between two looks at the cancel token and the observer.
 const CHECK_EVERY: u64 = 1024;
 
-/// Default floor of edge lengths: this part of the box.
-const FLOOR: f64 = 1.0 / (1 << 20) as f64;
-
 /// Features nearer to each other than this many floors are not refined towards each other.
 const NEAR: f64 = 16.0;
-
-/// Default limit on inserted points: this number, [`STEINER_PER_CORNER`] for each corner, and
-/// [`STEINER_PER_VOLUME`] for each tetrahedron of the largest allowed volume that the box could
-/// hold.
-const STEINER_BASE: u64 = 1_000_000;
-/// See [`STEINER_BASE`].
-const STEINER_PER_CORNER: u64 = 64;
-/// See [`STEINER_BASE`].
-const STEINER_PER_VOLUME: f64 = 4.0;
 
 /// Refines domains.
 ///
@@ -198,7 +189,18 @@ impl<'a> Refiner<'a> {
     /// # Errors
     /// [`RefineError`] says why there is no mesh of the domain.
     pub fn refine(&self, domain: &Domain, lattice: &Lattice) -> Result<Refined, RefineError> {
+        Ok(self.refined(domain, lattice, None)?.0)
+    }
+
+    /// The same; a script is filled with what the rounds insert.
+    pub(super) fn refined(
+        &self,
+        domain: &Domain,
+        lattice: &Lattice,
+        script: Option<Script>,
+    ) -> Result<(Refined, Option<Script>), RefineError> {
         let (mut run, regions) = self.recovered(domain, lattice)?;
+        run.refinement.script = script;
         let clock = Instant::now();
         run.refinement.seed(run.most, &mut run.work, &mut Open);
         match self.engine {
@@ -217,7 +219,8 @@ impl<'a> Refiner<'a> {
             }
         }
         run.stats.refine_seconds = clock.elapsed().as_secs_f64();
-        Ok(run.finish(regions, *lattice))
+        let script = run.refinement.script.take();
+        Ok((run.finish(regions, *lattice), script))
     }
 
     /// Tells the observer how many vertices there are.
@@ -318,29 +321,6 @@ impl<'a> Refiner<'a> {
             run.put_all();
         }
         Ok(Ok((run, regions)))
-    }
-
-    fn floor_in_steps(&self, domain: &Domain, lattice: &Lattice) -> f64 {
-        let length = self.floor.unwrap_or_else(|| {
-            let (low, high) = domain.bounds().unwrap_or(([0.0; 3], [1.0; 3]));
-            (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max) * FLOOR
-        });
-        length / lattice.fine_step()
-    }
-
-    fn default_budget(&self, domain: &Domain) -> u64 {
-        let (low, high) = domain.bounds().unwrap_or(([0.0; 3], [1.0; 3]));
-        let volume: f64 = (0..3).map(|k| high[k] - low[k]).product();
-        let regions = domain.regions.iter().filter_map(|r| r.max_volume);
-        // A sizing field is looked at where the domain has vertices: nothing else is known about
-        // it.
-        let field = |p: &Point| self.field.map(|field| regular_volume(field(*p)));
-        let fields = domain.vertices.iter().filter_map(field).filter(|&v| v > 0.0);
-        let least = regions.chain(self.max_volume).chain(fields).fold(f64::INFINITY, f64::min);
-        // A conversion of floats saturates.
-        let by_volume = (STEINER_PER_VOLUME * volume / least) as u64;
-        let by_corners = STEINER_PER_CORNER * domain.vertices.len() as u64;
-        by_volume.saturating_add(by_corners).saturating_add(STEINER_BASE)
     }
 
     fn bounds(&self, regions: &[RegionInfo], lattice: &Lattice) -> Bounds<'a> {

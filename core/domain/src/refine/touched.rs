@@ -22,7 +22,12 @@ const ACROSS: [[usize; 2]; 6] = [[2, 3], [3, 1], [1, 2], [0, 3], [2, 0], [0, 1]]
 impl State {
     /// The items that the point of the open cavity encroaches.
     pub(crate) fn hits(&self) -> Vec<Item> {
-        let mut hits = self.touched.hits();
+        self.hits_in(&self.touched)
+    }
+
+    /// The items that a point encroaches, of the boundary in its cavity.
+    pub(crate) fn hits_in(&self, touched: &Touched) -> Vec<Item> {
+        let mut hits = touched.hits();
         if self.by_place {
             self.sort(&mut hits);
         }
@@ -33,18 +38,32 @@ impl State {
     /// and what `p` encroaches, by the closure and the registry.
     pub(crate) fn touch(&mut self, p: &Point, carrier: Carrier) {
         let mut touched = std::mem::take(&mut self.touched);
+        let topology = self.mesh.topology();
+        let is_open = |t: TetId| topology.at(t).is_marked();
+        self.look_into((self.mesh.cavity().tets(), &is_open), p, carrier, &mut touched);
+        self.touched = touched;
+    }
+
+    /// The same in a cavity that need not be open: its tetrahedra, and whether it has one.
+    pub(crate) fn look_into(
+        &self,
+        (tets, has): (impl Iterator<Item = TetId>, &impl Fn(TetId) -> bool),
+        p: &Point,
+        carrier: Carrier,
+        touched: &mut Touched,
+    ) {
         touched.clear();
-        for t in self.mesh.cavity().tets() {
+        for t in tets {
             let word = self.marks.of(t);
             touched.is_marked |= word & (EDGES | FACES) != 0;
             if word & EDGES != 0 {
-                self.touch_edges(t, word, &mut touched);
+                self.touch_edges(t, word, has, touched);
             }
             if word & FACES != 0 {
-                self.touch_faces(t, word, p, carrier, &mut touched);
+                self.touch_faces((t, word), has, p, carrier, touched);
             }
         }
-        let Touched { rim, inner_edges, hit_segments, .. } = &mut touched;
+        let Touched { rim, inner_edges, hit_segments, .. } = touched;
         inner_edges.sort_unstable();
         let is_hit = |s: &&[VertexId; 2]| {
             let has = |corner: u32| self.has_corner(Item::Segment(**s), corner);
@@ -55,15 +74,20 @@ impl State {
         hit_segments.extend(rim.iter().chain(&*inner_edges).filter(is_hit));
         hit_segments.sort_unstable();
         hit_segments.dedup();
-        self.touch_pending(p, carrier, &mut touched);
-        self.touched = touched;
+        self.touch_pending(p, carrier, touched);
     }
 
     /// Takes the marked edges of a tetrahedron of the cavity that it has to report.
-    fn touch_edges(&self, t: TetId, word: u32, touched: &mut Touched) {
+    fn touch_edges(
+        &self,
+        t: TetId,
+        word: u32,
+        has: &impl Fn(TetId) -> bool,
+        touched: &mut Touched,
+    ) {
         let tet = self.mesh.topology().at(t);
         let (v, n) = (tet.vertices(), tet.neighbours());
-        let inside = n.map(|face| self.mesh.topology().at(tet_of(face)).is_marked());
+        let inside = n.map(|face| has(tet_of(face)));
         for (k, [i, j]) in ENDS.into_iter().enumerate() {
             if word >> (4 + k) & 1 == 0 {
                 continue;
@@ -75,7 +99,7 @@ impl State {
             }
             if !inside[before] {
                 touched.rim.push(key);
-            } else if inside[after] && self.is_smallest_around(t, key, [before, after]) {
+            } else if inside[after] && self.is_smallest_around(t, key, [before, after], has) {
                 touched.inner_edges.push(key);
             }
         }
@@ -83,7 +107,13 @@ impl State {
 
     /// Are all tetrahedra around an edge of `t` in the cavity, and `t` the smallest? The faces of
     /// `t` at the edge are those opposite `slots`.
-    fn is_smallest_around(&self, t: TetId, key: [VertexId; 2], slots: [usize; 2]) -> bool {
+    fn is_smallest_around(
+        &self,
+        t: TetId,
+        key: [VertexId; 2],
+        slots: [usize; 2],
+        has: &impl Fn(TetId) -> bool,
+    ) -> bool {
         let topology = self.mesh.topology();
         let [before, after] = slots.map(|slot| tet_of(topology.at(t).neighbours()[slot]));
         if before < t || after < t {
@@ -96,7 +126,7 @@ impl State {
             if at == t {
                 return true;
             }
-            if at < t || !tet.is_marked() {
+            if at < t || !has(at) {
                 return false;
             }
             let (v, n) = (tet.vertices(), tet.neighbours());
@@ -108,12 +138,19 @@ impl State {
     }
 
     /// Takes the marked faces of a tetrahedron of the cavity.
-    fn touch_faces(&self, t: TetId, word: u32, p: &Point, carrier: Carrier, touched: &mut Touched) {
+    fn touch_faces(
+        &self,
+        (t, word): (TetId, u32),
+        has: &impl Fn(TetId) -> bool,
+        p: &Point,
+        carrier: Carrier,
+        touched: &mut Touched,
+    ) {
         let tet = self.mesh.topology().at(t);
         let v = tet.vertices();
         for slot in (0..4).filter(|&slot| word & face_bit(slot) != 0) {
             let other = tet_of(tet.neighbours()[slot]);
-            let inside = self.mesh.topology().at(other).is_marked();
+            let inside = has(other);
             // An inner face is met from both sides.
             if inside && other < t {
                 continue;
@@ -157,10 +194,20 @@ impl State {
     /// The boundary items that the point of the open cavity would take out of the mesh, but for
     /// those that it splits: the subsegment `split`, and what `changes` remove.
     pub(crate) fn losses(&self, split: Option<[VertexId; 2]>, changes: &[Change]) -> Vec<Item> {
+        self.losses_in(&self.touched, split, changes)
+    }
+
+    /// The same, of the boundary in any cavity.
+    pub(crate) fn losses_in(
+        &self,
+        touched: &Touched,
+        split: Option<[VertexId; 2]>,
+        changes: &[Change],
+    ) -> Vec<Item> {
         let stays = |s: &[VertexId; 3]| !changes.iter().any(|c| c.removed.contains(s));
-        let inner = self.touched.inner.iter().map(|(s, _)| *s);
+        let inner = touched.inner.iter().map(|(s, _)| *s);
         let faces = inner.filter(stays).map(Item::Subface);
-        let edges = self.touched.inner_edges.iter().filter(|e| Some(**e) != split);
+        let edges = touched.inner_edges.iter().filter(|e| Some(**e) != split);
         let mut lost: Vec<Item> = faces.chain(edges.map(|&e| Item::Segment(e))).collect();
         if self.by_place {
             self.sort(&mut lost);

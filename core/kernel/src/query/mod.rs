@@ -29,7 +29,7 @@
 //! ```
 
 mod circumcentre;
-mod set;
+pub(crate) mod set;
 mod star;
 mod target;
 mod voronoi;

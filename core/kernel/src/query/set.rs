@@ -4,7 +4,7 @@
 /// Open addressing, linear probing, at most half full. An entry is `stamp << 32 | number`; it
 /// counts only if its stamp is the current one.
 #[derive(Clone, Debug)]
-pub(super) struct Marks {
+pub(crate) struct Marks {
     table: Vec<u64>,
     stamp: u32,
     len: usize,
@@ -21,7 +21,7 @@ impl Default for Marks {
 
 impl Marks {
     /// Removes all numbers.
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.len = 0;
         if self.stamp == u32::MAX {
             self.table.fill(0);
@@ -49,13 +49,13 @@ impl Marks {
 
     /// Is `number` in the set?
     #[inline]
-    pub(super) fn contains(&self, number: u32) -> bool {
+    pub(crate) fn contains(&self, number: u32) -> bool {
         self.place(number).1
     }
 
     /// Adds `number`; was it new?
     #[inline]
-    pub(super) fn insert(&mut self, number: u32) -> bool {
+    pub(crate) fn insert(&mut self, number: u32) -> bool {
         let (at, found) = self.place(number);
         if found {
             return false;
@@ -81,7 +81,7 @@ impl Marks {
     }
 
     /// Bytes of memory held.
-    pub(super) fn memory_bytes(&self) -> usize {
+    pub(crate) fn memory_bytes(&self) -> usize {
         self.table.capacity() * size_of::<u64>()
     }
 }

@@ -13,7 +13,7 @@ use crate::refine::item::Item;
 use crate::refine::marks::{FACES, face_bit};
 use crate::refine::outcome::Reason;
 use crate::refine::split::TOLERANCE;
-use crate::refine::state::FACE;
+use crate::refine::state::{FACE, Touched};
 use crate::refine::table::triangle;
 use crate::refine::walk::Way;
 use ltbw_core::topology::{TetId, VertexId, tet_of};
@@ -31,17 +31,20 @@ pub(super) struct Block {
 }
 
 impl Rounds<'_, '_> {
-    /// Notes the subfaces that the refused point of the last candidate would take out of the mesh,
+    /// The subfaces that a refused point would take out of the mesh, of the boundary in its cavity,
     /// if they may not be split under its limit.
-    pub(super) fn note_blocks(&mut self, limit: Option<f64>) {
-        let Some(own) = self.candidates.last() else { return };
-        if self.own.state.touched.inner.is_empty() {
-            return;
+    pub(super) fn blocks_in(
+        &self,
+        tets: &[TetId],
+        touched: &Touched,
+        limit: Option<f64>,
+    ) -> Vec<Block> {
+        if touched.inner.is_empty() {
+            return Vec::new();
         }
         let topology = self.own.state.mesh.topology();
-        let touched = &self.own.state.touched;
         let mut found = Vec::new();
-        for &t in &self.cavities[own.cavity.clone()] {
+        for &t in tets {
             let word = self.own.state.marks.of(t);
             let tet = topology.at(t);
             for slot in (0..4).filter(|&slot| word & FACES & face_bit(slot) != 0) {
@@ -65,6 +68,14 @@ impl Rounds<'_, '_> {
         let place = |block: &Block| self.own.state.place_of(Item::Subface(block.corners));
         found.sort_by_cached_key(place);
         found.truncate(MOST[0]);
+        found
+    }
+
+    /// Notes such subfaces of the last candidate, whose cavity was open.
+    pub(super) fn note_blocks(&mut self, limit: Option<f64>) {
+        let Some(own) = self.candidates.last() else { return };
+        let tets = &self.cavities[own.cavity.clone()];
+        let found = self.blocks_in(tets, &self.own.state.touched, limit);
         self.new_blocks.extend(found);
     }
 
@@ -110,8 +121,8 @@ impl Rounds<'_, '_> {
 
     /// The reason why a tetrahedron with the point `p` is refused, if that would take a subface out
     /// of the mesh that others were refused for.
-    pub(super) fn blocked(&mut self, p: &Point, own: &Foremost) -> Option<Reason> {
-        let mesh = &mut self.own.state.mesh;
+    pub(super) fn blocked(&self, p: &Point, own: &Foremost) -> Option<Reason> {
+        let mesh = &self.own.state.mesh;
         let is_lost = |block: &&Block| block.sides.iter().all(|&t| mesh.in_conflict(t, p));
         let lost: Vec<Item> =
             self.blocks.iter().filter(is_lost).map(|b| Item::Subface(b.corners)).collect();

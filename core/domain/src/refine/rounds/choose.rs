@@ -12,6 +12,10 @@ use crate::refine::item::Item;
 use crate::refine::key::{key, sorted};
 use crate::refine::measure::circumcircle;
 use ltbw_core::topology::{TetId, tet_of};
+use rayon::prelude::*;
+
+/// Candidates that are worth more than one thread.
+const MANY: usize = if cfg!(test) { 4 } else { 512 };
 
 impl Rounds<'_, '_> {
     /// Chooses the candidates of a class that are to be inserted; `true` if the work is cancelled.
@@ -41,18 +45,20 @@ impl Rounds<'_, '_> {
         let (ranks, order) = self.ranks();
         self.forget_reserved(ranks.len());
         self.check_blocks();
-        for (done, &k) in order.iter().enumerate() {
-            if done % CHECK_EVERY == CHECK_EVERY - 1 && look(self.own.state.mesh.num_vertices()) {
+        for (k, list) in order.chunks(CHECK_EVERY * self.threads).enumerate() {
+            if k > 0 && look(self.own.state.mesh.num_vertices()) {
                 return true;
             }
-            let own = self.foremost[self.leaders[k as usize] as usize];
-            self.probe_tet(&own, ranks[k as usize]);
+            let batches = self.probe_tets(list, &ranks);
+            batches.into_iter().for_each(|batch| self.take_batch(batch));
         }
-        for k in 0..self.candidates.len() {
-            if self.candidates[k].fits && self.survives(k) {
-                self.chosen.push(k);
-            }
-        }
+        let (this, count) = (&*self, self.candidates.len());
+        let is_chosen = |k: usize| this.candidates[k].fits && this.survives(k);
+        let chosen: Vec<usize> = match this.threads > 1 && count >= MANY {
+            true => (0..count).into_par_iter().filter(|&k| is_chosen(k)).collect(),
+            false => (0..count).filter(|&k| is_chosen(k)).collect(),
+        };
+        self.chosen = chosen;
         self.conclude();
         self.refuse_blocked();
         false

@@ -9,7 +9,11 @@ use crate::refine::table::Map;
 use ltbw_core::order::hilbert;
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_exact::Point;
+use rayon::prelude::*;
 use std::cmp::Ordering;
+
+/// Tetrahedra that one thread sifts at a time.
+const SHARE: usize = if cfg!(test) { 5 } else { 2048 };
 
 /// A tetrahedron over its bounds, or one that was.
 #[derive(Clone, Copy, Debug)]
@@ -73,23 +77,45 @@ impl Rounds<'_, '_> {
         let mut bad = std::mem::take(&mut self.bad);
         let mut foremost = std::mem::take(&mut self.foremost);
         foremost.clear();
-        bad.retain_mut(|own| {
+        let this = &*self;
+        let many = this.threads > 1 && bad.len() >= 2 * SHARE;
+        let share = if many { SHARE } else { bad.len().max(1) };
+        let sifted: Vec<(usize, Vec<Foremost>)> = match many {
+            true => bad.par_chunks_mut(share).map(|own| this.sift(own)).collect(),
+            false => bad.chunks_mut(share).map(|own| this.sift(own)).collect(),
+        };
+        let mut kept = 0;
+        for (k, (stay, found)) in sifted.into_iter().enumerate() {
+            bad.copy_within(k * share..k * share + stay, kept);
+            kept += stay;
+            foremost.extend(found);
+        }
+        bad.truncate(kept);
+        (self.bad, self.foremost) = (bad, foremost);
+        self.find_leaders();
+    }
+
+    /// Moves those of some tetrahedra that are still there to the front, and finds the foremost
+    /// among them. Returns their number, and the foremost.
+    fn sift(&self, bad: &mut [Bad]) -> (usize, Vec<Foremost>) {
+        let (mut kept, mut foremost) = (0, Vec::new());
+        for k in 0..bad.len() {
+            let mut own = bad[k];
             if self.keys[own.t as usize] != own.key {
-                return false;
+                continue;
             }
             let Witness { tets, keys } = own.witness;
             // Slots with the same entries have the same tetrahedra, which are where they were.
-            if keys[1] != 0 && tets.map(|t| self.keys[t as usize]) == keys {
-                return true;
+            if keys[1] == 0 || tets.map(|t| self.keys[t as usize]) != keys {
+                match self.witness_of(own.t, own.key) {
+                    Some(witness) => own.witness = witness,
+                    None => foremost.push(self.foremost_at(own.t, own.key)),
+                }
             }
-            match self.witness_of(own.t, own.key) {
-                Some(witness) => own.witness = witness,
-                None => foremost.push(self.foremost_at(own.t, own.key)),
-            }
-            true
-        });
-        (self.bad, self.foremost) = (bad, foremost);
-        self.find_leaders();
+            bad[kept] = own;
+            kept += 1;
+        }
+        (kept, foremost)
     }
 
     /// Looks around the tetrahedra over their bounds from number `first` on, which are new and in
@@ -184,9 +210,11 @@ impl Rounds<'_, '_> {
         for (rank, &(_, k)) in (0..).zip(&falling) {
             ranks[k as usize] = rank;
         }
-        let corners: Vec<Point> =
-            (0..count).map(|k| self.own.state.at(leader(&k).corners[0])).collect();
-        (ranks, hilbert(&corners))
+        let first = |k: &u32| self.own.state.at(leader(k).corners[0]);
+        let corners: Vec<Point> = falling.iter().map(|(_, k)| first(k)).collect();
+        // Of leaders with one corner the foremost comes first, as they are numbered by chance.
+        let order = hilbert(&corners).into_iter().map(|k| falling[k as usize].1).collect();
+        (ranks, order)
     }
 
     /// The foremost that are no leaders.

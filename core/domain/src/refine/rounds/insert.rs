@@ -16,6 +16,8 @@ use ltbw_core::topology::TetId;
 const FEW: usize = 16;
 /// Insertions between two looks at the new tetrahedra, which are in the cache then.
 const BATCH: usize = 32;
+/// Insertions whose new tetrahedra are worth more than one thread.
+const MANY: u64 = if cfg!(test) { 4 } else { 256 };
 
 impl Rounds<'_, '_> {
     /// Inserts the chosen candidates; `true` if the work is cancelled, and some are left. The mesh
@@ -30,8 +32,12 @@ impl Rounds<'_, '_> {
         }
         self.stats.rounds[(class as usize).min(Class::Tets as usize)] += 1;
         self.stats.widest = self.stats.widest.max(count);
-        for (done, k) in self.in_order(class).into_iter().enumerate() {
-            if done % BATCH == BATCH - 1 {
+        // Several threads look at them together, in the end.
+        let at_once = self.threads == 1 || count < MANY;
+        let order = self.in_order(class);
+        self.script_round(&order);
+        for (done, k) in order.into_iter().enumerate() {
+            if at_once && done % BATCH == BATCH - 1 {
                 self.look_at_created();
             }
             if done % CHECK_EVERY == CHECK_EVERY - 1 && look(self.own.state.mesh.num_vertices()) {

@@ -5,12 +5,14 @@
 //! mesh before it. Every verdict is taken on the mesh at the start of the round, by coordinates and
 //! never by numbers or slots; insertion is unconditional. `docs/refinement.md`, *Rounds*.
 
+mod batch;
 mod block;
 mod choose;
 mod conflict;
 mod foremost;
 mod insert;
 mod probe;
+mod script;
 mod settle;
 mod sliver;
 
@@ -180,6 +182,10 @@ pub(crate) struct Rounds<'r, 'a> {
     /// The work that the fillings put: items that are lost, of which there are none.
     nothing: Queues,
     stats: RefineStats,
+    /// Threads that read the mesh together.
+    threads: usize,
+    /// The memory for probes on this thread.
+    prober: batch::Prober,
 }
 
 impl<'r, 'a> Rounds<'r, 'a> {
@@ -193,6 +199,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
         own.state.by_place = true;
         own.state.registry = Default::default();
         own.record = Default::default();
+        let threads = rayon::current_num_threads();
         Self {
             own,
             order,
@@ -221,7 +228,9 @@ impl<'r, 'a> Rounds<'r, 'a> {
             refusals: Vec::new(),
             created: Vec::new(),
             nothing: Queues::default(),
-            stats,
+            stats: RefineStats { round_threads: threads, ..stats },
+            threads,
+            prober: batch::Prober::default(),
         }
     }
 
@@ -239,6 +248,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
         look: Look<'_>,
     ) -> Result<(Option<Reason>, RefineStats, Vec<TetId>), RefineError> {
         self.look_at_all();
+        self.begin_script();
         let mut stop = None;
         while let Some(class) = self.next_class() {
             if look(self.own.state.mesh.num_vertices()) {
@@ -349,6 +359,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
     fn split_circles(&mut self) -> Result<(), RefineError> {
         self.stats.joint_phases += 1;
         self.forget_reserved(0);
+        let before = self.own.state.mesh.num_vertices();
         let mut work = Queues::default();
         for item in self.circles() {
             match self.own.split_jointly(item, &mut work, &mut Open) {
@@ -362,6 +373,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             self.own.record.limits.remove(&item);
             self.pending.remove(&item);
         }
+        self.script_joint(before);
         self.settle();
         Ok(())
     }

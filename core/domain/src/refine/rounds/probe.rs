@@ -91,7 +91,8 @@ impl Rounds<'_, '_> {
         self.refuse(item, reason.unwrap_or(Reason::Rounding));
     }
 
-    /// Proposes a point for a tetrahedron, the leader of a group, of this rank.
+    /// Proposes a point for a tetrahedron near a patch, the leader of a group, of this rank: what
+    /// its labels would be, the open cavity tells.
     pub(super) fn probe_tet(&mut self, own: &Foremost, rank: u32) {
         let &Foremost { t, corners: v, shape, centre, .. } = own;
         let conclude = |own: &mut Self, first: Vec<Item>| {
@@ -244,7 +245,7 @@ impl Rounds<'_, '_> {
     }
 
     /// The first of some items that may be split under a limit; else the reason why none may.
-    fn first_of(
+    pub(super) fn first_of(
         &self,
         items: &[Item],
         limit: Option<f64>,

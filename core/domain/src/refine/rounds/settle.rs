@@ -11,6 +11,18 @@ use crate::refine::outcome::Reason;
 use crate::refine::record::Refusal;
 use crate::refine::table::{Set, edge};
 use ltbw_core::topology::TetId;
+use rayon::prelude::*;
+
+/// Tetrahedra that one thread looks at at a time.
+const SHARE: usize = if cfg!(test) { 5 } else { 512 };
+
+/// A tetrahedron over its bounds.
+enum Over {
+    /// It has a key.
+    Bad(Bad),
+    /// Points cannot help it.
+    Refused(Item, Reason),
+}
 
 /// The most times that refusals at patches are forgotten.
 const RETRIES: usize = 4;
@@ -41,14 +53,47 @@ impl Rounds<'_, '_> {
         self.keys.resize(self.own.state.mesh.topology().slots(), 0);
         let mut created = std::mem::take(&mut self.created);
         self.looks += 1;
+        created.iter().for_each(|&t| self.keys[t as usize] = self.looks);
         let first = self.bad.len();
-        for t in created.drain(..) {
-            self.keys[t as usize] = self.looks;
-            self.look_at_tet(t);
+        self.look_at(&created);
+        // Several threads look for them together in the next round.
+        if self.threads == 1 || created.len() < 2 * SHARE {
+            self.find_witnesses(first);
         }
+        created.clear();
         self.created = created;
-        self.find_witnesses(first);
         self.batch += 1;
+    }
+
+    /// Gives those of some tetrahedra that are over their bounds their keys; those that points
+    /// cannot help are refused at once.
+    fn look_at(&mut self, tets: &[TetId]) {
+        let this = &*self;
+        if this.threads > 1 && tets.len() >= 2 * SHARE {
+            let over = |list: &[TetId]| -> Vec<Over> {
+                list.iter().filter_map(|&t| this.over_at(t)).collect()
+            };
+            let found: Vec<Vec<Over>> = tets.par_chunks(SHARE).map(over).collect();
+            found.into_iter().flatten().for_each(|over| self.take_over(over));
+        } else {
+            for &t in tets {
+                if let Some(over) = self.over_at(t) {
+                    self.take_over(over);
+                }
+            }
+        }
+    }
+
+    fn take_over(&mut self, over: Over) {
+        match over {
+            Over::Bad(bad) => {
+                self.keys[bad.t as usize] = bad.key;
+                self.bad.push(bad);
+            }
+            Over::Refused(item, reason) => {
+                self.own.record.refused.insert(item, Refusal::final_for(reason));
+            }
+        }
     }
 
     /// Ends a round.
@@ -71,36 +116,32 @@ impl Rounds<'_, '_> {
         self.reserved.resize(slots, 0);
         self.bad.clear();
         let all: Vec<TetId> = self.own.state.mesh.tet_ids().collect();
-        all.into_iter().for_each(|t| self.look_at_tet(t));
+        self.look_at(&all);
     }
 
-    /// Gives a tetrahedron over its bounds its key, unless it was refused; one that points cannot
-    /// help is refused at once.
-    fn look_at_tet(&mut self, t: TetId) {
+    /// The tetrahedron in slot `t`, if it is over its bounds and was not refused before.
+    fn over_at(&self, t: TetId) -> Option<Over> {
         let state = &self.own.state;
         let tet = state.mesh.topology().at(t);
         let over = |b: &crate::refine::bounds::Bounds<'_>| b.is_over(state, t);
         if tet.is_free() || tet.is_ghost() || !self.own.bounds.as_ref().is_some_and(over) {
-            return;
+            return None;
         }
         let v = tet.vertices();
         if self.own.record.refused.contains_key(&Item::Tet(t, v)) {
-            return;
+            return None;
         }
         if !state.angles.is_empty() {
             let mut by_place = v;
             by_place.sort_unstable_by_key(|&v| order_key(&state.at(v)));
             if let Some(reason) = self.own.beyond_help(t, by_place) {
-                self.own.record.refused.insert(Item::Tet(t, v), Refusal::final_for(reason));
-                return;
+                return Some(Over::Refused(Item::Tet(t, v), reason));
             }
         }
         let corners = sorted(v.map(|v| state.at(v)));
         let [a, b, c, d] = &corners;
         let key = key(Shape::of([a, b, c, d]).radius2(), &corners);
-        let key = key.max(LEAST_KEY);
-        self.keys[t as usize] = key;
-        self.bad.push(Bad::new(key, t));
+        Some(Over::Bad(Bad::new(key.max(LEAST_KEY), t)))
     }
 
     /// A second chance for what was refused at patches, when nothing else is left to do: a point
@@ -134,7 +175,7 @@ impl Rounds<'_, '_> {
             _ => true,
         });
         tets.sort_unstable();
-        tets.into_iter().for_each(|t| self.look_at_tet(t));
+        self.look_at(&tets);
         true
     }
 

@@ -8,6 +8,17 @@ use ltbw_core::mesh::Vertex;
 use ltbw_exact::Point;
 use ltbw_generate::{DomainKind, Shape};
 
+/// A surface by formula, of single polygons; its type is that of another instance of this crate.
+macro_rules! surface {
+    ($made:expr) => {{
+        let made = $made;
+        let polygons = made.facets.iter().flat_map(|f| &f.polygons);
+        let facets = polygons.map(|polygon| Facet::polygon(polygon, 0)).collect();
+        let domain = Domain { vertices: made.vertices, facets, ..Domain::default() };
+        domain.prepare(&PrepareOptions::default()).expect("a sound domain")
+    }};
+}
+
 /// All orders of a round that are tried.
 const ORDERS: [InsertOrder; 8] = [
     InsertOrder::Hilbert,
@@ -90,6 +101,65 @@ fn the_problems_of_the_paper_have_one_mesh_for_all_orders() {
             assert!(refined.num_tets() <= queues.num_tets() * 105 / 100, "{name}");
         }
     }
+}
+
+/// Refines in rounds on some numbers of threads: all is the same, with the figures of the rounds.
+fn one_mesh_on_threads(refiner: &Refiner<'_>, ready: &Prepared, name: &str) {
+    let engine = Engine::Rounds { order: InsertOrder::Hilbert, start: 64 };
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let refined = pool.install(|| refine(&refiner.engine(engine), ready));
+        assert_eq!(refined.stats.round_threads, threads, "{name}");
+        refined
+    };
+    let first = run(1);
+    let hash = first.mesh().hash().expect("a hash");
+    for threads in [2, 3, 4, 8] {
+        let other = run(threads);
+        assert_eq!(other.mesh().hash().expect("a hash"), hash, "{name} on {threads}");
+        assert_eq!(other.outcome, first.outcome, "{name} on {threads}");
+        assert_eq!(excuses(&other), excuses(&first), "{name} on {threads}");
+        let [a, b] = [&other, &first].map(Refined::with_exterior);
+        assert!(a.points == b.points && a.tets == b.tets, "{name} on {threads}");
+        assert!(a.tet_tags == b.tet_tags && a.faces == b.faces, "{name} on {threads}");
+        let figures = |refined: &Refined| {
+            let stats = refined.stats;
+            (stats.rounds, stats.widest, stats.round_points, stats.searches, stats.joint_phases)
+        };
+        assert_eq!(figures(&other), figures(&first), "{name} on {threads}");
+        assert_eq!(other.mesh().predicate_stats(), first.mesh().predicate_stats(), "{name}");
+    }
+    check_all(first.mesh()).expect("invariants of the mesh");
+    assert!(first.stats.widest > 5, "{name}: {:?}", first.stats);
+}
+
+/// Here a thread is given as little as three probes.
+#[test]
+fn any_number_of_threads_chooses_the_same_points() {
+    let cases = [
+        (DomainKind::CubeOctahedron, 1e-4),
+        (DomainKind::CubeInCube, 1e-4),
+        (DomainKind::Tee, 1e-3),
+        (DomainKind::Gear, 4e-4),
+    ];
+    for (kind, volume) in cases {
+        let ready = ready(kind, &Shape::default());
+        one_mesh_on_threads(&Refiner::new().max_volume(volume), &ready, &format!("{kind:?}"));
+    }
+    for angle in [30.0, 10.0, 5.0] {
+        let ready = ready(DomainKind::Wedge, &Shape { angle: Some(angle), ..Shape::default() });
+        one_mesh_on_threads(&Refiner::new().max_volume(2e-5), &ready, &format!("wedge {angle}"));
+    }
+    let mut two = ready(DomainKind::TwoMaterial, &Shape::default());
+    two.domain.regions[0].max_volume = Some(3e-4);
+    two.domain.regions[1].max_volume = Some(1e-3);
+    one_mesh_on_threads(&Refiner::new(), &two, "two materials");
+    let field = |p: Point| 0.05 + 0.1 * p[0];
+    one_mesh_on_threads(&Refiner::new().sizing(&field), &model(), "a field");
+    one_mesh_on_threads(&Refiner::new().max_volume(1e-4).max_points(900), &model(), "a budget");
+    let ready = surface!(ltbw_generate::surfaces::torus(12));
+    let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(1e-3);
+    one_mesh_on_threads(&refiner, &ready, "a torus with patches and slivers");
 }
 
 #[test]
@@ -193,17 +263,6 @@ fn a_wide_round_can_be_cancelled_and_leaves_a_sound_mesh() {
         check_marks(&refined.state);
         assert!(refined.lost.is_empty() && !refined.excuses.is_empty());
     }
-}
-
-/// A surface by formula, of single polygons; its type is that of another instance of this crate.
-macro_rules! surface {
-    ($made:expr) => {{
-        let made = $made;
-        let polygons = made.facets.iter().flat_map(|f| &f.polygons);
-        let facets = polygons.map(|polygon| Facet::polygon(polygon, 0)).collect();
-        let domain = Domain { vertices: made.vertices, facets, ..Domain::default() };
-        domain.prepare(&PrepareOptions::default()).expect("a sound domain")
-    }};
 }
 
 /// Points at a patch are alone in their closures: labels of flat tetrahedra and subfaces are a

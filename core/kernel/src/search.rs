@@ -1,0 +1,120 @@
+//! The cavity of a point found on a mesh that is only read: many may look for theirs at once.
+//!
+//! A [`Cavity`](crate::cavity::Cavity) marks what it has in the mesh; a search has a set of its own
+//! for that. It finds the same tetrahedra in the same order.
+
+use crate::PredicateStats;
+use crate::cavity::Conflict;
+use crate::geometry::SharedConflict;
+use crate::mesh::Mesh;
+use crate::query::set::Marks;
+use crate::topology::{TetId, tet_of};
+use ltbw_exact::Point;
+
+/// One searcher's memory, and the cavity that it has found last.
+#[derive(Debug, Default)]
+pub struct Search {
+    tets: Vec<TetId>,
+    set: Marks,
+    /// Predicate calls so far.
+    pub stats: PredicateStats,
+}
+
+impl Search {
+    /// Finds the cavity of a point in kernel coordinates, which is no vertex, from `start`, which
+    /// has to be in conflict with it. Ends: each tetrahedron enters once.
+    pub fn find(&mut self, mesh: &Mesh, p: &Point, start: TetId) {
+        let Self { tets, set, stats } = self;
+        let topology = mesh.topology();
+        let mut conflict = SharedConflict::new(&mesh.geometry, p, stats);
+        tets.clear();
+        set.clear();
+        tets.push(start);
+        set.insert(start);
+        let (mut next, mut walls) = (0, 0);
+        while let Some(&t) = tets.get(next) {
+            next += 1;
+            if let Some(&ahead) = tets.get(next) {
+                for face in topology.tet(ahead).neighbours() {
+                    conflict.prefetch(tet_of(face));
+                    topology.prefetch(tet_of(face));
+                }
+            }
+            let n = topology.tet(t).neighbours().map(tet_of);
+            let mut open = 0;
+            for (slot, &other) in n.iter().enumerate() {
+                open |= u32::from(!set.contains(other)) << slot;
+            }
+            let (mut inside, outside) = conflict.certain(n);
+            let unknown = !(inside | outside) & open;
+            if unknown != 0 {
+                inside |= conflict.decide(topology, n, unknown);
+            }
+            for (slot, &other) in n.iter().enumerate() {
+                if inside & open & 1 << slot != 0 {
+                    tets.push(other);
+                    set.insert(other);
+                }
+            }
+            walls += (open & !inside).count_ones();
+        }
+        stats.insphere_calls += tets.len() as u64 + u64::from(walls) - 1;
+    }
+
+    /// The tetrahedra of the cavity.
+    pub fn tets(&self) -> &[TetId] {
+        &self.tets
+    }
+
+    /// Is `t` one of them?
+    #[inline]
+    pub fn has(&self, t: TetId) -> bool {
+        self.set.contains(t)
+    }
+}
+
+impl Mesh {
+    /// Is a point in kernel coordinates inside the (perturbed) circumsphere of tetrahedron `t`?
+    #[doc(hidden)]
+    pub fn in_conflict(&self, t: TetId, p: &Point) -> bool {
+        SharedConflict::new(&self.geometry, p, &mut PredicateStats::default())
+            .holds(&self.topology, t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cavity::Open;
+    use crate::mesh::Vertex;
+    use crate::{Builder, PointSet};
+    use ltbw_generate::{PointKind, generate};
+
+    #[test]
+    fn a_search_finds_the_cavity_that_is_opened_in_its_order() {
+        let mut search = Search::default();
+        for kind in [PointKind::Uniform, PointKind::Grid, PointKind::Sphere] {
+            let points = generate(kind, 700, 3);
+            let (first, rest) = points.split_at(300);
+            let set = PointSet::new(first.to_vec()).expect("points");
+            let mut mesh = Builder::new().build(&set).expect("a mesh").mesh;
+            for p in rest {
+                // The mode of these points is the normal one: kernel coordinates are theirs.
+                let from = mesh.hint();
+                let Ok(open) = mesh.begin(*p, from, &mut Open) else { continue };
+                let tets: Vec<TetId> = open.tets().collect();
+                drop(open);
+                search.find(&mesh, p, tets[0]);
+                assert_eq!(search.tets(), tets, "{kind:?} {p:?}");
+                for t in mesh.tet_ids() {
+                    assert_eq!(search.has(t), tets.contains(&t), "{kind:?} {p:?}");
+                    assert_eq!(mesh.in_conflict(t, p), tets.contains(&t), "{kind:?} {p:?}");
+                }
+                let number = mesh.num_vertices() as Vertex;
+                let start = tets[0];
+                _ = mesh.begin(*p, start, &mut Open).map(|open| open.fill(*p, number));
+            }
+        }
+        assert!(search.stats.insphere_calls > 1000, "{:?}", search.stats);
+    }
+}
