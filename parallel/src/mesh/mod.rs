@@ -343,6 +343,10 @@ impl Submesh for LocalMesh {
         insert
     }
 
+    fn forget(&mut self, point: &WireVertex) {
+        self.located.remove(&point.vertex);
+    }
+
     fn resolve(&self, name: Name) -> Option<TetId> {
         self.names.get(&name).copied()
     }

@@ -201,6 +201,26 @@ pub struct WorkerFigures {
 }
 
 impl WorkerFigures {
+    /// Adds the figures of a later run of the same worker.
+    pub(super) fn go_on(&mut self, next: &Self) {
+        self.times.add(&next.times);
+        self.cavity_times.add(&next.cavity_times);
+        self.cavities.add(&next.cavities);
+        self.known += next.known;
+        self.setbacks += next.setbacks;
+        self.worst_setbacks = self.worst_setbacks.max(next.worst_setbacks);
+        self.waits += next.waits;
+        self.services += next.services;
+        self.service_time += next.service_time;
+        self.sent.count += next.sent.count;
+        self.sent.bytes += next.sent.bytes;
+        self.received += next.received;
+        self.migrations += next.migrations;
+        self.closure_parts += next.closure_parts;
+        self.polls.add(&next.polls);
+        (self.tets, self.interface_faces) = (next.tets, next.interface_faces);
+    }
+
     /// Latency tolerance of this worker (Table V).
     pub fn lt(&self) -> f64 {
         self.cavity_times.lt()

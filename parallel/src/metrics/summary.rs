@@ -72,6 +72,23 @@ impl Summary {
         summary
     }
 
+    /// Adds the figures of a later run of the same workers.
+    pub(crate) fn go_on(&mut self, next: &Self) {
+        for (worker, next) in self.workers.iter_mut().zip(&next.workers) {
+            worker.go_on(next);
+        }
+        self.makespan += next.makespan;
+        self.times.add(&next.times);
+        self.cavities.add(&next.cavities);
+        self.polls.add(&next.polls);
+        self.cavity_times.add(&next.cavity_times);
+        for (&kind, more) in &next.messages {
+            let messages = self.messages.entry(kind).or_default();
+            messages.count += more.count;
+            messages.bytes += more.bytes;
+        }
+    }
+
     /// Tells the time of attempts that succeeded from that of attempts that were set back, for the
     /// worker that spent it. The time of an operation whose point was a vertex already, or that was
     /// never finished, is neither.

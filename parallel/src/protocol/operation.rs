@@ -51,6 +51,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             Item::At(t) if self.mesh.holder(t).is_some() => Walk::Locked(t),
             Item::At(t) if self.mesh.in_conflict(t, &point) => Walk::At(t),
             Item::At(_) | Item::Gone => {
+                self.mesh.forget(&point);
                 self.source.let_go(&point);
                 out.push(Action::Note(Note::Gone));
                 return;
@@ -65,6 +66,8 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
                 Insert::Done => {
                     self.source.inserted(&self.mesh, &point);
                     if Q::WATCHES {
+                        // No walk has taken the place of one that began at its item.
+                        self.mesh.forget(&point);
                         self.source.created(&self.mesh, self.mesh.made_at_once());
                     }
                     out.push(Action::Note(Note::Local));

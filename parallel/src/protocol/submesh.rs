@@ -86,6 +86,11 @@ pub trait Submesh: Sized {
         directory: &Directory,
     ) -> Insert<Self::Tet>;
 
+    /// Forgets what it has kept of a point that is not to be inserted, or that is a vertex.
+    fn forget(&mut self, point: &Self::Point) {
+        let _ = point;
+    }
+
     /// The tetrahedron of this name, if it is here.
     fn resolve(&self, name: Name) -> Option<Self::Tet>;
 

@@ -17,9 +17,11 @@
 //! circumcentre lies outside it stays as it is.
 
 mod bad_tets;
+mod rounds;
 mod shape;
 
 pub use bad_tets::BadTets;
+pub use rounds::{RoundPoints, Simulated, Threaded, rounds_on_threads, simulate_rounds};
 
 use crate::mesh::{LocalMesh, Plan, Prepared, SharedInput, gather};
 use crate::protocol::{Config, Correct, Rules, Worker};
@@ -61,6 +63,9 @@ pub enum RefineError {
     /// Coordinates are too large or too small to make new points as they are.
     #[error("the coordinates are out of the range in which new points are made")]
     Range,
+    /// A script names a tetrahedron that no worker has.
+    #[error("a round of the script begins at a tetrahedron that is not in the mesh")]
+    Script,
     /// The points have no mesh.
     #[error(transparent)]
     Build(#[from] BuildError),
@@ -185,7 +190,7 @@ pub fn refine_on_threads(
     parallel: &Parallel<'_>,
 ) -> Result<Run, RefineError> {
     let clock = Instant::now();
-    let plan = parallel.default_plan(set.len());
+    let plan = parallel.plan_for(set.len());
     let (workers, common) = prepare::<Correct>(set, bounds, &plan, parallel.config())?;
     let points = set.len() as u64;
     let parts = parallel.run_nodes(workers, common, [points, points], clock)?;

@@ -9,44 +9,51 @@ use crate::protocol::{Config, Correct, Rules, Worker};
 use ltbw_core::BuildError;
 use ltbw_exact::PointSet;
 
-/// The number of a given vertex, and coordinates.
-const SITE: u64 = 28;
+/// The name of a vertex, which is short if it was given, and its coordinates.
+fn site(site: &WireVertex) -> u64 {
+    let name = if u32::try_from(site.vertex).is_ok() { 4 } else { 8 };
+    name + 24
+}
+
+fn sites(all: &[WireVertex]) -> u64 {
+    all.iter().map(site).sum()
+}
+
 /// A name, or none.
 const NAME: u64 = 9;
 /// A kind and a handle: the longest of the ways to say where a face leads.
 const FACE: u64 = 14;
-/// A tetrahedron of four sites and four faces.
-const TET: u64 = NAME + 4 * (SITE + FACE);
 /// A new tetrahedron: a name, four indices of sites, a block, four faces.
 const NEW: u64 = NAME + 4 * 2 + 4 + 4 * FACE;
 
 impl Payload for LocalMesh {
-    fn point_bytes(_: &WireVertex) -> u64 {
-        SITE
+    fn point_bytes(point: &WireVertex) -> u64 {
+        site(point)
     }
 
     fn piece_bytes(piece: &Piece) -> u64 {
-        let Piece { tets, names, sites, sides } = piece;
+        let Piece { tets, names, sides, .. } = piece;
         let near = |side: &&Side| matches!(side.link, Link::Near { .. });
         // A near link has a local number, a slot, a vertex and perhaps a name.
         let more = sides.iter().filter(near).count() as u64 * (NAME - 3);
         16 + 4 * tets.len() as u64
             + (NAME - 1) * names.len() as u64
-            + SITE * sites.len() as u64
+            + sites(&piece.sites)
             + (3 * 2 + FACE) * sides.len() as u64
             + more
     }
 
     fn patch_bytes(patch: &Patch) -> u64 {
-        let Patch { remove, sites, create, relink } = patch;
+        let Patch { remove, create, relink, .. } = patch;
         16 + 4 * remove.len() as u64
-            + SITE * sites.len() as u64
+            + sites(&patch.sites)
             + create.len() as u64 * NEW
             + relink.len() as u64 * (NAME + 1 + NAME + FACE)
     }
 
     fn cargo_bytes(cargo: &Vec<Moving>) -> u64 {
-        4 + cargo.len() as u64 * TET
+        // A tetrahedron of four sites and four faces.
+        4 + cargo.iter().map(|tet| NAME + 4 * FACE + sites(&tet.v)).sum::<u64>()
     }
 }
 
@@ -128,4 +135,18 @@ pub fn simulate_as<C: Rules>(
     let meshes = workers.into_iter().map(|worker| worker.into_parts().0).collect();
     let gathered = gather(meshes, prepared.common)?;
     Ok(Meshed { gathered, summary, events, trace })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::made;
+
+    #[test]
+    fn the_name_of_a_vertex_that_was_made_is_longer() {
+        let vertices = [WireVertex::new(7u32, [0.5; 3]), WireVertex::new(made(3, 7), [0.5; 3])];
+        assert_eq!(vertices.map(|v| LocalMesh::point_bytes(&v)), [28, 32]);
+        let patch = |site| Patch { sites: vec![site], ..Patch::default() };
+        assert_eq!(vertices.map(|v| LocalMesh::patch_bytes(&patch(v))), [44, 48]);
+    }
 }

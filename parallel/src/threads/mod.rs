@@ -76,6 +76,20 @@ pub struct WorkerStats {
 }
 
 impl WorkerStats {
+    /// Adds the figures of a later run of the same worker.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.local += other.local;
+        self.operations += other.operations;
+        self.interface += other.interface;
+        self.setbacks += other.setbacks;
+        self.worst_setbacks = self.worst_setbacks.max(other.worst_setbacks);
+        self.messages += other.messages;
+        self.migrated += other.migrated;
+        for (sum, polls) in self.polls.iter_mut().zip(other.polls) {
+            *sum += polls;
+        }
+    }
+
     fn note(&mut self, note: Note) {
         match note {
             Note::Local => self.local += 1,
@@ -262,7 +276,7 @@ impl<'a> Parallel<'a> {
         let clock = Instant::now();
         let points = self.only.map_or(set.len(), <[Vertex]>::len);
         let total = points as u64;
-        let plan = self.plan.unwrap_or_else(|| self.default_plan(points));
+        let plan = self.plan_for(points);
         if plan.ownership != Ownership::Block && self.is_balanced {
             return Err(RunError::Settings(Ownership::STAYS.to_owned()));
         }
@@ -284,6 +298,36 @@ impl<'a> Parallel<'a> {
         Config { rule, closure, window, ..Config::new(self.workers) }
     }
 
+    /// Runs workers until all points are in, and gives them back with their figures.
+    pub(crate) fn run_workers<Q: Source<LocalMesh> + Stock + Send>(
+        &self,
+        nodes: Vec<Node<Q>>,
+    ) -> Result<Vec<(Node<Q>, WorkerStats)>, RunError> {
+        let clock = Instant::now();
+        let teller = Teller::new(Listener::default(), 0, 0);
+        let watch = |id| self.watch(id, clock).counted(teller.tally());
+        let ends = self.run_watched(nodes, &teller, watch)?;
+        let ended = ends.into_iter().map(|(node, watch)| {
+            let (figures, _) = watch.finish(node.mesh());
+            (node, figures)
+        });
+        Ok(ended.collect())
+    }
+
+    fn run_watched<Q: Source<LocalMesh> + Stock + Send, W: Watch<LocalMesh> + Send>(
+        &self,
+        nodes: Vec<Node<Q>>,
+        teller: &Teller<'_>,
+        watch: impl Fn(WorkerId) -> W,
+    ) -> Result<Vec<End<Q, W>>, RunError> {
+        if self.latency.is_zero() {
+            return run_all(self.loops(nodes, connect(self.workers), watch), teller);
+        }
+        let ways = connect(self.workers).into_iter();
+        let ways = ways.map(|way| Delayed::new(way, self.latency)).collect();
+        run_all(self.loops(nodes, ways, watch), teller)
+    }
+
     /// Runs workers to their end. `started` and `total` are numbers of points to tell of; the start
     /// began at `clock`.
     pub(crate) fn run_nodes<Q: Source<LocalMesh> + Stock + Send>(
@@ -297,13 +341,7 @@ impl<'a> Parallel<'a> {
         let start_seconds = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         let watch = |id| self.watch(id, clock).counted(teller.tally());
-        let ends = if self.latency.is_zero() {
-            run_all(self.loops(nodes, connect(self.workers), watch), &teller)?
-        } else {
-            let ways = connect(self.workers).into_iter();
-            let ways = ways.map(|way| Delayed::new(way, self.latency)).collect();
-            run_all(self.loops(nodes, ways, watch), &teller)?
-        };
+        let ends = self.run_watched(nodes, &teller, watch)?;
         let insert_seconds = clock.elapsed().as_secs_f64();
         let cancelled = ends.iter().any(|(node, _)| node.has_dropped_points());
         let (mut meshes, mut stats, mut collectors) = (Vec::new(), Vec::new(), Vec::new());
@@ -322,6 +360,11 @@ impl<'a> Parallel<'a> {
         };
         let seconds = [start_seconds, insert_seconds];
         Ok(Distributed { meshes, common, outcome, seconds, workers: stats, summary, trace })
+    }
+
+    /// The layout that was set, or the one by default.
+    pub(crate) fn plan_for(&self, points: usize) -> Plan {
+        self.plan.unwrap_or_else(|| self.default_plan(points))
     }
 
     /// The layout by default: a point's star need not be divided where no block moves.
