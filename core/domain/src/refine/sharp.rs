@@ -58,10 +58,11 @@ impl State {
     }
 
     /// May a point of `item` take `other` out of the mesh, although they are related for this
-    /// reason? Two subsegments at a corner may be split together.
+    /// reason? A subsegment and what else is at its corner may be split together.
     pub(crate) fn go_together(&self, item: Item, other: Item, reason: Reason) -> bool {
-        let (Item::Segment(_), Item::Segment(_)) = (item, other) else { return false };
-        matches!(reason, Reason::SmallFaceAngle { corner } if self.has_corner(item, corner))
+        let Item::Segment(_) = item else { return false };
+        let is_at = |corner| self.has_corner(item, corner) && self.has_corner(other, corner);
+        matches!(reason, Reason::SmallFaceAngle { corner } if is_at(corner))
     }
 
     /// The small angle at which a subsegment is, or that it and others displace each other.

@@ -163,8 +163,8 @@ impl Judge<'_> {
     ///
     /// Afterwards the boundary is complete, and stays so: what would be lost is split first, or,
     /// where that would take this item out of the mesh, with it. If it may not be split, or is at a
-    /// small angle with the point's own carrier, the point is refused, but for two subsegments at
-    /// one corner.
+    /// small angle with the point's own carrier, the point is refused, but where a subsegment is
+    /// split and both are at one corner.
     fn spare(&self, item: Item, place: &Place, filling: Filling) -> Verdict {
         let lost = &filling.lost;
         if lost.is_empty() || self.recovers {
