@@ -49,6 +49,7 @@ fn exits(command: &str) -> &'static [(usize, &'static str)] {
         "simulate" => &[
             (0, "done, with the sequential kernel's mesh"),
             (2, ""),
+            (3, "the domain is rejected"),
             (4, "stopped (Ctrl-C)"),
             (5, "another mesh than the sequential kernel's"),
             (6, ""),

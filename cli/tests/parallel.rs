@@ -209,6 +209,55 @@ fn the_simulator_prints_its_tables() {
 }
 
 #[test]
+fn the_simulator_inserts_the_rounds_of_a_domain() {
+    let dir = tempfile::tempdir().unwrap();
+    let made = ltbw(dir.path(), &["generate", "cube-octahedron", "-o", "d.poly"]);
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    let base = ["simulate", "--domain", "d.poly", "--max-volume", "5e-4", "--json", "a.json"];
+    let mut hashes = Vec::new();
+    for more in [
+        &["--start", "100", "--processors", "4"][..],
+        &["--start", "100", "--processors", "7", "--ownership", "newest", "--latency", "100us"],
+        &["--start", "100", "--processors", "3", "--storm", "100us"],
+    ] {
+        let run = ltbw(dir.path(), &[&base[..], more].concat());
+        // The program compares the mesh with the engine's.
+        assert_eq!(run.code, 0, "{more:?}: {}", run.stderr);
+        assert!(run.stdout.contains("rounds after"), "{}", run.stdout);
+        let report = json(&dir.path().join("a.json"));
+        let points = report["input"]["points"].as_u64().unwrap();
+        let inserted = report["simulation"]["operations"].as_u64().unwrap();
+        assert!(inserted > 300 && inserted < points, "{inserted} of {points}");
+        assert!(report["simulation"]["rounds"].as_u64().unwrap() > 5, "{report}");
+        assert!(report["simulation"]["cavities"]["interface"].as_u64().unwrap() > 0, "{report}");
+        assert_eq!(report["input"]["kind"], "domain");
+        hashes.push(report["mesh"]["hash"].clone());
+    }
+    // A kind by its name, which is the same domain.
+    let kind =
+        ["simulate", "--domain", "cube-octahedron", "--max-volume", "5e-4", "--start", "100"];
+    let run = ltbw(dir.path(), &kind);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    hashes.push(run.stdout.lines().last().unwrap().trim_start_matches("ltbw.mesh/1 ").into());
+    assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:?}");
+    // Another bound is another mesh.
+    let run = ltbw(dir.path(), &[&kind[..], &["--radius-edge", "1.6"]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(!run.stdout.contains(hashes[0].as_str().unwrap()), "{}", run.stdout);
+    for (wrong, code) in [
+        (&["--domain", "d.poly", "--points", "50"][..], 2),
+        (&["--max-volume", "1e-3"], 2),
+        (&["--domain", "cube-octahedron", "--radius-edge", "0.5"], 2),
+        // Nothing is left for rounds.
+        (&["--domain", "d.poly", "--max-volume", "0.1"], 2),
+        (&["--domain", "none.poly"], 3),
+    ] {
+        let run = ltbw(dir.path(), &[&["simulate"], wrong].concat());
+        assert_eq!(run.code, code, "{wrong:?}: {}", run.stderr);
+    }
+}
+
+#[test]
 fn every_option_of_the_simulator_is_obeyed() {
     let dir = tempfile::tempdir().unwrap();
     let base = ["simulate", "--points", "600", "--processors", "3", "--json", "a.json"];

@@ -104,6 +104,10 @@ fn reports_of_simulations_and_lines_of_progress_are_as_their_schemas_have_them()
     let report = written(dir, &[&args[..], &["--json", "s.json"]].concat(), "s.json");
     assert_eq!(report["schema"], "ltbw.simulation/1");
     generate(dir, "cube-octahedron -o d.poly");
+    let rounds =
+        "simulate --domain d.poly --max-volume 2e-3 --start 50 --processors 3 --json r.json";
+    let rounds: Vec<&str> = rounds.split(' ').collect();
+    assert_eq!(written(dir, &rounds, "r.json")["input"]["domain"], "d.poly");
     generate(dir, "uniform 2000 -o p.npy");
     for args in [
         &["mesh", "d.poly", "--max-volume", "1e-3", "-o", "d.vtu"][..],

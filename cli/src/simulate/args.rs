@@ -1,6 +1,7 @@
 //! The command line of `simulate`.
 
 use crate::numbers::whole;
+use crate::rounds::START;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use ltbw::mesh::Ownership;
 use ltbw::points::MAX_POINTS;
@@ -37,6 +38,26 @@ pub(crate) struct Simulate {
     /// The kind of point set
     #[arg(long, default_value = "uniform", value_parser = kinds())]
     pub(crate) kind: PointKind,
+    /// Refine a domain: a file, or a kind as of `generate`
+    ///
+    /// One engine, not the processors, chooses the points of each round beforehand; the time is
+    /// that of their insertion alone. All processors wait for the end of each round.
+    #[arg(long, value_name = "FILE|KIND")]
+    #[arg(conflicts_with_all = ["points", "kind", "page", "trace", "sample", "cursors", "abreast"])]
+    #[arg(hide_short_help = true)]
+    pub(crate) domain: Option<PathBuf>,
+    /// Largest volume of a tetrahedron of the domain
+    #[arg(long, value_name = "A", requires = "domain", allow_negative_numbers = true)]
+    #[arg(hide_short_help = true)]
+    pub(crate) max_volume: Option<f64>,
+    /// Its largest circumradius to shortest edge [default: 2]
+    #[arg(long, value_name = "B", requires = "domain", allow_negative_numbers = true)]
+    #[arg(hide_short_help = true)]
+    pub(crate) radius_edge: Option<f64>,
+    /// Vertices before the first round, at least
+    #[arg(long, value_name = "N", requires = "domain", default_value_t = START)]
+    #[arg(hide_short_help = true)]
+    pub(crate) start: usize,
     /// Determines the points and all that is random in the run
     #[arg(long, default_value_t = 1)]
     #[arg(value_parser = whole::<u64>(0..=u64::MAX), allow_negative_numbers = true)]

@@ -1,6 +1,7 @@
 //! `simulate`: the parallel kernel on simulated processors, and the paper's tables.
 
 mod args;
+mod domain;
 mod page;
 mod report;
 
@@ -33,6 +34,9 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     pages.clone().try_for_each(|path| file_writable(path))?;
     let written: Vec<PathBuf> = args.json.iter().chain(pages).cloned().collect();
     distinct(&written)?;
+    if let Some(path) = &args.domain {
+        return domain::simulate(args, path);
+    }
     let name = PathBuf::from(format!("{} {} points", args.points, args.kind.name()));
     let points = generate(args.kind, args.points as usize, args.seed);
     let set =
@@ -81,19 +85,34 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     if let Some(path) = &args.trace {
         write_trace(path, trace)?;
     }
+    end(args, (&json, &text), (&hash, &expected))
+}
+
+/// Writes the report and the tables, and compares the hash with that of the sequential kernel.
+fn end(
+    args: &Simulate,
+    (json, text): (&str, &str),
+    (hash, expected): (&str, &str),
+) -> Result<Exit, Failure> {
     if let Some(path) = &args.json {
-        write_json(path, &json)?;
+        write_json(path, json)?;
     }
-    if on_stdout(&written) {
+    let pages = [&args.json, &args.trace, &args.page];
+    if on_stdout(&pages.into_iter().flatten().cloned().collect::<Vec<_>>()) {
         console::people(text.trim_end());
     } else {
-        console::data(&text)?;
+        console::data(text)?;
     }
     if hash == expected {
         return Ok(Exit::Done);
     }
     console::people(&format!("defect    the sequential kernel's mesh is {expected}"));
     Ok(Exit::OwnDefect)
+}
+
+/// The options of a run of one processor.
+fn options_alone(options: &Options) -> Options {
+    Options { slow: Vec::new(), storm: None, spans: 0, costs: options.costs, ..Options::default() }
 }
 
 /// The layout of the points, and the configuration of the workers.
@@ -170,12 +189,5 @@ fn alone(
     // One alone has nothing to lock, and nobody to own anything else.
     let one = Plan { workers: 1, ownership: Ownership::default(), ..*plan };
     let config = Config { workers: 1, closure: Closure::default(), ..config };
-    let options = Options {
-        slow: Vec::new(),
-        storm: None,
-        spans: 0,
-        costs: options.costs,
-        ..Options::default()
-    };
-    Ok(mesh(set, &one, config, &options, name)?.summary.makespan)
+    Ok(mesh(set, &one, config, &options_alone(options), name)?.summary.makespan)
 }

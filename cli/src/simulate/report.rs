@@ -2,6 +2,7 @@
 
 use super::Simulate;
 use crate::figures::Figures;
+use crate::outcome::show;
 use ltbw::mesh::Plan;
 use ltbw::protocol::Config;
 use ltbw::simulate::{CostModel, Meshed, Options};
@@ -30,6 +31,8 @@ pub(super) struct Report {
 #[derive(Serialize)]
 struct Input {
     kind: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    domain: Option<String>,
     points: usize,
     duplicates: usize,
 }
@@ -48,6 +51,8 @@ struct Simulation {
     efficiency: f64,
     one_processor: u64,
     events: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rounds: Option<usize>,
     cost_model: CostModel,
     settings: Settings,
 }
@@ -88,7 +93,8 @@ impl Report {
             schema: "ltbw.simulation/1",
             command: "simulate",
             input: Input {
-                kind: run.args.kind.name(),
+                kind: run.args.domain.as_ref().map_or(run.args.kind.name(), |_| "domain"),
+                domain: run.args.domain.as_deref().map(show),
                 points,
                 duplicates: meshed.gathered.duplicates.len(),
             },
@@ -102,11 +108,18 @@ impl Report {
                 efficiency: s.efficiency(one_processor),
                 one_processor,
                 events: meshed.events,
+                rounds: None,
                 cost_model: run.options.costs,
                 settings: Settings::new(run),
             },
             outcome: "complete",
         }
+    }
+
+    /// The same of a run in rounds.
+    pub(super) fn in_rounds(mut self, rounds: usize) -> Self {
+        self.simulation.rounds = Some(rounds);
+        self
     }
 
     /// The report as JSON text.
