@@ -4,6 +4,7 @@
 //! Values are rounded: they are for people. Bounds are tested exactly elsewhere.
 
 use ltbw_exact::Point;
+use rayon::prelude::*;
 use std::fmt::Write as _;
 
 /// A value and the tetrahedron (its place in the list) that has it.
@@ -59,6 +60,9 @@ pub struct TetQuality {
     /// Edge lengths, in the order of the angles.
     pub edges: [f64; 6],
 }
+
+/// Tetrahedra that one thread measures at a time.
+const SHARE: usize = if cfg!(test) { 3 } else { 4096 };
 
 /// The edges by their slots, and the two other slots.
 const EDGES: [[usize; 4]; 6] =
@@ -136,6 +140,17 @@ impl Histogram {
         self.counts[(place as usize).min(bins - 1)] += 1;
     }
 
+    /// Adds the values of later tetrahedra: as if all had been added in their order.
+    fn merge(&mut self, later: &Self) {
+        if later.least.value < self.least.value {
+            self.least = later.least;
+        }
+        if later.largest.value > self.largest.value {
+            self.largest = later.largest;
+        }
+        self.counts.iter_mut().zip(&later.counts).for_each(|(own, more)| *own += more);
+    }
+
     /// Bounds of bin `k`.
     #[must_use]
     pub fn bin(&self, k: usize) -> (f64, f64) {
@@ -210,34 +225,55 @@ pub fn to_nalgebra(points: &[Point], tets: &[[u32; 4]]) -> nalgebra::MatrixXx4<f
 }
 
 impl Quality {
-    /// Measures all tetrahedra; `None` if there are none or if one names a point that is not there.
+    /// Measures all tetrahedra, on all threads, whose number changes nothing; `None` if there are
+    /// none or if one names a point that is not there.
     #[must_use]
     pub fn of(points: &[Point], tets: &[[u32; 4]]) -> Option<Self> {
-        let known = tets.iter().flatten().all(|&v| (v as usize) < points.len());
-        if tets.is_empty() || !known {
+        let known = |tet: &[u32; 4]| tet.iter().all(|&v| (v as usize) < points.len());
+        if tets.is_empty() || !tets.par_iter().with_min_len(SHARE).all(known) {
             return None;
         }
         let corners = |tet: &[u32; 4]| tet.map(|v| &points[v as usize]);
         // Widths of the histograms need no angles, which are what costs time.
-        let (mut largest, mut edge) = (0.0, 0.0);
-        for tet in tets.iter().map(corners) {
-            largest = volume(tet).max(largest);
-            edge = lengths(tet).into_iter().fold(edge, f64::max);
-        }
-        let mut all = Self {
+        let widest = |list: &[[u32; 4]]| {
+            list.iter().map(corners).fold((0.0f64, 0.0f64), |(most, edge), tet| {
+                (volume(tet).max(most), lengths(tet).into_iter().fold(edge, f64::max))
+            })
+        };
+        let larger = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.max(b.1));
+        let (largest, edge) = tets.par_chunks(SHARE).map(widest).reduce(|| (0.0, 0.0), larger);
+        let none = Self {
             tets: tets.len(),
             dihedral: Histogram::new("dihedral angle, degrees", 0.0, 180.0, 36),
             radius_edge: Histogram::new("circumradius / shortest edge", 0.6, 2.1, 30),
             volume: Histogram::new("volume", 0.0, largest, 30),
             edge: Histogram::new("edge length", 0.0, edge, 30),
         };
-        for (t, tet) in tets.iter().map(|tet| TetQuality::of(corners(tet))).enumerate() {
-            tet.dihedral.into_iter().for_each(|angle| all.dihedral.add(angle, t));
-            tet.edges.into_iter().for_each(|length| all.edge.add(length, t));
-            all.radius_edge.add(tet.radius_edge, t);
-            all.volume.add(tet.volume, t);
-        }
+        let share = |(k, list): (usize, &[[u32; 4]])| {
+            let mut own = none.clone();
+            for (t, tet) in (k * SHARE..).zip(list) {
+                own.add(t, &TetQuality::of(corners(tet)));
+            }
+            own
+        };
+        let shares: Vec<Self> = tets.par_chunks(SHARE).enumerate().map(share).collect();
+        let mut all = none;
+        shares.iter().for_each(|later| all.merge(later));
         Some(all)
+    }
+
+    fn add(&mut self, t: usize, tet: &TetQuality) {
+        tet.dihedral.into_iter().for_each(|angle| self.dihedral.add(angle, t));
+        tet.edges.into_iter().for_each(|length| self.edge.add(length, t));
+        self.radius_edge.add(tet.radius_edge, t);
+        self.volume.add(tet.volume, t);
+    }
+
+    fn merge(&mut self, later: &Self) {
+        self.dihedral.merge(&later.dihedral);
+        self.edge.merge(&later.edge);
+        self.radius_edge.merge(&later.radius_edge);
+        self.volume.merge(&later.volume);
     }
 
     /// The four histograms.
@@ -302,6 +338,28 @@ mod tests {
         assert!(
             Quality::of(&points, &[]).is_none() && Quality::of(&points, &[[0, 1, 2, 9]]).is_none()
         );
+    }
+
+    #[test]
+    fn shares_are_put_together_in_the_order_of_the_tetrahedra() {
+        // Tetrahedra that come again: of equal values the first counts, whatever its share.
+        let points: Vec<Point> = (0..20)
+            .map(|k| [f64::from(k), f64::from(k * k % 7), f64::from(k * k * k % 11)])
+            .collect();
+        let tets: Vec<[u32; 4]> = (0..40u32).map(|k| [0, 1, 2, 3].map(|j| k % 13 + j)).collect();
+        assert!(tets.len() > 3 * SHARE);
+        let whole = Quality::of(&points, &tets).expect("tetrahedra");
+        let mut all = whole.clone();
+        for h in [&mut all.dihedral, &mut all.radius_edge, &mut all.volume, &mut all.edge] {
+            *h = Histogram::new(h.name, h.low, h.high, h.counts.len());
+        }
+        for (t, tet) in tets.iter().enumerate() {
+            all.add(t, &TetQuality::of(tet.map(|v| &points[v as usize])));
+        }
+        assert_eq!(whole, all);
+        let volumes = tets.iter().map(|tet| volume(tet.map(|v| &points[v as usize])));
+        assert_eq!(whole.volume.high, volumes.fold(0.0, f64::max));
+        assert!(whole.volume.largest.tet < 13 && whole.edge.least.tet < 13, "{whole:?}");
     }
 
     #[test]
