@@ -157,6 +157,8 @@ pub struct Cavity {
     created: Vec<TetId>,
     /// Ghosts among `tets`.
     ghosts: usize,
+    /// Conflict tests that the last search made.
+    tests: usize,
     /// Per vertex: `stamp << LOCAL_BITS | local number` of the last cavity that met it.
     local: Vec<u32>,
     stamp: u32,
@@ -176,6 +178,7 @@ impl Default for Cavity {
             walls: Buffer::default(),
             created: Vec::new(),
             ghosts: 0,
+            tests: 0,
             local: Vec::new(),
             stamp: 0,
             rim: [0; 2 * SMALL],
@@ -227,10 +230,10 @@ impl Cavity {
         self.walls.iter().map(|w| (w.v, w.outer))
     }
 
-    /// Number of conflict tests that the last [`Cavity::expand`] made.
+    /// Number of conflict tests that the last search made.
     #[inline(always)]
     pub(crate) fn tests(&self) -> usize {
-        self.tets.len() + self.walls.len() - 1
+        self.tests
     }
 
     /// Finds the cavity of `point` from `start`, which must be in conflict with it.
@@ -291,6 +294,7 @@ impl Cavity {
             let wall = |slot: usize| Wall { v: OTHERS[slot].map(|k| v[k]), outer: n[slot] };
             self.walls.push_some([wall(0), wall(1), wall(2), wall(3)], leave);
         }
+        self.tests = self.tets.len() + self.walls.len() - 1;
         self.make_room(topology)
     }
 

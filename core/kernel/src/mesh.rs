@@ -5,6 +5,7 @@
 //! stable until the next insertion.
 
 mod assembled;
+mod reopened;
 
 pub use assembled::Assembly;
 
@@ -211,22 +212,6 @@ impl Mesh {
     #[doc(hidden)]
     pub fn add_stats(&mut self, stats: PredicateStats) {
         self.geometry.stats += stats;
-    }
-
-    /// Opens the cavity of a point again, as `tets` list it since an earlier [`Mesh::begin`]. The
-    /// admission says of each tetrahedron of the closure that it has not changed since then.
-    ///
-    /// # Errors
-    /// The admission refused one, or the mesh is full: the mesh is as before.
-    #[doc(hidden)]
-    #[inline]
-    pub fn reopen<A: Admission>(
-        &mut self,
-        tets: &[TetId],
-        admission: &mut A,
-    ) -> Result<OpenCavity<'_, Self>, Setback> {
-        self.cavity.reopen(&mut self.topology, tets, admission)?;
-        Ok(OpenCavity::new(self))
     }
 
     /// Fills the open cavity with the star of its point; returns the new vertex.

@@ -142,26 +142,35 @@ impl State {
         Ok(OpenCavity::new(self))
     }
 
-    /// Opens the cavity of a place again, as `tets` list it since an earlier search, and says
-    /// `true`, if all of its closure is `unchanged` since then; else finds it.
-    pub(crate) fn begin_again<A: Admission>(
+    /// Opens the cavity of a place again, of which `tets` are what an earlier search has found,
+    /// where only slots that are `changed` since then are looked at. Says whether all of the
+    /// closure is as it was.
+    pub(crate) fn begin_again(
         &mut self,
         place: &Place,
         tets: &[TetId],
-        unchanged: &mut A,
+        changed: &impl Fn(TetId) -> bool,
     ) -> Result<(OpenCavity<'_, Self>, bool), At> {
-        let is_same = self.mesh.reopen(tets, unchanged).map(|open| open.end(|_| ())).is_ok();
-        if is_same && cfg!(debug_assertions) {
+        let sorted = |cavity: &Cavity| {
+            let mut tets: Vec<TetId> = cavity.tets().collect();
+            tets.sort_unstable();
+            tets
+        };
+        let mut found = Vec::new();
+        if cfg!(debug_assertions) {
+            let from = self.start_near(place.from);
+            self.mesh.begin(place.p, from, &mut Open)?.end(|_| ());
+            found = sorted(self.mesh.cavity());
             self.set_back();
         }
-        if !is_same || cfg!(debug_assertions) {
-            self.mesh.begin(place.p, place.from, &mut Open)?.end(|_| ());
+        let again = self.mesh.reopen(&place.p, tets, changed).map_err(At::SetBack)?;
+        let is_same = again.map(|(open, is_same)| open.end(|_| is_same));
+        if is_same.is_none() {
+            let from = self.start_near(place.from);
+            self.mesh.begin(place.p, from, &mut Open)?.end(|_| ());
         }
-        debug_assert!(
-            !is_same || self.mesh.cavity().tets().eq(tets.iter().copied()),
-            "without changes there is one cavity"
-        );
-        Ok((OpenCavity::new(self), is_same))
+        debug_assert_eq!(sorted(self.mesh.cavity()), found, "a point has one cavity");
+        Ok((OpenCavity::new(self), is_same == Some(true)))
     }
 
     /// Finds the cavity of a place, and looks at the boundary in it.

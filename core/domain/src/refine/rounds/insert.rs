@@ -7,7 +7,6 @@ use crate::refine::facet::{Change, Seed};
 use crate::refine::item::Item;
 use crate::refine::state::{Place, State};
 use crate::refine::verdict::Filling;
-use ltbw_core::cavity::Role;
 use ltbw_core::order::hilbert;
 use ltbw_core::random::Random;
 use ltbw_core::topology::TetId;
@@ -60,9 +59,8 @@ impl Rounds<'_, '_> {
         let Self { own, candidates, cavities, reserved, nothing, .. } = self;
         let Candidate { item, alone, ref place, ref cavity, ref mut filling, .. } = candidates[k];
         let state = &mut own.state;
-        let place = Place { from: state.start_near(place.from), ..*place };
-        let mut unchanged = |t: TetId, _: Role| reserved[t as usize] <= last;
-        let open = state.begin_again(&place, &cavities[cavity.clone()], &mut unchanged);
+        let changed = |t: TetId| reserved[t as usize] > last;
+        let open = state.begin_again(place, &cavities[cavity.clone()], &changed);
         let (mut open, is_same) =
             open.map_err(|_| RefineError::Invariant { what: "chosen points are new" })?;
         if alone && !is_same {
@@ -72,9 +70,9 @@ impl Rounds<'_, '_> {
         if !is_same && place.carrier != Carrier::Free {
             open.owner_mut().touch(&place.p, place.carrier);
             let seen = RefineError::Invariant { what: "a point on a facet sees its planar cavity" };
-            filling = open.owner().filling(item, &place).ok_or(seen)?;
+            filling = open.owner().filling(item, place).ok_or(seen)?;
         }
-        own.inserted.fill(open, &place, &filling, None, nothing);
+        own.inserted.fill(open, place, &filling, None, nothing);
         self.note_created();
         self.pending.remove(&item);
         self.own.record.limits.remove(&item);
