@@ -15,20 +15,26 @@ pub(crate) fn order_key(p: &Point) -> OrderKey {
 
 /// Does a point come before another by x, y, z?
 fn is_before(p: &Point, q: &Point) -> bool {
-    p[0] < q[0] || p[0] == q[0] && (p[1] < q[1] || p[1] == q[1] && p[2] < q[2])
+    // No branch depends on it.
+    (p[0] < q[0]) | (p[0] == q[0]) & ((p[1] < q[1]) | (p[1] == q[1]) & (p[2] < q[2]))
 }
 
-/// Points by x, y, z. There are few: each goes down to its place.
+/// Points by x, y, z. There are few: each counts those before it, without a branch.
 #[inline(always)]
-pub(crate) fn sorted<const N: usize>(mut points: [Point; N]) -> [Point; N] {
-    for end in 1..N {
-        let mut at = end;
-        while at > 0 && is_before(&points[at], &points[at - 1]) {
-            points.swap(at, at - 1);
-            at -= 1;
+pub(crate) fn sorted<const N: usize>(points: [Point; N]) -> [Point; N] {
+    let mut places = [0; N];
+    for j in 0..N {
+        for i in 0..j {
+            let first = is_before(&points[j], &points[i]);
+            places[i] += usize::from(first);
+            places[j] += usize::from(!first);
         }
     }
-    points
+    let mut sorted = points;
+    for (place, point) in places.into_iter().zip(points) {
+        sorted[place] = point;
+    }
+    sorted
 }
 
 /// The key of an item: 16 leading bits of the square of its size, then 48 bits of a hash of its

@@ -18,28 +18,22 @@ const SHARE: usize = if cfg!(test) { 5 } else { 2048 };
 /// A tetrahedron over its bounds, or one that was.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bad {
-    pub(super) key: u64,
     pub(super) t: TetId,
-    witness: Witness,
-}
-
-/// A tetrahedron that came before another one when that was looked at, and the neighbour on the way
-/// to it, or `t` itself, each with its entry in [`Rounds::keys`] then.
-#[derive(Clone, Copy, Debug)]
-struct Witness {
-    tets: [TetId; 2],
-    keys: [u64; 2],
+    /// A tetrahedron that came before it at that look, and the neighbour on the way there, or `t`
+    /// itself; `t` twice if none was found.
+    witness: [TetId; 2],
+    /// The look at new tetrahedra up to which all this is so.
+    look: u32,
 }
 
 impl Bad {
-    pub(super) fn new(key: u64, t: TetId) -> Self {
-        // No tetrahedron is before itself.
-        Self { key, t, witness: Witness { tets: [t; 2], keys: [key, 0] } }
+    pub(super) fn new(t: TetId, look: u32) -> Self {
+        Self { t, witness: [t; 2], look }
     }
 }
 
-/// Entries of [`Rounds::keys`] from here on are keys.
-pub(super) const LEAST_KEY: u64 = 1 << 48;
+/// Tetrahedra over their bounds whose entries are looked at together, before what they point at.
+const BLOCK: usize = 32;
 
 /// A tetrahedron that comes before all those around it.
 #[derive(Clone, Copy, Debug)]
@@ -99,21 +93,35 @@ impl Rounds<'_, '_> {
     /// among them. Returns their number, and the foremost.
     fn sift(&self, bad: &mut [Bad]) -> (usize, Vec<Foremost>) {
         let (mut kept, mut foremost) = (0, Vec::new());
-        for k in 0..bad.len() {
-            let mut own = bad[k];
-            if self.keys[own.t as usize] != own.key {
-                continue;
+        let mesh = &self.own.state.mesh;
+        let changed = |own: &Bad, t: TetId| u32::from(self.stamps[t as usize] > own.look);
+        for first in (0..bad.len()).step_by(BLOCK) {
+            let block = first..bad.len().min(first + BLOCK);
+            // No branch waits for an entry: they are fetched side by side. 0: what came before it
+            // is where it was; 1: it has to be looked for; 2 or 3: the tetrahedron is gone.
+            let mut news = [0u32; BLOCK];
+            for (own, new) in bad[block.clone()].iter().zip(&mut news) {
+                let [way, other] = own.witness;
+                let is_alone = u32::from(other == own.t);
+                *new =
+                    changed(own, own.t) << 1 | changed(own, way) | changed(own, other) | is_alone;
             }
-            let Witness { tets, keys } = own.witness;
-            // Slots with the same entries have the same tetrahedra, which are where they were.
-            if keys[1] == 0 || tets.map(|t| self.keys[t as usize]) != keys {
-                match self.witness_of(own.t, own.key) {
-                    Some(witness) => own.witness = witness,
-                    None => foremost.push(self.foremost_at(own.t, own.key)),
+            let of = |new: u32| block.clone().zip(news).filter(move |own| own.1 == new);
+            of(1).for_each(|(k, _)| mesh.prefetch(bad[k].t));
+            for (k, _) in of(1) {
+                self.neighbours(bad[k].t).into_iter().for_each(|t| mesh.prefetch(t));
+            }
+            for (k, new) in block.zip(news).filter(|own| own.1 <= 1) {
+                let mut own = bad[k];
+                if new == 1 {
+                    match self.one_before(own.t, self.keys[own.t as usize]) {
+                        Some(witness) => own = Bad { witness, look: self.looks, ..own },
+                        None => foremost.push(self.foremost_at(own.t, self.keys[own.t as usize])),
+                    }
                 }
+                bad[kept] = own;
+                kept += 1;
             }
-            bad[kept] = own;
-            kept += 1;
         }
         (kept, foremost)
     }
@@ -122,17 +130,11 @@ impl Rounds<'_, '_> {
     /// the cache: what is before one of them now may be so when the round has ended.
     pub(super) fn find_witnesses(&mut self, first: usize) {
         for k in first..self.bad.len() {
-            let Bad { key, t, .. } = self.bad[k];
-            if let Some(witness) = self.witness_of(t, key) {
+            let t = self.bad[k].t;
+            if let Some(witness) = self.one_before(t, self.keys[t as usize]) {
                 self.bad[k].witness = witness;
             }
         }
-    }
-
-    /// A tetrahedron around `t`, which has this key, that comes before it.
-    fn witness_of(&self, t: TetId, key: u64) -> Option<Witness> {
-        let tets = self.one_before(t, key)?;
-        Some(Witness { tets, keys: tets.map(|t| self.keys[t as usize]) })
     }
 
     /// The neighbour on the way, or `t`, and a tetrahedron around `t`, which has this key, that

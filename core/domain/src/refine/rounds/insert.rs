@@ -35,7 +35,7 @@ impl Rounds<'_, '_> {
         let at_once = self.threads == 1 || count < MANY;
         let order = self.in_order(class);
         self.script_round(&order);
-        for (done, k) in order.into_iter().enumerate() {
+        for done in 0..order.len() {
             if at_once && done % BATCH == BATCH - 1 {
                 self.look_at_created();
             }
@@ -43,13 +43,22 @@ impl Rounds<'_, '_> {
                 (count, cancelled) = (done as u64, true);
                 break;
             }
-            self.insert_one(k)?;
+            self.fetch(&order[(done + 1).min(order.len())..]);
+            self.insert_one(order[done])?;
         }
         self.stats.round_points += count;
         if !self.own.state.is_complete() {
             return Err(RefineError::Invariant { what: "no round loses an item of the boundary" });
         }
         Ok(cancelled)
+    }
+
+    /// Asks the processor to fetch the cavities of the next candidates. A hint.
+    fn fetch(&self, next: &[usize]) {
+        let Some(&k) = next.first() else { return };
+        for &t in &self.cavities[self.candidates[k].cavity.clone()] {
+            self.own.state.mesh.prefetch(t);
+        }
     }
 
     /// Inserts candidate `k`: into the cavity that its probe has found, if the round has changed

@@ -133,11 +133,12 @@ pub(crate) struct Rounds<'r, 'a> {
     order: InsertOrder,
     /// The most points to insert.
     most: u64,
-    /// Per slot: the key of a tetrahedron over its bounds that was not refused, else 0, or the
-    /// number of the look at which it was found to be none.
+    /// Per slot: the key of a tetrahedron over its bounds that was not refused, else 0.
     keys: Vec<u64>,
-    /// The number of looks at new tetrahedra, less than any key.
-    looks: u64,
+    /// Per slot: the look from which on it has had this key.
+    stamps: Vec<u32>,
+    /// The number of looks at new tetrahedra.
+    looks: u32,
     /// The tetrahedra whose key is not 0, and others that are gone since.
     bad: Vec<foremost::Bad>,
     /// Tetrahedra among them that come before all around them.
@@ -205,6 +206,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             order,
             most,
             keys: Vec::new(),
+            stamps: Vec::new(),
             looks: 0,
             bad: Vec::new(),
             foremost: Vec::new(),
@@ -349,7 +351,8 @@ impl<'r, 'a> Rounds<'r, 'a> {
             record.refused.insert(item, Refusal { reason, limit });
             self.pending.remove(&item);
             if let Item::Tet(t, _) = item {
-                self.keys[t as usize] = 0;
+                // No look so far has found it so.
+                (self.keys[t as usize], self.stamps[t as usize]) = (0, self.looks + 1);
             }
         }
         news

@@ -1,7 +1,7 @@
 //! After the insertions: which tetrahedra are over their bounds, with which keys.
 
 use super::Rounds;
-use super::foremost::{Bad, LEAST_KEY};
+use super::foremost::Bad;
 use crate::refine::RefineError;
 use crate::refine::item::Item;
 use crate::refine::key::{key, order_key, sorted};
@@ -19,7 +19,7 @@ const SHARE: usize = if cfg!(test) { 5 } else { 512 };
 /// A tetrahedron over its bounds.
 enum Over {
     /// It has a key.
-    Bad(Bad),
+    Bad(TetId, u64),
     /// Points cannot help it.
     Refused(Item, Reason),
 }
@@ -51,9 +51,12 @@ impl Rounds<'_, '_> {
     /// Looks at the tetrahedra made since the last look, as long as they are in the cache.
     pub(super) fn look_at_created(&mut self) {
         self.keys.resize(self.own.state.mesh.topology().slots(), 0);
+        self.stamps.resize(self.keys.len(), 0);
         let mut created = std::mem::take(&mut self.created);
         self.looks += 1;
-        created.iter().for_each(|&t| self.keys[t as usize] = self.looks);
+        for &t in &created {
+            self.write_key(t, 0, self.looks);
+        }
         let first = self.bad.len();
         self.look_at(&created);
         // Several threads look for them together in the next round.
@@ -86,9 +89,9 @@ impl Rounds<'_, '_> {
 
     fn take_over(&mut self, over: Over) {
         match over {
-            Over::Bad(bad) => {
-                self.keys[bad.t as usize] = bad.key;
-                self.bad.push(bad);
+            Over::Bad(t, key) => {
+                self.keys[t as usize] = key;
+                self.bad.push(Bad::new(t, self.looks));
             }
             Over::Refused(item, reason) => {
                 self.own.record.refused.insert(item, Refusal::final_for(reason));
@@ -99,8 +102,11 @@ impl Rounds<'_, '_> {
     /// Ends a round.
     pub(super) fn settle(&mut self) {
         self.look_at_created();
-        let state = &self.own.state;
-        state.mesh.topology().free_slots().iter().for_each(|&t| self.keys[t as usize] = 0);
+        let Self { own, keys, stamps, looks, .. } = self;
+        let state = &own.state;
+        for &t in state.mesh.topology().free_slots() {
+            (keys[t as usize], stamps[t as usize]) = (0, *looks);
+        }
         // Items that are gone are asked for no more.
         self.pending.retain(|item, _| match item {
             Item::Segment(s) => state.segments.contains_key(s),
@@ -109,10 +115,15 @@ impl Rounds<'_, '_> {
         });
     }
 
+    /// Writes the entries of a slot, from this look on.
+    pub(super) fn write_key(&mut self, t: TetId, key: u64, look: u32) {
+        (self.keys[t as usize], self.stamps[t as usize]) = (key, look);
+    }
+
     /// Looks at all tetrahedra.
     pub(super) fn look_at_all(&mut self) {
         let slots = self.own.state.mesh.topology().slots();
-        self.keys = vec![0; slots];
+        (self.keys, self.stamps) = (vec![0; slots], vec![0; slots]);
         self.reserved.resize(slots, 0);
         self.bad.clear();
         let all: Vec<TetId> = self.own.state.mesh.tet_ids().collect();
@@ -141,7 +152,7 @@ impl Rounds<'_, '_> {
         let corners = sorted(v.map(|v| state.at(v)));
         let [a, b, c, d] = &corners;
         let key = key(Shape::of([a, b, c, d]).radius2(), &corners);
-        Some(Over::Bad(Bad::new(key.max(LEAST_KEY), t)))
+        Some(Over::Bad(t, key))
     }
 
     /// A second chance for what was refused at patches, when nothing else is left to do: a point
@@ -186,10 +197,9 @@ impl Rounds<'_, '_> {
             Item::Tet(t, v) => state.is_live(t, v).then_some(t),
             _ => None,
         });
-        let is_left = |&Bad { key, t, .. }: &Bad| {
-            self.keys[t as usize] == key && !state.mesh.topology().at(t).is_free()
-        };
-        let left = self.bad.iter().copied().filter(is_left).map(|bad| bad.t);
+        let is_left =
+            |&t: &TetId| self.keys[t as usize] != 0 && !state.mesh.topology().at(t).is_free();
+        let left = self.bad.iter().map(|bad| bad.t).filter(is_left);
         let mut over: Vec<TetId> = refused.chain(left).collect();
         over.sort_unstable();
         over.dedup();
