@@ -50,6 +50,8 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             Item::Free => self.mesh.walk(&point, from),
             Item::At(t) if self.mesh.holder(t).is_some() => Walk::Locked(t),
             Item::At(t) if self.mesh.in_conflict(t, &point) => Walk::At(t),
+            // R18
+            Item::At(_) | Item::Gone if !C::LETS_GO => self.mesh.walk(&point, from),
             Item::At(_) | Item::Gone => {
                 self.mesh.forget(&point);
                 self.source.let_go(&point);

@@ -44,6 +44,8 @@ pub trait Rules: 'static {
     /// R17: a worker tests its inbox and goes to sleep in one critical section. (The mailbox
     /// obeys.)
     const TESTS_BEFORE_SLEEP: bool = true;
+    /// R18: a point whose item is gone is let go, never inserted elsewhere.
+    const LETS_GO: bool = true;
 }
 
 /// The protocol as it ships.

@@ -318,7 +318,7 @@ pub fn files() -> Vec<File> {
     let mut hulls = selected(ON_THE_HULL, |seed, _| worlds[seed as usize % worlds.len()].clone());
     hulls.push(shortest::<variants::LostPlace>("place", worlds::asked_again()));
     hulls.push(shortest::<variants::LeftWaiters>("waiters", worlds::late_elsewhere()));
-    // R1 to R15, each by its own variant; line and hull know nothing of R16 and R17.
+    // R1 to R15, each by its own variant; line and hull know nothing of R16 to R18.
     for ((flag, on_line), (_, on_hull)) in broken::<Setup>().into_iter().zip(broken::<Polygon>()) {
         let is_shown = shows(&lines, on_line) || shows(&hulls, on_hull);
         assert!(is_shown, "a variant of `{flag}` passes every case");

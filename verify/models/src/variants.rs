@@ -76,4 +76,6 @@ variants! {
     R16 LEAVES_BLOCKS: KeptHome, "block that left taken for one's own";
     /// A worker tests its inbox in one critical section and goes to sleep in another.
     R17 TESTS_BEFORE_SLEEP: LostWakeUp, "lost wake-up";
+    /// The circumcentre of a tetrahedron that is gone may lie next to a vertex.
+    R18 LETS_GO: Obstinate, "point inserted though its item is gone";
 }
