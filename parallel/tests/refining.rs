@@ -1,16 +1,15 @@
 //! Bad tetrahedra refined on several workers at once, without rounds: a Delaunay mesh of its own
 //! vertices that keeps the bounds, whatever the timing.
 
-use ltbw::balance::Stock;
-use ltbw::mesh::{LocalMesh, Ownership, Plan, WireVertex, gather};
-use ltbw::protocol::{BlockId, Config, Correct, Item, Source, Worker};
-use ltbw::refining::{BadTets, Bounds, RefineError, prepare, refine_on_threads, simulate_refined};
-use ltbw::simulate::{Network, Options, SimulationError, Storm, simulate};
+use ltbw::mesh::{Ownership, Plan};
+use ltbw::protocol::{Config, Correct};
+use ltbw::refining::{Bounds, RefineError, refine_on_threads, simulate_refined};
+use ltbw::simulate::{Network, Options, Storm};
 use ltbw::threads::Parallel;
-use ltbw::topology::TetId;
-use ltbw::{Builder, Mesh, Point, PointSet, invariants};
+use ltbw::{BuildError, Builder, CancelToken, Mesh, Outcome, Point, PointSet, invariants};
 use ltbw_generate::{PointKind, generate};
 use std::collections::HashMap;
+use std::time::Duration;
 
 /// The corners of the unit cube and points inside it.
 fn cube(inside: usize) -> PointSet {
@@ -20,8 +19,55 @@ fn cube(inside: usize) -> PointSet {
     PointSet::new(points).expect("finite points")
 }
 
+/// The bounds that are asked for: the largest volume, the largest circumradius to shortest edge.
+type Asked = (f64, f64);
+
+fn bounds_of(set: &PointSet, (volume, ratio): Asked) -> Bounds {
+    Bounds::new(set, volume, ratio).expect("bounds")
+}
+
+/// Is a tetrahedron over the bounds, and has its circumcentre inside the unit cube? By formulas
+/// that are not the refiner's: the centre by Cramer's rule, the radius from there to the corners.
+/// What is over them by a millionth, or as near to the box, may be either.
+fn is_bad(corners: [Point; 4], (volume, ratio): Asked) -> bool {
+    let [a, b, c, d] = corners;
+    let determinant = |m: [Point; 3]| {
+        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
+            - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+    };
+    let rows = [b, c, d].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
+    let whole = determinant(rows);
+    let sides = rows.map(|row| row.iter().map(|x| x * x).sum::<f64>() / 2.0);
+    let centre = [0, 1, 2].map(|k| {
+        let mut replaced = rows;
+        replaced.iter_mut().zip(sides).for_each(|(row, side)| row[k] = side);
+        a[k] + determinant(replaced) / whole
+    });
+    let distance = |p: &Point, q: &Point| (0..3).map(|k| (p[k] - q[k]).powi(2)).sum::<f64>().sqrt();
+    let radius = corners.iter().map(|p| distance(p, &centre)).fold(0.0, f64::max);
+    let pairs = [(a, b), (a, c), (a, d), (b, c), (b, d), (c, d)];
+    let shortest = pairs.iter().map(|(p, q)| distance(p, q)).fold(f64::INFINITY, f64::min);
+    let more = 1.0 + 1e-6;
+    let is_over = whole.abs() / 6.0 > volume * more || radius > ratio * shortest * more;
+    // Flat ones have no centre that a number could tell.
+    is_over && whole.abs() > 1e-12 && centre.iter().all(|&c| 1e-6 < c && c < 1.0 - 1e-6)
+}
+
+#[test]
+fn bad_tetrahedra_are_told_from_good_ones() {
+    let corner = |s: f64| [[0.0; 3], [s, 0.0, 0.0], [0.0, s, 0.0], [0.0, 0.0, s]];
+    // Volume s³/6, radius s √3/2, shortest edge s, centre in the middle of the cube of side s.
+    let (volume, ratio) = (0.5f64.powi(3) / 6.0, 0.75f64.sqrt());
+    assert!(!is_bad(corner(0.5), (volume, ratio)));
+    assert!(is_bad(corner(0.5), (0.999 * volume, ratio)));
+    assert!(is_bad(corner(0.5), (volume, 0.999 * ratio)));
+    let outside = corner(0.5).map(|p| p.map(|c| c - 0.25));
+    assert!(!is_bad(outside, (0.999 * volume, ratio)), "its centre is on the face of the cube");
+}
+
 /// The mesh is the Delaunay mesh of its vertices, keeps the bounds, and has what was given.
-fn check(set: &PointSet, bounds: &Bounds, mesh: &Mesh) {
+fn check(set: &PointSet, asked: Asked, mesh: &Mesh) {
     invariants::check_all(mesh).unwrap_or_else(|defect| panic!("{defect}"));
     let vertices: Vec<(u32, Point)> = mesh.vertices().collect();
     for (v, p) in &vertices {
@@ -33,7 +79,7 @@ fn check(set: &PointSet, bounds: &Bounds, mesh: &Mesh) {
     let most = vertices.iter().map(|&(v, _)| v as usize + 1).max().unwrap_or(0);
     let mut at = vec![[f64::NAN; 3]; most];
     vertices.iter().for_each(|&(v, p)| at[v as usize] = p);
-    let bad = mesh.tets().filter(|tet| !bounds.keeps(tet.map(|v| at[v as usize]))).count();
+    let bad = mesh.tets().filter(|tet| is_bad(tet.map(|v| at[v as usize]), asked)).count();
     assert_eq!(bad, 0, "bad tetrahedra are left");
     // The independent checker, by numbers without gaps.
     let place: HashMap<u32, u32> = vertices.iter().map(|&(v, _)| v).zip(0..).collect();
@@ -44,119 +90,11 @@ fn check(set: &PointSet, bounds: &Bounds, mesh: &Mesh) {
     assert!(report.passed(), "{:?}", report.defects);
 }
 
-/// The length of the shortest edge.
-fn shortest_edge(mesh: &Mesh) -> f64 {
-    let at: HashMap<u32, Point> = mesh.vertices().collect();
-    let length =
-        |a: u32, b: u32| (0..3).map(|k| (at[&a][k] - at[&b][k]).powi(2)).sum::<f64>().sqrt();
-    let edges = mesh.tets().flat_map(|[a, b, c, d]| {
-        [length(a, b), length(a, c), length(a, d), length(b, c), length(b, d), length(c, d)]
-    });
-    edges.fold(f64::INFINITY, f64::min)
-}
-
-/// A source that does not let go of a point whose tetrahedron is gone: a known-bad variant.
-struct Stubborn(BadTets);
-
-impl Source<LocalMesh> for Stubborn {
-    const WATCHES: bool = true;
-
-    fn next(&mut self, mesh: &LocalMesh) -> Option<WireVertex> {
-        self.0.next(mesh)
-    }
-
-    fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
-    fn item(&self, mesh: &LocalMesh, point: &WireVertex) -> Item<TetId> {
-        match self.0.item(mesh, point) {
-            Item::Gone => Item::Free,
-            item => item,
-        }
-    }
-
-    fn created(&mut self, mesh: &LocalMesh, tets: &[TetId]) {
-        self.0.created(mesh, tets);
-    }
-
-    fn let_go(&mut self, point: &WireVertex) {
-        self.0.let_go(point);
-    }
-
-    fn inserted(&mut self, mesh: &LocalMesh, point: &WireVertex) {
-        self.0.inserted(mesh, point);
-    }
-
-    fn take_block(&mut self, mesh: &LocalMesh, block: BlockId) -> Vec<WireVertex> {
-        self.0.take_block(mesh, block)
-    }
-
-    fn give(&mut self, block: BlockId, points: Vec<WireVertex>) {
-        self.0.give(block, points);
-    }
-
-    fn clear(&mut self) {
-        self.0.clear();
-    }
-}
-
-impl Stock for Stubborn {
-    fn left(&self) -> u64 {
-        self.0.left()
-    }
-
-    fn in_block(&self, block: BlockId) -> u64 {
-        self.0.in_block(block)
-    }
-}
-
-/// No edge is shorter than the shortest one given, or than the radius of a sphere with a
-/// tetrahedron that is too large. With the known-bad source some are.
-#[test]
-fn a_point_is_inserted_only_while_its_tetrahedron_stands() {
-    const VOLUME: f64 = 1e-4;
-    let set = cube(60);
-    let bounds = Bounds::new(&set, VOLUME, 2.0).expect("bounds");
-    let given = shortest_edge(&Builder::new().build(&set).expect("a mesh").mesh);
-    // The largest tetrahedron in a sphere is the regular one.
-    let radius = (VOLUME * 27.0 / (8.0 * 3f64.sqrt())).cbrt();
-    let least = 0.99 * given.min(radius);
-    let plan = Plan { ownership: Ownership::Newest, ..Plan::new(set.len(), 12) };
-    let config = Config { window: 32, ..Config::new(12) };
-    let network = Network { latency: 300_000, ..Network::default() };
-    let options = Options { network, max_events: 5_000_000, ..Options::default() };
-    let prepared = || prepare::<Correct>(&set, bounds, &plan, config).expect("a start");
-
-    let (workers, common) = prepared();
-    let run = simulate(workers, &options).expect("a run ends");
-    let meshes = run.workers.into_iter().map(|worker| worker.into_parts().0).collect();
-    let sound = gather(meshes, common).expect("a mesh").mesh;
-    check(&set, &bounds, &sound);
-    let shortest = shortest_edge(&sound);
-    assert!(shortest >= least, "{shortest}; {least} at least");
-    let (workers, common) = prepared();
-    let stubborn = |worker: Worker<LocalMesh, BadTets, Correct>| {
-        let (mesh, source, directory) = worker.into_parts();
-        Worker::<_, _, Correct>::new(config, directory, mesh, Stubborn(source))
-    };
-    let options = Options { max_events: 4 * run.events, ..options };
-    match simulate(workers.into_iter().map(stubborn).collect(), &options) {
-        // Edges get shorter and shorter.
-        Err(error) => assert!(matches!(error, SimulationError::TooManyEvents { .. }), "{error}"),
-        Ok(run) => {
-            let meshes = run.workers.into_iter().map(|worker| worker.into_parts().0).collect();
-            let broken = gather(meshes, common).expect("a mesh").mesh;
-            let shortest = shortest_edge(&broken);
-            assert!(shortest < least, "{shortest} although {least} was to be kept");
-        }
-    }
-}
-
 #[test]
 fn simulated_processors_refine_a_cube() {
     let set = cube(400);
-    let bounds = Bounds::new(&set, 1e-4, 2.0).expect("bounds");
+    let asked = (1e-4, 2.0);
+    let bounds = bounds_of(&set, asked);
     let slow = Network { latency: 100_000, ..Network::default() };
     for (workers, ownership) in [
         (1, Ownership::Block),
@@ -170,7 +108,7 @@ fn simulated_processors_refine_a_cube() {
         let config = Config { window: 16, ..Config::new(workers) };
         let run = simulate_refined::<Correct>(&set, bounds, &plan, config, &options);
         let run = run.expect("a run ends");
-        check(&set, &bounds, &run.gathered.mesh);
+        check(&set, asked, &run.gathered.mesh);
         let made = run.gathered.mesh.num_vertices() - set.len();
         assert!(made > 1000, "{workers} {ownership:?}: {made} points");
     }
@@ -180,14 +118,15 @@ fn simulated_processors_refine_a_cube() {
 #[test]
 fn blocks_move_while_they_are_refined() {
     let set = cube(300);
-    let bounds = Bounds::new(&set, 2e-4, 2.0).expect("bounds");
+    let asked = (2e-4, 2.0);
+    let bounds = bounds_of(&set, asked);
     let plan = Plan::new(set.len(), 6);
     for seed in 0..4 {
         let storm = Some(Storm { every: 10_000 });
         let options = Options { seed, storm, check_every: 499, ..Options::default() };
         let run = simulate_refined::<Correct>(&set, bounds, &plan, Config::new(6), &options);
         let run = run.expect("a run ends");
-        check(&set, &bounds, &run.gathered.mesh);
+        check(&set, asked, &run.gathered.mesh);
         let moved: u64 = run.summary.workers.iter().map(|w| w.migrations).sum();
         assert!(moved > 10, "{moved} moves");
     }
@@ -196,22 +135,57 @@ fn blocks_move_while_they_are_refined() {
 #[test]
 fn threads_refine_a_cube() {
     let set = cube(1000);
-    let bounds = Bounds::new(&set, 3e-5, 1.8).expect("bounds");
+    let asked = (3e-5, 1.8);
+    let bounds = bounds_of(&set, asked);
     for workers in [1, 2, 3, 8] {
         let run = refine_on_threads(&set, bounds, &Parallel::new(workers)).expect("a run ends");
-        check(&set, &bounds, &run.mesh);
+        check(&set, asked, &run.mesh);
         let operations: u64 = run.workers.iter().map(|w| w.interface).sum();
         assert!((operations > 0) == (workers > 1), "{workers}: {operations} operations");
     }
+}
+
+/// The start of many points takes far longer than it takes to cancel it.
+#[test]
+fn a_run_is_cancelled_while_it_is_prepared_or_later() {
+    let set = cube(60_000);
+    let bounds = bounds_of(&set, (1e-6, 2.0));
+    let token = CancelToken::default();
+    token.cancel();
+    let start =
+        |token: &CancelToken| refine_on_threads(&set, bounds, &Parallel::new(2).cancel(token));
+    let cancelled = RefineError::Build(BuildError::Cancelled);
+    assert_eq!(start(&token).err(), Some(cancelled.clone()));
+    let mut early = 0;
+    for millis in [5, 10, 20, 40, 80, 160] {
+        let token = CancelToken::default();
+        let run = std::thread::scope(|scope| {
+            let token = &token;
+            scope.spawn(move || {
+                std::thread::sleep(Duration::from_millis(millis));
+                token.cancel();
+            });
+            start(token)
+        });
+        match run {
+            Ok(run) => assert_eq!(run.outcome, Outcome::Cancelled, "after {millis} ms"),
+            Err(error) => {
+                assert_eq!(error, cancelled, "after {millis} ms");
+                early += 1;
+            }
+        }
+    }
+    assert!(early > 0, "no start was cancelled");
 }
 
 /// The least that there is: the corners alone.
 #[test]
 fn eight_corners_are_enough() {
     let set = cube(0);
-    let bounds = Bounds::new(&set, 1e-3, 2.0).expect("bounds");
+    let asked = (1e-3, 2.0);
+    let bounds = bounds_of(&set, asked);
     let run = refine_on_threads(&set, bounds, &Parallel::new(4)).expect("a run ends");
-    check(&set, &bounds, &run.mesh);
+    check(&set, asked, &run.mesh);
     // One in the middle; the centres of all others lie on the faces.
     assert_eq!(run.mesh.num_vertices(), 9);
 }

@@ -8,8 +8,11 @@ use ltbw::refine::{Engine, InsertOrder, Refined, Refiner, Script};
 use ltbw::refining::{RefineError, rounds_on_threads, simulate_rounds};
 use ltbw::simulate::{Bursts, Network, Options, Storm};
 use ltbw::threads::Parallel;
-use ltbw::{Mesh, MeshHash, Point, invariants};
+use ltbw::{
+    BuildError, Builder, CancelToken, Mesh, MeshHash, Outcome, Point, PointSet, invariants,
+};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
+use std::time::Duration;
 
 fn prepared(kind: DomainKind, shape: &Shape) -> Prepared {
     let domain = generate_domain(kind, shape).expect("a shape");
@@ -80,6 +83,43 @@ fn the_papers_problems_have_the_engines_mesh_on_any_number_of_workers() {
         one_mesh(&format!("{kind:?}"), &refined, &script);
         invariants::check_all(refined.mesh()).expect("invariants of the mesh");
     }
+}
+
+/// Cancelled at any time it is an error, if there is no mesh yet, or a Delaunay mesh of its own
+/// vertices, and says so.
+#[test]
+fn cancelled_rounds_leave_a_sound_mesh() {
+    let ready = prepared(DomainKind::CubeOctahedron, &Shape::default());
+    let (refined, script) = script(&Refiner::new().max_volume(1e-4), &ready, 100);
+    let mut cancelled = 0;
+    for millis in [0, 1, 2, 4, 8, 16, 32, 64] {
+        let token = CancelToken::default();
+        let run = std::thread::scope(|scope| {
+            let token = &token;
+            scope.spawn(move || {
+                std::thread::sleep(Duration::from_millis(millis));
+                token.cancel();
+            });
+            rounds_on_threads(&script, &Parallel::new(3).cancel(token))
+        });
+        let run = match run {
+            Ok(run) => run,
+            Err(RefineError::Build(BuildError::Cancelled)) => continue,
+            Err(error) => panic!("after {millis} ms: {error}"),
+        };
+        let mesh = &run.gathered.mesh;
+        if run.outcome == Outcome::Complete {
+            assert_eq!(hash(mesh), hash(refined.mesh()));
+            continue;
+        }
+        cancelled += 1;
+        assert!(mesh.num_vertices() < refined.mesh().num_vertices(), "after {millis} ms");
+        invariants::check_all(mesh).unwrap_or_else(|defect| panic!("{defect}"));
+        let points: Vec<Point> = mesh.vertices().map(|(_, p)| p).collect();
+        let anew = Builder::new().build(&PointSet::new(points).expect("finite")).expect("a mesh");
+        assert_eq!(hash(mesh), hash(&anew.mesh), "after {millis} ms");
+    }
+    assert!(cancelled > 0, "no run was cancelled half-way");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use ltbw_core::build::independent;
 use ltbw_core::order::{Curve, hilbert};
 use ltbw_core::submesh::MeshParams;
 use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
-use ltbw_core::{BuildError, Builder, CancelToken, Mesh, PredicateStats, Vertex};
+use ltbw_core::{BuildError, Builder, CancelToken, Mesh, Outcome, PredicateStats, Vertex};
 use ltbw_exact::{Mode, Point, PointSet};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -126,6 +126,27 @@ impl Plan {
         only: Option<&[u32]>,
         cancel: Option<&CancelToken>,
     ) -> Result<Prepared, BuildError> {
+        self.prepare_with(set, only, cancel, None)
+    }
+
+    /// As [`Plan::prepare`], with all points in the mesh that is distributed; `cancel` may end it
+    /// at any time.
+    pub(crate) fn prepare_all(
+        &self,
+        set: &PointSet,
+        cancel: Option<&CancelToken>,
+    ) -> Result<Prepared, BuildError> {
+        Self { sample: set.len(), ..*self }.prepare_with(set, None, cancel, cancel)
+    }
+
+    /// A coarse mesh that is cancelled by `whole` is none.
+    fn prepare_with(
+        &self,
+        set: &PointSet,
+        only: Option<&[u32]>,
+        cancel: Option<&CancelToken>,
+        whole: Option<&CancelToken>,
+    ) -> Result<Prepared, BuildError> {
         let kernel = set.kernel_points();
         let order = match only {
             None => hilbert(&kernel),
@@ -149,7 +170,7 @@ impl Plan {
             (0..blocks.len()).map(|block| block / self.blocks_per_worker).collect();
         // The one is sequential, the other mostly waits for memory.
         let (coarse, mut workers) = rayon::join(
-            || coarse_mesh(&points, &sample),
+            || coarse_mesh(&points, &sample, whole),
             || self.submeshes(&params, &blocks, &points),
         );
         let coarse = coarse?;
@@ -285,12 +306,23 @@ pub struct SharedInput {
     pub predicates: PredicateStats,
 }
 
-fn coarse_mesh(points: &[Point], sample: &[u32]) -> Result<Mesh, BuildError> {
+fn coarse_mesh(
+    points: &[Point],
+    sample: &[u32],
+    cancel: Option<&CancelToken>,
+) -> Result<Mesh, BuildError> {
     let chosen: Vec<Point> = sample.iter().map(|&rank| points[rank as usize]).collect();
     // Kernel coordinates are finite, and no more than the input's.
     let distinct = chosen.len();
     let set = PointSet::new(chosen).map_err(|_| BuildError::TooFewPoints { distinct })?;
-    Ok(Builder::new().build(&set)?.mesh)
+    let built = match cancel {
+        Some(token) => Builder::new().cancel(token).build(&set)?,
+        None => Builder::new().build(&set)?,
+    };
+    match built.outcome {
+        Outcome::Cancelled => Err(BuildError::Cancelled),
+        _ => Ok(built.mesh),
+    }
 }
 
 /// Gives every tetrahedron of the coarse mesh to the owner of its block.

@@ -27,7 +27,7 @@ use crate::mesh::{LocalMesh, Plan, Prepared, SharedInput, gather};
 use crate::protocol::{Config, Correct, Rules, Worker};
 use crate::simulate::{MeshError, Meshed, Options, Simulation, simulate};
 use crate::threads::{Parallel, Run, RunError};
-use ltbw_core::BuildError;
+use ltbw_core::{BuildError, CancelToken};
 use ltbw_exact::{Mode, Point, PointSet};
 use shape::{Shape, dot};
 use std::time::Instant;
@@ -151,8 +151,18 @@ pub fn prepare<C: Rules>(
     plan: &Plan,
     config: Config,
 ) -> Result<(Vec<Node<C>>, SharedInput), RefineError> {
-    let plan = Plan { sample: set.len(), ..*plan };
-    let Prepared { workers, common, .. } = plan.prepare(set)?;
+    prepare_unless(None, set, bounds, plan, config)
+}
+
+/// As [`prepare`]; the token may end it at any time.
+fn prepare_unless<C: Rules>(
+    cancel: Option<&CancelToken>,
+    set: &PointSet,
+    bounds: Bounds,
+    plan: &Plan,
+    config: Config,
+) -> Result<(Vec<Node<C>>, SharedInput), RefineError> {
+    let Prepared { workers, common, .. } = plan.prepare_all(set, cancel)?;
     let config = Config { workers: plan.workers, ..config };
     let workers = workers.into_iter().map(|(directory, mesh, _)| {
         let source = BadTets::new(directory.me(), bounds, &mesh);
@@ -180,10 +190,12 @@ pub fn simulate_refined<C: Rules>(
     Ok(Meshed { gathered, summary, events, trace })
 }
 
-/// Refines the mesh of `set` on the threads of `parallel`.
+/// Refines the mesh of `set` on the threads of `parallel`. Cancelled, it is a Delaunay mesh of the
+/// points made so far.
 ///
 /// # Errors
-/// [`RefineError`] if the points have no mesh, or a worker has failed.
+/// [`RefineError`] if the points have no mesh, or a worker has failed, or if it is cancelled while
+/// there is no mesh of the points given.
 pub fn refine_on_threads(
     set: &PointSet,
     bounds: Bounds,
@@ -191,7 +203,9 @@ pub fn refine_on_threads(
 ) -> Result<Run, RefineError> {
     let clock = Instant::now();
     let plan = parallel.plan_for(set.len());
-    let (workers, common) = prepare::<Correct>(set, bounds, &plan, parallel.config())?;
+    let config = parallel.config();
+    let (workers, common) =
+        prepare_unless::<Correct>(parallel.token(), set, bounds, &plan, config)?;
     let points = set.len() as u64;
     let parts = parallel.run_nodes(workers, common, [points, points], clock)?;
     Ok(parallel.gather(parts)?)

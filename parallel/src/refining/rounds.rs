@@ -18,6 +18,7 @@ use crate::protocol::{BlockId, Config, Correct, Directory, Item, Rules, Source, 
 use crate::simulate::{MeshError, Options, Simulation, simulate};
 use crate::threads::{Parallel, RunError, WorkerStats};
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_core::{CancelToken, Outcome};
 use ltbw_domain::refine::{Chosen, Script};
 use ltbw_exact::{Mode, Point, PointSet};
 use rustc_hash::FxHashMap;
@@ -156,6 +157,8 @@ pub struct Threaded {
     pub gathered: Gathered,
     /// The figures of each worker, over all rounds.
     pub workers: Vec<WorkerStats>,
+    /// Cancelled, if rounds are left; the mesh has some points of the last one.
+    pub outcome: Outcome,
 }
 
 /// Inserts the rounds of a script on simulated processors. Virtual time is that of the insertion
@@ -169,7 +172,7 @@ pub fn simulate_rounds<C: Rules>(
     config: Config,
     options: &Options,
 ) -> Result<Simulated, RefineError> {
-    let mut crew = Crew::<C>::new(script, plan, config)?;
+    let mut crew = Crew::<C>::new(script, plan, config, None)?;
     let (mut rounds, mut events) = (Vec::new(), 0);
     for points in &script.rounds {
         let run = simulate(crew.start(points)?, options).map_err(MeshError::from)?;
@@ -181,17 +184,19 @@ pub fn simulate_rounds<C: Rules>(
     Ok(Simulated { gathered: crew.gather()?, rounds, events })
 }
 
-/// Inserts the rounds of a script on the threads of `parallel`.
+/// Inserts the rounds of a script on the threads of `parallel`. Cancelled, it is a Delaunay mesh of
+/// the points inserted so far.
 ///
 /// # Errors
-/// [`RefineError`] if the script is none of a sound mesh, or a worker has failed.
+/// [`RefineError`] if the script is none of a sound mesh, or a worker has failed, or if it is
+/// cancelled while there is no mesh of the points at the start.
 pub fn rounds_on_threads(
     script: &Script,
     parallel: &Parallel<'_>,
 ) -> Result<Threaded, RefineError> {
     let plan = parallel.plan_for(script.start.len());
-    let mut crew = Crew::<Correct>::new(script, &plan, parallel.config())?;
-    let mut workers: Vec<WorkerStats> = Vec::new();
+    let mut crew = Crew::<Correct>::new(script, &plan, parallel.config(), parallel.token())?;
+    let (mut workers, mut outcome) = (Vec::<WorkerStats>::new(), Outcome::Complete);
     for points in &script.rounds {
         let ended = parallel.run_workers(crew.start(points)?)?;
         workers.resize(ended.len(), WorkerStats::default());
@@ -200,9 +205,14 @@ pub fn rounds_on_threads(
             sum.add(&stats);
             nodes.push(node);
         }
+        let cancelled = nodes.iter().any(Worker::has_dropped_points);
         crew.end(nodes);
+        if cancelled {
+            outcome = Outcome::Cancelled;
+            break;
+        }
     }
-    Ok(Threaded { gathered: crew.gather()?, workers })
+    Ok(Threaded { gathered: crew.gather()?, workers, outcome })
 }
 
 /// The workers between rounds.
@@ -223,14 +233,18 @@ fn bits(p: &Point) -> [u64; 3] {
 }
 
 impl<C: Rules> Crew<C> {
-    fn new(script: &Script, plan: &Plan, config: Config) -> Result<Self, RefineError> {
+    fn new(
+        script: &Script,
+        plan: &Plan,
+        config: Config,
+        cancel: Option<&CancelToken>,
+    ) -> Result<Self, RefineError> {
         let set = PointSet::new(script.start.clone()).map_err(|_| RefineError::Range)?;
         // The script's coordinates are those that the kernel computes with.
         if set.mode() != Mode::Normal {
             return Err(RefineError::Range);
         }
-        let plan = Plan { sample: set.len(), ..*plan };
-        let Prepared { workers, mut common, .. } = plan.prepare(&set)?;
+        let Prepared { workers, mut common, .. } = plan.prepare_all(&set, cancel)?;
         common.mode = script.mode;
         let names = (1..).zip(&common.points).map(|(name, p)| (bits(p), name)).collect();
         let owners = 0..plan.workers * plan.blocks_per_worker;

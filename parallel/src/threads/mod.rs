@@ -238,6 +238,11 @@ impl<'a> Parallel<'a> {
         self
     }
 
+    /// The token that cancels the run.
+    pub(crate) fn token(&self) -> Option<&'a CancelToken> {
+        self.cancel
+    }
+
     /// Sets the observer of progress. It is called from the calling thread alone: ten times a
     /// second at most while points are inserted, and once as the other phases begin. No worker
     /// waits for it.
