@@ -13,6 +13,10 @@ use ltbw_core::mesh::Vertex;
 use ltbw_core::order::hilbert;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::Point;
+use rayon::prelude::*;
+
+/// Vertices whose tetrahedra one thread sorts at a time.
+const SHARE: usize = if cfg!(test) { 7 } else { 1024 };
 
 /// The vertices of a triangle from the smallest on; it keeps its side.
 pub(crate) fn from_smallest([a, b, c]: [Vertex; 3]) -> [Vertex; 3] {
@@ -65,16 +69,24 @@ impl State {
             *place += 1;
         }
         // Each start has become the next one.
-        let mut few = Vec::new();
-        let mut start = 0;
-        for end in starts {
-            let list = &mut order[start as usize..end as usize];
-            few.clear();
-            few.extend(list.iter().map(|&t| (in_order(corners(t)), t)));
-            few.sort_unstable();
-            list.iter_mut().zip(&few).for_each(|(to, &(_, t))| *to = t);
-            start = end;
+        let (mut rest, mut start, mut shares) = (&mut order[..], 0, Vec::new());
+        for ends in starts.chunks(SHARE) {
+            let end = ends.last().map_or(start, |&end| end);
+            let (own, more) = std::mem::take(&mut rest).split_at_mut((end - start) as usize);
+            shares.push((own, ends, start));
+            (rest, start) = (more, end);
         }
+        shares.into_par_iter().for_each(|(own, ends, first)| {
+            let (mut few, mut start) = (Vec::new(), first);
+            for &end in ends {
+                let list = &mut own[(start - first) as usize..(end - first) as usize];
+                few.clear();
+                few.extend(list.iter().map(|&t| (in_order(corners(t)), t)));
+                few.sort_unstable();
+                list.iter_mut().zip(&few).for_each(|(to, &(_, t))| *to = t);
+                start = end;
+            }
+        });
         order
     }
 }

@@ -14,6 +14,10 @@ use ltbw_core::mesh::{Mesh, Vertex};
 use ltbw_core::tetmesh::{BoundaryFace, TetMesh};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_exact::Point;
+use rayon::prelude::*;
+
+/// Tetrahedra that one thread copies at a time, at least.
+const SHARE: usize = if cfg!(test) { 5 } else { 4096 };
 
 /// A refined domain.
 #[derive(Debug)]
@@ -112,15 +116,14 @@ impl Refined {
     }
 
     fn plain(&self, exterior: bool) -> TetMesh {
-        let mut mesh = TetMesh { tets: Vec::new(), ..self.state.mesh.to_tet_mesh() };
-        let mut tags = Vec::new();
-        for &t in &self.order {
-            let region = self.region(t);
-            if exterior || region != 0 {
-                mesh.tets.extend(self.tet(t));
-                tags.push(i64::from(region));
-            }
-        }
+        let kept = |t: &TetId| exterior || self.region(*t) != 0;
+        let kept: Vec<TetId> = self.order.iter().copied().filter(kept).collect();
+        let (numbers, topology) = (self.state.mesh.numbers(), self.state.mesh.topology());
+        let corners = |t| in_order(topology.at(t).vertices().map(|v| numbers[v as usize]));
+        let all = kept.par_iter().with_min_len(SHARE);
+        let mut mesh = TetMesh { points: self.state.mesh.points(), ..TetMesh::default() };
+        let tags: Vec<i64>;
+        (mesh.tets, tags) = all.map(|&t| (corners(t), i64::from(self.region(t)))).unzip();
         mesh.tet_attributes = self.attributes().and_then(|of| {
             tags.iter().map(|&region| of.get(usize::try_from(region).ok()?).copied()).collect()
         });

@@ -13,8 +13,10 @@ use ltbw_core::topology::TetId;
 
 /// A round of fewer points is not sorted along a curve.
 const FEW: usize = 16;
-/// Insertions between two looks at the new tetrahedra, which are in the cache then.
+/// Insertions between two looks at the new tetrahedra, which are in the cache then: of one thread
+/// in its own, of several in the one that they share.
 const BATCH: usize = 32;
+const LARGE_BATCH: usize = if cfg!(test) { 6 } else { 512 };
 /// Insertions whose new tetrahedra are worth more than one thread.
 const MANY: u64 = if cfg!(test) { 4 } else { 256 };
 
@@ -31,12 +33,11 @@ impl Rounds<'_, '_> {
         }
         self.stats.rounds[(class as usize).min(Class::Tets as usize)] += 1;
         self.stats.widest = self.stats.widest.max(count);
-        // Several threads look at them together, in the end.
-        let at_once = self.threads == 1 || count < MANY;
+        let batch = if self.threads == 1 || count < MANY { BATCH } else { LARGE_BATCH };
         let order = self.in_order(class);
         self.script_round(&order);
         for done in 0..order.len() {
-            if at_once && done % BATCH == BATCH - 1 {
+            if done % batch == batch - 1 {
                 self.look_at_created();
             }
             if done % CHECK_EVERY == CHECK_EVERY - 1 && look(self.own.state.mesh.num_vertices()) {

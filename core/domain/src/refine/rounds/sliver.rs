@@ -16,6 +16,10 @@ use crate::refine::state::Place;
 use crate::refine::verdict::{Judge, Verdict};
 use crate::refine::walk::Way;
 use ltbw_core::topology::{TetId, VertexId};
+use rayon::prelude::*;
+
+/// Tetrahedra that one thread looks at at a time, at least.
+const SHARE: usize = if cfg!(test) { 5 } else { 4096 };
 
 /// A sliver, and the points that are left to be tried for it.
 #[derive(Clone, Copy, Debug)]
@@ -41,9 +45,10 @@ impl Rounds<'_, '_> {
         if self.ratio().is_none() {
             return Vec::new();
         }
-        let all = state.mesh.tet_ids().filter(|&t| state.is_sliver(t));
-        let mut slivers: Vec<Sliver> =
-            all.map(|t| Sliver { t, v: state.vertices(t), tries: TRIES, seed: 1 }).collect();
+        let all: Vec<TetId> = state.mesh.tet_ids().collect();
+        let all = all.par_iter().with_min_len(SHARE).filter(|&&t| state.is_sliver(t));
+        let own = |&t: &TetId| Sliver { t, v: state.vertices(t), tries: TRIES, seed: 1 };
+        let mut slivers: Vec<Sliver> = all.map(own).collect();
         slivers.sort_by_cached_key(|own| state.place_of(Item::Tet(own.t, own.v)));
         slivers
     }
