@@ -159,7 +159,7 @@ impl Balancer {
         let mut given = Vec::new();
         // From one end of the curve on: the blocks that go are connected, and so are those that
         // stay.
-        for block in (0..directory.blocks()).rev().filter(|&b| directory.is_mine(b)) {
+        for block in directory.blocks().rev().filter(|&b| directory.is_mine(b)) {
             let points = worker.source().in_block(block);
             let is_due = points <= spare && worker.source().is_worth_moving(block, points);
             if is_due && worker.can_migrate(block) {

@@ -167,16 +167,16 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
     }
 
     fn check_p3(&self) -> Check {
-        let blocks = self.workers.first().map_or(0, |worker| worker.directory.blocks());
-        let mut owners = vec![0; blocks as usize];
+        let blocks = self.workers.first().map_or(0, |worker| worker.directory.blocks().len());
+        let mut owners = vec![0; blocks];
         for worker in &self.workers {
-            (0..blocks).filter(|&b| worker.directory.is_mine(b)).for_each(|b| {
-                owners[b as usize] += 1;
-            });
+            for block in worker.directory.blocks().filter(|&b| worker.directory.is_mine(b)) {
+                owners[block.index()] += 1;
+            }
         }
         for (_, _, message) in &self.under_way {
             if let Message::Migrate { block, .. } = message {
-                owners[*block as usize] += 1;
+                owners[block.index()] += 1;
             }
         }
         owners.iter().enumerate().try_for_each(|(block, &count)| {

@@ -25,7 +25,7 @@ pub struct Blocks {
 
 impl Blocks {
     /// Cuts vertices 1 to `vertices` into `blocks` blocks of nearly equal size.
-    pub fn even(vertices: u32, blocks: BlockId) -> Self {
+    pub fn even(vertices: u32, blocks: u32) -> Self {
         let (n, k) = (u64::from(vertices), u64::from(blocks.max(1)));
         let density = (k << 32) / n.max(1);
         let starts = (0..=k).map(|b| 1 + (b * n / k) as VertexId).collect();
@@ -51,14 +51,14 @@ impl Blocks {
 
     /// The block of the place where `p` lies on the curve.
     fn of_point(&self, p: &Point) -> BlockId {
-        let Some((curve, keys)) = &self.cuts else { return 0 };
+        let Some((curve, keys)) = &self.cuts else { return BlockId::default() };
         let key = curve.key(p);
-        (keys.partition_point(|&first| first <= key).max(1) - 1) as BlockId
+        BlockId::at(keys.partition_point(|&first| first <= key).max(1) - 1)
     }
 
     /// Number of blocks.
-    pub fn len(&self) -> BlockId {
-        (self.starts.len() - 1) as BlockId
+    pub fn len(&self) -> usize {
+        self.starts.len() - 1
     }
 
     /// Is there no block? Never.
@@ -73,7 +73,7 @@ impl Blocks {
 
     /// The vertices of `block`.
     pub fn vertices(&self, block: BlockId) -> std::ops::Range<VertexId> {
-        self.starts[block as usize]..self.starts[block as usize + 1]
+        self.starts[block.index()]..self.starts[block.index() + 1]
     }
 
     /// The block of a finite vertex.
@@ -89,7 +89,7 @@ impl Blocks {
         while block > 0 && self.starts[block] > v {
             block -= 1;
         }
-        block as BlockId
+        BlockId::at(block)
     }
 
     /// The block of a tetrahedron: that of most of its finite vertices; of equals, the smallest.
@@ -124,7 +124,7 @@ pub(super) fn prevailing_of(mut blocks: [Option<BlockId>; 4]) -> BlockId {
         blocks.swap(place, 3);
     }
     let [a, b, c, d] = blocks;
-    prevailing([a, b, c].map(|block| block.unwrap_or(0)), d)
+    prevailing([a, b, c].map(Option::unwrap_or_default), d)
 }
 
 /// The most frequent of four numbers; of equally frequent ones, the least.

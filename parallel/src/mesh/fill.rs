@@ -143,7 +143,7 @@ impl LocalMesh {
                 let ring_block = match side.link {
                     Link::Far(handle) => handle.block,
                     // The block matters only to a worker that has not got the ring tetrahedron.
-                    Link::Near { .. } if worker == owner => 0,
+                    Link::Near { .. } if worker == owner => BlockId::default(),
                     Link::Near { apex, .. } => {
                         let block =
                             |k: usize| (names[k] != NOWHERE).then(|| corner_blocks[v[k] as usize]);

@@ -90,18 +90,18 @@ pub struct LocalMesh {
 struct Fixed {
     ownership: Ownership,
     /// Blocks of every worker.
-    each: BlockId,
+    each: u32,
 }
 
 impl Fixed {
     /// The block that all of `worker` belongs to.
     fn block_of(self, worker: WorkerId) -> BlockId {
-        worker * self.each
+        BlockId::new(worker * self.each)
     }
 
     /// The owner of the star of a point of block `block` that `home` inserts.
     fn owner_of_new(self, block: BlockId, home: WorkerId) -> WorkerId {
-        if self.ownership == Ownership::Creator { home } else { block / self.each }
+        if self.ownership == Ownership::Creator { home } else { block.number() / self.each }
     }
 }
 
@@ -198,7 +198,7 @@ impl LocalMesh {
             return self.blocks.of_vertex(place);
         }
         match self.vertices.number(site.vertex) {
-            Some(INFINITE) => 0,
+            Some(INFINITE) => BlockId::default(),
             Some(v) => self.vertices.block(v),
             None => self.blocks.of_name(site.vertex, &site.point()),
         }

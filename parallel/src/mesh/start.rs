@@ -167,7 +167,7 @@ impl Plan {
         let blocks = Blocks::even(points.len() as u32, self.workers * self.blocks_per_worker)
             .along(Curve::of_box(low, high), &points);
         let owners: Vec<WorkerId> =
-            (0..blocks.len()).map(|block| block / self.blocks_per_worker).collect();
+            (0..blocks.len() as u32).map(|block| block / self.blocks_per_worker).collect();
         // The one is sequential, the other mostly waits for memory.
         let (coarse, mut workers) = rayon::join(
             || coarse_mesh(&points, &sample, whole),
@@ -224,7 +224,8 @@ impl Plan {
         blocks: &Blocks,
         vertices: u32,
     ) -> Vec<Range<VertexId>> {
-        let owner = |k: u32| blocks.of_vertex(1 + sample[k as usize]) / self.blocks_per_worker;
+        let block = |k: u32| blocks.of_vertex(1 + sample[k as usize]);
+        let owner = |k: u32| block(k).number() / self.blocks_per_worker;
         let mut at_interface = vec![false; sample.len()];
         for (_, tet) in coarse.topology().iter() {
             let numbers = tet.vertices().map(|v| coarse.number(v));
@@ -273,8 +274,9 @@ impl Plan {
 
     /// The vertices of a worker at the start.
     fn range(&self, me: WorkerId, blocks: &Blocks) -> Range<VertexId> {
-        let first = blocks.vertices(me * self.blocks_per_worker).start;
-        first..blocks.vertices((me + 1) * self.blocks_per_worker - 1).end
+        let block = |number: u32| blocks.vertices(BlockId::new(number));
+        let first = me * self.blocks_per_worker;
+        block(first).start..block(first + self.blocks_per_worker - 1).end
     }
 }
 
@@ -339,12 +341,13 @@ fn distribute(
     let corners = |t: TetId| topology.get(t).map(|tet| tet.vertices().map(vertex));
     let tets: Vec<TetId> = topology.iter().map(|(t, _)| t).collect();
     // By coarse tetrahedron: its block, its owner and its handle there.
-    let mut place: Vec<(BlockId, WorkerId, TetId)> = vec![(0, 0, 0); topology.slots()];
-    let block_of = |&t: &TetId| corners(t).map_or(0, |v| blocks.of_tet(v));
+    let mut place: Vec<(BlockId, WorkerId, TetId)> =
+        vec![(BlockId::default(), 0, 0); topology.slots()];
+    let block_of = |&t: &TetId| corners(t).map_or(BlockId::default(), |v| blocks.of_tet(v));
     let block_of_each: Vec<BlockId> = tets.par_iter().map(block_of).collect();
     let mut theirs: Vec<Vec<TetId>> = vec![Vec::new(); workers.len()];
     for (&t, block) in tets.iter().zip(block_of_each) {
-        let owner = owners[block as usize];
+        let owner = owners[block.index()];
         place[t as usize] = (block, owner, 0);
         theirs[owner as usize].push(t);
     }

@@ -1,9 +1,64 @@
 //! The owners of blocks, as far as one worker knows.
 
+use std::fmt;
+
+/// Numbers of one kind, from 0, which the compiler takes for no others.
+macro_rules! ids {
+    ($($(#[$doc:meta])* $name:ident),*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[repr(transparent)]
+        pub struct $name(u32);
+
+        impl $name {
+            /// The one with this number.
+            #[inline]
+            pub const fn new(number: u32) -> Self {
+                Self(number)
+            }
+
+            /// The one with this place in an array.
+            #[inline]
+            pub const fn at(index: usize) -> Self {
+                Self(index as u32)
+            }
+
+            /// Its number.
+            #[inline]
+            pub const fn number(self) -> u32 {
+                self.0
+            }
+
+            /// Its place in an array.
+            #[inline]
+            pub const fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0.fmt(f)
+            }
+        }
+
+        // The number alone: states and traces name the field beside it.
+        impl fmt::Debug for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0.fmt(f)
+            }
+        }
+    )*};
+}
+
+ids! {
+    /// Number of a block.
+    BlockId
+}
+
 /// Number of a worker.
 pub type WorkerId = u32;
-/// Number of a block.
-pub type BlockId = u32;
 
 /// One worker's view: right for the blocks it owns, and for others as of the last news. A block
 /// that it gave away points to the receiver: messages that still arrive are sent after it.
@@ -26,31 +81,31 @@ impl Directory {
         self.me
     }
 
-    /// Number of blocks.
-    pub fn blocks(&self) -> BlockId {
-        self.owners.len() as BlockId
+    /// All blocks.
+    pub fn blocks(&self) -> impl DoubleEndedIterator<Item = BlockId> + ExactSizeIterator {
+        (0..self.owners.len() as u32).map(BlockId::new)
     }
 
     /// The owner of `block`, as far as known.
     #[inline]
     pub fn owner(&self, block: BlockId) -> WorkerId {
-        self.owners[block as usize].0
+        self.owners[block.index()].0
     }
 
     /// The number of moves of `block` known of.
     pub fn epoch(&self, block: BlockId) -> u32 {
-        self.owners[block as usize].1
+        self.owners[block.index()].1
     }
 
     /// Is `block` this worker's? Always right.
     #[inline]
     pub fn is_mine(&self, block: BlockId) -> bool {
-        self.owners[block as usize].0 == self.me
+        self.owners[block.index()].0 == self.me
     }
 
     /// Takes news: `block` was at `owner` after `epoch` moves. Older news changes nothing.
     pub fn learn(&mut self, block: BlockId, owner: WorkerId, epoch: u32) {
-        let entry = &mut self.owners[block as usize];
+        let entry = &mut self.owners[block.index()];
         if epoch > entry.1 {
             *entry = (owner, epoch);
         }

@@ -302,7 +302,7 @@ impl<C: Rules> Crew<C> {
         for node in nodes {
             let (mesh, source, directory) = node.into_parts();
             // Where blocks have moved each one knows its own for certain.
-            for (block, owner) in (0..).zip(&mut self.owners) {
+            for (block, owner) in directory.blocks().zip(&mut self.owners) {
                 if directory.is_mine(block) {
                     *owner = directory.me();
                 }

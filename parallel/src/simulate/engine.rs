@@ -465,7 +465,7 @@ where
         if self.processors[from as usize].worker.is_stopped() {
             return;
         }
-        let mine: Vec<_> = (0..directory.blocks()).filter(|&b| directory.is_mine(b)).collect();
+        let mine: Vec<_> = directory.blocks().filter(|&b| directory.is_mine(b)).collect();
         if mine.is_empty() {
             return;
         }
