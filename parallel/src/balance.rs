@@ -115,7 +115,7 @@ impl Balancer {
 
     /// Worker `from` has `load` points left.
     pub fn heard(&mut self, from: WorkerId, load: u64) {
-        if let Some(entry) = self.loads.get_mut(from as usize) {
+        if let Some(entry) = self.loads.get_mut(from.index()) {
             *entry = load;
         }
     }
@@ -126,7 +126,7 @@ impl Balancer {
         if load >= self.settings.low {
             return Vec::new();
         }
-        let me = self.me as usize;
+        let me = self.me.index();
         let workers = self.loads.len();
         // From the next worker on, so that not all ask the same ones.
         let mut others: Vec<usize> = (1..workers).map(|k| (me + k) % workers).collect();
@@ -134,7 +134,7 @@ impl Balancer {
         others.sort_by_key(|&w| std::cmp::Reverse(self.loads[w]));
         others.truncate(self.settings.ask);
         others.iter().for_each(|&w| self.loads[w] /= 2);
-        others.into_iter().map(|w| w as WorkerId).collect()
+        others.into_iter().map(|w| WorkerId::at(w)).collect()
     }
 
     /// The blocks that `worker` should give to `to`, which has asked for some.
@@ -144,7 +144,7 @@ impl Balancer {
         to: WorkerId,
     ) -> Vec<BlockId> {
         let mine = worker.source().left();
-        let theirs = self.loads.get(to as usize).copied().unwrap_or(mine);
+        let theirs = self.loads.get(to.index()).copied().unwrap_or(mine);
         let mut spare = mine.saturating_sub(theirs) / 2;
         if mine <= 2 * self.settings.low || spare < self.settings.low / 2 {
             return Vec::new();
@@ -164,7 +164,7 @@ impl Balancer {
             let is_due = points <= spare && worker.source().is_worth_moving(block, points);
             if is_due && worker.can_migrate(block) {
                 spare -= points;
-                self.loads[to as usize] += points;
+                self.loads[to.index()] += points;
                 given.push(block);
             }
         }
@@ -193,9 +193,9 @@ mod tests {
             }
             let all = field.left() as u64 + done;
             let worker: Worker<_, _> = Worker::new(Config::new(2), directory, mesh, field);
-            let mut balancer = Balancer::new(Balance::default(), 0, 2);
-            balancer.heard(1, 0);
-            (all, !balancer.give(&worker, 1).is_empty())
+            let mut balancer = Balancer::new(Balance::default(), WorkerId::default(), 2);
+            balancer.heard(WorkerId::new(1), 0);
+            (all, !balancer.give(&worker, WorkerId::new(1)).is_empty())
         };
         let (all, at_once) = gives(0);
         // Twice what is left is the last time.
@@ -206,13 +206,17 @@ mod tests {
 
     #[test]
     fn asks_those_with_most() {
-        let mut balancer = Balancer::new(Balance { low: 10, ask: 2, again: 1 }, 1, 5);
-        assert_eq!(balancer.ask(50), [] as [WorkerId; 0]);
-        assert_eq!(balancer.ask(9), [2, 3], "the next ones, if nothing is known");
-        assert_eq!(balancer.ask(9), [4, 0], "then others");
-        (0..5).for_each(|w| balancer.heard(w, [700, 0, 20, 200, 30][w as usize]));
-        assert_eq!(balancer.ask(0), [0, 3]);
-        (0..5).for_each(|w| balancer.heard(w, 20));
-        assert_eq!(balancer.ask(0), [] as [WorkerId; 0], "nobody has any to spare");
+        let mut balancer =
+            Balancer::new(Balance { low: 10, ask: 2, again: 1 }, WorkerId::new(1), 5);
+        let ids = |numbers: [u32; 2]| numbers.map(WorkerId::new);
+        assert_eq!(balancer.ask(50), []);
+        assert_eq!(balancer.ask(9), ids([2, 3]), "the next ones, if nothing is known");
+        assert_eq!(balancer.ask(9), ids([4, 0]), "then others");
+        (0..)
+            .zip([700, 0, 20, 200, 30])
+            .for_each(|(w, load)| balancer.heard(WorkerId::new(w), load));
+        assert_eq!(balancer.ask(0), ids([0, 3]));
+        (0..5).for_each(|w| balancer.heard(WorkerId::new(w), 20));
+        assert_eq!(balancer.ask(0), [], "nobody has any to spare");
     }
 }

@@ -99,7 +99,7 @@ pub fn connect_as<M, C: Rules>(workers: u32) -> Vec<Endpoint<M, C>> {
         failed: None,
         rules: PhantomData,
     };
-    (0..workers).map(endpoint).collect()
+    WorkerId::below(workers).map(endpoint).collect()
 }
 
 impl<M, C: Rules> Endpoint<M, C> {
@@ -121,7 +121,7 @@ impl<M, C: Rules> Endpoint<M, C> {
 
     /// Adds a message for worker `to`. It is handed over by the next [`Endpoint::flush`].
     pub fn send(&mut self, to: WorkerId, message: M) {
-        let batch = &mut self.unsent[to as usize];
+        let batch = &mut self.unsent[to.index()];
         if batch.is_empty() {
             self.dirty.push(to);
         }
@@ -131,8 +131,8 @@ impl<M, C: Rules> Endpoint<M, C> {
     /// Hands over all messages sent since the last time.
     pub fn flush(&mut self) {
         for to in self.dirty.drain(..) {
-            let batch = &mut self.unsent[to as usize];
-            self.inboxes[to as usize].deliver(|state| {
+            let batch = &mut self.unsent[to.index()];
+            self.inboxes[to.index()].deliver(|state| {
                 if state.messages.is_empty() {
                     std::mem::swap(&mut state.messages, batch);
                 } else {
@@ -146,7 +146,7 @@ impl<M, C: Rules> Endpoint<M, C> {
     /// many. Never waits.
     pub fn try_take(&mut self, into: &mut Vec<(WorkerId, M)>) -> usize {
         let before = into.len();
-        let mut state = self.inboxes[self.me as usize].lock();
+        let mut state = self.inboxes[self.me.index()].lock();
         if into.is_empty() {
             std::mem::swap(&mut state.messages, into);
         } else {
@@ -159,7 +159,7 @@ impl<M, C: Rules> Endpoint<M, C> {
     /// Flushes, then sleeps until a message is there or a worker has failed.
     pub fn wait(&mut self) {
         self.flush();
-        let inbox = &self.inboxes[self.me as usize];
+        let inbox = &self.inboxes[self.me.index()];
         let mut state = inbox.lock();
         // R17
         if !C::TESTS_BEFORE_SLEEP && state.is_silent() {
@@ -177,7 +177,7 @@ impl<M, C: Rules> Endpoint<M, C> {
     /// As [`Endpoint::wait`], for `timeout` at most. May return sooner for no reason.
     pub fn wait_timeout(&mut self, timeout: Duration) {
         self.flush();
-        let inbox = &self.inboxes[self.me as usize];
+        let inbox = &self.inboxes[self.me.index()];
         let mut state = inbox.lock();
         if state.is_silent() {
             state.parked = true;
@@ -212,6 +212,7 @@ impl<M, C: Rules> Drop for Endpoint<M, C> {
 #[cfg(all(test, not(any(loom, shuttle))))]
 mod tests {
     use super::{Endpoint, connect};
+    use crate::protocol::WorkerId;
     use std::thread;
     use std::time::Duration;
 
@@ -219,20 +220,21 @@ mod tests {
     fn batches_arrive_whole_and_in_order() {
         let mut ends = connect::<u32>(3);
         for k in 0..5 {
-            ends[1].send(0, k);
+            ends[1].send(WorkerId::default(), k);
         }
         let mut taken = Vec::new();
         assert_eq!(ends[0].try_take(&mut taken), 0, "nothing was handed over yet");
         ends[1].flush();
-        ends[2].send(0, 9);
+        ends[2].send(WorkerId::default(), 9);
         ends[2].flush();
         assert_eq!(ends[0].try_take(&mut taken), 6);
-        assert_eq!(taken, [(1, 0), (1, 1), (1, 2), (1, 3), (1, 4), (2, 9)]);
-        ends[1].send(0, 7);
+        let sent = [(1, 0), (1, 1), (1, 2), (1, 3), (1, 4), (2, 9)];
+        assert_eq!(taken, sent.map(|(from, number)| (WorkerId::new(from), number)));
+        ends[1].send(WorkerId::default(), 7);
         ends[1].flush();
         ends[0].wait();
         assert_eq!(ends[0].try_take(&mut taken), 1, "taken is not empty: appended");
-        assert_eq!(taken.last(), Some(&(1, 7)));
+        assert_eq!(taken.last(), Some(&(WorkerId::new(1), 7)));
     }
 
     /// Every thread sends `ROUNDS` numbers to every other, and sleeps whenever it has nothing.
@@ -245,7 +247,7 @@ mod tests {
             let mut next = [0; WORKERS as usize];
             let mut taken = Vec::new();
             for round in 0..ROUNDS {
-                for to in (0..WORKERS).filter(|&to| to != me) {
+                for to in WorkerId::below(WORKERS).filter(|&to| to != me) {
                     end.send(to, round);
                 }
                 if round % 3 == 0 {
@@ -255,8 +257,8 @@ mod tests {
                     end.wait();
                     assert!(end.try_take(&mut taken) > 0);
                     for (from, number) in taken.drain(..) {
-                        assert_eq!(next[from as usize], number);
-                        next[from as usize] += 1;
+                        assert_eq!(next[from.index()], number);
+                        next[from.index()] += 1;
                     }
                 }
             }
@@ -274,13 +276,13 @@ mod tests {
         let mut second = ends.remove(1);
         thread::scope(|scope| {
             let victim = scope.spawn(move || {
-                second.send(0, 1);
+                second.send(WorkerId::default(), 1);
                 panic!("planted");
             });
             for mut end in ends {
                 scope.spawn(move || {
                     end.wait();
-                    assert_eq!(end.failed(), Some(1));
+                    assert_eq!(end.failed(), Some(WorkerId::new(1)));
                     end.wait();
                     assert_eq!(end.try_take(&mut Vec::new()), 0, "a panic hands nothing over");
                 });
@@ -295,7 +297,7 @@ mod tests {
         ends[0].wait_timeout(Duration::from_millis(1));
         assert_eq!(ends[0].try_take(&mut Vec::new()), 0);
         let mut last = ends.remove(1);
-        last.send(0, 5);
+        last.send(WorkerId::default(), 5);
         drop(last);
         let mut taken = Vec::new();
         assert_eq!(ends[0].try_take(&mut taken), 1);

@@ -3,7 +3,7 @@
 
 use ltbw::PointSet;
 use ltbw::mesh::{LocalMesh, Ownership, Plan, PointQueue};
-use ltbw::protocol::{Action, Closure, Config, Event, Message, Worker};
+use ltbw::protocol::{Action, Closure, Config, Event, Message, Worker, WorkerId};
 use ltbw_generate::{PointKind, generate};
 use std::collections::{BTreeSet, VecDeque};
 
@@ -14,11 +14,11 @@ type Node = Worker<LocalMesh, PointQueue>;
 struct World {
     workers: Vec<Node>,
     /// From, to, message.
-    messages: VecDeque<(u32, u32, Message<LocalMesh>)>,
+    messages: VecDeque<(WorkerId, WorkerId, Message<LocalMesh>)>,
     /// The vertices around which the operation under way locks.
     around: Vec<u64>,
     /// Workers asked for it.
-    asked: BTreeSet<u32>,
+    asked: BTreeSet<WorkerId>,
 }
 
 impl World {
@@ -32,9 +32,9 @@ impl World {
         Self { workers, messages: VecDeque::new(), around: Vec::new(), asked: BTreeSet::new() }
     }
 
-    fn step(&mut self, worker: u32, event: Event<LocalMesh>) {
+    fn step(&mut self, worker: WorkerId, event: Event<LocalMesh>) {
         let mut actions = Vec::new();
-        self.workers[worker as usize].step(event, &mut actions);
+        self.workers[worker.index()].step(event, &mut actions);
         for action in actions {
             if let Action::Send { to, message } = action {
                 if let Message::Expand { around, .. } = &message {
@@ -74,7 +74,7 @@ impl World {
             self.around.clear();
             self.asked.clear();
             let worker = (0..3).find(|&w| self.workers[w as usize].has_work());
-            self.step(worker.expect("points left"), Event::Work);
+            self.step(WorkerId::new(worker.expect("points left")), Event::Work);
             let mut last = None;
             while let Some((from, to, message)) = self.messages.pop_front() {
                 // If it is the last grant all is locked.
@@ -112,8 +112,8 @@ fn what_is_not_owned_by_blocks_is_not_given_away() {
         let moves = usize::from(ownership == Ownership::Block);
         let mut world = World::new(Closure::Face, ownership);
         let directory = world.workers[0].directory();
-        let block = (0..directory.blocks()).find(|&b| directory.is_mine(b)).expect("a block");
-        world.step(0, Event::Migrate { block, to: 1 });
+        let block = directory.blocks().find(|&b| directory.is_mine(b)).expect("a block");
+        world.step(WorkerId::default(), Event::Migrate { block, to: WorkerId::new(1) });
         assert_eq!(world.messages.len(), moves, "{ownership:?}");
     }
 }

@@ -3,7 +3,7 @@
 
 use ltbw::PointSet;
 use ltbw::mesh::{At, Lead, LocalMesh, Moving, NewTet, Patch, Plan, Relink, To, WireVertex};
-use ltbw::protocol::{Correct, Directory, Handle, Name, Submesh, SubmeshError};
+use ltbw::protocol::{BlockId, Correct, Directory, Handle, Name, Submesh, SubmeshError, WorkerId};
 use ltbw::topology::TetId;
 use ltbw_generate::{PointKind, generate};
 
@@ -15,7 +15,7 @@ fn submesh() -> (Directory, LocalMesh) {
 }
 
 fn handle(face: u8) -> Handle {
-    Handle { name: Name { by: 1, number: 1 }, block: 0, face }
+    Handle { name: Name { by: WorkerId::new(1), number: 1 }, block: BlockId::default(), face }
 }
 
 /// The submesh as text: tetrahedra with their neighbours.
@@ -30,7 +30,8 @@ fn damaged(damage: impl Fn(&mut Patch, TetId)) -> SubmeshError {
     let part = mesh.tets();
     let (t, v) = part.tets().find(|(_, v)| v[3] != 0).expect("a tetrahedron");
     let sites = v.map(|v| WireVertex::new(v, part.point(v)));
-    let new = NewTet { name: None, v: [0, 1, 2, 3], block: 0, n: [To::Old(t, 0); 4] };
+    let new =
+        NewTet { name: None, v: [0, 1, 2, 3], block: BlockId::default(), n: [To::Old(t, 0); 4] };
     let mut patch =
         Patch { remove: vec![t], sites: sites.to_vec(), create: vec![new], relink: Vec::new() };
     damage(&mut patch, t);
@@ -73,7 +74,7 @@ fn numbers_in_a_block_are_compared_before_they_are_used() {
         let part = mesh.tets();
         let (_, v) = part.tets().find(|(_, v)| v[3] != 0).expect("a tetrahedron");
         let v = v.map(|v| WireVertex::new(v, part.point(v)));
-        Moving { name: Name { by: 7, number: 1 }, v, n: [Lead::Far(handle(0)); 4] }
+        Moving { name: Name { by: WorkerId::new(7), number: 1 }, v, n: [Lead::Far(handle(0)); 4] }
     };
     let adopted = |damage: &dyn Fn(&mut Moving)| {
         let (_, mut mesh) = submesh();

@@ -1,7 +1,7 @@
 //! Every tetrahedron is with the owner of its block, also beside a block that has moved away.
 
 use ltbw::mesh::{LocalMesh, Plan, PointQueue, gather};
-use ltbw::protocol::{Action, Config, Event, Message, Worker};
+use ltbw::protocol::{Action, BlockId, Config, Event, Message, Worker, WorkerId};
 use ltbw::{Builder, PointSet};
 use ltbw_generate::{PointKind, Random, generate};
 use std::collections::VecDeque;
@@ -14,13 +14,13 @@ const BURST: usize = 20;
 struct World {
     nodes: Vec<Node>,
     /// Sender, receiver, message, in the order in which they were sent.
-    under_way: VecDeque<(u32, u32, Message<LocalMesh>)>,
+    under_way: VecDeque<(WorkerId, WorkerId, Message<LocalMesh>)>,
 }
 
 impl World {
-    fn step(&mut self, worker: u32, event: Event<LocalMesh>) {
+    fn step(&mut self, worker: WorkerId, event: Event<LocalMesh>) {
         let mut out = Vec::new();
-        self.nodes[worker as usize].step(event, &mut out);
+        self.nodes[worker.index()].step(event, &mut out);
         for action in out {
             if let Action::Send { to, message } = action {
                 self.under_way.push_back((worker, to, message));
@@ -38,7 +38,7 @@ impl World {
     fn turn(&mut self) -> bool {
         for worker in 0..self.nodes.len() as u32 {
             for _ in 0..BURST {
-                self.step(worker, Event::Work);
+                self.step(WorkerId::new(worker), Event::Work);
             }
         }
         self.deliver();
@@ -66,8 +66,8 @@ fn tetrahedra_beside_blocks_that_have_moved_belong_to_them() {
             assert_eq!(misplaced, None, "worker {}, turn {turns}", node.id());
         }
         for _ in 0..4 {
-            let block = random.below(u64::from(48 * workers)) as u32;
-            let to = random.below(u64::from(workers)) as u32;
+            let block = BlockId::new(random.below(u64::from(48 * workers)) as u32);
+            let to = WorkerId::new(random.below(u64::from(workers)) as u32);
             let from = world.nodes[0].directory().owner(block);
             world.step(from, Event::Migrate { block, to });
         }

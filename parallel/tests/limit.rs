@@ -2,7 +2,7 @@
 //! runtime. It neither hangs nor touches a tetrahedron that is not there.
 
 use ltbw::mesh::{Ownership, Plan};
-use ltbw::protocol::{Config, SubmeshError};
+use ltbw::protocol::{Config, SubmeshError, WorkerId};
 use ltbw::simulate::{MeshError, Options, SimulationError, Storm, simulate_mesh};
 use ltbw::threads::{Parallel, RunError};
 use ltbw::{Builder, MeshHash, PointSet, WorkerError};
@@ -61,7 +61,7 @@ fn on_threads(kind: PointKind, count: usize, plan: Plan, distributed: bool) -> E
             worker,
             error: SubmeshError::NoRoom { limit },
         })) => {
-            assert!(worker < plan.workers && limit == plan.max_tets);
+            assert!(worker < WorkerId::new(plan.workers) && limit == plan.max_tets);
             End::NoRoom
         }
         Err(other) => panic!("{other}"),
@@ -112,7 +112,7 @@ fn simulated(kind: PointKind, plan: Plan, seed: u64, storm: Option<Storm>) -> En
             worker,
             error: SubmeshError::NoRoom { limit },
         }))) => {
-            assert!(worker < plan.workers && limit == plan.max_tets);
+            assert!(worker < WorkerId::new(plan.workers) && limit == plan.max_tets);
             End::NoRoom
         }
         Err(other) => panic!("{other}"),

@@ -3,7 +3,7 @@
 
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::{Ownership, Plan};
-use ltbw::protocol::{Config, Correct};
+use ltbw::protocol::{Config, Correct, WorkerId};
 use ltbw::refine::{Engine, InsertOrder, Refined, Refiner, Script};
 use ltbw::refining::{RefineError, rounds_on_threads, simulate_rounds};
 use ltbw::simulate::{Bursts, Network, Options, Storm};
@@ -151,7 +151,11 @@ fn moves_bursts_slow_and_many_processors_change_nothing() {
         (8, Ownership::Block, Options { storm, ..options(5_000) }),
         (8, Ownership::Block, options(50_000)),
         (4, Ownership::Creator, Options { balance: None, network: bursts, ..options(0) }),
-        (5, Ownership::Newest, Options { balance: None, slow: vec![(1, 30.0)], ..options(1_000) }),
+        (
+            5,
+            Ownership::Newest,
+            Options { balance: None, slow: vec![(WorkerId::new(1), 30.0)], ..options(1_000) },
+        ),
         // More workers than tetrahedra at the start of some.
         (300, Ownership::Newest, Options { balance: None, ..options(10_000) }),
     ];

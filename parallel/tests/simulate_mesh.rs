@@ -1,7 +1,7 @@
 //! The real mesh on simulated processors: always the sequential kernel's mesh.
 
 use ltbw::mesh::{Ownership, Plan};
-use ltbw::protocol::{Closure, Config, Rule};
+use ltbw::protocol::{Closure, Config, Rule, WorkerId};
 use ltbw::simulate::{
     Bursts, CostModel, Distribution, MeshError, Meshed, Network, Options, SimulationError, Storm,
     simulate_mesh,
@@ -67,7 +67,7 @@ fn case(seed: u64) -> (PointSet, Plan, Rule, Options) {
     };
     let options = Options {
         network,
-        slow: if k.is_multiple_of(6) { vec![(1, 100.0)] } else { Vec::new() },
+        slow: if k.is_multiple_of(6) { vec![(WorkerId::new(1), 100.0)] } else { Vec::new() },
         storm: k.is_multiple_of(3).then_some(Storm { every: 50_000 + latency / 10 }),
         ..options(seed)
     };

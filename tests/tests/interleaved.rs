@@ -3,7 +3,7 @@
 //! way. Every third run sends all messages through bytes.
 
 use ltbw::mesh::{Ownership, Plan};
-use ltbw::protocol::{Closure, Rule, SubmeshError};
+use ltbw::protocol::{Closure, Rule, SubmeshError, WorkerId};
 use ltbw::{Point, PointSet};
 use ltbw_generate::{PointKind, generate};
 use ltbw_tests::interleave::{Case, Chooser, Figures, Refusal, Tempo};
@@ -211,7 +211,7 @@ fn a_run_without_room_fails_and_says_why() {
         match case.play(&set, &mut Chooser::new(&[], seed)) {
             Ok(_) => whole += 1,
             Err(Refusal::Submesh(worker, SubmeshError::NoRoom { limit })) => {
-                assert!(worker < case.plan.workers && limit == max_tets);
+                assert!(worker < WorkerId::new(case.plan.workers) && limit == max_tets);
                 failed += 1;
             }
             Err(other) => panic!("{other}"),

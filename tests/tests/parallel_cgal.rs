@@ -7,7 +7,7 @@
 
 use ltbw::balance::Balance;
 use ltbw::mesh::{Ownership, Plan};
-use ltbw::protocol::{Closure, Config, Rule};
+use ltbw::protocol::{Closure, Config, Rule, WorkerId};
 use ltbw::simulate::{Distribution, MeshError, Network, Options, Storm, simulate_mesh};
 use ltbw::{BuildError, Mesh, PointSet};
 use ltbw_generate::Random;
@@ -53,7 +53,7 @@ fn simulated(case: &Case, set: &PointSet, random: &mut Random) -> Result<Mesh, B
     let options = Options {
         seed: random.bits(),
         network: Network { latency, distribution, ..Network::default() },
-        slow: case.slow.map(|w| (w as u32, 100.0)).into_iter().collect(),
+        slow: case.slow.map(|w| (WorkerId::at(w), 100.0)).into_iter().collect(),
         storm: (case.moves > 0).then_some(Storm { every: 20_000 + latency / 10 }),
         balance: Some(Balance::default()).filter(|_| case.plan.ownership == Ownership::Block),
         max_events: 1_000_000,

@@ -114,7 +114,7 @@ fn question<S: Submesh + Clone>(
 /// One turn: compares what it does with the tables, and notes it.
 fn observe<T: Start>(world: &mut World<T, Correct>, turn: Turn, seen: &mut Seen) {
     let me = turn.worker();
-    let before = world.workers[me as usize].clone();
+    let before = world.workers[me.index()].clone();
     let message = match turn {
         Turn::Deliver { from, to } => {
             world.channels.get(&(from, to)).and_then(|queue| queue.front()).cloned()
@@ -122,7 +122,7 @@ fn observe<T: Start>(world: &mut World<T, Correct>, turn: Turn, seen: &mut Seen)
         _ => None,
     };
     let actions = world.turn(turn).expect("the correct protocol breaks nothing");
-    let after = &world.workers[me as usize];
+    let after = &world.workers[me.index()];
     let sent: Vec<(WorkerId, &Message<T::Mesh<Correct>>)> = actions
         .iter()
         .filter_map(|action| match action {
@@ -259,7 +259,12 @@ fn forge<T: Start>(world: &World<T, Correct>, sample: &Mail<T>, seen: &mut Seen)
                     }
                     let mut copy = worker.clone();
                     let to = (role, worker.id());
-                    let asked = question(to, &state(role, &old), Some((0, &message)), true);
+                    let asked = question(
+                        to,
+                        &state(role, &old),
+                        Some((WorkerId::default(), &message)),
+                        true,
+                    );
                     let event = Event::Message { from: worker.id(), message };
                     let answered = quietly(|| copy.step(event, &mut Vec::new()));
                     assert!(answered.is_none(), "{pair:?}, attempt {attempt}: {old:?}");

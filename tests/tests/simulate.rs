@@ -44,15 +44,15 @@ impl Problem {
     ) -> Vec<Worker<Line, Queue, C>> {
         let cuts = Cuts { range: self.range, blocks: config.workers * per_worker };
         let owner = |b| if even || b >= cuts.blocks / 4 * 3 { b / per_worker } else { 0 };
-        let owners: Vec<WorkerId> = (0..cuts.blocks).map(owner).collect();
+        let owners: Vec<WorkerId> = (0..cuts.blocks).map(owner).map(WorkerId::new).collect();
         let start: Vec<i64> = self.start.iter().copied().collect();
         let worker = |me| {
-            let mine = |p: &&i64| owners[cuts.block(**p) as usize] == me;
+            let mine = |p: &&i64| owners[cuts.block(**p).index()] == me;
             let points: Vec<i64> = self.points.iter().filter(mine).copied().collect();
             let line = Line::new(me, cuts, &start, &owners);
             Worker::new(config, Directory::new(me, &owners), line, Queue::new(&points, cuts))
         };
-        (0..config.workers).map(worker).collect()
+        WorkerId::below(config.workers).map(worker).collect()
     }
 }
 
@@ -116,7 +116,7 @@ fn the_set_is_sorted_whatever_happens() {
         };
         let options = Options {
             network,
-            slow: if seed % 5 == 0 { vec![(1, 100.0)] } else { Vec::new() },
+            slow: if seed % 5 == 0 { vec![(WorkerId::new(1), 100.0)] } else { Vec::new() },
             storm: (seed % 2 == 0).then_some(Storm { every: 20_000 + latency / 10 }),
             ..options(seed)
         };
@@ -225,8 +225,8 @@ fn limits_are_errors() {
     let hasty = Options { patience: 10_000_000, network, ..options(1) };
     assert!(matches!(start(&hasty), Err(SimulationError::NoProgress { .. })));
     let senseless = [
-        Options { slow: vec![(8, 2.0)], ..options(1) },
-        Options { slow: vec![(0, f64::NAN)], ..options(1) },
+        Options { slow: vec![(WorkerId::new(8), 2.0)], ..options(1) },
+        Options { slow: vec![(WorkerId::default(), f64::NAN)], ..options(1) },
         Options { storm: Some(Storm { every: 0 }), ..options(1) },
         Options {
             network: Network { bursts: Some(Bursts { every: 5, length: 5 }), ..Network::default() },
@@ -239,7 +239,7 @@ fn limits_are_errors() {
     let mut shuffled = problem.workers::<Correct>(Config::new(3), 8, true);
     shuffled.swap(0, 1);
     let error = simulate(shuffled, &options(1)).map(|_| ()).unwrap_err();
-    assert_eq!(error, SimulationError::Workers { place: 0, id: 1 });
+    assert_eq!(error, SimulationError::Workers { place: 0, id: WorkerId::new(1) });
     let none = problem.workers::<Correct>(Config::new(3), 8, true).drain(..0).collect();
     assert!(matches!(simulate(none, &options(1)).map(|_| ()), Err(SimulationError::Options(_))));
 }

@@ -82,7 +82,6 @@ impl Ready {
             // Holes that are given say what is void.
             oriented: oriented && wishes.holes.is_none(),
             frame: wishes.frame,
-            ..PrepareOptions::default()
         })?;
         notes.extend(prepared.repairs.notes());
         let offset = prepared.lattice.offset();

@@ -38,7 +38,7 @@ fn rows(trace: &Trace, workers: usize, end: Nanos) -> Vec<String> {
     let width = (end as f64 / bins as f64).max(1.0);
     let mut shares = vec![[0.0; KINDS.len()]; bins * workers];
     for span in &trace.spans {
-        let (worker, kind) = (span.worker as usize, KINDS.iter().position(|&k| k == span.kind));
+        let (worker, kind) = (span.worker.index(), KINDS.iter().position(|&k| k == span.kind));
         let (Some(kind), true) = (kind, worker < workers) else { continue };
         let (begin, until) = (span.begin as f64 / width, span.end as f64 / width);
         // The conversions saturate.
@@ -59,16 +59,17 @@ fn rows(trace: &Trace, workers: usize, end: Nanos) -> Vec<String> {
 mod tests {
     use super::*;
     use ltbw::metrics::Span;
+    use ltbw::protocol::WorkerId;
 
     #[test]
     fn a_stretch_shows_what_took_most_of_it() {
         let span = |worker, begin, end, kind| Span { worker, begin, end, kind, ticket: None };
         let spans = vec![
-            span(0, 0, 2_000, SpanKind::Walk),
-            span(0, 2_000, 2_001, SpanKind::Poll),
-            span(0, 2_001, 4_000, SpanKind::Fill),
-            span(1, 1_000, 3_000, SpanKind::Idle),
-            span(7, 0, 1, SpanKind::Idle),
+            span(WorkerId::default(), 0, 2_000, SpanKind::Walk),
+            span(WorkerId::default(), 2_000, 2_001, SpanKind::Poll),
+            span(WorkerId::default(), 2_001, 4_000, SpanKind::Fill),
+            span(WorkerId::new(1), 1_000, 3_000, SpanKind::Idle),
+            span(WorkerId::new(7), 0, 1, SpanKind::Idle),
         ];
         let rows = rows(&Trace { spans, flows: Vec::new(), is_complete: true }, 2, 4_000);
         assert_eq!(rows[0], format!("{}f{}", "a".repeat(2_000), "c".repeat(1_999)));

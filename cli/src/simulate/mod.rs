@@ -16,7 +16,7 @@ use crate::streams::on_stdout;
 use ltbw::PointSet;
 use ltbw::build::Builder;
 use ltbw::mesh::{Ownership, Plan};
-use ltbw::protocol::{Closure, Config};
+use ltbw::protocol::{Closure, Config, WorkerId};
 use ltbw::simulate::{MeshError, Meshed, Network, Options, Storm, simulate_mesh};
 use ltbw_generate::generate;
 use report::{Report, Run};
@@ -152,7 +152,7 @@ fn options(args: &Simulate) -> Options {
             bursts: None,
         },
         poll_every: args.poll_every,
-        slow: args.slow.map(|factor| (0, factor)).into_iter().collect(),
+        slow: args.slow.map(|factor| (WorkerId::default(), factor)).into_iter().collect(),
         balance: default.balance.filter(|_| moves),
         storm: args.storm.map(|every| Storm { every }),
         spans: if args.trace.is_some() || args.page.is_some() { SPANS } else { 0 },

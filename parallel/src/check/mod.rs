@@ -141,7 +141,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
 
     /// Is a message of this kind under way to `to`?
     fn is_sent(&self, to: usize, kind: impl Fn(&Message<S>) -> bool) -> bool {
-        self.under_way.iter().any(|&(_, at, message)| at as usize == to && kind(message))
+        self.under_way.iter().any(|&(_, at, message)| at.index() == to && kind(message))
     }
 
     fn commits(&self, to: usize, holder: Option<Ticket>) -> bool {
@@ -232,7 +232,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
 
     /// Does the home still collect the attempt of this request?
     fn is_collecting(&self, ticket: Ticket, request: &Request<S>) -> bool {
-        let home = self.workers.get(request.home as usize);
+        let home = self.workers.get(request.home.index());
         let op = home.and_then(|home| home.operations.all.get(&ticket));
         op.is_some_and(|op| op.phase == Phase::Expanding && op.attempt == request.attempt)
     }
@@ -330,7 +330,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
         }
         for (w, worker) in self.workers.iter().enumerate() {
             for (&ticket, request) in &worker.locks.requests {
-                require(Invariant::P8, self.has_cause(w as WorkerId, ticket, request), || {
+                require(Invariant::P8, self.has_cause(WorkerId::at(w), ticket, request), || {
                     format!("worker {w}: {ticket:?} has a request without a cause")
                 })?;
             }
@@ -365,7 +365,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
                 _ => {}
             }
         }
-        let home = self.workers.get(request.home as usize);
+        let home = self.workers.get(request.home.index());
         let op = home.and_then(|home| home.operations.all.get(&ticket));
         ends || op.is_some_and(|op| {
             op.phase == Phase::Expanding

@@ -148,6 +148,7 @@ fn majority(a: BlockId, b: BlockId, c: BlockId, d: BlockId) -> BlockId {
 mod tests {
     use super::super::name::made;
     use super::*;
+    use crate::protocol::WorkerId;
     use ltbw_core::order::hilbert;
     use ltbw_core::submesh::MeshParams;
     use ltbw_exact::Mode;
@@ -157,24 +158,28 @@ mod tests {
     fn blocks_are_ranges_and_majorities() {
         let blocks = Blocks::even(10, 4);
         assert_eq!(blocks.len(), 4);
-        let of: Vec<u32> = (1..=10).map(|v| blocks.of_vertex(v)).collect();
+        let of: Vec<u32> = (1..=10).map(|v| blocks.of_vertex(v).number()).collect();
         assert_eq!(of, [0, 0, 1, 1, 1, 2, 2, 3, 3, 3]);
         for (v, &block) in (1..).zip(&of) {
-            assert!(blocks.vertices(block).contains(&v));
+            assert!(blocks.vertices(BlockId::new(block)).contains(&v));
         }
-        assert_eq!(blocks.of_tet([1, 4, 5, 9]), 1);
-        assert_eq!(blocks.of_tet([9, 8, 1, 2]), 0, "two and two: the smaller block");
-        assert_eq!(blocks.of_tet([9, 1, 4, 6]), 0, "four different ones");
-        assert_eq!(blocks.of_tet([9, 8, 1, INFINITE]), 3);
+        assert_eq!(blocks.of_tet([1, 4, 5, 9]), BlockId::new(1));
+        assert_eq!(
+            blocks.of_tet([9, 8, 1, 2]),
+            BlockId::default(),
+            "two and two: the smaller block"
+        );
+        assert_eq!(blocks.of_tet([9, 1, 4, 6]), BlockId::default(), "four different ones");
+        assert_eq!(blocks.of_tet([9, 8, 1, INFINITE]), BlockId::new(3));
     }
 
     #[test]
     fn the_majority_of_four_is_that_of_the_definition() {
         for n in 0..256 {
-            let blocks = [0, 2, 4, 6].map(|shift| n >> shift & 3);
-            let count = |block: u32| blocks.iter().filter(|&&other| other == block).count();
+            let blocks = [0, 2, 4, 6].map(|shift| BlockId::new(n >> shift & 3));
+            let count = |block: BlockId| blocks.iter().filter(|&&other| other == block).count();
             let [a, b, c, d] = blocks;
-            let expected = (0..4).min_by_key(|&block| (4 - count(block), block));
+            let expected = BlockId::below(4).min_by_key(|&block| (4 - count(block), block));
             assert_eq!(Some(majority(a, b, c, d)), expected, "{blocks:?}");
         }
     }
@@ -202,11 +207,11 @@ mod tests {
         for count in [1, 2, 7, 64, 3000] {
             let blocks = Blocks::even(3000, count).along(curve(), &sorted);
             for (place, p) in (1u32..).zip(&sorted) {
-                let made = blocks.of_name(made(0, place), p);
+                let made = blocks.of_name(made(WorkerId::default(), place), p);
                 assert_eq!(made, blocks.of_name(place.into(), p), "{place} of {count}");
             }
             for outside in [[-9.0; 3], [9.0; 3]] {
-                assert!(blocks.of_point(&outside) < count);
+                assert!(blocks.of_point(&outside) < BlockId::new(count));
             }
         }
     }
@@ -217,6 +222,6 @@ mod tests {
         for v in 1..=3 {
             assert!(blocks.vertices(blocks.of_vertex(v)).contains(&v));
         }
-        assert_eq!((0..8).map(|b| blocks.vertices(b).len()).sum::<usize>(), 3);
+        assert_eq!(BlockId::below(8).map(|b| blocks.vertices(b).len()).sum::<usize>(), 3);
     }
 }

@@ -274,16 +274,16 @@ mod tests {
         });
         let wall = |v| Wall {
             v,
-            block: 0,
-            owner: 0,
+            block: BlockId::default(),
+            owner: WorkerId::default(),
             patch: 0,
             index: 0,
             name: None,
             beside: [FaceId::default(); 4],
-            worker: 0,
+            worker: WorkerId::default(),
             at: At::Tet(0),
             slot: 0,
-            ring_block: 0,
+            ring_block: BlockId::default(),
             ring_name: None,
         };
         faces.map(wall).collect()

@@ -25,7 +25,7 @@ pub enum GatherError {
     #[error("worker {worker}: no worker has tetrahedron {name:?} beyond an interface face")]
     Dangling {
         /// The worker that has the face.
-        worker: u32,
+        worker: WorkerId,
         /// The name it leads to.
         name: Name,
     },

@@ -96,12 +96,15 @@ struct Fixed {
 impl Fixed {
     /// The block that all of `worker` belongs to.
     fn block_of(self, worker: WorkerId) -> BlockId {
-        BlockId::new(worker * self.each)
+        BlockId::new(worker.number() * self.each)
     }
 
     /// The owner of the star of a point of block `block` that `home` inserts.
     fn owner_of_new(self, block: BlockId, home: WorkerId) -> WorkerId {
-        if self.ownership == Ownership::Creator { home } else { block.number() / self.each }
+        match self.ownership {
+            Ownership::Creator => home,
+            _ => WorkerId::new(block.number() / self.each),
+        }
     }
 }
 

@@ -12,7 +12,7 @@ pub(super) const NOWHERE: VertexName = 0;
 
 /// The name of the vertex that worker `by` makes as its `count`-th.
 pub fn made(by: WorkerId, count: u32) -> VertexName {
-    (u64::from(by) + 1) << 32 | u64::from(count)
+    (u64::from(by.number()) + 1) << 32 | u64::from(count)
 }
 
 /// The place along the curve of a vertex that was given.

@@ -90,12 +90,12 @@ fn near(mesh: &Tets, vertices: Option<&Vertices>, face: FaceId) -> Link {
 mod tests {
     use super::*;
     use crate::mesh::{Plan, WireVertex};
-    use crate::protocol::{Found, Name, Neighbour, Source, Submesh, Walk};
+    use crate::protocol::{Found, Name, Neighbour, Source, Submesh, Walk, WorkerId};
     use ltbw_exact::PointSet;
     use ltbw_generate::{PointKind, generate};
 
-    const MINE: Ticket = Ticket { clock: 1, worker: 0, sequence: 1 };
-    const OTHER: Ticket = Ticket { clock: 0, worker: 1, sequence: 1 };
+    const MINE: Ticket = Ticket { clock: 1, worker: WorkerId::new(0), sequence: 1 };
+    const OTHER: Ticket = Ticket { clock: 0, worker: WorkerId::new(1), sequence: 1 };
 
     /// All that was locked, the far neighbours, and what is said of it, in an order of their own.
     #[derive(Debug, Default, PartialEq)]

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// The creator in the names of the coarse mesh: no worker has this number.
-const COARSE: WorkerId = WorkerId::MAX;
+const COARSE: WorkerId = WorkerId::new(u32::MAX);
 
 /// The rule that says who owns a new tetrahedron.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -167,7 +167,7 @@ impl Plan {
         let blocks = Blocks::even(points.len() as u32, self.workers * self.blocks_per_worker)
             .along(Curve::of_box(low, high), &points);
         let owners: Vec<WorkerId> =
-            (0..blocks.len() as u32).map(|block| block / self.blocks_per_worker).collect();
+            BlockId::below(blocks.len() as u32).map(|block| self.owner_of(block)).collect();
         // The one is sequential, the other mostly waits for memory.
         let (coarse, mut workers) = rayon::join(
             || coarse_mesh(&points, &sample, whole),
@@ -185,8 +185,9 @@ impl Plan {
         }
         let workers = workers
             .into_par_iter()
-            .zip(0..self.workers)
-            .map(|(mesh, me)| {
+            .enumerate()
+            .map(|(me, mesh)| {
+                let me = WorkerId::at(me);
                 let range = self.range(me, &blocks);
                 let ranks = [range.start, range.end]
                     .map(|v| sample.partition_point(|&rank| rank < v.saturating_sub(1)));
@@ -225,7 +226,7 @@ impl Plan {
         vertices: u32,
     ) -> Vec<Range<VertexId>> {
         let block = |k: u32| blocks.of_vertex(1 + sample[k as usize]);
-        let owner = |k: u32| block(k).number() / self.blocks_per_worker;
+        let owner = |k: u32| self.owner_of(block(k));
         let mut at_interface = vec![false; sample.len()];
         for (_, tet) in coarse.topology().iter() {
             let numbers = tet.vertices().map(|v| coarse.number(v));
@@ -255,6 +256,7 @@ impl Plan {
     /// A submesh for each worker, without tetrahedra, with the points of its range.
     fn submeshes(&self, params: &MeshParams, blocks: &Blocks, points: &[Point]) -> Vec<LocalMesh> {
         let submesh = |me| {
+            let me = WorkerId::new(me);
             let range = self.range(me, blocks);
             let mut mesh = LocalMesh::new(me, params, blocks.clone(), range.clone());
             if self.ownership != Ownership::Block {
@@ -263,7 +265,7 @@ impl Plan {
             }
             if self.reserve {
                 // The first one receives all others in the end.
-                let share = if me == 0 { points.len() } else { range.len() };
+                let share = if me == WorkerId::default() { points.len() } else { range.len() };
                 mesh.tets.reserve(7 * share + share / 4 + 1024);
             }
             mesh.tets.set_points(1, &points[range.start as usize - 1..][..range.len()]);
@@ -272,10 +274,15 @@ impl Plan {
         (0..self.workers).into_par_iter().map(submesh).collect()
     }
 
+    /// The owner of a block at the start.
+    fn owner_of(&self, block: BlockId) -> WorkerId {
+        WorkerId::new(block.number() / self.blocks_per_worker)
+    }
+
     /// The vertices of a worker at the start.
     fn range(&self, me: WorkerId, blocks: &Blocks) -> Range<VertexId> {
         let block = |number: u32| blocks.vertices(BlockId::new(number));
-        let first = me * self.blocks_per_worker;
+        let first = me.number() * self.blocks_per_worker;
         block(first).start..block(first + self.blocks_per_worker - 1).end
     }
 }
@@ -341,15 +348,14 @@ fn distribute(
     let corners = |t: TetId| topology.get(t).map(|tet| tet.vertices().map(vertex));
     let tets: Vec<TetId> = topology.iter().map(|(t, _)| t).collect();
     // By coarse tetrahedron: its block, its owner and its handle there.
-    let mut place: Vec<(BlockId, WorkerId, TetId)> =
-        vec![(BlockId::default(), 0, 0); topology.slots()];
+    let mut place: Vec<(BlockId, WorkerId, TetId)> = vec![<_>::default(); topology.slots()];
     let block_of = |&t: &TetId| corners(t).map_or(BlockId::default(), |v| blocks.of_tet(v));
     let block_of_each: Vec<BlockId> = tets.par_iter().map(block_of).collect();
     let mut theirs: Vec<Vec<TetId>> = vec![Vec::new(); workers.len()];
     for (&t, block) in tets.iter().zip(block_of_each) {
         let owner = owners[block.index()];
         place[t as usize] = (block, owner, 0);
-        theirs[owner as usize].push(t);
+        theirs[owner.index()].push(t);
     }
     let create = |(mesh, tets): (&mut LocalMesh, &Vec<TetId>)| {
         let mut made = Vec::with_capacity(tets.len());

@@ -102,8 +102,13 @@ impl Vertices {
 
 #[cfg(test)]
 mod tests {
-    use super::super::name::{given, made};
+    use super::super::name::{self, given};
     use super::*;
+    use crate::protocol::WorkerId;
+
+    fn made(by: u32, count: u32) -> VertexName {
+        name::made(WorkerId::new(by), count)
+    }
 
     #[test]
     fn names_and_numbers_are_inverse() {
@@ -118,7 +123,7 @@ mod tests {
         for v in 0..vertices.next() {
             assert_eq!(vertices.number(vertices.name(v)), Some(v));
         }
-        let blocks: Vec<BlockId> = (1..33).map(|v| vertices.block(v)).collect();
+        let blocks: Vec<u32> = (1..33).map(|v| vertices.block(v).number()).collect();
         assert_eq!(blocks[..27], [[1; 25].as_slice(), &[2, 0]].concat());
         assert_eq!((vertices.numbers_of(30..41), given(made(0, 7))), (5..16, None));
     }

@@ -69,10 +69,10 @@ mod tests {
 
     #[test]
     fn the_nth_message_sent_is_the_nth_taken_and_one_without_an_end_is_left_out() {
-        let ticket = |sequence| Ticket { clock: 1, worker: 0, sequence };
+        let ticket = |sequence| Ticket { clock: 1, worker: WorkerId::default(), sequence };
         let port = |kind, sequence, begin| Port {
-            from: 0,
-            to: 1,
+            from: WorkerId::default(),
+            to: WorkerId::new(1),
             kind,
             about: (ticket(sequence), 0),
             step: (begin, begin + 10),

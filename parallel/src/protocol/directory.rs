@@ -24,6 +24,11 @@ macro_rules! ids {
                 Self(index as u32)
             }
 
+            /// Those with the numbers below `end`.
+            pub fn below(end: u32) -> impl DoubleEndedIterator<Item = Self> + ExactSizeIterator {
+                (0..end).map(Self)
+            }
+
             /// Its number.
             #[inline]
             pub const fn number(self) -> u32 {
@@ -53,12 +58,11 @@ macro_rules! ids {
 }
 
 ids! {
+    /// Number of a worker.
+    WorkerId,
     /// Number of a block.
     BlockId
 }
-
-/// Number of a worker.
-pub type WorkerId = u32;
 
 /// One worker's view: right for the blocks it owns, and for others as of the last news. A block
 /// that it gave away points to the receiver: messages that still arrive are sent after it.
@@ -83,7 +87,7 @@ impl Directory {
 
     /// All blocks.
     pub fn blocks(&self) -> impl DoubleEndedIterator<Item = BlockId> + ExactSizeIterator {
-        (0..self.owners.len() as u32).map(BlockId::new)
+        BlockId::below(self.owners.len() as u32)
     }
 
     /// The owner of `block`, as far as known.

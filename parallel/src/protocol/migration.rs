@@ -26,7 +26,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
 
     /// Gives `block` to worker `to`, if that is allowed now.
     pub(super) fn migrate(&mut self, block: BlockId, to: WorkerId, out: &mut Vec<Action<S>>) {
-        if to == self.id() || to >= self.config.workers || !self.can_migrate(block) {
+        if to == self.id() || to.number() >= self.config.workers || !self.can_migrate(block) {
             return;
         }
         let cargo = self.take_out(block);

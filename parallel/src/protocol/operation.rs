@@ -93,7 +93,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             }
             Walk::NoTets => {
                 let ticket = ticket.unwrap_or_else(|| self.ticket());
-                let next = (self.id() + 1) % self.config.workers;
+                let next = WorkerId::new((self.id().number() + 1) % self.config.workers);
                 self.source.let_go(&point);
                 self.send(next, Message::Walk { ticket, attempt, point, at: None }, out);
             }

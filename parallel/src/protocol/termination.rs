@@ -41,7 +41,7 @@ pub(crate) enum Pass {
 impl Safra {
     pub(crate) fn new(me: WorkerId, workers: u32) -> Self {
         // The first token is black: it proves nothing, but starts a round.
-        let token = (me == 0).then_some(Token { count: 0, black: true });
+        let token = (me == WorkerId::default()).then_some(Token { count: 0, black: true });
         Self { me, workers, count: 0, black: false, token }
     }
 
@@ -77,15 +77,15 @@ impl Safra {
     /// Called when the worker is passive.
     pub(crate) fn pass(&mut self) -> Pass {
         let Some(token) = self.token.take() else { return Pass::Nothing };
-        if self.me == 0 {
+        if self.me == WorkerId::default() {
             if !token.black && !self.black && token.count + self.count == 0 || self.workers == 1 {
                 return Pass::Terminated;
             }
             self.black = false;
-            return Pass::On(self.workers - 1, Token { count: 0, black: false });
+            return Pass::On(WorkerId::new(self.workers - 1), Token { count: 0, black: false });
         }
         let on = Token { count: token.count + self.count, black: token.black || self.black };
         self.black = false;
-        Pass::On(self.me - 1, on)
+        Pass::On(WorkerId::new(self.me.number() - 1), on)
     }
 }

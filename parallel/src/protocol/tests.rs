@@ -3,12 +3,12 @@
 
 use super::state::{Operation, Phase, Request, Want};
 use super::table::Table;
-use super::{Handle, Name};
+use super::{BlockId, Handle, Name, WorkerId};
 #[cfg(test)] // the protocol knows no mesh
 use crate::mesh::{LocalMesh, WireVertex};
 
-const NAME: Name = Name { by: 1, number: 2 };
-const HANDLE: Handle = Handle { name: NAME, block: 3, face: 1 };
+const NAME: Name = Name { by: WorkerId::new(1), number: 2 };
+const HANDLE: Handle = Handle { name: NAME, block: BlockId::new(3), face: 1 };
 
 fn site(vertex: u32) -> WireVertex {
     WireVertex::new(vertex, [1.0, 2.0, 3.0])
@@ -26,9 +26,9 @@ fn a_reused_operation_equals_a_new_one() {
         point: site(5),
         attempt: 7,
         phase: Phase::Releasing(3),
-        asked: table(4, 5),
-        whereabouts: table(NAME, 6),
-        parts: table(3, Vec::new()),
+        asked: table(WorkerId::new(4), 5),
+        whereabouts: table(NAME, WorkerId::new(6)),
+        parts: table(WorkerId::new(3), Vec::new()),
         around: vec![8],
     };
     let reused = Box::new(used).renew(site(1), 1, Phase::Expanding);
@@ -39,7 +39,7 @@ fn a_reused_operation_equals_a_new_one() {
 #[test]
 fn a_reused_request_equals_a_new_one() {
     let used = Request::<LocalMesh> {
-        home: 1,
+        home: WorkerId::new(1),
         attempt: 2,
         point: site(3),
         wants: vec![Want::Seed(HANDLE)],
@@ -53,7 +53,7 @@ fn a_reused_request_equals_a_new_one() {
         stalled: true,
         wounded: true,
     };
-    let reused = Box::new(used).renew(9, 8, site(1));
-    let new = Request::<LocalMesh>::new(9, 8, site(1));
+    let reused = Box::new(used).renew(WorkerId::new(9), 8, site(1));
+    let new = Request::<LocalMesh>::new(WorkerId::new(9), 8, site(1));
     assert_eq!(format!("{reused:?}"), format!("{new:?}"));
 }

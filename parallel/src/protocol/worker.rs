@@ -314,7 +314,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
                 Pass::On(to, token) => self.send(to, Message::Token(token), out),
                 Pass::Terminated => {
                     let me = self.id();
-                    for to in (0..self.config.workers).filter(|&w| w != me) {
+                    for to in WorkerId::below(self.config.workers).filter(|&w| w != me) {
                         self.send(to, Message::Stop, out);
                     }
                     self.stop(out);

@@ -250,7 +250,7 @@ impl<C: Rules> Crew<C> {
         let owners = 0..plan.workers * plan.blocks_per_worker;
         let mut crew = Self {
             config: Config { workers: plan.workers, ..config },
-            owners: owners.map(|block| block / plan.blocks_per_worker).collect(),
+            owners: owners.map(|block| WorkerId::new(block / plan.blocks_per_worker)).collect(),
             made: vec![0; workers.len()],
             workers: Vec::new(),
             names,
@@ -285,16 +285,17 @@ impl<C: Rules> Crew<C> {
             };
             let home = place.map_or(k % self.workers.len(), |(home, _)| home);
             self.made[home] += 1;
-            let name = made(home as WorkerId, self.made[home]);
+            let name = made(WorkerId::at(home), self.made[home]);
             self.names.insert(bits(&chosen.point), name);
             let (mesh, source) = &mut self.workers[home];
             source.take(mesh, WireVertex::new(name, chosen.point), place.map(|(_, t)| t));
         }
         let Self { config, owners, .. } = self;
-        let node = |(me, (mesh, source)): (WorkerId, _)| {
+        let node = |(me, (mesh, source))| {
+            let me = WorkerId::at(me);
             Worker::new(*config, Directory::new(me, owners), mesh, source)
         };
-        Ok((0..).zip(self.workers.drain(..)).map(node).collect())
+        Ok(self.workers.drain(..).enumerate().map(node).collect())
     }
 
     /// Takes back the workers of a run that has ended: all points are in, and nothing is locked.

@@ -48,7 +48,7 @@ where
     C: Rules,
 {
     options.check(workers.len())?;
-    if let Some((place, worker)) = workers.iter().enumerate().find(|(k, w)| w.id() as usize != *k) {
+    if let Some((place, worker)) = workers.iter().enumerate().find(|(k, w)| w.id().index() != *k) {
         return Err(SimulationError::Workers { place, id: worker.id() });
     }
     let mut engine = Engine::new(workers, options);
@@ -177,7 +177,7 @@ where
             history: History::default(),
         };
         engine.failed = engine.processors.iter().find_map(|p| failure_of(&p.worker));
-        for id in 0..count as WorkerId {
+        for id in WorkerId::below(count as u32) {
             engine.at(0, What::Free(id));
         }
         if let Some(time) = options.cancel {
@@ -264,7 +264,7 @@ where
     fn happen(&mut self, what: What<S>) {
         match what {
             What::Arrive(to, envelope) => {
-                let processor = &mut self.processors[to as usize];
+                let processor = &mut self.processors[to.index()];
                 // A worker that has stopped has nothing to give.
                 if envelope.message.is_some() || !processor.worker.is_stopped() {
                     processor.inbox.push_back(envelope);
@@ -272,20 +272,20 @@ where
                 }
             }
             What::Free(id) => {
-                self.processors[id as usize].is_busy = false;
+                self.processors[id.index()].is_busy = false;
                 self.wake(id);
             }
             What::Retry(id, ticket) => {
-                self.processors[id as usize].retries.push_back(ticket);
+                self.processors[id.index()].retries.push_back(ticket);
                 self.wake(id);
             }
             What::Ask(id) => {
-                self.processors[id as usize].asking = Asking::Now;
+                self.processors[id.index()].asking = Asking::Now;
                 self.wake(id);
             }
             What::Cancel => {
-                for id in 0..self.processors.len() as WorkerId {
-                    self.processors[id as usize].orders.push_back(Event::Cancel);
+                for id in WorkerId::below(self.processors.len() as u32) {
+                    self.processors[id.index()].orders.push_back(Event::Cancel);
                     self.wake(id);
                 }
             }
@@ -295,7 +295,7 @@ where
 
     /// A processor that is not busy takes up what there is to do.
     fn wake(&mut self, id: WorkerId) {
-        let processor = &mut self.processors[id as usize];
+        let processor = &mut self.processors[id.index()];
         if processor.is_busy {
             return;
         }
@@ -314,7 +314,7 @@ where
 
     /// A look for messages; returns when it ends.
     fn poll(&mut self, id: WorkerId, useful: bool) -> Nanos {
-        let processor = &mut self.processors[id as usize];
+        let processor = &mut self.processors[id.index()];
         let end = self.now + processor.time(self.options.costs.poll);
         processor.collector.poll(self.now, end, useful);
         end
@@ -323,7 +323,7 @@ where
     /// Takes a message out of the inbox.
     fn take(&mut self, id: WorkerId, envelope: Envelope<S>) {
         let begin = self.poll(id, true);
-        let processor = &mut self.processors[id as usize];
+        let processor = &mut self.processors[id.index()];
         let receiving = processor.time(self.options.costs.receiving(envelope.bytes));
         let from = envelope.from;
         if let Some(balancer) = &mut processor.balancer {
@@ -345,7 +345,7 @@ where
     fn step(&mut self, id: WorkerId, event: Event<S>, begin: Nanos, receiving: Nanos) {
         let mut actions = std::mem::take(&mut self.actions);
         let cause = Cause::of(&event);
-        let processor = &mut self.processors[id as usize];
+        let processor = &mut self.processors[id.index()];
         // A worker that has panicked is not looked at again: the run ends.
         let step = AssertUnwindSafe(|| processor.worker.step(event, &mut actions));
         if let Err(panic) = catch_unwind(step) {
@@ -380,7 +380,7 @@ where
             match action {
                 Action::Send { to, message } => {
                     let bytes = bytes::<S>(&message);
-                    let processor = &self.processors[id as usize];
+                    let processor = &self.processors[id.index()];
                     time += processor.time(self.options.costs.sending(bytes));
                     let envelope = Envelope { from: id, load, bytes, message: Some(message) };
                     let arrival = self.wires.arrival((id, to), time, bytes);
@@ -413,7 +413,7 @@ where
 
     /// Sees to it that a worker with few points left asks for more.
     fn watch(&mut self, id: WorkerId) {
-        let processor = &mut self.processors[id as usize];
+        let processor = &mut self.processors[id.index()];
         let load = processor.worker.source().left();
         let Some(balancer) = processor.balancer.as_mut() else { return };
         if !balancer.is_low(load) || processor.asking != Asking::No || processor.worker.is_stopped()
@@ -428,14 +428,14 @@ where
     /// A worker with few points left asks for more.
     fn ask(&mut self, id: WorkerId) {
         let begin = self.poll(id, false);
-        let processor = &mut self.processors[id as usize];
+        let processor = &mut self.processors[id.index()];
         let load = processor.worker.source().left();
         let whom = processor.balancer.as_mut().map_or(Vec::new(), |b| b.ask(load));
         let mut end = begin.max(self.now + 1);
         let sending = processor.time(self.options.costs.sending(LOAD_BYTES));
         for to in whom {
             end += sending;
-            self.processors[id as usize].collector.sent("load", LOAD_BYTES);
+            self.processors[id.index()].collector.sent("load", LOAD_BYTES);
             let envelope = Envelope { from: id, load, bytes: LOAD_BYTES, message: None };
             let arrival = self.wires.arrival((id, to), end, LOAD_BYTES);
             self.at(arrival, What::Arrive(to, envelope));
@@ -445,7 +445,7 @@ where
 
     /// The processor is busy with loads.
     fn occupy(&mut self, id: WorkerId, begin: Nanos, end: Nanos) {
-        let processor = &mut self.processors[id as usize];
+        let processor = &mut self.processors[id.index()];
         processor.collector.control(begin, end);
         processor.is_busy = true;
         self.at(end, What::Free(id));
@@ -460,7 +460,7 @@ where
         self.at(self.now + storm.every, What::Storm);
         let count = self.processors.len() as u64;
         let from = self.random.below(count);
-        let to = ((from + 1 + self.random.below(count - 1)) % count) as WorkerId;
+        let to = WorkerId::at(((from + 1 + self.random.below(count - 1)) % count) as usize);
         let directory = self.processors[from as usize].worker.directory();
         if self.processors[from as usize].worker.is_stopped() {
             return;
@@ -471,7 +471,7 @@ where
         }
         let block = mine[self.random.below(mine.len() as u64) as usize];
         self.processors[from as usize].orders.push_back(Event::Migrate { block, to });
-        self.wake(from as WorkerId);
+        self.wake(WorkerId::at(from as usize));
     }
 
     fn finish(self) -> Result<Simulation<S, Q, C>, SimulationError> {

@@ -141,10 +141,12 @@ pub fn simulate_as<C: Rules>(
 mod tests {
     use super::*;
     use crate::mesh::made;
+    use crate::protocol::WorkerId;
 
     #[test]
     fn the_name_of_a_vertex_that_was_made_is_longer() {
-        let vertices = [WireVertex::new(7u32, [0.5; 3]), WireVertex::new(made(3, 7), [0.5; 3])];
+        let vertices =
+            [WireVertex::new(7u32, [0.5; 3]), WireVertex::new(made(WorkerId::new(3), 7), [0.5; 3])];
         assert_eq!(vertices.map(|v| LocalMesh::point_bytes(&v)), [28, 32]);
         let patch = |site| Patch { sites: vec![site], ..Patch::default() };
         assert_eq!(vertices.map(|v| LocalMesh::patch_bytes(&patch(v))), [44, 48]);

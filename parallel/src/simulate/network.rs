@@ -147,7 +147,7 @@ impl Wires {
         time: Nanos,
         bytes: u64,
     ) -> Nanos {
-        let link = &mut self.link[from as usize];
+        let link = &mut self.link[from.index()];
         *link = (*link).max(time) + (bytes as f64 * self.network.byte) as Nanos;
         let latency = self.network.distribution.sample(self.network.latency, &mut self.random);
         let mut arrival = link.saturating_add(latency);
@@ -155,7 +155,7 @@ impl Wires {
             let into = arrival % bursts.every;
             arrival += bursts.length.saturating_sub(into);
         }
-        let last = &mut self.last[from as usize * self.processors + to as usize];
+        let last = &mut self.last[from.index() * self.processors + to.index()];
         *last = arrival.max(*last);
         *last
     }
@@ -195,7 +195,8 @@ mod tests {
         let mut overtaken = 0;
         let mut last = [0; 3];
         for time in 0..1000 {
-            let [a, b] = [1, 2].map(|to| wires.arrival((0, to), time * 100, 10));
+            let [a, b] = [1, 2]
+                .map(|to| wires.arrival((WorkerId::default(), WorkerId::new(to)), time * 100, 10));
             assert!(a >= last[1] && b >= last[2]);
             overtaken += usize::from(b < a);
             last = [0, a, b];
@@ -208,7 +209,8 @@ mod tests {
         let bursts = Some(Bursts { every: 1000, length: 300 });
         let network = Network { latency: 10, byte: 0.0, bursts, ..Network::default() };
         let mut wires = Wires::new(network, 2, 1);
-        let arrivals = [0, 100, 289, 290, 995, 1500].map(|t| wires.arrival((0, 1), t, 8));
+        let arrivals = [0, 100, 289, 290, 995, 1500]
+            .map(|t| wires.arrival((WorkerId::default(), WorkerId::new(1)), t, 8));
         assert_eq!(arrivals, [300, 300, 300, 300, 1300, 1510]);
     }
 
@@ -216,9 +218,9 @@ mod tests {
     fn links_send_one_message_after_the_other() {
         let network = Network { latency: 10, byte: 1.0, ..Network::default() };
         let mut wires = Wires::new(network, 3, 1);
-        assert_eq!(wires.arrival((0, 1), 0, 100), 110);
-        assert_eq!(wires.arrival((0, 2), 50, 100), 210);
-        assert_eq!(wires.arrival((0, 2), 500, 100), 610);
+        assert_eq!(wires.arrival((WorkerId::default(), WorkerId::new(1)), 0, 100), 110);
+        assert_eq!(wires.arrival((WorkerId::default(), WorkerId::new(2)), 50, 100), 210);
+        assert_eq!(wires.arrival((WorkerId::default(), WorkerId::new(2)), 500, 100), 610);
     }
 
     use super::super::network::Bursts;

@@ -101,7 +101,7 @@ impl Options {
                 "a processor's slowness must lie from 0.001 to 10^6",
             ),
             (
-                self.slow.iter().all(|&(w, _)| (w as usize) < workers),
+                self.slow.iter().all(|&(w, _)| w.index() < workers),
                 "a slow processor must be one of the processors",
             ),
         ];

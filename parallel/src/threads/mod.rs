@@ -449,7 +449,8 @@ where
     });
     let mut ends = Vec::with_capacity(results.len());
     let (mut panics, mut errors) = (Vec::new(), Vec::new());
-    for (worker, result) in (0..).zip(results) {
+    for (worker, result) in results.into_iter().enumerate() {
+        let worker = WorkerId::at(worker);
         match result {
             Ok(Ok(Ended { node, watch, .. })) => ends.push((node, watch)),
             Ok(Err(Broken::Here(error))) => errors.push(WorkerError::Submesh { worker, error }),

@@ -159,13 +159,14 @@ fn a_worker_that_fails_ends_the_run_by_name() {
         let nodes = nodes(&set, 3);
         let clock = Instant::now();
         let watch = |id| {
-            let steps = if id == victim { 100 } else { u32::MAX };
+            let steps = if id == WorkerId::new(victim) { 100 } else { u32::MAX };
             Bomb::new(kernel.watch(id, clock), steps, Duration::from_secs(60))
         };
         let ways = connect(3).into_iter();
         let ways = ways.map(|way| Delayed::new(way, kernel.latency)).collect();
         let error = run_all(kernel.loops(nodes, ways, watch), &silent()).map(drop);
-        let said = WorkerError::Failed { worker: victim, message: "planted".to_string() };
+        let said =
+            WorkerError::Failed { worker: WorkerId::new(victim), message: "planted".to_string() };
         assert_eq!(error, Err(said.into()));
     }
 }

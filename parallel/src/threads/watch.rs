@@ -68,7 +68,7 @@ impl<'a> ThreadWatch<'a> {
             last: 0,
             cause: Cause::Work,
         });
-        let random = 0x9e37_79b9_7f4a_7c15 ^ u64::from(worker) << 32 | 1;
+        let random = 0x9e37_79b9_7f4a_7c15 ^ u64::from(worker.number()) << 32 | 1;
         let stats = WorkerStats::default();
         let looks = if crowded { 0 } else { LOOKS };
         let (tally, untold) = (None, 0);

@@ -15,14 +15,14 @@ impl World {
             assert_eq!(misplaced, None, "a tetrahedron of another worker:\n{}", self.describe());
         }
         assert!(self.channels.is_empty() && self.backoff.is_empty());
-        for block in 0..self.nodes[0].directory().blocks() {
+        for block in self.nodes[0].directory().blocks() {
             let owners = self.nodes.iter().filter(|node| node.directory().is_mine(block)).count();
             assert_eq!(owners, 1, "owners of block {block}:\n{}", self.describe());
             for node in &self.nodes {
                 let mut at = node.directory();
                 // News are newer at each step of the way: no worker is passed twice.
                 for _ in 0..self.nodes.len() {
-                    at = self.nodes[at.owner(block) as usize].directory();
+                    at = self.nodes[at.owner(block).index()].directory();
                 }
                 assert!(at.is_mine(block), "worker {} loses block {block}", node.id());
             }

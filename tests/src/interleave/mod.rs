@@ -12,7 +12,8 @@ use crate::families::Rng;
 use ltbw::check::{Between, History};
 use ltbw::mesh::{Gathered, LocalMesh, Plan, PointQueue};
 use ltbw::protocol::{
-    Action, Closure, Config, Event, Message, Note, Rule, Source, SubmeshError, Worker,
+    Action, BlockId, Closure, Config, Event, Message, Note, Rule, Source, SubmeshError, Worker,
+    WorkerId,
 };
 use ltbw::{BuildError, Mesh, PointSet};
 use std::collections::{BTreeMap, VecDeque};
@@ -136,7 +137,7 @@ pub enum Refusal {
     /// The points have none: the sequential kernel says so, too.
     Build(BuildError),
     /// This worker's submesh has failed.
-    Submesh(u32, SubmeshError),
+    Submesh(WorkerId, SubmeshError),
 }
 
 impl std::fmt::Display for Refusal {
@@ -316,7 +317,7 @@ impl World {
         }
         if let Some(message) = message {
             let message = if self.case.bytes { through_bytes(&message) } else { message };
-            self.nodes[to].step(Event::Message { from: from as u32, message }, out);
+            self.nodes[to].step(Event::Message { from: WorkerId::at(from), message }, out);
         }
         to
     }
@@ -324,8 +325,8 @@ impl World {
     /// A block's owner is told to give it away. It need not.
     fn move_block(&mut self, chooser: &mut Chooser, out: &mut Vec<Action<LocalMesh>>) -> usize {
         self.moves -= 1;
-        let block = chooser.below(self.nodes[0].directory().blocks() as usize) as u32;
-        let to = chooser.below(self.nodes.len()) as u32;
+        let block = BlockId::at(chooser.below(self.nodes[0].directory().blocks().len()));
+        let to = WorkerId::at(chooser.below(self.nodes.len()));
         // None: it is under way.
         let owner = self.nodes.iter().position(|node| node.directory().is_mine(block));
         let owner = owner.unwrap_or(0);
@@ -341,7 +342,7 @@ impl World {
             }
             match action {
                 Action::Send { to, message } => {
-                    self.channels.entry((w, to as usize)).or_default().push_back(message);
+                    self.channels.entry((w, to.index())).or_default().push_back(message);
                 }
                 Action::Backoff { ticket, attempt } => {
                     // Up to twice as long with each setback: the paper's rule may never end else.
@@ -360,7 +361,7 @@ impl World {
     /// The invariants over all workers and all messages under way.
     fn check_invariants(&mut self) {
         let mail = self.channels.iter().flat_map(|(&(from, to), queue)| {
-            queue.iter().map(move |message| (from as u32, to as u32, message))
+            queue.iter().map(move |message| (WorkerId::at(from), WorkerId::at(to), message))
         });
         let between = Between::new(&self.nodes, mail);
         let checked = between.check().and_then(|()| self.history.look(&between));

@@ -2,7 +2,7 @@
 //! format.
 
 use super::line::{self, Line};
-use ltbw::protocol::{Action, Handle, Message, Name, Submesh, Ticket};
+use ltbw::protocol::{Action, BlockId, Handle, Message, Name, Submesh, Ticket};
 use ltbw_models::hull::{self, Hull};
 use ltbw_models::variants::Variant;
 use serde_json::{Value, json};
@@ -78,7 +78,7 @@ impl Written for Line {
     }
 }
 
-fn line_link((name, block): (Name, u32)) -> Value {
+fn line_link((name, block): (Name, BlockId)) -> Value {
     json!([name.by, name.number, block])
 }
 

@@ -16,7 +16,7 @@ use ltbw::simulate::Payload;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// The creator in the names of the first cells: no worker has this number.
-pub const START: WorkerId = WorkerId::MAX;
+pub const START: WorkerId = WorkerId::new(u32::MAX);
 
 /// A neighbour's name and block; none beyond the ends.
 pub type Link = Option<(Name, BlockId)>;
@@ -50,14 +50,16 @@ pub struct Cuts {
     /// Vertices are 0 to this, less 1.
     pub range: i64,
     /// Number of blocks, equal parts of the range.
-    pub blocks: BlockId,
+    pub blocks: u32,
 }
 
 impl Cuts {
     /// The block of a vertex, and of the cell whose left end it is.
     #[must_use]
     pub fn block(&self, vertex: i64) -> BlockId {
-        (vertex.clamp(0, self.range - 1) * i64::from(self.blocks) / self.range) as BlockId
+        BlockId::at(
+            (vertex.clamp(0, self.range - 1) * i64::from(self.blocks) / self.range) as usize,
+        )
     }
 }
 
@@ -81,7 +83,7 @@ impl Line {
         let count = ends.len() - 1;
         let at = |k: usize| (Name { by: START, number: k as u32 }, cuts.block(ends[k]));
         let mut cells = BTreeMap::new();
-        for k in (0..count).filter(|&k| owners[at(k).1 as usize] == me) {
+        for k in (0..count).filter(|&k| owners[at(k).1.index()] == me) {
             let links = [k.checked_sub(1).map(at), (k + 1 < count).then(|| at(k + 1))];
             cells.insert(at(k).0, Cell { ends: (ends[k], ends[k + 1]), links });
         }

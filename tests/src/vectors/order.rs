@@ -6,6 +6,7 @@ use crate::families::{Rng, clusters, grid, two_to, uniform};
 use ltbw::Point;
 use ltbw::mesh::Blocks;
 use ltbw::order::{brio_hilbert, hilbert, round_of};
+use ltbw::protocol::BlockId;
 use serde_json::json;
 
 /// The files of the folder.
@@ -54,9 +55,10 @@ fn owners(name: &str, vertices: u32, blocks: u32, tets: &[[u32; 4]]) -> Case {
     let map = Blocks::even(vertices, blocks);
     let slow = |tet: &[u32; 4]| {
         let votes = |b| tet.iter().filter(|&&v| v != 0 && map.vertices(b).contains(&v)).count();
-        (0..blocks).max_by_key(|&b| (votes(b), std::cmp::Reverse(b))).unwrap_or(0)
+        let most = |&b: &BlockId| (votes(b), std::cmp::Reverse(b));
+        BlockId::below(blocks).max_by_key(most).unwrap_or_default()
     };
-    let found: Vec<u32> = tets.iter().map(|&tet| map.of_tet(tet)).collect();
+    let found: Vec<BlockId> = tets.iter().map(|&tet| map.of_tet(tet)).collect();
     assert!(tets.iter().map(slow).eq(found.iter().copied()), "{name}");
     Case {
         name: name.to_string(),

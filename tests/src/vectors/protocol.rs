@@ -46,12 +46,13 @@ impl Start for Setup {
             window: self.window,
             ..Config::new(self.points.len() as u32)
         };
-        let worker = |(me, points): (WorkerId, &Vec<i64>)| {
+        let worker = |(me, points): (usize, &Vec<i64>)| {
+            let me = WorkerId::at(me);
             let mesh = Line::new(me, self.cuts, &self.start, &self.owners);
             let directory = Directory::new(me, &self.owners);
             Worker::new(config, directory, mesh, Queue::new(points, self.cuts))
         };
-        (0..).zip(&self.points).map(worker).collect()
+        self.points.iter().enumerate().map(worker).collect()
     }
 
     fn json(&self) -> (&'static str, Value) {
@@ -93,7 +94,8 @@ impl Start for Polygon {
         let home = |v: &&ltbw_models::hull::Vertex| self.owners[usize::from(v.block)];
         let points =
             |w| self.points.iter().filter(move |v| home(v) == w).map(|&v| letters::vertex(v));
-        let points: Vec<Value> = (0..self.workers()).map(|w| points(w).collect()).collect();
+        let points: Vec<Value> =
+            (0..self.workers()).map(|w| points(WorkerId::new(w)).collect()).collect();
         let polygon: Vec<Value> = self.polygon.iter().map(|&v| letters::vertex(v)).collect();
         let setup = json!({
             "rule": self.rule.to_string(), "window": self.window, "owners": self.owners,
@@ -144,7 +146,7 @@ broken! {
 pub fn line(rule: Rule, random: &mut Rng) -> (Setup, u64) {
     let workers = 2 + random.below(2) as u32;
     let cuts = Cuts { range: 16, blocks: 2 * workers };
-    let owners = (0..cuts.blocks).map(|block| block / 2).collect();
+    let owners = (0..cuts.blocks).map(|block| WorkerId::new(block / 2)).collect();
     let start = [3, 6, 9, 12].into_iter().filter(|_| random.below(2) == 0).collect();
     let mut points = vec![Vec::new(); workers as usize];
     for _ in 0..2 + random.below(4) {
@@ -214,7 +216,7 @@ fn refuses_locked<T: Start>(start: &T, run: &Run) -> bool {
     run.turns.iter().any(|&turn| {
         let refused = match turn {
             Turn::Migrate { worker, block, to } => {
-                let node = &world.workers[worker as usize];
+                let node = &world.workers[worker.index()];
                 to != worker
                     && node.directory().is_mine(block)
                     && !node.is_passive()
@@ -415,29 +417,34 @@ fn two(start: &[i64], points: [&[i64]; 2]) -> Setup {
         rule: Rule::WoundWait,
         window: 4,
         cuts: Cuts { range: 16, blocks: 2 },
-        owners: vec![0, 1],
+        owners: vec![WorkerId::default(), WorkerId::new(1)],
         start: start.to_vec(),
         points: points.iter().map(|list| list.to_vec()).collect(),
     }
 }
 
 fn by_hand() -> Vec<Case> {
+    let [one, other] = [WorkerId::new(0), WorkerId::new(1)];
     let deliver = |from, to| Turn::Deliver { from, to };
-    let there_and_back = [deliver(0, 1), deliver(1, 0)];
-    let local = (two(&[4, 8, 12], [&[2], &[14]]), vec![Turn::Work(0), Turn::Work(1)]);
+    let there_and_back = [deliver(one, other), deliver(other, one)];
+    let local = (two(&[4, 8, 12], [&[2], &[14]]), vec![Turn::Work(one), Turn::Work(other)]);
     let interface = (
         two(&[4, 8, 12], [&[6], &[]]),
-        [vec![Turn::Work(0)], there_and_back.to_vec(), vec![deliver(0, 1)]].concat(),
+        [vec![Turn::Work(one)], there_and_back.to_vec(), vec![deliver(one, other)]].concat(),
     );
-    let walk = (two(&[4, 8, 12], [&[13], &[]]), vec![Turn::Work(0), deliver(0, 1)]);
-    let duplicate =
-        (two(&[4, 8, 12], [&[4, 12], &[]]), vec![Turn::Work(0), Turn::Work(0), deliver(0, 1)]);
-    let cancel =
-        (two(&[4, 8, 12], [&[2, 3], &[14]]), vec![Turn::Work(0), Turn::Cancel(0), Turn::Cancel(1)]);
+    let walk = (two(&[4, 8, 12], [&[13], &[]]), vec![Turn::Work(one), deliver(one, other)]);
+    let duplicate = (
+        two(&[4, 8, 12], [&[4, 12], &[]]),
+        vec![Turn::Work(one), Turn::Work(one), deliver(one, other)],
+    );
+    let cancel = (
+        two(&[4, 8, 12], [&[2, 3], &[14]]),
+        vec![Turn::Work(one), Turn::Cancel(one), Turn::Cancel(other)],
+    );
     // Both want the two cells on either side of 8.
     let conflict = (
         two(&[4, 8, 12], [&[6], &[10]]),
-        vec![Turn::Work(0), Turn::Work(1), deliver(0, 1), deliver(1, 0)],
+        vec![Turn::Work(one), Turn::Work(other), deliver(one, other), deliver(other, one)],
     );
     [
         ("two local insertions: no message", local, "local"),

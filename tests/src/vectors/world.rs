@@ -125,7 +125,7 @@ impl<T: Start, C: Variant> World<T, C> {
             Turn::Cancel(_) => Event::Cancel,
         };
         let mut out = Vec::new();
-        let node = &mut self.workers[worker as usize];
+        let node = &mut self.workers[worker.index()];
         quietly(|| node.step(event, &mut out))?;
         for action in &out {
             match action {
@@ -154,12 +154,12 @@ impl<T: Start, C: Variant> World<T, C> {
         let choices = self.choices();
         let turn = *choices.get(random.below(choices.len().max(1) as u64) as usize)?;
         let workers = self.workers.len() as u64;
-        let mut worker = || random.below(workers) as WorkerId;
+        let mut worker = || WorkerId::at(random.below(workers) as usize);
         let pair = [worker(), worker()];
         if *moves > 0 && random.below(6) == 0 {
             *moves -= 1;
             let blocks = self.workers[0].directory().blocks();
-            let block = random.below(u64::from(blocks)) as BlockId;
+            let block = BlockId::at(random.below(blocks.len() as u64) as usize);
             return Some(Turn::Migrate { worker: pair[0], block, to: pair[1] });
         }
         Some(if cancels && random.below(16) == 0 { Turn::Cancel(pair[0]) } else { turn })

@@ -255,7 +255,7 @@ pub fn tell<C: Variant>(system: &System<C>, way: &[Choice]) -> String {
             Choice::Work(at) => format!("{at}: work"),
             Choice::Retry(at, _) => format!("{at}: backoff ends"),
             Choice::Move => {
-                let (from, block, to) = system.next_move(&state).unwrap_or((0, 0, 0));
+                let (from, block, to) = system.next_move(&state).unwrap_or_default();
                 format!("block {block} moves from {from} to {to}")
             }
             Choice::Cancel(at) => format!("{at}: cancel"),

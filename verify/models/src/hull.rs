@@ -74,8 +74,11 @@ impl Link {
 
 /// The block of an edge: the majority of its vertices' blocks, the smaller one at a tie.
 pub fn block_of(ends: [Vertex; 2]) -> BlockId {
-    u32::from(ends[0].block.min(ends[1].block))
+    BlockId::new(u32::from(ends[0].block.min(ends[1].block)))
 }
+
+/// A worker that there is not.
+const NOBODY: WorkerId = WorkerId::new(u32::MAX);
 
 impl Piece {
     /// Its block.
@@ -408,7 +411,7 @@ impl<C: Variant> Submesh for Hull<C> {
 
     fn pieces(&mut self, tets: &[u8]) -> Vec<Piece> {
         let nobody = Vertex { x: 0, y: 0, block: 0 };
-        let nowhere = Link { name: Name { by: u32::MAX, number: 0 }, block: 0 };
+        let nowhere = Link { name: Name { by: NOBODY, number: 0 }, block: BlockId::default() };
         let lost = Piece { name: nowhere.name, ends: [nobody; 2], links: [nowhere; 2] };
         tets.iter().map(|&t| self.cell(t).map_or(lost, |cell| cell.piece)).collect()
     }

@@ -26,8 +26,7 @@ impl Witness {
             Self::Stray => any(state, |_, letter| matches!(letter, Message::Stray { .. })),
             Self::LateWound => any(state, |to, letter| match letter {
                 Message::Wound { ticket, .. } => {
-                    state.committed.contains(ticket)
-                        && !state.nodes[to as usize].is_home_of(*ticket)
+                    state.committed.contains(ticket) && !state.nodes[to.index()].is_home_of(*ticket)
                 }
                 _ => false,
             }),

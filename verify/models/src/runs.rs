@@ -3,6 +3,7 @@
 use crate::random::Rng;
 use crate::system::{Choice, System};
 use crate::variants::Variant;
+use ltbw::protocol::WorkerId;
 
 /// The end of a random run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,7 +24,7 @@ pub fn run<C: Variant>(system: &System<C>, seed: u64, limit: usize) -> (Outcome,
     let mut rng = Rng(seed);
     let mut state = system.initial();
     let mut way = Vec::new();
-    let slow = rng.below(2 * system.world.workers() as usize) as u32;
+    let slow = WorkerId::at(rng.below(2 * system.world.workers() as usize));
     while way.len() < limit {
         let choices = system.choices(&state);
         if choices.is_empty() {

@@ -140,14 +140,14 @@ impl<C: Variant> System<C> {
         for (id, node) in state.nodes.iter().enumerate() {
             // A passive worker has nothing to do but to pass the token on.
             if node.has_work() && (self.world.termination || !node.is_passive()) {
-                choices.push(Choice::Work(id as WorkerId));
+                choices.push(Choice::Work(WorkerId::at(id)));
             }
         }
         choices.extend(state.backoffs.iter().map(|&(w, ticket)| Choice::Retry(w, ticket)));
         choices.extend(self.next_move(state).map(|_| Choice::Move));
         if self.world.cancels {
             let may = |w: &WorkerId| !state.cancelled.contains(w);
-            choices.extend((0..self.world.workers()).filter(may).map(Choice::Cancel));
+            choices.extend(WorkerId::below(self.world.workers()).filter(may).map(Choice::Cancel));
         }
         choices
     }
@@ -156,7 +156,7 @@ impl<C: Variant> System<C> {
     pub fn after(&self, state: &State<C>, choice: Choice) -> State<C> {
         let mut next = state.clone();
         let (at, event) = self.event(&mut next, choice);
-        let before = next.nodes[at as usize].value.clone();
+        let before = next.nodes[at.index()].value.clone();
         let mut node = (*before).clone();
         let mut actions = Vec::new();
         let step = AssertUnwindSafe(|| node.step(event, &mut actions));
@@ -173,7 +173,7 @@ impl<C: Variant> System<C> {
         if !self.world.termination {
             node.forget_counts();
         }
-        next.nodes[at as usize] = Shared::new(node);
+        next.nodes[at.index()] = Shared::new(node);
         for action in actions {
             self.carry_out(&mut next, at, action);
         }
@@ -187,7 +187,7 @@ impl<C: Variant> System<C> {
     /// The next move of a block that is allowed now: from, block, to.
     pub fn next_move(&self, state: &State<C>) -> Option<(WorkerId, BlockId, WorkerId)> {
         let &(block, to) = self.world.moves.get(state.moved)?;
-        let from = state.nodes.iter().position(|node| node.can_migrate(block))? as WorkerId;
+        let from = WorkerId::at(state.nodes.iter().position(|node| node.can_migrate(block))?);
         (from != to).then_some((from, block, to))
     }
 
@@ -208,7 +208,7 @@ impl<C: Variant> System<C> {
                 (at, Event::Retry(ticket))
             }
             Choice::Move => {
-                let (from, block, to) = self.next_move(state).unwrap_or((0, 0, 0));
+                let (from, block, to) = self.next_move(state).unwrap_or_default();
                 state.moved += 1;
                 (from, Event::Migrate { block, to })
             }
@@ -270,7 +270,7 @@ impl<C: Variant> System<C> {
             }
         }
         let has_points = |&at: &WorkerId| {
-            state.nodes.get(at as usize).is_some_and(|node| node.source().left() > 0)
+            state.nodes.get(at.index()).is_some_and(|node| node.source().left() > 0)
         };
         if state.cancelled.iter().any(has_points) {
             return Some("a cancelled worker has points");

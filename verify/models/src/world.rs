@@ -23,7 +23,7 @@ impl<C: Variant> Source<Hull<C>> for Points {
     fn inserted(&mut self, _: &Hull<C>, _: &Vertex) {}
 
     fn take_block(&mut self, _: &Hull<C>, block: BlockId) -> Vec<Vertex> {
-        let (taken, kept) = self.0.iter().partition(|v| u32::from(v.block) == block);
+        let (taken, kept) = self.0.iter().partition(|v| u32::from(v.block) == block.number());
         self.0 = kept;
         taken
     }
@@ -44,7 +44,7 @@ impl Stock for Points {
     }
 
     fn in_block(&self, block: BlockId) -> u64 {
-        self.0.iter().filter(|v| u32::from(v.block) == block).count() as u64
+        self.0.iter().filter(|v| u32::from(v.block) == block.number()).count() as u64
     }
 }
 
@@ -89,17 +89,18 @@ pub struct World {
 }
 
 impl World {
-    /// A world under wound-wait on ordered channels, without token, moves or cancels.
+    /// A world under wound-wait on ordered channels, without token, moves or cancels. The owners are
+    /// numbers of workers.
     pub fn new(
         name: &'static str,
-        owners: &[WorkerId],
+        owners: &[u32],
         polygon: &[(i16, i16, u8)],
         points: &[(i16, i16, u8)],
     ) -> Self {
         let vertex = |&(x, y, block): &(i16, i16, u8)| Vertex { x, y, block };
         Self {
             name,
-            owners: owners.to_vec(),
+            owners: owners.iter().copied().map(WorkerId::new).collect(),
             polygon: polygon.iter().map(vertex).collect(),
             points: points.iter().map(vertex).collect(),
             moves: Vec::new(),
@@ -130,9 +131,10 @@ impl World {
         self
     }
 
-    /// The same with moves of blocks.
-    pub fn moving(mut self, moves: &[(BlockId, WorkerId)]) -> Self {
-        self.moves = moves.to_vec();
+    /// The same with moves of blocks to workers, by their numbers.
+    pub fn moving(mut self, moves: &[(u32, u32)]) -> Self {
+        let ids = |&(block, to)| (BlockId::new(block), WorkerId::new(to));
+        self.moves = moves.iter().map(ids).collect();
         self
     }
 
@@ -150,20 +152,20 @@ impl World {
 
     /// Number of workers.
     pub fn workers(&self) -> u32 {
-        self.owners.iter().max().map_or(1, |&w| w + 1)
+        self.owners.iter().max().map_or(1, |&w| w.number() + 1)
     }
 
     /// The polygon's edges with their owners.
     fn edges(&self) -> Vec<(WorkerId, Piece)> {
         let n = self.polygon.len();
         let ends = |k: usize| [self.polygon[k % n], self.polygon[(k + 1) % n]];
-        let owner = |k| self.owners[block_of(ends(k)) as usize];
+        let owner = |k| self.owners[block_of(ends(k)).index()];
         let mut given = vec![0; self.workers() as usize];
         let links: Vec<Link> = (0..n)
             .map(|k| {
                 let by = owner(k);
-                let number = given[by as usize];
-                given[by as usize] += 1;
+                let number = given[by.index()];
+                given[by.index()] += 1;
                 Link { name: Name { by, number }, block: block_of(ends(k)) }
             })
             .collect();
@@ -186,15 +188,15 @@ impl World {
                 Config { rule: self.rule, window: self.window, ..Config::new(self.workers()) };
             Worker::new(config, Directory::new(me, &self.owners), Hull::new(me, mine), points)
         };
-        (0..self.workers()).map(node).collect()
+        WorkerId::below(self.workers()).map(node).collect()
     }
 
-    /// For every point: owners of the edges that it sees in the polygon.
-    pub fn cavities(&self) -> Vec<Vec<WorkerId>> {
+    /// For every point: numbers of the owners of the edges that it sees in the polygon.
+    pub fn cavities(&self) -> Vec<Vec<u32>> {
         let edges = self.edges();
         let sees = |p: Vertex| {
             let seen = edges.iter().filter(move |(_, e)| orient(e.ends[0], e.ends[1], p) < 0);
-            seen.map(|&(w, _)| w).collect()
+            seen.map(|(w, _)| w.number()).collect()
         };
         self.points.iter().map(|&p| sees(p)).collect()
     }

@@ -1,6 +1,7 @@
 //! Tests of the supply of points: what is given, in which order, and which points move.
 
 use super::*;
+use crate::protocol::WorkerId;
 use ltbw_core::order::round_of;
 use ltbw_core::submesh::MeshParams;
 use ltbw_exact::{Mode, Point};
@@ -9,7 +10,7 @@ fn field(count: u32) -> (PointQueue, LocalMesh) {
     let blocks = Blocks::even(count, 4);
     let all: Vec<Point> = (1..=count).map(|v| [f64::from(v); 3]).collect();
     let params = MeshParams::of(&all, Mode::Normal);
-    let mut mesh = LocalMesh::new(0, &params, blocks.clone(), 1..count + 1);
+    let mut mesh = LocalMesh::new(WorkerId::default(), &params, blocks.clone(), 1..count + 1);
     mesh.tets.set_points(1, &all);
     (PointQueue::new(blocks, 1..count + 1, [], 3), mesh)
 }
@@ -140,11 +141,14 @@ fn a_block_moves_with_its_points() {
         field.inserted(&mesh, &site);
     }
     let before = field.left();
-    assert_eq!(field.in_block(3), 250);
-    let taken = field.take_block(&mesh, 3);
-    assert_eq!((taken.len(), field.left(), field.in_block(3)), (250, before - 250, 0));
-    field.give(3, taken);
-    assert_eq!((field.in_block(3), field.left()), (250, before));
+    assert_eq!(field.in_block(BlockId::new(3)), 250);
+    let taken = field.take_block(&mesh, BlockId::new(3));
+    assert_eq!(
+        (taken.len(), field.left(), field.in_block(BlockId::new(3))),
+        (250, before - 250, 0)
+    );
+    field.give(BlockId::new(3), taken);
+    assert_eq!((field.in_block(BlockId::new(3)), field.left()), (250, before));
     field.clear();
     assert!(field.is_empty() && field.next(&mesh).is_none());
 }
@@ -161,8 +165,8 @@ fn a_block_moves_without_points_once_the_field_is_cleared() {
         }
         field.clear();
         for block in 0..4 {
-            assert_eq!(field.take_block(&mesh, block).len(), 0, "block {block}");
-            assert_eq!(field.in_block(block), 0);
+            assert_eq!(field.take_block(&mesh, BlockId::new(block)).len(), 0, "block {block}");
+            assert_eq!(field.in_block(BlockId::new(block)), 0);
         }
         assert!(field.is_empty() && !field.is_ready() && field.next(&mesh).is_none());
     }
