@@ -9,12 +9,15 @@ use loom::sync::Arc;
 use loom::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use loom::thread;
 use ltbw::mailbox::{Endpoint, connect_as};
-use ltbw::protocol::{Correct, Rules};
+use ltbw::protocol::{Correct, Rules, WorkerId};
 use ltbw_models::report::{caught, row};
 use ltbw_models::threads::Kept;
 use ltbw_models::variants::LostWakeUp;
 use std::collections::BTreeSet;
 use std::sync::Mutex;
+
+/// The worker that receives.
+const TO: WorkerId = WorkerId::new(0);
 
 /// Runs `model` in every interleaving; returns the outcomes and the number of executions.
 fn outcomes<T: Ord + Clone + Send + 'static>(
@@ -32,14 +35,15 @@ fn outcomes<T: Ord + Clone + Send + 'static>(
     (seen.0.clone(), seen.1)
 }
 
-/// Receives `count` messages, sleeping in between; returns them in order of arrival.
+/// Receives `count` messages, sleeping in between; returns them with their senders' numbers in order
+/// of arrival.
 fn receive<C: Rules>(end: &mut Endpoint<u32, C>, count: usize) -> Vec<(u32, u32)> {
     let mut taken = Vec::new();
     while taken.len() < count {
         end.wait();
         end.try_take(&mut taken);
     }
-    taken
+    taken.into_iter().map(|(from, number): (WorkerId, u32)| (from.number(), number)).collect()
 }
 
 /// Two senders, one of them in two batches, and a receiver that sleeps.
@@ -48,15 +52,15 @@ fn two_senders<C: Rules>() -> Vec<(u32, u32)> {
     let (mut me, mut first, mut second) =
         (ends.next().expect("3"), ends.next().expect("3"), ends.next().expect("3"));
     let one = thread::spawn(move || {
-        first.send(0, 10);
+        first.send(TO, 10);
         first.flush();
-        first.send(0, 11);
+        first.send(TO, 11);
         first.flush();
         drop(Kept::into_inner(first));
     });
     let two = thread::spawn(move || {
-        second.send(0, 20);
-        second.send(0, 21);
+        second.send(TO, 20);
+        second.send(TO, 21);
         second.flush();
         drop(Kept::into_inner(second));
     });
@@ -96,7 +100,7 @@ fn a_failure_is_heard() {
         let mut ends = connect_as::<u32, Correct>(2).into_iter();
         let (mut me, mut other) = (ends.next().expect("2"), ends.next().expect("2"));
         let thread = thread::spawn(move || {
-            other.send(0, 1);
+            other.send(TO, 1);
             other.flush();
             other.fail();
         });
@@ -109,7 +113,7 @@ fn a_failure_is_heard() {
             me.try_take(&mut taken);
         }
         thread.join().expect("it does not panic");
-        assert_eq!((me.failed(), taken.len()), (Some(1), 1));
+        assert_eq!((me.failed(), taken.len()), (Some(WorkerId::new(1)), 1));
         early
     });
     assert_eq!(outcomes, BTreeSet::from([false, true]), "with the message, and after it");
