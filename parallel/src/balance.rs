@@ -134,7 +134,7 @@ impl Balancer {
         others.sort_by_key(|&w| std::cmp::Reverse(self.loads[w]));
         others.truncate(self.settings.ask);
         others.iter().for_each(|&w| self.loads[w] /= 2);
-        others.into_iter().map(|w| WorkerId::at(w)).collect()
+        others.into_iter().map(WorkerId::at).collect()
     }
 
     /// The blocks that `worker` should give to `to`, which has asked for some.
