@@ -24,7 +24,7 @@ macro_rules! ids {
                 Self(index as u32)
             }
 
-            /// Those with the numbers below `end`.
+            /// All with the numbers below `end`.
             pub fn below(end: u32) -> impl DoubleEndedIterator<Item = Self> + ExactSizeIterator {
                 (0..end).map(Self)
             }

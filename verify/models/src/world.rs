@@ -89,7 +89,7 @@ pub struct World {
 }
 
 impl World {
-    /// A world under wound-wait on ordered channels, without token, moves or cancels. The owners are
+    /// A world under wound-wait on ordered channels: no token, no moves, no cancels. Owners are
     /// numbers of workers.
     pub fn new(
         name: &'static str,

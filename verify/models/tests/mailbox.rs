@@ -35,8 +35,8 @@ fn outcomes<T: Ord + Clone + Send + 'static>(
     (seen.0.clone(), seen.1)
 }
 
-/// Receives `count` messages, sleeping in between; returns them with their senders' numbers in order
-/// of arrival.
+/// Receives `count` messages, sleeping in between; returns them with their senders' numbers, in
+/// order of arrival.
 fn receive<C: Rules>(end: &mut Endpoint<u32, C>, count: usize) -> Vec<(u32, u32)> {
     let mut taken = Vec::new();
     while taken.len() < count {
