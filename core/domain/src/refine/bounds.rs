@@ -100,17 +100,20 @@ pub(crate) struct Bounds<'a> {
 impl Bounds<'_> {
     /// Is tetrahedron `t` of the domain over its bounds?
     pub(crate) fn is_over(&self, state: &State, t: TetId) -> bool {
-        let region = state.marks.region(t) as usize;
+        let region = state.marks.region(t);
         if region == 0 {
             return false;
         }
         let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
-        let corners = [&a, &b, &c, &d];
+        self.are_over([&a, &b, &c, &d], region) && !state.is_flat(state.vertices(t))
+    }
+
+    /// Would a tetrahedron with these corners in this region be over its bounds?
+    pub(crate) fn are_over(&self, corners: [&Point; 4], region: u32) -> bool {
         let exceeds = |bound: Option<VolumeBound>| bound.is_some_and(|b| b.exceeded(corners));
-        let is_over = exceeds(self.volumes.get(region).copied().flatten())
+        exceeds(self.volumes.get(region as usize).copied().flatten())
             || exceeds(self.field_bound(corners))
-            || self.ratio.is_some_and(|bound| bound.exceeded(corners));
-        is_over && !state.is_flat(state.vertices(t))
+            || self.ratio.is_some_and(|bound| bound.exceeded(corners))
     }
 
     /// Is tetrahedron `t` of the domain over a bound on its size?

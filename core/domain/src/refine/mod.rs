@@ -69,6 +69,7 @@ mod record;
 mod recover;
 mod region;
 mod registry;
+mod relief;
 mod rounds;
 mod run;
 mod script;

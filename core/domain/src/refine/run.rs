@@ -207,6 +207,7 @@ impl<'a> Refiner<'a> {
             Engine::Queues => {
                 run.refine(usize::MAX)?;
                 run.refine_again()?;
+                run.relieve()?;
                 // A sizing field may ask for more afterwards.
                 if run.stop.is_none() {
                     run.refinement.split_slivers(run.most, &mut run.work, &mut Open);

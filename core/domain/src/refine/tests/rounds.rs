@@ -174,13 +174,14 @@ fn small_angles_have_one_mesh_for_all_orders() {
         let refined = one_mesh(&refiner, &ready, 0, &format!("{kind:?} {angle}"));
         assert!(refined.lost.is_empty(), "{kind:?} {angle}");
         let queues = refine(&refiner, &ready);
-        if queues.outcome == RefineOutcome::Met {
-            assert_eq!(refined.outcome, RefineOutcome::Met, "{kind:?} {angle}");
+        if angle > 20.0 {
+            let outcomes = [refined.outcome, queues.outcome];
+            assert_eq!(outcomes, [RefineOutcome::Met; 2], "{kind:?} {angle}");
         }
         excused += refined.excuses.len();
         excused_by_queues += queues.excuses.len();
     }
-    // Rounds split no subsegments at one corner together, and ask nothing again: 74.
+    // Rounds split no subsegments at one corner together, ask nothing again, have no relief: 74.
     assert!(excused > 0 && excused <= 78, "{excused}");
     assert!(excused_by_queues <= excused, "{excused_by_queues}");
 }

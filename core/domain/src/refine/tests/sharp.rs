@@ -1,9 +1,12 @@
 //! Small angles of the input: what is excused there, and what is met elsewhere.
 
 use super::{ready, refine};
+use crate::refine::item::Item;
+use crate::refine::run::Run;
 use crate::refine::{Reason, RefineOutcome, Refined, Refiner};
 use crate::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw_core::invariants::check_all;
+use ltbw_core::topology::TetId;
 use ltbw_generate::{DomainKind, Shape, surfaces};
 
 fn wedge(angle: f64) -> Prepared {
@@ -14,6 +17,15 @@ fn wedge(angle: f64) -> Prepared {
 fn points(refined: &Refined) -> u64 {
     let stats = refined.stats;
     stats.segment_points + stats.facet_points + stats.free_points
+}
+
+/// A prism of rounded triangles.
+fn prism(corners: u32, noise: f64, seed: u64) -> Prepared {
+    // The generator was built on another instance of this crate, whose types are not these.
+    let made = surfaces::prism(corners, noise, seed);
+    let mut domain = Domain { vertices: made.vertices, ..Domain::default() };
+    domain.facets.extend(made.facets.iter().map(|f| Facet::polygon(&f.polygons[0], 0)));
+    domain.prepare(&PrepareOptions::default()).expect("a sound domain")
 }
 
 /// A cone of `n` triangles on a band of rings, each `step` below the one before, with a flat base.
@@ -107,12 +119,8 @@ fn needles_are_cut_alike_or_not_at_all() {
 /// that waited for them: 170 and 244 tetrahedra were excused.
 #[test]
 fn subsegments_at_a_small_angle_are_split_together() {
-    for (corners, noise, seed, most) in [(12, 1e-6, 1, 110), (16, 1e-2, 2, 170)] {
-        // The generator was built on another instance of this crate, whose types are not these.
-        let made = surfaces::prism(corners, noise, seed);
-        let mut domain = Domain { vertices: made.vertices, ..Domain::default() };
-        domain.facets.extend(made.facets.iter().map(|f| Facet::polygon(&f.polygons[0], 0)));
-        let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    for (corners, noise, seed, most) in [(12, 1e-6, 1, 62), (16, 1e-2, 2, 112)] {
+        let ready = prism(corners, noise, seed);
         let refined = refine(&Refiner::new(), &ready);
         check_all(refined.mesh()).expect("invariants of the mesh");
         assert!(refined.excuses.len() <= most, "{corners}: {}", refined.excuses.len());
@@ -139,4 +147,34 @@ fn excuses_are_counted_by_corner_and_segment_with_their_volume() {
     let whole: f64 = refined.tets().filter_map(|t| refined.tet(t)).map(volume).sum();
     let told: f64 = all.iter().map(|e| e.volume).sum();
     assert!((told / whole - 1.0).abs() < 1e-9, "{told:e} {whole:e}");
+}
+
+/// The tetrahedra over their bounds, by brute force.
+fn over(run: &Run<'_>) -> Vec<Item> {
+    let (state, bounds) = (&run.refinement.state, run.refinement.bounds.as_ref());
+    let bounds = bounds.expect("the boundary is complete");
+    let is_over = |&t: &TetId| bounds.is_over(state, t);
+    state.mesh.tet_ids().filter(is_over).map(|t| Item::Tet(t, state.vertices(t))).collect()
+}
+
+#[test]
+fn every_point_of_relief_makes_fewer_tetrahedra_over_their_bounds() {
+    for (corners, noise, seed) in [(12, 1e-6, 1), (16, 1e-2, 2), (24, 1e-4, 0)] {
+        let ready = prism(corners, noise, seed);
+        let recovered = Refiner::new().recovered(&ready.domain, &ready.lattice);
+        let (mut run, _) = recovered.expect("a sound domain");
+        run.refine(usize::MAX).expect("no error");
+        run.refine_again().expect("no error");
+        let (before, points) = (over(&run).len(), run.refinement.inserted.points.total());
+        run.relieve().expect("no error");
+        let (after, state) = (over(&run), &run.refinement.state);
+        let points = run.refinement.inserted.points.total() - points;
+        assert!(points > 0 && points as usize <= before - after.len(), "{corners}: {points}");
+        assert!(after.len() * 4 <= before * 3, "{corners}: {before} {}", after.len());
+        // The boundary is complete, labels change at it alone, and all that is over has a reason.
+        assert!(state.is_complete(), "{corners}");
+        assert!(state.is_labelled(state.mesh.tet_ids()), "{corners}");
+        let refused = &run.refinement.record.refused;
+        assert!(after.iter().all(|item| refused.contains_key(item)), "{corners}");
+    }
 }

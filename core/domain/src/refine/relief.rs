@@ -1,0 +1,310 @@
+//! Relief: when nothing else is left to do, a point is looked for with which fewer tetrahedra are
+//! over their bounds.
+//!
+//! At a small angle the circumcentre of a tetrahedron is kept away by boundary items that may not
+//! be split. Other points in its ball may serve: nearer to its shortest edge, anywhere else in the
+//! ball, or on the boundary beside it. One is inserted if fewer of its tetrahedra are over a bound
+//! than it takes out of the mesh, and it takes no other boundary item out. So every point makes
+//! them fewer, and there are never more points than tetrahedra were over their bounds.
+//!
+//! Items that may not be split do not keep points out of their balls here: no item is split any
+//! more, and those balls are large at small angles. Tetrahedra are taken in the order of their
+//! coordinates. (Queues only.)
+
+use super::RefineError;
+use super::bounds::Bounds;
+use super::carrier::{Carrier, Line, distance2, free_point};
+use super::facet::Seed;
+use super::item::{Item, Queues, Work};
+use super::key::sorted;
+use super::measure::{Shape, circumcircle};
+use super::record::Refusal;
+use super::run::Run;
+use super::sliver::in_unit_ball;
+use super::split::{Refinement, TOLERANCE};
+use super::state::{FACE, Place, State};
+use super::table::edge;
+use super::verdict::{Filling, Judge};
+use super::walk::Way;
+use ltbw_core::cavity::Open;
+use ltbw_core::topology::{TetId, VertexId, tet_of};
+use ltbw_exact::Point;
+
+/// The most times that all tetrahedra over their bounds are looked at, each time with other points.
+const PASSES: u64 = 8;
+/// Points tried for a tetrahedron in its ball, besides those towards its shortest edge.
+const INSIDE: usize = 32;
+/// Points tried on each boundary item beside it.
+const BESIDE: usize = 8;
+/// Where they are tried on the way from the middle of the shortest edge to the circumcentre: parts
+/// of the way, and of the distance at which a triangle with the edge meets the bound.
+const WAY: [(f64, bool); 6] =
+    [(1.0, false), (0.9, true), (0.5, true), (0.25, true), (0.5, false), (0.75, false)];
+/// Tetrahedra of cavities opened for this: for each tetrahedron of the mesh, and in addition.
+const OPENED: usize = 24;
+const OPENED_MORE: usize = 1 << 19;
+
+/// A tetrahedron to be relieved.
+struct Target {
+    t: TetId,
+    refusal: Refusal,
+    radius: f64,
+}
+
+impl Run<'_> {
+    /// Relieves the tetrahedra over their bounds while that makes them fewer.
+    pub(super) fn relieve(&mut self) -> Result<(), RefineError> {
+        let tets = self.refinement.state.mesh.tet_ids().count();
+        let mut left = OPENED * tets + OPENED_MORE;
+        let mut before = usize::MAX;
+        for pass in 1..=PASSES {
+            let over = self.refinement.refused_tets();
+            if self.stop.is_some() || over.is_empty() || over.len() >= before {
+                break;
+            }
+            before = over.len();
+            for (t, v) in over {
+                self.look()?;
+                let spent = self.refinement.inserted.points.total() >= self.most;
+                if spent || left == 0 || self.stop.is_some() {
+                    return Ok(());
+                }
+                self.refinement.relieve_tet(t, v, pass, &mut left);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Refinement<'_> {
+    /// The tetrahedra over their bounds, in the order of their coordinates. All were refused.
+    fn refused_tets(&self) -> Vec<(TetId, [VertexId; 4])> {
+        let Some(bounds) = self.bounds.as_ref().filter(|bounds| bounds.ratio.is_some()) else {
+            return Vec::new();
+        };
+        let over = |&item: &Item| match item {
+            Item::Tet(t, v) if self.state.is_live(t, v) => {
+                bounds.is_over(&self.state, t).then_some((t, v))
+            }
+            _ => None,
+        };
+        let mut all: Vec<_> = self.record.refused.keys().filter_map(over).collect();
+        all.sort_by_cached_key(|&(t, v)| self.state.place_of(Item::Tet(t, v)));
+        all
+    }
+
+    /// Looks for a point that relieves tetrahedron `t`: in its ball, then on the boundary.
+    fn relieve_tet(&mut self, t: TetId, v: [VertexId; 4], pass: u64, left: &mut usize) {
+        let item = Item::Tet(t, v);
+        let Some(&refusal) = self.record.refused.get(&item) else { return };
+        let corners = sorted(v.map(|v| self.state.at(v)));
+        let [a, b, c, d] = &corners;
+        let shape = Shape::of([a, b, c, d]);
+        let Some(centre) = shape.circumcentre(d) else { return };
+        let Some(bound) = self.bounds.as_ref().and_then(|bounds| bounds.ratio) else { return };
+        let target = Target { t, refusal, radius: shape.radius() };
+        let tolerance = target.radius * TOLERANCE;
+        let mut seed = pass;
+        let way = towards(&corners, &centre, bound.value());
+        for k in 0..WAY.len() + INSIDE {
+            let aim = way.get(k).copied().unwrap_or_else(|| {
+                let offset = in_unit_ball(&mut seed);
+                [0, 1, 2].map(|k| centre[k] + target.radius * offset[k])
+            });
+            let Some(p) = free_point(&aim, tolerance) else { continue };
+            let Way::Arrived(from) = self.state.way(t, &p) else { continue };
+            let place = Place { p, carrier: Carrier::Free, from };
+            if self.try_relief(&target, None, &place, left) {
+                return;
+            }
+        }
+        for item in self.state.beside(t, &centre, tolerance) {
+            for k in 0..BESIDE {
+                let place = self.state.place_beside(item, k, &mut seed, &target);
+                let Some(place) = place else { continue };
+                if self.try_relief(&target, Some(item), &place, left) {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Inserts a point, on boundary item `item` if there is one, if it relieves its target.
+    fn try_relief(
+        &mut self,
+        target: &Target,
+        item: Option<Item>,
+        place: &Place,
+        left: &mut usize,
+    ) -> bool {
+        let Some(bounds) = self.bounds.as_ref().filter(|_| *left > 0) else { return false };
+        // The point fell together with a vertex, or the mesh is full.
+        let Ok(mut open) = self.state.begin(place, &mut Open) else { return false };
+        let opened = open.owner().mesh.cavity().tets().count();
+        *left = left.saturating_sub(opened);
+        let judge = Judge { state: open.owner(), record: &self.record, recovers: false };
+        if !judge.relieves(target.t, place, bounds) {
+            return false;
+        }
+        open.owner_mut().touch(&place.p, place.carrier);
+        let judge = Judge { state: open.owner(), record: &self.record, recovers: false };
+        let Some(filling) = judge.filling_beside(item, place) else { return false };
+        let mut work = Queues::default();
+        self.inserted.fill(open, place, &filling, Some(bounds), &mut work);
+        debug_assert!(self.state.is_complete(), "nothing may be lost");
+        while let Some(item) = work.next_tet() {
+            self.record.refused.insert(item, target.refusal);
+        }
+        true
+    }
+}
+
+/// Points between the middle of a tetrahedron's shortest edge and its circumcentre.
+fn towards(corners: &[Point; 4], centre: &Point, bound: f64) -> [Point; WAY.len()] {
+    let pairs = (1..4).flat_map(|i| (0..i).map(move |j| [corners[i], corners[j]]));
+    let length2 = |[a, b]: &[Point; 2]| distance2(a, b);
+    let shortest = pairs.min_by(|x, y| length2(x).total_cmp(&length2(y)));
+    let [a, b] = shortest.unwrap_or([corners[0], corners[1]]);
+    let middle = [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]));
+    let height = distance2(&middle, centre).sqrt();
+    let enough = distance2(&a, &b).sqrt() * (bound + (bound * bound - 0.25).max(0.0).sqrt());
+    let part = if enough < height { enough / height } else { 1.0 };
+    WAY.map(|(share, is_off)| {
+        let share = if is_off { share * part } else { share };
+        [0, 1, 2].map(|k| middle[k] + share * (centre[k] - middle[k]))
+    })
+}
+
+impl State {
+    /// The boundary items beside a tetrahedron: its sides, the subface on its way to `centre`, and
+    /// the subsegments of all these.
+    fn beside(&self, t: TetId, centre: &Point, tolerance: f64) -> Vec<Item> {
+        let mut faces = self.boundary_sides(t);
+        if let Some(p) = free_point(centre, tolerance)
+            && let Way::Blocked(subface) = self.way(t, &p)
+        {
+            faces.push(Item::Subface(subface));
+        }
+        self.sort(&mut faces);
+        faces.dedup();
+        let mut edges: Vec<[VertexId; 2]> = Vec::new();
+        let mut add = |corners: &[VertexId]| {
+            let pairs = (1..corners.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+            edges.extend(pairs.map(|(i, j)| edge(corners[i], corners[j])));
+        };
+        add(&self.vertices(t));
+        for face in &faces {
+            if let Item::Subface(corners) = face {
+                add(corners);
+            }
+        }
+        edges.retain(|e| self.segments.contains_key(e));
+        let mut segments: Vec<Item> = edges.into_iter().map(Item::Segment).collect();
+        self.sort(&mut segments);
+        segments.dedup();
+        faces.extend(segments);
+        faces
+    }
+
+    /// The `k`-th place that is tried on a boundary item: where it would be split, then anywhere.
+    fn place_beside(&self, item: Item, k: usize, seed: &mut u64, target: &Target) -> Option<Place> {
+        let offset = in_unit_ball(seed);
+        let from = target.t;
+        match item {
+            Item::Segment(ends) => {
+                let &s = self.segments.get(&ends)?;
+                let [a, b] = ends.map(|v| self.parameter(v, s));
+                let (low, high) = (a.min(b), a.max(b));
+                let length = (high - low) as f64;
+                let t = match k {
+                    0 => self.split_parameter(ends, s)?,
+                    _ => {
+                        let aim = low as f64 + (0.5 + 0.45 * offset[0]) * length;
+                        Line::near(aim, length / 512.0, low, high)?
+                    }
+                };
+                let p = self.plc.segments[s as usize].line.point(t);
+                Some(Place { p, carrier: Carrier::Segment(s, t), from })
+            }
+            Item::Subface(corners) => {
+                let &f = self.subfaces.get(&corners)?;
+                let [a, b, c] = &sorted(corners.map(|v| self.at(v)));
+                let aim = match k {
+                    0 => circumcircle(a, b, c).0,
+                    _ => {
+                        let parts = offset.map(|x| 0.5 * x + 0.501);
+                        let sum: f64 = parts.iter().sum();
+                        let [x, y, z] = parts.map(|part| part / sum);
+                        [0, 1, 2].map(|k| x * a[k] + y * b[k] + z * c[k])
+                    }
+                };
+                let (p, is_on) = self.place_on(f, &aim, target.radius * TOLERANCE)?;
+                is_on.then_some(Place { p, carrier: Carrier::Facet(f), from })
+            }
+            Item::Tet(..) => None,
+        }
+    }
+}
+
+impl Judge<'_> {
+    /// Has the open cavity tetrahedron `t`, and more tetrahedra over their bounds than the point
+    /// makes?
+    fn relieves(&self, t: TetId, place: &Place, bounds: &Bounds<'_>) -> bool {
+        let state = self.state;
+        let topology = state.mesh.topology();
+        if !topology.at(t).is_marked() {
+            return false;
+        }
+        let inside = |t: &TetId| !topology.at(*t).is_ghost() && state.marks.region(*t) != 0;
+        let tets = || state.mesh.cavity().tets().filter(inside);
+        let before = tets().filter(|&t| bounds.is_over(state, t)).count();
+        let patches = state.facets_of(place.carrier);
+        let mut after = 0;
+        for t in tets() {
+            let (v, n) = (state.vertices(t), topology.at(t).neighbours());
+            for slot in (0..4).filter(|&slot| !topology.at(tet_of(n[slot])).is_marked()) {
+                let face = FACE[slot].map(|k| v[k]);
+                let on =
+                    |f: u32| face.iter().all(|&v| state.lies_on(state.carriers[v as usize], f));
+                // Dust is never over a bound.
+                if patches.iter().any(|&f| state.is_patch(f) && on(f)) {
+                    continue;
+                }
+                let mut corners = v.map(|v| state.at(v));
+                corners[slot] = place.p;
+                let [a, b, c, d] = &corners;
+                after += usize::from(bounds.are_over([a, b, c, d], state.marks.region(t)));
+                if after >= before {
+                    return false;
+                }
+            }
+        }
+        after < before
+    }
+
+    /// The changes of the boundary with a point on `item`, or inside, that takes no other item out
+    /// of the mesh and encroaches none but what may not be split.
+    fn filling_beside(&self, item: Option<Item>, place: &Place) -> Option<Filling> {
+        let state = self.state;
+        let (mut changes, mut split) = (Vec::new(), None);
+        if let Some(item) = item {
+            let seed = match item {
+                Item::Segment(ends) => {
+                    split = Some((ends, *state.segments.get(&ends)?));
+                    Seed::Along(ends)
+                }
+                Item::Subface(corners) => Seed::At(corners),
+                Item::Tet(..) => return None,
+            };
+            for f in state.facets_of(place.carrier).into_iter().filter(|&f| state.is_planned(f)) {
+                changes.push(state.plan(f, &place.p, seed)?);
+            }
+        }
+        let ends = split.map(|(ends, _)| ends);
+        let patches = state.plan_patches(&place.p, place.carrier, ends, &changes)?;
+        changes.extend(patches);
+        let may = |hit: &Item| Some(*hit) == item || self.record.refused.contains_key(hit);
+        let is_kept = state.losses(ends, &changes).is_empty() && state.hits().iter().all(may);
+        is_kept.then_some(Filling { split, changes, lost: Vec::new() })
+    }
+}
