@@ -3,6 +3,7 @@
 
 use ltbw::mesh::{Ownership, Plan};
 use ltbw::protocol::{Config, Correct};
+use ltbw::quality::Quality;
 use ltbw::refining::{Bounds, RefineError, refine_on_threads, simulate_refined};
 use ltbw::simulate::{Network, Options, Storm};
 use ltbw::threads::Parallel;
@@ -111,6 +112,40 @@ fn simulated_processors_refine_a_cube() {
         check(&set, asked, &run.gathered.mesh);
         let made = run.gathered.mesh.num_vertices() - set.len();
         assert!(made > 1000, "{workers} {ownership:?}: {made} points");
+    }
+}
+
+/// The paper's Figure 6: the histogram of dihedral angles of a mesh that many processors have
+/// refined, over that of a sequential one. Where there are a hundredth of all angles or more the
+/// quotient is near 1.
+#[test]
+fn many_processors_make_tetrahedra_as_good_as_one_does() {
+    let set = cube(400);
+    let bounds = bounds_of(&set, (3e-5, 2.0));
+    let slow = Network { latency: 100_000, ..Network::default() };
+    let shares = |workers: u32| -> Vec<f64> {
+        let plan = Plan { ownership: Ownership::Newest, ..Plan::new(set.len(), workers) };
+        let options = Options { network: slow, ..Options::default() };
+        let config = Config { window: 16, ..Config::new(workers) };
+        let run = simulate_refined::<Correct>(&set, bounds, &plan, config, &options);
+        let mesh = run.expect("a run ends").gathered.mesh;
+        let place: HashMap<u32, u32> = mesh.vertices().map(|(v, _)| v).zip(0..).collect();
+        let tets: Vec<[u32; 4]> = mesh.tets().map(|tet| tet.map(|v| place[&v])).collect();
+        let points: Vec<Point> = mesh.vertices().map(|(_, p)| p).collect();
+        let quality = Quality::of(&points, &tets).expect("tetrahedra");
+        let all = quality.dihedral.counts.iter().sum::<u64>() as f64;
+        quality.dihedral.counts.iter().map(|&count| count as f64 / all).collect()
+    };
+    let one = shares(1);
+    for workers in [4, 16] {
+        let quotients = shares(workers).into_iter().zip(&one).enumerate();
+        let quotients = quotients.filter(|(_, (_, own))| **own >= 0.01).map(|(k, (many, own))| {
+            println!("{workers} processors, {:>3} degrees: {:.3}", 5 * k, many / own);
+            many / own
+        });
+        let quotients: Vec<f64> = quotients.collect();
+        assert!(quotients.len() > 15, "{quotients:?}");
+        assert!(quotients.iter().all(|q| (0.8..1.25).contains(q)), "{workers}: {quotients:?}");
     }
 }
 
