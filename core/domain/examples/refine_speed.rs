@@ -1,9 +1,10 @@
 //! Refines a domain file and prints times, counts and the outcome:
-//! `refine_speed DOMAIN [MAX_VOLUME|0 [RADIUS_EDGE [REPEATS [queues|rounds [ORDER [START]]]]]]`;
-//! ORDER is `hilbert`, `forwards`, `backwards` or a seed.
+//! `refine_speed DOMAIN [MAX_VOLUME|0 [RADIUS_EDGE [REPEATS [queues|rounds [ORDER [START [flat]]]]]]]`;
+//! ORDER is `hilbert`, `forwards`, `backwards` or a seed; with `flat`, the facets of surfaces are
+//! flat within the usual tolerance.
 
 use ltbw_domain::PrepareOptions;
-use ltbw_domain::refine::{Engine, InsertOrder, Refiner};
+use ltbw_domain::refine::{Engine, InsertOrder, Refiner, usual_tolerance};
 use ltbw_formats::read_domain;
 use std::path::Path;
 
@@ -21,12 +22,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Some(seed) => InsertOrder::Random(seed.parse()?),
     };
     let start: usize = args.next().map_or(Ok(4096), |s| s.parse())?;
+    let flat = args.next().is_some_and(|word| word == "flat");
     let file = read_domain(Path::new(&path))?;
     let options = PrepareOptions { oriented: file.oriented, ..PrepareOptions::default() };
     let ready = file.domain.prepare(&options)?;
     let mut refiner = Refiner::new().radius_edge(ratio);
     if volume > 0.0 {
         refiner = refiner.max_volume(volume);
+    }
+    if flat {
+        refiner = refiner.flat_tolerance(usual_tolerance(&file.domain, &ready.domain));
     }
     if rounds {
         refiner = refiner.engine(Engine::Rounds { order, start });
