@@ -59,10 +59,20 @@ impl Default for Queues {
 }
 
 impl Queues {
-    /// Sorts the boundary items that do not wait.
-    pub(crate) fn sort_boundary<K: Ord>(&mut self, place: impl Fn(Item) -> K) {
-        self.segments.make_contiguous().sort_by_cached_key(|&s| place(Item::Segment(s)));
-        self.subfaces.make_contiguous().sort_by_cached_key(|&s| place(Item::Subface(s)));
+    /// The next boundary item, where the first by its place comes first of those that do not wait.
+    pub(crate) fn next_by_place<K: Ord>(&mut self, place: impl Fn(Item) -> K) -> Option<Item> {
+        let Self { waiting, segments, subfaces, .. } = self;
+        if let Some(item) = waiting.pop() {
+            return Some(item);
+        }
+        let all = segments.iter().enumerate();
+        let first = all.min_by_key(|&(_, &s)| place(Item::Segment(s))).map(|own| own.0);
+        if let Some(s) = first.and_then(|k| segments.swap_remove_back(k)) {
+            return Some(Item::Segment(s));
+        }
+        let all = subfaces.iter().enumerate();
+        let first = all.min_by_key(|&(_, &s)| place(Item::Subface(s))).map(|own| own.0);
+        first.and_then(|k| subfaces.swap_remove_back(k)).map(Item::Subface)
     }
 }
 

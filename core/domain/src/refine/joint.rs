@@ -36,10 +36,11 @@ impl Refinement<'_> {
         self.record.waits.clear();
         for _ in 0..MOST {
             self.record.joint_transactions += 1;
-            if self.state.by_place {
-                own.sort_boundary(|item| self.state.place_of(item));
-            }
-            let Some(next) = own.next_boundary() else { break };
+            let next = match self.state.by_place {
+                true => own.next_by_place(|item| self.state.place_of(item)),
+                false => own.next_boundary(),
+            };
+            let Some(next) = next else { break };
             match self.rule(next, &mut own, admission) {
                 Step::Inserted | Step::Gone => self.state.registry.remove(next),
                 Step::Deferred => {}

@@ -69,9 +69,9 @@ impl Rounds<'_, '_> {
         let this = &*self;
         let probe = |prober: &mut Prober, list: &[u32]| {
             let mut batch = Batch::default();
-            for &k in list {
-                let own = &this.foremost[this.leaders[k as usize] as usize];
-                this.probe_into(own, ranks[k as usize], prober, &mut batch);
+            for (done, &k) in list.iter().enumerate() {
+                this.fetch_ahead(&list[done + 1..]);
+                this.probe_into(this.leader(k), ranks[k as usize], prober, &mut batch);
             }
             batch.stats = std::mem::take(&mut prober.search.stats);
             batch
@@ -82,6 +82,20 @@ impl Rounds<'_, '_> {
         };
         self.prober = own;
         batches
+    }
+
+    /// Asks the processor to fetch what the next probes begin with. A hint.
+    fn fetch_ahead(&self, next: &[u32]) {
+        let mesh = &self.own.state.mesh;
+        if let Some(&k) = next.first() {
+            for t in self.neighbours(self.leader(k).t) {
+                mesh.prefetch(t);
+                mesh.prefetch_sphere(t);
+            }
+        }
+        if let Some(&k) = next.get(1) {
+            mesh.prefetch(self.leader(k).t);
+        }
     }
 
     /// Proposes a point for a tetrahedron, the leader of a group, of this rank.
@@ -172,8 +186,7 @@ impl Rounds<'_, '_> {
         Conclusion { t: own.t, rank, verdict }
     }
 
-    /// Takes over what a batch has found: its cavities are reserved, and points that fit are
-    /// candidates.
+    /// Takes over what a batch has found: its cavities are reserved.
     pub(super) fn take_batch(&mut self, batch: Batch) {
         let last = self.free + self.count;
         for probed in batch.probed {
@@ -190,15 +203,13 @@ impl Rounds<'_, '_> {
                 let reserved = &mut self.reserved[t as usize];
                 *reserved = (*reserved).max(last - rank);
             }
-            if fits {
-                let start = self.cavities.len();
-                self.cavities.extend_from_slice(tets);
-                let cavity = start..self.cavities.len();
-                let filling = Filling::default();
-                let own =
-                    Candidate { item, rank, fits, is_marked, alone: false, place, cavity, filling };
-                self.candidates.push(own);
-            }
+            let start = self.cavities.len();
+            self.cavities.extend_from_slice(tets);
+            let cavity = start..self.cavities.len();
+            let filling = Filling::default();
+            let own =
+                Candidate { item, rank, fits, is_marked, alone: false, place, cavity, filling };
+            self.candidates.push(own);
         }
         self.conclusions.extend(batch.conclusions);
         self.new_blocks.extend(batch.blocks);

@@ -1,8 +1,8 @@
 //! The choice of a round: candidates, probes, and the kill rule.
 //!
-//! Of tetrahedra all candidates are probed on the mesh at the start of the round, in any order: one
-//! is dropped if a candidate with a larger key has it in its cavity. Where cavities only overlap,
-//! both points are taken. Boundary items are taken one after the other, the largest
+//! Of tetrahedra the candidates are probed on the mesh at the start of the round, in any order (at
+//! patches in waves, in any order within a wave): one is dropped if a candidate with a larger key has it in its cavity. Where
+//! cavities only overlap, both points are taken. Boundary items are taken one after the other, the largest
 //! key first; one whose cavity meets that of a point taken before waits for the next round, unless
 //! both points are on one segment, or in one facet and the cavity there has not this subface.
 
@@ -14,6 +14,9 @@ use crate::refine::measure::circumcircle;
 use ltbw_core::topology::{TetId, tet_of};
 use rayon::prelude::*;
 
+/// At patches each wave of probes has twice the ranks of the wave before it, the first has one, up
+/// to this number; then come all others.
+const SMALL: usize = 64;
 /// Candidates that are worth more than one thread.
 const MANY: usize = if cfg!(test) { 4 } else { 512 };
 
@@ -45,12 +48,27 @@ impl Rounds<'_, '_> {
         let (ranks, order) = self.ranks();
         self.forget_reserved(ranks.len());
         self.check_blocks();
-        for (k, list) in order.chunks(CHECK_EVERY * self.threads).enumerate() {
-            if k > 0 && look(self.own.state.mesh.num_vertices()) {
-                return true;
+        let (mut first, mut wave) = (0, if self.in_waves { 1 } else { ranks.len() });
+        while first < ranks.len() {
+            let has = |k: u32| (first..first + wave).contains(&(ranks[k as usize] as usize));
+            let is_alive = |k: u32| !self.has_rival(self.leader(k).t, ranks[k as usize]);
+            let all = order.iter().copied().filter(|&k| has(k));
+            let list: Vec<u32> = all.filter(|&k| is_alive(k)).collect();
+            for (k, list) in list.chunks(CHECK_EVERY * self.threads).enumerate() {
+                if (first, k) != (0, 0) && look(self.own.state.mesh.num_vertices()) {
+                    return true;
+                }
+                let batches = self.probe_tets(list, &ranks);
+                batches.into_iter().for_each(|batch| self.take_batch(batch));
             }
-            let batches = self.probe_tets(list, &ranks);
-            batches.into_iter().for_each(|batch| self.take_batch(batch));
+            first += wave;
+            wave = if wave < SMALL { 2 * wave } else { ranks.len() };
+        }
+        if !self.alone.is_empty() {
+            self.choose_in_turns();
+            self.conclude();
+            self.refuse_blocked();
+            return false;
         }
         let (this, count) = (&*self, self.candidates.len());
         let is_chosen = |k: usize| this.candidates[k].fits && this.survives(k);
@@ -62,6 +80,32 @@ impl Rounds<'_, '_> {
         self.conclude();
         self.refuse_blocked();
         false
+    }
+
+    /// Chooses among the candidates of a round in which some have to be alone, the foremost first:
+    /// the slots are reserved anew, by those alone that no earlier one of these has killed. Else
+    /// whole chains would wait, each one for the next.
+    pub(super) fn choose_in_turns(&mut self) {
+        let alone = std::mem::take(&mut self.alone);
+        self.forget_reserved(self.count as usize);
+        self.alone = alone;
+        let mut turns: Vec<usize> = (0..self.candidates.len()).collect();
+        turns.sort_unstable_by_key(|&k| self.candidates[k].rank);
+        for k in turns {
+            let own = &self.candidates[k];
+            // One that asks for others keeps its place free.
+            let stays = match own.item {
+                Item::Tet(t, _) if !own.fits => !self.has_rival(t, own.rank),
+                _ => self.survives(k),
+            };
+            if stays {
+                self.reserve(k);
+            }
+            if stays && self.candidates[k].fits {
+                self.chosen.push(k);
+            }
+        }
+        self.chosen.sort_unstable();
     }
 
     /// The pending items that wait for none, the foremost first, each with a slot near it.
@@ -112,12 +156,18 @@ impl Rounds<'_, '_> {
     /// Takes the last candidate, whose cavity is its own from now on, where none before it has it.
     pub(super) fn take(&mut self) {
         self.chosen.push(self.candidates.len() - 1);
-        self.reserve();
+        self.reserve_last();
     }
 
     /// Writes the last candidate into the slots of its cavity, where none before it is.
-    pub(super) fn reserve(&mut self) {
-        let Some(candidate) = self.candidates.last() else { return };
+    pub(super) fn reserve_last(&mut self) {
+        if let Some(k) = self.candidates.len().checked_sub(1) {
+            self.reserve(k);
+        }
+    }
+
+    fn reserve(&mut self, k: usize) {
+        let candidate = &self.candidates[k];
         let own = self.free + self.count - candidate.rank;
         for &t in &self.cavities[candidate.cavity.clone()] {
             let reserved = &mut self.reserved[t as usize];

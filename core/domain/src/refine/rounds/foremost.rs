@@ -150,7 +150,7 @@ impl Rounds<'_, '_> {
         beside.or_else(|| neighbours.into_iter().find_map(beyond))
     }
 
-    fn neighbours(&self, t: TetId) -> [TetId; 4] {
+    pub(super) fn neighbours(&self, t: TetId) -> [TetId; 4] {
         self.own.state.mesh.topology().at(t).neighbours().map(tet_of)
     }
 
@@ -201,7 +201,7 @@ impl Rounds<'_, '_> {
 
     /// The leaders' ranks by their numbers, and their numbers along a Hilbert curve.
     pub(super) fn ranks(&self) -> (Vec<u32>, Vec<u32>) {
-        let leader = |&k: &u32| &self.foremost[self.leaders[k as usize] as usize];
+        let leader = |&k: &u32| self.leader(k);
         let count = self.leaders.len() as u32;
         let mut falling: Vec<(u64, u32)> = (0..count).map(|k| (leader(&k).key, k)).collect();
         let state = &self.own.state;
@@ -217,6 +217,11 @@ impl Rounds<'_, '_> {
         // Of leaders with one corner the foremost comes first, as they are numbered by chance.
         let order = hilbert(&corners).into_iter().map(|k| falling[k as usize].1).collect();
         (ranks, order)
+    }
+
+    /// The leader of this number.
+    pub(super) fn leader(&self, k: u32) -> &Foremost {
+        &self.foremost[self.leaders[k as usize] as usize]
     }
 
     /// The foremost that are no leaders.

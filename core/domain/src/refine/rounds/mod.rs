@@ -183,6 +183,9 @@ pub(crate) struct Rounds<'r, 'a> {
     /// The work that the fillings put: items that are lost, of which there are none.
     nothing: Queues,
     stats: RefineStats,
+    /// Are there patches? Then many tetrahedra may have their points in one place, and those that
+    /// come first are probed before the others, which they may kill.
+    in_waves: bool,
     /// Threads that read the mesh together.
     threads: usize,
     /// The memory for probes on this thread.
@@ -201,6 +204,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
         own.state.registry = Default::default();
         own.record = Default::default();
         let threads = rayon::current_num_threads();
+        let in_waves = own.state.plc.facets.iter().any(|facet| facet.patch.is_some());
         Self {
             own,
             order,
@@ -231,6 +235,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             created: Vec::new(),
             nothing: Queues::default(),
             stats: RefineStats { round_threads: threads, ..stats },
+            in_waves,
             threads,
             prober: batch::Prober::default(),
         }

@@ -130,12 +130,12 @@ impl Rounds<'_, '_> {
             match self.probe((item, rank), &place, |judge| judge.on_tet(t, &place.p)) {
                 Probe::Fits => {
                     self.note_alone();
-                    return self.reserve();
+                    return self.reserve_last();
                 }
                 Probe::Defers(first) => {
                     // One that is refused is in nobody's way.
                     match conclude(self, first) {
-                        (false, _) => self.reserve(),
+                        (false, _) => self.reserve_last(),
                         (true, limit) => self.note_blocks(limit),
                     }
                     return;

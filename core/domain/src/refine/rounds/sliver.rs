@@ -114,7 +114,7 @@ impl Rounds<'_, '_> {
                         candidate.alone = true;
                     }
                     self.note_alone();
-                    self.reserve();
+                    self.reserve_last();
                     return true;
                 }
             }
