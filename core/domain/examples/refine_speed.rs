@@ -1,5 +1,5 @@
 //! Refines a domain file and prints times, counts and the outcome:
-//! `refine_speed DOMAIN [MAX_VOLUME|0 [RADIUS_EDGE [REPEATS [queues|rounds [ORDER [START [flat]]]]]]]`;
+//! `refine_speed DOMAIN [VOLUME|0 [RATIO [REPEATS [queues|rounds [ORDER [START [flat]]]]]]]`;
 //! ORDER is `hilbert`, `forwards`, `backwards` or a seed; with `flat`, the facets of surfaces are
 //! flat within the usual tolerance.
 

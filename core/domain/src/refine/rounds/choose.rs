@@ -1,10 +1,11 @@
 //! The choice of a round: candidates, probes, and the kill rule.
 //!
-//! Of tetrahedra the candidates are probed on the mesh at the start of the round, in any order (at
-//! patches in waves, in any order within a wave): one is dropped if a candidate with a larger key has it in its cavity. Where
-//! cavities only overlap, both points are taken. Boundary items are taken one after the other, the largest
-//! key first; one whose cavity meets that of a point taken before waits for the next round, unless
-//! both points are on one segment, or in one facet and the cavity there has not this subface.
+//! Of tetrahedra the candidates are probed on the mesh at the start of the round, in any order, or
+//! at patches in waves: one is dropped if a candidate with a larger key has it in its cavity. Where
+//! cavities only overlap, both points are taken. Boundary items are taken one after the other, the
+//! largest key first; one whose cavity meets that of a point taken before waits for the next round,
+//! unless both points are on one segment, or in one facet and the cavity there has not this
+//! subface.
 
 use super::{CHECK_EVERY, Candidate, Class, LAST, Look, Rounds};
 use crate::refine::carrier::distance2;
