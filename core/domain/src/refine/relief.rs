@@ -4,8 +4,9 @@
 //! At a small angle the circumcentre of a tetrahedron is kept away by boundary items that may not
 //! be split. Other points in its ball may serve: nearer to its shortest edge, anywhere else in the
 //! ball, or on the boundary beside it. One is inserted if fewer of its tetrahedra are over a bound
-//! than it takes out of the mesh, and it takes no other boundary item out. So every point makes
-//! them fewer, and there are never more points than tetrahedra were over their bounds.
+//! than it takes out of the mesh, where those with tiny dihedral angles count twice, and it takes
+//! no other boundary item out. So there are at most twice as many points as tetrahedra were over
+//! their bounds.
 //!
 //! Items that may not be split do not keep points out of their balls here: no item is split any
 //! more, and those balls are large at small angles. Tetrahedra are taken in the order of their
@@ -17,7 +18,7 @@ use super::carrier::{Carrier, Line, distance2, free_point};
 use super::facet::Seed;
 use super::item::{Item, Queues, Work};
 use super::key::sorted;
-use super::measure::{Shape, circumcircle};
+use super::measure::{Shape, circumcircle, has_small_dihedral};
 use super::record::Refusal;
 use super::run::Run;
 use super::sliver::in_unit_ball;
@@ -40,6 +41,8 @@ const BESIDE: usize = 8;
 /// of the way, and of the distance at which a triangle with the edge meets the bound.
 const WAY: [(f64, bool); 6] =
     [(1.0, false), (0.9, true), (0.5, true), (0.25, true), (0.5, false), (0.75, false)];
+/// A new tetrahedron may miss the bound of shape by this factor, or by that of the worst that goes.
+const WORST: f64 = 32.0;
 /// Tetrahedra of cavities opened for this: for each tetrahedron of the mesh, and in addition.
 const OPENED: usize = 24;
 const OPENED_MORE: usize = 1 << 19;
@@ -248,7 +251,7 @@ impl State {
 
 impl Judge<'_> {
     /// Has the open cavity tetrahedron `t`, and more tetrahedra over their bounds than the point
-    /// makes?
+    /// makes, where those with tiny angles count twice? And is none of the point's far worse?
     fn relieves(&self, t: TetId, place: &Place, bounds: &Bounds<'_>) -> bool {
         let state = self.state;
         let topology = state.mesh.topology();
@@ -257,7 +260,13 @@ impl Judge<'_> {
         }
         let inside = |t: &TetId| !topology.at(*t).is_ghost() && state.marks.region(*t) != 0;
         let tets = || state.mesh.cavity().tets().filter(inside);
-        let before = tets().filter(|&t| bounds.is_over(state, t)).count();
+        let Some(ratio) = bounds.ratio else { return false };
+        let (mut before, mut worst) = (0, WORST);
+        for t in tets().filter(|&t| bounds.is_over(state, t)) {
+            let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
+            before += 1 + usize::from(has_small_dihedral([&a, &b, &c, &d]));
+            worst = worst.max(Shape::of([&a, &b, &c, &d]).ratio_over(&ratio));
+        }
         let patches = state.facets_of(place.carrier);
         let mut after = 0;
         for t in tets() {
@@ -273,7 +282,13 @@ impl Judge<'_> {
                 let mut corners = v.map(|v| state.at(v));
                 corners[slot] = place.p;
                 let [a, b, c, d] = &corners;
-                after += usize::from(bounds.are_over([a, b, c, d], state.marks.region(t)));
+                after += usize::from(has_small_dihedral([a, b, c, d]));
+                if bounds.are_over([a, b, c, d], state.marks.region(t)) {
+                    after += 1;
+                    if Shape::of([a, b, c, d]).ratio_over(&ratio) > worst {
+                        return false;
+                    }
+                }
                 if after >= before {
                     return false;
                 }
