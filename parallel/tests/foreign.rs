@@ -47,13 +47,14 @@ fn of(what: &'static str, number: u32) -> SubmeshError {
 
 #[test]
 fn numbers_in_a_patch_are_compared_before_they_are_used() {
-    const NONE: u32 = 1 << 29;
+    const NONE: TetId = TetId::new(1 << 29);
+    const LAST: TetId = TetId::new(u32::MAX);
     let tet = "an unlocked tetrahedron";
-    assert_eq!(damaged(|patch, _| patch.remove.push(NONE)), of(tet, NONE));
-    assert_eq!(damaged(|patch, _| patch.create[0].n[2] = To::Old(u32::MAX, 1)), of(tet, u32::MAX));
+    assert_eq!(damaged(|patch, _| patch.remove.push(NONE)), of(tet, NONE.number()));
+    assert_eq!(damaged(|patch, _| patch.create[0].n[2] = To::Old(LAST, 1)), of(tet, u32::MAX));
     let relink = |at, slot, face| Relink { at, slot, name: None, to: handle(face) };
     let added = |relink: Relink| damaged(move |patch, _| patch.relink.push(relink));
-    assert_eq!(added(relink(At::Tet(NONE), 0, 0)), of(tet, NONE));
+    assert_eq!(added(relink(At::Tet(NONE), 0, 0)), of(tet, NONE.number()));
     let slot = "a face by slot";
     assert_eq!(added(relink(At::Named(handle(0).name), 4, 0)), of(slot, 4));
     assert_eq!(added(relink(At::Named(handle(0).name), 0, 255)), of(slot, 255));

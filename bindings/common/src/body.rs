@@ -33,7 +33,7 @@ impl Body {
     pub(crate) fn places(&self) -> Vec<u32> {
         let mut place = vec![NOWHERE; self.mesh().topology().slots()];
         for (k, &t) in (0..).zip(&self.ids()) {
-            place[t as usize] = k;
+            place[t.index()] = k;
         }
         place
     }

@@ -62,7 +62,7 @@ impl Locator {
     }
 
     fn find_one(&self, mesh: &Mesh, cursor: &mut Cursor<'_>, p: Point) -> Result<u32, Failure> {
-        let seen = |t: TetId| self.place.get(t as usize).copied().filter(|&k| k != NOWHERE);
+        let seen = |t: TetId| self.place.get(t.index()).copied().filter(|&k| k != NOWHERE);
         // On a vertex, edge or face any tetrahedron there will do; of several the first seen.
         let corners: Vec<u32> = match cursor.locate(p)? {
             Location::Tet(t) => return Ok(seen(t).unwrap_or(NOWHERE)),

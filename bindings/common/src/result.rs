@@ -94,8 +94,7 @@ impl Meshed {
     #[must_use]
     pub fn neighbours(&self) -> Vec<[u32; 4]> {
         let (mesh, place) = (self.body.mesh(), self.body.places());
-        let across =
-            |t: TetId, slot| mesh.neighbour(t, slot).map_or(NOWHERE, |o| place[o as usize]);
+        let across = |t: TetId, slot| mesh.neighbour(t, slot).map_or(NOWHERE, |o| place[o.index()]);
         let all = |t: TetId| {
             let own = mesh.tet(t).unwrap_or_default();
             // The kernel has the corners of a domain's tetrahedron in an order of its own.
@@ -139,7 +138,7 @@ impl Meshed {
         let Some(refined) = self.refined() else { return Vec::new() };
         let place = self.body.places();
         let all = refined.excuses.iter();
-        all.map(|e| (place[e.tet as usize], e.reason.to_string())).collect()
+        all.map(|e| (place[e.tet.index()], e.reason.to_string())).collect()
     }
 
     /// The place that coordinates are relative to.

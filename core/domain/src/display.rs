@@ -114,6 +114,7 @@ mod tests {
     use super::*;
     use crate::refine::{Excuse, Reason, Refiner};
     use crate::{CheckOptions, Domain};
+    use ltbw_core::topology::TetId;
 
     #[test]
     fn refinements_are_told_in_a_line() {
@@ -122,7 +123,7 @@ mod tests {
         let vertices = refined.mesh().num_vertices();
         let size = format!("{} tetrahedra, {vertices} vertices, 1 region", refined.num_tets());
         assert_eq!(refined.to_string(), format!("met: {size}"));
-        refined.excuses = vec![Excuse { tet: 0, reason: Reason::Rounding }; 2];
+        refined.excuses = vec![Excuse { tet: TetId::default(), reason: Reason::Rounding }; 2];
         refined.outcome = RefineOutcome::Excused;
         let text = format!("excused: {size}; 2 over a bound, each with its reason");
         assert_eq!(refined.to_string(), text);

@@ -121,19 +121,21 @@ impl<T> Arena<T> {
 
     /// Entry `i`, which must exist (I7).
     #[inline(always)]
-    pub(crate) fn at(&self, i: u32) -> &T {
-        debug_assert!((i as usize) < self.0.len(), "I7: {i} of {}", self.0.len());
+    pub(crate) fn at(&self, i: impl Into<u32>) -> &T {
+        let i = i.into() as usize;
+        debug_assert!(i < self.0.len(), "I7: {i} of {}", self.0.len());
         // SAFETY: I7, checked in debug builds.
-        unsafe { self.0.get_unchecked(i as usize) }
+        unsafe { self.0.get_unchecked(i) }
     }
 
     /// Asks the processor to fetch entry `i` into its cache. A hint: nothing depends on it.
     #[inline(always)]
-    pub(crate) fn prefetch(&self, i: u32) {
+    pub(crate) fn prefetch(&self, i: impl Into<u32>) {
+        let i = i.into() as usize;
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            let entry = self.0.as_ptr().wrapping_add(i as usize);
+            let entry = self.0.as_ptr().wrapping_add(i);
             // SAFETY: SSE is part of x86-64, and a prefetch of any address is harmless.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(entry.cast()) };
         }
@@ -143,10 +145,11 @@ impl<T> Arena<T> {
 
     /// Entry `i`, which must exist (I7).
     #[inline(always)]
-    pub(crate) fn at_mut(&mut self, i: u32) -> &mut T {
-        debug_assert!((i as usize) < self.0.len(), "I7: {i} of {}", self.0.len());
+    pub(crate) fn at_mut(&mut self, i: impl Into<u32>) -> &mut T {
+        let i = i.into() as usize;
+        debug_assert!(i < self.0.len(), "I7: {i} of {}", self.0.len());
         // SAFETY: I7, checked in debug builds.
-        unsafe { self.0.get_unchecked_mut(i as usize) }
+        unsafe { self.0.get_unchecked_mut(i) }
     }
 }
 

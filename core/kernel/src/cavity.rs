@@ -435,7 +435,7 @@ mod tests {
         let mut topology = Topology::default();
         topology.start([1, 2, 3, 4]);
         let mut cavity = Cavity { stamp, ..Cavity::default() };
-        let mut t = 0;
+        let mut t = TetId::default();
         for v in 5..5 + count {
             cavity.reserve_vertices(v as usize + 1);
             cavity.expand(&mut topology, t, &mut Only(t), &mut Open).expect("all are admitted");
@@ -466,20 +466,21 @@ mod tests {
         let mut topology = Topology::default();
         topology.start([1, 2, 3, 4]);
         let before = topology.clone();
-        let mut asked = Vec::new();
+        let (first, mut asked) = (TetId::default(), Vec::new());
         let mut admission = |t: TetId, role: Role| {
             asked.push((t, role));
             true
         };
         let mut cavity = Cavity::default();
-        cavity.expand(&mut topology, 0, &mut Only(0), &mut admission).expect("admitted");
-        let ring = topology.tet(0).neighbours().map(|n| (tet_of(n), Role::Ring));
-        assert_eq!(asked, [vec![(0, Role::Cavity)], ring.to_vec()].concat());
-        assert!(topology.tet(0).is_marked());
+        cavity.expand(&mut topology, first, &mut Only(first), &mut admission).expect("admitted");
+        let ring = topology.tet(first).neighbours().map(|n| (tet_of(n), Role::Ring));
+        assert_eq!(asked, [vec![(first, Role::Cavity)], ring.to_vec()].concat());
+        assert!(topology.tet(first).is_marked());
         cavity.set_back(&mut topology);
         assert!(topology == before);
         assert_eq!(
-            cavity.expand(&mut topology, 0, &mut Only(0), &mut |_, role| role == Role::Cavity),
+            cavity.expand(&mut topology, first, &mut Only(first), &mut |_, role| role
+                == Role::Cavity),
             Err(Setback::Refused(ring[0].0))
         );
         assert!(topology == before);

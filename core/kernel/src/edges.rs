@@ -9,8 +9,8 @@ use crate::topology::FaceId;
 ///
 /// ```
 /// use ltbw_core::edges::{EdgeTable, Met};
-/// use ltbw_core::topology::FaceId;
-/// let [a, b] = [FaceId::new(7, 3), FaceId::new(8, 1)];
+/// use ltbw_core::topology::{FaceId, TetId};
+/// let [a, b] = [FaceId::new(TetId::new(7), 3), FaceId::new(TetId::new(8), 1)];
 /// let mut edges = EdgeTable::default();
 /// edges.start(2);
 /// assert_eq!(edges.meet(5, 6, a), Met::Nothing);
@@ -84,6 +84,7 @@ impl EdgeTable {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::topology::TetId;
 
     #[test]
     fn a_table_that_is_too_small_is_a_defect() {
@@ -93,7 +94,11 @@ mod tests {
         assert_eq!(met[..16], [Met::Nothing; 16]);
         assert_eq!(met[16], Met::Defect);
         edges.start(0);
-        assert_eq!(edges.meet(1, 2, FaceId::new(3, 1)), Met::Nothing);
-        assert_eq!(edges.meet(1, 2, FaceId::new(4, 1)), Met::Defect, "the same direction");
+        assert_eq!(edges.meet(1, 2, FaceId::new(TetId::new(3), 1)), Met::Nothing);
+        assert_eq!(
+            edges.meet(1, 2, FaceId::new(TetId::new(4), 1)),
+            Met::Defect,
+            "the same direction"
+        );
     }
 }

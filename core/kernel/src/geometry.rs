@@ -88,7 +88,7 @@ impl Geometry {
     pub(crate) fn submesh(low: Point, high: Point, wide: bool, step: f64, vertices: usize) -> Self {
         let mut geometry = Self::new(low, high, wide, 0, 0);
         geometry.points = Arena::filled([0.0; 3], vertices + 1);
-        *geometry.points.at_mut(0) = [f64::NAN; 3];
+        *geometry.points.at_mut(INFINITE) = [f64::NAN; 3];
         geometry.step = if wide { 0.0 } else { step };
         geometry
     }

@@ -19,7 +19,7 @@ pub fn check_i1(topology: &Topology) -> Result<(), String> {
     for (t, tet) in topology.iter() {
         for (slot, &n) in tet.neighbours().iter().enumerate() {
             let (u, back) = (tet_of(n), slot_of(n));
-            if u as usize >= topology.slots() || topology.tet(u).is_free() {
+            if u.index() >= topology.slots() || topology.tet(u).is_free() {
                 return Err(format!("I1: neighbour {u} of tetrahedron {t} does not exist"));
             }
             if topology.tet(u).neighbours()[back] != FaceId::new(t, slot) {
@@ -57,7 +57,7 @@ pub fn check_i2(topology: &Topology) -> Result<(), String> {
 pub fn check_i3(topology: &Topology) -> Result<(), String> {
     let mut free = topology.free_slots().to_vec();
     free.sort_unstable();
-    let slots = 0..topology.slots() as TetId;
+    let slots = (0..topology.slots()).map(TetId::at);
     let expected: Vec<TetId> = slots.filter(|&t| topology.tet(t).is_free()).collect();
     if free != expected {
         return Err(format!("I3: free list {free:?}, free slots {expected:?}"));
@@ -141,6 +141,8 @@ mod tests {
     use ltbw_exact::{Point, PointSet};
     use ltbw_generate::{PointKind, generate};
 
+    const THIRD: TetId = TetId::new(3);
+
     fn mesh() -> Mesh {
         let set = PointSet::new(generate(PointKind::Uniform, 60, 2)).expect("finite points");
         Builder::new().build(&set).expect("a mesh").mesh
@@ -161,27 +163,27 @@ mod tests {
     fn broken_adjacency_is_seen() {
         // `put` links the neighbour across face 0 back; the others stay as given.
         let rewrite = |topology: &mut Topology, slot: usize, face: FaceId| {
-            let (v, mut n) = (topology.tet(3).vertices(), topology.tet(3).neighbours());
+            let (v, mut n) = (topology.tet(THIRD).vertices(), topology.tet(THIRD).neighbours());
             n[slot] = face;
-            topology.put(3, v, n);
+            topology.put(THIRD, v, n);
         };
-        let far = FaceId::new(100_000, 0);
+        let far = FaceId::new(TetId::new(100_000), 0);
         let message = damaged(check_i1, |t| rewrite(t, 1, far));
         assert_eq!(message, "I1: neighbour 100000 of tetrahedron 3 does not exist");
         let message = damaged(check_i1, |t| {
-            let neighbour = tet_of(t.tet(3).neighbours()[2]);
+            let neighbour = tet_of(t.tet(THIRD).neighbours()[2]);
             t.release(neighbour);
         });
         assert!(message.ends_with("does not exist"), "{message}");
         let message = damaged(check_i1, |t| {
-            let other = t.tet(3).neighbours()[2];
+            let other = t.tet(THIRD).neighbours()[2];
             rewrite(t, 1, other);
         });
         assert!(message.ends_with("are not mutual neighbours"), "{message}");
         let message = damaged(check_i1, |t| {
-            let (a, b) = (t.tet(3).neighbours()[0], t.tet(3).neighbours()[1]);
-            t.link(FaceId::new(3, 0), b);
-            t.link(FaceId::new(3, 1), a);
+            let (a, b) = (t.tet(THIRD).neighbours()[0], t.tet(THIRD).neighbours()[1]);
+            t.link(FaceId::new(THIRD, 0), b);
+            t.link(FaceId::new(THIRD, 1), a);
         });
         assert!(message.ends_with("do not share the face"), "{message}");
     }
@@ -190,9 +192,9 @@ mod tests {
     fn wrong_vertices_and_counts_are_seen() {
         let with = |slot: usize, vertex: fn([u32; 4]) -> u32| {
             damaged(check_i2, |t| {
-                let (mut v, n) = (t.tet(3).vertices(), t.tet(3).neighbours());
+                let (mut v, n) = (t.tet(THIRD).vertices(), t.tet(THIRD).neighbours());
                 v[slot] = vertex(v);
-                t.put(3, v, n);
+                t.put(THIRD, v, n);
             })
         };
         assert!(with(1, |_| INFINITE).contains("has the vertex at infinity in"));
@@ -204,15 +206,15 @@ mod tests {
     #[test]
     fn a_wrong_free_list_is_seen() {
         let message = damaged(check_i3, |t| {
-            t.release(3);
-            t.release(3);
+            t.release(THIRD);
+            t.release(THIRD);
         });
         assert_eq!(message, "I3: free list [3, 3], free slots [3]");
     }
 
     #[test]
     fn a_mark_left_behind_is_seen() {
-        assert_eq!(damaged(check_i4, |t| t.mark(3)), "I4: tetrahedron 3 is still marked");
+        assert_eq!(damaged(check_i4, |t| t.mark(THIRD)), "I4: tetrahedron 3 is still marked");
     }
 
     #[test]

@@ -21,6 +21,7 @@
 //! | `numbering` | kernel vertices by public number |
 //! | [`tetmesh`], `export` | [`TetMesh`]: a plain mesh as files carry it; a mesh as one |
 //! | `invariants` | one slow check per invariant of `docs/invariants.md` |
+//! | `ids` | the macro of numbers in types of their own |
 //! | `random` | the one random generator, the same on every machine |
 //!
 //! Inner modules that are not shown here are public to the other crates of the workspace alone, and
@@ -40,6 +41,7 @@ pub mod edges;
 mod export;
 mod geometry;
 pub mod hash;
+mod ids;
 #[doc(hidden)]
 pub mod invariants;
 mod locate;

@@ -135,7 +135,7 @@ fn scan<G: Access>(topology: &Topology, conflict: &mut PointConflict<'_>, access
     }
     // I5: every point that is not a vertex conflicts with some tetrahedron, here or beyond the
     // barred ones.
-    barred.map_or(Found::Outside(0), Found::Barred)
+    barred.map_or(Found::Outside(TetId::default()), Found::Barred)
 }
 
 #[cfg(test)]
@@ -170,7 +170,7 @@ mod tests {
                 panic!("no conflict with {p:?}");
             };
             assert!(conflict.in_conflict(&mesh.topology, t));
-            let t = match walk(&mesh.topology, &mut conflict, 0) {
+            let t = match walk(&mesh.topology, &mut conflict, TetId::default()) {
                 Found::Conflict(t) | Found::Inside(t) | Found::Outside(t) => t,
                 Found::Barred(t) => panic!("{t} was barred by nobody"),
             };

@@ -146,7 +146,7 @@ impl Mesh {
         topology.start([1, 2, 3, 4]);
         geometry.created(
             topology.slots(),
-            &Star { tets: &[0], rim: &[1, 2, 3], faces: &[[0, 1, 2, 0]] },
+            &Star { tets: &[TetId::default()], rim: &[1, 2, 3], faces: &[[0, 1, 2, 0]] },
             &corners[3].0,
         );
         Self {
@@ -157,7 +157,7 @@ impl Mesh {
             duplicates: Vec::new(),
             mode,
             next_number: 0,
-            hint: 0,
+            hint: TetId::default(),
             numbering: OnceLock::new(),
         }
     }
@@ -423,7 +423,7 @@ impl Mesh {
 
     /// The vertices of a finite tetrahedron, positively oriented; `None` if `t` is not one.
     pub fn tet(&self, t: TetId) -> Option<[Vertex; 4]> {
-        if t as usize >= self.topology.slots() {
+        if t.index() >= self.topology.slots() {
             return None;
         }
         let tet = self.topology.tet(t);

@@ -183,9 +183,9 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
             own: 0..0,
             others: true,
             removed_tags: Vec::new(),
-            hints: [0; 8],
+            hints: [TetId::default(); 8],
             last: 0,
-            places: vec![TetId::MAX; PLACES],
+            places: vec![TetId::new(u32::MAX); PLACES],
             grain: 1,
             steps: 0,
             made: 0,
@@ -258,7 +258,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     #[inline]
     #[track_caller]
     fn expect_slot(&self, t: TetId) {
-        assert!((t as usize) < self.topology.slots(), "there is no slot {t}");
+        assert!(t.index() < self.topology.slots(), "there is no slot {t}");
     }
 
     #[inline]

@@ -14,8 +14,11 @@
 use crate::arena::{Arena, zeroable};
 use rayon::prelude::*;
 
-/// Index of a tetrahedron's slot.
-pub type TetId = u32;
+crate::ids! {
+    /// Index of a tetrahedron's slot.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    TetId
+}
 /// Kernel number of a vertex: 0 is the vertex at infinity, the others count from 1.
 pub type VertexId = u32;
 /// A face seen from one of its tetrahedra, as the slot of the vertex opposite: in four bytes.
@@ -29,8 +32,8 @@ impl FaceId {
     /// The face of tetrahedron `tet`, at most [`MAX_TETS`], opposite the vertex in `slot`.
     #[inline(always)]
     pub const fn new(tet: TetId, slot: usize) -> Self {
-        debug_assert!(tet as usize <= MAX_TETS && slot < 4);
-        Self(tet << 2 | slot as u32)
+        debug_assert!(tet.index() <= MAX_TETS && slot < 4);
+        Self(tet.number() << 2 | slot as u32)
     }
 }
 
@@ -103,7 +106,7 @@ impl Tet {
 /// The tetrahedron of a face handle.
 #[inline(always)]
 pub fn tet_of(face: FaceId) -> TetId {
-    face.0 >> 2
+    TetId::new(face.0 >> 2)
 }
 
 /// The slot, in its tetrahedron, of the vertex opposite a face.
@@ -151,7 +154,7 @@ impl Topology {
 
     /// The tetrahedron in slot `t`, which may be a free slot; `None` if there is no such slot.
     pub fn get(&self, t: TetId) -> Option<&Tet> {
-        self.tets.all().get(t as usize)
+        self.tets.all().get(t.index())
     }
 
     /// The tetrahedron in slot `t`, which may be a free slot.
@@ -160,7 +163,7 @@ impl Topology {
     /// If there is no such slot, as indexing a slice does.
     #[inline(always)]
     pub fn at(&self, t: TetId) -> &Tet {
-        &self.tets.all()[t as usize]
+        &self.tets.all()[t.index()]
     }
 
     /// The tetrahedron in slot `t`, which must exist (I7).
@@ -207,12 +210,12 @@ impl Topology {
 
     /// The used slots, ascending.
     pub fn iter(&self) -> impl Iterator<Item = (TetId, &Tet)> + '_ {
-        (0..).zip(self.tets.all()).filter(|(_, t)| !t.is_free())
+        (0..).map(TetId::new).zip(self.tets.all()).filter(|(_, t)| !t.is_free())
     }
 
     /// The finite tetrahedra, ascending. (The last vertex of a vacant slot is at infinity, too.)
     pub fn finite(&self) -> impl Iterator<Item = (TetId, &Tet)> + '_ {
-        (0..).zip(self.tets.all()).filter(|(_, t)| !t.is_ghost())
+        (0..).map(TetId::new).zip(self.tets.all()).filter(|(_, t)| !t.is_ghost())
     }
 
     #[inline(always)]
@@ -240,7 +243,7 @@ impl Topology {
     pub(crate) fn take(&mut self) -> TetId {
         self.free.pop().unwrap_or_else(|| {
             self.tets.push(Tet { v: FREE, n: [FaceId::default(); 4] });
-            (self.tets.all().len() - 1) as TetId
+            TetId::at(self.tets.all().len() - 1)
         })
     }
 
@@ -288,19 +291,20 @@ impl Topology {
         &mut self,
         other: Self,
         names: impl Fn([VertexId; 4]) -> [VertexId; 4] + Sync,
-    ) -> Option<TetId> {
+    ) -> Option<usize> {
         let (offset, slots) = (self.slots(), other.slots());
         if offset + slots > self.limit {
             return None;
         }
-        let shift = |face| FaceId::new(tet_of(face) + offset as TetId, slot_of(face));
-        self.free.extend(other.free.iter().map(|&t| t + offset as u32));
+        let shifted = |t: TetId| TetId::at(t.index() + offset);
+        let shift = |face| FaceId::new(shifted(tet_of(face)), slot_of(face));
+        self.free.extend(other.free.iter().copied().map(shifted));
         self.ghosts += other.ghosts;
         self.tets.append(other.tets, slots, |tet| {
             let n = if tet.is_free() { tet.n } else { tet.n.map(shift) };
             Tet { v: names(tet.v), n }
         });
-        Some(offset as TetId)
+        Some(offset)
     }
 
     /// One look at all slots: by vertex, of which there are `count` finite ones, whether a
@@ -312,7 +316,7 @@ impl Topology {
             let (mut used, mut proxies) = (vec![false; count + 1], Vec::new());
             for (t, tet) in (number * size..).zip(chunk).filter(|(_, tet)| !tet.is_free()) {
                 if tet.is_proxy() {
-                    proxies.push(t as TetId);
+                    proxies.push(TetId::at(t));
                     continue;
                 }
                 for v in tet.vertices() {
@@ -387,7 +391,7 @@ impl Topology {
             for b in 0..a {
                 for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
                     if same(cells[a], i, cells[b], j) {
-                        self.link(FaceId::new(a as TetId, i), FaceId::new(b as TetId, j));
+                        self.link(FaceId::new(TetId::at(a), i), FaceId::new(TetId::at(b), j));
                     }
                 }
             }

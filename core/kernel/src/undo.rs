@@ -88,7 +88,7 @@ impl Mesh {
         self.topology.add_ghosts(ghosts as isize - star as isize);
         self.numbers.pop();
         self.renumbered();
-        self.set_hint(cavity.first().map_or(0, |before| before.t));
+        self.set_hint(cavity.first().map(|before| before.t).unwrap_or_default());
     }
 }
 

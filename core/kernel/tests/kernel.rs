@@ -1,6 +1,7 @@
 //! The kernel against its invariants, without an outside reference (CGAL's is in `tests/`).
 
 use ltbw_core::invariants::check_all;
+use ltbw_core::topology::TetId;
 use ltbw_core::{
     Budget, BuildError, Builder, CancelToken, InsertError, Inserted, Mesh, Observer, Order,
     Outcome, Phase, Progress, Role,
@@ -95,8 +96,8 @@ fn adjacency_agrees_with_shared_vertices() {
         }
     }
     assert_eq!(hull, mesh.num_hull_faces());
-    assert_eq!(mesh.tet(u32::MAX), None);
-    assert_eq!(mesh.neighbour(u32::MAX, 0), None);
+    assert_eq!(mesh.tet(TetId::new(u32::MAX)), None);
+    assert_eq!(mesh.neighbour(TetId::new(u32::MAX), 0), None);
     assert_eq!(mesh.neighbour(mesh.tet_ids().next().expect("a tetrahedron"), 4), None);
 }
 

@@ -1,7 +1,7 @@
 //! Queries against brute force, on degenerate and ordinary points.
 
 use ltbw_core::query::{Conflicts, Cursor, Location, Queries};
-use ltbw_core::topology::INFINITE;
+use ltbw_core::topology::{INFINITE, TetId};
 use ltbw_core::{Builder, Inserted, Mesh, Vertex};
 use ltbw_exact::predicates::{Sign, cmp_xyz, exact, orient3d, perturb};
 use ltbw_exact::{Mode, Point, PointError, PointSet};
@@ -115,7 +115,7 @@ fn brute_locate(tets: &[[Vertex; 4]], at: &BTreeMap<Vertex, Point>, p: &Point) -
 
 /// The simplex of a location; checks what it names on the way.
 fn simplex(mesh: &Mesh, at: &BTreeMap<Vertex, Point>, p: &Point, found: Location) -> Vec<Vertex> {
-    let has = |tet: u32, corners: &[Vertex]| {
+    let has = |tet: TetId, corners: &[Vertex]| {
         let all = mesh.tet(tet).expect("a finite tetrahedron");
         assert!(corners.iter().all(|v| all.contains(v)), "{found:?}");
     };
@@ -187,7 +187,7 @@ fn nearest_agrees_with_brute_force_ties_included() {
 fn stars_neighbours_and_edges_agree_with_a_recount() {
     for (name, points) in sets() {
         let mesh = build(&points);
-        let mut stars: BTreeMap<Vertex, BTreeSet<u32>> = BTreeMap::new();
+        let mut stars: BTreeMap<Vertex, BTreeSet<TetId>> = BTreeMap::new();
         let mut near: BTreeMap<Vertex, BTreeSet<Vertex>> = BTreeMap::new();
         let mut edges = BTreeSet::new();
         for t in mesh.tet_ids() {
@@ -205,7 +205,7 @@ fn stars_neighbours_and_edges_agree_with_a_recount() {
         let mut cursor = queries.cursor();
         assert_eq!(stars.len(), mesh.num_vertices(), "{name}");
         for (v, point) in mesh.vertices() {
-            let star: Vec<u32> = stars[&v].iter().copied().collect();
+            let star: Vec<TetId> = stars[&v].iter().copied().collect();
             assert_eq!(cursor.star(v), Some(&star[..]), "{name}: {v}");
             let ring: Vec<Vertex> = near[&v].iter().copied().collect();
             assert_eq!(cursor.neighbours(v), Some(&ring[..]), "{name}: {v}");
@@ -214,7 +214,7 @@ fn stars_neighbours_and_edges_agree_with_a_recount() {
         }
         for &(duplicate, kept) in mesh.duplicates() {
             assert_eq!(queries.vertex(duplicate), Some(kept));
-            assert_eq!(cursor.star(duplicate).map(<[u32]>::len), Some(stars[&kept].len()));
+            assert_eq!(cursor.star(duplicate).map(<[TetId]>::len), Some(stars[&kept].len()));
         }
         let listed: Vec<[Vertex; 2]> = cursor.edges().collect();
         assert_eq!(listed.len(), edges.len(), "{name}: each edge once");
@@ -228,8 +228,8 @@ fn stars_neighbours_and_edges_agree_with_a_recount() {
 }
 
 /// Every tetrahedron and hull facet in conflict with `p`, tested one by one.
-fn brute_zone(mesh: &Mesh, at: &BTreeMap<Vertex, Point>, p: &Point) -> (Vec<u32>, usize) {
-    let inside = |t: &u32| {
+fn brute_zone(mesh: &Mesh, at: &BTreeMap<Vertex, Point>, p: &Point) -> (Vec<TetId>, usize) {
+    let inside = |t: &TetId| {
         let [a, b, c, d] = mesh.tet(*t).expect("a finite tetrahedron").map(|v| at[&v]);
         perturb::side_of_sphere(&a, &b, &c, &d, p).is_positive()
     };

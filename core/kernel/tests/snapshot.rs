@@ -137,6 +137,7 @@ fn corrupt_snapshots_are_refused_with_the_reason() {
 mod with_serde {
     use super::*;
     use ltbw_core::query::Location;
+    use ltbw_core::topology::TetId;
     use ltbw_core::{MeshHash, Order, Outcome, Role, Stats, TetMesh};
     use ltbw_exact::Sign;
     use serde::{Serialize, de::DeserializeOwned};
@@ -232,10 +233,10 @@ mod with_serde {
         }
         for location in [
             Location::Vertex(1),
-            Location::Edge { ends: [1, 2], tet: 3 },
-            Location::Facet { corners: [1, 2, 3], tet: 4 },
-            Location::Tet(5),
-            Location::OutsideHull { facet: [1, 2, 3], ghost: 9 },
+            Location::Edge { ends: [1, 2], tet: TetId::new(3) },
+            Location::Facet { corners: [1, 2, 3], tet: TetId::new(4) },
+            Location::Tet(TetId::new(5)),
+            Location::OutsideHull { facet: [1, 2, 3], ghost: TetId::new(9) },
         ] {
             assert_eq!(there_and_back(&location), location);
         }

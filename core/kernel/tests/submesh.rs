@@ -1,14 +1,14 @@
 //! Submeshes that are told nonsense: they stay inside their arrays.
 
 use ltbw_core::submesh::{Closure, MeshParams, Submesh};
-use ltbw_core::topology::{FaceId, MAX_TETS};
+use ltbw_core::topology::{FaceId, MAX_TETS, TetId};
 use ltbw_core::{Mode, Point, Random};
 use ltbw_generate::{PointKind, generate};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 type Tets = Submesh<u32, u32, u32>;
 
-fn face(t: u32, slot: u32) -> FaceId {
+fn face(t: TetId, slot: u32) -> FaceId {
     FaceId::new(t, slot as usize)
 }
 
@@ -48,7 +48,12 @@ fn walks_and_closures_stay_inside_whatever_the_links_are() {
                 2 => mesh.link_far(face(t, below(4)), step).expect("room"),
                 3 => {
                     let star = [[1, 2, 3], [2, 1, 4]].map(|wall| {
-                        (wall, [0; 4].map(|_| (below(2) == 1).then(|| face(below(2), below(4)))))
+                        (
+                            wall,
+                            [0; 4].map(|_| {
+                                (below(2) == 1).then(|| face(TetId::new(below(2)), below(4)))
+                            }),
+                        )
                     });
                     let corners = [0; 5].map(|_| 1 + below(POINTS));
                     let mut made = Vec::new();
@@ -86,14 +91,14 @@ fn numbers_of_nothing_are_refused() {
     let t = mesh.create([1, 2, 3, 4]).expect("room");
     let removed_tags = mesh.create([2, 1, 3, 4]).expect("room");
     mesh.remove(removed_tags);
-    let far = 1 << 20;
+    let (far, last) = (TetId::new(1 << 20), TetId::new(u32::MAX));
     let p = points[0];
     let mut refused = |what: &str, f: &mut dyn FnMut(&mut Tets)| {
         let result = catch_unwind(AssertUnwindSafe(|| f(&mut mesh)));
         let text = *result.expect_err(what).downcast::<String>().expect("a text");
         assert!(text.starts_with("there is no") || text.ends_with("is no tetrahedron"), "{text}");
     };
-    for u in [far, u32::MAX] {
+    for u in [far, last] {
         refused("vertices", &mut |mesh| _ = mesh.vertices(u));
         refused("neighbours", &mut |mesh| _ = mesh.neighbours(u));
         refused("far", &mut |mesh| _ = mesh.far(u));
@@ -101,16 +106,16 @@ fn numbers_of_nothing_are_refused() {
         refused("holder", &mut |mesh| _ = mesh.holder(u));
         refused("untag", &mut |mesh| _ = mesh.untag(u));
         refused("open", &mut |mesh| mesh.unlock(u));
-        refused("point", &mut |mesh| _ = mesh.point(u));
+        refused("point", &mut |mesh| _ = mesh.point(u.number()));
     }
-    for u in [far, removed_tags, u32::MAX] {
+    for u in [far, removed_tags, last] {
         refused("close", &mut |mesh| mesh.lock(u, 1, true));
         refused("tag", &mut |mesh| mesh.tag(u, 1));
         refused("remove", &mut |mesh| _ = mesh.remove(u));
         refused("conflict", &mut |mesh| _ = mesh.in_conflict(u, &p));
         refused("sphere", &mut |mesh| mesh.cache_sphere(u));
         refused("closure", &mut |mesh| _ = mesh.lock_closure(u, &p, 1, &mut Closure::default()));
-        let beyond = face(u & MAX_TETS as u32, 0);
+        let beyond = face(u.min(TetId::at(MAX_TETS)), 0);
         refused("link", &mut |mesh| mesh.link(beyond, face(t, 0)));
         refused("link", &mut |mesh| mesh.link(face(t, 0), beyond));
         refused("link new", &mut |mesh| mesh.link_new(face(t, 0), beyond));
@@ -129,7 +134,9 @@ fn numbers_of_nothing_are_refused() {
         let star = [([1, 2, 3], [None; 4])];
         _ = mesh.create_star(&[1, 2, 99, 3], star.into_iter(), &mut Vec::new());
     });
-    for star in [[([1, 2, 3], [Some(face(1, 0)), None, None, None])], [([1, 2, 4], [None; 4])]] {
+    for star in
+        [[([1, 2, 3], [Some(face(TetId::new(1), 0)), None, None, None])], [([1, 2, 4], [None; 4])]]
+    {
         let all = catch_unwind(AssertUnwindSafe(|| {
             mesh.create_star(&[1, 2, 3, 4], star.into_iter(), &mut Vec::new())
         }));

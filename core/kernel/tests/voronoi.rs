@@ -1,6 +1,7 @@
 //! Voronoi cells: exact combinatorics, and volumes that fill space.
 
 use ltbw_core::query::{Cell, CellFace, Queries};
+use ltbw_core::topology::TetId;
 use ltbw_core::{Builder, Mesh, Vertex};
 use ltbw_exact::predicates::{insphere, orient3d};
 use ltbw_exact::{Point, PointSet, Sign};
@@ -20,7 +21,7 @@ fn point(queries: &Queries<'_>, v: Vertex) -> Point {
     queries.point(v).expect("a vertex")
 }
 
-fn centre(queries: &Queries<'_>, t: u32) -> Point {
+fn centre(queries: &Queries<'_>, t: TetId) -> Point {
     queries.circumcentre(t).expect("a finite tetrahedron").centre
 }
 
@@ -50,7 +51,7 @@ fn pyramid(queries: &Queries<'_>, v: Vertex, face: &CellFace<'_>) -> f64 {
 /// cospherical ones).
 fn check_cell(mesh: &Mesh, queries: &Queries<'_>, cell: &Cell<'_>) {
     let v = cell.vertex();
-    let on_sphere = |t: u32, w: Vertex| {
+    let on_sphere = |t: TetId, w: Vertex| {
         let [a, b, c, d] = mesh.tet(t).expect("finite").map(|x| point(queries, x));
         insphere(&a, &b, &c, &d, &point(queries, w)).is_zero()
     };
@@ -135,7 +136,7 @@ fn a_bounded_cell_is_convex_and_bounded_cells_have_their_volume() {
             }
         }
         // Each corner appears in three faces: the corners are simple in general position.
-        let mut seen: BTreeMap<u32, usize> = BTreeMap::new();
+        let mut seen: BTreeMap<TetId, usize> = BTreeMap::new();
         cell.faces().flat_map(|f| f.corners).for_each(|&t| *seen.entry(t).or_default() += 1);
         assert!(seen.values().all(|&n| n == 3));
         let (f, e) = (cell.faces().len(), seen.len() * 3 / 2);
@@ -187,7 +188,7 @@ fn rays_leave_along_the_facets_they_name() {
             let [first, last] = face.rays.expect("an unbounded face");
             // The facets of both ghosts have the edge; turning about it counterclockwise seen
             // from the neighbour, the tetrahedron is between the last and the first facet.
-            let third = |ghost: u32| {
+            let third = |ghost: TetId| {
                 let [a, b, c, _] = mesh.topology().get(ghost).expect("a slot").vertices();
                 let all: Vec<Vertex> = queries
                     .hull()

@@ -45,7 +45,10 @@ impl LocalMesh {
         let mut rim = std::mem::take(&mut self.rim);
         rim.clear();
         rim.extend(patch.sites.iter().map(|site| self.take_site(site)));
-        let within = |to: To| if let To::New(k, slot) = to { Some(face_of(k, slot)) } else { None };
+        let within = |to: To| match to {
+            To::New(k, slot) => Some(face_of(TetId::new(k), slot)),
+            _ => None,
+        };
         let star =
             patch.create.iter().map(|new| ([new.v[1], new.v[2], new.v[3]], new.n.map(within)));
         tets.clear();
@@ -163,7 +166,7 @@ impl LocalMesh {
     /// Is `t` a tetrahedron here, and unlocked?
     fn check_open(&self, t: TetId) -> Result<(), SubmeshError> {
         let open = self.tets.is_live(t) && self.tets.holder(t).is_none();
-        if open { Ok(()) } else { Err(unknown("an unlocked tetrahedron", t)) }
+        if open { Ok(()) } else { Err(unknown("an unlocked tetrahedron", t.number())) }
     }
 
     /// Is it the name of a vertex, as far as that can be told: is a given one among those given?

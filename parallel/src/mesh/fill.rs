@@ -185,9 +185,8 @@ impl LocalMesh {
         let mut ring: Vec<((WorkerId, TetId), Name)> = Vec::new();
         for k in 0..walls.len() {
             let (owner, worker) = (walls[k].owner, walls[k].worker);
-            let beside = walls[k].beside[1..]
-                .iter()
-                .any(|&face| walls[tet_of(face) as usize].owner != owner);
+            let beside =
+                walls[k].beside[1..].iter().any(|&face| walls[tet_of(face).index()].owner != owner);
             if beside || worker != owner {
                 walls[k].name = Some(self.fresh_name());
             }
@@ -215,7 +214,7 @@ fn lead(walls: &[Wall], wall: &Wall, slot: usize) -> To {
         };
     }
     let (other, there) = (tet_of(wall.beside[slot]), slot_of(wall.beside[slot]) as u8);
-    let other = &walls[other as usize];
+    let other = &walls[other.index()];
     match handle_of(other, there) {
         Some(handle) if other.owner != wall.owner => To::Far(handle),
         _ => To::New(other.index, there),
@@ -247,12 +246,12 @@ fn join(walls: &mut [Wall], edges: &mut EdgeTable) {
     for k in 0..walls.len() {
         let [a, b, c] = walls[k].v;
         for (from, to, slot) in [(a, b, 3), (b, c, 1), (c, a, 2)] {
-            let face = FaceId::new(k as u32, slot);
+            let face = FaceId::new(TetId::at(k), slot);
             match edges.meet(from, to, face) {
                 Met::Nothing => {}
                 Met::Face(other) => {
                     walls[k].beside[slot] = other;
-                    walls[tet_of(other) as usize].beside[slot_of(other)] = face;
+                    walls[tet_of(other).index()].beside[slot_of(other)] = face;
                     joined += 1;
                 }
                 Met::Defect => panic!("{OPEN_BOUNDARY}"),
@@ -281,7 +280,7 @@ mod tests {
             name: None,
             beside: [FaceId::default(); 4],
             worker: WorkerId::default(),
-            at: At::Tet(0),
+            at: At::Tet(TetId::default()),
             slot: 0,
             ring_block: BlockId::default(),
             ring_name: None,
@@ -311,10 +310,10 @@ mod tests {
         for n in [3, 61, 5, 62, 200, 4] {
             let mut walls = walls(n);
             join(&mut walls, &mut edges);
-            for (k, wall) in (0..).zip(&walls) {
+            for (k, wall) in (0..).map(TetId::new).zip(&walls) {
                 for slot in 1..4 {
                     let (other, there) = (tet_of(wall.beside[slot]), slot_of(wall.beside[slot]));
-                    let other = &walls[other as usize];
+                    let other = &walls[other.index()];
                     assert_eq!(other.beside[there], FaceId::new(k, slot));
                     // All corners but the one opposite are common.
                     let kept = |v: [u32; 3], out: usize| {

@@ -354,7 +354,7 @@ fn distribute(
     let mut theirs: Vec<Vec<TetId>> = vec![Vec::new(); workers.len()];
     for (&t, block) in tets.iter().zip(block_of_each) {
         let owner = owners[block.index()];
-        place[t as usize] = (block, owner, 0);
+        place[t.index()] = (block, owner, TetId::default());
         theirs[owner.index()].push(t);
     }
     let create = |(mesh, tets): (&mut LocalMesh, &Vec<TetId>)| {
@@ -371,12 +371,12 @@ fn distribute(
             };
             made.push(local);
         }
-        made.resize(tets.len(), 0);
+        made.resize(tets.len(), TetId::default());
         made
     };
     let made: Vec<Vec<TetId>> = workers.par_iter_mut().zip(&theirs).map(create).collect();
     for (&t, local) in theirs.iter().flatten().zip(made.into_iter().flatten()) {
-        place[t as usize].2 = local;
+        place[t.index()].2 = local;
     }
     let whole = workers.par_iter_mut().zip(&theirs).filter(|(mesh, _)| mesh.error.is_none());
     whole.for_each(|(mesh, tets)| {
@@ -389,12 +389,12 @@ fn distribute(
 
 /// Links the faces of coarse tetrahedron `t`, which `mesh` has got.
 fn link(mesh: &mut LocalMesh, coarse: &Mesh, t: TetId, place: &[(BlockId, WorkerId, TetId)]) {
-    let (block, owner, local) = place[t as usize];
+    let (block, owner, local) = place[t.index()];
     debug_assert!(mesh.fixed.is_some() || block == mesh.block_of(local));
     let faces = coarse.topology().get(t).map(Tet::neighbours).unwrap_or_default();
     for (slot, face) in faces.into_iter().enumerate() {
         let (u, there) = (tet_of(face), slot_of(face));
-        let (other_block, other_owner, other_local) = place[u as usize];
+        let (other_block, other_owner, other_local) = place[u.index()];
         if other_owner == owner {
             // Both ways at once.
             if t < u {
@@ -402,11 +402,11 @@ fn link(mesh: &mut LocalMesh, coarse: &Mesh, t: TetId, place: &[(BlockId, Worker
             }
             continue;
         }
-        let name = Name { by: COARSE, number: u };
+        let name = Name { by: COARSE, number: u.number() };
         let far = Handle { name, block: other_block, face: there as u8 };
         if mesh.tets.link_far(FaceId::new(local, slot), far).is_none() {
             mesh.fail_for_room();
         }
-        mesh.set_name(local, Name { by: COARSE, number: t });
+        mesh.set_name(local, Name { by: COARSE, number: t.number() });
     }
 }

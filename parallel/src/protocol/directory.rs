@@ -1,66 +1,11 @@
 //! The owners of blocks, as far as one worker knows.
 
-use std::fmt;
-
-/// Numbers of one kind, from 0, which the compiler takes for no others.
-macro_rules! ids {
-    ($($(#[$doc:meta])* $name:ident),*) => {$(
-        $(#[$doc])*
-        #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-        #[repr(transparent)]
-        pub struct $name(u32);
-
-        impl $name {
-            /// The one with this number.
-            #[inline]
-            pub const fn new(number: u32) -> Self {
-                Self(number)
-            }
-
-            /// The one with this place in an array.
-            #[inline]
-            pub const fn at(index: usize) -> Self {
-                Self(index as u32)
-            }
-
-            /// All with the numbers below `end`.
-            pub fn below(end: u32) -> impl DoubleEndedIterator<Item = Self> + ExactSizeIterator {
-                (0..end).map(Self)
-            }
-
-            /// Its number.
-            #[inline]
-            pub const fn number(self) -> u32 {
-                self.0
-            }
-
-            /// Its place in an array.
-            #[inline]
-            pub const fn index(self) -> usize {
-                self.0 as usize
-            }
-        }
-
-        impl fmt::Display for $name {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                self.0.fmt(f)
-            }
-        }
-
-        // The number alone: states and traces name the field beside it.
-        impl fmt::Debug for $name {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                self.0.fmt(f)
-            }
-        }
-    )*};
-}
-
-ids! {
+ltbw_core::ids! {
     /// Number of a worker.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     WorkerId,
     /// Number of a block.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     BlockId
 }
 

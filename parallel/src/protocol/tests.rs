@@ -6,6 +6,7 @@ use super::table::Table;
 use super::{BlockId, Handle, Name, WorkerId};
 #[cfg(test)] // the protocol knows no mesh
 use crate::mesh::{LocalMesh, WireVertex};
+use ltbw_core::topology::TetId;
 
 const NAME: Name = Name { by: WorkerId::new(1), number: 2 };
 const HANDLE: Handle = Handle { name: NAME, block: BlockId::new(3), face: 1 };
@@ -43,8 +44,8 @@ fn a_reused_request_equals_a_new_one() {
         attempt: 2,
         point: site(3),
         wants: vec![Want::Seed(HANDLE)],
-        held: vec![4],
-        cavity: vec![5],
+        held: vec![TetId::new(4)],
+        cavity: vec![TetId::new(5)],
         pieces: Vec::new(),
         foreign: vec![HANDLE],
         bounced: vec![HANDLE],

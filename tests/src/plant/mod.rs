@@ -11,6 +11,7 @@ mod lists;
 mod places;
 
 use crate::oracle;
+use ltbw::topology::TetId;
 use ltbw::{Mesh, Point, Sign};
 use ltbw_verify::{Depth, Kind, Level, NO_NEIGHBOUR, Options, Report, check};
 use std::collections::HashMap;
@@ -34,9 +35,9 @@ impl Subject {
     pub fn of(mesh: &Mesh) -> Self {
         let vertices: Vec<(u32, Point)> = mesh.vertices().collect();
         let number: HashMap<u32, u32> = vertices.iter().map(|v| v.0).zip(0..).collect();
-        let ids: HashMap<u32, u32> = mesh.tet_ids().zip(0..).collect();
+        let ids: HashMap<TetId, u32> = mesh.tet_ids().zip(0..).collect();
         let neighbour =
-            |t: u32, slot: usize| mesh.neighbour(t, slot).map_or(NO_NEIGHBOUR, |u| ids[&u]);
+            |t: TetId, slot: usize| mesh.neighbour(t, slot).map_or(NO_NEIGHBOUR, |u| ids[&u]);
         Self {
             points: vertices.iter().map(|v| v.1).collect(),
             tets: mesh.tets().map(|t| t.map(|v| number[&v])).collect(),

@@ -77,15 +77,15 @@ impl Marks {
     }
 
     pub(crate) fn of(&self, t: TetId) -> Word {
-        self.words[t as usize]
+        self.words[t.index()]
     }
 
     pub(crate) fn set(&mut self, t: TetId, bits: Word) {
-        self.words[t as usize] |= bits;
+        self.words[t.index()] |= bits;
     }
 
     pub(crate) fn clear(&mut self, t: TetId, bits: Word) {
-        self.words[t as usize] &= !bits;
+        self.words[t.index()] &= !bits;
     }
 
     pub(crate) fn region(&self, t: TetId) -> u32 {
@@ -93,13 +93,13 @@ impl Marks {
     }
 
     pub(crate) fn set_region(&mut self, t: TetId, region: u32) {
-        let word = &mut self.words[t as usize];
+        let word = &mut self.words[t.index()];
         *word = *word & (FACES | EDGES) | region << REGION_SHIFT;
     }
 
     /// Gives a slot the word that it had before.
     pub(crate) fn restore(&mut self, t: TetId, word: Word) {
-        self.words[t as usize] = word;
+        self.words[t.index()] = word;
     }
 
     /// Reads what the walls of the mesh's open cavity pass on.
@@ -115,7 +115,7 @@ impl Marks {
     pub(crate) fn pass_on(&mut self, mesh: &Mesh) {
         self.words.resize(mesh.topology().slots(), 0);
         for (&t, &word) in mesh.cavity().star().tets.iter().zip(&self.inherited) {
-            self.words[t as usize] = word;
+            self.words[t.index()] = word;
         }
     }
 

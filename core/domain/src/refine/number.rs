@@ -62,7 +62,7 @@ impl State {
         for v in 1..starts.len() {
             starts[v] += starts[v - 1];
         }
-        let mut order = vec![0; self.mesh.num_tets()];
+        let mut order = vec![TetId::default(); self.mesh.num_tets()];
         for t in self.mesh.tet_ids() {
             let place = &mut starts[smallest(t)];
             order[*place as usize] = t;

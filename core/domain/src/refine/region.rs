@@ -42,7 +42,7 @@ impl State {
         seeds: &[crate::Region],
         layers: Option<&Found>,
     ) -> Result<Option<Vec<RegionInfo>>, RefineError> {
-        let slots = self.mesh.topology().slots() as TetId;
+        let slots = TetId::below(self.mesh.topology().slots() as u32);
         let mut places = Vec::new();
         {
             let queries = self.mesh.queries();
@@ -59,7 +59,7 @@ impl State {
                 places.push((place, region));
             }
         }
-        (0..slots).for_each(|t| self.marks.set_region(t, UNKNOWN));
+        slots.clone().for_each(|t| self.marks.set_region(t, UNKNOWN));
         if layers.is_some_and(|layers| !self.bar(layers)) {
             return Ok(None);
         }
@@ -82,7 +82,7 @@ impl State {
             }
             self.start(t, label, &mut stack);
         }
-        for t in 0..slots {
+        for t in slots {
             let used = !self.mesh.topology().at(t).is_free();
             if used && self.marks.region(t) == UNKNOWN {
                 let label = (regions.len() as u32).min(DUST - 1);

@@ -199,7 +199,7 @@ impl State {
 
     /// Is `t` still the tetrahedron with these vertices?
     pub(crate) fn is_live(&self, t: TetId, v: [VertexId; 4]) -> bool {
-        (t as usize) < self.mesh.topology().slots() && self.vertices(t) == v
+        t.index() < self.mesh.topology().slots() && self.vertices(t) == v
     }
 
     /// Does a vertex with this carrier lie on facet `f`?

@@ -29,7 +29,7 @@ impl Cavity {
         self.ghosts = 0;
         self.tests = 0;
         for list in tets.chunks(4) {
-            let (mut four, mut mask) = ([0; 4], 0);
+            let (mut four, mut mask) = ([TetId::default(); 4], 0);
             for (k, &t) in list.iter().enumerate() {
                 let stays = !topology.tet(t).is_free() && !changed(t);
                 four[k] = t;

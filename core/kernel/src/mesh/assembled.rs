@@ -5,7 +5,7 @@ use crate::PredicateStats;
 use crate::arena::Arena;
 use crate::cavity::Cavity;
 use crate::geometry::Geometry;
-use crate::topology::{INFINITE, Topology, VertexId};
+use crate::topology::{INFINITE, TetId, Topology, VertexId};
 use ltbw_exact::{Mode, Point};
 use std::sync::OnceLock;
 
@@ -66,10 +66,10 @@ impl Mesh {
             duplicates: Vec::new(),
             mode,
             next_number: count as Vertex,
-            hint: 0,
+            hint: TetId::default(),
             numbering: OnceLock::new(),
         };
-        mesh.hint = mesh.topology.iter().next().map_or(0, |(t, _)| t);
+        mesh.hint = mesh.topology.iter().next().map(|(t, _)| t).unwrap_or_default();
         mesh.note_duplicates(pairs);
         mesh
     }

@@ -105,7 +105,7 @@ pub struct Queries<'m> {
 
 impl<'m> Queries<'m> {
     fn new(mesh: &'m Mesh) -> Self {
-        let mut incident = vec![0; mesh.numbers.len()];
+        let mut incident = vec![TetId::default(); mesh.numbers.len()];
         for (t, tet) in mesh.topology.iter().filter(|(_, tet)| !tet.is_ghost()) {
             for v in tet.vertices() {
                 incident[v as usize] = t;
@@ -125,7 +125,7 @@ impl<'m> Queries<'m> {
     pub fn cursor(&self) -> Cursor<'_> {
         Cursor {
             queries: self,
-            hint: self.incident.get(1).copied().unwrap_or(0),
+            hint: self.incident.get(1).copied().unwrap_or_default(),
             scratch: Scratch::default(),
         }
     }

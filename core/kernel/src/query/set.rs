@@ -49,13 +49,14 @@ impl Marks {
 
     /// Is `number` in the set?
     #[inline]
-    pub(crate) fn contains(&self, number: u32) -> bool {
-        self.place(number).1
+    pub(crate) fn contains(&self, number: impl Into<u32>) -> bool {
+        self.place(number.into()).1
     }
 
     /// Adds `number`; was it new?
     #[inline]
-    pub(crate) fn insert(&mut self, number: u32) -> bool {
+    pub(crate) fn insert(&mut self, number: impl Into<u32>) -> bool {
+        let number = number.into();
         let (at, found) = self.place(number);
         if found {
             return false;

@@ -145,7 +145,7 @@ impl<'m> Target<'m> {
     #[cold]
     pub(super) fn search(&self) -> Spot {
         let topology = self.mesh.topology();
-        let mut beyond = 0;
+        let mut beyond = TetId::default();
         for (t, tet) in topology.iter() {
             let v = tet.vertices();
             if tet.is_ghost() {

@@ -283,12 +283,12 @@ mod tests {
             for _ in 0..17 {
                 points.push([0; 3].map(|_| next() * scale));
             }
-            let p = *points.at(17);
+            let p = *points.at(17u32);
             // Corners of one box with p: cospherical, which no filter decides.
-            let q = *points.at(1);
-            *points.at_mut(2) = [p[0], q[1], q[2]];
-            *points.at_mut(3) = [q[0], p[1], q[2]];
-            *points.at_mut(4) = [q[0], q[1], p[2]];
+            let q = *points.at(1u32);
+            *points.at_mut(2u32) = [p[0], q[1], q[2]];
+            *points.at_mut(3u32) = [q[0], p[1], q[2]];
+            *points.at_mut(4u32) = [q[0], q[1], p[2]];
             let tets = [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12], [13, 14, 15, 0]];
             if !std::arch::is_x86_feature_detected!("avx2") {
                 println!("SKIPPED: no AVX2 on this machine");
@@ -330,9 +330,9 @@ mod tests {
             }
             let rim: Vec<u32> = (0..12).collect();
             let mut maker = Maker::default();
-            assert!(maker.aim(&frame, &points, &rim, points.at(12)));
+            assert!(maker.aim(&frame, &points, &rim, points.at(12u32)));
             let faces: Vec<[u8; 4]> = (0..11).map(|k| [k, (k + 1) % 11, (k + 4) % 11, 0]).collect();
-            let tets: Vec<u32> = (0..11).collect();
+            let tets: Vec<TetId> = TetId::below(11).collect();
             let mut fast = Arena::default();
             fast.grow(11, Sphere::UNKNOWN);
             if !make_spheres(&maker, &mut fast, &tets, &faces) {

@@ -3,7 +3,7 @@
 use super::{FarTable, Submesh};
 use crate::geometry::Geometry;
 use crate::mesh::{Assembly, Mesh};
-use crate::topology::{FaceId, INFINITE, MAX_TETS, Topology, VertexId, slot_of, tet_of};
+use crate::topology::{FaceId, INFINITE, MAX_TETS, TetId, Topology, VertexId, slot_of, tet_of};
 
 /// The numbers of a submesh's vertices in the whole mesh.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -88,7 +88,7 @@ pub fn assemble<H: Copy + Eq, T: Copy, F: Copy>(
     let mut tables = vec![far];
     // The limit of a submesh is not that of the whole mesh.
     topology.set_limit(MAX_TETS);
-    let mut offsets = vec![0];
+    let mut offsets = vec![0usize];
     for ((their_topology, their_geometry, far), numbers) in submeshes {
         tables.push(far);
         let (slots, theirs) = (topology.slots(), their_topology.slots());
@@ -101,11 +101,11 @@ pub fn assemble<H: Copy + Eq, T: Copy, F: Copy>(
     for &t in &proxies {
         let tet = topology.tet(t);
         let face = tet.neighbours()[0];
-        let at = offsets.partition_point(|&offset| offset <= t) - 1;
+        let at = offsets.partition_point(|&offset| offset <= t.index()) - 1;
         let Some(far) = tables[at].get(geometry.sphere(t)) else { continue };
         let beyond = find(far).and_then(|(place, face)| {
-            let t = offsets.get(place)?.checked_add(tet_of(face))?;
-            (t as usize <= MAX_TETS).then(|| FaceId::new(t, slot_of(face)))
+            let t = offsets.get(place)? + tet_of(face).index();
+            (t <= MAX_TETS).then(|| FaceId::new(TetId::at(t), slot_of(face)))
         });
         match beyond.filter(|&beyond| topology.get(tet_of(beyond)).is_some()) {
             Some(beyond) => topology.point_to(face, beyond),

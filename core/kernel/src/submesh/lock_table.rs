@@ -128,18 +128,18 @@ mod tests {
         let [mut a, mut b, mut c] = [1.0, 2.0, 3.0].map(|x| Sphere([x, 0.0, 0.0, 4.0]));
         locks.unlock(&mut a);
         assert!(locks.get(a).is_none() && a.0[0] == 1.0);
-        locks.entry(7, &mut a).tag = Some(70);
-        locks.entry(7, &mut a).lock = Some(('a', true));
-        locks.entry(3, &mut b).lock = Some(('b', false));
+        locks.entry(TetId::new(7), &mut a).tag = Some(70);
+        locks.entry(TetId::new(7), &mut a).lock = Some(('a', true));
+        locks.entry(TetId::new(3), &mut b).lock = Some(('b', false));
         assert!(a.0[3].is_nan() && b.0[3].is_nan());
-        assert_eq!(locks.locked().collect::<Vec<_>>(), [7, 3]);
+        assert_eq!(locks.locked().collect::<Vec<_>>(), [7, 3].map(TetId::new));
         locks.unlock(&mut a);
         assert!(!locks.is_locked(a) && locks.is_tagged(a) && locks.is_locked(b));
         assert_eq!(locks.untag(&mut a), Some(70));
         assert_eq!(a.0, [1.0, 0.0, 0.0, 4.0], "the sphere is back");
         assert!(locks.get(a).is_none() && locks.untag(&mut a).is_none());
         // Its place is taken again.
-        locks.entry(1000, &mut c).tag = Some(1);
+        locks.entry(TetId::new(1000), &mut c).tag = Some(1);
         assert_eq!(locks.entries.len(), 2);
         assert!(locks.is_tagged(c) && locks.is_locked(b));
     }

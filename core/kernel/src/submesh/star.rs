@@ -32,7 +32,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         for (k, (wall, links)) in star.enumerate() {
             let [a, b, c] = wall.map(|corner| corners[corner as usize]);
             // A face that is not linked yet leads to slot 0, which there is (I7).
-            let beyond = |face| FaceId::new(tets[tet_of(face) as usize], slot_of(face));
+            let beyond = |face| FaceId::new(tets[tet_of(face).index()], slot_of(face));
             let n = links.map(|face| face.map_or_else(FaceId::default, beyond));
             self.topology.write(tets[k], [corners[0], a, b, c], n);
             if small {

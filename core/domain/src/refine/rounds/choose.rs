@@ -136,7 +136,7 @@ impl Rounds<'_, '_> {
                 let [a, b, c] = &corners;
                 key(circumcircle(a, b, c).1, &corners)
             }
-            Item::Tet(t, _) => self.keys[t as usize],
+            Item::Tet(t, _) => self.keys[t.index()],
         }
     }
 
@@ -171,7 +171,7 @@ impl Rounds<'_, '_> {
         let candidate = &self.candidates[k];
         let own = self.free + self.count - candidate.rank;
         for &t in &self.cavities[candidate.cavity.clone()] {
-            let reserved = &mut self.reserved[t as usize];
+            let reserved = &mut self.reserved[t.index()];
             *reserved = own.max(*reserved);
         }
     }
@@ -190,7 +190,7 @@ impl Rounds<'_, '_> {
     /// be alone?
     fn is_crowded(&self, own: &Candidate) -> bool {
         let is_met = |t: TetId| {
-            let other = self.reserved[t as usize];
+            let other = self.reserved[t.index()];
             let rank = || (self.free + self.count - other) as usize;
             self.has_rival(t, own.rank) && (own.alone || self.alone[rank()])
         };
@@ -203,7 +203,7 @@ impl Rounds<'_, '_> {
 
     /// Does a candidate before the one of this rank have slot `t` in its cavity?
     pub(super) fn has_rival(&self, t: TetId, rank: u32) -> bool {
-        self.reserved[t as usize] > self.free + self.count - rank
+        self.reserved[t.index()] > self.free + self.count - rank
     }
 
     /// Is a candidate killed by none before it, and loses no item together with others?

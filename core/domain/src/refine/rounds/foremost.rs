@@ -94,7 +94,7 @@ impl Rounds<'_, '_> {
     fn sift(&self, bad: &mut [Bad]) -> (usize, Vec<Foremost>) {
         let (mut kept, mut foremost) = (0, Vec::new());
         let mesh = &self.own.state.mesh;
-        let changed = |own: &Bad, t: TetId| u32::from(self.stamps[t as usize] > own.look);
+        let changed = |own: &Bad, t: TetId| u32::from(self.stamps[t.index()] > own.look);
         for first in (0..bad.len()).step_by(BLOCK) {
             let block = first..bad.len().min(first + BLOCK);
             // No branch waits for an entry: they are fetched side by side. 0: what came before it
@@ -114,9 +114,9 @@ impl Rounds<'_, '_> {
             for (k, new) in block.zip(news).filter(|own| own.1 <= 1) {
                 let mut own = bad[k];
                 if new == 1 {
-                    match self.one_before(own.t, self.keys[own.t as usize]) {
+                    match self.one_before(own.t, self.keys[own.t.index()]) {
                         Some(witness) => own = Bad { witness, look: self.looks, ..own },
-                        None => foremost.push(self.foremost_at(own.t, self.keys[own.t as usize])),
+                        None => foremost.push(self.foremost_at(own.t, self.keys[own.t.index()])),
                     }
                 }
                 bad[kept] = own;
@@ -131,7 +131,7 @@ impl Rounds<'_, '_> {
     pub(super) fn find_witnesses(&mut self, first: usize) {
         for k in first..self.bad.len() {
             let t = self.bad[k].t;
-            if let Some(witness) = self.one_before(t, self.keys[t as usize]) {
+            if let Some(witness) = self.one_before(t, self.keys[t.index()]) {
                 self.bad[k].witness = witness;
             }
         }
@@ -157,7 +157,7 @@ impl Rounds<'_, '_> {
     /// Is one tetrahedron over its bounds, and comes before `other`, which has this key?
     #[inline(always)]
     fn is_before(&self, one: TetId, other: TetId, key: u64) -> bool {
-        let own = self.keys[one as usize];
+        let own = self.keys[one.index()];
         own > key || own == key && one != other && self.place(one) < self.place(other)
     }
 

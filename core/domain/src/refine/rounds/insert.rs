@@ -69,7 +69,7 @@ impl Rounds<'_, '_> {
         let Self { own, candidates, cavities, reserved, nothing, .. } = self;
         let Candidate { item, alone, ref place, ref cavity, ref mut filling, .. } = candidates[k];
         let state = &mut own.state;
-        let changed = |t: TetId| reserved[t as usize] > last;
+        let changed = |t: TetId| reserved[t.index()] > last;
         let open = state.begin_again(place, &cavities[cavity.clone()], &changed);
         let (mut open, is_same) =
             open.map_err(|_| RefineError::Invariant { what: "chosen points are new" })?;

@@ -357,7 +357,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             self.pending.remove(&item);
             if let Item::Tet(t, _) = item {
                 // No look so far has found it so.
-                (self.keys[t as usize], self.stamps[t as usize]) = (0, self.looks + 1);
+                (self.keys[t.index()], self.stamps[t.index()]) = (0, self.looks + 1);
             }
         }
         news

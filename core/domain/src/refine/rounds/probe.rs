@@ -185,7 +185,7 @@ impl Rounds<'_, '_> {
             true => state.begin_and_look(&place, &mut Open),
             // Rule (d): boundary points keep apart.
             false => state.begin_and_look(&place, &mut |t: TetId, _: Role| {
-                let other = reserved[t as usize];
+                let other = reserved[t.index()];
                 let before = || &candidates[(*free + *count - other) as usize].place;
                 other <= *free || is_same(before().carrier, place.carrier)
             }),

@@ -34,7 +34,7 @@ impl Rounds<'_, '_> {
         self.reserved.resize(slots, 0);
         let written = self.written();
         for &t in &self.own.inserted.created {
-            let reserved = &mut self.reserved[t as usize];
+            let reserved = &mut self.reserved[t.index()];
             if *reserved != written {
                 *reserved = written;
                 self.created.push(t);
@@ -90,7 +90,7 @@ impl Rounds<'_, '_> {
     fn take_over(&mut self, over: Over) {
         match over {
             Over::Bad(t, key) => {
-                self.keys[t as usize] = key;
+                self.keys[t.index()] = key;
                 self.bad.push(Bad::new(t, self.looks));
             }
             Over::Refused(item, reason) => {
@@ -105,7 +105,7 @@ impl Rounds<'_, '_> {
         let Self { own, keys, stamps, looks, .. } = self;
         let state = &own.state;
         for &t in state.mesh.topology().free_slots() {
-            (keys[t as usize], stamps[t as usize]) = (0, *looks);
+            (keys[t.index()], stamps[t.index()]) = (0, *looks);
         }
         // Items that are gone are asked for no more.
         self.pending.retain(|item, _| match item {
@@ -117,7 +117,7 @@ impl Rounds<'_, '_> {
 
     /// Writes the entries of a slot, from this look on.
     pub(super) fn write_key(&mut self, t: TetId, key: u64, look: u32) {
-        (self.keys[t as usize], self.stamps[t as usize]) = (key, look);
+        (self.keys[t.index()], self.stamps[t.index()]) = (key, look);
     }
 
     /// Looks at all tetrahedra.
@@ -198,7 +198,7 @@ impl Rounds<'_, '_> {
             _ => None,
         });
         let is_left =
-            |&t: &TetId| self.keys[t as usize] != 0 && !state.mesh.topology().at(t).is_free();
+            |&t: &TetId| self.keys[t.index()] != 0 && !state.mesh.topology().at(t).is_free();
         let left = self.bad.iter().map(|bad| bad.t).filter(is_left);
         let mut over: Vec<TetId> = refused.chain(left).collect();
         over.sort_unstable();
