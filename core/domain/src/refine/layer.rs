@@ -16,7 +16,7 @@ use super::state::{FACE, State};
 use super::table::{Map, Set, sides, triangle};
 use super::tiles::{Found, Tile};
 use ltbw_core::Builder;
-use ltbw_core::topology::{VertexId, slot_of, tet_of};
+use ltbw_core::topology::{INFINITE, VertexId, slot_of, tet_of};
 use ltbw_exact::{Point, PointSet};
 
 /// The distance of an apex from the plane, in the units of the rounded projection.
@@ -282,9 +282,9 @@ impl State {
         })
     }
 
-    /// Are all four corners on one patch?
+    /// Are all four corners on one patch? Those of a ghost are not.
     pub(crate) fn is_flat(&self, v: [VertexId; 4]) -> bool {
-        if self.carriers[v[0] as usize] == Carrier::Free {
+        if v[3] == INFINITE || self.carriers[v[0] as usize] == Carrier::Free {
             return false;
         }
         let mut patches = self.facets_of(self.carriers[v[0] as usize]);

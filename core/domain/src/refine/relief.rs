@@ -10,7 +10,7 @@
 //!
 //! Items that may not be split do not keep points out of their balls here: no item is split any
 //! more, and those balls are large at small angles. Tetrahedra are taken in the order of their
-//! coordinates. (Queues only.)
+//! coordinates, so that the mesh is a function of that before.
 
 use super::RefineError;
 use super::bounds::Bounds;
@@ -32,7 +32,7 @@ use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_exact::Point;
 
 /// The most times that all tetrahedra over their bounds are looked at, each time with other points.
-const PASSES: u64 = 8;
+pub(crate) const PASSES: u64 = 8;
 /// Points tried for a tetrahedron in its ball, besides those towards its shortest edge.
 const INSIDE: usize = 32;
 /// Points tried on each boundary item beside it.
@@ -57,8 +57,7 @@ struct Target {
 impl Run<'_> {
     /// Relieves the tetrahedra over their bounds while that makes them fewer.
     pub(super) fn relieve(&mut self) -> Result<(), RefineError> {
-        let tets = self.refinement.state.mesh.tet_ids().count();
-        let mut left = OPENED * tets + OPENED_MORE;
+        let mut left = self.refinement.relief_budget();
         let mut before = usize::MAX;
         for pass in 1..=PASSES {
             let over = self.refinement.refused_tets();
@@ -80,8 +79,13 @@ impl Run<'_> {
 }
 
 impl Refinement<'_> {
+    /// The most tetrahedra of cavities that are opened to relieve others.
+    pub(crate) fn relief_budget(&self) -> usize {
+        OPENED * self.state.mesh.tet_ids().count() + OPENED_MORE
+    }
+
     /// The tetrahedra over their bounds, in the order of their coordinates. All were refused.
-    fn refused_tets(&self) -> Vec<(TetId, [VertexId; 4])> {
+    pub(crate) fn refused_tets(&self) -> Vec<(TetId, [VertexId; 4])> {
         let Some(bounds) = self.bounds.as_ref().filter(|bounds| bounds.ratio.is_some()) else {
             return Vec::new();
         };
@@ -96,15 +100,28 @@ impl Refinement<'_> {
         all
     }
 
-    /// Looks for a point that relieves tetrahedron `t`: in its ball, then on the boundary.
-    fn relieve_tet(&mut self, t: TetId, v: [VertexId; 4], pass: u64, left: &mut usize) {
+    /// Looks for a point that relieves tetrahedron `t`, in its ball, then on the boundary, and
+    /// inserts it; is there one?
+    pub(crate) fn relieve_tet(
+        &mut self,
+        t: TetId,
+        v: [VertexId; 4],
+        pass: u64,
+        left: &mut usize,
+    ) -> bool {
         let item = Item::Tet(t, v);
-        let Some(&refusal) = self.record.refused.get(&item) else { return };
+        let Some(&refusal) = self.record.refused.get(&item) else { return false };
+        // Another point may have taken it out of the mesh, and its slot may have another one.
+        if !self.state.is_live(t, v) {
+            return false;
+        }
         let corners = sorted(v.map(|v| self.state.at(v)));
         let [a, b, c, d] = &corners;
         let shape = Shape::of([a, b, c, d]);
-        let Some(centre) = shape.circumcentre(d) else { return };
-        let Some(bound) = self.bounds.as_ref().and_then(|bounds| bounds.ratio) else { return };
+        let Some(centre) = shape.circumcentre(d) else { return false };
+        let Some(bound) = self.bounds.as_ref().and_then(|bounds| bounds.ratio) else {
+            return false;
+        };
         let target = Target { t, refusal, radius: shape.radius() };
         let tolerance = target.radius * TOLERANCE;
         let mut seed = pass;
@@ -118,7 +135,7 @@ impl Refinement<'_> {
             let Way::Arrived(from) = self.state.way(t, &p) else { continue };
             let place = Place { p, carrier: Carrier::Free, from };
             if self.try_relief(&target, None, &place, left) {
-                return;
+                return true;
             }
         }
         for item in self.state.beside(t, &centre, tolerance) {
@@ -126,10 +143,11 @@ impl Refinement<'_> {
                 let place = self.state.place_beside(item, k, &mut seed, &target);
                 let Some(place) = place else { continue };
                 if self.try_relief(&target, Some(item), &place, left) {
-                    return;
+                    return true;
                 }
             }
         }
+        false
     }
 
     /// Inserts a point, on boundary item `item` if there is one, if it relieves its target.
@@ -263,7 +281,8 @@ impl Judge<'_> {
         let Some(ratio) = bounds.ratio else { return false };
         let (mut before, mut worst) = (0, WORST);
         for t in tets().filter(|&t| bounds.is_over(state, t)) {
-            let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
+            // Angles and ratios are rounded, in an order that is not that of the slots.
+            let [a, b, c, d] = sorted(state.vertices(t).map(|v| state.at(v)));
             before += 1 + usize::from(has_small_dihedral([&a, &b, &c, &d]));
             worst = worst.max(Shape::of([&a, &b, &c, &d]).ratio_over(&ratio));
         }
@@ -281,11 +300,12 @@ impl Judge<'_> {
                 }
                 let mut corners = v.map(|v| state.at(v));
                 corners[slot] = place.p;
-                let [a, b, c, d] = &corners;
-                after += usize::from(has_small_dihedral([a, b, c, d]));
-                if bounds.are_over([a, b, c, d], state.marks.region(t)) {
+                let is_over = bounds.are_over(corners.each_ref(), state.marks.region(t));
+                let by_place = sorted(corners);
+                after += usize::from(has_small_dihedral(by_place.each_ref()));
+                if is_over {
                     after += 1;
-                    if Shape::of([a, b, c, d]).ratio_over(&ratio) > worst {
+                    if Shape::of(by_place.each_ref()).ratio_over(&ratio) > worst {
                         return false;
                     }
                 }

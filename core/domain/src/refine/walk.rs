@@ -61,8 +61,11 @@ impl State {
                     *slot != entry && orient3d(&a, &b, &c, p) == Sign::Negative
                 };
                 let straight = (0..4).filter(beyond).filter(|&k| crosses(&from, p, &at(k)));
-                // Through an edge or a vertex the way goes as the coordinates say, not the slots.
-                exit = straight.min_by_key(|&k| order_key(&self.at(v[k]))).or(exit);
+                // Through an edge or a vertex, and where the rounded start is outside a flat
+                // tetrahedron, the way goes as the coordinates say, not the slots.
+                let place = |k: &usize| order_key(&self.at(v[*k]));
+                exit =
+                    straight.min_by_key(place).or_else(|| (0..4).filter(beyond).min_by_key(place));
             }
             let Some(slot) = exit else { return Way::Arrived(t) };
             if self.marks.of(t) & face_bit(slot) != 0 {

@@ -30,7 +30,7 @@ impl Rounds<'_, '_> {
         match class {
             Class::Tets => return self.choose_tets(look),
             Class::Slivers => return self.choose_slivers(look),
-            Class::Segments | Class::Subfaces => {}
+            Class::Segments | Class::Subfaces | Class::Relief => {}
         }
         let ready = self.ready();
         self.forget_reserved(ready.len());

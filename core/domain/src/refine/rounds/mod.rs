@@ -12,6 +12,7 @@ mod conflict;
 mod foremost;
 mod insert;
 mod probe;
+mod relief;
 mod script;
 mod settle;
 mod sliver;
@@ -69,6 +70,8 @@ enum Class {
     Segments,
     Subfaces,
     Tets,
+    /// Tetrahedra that were refused, one after the other: no round.
+    Relief,
     Slivers,
 }
 
@@ -165,6 +168,8 @@ pub(crate) struct Rounds<'r, 'a> {
     alone: Vec<bool>,
     /// The numbers of points at which refusals at patches were forgotten.
     retried: Vec<u64>,
+    /// Have refused tetrahedra been relieved?
+    is_relieved: bool,
     /// Slivers not yet looked at, when all else is done.
     slivers: Option<Vec<sliver::Sliver>>,
     /// Subfaces that tetrahedra were refused for in earlier rounds, and those of this one.
@@ -225,6 +230,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             batch: 0,
             alone: Vec::new(),
             retried: Vec::new(),
+            is_relieved: false,
             slivers: None,
             blocks: Vec::new(),
             new_blocks: Vec::new(),
@@ -263,6 +269,12 @@ impl<'r, 'a> Rounds<'r, 'a> {
                 break;
             }
             match class {
+                Some(Class::Relief) => {
+                    stop = self.relieve(look)?;
+                    if stop.is_some() {
+                        break;
+                    }
+                }
                 Some(class) => {
                     if self.choose(class, look) {
                         stop = Some(Reason::Cancelled);
@@ -323,6 +335,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
                 }
                 match self.foremost.is_empty() {
                     false => Some(Some(Class::Tets)),
+                    true if !self.is_relieved => Some(Some(Class::Relief)),
                     true => self.has_slivers().then_some(Some(Class::Slivers)),
                 }
             }
