@@ -12,7 +12,6 @@
 //! more, and those balls are large at small angles. Tetrahedra are taken in the order of their
 //! coordinates, so that the mesh is a function of that before.
 
-use super::RefineError;
 use super::bounds::Bounds;
 use super::carrier::{Carrier, Line, distance2, free_point};
 use super::facet::Seed;
@@ -20,7 +19,6 @@ use super::item::{Item, Queues, Work};
 use super::key::sorted;
 use super::measure::{Shape, circumcircle, has_small_dihedral};
 use super::record::Refusal;
-use super::run::Run;
 use super::sliver::in_unit_ball;
 use super::split::{Refinement, TOLERANCE};
 use super::state::{FACE, Place, State};
@@ -52,30 +50,6 @@ struct Target {
     t: TetId,
     refusal: Refusal,
     radius: f64,
-}
-
-impl Run<'_> {
-    /// Relieves the tetrahedra over their bounds while that makes them fewer.
-    pub(super) fn relieve(&mut self) -> Result<(), RefineError> {
-        let mut left = self.refinement.relief_budget();
-        let mut before = usize::MAX;
-        for pass in 1..=PASSES {
-            let over = self.refinement.refused_tets();
-            if self.stop.is_some() || over.is_empty() || over.len() >= before {
-                break;
-            }
-            before = over.len();
-            for (t, v) in over {
-                self.look()?;
-                let spent = self.refinement.inserted.points.total() >= self.most;
-                if spent || left == 0 || self.stop.is_some() {
-                    return Ok(());
-                }
-                self.refinement.relieve_tet(t, v, pass, &mut left);
-            }
-        }
-        Ok(())
-    }
 }
 
 impl Refinement<'_> {

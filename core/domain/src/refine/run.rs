@@ -1,6 +1,7 @@
 //! The driver: recover the boundary, find the regions, split what is over its bounds.
 
 mod budget;
+mod relieve;
 mod scripted;
 
 use super::RefineError;

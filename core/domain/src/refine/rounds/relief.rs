@@ -1,5 +1,7 @@
-//! Relief in rounds: one point after the other, when nothing is left but slivers. The tetrahedra are
-//! in the order of their coordinates, so that it is the same whatever the order in rounds was.
+//! Relief in rounds: one point after the other, when nothing is left but slivers.
+//!
+//! Tetrahedra are taken in the order of their coordinates, so that relief is the same whatever the
+//! order in rounds was.
 
 use super::{Look, Rounds};
 use crate::refine::RefineError;
@@ -41,7 +43,7 @@ impl Rounds<'_, '_> {
         if !self.own.state.is_complete() {
             return Err(RefineError::Invariant { what: "relief loses no item of the boundary" });
         }
-        // Those over their bounds were refused as they were made.
+        // New tetrahedra over their bounds were refused as they were made.
         self.settle();
         Ok(stop)
     }
