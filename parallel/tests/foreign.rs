@@ -4,7 +4,7 @@
 use ltbw::PointSet;
 use ltbw::mesh::{At, Lead, LocalMesh, Moving, NewTet, Patch, Plan, Relink, To, WireVertex};
 use ltbw::protocol::{BlockId, Correct, Directory, Handle, Name, Submesh, SubmeshError, WorkerId};
-use ltbw::topology::TetId;
+use ltbw::topology::{INFINITE, TetId};
 use ltbw_generate::{PointKind, generate};
 
 fn submesh() -> (Directory, LocalMesh) {
@@ -28,8 +28,8 @@ fn shown(mesh: &LocalMesh) -> Vec<String> {
 fn damaged(damage: impl Fn(&mut Patch, TetId)) -> SubmeshError {
     let (directory, mut mesh) = submesh();
     let part = mesh.tets();
-    let (t, v) = part.tets().find(|(_, v)| v[3] != 0).expect("a tetrahedron");
-    let sites = v.map(|v| WireVertex::new(v, part.point(v)));
+    let (t, v) = part.tets().find(|(_, v)| v[3] != INFINITE).expect("a tetrahedron");
+    let sites = v.map(|v| WireVertex::new(v.number(), part.point(v)));
     let new =
         NewTet { name: None, v: [0, 1, 2, 3], block: BlockId::default(), n: [To::Old(t, 0); 4] };
     let mut patch =
@@ -73,8 +73,8 @@ fn numbers_in_a_patch_are_compared_before_they_are_used() {
 fn numbers_in_a_block_are_compared_before_they_are_used() {
     let sound = |mesh: &LocalMesh| {
         let part = mesh.tets();
-        let (_, v) = part.tets().find(|(_, v)| v[3] != 0).expect("a tetrahedron");
-        let v = v.map(|v| WireVertex::new(v, part.point(v)));
+        let (_, v) = part.tets().find(|(_, v)| v[3] != INFINITE).expect("a tetrahedron");
+        let v = v.map(|v| WireVertex::new(v.number(), part.point(v)));
         Moving { name: Name { by: WorkerId::new(7), number: 1 }, v, n: [Lead::Far(handle(0)); 4] }
     };
     let adopted = |damage: &dyn Fn(&mut Moving)| {

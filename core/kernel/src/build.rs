@@ -372,10 +372,10 @@ fn insert_next<A: Admission>(
     admission: &mut A,
 ) -> Result<(), Setback> {
     if let Placed::At(v) = mesh.place(p, number, admission)? {
-        let kept = &mut mesh.numbers[v as usize];
+        let kept = &mut mesh.numbers[v.index()];
         let duplicate = number.max(*kept);
         *kept = number.min(*kept);
-        mesh.duplicates.push((duplicate, v));
+        mesh.duplicates.push((duplicate, v.number()));
     }
     Ok(())
 }

@@ -181,7 +181,7 @@ impl Default for Cavity {
             tests: 0,
             local: Vec::new(),
             stamp: 0,
-            rim: [0; 2 * SMALL],
+            rim: [INFINITE; 2 * SMALL],
             rim_len: 0,
             faces: [[0; 4]; 2 * SMALL],
             table: Box::new([FaceId::default(); SMALL * SMALL]),
@@ -356,7 +356,7 @@ impl Cavity {
         let at = |a: u8, b: u8| (a as usize % SMALL) * SMALL + b as usize % SMALL;
         let mut count = 0u32;
         let mut name = |v: VertexId| {
-            let entry = &mut local[v as usize];
+            let entry = &mut local[v.index()];
             let fresh = *entry < base;
             *entry = if fresh { base | count } else { *entry };
             rim[count as usize % (2 * SMALL)] = v;
@@ -388,7 +388,7 @@ impl Cavity {
             topology.put(t, [point, a, b, c], [wall.outer; 4]);
             for (p, q, slot) in [(a, b, 3), (b, c, 1), (c, a, 2)] {
                 let face = FaceId::new(t, slot);
-                if let Met::Face(other) = self.edges.meet(p, q, face) {
+                if let Met::Face(other) = self.edges.meet(p.number(), q.number(), face) {
                     topology.link(other, face);
                 }
             }
@@ -433,14 +433,14 @@ mod tests {
     /// Splits a tetrahedron `count` times, with a cavity whose stamp starts at `stamp`.
     fn split(count: u32, stamp: u32) -> Topology {
         let mut topology = Topology::default();
-        topology.start([1, 2, 3, 4]);
+        topology.start([1, 2, 3, 4].map(VertexId::new));
         let mut cavity = Cavity { stamp, ..Cavity::default() };
         let mut t = TetId::default();
         for v in 5..5 + count {
             cavity.reserve_vertices(v as usize + 1);
             cavity.expand(&mut topology, t, &mut Only(t), &mut Open).expect("all are admitted");
             assert_eq!((cavity.tets.len(), cavity.walls.len(), cavity.tests()), (1, 4, 4));
-            t = cavity.fill(&mut topology, v);
+            t = cavity.fill(&mut topology, VertexId::new(v));
             assert_eq!((cavity.star().tets.len(), cavity.star().rim.len()), (4, 4));
         }
         for check in [check_i1, check_i2, check_i3, check_i4] {
@@ -464,7 +464,7 @@ mod tests {
     #[test]
     fn what_conflicts_is_decided_once_and_only_if_open() {
         let mut topology = Topology::default();
-        topology.start([1, 2, 3, 4]);
+        topology.start([1, 2, 3, 4].map(VertexId::new));
         let before = topology.clone();
         let (first, mut asked) = (TetId::default(), Vec::new());
         let mut admission = |t: TetId, role: Role| {

@@ -101,7 +101,7 @@ impl Geometry {
 
     /// Makes room for the coordinates of vertices up to `last`.
     pub(crate) fn grow_points(&mut self, last: VertexId) {
-        self.points.grow(last as usize + 1, [0.0; 3]);
+        self.points.grow(last.index() + 1, [0.0; 3]);
     }
 
     /// Says that the mesh has a vertex at `p` that is none of the points that the step was made of.
@@ -113,7 +113,7 @@ impl Geometry {
 
     /// Says that `count` vertices from `first` on get coordinates. A hint.
     pub(crate) fn prepare_points(&self, first: VertexId, count: usize) {
-        let first = first as usize;
+        let first = first.index();
         self.points.prepare(first..first.saturating_add(count));
     }
 
@@ -185,7 +185,7 @@ impl Geometry {
     /// The coordinates of the next vertex, `v`. Where an insertion was taken back there is a place.
     #[inline(always)]
     pub(crate) fn put_point(&mut self, v: VertexId, p: Point) {
-        if (v as usize) < self.points.all().len() {
+        if v.index() < self.points.all().len() {
             self.step = self.step.min(lattice_step(&p));
             *self.points.at_mut(v) = p;
         } else {

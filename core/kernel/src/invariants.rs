@@ -3,11 +3,11 @@
 //! A failed check names the tetrahedron; the message is for the developer.
 
 use crate::mesh::Mesh;
-use crate::topology::{FaceId, INFINITE, TetId, Topology, slot_of, tet_of};
+use crate::topology::{FaceId, INFINITE, TetId, Topology, VertexId, slot_of, tet_of};
 use ltbw_exact::predicates::{Sign, exact, perturb};
 
 /// The vertices of the face opposite `slot`, ascending.
-fn face(topology: &Topology, t: TetId, slot: usize) -> [u32; 3] {
+fn face(topology: &Topology, t: TetId, slot: usize) -> [VertexId; 3] {
     let v = topology.tet(t).vertices();
     let mut face = [v[(slot + 1) & 3], v[(slot + 2) & 3], v[(slot + 3) & 3]];
     face.sort_unstable();
@@ -78,7 +78,7 @@ pub fn check_i4(topology: &Topology) -> Result<(), String> {
 /// (hull facets included: then it is locally convex).
 pub fn check_i5(mesh: &Mesh) -> Result<(), String> {
     let topology = mesh.topology();
-    let at = |v: u32| mesh.kernel_point(v);
+    let at = |v: VertexId| mesh.kernel_point(v);
     for (t, tet) in topology.iter() {
         let [a, b, c, d] = tet.vertices();
         if d != INFINITE && exact::orient3d(&at(a), &at(b), &at(c), &at(d)) != Sign::Positive {
@@ -110,7 +110,7 @@ pub fn check_i5(mesh: &Mesh) -> Result<(), String> {
 /// tetrahedron's own vertices (which must be undecided).
 pub fn check_i6(mesh: &Mesh) -> Result<(), String> {
     let topology = mesh.topology();
-    let at = |v: u32| mesh.kernel_point(v);
+    let at = |v: VertexId| mesh.kernel_point(v);
     for (t, tet) in topology.iter().filter(|(_, t)| !t.is_ghost()) {
         let [a, b, c, d] = tet.vertices();
         let far = tet.neighbours().map(|n| topology.tet(tet_of(n)).vertices()[slot_of(n)]);
@@ -190,7 +190,7 @@ mod tests {
 
     #[test]
     fn wrong_vertices_and_counts_are_seen() {
-        let with = |slot: usize, vertex: fn([u32; 4]) -> u32| {
+        let with = |slot: usize, vertex: fn([VertexId; 4]) -> VertexId| {
             damaged(check_i2, |t| {
                 let (mut v, n) = (t.tet(THIRD).vertices(), t.tet(THIRD).neighbours());
                 v[slot] = vertex(v);

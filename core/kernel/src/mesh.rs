@@ -143,10 +143,11 @@ impl Mesh {
             geometry.push(p);
             numbers.push(number);
         }
-        topology.start([1, 2, 3, 4]);
+        let corner = [1, 2, 3, 4].map(VertexId::new);
+        topology.start(corner);
         geometry.created(
             topology.slots(),
-            &Star { tets: &[TetId::default()], rim: &[1, 2, 3], faces: &[[0, 1, 2, 0]] },
+            &Star { tets: &[TetId::default()], rim: &corner[..3], faces: &[[0, 1, 2, 0]] },
             &corners[3].0,
         );
         Self {
@@ -217,7 +218,7 @@ impl Mesh {
     /// Fills the open cavity with the star of its point; returns the new vertex.
     #[inline]
     pub(crate) fn fill(&mut self, p: Point, number: Vertex) -> VertexId {
-        let v = self.numbers.len() as VertexId;
+        let v = VertexId::at(self.numbers.len());
         self.geometry.put_point(v, p);
         self.numbers.push(number);
         if let Some(numbering) = self.numbering.get_mut()
@@ -302,7 +303,7 @@ impl Mesh {
                 self.next_number += 1;
                 Ok(Inserted::Vertex(number))
             }
-            Ok(Placed::At(v)) => Ok(Inserted::Duplicate(self.numbers[v as usize])),
+            Ok(Placed::At(v)) => Ok(Inserted::Duplicate(self.numbers[v.index()])),
             Err(Setback::Refused(tet)) => Err(InsertError::Refused { tet }),
             Err(Setback::Full) => Err(InsertError::TooManyTets { limit: self.topology.limit() }),
         }
@@ -391,7 +392,7 @@ impl Mesh {
 
     /// The public number of a finite kernel vertex.
     pub fn number(&self, v: VertexId) -> Option<Vertex> {
-        if v == INFINITE { None } else { self.numbers.get(v as usize).copied() }
+        if v == INFINITE { None } else { self.numbers.get(v.index()).copied() }
     }
 
     /// The side of `t`'s cached sphere on which a point in kernel coordinates lies, if it tells.
@@ -428,7 +429,7 @@ impl Mesh {
         }
         let tet = self.topology.tet(t);
         let finite = !tet.is_free() && !tet.is_ghost();
-        finite.then(|| tet.vertices().map(|v| self.numbers[v as usize]))
+        finite.then(|| tet.vertices().map(|v| self.numbers[v.index()]))
     }
 
     /// The neighbour of tetrahedron `t` opposite its vertex `slot`: `None` on the hull, or if
@@ -441,13 +442,13 @@ impl Mesh {
 
     /// The finite tetrahedra, positively oriented.
     pub fn tets(&self) -> impl Iterator<Item = [Vertex; 4]> + '_ {
-        self.topology.finite().map(|(_, t)| t.vertices().map(|v| self.numbers[v as usize]))
+        self.topology.finite().map(|(_, t)| t.vertices().map(|v| self.numbers[v.index()]))
     }
 
     /// The hull facets; seen from outside their vertices turn counterclockwise.
     pub fn hull_facets(&self) -> impl Iterator<Item = [Vertex; 3]> + '_ {
         self.topology.iter().filter(|(_, t)| t.is_ghost()).map(|(_, t)| {
-            let [a, b, c, _] = t.vertices().map(|v| self.numbers[v as usize]);
+            let [a, b, c, _] = t.vertices().map(|v| self.numbers[v.index()]);
             [a, b, c]
         })
     }
@@ -455,7 +456,7 @@ impl Mesh {
     /// Every triangle once, hull facets included.
     pub fn faces(&self) -> impl Iterator<Item = [Vertex; 3]> + '_ {
         self.topology.finite().flat_map(move |(id, t)| {
-            let (v, n) = (t.vertices().map(|v| self.numbers[v as usize]), t.neighbours());
+            let (v, n) = (t.vertices().map(|v| self.numbers[v.index()]), t.neighbours());
             (0..4).filter_map(move |slot| {
                 let u = tet_of(n[slot]);
                 // A face of two finite tetrahedra is given by the one with the smaller id.
@@ -476,7 +477,8 @@ impl Mesh {
         let points = points.get(1..self.numbers.len()).unwrap_or_default();
         let points: Vec<Point> = points.iter().map(|&p| self.mode.from_kernel(p)).collect();
         let finite = self.topology.finite();
-        let tets: Vec<[u32; 4]> = finite.map(|(_, t)| t.vertices().map(|v| v - 1)).collect();
+        let tets: Vec<[u32; 4]> =
+            finite.map(|(_, t)| t.vertices().map(|v| v.number() - 1)).collect();
         canonical_hash(&points, &tets)
     }
 }

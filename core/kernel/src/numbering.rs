@@ -28,7 +28,7 @@ impl Numbering {
     /// `count` is above all numbers.
     fn dense(numbers: &[u32], duplicates: &[(u32, u32)], count: usize) -> Self {
         let mut kernel = vec![INFINITE; count];
-        for (v, &number) in (0..).zip(numbers).skip(1) {
+        for (v, &number) in (0..).map(VertexId::new).zip(numbers).skip(1) {
             kernel[number as usize] = v;
         }
         for &(duplicate, kept) in duplicates {
@@ -38,7 +38,7 @@ impl Numbering {
     }
 
     fn sparse(numbers: &[u32], duplicates: &[(u32, u32)]) -> Self {
-        let vertices = (0..).zip(numbers).skip(1);
+        let vertices = (0..).map(VertexId::new).zip(numbers).skip(1);
         let mut pairs: Vec<_> = vertices.map(|(v, &number)| (number, v)).collect();
         pairs.sort_unstable();
         let kept = Self::Sparse(pairs);

@@ -16,7 +16,7 @@ pub(crate) use constants::{FLATNESS, LEAST_SQUARE, MAX_RADIUS, TOLERANCE};
 
 use crate::arena::{Arena, zeroable};
 use crate::cavity::SMALL;
-use crate::topology::TetId;
+use crate::topology::{TetId, VertexId};
 use ltbw_exact::Point;
 
 /// The radius of what stands in place of a sphere, a NaN that no computation makes: the first of
@@ -175,7 +175,7 @@ impl Maker {
         &mut self,
         frame: &Frame,
         points: &Arena<Point>,
-        rim: &[u32],
+        rim: &[VertexId],
         p: &Point,
     ) -> bool {
         self.centre = frame.place(p);

@@ -134,6 +134,11 @@ impl MeshParams {
     }
 }
 
+/// The number of vertices of a range.
+fn length(range: &Range<VertexId>) -> usize {
+    (range.start.index()..range.end.index()).len()
+}
+
 /// The tetrahedra of one worker. `H` names the holder of a locked tetrahedron, `T` is the tag of a
 /// tagged one, `F` says what lies beyond a proxy.
 #[derive(Debug)]
@@ -160,7 +165,7 @@ pub struct Submesh<H, T, F> {
     /// The same by place: vertices with near numbers are near each other.
     places: Vec<TetId>,
     /// Vertices of a place.
-    grain: VertexId,
+    grain: u32,
     /// Steps of walks so far.
     steps: u64,
     /// Tetrahedra made so far.
@@ -180,11 +185,11 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
             blocked: None,
             locks: LockTable::new(),
             far: FarTable::new(),
-            own: 0..0,
+            own: INFINITE..INFINITE,
             others: true,
             removed_tags: Vec::new(),
             hints: [TetId::default(); 8],
-            last: 0,
+            last: INFINITE,
             places: vec![TetId::new(u32::MAX); PLACES],
             grain: 1,
             steps: 0,
@@ -214,8 +219,9 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
 
     /// Says which vertices are the submesh's own: a tetrahedron with no other vertex belongs to it.
     pub fn set_own_range(&mut self, own: Range<VertexId>) {
-        self.others = own.start > 1 || (own.end as usize) < self.geometry.points().len();
-        self.grain = (own.len() / OWN_PLACES + 1) as VertexId;
+        self.others =
+            own.start > VertexId::new(1) || own.end.index() < self.geometry.points().len();
+        self.grain = (length(&own) / OWN_PLACES + 1) as u32;
         self.own = own;
         let tets: Vec<(TetId, [VertexId; 4])> = self.tets().collect();
         for (t, v) in tets {
@@ -230,7 +236,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         let Range { start, end } = self.own;
         let below = start..range.start.clamp(start, end);
         let above = range.end.clamp(start, end)..end;
-        self.own = if below.len() < above.len() { above } else { below };
+        self.own = if length(&below) < length(&above) { above } else { below };
         self.others = true;
     }
 
@@ -252,7 +258,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
 
     /// Is `v` a finite vertex here?
     pub fn is_vertex(&self, v: VertexId) -> bool {
-        v != INFINITE && (v as usize) < self.geometry.points().len()
+        v != INFINITE && v.index() < self.geometry.points().len()
     }
 
     #[inline]
@@ -270,7 +276,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     #[inline]
     #[track_caller]
     fn expect_vertex(&self, v: VertexId) {
-        assert!((v as usize) < self.geometry.points().len(), "there is no vertex {v}");
+        assert!(v.index() < self.geometry.points().len(), "there is no vertex {v}");
     }
 
     /// The vertices of `t`; the vertex at infinity, 0, is only ever the last.

@@ -17,10 +17,14 @@ use rayon::prelude::*;
 crate::ids! {
     /// Index of a tetrahedron's slot.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-    TetId
+    TetId,
+    /// Kernel number of a vertex: 0 is the vertex at infinity, the others count from 1.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    VertexId
 }
-/// Kernel number of a vertex: 0 is the vertex at infinity, the others count from 1.
-pub type VertexId = u32;
+
+zeroable!(VertexId { 0: number });
+
 /// A face seen from one of its tetrahedra, as the slot of the vertex opposite: in four bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(transparent)]
@@ -38,12 +42,12 @@ impl FaceId {
 }
 
 /// The vertex at infinity.
-pub const INFINITE: VertexId = 0;
+pub const INFINITE: VertexId = VertexId::new(0);
 /// The vertices of a free slot. No tetrahedron begins with the vertex at infinity (I2), and all of
 /// these exist: to look at them is harmless (I7).
 const FREE: [VertexId; 4] = [INFINITE; 4];
 /// The vertices of a proxy: vacant like a free slot, and another one.
-const PROXY: [VertexId; 4] = [INFINITE, 1, INFINITE, INFINITE];
+const PROXY: [VertexId; 4] = [INFINITE, VertexId::new(1), INFINITE, INFINITE];
 /// Bit of the last vertex that marks a tetrahedron of the cavity in work.
 const MARK: u32 = 1 << 31;
 /// Largest number of slots: a face handle is a `u32`.
@@ -63,7 +67,7 @@ impl Tet {
     /// The vertices, unmarked.
     #[inline(always)]
     pub fn vertices(&self) -> [VertexId; 4] {
-        [self.v[0], self.v[1], self.v[2], self.v[3] & !MARK]
+        [self.v[0], self.v[1], self.v[2], VertexId(self.v[3].0 & !MARK)]
     }
 
     /// The neighbouring faces: `neighbours()[i]` lies opposite vertex `i`.
@@ -75,7 +79,7 @@ impl Tet {
     /// Is this a ghost, a tetrahedron with the vertex at infinity?
     #[inline(always)]
     pub fn is_ghost(&self) -> bool {
-        self.v[3] & !MARK == INFINITE
+        self.v[3].0 & !MARK == INFINITE.0
     }
 
     /// Is this slot free?
@@ -99,7 +103,7 @@ impl Tet {
     /// Is it in the cavity in work?
     #[inline(always)]
     pub fn is_marked(&self) -> bool {
-        self.v[3] & MARK != 0
+        self.v[3].0 & MARK != 0
     }
 }
 
@@ -220,17 +224,17 @@ impl Topology {
 
     #[inline(always)]
     pub(crate) fn mark(&mut self, t: TetId) {
-        self.tets.at_mut(t).v[3] |= MARK;
+        self.tets.at_mut(t).v[3].0 |= MARK;
     }
 
     #[inline(always)]
     pub(crate) fn mark_if(&mut self, t: TetId, yes: bool) {
-        self.tets.at_mut(t).v[3] |= u32::from(yes) << 31;
+        self.tets.at_mut(t).v[3].0 |= u32::from(yes) << 31;
     }
 
     #[inline(always)]
     pub(crate) fn unmark(&mut self, t: TetId) {
-        self.tets.at_mut(t).v[3] &= !MARK;
+        self.tets.at_mut(t).v[3].0 &= !MARK;
     }
 
     /// Makes sure that `count` slots can be taken.
@@ -320,7 +324,7 @@ impl Topology {
                     continue;
                 }
                 for v in tet.vertices() {
-                    used[v as usize] = true;
+                    used[v.index()] = true;
                 }
             }
             (used, proxies)
@@ -384,7 +388,7 @@ impl Topology {
             self.tets.push(Tet { v, n: [FaceId::default(); 4] });
         }
         self.ghosts = 4;
-        let same = |a: [u32; 4], i: usize, b: [u32; 4], j: usize| {
+        let same = |a: [VertexId; 4], i: usize, b: [VertexId; 4], j: usize| {
             (0..4).filter(|&k| k != i).all(|k| (0..4).any(|l| l != j && a[k] == b[l]))
         };
         for a in 0..5 {

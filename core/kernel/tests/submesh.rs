@@ -1,7 +1,7 @@
 //! Submeshes that are told nonsense: they stay inside their arrays.
 
 use ltbw_core::submesh::{Closure, MeshParams, Submesh};
-use ltbw_core::topology::{FaceId, MAX_TETS, TetId};
+use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, TetId, VertexId};
 use ltbw_core::{Mode, Point, Random};
 use ltbw_generate::{PointKind, generate};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -16,7 +16,7 @@ const POINTS: usize = 40;
 
 fn mesh(points: &[Point]) -> Tets {
     let mut mesh = Tets::new(&MeshParams::of(points, Mode::Normal));
-    mesh.set_points(1, points);
+    mesh.set_points(VertexId::new(1), points);
     mesh
 }
 
@@ -31,8 +31,8 @@ fn walks_and_closures_stay_inside_whatever_the_links_are() {
         let mut below = |bound: usize| random.below(bound as u64) as u32;
         let mut live = Vec::new();
         for _ in 0..60 {
-            let v = [0; 3].map(|_| 1 + below(POINTS));
-            let d = below(POINTS + 1);
+            let v = [0; 3].map(|_| VertexId::new(1 + below(POINTS)));
+            let d = VertexId::new(below(POINTS + 1));
             live.push(mesh.create([v[0], v[1], v[2], d]).expect("room"));
         }
         for step in 0..200 {
@@ -55,7 +55,7 @@ fn walks_and_closures_stay_inside_whatever_the_links_are() {
                             }),
                         )
                     });
-                    let corners = [0; 5].map(|_| 1 + below(POINTS));
+                    let corners = [0; 5].map(|_| VertexId::new(1 + below(POINTS)));
                     let mut made = Vec::new();
                     mesh.create_star(&corners, star.into_iter(), &mut made).expect("room");
                     live.extend(made);
@@ -66,7 +66,7 @@ fn walks_and_closures_stay_inside_whatever_the_links_are() {
                 _ if mesh.holder(t).is_none() => mesh.lock(t, step, false),
                 _ => mesh.unlock(t),
             }
-            let v = 1 + below(POINTS);
+            let v = VertexId::new(1 + below(POINTS));
             let p = [0; 3].map(|_| f64::from(below(1000)) / 1000.0);
             let start = (step % 2 == 0).then_some(t).filter(|t| live.contains(t));
             mesh.walk(v, &p, start);
@@ -88,8 +88,11 @@ fn walks_and_closures_stay_inside_whatever_the_links_are() {
 fn numbers_of_nothing_are_refused() {
     let points = generate(PointKind::Uniform, POINTS, 1);
     let mut mesh = mesh(&points);
-    let t = mesh.create([1, 2, 3, 4]).expect("room");
-    let removed_tags = mesh.create([2, 1, 3, 4]).expect("room");
+    let corners = [1, 2, 3, 4].map(VertexId::new);
+    let [a, b, c, d] = corners;
+    let beyond = VertexId::at(POINTS + 1);
+    let t = mesh.create(corners).expect("room");
+    let removed_tags = mesh.create([b, a, c, d]).expect("room");
     mesh.remove(removed_tags);
     let (far, last) = (TetId::new(1 << 20), TetId::new(u32::MAX));
     let p = points[0];
@@ -106,7 +109,7 @@ fn numbers_of_nothing_are_refused() {
         refused("holder", &mut |mesh| _ = mesh.holder(u));
         refused("untag", &mut |mesh| _ = mesh.untag(u));
         refused("open", &mut |mesh| mesh.unlock(u));
-        refused("point", &mut |mesh| _ = mesh.point(u.number()));
+        refused("point", &mut |mesh| _ = mesh.point(VertexId::new(u.number())));
     }
     for u in [far, removed_tags, last] {
         refused("close", &mut |mesh| mesh.lock(u, 1, true));
@@ -122,23 +125,23 @@ fn numbers_of_nothing_are_refused() {
         refused("link far", &mut |mesh| _ = mesh.link_far(beyond, 1));
         refused("put far", &mut |mesh| _ = mesh.put_far(beyond, 1));
     }
-    for v in [0, POINTS as u32 + 1, u32::MAX] {
+    for v in [INFINITE, beyond, VertexId::new(u32::MAX)] {
         refused("set point", &mut |mesh| mesh.set_point(v, p));
         refused("set points", &mut |mesh| mesh.set_points(v, &points[..1]));
-        refused("create", &mut |mesh| _ = mesh.create([v, 1, 2, 3]));
-        refused("create", &mut |mesh| _ = mesh.create([1, 2, v, 3]));
+        refused("create", &mut |mesh| _ = mesh.create([v, a, b, c]));
+        refused("create", &mut |mesh| _ = mesh.create([a, b, v, c]));
     }
-    refused("set points", &mut |mesh| mesh.set_points(2, &points));
-    refused("create", &mut |mesh| _ = mesh.create([1, 2, 3, POINTS as u32 + 1]));
+    refused("set points", &mut |mesh| mesh.set_points(b, &points));
+    refused("create", &mut |mesh| _ = mesh.create([a, b, c, beyond]));
     refused("star", &mut |mesh| {
         let star = [([1, 2, 3], [None; 4])];
-        _ = mesh.create_star(&[1, 2, 99, 3], star.into_iter(), &mut Vec::new());
+        _ = mesh.create_star(&[a, b, VertexId::new(99), c], star.into_iter(), &mut Vec::new());
     });
     for star in
         [[([1, 2, 3], [Some(face(TetId::new(1), 0)), None, None, None])], [([1, 2, 4], [None; 4])]]
     {
         let all = catch_unwind(AssertUnwindSafe(|| {
-            mesh.create_star(&[1, 2, 3, 4], star.into_iter(), &mut Vec::new())
+            mesh.create_star(&corners, star.into_iter(), &mut Vec::new())
         }));
         assert!(all.is_err(), "{star:?}");
     }

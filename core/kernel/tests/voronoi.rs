@@ -193,7 +193,7 @@ fn rays_leave_along_the_facets_they_name() {
                 let all: Vec<Vertex> = queries
                     .hull()
                     .find(|f| {
-                        let q = [a, b, c].map(|w| mesh.vertices().nth(w as usize - 1));
+                        let q = [a, b, c].map(|w| mesh.vertices().nth(w.index() - 1));
                         q.iter().flatten().all(|(w, _)| f.contains(w))
                     })
                     .expect("a hull facet")

@@ -103,7 +103,7 @@ impl LocalMesh {
         for (place, site) in (0..).zip(sites) {
             self.check_vertex(site.vertex)?;
             if site.vertex == NOWHERE && infinite.replace(place).is_some() {
-                return Err(unknown("a vertex given once", INFINITE));
+                return Err(unknown("a vertex given once", INFINITE.number()));
             }
         }
         let infinite = infinite.unwrap_or(u32::MAX);
@@ -145,7 +145,7 @@ impl LocalMesh {
                 self.check_vertex(site.vertex)?;
             }
             if moving.v[..3].iter().any(|site| site.vertex == NOWHERE) {
-                return Err(unknown("a finite vertex", INFINITE));
+                return Err(unknown("a finite vertex", INFINITE.number()));
             }
             for lead in &moving.n {
                 match *lead {

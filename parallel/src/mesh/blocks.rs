@@ -1,9 +1,8 @@
 //! Which block a vertex and a tetrahedron belong to.
 
-use super::name::{VertexName, given};
+use super::name::{NO_PLACE, Place, VertexName, given};
 use crate::protocol::BlockId;
 use ltbw_core::order::Curve;
-use ltbw_core::topology::{INFINITE, VertexId};
 use ltbw_exact::Point;
 use std::sync::Arc;
 
@@ -16,7 +15,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Blocks {
     /// First vertex of each block, and one past the last vertex of all.
-    starts: Arc<[VertexId]>,
+    starts: Arc<[Place]>,
     /// Blocks by vertices, in 2^-32: blocks are nearly even, so that this guesses a block.
     density: u64,
     /// The curve, and the key on it of each block's first vertex; ascending.
@@ -28,14 +27,14 @@ impl Blocks {
     pub fn even(vertices: u32, blocks: u32) -> Self {
         let (n, k) = (u64::from(vertices), u64::from(blocks.max(1)));
         let density = (k << 32) / n.max(1);
-        let starts = (0..=k).map(|b| 1 + (b * n / k) as VertexId).collect();
+        let starts = (0..=k).map(|b| 1 + (b * n / k) as Place).collect();
         Self { starts, density, cuts: None }
     }
 
     /// The same blocks, for vertices to come, too: `points` are those given, along `curve`.
     pub(super) fn along(self, curve: Curve, points: &[Point]) -> Self {
         let last = points.len().saturating_sub(1);
-        let first = |&start: &VertexId| points.get((start as usize - 1).min(last));
+        let first = |&start: &Place| points.get((start as usize - 1).min(last));
         let key = |start| first(start).map_or(0, |p| curve.key(p));
         let mut keys: Vec<u64> = self.starts[..self.starts.len() - 1].iter().map(key).collect();
         // Clusters are sorted again: inside one cell the keys are equal, and never fall.
@@ -67,18 +66,18 @@ impl Blocks {
     }
 
     /// One past the last vertex that was given.
-    pub(super) fn end(&self) -> VertexId {
+    pub(super) fn end(&self) -> Place {
         self.starts[self.starts.len() - 1]
     }
 
     /// The vertices of `block`.
-    pub fn vertices(&self, block: BlockId) -> std::ops::Range<VertexId> {
+    pub fn vertices(&self, block: BlockId) -> std::ops::Range<Place> {
         self.starts[block.index()]..self.starts[block.index() + 1]
     }
 
     /// The block of a finite vertex.
     #[inline]
-    pub fn of_vertex(&self, v: VertexId) -> BlockId {
+    pub fn of_vertex(&self, v: Place) -> BlockId {
         let last = self.starts.len() - 2;
         let guess = (u64::from(v.saturating_sub(1)) * self.density) >> 32;
         let mut block = (guess as usize).min(last);
@@ -94,7 +93,7 @@ impl Blocks {
 
     /// The block of a tetrahedron: that of most of its finite vertices; of equals, the smallest.
     #[inline]
-    pub fn of_tet(&self, v: [VertexId; 4]) -> BlockId {
+    pub fn of_tet(&self, v: [Place; 4]) -> BlockId {
         let first = self.of_vertex(v[0]);
         let range = self.vertices(first);
         // Most tetrahedra lie in one block.
@@ -102,7 +101,7 @@ impl Blocks {
             return first;
         }
         let [b, c] = [self.of_vertex(v[1]), self.of_vertex(v[2])];
-        let d = (v[3] != INFINITE).then(|| self.of_vertex(v[3]));
+        let d = (v[3] != NO_PLACE).then(|| self.of_vertex(v[3]));
         prevailing([first, b, c], d)
     }
 }
@@ -170,7 +169,7 @@ mod tests {
             "two and two: the smaller block"
         );
         assert_eq!(blocks.of_tet([9, 1, 4, 6]), BlockId::default(), "four different ones");
-        assert_eq!(blocks.of_tet([9, 8, 1, INFINITE]), BlockId::new(3));
+        assert_eq!(blocks.of_tet([9, 8, 1, NO_PLACE]), BlockId::new(3));
     }
 
     #[test]

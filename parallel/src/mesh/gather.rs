@@ -57,20 +57,24 @@ impl MadeVertices {
         let mut all: Vec<(VertexName, Point)> = Vec::new();
         for mesh in meshes {
             let (_, others) = mesh.vertices.all();
-            let named = (mesh.vertices.run() + 1..).zip(others);
+            let named = (mesh.vertices.after_run().number()..).map(VertexId::new).zip(others);
             let made = named.filter(|&(_, name)| given(name).is_none());
             all.extend(made.map(|(v, name)| (name, mesh.tets.point(v))));
         }
         all.sort_unstable_by_key(|&(name, _)| name);
         all.dedup_by_key(|&mut (name, _)| name);
-        let first = given_ones as VertexId + 1;
-        let numbers = (first..).zip(&all).map(|(number, &(name, _))| (name, number)).collect();
+        let first = given_ones as u32 + 1;
+        let numbers = (first..)
+            .map(VertexId::new)
+            .zip(&all)
+            .map(|(number, &(name, _))| (name, number))
+            .collect();
         Self { numbers, points: all.into_iter().map(|(_, p)| p).collect() }
     }
 
     /// The number of a vertex in the whole mesh.
     fn number(&self, name: VertexName) -> Option<VertexId> {
-        given(name).or_else(|| self.numbers.get(&name).copied())
+        given(name).map(VertexId::new).or_else(|| self.numbers.get(&name).copied())
     }
 }
 
@@ -89,7 +93,9 @@ pub fn gather(meshes: Vec<LocalMesh>, common: SharedInput) -> Result<Gathered, G
     }
     let made = MadeVertices::of(&meshes, points.len());
     for mesh in &meshes {
-        let pair = |&(point, v): &(VertexName, VertexName)| Some((given(point)?, made.number(v)?));
+        let pair = |&(point, v): &(VertexName, VertexName)| {
+            Some((VertexId::new(given(point)?), made.number(v)?))
+        };
         duplicates.extend(mesh.duplicates.iter().filter_map(pair));
     }
     points.extend(made.points.iter().copied());
@@ -102,6 +108,7 @@ pub fn gather(meshes: Vec<LocalMesh>, common: SharedInput) -> Result<Gathered, G
     let workers: Vec<WorkerId> = meshes.iter().map(|mesh| mesh.me).collect();
     let part = |mesh: LocalMesh| {
         let (first, others) = mesh.vertices.all();
+        let first = VertexId::new(first);
         let others = others.map(|name| made.number(name).unwrap_or(INFINITE)).collect();
         (mesh.tets, Numbers { first, run: mesh.vertices.run(), others })
     };

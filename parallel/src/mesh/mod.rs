@@ -36,7 +36,7 @@ mod wire;
 
 pub use blocks::Blocks;
 pub use gather::{GatherError, Gathered, gather};
-pub use name::{VertexName, given, made};
+pub use name::{Place, VertexName, given, made};
 pub use point_queue::PointQueue;
 pub use start::{Ownership, Plan, Prepared, SharedInput};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
@@ -114,7 +114,7 @@ impl LocalMesh {
         me: WorkerId,
         params: &MeshParams,
         blocks: Blocks,
-        own: std::ops::Range<VertexId>,
+        own: std::ops::Range<Place>,
     ) -> Self {
         Self {
             // A vacant slot names vertex 1, which must exist.
@@ -148,7 +148,7 @@ impl LocalMesh {
     }
 
     /// The finite tetrahedra of given vertices alone, by their places along the curve.
-    pub(crate) fn given_tets(&self) -> impl Iterator<Item = [VertexId; 4]> + '_ {
+    pub(crate) fn given_tets(&self) -> impl Iterator<Item = [Place; 4]> + '_ {
         self.tets.tets().filter(|(_, v)| v[3] != INFINITE).filter_map(|(_, v)| {
             let [a, b, c, d] = v.map(|v| given(self.vertices.name(v)));
             Some([a?, b?, c?, d?])
@@ -158,7 +158,7 @@ impl LocalMesh {
     /// Number of vertices that have a number here: those of the own stretch, and all corners so far
     /// of cavities from which tetrahedra came.
     pub fn num_vertices(&self) -> usize {
-        self.vertices.next() as usize - 1
+        self.vertices.next().index() - 1
     }
 
     /// Number of tetrahedra, ghosts included.
@@ -260,7 +260,7 @@ impl LocalMesh {
     }
 
     /// The vertex at a place of the own stretch of the curve.
-    fn site_at(&self, place: VertexId) -> WireVertex {
+    fn site_at(&self, place: Place) -> WireVertex {
         self.site(self.vertices.numbers_of(place..place).start)
     }
 

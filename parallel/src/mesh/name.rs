@@ -1,11 +1,16 @@
 //! Names of vertices, the same at every worker.
 
 use crate::protocol::WorkerId;
-use ltbw_core::topology::{INFINITE, VertexId};
 
 /// The name of a vertex: in the upper half its maker's number plus 1, or 0 if it was given; in the
 /// lower half that one's counter, from 1 up. 0 is the vertex at infinity.
 pub type VertexName = u64;
+
+/// The place along the curve of a vertex that was given, from 1: its number in the whole mesh.
+pub type Place = u32;
+
+/// The vertex at infinity, among places.
+pub(super) const NO_PLACE: Place = 0;
 
 /// The vertex at infinity.
 pub(super) const NOWHERE: VertexName = 0;
@@ -17,8 +22,8 @@ pub fn made(by: WorkerId, count: u32) -> VertexName {
 
 /// The place along the curve of a vertex that was given.
 #[inline]
-pub fn given(name: VertexName) -> Option<VertexId> {
-    u32::try_from(name).ok().filter(|&rank| rank != INFINITE)
+pub fn given(name: VertexName) -> Option<Place> {
+    u32::try_from(name).ok().filter(|&rank| rank != NO_PLACE)
 }
 
 /// The lower half of a name, for messages.

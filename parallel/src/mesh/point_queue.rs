@@ -15,10 +15,9 @@
 
 mod cursor;
 
-use super::{Blocks, LocalMesh, VertexName, WireVertex};
+use super::{Blocks, LocalMesh, Place, VertexName, WireVertex};
 use crate::protocol::{BlockId, Source};
 use cursor::{Cursor, Own, SHORTEST, Track};
-use ltbw_core::topology::VertexId;
 use std::collections::VecDeque;
 use std::ops::Range;
 
@@ -57,8 +56,8 @@ impl PointQueue {
     /// not to be given.
     pub fn new(
         blocks: Blocks,
-        range: Range<VertexId>,
-        out: impl IntoIterator<Item = VertexId>,
+        range: Range<Place>,
+        out: impl IntoIterator<Item = Place>,
         cursors: usize,
     ) -> Self {
         let mut left = range.len();
@@ -90,11 +89,11 @@ impl PointQueue {
     #[must_use]
     pub fn interface(
         mut self,
-        interface: impl IntoIterator<Item = Range<VertexId>>,
+        interface: impl IntoIterator<Item = Range<Place>>,
         abreast: usize,
     ) -> Self {
         let Range { start, end } = self.own.range;
-        let meets = |piece: &Range<VertexId>| piece.start < end && start < piece.end;
+        let meets = |piece: &Range<Place>| piece.start < end && start < piece.end;
         self.own.interface = interface.into_iter().filter(meets).collect();
         self.abreast = abreast;
         self
@@ -175,7 +174,7 @@ impl PointQueue {
             let size = range.len().div_ceil(self.cursors.max(1)).max(1);
             let mut interface = Vec::new();
             for start in range.clone().step_by(size) {
-                let piece = start..range.end.min(start.saturating_add(size as VertexId));
+                let piece = start..range.end.min(start.saturating_add(size as Place));
                 for (Range { start, end }, is_interface) in self.own.stretches(piece) {
                     let next = self.own.first(start, end, round);
                     let track = Track::Own { next, end, round };
@@ -314,7 +313,7 @@ impl Source<LocalMesh> for PointQueue {
         let mut taken = Vec::new();
         let begun = current.iter_mut().chain(urgent).chain(interface).chain(ready).chain(waiting);
         begun.for_each(|cursor| cursor.take_in(&range, own, mesh, &mut taken));
-        let to_come: Vec<VertexId> = own.since_round(&range, self.next_round).collect();
+        let to_come: Vec<Place> = own.since_round(&range, self.next_round).collect();
         for v in to_come {
             own.take_out(v);
             taken.push(mesh.site_at(v));

@@ -1,7 +1,8 @@
 //! The start of a parallel run: vertices along the curve, a coarse mesh of a sample, its
 //! tetrahedra distributed to their owners.
 
-use super::{Blocks, Fixed, LocalMesh, PointQueue, WireVertex};
+use super::name::NO_PLACE;
+use super::{Blocks, Fixed, LocalMesh, Place, PointQueue, WireVertex};
 use crate::protocol::{BlockId, Directory, Handle, Name, WorkerId};
 use ltbw_core::build::independent;
 use ltbw_core::order::{Curve, hilbert};
@@ -181,7 +182,8 @@ impl Plan {
         };
         let mut duplicates = Vec::new();
         for &(duplicate, kept) in coarse.duplicates() {
-            duplicates.push((1 + sample[duplicate as usize], 1 + sample[kept as usize]));
+            duplicates
+                .push([duplicate, kept].map(|k| VertexId::new(1 + sample[k as usize])).into());
         }
         let workers = workers
             .into_par_iter()
@@ -224,7 +226,7 @@ impl Plan {
         sample: &[u32],
         blocks: &Blocks,
         vertices: u32,
-    ) -> Vec<Range<VertexId>> {
+    ) -> Vec<Range<Place>> {
         let block = |k: u32| blocks.of_vertex(1 + sample[k as usize]);
         let owner = |k: u32| self.owner_of(block(k));
         let mut at_interface = vec![false; sample.len()];
@@ -242,7 +244,7 @@ impl Plan {
             (_, None) => vertices + 1,
             (Some(before), Some(&after)) => 1 + sample[before].midpoint(after),
         };
-        let mut pieces: Vec<Range<VertexId>> = Vec::new();
+        let mut pieces: Vec<Range<Place>> = Vec::new();
         for k in (0..sample.len()).filter(|&k| at_interface[k]) {
             let (start, end) = (middle(k), middle(k + 1));
             match pieces.last_mut() {
@@ -268,7 +270,8 @@ impl Plan {
                 let share = if me == WorkerId::default() { points.len() } else { range.len() };
                 mesh.tets.reserve(7 * share + share / 4 + 1024);
             }
-            mesh.tets.set_points(1, &points[range.start as usize - 1..][..range.len()]);
+            mesh.tets
+                .set_points(VertexId::new(1), &points[range.start as usize - 1..][..range.len()]);
             mesh
         };
         (0..self.workers).into_par_iter().map(submesh).collect()
@@ -280,7 +283,7 @@ impl Plan {
     }
 
     /// The vertices of a worker at the start.
-    fn range(&self, me: WorkerId, blocks: &Blocks) -> Range<VertexId> {
+    fn range(&self, me: WorkerId, blocks: &Blocks) -> Range<Place> {
         let block = |number: u32| blocks.vertices(BlockId::new(number));
         let first = me.number() * self.blocks_per_worker;
         block(first).start..block(first + self.blocks_per_worker - 1).end
@@ -344,7 +347,7 @@ fn distribute(
     workers: &mut [LocalMesh],
 ) {
     let topology = coarse.topology();
-    let vertex = |v: VertexId| coarse.number(v).map_or(INFINITE, |k| 1 + sample[k as usize]);
+    let vertex = |v: VertexId| coarse.number(v).map_or(NO_PLACE, |k| 1 + sample[k as usize]);
     let corners = |t: TetId| topology.get(t).map(|tet| tet.vertices().map(vertex));
     let tets: Vec<TetId> = topology.iter().map(|(t, _)| t).collect();
     // By coarse tetrahedron: its block, its owner and its handle there.
@@ -361,7 +364,7 @@ fn distribute(
         let mut made = Vec::with_capacity(tets.len());
         for v in tets.iter().filter_map(|&t| corners(t)) {
             let v = v.map(|w| match w {
-                INFINITE => INFINITE,
+                NO_PLACE => INFINITE,
                 w => mesh.take_site(&WireVertex::new(w, points[w as usize - 1])),
             });
             // Without room the run fails before anything looks at the submesh.
@@ -383,7 +386,8 @@ fn distribute(
         for &t in tets {
             link(mesh, coarse, t, &place);
         }
-        mesh.tets.set_own_range(1..mesh.vertices.run() + 1);
+        let (first, end) = (VertexId::new(1), mesh.vertices.after_run());
+        mesh.tets.set_own_range(first..end);
     });
 }
 

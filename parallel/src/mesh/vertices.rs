@@ -6,7 +6,7 @@
 //! number differ by a constant, then all others in the order in which they come.
 
 use super::Blocks;
-use super::name::{NOWHERE, VertexName};
+use super::name::{NOWHERE, Place, VertexName};
 use crate::protocol::BlockId;
 use ltbw_core::topology::{INFINITE, VertexId};
 use ltbw_exact::Point;
@@ -25,9 +25,9 @@ struct Other {
 pub(super) struct Vertices {
     blocks: Blocks,
     /// The place along the curve before that of number 1.
-    before: VertexId,
+    before: Place,
     /// The number of vertices of the own stretch.
-    run: VertexId,
+    run: u32,
     /// The vertices with the numbers after those.
     others: Vec<Other>,
     numbers: FxHashMap<VertexName, VertexId>,
@@ -35,25 +35,30 @@ pub(super) struct Vertices {
 
 impl Vertices {
     /// The vertices of the stretch `own`.
-    pub(super) fn new(blocks: Blocks, own: Range<VertexId>) -> Self {
-        let (before, run) = (own.start.saturating_sub(1), own.len() as VertexId);
+    pub(super) fn new(blocks: Blocks, own: Range<Place>) -> Self {
+        let (before, run) = (own.start.saturating_sub(1), own.len() as u32);
         Self { blocks, before, run, others: Vec::new(), numbers: FxHashMap::default() }
     }
 
     /// The numbers of vertices at places of the own stretch.
-    pub(super) fn numbers_of(&self, places: Range<VertexId>) -> Range<VertexId> {
-        let number = |place: VertexId| 1 + (place.max(self.before + 1) - self.before - 1);
+    pub(super) fn numbers_of(&self, places: Range<Place>) -> Range<VertexId> {
+        let number = |place: Place| VertexId::new(place.max(self.before + 1) - self.before);
         number(places.start)..number(places.end)
     }
 
     /// The largest number of the own stretch.
     pub(super) fn run(&self) -> VertexId {
-        self.run
+        VertexId::new(self.run)
+    }
+
+    /// The number after it.
+    pub(super) fn after_run(&self) -> VertexId {
+        VertexId::new(self.run + 1)
     }
 
     /// The number that the next vertex gets.
     pub(super) fn next(&self) -> VertexId {
-        self.run + 1 + self.others.len() as VertexId
+        VertexId::at(self.run as usize + 1 + self.others.len())
     }
 
     /// The name of the vertex with number `v`, which is one here, or 0.
@@ -61,8 +66,8 @@ impl Vertices {
     pub(super) fn name(&self, v: VertexId) -> VertexName {
         match v {
             INFINITE => NOWHERE,
-            v if v <= self.run => VertexName::from(self.before + v),
-            v => self.others[(v - self.run) as usize - 1].name,
+            v if v <= self.run() => VertexName::from(self.before + v.number()),
+            v => self.others[self.place_of(v)].name,
         }
     }
 
@@ -71,7 +76,7 @@ impl Vertices {
     pub(super) fn number(&self, name: VertexName) -> Option<VertexId> {
         let place = name.wrapping_sub(VertexName::from(self.before));
         if place.wrapping_sub(1) < VertexName::from(self.run) {
-            return Some(place as VertexId);
+            return Some(VertexId::new(place as u32));
         }
         if name == NOWHERE { Some(INFINITE) } else { self.numbers.get(&name).copied() }
     }
@@ -87,15 +92,21 @@ impl Vertices {
     /// The block of a finite vertex here.
     #[inline]
     pub(super) fn block(&self, v: VertexId) -> BlockId {
-        if v <= self.run {
-            self.blocks.of_vertex(self.before + v)
+        if v <= self.run() {
+            self.blocks.of_vertex(self.before + v.number())
         } else {
-            self.others[(v - self.run) as usize - 1].block
+            self.others[self.place_of(v)].block
         }
     }
 
+    /// The place among the others of a vertex after the own stretch.
+    #[inline]
+    fn place_of(&self, v: VertexId) -> usize {
+        (v.number() - self.run) as usize - 1
+    }
+
     /// The place along the curve of number 1, and the names from the end of the own stretch on.
-    pub(super) fn all(&self) -> (VertexId, impl ExactSizeIterator<Item = VertexName> + '_) {
+    pub(super) fn all(&self) -> (Place, impl ExactSizeIterator<Item = VertexName> + '_) {
         (self.before + 1, self.others.iter().map(|other| other.name))
     }
 }
@@ -113,25 +124,34 @@ mod tests {
     #[test]
     fn names_and_numbers_are_inverse() {
         let mut vertices = Vertices::new(Blocks::even(100, 4), 26..51);
-        assert_eq!((vertices.name(1), vertices.name(25), vertices.next()), (26, 50, 26));
-        assert_eq!((vertices.number(26), vertices.number(51)), (Some(1), None));
+        assert_eq!(
+            (vertices.name(VertexId::new(1)), vertices.name(VertexId::new(25)), vertices.next()),
+            (26, 50, VertexId::new(26))
+        );
+        assert_eq!((vertices.number(26), vertices.number(51)), (Some(VertexId::new(1)), None));
         let names = [51, 25, made(0, 1), made(3, 1), made(3, 2), 100, 1];
-        for (number, name) in (26..).zip(names) {
+        for (number, name) in (26..).map(VertexId::new).zip(names) {
             assert_eq!((vertices.number(name), vertices.next()), (None, number));
             assert_eq!(vertices.add(name, &[0.5; 3]), number);
         }
-        for v in 0..vertices.next() {
+        for v in VertexId::below(vertices.next().number()) {
             assert_eq!(vertices.number(vertices.name(v)), Some(v));
         }
-        let blocks: Vec<u32> = (1..33).map(|v| vertices.block(v).number()).collect();
+        let blocks: Vec<u32> = (1..33).map(|v| vertices.block(VertexId::new(v)).number()).collect();
         assert_eq!(blocks[..27], [[1; 25].as_slice(), &[2, 0]].concat());
-        assert_eq!((vertices.numbers_of(30..41), given(made(0, 7))), (5..16, None));
+        assert_eq!(
+            (vertices.numbers_of(30..41), given(made(0, 7))),
+            (VertexId::new(5)..VertexId::new(16), None)
+        );
     }
 
     #[test]
     fn a_worker_without_a_stretch_numbers_what_comes() {
         let mut vertices = Vertices::new(Blocks::even(3, 8), 3..3);
-        assert_eq!((vertices.next(), vertices.number(3)), (1, None));
-        assert_eq!((vertices.add(3, &[0.0; 3]), vertices.name(1)), (1, 3));
+        assert_eq!((vertices.next(), vertices.number(3)), (VertexId::new(1), None));
+        assert_eq!(
+            (vertices.add(3, &[0.0; 3]), vertices.name(VertexId::new(1))),
+            (VertexId::new(1), 3)
+        );
     }
 }

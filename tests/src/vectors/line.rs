@@ -13,6 +13,7 @@ use ltbw::protocol::{
     Walk, Worker, WorkerId,
 };
 use ltbw::simulate::Payload;
+use ltbw::topology::INFINITE;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// The creator in the names of the first cells: no worker has this number.
@@ -150,7 +151,7 @@ impl Submesh for Line {
         let Some(cell) = self.cells.get(&name) else { return Walk::NoTets };
         let (a, b) = cell.ends;
         if p == a || p == b {
-            return Walk::Duplicate(0); // vertices have no numbers here
+            return Walk::Duplicate(INFINITE); // vertices have no numbers here
         }
         if self.locks.contains_key(&name) {
             return Walk::Locked(name);

@@ -22,6 +22,7 @@ use ltbw::protocol::{
     BlockId, Directory, Handle, Insert, Message, Name, Neighbour, Rules, Submesh, Ticket, Walk,
     WorkerId,
 };
+use ltbw::topology::INFINITE;
 use std::collections::{BTreeMap, BTreeSet};
 use std::marker::PhantomData;
 
@@ -335,7 +336,7 @@ impl<C: Variant> Submesh for Hull<C> {
             let Some(cell) = self.cell(t) else { break };
             let Piece { ends: [a, b], links, .. } = cell.piece;
             if a == *point || b == *point {
-                return Walk::Duplicate(0); // vertices have no numbers here
+                return Walk::Duplicate(INFINITE); // vertices have no numbers here
             }
             if cell.holder.is_some() {
                 return Walk::Locked(t);
@@ -348,7 +349,7 @@ impl<C: Variant> Submesh for Hull<C> {
                 None => return Walk::Exits(links[0].handle(0)),
             }
         }
-        Walk::Duplicate(0)
+        Walk::Duplicate(INFINITE)
     }
 
     fn insert(&mut self, point: &Vertex, seed: u8, directory: &Directory) -> Insert<u8> {

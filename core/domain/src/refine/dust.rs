@@ -72,7 +72,7 @@ impl State {
             return false;
         };
         let rest: Vec<VertexId> = (0..4).filter(|&k| k != i && k != j).map(|k| v[k]).collect();
-        if !v.iter().all(|&v| self.lies_on(self.carriers[v as usize], f))
+        if !v.iter().all(|&v| self.lies_on(self.carriers[v.index()], f))
             || self.segments.contains_key(&edge(rest[0], rest[1]))
         {
             return false;

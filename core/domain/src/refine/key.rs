@@ -3,6 +3,7 @@
 
 use super::item::Item;
 use super::state::State;
+use ltbw_core::topology::VertexId;
 use ltbw_exact::Point;
 
 /// A place in the order of points: coordinates are whole.
@@ -55,7 +56,7 @@ impl State {
     /// The place of a boundary item in an order by coordinates: segments first.
     pub(crate) fn place_of(&self, item: Item) -> (usize, [OrderKey; 4]) {
         let mut place = [[0; 3]; 4];
-        let mut put = |corners: &[u32]| {
+        let mut put = |corners: &[VertexId]| {
             for (to, &v) in place.iter_mut().zip(corners) {
                 *to = order_key(&self.at(v));
             }

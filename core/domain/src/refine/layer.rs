@@ -107,7 +107,7 @@ impl State {
 
     fn vertices_on_patches(&self) -> Vec<Vec<VertexId>> {
         let mut on = vec![Vec::new(); self.plc.facets.len()];
-        for (v, patches) in (0..).zip(self.patches_at()) {
+        for (v, patches) in (0..).map(VertexId::new).zip(self.patches_at()) {
             patches.into_iter().for_each(|f| on[f as usize].push(v));
         }
         on
@@ -284,12 +284,12 @@ impl State {
 
     /// Are all four corners on one patch? Those of a ghost are not.
     pub(crate) fn is_flat(&self, v: [VertexId; 4]) -> bool {
-        if v[3] == INFINITE || self.carriers[v[0] as usize] == Carrier::Free {
+        if v[3] == INFINITE || self.carriers[v[0].index()] == Carrier::Free {
             return false;
         }
-        let mut patches = self.facets_of(self.carriers[v[0] as usize]);
+        let mut patches = self.facets_of(self.carriers[v[0].index()]);
         patches.retain(|&f| {
-            let on = |v: &VertexId| self.lies_on(self.carriers[*v as usize], f);
+            let on = |v: &VertexId| self.lies_on(self.carriers[v.index()], f);
             self.plc.facets[f as usize].patch.is_some() && v[1..].iter().all(on)
         });
         !patches.is_empty()

@@ -37,8 +37,9 @@ pub(crate) fn in_order(v: [Vertex; 4]) -> [Vertex; 4] {
 impl State {
     /// Numbers the vertices that are no corners of the domain, from `first` on.
     pub(crate) fn number_vertices(&mut self, first: Vertex) {
-        let is_new = |v: &VertexId| !matches!(self.carriers[*v as usize], Carrier::Corner(_));
-        let mut new: Vec<(OrderKey, VertexId)> = (1..=self.mesh.num_vertices() as VertexId)
+        let is_new = |v: &VertexId| !matches!(self.carriers[v.index()], Carrier::Corner(_));
+        let mut new: Vec<(OrderKey, VertexId)> = (1..=self.mesh.num_vertices())
+            .map(VertexId::at)
             .filter(is_new)
             .map(|v| (order_key(&self.at(v)), v))
             .collect();
@@ -47,14 +48,14 @@ impl State {
         let points: Vec<Point> = new.iter().map(|&(_, v)| self.at(v)).collect();
         let numbers = self.mesh.numbers_mut();
         for (number, k) in (first..).zip(hilbert(&points)) {
-            numbers[new[k as usize].1 as usize] = number;
+            numbers[new[k as usize].1.index()] = number;
         }
     }
 
     /// The finite tetrahedra in the order of their vertices' numbers, which are below `end`.
     pub(crate) fn tets_in_order(&self, end: Vertex) -> Vec<TetId> {
         let (numbers, topology) = (self.mesh.numbers(), self.mesh.topology());
-        let corners = |t: TetId| topology.at(t).vertices().map(|v| numbers[v as usize]);
+        let corners = |t: TetId| topology.at(t).vertices().map(|v| numbers[v.index()]);
         let smallest = |t: TetId| corners(t).into_iter().fold(end, Vertex::min) as usize;
         // Tetrahedra of one smallest vertex are together, and few.
         let mut starts = vec![0u32; end as usize + 2];

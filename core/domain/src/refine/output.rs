@@ -119,7 +119,7 @@ impl Refined {
         let kept = |t: &TetId| exterior || self.region(*t) != 0;
         let kept: Vec<TetId> = self.order.iter().copied().filter(kept).collect();
         let (numbers, topology) = (self.state.mesh.numbers(), self.state.mesh.topology());
-        let corners = |t| in_order(topology.at(t).vertices().map(|v| numbers[v as usize]));
+        let corners = |t| in_order(topology.at(t).vertices().map(|v| numbers[v.index()]));
         let all = kept.par_iter().with_min_len(SHARE);
         let mut mesh = TetMesh { points: self.state.mesh.points(), ..TetMesh::default() };
         let tags: Vec<i64>;
@@ -158,7 +158,7 @@ impl Refined {
                 let corners = OTHERS[slot].map(|k| tet.vertices()[k]);
                 let [a, b, c] = corners;
                 let marker = state.marker(triangle(a, b, c));
-                let corners = from_smallest(corners.map(|v| state.mesh.numbers()[v as usize]));
+                let corners = from_smallest(corners.map(|v| state.mesh.numbers()[v.index()]));
                 faces.push(BoundaryFace { corners, marker: i64::from(marker), tet: place });
             }
             // Slots are no function of the mesh.
@@ -172,7 +172,7 @@ impl Refined {
     pub fn subfaces(&self) -> Vec<[Vertex; 3]> {
         let state = &self.state;
         let present = state.subfaces.keys().filter(|s| !state.missing.contains(*s));
-        let number = |v: &VertexId| state.mesh.numbers()[*v as usize];
+        let number = |v: &VertexId| state.mesh.numbers()[v.index()];
         let mut all: Vec<[Vertex; 3]> = present
             .map(|s| {
                 let mut corners = [number(&s[0]), number(&s[1]), number(&s[2])];

@@ -11,7 +11,7 @@ use super::state::{FACE, State};
 use super::table::{Map, Set, sides as sides_of, triangle};
 use super::*;
 use crate::{Domain, Facet, PrepareOptions, Prepared};
-use ltbw_core::topology::{TetId, tet_of};
+use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_exact::Point;
 use std::f64::consts::PI;
 
@@ -63,7 +63,7 @@ fn seeds_part_the_mesh_and_keep_every_patch_covered() {
     let ready = sphere(30);
     let refiner = Refiner::new().flat_tolerance(5e-7);
     let (mut run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
-    let before: Vec<[u32; 3]> = run.refinement.state.subfaces.keys().copied().collect();
+    let before: Vec<[VertexId; 3]> = run.refinement.state.subfaces.keys().copied().collect();
     run.refinement.seed(u64::MAX, &mut run.work, &mut ltbw_core::cavity::Open);
     let state = &run.refinement.state;
     check_labels(state);
@@ -197,7 +197,7 @@ fn every_transaction_keeps_every_patch_covered() {
 pub(super) fn check_labels(state: &State) {
     assert!(state.is_complete());
     let mut areas = vec![0; state.plc.facets.len()];
-    let mut edges: Map<(u32, [u32; 2]), u32> = Map::default();
+    let mut edges: Map<(u32, [VertexId; 2]), u32> = Map::default();
     for (t, tet) in state.mesh.topology().iter() {
         let (word, v, own) = (state.marks.of(t), tet.vertices(), state.marks.region(t));
         for (slot, face) in tet.neighbours().into_iter().enumerate() {

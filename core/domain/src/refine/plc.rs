@@ -12,7 +12,7 @@ use super::table::{Map, Set, edge};
 use crate::{Domain, Element, Lattice};
 use ltbw_core::build::Builder;
 use ltbw_core::mesh::Mesh;
-use ltbw_core::topology::VertexId;
+use ltbw_core::topology::{INFINITE, VertexId};
 use ltbw_exact::{Point, PointSet};
 
 /// A segment of the complex.
@@ -95,8 +95,8 @@ impl Plc {
             return Err(RefineError::DuplicateVertex { first, second });
         }
         mesh.scaled_by(crate::lattice::PARAMETER_BITS - lattice.exponent());
-        let mut kernel = vec![0; self.corners.len()];
-        for (v, &number) in (0..).zip(mesh.numbers()).skip(1) {
+        let mut kernel = vec![INFINITE; self.corners.len()];
+        for (v, &number) in (0..).map(VertexId::new).zip(mesh.numbers()).skip(1) {
             kernel[number as usize] = v;
         }
         Ok((mesh, kernel))

@@ -70,7 +70,7 @@ impl State {
     /// A facet that has no triangulation.
     pub(crate) fn enter_subfaces<W: Work>(&mut self, work: &mut W) -> Result<(), RefineError> {
         let mut on: Vec<Vec<VertexId>> = vec![Vec::new(); self.plc.facets.len()];
-        for (v, &carrier) in (0..).zip(&self.carriers).skip(1) {
+        for (v, &carrier) in (0..).map(VertexId::new).zip(&self.carriers).skip(1) {
             for f in self.facets_of(carrier) {
                 on[f as usize].push(v);
             }

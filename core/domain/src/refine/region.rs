@@ -192,7 +192,7 @@ impl State {
         let first = self.carriers.len() - journal.insertions.len();
         let mut regions = journal.insertions.iter().flat_map(|(undo, words)| {
             undo.cavity_vertices().zip(words).filter_map(|(v, &word)| {
-                let old = v[3] != INFINITE && v.iter().all(|&v| (v as usize) < first);
+                let old = v[3] != INFINITE && v.iter().all(|&v| v.index() < first);
                 (old && inside(&corners(v), Sign::Zero)).then(|| region_of(word))
             })
         });

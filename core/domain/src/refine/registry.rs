@@ -105,6 +105,7 @@ fn for_each_cell(level: i32, [x, y, z]: [[i64; 2]; 3], mut act: impl FnMut(Cell)
 mod tests {
     use super::super::carrier::distance2;
     use super::*;
+    use ltbw_core::topology::VertexId;
 
     #[test]
     fn every_ball_around_a_point_is_found() {
@@ -118,7 +119,7 @@ mod tests {
         for k in 0..600u32 {
             let centre = [0; 3].map(|_| (next() - 0.5) * 1e15);
             let radius = 10f64.powf(next() * 20.0);
-            let item = Item::Segment([k, k + 1]);
+            let item = Item::Segment([k, k + 1].map(VertexId::new));
             assert!(registry.enter(item, centre, radius));
             balls.push((item, centre, radius));
         }

@@ -266,8 +266,7 @@ impl Judge<'_> {
             let (v, n) = (state.vertices(t), topology.at(t).neighbours());
             for slot in (0..4).filter(|&slot| !topology.at(tet_of(n[slot])).is_marked()) {
                 let face = FACE[slot].map(|k| v[k]);
-                let on =
-                    |f: u32| face.iter().all(|&v| state.lies_on(state.carriers[v as usize], f));
+                let on = |f: u32| face.iter().all(|&v| state.lies_on(state.carriers[v.index()], f));
                 // Dust is never over a bound.
                 if patches.iter().any(|&f| state.is_patch(f) && on(f)) {
                     continue;

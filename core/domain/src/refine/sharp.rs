@@ -50,7 +50,7 @@ impl State {
     pub(crate) fn tip_side(&self, ends: [VertexId; 2], p: &Point) -> Option<f64> {
         let s = *self.segments.get(&ends)?;
         let side = |end: VertexId| {
-            let Carrier::Corner(corner) = self.carriers[end as usize] else { return None };
+            let Carrier::Corner(corner) = self.carriers[end.index()] else { return None };
             let half = self.angles.sharpest(&self.plc, s, corner)?;
             Some(2.0 * half * distance2(&self.at(end), p).sqrt())
         };
@@ -80,7 +80,7 @@ impl State {
     /// The corner at which a tetrahedron is on a tip for this bound on its shape.
     fn tip(&self, v: [VertexId; 4], bound: f64) -> Option<Reason> {
         (0..4).find_map(|k| {
-            let Carrier::Corner(corner) = self.carriers[v[k] as usize] else { return None };
+            let Carrier::Corner(corner) = self.carriers[v[k].index()] else { return None };
             let reason = Reason::SmallFaceAngle { corner };
             let [a, b, c] = REST[k].map(|k| v[k]);
             let pairs = [[a, b], [b, c], [c, a]];
@@ -106,7 +106,7 @@ impl State {
     /// are on two facets that meet there, some on each alone, and some on the segment.
     fn collar(&self, v: [VertexId; 4], bound: f64) -> Option<Reason> {
         let limit = 1.0 / (16.0 * bound * bound);
-        let on = |f: u32, v: &VertexId| self.lies_on(self.carriers[*v as usize], f);
+        let on = |f: u32, v: &VertexId| self.lies_on(self.carriers[v.index()], f);
         let is_in = |[f, g]: [u32; 2]| {
             let sides = v.map(|v| [on(f, &v), on(g, &v)]);
             sides.iter().all(|side| *side != [false, false])
@@ -115,7 +115,7 @@ impl State {
                 && sides.contains(&[true, true])
         };
         v.iter().find_map(|&w| {
-            let segments = match &self.carriers[w as usize] {
+            let segments = match &self.carriers[w.index()] {
                 Carrier::Segment(s, _) => std::slice::from_ref(s),
                 Carrier::Corner(c) => self.plc.segments_at[*c as usize].as_slice(),
                 Carrier::Facet(_) | Carrier::Free => return None,

@@ -364,7 +364,7 @@ impl State {
     /// The small angle that a tetrahedron is at, if any of its vertices is on something at one.
     pub(crate) fn reason_near(&self, v: [VertexId; 4]) -> Reason {
         let facets = |f: &u32| self.angles.reason_of_facet(*f);
-        let reasons = v.into_iter().find_map(|v| match self.carriers[v as usize] {
+        let reasons = v.into_iter().find_map(|v| match self.carriers[v.index()] {
             Carrier::Segment(s, _) => self.angles.reason_of_segment(s),
             Carrier::Corner(c) => self.plc.facets_at[c as usize].iter().find_map(facets),
             Carrier::Facet(f) => facets(&f),
@@ -376,7 +376,7 @@ impl State {
     /// Does vertex `v` of segment `s` lie at a corner where another segment leaves at less than
     /// 60°?
     fn is_sharp(&self, v: VertexId, s: u32) -> bool {
-        let Carrier::Corner(c) = self.carriers[v as usize] else { return false };
+        let Carrier::Corner(c) = self.carriers[v.index()] else { return false };
         let mine = direction(&self.plc, s, c);
         let others = self.plc.segments_at[c as usize].iter().filter(|&&other| other != s);
         others.into_iter().any(|&other| is_sharp(&mine, &direction(&self.plc, other, c)))

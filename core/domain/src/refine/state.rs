@@ -214,7 +214,7 @@ impl State {
 
     /// The parameter of a vertex on segment `s`, on which it lies.
     pub(crate) fn parameter(&self, v: VertexId, s: u32) -> i64 {
-        match self.carriers[v as usize] {
+        match self.carriers[v.index()] {
             Carrier::Segment(_, t) => t,
             Carrier::Corner(c) if c == self.plc.segments[s as usize].ends[1] => UNIT,
             _ => 0,
@@ -223,7 +223,7 @@ impl State {
 
     /// Is an input corner a vertex of a boundary item?
     pub(crate) fn has_corner(&self, item: Item, corner: u32) -> bool {
-        let is = |v: &VertexId| self.carriers.get(*v as usize) == Some(&Carrier::Corner(corner));
+        let is = |v: &VertexId| self.carriers.get(v.index()) == Some(&Carrier::Corner(corner));
         match item {
             Item::Segment(s) => s.iter().any(is),
             Item::Subface(s) => s.iter().any(is),

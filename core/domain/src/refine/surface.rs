@@ -191,7 +191,7 @@ impl State {
         let region = self.marks.region(t);
         let of = |&f: &u32| {
             let sides = self.sides_of(f).filter(|sides| sides.outer == region)?;
-            let on = |&v: &VertexId| v != INFINITE && self.lies_on(self.carriers[v as usize], f);
+            let on = |&v: &VertexId| v != INFINITE && self.lies_on(self.carriers[v.index()], f);
             self.vertices(t).iter().all(on).then_some((f, sides.inner))
         };
         patches.iter().find_map(of)
@@ -215,7 +215,7 @@ impl State {
     fn fits(&self, p: &Point, f: u32, [a, b]: [VertexId; 2], walls: [&Wall; 2]) -> bool {
         let Some(patch) = &self.plc.facets[f as usize].patch else { return false };
         let Some(sides) = patch.sides else { return false };
-        let on = |v: VertexId| self.lies_on(self.carriers[v as usize], f);
+        let on = |v: VertexId| self.lies_on(self.carriers[v.index()], f);
         let labels = walls.map(|wall| wall.label);
         if !on(a) || !on(b) || !labels.contains(&sides.inner) || !labels.contains(&sides.outer) {
             return false;
@@ -237,7 +237,7 @@ impl State {
     /// Do what goes and what comes have one outline, but for the subsegment that is split?
     fn keeps_outline(&self, change: &Change, split: Option<[VertexId; 2]>) -> bool {
         // The new point has a number that no vertex has.
-        let new = self.carriers.len() as VertexId;
+        let new = VertexId::at(self.carriers.len());
         let mut counts: Map<[VertexId; 2], [u32; 2]> = Map::default();
         let added = change.rim.iter().map(|&[a, b]| triangle(a, b, new));
         let added = added.chain(change.raised.iter().map(|&(_, [a, b, c])| triangle(a, b, c)));

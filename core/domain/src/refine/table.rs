@@ -49,12 +49,12 @@ impl Hasher for Mixer {
 }
 
 /// An edge as a key: its ends, ascending.
-pub(crate) fn edge(a: u32, b: u32) -> [u32; 2] {
+pub(crate) fn edge<V: Ord>(a: V, b: V) -> [V; 2] {
     if a < b { [a, b] } else { [b, a] }
 }
 
 /// A triangle as a key: its corners, ascending.
-pub(crate) fn triangle(a: u32, b: u32, c: u32) -> [u32; 3] {
+pub(crate) fn triangle<V: Ord>(a: V, b: V, c: V) -> [V; 3] {
     let [a, b] = edge(a, b);
     let [b, c] = edge(b, c);
     let [a, b] = edge(a, b);
@@ -62,6 +62,6 @@ pub(crate) fn triangle(a: u32, b: u32, c: u32) -> [u32; 3] {
 }
 
 /// The edges of a triangle, each with the corner opposite.
-pub(crate) fn sides([a, b, c]: [u32; 3]) -> [([u32; 2], u32); 3] {
+pub(crate) fn sides<V: Copy + Ord>([a, b, c]: [V; 3]) -> [([V; 2], V); 3] {
     [(edge(a, b), c), (edge(b, c), a), (edge(a, c), b)]
 }

@@ -54,7 +54,7 @@ fn check_conforming(state: &State) {
     let present = present_segments(state);
     assert!(state.segments.keys().all(|s| present.contains(s)), "a subsegment is missing");
     let mut on: Vec<Vec<VertexId>> = vec![Vec::new(); state.plc.facets.len()];
-    for (v, &carrier) in (0..).zip(&state.carriers).skip(1) {
+    for (v, &carrier) in (0..).map(VertexId::new).zip(&state.carriers).skip(1) {
         state.facets_of(carrier).iter().for_each(|&f| on[f as usize].push(v));
     }
     let mut total = 0;
@@ -81,7 +81,8 @@ fn present_segments(state: &State) -> Set<[VertexId; 2]> {
 }
 
 /// Does the closed ball of a boundary item hold one of these vertices, of a subface off its facet?
-fn holds(state: &State, item: Item, mut vertices: impl Iterator<Item = VertexId>) -> bool {
+fn holds(state: &State, item: Item, vertices: std::ops::Range<usize>) -> bool {
+    let mut vertices = vertices.map(VertexId::at);
     match item {
         Item::Segment([a, b]) => {
             let ends = [a, b].map(|v| state.at(v));
@@ -91,7 +92,7 @@ fn holds(state: &State, item: Item, mut vertices: impl Iterator<Item = VertexId>
         Item::Subface(s) => {
             let (f, [a, b, c]) = (state.subfaces[&s], s.map(|v| state.at(v)));
             vertices.any(|v| {
-                !state.lies_on(state.carriers[v as usize], f)
+                !state.lies_on(state.carriers[v.index()], f)
                     && equatorial_side(&a, &b, &c, &state.at(v)) != Sign::Positive
             })
         }
@@ -117,7 +118,7 @@ fn a_free_point_is_in_no_ball_that_was_empty() {
             if step != Step::Inserted || state.carriers.last() != Some(&Carrier::Free) {
                 continue;
             }
-            let last = state.carriers.len() as VertexId - 1;
+            let last = state.carriers.len() - 1;
             let segments = state.segments.keys().map(|&s| Item::Segment(s));
             let items = segments.chain(state.subfaces.keys().map(|&s| Item::Subface(s)));
             for item in items.filter(|&item| holds(state, item, last..last + 1)) {
@@ -379,7 +380,7 @@ fn every_point_is_on_its_carrier() {
         refine(&Refiner::new().max_volume(2e-3), &ready(DomainKind::Gear, &Shape::default()));
     let state = &refined.state;
     let (mut on_segments, mut on_facets) = (0, 0);
-    for (v, &carrier) in (0..).zip(&state.carriers).skip(1) {
+    for (v, &carrier) in (0..).map(VertexId::new).zip(&state.carriers).skip(1) {
         let p = state.at(v);
         match carrier {
             Carrier::Segment(s, t) => {

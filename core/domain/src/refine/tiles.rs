@@ -92,7 +92,7 @@ impl State {
                 flat.insert((t, f), None);
                 on.clear();
             }
-            let is_flat = |f: &u32| v.iter().all(|&v| patches[v as usize].contains(f));
+            let is_flat = |f: &u32| v.iter().all(|&v| patches[v.index()].contains(f));
             for f in on.into_iter().filter(is_flat) {
                 if let Some(above) = self.side_at_outline(f, v, &faces) {
                     flat.insert((t, f), Some(above));
@@ -177,7 +177,7 @@ impl State {
 
     /// The patches that a face of the mesh lies in, with the sign of its projection.
     fn tiles_of(&self, patches: &[Vec<u32>], face: [VertexId; 3]) -> Vec<(u32, i128)> {
-        let [a, b, c] = face.map(|v| &patches[v as usize]);
+        let [a, b, c] = face.map(|v| &patches[v.index()]);
         let common = a.iter().filter(|f| b.contains(f) && c.contains(f));
         let p = || face.map(|v| self.at(v));
         let tile = |&f: &u32| {

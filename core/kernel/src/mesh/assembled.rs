@@ -45,14 +45,14 @@ impl Mesh {
             let (mut kept, mut arena) = (vec![numbers[0]], Arena::with_capacity(count + 1));
             arena.push(points[0]);
             for v in (1..=count).filter(|&v| used[v]) {
-                names[v] = kept.len() as VertexId;
+                names[v] = VertexId::at(kept.len());
                 kept.push(numbers[v]);
                 arena.push(points[v]);
             }
-            topology.rename(|v| if v == INFINITE { v } else { names[v as usize] });
+            topology.rename(|v| if v == INFINITE { v } else { names[v.index()] });
             geometry.set_points(arena);
             let named = |&(duplicate, v): &(VertexId, VertexId)| {
-                (numbers[duplicate as usize], names[v as usize])
+                (numbers[duplicate.index()], names[v.index()])
             };
             pairs.extend(duplicates.iter().map(named));
             numbers = kept;
@@ -78,10 +78,10 @@ impl Mesh {
     /// duplicates, each with the vertex at its place.
     fn note_duplicates(&mut self, mut pairs: Vec<(Vertex, VertexId)>) {
         for (duplicate, v) in &mut pairs {
-            let kept = &mut self.numbers[*v as usize];
+            let kept = &mut self.numbers[v.index()];
             (*duplicate, *kept) = ((*duplicate).max(*kept), (*duplicate).min(*kept));
         }
-        self.duplicates = pairs.into_iter().map(|(d, v)| (d, self.numbers[v as usize])).collect();
+        self.duplicates = pairs.into_iter().map(|(d, v)| (d, self.numbers[v.index()])).collect();
         self.duplicates.sort_unstable();
     }
 }

@@ -108,7 +108,7 @@ impl<'m> Queries<'m> {
         let mut incident = vec![TetId::default(); mesh.numbers.len()];
         for (t, tet) in mesh.topology.iter().filter(|(_, tet)| !tet.is_ghost()) {
             for v in tet.vertices() {
-                incident[v as usize] = t;
+                incident[v.index()] = t;
             }
         }
         Self { mesh, kernel: mesh.numbering(), incident }
@@ -139,7 +139,7 @@ impl<'m> Queries<'m> {
     /// The public number of a finite kernel vertex.
     #[inline(always)]
     fn number(&self, v: VertexId) -> Vertex {
-        self.mesh.numbers[v as usize]
+        self.mesh.numbers[v.index()]
     }
 
     /// The coordinates of a vertex (or a duplicate), as they were given; `None` if no point of

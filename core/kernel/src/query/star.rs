@@ -13,7 +13,7 @@ impl<'q> Cursor<'q> {
         let s = &mut self.scratch;
         s.reached.clear();
         s.tets.clear();
-        let first = self.queries.incident[v as usize];
+        let first = self.queries.incident[v.index()];
         s.tets.insert(first);
         s.reached.push(first);
         let mut next = 0;
@@ -155,10 +155,11 @@ impl Iterator for Edges<'_, '_> {
                     return Some([a.min(b), a.max(b)]);
                 }
             }
-            if self.v as usize + 1 >= queries.incident.len() {
+            let next = self.v.index() + 1;
+            if next >= queries.incident.len() {
                 return None;
             }
-            self.v += 1;
+            self.v = VertexId::at(next);
             self.next = 0;
             self.cursor.find_ring(self.v);
         }

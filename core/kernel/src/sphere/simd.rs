@@ -290,6 +290,7 @@ mod tests {
             *points.at_mut(3u32) = [q[0], p[1], q[2]];
             *points.at_mut(4u32) = [q[0], q[1], p[2]];
             let tets = [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12], [13, 14, 15, 0]];
+            let tets = tets.map(|tet| tet.map(VertexId::new));
             if !std::arch::is_x86_feature_detected!("avx2") {
                 println!("SKIPPED: no AVX2 on this machine");
                 return;
@@ -328,7 +329,7 @@ mod tests {
                     *points.at_mut(2 * k) = points.at(2 * k - 1).map(f64::next_up);
                 }
             }
-            let rim: Vec<u32> = (0..12).collect();
+            let rim: Vec<VertexId> = VertexId::below(12).collect();
             let mut maker = Maker::default();
             assert!(maker.aim(&frame, &points, &rim, points.at(12u32)));
             let faces: Vec<[u8; 4]> = (0..11).map(|k| [k, (k + 1) % 11, (k + 4) % 11, 0]).collect();

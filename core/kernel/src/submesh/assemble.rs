@@ -21,8 +21,8 @@ impl Numbers {
     #[inline(always)]
     fn of(&self, v: [VertexId; 4]) -> [VertexId; 4] {
         // Most tetrahedra have vertices of the run alone.
-        if v.iter().all(|&w| w.wrapping_sub(1) < self.run) {
-            v.map(|w| w + (self.first - 1))
+        if v.iter().all(|&w| w.number().wrapping_sub(1) < self.run.number()) {
+            v.map(|w| VertexId::new(w.number() + (self.first.number() - 1)))
         } else {
             self.of_others(v)
         }
@@ -33,16 +33,16 @@ impl Numbers {
         if v[0] == INFINITE {
             return v;
         }
-        v.map(|w| match w.checked_sub(self.run + 1) {
+        v.map(|w| match w.number().checked_sub(self.run.number() + 1) {
             _ if w == INFINITE => INFINITE,
-            None => self.first + (w - 1),
+            None => VertexId::new(self.first.number() + (w.number() - 1)),
             Some(place) => self.others.get(place as usize).copied().unwrap_or(INFINITE),
         })
     }
 
     /// Are the numbers up to `run` the same?
     fn keeps_run(&self) -> bool {
-        self.first == 1
+        self.first == VertexId::new(1)
     }
 }
 
@@ -81,7 +81,7 @@ pub fn assemble<H: Copy + Eq, T: Copy, F: Copy>(
     let first = submeshes.next().ok_or(AssembleError::NoSubmeshes)?;
     let ((mut topology, mut geometry, far), numbers) = first;
     if !numbers.keeps_run() {
-        topology.rename_above(0, |v| numbers.of(v));
+        topology.rename_above(INFINITE, |v| numbers.of(v));
     } else if !numbers.others.is_empty() {
         topology.rename_above(numbers.run, |v| numbers.of(v));
     }

@@ -8,9 +8,9 @@ use ltbw_exact::Point;
 impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     /// Makes room for the coordinates of vertices up to `last`.
     pub fn make_vertices(&mut self, last: VertexId) {
-        if last as usize >= self.geometry.points().len() {
+        if last.index() >= self.geometry.points().len() {
             self.geometry.grow_points(last);
-            self.cavity.reserve_vertices(last as usize + 1);
+            self.cavity.reserve_vertices(last.index() + 1);
             self.others = true;
         }
     }
@@ -35,10 +35,10 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     /// If there are no such finite vertices.
     pub fn set_points(&mut self, first: VertexId, points: &[Point]) {
         let Some(more) = points.len().checked_sub(1) else { return };
-        let last = VertexId::try_from(first as usize + more).unwrap_or(VertexId::MAX);
+        let last = VertexId::new(u32::try_from(first.index() + more).unwrap_or(u32::MAX));
         assert!(self.is_vertex(first) && self.is_vertex(last), "there is no vertex {last}");
         self.geometry.prepare_points(first, points.len());
-        for (v, p) in (first..).zip(points) {
+        for (v, p) in (first.number()..).map(VertexId::new).zip(points) {
             self.geometry.set_point(v, *p);
         }
     }

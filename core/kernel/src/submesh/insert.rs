@@ -74,8 +74,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         // All corners of the cavity are looked at, without a branch for each: most cavities are far
         // from others. A ghost's corner at infinity may count: a closer look costs little.
         // Below 2^31, so that a sign tells a number before the range or after it.
-        let (first, last) = (own.start, own.end.wrapping_sub(1));
-        let strange = |w: VertexId| w.wrapping_sub(first) | last.wrapping_sub(w);
+        let (first, last) = (own.start.number(), own.end.number().wrapping_sub(1));
+        let strange = |w: VertexId| w.number().wrapping_sub(first) | last.wrapping_sub(w.number());
         let border = || {
             let signs = cavity.tets().fold([strange(v); 4], |signs, t| {
                 let w = topology.tet(t).vertices();

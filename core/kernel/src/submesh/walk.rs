@@ -13,7 +13,7 @@ const WIDE_SPREAD: usize = 16;
 /// The number of other starts that are tried then.
 const TRIES: usize = 4;
 /// Vertices that differ by less than this are likely to be near each other.
-const NEAR: VertexId = 64;
+const NEAR: u32 = 64;
 
 impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     /// Walks towards `p`, which is to be vertex `v` (or 0, if it has no number yet), from `start`
@@ -74,20 +74,20 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     /// lately near by that has the nearest vertex.
     fn near(&self, v: VertexId) -> Option<TetId> {
         let unlocked = |t: TetId| self.is_live(t) && !self.is_locked(t);
-        if v.abs_diff(self.last) < NEAR && unlocked(self.hints[0]) {
+        if v.number().abs_diff(self.last.number()) < NEAR && unlocked(self.hints[0]) {
             return Some(self.hints[0]);
         }
         let around = self.around(v, SPREAD);
         let far = |t: TetId| {
             let corners = self.topology.tet(t).vertices();
-            corners.into_iter().map(|w| w.abs_diff(v)).min()
+            corners.into_iter().map(|w| w.number().abs_diff(v.number())).min()
         };
         around.filter(|&t| unlocked(t)).min_by_key(|&t| far(t))
     }
 
     /// The entry of vertex `v` in `places`. Vertices far apart may share one.
     pub(super) fn place(&self, v: VertexId) -> usize {
-        (v / self.grain) as usize % PLACES
+        (v.number() / self.grain) as usize % PLACES
     }
 
     /// The entries at most `spread` places from vertex `v`, the nearest first.

@@ -1,8 +1,7 @@
 //! A worker's range of vertices, and cursors on it.
 
-use crate::mesh::{LocalMesh, VertexName, WireVertex, given};
+use crate::mesh::{LocalMesh, Place, VertexName, WireVertex, given};
 use ltbw_core::order::round_of;
-use ltbw_core::topology::VertexId;
 use std::collections::VecDeque;
 use std::ops::Range;
 
@@ -11,24 +10,24 @@ pub(super) const SHORTEST: usize = 4;
 
 /// The most vertices of a cursor at the interface. Its points wait one after the other: a
 /// long one would be the last of all to end.
-const LONGEST: VertexId = 64;
+const LONGEST: Place = 64;
 
 /// The worker's range of vertices: which of them are not to be given, for they are in the coarse
 /// mesh or have moved away; and in which round each comes.
 #[derive(Clone, Debug)]
 pub(super) struct Own {
-    pub(super) range: Range<VertexId>,
+    pub(super) range: Range<Place>,
     /// A bit for each vertex.
     out: Vec<u64>,
     /// Pieces at the interface, ascending and disjoint.
-    pub(super) interface: Vec<Range<VertexId>>,
+    pub(super) interface: Vec<Range<Place>>,
     /// The last round; the first one is 0.
     pub(super) rounds: u32,
 }
 
 impl Own {
     /// Vertices `range`, none of which is out.
-    pub(super) fn new(range: Range<VertexId>) -> Self {
+    pub(super) fn new(range: Range<Place>) -> Self {
         let rounds = match range.len() {
             0..4096 => 0,
             4096..65536 => 1,
@@ -38,46 +37,46 @@ impl Own {
         Self { range, out, interface: Vec::new(), rounds }
     }
 
-    fn place(&self, v: VertexId) -> (usize, u64) {
+    fn place(&self, v: Place) -> (usize, u64) {
         let bit = v - self.range.start;
         (bit as usize / 64, 1 << (bit % 64))
     }
 
     /// Is `v`, of this range, out? Then it stays so.
-    pub(super) fn take_out(&mut self, v: VertexId) -> bool {
+    pub(super) fn take_out(&mut self, v: Place) -> bool {
         let (word, bit) = self.place(v);
         let was = self.out[word] & bit != 0;
         self.out[word] |= bit;
         was
     }
 
-    fn is_out(&self, v: VertexId) -> bool {
+    fn is_out(&self, v: Place) -> bool {
         let (word, bit) = self.place(v);
         self.out[word] & bit != 0
     }
 
     /// Is `v` to be given in `round`?
-    fn gives(&self, v: VertexId, round: u32) -> bool {
+    fn gives(&self, v: Place, round: u32) -> bool {
         !self.is_out(v) && round_of(v, self.rounds) == round
     }
 
     /// The first vertex of a round in `from..end`, or `end`.
-    pub(super) fn first(&self, from: VertexId, end: VertexId, round: u32) -> VertexId {
+    pub(super) fn first(&self, from: Place, end: Place, round: u32) -> Place {
         (from..end).find(|&v| self.gives(v, round)).unwrap_or(end)
     }
 
     /// Vertices of `range` and of rounds from `first` on, which are not out.
     pub(super) fn since_round(
         &self,
-        range: &Range<VertexId>,
+        range: &Range<Place>,
         first: u32,
-    ) -> impl Iterator<Item = VertexId> + '_ {
+    ) -> impl Iterator<Item = Place> + '_ {
         let both = range.start.max(self.range.start)..range.end.min(self.range.end);
         both.filter(move |&v| !self.is_out(v) && round_of(v, self.rounds) >= first)
     }
 
     /// Cuts a piece of the range into those at the interface, none of which is long, and others.
-    pub(super) fn stretches(&self, piece: Range<VertexId>) -> Vec<(Range<VertexId>, bool)> {
+    pub(super) fn stretches(&self, piece: Range<Place>) -> Vec<(Range<Place>, bool)> {
         let first = self.interface.partition_point(|r| r.end <= piece.start);
         let mut all = Vec::new();
         let mut from = piece.start;
@@ -99,13 +98,13 @@ impl Own {
 pub(super) enum Track {
     /// Vertices of a round in a piece of the worker's range; `next` is one if it is not `end`.
     /// The submesh has their coordinates.
-    Own { next: VertexId, end: VertexId, round: u32 },
+    Own { next: Place, end: Place, round: u32 },
     /// Points that have moved here.
     Moved(VecDeque<WireVertex>),
 }
 
 /// Is it a given vertex of `range`?
-fn lies_in(site: &WireVertex, range: &Range<VertexId>) -> bool {
+fn lies_in(site: &WireVertex, range: &Range<Place>) -> bool {
     given(site.vertex).is_some_and(|place| range.contains(&place))
 }
 
@@ -164,7 +163,7 @@ impl Cursor {
     }
 
     /// Its points in `range`: their number.
-    pub(super) fn count_in(&self, range: &Range<VertexId>, own: &Own) -> usize {
+    pub(super) fn count_in(&self, range: &Range<Place>, own: &Own) -> usize {
         match &self.track {
             Track::Own { next, end, round } => {
                 let both = (*next).max(range.start)..(*end).min(range.end);
@@ -177,7 +176,7 @@ impl Cursor {
     /// Takes its points of `range` out, to the end of `taken`.
     pub(super) fn take_in(
         &mut self,
-        range: &Range<VertexId>,
+        range: &Range<Place>,
         own: &mut Own,
         mesh: &LocalMesh,
         taken: &mut Vec<WireVertex>,

@@ -4,6 +4,7 @@ use super::*;
 use crate::protocol::WorkerId;
 use ltbw_core::order::round_of;
 use ltbw_core::submesh::MeshParams;
+use ltbw_core::topology::VertexId;
 use ltbw_exact::{Mode, Point};
 
 fn field(count: u32) -> (PointQueue, LocalMesh) {
@@ -11,7 +12,7 @@ fn field(count: u32) -> (PointQueue, LocalMesh) {
     let all: Vec<Point> = (1..=count).map(|v| [f64::from(v); 3]).collect();
     let params = MeshParams::of(&all, Mode::Normal);
     let mut mesh = LocalMesh::new(WorkerId::default(), &params, blocks.clone(), 1..count + 1);
-    mesh.tets.set_points(1, &all);
+    mesh.tets.set_points(VertexId::new(1), &all);
     (PointQueue::new(blocks, 1..count + 1, [], 3), mesh)
 }
 
@@ -73,7 +74,7 @@ fn the_next_round_begins_when_all_cursors_wait() {
 fn what_lies_at_the_interface_goes_first_in_short_pieces_far_from_each_other() {
     let (field, mesh) = field(9000);
     let pieces = [1000..1400, 5000..5200];
-    let at = |v: VertexName| pieces.iter().any(|piece| piece.contains(&(v as VertexId)));
+    let at = |v: VertexName| pieces.iter().any(|piece| piece.contains(&(v as Place)));
     let mut field = field.interface(pieces.to_vec(), 4);
     let next = |field: &mut PointQueue| field.next(&mesh).expect("a point");
     let given: Vec<WireVertex> = (0..4).map(|_| next(&mut field)).collect();
@@ -113,7 +114,7 @@ fn no_more_points_than_said_are_under_way_while_others_may_go() {
     // Three rounds: in the first one an interface cursor has a single point or none.
     let (field, mesh) = field(70_000);
     let pieces = [20_000..26_000, 28_000..31_000];
-    let at = |v: VertexName| pieces.iter().any(|piece| piece.contains(&(v as VertexId)));
+    let at = |v: VertexName| pieces.iter().any(|piece| piece.contains(&(v as Place)));
     let mut field = field.interface(pieces.clone(), 10);
     let (mut under_way, mut most) = (Vec::new(), 0);
     while !field.is_empty() {

@@ -12,7 +12,7 @@ impl Rounds<'_, '_> {
         let mesh = &self.own.state.mesh;
         script.mode = mesh.mode();
         script.start =
-            (1..=mesh.num_vertices()).map(|v| mesh.kernel_point(v as VertexId)).collect();
+            (1..=mesh.num_vertices()).map(|v| mesh.kernel_point(VertexId::at(v))).collect();
         self.own.script = Some(script);
     }
 
@@ -40,7 +40,7 @@ impl Rounds<'_, '_> {
         let mesh = &self.own.state.mesh;
         let made = count + 1..=mesh.num_vertices();
         let chosen = made.map(|v| {
-            let point = mesh.kernel_point(v as VertexId);
+            let point = mesh.kernel_point(VertexId::at(v));
             Chosen { point, near: None }
         });
         script.rounds.push(chosen.collect());
