@@ -97,7 +97,8 @@ fn question<S: Submesh + Clone>(
     let event = match message {
         None => "`Work`".to_owned(),
         Some((from, message)) => {
-            let attempt = message.clone().attempt_mut().map_or(0, |(_, attempt)| *attempt);
+            let attempt = message.clone().attempt_mut().map(|(_, attempt)| *attempt);
+            let attempt = attempt.unwrap_or_default();
             let more = match message {
                 Message::Commit { patch: Some(_), .. } => "with a patch".to_owned(),
                 Message::Commit { .. } => "without a patch".to_owned(),
@@ -134,7 +135,8 @@ fn observe<T: Start>(world: &mut World<T, Correct>, turn: Turn, seen: &mut Seen)
         .iter()
         .filter_map(|action| if let Action::Note(note) = action { Some(*note) } else { None })
         .collect();
-    let attempt = message.clone().and_then(|mut m| m.attempt_mut().map(|(_, a)| *a)).unwrap_or(0);
+    let attempt =
+        message.clone().and_then(|mut m| m.attempt_mut().map(|(_, a)| *a)).unwrap_or_default();
     let (event, from) = match (turn, &message) {
         (Turn::Deliver { from, .. }, Some(message)) => (message.kind(), from),
         (Turn::Work(_), _) => ("work", me),
@@ -244,8 +246,7 @@ fn forge<T: Start>(world: &World<T, Correct>, sample: &Mail<T>, seen: &mut Seen)
         let known: BTreeSet<Ticket> = worker.operations().chain(worker.requests()).collect();
         for ticket in known.into_iter().chain([nobody]) {
             let old = look(worker, ticket);
-            for other in [0, 1] {
-                let attempt = old.attempt() + other;
+            for attempt in [old.attempt(), old.attempt().next()] {
                 for message in forged(ticket, attempt, sample) {
                     let event = event_name(message.kind());
                     let (role, plain, row) = if ["expand", "abort", "commit"].contains(&event) {

@@ -479,14 +479,14 @@ impl History {
     /// # Errors
     /// P8.
     pub fn note(&mut self, note: Note) -> Check {
-        let (ticket, now, rise) = match note {
-            Note::SetBack { ticket, attempt } => (ticket, attempt, 1),
-            Note::Committed { ticket, setbacks, .. } => (ticket, setbacks, 0),
+        let (ticket, now, is_new) = match note {
+            Note::SetBack { ticket, attempt } => (ticket, attempt, true),
+            Note::Committed { ticket, setbacks, .. } => (ticket, setbacks, false),
             _ => return Ok(()),
         };
-        let last = self.attempts.entry(ticket).or_insert(0);
+        let last = self.attempts.entry(ticket).or_default();
         let before = std::mem::replace(last, now);
-        require(Invariant::P8, now == before + rise, || {
+        require(Invariant::P8, now == if is_new { before.next() } else { before }, || {
             format!("attempt {now} of {ticket:?} comes after {before}")
         })
     }

@@ -30,7 +30,7 @@ pub enum Cause {
 }
 
 /// Stands for the attempt that succeeded, where a message does not tell its number.
-const LAST: Attempt = Attempt::MAX;
+const LAST: Attempt = Attempt::new(u32::MAX);
 
 impl Cause {
     /// The cause that `event` is.
@@ -183,7 +183,7 @@ impl Collector {
         self.idle_until(step.begin);
         let was_active = self.active > 0;
         if let Cause::Message { kind: "walk", about: Some((ticket, attempt)), .. } = cause
-            && attempt > 0
+            && attempt > Attempt::default()
         {
             self.attempts.insert(ticket, attempt);
         }
@@ -277,7 +277,7 @@ impl Collector {
     }
 
     fn attempt(&self, ticket: Ticket) -> Attempt {
-        self.attempts.get(&ticket).copied().unwrap_or(0)
+        self.attempts.get(&ticket).copied().unwrap_or_default()
     }
 
     /// Takes in a note of a step; returns what the step is called in a trace.
@@ -305,7 +305,7 @@ impl Collector {
                 self.active = self.active.saturating_sub(1);
                 self.attempts.insert(ticket, attempt);
                 self.figures.setbacks += 1;
-                self.figures.worst_setbacks = self.figures.worst_setbacks.max(attempt);
+                self.figures.worst_setbacks = self.figures.worst_setbacks.max(attempt.number());
                 SpanKind::Setback
             }
             Note::Committed { ticket, setbacks, parts } => {

@@ -1,7 +1,7 @@
 //! The figures of one worker, and those that a run has of all.
 
 use super::Nanos;
-use crate::protocol::{Attempt, WorkerId};
+use crate::protocol::WorkerId;
 
 /// Completed cavities by kind (Table IV, Figure 7).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -177,7 +177,7 @@ pub struct WorkerFigures {
     /// Setbacks of operations at home here.
     pub setbacks: u64,
     /// The most setbacks of one of them.
-    pub worst_setbacks: Attempt,
+    pub worst_setbacks: u32,
     /// Requests that had to wait for a lock here.
     pub waits: u64,
     /// Requests of others for a part of a closure, taken here (Figure 7).

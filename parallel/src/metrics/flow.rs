@@ -74,7 +74,7 @@ mod tests {
             from: WorkerId::default(),
             to: WorkerId::new(1),
             kind,
-            about: (ticket(sequence), 0),
+            about: (ticket(sequence), Attempt::default()),
             step: (begin, begin + 10),
         };
         let sent = vec![port("expand", 1, 0), port("expand", 2, 20), port("expand", 1, 40)];

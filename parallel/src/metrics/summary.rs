@@ -127,7 +127,7 @@ impl Summary {
     }
 
     /// The most setbacks of one operation.
-    pub fn worst_setbacks(&self) -> Attempt {
+    pub fn worst_setbacks(&self) -> u32 {
         self.workers.iter().map(|w| w.worst_setbacks).max().unwrap_or(0)
     }
 

@@ -77,8 +77,20 @@ pub struct Ticket {
     pub sequence: u32,
 }
 
-/// Counts the setbacks of an operation: tells a message from one of an earlier attempt.
-pub type Attempt = u32;
+ltbw_core::ids! {
+    /// Number of an attempt: the setbacks of its operation so far. It tells a message from one of
+    /// an earlier attempt.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+    Attempt
+}
+
+impl Attempt {
+    /// The one after it.
+    #[inline]
+    pub const fn next(self) -> Self {
+        Self(self.0 + 1)
+    }
+}
 
 /// The name of a tetrahedron that another worker knows: never given twice.
 ///

@@ -315,7 +315,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         let attempt = op.attempt;
         // R6
         op.phase = Phase::Releasing(if C::AWAITS_RELEASES { asked.len() as u32 } else { 0 });
-        out.push(Action::Note(Note::SetBack { ticket, attempt: attempt + 1 }));
+        out.push(Action::Note(Note::SetBack { ticket, attempt: attempt.next() }));
         for to in asked.keys() {
             self.send(to, Message::Abort { ticket, attempt }, out);
         }
@@ -344,7 +344,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         if op.phase != Phase::Releasing(0) {
             return;
         }
-        op.attempt += 1;
+        op.attempt = op.attempt.next();
         if paper {
             op.phase = Phase::Backoff;
             out.push(Action::Backoff { ticket, attempt: op.attempt });

@@ -3,7 +3,7 @@
 
 use super::state::{Operation, Phase, Request, Want};
 use super::table::Table;
-use super::{BlockId, Handle, Name, WorkerId};
+use super::{Attempt, BlockId, Handle, Name, WorkerId};
 #[cfg(test)] // the protocol knows no mesh
 use crate::mesh::{LocalMesh, WireVertex};
 use ltbw_core::topology::TetId;
@@ -25,15 +25,15 @@ fn table<K: Ord + Copy, V>(key: K, value: V) -> Table<K, V> {
 fn a_reused_operation_equals_a_new_one() {
     let used = Operation::<LocalMesh> {
         point: site(5),
-        attempt: 7,
+        attempt: Attempt::new(7),
         phase: Phase::Releasing(3),
         asked: table(WorkerId::new(4), 5),
         whereabouts: table(NAME, WorkerId::new(6)),
         parts: table(WorkerId::new(3), Vec::new()),
         around: vec![8],
     };
-    let reused = Box::new(used).renew(site(1), 1, Phase::Expanding);
-    let new = Operation::<LocalMesh>::new(site(1), 1, Phase::Expanding);
+    let reused = Box::new(used).renew(site(1), Attempt::new(1), Phase::Expanding);
+    let new = Operation::<LocalMesh>::new(site(1), Attempt::new(1), Phase::Expanding);
     assert_eq!(format!("{reused:?}"), format!("{new:?}"));
 }
 
@@ -41,7 +41,7 @@ fn a_reused_operation_equals_a_new_one() {
 fn a_reused_request_equals_a_new_one() {
     let used = Request::<LocalMesh> {
         home: WorkerId::new(1),
-        attempt: 2,
+        attempt: Attempt::new(2),
         point: site(3),
         wants: vec![Want::Seed(HANDLE)],
         held: vec![TetId::new(4)],
@@ -54,7 +54,7 @@ fn a_reused_request_equals_a_new_one() {
         stalled: true,
         wounded: true,
     };
-    let reused = Box::new(used).renew(WorkerId::new(9), 8, site(1));
-    let new = Request::<LocalMesh>::new(WorkerId::new(9), 8, site(1));
+    let reused = Box::new(used).renew(WorkerId::new(9), Attempt::new(8), site(1));
+    let new = Request::<LocalMesh>::new(WorkerId::new(9), Attempt::new(8), site(1));
     assert_eq!(format!("{reused:?}"), format!("{new:?}"));
 }

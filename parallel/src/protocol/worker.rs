@@ -307,7 +307,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         if self.has_room()
             && let Some(point) = self.source.next(&self.mesh)
         {
-            self.start(None, 0, point, None, out);
+            self.start(None, Attempt::default(), point, None, out);
         } else if self.is_passive() {
             match self.safra.pass() {
                 Pass::Nothing => {}

@@ -389,7 +389,7 @@ where
                 Action::Backoff { ticket, attempt } => {
                     let Options { backoff, network, .. } = self.options;
                     let longest = backoff.saturating_add(network.latency.saturating_mul(4));
-                    let longest = longest.saturating_mul(1 << attempt.min(10));
+                    let longest = longest.saturating_mul(1 << attempt.number().min(10));
                     let wait = 1 + self.random.below(longest);
                     self.at(time + wait, What::Retry(id, ticket));
                 }

@@ -95,7 +95,7 @@ impl WorkerStats {
             Note::Local => self.local += 1,
             Note::SetBack { attempt, .. } => {
                 self.setbacks += 1;
-                self.worst_setbacks = self.worst_setbacks.max(attempt);
+                self.worst_setbacks = self.worst_setbacks.max(attempt.number());
             }
             Note::Committed { parts, .. } => {
                 self.operations += 1;

@@ -121,7 +121,7 @@ impl<S: Payload> Watch<S> for ThreadWatch<'_> {
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;
         self.random ^= self.random << 17;
-        let most = self.backoff * (1 << attempt.min(DOUBLINGS));
+        let most = self.backoff * (1 << attempt.number().min(DOUBLINGS));
         let time = most.mul_f64((self.random >> 11) as f64 / (1u64 << 53) as f64);
         nanos(self.start) + time.as_nanos() as Nanos
     }

@@ -346,7 +346,7 @@ impl World {
                 }
                 Action::Backoff { ticket, attempt } => {
                     // Up to twice as long with each setback: the paper's rule may never end else.
-                    let longest = 16_u64 << attempt.min(10);
+                    let longest = 16_u64 << attempt.number().min(10);
                     let due = self.figures.turns + chooser.rest.below(longest) as usize;
                     self.backoff.push((w, Event::Retry(ticket), due));
                 }

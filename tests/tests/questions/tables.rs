@@ -40,7 +40,7 @@ impl<T> Look<T> {
 
     pub(crate) fn attempt(&self) -> Attempt {
         let at_home = self.home.as_ref().map(|(_, attempt, _)| *attempt);
-        at_home.or(self.request.as_ref().map(|r| r.attempt)).unwrap_or(0)
+        at_home.or(self.request.as_ref().map(|r| r.attempt)).unwrap_or_default()
     }
 
     pub(crate) fn owner(&self) -> &str {
@@ -207,7 +207,7 @@ pub(crate) fn home<S: Submesh>() -> Vec<Row<S>> {
             s.sent.is_empty() && s.after.open() + 1 == s.before.open()
         }),
         (["`Releasing(1)`", "`Aborted`", "its attempt (R6)", "attempt + 1", "`Ready`"], |s| {
-            let next = s.before.attempt() + 1;
+            let next = s.before.attempt().next();
             s.sent.is_empty() && s.after.phase() == "Ready" && s.after.attempt() == next
         }),
         (

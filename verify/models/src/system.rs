@@ -355,11 +355,12 @@ fn fold<C: Variant>(state: &mut State<C>) {
     for (ticket, attempt) in letters.iter_mut().filter_map(Message::attempt_mut) {
         note(ticket, attempt);
     }
-    if least.values().all(|&attempt| attempt == 0) {
+    if least.values().all(|&attempt| attempt == Attempt::default()) {
         return;
     }
     let mut shift = |ticket: Ticket, attempt: &mut Attempt| {
-        *attempt -= least.get(&ticket).copied().unwrap_or(0);
+        let least = least.get(&ticket).copied().unwrap_or_default();
+        *attempt = Attempt::new(attempt.number() - least.number());
     };
     nodes.iter_mut().for_each(|node| node.visit_attempts(&mut shift));
     for (ticket, attempt) in letters.iter_mut().filter_map(Message::attempt_mut) {
