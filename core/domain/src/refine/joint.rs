@@ -26,8 +26,7 @@ impl Refinement<'_> {
         work: &mut W,
         admission: &mut A,
     ) -> Step {
-        let limit = self.record.limits.get(&item).filter(|_| !self.state.by_place);
-        let limit = limit.map(|limit| TIP_SHARE * limit);
+        let limit = self.record.limits.get(&item).map(|limit| TIP_SHARE * limit);
         self.state.journal = Some(Journal { limit, ..Journal::default() });
         let before = self.inserted.points;
         let mut own = Queues::default();

@@ -1,10 +1,13 @@
 //! Keys and orders that are functions of coordinates alone, whatever the numbers of vertices and
 //! slots: what is chosen first, and what comes first of several.
 
+use super::carrier::distance2;
 use super::item::Item;
+use super::measure::circumcircle;
 use super::state::State;
 use ltbw_core::topology::VertexId;
 use ltbw_exact::Point;
+use std::cmp::Reverse;
 
 /// A place in the order of points: coordinates are whole.
 pub(crate) type OrderKey = [i64; 3];
@@ -73,6 +76,34 @@ impl State {
             Item::Tet(..) => 2,
         };
         (class, place)
+    }
+
+    /// The key of a boundary item; 0 of a tetrahedron.
+    pub(crate) fn key_of(&self, item: Item) -> u64 {
+        match item {
+            Item::Segment(s) => {
+                let [a, b] = sorted(s.map(|v| self.at(v)));
+                key(distance2(&a, &b), &[a, b])
+            }
+            Item::Subface(s) => {
+                let corners = sorted(s.map(|v| self.at(v)));
+                let [a, b, c] = &corners;
+                key(circumcircle(a, b, c).1, &corners)
+            }
+            Item::Tet(..) => 0,
+        }
+    }
+
+    /// Sorts boundary items: segments first, and of each kind the largest key.
+    ///
+    /// The one that is split should be large: what is encroached with it may be gone afterwards.
+    pub(crate) fn sort_largest_first(&self, items: &mut [Item]) {
+        if items.len() > 1 {
+            items.sort_by_cached_key(|&item| {
+                let (class, place) = self.place_of(item);
+                (class, Reverse(self.key_of(item)), place)
+            });
+        }
     }
 
     /// Sorts boundary items by coordinates.

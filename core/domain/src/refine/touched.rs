@@ -29,7 +29,7 @@ impl State {
     pub(crate) fn hits_in(&self, touched: &Touched) -> Vec<Item> {
         let mut hits = touched.hits();
         if self.by_place {
-            self.sort(&mut hits);
+            self.sort_largest_first(&mut hits);
         }
         hits
     }
@@ -210,7 +210,7 @@ impl State {
         let edges = touched.inner_edges.iter().filter(|e| Some(**e) != split);
         let mut lost: Vec<Item> = faces.chain(edges.map(|&e| Item::Segment(e))).collect();
         if self.by_place {
-            self.sort(&mut lost);
+            self.sort_largest_first(&mut lost);
         }
         lost
     }

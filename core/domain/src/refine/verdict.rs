@@ -149,7 +149,6 @@ impl Judge<'_> {
         let joint = self.state.journal.as_ref().and_then(|journal| journal.limit);
         let Some(limit) = self.record.limits.get(&item).copied().or(joint) else { return false };
         if let Item::Segment(ends) = item
-            && !self.state.by_place
             && self.state.tip_side(ends, p).is_some_and(|side| side < TIP_SHARE * limit)
         {
             return true;
@@ -173,7 +172,7 @@ impl Judge<'_> {
         let related = |&other: &Item| {
             let reason = self.state.relation(place.carrier, other)?;
             let spent = self.record.joint_transactions;
-            let may = !self.state.by_place && spent <= JOINT * self.state.mesh.num_vertices();
+            let may = spent <= JOINT * self.state.mesh.num_vertices();
             let together = may && self.state.go_together(item, other, reason);
             (!together).then_some(reason)
         };

@@ -8,10 +8,7 @@
 //! subface.
 
 use super::{CHECK_EVERY, Candidate, Class, LAST, Look, Rounds};
-use crate::refine::carrier::distance2;
 use crate::refine::item::Item;
-use crate::refine::key::{key, sorted};
-use crate::refine::measure::circumcircle;
 use ltbw_core::topology::{TetId, tet_of};
 use rayon::prelude::*;
 
@@ -115,29 +112,12 @@ impl Rounds<'_, '_> {
         let ready = self.pending.iter().filter(|(_, pending)| self.is_ready(pending));
         let mut items: Vec<_> = ready
             .map(|(&item, pending)| {
-                let (key, place) = (self.key_of(item), state.place_of(item));
+                let (key, place) = (state.key_of(item), state.place_of(item));
                 (std::cmp::Reverse((key, place)), item, pending.near)
             })
             .collect();
         items.sort_unstable_by_key(|own| own.0);
         items.into_iter().map(|(_, item, near)| (item, near)).collect()
-    }
-
-    /// The key of a boundary item.
-    fn key_of(&self, item: Item) -> u64 {
-        let state = &self.own.state;
-        match item {
-            Item::Segment(s) => {
-                let [a, b] = sorted(s.map(|v| state.at(v)));
-                key(distance2(&a, &b), &[a, b])
-            }
-            Item::Subface(s) => {
-                let corners = sorted(s.map(|v| state.at(v)));
-                let [a, b, c] = &corners;
-                key(circumcircle(a, b, c).1, &corners)
-            }
-            Item::Tet(t, _) => self.keys[t.index()],
-        }
     }
 
     /// Starts a round of `count` ranks, in which no slot is reserved or written.

@@ -181,7 +181,7 @@ fn small_angles_have_one_mesh_for_all_orders() {
         excused += refined.excuses.len();
         excused_by_queues += queues.excuses.len();
     }
-    // Rounds split no subsegments at one corner together, and ask nothing again.
+    // Rounds ask nothing again.
     assert!(excused > 0 && excused <= 73, "{excused} {excused_by_queues}");
     assert!(excused_by_queues <= excused, "{excused_by_queues}");
 }
@@ -246,7 +246,7 @@ fn a_wide_round_can_be_cancelled_and_leaves_a_sound_mesh() {
             }
         };
         let engine = Engine::Rounds { order: InsertOrder::Hilbert, start: 0 };
-        let refiner = Refiner::new().max_volume(2e-5).engine(engine);
+        let refiner = Refiner::new().max_volume(1.8e-5).engine(engine);
         let refined = refine(&refiner.observer(&observer).cancel(&token), &model());
         let seen = seen.lock().expect("no panic");
         assert!(seen.windows(2).all(|pair| pair[1] <= pair[0] + 1024), "{seen:?}");
@@ -347,10 +347,11 @@ fn tetrahedra_that_the_same_subfaces_bar_are_refused_without_a_search() {
 /// counted is rounded: this prism had two meshes.
 #[test]
 fn relief_is_the_same_for_all_orders() {
-    let ready = surface!(ltbw_generate::surfaces::prism(24, 1e-2, 2));
+    let ready =
+        surface!(ltbw_generate::surfaces::turned(&ltbw_generate::surfaces::prism(24, 1e-7, 1)));
     let refined = one_mesh(&Refiner::new(), &ready, 0, "a prism");
     let counts = [refined.excuses.len(), refine(&Refiner::new(), &ready).excuses.len()];
-    assert!(refined.excuses.len() <= 286, "{counts:?}");
+    assert!(counts[0] * 5 <= counts[1] * 6, "{counts:?}");
 }
 
 /// A ghost on a patch was looked at as if it had four corners.
