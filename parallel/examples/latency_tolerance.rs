@@ -6,7 +6,7 @@
 //! 2 % of operations. Fails if a run misses one of them.
 
 use ltbw::PointSet;
-use ltbw::mesh::Plan;
+use ltbw::mesh::Layout;
 use ltbw::protocol::Config;
 use ltbw::simulate::{Network, Options, simulate_mesh};
 use ltbw_generate::{PointKind, generate};
@@ -25,7 +25,7 @@ fn main() -> Result<(), Failure> {
         let set = PointSet::new(generate(PointKind::Uniform, each * processors as usize, 1))?;
         let one = simulate_mesh(
             &set,
-            &Plan::for_high_latency(set.len(), 1),
+            &Layout::for_high_latency(set.len(), 1),
             Config::new(1),
             &Options::default(),
         );
@@ -33,8 +33,8 @@ fn main() -> Result<(), Failure> {
         for latency in [1_000, 10_000, 100_000, 300_000] {
             let network = Network { latency, ..Network::default() };
             let options = Options { network, ..Options::default() };
-            let plan = Plan::for_high_latency(set.len(), processors);
-            let s = simulate_mesh(&set, &plan, Config::new(processors), &options)?.summary;
+            let layout = Layout::for_high_latency(set.len(), processors);
+            let s = simulate_mesh(&set, &layout, Config::new(processors), &options)?.summary;
             let met = s.worst_lt() >= 0.94 && s.lt_strict() >= 0.90 && s.setback_share() < 0.02;
             missed += u32::from(!met);
             println!(

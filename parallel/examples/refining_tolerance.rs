@@ -4,7 +4,7 @@
 //! The corners of the unit cube and that number of points inside it, refined to that largest volume
 //! and to a ratio of 2 on that many processors, with latencies from 1 to 300 µs.
 
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, Correct};
 use ltbw::refining::{Bounds, simulate_refined};
 use ltbw::simulate::{Network, Options};
@@ -25,10 +25,10 @@ fn main() -> Result<(), Failure> {
     let set = PointSet::new(points)?;
     let bounds = Bounds::new(&set, volume, 2.0)?;
     let run = |processors: u32, latency: u64| {
-        let plan = Plan { ownership: Ownership::Newest, ..Plan::new(set.len(), processors) };
+        let layout = Layout { ownership: Ownership::Newest, ..Layout::new(set.len(), processors) };
         let network = Network { latency, ..Network::default() };
         let options = Options { network, ..Options::default() };
-        simulate_refined::<Correct>(&set, bounds, &plan, Config::new(processors), &options)
+        simulate_refined::<Correct>(&set, bounds, &layout, Config::new(processors), &options)
     };
     let alone = run(1, 1_000)?.summary;
     println!("one processor: {} points, {} ms", alone.operations(), alone.makespan / 1_000_000);

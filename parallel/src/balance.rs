@@ -175,7 +175,7 @@ impl Balancer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Plan;
+    use crate::mesh::Layout;
     use crate::protocol::Config;
     use ltbw_exact::PointSet;
     use ltbw_generate::{PointKind, generate};
@@ -183,9 +183,9 @@ mod tests {
     #[test]
     fn who_has_nearly_done_gives_nothing() {
         let set = PointSet::new(generate(PointKind::Uniform, 6000, 1)).expect("finite points");
-        let plan = Plan { sample: 60, ..Plan::new(6000, 2) };
+        let layout = Layout { sample: 60, ..Layout::new(6000, 2) };
         let gives = |done: u64| {
-            let prepared = plan.prepare(&set).expect("a start");
+            let prepared = layout.prepare(&set).expect("a start");
             let (directory, mesh, mut field) = prepared.workers.into_iter().next().expect("one");
             for _ in 0..done {
                 let site = field.next(&mesh).expect("a point");

@@ -2,7 +2,7 @@
 //! cavity.
 
 use ltbw::PointSet;
-use ltbw::mesh::{LocalMesh, Ownership, Plan, PointQueue};
+use ltbw::mesh::{Layout, LocalMesh, Ownership, PointQueue};
 use ltbw::protocol::{Action, Closure, Config, Event, Message, Worker, WorkerId};
 use ltbw_generate::{PointKind, generate};
 use std::collections::{BTreeSet, VecDeque};
@@ -24,9 +24,9 @@ struct World {
 impl World {
     fn new(closure: Closure, ownership: Ownership) -> Self {
         let set = PointSet::new(generate(PointKind::Uniform, 3000, 7)).expect("finite points");
-        let plan = Plan { ownership, ..Plan::new(set.len(), 3) };
+        let layout = Layout { ownership, ..Layout::new(set.len(), 3) };
         let config = Config { closure, ..Config::new(3) };
-        let prepared = plan.prepare(&set).expect("a start");
+        let prepared = layout.prepare(&set).expect("a start");
         let worker = |(directory, mesh, field)| Worker::new(config, directory, mesh, field);
         let workers = prepared.workers.into_iter().map(worker).collect();
         Self { workers, messages: VecDeque::new(), around: Vec::new(), asked: BTreeSet::new() }

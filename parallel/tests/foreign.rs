@@ -2,14 +2,14 @@
 //! changes nothing. It trusts no number of another worker.
 
 use ltbw::PointSet;
-use ltbw::mesh::{At, Lead, LocalMesh, Moving, NewTet, Patch, Plan, Relink, To, WireVertex};
+use ltbw::mesh::{At, Layout, Lead, LocalMesh, Moving, NewTet, Patch, Relink, To, WireVertex};
 use ltbw::protocol::{BlockId, Correct, Directory, Handle, Name, Submesh, SubmeshError, WorkerId};
 use ltbw::topology::{INFINITE, TetId};
 use ltbw_generate::{PointKind, generate};
 
 fn submesh() -> (Directory, LocalMesh) {
     let set = PointSet::new(generate(PointKind::Uniform, 300, 1)).expect("finite points");
-    let prepared = Plan::new(set.len(), 2).prepare(&set).expect("a start");
+    let prepared = Layout::new(set.len(), 2).prepare(&set).expect("a start");
     let (directory, mesh, _) = prepared.workers.into_iter().next().expect("a worker");
     (directory, mesh)
 }

@@ -1,6 +1,6 @@
 //! Every tetrahedron is with the owner of its block, also beside a block that has moved away.
 
-use ltbw::mesh::{LocalMesh, Plan, PointQueue, gather};
+use ltbw::mesh::{Layout, LocalMesh, PointQueue, gather};
 use ltbw::protocol::{Action, BlockId, Config, Event, Message, Worker, WorkerId};
 use ltbw::{Builder, PointSet};
 use ltbw_generate::{PointKind, Random, generate};
@@ -51,8 +51,8 @@ fn tetrahedra_beside_blocks_that_have_moved_belong_to_them() {
     let (points, workers) = (3000, 3);
     let set = PointSet::new(generate(PointKind::Clusters, points, 2)).expect("finite points");
     let expected = Builder::new().build(&set).expect("a mesh").mesh.hash();
-    let plan = Plan { blocks_per_worker: 48, ..Plan::new(points, workers) };
-    let prepared = plan.prepare(&set).expect("a start");
+    let layout = Layout { blocks_per_worker: 48, ..Layout::new(points, workers) };
+    let prepared = layout.prepare(&set).expect("a start");
     let node = |(directory, mesh, field)| Worker::new(Config::new(workers), directory, mesh, field);
     let nodes: Vec<Node> = prepared.workers.into_iter().map(node).collect();
     let mut world = World { nodes, under_way: VecDeque::new() };

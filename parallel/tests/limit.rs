@@ -1,7 +1,7 @@
 //! The limit of tetrahedra, lowered: a run that meets it fails with a typed error, on every
 //! runtime. It neither hangs nor touches a tetrahedron that is not there.
 
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, SubmeshError, WorkerId};
 use ltbw::simulate::{MeshError, Options, SimulationError, Storm, simulate_mesh};
 use ltbw::threads::{Parallel, RunError};
@@ -45,9 +45,9 @@ fn scene(kind: PointKind, count: usize, seed: u64) -> Scene {
     Scene { set, expected: mesh.hash().expect("a hash"), tets }
 }
 
-fn on_threads(kind: PointKind, count: usize, plan: Plan, distributed: bool) -> End {
+fn on_threads(kind: PointKind, count: usize, layout: Layout, distributed: bool) -> End {
     let Scene { set, expected, .. } = scene(kind, count, 7);
-    let kernel = Parallel::new(plan.workers).plan(plan);
+    let kernel = Parallel::new(layout.workers).layout(layout);
     let run = match distributed {
         true => kernel.build_distributed(&set).map(|run| run.gather().expect("a whole mesh")),
         false => kernel.build(&set),
@@ -61,7 +61,7 @@ fn on_threads(kind: PointKind, count: usize, plan: Plan, distributed: bool) -> E
             worker,
             error: SubmeshError::NoRoom { limit },
         })) => {
-            assert!(worker < WorkerId::new(plan.workers) && limit == plan.max_tets);
+            assert!(worker < WorkerId::new(layout.workers) && limit == layout.max_tets);
             End::NoRoom
         }
         Err(other) => panic!("{other}"),
@@ -78,10 +78,10 @@ fn threads_end_at_the_limit_with_a_typed_error() {
         for (workers, tenths) in [1, 2, 3, 5].into_iter().flat_map(|w| [1, 4, 8].map(|t| (w, t))) {
             for ownership in Ownership::ALL {
                 let max_tets = tets * tenths / 10 / workers as usize;
-                let plan = Plan { ownership, max_tets, ..Plan::new(count, workers) };
-                let what = format!("{kind:?}, {plan:?}");
+                let layout = Layout { ownership, max_tets, ..Layout::new(count, workers) };
+                let what = format!("{kind:?}, {layout:?}");
                 let distributed = tenths == 4;
-                let end = in_time(what, move || on_threads(kind, count, plan, distributed));
+                let end = in_time(what, move || on_threads(kind, count, layout, distributed));
                 // All together have no room for the mesh.
                 assert_eq!(end, End::NoRoom);
                 ends.push(end);
@@ -89,21 +89,21 @@ fn threads_end_at_the_limit_with_a_typed_error() {
         }
         for workers in [1, 2, 3] {
             // Interface faces take room, too.
-            let plan = Plan { max_tets: 3 * tets, ..Plan::new(count, workers) };
-            let what = format!("{kind:?}, {plan:?}");
-            let end = in_time(what, move || on_threads(kind, count, plan, false));
+            let layout = Layout { max_tets: 3 * tets, ..Layout::new(count, workers) };
+            let what = format!("{kind:?}, {layout:?}");
+            let end = in_time(what, move || on_threads(kind, count, layout, false));
             assert_eq!(end, End::Whole, "there is room enough");
         }
     }
 }
 
-fn simulated(kind: PointKind, plan: Plan, seed: u64, storm: Option<Storm>) -> End {
+fn simulated(kind: PointKind, layout: Layout, seed: u64, storm: Option<Storm>) -> End {
     let Scene { set, expected, .. } = scene(kind, 300, seed);
     let mut options = Options { seed, storm, max_events: 5_000_000, ..Options::default() };
-    if plan.ownership != Ownership::Block {
+    if layout.ownership != Ownership::Block {
         options.balance = None;
     }
-    match simulate_mesh(&set, &plan, Config::new(plan.workers), &options) {
+    match simulate_mesh(&set, &layout, Config::new(layout.workers), &options) {
         Ok(meshed) => {
             assert_eq!(meshed.gathered.mesh.hash().expect("a hash"), expected, "another mesh");
             End::Whole
@@ -112,7 +112,7 @@ fn simulated(kind: PointKind, plan: Plan, seed: u64, storm: Option<Storm>) -> En
             worker,
             error: SubmeshError::NoRoom { limit },
         }))) => {
-            assert!(worker < WorkerId::new(plan.workers) && limit == plan.max_tets);
+            assert!(worker < WorkerId::new(layout.workers) && limit == layout.max_tets);
             End::NoRoom
         }
         Err(other) => panic!("{other}"),
@@ -131,15 +131,15 @@ fn simulated_runs_end_at_the_limit_with_a_typed_error() {
         let moves = ownership == Ownership::Block && seed % 2 == 0;
         let storm = moves.then_some(Storm { every: 20_000 });
         let max_tets = tets * (1 + seed as usize % 20) / (5 * workers as usize);
-        let plan = Plan {
+        let layout = Layout {
             ownership,
             max_tets,
             sample: 10,
             blocks_per_worker: 4,
-            ..Plan::new(300, workers)
+            ..Layout::new(300, workers)
         };
-        let what = format!("seed {seed}: {kind:?}, {plan:?}, {storm:?}");
-        ends.push(in_time(what, move || simulated(kind, plan, seed, storm)));
+        let what = format!("seed {seed}: {kind:?}, {layout:?}, {storm:?}");
+        ends.push(in_time(what, move || simulated(kind, layout, seed, storm)));
     }
     let whole = ends.iter().filter(|&&end| end == End::Whole).count();
     assert!(whole > 5 && ends.len() - whole > 20, "{whole} of {} were whole", ends.len());
@@ -149,15 +149,15 @@ fn simulated_runs_end_at_the_limit_with_a_typed_error() {
 #[test]
 fn a_start_without_room_fails() {
     for max_tets in [0, 1, 4, 40] {
-        let plan = Plan { max_tets, ..Plan::new(1000, 3) };
+        let layout = Layout { max_tets, ..Layout::new(1000, 3) };
         for distributed in [false, true] {
-            let what = format!("{plan:?}");
+            let what = format!("{layout:?}");
             let end =
-                in_time(what, move || on_threads(PointKind::Uniform, 1000, plan, distributed));
+                in_time(what, move || on_threads(PointKind::Uniform, 1000, layout, distributed));
             assert_eq!(end, End::NoRoom);
         }
-        let what = format!("simulated, {plan:?}");
-        let end = in_time(what, move || simulated(PointKind::Uniform, plan, 1, None));
+        let what = format!("simulated, {layout:?}");
+        let end = in_time(what, move || simulated(PointKind::Uniform, layout, 1, None));
         assert_eq!(end, End::NoRoom);
     }
 }

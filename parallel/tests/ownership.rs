@@ -1,7 +1,7 @@
 //! The owner of a point's star is asked for before the point is inserted at once.
 
 use ltbw::PointSet;
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Insert, Source, Submesh, Walk};
 use ltbw_generate::{PointKind, generate};
 
@@ -11,8 +11,8 @@ use ltbw_generate::{PointKind, generate};
 fn another_workers_point_is_blocked() {
     let set = PointSet::new(generate(PointKind::Uniform, 4000, 3)).expect("finite points");
     for ownership in [Ownership::Newest, Ownership::Block] {
-        let plan = Plan { ownership, sample: 400, ..Plan::new(set.len(), 2) };
-        let mut workers = plan.prepare(&set).expect("a start").workers;
+        let layout = Layout { ownership, sample: 400, ..Layout::new(set.len(), 2) };
+        let mut workers = layout.prepare(&set).expect("a start").workers;
         let (_, theirs, mut points) = workers.pop().expect("the second worker");
         let (directory, mut mesh, mut own) = workers.pop().expect("the first worker");
         let (mut blocked, mut done) = (0, 0);

@@ -1,7 +1,7 @@
 //! Bad tetrahedra refined on several workers at once, without rounds: a Delaunay mesh of its own
 //! vertices that keeps the bounds, whatever the timing.
 
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, Correct};
 use ltbw::quality::Quality;
 use ltbw::refining::{Bounds, RefineError, refine_on_threads, simulate_refined};
@@ -104,10 +104,10 @@ fn simulated_processors_refine_a_cube() {
         (8, Ownership::Creator),
         (16, Ownership::Newest),
     ] {
-        let plan = Plan { ownership, ..Plan::new(set.len(), workers) };
+        let layout = Layout { ownership, ..Layout::new(set.len(), workers) };
         let options = Options { network: slow, check_every: 997, ..Options::default() };
         let config = Config { window: 16, ..Config::new(workers) };
-        let run = simulate_refined::<Correct>(&set, bounds, &plan, config, &options);
+        let run = simulate_refined::<Correct>(&set, bounds, &layout, config, &options);
         let run = run.expect("a run ends");
         check(&set, asked, &run.gathered.mesh);
         let made = run.gathered.mesh.num_vertices() - set.len();
@@ -124,10 +124,10 @@ fn many_processors_make_tetrahedra_as_good_as_one_does() {
     let bounds = bounds_of(&set, (3e-5, 2.0));
     let slow = Network { latency: 100_000, ..Network::default() };
     let shares = |workers: u32| -> Vec<f64> {
-        let plan = Plan { ownership: Ownership::Newest, ..Plan::new(set.len(), workers) };
+        let layout = Layout { ownership: Ownership::Newest, ..Layout::new(set.len(), workers) };
         let options = Options { network: slow, ..Options::default() };
         let config = Config { window: 16, ..Config::new(workers) };
-        let run = simulate_refined::<Correct>(&set, bounds, &plan, config, &options);
+        let run = simulate_refined::<Correct>(&set, bounds, &layout, config, &options);
         let mesh = run.expect("a run ends").gathered.mesh;
         let place: HashMap<u32, u32> = mesh.vertices().map(|(v, _)| v).zip(0..).collect();
         let tets: Vec<[u32; 4]> = mesh.tets().map(|tet| tet.map(|v| place[&v])).collect();
@@ -155,11 +155,11 @@ fn blocks_move_while_they_are_refined() {
     let set = cube(300);
     let asked = (2e-4, 2.0);
     let bounds = bounds_of(&set, asked);
-    let plan = Plan::new(set.len(), 6);
+    let layout = Layout::new(set.len(), 6);
     for seed in 0..4 {
         let storm = Some(Storm { every: 10_000 });
         let options = Options { seed, storm, check_every: 499, ..Options::default() };
-        let run = simulate_refined::<Correct>(&set, bounds, &plan, Config::new(6), &options);
+        let run = simulate_refined::<Correct>(&set, bounds, &layout, Config::new(6), &options);
         let run = run.expect("a run ends");
         check(&set, asked, &run.gathered.mesh);
         let moved: u64 = run.summary.workers.iter().map(|w| w.migrations).sum();

@@ -2,7 +2,7 @@
 //! is that of the engine, whatever the number of workers and the timing.
 
 use ltbw::domain::{PrepareOptions, Prepared};
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, Correct, WorkerId};
 use ltbw::refine::{Engine, InsertOrder, Refined, Refiner, Script};
 use ltbw::refining::{RefineError, rounds_on_threads, simulate_rounds};
@@ -53,13 +53,14 @@ fn one_mesh(name: &str, refined: &Refined, script: &Script) {
         assert_eq!(inserted, points as u64, "{name} on {threads} threads");
     }
     for (processors, latency) in [(2, 1_200), (16, 100_000), (64, 10_000)] {
-        let plan =
-            Plan { ownership: Ownership::Newest, ..Plan::new(script.start.len(), processors) };
+        let layout =
+            Layout { ownership: Ownership::Newest, ..Layout::new(script.start.len(), processors) };
         let mut options = options(latency);
         options.balance = None;
         options.check_every = 20_000;
         let config = Config::new(processors);
-        let run = simulate_rounds::<Correct>(script, &plan, config, &options).expect("a run ends");
+        let run =
+            simulate_rounds::<Correct>(script, &layout, config, &options).expect("a run ends");
         assert_eq!(hash(&run.gathered.mesh), expected, "{name} on {processors} processors");
         assert_eq!(run.rounds.len(), script.rounds.len());
         let points = |k: usize| (run.rounds[k].operations(), script.rounds[k].len() as u64);
@@ -160,9 +161,9 @@ fn moves_bursts_slow_and_many_processors_change_nothing() {
         (300, Ownership::Newest, Options { balance: None, ..options(10_000) }),
     ];
     for (processors, ownership, options) in cases {
-        let plan = Plan { ownership, ..Plan::new(script.start.len(), processors) };
+        let layout = Layout { ownership, ..Layout::new(script.start.len(), processors) };
         let config = Config::new(processors);
-        let run = simulate_rounds::<Correct>(&script, &plan, config, &options);
+        let run = simulate_rounds::<Correct>(&script, &layout, config, &options);
         let run = run.unwrap_or_else(|e| panic!("{processors} {ownership:?}: {e}"));
         assert_eq!(hash(&run.gathered.mesh), hash(refined.mesh()), "{processors} {ownership:?}");
     }

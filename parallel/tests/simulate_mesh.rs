@@ -1,6 +1,6 @@
 //! The real mesh on simulated processors: always the sequential kernel's mesh.
 
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, Rule, WorkerId};
 use ltbw::simulate::{
     Bursts, CostModel, Distribution, MeshError, Meshed, Network, Options, SimulationError, Storm,
@@ -14,13 +14,13 @@ fn options(seed: u64) -> Options {
 }
 
 /// Runs and compares with the sequential kernel.
-fn run(set: &PointSet, plan: Plan, rule: Rule, options: &Options) -> Meshed {
-    run_as(set, plan, Config { rule, ..Config::new(plan.workers) }, options)
+fn run(set: &PointSet, layout: Layout, rule: Rule, options: &Options) -> Meshed {
+    run_as(set, layout, Config { rule, ..Config::new(layout.workers) }, options)
 }
 
 /// [`run`] with all settings of the protocol.
-fn run_as(set: &PointSet, plan: Plan, config: Config, options: &Options) -> Meshed {
-    let meshed = simulate_mesh(set, &plan, config, options).expect("a run ends");
+fn run_as(set: &PointSet, layout: Layout, config: Config, options: &Options) -> Meshed {
+    let meshed = simulate_mesh(set, &layout, config, options).expect("a run ends");
     let expected = Builder::new().build(set).expect("a mesh").mesh;
     let hash = |mesh: &ltbw::Mesh| mesh.hash().expect("a hash");
     assert_eq!(hash(&meshed.gathered.mesh), hash(&expected));
@@ -41,16 +41,16 @@ fn seeds(default: u64) -> std::ops::Range<u64> {
 }
 
 /// Points come as they lie, or those at the interface first.
-fn layout(seed: u64, points: usize, workers: u32) -> Plan {
+fn layout_of(seed: u64, points: usize, workers: u32) -> Layout {
     if (seed / 7).is_multiple_of(2) {
-        Plan::for_high_latency(points, workers)
+        Layout::for_high_latency(points, workers)
     } else {
-        Plan::new(points, workers)
+        Layout::new(points, workers)
     }
 }
 
 /// The case of a seed: kind, size, processors, rule, network, storm.
-fn case(seed: u64) -> (PointSet, Plan, Rule, Options) {
+fn case(seed: u64) -> (PointSet, Layout, Rule, Options) {
     let k = seed as usize;
     let kind = PointKind::ALL[k % PointKind::ALL.len()];
     // The meshes of the moment curve and of lines have quadratic size.
@@ -73,27 +73,27 @@ fn case(seed: u64) -> (PointSet, Plan, Rule, Options) {
     };
     // The paper's rule livelocks where messages take long; it has a test of its own.
     let rule = Rule::WoundWait;
-    let plan = Plan { blocks_per_worker: 4, sample: 10, ..layout(seed, set.len(), workers) };
-    (set, plan, rule, options)
+    let layout = Layout { blocks_per_worker: 4, sample: 10, ..layout_of(seed, set.len(), workers) };
+    (set, layout, rule, options)
 }
 
 #[test]
 fn who_polls_seldom_has_the_same_mesh_with_fewer_polls() {
     let set = PointSet::new(generate(PointKind::Uniform, 3000, 5)).expect("finite points");
-    let plan = Plan::new(set.len(), 4);
+    let layout = Layout::new(set.len(), 4);
     let runs: Vec<Meshed> = [1, 2, 50, u32::MAX]
         .into_iter()
         .map(|poll_every| {
             let costs = CostModel::cow();
             let options = Options { poll_every, costs, network: Network::cow(), ..options(5) };
-            run(&set, plan, Rule::WoundWait, &options)
+            run(&set, layout, Rule::WoundWait, &options)
         })
         .collect();
     let vain = |run: &Meshed| run.summary.polls.total - run.summary.polls.useful;
     assert!(runs.is_sorted_by_key(|run| std::cmp::Reverse(vain(run))));
     assert!(vain(&runs[0]) > 2 * vain(&runs[2]));
     // A cavity takes about 2.4 ms on one of the paper's processors.
-    let one = Plan { workers: 1, ..plan };
+    let one = Layout { workers: 1, ..layout };
     let options = Options { costs: CostModel::cow(), ..options(5) };
     let alone = run(&set, one, Rule::WoundWait, &options).summary;
     let each = alone.cavity_times.successful as f64 / alone.operations() as f64;
@@ -107,8 +107,8 @@ fn who_polls_seldom_has_the_same_mesh_with_fewer_polls() {
 fn the_sequential_mesh_on_any_processors() {
     let (mut setbacks, mut moves) = (0, 0);
     for seed in seeds(60) {
-        let (set, plan, rule, options) = case(seed);
-        let meshed = run(&set, plan, rule, &options);
+        let (set, layout, rule, options) = case(seed);
+        let meshed = run(&set, layout, rule, &options);
         setbacks += meshed.summary.setbacks();
         moves += meshed.summary.workers.iter().map(|w| w.migrations).sum::<u64>();
     }
@@ -129,15 +129,15 @@ fn large_sets_on_any_processors() {
         let size = 2000.0 * 100f64.powf(Random::new(seed).unit());
         let set = PointSet::new(generate(kinds[seed as usize % 4], size as usize, seed));
         let set = set.expect("finite points");
-        let (_, plan, rule, options) = case(seed);
+        let (_, layout, rule, options) = case(seed);
         let every = 5_000_000 + options.network.latency;
         let options = Options { storm: Some(Storm { every }), max_events: 1 << 32, ..options };
-        let plan = Plan { blocks_per_worker: 8, ..layout(seed, set.len(), plan.workers) };
-        let meshed = run(&set, plan, rule, &options);
+        let layout = Layout { blocks_per_worker: 8, ..layout_of(seed, set.len(), layout.workers) };
+        let meshed = run(&set, layout, rule, &options);
         points += set.len();
         moves += meshed.summary.workers.iter().map(|w| w.migrations).sum::<u64>();
         worst = worst.max(meshed.summary.worst_setbacks());
-        println!("seed {seed}: {} points on {}, {rule}", set.len(), plan.workers);
+        println!("seed {seed}: {} points on {}, {rule}", set.len(), layout.workers);
     }
     println!("{points} points, {moves} moves, at most {worst} setbacks of one operation");
     assert!(moves > 0);
@@ -156,8 +156,8 @@ fn a_tetrahedron_is_known_by_any_of_its_names() {
         ..Network::default()
     };
     let storm = Some(Storm { every: 100_050_000 });
-    let plan = Plan { blocks_per_worker: 4, ..Plan::new(1650, 16) };
-    run(&set, plan, Rule::WoundWait, &Options { network, storm, ..options(9) });
+    let layout = Layout { blocks_per_worker: 4, ..Layout::new(1650, 16) };
+    run(&set, layout, Rule::WoundWait, &Options { network, storm, ..options(9) });
 }
 
 /// Blocks go on moving in a cancelled run, and take no points along: each processor forgets its
@@ -166,7 +166,7 @@ fn a_tetrahedron_is_known_by_any_of_its_names() {
 fn a_cancelled_run_ends_while_blocks_move() {
     // Enough points for each processor to insert its own in two rounds.
     let set = PointSet::new(generate(PointKind::Uniform, 20_000, 3)).expect("finite points");
-    let plan = Plan { blocks_per_worker: 4, sample: 10, ..Plan::new(20_000, 3) };
+    let layout = Layout { blocks_per_worker: 4, sample: 10, ..Layout::new(20_000, 3) };
     // Long enough for moves between the cancel and the end of the run.
     let network = Network { latency: 300_000, ..Network::default() };
     let mut moves = 0;
@@ -175,7 +175,7 @@ fn a_cancelled_run_ends_while_blocks_move() {
         let storm = Some(Storm { every: 20_000 });
         let cancel = Some(cancel);
         let options = Options { network, storm, cancel, max_events: 1_000_000, ..options(1) };
-        let run = simulate_mesh(&set, &plan, Config::new(3), &options).expect("a run ends");
+        let run = simulate_mesh(&set, &layout, Config::new(3), &options).expect("a run ends");
         invariants::check_all(&run.gathered.mesh).expect("invariants");
         let size = run.gathered.mesh.num_vertices();
         assert!(size_before <= size && size < 20_000, "{size} vertices, {size_before} before");
@@ -188,7 +188,7 @@ fn a_cancelled_run_ends_while_blocks_move() {
 #[test]
 fn the_paper_gets_the_same_mesh() {
     let set = PointSet::new(generate(PointKind::Uniform, 1500, 4)).expect("finite points");
-    let meshed = run(&set, Plan::new(1500, 6), Rule::Paper, &options(4));
+    let meshed = run(&set, Layout::new(1500, 6), Rule::Paper, &options(4));
     assert!(meshed.summary.setbacks() > 0);
 }
 
@@ -199,7 +199,7 @@ fn a_seed_reproduces_a_run() {
     let storm = Some(Storm { every: 100_000 });
     let options = Options { network, storm, spans: 1_000_000, ..options(7) };
     let of = || {
-        let meshed = run(&set, Plan::new(3000, 9), Rule::WoundWait, &options);
+        let meshed = run(&set, Layout::new(3000, 9), Rule::WoundWait, &options);
         (meshed.summary, meshed.events, meshed.trace)
     };
     assert_eq!(of(), of());
@@ -215,14 +215,15 @@ fn the_papers_variants_get_the_same_mesh() {
         let ownership = Ownership::ALL[seed as usize / 3 % 3];
         let rule = Rule::ALL[seed as usize / 6 % 2];
         let workers = [2, 5, 9][seed as usize / 2 % 3];
-        let plan = Plan { ownership, blocks_per_worker: 4, sample: 60, ..Plan::new(600, workers) };
+        let layout =
+            Layout { ownership, blocks_per_worker: 4, sample: 60, ..Layout::new(600, workers) };
         let options = match ownership {
             Ownership::Block => Options { storm: Some(Storm { every: 20_000 }), ..options(seed) },
             Ownership::Newest | Ownership::Creator => Options { balance: None, ..options(seed) },
         };
         for (closure, sum) in [Closure::Face, Closure::Vertex].into_iter().zip(&mut setbacks) {
             let config = Config { rule, closure, ..Config::new(workers) };
-            let meshed = run_as(&set, plan, config, &options);
+            let meshed = run_as(&set, layout, config, &options);
             *sum += meshed.summary.setbacks();
             moves += meshed.summary.workers.iter().map(|w| w.migrations).sum::<u64>();
         }
@@ -235,8 +236,9 @@ fn the_papers_variants_get_the_same_mesh() {
 fn what_is_not_owned_by_blocks_does_not_move() {
     let set = PointSet::new(generate(PointKind::Uniform, 200, 1)).expect("finite points");
     for ownership in [Ownership::Newest, Ownership::Creator] {
-        let plan = Plan { ownership, ..Plan::new(200, 2) };
-        let error = simulate_mesh(&set, &plan, Config::new(2), &options(1)).expect_err("balanced");
+        let layout = Layout { ownership, ..Layout::new(200, 2) };
+        let error =
+            simulate_mesh(&set, &layout, Config::new(2), &options(1)).expect_err("balanced");
         assert!(matches!(error, MeshError::Simulation(SimulationError::Options(_))), "{error}");
         assert!(error.to_string().contains("creator"), "{error}");
     }
@@ -248,8 +250,8 @@ fn the_invariants_hold_between_the_events_of_a_run_with_moves() {
         let set = PointSet::new(generate(PointKind::Uniform, 250, seed)).expect("finite points");
         let options =
             Options { storm: Some(Storm { every: 20_000 }), check_every: 7, ..options(seed) };
-        let plan = Plan { blocks_per_worker: 8, ..Plan::new(250, 3) };
-        let meshed = run(&set, plan, Rule::WoundWait, &options);
+        let layout = Layout { blocks_per_worker: 8, ..Layout::new(250, 3) };
+        let meshed = run(&set, layout, Rule::WoundWait, &options);
         let moved: u64 = meshed.summary.workers.iter().map(|worker| worker.migrations).sum();
         assert!(moved > 0, "no block moves");
     }

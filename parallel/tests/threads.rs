@@ -1,7 +1,7 @@
 //! The thread runtime: the sequential kernel's mesh for any number of threads.
 
 use ltbw::balance::Balance;
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Rule};
 use ltbw::threads::{Parallel, RunError};
 use ltbw::{BuildError, Builder, CancelToken, Outcome, Phase, PointSet, Progress, invariants};
@@ -134,8 +134,8 @@ fn closures_and_ownerships_change_nothing() {
     let expected = Builder::new().build(&set).expect("a mesh").mesh.hash().expect("a hash");
     for (workers, closure) in [2, 5].into_iter().flat_map(|w| Closure::ALL.map(|c| (w, c))) {
         for ownership in Ownership::ALL {
-            let plan = Plan { ownership, ..Plan::new(set.len(), workers) };
-            let kernel = Parallel::new(workers).closure(closure).plan(plan);
+            let layout = Layout { ownership, ..Layout::new(set.len(), workers) };
+            let kernel = Parallel::new(workers).closure(closure).layout(layout);
             let run = kernel.build(&set).expect("a mesh");
             let hash = run.mesh.hash().expect("a hash");
             assert_eq!(hash, expected, "{ownership:?}, {closure} on {workers}");

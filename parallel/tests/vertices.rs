@@ -1,7 +1,7 @@
 //! Vertices have numbers of each submesh's own: no worker's arrays are as long as the point set.
 
 use ltbw::PointSet;
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, Correct, Worker};
 use ltbw::simulate::{Options, Storm, simulate};
 use ltbw_generate::{PointKind, generate};
@@ -11,8 +11,8 @@ fn a_worker_has_the_vertices_of_its_part_alone() {
     const WORKERS: u32 = 8;
     let set = PointSet::new(generate(PointKind::Uniform, 20_000, 1)).expect("finite points");
     for ownership in Ownership::ALL {
-        let plan = Plan { ownership, ..Plan::new(set.len(), WORKERS) };
-        let prepared = plan.prepare(&set).expect("a start");
+        let layout = Layout { ownership, ..Layout::new(set.len(), WORKERS) };
+        let prepared = layout.prepare(&set).expect("a start");
         let config = Config::new(WORKERS);
         let workers: Vec<_> = prepared
             .workers

@@ -2,7 +2,7 @@
 //! of workers. The mesh is the sequential kernel's, and nothing is left locked, awaited or under
 //! way. Every third run sends all messages through bytes.
 
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Rule, SubmeshError, WorkerId};
 use ltbw::{Point, PointSet};
 use ltbw_generate::{PointKind, generate};
@@ -10,24 +10,24 @@ use ltbw_tests::interleave::{Case, Chooser, Figures, Refusal, Tempo};
 
 /// Plays `points` with ownership by the newest vertex, and by blocks, which move; returns setbacks
 /// and operations committed of the latter.
-fn run(points: Vec<Point>, plan: Plan, rule: Rule, moves: u32, seed: u64) -> (usize, usize) {
+fn run(points: Vec<Point>, layout: Layout, rule: Rule, moves: u32, seed: u64) -> (usize, usize) {
     let choice = (rule, Closure::Face);
-    let newest = Plan { ownership: Ownership::Newest, ..plan };
+    let newest = Layout { ownership: Ownership::Newest, ..layout };
     run_as(points.clone(), newest, choice, 0, seed);
-    run_as(points, plan, choice, moves, seed)
+    run_as(points, layout, choice, moves, seed)
 }
 
 /// [`run`] with a closure.
 fn run_as(
     points: Vec<Point>,
-    plan: Plan,
+    layout: Layout,
     (rule, closure): (Rule, Closure),
     moves: u32,
     seed: u64,
 ) -> (usize, usize) {
     let bytes = seed.is_multiple_of(3);
     let tempo = Tempo::Even;
-    let case = Case { plan, rule, closure, tempo, slow: None, moves, cancel: None, bytes };
+    let case = Case { layout, rule, closure, tempo, slow: None, moves, cancel: None, bytes };
     let Figures { setbacks, committed, .. } = play(points, case, seed);
     (setbacks, committed)
 }
@@ -40,15 +40,15 @@ fn play(points: Vec<Point>, case: Case, seed: u64) -> Figures {
     played.unwrap_or_else(|error| panic!("{error}")).figures
 }
 
-fn plan(workers: u32, sample: usize) -> Plan {
-    Plan { workers, blocks_per_worker: 4, cursors: 4, abreast: 5, sample, ..Plan::new(0, 1) }
+fn layout(workers: u32, sample: usize) -> Layout {
+    Layout { workers, blocks_per_worker: 4, cursors: 4, abreast: 5, sample, ..Layout::new(0, 1) }
 }
 
 #[test]
 fn one_worker_is_the_sequential_kernel() {
     for kind in [PointKind::Uniform, PointKind::Grid] {
         let (setbacks, committed) =
-            run(generate(kind, 2000, 1), plan(1, 10), Rule::WoundWait, 0, 1);
+            run(generate(kind, 2000, 1), layout(1, 10), Rule::WoundWait, 0, 1);
         assert_eq!((setbacks, committed), (0, 0), "nothing is in the way of one worker");
     }
 }
@@ -61,7 +61,7 @@ fn the_mesh_is_one_for_any_number_of_workers_and_any_timing() {
             for kind in [PointKind::Uniform, PointKind::Grid, PointKind::Clusters] {
                 let points = generate(kind, 400, seed);
                 let (setbacks, committed) =
-                    run(points, plan(workers, 20), Rule::WoundWait, 0, seed);
+                    run(points, layout(workers, 20), Rule::WoundWait, 0, seed);
                 total = (total.0 + setbacks, total.1 + committed);
             }
         }
@@ -76,7 +76,7 @@ fn every_rule_gives_the_mesh() {
         for seed in 0..8 {
             for workers in [2, 4, 7] {
                 let points = generate(PointKind::Uniform, 300, seed);
-                setbacks += run(points, plan(workers, 20), rule, 0, seed).0;
+                setbacks += run(points, layout(workers, 20), rule, 0, seed).0;
             }
         }
         assert!(setbacks > 50, "{rule} is hardly ever set back: {setbacks}");
@@ -89,7 +89,7 @@ fn blocks_that_move_change_nothing() {
         for seed in 0..12 {
             for workers in [2, 3, 6] {
                 let kind = if seed % 2 == 0 { PointKind::Uniform } else { PointKind::Grid };
-                run(generate(kind, 300, seed), plan(workers, 20), rule, 60, seed);
+                run(generate(kind, 300, seed), layout(workers, 20), rule, 60, seed);
             }
         }
     }
@@ -103,11 +103,11 @@ fn the_papers_closure_and_ownership_give_the_mesh() {
         let kind = if seed % 2 == 0 { PointKind::Uniform } else { PointKind::Grid };
         for workers in [2, 5] {
             let points = || generate(kind, 250, seed);
-            let plan = plan(workers, 20);
+            let layout = layout(workers, 20);
             let choice = (rule, Closure::Vertex);
-            setbacks += run_as(points(), plan, choice, 40, seed).0;
-            let plan = Plan { ownership: Ownership::Creator, ..plan };
-            setbacks += run_as(points(), plan, choice, 0, seed).0;
+            setbacks += run_as(points(), layout, choice, 40, seed).0;
+            let layout = Layout { ownership: Ownership::Creator, ..layout };
+            setbacks += run_as(points(), layout, choice, 0, seed).0;
         }
     }
     assert!(setbacks > 500, "hardly ever set back: {setbacks}");
@@ -121,9 +121,9 @@ fn stars_of_the_newest_vertex_give_the_mesh() {
         let kind =
             [PointKind::Uniform, PointKind::Grid, PointKind::Clusters][seed as usize / 3 % 3];
         for workers in [2, 3, 8] {
-            let plan = Plan { ownership: Ownership::Newest, ..plan(workers, 20) };
+            let layout = Layout { ownership: Ownership::Newest, ..layout(workers, 20) };
             let choice = (rule, Closure::ALL[seed as usize / 9 % 2]);
-            setbacks += run_as(generate(kind, 250, seed), plan, choice, 0, seed).0;
+            setbacks += run_as(generate(kind, 250, seed), layout, choice, 0, seed).0;
         }
     }
     assert!(setbacks > 100, "hardly ever set back: {setbacks}");
@@ -135,7 +135,7 @@ fn small_sets_empty_workers_and_one_block() {
         for count in [4, 5, 6, 8, 10, 20] {
             for workers in [2, 9, 30] {
                 let points = generate(PointKind::Uniform, count, seed);
-                run(points, plan(workers, 4), Rule::WoundWait, 10, seed);
+                run(points, layout(workers, 4), Rule::WoundWait, 10, seed);
             }
         }
     }
@@ -143,19 +143,19 @@ fn small_sets_empty_workers_and_one_block() {
     let mut points = generate(PointKind::Uniform, 200, 7);
     points.extend(points.clone());
     points.push([1e6; 3]);
-    run(points, plan(6, 10), Rule::WoundWait, 10, 3);
+    run(points, layout(6, 10), Rule::WoundWait, 10, 3);
 }
 
 #[test]
 fn degenerate_and_wide_sets() {
     for seed in 0..4 {
         for kind in [PointKind::Grid, PointKind::Sphere, PointKind::Lines, PointKind::Moment] {
-            run(generate(kind, 216, seed), plan(4, 12), Rule::WoundWait, 20, seed);
+            run(generate(kind, 216, seed), layout(4, 12), Rule::WoundWait, 20, seed);
         }
         let scales = [1.0, 1e-300, 1e300];
         let points = generate(PointKind::Uniform, 200, seed);
         let wide = points.iter().zip((0..3).cycle()).map(|(p, k)| p.map(|c| c * scales[k]));
-        run(wide.collect(), plan(3, 12), Rule::WoundWait, 10, seed);
+        run(wide.collect(), layout(3, 12), Rule::WoundWait, 10, seed);
     }
 }
 
@@ -168,7 +168,7 @@ fn a_cancelled_worker_takes_in_no_points() {
         // Also before a worker has given its first point.
         let cancel = Some(10 * seed as usize);
         let case = Case {
-            plan: Plan { ownership, ..plan(4, 20) },
+            layout: Layout { ownership, ..layout(4, 20) },
             rule: Rule::WoundWait,
             closure: Closure::Face,
             tempo: Tempo::ALL[seed as usize % 4],
@@ -198,7 +198,7 @@ fn a_run_without_room_fails_and_says_why() {
         let ownership = Ownership::ALL[seed as usize / 3 % 3];
         let max_tets = 60 + 25 * (seed as usize % 19);
         let case = Case {
-            plan: Plan { ownership, max_tets, ..plan(2 + seed as u32 % 3, 12) },
+            layout: Layout { ownership, max_tets, ..layout(2 + seed as u32 % 3, 12) },
             rule: Rule::WoundWait,
             closure: Closure::Face,
             tempo: Tempo::ALL[seed as usize % 4],
@@ -211,7 +211,7 @@ fn a_run_without_room_fails_and_says_why() {
         match case.play(&set, &mut Chooser::new(&[], seed)) {
             Ok(_) => whole += 1,
             Err(Refusal::Submesh(worker, SubmeshError::NoRoom { limit })) => {
-                assert!(worker < WorkerId::new(case.plan.workers) && limit == max_tets);
+                assert!(worker < WorkerId::new(case.layout.workers) && limit == max_tets);
                 failed += 1;
             }
             Err(other) => panic!("{other}"),

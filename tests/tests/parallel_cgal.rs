@@ -6,7 +6,7 @@
 //! one.
 
 use ltbw::balance::Balance;
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, Rule, WorkerId};
 use ltbw::simulate::{Distribution, MeshError, Network, Options, Storm, simulate_mesh};
 use ltbw::{BuildError, Mesh, PointSet};
@@ -26,14 +26,14 @@ fn case(random: &mut Random) -> Case {
         _ => Ownership::Block,
     };
     Case {
-        plan: Plan {
+        layout: Layout {
             workers: workers as u32,
             blocks_per_worker: 1 + below(4) as u32,
             cursors: 1 + below(4),
             abreast: below(8),
             sample: 4 + below(8),
             ownership,
-            ..Plan::new(0, 1)
+            ..Layout::new(0, 1)
         },
         closure: if below(4) == 0 { Closure::Vertex } else { Closure::Face },
         rule: [Rule::WoundWait, Rule::WoundWait, Rule::WoundWait, Rule::Paper][below(4)],
@@ -55,13 +55,13 @@ fn simulated(case: &Case, set: &PointSet, random: &mut Random) -> Result<Mesh, B
         network: Network { latency, distribution, ..Network::default() },
         slow: case.slow.map(|w| (WorkerId::at(w), 100.0)).into_iter().collect(),
         storm: (case.moves > 0).then_some(Storm { every: 20_000 + latency / 10 }),
-        balance: Some(Balance::default()).filter(|_| case.plan.ownership == Ownership::Block),
+        balance: Some(Balance::default()).filter(|_| case.layout.ownership == Ownership::Block),
         max_events: 1_000_000,
         ..Options::default()
     };
     let config =
-        Config { rule: case.rule, closure: case.closure, ..Config::new(case.plan.workers) };
-    match simulate_mesh(set, &case.plan, config, &options) {
+        Config { rule: case.rule, closure: case.closure, ..Config::new(case.layout.workers) };
+    match simulate_mesh(set, &case.layout, config, &options) {
         Ok(meshed) => Ok(meshed.gathered.mesh),
         Err(MeshError::Build(error)) => Err(error),
         Err(error) => panic!("{error}"),

@@ -7,7 +7,7 @@ use crate::progress::Stage;
 use crate::streams::Formats;
 use crate::surface::Preparation;
 use ltbw::domain::{PrepareOptions, Prepared};
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, Correct};
 use ltbw::refine::{Engine, InsertOrder, RefineOutcome, Refiner, Script};
 use ltbw::refining::{Simulated, simulate_rounds};
@@ -42,18 +42,18 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     let vertices = refined.mesh().num_vertices();
     drop(refined);
 
-    let (plan, config) = layout(args, script.start.len(), args.processors);
-    let plan = Plan { sample: script.start.len(), abreast: 0, ..plan };
+    let (layout, config) = layout(args, script.start.len(), args.processors);
+    let layout = Layout { sample: script.start.len(), abreast: 0, ..layout };
     let options = options(args);
-    let run = rounds(&script, &plan, config, &options, path)?;
+    let run = rounds(&script, &layout, config, &options, path)?;
     let hash = of(&run.gathered.mesh)?;
     let Some(summary) = run.summary() else {
         return Err(Failure::Other("a run without rounds".to_owned()));
     };
-    let alone = match plan.workers {
+    let alone = match layout.workers {
         1 => summary.makespan,
         _ => {
-            let one = Plan { workers: 1, ownership: Ownership::default(), ..plan };
+            let one = Layout { workers: 1, ownership: Ownership::default(), ..layout };
             let config = Config { workers: 1, closure: Closure::default(), ..config };
             let run = rounds(&script, &one, config, &options_alone(&options), path)?;
             run.summary().map_or(0, |summary| summary.makespan)
@@ -68,7 +68,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
         vertices - script.start.len(),
         script.rounds.len(),
         script.start.len(),
-        plan.workers,
+        layout.workers,
         args.machine.name(),
         config.rule,
         options.network.latency,
@@ -80,7 +80,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     let count = run.rounds.len();
     let Simulated { gathered, events, .. } = run;
     let meshed = Meshed { gathered, summary, events, trace: None };
-    let settings = Run { args, plan: &plan, config: &config, options: &options };
+    let settings = Run { args, layout: &layout, config: &config, options: &options };
     let report = Report::new(settings, &meshed, alone, &hash, vertices).in_rounds(count);
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
     end(args, (&json, &text), (&hash, &expected))
@@ -101,12 +101,12 @@ fn ready(path: &Path) -> Result<Prepared, Failure> {
 
 fn rounds(
     script: &Script,
-    plan: &Plan,
+    layout: &Layout,
     config: Config,
     options: &Options,
     path: &Path,
 ) -> Result<Simulated, Failure> {
     let _stage = Stage::begin("simulate");
-    simulate_rounds::<Correct>(script, plan, config, options)
+    simulate_rounds::<Correct>(script, layout, config, options)
         .map_err(|error| Failure::Other(format!("{}: {error}", show(path))))
 }

@@ -15,7 +15,7 @@ use crate::progress::Stage;
 use crate::streams::on_stdout;
 use ltbw::PointSet;
 use ltbw::build::Builder;
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, WorkerId};
 use ltbw::simulate::{MeshError, Meshed, Network, Options, Storm, simulate_mesh};
 use ltbw_generate::generate;
@@ -46,12 +46,12 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     let expected = built.mesh.hash().map_err(|e| Failure::Other(e.to_string()))?.to_string();
     drop(built);
 
-    let (plan, config) = layout(args, set.len(), args.processors);
+    let (layout, config) = layout(args, set.len(), args.processors);
     let options = options(args);
-    let mut meshed = mesh(&set, &plan, config, &options, &name)?;
+    let mut meshed = mesh(&set, &layout, config, &options, &name)?;
     let hash = meshed.gathered.mesh.hash().map_err(|e| Failure::Other(e.to_string()))?.to_string();
-    let alone = alone(&set, &plan, config, &options, &name, &meshed)?;
-    let run = Run { args, plan: &plan, config: &config, options: &options };
+    let alone = alone(&set, &layout, config, &options, &name, &meshed)?;
+    let run = Run { args, layout: &layout, config: &config, options: &options };
     let report = Report::new(run, &meshed, alone, &hash, set.len());
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
     let trace = meshed.trace.take();
@@ -59,7 +59,7 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
         "{} points on {} processors ({}), rule {}, latency {} ns ({}), seed {}\n{}\n{}\n\
          ltbw.mesh/1 {hash}\n",
         set.len(),
-        plan.workers,
+        layout.workers,
         args.machine.name(),
         config.rule,
         options.network.latency,
@@ -116,26 +116,26 @@ fn options_alone(options: &Options) -> Options {
 }
 
 /// The layout of the points, and the configuration of the workers.
-fn layout(args: &Simulate, points: usize, processors: u32) -> (Plan, Config) {
-    let mut plan = Plan::for_high_latency(points, processors);
+fn layout(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
+    let mut layout = Layout::for_high_latency(points, processors);
     let mut config = Config { rule: args.rule, closure: args.closure, ..Config::new(processors) };
     if let Some(window) = args.window {
         config.window = window as usize;
     }
     if let Some(cursors) = args.cursors {
-        plan.cursors = cursors as usize;
+        layout.cursors = cursors as usize;
     }
-    plan.ownership = args.ownership;
+    layout.ownership = args.ownership;
     if let Some(abreast) = args.abreast {
-        plan.abreast = abreast as usize;
+        layout.abreast = abreast as usize;
     }
     if let Some(blocks) = args.blocks {
-        plan.blocks_per_worker = blocks;
+        layout.blocks_per_worker = blocks;
     }
     if let Some(sample) = args.sample {
-        plan.sample = sample as usize;
+        layout.sample = sample as usize;
     }
-    (plan, config)
+    (layout, config)
 }
 
 fn options(args: &Simulate) -> Options {
@@ -162,13 +162,13 @@ fn options(args: &Simulate) -> Options {
 
 fn mesh(
     set: &PointSet,
-    plan: &Plan,
+    layout: &Layout,
     config: Config,
     options: &Options,
     name: &Path,
 ) -> Result<Meshed, Failure> {
     let _stage = Stage::begin("simulate");
-    simulate_mesh(set, plan, config, options).map_err(|error| match error {
+    simulate_mesh(set, layout, config, options).map_err(|error| match error {
         MeshError::Build(error) => Failure::Build { path: name.to_owned(), error },
         other => Failure::Other(format!("{}: {other}", show(name))),
     })
@@ -177,17 +177,17 @@ fn mesh(
 /// The time that one processor takes for the same work.
 fn alone(
     set: &PointSet,
-    plan: &Plan,
+    layout: &Layout,
     config: Config,
     options: &Options,
     name: &Path,
     meshed: &Meshed,
 ) -> Result<u64, Failure> {
-    if plan.workers == 1 {
+    if layout.workers == 1 {
         return Ok(meshed.summary.makespan);
     }
     // One alone has nothing to lock, and nobody to own anything else.
-    let one = Plan { workers: 1, ownership: Ownership::default(), ..*plan };
+    let one = Layout { workers: 1, ownership: Ownership::default(), ..*layout };
     let config = Config { workers: 1, closure: Closure::default(), ..config };
     Ok(mesh(set, &one, config, &options_alone(options), name)?.summary.makespan)
 }

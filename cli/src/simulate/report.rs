@@ -3,7 +3,7 @@
 use super::Simulate;
 use crate::figures::Figures;
 use crate::outcome::show;
-use ltbw::mesh::Plan;
+use ltbw::mesh::Layout;
 use ltbw::protocol::Config;
 use ltbw::simulate::{CostModel, Meshed, Options};
 use serde::Serialize;
@@ -12,7 +12,7 @@ use serde::Serialize;
 #[derive(Clone, Copy)]
 pub(super) struct Run<'a> {
     pub(super) args: &'a Simulate,
-    pub(super) plan: &'a Plan,
+    pub(super) layout: &'a Layout,
     pub(super) config: &'a Config,
     pub(super) options: &'a Options,
 }
@@ -130,23 +130,23 @@ impl Report {
 
 impl Settings {
     fn new(run: Run<'_>) -> Self {
-        let Run { args, plan, config, options } = run;
+        let Run { args, layout, config, options } = run;
         Self {
-            processors: plan.workers,
+            processors: layout.workers,
             rule: config.rule.to_string(),
             closure: config.closure.to_string(),
             machine: args.machine.name(),
-            ownership: plan.ownership.name(),
+            ownership: layout.ownership.name(),
             poll_every: args.poll_every,
             latency: options.network.latency,
             distribution: options.network.distribution.name(),
             byte: options.network.byte,
             seed: options.seed,
             window: config.window,
-            cursors: plan.cursors,
-            abreast: plan.abreast,
-            blocks_per_worker: plan.blocks_per_worker,
-            sample: plan.sample,
+            cursors: layout.cursors,
+            abreast: layout.abreast,
+            blocks_per_worker: layout.blocks_per_worker,
+            sample: layout.sample,
             slow: args.slow,
             storm: args.storm,
             balance: options.balance.is_some(),

@@ -89,7 +89,7 @@ fn near(mesh: &Tets, vertices: Option<&Vertices>, face: FaceId) -> Link {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Plan, WireVertex};
+    use crate::mesh::{Layout, WireVertex};
     use crate::protocol::{Found, Name, Neighbour, Source, Submesh, Walk, WorkerId};
     use ltbw_exact::PointSet;
     use ltbw_generate::{PointKind, generate};
@@ -212,7 +212,7 @@ mod tests {
     fn what_is_locked_at_once_is_what_is_locked_one_by_one() {
         for kind in [PointKind::Uniform, PointKind::Grid, PointKind::Clusters] {
             let set = PointSet::new(generate(kind, 2000, 1)).expect("finite points");
-            let prepared = Plan::new(set.len(), 3).prepare(&set).expect("a mesh");
+            let prepared = Layout::new(set.len(), 3).prepare(&set).expect("a mesh");
             let (mut far, mut named, mut lone) = (0, 0, 0);
             for (_, mut mesh, mut field) in prepared.workers {
                 while let Some(point) = field.next(&mesh) {
@@ -263,7 +263,7 @@ mod tests {
     #[test]
     fn a_seed_that_is_not_in_conflict_is_locked_alone() {
         let set = PointSet::new(generate(PointKind::Uniform, 500, 1)).expect("finite points");
-        let prepared = Plan::new(set.len(), 2).prepare(&set).expect("a mesh");
+        let prepared = Layout::new(set.len(), 2).prepare(&set).expect("a mesh");
         let (_, mut mesh, mut field) = prepared.workers.into_iter().next().expect("a worker");
         let point = field.next(&mesh).expect("a point");
         let all: Vec<TetId> = mesh.tets.tets().map(|(t, _)| t).collect();

@@ -61,7 +61,7 @@ impl std::str::FromStr for Ownership {
 
 /// The layout of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
+pub struct Layout {
     /// Number of workers, at least 1.
     pub workers: u32,
     /// Blocks of each worker at the start.
@@ -83,7 +83,7 @@ pub struct Plan {
     pub max_tets: usize,
 }
 
-impl Plan {
+impl Layout {
     /// The default layout for `points` points on `workers` workers.
     ///
     /// The sample is one point in a hundred, or 5,000 a worker if that is more, but at most one in
@@ -120,7 +120,7 @@ impl Plan {
         self.prepare_some(set, None, None)
     }
 
-    /// As [`Plan::prepare`], for the points `only`, by index, or all; `cancel` may end it early.
+    /// As [`Layout::prepare`], for the points `only`, by index, or all; `cancel` may end it early.
     pub(crate) fn prepare_some(
         &self,
         set: &PointSet,
@@ -130,7 +130,7 @@ impl Plan {
         self.prepare_with(set, only, cancel, None)
     }
 
-    /// As [`Plan::prepare`], with all points in the mesh that is distributed; `cancel` may end it
+    /// As [`Layout::prepare`], with all points in the mesh that is distributed; `cancel` may end it
     /// at any time.
     pub(crate) fn prepare_all(
         &self,

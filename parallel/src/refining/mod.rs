@@ -23,7 +23,7 @@ mod shape;
 pub use bad_tets::BadTets;
 pub use rounds::{RoundPoints, Simulated, Threaded, rounds_on_threads, simulate_rounds};
 
-use crate::mesh::{LocalMesh, Plan, Prepared, SharedInput, gather};
+use crate::mesh::{Layout, LocalMesh, Prepared, SharedInput, gather};
 use crate::protocol::{Config, Correct, Rules, Worker};
 use crate::simulate::{MeshError, Meshed, Options, Simulation, simulate};
 use crate::threads::{Parallel, Run, RunError};
@@ -148,10 +148,10 @@ pub type Node<C> = Worker<LocalMesh, BadTets, C>;
 pub fn prepare<C: Rules>(
     set: &PointSet,
     bounds: Bounds,
-    plan: &Plan,
+    layout: &Layout,
     config: Config,
 ) -> Result<(Vec<Node<C>>, SharedInput), RefineError> {
-    prepare_unless(None, set, bounds, plan, config)
+    prepare_unless(None, set, bounds, layout, config)
 }
 
 /// As [`prepare`]; the token may end it at any time.
@@ -159,11 +159,11 @@ fn prepare_unless<C: Rules>(
     cancel: Option<&CancelToken>,
     set: &PointSet,
     bounds: Bounds,
-    plan: &Plan,
+    layout: &Layout,
     config: Config,
 ) -> Result<(Vec<Node<C>>, SharedInput), RefineError> {
-    let Prepared { workers, common, .. } = plan.prepare_all(set, cancel)?;
-    let config = Config { workers: plan.workers, ..config };
+    let Prepared { workers, common, .. } = layout.prepare_all(set, cancel)?;
+    let config = Config { workers: layout.workers, ..config };
     let workers = workers.into_iter().map(|(directory, mesh, _)| {
         let source = BadTets::new(directory.me(), bounds, &mesh);
         Worker::new(config, directory, mesh, source)
@@ -178,11 +178,11 @@ fn prepare_unless<C: Rules>(
 pub fn simulate_refined<C: Rules>(
     set: &PointSet,
     bounds: Bounds,
-    plan: &Plan,
+    layout: &Layout,
     config: Config,
     options: &Options,
 ) -> Result<Meshed, RefineError> {
-    let (workers, common) = prepare::<C>(set, bounds, plan, config)?;
+    let (workers, common) = prepare::<C>(set, bounds, layout, config)?;
     let run = simulate(workers, options).map_err(MeshError::from)?;
     let Simulation { workers, summary, events, trace } = run;
     let meshes = workers.into_iter().map(|worker| worker.into_parts().0).collect();
@@ -202,10 +202,10 @@ pub fn refine_on_threads(
     parallel: &Parallel<'_>,
 ) -> Result<Run, RefineError> {
     let clock = Instant::now();
-    let plan = parallel.plan_for(set.len());
+    let layout = parallel.plan_for(set.len());
     let config = parallel.config();
     let (workers, common) =
-        prepare_unless::<Correct>(parallel.token(), set, bounds, &plan, config)?;
+        prepare_unless::<Correct>(parallel.token(), set, bounds, &layout, config)?;
     let points = set.len() as u64;
     let parts = parallel.run_nodes(workers, common, [points, points], clock)?;
     Ok(parallel.gather(parts)?)

@@ -11,7 +11,7 @@
 
 use super::RefineError;
 use crate::balance::Stock;
-use crate::mesh::{Gathered, LocalMesh, Plan, Prepared, SharedInput, VertexName, WireVertex};
+use crate::mesh::{Gathered, Layout, LocalMesh, Prepared, SharedInput, VertexName, WireVertex};
 use crate::mesh::{gather, made};
 use crate::metrics::Summary;
 use crate::protocol::{BlockId, Config, Correct, Directory, Item, Rules, Source, Worker, WorkerId};
@@ -168,11 +168,11 @@ pub struct Threaded {
 /// [`RefineError`] if the script is none of a sound mesh, or a run has not ended properly.
 pub fn simulate_rounds<C: Rules>(
     script: &Script,
-    plan: &Plan,
+    layout: &Layout,
     config: Config,
     options: &Options,
 ) -> Result<Simulated, RefineError> {
-    let mut crew = Crew::<C>::new(script, plan, config, None)?;
+    let mut crew = Crew::<C>::new(script, layout, config, None)?;
     let (mut rounds, mut events) = (Vec::new(), 0);
     for points in &script.rounds {
         let run = simulate(crew.start(points)?, options).map_err(MeshError::from)?;
@@ -194,8 +194,8 @@ pub fn rounds_on_threads(
     script: &Script,
     parallel: &Parallel<'_>,
 ) -> Result<Threaded, RefineError> {
-    let plan = parallel.plan_for(script.start.len());
-    let mut crew = Crew::<Correct>::new(script, &plan, parallel.config(), parallel.token())?;
+    let layout = parallel.plan_for(script.start.len());
+    let mut crew = Crew::<Correct>::new(script, &layout, parallel.config(), parallel.token())?;
     let (mut workers, mut outcome) = (Vec::<WorkerStats>::new(), Outcome::Complete);
     for points in &script.rounds {
         let ended = parallel.run_workers(crew.start(points)?)?;
@@ -235,7 +235,7 @@ fn bits(p: &Point) -> [u64; 3] {
 impl<C: Rules> Crew<C> {
     fn new(
         script: &Script,
-        plan: &Plan,
+        layout: &Layout,
         config: Config,
         cancel: Option<&CancelToken>,
     ) -> Result<Self, RefineError> {
@@ -244,13 +244,13 @@ impl<C: Rules> Crew<C> {
         if set.mode() != Mode::Normal {
             return Err(RefineError::Range);
         }
-        let Prepared { workers, mut common, .. } = plan.prepare_all(&set, cancel)?;
+        let Prepared { workers, mut common, .. } = layout.prepare_all(&set, cancel)?;
         common.mode = script.mode;
         let names = (1..).zip(&common.points).map(|(name, p)| (bits(p), name)).collect();
-        let owners = 0..plan.workers * plan.blocks_per_worker;
+        let owners = 0..layout.workers * layout.blocks_per_worker;
         let mut crew = Self {
-            config: Config { workers: plan.workers, ..config },
-            owners: owners.map(|block| WorkerId::new(block / plan.blocks_per_worker)).collect(),
+            config: Config { workers: layout.workers, ..config },
+            owners: owners.map(|block| WorkerId::new(block / layout.blocks_per_worker)).collect(),
             made: vec![0; workers.len()],
             workers: Vec::new(),
             names,

@@ -2,7 +2,7 @@
 
 use super::cost::Payload;
 use super::{Options, Simulation, SimulationError, simulate};
-use crate::mesh::{GatherError, Gathered, LocalMesh, Ownership, Plan, gather};
+use crate::mesh::{GatherError, Gathered, Layout, LocalMesh, Ownership, gather};
 use crate::mesh::{Link, Moving, Patch, Piece, Side, WireVertex};
 use crate::metrics::{Summary, Survey, Trace};
 use crate::protocol::{Config, Correct, Rules, Worker};
@@ -95,18 +95,18 @@ pub enum MeshError {
     Gather(#[from] GatherError),
 }
 
-/// Meshes `set` on simulated processors, one for each worker of `plan`.
+/// Meshes `set` on simulated processors, one for each worker of `layout`.
 ///
 /// # Errors
 ///
 /// [`MeshError`].
 pub fn simulate_mesh(
     set: &PointSet,
-    plan: &Plan,
+    layout: &Layout,
     config: Config,
     options: &Options,
 ) -> Result<Meshed, MeshError> {
-    simulate_as::<Correct>(set, plan, config, options)
+    simulate_as::<Correct>(set, layout, config, options)
 }
 
 /// [`simulate_mesh`] with other rules: for checkers that must find a defect.
@@ -116,16 +116,17 @@ pub fn simulate_mesh(
 /// [`MeshError`].
 pub fn simulate_as<C: Rules>(
     set: &PointSet,
-    plan: &Plan,
+    layout: &Layout,
     config: Config,
     options: &Options,
 ) -> Result<Meshed, MeshError> {
-    if plan.ownership != Ownership::Block && (options.storm.is_some() || options.balance.is_some())
+    if layout.ownership != Ownership::Block
+        && (options.storm.is_some() || options.balance.is_some())
     {
         return Err(SimulationError::Options(Ownership::STAYS.to_owned()).into());
     }
-    let prepared = plan.prepare(set)?;
-    let config = Config { workers: plan.workers, ..config };
+    let prepared = layout.prepare(set)?;
+    let config = Config { workers: layout.workers, ..config };
     let workers = prepared
         .workers
         .into_iter()

@@ -17,7 +17,7 @@ use crate::balance::{Balance, Stock};
 use crate::mailbox::connect;
 use crate::mesh::{GatherError, LocalMesh, PointQueue, Prepared, SharedInput};
 #[doc(inline)]
-pub use crate::mesh::{Ownership, Plan};
+pub use crate::mesh::{Layout, Ownership};
 use crate::metrics::{Collector, Summary, Trace};
 #[doc(inline)]
 pub use crate::protocol::{Closure, Config, Rule};
@@ -149,7 +149,7 @@ pub struct Parallel<'a> {
     closure: Closure,
     window: usize,
     latency: Duration,
-    plan: Option<Plan>,
+    layout: Option<Layout>,
     /// Not an option: optimised code looks at the numbers before it looks whether blocks move, and
     /// memcheck takes that for a use of what was never written.
     balance: Balance,
@@ -163,8 +163,8 @@ pub struct Parallel<'a> {
 impl<'a> Parallel<'a> {
     /// A run on `workers` threads, at least one.
     ///
-    /// Without [`Parallel::plan`] the layout is [`Plan::new`], with [`Ownership::Newest`] unless
-    /// [`Parallel::balance`] lets blocks move.
+    /// Without [`Parallel::layout`] the layout is [`Layout::new`], with [`Ownership::Newest`]
+    /// unless [`Parallel::balance`] lets blocks move.
     pub fn new(workers: u32) -> Self {
         let workers = workers.max(1);
         // Between threads a message takes microseconds: few operations hide that, and few are in
@@ -177,7 +177,7 @@ impl<'a> Parallel<'a> {
             closure: Closure::default(),
             window,
             latency: Duration::ZERO,
-            plan: None,
+            layout: None,
             balance: Balance::default(),
             is_balanced: false,
             spans: None,
@@ -211,10 +211,10 @@ impl<'a> Parallel<'a> {
         self
     }
 
-    /// Sets the layout; its number of workers is replaced by that of the run. [`Plan::new`] owns by
-    /// blocks, which is slower and needed only if they are to move.
-    pub fn plan(mut self, plan: Plan) -> Self {
-        self.plan = Some(Plan { workers: self.workers, ..plan });
+    /// Sets the layout; its number of workers is replaced by that of the run. [`Layout::new`] owns
+    /// by blocks, which is slower and needed only if they are to move.
+    pub fn layout(mut self, layout: Layout) -> Self {
+        self.layout = Some(Layout { workers: self.workers, ..layout });
         self
     }
 
@@ -281,13 +281,13 @@ impl<'a> Parallel<'a> {
         let clock = Instant::now();
         let points = self.only.map_or(set.len(), <[Vertex]>::len);
         let total = points as u64;
-        let plan = self.plan_for(points);
-        if plan.ownership != Ownership::Block && self.is_balanced {
+        let layout = self.plan_for(points);
+        if layout.ownership != Ownership::Block && self.is_balanced {
             return Err(RunError::Settings(Ownership::STAYS.to_owned()));
         }
         self.listener.tell(Phase::Order, 0, total);
-        let plan = Plan { reserve: true, ..plan };
-        let prepared = plan.prepare_some(set, self.only, self.cancel)?;
+        let layout = Layout { reserve: true, ..layout };
+        let prepared = layout.prepare_some(set, self.only, self.cancel)?;
         let Prepared { workers, common, started } = prepared;
         let config = self.config();
         let nodes: Vec<Node> = workers
@@ -368,17 +368,17 @@ impl<'a> Parallel<'a> {
     }
 
     /// The layout that was set, or the one by default.
-    pub(crate) fn plan_for(&self, points: usize) -> Plan {
-        self.plan.unwrap_or_else(|| self.default_plan(points))
+    pub(crate) fn plan_for(&self, points: usize) -> Layout {
+        self.layout.unwrap_or_else(|| self.default_layout(points))
     }
 
     /// The layout by default: a point's star need not be divided where no block moves.
-    pub(crate) fn default_plan(&self, points: usize) -> Plan {
+    pub(crate) fn default_layout(&self, points: usize) -> Layout {
         let ownership = match self.is_balanced {
             true => Ownership::Block,
             false => Ownership::Newest,
         };
-        Plan { ownership, ..Plan::new(points, self.workers) }
+        Layout { ownership, ..Layout::new(points, self.workers) }
     }
 
     fn watch<'w>(&self, id: WorkerId, start: Instant) -> ThreadWatch<'w>

@@ -131,7 +131,7 @@ fn silent() -> Teller<'static> {
 
 fn nodes(set: &PointSet, workers: u32) -> Vec<Node> {
     let config = Config { window: 16, ..Config::new(workers) };
-    let prepared = Plan::new(set.len(), workers).prepare(set).expect("a start");
+    let prepared = Layout::new(set.len(), workers).prepare(set).expect("a start");
     let workers = prepared.workers.into_iter();
     workers.map(|(directory, mesh, field)| Worker::new(config, directory, mesh, field)).collect()
 }

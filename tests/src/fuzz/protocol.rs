@@ -9,7 +9,7 @@ use crate::compare::{compare_mesh, refusal};
 use crate::families::snap;
 use crate::interleave::{Case, Chooser, Refusal, Tempo};
 use arbitrary::Unstructured;
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Rule};
 use ltbw::{Point, PointSet};
 use std::sync::PoisonError;
@@ -41,14 +41,14 @@ fn read(bytes: &[u8]) -> (Vec<Point>, Case, Chooser<'_>) {
     // Blocks move only where they own the tetrahedra.
     let moves = if ownership == Ownership::Block { u32::from(moves) % 64 } else { 0 };
     let case = Case {
-        plan: Plan {
+        layout: Layout {
             workers,
             blocks_per_worker: 1 + u32::from(blocks) % 4,
             cursors: 1 + usize::from(cursors) % 6,
             abreast: usize::from(cursors) / 6 % 8,
             sample: 4 + usize::from(sample) % 24,
             ownership,
-            ..Plan::new(0, 1)
+            ..Layout::new(0, 1)
         },
         rule: Rule::ALL[usize::from(rule) % 2],
         closure,

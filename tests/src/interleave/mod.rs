@@ -10,7 +10,7 @@ mod ending;
 
 use crate::families::Rng;
 use ltbw::check::{Between, History};
-use ltbw::mesh::{Gathered, LocalMesh, Plan, PointQueue};
+use ltbw::mesh::{Gathered, Layout, LocalMesh, PointQueue};
 use ltbw::protocol::{
     Action, BlockId, Closure, Config, Event, Message, Note, Rule, Source, SubmeshError, Worker,
     WorkerId,
@@ -69,7 +69,7 @@ enum Choice {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Case {
     /// Workers, blocks, cursors, sample.
-    pub plan: Plan,
+    pub layout: Layout,
     /// The conflict rule.
     pub rule: Rule,
     /// The closure that operations lock.
@@ -160,13 +160,13 @@ impl Case {
     /// If the run does not end, or not as it must.
     pub fn play(&self, set: &PointSet, chooser: &mut Chooser) -> Result<Played, Refusal> {
         let expected = ltbw::Builder::new().build(set);
-        let (prepared, expected) = match (self.plan.prepare(set), expected) {
+        let (prepared, expected) = match (self.layout.prepare(set), expected) {
             (Ok(prepared), Ok(built)) => (prepared, built.mesh),
             (Err(error), Err(_)) => return Err(Refusal::Build(error)),
             (one, other) => panic!("one is refused: {:?}, {:?}", one.err(), other.err()),
         };
         let config =
-            Config { rule: self.rule, closure: self.closure, ..Config::new(self.plan.workers) };
+            Config { rule: self.rule, closure: self.closure, ..Config::new(self.layout.workers) };
         let nodes = prepared
             .workers
             .into_iter()

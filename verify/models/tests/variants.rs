@@ -2,7 +2,7 @@
 //! mailbox's variants are in `tests/mailbox.rs` (loom).
 #![cfg(not(any(loom, shuttle)))]
 
-use ltbw::mesh::{Ownership, Plan};
+use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, Correct};
 use ltbw::refining::{Bounds, RefineError, simulate_refined};
 use ltbw::simulate::{MeshError, Network, Options, SimulationError, Storm, simulate_as};
@@ -134,10 +134,14 @@ fn expand_before_installation_not_held() {
 
 /// The real mesh on simulated processors while blocks move. The network takes 10 µs: 20 ms without
 /// an insertion, while some worker has work, are a wait for ever.
-fn in_a_storm<C: Variant>(set: &PointSet, plan: &Plan, seed: u64) -> Result<MeshHash, MeshError> {
+fn in_a_storm<C: Variant>(
+    set: &PointSet,
+    layout: &Layout,
+    seed: u64,
+) -> Result<MeshHash, MeshError> {
     let storm = Some(Storm { every: 20_000 });
     let options = Options { seed, storm, patience: 20_000_000, ..Options::default() };
-    let meshed = simulate_as::<C>(set, plan, Config::new(plan.workers), &options)?;
+    let meshed = simulate_as::<C>(set, layout, Config::new(layout.workers), &options)?;
     Ok(meshed.gathered.mesh.hash().expect("a hash"))
 }
 
@@ -147,11 +151,11 @@ fn block_that_left_taken_for_ones_own() {
     let (points, workers, seeds) = (3000, 3, 8);
     let set = PointSet::new(generate(PointKind::Clusters, points, 2)).expect("finite points");
     let expected = Builder::new().build(&set).expect("a mesh").mesh.hash().expect("a hash");
-    let plan = Plan { blocks_per_worker: 48, ..Plan::new(points, workers) };
+    let layout = Layout { blocks_per_worker: 48, ..Layout::new(points, workers) };
     let mut stuck = 0;
     for seed in 0..seeds {
-        assert_eq!(in_a_storm::<Correct>(&set, &plan, seed), Ok(expected), "seed {seed}");
-        match in_a_storm::<variants::KeptHome>(&set, &plan, seed) {
+        assert_eq!(in_a_storm::<Correct>(&set, &layout, seed), Ok(expected), "seed {seed}");
+        match in_a_storm::<variants::KeptHome>(&set, &layout, seed) {
             Err(MeshError::Simulation(SimulationError::NoProgress { .. })) => stuck += 1,
             other => assert_eq!(other, Ok(expected), "seed {seed}"),
         }
@@ -170,11 +174,11 @@ fn refined<C: Variant>(
     bounds: Bounds,
     most: u64,
 ) -> Result<(f64, u64), RefineError> {
-    let plan = Plan { ownership: Ownership::Newest, ..Plan::new(set.len(), 12) };
+    let layout = Layout { ownership: Ownership::Newest, ..Layout::new(set.len(), 12) };
     let config = Config { window: 32, ..Config::new(12) };
     let network = Network { latency: 300_000, ..Network::default() };
     let options = Options { network, max_events: most, ..Options::default() };
-    let run = simulate_refined::<C>(set, bounds, &plan, config, &options)?;
+    let run = simulate_refined::<C>(set, bounds, &layout, config, &options)?;
     Ok((shortest_edge(&run.gathered.mesh), run.events))
 }
 
