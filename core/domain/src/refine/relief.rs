@@ -8,9 +8,15 @@
 //! no other boundary item out. So there are at most twice as many points as tetrahedra were over
 //! their bounds.
 //!
-//! Items that may not be split do not keep points out of their balls here: no item is split any
-//! more, and those balls are large at small angles. Tetrahedra are taken in the order of their
-//! coordinates, so that the mesh is a function of that before.
+//! Items do not keep points out of their balls here: none is split any more, and those balls are
+//! large at small angles. (In rounds those that may be split do.) Tetrahedra are taken in the order
+//! of their coordinates, so that the mesh is a function of that before.
+//!
+//! Afterwards the same is done for tetrahedra with tiny dihedral angles, the points being those
+//! with which there are fewer such, and no more over their bounds than before. Most are under a
+//! shallow fold between four vertices on one circle, with both its triangles for sides: any point
+//! in the ball and below the fold divides them, but lies in the balls of these triangles. (Queues
+//! only.)
 
 use super::bounds::Bounds;
 use super::carrier::{Carrier, Line, distance2, free_point};
@@ -32,7 +38,11 @@ use ltbw_exact::Point;
 /// The most times that all tetrahedra over their bounds are looked at, each time with other points.
 pub(crate) const PASSES: u64 = 8;
 /// Points tried for a tetrahedron in its ball, besides those towards its shortest edge.
-const INSIDE: usize = 32;
+const INSIDE: usize = 48;
+/// The same in rounds.
+const INSIDE_IN_ROUNDS: usize = 32;
+/// The same for the sake of angles.
+const INSIDE_FOR_ANGLES: usize = 64;
 /// Points tried on each boundary item beside it.
 const BESIDE: usize = 8;
 /// Where they are tried on the way from the middle of the shortest edge to the circumcentre: parts
@@ -45,11 +55,34 @@ const WORST: f64 = 32.0;
 const OPENED: usize = 24;
 const OPENED_MORE: usize = 1 << 19;
 
+/// What a point is to make fewer.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Goal {
+    /// Tetrahedra over their bounds.
+    Bounds,
+    /// Tetrahedra with tiny dihedral angles, and none of those over their bounds more.
+    Angles,
+}
+
+impl Goal {
+    /// Points tried in the ball.
+    fn inside(self, in_rounds: bool) -> usize {
+        match self {
+            Self::Bounds if in_rounds => INSIDE_IN_ROUNDS,
+            Self::Bounds => INSIDE,
+            Self::Angles => INSIDE_FOR_ANGLES,
+        }
+    }
+}
+
 /// A tetrahedron to be relieved.
 struct Target {
     t: TetId,
+    goal: Goal,
     refusal: Refusal,
     radius: f64,
+    /// May a point encroach items that are not refused? In a collar all is left as it is.
+    may_encroach: bool,
 }
 
 impl Refinement<'_> {
@@ -74,21 +107,39 @@ impl Refinement<'_> {
         all
     }
 
+    /// The tetrahedra with tiny dihedral angles, in the order of their coordinates.
+    pub(crate) fn slivers(&self) -> Vec<(TetId, [VertexId; 4])> {
+        if self.bounds.as_ref().is_none_or(|bounds| bounds.ratio.is_none()) {
+            return Vec::new();
+        }
+        let state = &self.state;
+        let of = |t: TetId| (t, state.vertices(t));
+        let mut all: Vec<_> =
+            state.mesh.tet_ids().filter(|&t| state.is_sliver(t)).map(of).collect();
+        all.sort_by_cached_key(|&(t, v)| state.place_of(Item::Tet(t, v)));
+        all
+    }
+
     /// Looks for a point that relieves tetrahedron `t`, in its ball, then on the boundary, and
     /// inserts it; is there one?
     pub(crate) fn relieve_tet(
         &mut self,
         t: TetId,
         v: [VertexId; 4],
+        goal: Goal,
         pass: u64,
         left: &mut usize,
     ) -> bool {
-        let item = Item::Tet(t, v);
-        let Some(&refusal) = self.record.refused.get(&item) else { return false };
         // Another point may have taken it out of the mesh, and its slot may have another one.
         if !self.state.is_live(t, v) {
             return false;
         }
+        let refusal = self.record.refused.get(&Item::Tet(t, v)).copied();
+        let refusal = match goal {
+            Goal::Bounds => refusal,
+            Goal::Angles => refusal.or_else(|| Some(Refusal::final_for(self.state.reason_near(v)))),
+        };
+        let Some(refusal) = refusal else { return false };
         let corners = sorted(v.map(|v| self.state.at(v)));
         let [a, b, c, d] = &corners;
         let shape = Shape::of([a, b, c, d]);
@@ -96,11 +147,13 @@ impl Refinement<'_> {
         let Some(bound) = self.bounds.as_ref().and_then(|bounds| bounds.ratio) else {
             return false;
         };
-        let target = Target { t, refusal, radius: shape.radius() };
+        let in_collar = || self.state.collar(v, bound.value()).is_some();
+        let may_encroach = goal == Goal::Angles || !(self.state.by_place || in_collar());
+        let target = Target { t, goal, refusal, radius: shape.radius(), may_encroach };
         let tolerance = target.radius * TOLERANCE;
         let mut seed = pass;
         let way = towards(&corners, &centre, bound.value());
-        for k in 0..WAY.len() + INSIDE {
+        for k in 0..WAY.len() + goal.inside(self.state.by_place) {
             let aim = way.get(k).copied().unwrap_or_else(|| {
                 let offset = in_unit_ball(&mut seed);
                 [0, 1, 2].map(|k| centre[k] + target.radius * offset[k])
@@ -138,12 +191,12 @@ impl Refinement<'_> {
         let opened = open.owner().mesh.cavity().tets().count();
         *left = left.saturating_sub(opened);
         let judge = Judge { state: open.owner(), record: &self.record, recovers: false };
-        if !judge.relieves(target.t, place, bounds) {
+        if !judge.relieves(target, place, bounds) {
             return false;
         }
         open.owner_mut().touch(&place.p, place.carrier);
         let judge = Judge { state: open.owner(), record: &self.record, recovers: false };
-        let Some(filling) = judge.filling_beside(item, place) else { return false };
+        let Some(filling) = judge.filling_beside(item, place, target) else { return false };
         let mut work = Queues::default();
         self.inserted.fill(open, place, &filling, Some(bounds), &mut work);
         debug_assert!(self.state.is_complete(), "nothing may be lost");
@@ -151,6 +204,23 @@ impl Refinement<'_> {
             self.record.refused.insert(item, target.refusal);
         }
         true
+    }
+}
+
+/// Numbers of tetrahedra: over their bounds, and with tiny dihedral angles.
+#[derive(Default)]
+struct Tally {
+    over: usize,
+    thin: usize,
+}
+
+impl Tally {
+    /// Is this less than `before`?
+    fn is_better(&self, before: &Self, goal: Goal) -> bool {
+        match goal {
+            Goal::Bounds => self.over + self.thin < before.over + before.thin,
+            Goal::Angles => self.over <= before.over && self.thin < before.thin,
+        }
     }
 }
 
@@ -242,27 +312,41 @@ impl State {
 }
 
 impl Judge<'_> {
-    /// Has the open cavity tetrahedron `t`, and more tetrahedra over their bounds than the point
-    /// makes, where those with tiny angles count twice? And is none of the point's far worse?
-    fn relieves(&self, t: TetId, place: &Place, bounds: &Bounds<'_>) -> bool {
+    /// Has the open cavity the target, and makes the point fewer of what the target asks for? For
+    /// the sake of bounds those over their bounds count, and once more those with tiny angles of
+    /// these before, of all afterwards. And is none of the point's far worse?
+    fn relieves(&self, target: &Target, place: &Place, bounds: &Bounds<'_>) -> bool {
         let state = self.state;
         let topology = state.mesh.topology();
-        if !topology.at(t).is_marked() {
+        if !topology.at(target.t).is_marked() {
             return false;
         }
         let inside = |t: &TetId| !topology.at(*t).is_ghost() && state.marks.region(*t) != 0;
         let tets = || state.mesh.cavity().tets().filter(inside);
         let Some(ratio) = bounds.ratio else { return false };
-        let (mut before, mut worst) = (0, WORST);
-        for t in tets().filter(|&t| bounds.is_over(state, t)) {
+        let (mut before, mut worst) = (Tally::default(), WORST);
+        for t in tets() {
+            let is_over = bounds.is_over(state, t);
+            if !is_over && target.goal == Goal::Bounds {
+                continue;
+            }
             // Angles and ratios are rounded, in an order that is not that of the slots.
-            let [a, b, c, d] = sorted(state.vertices(t).map(|v| state.at(v)));
-            before += 1 + usize::from(has_small_dihedral([&a, &b, &c, &d]));
-            worst = worst.max(Shape::of([&a, &b, &c, &d]).ratio_over(&ratio));
+            let v = state.vertices(t);
+            let [a, b, c, d] = sorted(v.map(|v| state.at(v)));
+            let is_thin = has_small_dihedral([&a, &b, &c, &d]) && !state.is_flat(v);
+            before.over += usize::from(is_over);
+            before.thin += usize::from(is_thin);
+            if is_over {
+                worst = worst.max(Shape::of([&a, &b, &c, &d]).ratio_over(&ratio));
+            }
         }
         let patches = state.facets_of(place.carrier);
-        let mut after = 0;
-        for t in tets() {
+        let mut after = Tally::default();
+        // Dust that a point inside takes is inside then, too.
+        let region = state.marks.region(target.t);
+        let is_free = place.carrier == Carrier::Free && !state.by_place;
+        let solid = |t: &TetId| !topology.at(*t).is_ghost() && (is_free || inside(t));
+        for t in state.mesh.cavity().tets().filter(solid) {
             let (v, n) = (state.vertices(t), topology.at(t).neighbours());
             for slot in (0..4).filter(|&slot| !topology.at(tet_of(n[slot])).is_marked()) {
                 let face = FACE[slot].map(|k| v[k]);
@@ -273,26 +357,32 @@ impl Judge<'_> {
                 }
                 let mut corners = v.map(|v| state.at(v));
                 corners[slot] = place.p;
-                let is_over = bounds.are_over(corners.each_ref(), state.marks.region(t));
+                let region = if inside(&t) { state.marks.region(t) } else { region };
+                let is_over = bounds.are_over(corners.each_ref(), region);
                 let by_place = sorted(corners);
-                after += usize::from(has_small_dihedral(by_place.each_ref()));
+                after.thin += usize::from(has_small_dihedral(by_place.each_ref()));
                 if is_over {
-                    after += 1;
+                    after.over += 1;
                     if Shape::of(by_place.each_ref()).ratio_over(&ratio) > worst {
                         return false;
                     }
                 }
-                if after >= before {
+                if !after.is_better(&before, target.goal) {
                     return false;
                 }
             }
         }
-        after < before
+        after.is_better(&before, target.goal)
     }
 
     /// The changes of the boundary with a point on `item`, or inside, that takes no other item out
-    /// of the mesh and encroaches none but what may not be split.
-    fn filling_beside(&self, item: Option<Item>, place: &Place) -> Option<Filling> {
+    /// of the mesh.
+    fn filling_beside(
+        &self,
+        item: Option<Item>,
+        place: &Place,
+        target: &Target,
+    ) -> Option<Filling> {
         let state = self.state;
         let (mut changes, mut split) = (Vec::new(), None);
         if let Some(item) = item {
@@ -311,8 +401,9 @@ impl Judge<'_> {
         let ends = split.map(|(ends, _)| ends);
         let patches = state.plan_patches(&place.p, place.carrier, ends, &changes)?;
         changes.extend(patches);
-        let may = |hit: &Item| Some(*hit) == item || self.record.refused.contains_key(hit);
-        let is_kept = state.losses(ends, &changes).is_empty() && state.hits().iter().all(may);
+        let refused = |hit: &Item| Some(*hit) == item || self.record.refused.contains_key(hit);
+        let may = target.may_encroach || state.hits().iter().all(refused);
+        let is_kept = may && state.losses(ends, &changes).is_empty();
         is_kept.then_some(Filling { split, changes, lost: Vec::new() })
     }
 }

@@ -213,6 +213,8 @@ impl<'a> Refiner<'a> {
                 if run.stop.is_none() {
                     run.refinement.split_slivers(run.most, &mut run.work, &mut Open);
                     run.refine(usize::MAX)?;
+                    run.relieve_angles()?;
+                    run.relieve()?;
                 }
             }
             Engine::Rounds { order, start } => {

@@ -104,7 +104,7 @@ impl State {
 
     /// The segment in whose collar a tetrahedron is for this bound on its shape: all its vertices
     /// are on two facets that meet there, some on each alone, and some on the segment.
-    fn collar(&self, v: [VertexId; 4], bound: f64) -> Option<Reason> {
+    pub(crate) fn collar(&self, v: [VertexId; 4], bound: f64) -> Option<Reason> {
         let limit = 1.0 / (16.0 * bound * bound);
         let on = |f: u32, v: &VertexId| self.lies_on(self.carriers[v.index()], f);
         let is_in = |[f, g]: [u32; 2]| {

@@ -15,6 +15,10 @@ use ltbw_exact::Point;
 /// this number for each vertex; a part takes up to one.
 const JOINT: usize = 4;
 
+/// The part of its limit down to which the side of a tip may be made: more than one half, so that
+/// a tip with a side of the limit's length is not halved for what is beside it. (Queues only.)
+const TIP_SIDE: f64 = 0.75;
+
 /// The changes of the boundary that come with a point.
 #[derive(Debug, Default)]
 pub(crate) struct Filling {
@@ -148,8 +152,9 @@ impl Judge<'_> {
     fn is_too_near(&self, item: Item, p: &Point) -> bool {
         let joint = self.state.journal.as_ref().and_then(|journal| journal.limit);
         let Some(limit) = self.record.limits.get(&item).copied().or(joint) else { return false };
+        let share = if self.state.by_place { TIP_SHARE } else { TIP_SIDE };
         if let Item::Segment(ends) = item
-            && self.state.tip_side(ends, p).is_some_and(|side| side < TIP_SHARE * limit)
+            && self.state.tip_side(ends, p).is_some_and(|side| side < share * limit)
         {
             return true;
         }

@@ -6,7 +6,7 @@
 use super::{Look, Rounds};
 use crate::refine::RefineError;
 use crate::refine::outcome::Reason;
-use crate::refine::relief::PASSES;
+use crate::refine::relief::{Goal, PASSES};
 
 impl Rounds<'_, '_> {
     /// Relieves the tetrahedra over their bounds while that makes them fewer. Returns why it
@@ -34,7 +34,7 @@ impl Rounds<'_, '_> {
                 if stop.is_some() || left == 0 || is_spent {
                     break 'passes;
                 }
-                if self.own.relieve_tet(t, v, pass, &mut left) {
+                if self.own.relieve_tet(t, v, Goal::Bounds, pass, &mut left) {
                     self.note_created();
                     self.script_joint(before);
                 }

@@ -28,6 +28,14 @@ fn prism(corners: u32, noise: f64, seed: u64) -> Prepared {
     domain.prepare(&PrepareOptions::default()).expect("a sound domain")
 }
 
+/// A sphere by latitude and longitude, of 30 rings and meridians.
+fn globe(noise: f64) -> Prepared {
+    let made = surfaces::single(surfaces::globe(30, 30, noise, 0));
+    let mut domain = Domain { vertices: made.vertices, ..Domain::default() };
+    domain.facets.extend(made.facets.iter().map(|f| Facet::polygon(&f.polygons[0], 0)));
+    domain.prepare(&PrepareOptions::default()).expect("a sound domain")
+}
+
 /// A cone of `n` triangles on a band of rings, each `step` below the one before, with a flat base.
 fn cone(n: u32, height: f64, rings: u32, step: f64) -> Prepared {
     let mut domain = Domain { vertices: vec![[0.0, 0.0, height]], ..Domain::default() };
@@ -177,4 +185,37 @@ fn relief_makes_fewer_tetrahedra_over_their_bounds() {
         let refused = &run.refinement.record.refused;
         assert!(after.iter().all(|item| refused.contains_key(item)), "{corners}");
     }
+}
+
+/// Needles at the poles were halved one by one for the sake of what was beside them, which left
+/// flat tetrahedra with ratios of 700 over the folds between them.
+#[test]
+fn needles_around_a_pole_stay_whole() {
+    let ready = globe(0.0);
+    let refined = refine(&Refiner::new().flat_tolerance(1e-6), &ready);
+    let slivers: Vec<TetId> = refined.tets().filter(|&t| refined.state.is_sliver(t)).collect();
+    assert!(slivers.is_empty(), "{slivers:?}");
+    // There are 60 tips, and two have a tetrahedron in common only where it is flat.
+    assert!((60..=63).contains(&refined.excuses.len()), "{}", refined.excuses.len());
+    assert!(refined.num_tets() < 4500, "{}", refined.num_tets());
+}
+
+#[test]
+fn folds_between_four_vertices_on_a_circle_leave_few_slivers() {
+    let ready = globe(1e-3);
+    let recovered = Refiner::new().recovered(&ready.domain, &ready.lattice);
+    let (mut run, _) = recovered.expect("a sound domain");
+    run.refine(usize::MAX).expect("no error");
+    let slivers = |run: &Run<'_>| {
+        let state = &run.refinement.state;
+        state.mesh.tet_ids().filter(|&t| state.is_sliver(t)).count()
+    };
+    let (before, bad) = (slivers(&run), over(&run).len());
+    run.relieve_angles().expect("no error");
+    let (after, state) = (slivers(&run), &run.refinement.state);
+    assert!(before > 300 && after <= 10, "{before} {after}");
+    assert!(over(&run).len() <= bad, "{} {bad}", over(&run).len());
+    assert!(state.is_complete() && state.is_labelled(state.mesh.tet_ids()));
+    let refused = &run.refinement.record.refused;
+    assert!(over(&run).iter().all(|item| refused.contains_key(item)));
 }
