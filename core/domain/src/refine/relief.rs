@@ -55,7 +55,7 @@ const WORST: f64 = 32.0;
 const OPENED: usize = 24;
 const OPENED_MORE: usize = 1 << 19;
 
-/// What a point is to make fewer.
+/// The tetrahedra of which a point is to leave fewer.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Goal {
     /// Tetrahedra over their bounds.
