@@ -1,5 +1,5 @@
-//! Arrays without bounds checks, on huge pages: one of the two modules with unsafe code (the other
-//! is the vector code of spheres, `sphere/simd.rs`).
+//! Arrays without bounds checks, on huge pages: one of the three modules with unsafe code (the
+//! others are the vector code of spheres, `sphere/simd.rs`, and `lanes`).
 //!
 //! Its gain (1M uniform points, order + insertion, measured side by side): see
 //! `docs/decisions.md`.
@@ -19,8 +19,40 @@ use std::ops::Range;
 /// ids and face handles by `Topology::take`, vertices by `Geometry::push`), arrays never shrink,
 /// and ids that come from outside are compared with `len` first. Debug builds, and with them all
 /// tests and fuzzing, check every index.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Arena<T>(Vec<T>);
+pub(crate) struct Arena<T> {
+    /// All entries; none of an alias.
+    data: Vec<T>,
+    /// The first entry: of `data`, or of the array whose alias this is.
+    first: *mut T,
+    /// The number of entries that an alias may name.
+    others: usize,
+}
+
+// SAFETY: an arena owns its entries. Of an alias its maker has promised that no entry is used by
+// two threads at once ([`Arena::alias`]).
+unsafe impl<T: Send> Send for Arena<T> {}
+// SAFETY: through a shared reference entries are only read.
+unsafe impl<T: Sync> Sync for Arena<T> {}
+
+impl<T: Clone> Clone for Arena<T> {
+    fn clone(&self) -> Self {
+        Self::of(self.data.clone())
+    }
+}
+
+impl<T: PartialEq> PartialEq for Arena<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.data == other.data
+    }
+}
+
+impl<T: Eq> Eq for Arena<T> {}
+
+impl<T: std::fmt::Debug> std::fmt::Debug for Arena<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.data.fmt(f)
+    }
+}
 
 impl<T> Arena<T> {
     /// An empty array with room for `capacity` entries, on huge pages where there are any. The
@@ -28,10 +60,10 @@ impl<T> Arena<T> {
     pub(crate) fn with_capacity(capacity: usize) -> Self {
         let mut array = Vec::new();
         if array.try_reserve_exact(capacity).is_err() {
-            return Self(array);
+            return Self::of(array);
         }
         advise_huge(&array);
-        Self(array)
+        Self::of(array)
     }
 
     /// `len` times `entry`. Where it is zero, memory is taken when it is first written to.
@@ -39,25 +71,36 @@ impl<T> Arena<T> {
     where
         T: Clone,
     {
-        Self(vec![entry; len])
+        Self::of(vec![entry; len])
+    }
+
+    /// The same entries under another name, for one of several threads.
+    ///
+    /// # Safety
+    /// As long as there are aliases the array itself is not used, and no entry is used through one
+    /// of them while it is written through another. Aliases do not grow.
+    pub(crate) unsafe fn alias(&mut self) -> Self {
+        Self { data: Vec::new(), first: self.first, others: self.data.len() }
     }
 
     /// Asks for huge pages behind some entries: they are all to be written. A hint.
     pub(crate) fn prepare(&self, entries: Range<usize>) {
-        if let Some(entries) = self.0.get(entries) {
+        if let Some(entries) = self.data.get(entries) {
             let range = entries.as_ptr_range();
             advise(range.start as usize..range.end as usize, Advice::Huge);
         }
     }
 
     /// The entries of `array`.
-    pub(crate) fn of(array: Vec<T>) -> Self {
-        Self(array)
+    pub(crate) fn of(mut data: Vec<T>) -> Self {
+        let first = data.as_mut_ptr();
+        Self { data, first, others: 0 }
     }
 
     #[inline(always)]
     pub(crate) fn push(&mut self, entry: T) {
-        self.0.push(entry);
+        self.data.push(entry);
+        self.first = self.data.as_mut_ptr();
     }
 
     /// Appends `f` of the first `count` entries of `other`, piece by piece on all threads. The
@@ -67,18 +110,18 @@ impl<T> Arena<T> {
     where
         T: Zeroable,
     {
-        let (old, len) = (self.0.len(), count.min(other.0.len()));
-        let capacity = self.0.capacity();
-        self.0.reserve(len);
-        if self.0.capacity() != capacity {
-            advise_huge(&self.0);
+        let (old, len) = (self.data.len(), count.min(other.data.len()));
+        let capacity = self.data.capacity();
+        self.data.reserve(len);
+        if self.data.capacity() != capacity {
+            advise_huge(&self.data);
         }
-        let source = &mut other.0[..len];
+        let source = &mut other.data[..len];
         // Pieces of whole huge pages; entries are smaller than one and fill it.
         let offset = (source.as_ptr() as usize).next_multiple_of(HUGE) - source.as_ptr() as usize;
         let head = (offset / size_of::<T>()).min(len);
         let (head, rest) = source.split_at_mut(head);
-        let spare = &mut self.0.spare_capacity_mut()[..len];
+        let spare = &mut self.data.spare_capacity_mut()[..len];
         let (spare_head, spare_rest) = spare.split_at_mut(head.len());
         let copy = |source: &mut [T], spare: &mut [MaybeUninit<T>]| {
             for (entry, place) in source.iter().zip(spare) {
@@ -95,7 +138,8 @@ impl<T> Arena<T> {
             },
         );
         // SAFETY: room for `len` more was reserved, and each of them was written.
-        unsafe { self.0.set_len(old + len) };
+        unsafe { self.data.set_len(old + len) };
+        self.first = self.data.as_mut_ptr();
     }
 
     /// Grows to `len` entries, never shrinks.
@@ -103,29 +147,36 @@ impl<T> Arena<T> {
     where
         T: Clone,
     {
-        if self.0.len() < len {
-            self.0.resize(len, entry);
+        if self.data.len() < len {
+            self.data.resize(len, entry);
+            self.first = self.data.as_mut_ptr();
         }
     }
 
     /// All entries.
     #[inline(always)]
     pub(crate) fn all(&self) -> &[T] {
-        &self.0
+        &self.data
     }
 
     /// All entries.
     pub(crate) fn all_mut(&mut self) -> &mut [T] {
-        &mut self.0
+        &mut self.data
     }
 
     /// Entry `i`, which must exist (I7).
     #[inline(always)]
     pub(crate) fn at(&self, i: impl Into<u32>) -> &T {
         let i = i.into() as usize;
-        debug_assert!(i < self.0.len(), "I7: {i} of {}", self.0.len());
+        debug_assert!(self.has(i), "I7: {i} of {}", self.data.len().max(self.others));
         // SAFETY: I7, checked in debug builds.
-        unsafe { self.0.get_unchecked(i) }
+        unsafe { &*self.first.add(i) }
+    }
+
+    /// Entry `i`, if there is one.
+    pub(crate) fn get(&self, i: impl Into<u32>) -> Option<&T> {
+        let i = i.into();
+        self.has(i as usize).then(|| self.at(i))
     }
 
     /// Asks the processor to fetch entry `i` into its cache. A hint: nothing depends on it.
@@ -135,9 +186,9 @@ impl<T> Arena<T> {
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            let entry = self.0.as_ptr().wrapping_add(i);
+            let entry = self.first.wrapping_add(i);
             // SAFETY: SSE is part of x86-64, and a prefetch of any address is harmless.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(entry.cast()) };
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(entry.cast_const().cast()) };
         }
         #[cfg(not(target_arch = "x86_64"))]
         let _ = i;
@@ -147,15 +198,19 @@ impl<T> Arena<T> {
     #[inline(always)]
     pub(crate) fn at_mut(&mut self, i: impl Into<u32>) -> &mut T {
         let i = i.into() as usize;
-        debug_assert!(i < self.0.len(), "I7: {i} of {}", self.0.len());
+        debug_assert!(self.has(i), "I7: {i} of {}", self.data.len().max(self.others));
         // SAFETY: I7, checked in debug builds.
-        unsafe { self.0.get_unchecked_mut(i) }
+        unsafe { &mut *self.first.add(i) }
+    }
+
+    fn has(&self, i: usize) -> bool {
+        i < self.data.len().max(self.others)
     }
 }
 
 impl<T> Default for Arena<T> {
     fn default() -> Self {
-        Self(Vec::new())
+        Self::of(Vec::new())
     }
 }
 

@@ -93,6 +93,19 @@ impl Geometry {
         geometry
     }
 
+    /// The same points and spheres under another name, for one of several threads; predicate calls
+    /// are counted from zero.
+    ///
+    /// # Safety
+    /// As of [`Arena::alias`].
+    #[allow(unsafe_code)]
+    pub(crate) unsafe fn alias(&mut self) -> Self {
+        // SAFETY: as promised.
+        let (points, spheres) = unsafe { (self.points.alias(), self.spheres.alias()) };
+        let (maker, stats) = (Maker::default(), PredicateStats::default());
+        Self { points, spheres, maker, stats, ..*self }
+    }
+
     /// Gives vertex `v` of a submesh its coordinates.
     #[inline(always)]
     pub(crate) fn set_point(&mut self, v: VertexId, p: Point) {
@@ -175,6 +188,11 @@ impl Geometry {
     #[inline(always)]
     pub(crate) fn point(&self, v: VertexId) -> &Point {
         self.points.at(v)
+    }
+
+    /// Coordinates of a vertex, if there is one.
+    pub(crate) fn get_point(&self, v: VertexId) -> Option<&Point> {
+        self.points.get(v)
     }
 
     pub(crate) fn push(&mut self, p: Point) {

@@ -27,8 +27,8 @@
 //! Inner modules that are not shown here are public to the other crates of the workspace alone, and
 //! may change with every version.
 //!
-//! Unsafe code is in `arena` (arrays without bounds checks) and `sphere::simd` (vector code) alone;
-//! atomics in `sync`.
+//! Unsafe code is in `arena` (arrays without bounds checks), `sphere::simd` (vector code) and
+//! `mesh::lanes` (threads that insert into one mesh) alone; atomics in `sync`.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(unsafe_code)]
 

@@ -5,6 +5,8 @@
 //! stable until the next insertion.
 
 mod assembled;
+#[doc(hidden)]
+pub mod lanes;
 mod reopened;
 
 pub use assembled::Assembly;
@@ -218,6 +220,14 @@ impl Mesh {
     /// Fills the open cavity with the star of its point; returns the new vertex.
     #[inline]
     pub(crate) fn fill(&mut self, p: Point, number: Vertex) -> VertexId {
+        let v = self.enter(p, number);
+        self.fill_with(v, p);
+        v
+    }
+
+    /// Enters a vertex that no tetrahedron has yet.
+    #[inline(always)]
+    pub(crate) fn enter(&mut self, p: Point, number: Vertex) -> VertexId {
         let v = VertexId::at(self.numbers.len());
         self.geometry.put_point(v, p);
         self.numbers.push(number);
@@ -226,11 +236,16 @@ impl Mesh {
         {
             self.renumbered();
         }
+        v
+    }
+
+    /// Fills the open cavity of the point `p` with the star of vertex `v`, which is there.
+    #[inline(always)]
+    pub(crate) fn fill_with(&mut self, v: VertexId, p: Point) {
         self.cavity.reserve_vertices(self.numbers.len());
         self.hint = self.cavity.fill(&mut self.topology, v);
         self.geometry.created(self.topology.slots(), &self.cavity.star(), &p);
         self.geometry.stats.insphere_calls += self.cavity.tests() as u64;
-        v
     }
 
     /// The open cavity, or the last one filled.

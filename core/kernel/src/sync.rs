@@ -1,9 +1,12 @@
-//! The only file of this crate that touches atomics: cancelling long work from another thread.
+//! The only file of this crate that touches atomics: cancelling long work from another thread, and
+//! the claims of several threads on the slots of one mesh.
 
+use crate::topology::TetId;
 #[cfg(loom)]
-use loom::sync::{Arc, atomic::AtomicBool, atomic::Ordering};
+use loom::sync::{Arc, atomic::AtomicBool};
+use std::sync::atomic::{AtomicU8, Ordering};
 #[cfg(not(loom))]
-use std::sync::{Arc, atomic::AtomicBool, atomic::Ordering};
+use std::sync::{Arc, atomic::AtomicBool};
 
 /// A shared flag that asks long work to stop. Clones share the flag.
 #[derive(Clone, Debug)]
@@ -31,5 +34,38 @@ impl CancelToken {
     /// Was [`CancelToken::cancel`] called on this token or a clone?
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// The claims of several lanes on the slots of a mesh: a slot is the own one of the lane that was
+/// the first to ask for it. A lane alone reads and writes what is in its slots, so relaxed ordering
+/// is enough.
+#[derive(Debug, Default)]
+pub(crate) struct Claims(Vec<AtomicU8>);
+
+impl Claims {
+    /// The most lanes; they have numbers from 1 on.
+    pub(crate) const MOST: usize = u8::MAX as usize;
+
+    /// Makes `slots` slots nobody's.
+    pub(crate) fn clear(&mut self, slots: usize) {
+        self.0.iter_mut().for_each(|slot| *slot.get_mut() = 0);
+        self.0.resize_with(slots.max(self.0.len()), Default::default);
+    }
+
+    /// Asks for slot `t`; says whether it is this lane's.
+    #[inline(always)]
+    pub(crate) fn ask(&self, t: TetId, lane: u8) -> bool {
+        let slot = &self.0[t.index()];
+        match slot.load(Ordering::Relaxed) {
+            0 => slot.compare_exchange(0, lane, Ordering::Relaxed, Ordering::Relaxed).is_ok(),
+            owner => owner == lane,
+        }
+    }
+
+    /// Is slot `t` this lane's?
+    #[inline(always)]
+    pub(crate) fn has(&self, t: TetId, lane: u8) -> bool {
+        self.0.get(t.index()).is_some_and(|slot| slot.load(Ordering::Relaxed) == lane)
     }
 }

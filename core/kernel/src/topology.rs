@@ -243,6 +243,36 @@ impl Topology {
         if self.tets.all().len() + fresh > self.limit { Err(Full) } else { Ok(()) }
     }
 
+    /// Makes sure that there are `count` free slots, as far as the limit allows.
+    pub(crate) fn make_free(&mut self, count: usize) {
+        let (slots, missing) = (self.slots(), count.saturating_sub(self.free.len()));
+        let all = (slots + missing).min(self.limit).max(slots);
+        self.tets.grow(all, Tet { v: FREE, n: [FaceId::default(); 4] });
+        self.free.extend((slots..all).rev().map(TetId::at));
+    }
+
+    /// The same tetrahedra under another name, for one of several threads, with free slots of its
+    /// own and no room for others. Its ghosts are counted from zero, modulo 2^64.
+    ///
+    /// # Safety
+    /// As of [`Arena::alias`].
+    #[allow(unsafe_code)]
+    pub(crate) unsafe fn alias(&mut self, free: Vec<TetId>) -> Self {
+        // SAFETY: as promised.
+        Self { tets: unsafe { self.tets.alias() }, free, ghosts: 0, limit: 0 }
+    }
+
+    /// Gives the free slots away.
+    pub(crate) fn take_free(&mut self) -> Vec<TetId> {
+        std::mem::take(&mut self.free)
+    }
+
+    /// Takes over from an alias what it has left.
+    pub(crate) fn rejoin(&mut self, alias: Self) {
+        self.free.extend(alias.free);
+        self.ghosts = self.ghosts.wrapping_add(alias.ghosts);
+    }
+
     /// Takes a slot: the last freed one, else a fresh one at the end.
     pub(crate) fn take(&mut self) -> TetId {
         self.free.pop().unwrap_or_else(|| {

@@ -4,7 +4,7 @@
 //! A tetrahedron that is where it was is in conflict if it was, whatever was inserted since: so its
 //! slot tells, without its sphere.
 
-use super::{Cavity, Conflict, OTHERS, Setback, Wall};
+use super::{Admission, Cavity, Conflict, OTHERS, Role, Setback, Wall};
 use crate::topology::{INFINITE, TetId, Topology, tet_of};
 
 impl Cavity {
@@ -16,18 +16,23 @@ impl Cavity {
     /// Ends: each tetrahedron enters once.
     ///
     /// # Errors
-    /// The mesh is full, and as before.
-    pub(crate) fn reopen<C: Conflict>(
+    /// The mesh is full, or a slot of the list or beside the cavity is not admitted; it is not
+    /// looked at then. The mesh is as before.
+    pub(crate) fn reopen<C: Conflict, A: Admission>(
         &mut self,
         topology: &mut Topology,
         tets: &[TetId],
         conflict: &mut C,
         changed: &impl Fn(TetId) -> bool,
+        admission: &mut A,
     ) -> Result<Option<bool>, Setback> {
         self.tets.clear();
         self.walls.clear();
         self.ghosts = 0;
         self.tests = 0;
+        if let Some(&t) = tets.iter().find(|&&t| !admission.admit(t, Role::Cavity)) {
+            return Err(Setback::Refused(t));
+        }
         for list in tets.chunks(4) {
             let (mut four, mut mask) = ([TetId::default(); 4], 0);
             for (k, &t) in list.iter().enumerate() {
@@ -49,6 +54,11 @@ impl Cavity {
             let tet = *topology.tet(t);
             let (v, n) = (tet.vertices(), tet.neighbours());
             self.ghosts += usize::from(v[3] == INFINITE);
+            let refused = n.map(tet_of).into_iter().find(|&t| !admission.admit(t, Role::Ring));
+            if let Some(t) = refused {
+                self.set_back(topology);
+                return Err(Setback::Refused(t));
+            }
             let (mut open, mut fresh) = (0, 0);
             for (slot, &face) in n.iter().enumerate() {
                 let other = tet_of(face);

@@ -1,7 +1,7 @@
 //! Cavities opened again, from what an earlier search has found.
 
 use super::Mesh;
-use crate::cavity::Setback;
+use crate::cavity::{Open, Setback};
 use crate::topology::TetId;
 use crate::transaction::OpenCavity;
 use ltbw_exact::Point;
@@ -23,7 +23,8 @@ impl Mesh {
         changed: &impl Fn(TetId) -> bool,
     ) -> Result<Option<(OpenCavity<'_, Self>, bool)>, Setback> {
         let mut conflict = self.geometry.conflict_of(p);
-        let is_same = self.cavity.reopen(&mut self.topology, tets, &mut conflict, changed)?;
+        let Self { cavity, topology, .. } = self;
+        let is_same = cavity.reopen(topology, tets, &mut conflict, changed, &mut Open)?;
         Ok(is_same.map(|is_same| (OpenCavity::new(self), is_same)))
     }
 
