@@ -32,6 +32,7 @@ pub mod prepare;
 pub mod quality;
 pub mod refine;
 pub mod repair;
+mod sync;
 pub mod triangulate;
 
 pub use check::{Cell, CheckOptions, DomainReport, Trouble, TroubleKind, Volume};

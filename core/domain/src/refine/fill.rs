@@ -170,6 +170,13 @@ impl Inserted {
 }
 
 impl State {
+    /// Fills the open cavity of a free vertex that was put off.
+    pub(crate) fn fill_vertex(&mut self, v: VertexId) {
+        self.marks.gather(&self.mesh);
+        OpenCavity::new(&mut self.mesh).fill_vertex(v);
+        self.marks.pass_on(&self.mesh);
+    }
+
     /// Fills the open cavity; the star gets the marks of its walls. Returns the new vertex.
     fn fill(&mut self, place: &Place, number: u32) -> VertexId {
         self.marks.gather(&self.mesh);

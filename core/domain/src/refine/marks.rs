@@ -6,9 +6,10 @@
 //! behind its wall: the wall's own face and three edges, and the region, because the two lie on the
 //! same side of the wall.
 
+use crate::sync::Words;
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::mesh::Mesh;
-use ltbw_core::topology::{TetId, slot_of, tet_of};
+use ltbw_core::topology::{FaceId, TetId, slot_of, tet_of};
 
 /// A word of marks.
 pub(crate) type Word = u32;
@@ -65,7 +66,7 @@ fn inherit(word: Word, slot: usize) -> Word {
 /// The words of all slots.
 #[derive(Debug, Default)]
 pub(crate) struct Marks {
-    words: Vec<Word>,
+    words: Words,
     /// Words of the walls of the open cavity.
     inherited: Vec<Word>,
 }
@@ -73,19 +74,19 @@ pub(crate) struct Marks {
 impl Marks {
     /// No marks, for `slots` slots.
     pub(crate) fn new(slots: usize) -> Self {
-        Self { words: vec![0; slots], inherited: Vec::new() }
+        Self { words: Words::new(slots), inherited: Vec::new() }
     }
 
     pub(crate) fn of(&self, t: TetId) -> Word {
-        self.words[t.index()]
+        self.words.at(t)
     }
 
     pub(crate) fn set(&mut self, t: TetId, bits: Word) {
-        self.words[t.index()] |= bits;
+        self.words.set(t, self.of(t) | bits);
     }
 
     pub(crate) fn clear(&mut self, t: TetId, bits: Word) {
-        self.words[t.index()] &= !bits;
+        self.words.set(t, self.of(t) & !bits);
     }
 
     pub(crate) fn region(&self, t: TetId) -> u32 {
@@ -93,34 +94,48 @@ impl Marks {
     }
 
     pub(crate) fn set_region(&mut self, t: TetId, region: u32) {
-        let word = &mut self.words[t.index()];
-        *word = *word & (FACES | EDGES) | region << REGION_SHIFT;
+        self.words.set(t, self.of(t) & (FACES | EDGES) | region << REGION_SHIFT);
     }
 
     /// Gives a slot the word that it had before.
     pub(crate) fn restore(&mut self, t: TetId, word: Word) {
-        self.words[t.index()] = word;
+        self.words.set(t, word);
     }
 
     /// Reads what the walls of the mesh's open cavity pass on.
     pub(crate) fn gather(&mut self, mesh: &Mesh) {
-        self.inherited.clear();
-        for (_, outer) in mesh.cavity().walls() {
-            let inner = mesh.topology().at(tet_of(outer)).neighbours()[slot_of(outer)];
-            self.inherited.push(inherit(self.of(tet_of(inner)), slot_of(inner)));
-        }
+        let inner = |outer: FaceId| mesh.topology().at(tet_of(outer)).neighbours()[slot_of(outer)];
+        let mut inherited = std::mem::take(&mut self.inherited);
+        self.inherit(&mut inherited, mesh.cavity().walls().map(|(_, outer)| inner(outer)));
+        self.inherited = inherited;
+    }
+
+    /// Reads what walls, as seen from inside the cavity, pass on.
+    #[inline(always)]
+    pub(crate) fn inherit(&self, into: &mut Vec<Word>, walls: impl Iterator<Item = FaceId>) {
+        into.clear();
+        into.extend(walls.map(|wall| inherit(self.of(tet_of(wall)), slot_of(wall))));
     }
 
     /// Writes it to the star that filled the cavity.
     pub(crate) fn pass_on(&mut self, mesh: &Mesh) {
-        self.words.resize(mesh.topology().slots(), 0);
-        for (&t, &word) in mesh.cavity().star().tets.iter().zip(&self.inherited) {
-            self.words[t.index()] = word;
-        }
+        self.grow(mesh.topology().slots());
+        self.pass(&self.inherited, mesh.cavity().star().tets);
+    }
+
+    /// Writes words to the tetrahedra of a star, which are those of the caller.
+    #[inline(always)]
+    pub(crate) fn pass(&self, words: &[Word], star: &[TetId]) {
+        star.iter().zip(words).for_each(|(&t, &word)| self.words.set(t, word));
+    }
+
+    /// Makes room for `slots` slots.
+    pub(crate) fn grow(&mut self, slots: usize) {
+        self.words.grow(slots);
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.words.capacity() * size_of::<Word>()
+        self.words.memory_bytes()
     }
 }
 

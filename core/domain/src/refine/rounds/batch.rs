@@ -200,8 +200,7 @@ impl Rounds<'_, '_> {
             let Reserves { item, rank, place, cavity, fits, is_marked } = own;
             let tets = &batch.cavities[cavity];
             for &t in tets {
-                let reserved = &mut self.reserved[t.index()];
-                *reserved = (*reserved).max(last - rank);
+                self.reserved.set(t, self.reserved.at(t).max(last - rank));
             }
             let start = self.cavities.len();
             self.cavities.extend_from_slice(tets);

@@ -126,7 +126,7 @@ impl Rounds<'_, '_> {
         self.free = match self.written().checked_add(count).filter(|&most| most < LAST) {
             Some(_) => self.written(),
             None => {
-                self.reserved.fill(0);
+                self.reserved.clear();
                 0
             }
         };
@@ -151,8 +151,7 @@ impl Rounds<'_, '_> {
         let candidate = &self.candidates[k];
         let own = self.free + self.count - candidate.rank;
         for &t in &self.cavities[candidate.cavity.clone()] {
-            let reserved = &mut self.reserved[t.index()];
-            *reserved = own.max(*reserved);
+            self.reserved.set(t, self.reserved.at(t).max(own));
         }
     }
 
@@ -170,7 +169,7 @@ impl Rounds<'_, '_> {
     /// be alone?
     fn is_crowded(&self, own: &Candidate) -> bool {
         let is_met = |t: TetId| {
-            let other = self.reserved[t.index()];
+            let other = self.reserved.at(t);
             let rank = || (self.free + self.count - other) as usize;
             self.has_rival(t, own.rank) && (own.alone || self.alone[rank()])
         };
@@ -183,7 +182,7 @@ impl Rounds<'_, '_> {
 
     /// Does a candidate before the one of this rank have slot `t` in its cavity?
     pub(super) fn has_rival(&self, t: TetId, rank: u32) -> bool {
-        self.reserved[t.index()] > self.free + self.count - rank
+        self.reserved.at(t) > self.free + self.count - rank
     }
 
     /// Is a candidate killed by none before it, and loses no item together with others?

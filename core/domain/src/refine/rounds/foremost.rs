@@ -21,9 +21,9 @@ pub(super) struct Bad {
     pub(super) t: TetId,
     /// A tetrahedron that came before it at that look, and the neighbour on the way there, or `t`
     /// itself; `t` twice if none was found.
-    witness: [TetId; 2],
+    pub(super) witness: [TetId; 2],
     /// The look at new tetrahedra up to which all this is so.
-    look: u32,
+    pub(super) look: u32,
 }
 
 impl Bad {
@@ -94,7 +94,7 @@ impl Rounds<'_, '_> {
     fn sift(&self, bad: &mut [Bad]) -> (usize, Vec<Foremost>) {
         let (mut kept, mut foremost) = (0, Vec::new());
         let mesh = &self.own.state.mesh;
-        let changed = |own: &Bad, t: TetId| u32::from(self.stamps[t.index()] > own.look);
+        let changed = |own: &Bad, t: TetId| u32::from(self.stamps.at(t) > own.look);
         for first in (0..bad.len()).step_by(BLOCK) {
             let block = first..bad.len().min(first + BLOCK);
             // No branch waits for an entry: they are fetched side by side. 0: what came before it
@@ -114,9 +114,9 @@ impl Rounds<'_, '_> {
             for (k, new) in block.zip(news).filter(|own| own.1 <= 1) {
                 let mut own = bad[k];
                 if new == 1 {
-                    match self.one_before(own.t, self.keys[own.t.index()]) {
+                    match self.one_before(own.t, self.keys.at(own.t)) {
                         Some(witness) => own = Bad { witness, look: self.looks, ..own },
-                        None => foremost.push(self.foremost_at(own.t, self.keys[own.t.index()])),
+                        None => foremost.push(self.foremost_at(own.t, self.keys.at(own.t))),
                     }
                 }
                 bad[kept] = own;
@@ -131,7 +131,7 @@ impl Rounds<'_, '_> {
     pub(super) fn find_witnesses(&mut self, first: usize) {
         for k in first..self.bad.len() {
             let t = self.bad[k].t;
-            if let Some(witness) = self.one_before(t, self.keys[t.index()]) {
+            if let Some(witness) = self.one_before(t, self.keys.at(t)) {
                 self.bad[k].witness = witness;
             }
         }
@@ -157,7 +157,7 @@ impl Rounds<'_, '_> {
     /// Is one tetrahedron over its bounds, and comes before `other`, which has this key?
     #[inline(always)]
     fn is_before(&self, one: TetId, other: TetId, key: u64) -> bool {
-        let own = self.keys[one.index()];
+        let own = self.keys.at(one);
         own > key || own == key && one != other && self.place(one) < self.place(other)
     }
 

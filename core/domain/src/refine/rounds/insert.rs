@@ -36,6 +36,11 @@ impl Rounds<'_, '_> {
         let batch = if self.threads == 1 || count < MANY { BATCH } else { LARGE_BATCH };
         let order = self.in_order(class);
         self.script_round(&order);
+        if class == Class::Tets && count >= MANY && self.may_use_lanes() {
+            count = self.insert_in_lanes(&order, look)?;
+            cancelled = count < order.len() as u64;
+            return self.end_insertion(count, cancelled);
+        }
         for done in 0..order.len() {
             if done % batch == batch - 1 {
                 self.look_at_created();
@@ -47,6 +52,11 @@ impl Rounds<'_, '_> {
             self.fetch(&order[(done + 1).min(order.len())..]);
             self.insert_one(order[done])?;
         }
+        self.end_insertion(count, cancelled)
+    }
+
+    /// After the insertion of `count` points.
+    fn end_insertion(&mut self, count: u64, cancelled: bool) -> Result<bool, RefineError> {
         self.stats.round_points += count;
         if !self.own.state.is_complete() {
             return Err(RefineError::Invariant { what: "no round loses an item of the boundary" });
@@ -69,7 +79,7 @@ impl Rounds<'_, '_> {
         let Self { own, candidates, cavities, reserved, nothing, .. } = self;
         let Candidate { item, alone, ref place, ref cavity, ref mut filling, .. } = candidates[k];
         let state = &mut own.state;
-        let changed = |t: TetId| reserved[t.index()] > last;
+        let changed = |t: TetId| reserved.at(t) > last;
         let open = state.begin_again(place, &cavities[cavity.clone()], &changed);
         let (mut open, is_same) =
             open.map_err(|_| RefineError::Invariant { what: "chosen points are new" })?;

@@ -11,6 +11,7 @@ mod choose;
 mod conflict;
 mod foremost;
 mod insert;
+mod lanes;
 mod probe;
 mod relief;
 mod script;
@@ -25,6 +26,7 @@ use super::split::{Refinement, Step};
 use super::state::Place;
 use super::table::Map;
 use super::verdict::Filling;
+use crate::sync::{Keys, Words};
 use ltbw_core::cavity::Open;
 use ltbw_core::topology::TetId;
 use probe::Probe;
@@ -137,9 +139,9 @@ pub(crate) struct Rounds<'r, 'a> {
     /// The most points to insert.
     most: u64,
     /// Per slot: the key of a tetrahedron over its bounds that was not refused, else 0.
-    keys: Vec<u64>,
+    keys: Keys,
     /// Per slot: the look from which on it has had this key.
-    stamps: Vec<u32>,
+    stamps: Words,
     /// The number of looks at new tetrahedra.
     looks: u32,
     /// The tetrahedra whose key is not 0, and others that are gone since.
@@ -157,7 +159,7 @@ pub(crate) struct Rounds<'r, 'a> {
     cavities: Vec<TetId>,
     /// Per slot, if it is more than `free`: `count` more, less the rank of the foremost candidate
     /// with the slot in its cavity; or more than that, if this round has written it.
-    reserved: Vec<u32>,
+    reserved: Words,
     /// The largest entry of the rounds before.
     free: u32,
     /// The number of ranks of this round.
@@ -185,6 +187,8 @@ pub(crate) struct Rounds<'r, 'a> {
     refusals: Vec<(Item, Reason)>,
     /// Slots written by the insertions of this round, each once.
     created: Vec<TetId>,
+    /// The memory of the threads that insert together.
+    lanes: lanes::Memory,
     /// The work that the fillings put: items that are lost, of which there are none.
     nothing: Queues,
     stats: RefineStats,
@@ -214,8 +218,8 @@ impl<'r, 'a> Rounds<'r, 'a> {
             own,
             order,
             most,
-            keys: Vec::new(),
-            stamps: Vec::new(),
+            keys: Keys::default(),
+            stamps: Words::default(),
             looks: 0,
             bad: Vec::new(),
             foremost: Vec::new(),
@@ -224,7 +228,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             candidates: Vec::new(),
             chosen: Vec::new(),
             cavities: Vec::new(),
-            reserved: Vec::new(),
+            reserved: Words::default(),
             free: 0,
             count: 0,
             batch: 0,
@@ -239,6 +243,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             waits: Vec::new(),
             refusals: Vec::new(),
             created: Vec::new(),
+            lanes: lanes::Memory::default(),
             nothing: Queues::default(),
             stats: RefineStats { round_threads: threads, ..stats },
             in_waves,
@@ -370,7 +375,8 @@ impl<'r, 'a> Rounds<'r, 'a> {
             self.pending.remove(&item);
             if let Item::Tet(t, _) = item {
                 // No look so far has found it so.
-                (self.keys[t.index()], self.stamps[t.index()]) = (0, self.looks + 1);
+                self.keys.set(t, 0);
+                self.stamps.set(t, self.looks + 1);
             }
         }
         news

@@ -185,7 +185,7 @@ impl Rounds<'_, '_> {
             true => state.begin_and_look(&place, &mut Open),
             // Rule (d): boundary points keep apart.
             false => state.begin_and_look(&place, &mut |t: TetId, _: Role| {
-                let other = reserved[t.index()];
+                let other = reserved.at(t);
                 let before = || &candidates[(*free + *count - other) as usize].place;
                 other <= *free || is_same(before().carrier, place.carrier)
             }),

@@ -3,6 +3,7 @@
 use super::Rounds;
 use super::foremost::Bad;
 use crate::refine::RefineError;
+use crate::refine::bounds::Bounds;
 use crate::refine::item::Item;
 use crate::refine::key::{key, order_key, sorted};
 use crate::refine::marks::{ENDS, FACES};
@@ -10,18 +11,19 @@ use crate::refine::measure::Shape;
 use crate::refine::outcome::Reason;
 use crate::refine::record::Refusal;
 use crate::refine::table::{Set, edge};
+use crate::sync::{Keys, Words};
 use ltbw_core::topology::TetId;
+use ltbw_exact::Point;
 use rayon::prelude::*;
 
 /// Tetrahedra that one thread looks at at a time.
 const SHARE: usize = if cfg!(test) { 5 } else { 512 };
 
-/// A tetrahedron over its bounds.
-enum Over {
-    /// It has a key.
-    Bad(TetId, u64),
-    /// Points cannot help it.
-    Refused(Item, Reason),
+/// The key of a tetrahedron with these corners.
+pub(super) fn key_of(corners: [Point; 4]) -> u64 {
+    let corners = sorted(corners);
+    let [a, b, c, d] = &corners;
+    key(Shape::of([a, b, c, d]).radius2(), &corners)
 }
 
 /// The most times that refusals at patches are forgotten.
@@ -31,12 +33,11 @@ impl Rounds<'_, '_> {
     /// Notes the slots that the last insertion, or joint step, has written.
     pub(super) fn note_created(&mut self) {
         let slots = self.own.state.mesh.topology().slots();
-        self.reserved.resize(slots, 0);
+        self.reserved.grow(slots);
         let written = self.written();
         for &t in &self.own.inserted.created {
-            let reserved = &mut self.reserved[t.index()];
-            if *reserved != written {
-                *reserved = written;
+            if self.reserved.at(t) != written {
+                self.reserved.set(t, written);
                 self.created.push(t);
             }
         }
@@ -50,12 +51,13 @@ impl Rounds<'_, '_> {
 
     /// Looks at the tetrahedra made since the last look, as long as they are in the cache.
     pub(super) fn look_at_created(&mut self) {
-        self.keys.resize(self.own.state.mesh.topology().slots(), 0);
-        self.stamps.resize(self.keys.len(), 0);
+        let slots = self.own.state.mesh.topology().slots();
+        self.keys.grow(slots);
+        self.stamps.grow(slots);
         let mut created = std::mem::take(&mut self.created);
         self.looks += 1;
         for &t in &created {
-            self.write_key(t, 0, self.looks);
+            self.stamps.set(t, self.looks);
         }
         let first = self.bad.len();
         self.look_at(&created);
@@ -71,41 +73,34 @@ impl Rounds<'_, '_> {
     /// Gives those of some tetrahedra that are over their bounds their keys; those that points
     /// cannot help are refused at once.
     fn look_at(&mut self, tets: &[TetId]) {
+        let mut bad = std::mem::take(&mut self.bad);
         let this = &*self;
+        let mut refused = Vec::new();
         if this.threads > 1 && tets.len() >= 2 * SHARE {
-            let over = |list: &[TetId]| -> Vec<Over> {
-                list.iter().filter_map(|&t| this.over_at(t)).collect()
+            let look = |list: &[TetId]| {
+                let (mut bad, mut refused) = (Vec::new(), Vec::new());
+                list.iter().for_each(|&t| this.look_at_one(t, &mut bad, &mut refused));
+                (bad, refused)
             };
-            let found: Vec<Vec<Over>> = tets.par_chunks(SHARE).map(over).collect();
-            found.into_iter().flatten().for_each(|over| self.take_over(over));
+            let found: Vec<_> = tets.par_chunks(SHARE).map(look).collect();
+            for (own_bad, own_refused) in found {
+                bad.extend(own_bad);
+                refused.extend(own_refused);
+            }
         } else {
-            for &t in tets {
-                if let Some(over) = self.over_at(t) {
-                    self.take_over(over);
-                }
-            }
+            tets.iter().for_each(|&t| this.look_at_one(t, &mut bad, &mut refused));
         }
-    }
-
-    fn take_over(&mut self, over: Over) {
-        match over {
-            Over::Bad(t, key) => {
-                self.keys[t.index()] = key;
-                self.bad.push(Bad::new(t, self.looks));
-            }
-            Over::Refused(item, reason) => {
-                self.own.record.refused.insert(item, Refusal::final_for(reason));
-            }
-        }
+        self.bad = bad;
+        let refused = refused.into_iter().map(|(item, why)| (item, Refusal::final_for(why)));
+        self.own.record.refused.extend(refused);
     }
 
     /// Ends a round.
     pub(super) fn settle(&mut self) {
         self.look_at_created();
-        let Self { own, keys, stamps, looks, .. } = self;
-        let state = &own.state;
+        let state = &self.own.state;
         for &t in state.mesh.topology().free_slots() {
-            (keys[t.index()], stamps[t.index()]) = (0, *looks);
+            self.write_key(t, 0, self.looks);
         }
         // Items that are gone are asked for no more.
         self.pending.retain(|item, _| match item {
@@ -116,43 +111,44 @@ impl Rounds<'_, '_> {
     }
 
     /// Writes the entries of a slot, from this look on.
-    pub(super) fn write_key(&mut self, t: TetId, key: u64, look: u32) {
-        (self.keys[t.index()], self.stamps[t.index()]) = (key, look);
+    pub(super) fn write_key(&self, t: TetId, key: u64, look: u32) {
+        self.keys.set(t, key);
+        self.stamps.set(t, look);
     }
 
     /// Looks at all tetrahedra.
     pub(super) fn look_at_all(&mut self) {
         let slots = self.own.state.mesh.topology().slots();
-        (self.keys, self.stamps) = (vec![0; slots], vec![0; slots]);
-        self.reserved.resize(slots, 0);
+        (self.keys, self.stamps) = (Keys::new(slots), Words::new(slots));
+        self.reserved.grow(slots);
         self.bad.clear();
         let all: Vec<TetId> = self.own.state.mesh.tet_ids().collect();
         self.look_at(&all);
     }
 
-    /// The tetrahedron in slot `t`, if it is over its bounds and was not refused before.
-    fn over_at(&self, t: TetId) -> Option<Over> {
+    /// Gives slot `t` its key, which is 0 unless it has a tetrahedron over its bounds that was not
+    /// refused before.
+    fn look_at_one(&self, t: TetId, bad: &mut Vec<Bad>, refused: &mut Vec<(Item, Reason)>) {
+        self.keys.set(t, 0);
         let state = &self.own.state;
         let tet = state.mesh.topology().at(t);
-        let over = |b: &crate::refine::bounds::Bounds<'_>| b.is_over(state, t);
+        let over = |b: &Bounds<'_>| b.is_over(state, t);
         if tet.is_free() || tet.is_ghost() || !self.own.bounds.as_ref().is_some_and(over) {
-            return None;
+            return;
         }
         let v = tet.vertices();
         if self.own.record.refused.contains_key(&Item::Tet(t, v)) {
-            return None;
+            return;
         }
         if !state.angles.is_empty() {
             let mut by_place = v;
             by_place.sort_unstable_by_key(|&v| order_key(&state.at(v)));
             if let Some(reason) = self.own.beyond_help(t, by_place) {
-                return Some(Over::Refused(Item::Tet(t, v), reason));
+                return refused.push((Item::Tet(t, v), reason));
             }
         }
-        let corners = sorted(v.map(|v| state.at(v)));
-        let [a, b, c, d] = &corners;
-        let key = key(Shape::of([a, b, c, d]).radius2(), &corners);
-        Some(Over::Bad(t, key))
+        self.keys.set(t, key_of(v.map(|v| state.at(v))));
+        bad.push(Bad::new(t, self.looks));
     }
 
     /// A second chance for what was refused at patches, when nothing else is left to do: a point
@@ -197,8 +193,7 @@ impl Rounds<'_, '_> {
             Item::Tet(t, v) => state.is_live(t, v).then_some(t),
             _ => None,
         });
-        let is_left =
-            |&t: &TetId| self.keys[t.index()] != 0 && !state.mesh.topology().at(t).is_free();
+        let is_left = |&t: &TetId| self.keys.at(t) != 0 && !state.mesh.topology().at(t).is_free();
         let left = self.bad.iter().map(|bad| bad.t).filter(is_left);
         let mut over: Vec<TetId> = refused.chain(left).collect();
         over.sort_unstable();

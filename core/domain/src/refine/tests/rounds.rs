@@ -127,7 +127,6 @@ fn one_mesh_on_threads(refiner: &Refiner<'_>, ready: &Prepared, name: &str) {
             (stats.rounds, stats.widest, stats.round_points, stats.searches, stats.joint_phases)
         };
         assert_eq!(figures(&other), figures(&first), "{name} on {threads}");
-        assert_eq!(other.mesh().predicate_stats(), first.mesh().predicate_stats(), "{name}");
     }
     check_all(first.mesh()).expect("invariants of the mesh");
     assert!(first.stats.widest > 5, "{name}: {:?}", first.stats);

@@ -1,0 +1,229 @@
+//! The insertion of the points of a round by several threads: each has a share of them along the
+//! curve, inserts those whose closures nobody else needs, and leaves the others.
+
+use super::foremost::Bad;
+use super::settle::key_of;
+use super::{Candidate, Look, Rounds};
+use crate::refine::RefineError;
+use crate::refine::bounds::Bounds;
+use crate::refine::carrier::Carrier;
+use crate::refine::marks::{Marks, Word};
+use crate::sync::{Keys, Words};
+use ltbw_core::mesh::lanes::{Chosen, Follow, Lanes, View};
+use ltbw_core::topology::{FaceId, TetId, VertexId, tet_of};
+
+/// The fewest points for a lane.
+const FEW: usize = if cfg!(test) { 2 } else { 128 };
+/// The insertions of a lane between two looks at the new tetrahedra.
+const BATCH: usize = if cfg!(test) { 3 } else { 32 };
+/// The points inserted between two looks at whether the work is cancelled.
+const STAGE: usize = if cfg!(test) { 50 } else { 1 << 16 };
+
+/// The memory of the threads that insert together.
+#[derive(Debug, Default)]
+pub(super) struct Memory {
+    lanes: Lanes,
+    kept: Vec<Kept>,
+}
+
+/// The memory of one lane.
+#[derive(Debug, Default)]
+struct Kept {
+    /// The words of the walls of the open cavity.
+    inherited: Vec<Word>,
+    /// The slots that it has written since its last look, each once.
+    created: Vec<TetId>,
+    /// Insertions since the last look.
+    insertions: usize,
+    /// The looks of this stage.
+    looks: u32,
+    /// The tetrahedra over their bounds that it has found.
+    bad: Vec<Bad>,
+}
+
+/// Marks, slots written, and keys, which each lane brings up to date.
+struct Update<'u> {
+    marks: &'u Marks,
+    reserved: &'u Words,
+    /// The largest entry of slots that were not written in this round.
+    last: u32,
+    /// The entry of those written up to the first look.
+    written: u32,
+    keys: &'u Keys,
+    stamps: &'u Words,
+    /// The number of looks before.
+    looks: u32,
+    /// The bounds, if tetrahedra are looked at here.
+    bounds: Option<&'u Bounds<'u>>,
+}
+
+impl Update<'_> {
+    /// Looks at the tetrahedra made since the last look, as long as they are in the cache. None was
+    /// refused before: each has a new vertex.
+    #[inline(never)]
+    fn look(&self, own: &mut Kept, view: View<'_>) {
+        let Some(bounds) = self.bounds else { return };
+        let Kept { created, bad, looks, insertions, .. } = own;
+        *insertions = 0;
+        *looks += 1;
+        let (look, first) = (self.looks + *looks, bad.len());
+        for &t in &*created {
+            let key = self.key_at(t, bounds, view);
+            self.keys.set(t, key);
+            self.stamps.set(t, look);
+            if key != 0 {
+                bad.push(Bad::new(t, look));
+            }
+        }
+        created.clear();
+        for bad in &mut bad[first..] {
+            if let Some(witness) = self.one_before(bad.t, view) {
+                bad.witness = witness;
+            }
+        }
+    }
+
+    /// The key of slot `t`: 0 unless it has a tetrahedron over its bounds. The first vertex of
+    /// each is free, so none lies between the triangles of a patch.
+    fn key_at(&self, t: TetId, bounds: &Bounds<'_>, view: View<'_>) -> u64 {
+        let region = self.marks.region(t);
+        let Some(tet) = view.tet(t).filter(|tet| region != 0 && !tet.is_ghost()) else { return 0 };
+        let corners = tet.vertices().map(|v| view.point(v));
+        let [a, b, c, d] = &corners;
+        if bounds.are_over([a, b, c, d], region) { key_of(corners) } else { 0 }
+    }
+
+    /// A tetrahedron around `t` that comes before it, and the neighbour on the way there, or `t`.
+    /// Only slots of this lane count, since others may be written meanwhile, within this look.
+    fn one_before(&self, t: TetId, view: View<'_>) -> Option<[TetId; 2]> {
+        let key = self.keys.at(t);
+        let neighbours = view.tet(t)?.neighbours().map(tet_of);
+        let is_before = |&other: &TetId| self.keys.at(other) > key && view.tet(other).is_some();
+        let beside = neighbours.into_iter().find(is_before).map(|other| [t, other]);
+        let beyond = |way: TetId| {
+            let all = view.tet(way)?.neighbours().map(tet_of);
+            all.into_iter().find(is_before).map(|other| [way, other])
+        };
+        beside.or_else(|| neighbours.into_iter().find_map(beyond))
+    }
+}
+
+impl Follow for Update<'_> {
+    type Own = Kept;
+
+    #[inline(always)]
+    fn changed(&self, _: &Kept, t: TetId) -> bool {
+        self.reserved.at(t) > self.last
+    }
+
+    #[inline(always)]
+    fn opened(&self, own: &mut Kept, walls: impl Iterator<Item = FaceId>) {
+        self.marks.inherit(&mut own.inherited, walls);
+    }
+
+    #[inline(always)]
+    fn filled(&self, own: &mut Kept, star: &[TetId], view: View<'_>) {
+        self.marks.pass(&own.inherited, star);
+        let written = self.written + own.looks;
+        for &t in star {
+            if self.reserved.at(t) != written {
+                self.reserved.set(t, written);
+                own.created.push(t);
+            }
+        }
+        own.insertions += 1;
+        if own.insertions == BATCH {
+            self.look(own, view);
+        }
+    }
+
+    fn ended(&self, own: &mut Kept, view: View<'_>) {
+        self.look(own, view);
+    }
+}
+
+impl Rounds<'_, '_> {
+    /// May several threads insert the chosen tetrahedra's points? Not if labels at a patch change:
+    /// they are a function of the mesh as long as one point at a time changes it.
+    pub(super) fn may_use_lanes(&self) -> bool {
+        let changes = |&k: &usize| !self.candidates[k].filling.changes.is_empty();
+        self.threads > 1 && self.alone.is_empty() && !self.chosen.iter().any(changes)
+    }
+
+    /// Inserts candidates of tetrahedra in lanes; returns their number, which is less than all if
+    /// the work is cancelled.
+    ///
+    /// # Errors
+    /// There is no room for one.
+    pub(super) fn insert_in_lanes(
+        &mut self,
+        order: &[usize],
+        look: Look<'_>,
+    ) -> Result<u64, RefineError> {
+        let mut count = 0;
+        for stage in order.chunks(STAGE) {
+            if count > 0 && look(self.own.state.mesh.num_vertices()) {
+                break;
+            }
+            self.insert_stage(stage)?;
+            count += stage.len() as u64;
+        }
+        Ok(count)
+    }
+
+    fn insert_stage(&mut self, stage: &[usize]) -> Result<(), RefineError> {
+        let (count, last, written) = (stage.len(), self.free + self.count, self.written());
+        let many = self.threads.min(count / FEW).clamp(1, Lanes::MOST);
+        let Self { own, candidates, cavities, reserved, keys, stamps, lanes, .. } = self;
+        let (state, inserted) = (&mut own.state, &mut own.inserted);
+        let slots = state.mesh.make_room_for(count, many);
+        state.marks.grow(slots);
+        [&mut *reserved, stamps].into_iter().for_each(|words| words.grow(slots));
+        keys.grow(slots);
+        let (candidates, cavities) = (&*candidates, &*cavities);
+        let chosen = |k: usize| {
+            let Candidate { place, cavity, .. } = &candidates[stage[k]];
+            Chosen { p: place.p, cavity: &cavities[cavity.clone()] }
+        };
+        // Tetrahedra near small angles that points cannot help are found with the whole mesh.
+        let bounds = own.bounds.as_ref().filter(|_| state.angles.is_empty());
+        let (marks, looks) = (&state.marks, self.looks);
+        let follow = Update { marks, reserved, last, written, keys, stamps, looks, bounds };
+        let Memory { lanes, kept } = lanes;
+        kept.resize_with(kept.len().max(many), Kept::default);
+        let all = (count, &chosen);
+        let (first, put_off) =
+            state.mesh.fill_in_lanes(lanes, inserted.next_number, all, &follow, &mut kept[..many]);
+        state.carriers.resize(state.carriers.len() + count, Carrier::Free);
+        inserted.next_number += count as u32;
+        inserted.points.free += count as u64;
+        let looks = kept.iter().map(|own| own.looks).max().unwrap_or(0);
+        (self.looks, self.batch) = (self.looks + looks, self.batch + looks);
+        for own in kept {
+            own.looks = 0;
+            self.bad.append(&mut own.bad);
+            self.created.append(&mut own.created);
+        }
+        for k in put_off {
+            self.insert_vertex(stage[k], VertexId::at(first.index() + k))?;
+        }
+        self.look_at_created();
+        Ok(())
+    }
+
+    /// Inserts the point of candidate `k`, which was put off, as the vertex that it is.
+    fn insert_vertex(&mut self, k: usize, v: VertexId) -> Result<(), RefineError> {
+        let last = self.free + self.count;
+        let Self { own, candidates, cavities, reserved, .. } = self;
+        let Candidate { place, cavity, .. } = &candidates[k];
+        let changed = |t: TetId| reserved.at(t) > last;
+        let open = own.state.begin_again(place, &cavities[cavity.clone()], &changed);
+        let full = |_| RefineError::Invariant { what: "chosen points are new" };
+        open.map_err(full)?.0.end(|state| state.fill_vertex(v));
+        let created = &mut own.inserted.created;
+        created.clear();
+        created.extend_from_slice(own.state.mesh.cavity().star().tets);
+        self.note_created();
+        Ok(())
+    }
+}

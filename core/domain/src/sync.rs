@@ -1,0 +1,63 @@
+//! The only file of this crate that touches atomics: numbers by slot, which several
+//! threads may write, each those of its own slots.
+
+use ltbw_core::topology::TetId;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+/// An array with a number for each slot of a mesh. Numbers carry no other data, so relaxed ordering
+/// is enough.
+macro_rules! by_slot {
+    ($(#[$doc:meta])* $name:ident, $number:ident, $atomic:ident) => {
+        $(#[$doc])*
+        #[derive(Debug, Default)]
+        pub(crate) struct $name(Vec<$atomic>);
+
+        impl $name {
+            /// Zeros for `slots` slots.
+            pub(crate) fn new(slots: usize) -> Self {
+                let mut own = Self::default();
+                own.grow(slots);
+                own
+            }
+
+            /// Makes room for `slots` slots, zeros at first.
+            pub(crate) fn grow(&mut self, slots: usize) {
+                if self.0.len() < slots {
+                    self.0.resize_with(slots, $atomic::default);
+                }
+            }
+
+            /// The number of slot `t`.
+            #[inline(always)]
+            pub(crate) fn at(&self, t: TetId) -> $number {
+                self.0[t.index()].load(Ordering::Relaxed)
+            }
+
+            /// Replaces the number of slot `t`.
+            #[inline(always)]
+            pub(crate) fn set(&self, t: TetId, number: $number) {
+                self.0[t.index()].store(number, Ordering::Relaxed);
+            }
+        }
+    };
+}
+
+by_slot! {
+    /// A word for each slot.
+    Words, u32, AtomicU32
+}
+by_slot! {
+    /// A key for each slot.
+    Keys, u64, AtomicU64
+}
+
+impl Words {
+    /// Makes all words zero.
+    pub(crate) fn clear(&mut self) {
+        self.0.iter_mut().for_each(|word| *word.get_mut() = 0);
+    }
+
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.0.capacity() * size_of::<AtomicU32>()
+    }
+}
