@@ -7,7 +7,11 @@
 use ltbw::balance::Balance;
 use ltbw::threads::Parallel;
 use ltbw::{Builder, CancelToken, Outcome, Phase, PointSet, Progress};
+use ltbw_core::cavity::Open;
+use ltbw_core::mesh::lanes::{Chosen, Follow, Lanes, View};
+use ltbw_core::topology::{FaceId, TetId, VertexId};
 use ltbw_generate::{PointKind, generate};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 type Failure = Box<dyn std::error::Error>;
@@ -49,9 +53,66 @@ fn cancelled_run(points: usize) -> Result<u32, Failure> {
     Ok(1)
 }
 
+/// Slots written by the lanes that insert into one mesh.
+struct Written(Vec<AtomicBool>);
+
+impl Follow for Written {
+    type Own = usize;
+
+    fn changed(&self, _: &usize, t: TetId) -> bool {
+        self.0[t.index()].load(Ordering::Relaxed)
+    }
+
+    fn opened(&self, _: &mut usize, walls: impl Iterator<Item = FaceId>) {
+        walls.for_each(drop);
+    }
+
+    fn filled(&self, own: &mut usize, star: &[TetId], view: View<'_>) {
+        *own += star.iter().filter(|&&t| view.tet(t).is_some()).count();
+        star.iter().for_each(|t| self.0[t.index()].store(true, Ordering::Relaxed));
+    }
+
+    fn ended(&self, _: &mut usize, _: View<'_>) {}
+}
+
+/// Insertions of many points into one mesh, in two to five lanes; returns their number.
+fn lanes(points: usize) -> Result<u32, Failure> {
+    let all = generate(PointKind::Uniform, 2 * points, 4);
+    let expected = Builder::new().build(&PointSet::new(all.clone())?)?.mesh.hash()?;
+    let (start, rest) = all.split_at(points);
+    for many in 2..=5 {
+        let mut mesh = Builder::new().build(&PointSet::new(start.to_vec())?)?.mesh;
+        let (mut memory, mut filled) = (Lanes::default(), 0);
+        for list in rest.chunks(points / 10) {
+            let mut cavities = Vec::new();
+            for p in list {
+                let from = mesh.hint();
+                let open = mesh.begin(*p, from, &mut Open).map_err(|_| "a point is a vertex")?;
+                cavities.push(open.tets().collect::<Vec<TetId>>());
+            }
+            let slots = mesh.make_room_for(list.len(), many);
+            let follow = Written((0..slots).map(|_| AtomicBool::new(false)).collect());
+            let chosen = |k: usize| Chosen { p: list[k], cavity: &cavities[k] };
+            let (number, all) = (mesh.num_vertices() as u32, (list.len(), &chosen));
+            let mut own = vec![0; many];
+            let (first, put_off) = mesh.fill_in_lanes(&mut memory, number, all, &follow, &mut own);
+            filled += own.iter().filter(|&&count| count > 0).count();
+            for k in put_off {
+                let from = mesh.hint();
+                let open = mesh.begin(list[k], from, &mut Open).map_err(|_| "a vertex")?;
+                open.fill_vertex(VertexId::at(first.index() + k));
+            }
+        }
+        if mesh.hash()? != expected || filled < 10 * many {
+            return Err(format!("another mesh, or lanes without insertions: {many}").into());
+        }
+    }
+    Ok(4)
+}
+
 fn main() -> Result<(), Failure> {
     rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global()?;
     let points = std::env::args().nth(1).map_or(Ok(1500), |text| text.parse())?;
-    println!("{} runs", whole_runs(points)? + cancelled_run(20 * points)?);
+    println!("{} runs", whole_runs(points)? + cancelled_run(20 * points)? + lanes(points)?);
     Ok(())
 }
