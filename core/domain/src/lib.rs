@@ -34,6 +34,8 @@ pub mod refine;
 pub mod repair;
 mod sync;
 pub mod triangulate;
+#[doc(hidden)]
+pub mod vector;
 
 pub use check::{Cell, CheckOptions, DomainReport, Trouble, TroubleKind, Volume};
 pub use defect::{DefectKind, DomainDefect, DomainError, Element, Severity};

@@ -3,6 +3,7 @@
 //!
 //! Values are rounded: they are for people. Bounds are tested exactly elsewhere.
 
+use crate::vector::{cross, dot, minus};
 use ltbw_exact::Point;
 use rayon::prelude::*;
 use std::fmt::Write as _;
@@ -67,18 +68,6 @@ const SHARE: usize = if cfg!(test) { 3 } else { 4096 };
 /// The edges by their slots, and the two other slots.
 const EDGES: [[usize; 4]; 6] =
     [[0, 1, 2, 3], [0, 2, 1, 3], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 0, 2], [2, 3, 0, 1]];
-
-fn minus(a: &Point, b: &Point) -> Point {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: &Point, b: &Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: &Point, b: &Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
 
 /// Lengths of the edges.
 fn lengths(corners: [&Point; 4]) -> [f64; 6] {

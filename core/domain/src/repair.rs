@@ -11,6 +11,7 @@
 //! are closed in at most `ROUNDS` rounds.
 
 use crate::check::same_place;
+use crate::vector::{distance2, dot, minus};
 use crate::{Domain, Facet};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::collinear;
@@ -118,19 +119,6 @@ impl Repairs {
     }
 }
 
-fn minus(a: &Point, b: &Point) -> Point {
-    [0, 1, 2].map(|k| a[k] - b[k])
-}
-
-fn dot(a: &Point, b: &Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn square(a: &Point, b: &Point) -> f64 {
-    let d = minus(a, b);
-    dot(&d, &d)
-}
-
 /// The corners of a facet that is one polygon of three corners or more without holes.
 fn simple(facet: &Facet) -> Option<&Vec<u32>> {
     match (facet.polygons.as_slice(), facet.holes.as_slice()) {
@@ -161,7 +149,7 @@ pub(crate) fn weld(domain: &Domain, step: f64, tolerance: f64) -> Vec<u32> {
     let near = |place: &Place| {
         let (own, v) = (*place.geom(), place.data);
         let near = tree.locate_within_distance(own, reach * reach).take(NEIGHBOURS);
-        let near = near.map(|other| (square(&own, other.geom()), v, other.data));
+        let near = near.map(|other| (distance2(&own, other.geom()), v, other.data));
         near.filter(|&(d, v, w)| v < w && is_near(d)).collect::<Vec<_>>()
     };
     let mut pairs: Vec<(f64, u32, u32)> = places.par_iter().flat_map_iter(near).collect();
@@ -212,7 +200,7 @@ impl<'a> Clusters<'a> {
     fn unite(&mut self, a: u32, b: u32, is_near: impl Fn(f64) -> bool) {
         let (a, b) = (self.find(a), self.find(b));
         let (low, high) = (a.min(b), a.max(b));
-        let distance = square(&self.points[low as usize], &self.points[high as usize]);
+        let distance = distance2(&self.points[low as usize], &self.points[high as usize]);
         if low == high || !is_near(distance) {
             return;
         }
@@ -389,7 +377,7 @@ fn beside(p: &Point, a: &Point, b: &Point, tolerance: f64) -> bool {
     let (along, offset) = (minus(b, a), minus(p, a));
     let (length, place) = (dot(&along, &along), dot(&along, &offset));
     let foot = place / length;
-    let gap = square(p, &[0, 1, 2].map(|k| a[k] + foot * along[k]));
+    let gap = distance2(p, &[0, 1, 2].map(|k| a[k] + foot * along[k]));
     place > 0.0 && place < length && gap <= tolerance * tolerance
 }
 
@@ -405,7 +393,7 @@ fn put_into_edges(
         let mut more = within(edge);
         more.retain(|v| !polygon.contains(v) && !corners.contains(v));
         let start = &points[edge[0] as usize];
-        let along = |v: &u32| square(&points[*v as usize], start);
+        let along = |v: &u32| distance2(&points[*v as usize], start);
         more.sort_by(|v, w| along(v).total_cmp(&along(w)).then(v.cmp(w)));
         corners.push(edge[0]);
         corners.extend(more);

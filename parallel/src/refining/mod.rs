@@ -28,8 +28,9 @@ use crate::protocol::{Config, Correct, Rules, Worker};
 use crate::simulate::{MeshError, Meshed, Options, Simulation, simulate};
 use crate::threads::{Parallel, Run, RunError};
 use ltbw_core::{BuildError, CancelToken};
+use ltbw_domain::vector::dot;
 use ltbw_exact::{Mode, Point, PointSet};
-use shape::{Shape, dot};
+use shape::Shape;
 use std::time::Instant;
 
 /// Steps of the lattice of new points in the longest side of the box: about 2^40.

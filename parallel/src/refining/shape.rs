@@ -1,5 +1,6 @@
 //! The measures of a tetrahedron, rounded: they decide what is refined, never where it fits.
 
+use ltbw_domain::vector::{cross, dot, minus};
 use ltbw_exact::Point;
 
 /// Volume, circumsphere and shortest edge.
@@ -9,18 +10,6 @@ pub(super) struct Shape {
     pub(super) centre: Point,
     pub(super) radius: f64,
     pub(super) shortest: f64,
-}
-
-fn minus(a: &Point, b: &Point) -> Point {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-pub(super) fn dot(a: &Point, b: &Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: &Point, b: &Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 impl Shape {

@@ -17,11 +17,12 @@
 //!
 //! Angles are computed in `f64`: they choose how hard to try, never what is true of the result.
 
-use super::carrier::{Carrier, cross, dot, minus};
+use super::carrier::Carrier;
 use super::near::{self, Pair};
 use super::outcome::Reason;
 use super::plc::Plc;
 use super::table::{Map, Set, edge};
+use crate::vector::{cross, dot, minus};
 use ltbw_exact::Point;
 
 /// cos² of 20°, the angle below which features are related.

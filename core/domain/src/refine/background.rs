@@ -7,8 +7,8 @@
 //! Cost: a tree of the tetrahedra's boxes; one look at it for every new tetrahedron of a
 //! refinement.
 
-use super::carrier::{cross, dot, minus};
 use crate::Prepared;
+use crate::vector::{cross, dot, minus};
 use ltbw_core::build::BuildError;
 use ltbw_core::{Builder, TetMesh};
 use ltbw_exact::points::PointError;

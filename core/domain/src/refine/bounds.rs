@@ -1,11 +1,11 @@
 //! The bounds that a mesh has to meet, and the decision whether a tetrahedron does.
 
 use super::RefineError;
-use super::carrier::distance2;
 use super::key::sorted;
 use super::measure::{RatioBound, Shape, VolumeBound};
 use super::state::State;
 use crate::prepare::LARGEST_TOLERANCE;
+use crate::vector::distance2;
 use crate::{Domain, Lattice};
 use ltbw_core::topology::TetId;
 use ltbw_exact::Point;

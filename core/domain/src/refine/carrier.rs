@@ -9,6 +9,7 @@
 //! that are mirror images then round alike and stay mirror images.
 
 use crate::lattice::{INPUT_BITS, PARAMETER_BITS};
+use crate::vector::{cross, dot};
 use ltbw_exact::Point;
 
 /// Fine steps in a step of the grid, and the largest parameter of a segment.
@@ -31,27 +32,6 @@ pub(crate) enum Carrier {
     Facet(u32),
     /// Inside a region.
     Free,
-}
-
-/// `a - b`
-pub(crate) fn minus<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
-    std::array::from_fn(|k| a[k] - b[k])
-}
-
-/// The scalar product, rounded.
-pub(crate) fn dot(a: &Point, b: &Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// The vector product, rounded.
-pub(crate) fn cross(a: &Point, b: &Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// The squared distance, rounded.
-pub(crate) fn distance2(a: &Point, b: &Point) -> f64 {
-    let d = minus(a, b);
-    dot(&d, &d)
 }
 
 /// A corner in fine steps.

@@ -1,10 +1,10 @@
 //! Keys and orders that are functions of coordinates alone, whatever the numbers of vertices and
 //! slots: what is chosen first, and what comes first of several.
 
-use super::carrier::distance2;
 use super::item::Item;
 use super::measure::circumcircle;
 use super::state::State;
+use crate::vector::distance2;
 use ltbw_core::topology::VertexId;
 use ltbw_exact::Point;
 use std::cmp::Reverse;

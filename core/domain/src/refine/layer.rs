@@ -9,12 +9,13 @@
 //! triangulation of the rounded projection tells where triangles are missing, and so where points
 //! are inserted; that triangulation is never taken for true.
 
-use super::carrier::{Carrier, cross, dot, minus};
+use super::carrier::Carrier;
 use super::marks::{DUST, face_bit};
 use super::patch::Sides;
 use super::state::{FACE, State};
 use super::table::{Map, Set, sides, triangle};
 use super::tiles::{Found, Tile};
+use crate::vector::{cross, dot, minus};
 use ltbw_core::Builder;
 use ltbw_core::topology::{INFINITE, VertexId, slot_of, tet_of};
 use ltbw_exact::{Point, PointSet};

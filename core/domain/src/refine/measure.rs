@@ -4,7 +4,7 @@
 //!
 //! Coordinates are in fine steps: whole numbers of at most 2^53 in magnitude.
 
-use super::carrier::{cross, dot, minus};
+use crate::vector::{cross, dot, minus};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, filter};
 use num_bigint::BigInt;

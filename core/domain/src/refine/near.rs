@@ -7,8 +7,8 @@
 //!
 //! Distances are computed in `f64`: they choose how hard to try, never what is true of the result.
 
-use super::carrier::{cross, distance2, dot, minus};
 use super::plc::{Facet, Plc};
+use crate::vector::{cross, distance2, dot, minus};
 use ltbw_exact::Point;
 use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree, RTreeObject};

@@ -103,8 +103,8 @@ fn for_each_cell(level: i32, [x, y, z]: [[i64; 2]; 3], mut act: impl FnMut(Cell)
 
 #[cfg(test)]
 mod tests {
-    use super::super::carrier::distance2;
     use super::*;
+    use crate::vector::distance2;
     use ltbw_core::topology::VertexId;
 
     #[test]

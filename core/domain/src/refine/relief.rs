@@ -19,7 +19,7 @@
 //! only.)
 
 use super::bounds::Bounds;
-use super::carrier::{Carrier, Line, distance2, free_point};
+use super::carrier::{Carrier, Line, free_point};
 use super::facet::Seed;
 use super::item::{Item, Queues, Work};
 use super::key::sorted;
@@ -31,6 +31,7 @@ use super::state::{FACE, Place, State};
 use super::table::edge;
 use super::verdict::{Filling, Judge};
 use super::walk::Way;
+use crate::vector::distance2;
 use ltbw_core::cavity::Open;
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_exact::Point;

@@ -17,13 +17,14 @@
 //! Such a tetrahedron that is over its bound of shape only is excused at once, with the corner or
 //! segment for a reason. Before, it was split for some levels, each of which left as many excused.
 
-use super::carrier::{Carrier, distance2};
+use super::carrier::Carrier;
 use super::item::Item;
 use super::measure::circumcircle;
 use super::outcome::Reason;
 use super::split::Refinement;
 use super::state::State;
 use super::table::edge;
+use crate::vector::distance2;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::Point;
 

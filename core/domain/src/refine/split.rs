@@ -7,7 +7,7 @@
 
 use super::angles::{direction, is_sharp};
 use super::bounds::Bounds;
-use super::carrier::{Carrier, Line, distance2, free_point, within_box};
+use super::carrier::{Carrier, Line, free_point, within_box};
 use super::fill::Inserted;
 use super::item::{Item, Work};
 use super::key::sorted;
@@ -19,6 +19,7 @@ use super::script::Script;
 use super::state::{Place, State};
 use super::verdict::{Judge, Verdict};
 use super::walk::Way;
+use crate::vector::distance2;
 use ltbw_core::cavity::{Admission, Setback};
 use ltbw_core::mesh::At;
 use ltbw_core::topology::{TetId, VertexId};

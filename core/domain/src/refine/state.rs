@@ -5,7 +5,7 @@
 //! the new point, so an item that the mesh has lost never comes back: it has to be split.
 
 use super::angles::Angles;
-use super::carrier::{Carrier, UNIT, distance2};
+use super::carrier::{Carrier, UNIT};
 use super::item::{Item, Work};
 use super::journal::Journal;
 use super::marks::Marks;
@@ -14,6 +14,7 @@ use super::outcome::Reason;
 use super::plc::Plc;
 use super::registry::Registry;
 use super::table::{Map, Set, sides};
+use crate::vector::distance2;
 use ltbw_core::cavity::{Admission, Cavity, Open};
 use ltbw_core::mesh::{At, Mesh};
 use ltbw_core::topology::{TetId, VertexId};

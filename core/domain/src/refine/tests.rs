@@ -13,6 +13,7 @@ use super::state::{FACE, State};
 use super::table::{Set, edge};
 use super::walk::Way;
 use super::*;
+use crate::vector;
 use crate::{Domain, Facet, PrepareOptions, Prepared, Region};
 use ltbw_core::CancelToken;
 use ltbw_core::cavity::Role;
@@ -442,18 +443,18 @@ fn the_boundary_has_the_markers_of_its_facets_and_points_outwards() {
             for p in [&a, &b, &c] {
                 assert_eq!(ltbw_exact::predicates::orient3d(at(0), at(1), at(2), p), Sign::Zero);
             }
-            let n = carrier::cross(&carrier::minus(&b, &a), &carrier::minus(&c, &a));
-            seen[(face.marker - 10) as usize] += carrier::dot(&n, &n).sqrt() / 2.0;
+            let n = vector::cross(&vector::minus(&b, &a), &vector::minus(&c, &a));
+            seen[(face.marker - 10) as usize] += vector::dot(&n, &n).sqrt() / 2.0;
         }
         // Every facet is covered by the triangles that have its marker.
         for (area, facet) in seen.into_iter().zip(&ready.domain.facets) {
             let corners = &facet.polygons[0];
             let at = |k: usize| ready.domain.vertices[corners[k] as usize];
             let fan = (2..corners.len()).map(|k| {
-                carrier::cross(&carrier::minus(&at(k - 1), &at(0)), &carrier::minus(&at(k), &at(0)))
+                vector::cross(&vector::minus(&at(k - 1), &at(0)), &vector::minus(&at(k), &at(0)))
             });
             let n = fan.fold([0.0; 3], |s, n| [s[0] + n[0], s[1] + n[1], s[2] + n[2]]);
-            assert!((carrier::dot(&n, &n).sqrt() / 2.0 - area).abs() < 1e-12);
+            assert!((vector::dot(&n, &n).sqrt() / 2.0 - area).abs() < 1e-12);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Verdicts on proposed points: read-only looks at the state with the point's cavity open.
 
-use super::carrier::{Carrier, distance2};
+use super::carrier::Carrier;
 use super::facet::{Change, Seed};
 use super::item::Item;
 use super::marks::face_bit;
@@ -8,6 +8,7 @@ use super::outcome::Reason;
 use super::record::{Record, TIP_SHARE};
 use super::state::{FACE, Place, State};
 use super::table::triangle;
+use crate::vector::distance2;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
 

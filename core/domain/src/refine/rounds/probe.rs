@@ -6,7 +6,7 @@
 use super::conflict::is_same;
 use super::foremost::Foremost;
 use super::{Asked, Candidate, Conclusion, Pending, Rounds};
-use crate::refine::carrier::{Carrier, distance2, free_point};
+use crate::refine::carrier::{Carrier, free_point};
 use crate::refine::item::Item;
 use crate::refine::key::sorted;
 use crate::refine::measure::{Shape, circumcircle};
@@ -15,6 +15,7 @@ use crate::refine::split::{TOLERANCE, aim};
 use crate::refine::state::Place;
 use crate::refine::verdict::{Filling, Judge, Verdict};
 use crate::refine::walk::Way;
+use crate::vector::distance2;
 use ltbw_core::cavity::{Open, Role};
 use ltbw_core::mesh::At;
 use ltbw_core::topology::{TetId, VertexId};

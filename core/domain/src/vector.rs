@@ -1,0 +1,28 @@
+//! Vectors of doubles, rounded: they steer, and never decide where exactness is asked for.
+
+use ltbw_exact::Point;
+
+/// The difference `a - b`.
+#[inline]
+pub fn minus<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+/// The scalar product.
+#[inline]
+pub fn dot(a: &Point, b: &Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The vector product.
+#[inline]
+pub fn cross(a: &Point, b: &Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// The squared distance.
+#[inline]
+pub fn distance2(a: &Point, b: &Point) -> f64 {
+    let d = minus(a, b);
+    dot(&d, &d)
+}
