@@ -1,5 +1,6 @@
 //! Features that come so near to each other that a mesh with bounds would need too many points:
-//! their distance is below 16 floors, and they are 256 times as wide as that or more.
+//! their distance is below 16 floors, and they are 256 times as wide as that or more; or it is below
+//! 512 floors, and they are 512 times as wide.
 //!
 //! Between two such facets every tetrahedron is either flat or tiny. As with small angles, vertices
 //! of one then do not encroach items of the other that the mesh has, and what is over its bounds
@@ -15,6 +16,16 @@ use rstar::{AABB, RTree, RTreeObject};
 
 /// The least ratio of the features' width to their distance.
 const WIDE: f64 = 256.0;
+
+/// The same at up to `FAR` times the distance.
+const WIDER: f64 = 512.0;
+const FAR: f64 = 32.0;
+
+/// Is a distance small for features of this width?
+fn is_small(distance: f64, limit: f64, width: f64) -> bool {
+    let nearer = distance < limit && distance * WIDE < width;
+    nearer || distance < FAR * limit && distance * WIDER < width
+}
 
 /// Two features near each other; ids are those of the complex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,11 +77,11 @@ pub(crate) fn pairs(plc: &Plc, limit: f64) -> Vec<Pair> {
         near_corner(plc, &facets, corner, limit, &mut found);
     }
     for one in &segments {
-        for other in segments.locate_in_envelope_intersecting(grown(&one.envelope(), limit)) {
+        for other in segments.locate_in_envelope_intersecting(grown(&one.envelope(), FAR * limit)) {
             let (s, r) = (one.data, other.data);
             let wide = side(&one.envelope()).min(side(&other.envelope()));
             let distance = segment_distance(plc, s, r);
-            if s < r && distance.is_some_and(|d| d < limit && d * WIDE < wide) {
+            if s < r && distance.is_some_and(|d| is_small(d, limit, wide)) {
                 found.push(Pair::Segments(s, r));
             }
         }
@@ -85,7 +96,7 @@ pub(crate) fn pairs(plc: &Plc, limit: f64) -> Vec<Pair> {
 /// The facets near a corner that is not on them.
 fn near_corner(plc: &Plc, facets: &RTree<Boxed>, corner: u32, limit: f64, found: &mut Vec<Pair>) {
     let (p, own) = (at(plc, corner), &plc.facets_at[corner as usize]);
-    for facet in facets.locate_in_envelope_intersecting(grown(&AABB::from_point(p), limit)) {
+    for facet in facets.locate_in_envelope_intersecting(grown(&AABB::from_point(p), FAR * limit)) {
         let g = facet.data;
         if own.binary_search(&g).is_ok() {
             continue;
@@ -97,7 +108,7 @@ fn near_corner(plc: &Plc, facets: &RTree<Boxed>, corner: u32, limit: f64, found:
         });
         let wide = lengths.fold(0.0, f64::max).min(side(&facet.envelope()));
         let distance = corner_distance(plc, &p, &plc.facets[g as usize]);
-        if distance.is_some_and(|d| d < limit && d * WIDE < wide) {
+        if distance.is_some_and(|d| is_small(d, limit, wide)) {
             found.push(Pair::CornerFacet(corner, g));
         }
     }
@@ -172,7 +183,7 @@ mod tests {
         let square = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
         // A triangle at a height with a corner over the square, two beside it.
         let at = |h: f64| [[0.5, 0.5, h], [-0.5, 0.25, h], [-0.5, 0.75, h]];
-        for (height, near) in [(1e-6, true), (1e-3, false)] {
+        for (height, near) in [(1e-6, true), (1e-4, true), (1e-3, false)] {
             let vertices = [&square[..], &at(height)].concat();
             let plc = complex(&vertices, &[&[0, 1, 2, 3], &[4, 5, 6]]);
             let pairs = pairs(&plc, 1e-5 * ONE);

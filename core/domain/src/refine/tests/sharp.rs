@@ -219,3 +219,17 @@ fn folds_between_four_vertices_on_a_circle_leave_few_slivers() {
     let refused = &run.refinement.record.refused;
     assert!(over(&run).iter().all(|item| refused.contains_key(item)));
 }
+
+/// A wall of 1/4000 of a cube's side did not end in a minute: it takes a million tetrahedra.
+#[test]
+fn walls_too_thin_to_be_refined_are_excused_by_name() {
+    let made = surfaces::shell(0.00025);
+    let mut domain = Domain { vertices: made.vertices, ..Domain::default() };
+    domain.facets.extend(made.facets.iter().map(|f| Facet::polygon(&f.polygons[0], 0)));
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let refined = refine(&Refiner::new(), &ready);
+    check_all(refined.mesh()).expect("invariants of the mesh");
+    assert_eq!(refined.outcome, RefineOutcome::Excused);
+    assert!(refined.num_tets() < 1000, "{}", refined.num_tets());
+    assert!(refined.excuses.iter().all(|e| e.reason != Reason::Rounding));
+}
