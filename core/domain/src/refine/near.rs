@@ -1,6 +1,6 @@
 //! Features that come so near to each other that a mesh with bounds would need too many points:
-//! their distance is below 16 floors, and they are 256 times as wide as that or more; or it is below
-//! 512 floors, and they are 512 times as wide.
+//! their distance is below 16 floors, and they are 256 times as wide as that or more; or it is
+//! below 512 floors, and they are 512 times as wide.
 //!
 //! Between two such facets every tetrahedron is either flat or tiny. As with small angles, vertices
 //! of one then do not encroach items of the other that the mesh has, and what is over its bounds
