@@ -161,7 +161,10 @@ fn side_by_side<T: Send>(things: impl Iterator<Item = T>, f: impl Fn(usize, T) +
 fn side_by_side<T: Send>(things: impl Iterator<Item = T>, f: impl Fn(usize, T) + Sync) {
     std::thread::scope(|scope| {
         let f = &f;
-        things.enumerate().for_each(|(k, thing)| _ = scope.spawn(move || f(k, thing)));
+        let spawn = |(k, thing)| scope.spawn(move || f(k, thing));
+        let threads: Vec<_> = things.enumerate().map(spawn).collect();
+        // It knows a thread's end by its join alone.
+        threads.into_iter().for_each(|thread| thread.join().expect("a lane's end"));
     });
 }
 
