@@ -3,9 +3,12 @@
 use ltbw_exact::Point;
 
 /// The difference `a - b`.
-#[inline]
+#[inline(always)]
 pub fn minus<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
-    std::array::from_fn(|k| a[k] - b[k])
+    // An array made by a closure costs twice as much.
+    let mut difference = *a;
+    difference.iter_mut().zip(b).for_each(|(a, b)| *a -= b);
+    difference
 }
 
 /// The scalar product.
