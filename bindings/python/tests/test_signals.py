@@ -23,7 +23,7 @@ CALLS = {
                    "mesh.points, mesh.simplices",
                    "ltbw.check(mesh.points, mesh.simplices, (corners, faces))"),
     "hash": ("mesh = ltbw.delaunay(cloud(2_000_000))", "mesh.hash"),
-    "save": ("mesh = ltbw.delaunay(cloud(1_000_000))", "mesh.save('interrupted.msh')"),
+    "save": ("mesh = ltbw.delaunay(cloud(2_000_000))", "mesh.save('interrupted.msh')"),
     "find": ("mesh = ltbw.delaunay(cloud(1_000_000)); mesh.find_simplex([0.5, 0.5, 0.5])\n"
              "queries = cloud(3_000_000)[:, ::-1].copy()",
              "mesh.find_simplex(queries)"),
@@ -37,7 +37,7 @@ CALLS = {
 }
 
 SCRIPT = """
-import os, signal, threading, time
+import filecmp, os, signal, threading, time
 import numpy as np
 import ltbw
 
@@ -86,6 +86,11 @@ try:
 except KeyboardInterrupt:
     took = time.monotonic() - sent[0]
     timer.join()
+    if os.path.exists("interrupted.msh"):
+        # The signal came when the file was written: it has to be whole.
+        mesh.save("whole.msh")
+        print("finished" if filecmp.cmp("interrupted.msh", "whole.msh", False) else "a part")
+        raise SystemExit
     small = ltbw.delaunay([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     print(took, small.outcome, small.check().passed)
 """
