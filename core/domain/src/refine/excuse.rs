@@ -3,6 +3,7 @@
 
 use super::bounds::Bounds;
 use super::item::Item;
+use super::key::sorted;
 use super::measure::Shape;
 use super::number::in_order;
 use super::outcome::{Excuse, Reason};
@@ -60,7 +61,8 @@ impl Refined {
         let mut all: Map<Reason, (usize, f64)> = Map::default();
         let step = self.lattice.fine_step();
         for excuse in &self.excuses {
-            let [a, b, c, d] = self.state.vertices(excuse.tet).map(|v| self.state.at(v));
+            // Rounded in an order that is the same for all slots and vertices.
+            let [a, b, c, d] = sorted(self.state.vertices(excuse.tet).map(|v| self.state.at(v)));
             let volume = Shape::of([&a, &b, &c, &d]).det.abs() / 6.0 * step * step * step;
             let entry = all.entry(excuse.reason).or_default();
             *entry = (entry.0 + 1, entry.1 + volume);
