@@ -77,8 +77,8 @@ impl<T> Arena<T> {
     /// The same entries under another name, for one of several threads.
     ///
     /// # Safety
-    /// As long as there are aliases the array itself is not used, and no entry is used through one
-    /// of them while it is written through another. Aliases do not grow.
+    /// As long as there are aliases the array is there, but is not used itself, and no entry is
+    /// used through one of them while it is written through another. Aliases do not grow.
     pub(crate) unsafe fn alias(&mut self) -> Self {
         Self { data: Vec::new(), first: self.first, others: self.data.len() }
     }
@@ -113,6 +113,7 @@ impl<T> Arena<T> {
         let (old, len) = (self.data.len(), count.min(other.data.len()));
         let capacity = self.data.capacity();
         self.data.reserve(len);
+        self.first = self.data.as_mut_ptr();
         if self.data.capacity() != capacity {
             advise_huge(&self.data);
         }
@@ -139,7 +140,6 @@ impl<T> Arena<T> {
         );
         // SAFETY: room for `len` more was reserved, and each of them was written.
         unsafe { self.data.set_len(old + len) };
-        self.first = self.data.as_mut_ptr();
     }
 
     /// Grows to `len` entries, never shrinks.

@@ -399,7 +399,8 @@ impl Cavity {
     #[inline(always)]
     pub(crate) fn reserve_vertices(&mut self, vertices: usize) {
         if self.local.len() < vertices {
-            self.local.resize(vertices.next_power_of_two(), 0);
+            // Numbers of earlier cavities are not needed: memory that nobody has touched yet.
+            (self.local, self.stamp) = (vec![0; vertices.next_power_of_two()], 0);
         }
     }
 }

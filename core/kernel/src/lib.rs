@@ -28,7 +28,8 @@
 //! may change with every version.
 //!
 //! Unsafe code is in `arena` (arrays without bounds checks), `sphere::simd` (vector code) and
-//! `mesh::lanes` (threads that insert into one mesh) alone; atomics in `sync`.
+//! `mesh::lanes` (threads that insert into one mesh) alone, with one alias each in `topology` and
+//! `geometry`; atomics in `sync`.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(unsafe_code)]
 

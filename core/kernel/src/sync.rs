@@ -53,14 +53,24 @@ impl Claims {
         self.0.resize_with(slots.max(self.0.len()), Default::default);
     }
 
+    /// The number of slots that there are claims on.
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Gives slot `t` to a lane; `false` if there is no such slot, or it is somebody's.
+    #[inline(always)]
+    pub(crate) fn give(&self, t: TetId, lane: u8) -> bool {
+        let take = |slot: &AtomicU8| {
+            slot.compare_exchange(0, lane, Ordering::Relaxed, Ordering::Relaxed).is_ok()
+        };
+        self.0.get(t.index()).is_some_and(take)
+    }
+
     /// Asks for slot `t`; says whether it is this lane's.
     #[inline(always)]
     pub(crate) fn ask(&self, t: TetId, lane: u8) -> bool {
-        let slot = &self.0[t.index()];
-        match slot.load(Ordering::Relaxed) {
-            0 => slot.compare_exchange(0, lane, Ordering::Relaxed, Ordering::Relaxed).is_ok(),
-            owner => owner == lane,
-        }
+        self.has(t, lane) || self.give(t, lane)
     }
 
     /// Is slot `t` this lane's?

@@ -84,6 +84,11 @@ impl Cavity {
             let wall = |slot: usize| Wall { v: OTHERS[slot].map(|k| v[k]), outer: n[slot] };
             self.walls.push_some([wall(0), wall(1), wall(2), wall(3)], open & !take);
         }
+        // Not of a point: all tetrahedra of a mesh.
+        if self.walls.is_empty() {
+            self.set_back(topology);
+            return Ok(None);
+        }
         self.make_room(topology)?;
         Ok(Some(is_same))
     }

@@ -6,7 +6,7 @@
 //! all lanes have ended. Few are where each lane has the points of one piece of space. The Delaunay
 //! mesh is unique: which points were put off changes slots, and nothing else.
 //!
-//! Unsafe code is here, and in the aliases of [`Arena`](crate::arena::Arena) that it makes, since
+//! Unsafe code is here, and in the aliases of arenas that it makes, since
 //! no borrow can tell slots of one array apart. That no slot is used by two lanes does not rest on
 //! what callers say: each slot is asked for before it is looked at.
 #![allow(unsafe_code)]
@@ -84,8 +84,9 @@ pub struct Lanes {
     memory: Vec<Memory>,
 }
 
-/// The memory of one lane.
+/// The memory of one lane, in cache lines of its own.
 #[derive(Debug, Default)]
+#[repr(align(128))]
 struct Memory {
     cavity: Cavity,
     /// The points that it has put off.
@@ -97,7 +98,8 @@ impl Lanes {
     pub const MOST: usize = Claims::MOST;
 }
 
-/// A lane at work.
+/// A lane at work, in cache lines of its own.
+#[repr(align(128))]
 struct Lane<'a> {
     topology: Topology,
     geometry: Geometry,
@@ -173,7 +175,7 @@ impl Mesh {
     /// of slots from then on.
     #[doc(hidden)]
     pub fn make_room_for(&mut self, count: usize, lanes: usize) -> usize {
-        self.topology.make_free(SPARE * count + MARGIN * lanes);
+        self.topology.make_free(count.saturating_mul(SPARE).saturating_add(MARGIN * lanes));
         let slots = self.topology.slots();
         self.geometry.reserve_spheres(slots);
         slots
@@ -184,6 +186,9 @@ impl Mesh {
     /// them. Room was made before ([`Mesh::make_room_for`]). All get vertices, from the returned
     /// one on; those in the list that is returned, too, are in no tetrahedron yet, and have to be
     /// filled in by [`OpenCavity::fill_vertex`].
+    ///
+    /// # Panics
+    /// If `follow` does. The mesh has vertices without tetrahedra then, and is to be dropped.
     #[doc(hidden)]
     pub fn fill_in_lanes<'c, F: Follow>(
         &mut self,
@@ -196,7 +201,11 @@ impl Mesh {
         let first = self.numbers.len();
         let vertex = |k: usize| VertexId::at(first + k);
         for k in 0..count {
-            self.enter(chosen(k).p, number + k as u32);
+            self.enter(chosen(k).p, number.wrapping_add(k as u32));
+        }
+        // Nothing in the memory of a larger mesh is for this one.
+        if lanes.claims.len() > self.topology.slots() {
+            *lanes = Lanes::default();
         }
         let Lanes { claims, memory } = lanes;
         let many = kept.len().min(Lanes::MOST);
@@ -205,20 +214,22 @@ impl Mesh {
         }
         memory.resize_with(memory.len().max(many), Memory::default);
         claims.clear(self.topology.slots());
+        self.geometry.reserve_spheres(self.topology.slots());
         let share = |lane: usize| lane * count / many..(lane + 1) * count / many;
         let mut free = self.topology.take_free();
         let (vertices, claims) = (self.numbers.len(), &*claims);
         let mut work: Vec<Lane<'_>> = Vec::new();
-        for (own, memory) in (1..).zip(memory[..many].iter_mut()) {
+        for (memory, own) in memory[..many].iter_mut().zip(1..=u8::MAX) {
             let left = free.len() / (many + 1 - own as usize);
-            let free = free.split_off(free.len() - left);
-            free.iter().for_each(|&t| _ = claims.ask(t, own));
+            let mut free = free.split_off(free.len() - left);
+            free.retain(|&t| claims.give(t, own));
+            memory.put_off.clear();
             memory.cavity.reserve_vertices(vertices);
             // SAFETY: the mesh is not used until all lanes have ended, and arrays do not grow: all
             // vertices have entered, and spheres have room. Vertices are only read. A lane reads
             // and writes no slot that is not its own: those of a cavity and its neighbours are
-            // asked for when they are admitted, before they are looked at; free ones were asked for
-            // here, before any lane has begun. No slot is the own one of two lanes.
+            // asked for when they are admitted, before they are looked at; free ones, each once in
+            // one list, were given here, before any lane has begun. No slot is the own one of two.
             let (topology, geometry) =
                 unsafe { (self.topology.alias(free), self.geometry.alias()) };
             work.push(Lane { topology, geometry, memory, claims, own, last: None });
@@ -383,5 +394,32 @@ mod tests {
         let set = PointSet::new(points).expect("points");
         let all = Builder::new().build(&set).expect("a mesh").mesh;
         assert_eq!(mesh.hash(), all.hash());
+    }
+
+    #[test]
+    fn memory_of_a_larger_mesh_and_slots_that_are_doubled_do_no_harm() {
+        let points = generate(PointKind::Uniform, 3000, 2);
+        let built = |count: usize| {
+            let set = PointSet::new(points[..count].to_vec()).expect("points");
+            Builder::new().build(&set).expect("a mesh").mesh
+        };
+        let (mut large, mut small, mut lanes) = (built(2000), built(200), Lanes::default());
+        insert_in_lanes(&mut large, &mut lanes, &points[2000..2200], 255);
+        check_all(&large).expect("invariants");
+        // Slots that the small mesh has not, and each of them twice.
+        let mut follow = Written::default();
+        let slots: Vec<TetId> = TetId::below(large.topology().slots() as u32).rev().collect();
+        let chosen = |k: usize| Chosen { p: points[2200 + k], cavity: &slots };
+        let (_, put_off) =
+            small.fill_in_lanes(&mut lanes, 200, (9, &chosen), &follow, &mut [[0; 2]; 3]);
+        assert_eq!(put_off.len(), 9);
+        let (mut small, found) = (built(200), cavity_of(&mut built(200), &points[2300]));
+        let twice: Vec<TetId> = found.iter().chain(&found).copied().collect();
+        for cavity in [&twice, &found] {
+            let chosen = |_: usize| Chosen { p: points[2300], cavity };
+            small.make_room_for(1, 4);
+            _ = small.fill_in_lanes(&mut lanes, 300, (1, &chosen), &follow, &mut [[0; 2]; 4]);
+            follow = Written::default();
+        }
     }
 }

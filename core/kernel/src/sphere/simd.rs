@@ -1,5 +1,5 @@
 //! Vector code for the cached spheres and the in-sphere filter, with plain twins and tests that
-//! they agree: one of the two modules with unsafe code (the other is `arena.rs`).
+//! they agree: one of the modules with unsafe code (see the crate).
 #![allow(unsafe_code)]
 
 use super::{Maker, Query, Sphere};

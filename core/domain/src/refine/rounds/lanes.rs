@@ -26,8 +26,9 @@ pub(super) struct Memory {
     kept: Vec<Kept>,
 }
 
-/// The memory of one lane.
+/// The memory of one lane, in cache lines of its own.
 #[derive(Debug, Default)]
+#[repr(align(128))]
 struct Kept {
     /// The words of the walls of the open cavity.
     inherited: Vec<Word>,
