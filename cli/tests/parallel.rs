@@ -241,7 +241,7 @@ fn the_simulator_inserts_the_rounds_of_a_domain() {
     hashes.push(run.stdout.lines().last().unwrap().trim_start_matches("ltbw.mesh/1 ").into());
     assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:?}");
     // Another bound is another mesh.
-    let run = ltbw(dir.path(), &[&kind[..], &["--radius-edge", "1.6"]].concat());
+    let run = ltbw(dir.path(), &[&kind[..], &["--radius-edge", "1.1"]].concat());
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(!run.stdout.contains(hashes[0].as_str().unwrap()), "{}", run.stdout);
     for (wrong, code) in [
