@@ -59,7 +59,7 @@ struct Written(Vec<AtomicBool>);
 impl Follow for Written {
     type Own = usize;
 
-    fn changed(&self, _: &usize, t: TetId) -> bool {
+    fn changed(&self, t: TetId) -> bool {
         self.0[t.index()].load(Ordering::Relaxed)
     }
 

@@ -2,7 +2,7 @@
 //! slots: what is chosen first, and what comes first of several.
 
 use super::item::Item;
-use super::measure::circumcircle;
+use super::measure::{Shape, circumcircle};
 use super::state::State;
 use crate::vector::distance2;
 use ltbw_core::topology::VertexId;
@@ -55,6 +55,14 @@ pub(crate) fn key(size2: f64, corners: &[Point]) -> u64 {
     size.to_bits() >> 48 << 48 | hash >> 16 | 1
 }
 
+/// The key of a tetrahedron with these corners.
+#[inline(always)]
+pub(crate) fn key_of_tet(corners: [Point; 4]) -> u64 {
+    let corners = sorted(corners);
+    let [a, b, c, d] = &corners;
+    key(Shape::of([a, b, c, d]).radius2(), &corners)
+}
+
 impl State {
     /// The place of a boundary item in an order by coordinates: segments first.
     pub(crate) fn place_of(&self, item: Item) -> (usize, [OrderKey; 4]) {
@@ -78,7 +86,7 @@ impl State {
         (class, place)
     }
 
-    /// The key of a boundary item; 0 of a tetrahedron.
+    /// The key of an item.
     pub(crate) fn key_of(&self, item: Item) -> u64 {
         match item {
             Item::Segment(s) => {
@@ -90,7 +98,7 @@ impl State {
                 let [a, b, c] = &corners;
                 key(circumcircle(a, b, c).1, &corners)
             }
-            Item::Tet(..) => 0,
+            Item::Tet(_, v) => key_of_tet(v.map(|v| self.at(v))),
         }
     }
 

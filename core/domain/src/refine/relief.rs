@@ -37,7 +37,7 @@ use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_exact::Point;
 
 /// The most times that all tetrahedra over their bounds are looked at, each time with other points.
-pub(crate) const PASSES: u64 = 8;
+const PASSES: u64 = 8;
 /// Points tried for a tetrahedron in its ball, besides those towards its shortest edge.
 const INSIDE: usize = 48;
 /// The same in rounds.
@@ -86,14 +86,59 @@ struct Target {
     may_encroach: bool,
 }
 
-impl Refinement<'_> {
-    /// The most tetrahedra of cavities that are opened to relieve others.
-    pub(crate) fn relief_budget(&self) -> usize {
-        OPENED * self.state.mesh.tet_ids().count() + OPENED_MORE
+/// Passes over the tetrahedra of which a goal asks for fewer, while they become fewer.
+pub(crate) struct Relief {
+    goal: Goal,
+    pass: u64,
+    /// Those of this pass that were not looked at yet.
+    tets: std::vec::IntoIter<(TetId, [VertexId; 4])>,
+    /// The number of those of this pass.
+    least: usize,
+    /// Has this pass inserted a point?
+    is_changed: bool,
+    /// Tetrahedra of cavities that may still be opened.
+    left: usize,
+}
+
+impl Relief {
+    pub(crate) fn new(goal: Goal, refinement: &Refinement<'_>) -> Self {
+        let left = OPENED * refinement.state.mesh.num_tets() + OPENED_MORE;
+        let tets = Vec::new().into_iter();
+        Self { goal, pass: 0, tets, least: usize::MAX, is_changed: true, left }
     }
 
+    /// Looks for a point that relieves the next tetrahedron, and inserts it; is there one? `None`
+    /// if nothing is left to do.
+    pub(crate) fn next(&mut self, refinement: &mut Refinement<'_>) -> Option<bool> {
+        if self.tets.len() == 0 {
+            self.begin_pass(refinement);
+        }
+        let (t, v) = self.tets.next().filter(|_| self.left > 0)?;
+        let is_relieved = refinement.relieve_tet(t, v, self.goal, self.pass, &mut self.left);
+        self.is_changed |= is_relieved;
+        Some(is_relieved)
+    }
+
+    /// Finds the tetrahedra of the next pass: none after one that has not made them fewer.
+    fn begin_pass(&mut self, refinement: &Refinement<'_>) {
+        if self.pass == PASSES || !self.is_changed {
+            return;
+        }
+        let all = match self.goal {
+            Goal::Bounds => refinement.refused_tets(),
+            Goal::Angles => refinement.slivers(),
+        };
+        if all.len() < self.least {
+            (self.least, self.is_changed) = (all.len(), false);
+            self.pass += 1;
+            self.tets = all.into_iter();
+        }
+    }
+}
+
+impl Refinement<'_> {
     /// The tetrahedra over their bounds, in the order of their coordinates. All were refused.
-    pub(crate) fn refused_tets(&self) -> Vec<(TetId, [VertexId; 4])> {
+    fn refused_tets(&self) -> Vec<(TetId, [VertexId; 4])> {
         let Some(bounds) = self.bounds.as_ref().filter(|bounds| bounds.ratio.is_some()) else {
             return Vec::new();
         };
@@ -108,22 +153,9 @@ impl Refinement<'_> {
         all
     }
 
-    /// The tetrahedra with tiny dihedral angles, in the order of their coordinates.
-    pub(crate) fn slivers(&self) -> Vec<(TetId, [VertexId; 4])> {
-        if self.bounds.as_ref().is_none_or(|bounds| bounds.ratio.is_none()) {
-            return Vec::new();
-        }
-        let state = &self.state;
-        let of = |t: TetId| (t, state.vertices(t));
-        let mut all: Vec<_> =
-            state.mesh.tet_ids().filter(|&t| state.is_sliver(t)).map(of).collect();
-        all.sort_by_cached_key(|&(t, v)| state.place_of(Item::Tet(t, v)));
-        all
-    }
-
     /// Looks for a point that relieves tetrahedron `t`, in its ball, then on the boundary, and
     /// inserts it; is there one?
-    pub(crate) fn relieve_tet(
+    fn relieve_tet(
         &mut self,
         t: TetId,
         v: [VertexId; 4],

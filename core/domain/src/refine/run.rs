@@ -15,6 +15,7 @@ use super::patch::{DISSOLVED, Unfound};
 use super::plc::Plc;
 use super::record::Refusal;
 use super::region::RegionInfo;
+use super::relief::Goal;
 use super::rounds::{Engine, InsertOrder, Rounds};
 use super::script::Script;
 use super::split::{Refinement, Step};
@@ -208,13 +209,13 @@ impl<'a> Refiner<'a> {
             Engine::Queues => {
                 run.refine(usize::MAX)?;
                 run.refine_again()?;
-                run.relieve()?;
+                run.relieve(Goal::Bounds)?;
                 // A sizing field may ask for more afterwards.
                 if run.stop.is_none() {
                     run.refinement.split_slivers(run.most, &mut run.work, &mut Open);
                     run.refine(usize::MAX)?;
-                    run.relieve_angles()?;
-                    run.relieve()?;
+                    run.relieve(Goal::Angles)?;
+                    run.relieve(Goal::Bounds)?;
                 }
             }
             Engine::Rounds { order, start } => {

@@ -16,6 +16,10 @@ use super::walk::Way;
 use ltbw_core::cavity::Admission;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
+use rayon::prelude::*;
+
+/// Tetrahedra that one thread looks at at a time, at least.
+const SHARE: usize = if cfg!(test) { 5 } else { 4096 };
 
 /// Points tried for a sliver.
 pub(crate) const TRIES: u32 = 32;
@@ -32,19 +36,25 @@ impl Refinement<'_> {
         admission: &mut A,
     ) {
         let Some(ratio) = self.bounds.as_ref().and_then(|bounds| bounds.ratio) else { return };
-        let state = &self.state;
-        let of = |t: TetId| Item::Tet(t, state.vertices(t));
-        let mut slivers: Vec<Item> =
-            state.mesh.tet_ids().filter(|&t| state.is_sliver(t)).map(of).collect();
-        state.sort(&mut slivers);
-        for item in slivers {
+        for (t, v) in self.slivers() {
             if self.inserted.points.total() >= most {
                 return;
             }
-            if let Item::Tet(t, v) = item {
-                self.split_sliver(t, v, ratio, work, admission);
-            }
+            self.split_sliver(t, v, ratio, work, admission);
         }
+    }
+
+    /// The slivers in the order of their coordinates; none without a bound of shape.
+    pub(crate) fn slivers(&self) -> Vec<(TetId, [VertexId; 4])> {
+        let state = &self.state;
+        if self.bounds.as_ref().is_none_or(|bounds| bounds.ratio.is_none()) {
+            return Vec::new();
+        }
+        let all: Vec<TetId> = state.mesh.tet_ids().collect();
+        let all = all.par_iter().with_min_len(SHARE).filter(|&&t| state.is_sliver(t));
+        let mut slivers: Vec<_> = all.map(|&t| (t, state.vertices(t))).collect();
+        slivers.sort_by_cached_key(|&(t, v)| state.place_of(Item::Tet(t, v)));
+        slivers
     }
 
     fn split_sliver<W: Work, A: Admission>(

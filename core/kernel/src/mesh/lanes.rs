@@ -41,7 +41,7 @@ pub trait Follow: Sync {
     type Own: Send;
 
     /// Was slot `t`, one of the lane's own, written since the cavities were found?
-    fn changed(&self, own: &Self::Own, t: TetId) -> bool;
+    fn changed(&self, t: TetId) -> bool;
 
     /// A cavity is open, and is going to be filled. `walls` are its boundary faces, as seen from
     /// inside, in the order of the star.
@@ -130,7 +130,7 @@ impl Lane<'_> {
         let cavity = &mut memory.cavity;
         let mut conflict = geometry.conflict_of(&chosen.p);
         let mut is_own = |t: TetId, _: Role| claims.ask(t, *own);
-        let changed = |t: TetId| follow.changed(kept, t);
+        let changed = |t: TetId| follow.changed(t);
         match cavity.reopen(topology, chosen.cavity, &mut conflict, &changed, &mut is_own) {
             Ok(Some(_)) => {}
             // All of the cavity has changed, or a slot is another lane's, or none is left.
@@ -286,7 +286,7 @@ mod tests {
     impl Follow for Written {
         type Own = [usize; 2];
 
-        fn changed(&self, _: &[usize; 2], t: TetId) -> bool {
+        fn changed(&self, t: TetId) -> bool {
             self.0.lock().expect("no panic").contains(&t)
         }
 

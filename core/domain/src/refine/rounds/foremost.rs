@@ -140,14 +140,8 @@ impl Rounds<'_, '_> {
     /// The neighbour on the way, or `t`, and a tetrahedron around `t`, which has this key, that
     /// comes before it.
     fn one_before(&self, t: TetId, key: u64) -> Option<[TetId; 2]> {
-        let neighbours = self.neighbours(t);
-        let beside = neighbours.into_iter().find(|&other| self.is_before(other, t, key));
-        let beyond = |way: TetId| {
-            let mut all = self.neighbours(way).into_iter();
-            all.find(|&other| self.is_before(other, t, key)).map(|other| [way, other])
-        };
-        let beside = beside.map(|other| [t, other]);
-        beside.or_else(|| neighbours.into_iter().find_map(beyond))
+        let around = |way: TetId| Some(self.neighbours(way));
+        witness(t, self.neighbours(t), around, |&other| self.is_before(other, t, key))
     }
 
     pub(super) fn neighbours(&self, t: TetId) -> [TetId; 4] {
@@ -235,6 +229,20 @@ impl Rounds<'_, '_> {
     fn place(&self, t: TetId) -> impl Ord {
         self.own.state.place_of(Item::Tet(t, self.own.state.vertices(t)))
     }
+}
+
+/// The neighbour of `t` on the way, or `t`, and a tetrahedron that comes before `t`: one of its
+/// neighbours, else one around one of these.
+#[inline(always)]
+pub(super) fn witness(
+    t: TetId,
+    neighbours: [TetId; 4],
+    around: impl Fn(TetId) -> Option<[TetId; 4]>,
+    is_before: impl Fn(&TetId) -> bool,
+) -> Option<[TetId; 2]> {
+    let beside = neighbours.into_iter().find(&is_before).map(|other| [t, other]);
+    let beyond = |way: TetId| around(way)?.into_iter().find(&is_before).map(|other| [way, other]);
+    beside.or_else(|| neighbours.into_iter().find_map(beyond))
 }
 
 impl crate::refine::state::State {

@@ -1,12 +1,12 @@
 //! The insertion of the points of a round by several threads: each has a share of them along the
 //! curve, inserts those whose closures nobody else needs, and leaves the others.
 
-use super::foremost::Bad;
-use super::settle::key_of;
+use super::foremost::{Bad, witness};
 use super::{Candidate, Look, Rounds};
 use crate::refine::RefineError;
 use crate::refine::bounds::Bounds;
 use crate::refine::carrier::Carrier;
+use crate::refine::key::key_of_tet;
 use crate::refine::marks::{Marks, Word};
 use crate::sync::{Keys, Words};
 use ltbw_core::mesh::lanes::{Chosen, Follow, Lanes, View};
@@ -91,7 +91,7 @@ impl Update<'_> {
         let Some(tet) = view.tet(t).filter(|tet| region != 0 && !tet.is_ghost()) else { return 0 };
         let corners = tet.vertices().map(|v| view.point(v));
         let [a, b, c, d] = &corners;
-        if bounds.are_over([a, b, c, d], region) { key_of(corners) } else { 0 }
+        if bounds.are_over([a, b, c, d], region) { key_of_tet(corners) } else { 0 }
     }
 
     /// A tetrahedron around `t` that comes before it, and the neighbour on the way there, or `t`.
@@ -100,12 +100,8 @@ impl Update<'_> {
         let key = self.keys.at(t);
         let neighbours = view.tet(t)?.neighbours().map(tet_of);
         let is_before = |&other: &TetId| self.keys.at(other) > key && view.tet(other).is_some();
-        let beside = neighbours.into_iter().find(is_before).map(|other| [t, other]);
-        let beyond = |way: TetId| {
-            let all = view.tet(way)?.neighbours().map(tet_of);
-            all.into_iter().find(is_before).map(|other| [way, other])
-        };
-        beside.or_else(|| neighbours.into_iter().find_map(beyond))
+        let around = |way: TetId| view.tet(way).map(|tet| tet.neighbours().map(tet_of));
+        witness(t, neighbours, around, is_before)
     }
 }
 
@@ -113,7 +109,7 @@ impl Follow for Update<'_> {
     type Own = Kept;
 
     #[inline(always)]
-    fn changed(&self, _: &Kept, t: TetId) -> bool {
+    fn changed(&self, t: TetId) -> bool {
         self.reserved.at(t) > self.last
     }
 

@@ -6,7 +6,7 @@
 use super::{Look, Rounds};
 use crate::refine::RefineError;
 use crate::refine::outcome::Reason;
-use crate::refine::relief::{Goal, PASSES};
+use crate::refine::relief::{Goal, Relief};
 
 impl Rounds<'_, '_> {
     /// Relieves the tetrahedra over their bounds while that makes them fewer. Returns why it
@@ -16,28 +16,19 @@ impl Rounds<'_, '_> {
     /// A point that takes an item out of the mesh.
     pub(super) fn relieve(&mut self, look: Look<'_>) -> Result<Option<Reason>, RefineError> {
         self.is_relieved = true;
-        let mut left = self.own.relief_budget();
-        let (mut least, mut stop) = (usize::MAX, None);
         self.forget_reserved(0);
-        'passes: for pass in 1..=PASSES {
-            let over = self.own.refused_tets();
-            if over.is_empty() || over.len() >= least {
+        let mut relief = Relief::new(Goal::Bounds, self.own);
+        let mut stop = None;
+        while self.own.inserted.points.total() < self.most {
+            let before = self.own.state.mesh.num_vertices();
+            if look(before) {
+                stop = Some(Reason::Cancelled);
                 break;
             }
-            least = over.len();
-            for (t, v) in over {
-                let before = self.own.state.mesh.num_vertices();
-                if look(before) {
-                    stop = Some(Reason::Cancelled);
-                }
-                let is_spent = self.own.inserted.points.total() >= self.most;
-                if stop.is_some() || left == 0 || is_spent {
-                    break 'passes;
-                }
-                if self.own.relieve_tet(t, v, Goal::Bounds, pass, &mut left) {
-                    self.note_created();
-                    self.script_joint(before);
-                }
+            let Some(is_relieved) = relief.next(self.own) else { break };
+            if is_relieved {
+                self.note_created();
+                self.script_joint(before);
             }
         }
         if !self.own.state.is_complete() {

@@ -5,26 +5,17 @@ use super::foremost::Bad;
 use crate::refine::RefineError;
 use crate::refine::bounds::Bounds;
 use crate::refine::item::Item;
-use crate::refine::key::{key, order_key, sorted};
+use crate::refine::key::{key_of_tet, order_key};
 use crate::refine::marks::{ENDS, FACES};
-use crate::refine::measure::Shape;
 use crate::refine::outcome::Reason;
 use crate::refine::record::Refusal;
 use crate::refine::table::{Set, edge};
 use crate::sync::{Keys, Words};
 use ltbw_core::topology::TetId;
-use ltbw_exact::Point;
 use rayon::prelude::*;
 
 /// Tetrahedra that one thread looks at at a time.
 const SHARE: usize = if cfg!(test) { 5 } else { 512 };
-
-/// The key of a tetrahedron with these corners.
-pub(super) fn key_of(corners: [Point; 4]) -> u64 {
-    let corners = sorted(corners);
-    let [a, b, c, d] = &corners;
-    key(Shape::of([a, b, c, d]).radius2(), &corners)
-}
 
 /// The most times that refusals at patches are forgotten.
 const RETRIES: usize = 4;
@@ -147,7 +138,7 @@ impl Rounds<'_, '_> {
                 return refused.push((Item::Tet(t, v), reason));
             }
         }
-        self.keys.set(t, key_of(v.map(|v| state.at(v))));
+        self.keys.set(t, key_of_tet(v.map(|v| state.at(v))));
         bad.push(Bad::new(t, self.looks));
     }
 

@@ -16,10 +16,6 @@ use crate::refine::state::Place;
 use crate::refine::verdict::{Judge, Verdict};
 use crate::refine::walk::Way;
 use ltbw_core::topology::{TetId, VertexId};
-use rayon::prelude::*;
-
-/// Tetrahedra that one thread looks at at a time, at least.
-const SHARE: usize = if cfg!(test) { 5 } else { 4096 };
 
 /// A sliver, and the points that are left to be tried for it.
 #[derive(Clone, Copy, Debug)]
@@ -34,23 +30,10 @@ impl Rounds<'_, '_> {
     /// Is any sliver left? They are looked for once, when all bounds are met.
     pub(super) fn has_slivers(&mut self) -> bool {
         if self.slivers.is_none() {
-            self.slivers = Some(self.find_slivers());
+            let own = |(t, v)| Sliver { t, v, tries: TRIES, seed: 1 };
+            self.slivers = Some(self.own.slivers().into_iter().map(own).collect());
         }
         self.slivers.as_ref().is_some_and(|slivers| !slivers.is_empty())
-    }
-
-    /// The slivers in the order of their coordinates; none without a bound of shape.
-    fn find_slivers(&self) -> Vec<Sliver> {
-        let state = &self.own.state;
-        if self.ratio().is_none() {
-            return Vec::new();
-        }
-        let all: Vec<TetId> = state.mesh.tet_ids().collect();
-        let all = all.par_iter().with_min_len(SHARE).filter(|&&t| state.is_sliver(t));
-        let own = |&t: &TetId| Sliver { t, v: state.vertices(t), tries: TRIES, seed: 1 };
-        let mut slivers: Vec<Sliver> = all.map(own).collect();
-        slivers.sort_by_cached_key(|own| state.place_of(Item::Tet(own.t, own.v)));
-        slivers
     }
 
     fn ratio(&self) -> Option<RatioBound> {

@@ -2,6 +2,7 @@
 
 use super::{ready, refine};
 use crate::refine::item::Item;
+use crate::refine::relief::Goal;
 use crate::refine::run::Run;
 use crate::refine::{Reason, RefineOutcome, Refined, Refiner};
 use crate::{Domain, Facet, PrepareOptions, Prepared};
@@ -174,7 +175,7 @@ fn relief_makes_fewer_tetrahedra_over_their_bounds() {
         run.refine(usize::MAX).expect("no error");
         run.refine_again().expect("no error");
         let (before, points) = (over(&run).len(), run.refinement.inserted.points.total());
-        run.relieve().expect("no error");
+        run.relieve(Goal::Bounds).expect("no error");
         let (after, state) = (over(&run), &run.refinement.state);
         let points = run.refinement.inserted.points.total() - points;
         assert!(points > 0 && points as usize <= 2 * before, "{corners}: {points}");
@@ -211,7 +212,7 @@ fn folds_between_four_vertices_on_a_circle_leave_few_slivers() {
         state.mesh.tet_ids().filter(|&t| state.is_sliver(t)).count()
     };
     let (before, bad) = (slivers(&run), over(&run).len());
-    run.relieve_angles().expect("no error");
+    run.relieve(Goal::Angles).expect("no error");
     let (after, state) = (slivers(&run), &run.refinement.state);
     assert!(before > 300 && after <= 10, "{before} {after}");
     assert!(over(&run).len() <= bad, "{} {bad}", over(&run).len());
