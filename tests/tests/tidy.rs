@@ -14,7 +14,7 @@ mod source;
 mod words;
 
 use arrows::CRATES;
-use source::{Tree, shipped, split, tokens};
+use source::{Tree, lines_of_code, shipped, split, tokens};
 use std::path::Path;
 use std::sync::LazyLock;
 
@@ -28,6 +28,13 @@ const CIRCLES: &[(&str, &[&str], &str)] = &[];
 /// Files that are still too long.
 const LONG_FILES: &[&str] = &[];
 
+/// Lines of code that a reader of a part may have before him, at most: the kernel's auditor, and
+/// whoever ports the protocol. Folders, the file that neither reads, the number.
+const SIZES: &[(&[&str], &str, usize)] = &[
+    (&["core/exact", "core/kernel"], "", 7_500),
+    (&["parallel/src/protocol"], "parallel/src/protocol/variants.rs", 1_700),
+];
+
 static TREE: LazyLock<Tree> = LazyLock::new(|| {
     Tree::read(Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a package of the workspace"))
 });
@@ -36,6 +43,14 @@ static TREE: LazyLock<Tree> = LazyLock::new(|| {
 fn long_files(tree: &Tree) -> Vec<&str> {
     let is_long = |text: &str| text.lines().count() > LINES;
     tree.rust("").filter(|(_, text)| is_long(text)).map(|(file, _)| file).collect()
+}
+
+/// The lines of code of `folders`, tests and the file `but` left out.
+fn size(tree: &Tree, folders: &[&str], but: &str) -> usize {
+    let inside = |file: &str| folders.iter().any(|folder| file.starts_with(&format!("{folder}/")));
+    let files = CRATES.iter().flat_map(|krate| tree.shipped(krate.folder));
+    let files = files.filter(|&(file, _)| inside(file) && file != but);
+    files.map(|(_, text)| lines_of_code(text)).sum()
 }
 
 /// Lines with more columns than allowed: `file:line`.
@@ -118,6 +133,14 @@ fn files_are_short() {
 }
 
 #[test]
+fn what_is_read_as_a_whole_is_small() {
+    for &(folders, but, most) in SIZES {
+        let size = size(&TREE, folders, but);
+        assert!(size <= most, "{folders:?} have {size} lines of code; {most} are allowed");
+    }
+}
+
+#[test]
 fn lines_are_short_and_comments_do_without_banned_words() {
     let found = [long_lines(&TREE), words::banned(&TREE)].concat();
     assert_eq!(found, [""; 0], "long lines, banned words");
@@ -148,6 +171,19 @@ fn long_files_and_lines_are_found() {
     assert_eq!(long_files(&tree(&"\n".repeat(LINES + 1))), ["cli/src/lib.rs"]);
     assert_eq!(long_lines(&tree(&"ä".repeat(COLUMNS))), [""; 0]);
     assert_eq!(long_lines(&tree(&format!("\n{}", "ä".repeat(COLUMNS + 1)))), ["cli/src/lib.rs:2"]);
+}
+
+#[test]
+fn code_is_counted_by_folder() {
+    let tree = Tree::of(&[
+        ("cli/src/a/b.rs", "fn f() {}\n\nfn g() {}"),
+        ("cli/src/a/c.rs", "fn f() {}"),
+        ("cli/src/a/tests.rs", "fn f() {}"),
+        ("cli/src/ab.rs", "fn f() {}"),
+        ("xtask/src/d.rs", "// none\n"),
+    ]);
+    assert_eq!(size(&tree, &["cli/src/a", "xtask"], ""), 3);
+    assert_eq!(size(&tree, &["cli", "xtask"], "cli/src/a/c.rs"), 3);
 }
 
 #[test]

@@ -1,8 +1,6 @@
 //! The view of model checkers, and how they fold runs that differ in a counter only.
 
-use crate::protocol::{
-    Attempt, Message, Operations, Rules, Source, Submesh, Ticket, Waiter, Worker, WorkerId,
-};
+use crate::protocol::{Attempt, Message, Rules, Source, Submesh, Ticket, Waiter, Worker, WorkerId};
 
 /// A request as checkers see it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -96,8 +94,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// for equality with others of the same ticket: shifting all those of a ticket by the same
     /// amount, here and in all messages, changes no behaviour.
     pub fn visit_attempts(&mut self, f: &mut dyn FnMut(Ticket, &mut Attempt)) {
-        let Operations { all, late, .. } = &mut self.operations;
-        for (&ticket, op) in all.iter_mut().chain(late) {
+        for (&ticket, op) in &mut self.operations.all {
             f(ticket, &mut op.attempt);
         }
         for (&ticket, request) in &mut self.locks.requests {

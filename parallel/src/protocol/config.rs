@@ -47,35 +47,21 @@ pub enum Closure {
     Vertex,
 }
 
-impl Rule {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::WoundWait, Self::Paper];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::WoundWait => "wound-wait",
-            Self::Paper => "paper",
-        }
-    }
-}
-
-impl Closure {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::Face, Self::Vertex];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Face => "face",
-            Self::Vertex => "vertex",
-        }
-    }
-}
-
-/// Reads and writes the names of `ALL`.
+/// Gives variants their names: reads and writes them.
 macro_rules! named {
-    ($($type:ident: $what:literal),*) => {$(
+    ($($type:ident, $what:literal: $($variant:ident $name:literal)*;)*) => {$(
+        impl $type {
+            /// All of them.
+            pub const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
+
+            /// Its name.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name),*
+                }
+            }
+        }
+
         impl std::str::FromStr for $type {
             type Err = String;
 
@@ -96,4 +82,7 @@ macro_rules! named {
     )*};
 }
 
-named!(Rule: "rule", Closure: "closure");
+named! {
+    Rule, "rule": WoundWait "wound-wait" Paper "paper";
+    Closure, "closure": Face "face" Vertex "vertex";
+}

@@ -23,7 +23,6 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         attempt: Attempt,
         point: S::Point,
         (wants, around): (impl IntoIterator<Item = Want<S::Tet>>, Vec<u64>),
-        out: &mut Vec<Action<S>>,
     ) {
         let spare = &mut self.spare.requests;
         let request = self.locks.requests.entry(ticket).or_insert_with(|| match spare.pop() {
@@ -46,14 +45,14 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             self.widen(ticket, around);
         }
         if !is_stalled {
-            self.advance(ticket, out);
+            self.advance(ticket);
         }
     }
 
     /// Locks and tests until nothing is wanted or something is in the way. Ends: every tetrahedron
     /// is locked once, and each adds at most four to what is wanted (with the vertex closure, the
     /// cavity and its ring once more).
-    pub(super) fn advance(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
+    pub(super) fn advance(&mut self, ticket: Ticket) {
         let Some(mut request) = self.locks.requests.remove(&ticket) else {
             invariant!(P7, "a request of {ticket:?} is woken and gone")
         };
@@ -90,7 +89,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
                 Some(holder) => {
                     request.wants.push(want);
                     request.stalled = true;
-                    self.conflict(ticket, &request, t, holder, out);
+                    self.conflict(ticket, &request, t, holder);
                     break;
                 }
                 None => {
@@ -102,7 +101,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             }
         }
         if !request.stalled {
-            self.grant(ticket, &mut request, out);
+            self.grant(ticket, &mut request);
         }
         self.locks.requests.insert(ticket, request);
     }
@@ -133,7 +132,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         }
     }
 
-    fn grant(&mut self, ticket: Ticket, request: &mut Request<S>, out: &mut Vec<Action<S>>) {
+    fn grant(&mut self, ticket: Ticket, request: &mut Request<S>) {
         let mut pieces = std::mem::take(&mut request.pieces);
         pieces.extend(self.mesh.pieces(&request.cavity));
         request.cavity.clear();
@@ -151,42 +150,29 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             bounced,
             moved: blocks.into_iter().map(news).collect(),
         };
-        self.send(request.home, message, out);
+        self.send(request.home, message);
     }
 
     /// `request` has met tetrahedron `t`, locked by `holder`: it waits, and if it is older the
     /// holder's home is told, once for each of the holder's attempts.
-    fn conflict(
-        &mut self,
-        ticket: Ticket,
-        request: &Request<S>,
-        t: S::Tet,
-        holder: Ticket,
-        out: &mut Vec<Action<S>>,
-    ) {
+    fn conflict(&mut self, ticket: Ticket, request: &Request<S>, t: S::Tet, holder: Ticket) {
         if self.config.rule == Rule::Paper {
-            self.deny(ticket, request, out);
+            self.deny(ticket, request);
             return;
         }
-        out.push(Action::Note(Note::Waits(ticket)));
+        self.out.push(Action::Note(Note::Waits(ticket)));
         self.locks.waiting.entry(t).or_default().push(Waiter::Request(ticket));
         let Some(other) = self.locks.requests.get_mut(&holder) else {
             invariant!(P5, "{t:?} is locked by {holder:?}, which has no request here")
         };
         if ticket < holder && !std::mem::replace(&mut other.wounded, true) {
             let (home, attempt) = (other.home, other.attempt);
-            self.send(home, Message::Wound { ticket: holder, attempt }, out);
+            self.send(home, Message::Wound { ticket: holder, attempt });
         }
     }
 
     /// `Abort`: the operation is set back.
-    pub(super) fn abort(
-        &mut self,
-        from: WorkerId,
-        ticket: Ticket,
-        attempt: Attempt,
-        out: &mut Vec<Action<S>>,
-    ) {
+    pub(super) fn abort(&mut self, from: WorkerId, ticket: Ticket, attempt: Attempt) {
         let mut request = match self.locks.requests.remove(&ticket) {
             Some(request) if request.attempt == attempt => request,
             Some(request) => invariant!(
@@ -206,19 +192,14 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         let woken = self.unlock(&request.held);
         // R3
         if C::WAKES_ON_ABORT {
-            self.wake(woken, out);
+            self.wake(woken);
         }
         self.spare.put(request);
-        self.send(from, Message::Aborted { ticket, attempt }, out);
+        self.send(from, Message::Aborted { ticket, attempt });
     }
 
     /// `Commit`: the cavity is replaced and its closure unlocked.
-    pub(super) fn commit(
-        &mut self,
-        ticket: Ticket,
-        patch: Option<S::Patch>,
-        out: &mut Vec<Action<S>>,
-    ) {
+    pub(super) fn commit(&mut self, ticket: Ticket, patch: Option<S::Patch>) {
         let request = self.locks.requests.remove(&ticket);
         let mut woken = match &request {
             Some(request) => self.unlock(&request.held),
@@ -244,7 +225,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             strays.sort_unstable();
             strays.dedup();
             for block in strays {
-                self.send_stray(block, out);
+                self.send_stray(block);
             }
         }
         if let Some(request) = request {
@@ -253,7 +234,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             }
             self.spare.put(request);
         }
-        self.wake(woken, out);
+        self.wake(woken);
     }
 
     /// Unlocks tetrahedra; returns who waits for them (R4: everybody).
@@ -278,14 +259,14 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     }
 
     /// Waiting walks and requests go on, the oldest first.
-    pub(super) fn wake(&mut self, mut woken: Vec<Waiter>, out: &mut Vec<Action<S>>) {
+    pub(super) fn wake(&mut self, mut woken: Vec<Waiter>) {
         woken.sort_unstable_by_key(|waiter| match waiter {
             Waiter::Walk(ticket) | Waiter::Request(ticket) => *ticket,
         });
         for waiter in woken {
             match waiter {
                 Waiter::Walk(ticket) => self.make_ready(ticket),
-                Waiter::Request(ticket) => self.advance(ticket, out),
+                Waiter::Request(ticket) => self.advance(ticket),
             }
         }
     }

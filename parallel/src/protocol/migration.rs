@@ -25,7 +25,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     }
 
     /// Gives `block` to worker `to`, if that is allowed now.
-    pub(super) fn migrate(&mut self, block: BlockId, to: WorkerId, out: &mut Vec<Action<S>>) {
+    pub(super) fn migrate(&mut self, block: BlockId, to: WorkerId) {
         if to == self.id() || to.number() >= self.config.workers || !self.can_migrate(block) {
             return;
         }
@@ -33,12 +33,12 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         let epoch = self.directory.epoch(block) + 1;
         self.directory.learn(block, to, epoch);
         let points = self.source.take_block(&self.mesh, block);
-        out.push(Action::Note(Note::Migrated(block)));
-        self.send(to, Message::Migrate { block, epoch, cargo, points }, out);
+        self.out.push(Action::Note(Note::Migrated(block)));
+        self.send(to, Message::Migrate { block, epoch, cargo, points });
         // R11
         if C::MOVES_WAITERS {
             let woken = self.waiters_for(block);
-            self.wake(woken, out);
+            self.wake(woken);
         }
     }
 
@@ -52,15 +52,13 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         });
         for request in self.locks.requests.values_mut() {
             let foreign = &mut request.foreign;
-            request.wants.retain(|want| match want {
-                Want::Tet(t) => match handles.get(t) {
-                    Some(&handle) => {
-                        foreign.push(handle);
-                        false
-                    }
-                    None => true,
-                },
-                Want::Seed(_) => true,
+            request.wants.retain(|want| {
+                let handle = match want {
+                    Want::Tet(t) => handles.get(t),
+                    Want::Seed(_) => None,
+                };
+                foreign.extend(handle);
+                handle.is_none()
             });
         }
         cargo
@@ -83,13 +81,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         };
         let mut woken = Vec::new();
         self.locks.absent.retain(|name, queue| {
-            queue.retain(|waiter| {
-                let goes = concerned(name, waiter);
-                if goes {
-                    woken.push(*waiter);
-                }
-                !goes
-            });
+            woken.extend(queue.extract_if(.., |waiter| concerned(name, waiter)));
             !queue.is_empty()
         });
         woken
@@ -102,7 +94,6 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         epoch: u32,
         cargo: S::Cargo,
         points: Vec<S::Point>,
-        out: &mut Vec<Action<S>>,
     ) {
         let me = self.id();
         let known = self.directory.epoch(block);
@@ -114,28 +105,28 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         } else {
             self.source.give(block, points);
         }
-        self.install(cargo, out);
+        self.install(cargo);
     }
 
     /// Tetrahedra of a block arrive that were made where it had been (R10).
-    pub(super) fn stray(&mut self, block: BlockId, cargo: S::Cargo, out: &mut Vec<Action<S>>) {
+    pub(super) fn stray(&mut self, block: BlockId, cargo: S::Cargo) {
         if self.directory.is_mine(block) {
-            self.install(cargo, out);
+            self.install(cargo);
         } else if C::FORWARDS {
-            self.send(self.directory.owner(block), Message::Stray { block, cargo }, out);
+            self.send(self.directory.owner(block), Message::Stray { block, cargo });
         }
     }
 
     /// Sends new tetrahedra of `block`, which has moved, after it.
-    pub(super) fn send_stray(&mut self, block: BlockId, out: &mut Vec<Action<S>>) {
+    pub(super) fn send_stray(&mut self, block: BlockId) {
         let cargo = self.take_out(block);
         // R10
         if C::FORWARDS {
-            self.send(self.directory.owner(block), Message::Stray { block, cargo }, out);
+            self.send(self.directory.owner(block), Message::Stray { block, cargo });
         }
     }
 
-    fn install(&mut self, cargo: S::Cargo, out: &mut Vec<Action<S>>) {
+    fn install(&mut self, cargo: S::Cargo) {
         let mut made = Vec::new();
         self.mesh.adopt(cargo, &mut made);
         if Q::WATCHES {
@@ -143,6 +134,6 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         }
         let woken: Vec<Waiter> =
             made.into_iter().filter_map(|name| self.locks.absent.remove(&name)).flatten().collect();
-        self.wake(woken, out);
+        self.wake(woken);
     }
 }

@@ -58,7 +58,7 @@ pub use directory::{BlockId, Directory, WorkerId};
 pub use invariant::{Broken, Invariant, message_of};
 pub(crate) use invariant::{broken, invariant};
 pub use rules::{Correct, Rules};
-pub(crate) use state::{Operations, Phase, Request, Waiter, Want};
+pub(crate) use state::{Phase, Request, Waiter, Want};
 pub use submesh::{Costs, Found, Insert, Item, Neighbour, Source, Submesh, SubmeshError, Walk};
 pub use termination::Token;
 pub use worker::{Action, Event, Note, Worker};

@@ -7,7 +7,7 @@ use super::config::Rule;
 use super::directory::WorkerId;
 use super::invariant::invariant;
 use super::rules::Rules;
-use super::state::{Granted, Operation, Phase, Waiter, Want};
+use super::state::{Granted, Operation, Phase, Start, Waiter, Want};
 use super::submesh::{Insert, Item, Source, Submesh, Walk};
 use super::table::Table;
 use super::worker::{Action, Note, Worker};
@@ -26,76 +26,60 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     }
 
     /// Takes up the oldest operation that can start; `false` if there is none.
-    pub(super) fn start_ready(&mut self, out: &mut Vec<Action<S>>) -> bool {
+    pub(super) fn start_ready(&mut self) -> bool {
         let Some(ticket) = self.operations.ready.pop_first() else { return false };
         let Some(op) = self.operations.all.remove(&ticket) else {
             invariant!(P8, "{ticket:?} is ready and gone")
         };
         invariant!(P8, op.phase == Phase::Ready, "{ticket:?} starts in {:?}", op.phase);
-        self.start(Some(ticket), op.attempt, op.point, None, out);
+        self.start(Start { ticket: Some(ticket), attempt: op.attempt, point: op.point }, None);
         true
     }
 
     /// Walks to the point, or begins at its item; inserts it at once if nothing is in the way, else
     /// begins an operation.
-    pub(super) fn start(
-        &mut self,
-        ticket: Option<Ticket>,
-        attempt: Attempt,
-        point: S::Point,
-        from: Option<Name>,
-        out: &mut Vec<Action<S>>,
-    ) {
-        let walk = match self.source.item(&self.mesh, &point) {
-            Item::Free => self.mesh.walk(&point, from),
+    pub(super) fn start(&mut self, start: Start<S>, from: Option<Name>) {
+        let point = &start.point;
+        let walk = match self.source.item(&self.mesh, point) {
+            Item::Free => self.mesh.walk(point, from),
             Item::At(t) if self.mesh.holder(t).is_some() => Walk::Locked(t),
-            Item::At(t) if self.mesh.in_conflict(t, &point) => Walk::At(t),
+            Item::At(t) if self.mesh.in_conflict(t, point) => Walk::At(t),
             // R18
-            Item::At(_) | Item::Gone if !C::LETS_GO => self.mesh.walk(&point, from),
+            Item::At(_) | Item::Gone if !C::LETS_GO => self.mesh.walk(point, from),
             Item::At(_) | Item::Gone => {
-                self.mesh.forget(&point);
-                self.source.let_go(&point);
-                out.push(Action::Note(Note::Gone));
+                self.mesh.forget(point);
+                self.source.let_go(point);
+                self.out.push(Action::Note(Note::Gone));
                 return;
             }
         };
         match walk {
             Walk::Duplicate(_) => {
-                self.source.let_go(&point);
-                out.push(Action::Note(Note::Known));
+                self.source.let_go(point);
+                self.out.push(Action::Note(Note::Known));
             }
-            Walk::At(seed) => match self.insert(&point, seed) {
+            Walk::At(seed) => match self.insert(point, seed) {
                 Insert::Done => {
-                    self.source.inserted(&self.mesh, &point);
+                    self.source.inserted(&self.mesh, point);
                     if Q::WATCHES {
                         // No walk has taken the place of one that began at its item.
-                        self.mesh.forget(&point);
+                        self.mesh.forget(point);
                         self.source.created(&self.mesh, self.mesh.made_at_once());
                     }
-                    out.push(Action::Note(Note::Local));
+                    self.out.push(Action::Note(Note::Local));
                 }
                 // Locks that it would hold while it waits would be in others' way, and an older
                 // one would set it back. The paper's rule knows no waiting.
-                Insert::Locked(t) if self.config.rule != Rule::Paper => {
-                    self.wait_outside(ticket, attempt, point, t);
-                }
+                Insert::Locked(t) if self.config.rule != Rule::Paper => self.wait_outside(start, t),
                 // The run has failed.
                 Insert::Full => {}
-                Insert::Blocked | Insert::Locked(_) => {
-                    let ticket = ticket.unwrap_or_else(|| self.ticket());
-                    self.begin(ticket, attempt, point, seed, out);
-                }
+                Insert::Blocked | Insert::Locked(_) => self.begin(start, seed),
             },
-            Walk::Locked(t) => self.wait_outside(ticket, attempt, point, t),
-            Walk::Exits(at) => {
-                let ticket = ticket.unwrap_or_else(|| self.ticket());
-                self.walk_out(ticket, attempt, point, at, out);
-            }
+            Walk::Locked(t) => self.wait_outside(start, t),
+            Walk::Exits(at) => self.walk_out(start, at),
             Walk::NoTets => {
-                let ticket = ticket.unwrap_or_else(|| self.ticket());
                 let next = WorkerId::new((self.id().number() + 1) % self.config.workers);
-                self.source.let_go(&point);
-                self.send(next, Message::Walk { ticket, attempt, point, at: None }, out);
+                self.send_walk(next, start, None);
             }
         }
     }
@@ -112,72 +96,61 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         invariant!(P8, before.is_none(), "{ticket:?} starts while it is at home here");
     }
 
+    /// Enters an operation whose walk waits.
+    fn enter_walking(&mut self, start: Start<S>) -> Waiter {
+        let ticket = start.ticket.unwrap_or_else(|| self.ticket());
+        self.enter(ticket, Operation::new(start.point, start.attempt, Phase::Walking));
+        Waiter::Walk(ticket)
+    }
+
     /// Waits for a locked tetrahedron without a lock of its own, then walks on.
-    fn wait_outside(
-        &mut self,
-        ticket: Option<Ticket>,
-        attempt: Attempt,
-        point: S::Point,
-        t: S::Tet,
-    ) {
-        let ticket = ticket.unwrap_or_else(|| self.ticket());
-        self.enter(ticket, Operation::new(point, attempt, Phase::Walking));
-        self.locks.waiting.entry(t).or_default().push(Waiter::Walk(ticket));
+    fn wait_outside(&mut self, start: Start<S>, t: S::Tet) {
+        let waiter = self.enter_walking(start);
+        self.locks.waiting.entry(t).or_default().push(waiter);
     }
 
     /// The walk leaves through an interface face.
-    fn walk_out(
-        &mut self,
-        ticket: Ticket,
-        attempt: Attempt,
-        point: S::Point,
-        at: Handle,
-        out: &mut Vec<Action<S>>,
-    ) {
+    fn walk_out(&mut self, start: Start<S>, at: Handle) {
         let owner = self.directory.owner(at.block);
         if owner != self.id() {
-            self.source.let_go(&point);
-            self.send(owner, Message::Walk { ticket, attempt, point, at: Some(at) }, out);
+            self.send_walk(owner, start, Some(at));
             return;
         }
         // The tetrahedron is on its way here.
-        self.enter(ticket, Operation::new(point, attempt, Phase::Walking));
-        self.locks.absent.entry(at.name).or_default().push(Waiter::Walk(ticket));
+        let waiter = self.enter_walking(start);
+        self.locks.absent.entry(at.name).or_default().push(waiter);
+    }
+
+    /// Another worker goes on with the walk, and becomes the operation's home.
+    fn send_walk(&mut self, to: WorkerId, start: Start<S>, at: Option<Handle>) {
+        let ticket = start.ticket.unwrap_or_else(|| self.ticket());
+        let Start { attempt, point, .. } = start;
+        self.source.let_go(&point);
+        self.send(to, Message::Walk { ticket, attempt, point, at });
     }
 
     /// A walk comes in. A block that has moved is walked after (R10).
-    pub(super) fn walk_in(
-        &mut self,
-        ticket: Ticket,
-        attempt: Attempt,
-        point: S::Point,
-        at: Option<Handle>,
-        out: &mut Vec<Action<S>>,
-    ) {
+    pub(super) fn walk_in(&mut self, start: Start<S>, at: Option<Handle>) {
+        let Some(ticket) = start.ticket else { invariant!(P8, "a walk without a ticket") };
         let is_here = self.operations.all.contains_key(&ticket);
         invariant!(P8, !is_here, "{ticket:?} walks in while it is at home here");
         if let Some(handle) = at
             && !self.directory.is_mine(handle.block)
         {
             if C::FORWARDS {
-                self.walk_out(ticket, attempt, point, handle, out);
+                self.walk_out(start, handle);
             }
             return;
         }
-        self.start(Some(ticket), attempt, point, at.map(|handle| handle.name), out);
+        self.start(start, at.map(|handle| handle.name));
     }
 
     /// Begins to collect the closure, from a tetrahedron of its own.
-    fn begin(
-        &mut self,
-        ticket: Ticket,
-        attempt: Attempt,
-        point: S::Point,
-        seed: S::Tet,
-        out: &mut Vec<Action<S>>,
-    ) {
+    fn begin(&mut self, start: Start<S>, seed: S::Tet) {
+        let ticket = start.ticket.unwrap_or_else(|| self.ticket());
+        let Start { attempt, point, .. } = start;
         let me = self.id();
-        out.push(Action::Note(Note::Began(ticket)));
+        self.out.push(Action::Note(Note::Began(ticket)));
         let phase = Phase::Expanding;
         let mut op = match self.spare.operations.pop() {
             Some(ended) => ended.renew(point.clone(), attempt, phase),
@@ -185,7 +158,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         };
         op.asked.insert_new(me, || 1);
         self.enter(ticket, op);
-        self.request(me, ticket, attempt, point, ([Want::Tet(seed)], Vec::new()), out);
+        self.request(me, ticket, attempt, point, ([Want::Tet(seed)], Vec::new()));
     }
 
     /// An owner has locked and tested all that it was asked for.
@@ -195,7 +168,6 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         ticket: Ticket,
         attempt: Attempt,
         granted: Granted<S>,
-        out: &mut Vec<Action<S>>,
     ) {
         let Granted { answers, pieces, foreign, bounced, moved } = granted;
         for (block, owner, epoch) in moved {
@@ -222,15 +194,15 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         let op = self.operation(ticket, attempt);
         let complete = op.asked.values().all(|&open| open == 0);
         if complete {
-            if !self.surround(ticket, out) {
-                self.fill(ticket, out);
+            if !self.surround(ticket) {
+                self.fill(ticket);
             }
             return;
         }
         let (point, around) = (op.point.clone(), op.around.clone());
         for (owner, seeds) in seeds.into_entries() {
             let (point, around) = (point.clone(), around.clone());
-            self.send(owner, Message::Expand { ticket, attempt, point, seeds, around }, out);
+            self.send(owner, Message::Expand { ticket, attempt, point, seeds, around });
         }
     }
 
@@ -265,27 +237,23 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     }
 
     /// The whole closure is locked: the commit point.
-    fn fill(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
+    fn fill(&mut self, ticket: Ticket) {
         let Some(mut op) = self.operations.all.remove(&ticket) else {
             invariant!(P8, "{ticket:?} commits and is gone")
         };
-        // R7
-        if !C::IGNORES_LATE_WOUND {
-            self.operations.late.insert(ticket, op.copy());
-        }
         let Operation { point, attempt, asked, whereabouts, parts, .. } = &*op;
         let find = |name: Name| whereabouts.get(name).copied();
         let mut patches = self.mesh.fill(point, parts.entries(), &find, &self.directory);
         let (setbacks, parts) = (*attempt, asked.len() as u32);
-        out.push(Action::Note(Note::Committed { ticket, setbacks, parts }));
+        self.out.push(Action::Note(Note::Committed { ticket, setbacks, parts }));
         for to in asked.keys() {
             let patch = patches.iter().position(|&(worker, _)| worker == to);
             let patch = patch.map(|place| patches.swap_remove(place).1);
-            self.send(to, Message::Commit { ticket, patch }, out);
+            self.send(to, Message::Commit { ticket, patch });
         }
         patches.sort_unstable_by_key(|&(to, _)| to);
         for (to, patch) in patches {
-            self.send(to, Message::Commit { ticket, patch: Some(patch) }, out);
+            self.send(to, Message::Commit { ticket, patch: Some(patch) });
         }
         op.parts.clear();
         self.spare.put_operation(op);
@@ -293,18 +261,18 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
 
     /// An older operation waits for a lock of this one. R7: after the commit point, and in any
     /// state but this one, the lock is released in any case.
-    pub(super) fn wounded(&mut self, ticket: Ticket, attempt: Attempt, out: &mut Vec<Action<S>>) {
-        if let Some(op) = self.operations.late.remove(&ticket) {
-            self.operations.all.insert(ticket, op);
-        }
-        let op = self.operations.all.get(&ticket);
-        if op.is_some_and(|op| op.attempt == attempt && op.phase == Phase::Expanding) {
-            self.set_back(ticket, out);
+    pub(super) fn wounded(&mut self, ticket: Ticket, attempt: Attempt) {
+        let obeys = match self.operations.all.get(&ticket) {
+            Some(op) => op.attempt == attempt && op.phase == Phase::Expanding,
+            None => !C::IGNORES_LATE_WOUND,
+        };
+        if obeys {
+            self.set_back(ticket);
         }
     }
 
     /// The setback: every lock of the attempt is given back.
-    pub(super) fn set_back(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
+    pub(super) fn set_back(&mut self, ticket: Ticket) {
         let Some(op) = self.operations.all.get_mut(&ticket) else {
             invariant!(P8, "{ticket:?} is set back and gone")
         };
@@ -315,28 +283,28 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         let attempt = op.attempt;
         // R6
         op.phase = Phase::Releasing(if C::AWAITS_RELEASES { asked.len() as u32 } else { 0 });
-        out.push(Action::Note(Note::SetBack { ticket, attempt: attempt.next() }));
+        self.out.push(Action::Note(Note::SetBack { ticket, attempt: attempt.next() }));
         for to in asked.keys() {
-            self.send(to, Message::Abort { ticket, attempt }, out);
+            self.send(to, Message::Abort { ticket, attempt });
         }
         if !C::AWAITS_RELEASES {
-            self.start_again(ticket, out);
+            self.start_again(ticket);
         }
     }
 
     /// A release is acknowledged.
-    pub(super) fn aborted(&mut self, ticket: Ticket, attempt: Attempt, out: &mut Vec<Action<S>>) {
+    pub(super) fn aborted(&mut self, ticket: Ticket, attempt: Attempt) {
         match &mut self.operation(ticket, attempt).phase {
             Phase::Releasing(open) if *open > 0 => {
                 *open -= 1;
-                self.start_again(ticket, out);
+                self.start_again(ticket);
             }
             phase => invariant!(P8, "a release of {ticket:?} is acknowledged in {phase:?}"),
         }
     }
 
     /// Starts again if all locks are released.
-    fn start_again(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) {
+    fn start_again(&mut self, ticket: Ticket) {
         let paper = self.config.rule == Rule::Paper;
         let Some(op) = self.operations.all.get_mut(&ticket) else {
             invariant!(P8, "{ticket:?} starts again and is gone")
@@ -347,7 +315,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         op.attempt = op.attempt.next();
         if paper {
             op.phase = Phase::Backoff;
-            out.push(Action::Backoff { ticket, attempt: op.attempt });
+            self.out.push(Action::Backoff { ticket, attempt: op.attempt });
         } else {
             self.make_ready(ticket);
         }

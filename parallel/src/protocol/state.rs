@@ -22,6 +22,14 @@ pub(crate) struct Operation<S: Submesh> {
     pub(crate) around: Vec<u64>,
 }
 
+/// A point whose walk starts or goes on, and its operation.
+pub(crate) struct Start<S: Submesh> {
+    /// `None` until the point is found to need an operation.
+    pub(crate) ticket: Option<Ticket>,
+    pub(crate) attempt: Attempt,
+    pub(crate) point: S::Point,
+}
+
 /// Where an operation is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Phase {
@@ -43,13 +51,11 @@ pub(crate) struct Operations<S: Submesh> {
     pub(crate) all: BTreeMap<Ticket, Box<Operation<S>>>,
     /// Operations that can start (again): the paper's QL.
     pub(crate) ready: BTreeSet<Ticket>,
-    /// Committed operations, kept by the known-bad variant that obeys late wounds.
-    pub(crate) late: BTreeMap<Ticket, Box<Operation<S>>>,
 }
 
 impl<S: Submesh> Operations<S> {
     pub(crate) fn new() -> Self {
-        Self { all: BTreeMap::new(), ready: BTreeSet::new(), late: BTreeMap::new() }
+        Self { all: BTreeMap::new(), ready: BTreeSet::new() }
     }
 }
 

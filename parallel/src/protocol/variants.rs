@@ -8,38 +8,22 @@
 
 use super::config::Closure;
 use super::rules::Rules;
-use super::state::{Operation, Phase, Request, want};
+use super::state::{Phase, Request, want};
 use super::submesh::{Insert, Source, Submesh};
-use super::worker::{Action, Worker};
+use super::worker::Worker;
 use super::{Attempt, Message, Ticket, WorkerId};
-
-impl<S: Submesh> Operation<S> {
-    /// A copy, for the known-bad variant that obeys late wounds; deriving `Clone` would ask for it
-    /// of the submesh.
-    pub(super) fn copy(&self) -> Box<Self> {
-        Box::new(Self {
-            point: self.point.clone(),
-            attempt: self.attempt,
-            phase: self.phase,
-            asked: self.asked.clone(),
-            whereabouts: self.whereabouts.clone(),
-            parts: self.parts.clone(),
-            around: self.around.clone(),
-        })
-    }
-}
 
 impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// The paper's rule knows no waiting: a request that meets a lock is denied.
-    pub(super) fn deny(&mut self, ticket: Ticket, request: &Request<S>, out: &mut Vec<Action<S>>) {
+    pub(super) fn deny(&mut self, ticket: Ticket, request: &Request<S>) {
         let attempt = request.attempt;
-        self.send(request.home, Message::Deny { ticket, attempt }, out);
+        self.send(request.home, Message::Deny { ticket, attempt });
     }
 
     /// A request was denied: the operation is set back, unless another one's denial did it.
-    pub(super) fn denied(&mut self, ticket: Ticket, attempt: Attempt, out: &mut Vec<Action<S>>) {
+    pub(super) fn denied(&mut self, ticket: Ticket, attempt: Attempt) {
         if self.operation(ticket, attempt).phase == Phase::Expanding {
-            self.set_back(ticket, out);
+            self.set_back(ticket);
         }
     }
 
@@ -61,7 +45,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
 
     /// The cavity is complete: all that touches it is asked for, too, unless that was done.
     /// `false`: nothing more is to be locked.
-    pub(super) fn surround(&mut self, ticket: Ticket, out: &mut Vec<Action<S>>) -> bool {
+    pub(super) fn surround(&mut self, ticket: Ticket) -> bool {
         let Some(op) = self.operations.all.get_mut(&ticket) else { return false };
         if self.config.closure == Closure::Face || !op.around.is_empty() {
             return false;
@@ -78,7 +62,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         for worker in asked {
             let (point, around) = (point.clone(), around.clone());
             let seeds = Vec::new();
-            self.send(worker, Message::Expand { ticket, attempt, point, seeds, around }, out);
+            self.send(worker, Message::Expand { ticket, attempt, point, seeds, around });
         }
         true
     }

@@ -6,7 +6,7 @@ use super::config::Config;
 use super::directory::{BlockId, Directory, WorkerId};
 use super::invariant::invariant;
 use super::rules::{Correct, Rules};
-use super::state::{Granted, Locks, Operations, Spare, Want};
+use super::state::{Granted, Locks, Operations, Spare, Start, Want};
 use super::submesh::{Source, Submesh, SubmeshError};
 use super::termination::{Pass, Safra};
 use super::{Attempt, Message, Ticket};
@@ -116,6 +116,8 @@ pub struct Worker<S: Submesh, Q, C = Correct> {
     pub(super) dropped: bool,
     /// Messages to itself, taken in the same step.
     own: VecDeque<Message<S>>,
+    /// The actions of the step under way.
+    pub(super) out: Vec<Action<S>>,
     rules: PhantomData<C>,
 }
 
@@ -137,6 +139,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             cancelled: false,
             dropped: false,
             own: VecDeque::new(),
+            out: Vec::new(),
             rules: PhantomData,
         }
     }
@@ -230,27 +233,29 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// does not keep the order of messages: [`Broken`](super::Broken) reads the panic's message.
     /// The worker is of no use afterwards.
     pub fn step(&mut self, event: Event<S>, out: &mut Vec<Action<S>>) {
-        let before = out.len();
-        self.answer(event, out);
-        if self.error().is_some() {
-            out.truncate(before);
-        }
-    }
-
-    fn answer(&mut self, event: Event<S>, out: &mut Vec<Action<S>>) {
         if self.error().is_some() {
             return;
         }
+        std::mem::swap(&mut self.out, out);
+        let before = self.out.len();
+        self.answer(event);
+        if self.error().is_some() {
+            self.out.truncate(before);
+        }
+        std::mem::swap(&mut self.out, out);
+    }
+
+    fn answer(&mut self, event: Event<S>) {
         match event {
             Event::Message { from, message } => {
                 if message.is_basic() {
                     self.safra.received::<C>();
                 }
-                self.receive(from, message, out);
+                self.receive(from, message);
             }
-            Event::Work => self.work(out),
+            Event::Work => self.work(),
             Event::Retry(ticket) => self.retry(ticket),
-            Event::Migrate { block, to } => self.migrate(block, to, out),
+            Event::Migrate { block, to } => self.migrate(block, to),
             Event::Cancel => self.cancel(),
         }
         // Ends: a message to itself follows from one seed, grant, cavity, commit or release of the
@@ -259,65 +264,65 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         while self.error().is_none()
             && let Some(message) = self.own.pop_front()
         {
-            self.receive(me, message, out);
+            self.receive(me, message);
         }
     }
 
-    fn receive(&mut self, from: WorkerId, message: Message<S>, out: &mut Vec<Action<S>>) {
+    fn receive(&mut self, from: WorkerId, message: Message<S>) {
         if let Some(ticket) = message.ticket() {
             self.clock = self.clock.max(ticket.clock);
         }
         match message {
             // To the home of an operation.
             Message::Walk { ticket, attempt, point, at } => {
-                self.walk_in(ticket, attempt, point, at, out);
+                self.walk_in(Start { ticket: Some(ticket), attempt, point }, at);
             }
             Message::Grant { ticket, attempt, answers, pieces, foreign, bounced, moved } => {
                 let granted = Granted { answers, pieces, foreign, bounced, moved };
-                self.granted(from, ticket, attempt, granted, out);
+                self.granted(from, ticket, attempt, granted);
             }
-            Message::Wound { ticket, attempt } => self.wounded(ticket, attempt, out),
-            Message::Aborted { ticket, attempt } => self.aborted(ticket, attempt, out),
-            Message::Deny { ticket, attempt } => self.denied(ticket, attempt, out),
+            Message::Wound { ticket, attempt } => self.wounded(ticket, attempt),
+            Message::Aborted { ticket, attempt } => self.aborted(ticket, attempt),
+            Message::Deny { ticket, attempt } => self.denied(ticket, attempt),
             // To the owner of a part of its closure.
             Message::Expand { ticket, attempt, point, seeds, around } => {
                 let wants = seeds.into_iter().map(Want::Seed);
-                self.request(from, ticket, attempt, point, (wants, around), out);
+                self.request(from, ticket, attempt, point, (wants, around));
             }
-            Message::Abort { ticket, attempt } => self.abort(from, ticket, attempt, out),
-            Message::Commit { ticket, patch } => self.commit(ticket, patch, out),
+            Message::Abort { ticket, attempt } => self.abort(from, ticket, attempt),
+            Message::Commit { ticket, patch } => self.commit(ticket, patch),
             // To the owner of a block.
             Message::Migrate { block, epoch, cargo, points } => {
-                self.moved_in(block, epoch, cargo, points, out);
+                self.moved_in(block, epoch, cargo, points);
             }
-            Message::Stray { block, cargo } => self.stray(block, cargo, out),
+            Message::Stray { block, cargo } => self.stray(block, cargo),
             Message::Token(token) => self.safra.arrived(token),
-            Message::Stop => self.stop(out),
+            Message::Stop => self.stop(),
         }
     }
 
     /// One unit of local work: an operation that can start, else a new point, else the token.
-    fn work(&mut self, out: &mut Vec<Action<S>>) {
+    fn work(&mut self) {
         if self.stopped {
             return;
         }
-        if self.start_ready(out) {
+        if self.start_ready() {
             return;
         }
         if self.has_room()
             && let Some(point) = self.source.next(&self.mesh)
         {
-            self.start(None, Attempt::default(), point, None, out);
+            self.start(Start { ticket: None, attempt: Attempt::default(), point }, None);
         } else if self.is_passive() {
             match self.safra.pass() {
                 Pass::Nothing => {}
-                Pass::On(to, token) => self.send(to, Message::Token(token), out),
+                Pass::On(to, token) => self.send(to, Message::Token(token)),
                 Pass::Terminated => {
                     let me = self.id();
                     for to in WorkerId::below(self.config.workers).filter(|&w| w != me) {
-                        self.send(to, Message::Stop, out);
+                        self.send(to, Message::Stop);
                     }
-                    self.stop(out);
+                    self.stop();
                 }
             }
         }
@@ -330,10 +335,10 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         self.source.clear();
     }
 
-    fn stop(&mut self, out: &mut Vec<Action<S>>) {
+    fn stop(&mut self) {
         invariant!(P10, self.is_quiescent(), "a stop comes too early: {}", self.describe());
         self.stopped = true;
-        out.push(Action::Note(Note::Stopped));
+        self.out.push(Action::Note(Note::Stopped));
     }
 
     /// A new ticket, younger than every ticket seen.
@@ -344,7 +349,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     }
 
     /// Sends a message; one to itself is taken at the end of the step.
-    pub(super) fn send(&mut self, to: WorkerId, message: Message<S>, out: &mut Vec<Action<S>>) {
+    pub(super) fn send(&mut self, to: WorkerId, message: Message<S>) {
         if to == self.id() {
             self.own.push_back(message);
             return;
@@ -352,6 +357,6 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         if message.is_basic() {
             self.safra.sent();
         }
-        out.push(Action::Send { to, message });
+        self.out.push(Action::Send { to, message });
     }
 }

@@ -1,6 +1,6 @@
 //! The sources as `tidy` reads them: files by path, their code and their comments apart, tokens.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -116,8 +116,9 @@ pub(crate) fn split(text: &str) -> (String, Vec<Comment>) {
         if k > start {
             let lines = chars[start..k].iter().filter(|&&c| c == '\n').count();
             code.push('"');
-            code.extend(std::iter::repeat_n('\n', lines));
-            code.push('"');
+            // A sign on every line: each is code.
+            code.extend(std::iter::repeat_n("\n\"", lines));
+            code.push_str(if lines == 0 { "\"" } else { "" });
             line += lines;
             open = 0;
             continue;
@@ -198,9 +199,9 @@ pub(crate) fn shipped(tokens: &[Token]) -> Vec<Token> {
     while k < tokens.len() {
         if text(k) == "#" && text(k + 1) == "[" && text(k + 2) == "cfg" {
             let end = end_of_group(tokens, k + 1);
-            let condition: Vec<&str> = (k + 3..end).map(text).collect();
-            let negated = condition.contains(&"not");
-            if condition.contains(&"test") && !negated {
+            // `not(test)` is shipped; `all(test, not(..))` is not.
+            let is_asked_for = |&place: &usize| text(place) == "test" && text(place - 2) != "not";
+            if (k + 3..end).any(|place| is_asked_for(&place)) {
                 k = end_of_item(tokens, end);
                 continue;
             }
@@ -248,6 +249,21 @@ fn comments_and_literals_are_told_from_code() {
     assert_eq!(comments, [Comment { line: 1, text: "so many lines".into() }]);
     let (code, _) = split("r#\"use \"crate::a\" \"# + b\"x\\\"\" + c");
     assert_eq!(code, "\"\" + b\"\" + c");
+}
+
+/// The number of lines of shipped code: without blank lines, comments and tests.
+pub(crate) fn lines_of_code(text: &str) -> usize {
+    let lines: BTreeSet<usize> =
+        shipped(&tokens(&split(text).0)).iter().map(|token| token.line).collect();
+    lines.len()
+}
+
+#[test]
+fn lines_of_code_are_counted() {
+    let text = "//! Page.\n\nfn f() {\n    /* a\n b */ let s = \"a\n// b\n\"; // c\n}\n\
+                #[cfg(all(test, not(any(loom, shuttle))))]\nmod tests {\n    fn g() {}\n}\n";
+    assert_eq!(lines_of_code(text), 5); // f, both ends of the literal, and its middle; the brace
+    assert_eq!(lines_of_code("#[cfg(not(test))]\nfn f() {}\n"), 2);
 }
 
 #[test]
