@@ -14,7 +14,7 @@ use ltbw_verify as verify;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
-use verify::{Breach, Conformity, Finding, Limits, Plc, PlcFacet};
+use verify::{Conformity, ConformityDefect, Finding, Limits, Plc, PlcFacet};
 
 /// Breaches that people are shown.
 const SHOWN: usize = 10;
@@ -181,8 +181,8 @@ const LISTED: usize = 100;
 
 /// The certificate of conformity as JSON.
 pub(crate) fn certificate(found: &Conformity, same_volume: bool) -> Value {
-    let mut listed: BTreeMap<Breach, usize> = BTreeMap::new();
-    let mut is_listed = |breach: Breach| {
+    let mut listed: BTreeMap<ConformityDefect, usize> = BTreeMap::new();
+    let mut is_listed = |breach: ConformityDefect| {
         let count = listed.entry(breach).or_default();
         *count += 1;
         *count <= LISTED

@@ -22,7 +22,7 @@ use ltbw::io::{self, MeshWriter};
 use ltbw::quality::{self, Quality};
 use ltbw::refine::{RefineOutcome, Refined};
 use ltbw::{TetMesh, canonical_hash};
-use ltbw_verify::{Breach, Conformity, Finding};
+use ltbw_verify::{Conformity, ConformityDefect, Finding};
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -235,7 +235,7 @@ fn is_explained(found: &Conformity, inside: &TetMesh, excused: &Excused) -> bool
     };
     found.mesh_defect_count == 0
         && found.counts.iter().all(|(&breach, &count)| match breach {
-            Breach::RatioExceeded | Breach::VolumeExceeded => {
+            ConformityDefect::RatioExceeded | ConformityDefect::VolumeExceeded => {
                 let listed = found.findings.iter().filter(|f| f.breach == breach);
                 // A tetrahedron that is not listed cannot be told to be excused.
                 listed.clone().count() as u64 == count && listed.clone().all(is_excused)
@@ -466,7 +466,7 @@ fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
 mod tests {
     use super::{Excused, is_explained};
     use ltbw::TetMesh;
-    use ltbw_verify::{self as verify, Breach, Limits, Plc, PlcFacet};
+    use ltbw_verify::{self as verify, ConformityDefect, Limits, Plc, PlcFacet};
 
     /// Two tetrahedra on one triangle, of volumes 1/6 and 1/3, of which the second is too large.
     #[test]
@@ -491,7 +491,10 @@ mod tests {
         let mesh = verify::Mesh::new(&inside.points, &inside.tets);
         let found = verify::conforms(&mesh, &plc, None, &limits, &verify::Options::default());
         assert_eq!(found.mesh_defect_count, 0, "{:?}", found.mesh_defects);
-        assert_eq!(found.counts.iter().collect::<Vec<_>>(), [(&Breach::VolumeExceeded, &1)]);
+        assert_eq!(
+            found.counts.iter().collect::<Vec<_>>(),
+            [(&ConformityDefect::VolumeExceeded, &1)]
+        );
         let explained = |tet| is_explained(&found, &inside, &Excused::from([tet]));
         assert!(explained(large));
         assert!(!explained(small), "as many excuses as breaches, but for another tetrahedron");

@@ -56,7 +56,7 @@ fn main() -> Result<(), Failure> {
 
 /// Inserts all points with one worker: the worker, the time, and the work done in it.
 fn build(set: &PointSet) -> Result<(Alone, f64, Costs), Failure> {
-    let mut prepared = Layout::new(set.len(), 1).prepare(set)?;
+    let mut prepared = Layout::new(set.len(), 1).distribute(set)?;
     let (directory, mesh, field) = prepared.workers.pop().ok_or("no worker")?;
     let mut worker = Worker::new(Config::new(1), directory, mesh, field);
     worker.mesh_mut().take_costs();

@@ -7,7 +7,7 @@
 use ltbw::balance::Balance;
 use ltbw::threads::Parallel;
 use ltbw::{Builder, CancelToken, Outcome, Phase, PointSet, Progress};
-use ltbw_core::cavity::Open;
+use ltbw_core::cavity::AdmitAll;
 use ltbw_core::mesh::lanes::{Chosen, Follow, Lanes, View};
 use ltbw_core::topology::{FaceId, TetId, VertexId};
 use ltbw_generate::{PointKind, generate};
@@ -39,13 +39,13 @@ fn cancelled_run(points: usize) -> Result<u32, Failure> {
     let set = PointSet::new(generate(PointKind::Uniform, points, 3))?;
     let token = CancelToken::new();
     // No worker waits for the observer.
-    let watch = |p: Progress| {
+    let hooks = |p: Progress| {
         if p.phase == Phase::Insert {
             std::thread::sleep(Duration::from_millis(30));
             token.cancel();
         }
     };
-    let kernel = Parallel::new(4).latency(Duration::from_millis(20)).observer(&watch);
+    let kernel = Parallel::new(4).latency(Duration::from_millis(20)).observer(&hooks);
     let run = kernel.cancel(&token).build(&set)?;
     if run.outcome != Outcome::Cancelled {
         return Err("the run was too short to be cancelled".into());
@@ -63,8 +63,8 @@ impl Follow for Written {
         self.0[t.index()].load(Ordering::Relaxed)
     }
 
-    fn opened(&self, _: &mut usize, walls: impl Iterator<Item = FaceId>) {
-        walls.for_each(drop);
+    fn opened(&self, _: &mut usize, boundary: impl Iterator<Item = FaceId>) {
+        boundary.for_each(drop);
     }
 
     fn filled(&self, own: &mut usize, star: &[TetId], view: View<'_>) {
@@ -87,7 +87,8 @@ fn lanes(points: usize) -> Result<u32, Failure> {
             let mut cavities = Vec::new();
             for p in list {
                 let from = mesh.hint();
-                let open = mesh.begin(*p, from, &mut Open).map_err(|_| "a point is a vertex")?;
+                let open =
+                    mesh.begin(*p, from, &mut AdmitAll).map_err(|_| "a point is a vertex")?;
                 cavities.push(open.tets().collect::<Vec<TetId>>());
             }
             let slots = mesh.make_room_for(list.len(), many);
@@ -99,7 +100,7 @@ fn lanes(points: usize) -> Result<u32, Failure> {
             filled += own.iter().filter(|&&count| count > 0).count();
             for k in put_off {
                 let from = mesh.hint();
-                let open = mesh.begin(list[k], from, &mut Open).map_err(|_| "a vertex")?;
+                let open = mesh.begin(list[k], from, &mut AdmitAll).map_err(|_| "a vertex")?;
                 open.fill_vertex(VertexId::at(first.index() + k));
             }
         }

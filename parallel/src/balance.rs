@@ -28,7 +28,7 @@ impl Default for Balance {
 }
 
 /// A supply of points, as a balancer must know it.
-pub trait Stock {
+pub trait Workload {
     /// Points left.
     fn left(&self) -> u64;
 
@@ -48,7 +48,7 @@ pub trait Stock {
     }
 }
 
-impl Stock for PointQueue {
+impl Workload for PointQueue {
     fn left(&self) -> u64 {
         PointQueue::left(self) as u64
     }
@@ -138,7 +138,7 @@ impl Balancer {
     }
 
     /// The blocks that `worker` should give to `to`, which has asked for some.
-    pub fn give<S: Submesh, Q: Source<S> + Stock, C: Rules>(
+    pub fn give<S: Submesh, Q: Source<S> + Workload, C: Rules>(
         &mut self,
         worker: &Worker<S, Q, C>,
         to: WorkerId,
@@ -185,11 +185,11 @@ mod tests {
         let set = PointSet::new(generate(PointKind::Uniform, 6000, 1)).expect("finite points");
         let layout = Layout { sample: 60, ..Layout::new(6000, 2) };
         let gives = |done: u64| {
-            let prepared = layout.prepare(&set).expect("a start");
+            let prepared = layout.distribute(&set).expect("a start");
             let (directory, mesh, mut field) = prepared.workers.into_iter().next().expect("one");
             for _ in 0..done {
-                let site = field.next(&mesh).expect("a point");
-                field.inserted(&mesh, &site);
+                let vertex = field.next(&mesh).expect("a point");
+                field.inserted(&mesh, &vertex);
             }
             let all = field.left() as u64 + done;
             let worker: Worker<_, _> = Worker::new(Config::new(2), directory, mesh, field);

@@ -26,7 +26,7 @@ impl World {
         let set = PointSet::new(generate(PointKind::Uniform, 3000, 7)).expect("finite points");
         let layout = Layout { ownership, ..Layout::new(set.len(), 3) };
         let config = Config { closure, ..Config::new(3) };
-        let prepared = layout.prepare(&set).expect("a start");
+        let prepared = layout.distribute(&set).expect("a start");
         let worker = |(directory, mesh, field)| Worker::new(config, directory, mesh, field);
         let workers = prepared.workers.into_iter().map(worker).collect();
         Self { workers, messages: VecDeque::new(), around: Vec::new(), asked: BTreeSet::new() }

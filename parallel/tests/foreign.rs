@@ -9,7 +9,7 @@ use ltbw_generate::{PointKind, generate};
 
 fn submesh() -> (Directory, LocalMesh) {
     let set = PointSet::new(generate(PointKind::Uniform, 300, 1)).expect("finite points");
-    let prepared = Layout::new(set.len(), 2).prepare(&set).expect("a start");
+    let prepared = Layout::new(set.len(), 2).distribute(&set).expect("a start");
     let (directory, mesh, _) = prepared.workers.into_iter().next().expect("a worker");
     (directory, mesh)
 }
@@ -29,11 +29,15 @@ fn damaged(damage: impl Fn(&mut Patch, TetId)) -> SubmeshError {
     let (directory, mut mesh) = submesh();
     let part = mesh.tets();
     let (t, v) = part.tets().find(|(_, v)| v[3] != INFINITE).expect("a tetrahedron");
-    let sites = v.map(|v| WireVertex::new(v.number(), part.point(v)));
+    let vertices = v.map(|v| WireVertex::new(v.number(), part.point(v)));
     let new =
         NewTet { name: None, v: [0, 1, 2, 3], block: BlockId::default(), n: [To::Old(t, 0); 4] };
-    let mut patch =
-        Patch { remove: vec![t], sites: sites.to_vec(), create: vec![new], relink: Vec::new() };
+    let mut patch = Patch {
+        remove: vec![t],
+        vertices: vertices.to_vec(),
+        create: vec![new],
+        relink: Vec::new(),
+    };
     damage(&mut patch, t);
     let before = shown(&mesh);
     mesh.apply::<Correct>(patch, &directory, &mut Vec::new(), &mut Vec::new());
@@ -65,8 +69,8 @@ fn numbers_in_a_patch_are_compared_before_they_are_used() {
     assert_eq!(damaged(|patch, _| patch.create[0].n[3] = To::New(0, 4)), of(new, 0));
     let vertex = "a vertex";
     assert_eq!(damaged(|patch, _| patch.create[0].v[3] = 4), of(vertex, 4));
-    assert_eq!(damaged(|patch, _| patch.sites[1].vertex = 301), of(vertex, 301));
-    assert_eq!(damaged(|patch, _| patch.sites[0].vertex = 0), of(vertex, 3));
+    assert_eq!(damaged(|patch, _| patch.vertices[1].name = 301), of(vertex, 301));
+    assert_eq!(damaged(|patch, _| patch.vertices[0].name = 0), of(vertex, 3));
 }
 
 #[test]
@@ -89,6 +93,6 @@ fn numbers_in_a_block_are_compared_before_they_are_used() {
     assert_eq!(adopted(&|moving| moving.n[1] = Lead::In(1, 0)), of(new, 1));
     assert_eq!(adopted(&|moving| moving.n[1] = Lead::In(0, 7)), of(new, 0));
     assert_eq!(adopted(&|moving| moving.n[0] = Lead::Far(handle(5))), of("a face by slot", 5));
-    assert_eq!(adopted(&|moving| moving.v[2].vertex = 999), of("a vertex", 999));
-    assert_eq!(adopted(&|moving| moving.v[0].vertex = 0), of("a finite vertex", 0));
+    assert_eq!(adopted(&|moving| moving.v[2].name = 999), of("a vertex", 999));
+    assert_eq!(adopted(&|moving| moving.v[0].name = 0), of("a finite vertex", 0));
 }

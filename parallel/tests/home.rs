@@ -52,7 +52,7 @@ fn tetrahedra_beside_blocks_that_have_moved_belong_to_them() {
     let set = PointSet::new(generate(PointKind::Clusters, points, 2)).expect("finite points");
     let expected = Builder::new().build(&set).expect("a mesh").mesh.hash();
     let layout = Layout { blocks_per_worker: 48, ..Layout::new(points, workers) };
-    let prepared = layout.prepare(&set).expect("a start");
+    let prepared = layout.distribute(&set).expect("a start");
     let node = |(directory, mesh, field)| Worker::new(Config::new(workers), directory, mesh, field);
     let nodes: Vec<Node> = prepared.workers.into_iter().map(node).collect();
     let mut world = World { nodes, under_way: VecDeque::new() };

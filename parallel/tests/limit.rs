@@ -3,7 +3,7 @@
 
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, SubmeshError, WorkerId};
-use ltbw::simulate::{MeshError, Options, SimulationError, Storm, simulate_mesh};
+use ltbw::simulate::{MeshError, Options, RandomMigrations, SimulationError, simulate_mesh};
 use ltbw::threads::{Parallel, RunError};
 use ltbw::{Builder, MeshHash, PointSet, WorkerError};
 use ltbw_generate::{PointKind, generate};
@@ -97,7 +97,7 @@ fn threads_end_at_the_limit_with_a_typed_error() {
     }
 }
 
-fn simulated(kind: PointKind, layout: Layout, seed: u64, storm: Option<Storm>) -> End {
+fn simulated(kind: PointKind, layout: Layout, seed: u64, storm: Option<RandomMigrations>) -> End {
     let Scene { set, expected, .. } = scene(kind, 300, seed);
     let mut options = Options { seed, storm, max_events: 5_000_000, ..Options::default() };
     if layout.ownership != Ownership::Block {
@@ -129,7 +129,7 @@ fn simulated_runs_end_at_the_limit_with_a_typed_error() {
         let ownership = Ownership::ALL[seed as usize / 9 % 3];
         // Blocks move, in some: they find no room where they go.
         let moves = ownership == Ownership::Block && seed % 2 == 0;
-        let storm = moves.then_some(Storm { every: 20_000 });
+        let storm = moves.then_some(RandomMigrations { every: 20_000 });
         let max_tets = tets * (1 + seed as usize % 20) / (5 * workers as usize);
         let layout = Layout {
             ownership,

@@ -12,7 +12,7 @@ fn another_workers_point_is_blocked() {
     let set = PointSet::new(generate(PointKind::Uniform, 4000, 3)).expect("finite points");
     for ownership in [Ownership::Newest, Ownership::Block] {
         let layout = Layout { ownership, sample: 400, ..Layout::new(set.len(), 2) };
-        let mut workers = layout.prepare(&set).expect("a start").workers;
+        let mut workers = layout.distribute(&set).expect("a start").workers;
         let (_, theirs, mut points) = workers.pop().expect("the second worker");
         let (directory, mut mesh, mut own) = workers.pop().expect("the first worker");
         let (mut blocked, mut done) = (0, 0);

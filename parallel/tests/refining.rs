@@ -5,7 +5,7 @@ use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, Correct};
 use ltbw::quality::Quality;
 use ltbw::refining::{Bounds, RefineError, refine_on_threads, simulate_refined};
-use ltbw::simulate::{Network, Options, Storm};
+use ltbw::simulate::{Network, Options, RandomMigrations};
 use ltbw::threads::Parallel;
 use ltbw::{BuildError, Builder, CancelToken, Mesh, Outcome, Point, PointSet, invariants};
 use ltbw_generate::{PointKind, generate};
@@ -157,7 +157,7 @@ fn blocks_move_while_they_are_refined() {
     let bounds = bounds_of(&set, asked);
     let layout = Layout::new(set.len(), 6);
     for seed in 0..4 {
-        let storm = Some(Storm { every: 10_000 });
+        let storm = Some(RandomMigrations { every: 10_000 });
         let options = Options { seed, storm, check_every: 499, ..Options::default() };
         let run = simulate_refined::<Correct>(&set, bounds, &layout, Config::new(6), &options);
         let run = run.expect("a run ends");

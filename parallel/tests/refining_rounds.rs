@@ -6,7 +6,7 @@ use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, Correct, WorkerId};
 use ltbw::refine::{Engine, InsertOrder, Refined, Refiner, Script};
 use ltbw::refining::{RefineError, rounds_on_threads, simulate_rounds};
-use ltbw::simulate::{Bursts, Network, Options, Storm};
+use ltbw::simulate::{Bursts, Network, Options, RandomMigrations};
 use ltbw::threads::Parallel;
 use ltbw::{
     BuildError, Builder, CancelToken, Mesh, MeshHash, Outcome, Point, PointSet, invariants,
@@ -145,7 +145,7 @@ fn wedges_regions_and_fields_have_the_engines_mesh() {
 fn moves_bursts_slow_and_many_processors_change_nothing() {
     let ready = prepared(DomainKind::CubeOctahedron, &Shape::default());
     let (refined, script) = script(&Refiner::new().max_volume(1e-3), &ready, 200);
-    let storm = Some(Storm { every: 30_000 });
+    let storm = Some(RandomMigrations { every: 30_000 });
     let bursts =
         Network { bursts: Some(Bursts { every: 400_000, length: 100_000 }), ..Network::default() };
     let cases = [

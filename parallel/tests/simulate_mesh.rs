@@ -3,8 +3,8 @@
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, Rule, WorkerId};
 use ltbw::simulate::{
-    Bursts, CostModel, Distribution, MeshError, Meshed, Network, Options, SimulationError, Storm,
-    simulate_mesh,
+    Bursts, CostModel, Distribution, MeshError, Meshed, Network, Options, RandomMigrations,
+    SimulationError, simulate_mesh,
 };
 use ltbw::{Builder, PointSet, invariants};
 use ltbw_generate::{PointKind, Random, generate};
@@ -68,7 +68,7 @@ fn case(seed: u64) -> (PointSet, Layout, Rule, Options) {
     let options = Options {
         network,
         slow: if k.is_multiple_of(6) { vec![(WorkerId::new(1), 100.0)] } else { Vec::new() },
-        storm: k.is_multiple_of(3).then_some(Storm { every: 50_000 + latency / 10 }),
+        storm: k.is_multiple_of(3).then_some(RandomMigrations { every: 50_000 + latency / 10 }),
         ..options(seed)
     };
     // The paper's rule livelocks where messages take long; it has a test of its own.
@@ -131,7 +131,8 @@ fn large_sets_on_any_processors() {
         let set = set.expect("finite points");
         let (_, layout, rule, options) = case(seed);
         let every = 5_000_000 + options.network.latency;
-        let options = Options { storm: Some(Storm { every }), max_events: 1 << 32, ..options };
+        let options =
+            Options { storm: Some(RandomMigrations { every }), max_events: 1 << 32, ..options };
         let layout = Layout { blocks_per_worker: 8, ..layout_of(seed, set.len(), layout.workers) };
         let meshed = run(&set, layout, rule, &options);
         points += set.len();
@@ -155,7 +156,7 @@ fn a_tetrahedron_is_known_by_any_of_its_names() {
         bursts: Some(Bursts { every: 2_000_000, length: 500_000 }),
         ..Network::default()
     };
-    let storm = Some(Storm { every: 100_050_000 });
+    let storm = Some(RandomMigrations { every: 100_050_000 });
     let layout = Layout { blocks_per_worker: 4, ..Layout::new(1650, 16) };
     run(&set, layout, Rule::WoundWait, &Options { network, storm, ..options(9) });
 }
@@ -172,7 +173,7 @@ fn a_cancelled_run_ends_while_blocks_move() {
     let mut moves = 0;
     let mut size_before = 0;
     for cancel in [0, 100_000, 1_000_000, 5_000_000] {
-        let storm = Some(Storm { every: 20_000 });
+        let storm = Some(RandomMigrations { every: 20_000 });
         let cancel = Some(cancel);
         let options = Options { network, storm, cancel, max_events: 1_000_000, ..options(1) };
         let run = simulate_mesh(&set, &layout, Config::new(3), &options).expect("a run ends");
@@ -196,7 +197,7 @@ fn the_paper_gets_the_same_mesh() {
 fn a_seed_reproduces_a_run() {
     let set = PointSet::new(generate(PointKind::Clusters, 3000, 2)).expect("finite points");
     let network = Network { distribution: Distribution::HeavyTail, ..Network::default() };
-    let storm = Some(Storm { every: 100_000 });
+    let storm = Some(RandomMigrations { every: 100_000 });
     let options = Options { network, storm, spans: 1_000_000, ..options(7) };
     let of = || {
         let meshed = run(&set, Layout::new(3000, 9), Rule::WoundWait, &options);
@@ -218,7 +219,9 @@ fn the_papers_variants_get_the_same_mesh() {
         let layout =
             Layout { ownership, blocks_per_worker: 4, sample: 60, ..Layout::new(600, workers) };
         let options = match ownership {
-            Ownership::Block => Options { storm: Some(Storm { every: 20_000 }), ..options(seed) },
+            Ownership::Block => {
+                Options { storm: Some(RandomMigrations { every: 20_000 }), ..options(seed) }
+            }
             Ownership::Newest | Ownership::Creator => Options { balance: None, ..options(seed) },
         };
         for (closure, sum) in [Closure::Face, Closure::Vertex].into_iter().zip(&mut setbacks) {
@@ -248,8 +251,11 @@ fn what_is_not_owned_by_blocks_does_not_move() {
 fn the_invariants_hold_between_the_events_of_a_run_with_moves() {
     for seed in 0..3 {
         let set = PointSet::new(generate(PointKind::Uniform, 250, seed)).expect("finite points");
-        let options =
-            Options { storm: Some(Storm { every: 20_000 }), check_every: 7, ..options(seed) };
+        let options = Options {
+            storm: Some(RandomMigrations { every: 20_000 }),
+            check_every: 7,
+            ..options(seed)
+        };
         let layout = Layout { blocks_per_worker: 8, ..Layout::new(250, 3) };
         let meshed = run(&set, layout, Rule::WoundWait, &options);
         let moved: u64 = meshed.summary.workers.iter().map(|worker| worker.migrations).sum();

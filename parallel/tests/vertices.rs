@@ -3,7 +3,7 @@
 use ltbw::PointSet;
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, Correct, Worker};
-use ltbw::simulate::{Options, Storm, simulate};
+use ltbw::simulate::{Options, RandomMigrations, simulate};
 use ltbw_generate::{PointKind, generate};
 
 #[test]
@@ -12,7 +12,7 @@ fn a_worker_has_the_vertices_of_its_part_alone() {
     let set = PointSet::new(generate(PointKind::Uniform, 20_000, 1)).expect("finite points");
     for ownership in Ownership::ALL {
         let layout = Layout { ownership, ..Layout::new(set.len(), WORKERS) };
-        let prepared = layout.prepare(&set).expect("a start");
+        let prepared = layout.distribute(&set).expect("a start");
         let config = Config::new(WORKERS);
         let workers: Vec<_> = prepared
             .workers
@@ -22,7 +22,7 @@ fn a_worker_has_the_vertices_of_its_part_alone() {
             })
             .collect();
         // Blocks that move bring their vertices along.
-        let storm = Storm { every: 2_000_000 };
+        let storm = RandomMigrations { every: 2_000_000 };
         let storm = (ownership == Ownership::Block).then_some(storm);
         let options = Options { storm, ..Options::default() };
         let run = simulate(workers, &options).expect("a run ends");

@@ -8,7 +8,7 @@
 //! | [`small_world`] | all meshes of all subsets of a few points, by definition |
 //! | [`families`] | the input families of the bars, deterministic by seed |
 //! | [`domains`] | random domains |
-//! | [`fives`] | five points at a time, for the predicates |
+//! | [`five_points`] | five points at a time, for the predicates |
 //! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash |
 //! | [`parts`] | the surfaces of `cargo xtask parts` |
 //! | [`plant`] | defects planted into sound meshes, for the checker to find |
@@ -23,7 +23,7 @@ pub mod compare;
 pub mod domains;
 pub mod epsilon;
 pub mod families;
-pub mod fives;
+pub mod five_points;
 pub mod fuzz;
 pub mod interleave;
 pub mod oracle;

@@ -41,7 +41,14 @@ fn play(points: Vec<Point>, case: Case, seed: u64) -> Figures {
 }
 
 fn layout(workers: u32, sample: usize) -> Layout {
-    Layout { workers, blocks_per_worker: 4, cursors: 4, abreast: 5, sample, ..Layout::new(0, 1) }
+    Layout {
+        workers,
+        blocks_per_worker: 4,
+        cursors: 4,
+        max_in_flight: 5,
+        sample,
+        ..Layout::new(0, 1)
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@
 use ltbw::balance::Balance;
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, Rule, WorkerId};
-use ltbw::simulate::{Distribution, MeshError, Network, Options, Storm, simulate_mesh};
+use ltbw::simulate::{Distribution, MeshError, Network, Options, RandomMigrations, simulate_mesh};
 use ltbw::{BuildError, Mesh, PointSet};
 use ltbw_generate::Random;
 use ltbw_tests::cases;
@@ -30,7 +30,7 @@ fn case(random: &mut Random) -> Case {
             workers: workers as u32,
             blocks_per_worker: 1 + below(4) as u32,
             cursors: 1 + below(4),
-            abreast: below(8),
+            max_in_flight: below(8),
             sample: 4 + below(8),
             ownership,
             ..Layout::new(0, 1)
@@ -54,7 +54,7 @@ fn simulated(case: &Case, set: &PointSet, random: &mut Random) -> Result<Mesh, B
         seed: random.bits(),
         network: Network { latency, distribution, ..Network::default() },
         slow: case.slow.map(|w| (WorkerId::at(w), 100.0)).into_iter().collect(),
-        storm: (case.moves > 0).then_some(Storm { every: 20_000 + latency / 10 }),
+        storm: (case.moves > 0).then_some(RandomMigrations { every: 20_000 + latency / 10 }),
         balance: Some(Balance::default()).filter(|_| case.layout.ownership == Ownership::Block),
         max_events: 1_000_000,
         ..Options::default()

@@ -8,7 +8,7 @@
 use ltbw::predicates::{self, perturb, twin};
 use ltbw::{Point, Sign};
 use ltbw_tests::families::{Rng, two_to};
-use ltbw_tests::fives::{FACTORS, WINDOW};
+use ltbw_tests::five_points::{FACTORS, WINDOW};
 use ltbw_tests::{cases, oracle};
 
 fn for_all(check: impl Fn(&str, &[Point; 5])) {

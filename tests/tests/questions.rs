@@ -6,7 +6,7 @@
 #[path = "questions/tables.rs"]
 mod tables;
 
-use ltbw::balance::Stock;
+use ltbw::balance::Workload;
 use ltbw::check::RequestView;
 use ltbw::protocol::{Action, Attempt, Correct, Event, Message, Note, Rule};
 use ltbw::protocol::{Submesh, Ticket, Worker, WorkerId};

@@ -7,7 +7,7 @@ use ltbw::refine::{RefineOutcome, Refined, Refiner};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_tests::cases;
 use ltbw_tests::domains::{plc_of, prepared, random_domain};
-use ltbw_verify::{Breach, Conformity, Limits, Mesh, Options, Plc, conforms};
+use ltbw_verify::{Conformity, ConformityDefect, Limits, Mesh, Options, Plc, conforms};
 
 /// Refines, and has the result checked against domain and bounds.
 fn refine_and_judge(ready: &Prepared, volume: Option<f64>, ratio: f64) -> (Refined, Conformity) {
@@ -90,11 +90,11 @@ fn a_damaged_mesh_does_not_conform() {
     // A tetrahedron less: a hole in the mesh.
     let mut bad = good.clone();
     bad.tets.pop();
-    assert!(judge(&bad, &plc, &none).count(Breach::HullFaceOffFacet) > 0);
+    assert!(judge(&bad, &plc, &none).count(ConformityDefect::HullFaceOffFacet) > 0);
     // A tetrahedron with another tag.
     let mut bad = good.clone();
     bad.tet_tags.as_mut().expect("tags")[7] = 9;
-    assert!(judge(&bad, &plc, &none).count(Breach::TagsDiffer) > 0);
+    assert!(judge(&bad, &plc, &none).count(ConformityDefect::TagsDiffer) > 0);
     // A point off its facet, by one unit in the last place.
     let mut bad = good.clone();
     let moved = bad.points.iter().position(|p| p[0] == 0.0 && p[1] > 0.0 && p[1] < 1.0);
@@ -103,23 +103,29 @@ fn a_damaged_mesh_does_not_conform() {
     // The exterior is meshed, too.
     let whole = refined.with_exterior();
     let whole = ltbw::TetMesh { tet_tags: None, ..whole };
-    assert!(judge(&whole, &plc, &none).count(Breach::HoleMeshed) > 0);
+    assert!(judge(&whole, &plc, &none).count(ConformityDefect::HoleMeshed) > 0);
     // A domain with another vertex, another edge, another facet.
     let mut other = plc.clone();
     other.vertices.push([0.123, 0.5, 0.5]);
-    assert_eq!(judge(&good, &other, &none).count(Breach::VertexMissing), 1);
+    assert_eq!(judge(&good, &other, &none).count(ConformityDefect::VertexMissing), 1);
     let mut other = plc.clone();
     other.segments.push([0, 6]);
-    assert_eq!(judge(&good, &other, &none).count(Breach::SegmentBroken), 1);
+    assert_eq!(judge(&good, &other, &none).count(ConformityDefect::SegmentBroken), 1);
     let mut other = plc.clone();
     other.facets[0].polygons[0].pop();
     let found = judge(&good, &other, &none);
-    assert!(found.count(Breach::SegmentBroken) == 1 && found.count(Breach::FacetNotTiled) == 1);
-    assert!(found.count(Breach::HullFaceOffFacet) > 0);
+    assert!(
+        found.count(ConformityDefect::SegmentBroken) == 1
+            && found.count(ConformityDefect::FacetNotTiled) == 1
+    );
+    assert!(found.count(ConformityDefect::HullFaceOffFacet) > 0);
     // Bounds that the mesh does not have.
     let limits = Limits { max_volume: Some(1e-4), radius_edge: Some(1.0), ..Limits::default() };
     let found = judge(&good, &plc, &limits);
-    assert!(found.count(Breach::VolumeExceeded) > 0 && found.count(Breach::RatioExceeded) > 0);
+    assert!(
+        found.count(ConformityDefect::VolumeExceeded) > 0
+            && found.count(ConformityDefect::RatioExceeded) > 0
+    );
 }
 
 #[test]
@@ -134,7 +140,9 @@ fn random_domains_are_certified() {
         // Small angles may leave bounds unmet, by name; the boundary is always there.
         assert!(refined.lost.is_empty(), "{name} {seed}: {:?}", refined.lost.first());
         assert_eq!(found.mesh_defect_count, 0, "{name} {seed}: {:?}", found.mesh_defects.first());
-        let bounds = |b: &Breach| matches!(b, Breach::RatioExceeded | Breach::VolumeExceeded);
+        let bounds = |b: &ConformityDefect| {
+            matches!(b, ConformityDefect::RatioExceeded | ConformityDefect::VolumeExceeded)
+        };
         assert!(found.counts.keys().all(bounds), "{name} {seed}: {:?}", found.findings.first());
         let over: u64 = found.counts.values().sum();
         assert_eq!(over, refined.excuses.len() as u64, "{name} {seed}");

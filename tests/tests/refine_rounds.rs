@@ -11,7 +11,7 @@ use ltbw::refine::{Engine, InsertOrder, RefineOutcome, Refined, Refiner, usual_t
 use ltbw_generate::{DomainKind, Shape, generate_domain, surfaces};
 use ltbw_tests::cases;
 use ltbw_tests::domains::{plc_of, prepared, random_domain};
-use ltbw_verify::{Breach, Limits, Mesh, Options, Plc, conforms};
+use ltbw_verify::{ConformityDefect, Limits, Mesh, Options, Plc, conforms};
 
 /// The orders that every domain is refined in.
 const ORDERS: [InsertOrder; 5] = [
@@ -56,7 +56,7 @@ fn one_mesh(
     let found = conforms(&view, &plc, mesh.tet_tags.as_deref(), &limits, &Options::default());
     assert!(first.lost.is_empty(), "{name}: {:?}", first.lost.first());
     assert_eq!(found.mesh_defect_count, 0, "{name}: {:?}", found.mesh_defects.first());
-    let bounds = |b: &Breach| matches!(b, Breach::RatioExceeded);
+    let bounds = |b: &ConformityDefect| matches!(b, ConformityDefect::RatioExceeded);
     assert!(found.counts.keys().all(bounds), "{name}: {:?}", found.findings.first());
     first
 }

@@ -6,7 +6,7 @@ use ltbw::domain::{Domain, Facet, PrepareOptions};
 use ltbw::quality::Quality;
 use ltbw::refine::{Excuse, Reason, RefineOutcome, Refined, Refiner};
 use ltbw_generate::surfaces::{single, turned};
-use ltbw_verify::{Breach, Limits, Mesh, Options, Plc, PlcFacet, conforms};
+use ltbw_verify::{ConformityDefect, Limits, Mesh, Options, Plc, PlcFacet, conforms};
 use std::f64::consts::PI;
 
 /// A domain of triangles.
@@ -127,7 +127,9 @@ fn certified_within(
     let view = Mesh::new(&mesh.points, &mesh.tets);
     let found = conforms(&view, &plc, mesh.tet_tags.as_deref(), &limits, &Options::default());
     assert_eq!(found.mesh_defect_count, 0, "{name}: {:?}", found.mesh_defects.first());
-    let bounds = |b: &Breach| matches!(b, Breach::RatioExceeded | Breach::VolumeExceeded);
+    let bounds = |b: &ConformityDefect| {
+        matches!(b, ConformityDefect::RatioExceeded | ConformityDefect::VolumeExceeded)
+    };
     assert!(found.counts.keys().all(bounds), "{name}: {:?}", found.findings.first());
     assert!(found.counts.values().all(|&n| n <= refined.excuses.len() as u64), "{name}");
     let own = ready.report.volume().expect("a volume").to_string();

@@ -8,7 +8,7 @@
 use ltbw::Point;
 use ltbw_tests::cases;
 use ltbw_tests::families::{Rng, two_to};
-use ltbw_tests::fives::{Draw, FACTORS, PREDICATES, WIDE, WINDOW, each_predicate};
+use ltbw_tests::five_points::{Draw, FACTORS, PREDICATES, WIDE, WINDOW, each_predicate};
 use ltbw_tests::oracle::{self, Exact};
 use std::thread;
 use std::time::Instant;

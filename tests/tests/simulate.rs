@@ -4,7 +4,7 @@ use ltbw::balance::Balance;
 use ltbw::metrics::{SpanKind, Summary, WorkerFigures};
 use ltbw::protocol::{Config, Correct, Directory, Rule, Rules, Worker, WorkerId};
 use ltbw::simulate::{
-    Bursts, Distribution, Network, Options, Simulation, SimulationError, Storm, simulate,
+    Bursts, Distribution, Network, Options, RandomMigrations, Simulation, SimulationError, simulate,
 };
 use ltbw_generate::Random;
 use ltbw_tests::vectors::line::{Cuts, Line, Queue, joined};
@@ -117,7 +117,7 @@ fn the_set_is_sorted_whatever_happens() {
         let options = Options {
             network,
             slow: if seed % 5 == 0 { vec![(WorkerId::new(1), 100.0)] } else { Vec::new() },
-            storm: (seed % 2 == 0).then_some(Storm { every: 20_000 + latency / 10 }),
+            storm: (seed % 2 == 0).then_some(RandomMigrations { every: 20_000 + latency / 10 }),
             ..options(seed)
         };
         let run = run(&problem, workers, Rule::WoundWait, &options);
@@ -143,7 +143,7 @@ fn the_paper_lives_by_its_backoff() {
 fn a_seed_reproduces_a_run() {
     let problem = Problem::new(2000, 20, 1);
     let network = Network { distribution: Distribution::Exponential, ..Network::default() };
-    let storm = Some(Storm { every: 100_000 });
+    let storm = Some(RandomMigrations { every: 100_000 });
     let of = |seed| {
         let options = Options { network, storm, spans: 100_000, ..options(seed) };
         run(&problem, 12, Rule::WoundWait, &options)
@@ -227,7 +227,7 @@ fn limits_are_errors() {
     let senseless = [
         Options { slow: vec![(WorkerId::new(8), 2.0)], ..options(1) },
         Options { slow: vec![(WorkerId::default(), f64::NAN)], ..options(1) },
-        Options { storm: Some(Storm { every: 0 }), ..options(1) },
+        Options { storm: Some(RandomMigrations { every: 0 }), ..options(1) },
         Options {
             network: Network { bursts: Some(Bursts { every: 5, length: 5 }), ..Network::default() },
             ..options(1)

@@ -5,34 +5,34 @@
 //! program, with little optimisation and no debug information, and stop at the first failure.
 //! Random tests draw from a fixed seed and do not shrink, so that a run can be repeated and a
 //! verdict does not depend on luck. The mutants of the generated filters, nearly a thousand, are
-//! one program (`switched.rs`).
+//! one program (`schemata.rs`).
 //!
 //! A mutant that no test catches is an error unless `xtask/mutants.txt` says why it changes
 //! nothing that could be observed; an entry whose mutant is caught now is an error too. A test
 //! program that uses too much time or memory is stopped (`prlimit` of util-linux) and has failed:
 //! such a mutant would not go unnoticed.
 
-mod excused;
-mod lean;
-mod switched;
+mod equivalent;
+mod minimal;
+mod schemata;
 
 use crate::fuzz::host;
 use crate::require;
 use crate::shell::{self, cargo, root, target};
-use lean::Lean;
+use minimal::Minimal;
 use std::path::Path;
 use std::process::Command;
 
 /// Files whose mutants the same tests are to catch.
 struct Group {
     name: &'static str,
-    lean: Lean,
+    minimal: Minimal,
     /// Globs of source files, in the folder of the package.
     files: &'static [&'static str],
     /// Tests whose names hold one of these do not run: they are about other files.
     skip: &'static [&'static str],
-    /// Tried in one program (`switched.rs`): tests that catch most of the mutants at once.
-    switched: Option<&'static [&'static str]>,
+    /// Tried in one program (`schemata.rs`): tests that catch most of the mutants at once.
+    schemata: Option<&'static [&'static str]>,
 }
 
 /// Not `predicates/filter/generated.rs` in the first: a test of this package compares it with what
@@ -41,21 +41,21 @@ struct Group {
 const GROUPS: [Group; 4] = [
     Group {
         name: "predicates",
-        lean: Lean { folder: "core/exact", modules: "points predicates", cases: &[] },
+        minimal: Minimal { folder: "core/exact", modules: "points predicates", cases: &[] },
         files: &["src/predicates/*.rs", "src/predicates/exact/*.rs"],
         skip: &[],
-        switched: None,
+        schemata: None,
     },
     Group {
         name: "filters",
-        lean: Lean { folder: "core/exact", modules: "points predicates", cases: &[] },
+        minimal: Minimal { folder: "core/exact", modules: "points predicates", cases: &[] },
         files: &["src/predicates/filter/generated.rs"],
         skip: &[],
-        switched: Some(&["predicates::tests::filters", "predicates::filter"]),
+        schemata: Some(&["predicates::tests::filters", "predicates::filter"]),
     },
     Group {
         name: "kernel",
-        lean: Lean {
+        minimal: Minimal {
             folder: "core/kernel",
             modules: "build cavity geometry hash invariants locate ltbw_exact mesh order part \
                       query random raw snapshot special sphere sync tetmesh topology",
@@ -72,19 +72,19 @@ const GROUPS: [Group; 4] = [
             "src/topology.rs",
         ],
         skip: &["query::"],
-        switched: None,
+        schemata: None,
     },
     Group {
         name: "checker",
-        lean: Lean {
+        minimal: Minimal {
             folder: "verify/checker",
-            modules: "check defect exact faces geometry glued hash hull mesh perturb places \
-                      predicates report structure sweep topology",
+            modules: "check defect exact faces geometry adjacency_proof hash hull mesh perturb \
+                      places predicates report structure chunks topology",
             cases: &["defects", "meshes", "words"],
         },
         files: &["src/*.rs"],
         skip: &[],
-        switched: None,
+        schemata: None,
     },
 ];
 
@@ -139,14 +139,14 @@ impl<'a> Plan<'a> {
 }
 
 /// Runs cargo-mutants on the groups that `args` name (the predicates if none), and compares what
-/// survived with the list of excused mutants.
+/// survived with the list of equivalent mutants.
 pub(crate) fn run(args: &[String]) -> Result<(), String> {
     let plan = Plan::parse(args)?;
     if !shell::works(cargo().args(["mutants", "--version"])) {
         let reason = "cargo-mutants is not installed (cargo install --locked cargo-mutants)";
         return require::skip("mutants", "mutants", reason);
     }
-    let excused = excused::read(&root().join("xtask/mutants.txt"))?;
+    let equivalent = equivalent::read(&root().join("xtask/mutants.txt"))?;
     let mut wrong = Vec::new();
     for group in &plan.groups {
         let found = test(group, &plan)?;
@@ -158,7 +158,9 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
             found.unviable.len(),
             found.timeout.len(),
         );
-        wrong.extend(excused::compare(&excused, &found, plan.whole, |file| group.holds(file))?);
+        wrong.extend(equivalent::compare(&equivalent, &found, plan.whole, |file| {
+            group.holds(file)
+        })?);
     }
     for line in &wrong {
         println!("{line}");
@@ -172,7 +174,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
 impl Group {
     /// Is `file` (from the root of the workspace) one of the group's?
     fn holds(&self, file: &str) -> bool {
-        let file = file.strip_prefix(self.lean.folder).and_then(|file| file.strip_prefix('/'));
+        let file = file.strip_prefix(self.minimal.folder).and_then(|file| file.strip_prefix('/'));
         file.is_some_and(|file| {
             self.files.iter().any(|glob| match glob.split_once('*') {
                 Some((folder, _)) => {
@@ -185,10 +187,10 @@ impl Group {
 }
 
 /// Runs cargo-mutants on one group; its own log stays below the target folder.
-fn test(group: &Group, plan: &Plan<'_>) -> Result<excused::Found, String> {
-    if let (Some(first), [file]) = (group.switched, group.files) {
+fn test(group: &Group, plan: &Plan<'_>) -> Result<equivalent::Found, String> {
+    if let (Some(first), [file]) = (group.schemata, group.files) {
         return match plan.whole {
-            true => switched::test(group, file, first),
+            true => schemata::test(group, file, first),
             false => Err(format!("the {} are one program: no parts", group.name)),
         };
     }
@@ -199,7 +201,7 @@ fn test(group: &Group, plan: &Plan<'_>) -> Result<excused::Found, String> {
     command.args(["mutants", "--no-shuffle", "--timeout", TIMEOUT]);
     command.arg("--output").arg(&folder);
     // In place: the package is a copy already.
-    command.args(["--in-place", "--dir"]).arg(lean::package(&group.lean, &folder)?);
+    command.args(["--in-place", "--dir"]).arg(minimal::package(&group.minimal, &folder)?);
     command.args(group.files.iter().flat_map(|file| ["--file", file]));
     command.arg("--cargo-arg=--lib");
     command.args(&plan.passed_on).args(["--", "--", "-Z", "unstable-options", "--fail-fast"]);
@@ -207,7 +209,9 @@ fn test(group: &Group, plan: &Plan<'_>) -> Result<excused::Found, String> {
     let status = command.status().map_err(|error| format!("{command:?}: {error}"))?;
     match status.code() {
         // All caught, some missed, some without a verdict: the lists say which.
-        Some(0 | 2 | 3) => excused::Found::read(&folder.join("mutants.out"), group.lean.folder),
+        Some(0 | 2 | 3) => {
+            equivalent::Found::read(&folder.join("mutants.out"), group.minimal.folder)
+        }
         _ => Err(format!("{command:?}: {status}")),
     }
 }
@@ -257,7 +261,7 @@ mod tests {
         let count = |file: &str| GROUPS.iter().filter(|group| group.holds(file)).count();
         for group in &GROUPS {
             for glob in group.files.iter().filter(|glob| !glob.contains('*')) {
-                let file = format!("{}/{glob}", group.lean.folder);
+                let file = format!("{}/{glob}", group.minimal.folder);
                 assert!(root().join(&file).is_file(), "{file}");
                 assert_eq!(count(&file), 1, "{file}");
             }

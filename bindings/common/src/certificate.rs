@@ -5,7 +5,7 @@ use crate::wishes::Wishes;
 use crate::work::in_own_pool;
 use ltbw::domain::{Domain, Prepared};
 use ltbw::{Point, TetMesh};
-use ltbw_verify::{self as verify, Breach, Conformity, Limits, Plc, PlcFacet, Report};
+use ltbw_verify::{self as verify, Conformity, ConformityDefect, Limits, Plc, PlcFacet, Report};
 use serde_json::{Value, json};
 use std::collections::HashSet;
 
@@ -141,7 +141,7 @@ fn is_explained(found: &Conformity, tets: &[[u32; 4]], excused: &HashSet<[u32; 4
     found.mesh_defect_count == 0
         && found.counts.iter().all(|(&breach, &count)| {
             let listed = found.findings.iter().filter(|f| f.breach == breach);
-            matches!(breach, Breach::RatioExceeded | Breach::VolumeExceeded)
+            matches!(breach, ConformityDefect::RatioExceeded | ConformityDefect::VolumeExceeded)
                 && listed.clone().count() as u64 == count
                 && listed.clone().all(|f| f.ids.first().is_some_and(is_excused))
         })

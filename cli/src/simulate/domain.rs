@@ -43,7 +43,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     drop(refined);
 
     let (layout, config) = layout(args, script.start.len(), args.processors);
-    let layout = Layout { sample: script.start.len(), abreast: 0, ..layout };
+    let layout = Layout { sample: script.start.len(), max_in_flight: 0, ..layout };
     let options = options(args);
     let run = rounds(&script, &layout, config, &options, path)?;
     let hash = of(&run.gathered.mesh)?;

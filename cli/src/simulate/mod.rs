@@ -17,7 +17,7 @@ use ltbw::PointSet;
 use ltbw::build::Builder;
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, WorkerId};
-use ltbw::simulate::{MeshError, Meshed, Network, Options, Storm, simulate_mesh};
+use ltbw::simulate::{MeshError, Meshed, Network, Options, RandomMigrations, simulate_mesh};
 use ltbw_generate::generate;
 use report::{Report, Run};
 use std::path::{Path, PathBuf};
@@ -127,7 +127,7 @@ fn layout(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
     }
     layout.ownership = args.ownership;
     if let Some(abreast) = args.abreast {
-        layout.abreast = abreast as usize;
+        layout.max_in_flight = abreast as usize;
     }
     if let Some(blocks) = args.blocks {
         layout.blocks_per_worker = blocks;
@@ -154,7 +154,7 @@ fn options(args: &Simulate) -> Options {
         poll_every: args.poll_every,
         slow: args.slow.map(|factor| (WorkerId::default(), factor)).into_iter().collect(),
         balance: default.balance.filter(|_| moves),
-        storm: args.storm.map(|every| Storm { every }),
+        storm: args.storm.map(|every| RandomMigrations { every }),
         spans: if args.trace.is_some() || args.page.is_some() { SPANS } else { 0 },
         ..default
     }

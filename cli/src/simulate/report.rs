@@ -144,7 +144,7 @@ impl Settings {
             seed: options.seed,
             window: config.window,
             cursors: layout.cursors,
-            abreast: layout.abreast,
+            abreast: layout.max_in_flight,
             blocks_per_worker: layout.blocks_per_worker,
             sample: layout.sample,
             slow: args.slow,

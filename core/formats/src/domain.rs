@@ -1,6 +1,6 @@
 //! Reading and writing domains, whatever their format.
 
-use super::aside::{self, Aside};
+use super::atomic_file::{self, AtomicFile};
 use super::{DomainFile, Format, IoError, WriteOptions, load, parse_domain, parse_error};
 use super::{poly, streams, tetgen, wrong_kind};
 use ltbw_domain::Domain;
@@ -52,8 +52,10 @@ pub fn write_domain_with(
     let path = path.as_ref();
     let format = domain_format(path)?;
     let faces = streams::domain_ready(path, format, domain)?;
-    Aside::write(path, |out| streams::put_domain(out, format, domain, faces.as_ref(), options))?
-        .publish()
+    AtomicFile::write(path, |out| {
+        streams::put_domain(out, format, domain, faces.as_ref(), options)
+    })?
+    .publish()
 }
 
 fn domain_format(path: &Path) -> Result<Format, IoError> {
@@ -66,7 +68,7 @@ fn domain_format(path: &Path) -> Result<Format, IoError> {
 pub fn check_domain_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
     let path = path.as_ref();
     domain_format(path)?;
-    aside::check(path)
+    atomic_file::check(path)
 }
 
 /// The parts of a domain that a format has no place for, in words for people.

@@ -35,7 +35,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
-mod aside;
+mod atomic_file;
 pub mod csv;
 mod domain;
 mod error;
@@ -62,7 +62,7 @@ pub mod vtu;
 mod writer;
 pub mod xyz;
 
-use aside::Aside;
+use atomic_file::AtomicFile;
 pub use domain::{
     check_domain_writable, domain_files, not_kept, read_domain, write_domain, write_domain_with,
 };
@@ -199,7 +199,7 @@ pub fn write_points_with(
     let path = path.as_ref();
     let format = writable(path, true)?;
     streams::points_ready(path, format, file)?;
-    Aside::write(path, |out| streams::put_points(out, format, file, options))?.publish()
+    AtomicFile::write(path, |out| streams::put_points(out, format, file, options))?.publish()
 }
 
 /// Writes a mesh with its tags and boundary faces, with the default [`WriteOptions`]: `.vtu`,
@@ -242,7 +242,7 @@ fn face_path(path: &Path) -> PathBuf {
 pub fn check_points_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
     let path = path.as_ref();
     writable(path, true)?;
-    aside::check(path)
+    atomic_file::check(path)
 }
 
 /// Tells what would certainly keep a mesh from being written, as [`check_points_writable`] does
@@ -252,18 +252,18 @@ pub fn check_mesh_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
     match writable(path, false)? {
         Format::Node | Format::Ele => {
             let (node, ele) = pair(path);
-            aside::check(&node)?;
-            aside::check(&ele)?;
-            aside::check(&face_path(path))
+            atomic_file::check(&node)?;
+            atomic_file::check(&ele)?;
+            atomic_file::check(&face_path(path))
         }
-        _ => aside::check(path),
+        _ => atomic_file::check(path),
     }
 }
 
 /// Tells what would certainly keep [`write_bytes`] from writing to `path`, whatever its extension.
 pub fn check_bytes_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
     let path = path.as_ref();
-    aside::check(path)
+    atomic_file::check(path)
 }
 
 /// The files that [`read_mesh`] may read for `path`, and [`write_mesh`] write: itself, or the
@@ -282,7 +282,7 @@ pub fn mesh_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
 /// Writes `bytes` to any file the way all files of this module are written: aside, then renamed.
 pub fn write_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), IoError> {
     let path = path.as_ref();
-    Aside::write(path, |out| out.write_all(bytes))?.publish()
+    AtomicFile::write(path, |out| out.write_all(bytes))?.publish()
 }
 
 /// All bytes of a file, whatever its extension. A folder and a device are refused.

@@ -5,7 +5,7 @@
 //! array `worker` of cells, `Int32`, is the number of the part.
 //! Source: the VTK file formats page of the VTK documentation.
 
-use super::aside::{self, Aside};
+use super::atomic_file::{self, AtomicFile};
 use super::{IoError, check_mesh, data_error, vtu};
 use ltbw_core::TetMesh;
 use std::io::Write;
@@ -38,7 +38,7 @@ pub fn check_parts_writable(path: impl AsRef<Path>, parts: usize) -> Result<(), 
     if !is_parts(path) {
         return Err(IoError::UnknownFormat { path: path.to_owned() });
     }
-    part_files(path, parts).iter().try_for_each(|file| aside::check(file))
+    part_files(path, parts).iter().try_for_each(|file| atomic_file::check(file))
 }
 
 /// Writes a mesh in parts. All or none of the files get their names, as far as the system lets.
@@ -53,11 +53,11 @@ pub fn write_parts(path: impl AsRef<Path>, parts: &[TetMesh]) -> Result<(), IoEr
     let mut written = Vec::new();
     for (worker, (part, name)) in (0..).zip(parts.iter().zip(names)) {
         check_mesh(part).map_err(|r| data_error(name, r))?;
-        written.push(Aside::write(name, |out| vtu::write_part(out, part, worker))?);
+        written.push(AtomicFile::write(name, |out| vtu::write_part(out, part, worker))?);
     }
     let tagged = !parts.is_empty() && parts.iter().all(|part| part.point_tags.is_some());
-    let index = Aside::write(&list[0], |out| write_list(out, names, tagged))?;
-    written.into_iter().try_for_each(Aside::publish)?;
+    let index = AtomicFile::write(&list[0], |out| write_list(out, names, tagged))?;
+    written.into_iter().try_for_each(AtomicFile::publish)?;
     index.publish()
 }
 

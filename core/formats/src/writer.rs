@@ -1,6 +1,6 @@
 //! Meshes on their way to files and streams.
 
-use crate::aside::Aside;
+use crate::atomic_file::AtomicFile;
 use crate::{
     DataError, Format, GroupName, IoError, MeshFile, WriteOptions, check_mesh, check_mesh_stream,
     data_error, face_path, medit, msh, pair, tetgen, vtk, vtu, writable, write_error,
@@ -74,7 +74,7 @@ impl<'a> MeshWriter<'a> {
         match format {
             Format::Node | Format::Ele => self.write_pair(path),
             _ => {
-                let file = Aside::write_until(path, self.cancel, |out| self.put(out, format))?;
+                let file = AtomicFile::write_until(path, self.cancel, |out| self.put(out, format))?;
                 self.still(path)?;
                 file.publish()
             }
@@ -139,7 +139,7 @@ impl<'a> MeshWriter<'a> {
     fn write_pair(&self, path: &Path) -> Result<(), IoError> {
         let mesh = self.mesh;
         let aside = |path: &Path, fill: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
-            Aside::write_until(path, self.cancel, fill)
+            AtomicFile::write_until(path, self.cancel, fill)
         };
         let (node_path, ele_path) = pair(path);
         let ele = aside(&ele_path, &|out| tetgen::write_ele(out, mesh))?;
@@ -155,7 +155,7 @@ impl<'a> MeshWriter<'a> {
         node.publish()?;
         // A `.node` of this mesh beside an `.ele` of another would be worse than none.
         ele.publish().inspect_err(|_| drop(std::fs::remove_file(&node_path)))?;
-        let published = face.map_or(Ok(()), Aside::publish);
+        let published = face.map_or(Ok(()), AtomicFile::publish);
         published.inspect_err(|_| drop(std::fs::remove_file(&face_path)))
     }
 }

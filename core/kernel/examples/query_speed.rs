@@ -41,8 +41,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let clock = Instant::now();
         let mut tets = 0;
         for &p in &sorted {
-            if let Conflicts::Zone(zone) = cursor.conflicts(p)? {
-                tets += zone.tets.len();
+            if let Conflicts::Region(region) = cursor.conflicts(p)? {
+                tets += region.tets.len();
             }
         }
         println!("conflicts    {:.3} s, {tets} tetrahedra", lap(&clock));

@@ -28,7 +28,7 @@ pub(crate) struct Arena<T> {
     others: usize,
 }
 
-// SAFETY: an arena owns its entries. Of an alias its maker has promised that no entry is used by
+// SAFETY: an arena owns its entries. Of an alias its builder has promised that no entry is used by
 // two threads at once ([`Arena::alias`]).
 unsafe impl<T: Send> Send for Arena<T> {}
 // SAFETY: through a shared reference entries are only read.

@@ -1,7 +1,7 @@
 //! Building a mesh of a point set: order, first tetrahedron, insertion of the rest.
 
 use crate::PredicateStats;
-use crate::cavity::{Admission, Open, Setback};
+use crate::cavity::{Admission, AdmitAll, Setback};
 use crate::geometry::Geometry;
 use crate::mesh::{Mesh, Placed, Vertex};
 use crate::order::brio_hilbert;
@@ -245,7 +245,7 @@ impl<'a> Builder<'a> {
         let geometry = Geometry::new(low, high, wide, points.len(), tets);
         let mut mesh = Mesh::start(geometry, set.mode(), corners, tets);
         mesh.next_number = set.len() as Vertex;
-        let outcome = self.insert_all(&mut mesh, &points, &order, &mut Open);
+        let outcome = self.insert_all(&mut mesh, &points, &order, &mut AdmitAll);
         for pair in &mut mesh.duplicates {
             pair.1 = mesh.numbers[pair.1 as usize];
         }

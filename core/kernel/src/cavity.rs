@@ -20,11 +20,11 @@ pub(crate) trait Conflict {
     fn prefetch(&self, t: TetId);
 
     /// The conflicts of four tetrahedra as far as they are certain at once, as bit masks `(inside,
-    /// outside)`. Those in neither mask are asked for with [`Conflict::decide`].
-    fn certain(&self, tets: [TetId; 4]) -> (u32, u32);
+    /// outside)`. Those in neither mask are asked for with [`Conflict::by_points`].
+    fn by_sphere(&self, tets: [TetId; 4]) -> (u32, u32);
 
     /// Which of the four tetrahedra in the mask `unknown` are in conflict, as a bit mask.
-    fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32;
+    fn by_points(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32;
 
     /// Is the point inside the (perturbed) circumsphere of tetrahedron `t`?
     fn in_conflict(&mut self, topology: &Topology, t: TetId) -> bool;
@@ -50,9 +50,9 @@ pub trait Admission {
 
 /// Admits everything: the sequential kernel. Compiles to nothing.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Open;
+pub struct AdmitAll;
 
-impl Admission for Open {
+impl Admission for AdmitAll {
     #[inline(always)]
     fn admit(&mut self, _: TetId, _: Role) -> bool {
         true
@@ -77,7 +77,7 @@ pub enum Setback {
 /// Cavities with at most this many boundary vertices use the adjacency table.
 pub(crate) const SMALL: usize = 64;
 /// A closed triangulated surface with f faces has f / 2 + 2 vertices (Euler, sphere).
-pub(crate) const SMALL_WALLS: usize = 2 * SMALL - 4;
+pub(crate) const SMALL_BOUNDARY: usize = 2 * SMALL - 4;
 /// Bits of a local number in an entry of [`Cavity::local`].
 const LOCAL_BITS: u32 = 7;
 /// `OTHERS[i]`: the slots other than i in the order in which (p, others) is positively oriented
@@ -87,7 +87,7 @@ pub const OTHERS: [[usize; 3]; 4] = [[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]]
 
 /// A face of the cavity's boundary.
 #[derive(Clone, Copy, Debug, Default)]
-struct Wall {
+struct BoundaryFace {
     /// Its vertices: with the point before them they are a positively oriented tetrahedron.
     v: [VertexId; 3],
     /// The face seen from outside the cavity.
@@ -153,7 +153,7 @@ pub struct Star<'a> {
 #[derive(Debug)]
 pub struct Cavity {
     tets: Buffer<TetId>,
-    walls: Buffer<Wall>,
+    boundary: Buffer<BoundaryFace>,
     created: Vec<TetId>,
     /// Ghosts among `tets`.
     ghosts: usize,
@@ -175,7 +175,7 @@ impl Default for Cavity {
     fn default() -> Self {
         Self {
             tets: Buffer::default(),
-            walls: Buffer::default(),
+            boundary: Buffer::default(),
             created: Vec::new(),
             ghosts: 0,
             tests: 0,
@@ -205,12 +205,12 @@ impl Cavity {
     /// The vertices of the boundary faces that were found last; the point in
     /// front of them makes a positively oriented tetrahedron.
     pub fn faces(&self) -> impl Iterator<Item = [VertexId; 3]> + '_ {
-        self.walls.iter().map(|wall| wall.v)
+        self.boundary.iter().map(|border| border.v)
     }
 
     /// The slots that the last [`Cavity::fill`] did not use again.
     pub(crate) fn freed(&self) -> &[TetId] {
-        &self.tets[self.walls.len().min(self.tets.len())..]
+        &self.tets[self.boundary.len().min(self.tets.len())..]
     }
 
     /// The star that was made last.
@@ -223,11 +223,11 @@ impl Cavity {
         }
     }
 
-    /// The walls of the open cavity: each one's vertices, which are a positively oriented
+    /// The boundary faces of the open cavity: each one's vertices, which are a positively oriented
     /// tetrahedron with the point before them, and the face seen from outside. After the filling
     /// the k-th belongs to the k-th tetrahedron of the star.
-    pub fn walls(&self) -> impl Iterator<Item = ([VertexId; 3], FaceId)> + '_ {
-        self.walls.iter().map(|w| (w.v, w.outer))
+    pub fn boundary(&self) -> impl Iterator<Item = ([VertexId; 3], FaceId)> + '_ {
+        self.boundary.iter().map(|w| (w.v, w.outer))
     }
 
     /// Number of conflict tests that the last search made.
@@ -249,7 +249,7 @@ impl Cavity {
         admission: &mut A,
     ) -> Result<(), Setback> {
         self.tets.clear();
-        self.walls.clear();
+        self.boundary.clear();
         self.ghosts = 0;
         if !admission.admit(start, Role::Cavity) {
             return Err(Setback::Refused(start));
@@ -273,10 +273,10 @@ impl Cavity {
             for (slot, &face) in n.iter().enumerate() {
                 open |= u32::from(!topology.tet(tet_of(face)).is_marked()) << slot;
             }
-            let (mut inside, outside) = conflict.certain(n.map(tet_of));
+            let (mut inside, outside) = conflict.by_sphere(n.map(tet_of));
             let unknown = !(inside | outside) & open;
             if unknown != 0 {
-                inside |= conflict.decide(topology, n.map(tet_of), unknown);
+                inside |= conflict.by_points(topology, n.map(tet_of), unknown);
             }
             let (take, leave) = (inside & open, !inside & open);
             for (slot, &face) in n.iter().enumerate().filter(|&(slot, _)| open >> slot & 1 == 1) {
@@ -291,16 +291,17 @@ impl Cavity {
                 topology.mark_if(tet_of(face), take >> slot & 1 == 1);
             }
             self.tets.push_some(n.map(tet_of), take);
-            let wall = |slot: usize| Wall { v: OTHERS[slot].map(|k| v[k]), outer: n[slot] };
-            self.walls.push_some([wall(0), wall(1), wall(2), wall(3)], leave);
+            let border =
+                |slot: usize| BoundaryFace { v: OTHERS[slot].map(|k| v[k]), outer: n[slot] };
+            self.boundary.push_some([border(0), border(1), border(2), border(3)], leave);
         }
-        self.tests = self.tets.len() + self.walls.len() - 1;
+        self.tests = self.tets.len() + self.boundary.len() - 1;
         self.make_room(topology)
     }
 
     /// Makes sure that there are slots for the star; else the cavity is set back.
     fn make_room(&mut self, topology: &mut Topology) -> Result<(), Setback> {
-        let fresh = self.walls.len().saturating_sub(self.tets.len());
+        let fresh = self.boundary.len().saturating_sub(self.tets.len());
         if topology.reserve(fresh) == Err(Full) {
             self.set_back(topology);
             return Err(Setback::Full);
@@ -321,13 +322,13 @@ impl Cavity {
     /// The cavity's slots are reused first.
     #[inline(never)]
     pub(crate) fn fill(&mut self, topology: &mut Topology, point: VertexId) -> TetId {
-        let reused = self.tets.len().min(self.walls.len());
+        let reused = self.tets.len().min(self.boundary.len());
         self.created.clear();
         self.created.extend_from_slice(&self.tets[..reused]);
-        for _ in reused..self.walls.len() {
+        for _ in reused..self.boundary.len() {
             self.created.push(topology.take());
         }
-        if self.walls.len() <= SMALL_WALLS {
+        if self.boundary.len() <= SMALL_BOUNDARY {
             self.fill_small(topology, point);
         } else {
             self.fill_large(topology, point);
@@ -335,7 +336,7 @@ impl Cavity {
         for &t in &self.tets[reused..] {
             topology.release(t);
         }
-        let ghosts = self.walls.iter().filter(|w| w.v[2] == INFINITE).count();
+        let ghosts = self.boundary.iter().filter(|w| w.v[2] == INFINITE).count();
         topology.add_ghosts(ghosts as isize - self.ghosts as isize);
         self.created[self.created.len() - 1]
     }
@@ -351,7 +352,7 @@ impl Cavity {
         }
         self.stamp += 1;
         let base = self.stamp << LOCAL_BITS;
-        let Self { walls, created, local, rim, faces, table, .. } = self;
+        let Self { boundary, created, local, rim, faces, table, .. } = self;
         let table = &mut **table;
         let at = |a: u8, b: u8| (a as usize % SMALL) * SMALL + b as usize % SMALL;
         let mut count = 0u32;
@@ -363,17 +364,17 @@ impl Cavity {
             count += u32::from(fresh);
             (*entry & ((1 << LOCAL_BITS) - 1)) as u8
         };
-        for ((wall, &t), face) in walls.iter().zip(&*created).zip(&mut *faces) {
-            let [a, b, c] = [name(wall.v[0]), name(wall.v[1]), name(wall.v[2])];
+        for ((border, &t), face) in boundary.iter().zip(&*created).zip(&mut *faces) {
+            let [a, b, c] = [name(border.v[0]), name(border.v[1]), name(border.v[2])];
             table[at(a, b)] = FaceId::new(t, 3);
             table[at(b, c)] = FaceId::new(t, 1);
             table[at(c, a)] = FaceId::new(t, 2);
             *face = [a, b, c, 0];
         }
         self.rim_len = count as usize;
-        for ((wall, &t), &[a, b, c, _]) in walls.iter().zip(&*created).zip(&*faces) {
-            let [x, y, z] = wall.v;
-            let n = [wall.outer, table[at(c, b)], table[at(a, c)], table[at(b, a)]];
+        for ((border, &t), &[a, b, c, _]) in boundary.iter().zip(&*created).zip(&*faces) {
+            let [x, y, z] = border.v;
+            let n = [border.outer, table[at(c, b)], table[at(a, c)], table[at(b, a)]];
             topology.put(t, [point, x, y, z], n);
         }
     }
@@ -382,10 +383,10 @@ impl Cavity {
     #[cold]
     fn fill_large(&mut self, topology: &mut Topology, point: VertexId) {
         self.rim_len = 0;
-        self.edges.start(self.walls.len());
-        for (wall, &t) in self.walls.iter().zip(&self.created) {
-            let [a, b, c] = wall.v;
-            topology.put(t, [point, a, b, c], [wall.outer; 4]);
+        self.edges.start(self.boundary.len());
+        for (border, &t) in self.boundary.iter().zip(&self.created) {
+            let [a, b, c] = border.v;
+            topology.put(t, [point, a, b, c], [border.outer; 4]);
             for (p, q, slot) in [(a, b, 3), (b, c, 1), (c, a, 2)] {
                 let face = FaceId::new(t, slot);
                 if let Met::Face(other) = self.edges.meet(p.number(), q.number(), face) {
@@ -416,13 +417,13 @@ mod tests {
     impl Conflict for Only {
         fn prefetch(&self, _: TetId) {}
 
-        fn certain(&self, tets: [TetId; 4]) -> (u32, u32) {
+        fn by_sphere(&self, tets: [TetId; 4]) -> (u32, u32) {
             // Says nothing of the last one.
             let inside = (0..3).filter(|&k| tets[k] == self.0).map(|k| 1 << k).sum::<u32>();
             (inside, !inside & 7)
         }
 
-        fn decide(&mut self, _: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
+        fn by_points(&mut self, _: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
             (0..4).filter(|&k| unknown >> k & 1 == 1 && tets[k] == self.0).map(|k| 1 << k).sum()
         }
 
@@ -439,8 +440,8 @@ mod tests {
         let mut t = TetId::default();
         for v in 5..5 + count {
             cavity.reserve_vertices(v as usize + 1);
-            cavity.expand(&mut topology, t, &mut Only(t), &mut Open).expect("all are admitted");
-            assert_eq!((cavity.tets.len(), cavity.walls.len(), cavity.tests()), (1, 4, 4));
+            cavity.expand(&mut topology, t, &mut Only(t), &mut AdmitAll).expect("all are admitted");
+            assert_eq!((cavity.tets.len(), cavity.boundary.len(), cavity.tests()), (1, 4, 4));
             t = cavity.fill(&mut topology, VertexId::new(v));
             assert_eq!((cavity.star().tets.len(), cavity.star().rim.len()), (4, 4));
         }

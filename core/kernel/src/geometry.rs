@@ -10,7 +10,7 @@ pub(crate) use shared::SharedConflict;
 
 use crate::arena::Arena;
 use crate::cavity::{Conflict, Star};
-use crate::sphere::{Frame, Maker, Query, Sphere, Verdict, simd};
+use crate::sphere::{Frame, Query, Sphere, SphereBuilder, Verdict, simd};
 use crate::topology::{INFINITE, TetId, Topology, VertexId};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, exact, filter, perturb};
@@ -60,7 +60,7 @@ pub(crate) struct Geometry {
     step: f64,
     /// The same, of all coordinates and those of the point in work.
     step_in_work: f64,
-    maker: Maker,
+    builder: SphereBuilder,
     pub(crate) stats: PredicateStats,
 }
 
@@ -78,7 +78,7 @@ impl Geometry {
             wide,
             step: if wide { 0.0 } else { f64::INFINITY },
             step_in_work: 0.0,
-            maker: Maker::default(),
+            builder: SphereBuilder::default(),
             stats: PredicateStats::default(),
         }
     }
@@ -102,8 +102,8 @@ impl Geometry {
     pub(crate) unsafe fn alias(&mut self) -> Self {
         // SAFETY: as promised.
         let (points, spheres) = unsafe { (self.points.alias(), self.spheres.alias()) };
-        let (maker, stats) = (Maker::default(), PredicateStats::default());
-        Self { points, spheres, maker, stats, ..*self }
+        let (builder, stats) = (SphereBuilder::default(), PredicateStats::default());
+        Self { points, spheres, builder, stats, ..*self }
     }
 
     /// Gives vertex `v` of a submesh its coordinates.
@@ -175,10 +175,10 @@ impl Geometry {
     pub(crate) fn compute_sphere(&mut self, v: [VertexId; 4]) -> Sphere {
         let Some(frame) = &self.frame else { return Sphere::UNKNOWN };
         let p = *self.points.at(v[0]);
-        if v[3] == INFINITE || !self.maker.aim(frame, &self.points, &v[1..], &p) {
+        if v[3] == INFINITE || !self.builder.at_apex(frame, &self.points, &v[1..], &p) {
             return Sphere::UNKNOWN;
         }
-        self.maker.sphere([0, 1, 2, 0])
+        self.builder.sphere([0, 1, 2, 0])
     }
 
     pub(crate) fn points(&self) -> &[Point] {
@@ -251,8 +251,8 @@ impl Geometry {
     pub(crate) fn created(&mut self, slots: usize, star: &Star<'_>, p: &Point) {
         self.spheres.grow(slots, Sphere::UNKNOWN);
         let Some(frame) = &self.frame else { return };
-        if !star.rim.is_empty() && self.maker.aim(frame, &self.points, star.rim, p) {
-            self.maker.make(&mut self.spheres, star.tets, star.faces);
+        if !star.rim.is_empty() && self.builder.at_apex(frame, &self.points, star.rim, p) {
+            self.builder.make(&mut self.spheres, star.tets, star.faces);
         } else {
             for &t in star.tets {
                 *self.spheres.at_mut(t) = Sphere::UNKNOWN;
@@ -424,7 +424,7 @@ pub(crate) struct PointConflict<'a> {
 impl PointConflict<'_> {
     /// Is `t` in conflict for certain, by its cached sphere alone?
     #[inline(always)]
-    pub(crate) fn surely(&self, t: TetId) -> bool {
+    pub(crate) fn sphere_says_inside(&self, t: TetId) -> bool {
         self.geometry.spheres.at(t).test(&self.query) == Verdict::Inside
     }
 
@@ -446,12 +446,12 @@ impl Conflict for PointConflict<'_> {
     }
 
     #[inline(always)]
-    fn certain(&self, tets: [TetId; 4]) -> (u32, u32) {
+    fn by_sphere(&self, tets: [TetId; 4]) -> (u32, u32) {
         simd::test_spheres(tets.map(|t| self.geometry.spheres.at(t)), &self.query)
     }
 
     #[inline(never)]
-    fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
+    fn by_points(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
         let known = self.geometry.predicates().filter(topology, tets, unknown, &self.p);
         decide_rest(self, topology, tets, known)
     }

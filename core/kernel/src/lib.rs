@@ -72,7 +72,7 @@ pub use build::{
     Budget, BuildError, Builder, Built, Observer, Order, Outcome, Phase, Progress, Stats,
 };
 #[doc(inline)]
-pub use cavity::{Admission, Open, Role};
+pub use cavity::{Admission, AdmitAll, Role};
 pub use geometry::PredicateStats;
 pub use hash::{HashError, MeshHash, canonical_hash};
 pub use ltbw_exact::{Mode, Point, PointError, PointSet, Sign};

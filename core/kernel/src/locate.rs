@@ -75,7 +75,7 @@ pub(crate) fn walk_through<G: Access>(
             }
             return Found::Outside(t);
         }
-        if conflict.surely(t) {
+        if conflict.sphere_says_inside(t) {
             return Found::Conflict(t);
         }
         let geometry = conflict.geometry();
@@ -180,8 +180,8 @@ mod tests {
             // A conflict that a sphere decides needs no entry.
             let steps = &mut 0;
             match walk_through(&mesh.topology, &mut conflict, t, &Shut, steps) {
-                Found::Conflict(u) => assert!(u == t && conflict.surely(t)),
-                found => assert!(found == Found::Barred(t) && !conflict.surely(t)),
+                Found::Conflict(u) => assert!(u == t && conflict.sphere_says_inside(t)),
+                found => assert!(found == Found::Barred(t) && !conflict.sphere_says_inside(t)),
             }
             assert_eq!(*steps, 1);
         }

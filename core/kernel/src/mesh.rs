@@ -12,7 +12,7 @@ mod reopened;
 pub use assembled::Assembly;
 
 use crate::PredicateStats;
-use crate::cavity::{Admission, Cavity, Open, Role, Setback, Star};
+use crate::cavity::{Admission, AdmitAll, Cavity, Role, Setback, Star};
 use crate::geometry::Geometry;
 use crate::hash::{HashError, MeshHash, canonical_hash};
 use crate::locate::{Found, walk};
@@ -277,7 +277,7 @@ impl Mesh {
     /// Cost: a walk from the last insertion, then O(cavity). A point outside the exactness window
     /// switches the mesh to the big-integer mode, for good.
     pub fn insert(&mut self, p: Point) -> Result<Inserted, InsertError> {
-        self.insert_with(p, &mut Open)
+        self.insert_with(p, &mut AdmitAll)
     }
 
     /// Inserts one point; `admission` is asked before each tetrahedron of the closure is taken.

@@ -31,7 +31,7 @@ impl Search {
         set.clear();
         tets.push(start);
         set.insert(start);
-        let (mut next, mut walls) = (0, 0);
+        let (mut next, mut boundary) = (0, 0);
         while let Some(&t) = tets.get(next) {
             next += 1;
             if let Some(&ahead) = tets.get(next) {
@@ -45,10 +45,10 @@ impl Search {
             for (slot, &other) in n.iter().enumerate() {
                 open |= u32::from(!set.contains(other)) << slot;
             }
-            let (mut inside, outside) = conflict.certain(n);
+            let (mut inside, outside) = conflict.by_sphere(n);
             let unknown = !(inside | outside) & open;
             if unknown != 0 {
-                inside |= conflict.decide(topology, n, unknown);
+                inside |= conflict.by_points(topology, n, unknown);
             }
             for (slot, &other) in n.iter().enumerate() {
                 if inside & open & 1 << slot != 0 {
@@ -56,9 +56,9 @@ impl Search {
                     set.insert(other);
                 }
             }
-            walls += (open & !inside).count_ones();
+            boundary += (open & !inside).count_ones();
         }
-        stats.insphere_calls += tets.len() as u64 + u64::from(walls) - 1;
+        stats.insphere_calls += tets.len() as u64 + u64::from(boundary) - 1;
     }
 
     /// The tetrahedra of the cavity.
@@ -85,7 +85,7 @@ impl Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cavity::Open;
+    use crate::cavity::AdmitAll;
     use crate::mesh::Vertex;
     use crate::{Builder, PointSet};
     use ltbw_generate::{PointKind, generate};
@@ -101,7 +101,7 @@ mod tests {
             for p in rest {
                 // The mode of these points is the normal one: kernel coordinates are theirs.
                 let from = mesh.hint();
-                let Ok(open) = mesh.begin(*p, from, &mut Open) else { continue };
+                let Ok(open) = mesh.begin(*p, from, &mut AdmitAll) else { continue };
                 let tets: Vec<TetId> = open.tets().collect();
                 drop(open);
                 search.find(&mesh, p, tets[0]);
@@ -112,7 +112,7 @@ mod tests {
                 }
                 let number = mesh.num_vertices() as Vertex;
                 let start = tets[0];
-                _ = mesh.begin(*p, start, &mut Open).map(|open| open.fill(*p, number));
+                _ = mesh.begin(*p, start, &mut AdmitAll).map(|open| open.fill(*p, number));
             }
         }
         assert!(search.stats.insphere_calls > 1000, "{:?}", search.stats);

@@ -152,7 +152,7 @@ impl Sphere {
 /// Vertices other than it are given by number into a *rim*: the differences to the vertex with
 /// their squared length.
 #[derive(Clone, Debug)]
-pub(crate) struct Maker {
+pub(crate) struct SphereBuilder {
     /// The vertex, in the frame.
     pub(crate) centre: Point,
     /// From input units to the frame.
@@ -161,17 +161,17 @@ pub(crate) struct Maker {
     pub(crate) rim: [[f64; 4]; SMALL],
 }
 
-impl Default for Maker {
+impl Default for SphereBuilder {
     fn default() -> Self {
         Self { centre: [0.0; 3], scale: 0.0, rim: [[0.0; 4]; SMALL] }
     }
 }
 
-impl Maker {
+impl SphereBuilder {
     /// Aims at the star of the vertex at `p`; the vertex at infinity must have NaN coordinates.
     /// `false` if `p` lies outside the frame: then no sphere of the star can be bounded.
     #[inline(always)]
-    pub(crate) fn aim(
+    pub(crate) fn at_apex(
         &mut self,
         frame: &Frame,
         points: &Arena<Point>,

@@ -3,12 +3,12 @@
 //! Vertices have numbers of the submesh's own, 1 to n, dense in the order in which it meets them:
 //! first those that it is to insert, along the curve, then what comes from others or is made on the
 //! way. The names that vertices have elsewhere are the caller's. Where a neighbour belongs to
-//! another submesh there stands a *proxy*: a slot whose only neighbour is the tetrahedron in front
-//! of it, with a *far handle* that means something to the caller.
+//! another submesh there stands a *far face*: a slot whose only neighbour is the tetrahedron in
+//! front of it, with a *far handle* that means something to the caller.
 //!
 //! A tetrahedron can be *locked* for a holder: no walk enters it and no cavity takes it. A lock
 //! takes the cached sphere away, so that unlocked tetrahedra are tested as fast as in a whole mesh:
-//! what no sphere decides is looked at more closely, and then the lock or the proxy is seen. For
+//! what no sphere decides is looked at more closely, and then the lock or the far face is seen. For
 //! the same reason a tetrahedron that the caller must hear of when it goes ([`Submesh::tag`]) never
 //! has a sphere. Geometry knows of all this only that slots are tagged, and whom `locate`
 //! bars.
@@ -52,7 +52,7 @@ const OWN_PLACES: usize = 1024;
 pub enum Walk<T, F> {
     /// An unlocked tetrahedron in conflict with the point.
     At(T),
-    /// The walk leaves the submesh, to what lies beyond a proxy.
+    /// The walk leaves the submesh, to what lies beyond a far face.
     Exits(F),
     /// The walk met a locked tetrahedron.
     Locked(T),
@@ -127,7 +127,7 @@ impl MeshParams {
         (self.low, self.high)
     }
 
-    /// Sets how many tetrahedra, hull ghosts and proxies included, a submesh may have at most: no
+    /// Sets how many tetrahedra, hull ghosts and far faces included, a submesh may have at most: no
     /// more than [`MAX_TETS`], which is the default.
     pub fn at_most(self, max_tets: usize) -> Self {
         Self { max_tets, ..self }
@@ -140,18 +140,19 @@ fn length(range: &Range<VertexId>) -> usize {
 }
 
 /// The tetrahedra of one worker. `H` names the holder of a locked tetrahedron, `T` is the tag of a
-/// tagged one, `F` says what lies beyond a proxy.
+/// tagged one, `F` says what lies beyond a far face.
 #[derive(Debug)]
 pub struct Submesh<H, T, F> {
     topology: Topology,
     geometry: Geometry,
     cavity: Cavity,
-    /// Seed and point of the cavity in `cavity`, if that was blocked and is, with its walls, what
-    /// would be found now: whatever links, makes, removes, closes or opens a tetrahedron ends that.
+    /// Seed and point of the cavity in `cavity`, if that was blocked and is, with its boundary
+    /// faces, what would be found now: whatever links, makes, removes, closes or opens a
+    /// tetrahedron ends that.
     blocked: Option<(TetId, Point)>,
     /// Tetrahedra that are locked, or that the caller must hear of when an insertion removes them.
     locks: LockTable<H, T>,
-    /// The far faces that the proxies stand for.
+    /// The far handles that the far faces stand for.
     far: FarTable<F>,
     own: Range<VertexId>,
     /// There are vertices outside the own range.
@@ -206,13 +207,13 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.geometry.reserve_sphere_capacity(tets.min(limit));
     }
 
-    /// The largest number of tetrahedra that the submesh may have, hull ghosts and proxies
+    /// The largest number of tetrahedra that the submesh may have, hull ghosts and far faces
     /// included.
     pub fn max_tets(&self) -> usize {
         self.topology.limit()
     }
 
-    /// Is there room for `tets` more tetrahedra and proxies?
+    /// Is there room for `tets` more tetrahedra and far faces?
     pub fn has_room(&self, tets: usize) -> bool {
         self.topology.reserve(tets).is_ok()
     }
@@ -240,14 +241,14 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.others = true;
     }
 
-    /// The tetrahedra, proxies and free slots included.
+    /// The tetrahedra, far faces and free slots included.
     pub fn topology(&self) -> &Topology {
         &self.topology
     }
 
     /// The tetrahedra with their vertices, ghosts included.
     pub fn tets(&self) -> impl Iterator<Item = (TetId, [VertexId; 4])> + '_ {
-        let real = self.topology.iter().filter(|(_, tet)| !tet.is_proxy());
+        let real = self.topology.iter().filter(|(_, tet)| !tet.is_far_face());
         real.map(|(t, tet)| (t, tet.vertices()))
     }
 
@@ -316,7 +317,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         *self.geometry.point(v)
     }
 
-    /// The far face that proxy `t` stands for; `None` if `t` is no proxy.
+    /// The far face that far face `t` stands for; `None` if `t` is no far face.
     ///
     /// # Panics
     /// If there is no such slot.

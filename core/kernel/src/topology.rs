@@ -46,8 +46,8 @@ pub const INFINITE: VertexId = VertexId::new(0);
 /// The vertices of a free slot. No tetrahedron begins with the vertex at infinity (I2), and all of
 /// these exist: to look at them is harmless (I7).
 const FREE: [VertexId; 4] = [INFINITE; 4];
-/// The vertices of a proxy: vacant like a free slot, and another one.
-const PROXY: [VertexId; 4] = [INFINITE, VertexId::new(1), INFINITE, INFINITE];
+/// The vertices of a far face: vacant like a free slot, and another one.
+const FAR_FACE: [VertexId; 4] = [INFINITE, VertexId::new(1), INFINITE, INFINITE];
 /// Bit of the last vertex that marks a tetrahedron of the cavity in work.
 const MARK: u32 = 1 << 31;
 /// Largest number of slots: a face handle is a `u32`.
@@ -88,16 +88,16 @@ impl Tet {
         self.is_vacant() && self.v[1] == FREE[1]
     }
 
-    /// Is there no tetrahedron in this slot? It is free then, or a proxy.
+    /// Is there no tetrahedron in this slot? It is free then, or a far face.
     #[inline(always)]
     pub fn is_vacant(&self) -> bool {
         self.v[0] == INFINITE
     }
 
-    /// Is this slot a proxy: the far side of an interface face? Only parts of a mesh have them.
+    /// Is this slot a far face: the far side of an interface face? Only parts of a mesh have them.
     #[inline(always)]
-    pub fn is_proxy(&self) -> bool {
-        self.is_vacant() && self.v[1] == PROXY[1]
+    pub fn is_far_face(&self) -> bool {
+        self.is_vacant() && self.v[1] == FAR_FACE[1]
     }
 
     /// Is it in the cavity in work?
@@ -313,7 +313,7 @@ impl Topology {
         self.ghosts += usize::from(v[3] == INFINITE);
     }
 
-    /// Frees the slot of a tetrahedron or proxy; ghosts are counted.
+    /// Frees the slot of a tetrahedron or far face; ghosts are counted.
     pub(crate) fn erase(&mut self, t: TetId) {
         self.ghosts -= usize::from(self.tet(t).is_ghost() && !self.tet(t).is_vacant());
         self.release(t);
@@ -342,22 +342,22 @@ impl Topology {
     }
 
     /// One look at all slots: by vertex, of which there are `count` finite ones, whether a
-    /// tetrahedron has it; and the proxies, ascending.
+    /// tetrahedron has it; and the far faces, ascending.
     pub(crate) fn survey(&self, count: usize) -> (Vec<bool>, Vec<TetId>) {
         let tets = self.tets.all();
         let size = tets.len().div_ceil(rayon::current_num_threads()).max(1);
         let of_chunk = |(number, chunk): (usize, &[Tet])| {
-            let (mut used, mut proxies) = (vec![false; count + 1], Vec::new());
+            let (mut used, mut far_faces) = (vec![false; count + 1], Vec::new());
             for (t, tet) in (number * size..).zip(chunk).filter(|(_, tet)| !tet.is_free()) {
-                if tet.is_proxy() {
-                    proxies.push(TetId::at(t));
+                if tet.is_far_face() {
+                    far_faces.push(TetId::at(t));
                     continue;
                 }
                 for v in tet.vertices() {
                     used[v.index()] = true;
                 }
             }
-            (used, proxies)
+            (used, far_faces)
         };
         let join = |mut one: (Vec<bool>, Vec<TetId>), other: (Vec<bool>, Vec<TetId>)| {
             one.0.iter_mut().zip(other.0).for_each(|(used, other)| *used |= other);
@@ -391,9 +391,9 @@ impl Topology {
         });
     }
 
-    /// Makes slot `t` a proxy, neighbour of `face`.
-    pub(crate) fn put_proxy(&mut self, t: TetId, face: FaceId) {
-        *self.tets.at_mut(t) = Tet { v: PROXY, n: [face; 4] };
+    /// Makes slot `t` a far face, neighbour of `face`.
+    pub(crate) fn put_far_face(&mut self, t: TetId, face: FaceId) {
+        *self.tets.at_mut(t) = Tet { v: FAR_FACE, n: [face; 4] };
         self.tets.at_mut(tet_of(face)).n[slot_of(face)] = FaceId::new(t, 0);
     }
 

@@ -95,7 +95,7 @@ impl Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cavity::Open;
+    use crate::cavity::AdmitAll;
     use crate::invariants::check_all;
     use crate::mesh::At;
     use crate::{Builder, PointSet};
@@ -122,7 +122,7 @@ mod tests {
                 let p = [(); 3].map(|()| 2.0 * next() - 500_000.0);
                 let from = mesh.hint();
                 let number = mesh.num_vertices() as Vertex;
-                match mesh.begin(p, from, &mut Open) {
+                match mesh.begin(p, from, &mut AdmitAll) {
                     Ok(open) => done.push(open.fill_for_now(p, number).1),
                     Err(at) => assert!(matches!(at, At::Vertex(_)), "room"),
                 }

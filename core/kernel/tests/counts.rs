@@ -78,8 +78,8 @@ fn spheres_of_generic_points_leave_nothing_to_the_filter() {
     assert_eq!((counted.sphere_undecided, counted.insphere_exact), (1, 0));
 }
 
-/// An admission is asked once for every tetrahedron of the cavity and once for every wall: that is
-/// one more than there are conflict tests.
+/// An admission is asked once for every tetrahedron of the cavity and once for every boundary face:
+/// that is one more than there are conflict tests.
 #[test]
 fn conflict_tests_are_those_that_admissions_see() {
     for kind in PointKind::ALL {

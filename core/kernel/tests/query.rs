@@ -249,7 +249,7 @@ fn conflict_zones_agree_with_testing_everything_and_with_inserting() {
             let at = vertices(&mesh);
             let before: BTreeSet<[Vertex; 4]> = sorted(mesh.tets());
             let hull_before = mesh.num_hull_faces();
-            let mut walls = Vec::new();
+            let mut boundary = Vec::new();
             let (mut gone, mut hull_gone, mut horizon) = (BTreeSet::new(), 0, 0);
             let mut vertex = None;
             let queries = mesh.queries();
@@ -258,15 +258,15 @@ fn conflict_zones_agree_with_testing_everything_and_with_inserting() {
                     assert_eq!(at[&v], p.map(|c| c + 0.0));
                     vertex = Some(v);
                 }
-                Conflicts::Zone(zone) => {
+                Conflicts::Region(region) => {
                     let (tets, hull) = brute_zone(&mesh, &at, &p);
-                    let mut found = zone.tets.to_vec();
+                    let mut found = region.tets.to_vec();
                     found.sort_unstable();
-                    assert_eq!((found, zone.hull.len()), (tets, hull), "{name}: {p:?}");
-                    gone = sorted(zone.tets.iter().filter_map(|&t| mesh.tet(t)));
-                    (hull_gone, horizon) = (zone.hull.len(), zone.horizon.len());
-                    walls = zone.walls.to_vec();
-                    check_walls(&mesh, &at, &p, &walls, zone.hull, zone.horizon);
+                    assert_eq!((found, region.hull.len()), (tets, hull), "{name}: {p:?}");
+                    gone = sorted(region.tets.iter().filter_map(|&t| mesh.tet(t)));
+                    (hull_gone, horizon) = (region.hull.len(), region.horizon.len());
+                    boundary = region.boundary.to_vec();
+                    check_walls(&mesh, &at, &p, &boundary, region.hull, region.horizon);
                 }
             }
             if gone.is_empty() {
@@ -284,7 +284,7 @@ fn conflict_zones_agree_with_testing_everything_and_with_inserting() {
                 (Inserted::Vertex(v), None) => v,
                 other => panic!("{name}: {p:?}: {other:?}"),
             };
-            let star = walls.iter().map(|w| [w.corners[0], w.corners[1], w.corners[2], new]);
+            let star = boundary.iter().map(|w| [w.corners[0], w.corners[1], w.corners[2], new]);
             let kept = before.difference(&gone).copied();
             let expected: BTreeSet<[Vertex; 4]> = sorted(star).into_iter().chain(kept).collect();
             assert_eq!(sorted(mesh.tets()), expected, "{name}: {p:?}");
@@ -306,16 +306,16 @@ fn check_walls(
     mesh: &Mesh,
     at: &BTreeMap<Vertex, Point>,
     p: &Point,
-    walls: &[ltbw_core::query::Wall],
+    boundary: &[ltbw_core::query::BoundaryFace],
     hull: &[[Vertex; 3]],
     horizon: &[[Vertex; 2]],
 ) {
-    for wall in walls {
-        let [a, b, c] = wall.corners.map(|v| at[&v]);
+    for bound in boundary {
+        let [a, b, c] = bound.corners.map(|v| at[&v]);
         assert_eq!(orient3d(p, &a, &b, &c), Sign::Positive);
-        if let Some(t) = wall.beyond {
+        if let Some(t) = bound.beyond {
             let tet = mesh.tet(t).expect("a finite tetrahedron");
-            assert!(wall.corners.iter().all(|v| tet.contains(v)));
+            assert!(bound.corners.iter().all(|v| tet.contains(v)));
         }
     }
     // The horizon is the boundary of the hull facets: their edges that have no partner.
@@ -341,14 +341,14 @@ fn many_threads_ask_one_mesh() {
     let ask = |cursor: &mut Cursor<'_>, p: Point| {
         let location = cursor.locate(p).expect("a finite point");
         let nearest = cursor.nearest(p).expect("a finite point");
-        let Conflicts::Zone(zone) = cursor.conflicts(p).expect("a finite point") else {
+        let Conflicts::Region(region) = cursor.conflicts(p).expect("a finite point") else {
             panic!("{p:?} is no vertex");
         };
-        let zone = (zone.tets.len(), zone.walls.len());
+        let region = (region.tets.len(), region.boundary.len());
         let outside = matches!(location, Location::OutsideHull { .. });
         let tet = if let Location::Tet(t) = location { Some(t) } else { None };
         let faces = cursor.cell(nearest).expect("a vertex").faces().len();
-        (outside, tet, nearest, zone, faces)
+        (outside, tet, nearest, region, faces)
     };
     let mut one = queries.cursor();
     let alone: Vec<_> = asked.iter().map(|&p| ask(&mut one, p)).collect();

@@ -48,8 +48,8 @@ fn ask_all(cursor: &mut Cursor<'_>, points: &[Point], vertices: Vertex) -> u64 {
     for &p in points {
         sum += u64::from(matches!(cursor.locate(p), Ok(ltbw_core::query::Location::Tet(_))));
         sum += u64::from(cursor.nearest(p).expect("a finite point"));
-        if let Conflicts::Zone(zone) = cursor.conflicts(p).expect("a finite point") {
-            sum += (zone.tets.len() + zone.hull.len() + zone.walls.len()) as u64;
+        if let Conflicts::Region(region) = cursor.conflicts(p).expect("a finite point") {
+            sum += (region.tets.len() + region.hull.len() + region.boundary.len()) as u64;
         }
     }
     for v in 0..vertices {

@@ -47,9 +47,9 @@ fn walks_and_closures_stay_inside_whatever_the_links_are() {
                 1 => mesh.put_far(face(t, below(4)), step).expect("room"),
                 2 => mesh.link_far(face(t, below(4)), step).expect("room"),
                 3 => {
-                    let star = [[1, 2, 3], [2, 1, 4]].map(|wall| {
+                    let star = [[1, 2, 3], [2, 1, 4]].map(|bound| {
                         (
-                            wall,
+                            bound,
                             [0; 4].map(|_| {
                                 (below(2) == 1).then(|| face(TetId::new(below(2)), below(4)))
                             }),

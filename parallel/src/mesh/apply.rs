@@ -44,7 +44,7 @@ impl LocalMesh {
         let mut tets = std::mem::take(&mut self.star);
         let mut rim = std::mem::take(&mut self.rim);
         rim.clear();
-        rim.extend(patch.sites.iter().map(|site| self.take_site(site)));
+        rim.extend(patch.vertices.iter().map(|vertex| self.take_vertex(vertex)));
         let within = |to: To| match to {
             To::New(k, slot) => Some(face_of(TetId::new(k), slot)),
             _ => None,
@@ -91,18 +91,18 @@ impl LocalMesh {
 
     /// Is there room for a patch, and all that it names by a number? Another worker has made it.
     fn check_patch(&self, patch: &Patch) -> Result<(), SubmeshError> {
-        let Patch { remove, sites, create, relink } = patch;
-        // The slots that it takes: for its tetrahedra, and for a proxy at each face that may lead
-        // to another worker's.
+        let Patch { remove, vertices, create, relink } = patch;
+        // The slots that it takes: for its tetrahedra, and for a far face at each face that may
+        // lead to another worker's.
         let mut slots = create.len() + relink.len();
         for &t in remove {
             self.check_open(t)?;
         }
         // The place of the vertex at infinity, which is only ever the last of a tetrahedron.
         let mut infinite = None;
-        for (place, site) in (0..).zip(sites) {
-            self.check_vertex(site.vertex)?;
-            if site.vertex == NOWHERE && infinite.replace(place).is_some() {
+        for (place, vertex) in (0..).zip(vertices) {
+            self.check_vertex(vertex.name)?;
+            if vertex.name == NOWHERE && infinite.replace(place).is_some() {
                 return Err(unknown("a vertex given once", INFINITE.number()));
             }
         }
@@ -110,7 +110,7 @@ impl LocalMesh {
         for new in create {
             let [a, b, c, d] = new.v;
             let last = a.max(b).max(c).max(d);
-            if last as usize >= sites.len() || a == infinite || b == infinite || c == infinite {
+            if last as usize >= vertices.len() || a == infinite || b == infinite || c == infinite {
                 return Err(unknown("a vertex", last));
             }
             for to in &new.n {
@@ -141,10 +141,10 @@ impl LocalMesh {
     fn check_cargo(&self, cargo: &[Moving]) -> Result<(), SubmeshError> {
         let mut slots = cargo.len();
         for moving in cargo {
-            for site in &moving.v {
-                self.check_vertex(site.vertex)?;
+            for vertex in &moving.v {
+                self.check_vertex(vertex.name)?;
             }
-            if moving.v[..3].iter().any(|site| site.vertex == NOWHERE) {
+            if moving.v[..3].iter().any(|vertex| vertex.name == NOWHERE) {
                 return Err(unknown("a finite vertex", INFINITE.number()));
             }
             for lead in &moving.n {
@@ -177,16 +177,16 @@ impl LocalMesh {
 
     /// The number here of a vertex, a new one if it has none.
     #[inline]
-    pub(super) fn take_site(&mut self, site: &WireVertex) -> VertexId {
-        self.vertices.number(site.vertex).unwrap_or_else(|| self.add_site(site))
+    pub(super) fn take_vertex(&mut self, vertex: &WireVertex) -> VertexId {
+        self.vertices.number(vertex.name).unwrap_or_else(|| self.add_vertex(vertex))
     }
 
-    fn add_site(&mut self, site: &WireVertex) -> VertexId {
-        let p = site.point();
-        let v = self.vertices.add(site.vertex, &p);
+    fn add_vertex(&mut self, vertex: &WireVertex) -> VertexId {
+        let p = vertex.point();
+        let v = self.vertices.add(vertex.name, &p);
         self.tets.make_vertices(v);
         self.tets.set_point(v, p);
-        if given(site.vertex).is_none() {
+        if given(vertex.name).is_none() {
             self.tets.refine_step(&p);
         }
         v
@@ -210,7 +210,7 @@ impl LocalMesh {
         Some(tets)
     }
 
-    /// Links `face` to the tetrahedron of `handle`: here if it is here, else by a proxy.
+    /// Links `face` to the tetrahedron of `handle`: here if it is here, else by a far face.
     fn link_handle(&mut self, face: FaceId, handle: Handle) {
         match self.names.get(&handle.name) {
             Some(&u) => {
@@ -228,9 +228,9 @@ impl LocalMesh {
         }
     }
 
-    /// Puts a proxy somewhere, for which there is room.
-    fn put(&mut self, proxy: impl FnOnce(&mut Tets) -> Option<()>) {
-        if proxy(&mut self.tets).is_none() {
+    /// Puts a far face somewhere, for which there is room.
+    fn put(&mut self, far_face: impl FnOnce(&mut Tets) -> Option<()>) {
+        if far_face(&mut self.tets).is_none() {
             self.fail_for_room();
         }
     }
@@ -290,7 +290,7 @@ impl LocalMesh {
                 slot += 1;
                 lead
             });
-            cargo.push(Moving { name, v: self.sites(t), n });
+            cargo.push(Moving { name, v: self.wire_vertices(t), n });
         }
         // Nothing is removed unless there is room for what stands in its place.
         if !self.tets.has_room(far.len()) {
@@ -315,7 +315,7 @@ impl LocalMesh {
         }
         let mut new = Vec::with_capacity(cargo.len());
         for moving in &cargo {
-            new.push((moving.name, [0, 1, 2, 3].map(|k| self.take_site(&moving.v[k]))));
+            new.push((moving.name, [0, 1, 2, 3].map(|k| self.take_vertex(&moving.v[k]))));
         }
         let Some(tets) = self.create_all(new.into_iter()) else { return };
         for (&t, moving) in tets.iter().zip(&cargo) {

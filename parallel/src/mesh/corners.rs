@@ -6,7 +6,7 @@ use super::{VertexName, WireVertex};
 #[derive(Debug, Default)]
 pub(super) struct Corners {
     /// In the order in which they were met.
-    pub(super) sites: Vec<WireVertex>,
+    pub(super) vertices: Vec<WireVertex>,
     /// By vertex, with open addressing: 1 + index, or 0.
     table: Vec<u32>,
 }
@@ -14,24 +14,24 @@ pub(super) struct Corners {
 impl Corners {
     /// Forgets all; at most the given number are to come.
     pub(super) fn start(&mut self, most: usize) {
-        self.sites.clear();
+        self.vertices.clear();
         self.table.clear();
         // At most half full: every search meets an empty place.
         self.table.resize((2 * most).next_power_of_two(), 0);
     }
 
-    /// The index of a corner; `site` is asked for if it is a new one.
-    pub(super) fn index(&mut self, vertex: VertexName, site: impl FnOnce() -> WireVertex) -> u32 {
+    /// The index of a corner; `make` is asked for it if it is a new one.
+    pub(super) fn index(&mut self, vertex: VertexName, make: impl FnOnce() -> WireVertex) -> u32 {
         let last = self.table.len() - 1;
         let mut place = (vertex.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as usize & last;
         loop {
             match self.table[place] {
                 0 => {
-                    self.sites.push(site());
-                    self.table[place] = self.sites.len() as u32;
+                    self.vertices.push(make());
+                    self.table[place] = self.vertices.len() as u32;
                     return self.table[place] - 1;
                 }
-                k if self.sites[k as usize - 1].vertex == vertex => return k - 1,
+                k if self.vertices[k as usize - 1].name == vertex => return k - 1,
                 _ => place = (place + 1) & last,
             }
         }
@@ -50,12 +50,11 @@ mod tests {
             corners.start(most);
             let vertices: Vec<VertexName> = (0..most as u64).map(|k| k << 40).collect();
             let all = || vertices.iter().chain(&vertices);
-            let indices: Vec<u32> = all()
-                .map(|&v| corners.index(v, || WireVertex { vertex: v, bits: [0; 3] }))
-                .collect();
+            let indices: Vec<u32> =
+                all().map(|&v| corners.index(v, || WireVertex { name: v, bits: [0; 3] })).collect();
             let expected = (0..most as u32).chain(0..most as u32);
             assert!(indices.into_iter().eq(expected));
-            assert!(corners.sites.iter().map(|site| site.vertex).eq(vertices));
+            assert!(corners.vertices.iter().map(|vertex| vertex.name).eq(vertices));
         }
     }
 }

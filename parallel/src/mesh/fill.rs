@@ -11,7 +11,7 @@ use ltbw_core::topology::{FaceId, TetId, slot_of, tet_of};
 
 /// A face of the cavity's boundary, and the new tetrahedron on it.
 #[derive(Debug)]
-struct Wall {
+struct BoundaryFace {
     /// The face, as indices of the cavity's corners.
     v: [u32; 3],
     /// The new tetrahedron's block.
@@ -21,8 +21,8 @@ struct Wall {
     patch: u32,
     index: u32,
     name: Option<Name>,
-    /// Neighbours by slot, faces of other walls' new tetrahedra by the walls' places. Entry 0 is
-    /// not used.
+    /// Neighbours by slot, faces of other boundary faces' new tetrahedra by the boundary faces'
+    /// places. Entry 0 is not used.
     beside: [FaceId; 4],
     /// The ring tetrahedron behind the face: its worker, place, slot, block and name.
     worker: WorkerId,
@@ -38,7 +38,7 @@ pub(super) struct Scratch {
     pub(super) corners: Corners,
     /// The blocks of the corners; that of the one at infinity means nothing.
     corner_blocks: Vec<BlockId>,
-    walls: Vec<Wall>,
+    boundary: Vec<BoundaryFace>,
     /// Names of the cavity's tetrahedra, ascending.
     named: Vec<Name>,
     /// The corners of one owner's part, as indices of the cavity's corners.
@@ -46,9 +46,9 @@ pub(super) struct Scratch {
     edges: EdgeTable,
 }
 
-/// The handle of wall `wall`'s new tetrahedron at `slot`.
-fn handle_of(wall: &Wall, slot: u8) -> Option<Handle> {
-    wall.name.map(|name| Handle { name, block: wall.block, face: slot })
+/// The handle of boundary face `boundary face`'s new tetrahedron at `slot`.
+fn handle_of(border: &BoundaryFace, slot: u8) -> Option<Handle> {
+    border.name.map(|name| Handle { name, block: border.block, face: slot })
 }
 
 impl LocalMesh {
@@ -60,39 +60,40 @@ impl LocalMesh {
         directory: &Directory,
     ) -> Vec<(WorkerId, Patch)> {
         let mut scratch = std::mem::take(&mut self.scratch);
-        self.find_walls(&mut scratch, point, parts, whereabouts, directory);
-        let Scratch { corners, walls, edges, .. } = &mut scratch;
+        self.find_boundary(&mut scratch, point, parts, whereabouts, directory);
+        let Scratch { corners, boundary, edges, .. } = &mut scratch;
         // By worker; few have a part.
         let mut counts: Vec<(WorkerId, u32)> = Vec::with_capacity(parts.len() + 1);
-        for wall in &mut *walls {
-            let place = place_of(&mut counts, wall.owner, || 0);
-            wall.patch = place as u32;
-            wall.index = counts[place].1;
+        for border in &mut *boundary {
+            let place = place_of(&mut counts, border.owner, || 0);
+            border.patch = place as u32;
+            border.index = counts[place].1;
             counts[place].1 += 1;
         }
-        join(walls, edges);
-        self.name_walls(walls);
+        join(boundary, edges);
+        self.name_boundary(boundary);
         let mut patches: Vec<(WorkerId, Patch)> = Vec::with_capacity(counts.len() + parts.len());
         for (owner, count) in counts {
             let create = Vec::with_capacity(count as usize);
-            let sites = corners.sites.clone();
-            patches.push((owner, Patch { sites, create, ..Patch::default() }));
+            let vertices = corners.vertices.clone();
+            patches.push((owner, Patch { vertices, create, ..Patch::default() }));
         }
         for (worker, pieces) in parts.iter().filter(|(_, pieces)| !pieces.is_empty()) {
             let patch = patch_of(&mut patches, *worker);
             patch.remove.reserve_exact(pieces.iter().map(|piece| piece.tets.len()).sum());
             patch.remove.extend(pieces.iter().flat_map(|piece| &piece.tets));
         }
-        for wall in &*walls {
-            let n = [0, 1, 2, 3].map(|slot| lead(walls, wall, slot));
-            let [a, b, c] = wall.v;
-            let new = NewTet { name: wall.name, v: [0, a, b, c], block: wall.block, n };
-            patches[wall.patch as usize].1.create.push(new);
-            if wall.worker != wall.owner
-                && let Some(to) = handle_of(wall, 0)
+        for border in &*boundary {
+            let n = [0, 1, 2, 3].map(|slot| lead(boundary, border, slot));
+            let [a, b, c] = border.v;
+            let new = NewTet { name: border.name, v: [0, a, b, c], block: border.block, n };
+            patches[border.patch as usize].1.create.push(new);
+            if border.worker != border.owner
+                && let Some(to) = handle_of(border, 0)
             {
-                let relink = Relink { at: wall.at, slot: wall.slot, name: wall.ring_name, to };
-                let relinks = &mut patch_of(&mut patches, wall.worker).relink;
+                let relink =
+                    Relink { at: border.at, slot: border.slot, name: border.ring_name, to };
+                let relinks = &mut patch_of(&mut patches, border.worker).relink;
                 if relinks.is_empty() {
                     relinks.reserve(16);
                 }
@@ -105,7 +106,7 @@ impl LocalMesh {
     }
 
     /// The boundary of the cavity, and its corners.
-    fn find_walls(
+    fn find_boundary(
         &self,
         scratch: &mut Scratch,
         point: &WireVertex,
@@ -113,23 +114,24 @@ impl LocalMesh {
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) {
-        let Scratch { corners, corner_blocks, walls, named, places, .. } = scratch;
+        let Scratch { corners, corner_blocks, boundary, named, places, .. } = scratch;
         let pieces = || parts.iter().flat_map(|(w, list)| list.iter().map(move |p| (*w, p)));
         named.clear();
         named.extend(pieces().flat_map(|(_, piece)| &piece.names));
         named.sort_unstable();
-        walls.clear();
-        corners.start(1 + pieces().map(|(_, piece)| piece.sites.len()).sum::<usize>());
-        corners.index(point.vertex, || *point);
+        boundary.clear();
+        corners.start(1 + pieces().map(|(_, piece)| piece.vertices.len()).sum::<usize>());
+        corners.index(point.name, || *point);
         corner_blocks.clear();
         for (worker, piece) in pieces() {
             places.clear();
-            places.extend(piece.sites.iter().map(|site| corners.index(site.vertex, || *site)));
-            let new = &corners.sites[corner_blocks.len()..];
-            corner_blocks.extend(new.iter().map(|site| self.block_of_site(site)));
+            places
+                .extend(piece.vertices.iter().map(|vertex| corners.index(vertex.name, || *vertex)));
+            let new = &corners.vertices[corner_blocks.len()..];
+            corner_blocks.extend(new.iter().map(|vertex| self.block_of_vertex(vertex)));
             for side in &piece.sides {
                 let v = side.v.map(|k| places[k as usize]);
-                let names = v.map(|k| corners.sites[k as usize].vertex);
+                let names = v.map(|k| corners.vertices[k as usize].name);
                 let (worker, at, slot, ring_name) = match side.link {
                     Link::Far(handle) if named.binary_search(&handle.name).is_ok() => continue,
                     Link::Near { tet, slot, name, .. } => (worker, At::Tet(tet), slot, name),
@@ -151,7 +153,7 @@ impl LocalMesh {
                         self.fixed.map_or_else(blocks, |fixed| fixed.block_of(worker))
                     }
                 };
-                walls.push(Wall {
+                boundary.push(BoundaryFace {
                     v,
                     block,
                     owner,
@@ -180,43 +182,45 @@ impl LocalMesh {
 
     /// Names what another worker must know: new tetrahedra beside those of others, and ring
     /// tetrahedra behind those of others.
-    fn name_walls(&mut self, walls: &mut [Wall]) {
-        // Several faces of one ring tetrahedron may be among the walls: few have a new name.
+    fn name_boundary(&mut self, boundary: &mut [BoundaryFace]) {
+        // Several faces of one ring tetrahedron may be among the boundary faces: few have a new
+        // name.
         let mut ring: Vec<((WorkerId, TetId), Name)> = Vec::new();
-        for k in 0..walls.len() {
-            let (owner, worker) = (walls[k].owner, walls[k].worker);
-            let beside =
-                walls[k].beside[1..].iter().any(|&face| walls[tet_of(face).index()].owner != owner);
+        for k in 0..boundary.len() {
+            let (owner, worker) = (boundary[k].owner, boundary[k].worker);
+            let beside = boundary[k].beside[1..]
+                .iter()
+                .any(|&face| boundary[tet_of(face).index()].owner != owner);
             if beside || worker != owner {
-                walls[k].name = Some(self.fresh_name());
+                boundary[k].name = Some(self.fresh_name());
             }
-            if let At::Tet(tet) = walls[k].at
+            if let At::Tet(tet) = boundary[k].at
                 && worker != owner
-                && walls[k].ring_name.is_none()
+                && boundary[k].ring_name.is_none()
             {
                 let place = place_of(&mut ring, (worker, tet), || self.fresh_name());
-                walls[k].ring_name = Some(ring[place].1);
+                boundary[k].ring_name = Some(ring[place].1);
             }
         }
     }
 }
 
-/// The other side of face `slot` of the new tetrahedron of `wall`.
-fn lead(walls: &[Wall], wall: &Wall, slot: usize) -> To {
+/// The other side of face `slot` of the new tetrahedron of `boundary face`.
+fn lead(boundary: &[BoundaryFace], border: &BoundaryFace, slot: usize) -> To {
     if slot == 0 {
-        let name = wall.ring_name;
-        return match (wall.at, name) {
-            (At::Tet(tet), _) if wall.worker == wall.owner => To::Old(tet, wall.slot),
+        let name = border.ring_name;
+        return match (border.at, name) {
+            (At::Tet(tet), _) if border.worker == border.owner => To::Old(tet, border.slot),
             (At::Named(name), _) | (At::Tet(_), Some(name)) => {
-                To::Far(Handle { name, block: wall.ring_block, face: wall.slot })
+                To::Far(Handle { name, block: border.ring_block, face: border.slot })
             }
-            (At::Tet(tet), None) => To::Old(tet, wall.slot),
+            (At::Tet(tet), None) => To::Old(tet, border.slot),
         };
     }
-    let (other, there) = (tet_of(wall.beside[slot]), slot_of(wall.beside[slot]) as u8);
-    let other = &walls[other.index()];
+    let (other, there) = (tet_of(border.beside[slot]), slot_of(border.beside[slot]) as u8);
+    let other = &boundary[other.index()];
     match handle_of(other, there) {
-        Some(handle) if other.owner != wall.owner => To::Far(handle),
+        Some(handle) if other.owner != border.owner => To::Far(handle),
         _ => To::New(other.index, there),
     }
 }
@@ -238,27 +242,27 @@ fn patch_of(patches: &mut Vec<(WorkerId, Patch)>, worker: WorkerId) -> &mut Patc
 /// The message of a defect of the protocol: the boundary of a cavity is a closed surface.
 const OPEN_BOUNDARY: &str = "an edge of a cavity's boundary has no second face";
 
-/// Finds the walls beside each other: two of them have an edge in common, which they pass in
-/// opposite directions.
-fn join(walls: &mut [Wall], edges: &mut EdgeTable) {
-    edges.start(walls.len());
+/// Finds the boundary faces beside each other: two of them have an edge in common, which they pass
+/// in opposite directions.
+fn join(boundary: &mut [BoundaryFace], edges: &mut EdgeTable) {
+    edges.start(boundary.len());
     let mut joined = 0;
-    for k in 0..walls.len() {
-        let [a, b, c] = walls[k].v;
+    for k in 0..boundary.len() {
+        let [a, b, c] = boundary[k].v;
         for (from, to, slot) in [(a, b, 3), (b, c, 1), (c, a, 2)] {
             let face = FaceId::new(TetId::at(k), slot);
             match edges.meet(from, to, face) {
                 Met::Nothing => {}
                 Met::Face(other) => {
-                    walls[k].beside[slot] = other;
-                    walls[tet_of(other).index()].beside[slot_of(other)] = face;
+                    boundary[k].beside[slot] = other;
+                    boundary[tet_of(other).index()].beside[slot_of(other)] = face;
                     joined += 1;
                 }
                 Met::Defect => panic!("{OPEN_BOUNDARY}"),
             }
         }
     }
-    assert!(2 * joined == 3 * walls.len(), "{OPEN_BOUNDARY}");
+    assert!(2 * joined == 3 * boundary.len(), "{OPEN_BOUNDARY}");
 }
 
 #[cfg(test)]
@@ -266,12 +270,12 @@ mod tests {
     use super::*;
 
     /// Two pyramids over a ring of `n` corners, as seen from corner 0 inside.
-    fn walls(n: u32) -> Vec<Wall> {
+    fn boundary(n: u32) -> Vec<BoundaryFace> {
         let faces = (0..n).flat_map(|k| {
             let (a, b) = (3 + k, 3 + (k + 1) % n);
             [[1, a, b], [2, b, a]]
         });
-        let wall = |v| Wall {
+        let border = |v| BoundaryFace {
             v,
             block: BlockId::default(),
             owner: WorkerId::default(),
@@ -285,7 +289,7 @@ mod tests {
             ring_block: BlockId::default(),
             ring_name: None,
         };
-        faces.map(wall).collect()
+        faces.map(border).collect()
     }
 
     /// A boundary with a hole is a defect of the protocol, not a mesh.
@@ -293,7 +297,7 @@ mod tests {
     fn an_open_boundary_is_refused() {
         for n in [3, 40, 61, 62, 200] {
             for hole in 0..2 * n as usize {
-                let mut open = walls(n);
+                let mut open = boundary(n);
                 open.remove(hole);
                 let join = || join(&mut open, &mut EdgeTable::default());
                 let panic = std::panic::catch_unwind(std::panic::AssertUnwindSafe(join));
@@ -304,16 +308,17 @@ mod tests {
     }
 
     #[test]
-    fn walls_meet_at_common_edges() {
+    fn boundary_faces_meet_at_common_edges() {
         let mut edges = EdgeTable::default();
         // Large and small ones in turn: the table is used again.
         for n in [3, 61, 5, 62, 200, 4] {
-            let mut walls = walls(n);
-            join(&mut walls, &mut edges);
-            for (k, wall) in (0..).map(TetId::new).zip(&walls) {
+            let mut boundary = boundary(n);
+            join(&mut boundary, &mut edges);
+            for (k, border) in (0..).map(TetId::new).zip(&boundary) {
                 for slot in 1..4 {
-                    let (other, there) = (tet_of(wall.beside[slot]), slot_of(wall.beside[slot]));
-                    let other = &walls[other.index()];
+                    let (other, there) =
+                        (tet_of(border.beside[slot]), slot_of(border.beside[slot]));
+                    let other = &boundary[other.index()];
                     assert_eq!(other.beside[there], FaceId::new(k, slot));
                     // All corners but the one opposite are common.
                     let kept = |v: [u32; 3], out: usize| {
@@ -322,7 +327,7 @@ mod tests {
                         v.sort_unstable();
                         v
                     };
-                    assert_eq!(kept(wall.v, slot), kept(other.v, there));
+                    assert_eq!(kept(border.v, slot), kept(other.v, there));
                 }
             }
         }

@@ -25,7 +25,7 @@ impl Inspect for LocalMesh {
     }
 
     fn made(patch: &Patch) -> Vec<Sent> {
-        let vertex = |k: u32| patch.sites[k as usize].vertex;
+        let vertex = |k: u32| patch.vertices[k as usize].name;
         patch.create.iter().map(|new| (new.name, key(new.v.map(vertex)))).collect()
     }
 
@@ -34,7 +34,7 @@ impl Inspect for LocalMesh {
     }
 
     fn carried(cargo: &Vec<Moving>) -> Vec<Sent> {
-        let vertices = |v: [WireVertex; 4]| key(v.map(|site| site.vertex));
+        let vertices = |v: [WireVertex; 4]| key(v.map(|vertex| vertex.name));
         cargo.iter().map(|moving| (Some(moving.name), vertices(moving.v))).collect()
     }
 }

@@ -168,7 +168,7 @@ impl LocalMesh {
 
     /// Number of interface faces.
     pub fn num_interface_faces(&self) -> usize {
-        self.tets.topology().iter().filter(|(_, tet)| tet.is_proxy()).count()
+        self.tets.topology().iter().filter(|(_, tet)| tet.is_far_face()).count()
     }
 
     /// A tetrahedron here that belongs to another worker; a sound submesh has none, for those that
@@ -196,14 +196,14 @@ impl LocalMesh {
     }
 
     /// The block of a vertex that may be none here.
-    fn block_of_site(&self, site: &WireVertex) -> BlockId {
-        if let Some(place) = given(site.vertex) {
+    fn block_of_vertex(&self, vertex: &WireVertex) -> BlockId {
+        if let Some(place) = given(vertex.name) {
             return self.blocks.of_vertex(place);
         }
-        match self.vertices.number(site.vertex) {
+        match self.vertices.number(vertex.name) {
             Some(INFINITE) => BlockId::default(),
             Some(v) => self.vertices.block(v),
-            None => self.blocks.of_name(site.vertex, &site.point()),
+            None => self.blocks.of_name(vertex.name, &vertex.point()),
         }
     }
 
@@ -255,17 +255,17 @@ impl LocalMesh {
         }
     }
 
-    fn site(&self, v: VertexId) -> WireVertex {
-        site(&self.tets, &self.vertices, v)
+    fn wire_vertex(&self, v: VertexId) -> WireVertex {
+        wire_vertex(&self.tets, &self.vertices, v)
     }
 
     /// The vertex at a place of the own stretch of the curve.
-    fn site_at(&self, place: Place) -> WireVertex {
-        self.site(self.vertices.numbers_of(place..place).start)
+    fn vertex_at(&self, place: Place) -> WireVertex {
+        self.wire_vertex(self.vertices.numbers_of(place..place).start)
     }
 
-    fn sites(&self, t: TetId) -> [WireVertex; 4] {
-        self.tets.vertices(t).map(|v| self.site(v))
+    fn wire_vertices(&self, t: TetId) -> [WireVertex; 4] {
+        self.tets.vertices(t).map(|v| self.wire_vertex(v))
     }
 
     /// The neighbour in slot `u` beside a tetrahedron.
@@ -276,9 +276,9 @@ impl LocalMesh {
 }
 
 /// A vertex that a submesh knows, with its coordinates.
-fn site(tets: &Tets, vertices: &Vertices, v: VertexId) -> WireVertex {
+fn wire_vertex(tets: &Tets, vertices: &Vertices, v: VertexId) -> WireVertex {
     if v == INFINITE {
-        WireVertex { vertex: NOWHERE, bits: [0; 3] }
+        WireVertex { name: NOWHERE, bits: [0; 3] }
     } else {
         WireVertex::new(vertices.name(v), tets.point(v))
     }
@@ -300,25 +300,25 @@ impl Submesh for LocalMesh {
 
     fn walk(&mut self, point: &WireVertex, from: Option<Name>) -> Walk<TetId> {
         let named = from.and_then(|name| self.names.get(&name).copied());
-        let start = named.or_else(|| self.located.remove(&point.vertex));
-        let v = self.vertices.number(point.vertex).unwrap_or(INFINITE);
+        let start = named.or_else(|| self.located.remove(&point.name));
+        let v = self.vertices.number(point.name).unwrap_or(INFINITE);
         let walk = self.tets.walk(v, &point.point(), start);
         match walk {
-            Walk::Locked(t) => _ = self.located.insert(point.vertex, t),
-            Walk::Duplicate(v) => self.duplicates.push((point.vertex, self.vertices.name(v))),
+            Walk::Locked(t) => _ = self.located.insert(point.name, t),
+            Walk::Duplicate(v) => self.duplicates.push((point.name, self.vertices.name(v))),
             Walk::At(_) | Walk::Exits(_) | Walk::NoTets => {}
         }
         walk
     }
 
     fn insert(&mut self, point: &WireVertex, seed: TetId, directory: &Directory) -> Insert<TetId> {
-        let (v, p) = (self.vertices.number(point.vertex), point.point());
+        let (v, p) = (self.vertices.number(point.name), point.point());
         if v.is_none() {
             // It has a number here if it becomes a vertex here.
             self.tets.make_vertices(self.vertices.next());
         }
         let Self { tets, vertices, blocks, fixed, me, .. } = self;
-        let elsewhere = v.is_none().then(|| blocks.of_name(point.vertex, &p));
+        let elsewhere = v.is_none().then(|| blocks.of_name(point.name, &p));
         let number = v.unwrap_or(vertices.next());
         let new_block = || elsewhere.unwrap_or_else(|| vertices.block(number));
         let owns = match fixed {
@@ -336,18 +336,18 @@ impl Submesh for LocalMesh {
         match insert {
             Insert::Done => {
                 if v.is_none() {
-                    self.take_site(point);
+                    self.take_vertex(point);
                 }
                 self.forget_removed();
             }
-            Insert::Locked(_) | Insert::Blocked => _ = self.located.insert(point.vertex, seed),
+            Insert::Locked(_) | Insert::Blocked => _ = self.located.insert(point.name, seed),
             Insert::Full => self.fail_for_room(),
         }
         insert
     }
 
     fn forget(&mut self, point: &WireVertex) {
-        self.located.remove(&point.vertex);
+        self.located.remove(&point.name);
     }
 
     fn resolve(&self, name: Name) -> Option<TetId> {
@@ -381,7 +381,7 @@ impl Submesh for LocalMesh {
 
     fn corners(parts: &[(WorkerId, Vec<Piece>)]) -> Vec<u64> {
         let pieces = parts.iter().flat_map(|(_, pieces)| pieces);
-        finite(pieces.flat_map(|p| p.sites.iter().map(|site| site.vertex)).collect())
+        finite(pieces.flat_map(|p| p.vertices.iter().map(|vertex| vertex.name)).collect())
     }
 
     fn neighbours_around(&self, t: TetId, corners: &[u64], mut f: impl FnMut(Neighbour<TetId>)) {
@@ -391,7 +391,7 @@ impl Submesh for LocalMesh {
     fn in_the_way(&mut self, point: &WireVertex, seed: TetId) -> Option<Insert<TetId>> {
         let way = self.vertex_closure(point, seed);
         if way.is_some() {
-            self.located.insert(point.vertex, seed);
+            self.located.insert(point.name, seed);
         }
         way
     }
@@ -428,7 +428,7 @@ impl Submesh for LocalMesh {
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, Patch)> {
-        self.located.remove(&point.vertex);
+        self.located.remove(&point.name);
         self.fill_cavity(point, parts, whereabouts, directory)
     }
 

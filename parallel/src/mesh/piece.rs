@@ -2,7 +2,7 @@
 //! home by its faces.
 
 use super::vertices::Vertices;
-use super::{Link, LocalMesh, Piece, Side, Tets, site};
+use super::{Link, LocalMesh, Piece, Side, Tets, wire_vertex};
 use crate::protocol::{Handle, Ticket};
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::submesh::Closure;
@@ -13,19 +13,19 @@ impl LocalMesh {
     pub(super) fn describe_closure(&mut self, closure: &Closure) -> Piece {
         let Self { tets: mesh, scratch, vertices, fixed, .. } = self;
         let told = fixed.is_none().then_some(&*vertices);
-        let site = |v| site(mesh, vertices, v);
+        let vertex = |v| wire_vertex(mesh, vertices, v);
         let tets = &closure.locked[..closure.inside];
         let corners = &mut scratch.corners;
         corners.start((3 * closure.boundary.len()).min(4 * tets.len()));
         let mut sides = Vec::with_capacity(closure.boundary.len());
         for &(v, outer) in &closure.boundary {
-            let v = v.map(|v| corners.index(vertices.name(v), || site(v)));
+            let v = v.map(|v| corners.index(vertices.name(v), || vertex(v)));
             let link = mesh.far(tet_of(outer)).map_or_else(|| near(mesh, told, outer), Link::Far);
             sides.push(Side { v, link });
         }
         let mut names = Vec::with_capacity(8);
         names.extend(tets.iter().filter_map(|&t| mesh.tag_of(t)));
-        Piece { tets: tets.to_vec(), names, sites: corners.sites.clone(), sides }
+        Piece { tets: tets.to_vec(), names, vertices: corners.vertices.clone(), sides }
     }
 
     /// Describes tetrahedra that are in conflict with the point of the operation that has locked
@@ -40,16 +40,16 @@ impl LocalMesh {
         for &t in tets {
             names.extend(self.tets.tag_of(t));
             let v = self.tets.vertices(t);
-            let v = v.map(|v| corners.index(self.vertices.name(v), || self.site(v)));
+            let v = v.map(|v| corners.index(self.vertices.name(v), || self.wire_vertex(v)));
             for (slot, face) in self.tets.neighbours(t).into_iter().enumerate() {
                 if let Some(link) = self.link_at(face, holder) {
                     sides.push(Side { v: OTHERS[slot].map(|k| v[k]), link });
                 }
             }
         }
-        let sites = corners.sites.clone();
+        let vertices = corners.vertices.clone();
         self.scratch.corners = corners;
-        Piece { tets: tets.to_vec(), names, sites, sides }
+        Piece { tets: tets.to_vec(), names, vertices, sides }
     }
 
     /// The other side of a face of a tetrahedron that `holder` has locked, as the home sees it;
@@ -104,7 +104,7 @@ mod tests {
         foreign: Vec<Handle>,
         tets: Vec<TetId>,
         names: Vec<Name>,
-        sites: Vec<WireVertex>,
+        vertices: Vec<WireVertex>,
         sides: Vec<([u64; 3], String)>,
     }
 
@@ -113,17 +113,17 @@ mod tests {
             held.sort_unstable();
             foreign.sort_unstable_by_key(|h| (h.name, h.face));
             let mut all = Self { held, foreign, ..Self::default() };
-            for Piece { tets, names, sites, sides } in pieces {
-                let vertex = |k: u32| sites[k as usize].vertex;
+            for Piece { tets, names, vertices, sides } in pieces {
+                let vertex = |k: u32| vertices[k as usize].name;
                 let side = |s: &Side| (s.v.map(vertex), format!("{:?}", s.link));
                 all.sides.extend(sides.iter().map(side));
                 all.tets.extend(tets);
                 all.names.extend(names);
-                all.sites.extend(sites);
+                all.vertices.extend(vertices);
             }
             all.tets.sort_unstable();
             all.names.sort_unstable();
-            all.sites.sort_unstable_by_key(|site| site.vertex);
+            all.vertices.sort_unstable_by_key(|vertex| vertex.name);
             all.sides.sort_unstable();
             all
         }
@@ -190,7 +190,7 @@ mod tests {
         }
         pieces.extend(mesh.pieces(before));
         let mut closure = Closure::new(held, foreign, pieces);
-        closure.sites.dedup();
+        closure.vertices.dedup();
         closure
     }
 
@@ -212,7 +212,7 @@ mod tests {
     fn what_is_locked_at_once_is_what_is_locked_one_by_one() {
         for kind in [PointKind::Uniform, PointKind::Grid, PointKind::Clusters] {
             let set = PointSet::new(generate(kind, 2000, 1)).expect("finite points");
-            let prepared = Layout::new(set.len(), 3).prepare(&set).expect("a mesh");
+            let prepared = Layout::new(set.len(), 3).distribute(&set).expect("a mesh");
             let (mut far, mut named, mut lone) = (0, 0, 0);
             for (_, mut mesh, mut field) in prepared.workers {
                 while let Some(point) = field.next(&mesh) {
@@ -263,7 +263,7 @@ mod tests {
     #[test]
     fn a_seed_that_is_not_in_conflict_is_locked_alone() {
         let set = PointSet::new(generate(PointKind::Uniform, 500, 1)).expect("finite points");
-        let prepared = Layout::new(set.len(), 2).prepare(&set).expect("a mesh");
+        let prepared = Layout::new(set.len(), 2).distribute(&set).expect("a mesh");
         let (_, mut mesh, mut field) = prepared.workers.into_iter().next().expect("a worker");
         let point = field.next(&mesh).expect("a point");
         let all: Vec<TetId> = mesh.tets.tets().map(|(t, _)| t).collect();

@@ -38,9 +38,9 @@ pub struct PointQueue {
     /// The cursor that is followed.
     current: Option<Cursor>,
     /// The number of points under way below which points at the interface go first.
-    abreast: usize,
+    max_in_flight: usize,
     /// Cursors that have waited and may go on, the one to follow next last.
-    urgent: Vec<Cursor>,
+    resumed: Vec<Cursor>,
     /// Cursors at the interface that may go on, the one to follow next first.
     interface: VecDeque<Cursor>,
     /// Other cursors that may go on, the one to follow next first.
@@ -74,8 +74,8 @@ impl PointQueue {
             next_round: 0,
             more: left > 0,
             current: None,
-            abreast: 0,
-            urgent: Vec::new(),
+            max_in_flight: 0,
+            resumed: Vec::new(),
             interface: VecDeque::new(),
             ready: VecDeque::new(),
             waiting: Vec::new(),
@@ -85,17 +85,17 @@ impl PointQueue {
     }
 
     /// Lets the points of the pieces `interface`, ascending and disjoint, go first while fewer than
-    /// `abreast` points are under way.
+    /// `max_in_flight` points are under way.
     #[must_use]
     pub fn interface(
         mut self,
         interface: impl IntoIterator<Item = Range<Place>>,
-        abreast: usize,
+        max_in_flight: usize,
     ) -> Self {
         let Range { start, end } = self.own.range;
         let meets = |piece: &Range<Place>| piece.start < end && start < piece.end;
         self.own.interface = interface.into_iter().filter(meets).collect();
-        self.abreast = abreast;
+        self.max_in_flight = max_in_flight;
         self
     }
 
@@ -127,8 +127,8 @@ impl PointQueue {
 
     /// All cursors.
     fn begun(&self) -> impl Iterator<Item = &Cursor> {
-        let Self { current, urgent, interface, ready, waiting, .. } = self;
-        current.iter().chain(urgent).chain(interface).chain(ready).chain(waiting)
+        let Self { current, resumed, interface, ready, waiting, .. } = self;
+        current.iter().chain(resumed).chain(interface).chain(ready).chain(waiting)
     }
 
     /// Sees to it that the cursor that is followed may give a point; false if none may.
@@ -139,9 +139,9 @@ impl PointQueue {
     fn choose(&mut self) -> bool {
         let under_way =
             self.waiting.len() + usize::from(!self.current.as_ref().is_none_or(Cursor::is_ready));
-        let interface_first = !self.interface.is_empty() && under_way < self.abreast;
+        let interface_first = !self.interface.is_empty() && under_way < self.max_in_flight;
         let goes_on = |c: &Cursor| c.is_ready() && (c.is_interface || !interface_first);
-        if self.urgent.is_empty() && self.current.as_ref().is_some_and(goes_on) {
+        if self.resumed.is_empty() && self.current.as_ref().is_some_and(goes_on) {
             return true;
         }
         let Some(next) = self.following(interface_first) else { return false };
@@ -156,7 +156,7 @@ impl PointQueue {
 
     /// The cursor to follow next, not the current one.
     fn following(&mut self, interface_first: bool) -> Option<Cursor> {
-        let next = self.urgent.pop();
+        let next = self.resumed.pop();
         let next = next.or_else(|| self.interface.pop_front_if(|_| interface_first));
         let next = next.or_else(|| self.ready.pop_front());
         let next = next.or_else(|| self.interface.pop_front());
@@ -220,9 +220,9 @@ impl PointQueue {
 
     /// Could a point be given?
     fn can_give(&self) -> bool {
-        let Self { own, current, urgent, interface, ready, waiting, more, .. } = self;
+        let Self { own, current, resumed, interface, ready, waiting, more, .. } = self;
         current.as_ref().is_some_and(Cursor::is_ready)
-            || !(urgent.is_empty() && interface.is_empty() && ready.is_empty())
+            || !(resumed.is_empty() && interface.is_empty() && ready.is_empty())
             || waiting.iter().chain(current).any(|c| c.length(own) >= SHORTEST)
             || *more
     }
@@ -258,9 +258,9 @@ impl PointQueue {
 
     /// Drops empty cursors whose last point is not under way.
     fn tidy(&mut self) {
-        let Self { current, urgent, interface, ready, waiting, .. } = self;
+        let Self { current, resumed, interface, ready, waiting, .. } = self;
         current.take_if(|cursor| cursor.is_ready() && cursor.is_empty());
-        urgent.retain(|c| !c.is_empty());
+        resumed.retain(|c| !c.is_empty());
         interface.retain(|c| !c.is_empty());
         ready.retain(|c| !c.is_empty());
         waiting.retain(|c| !c.is_ready() || !c.is_empty());
@@ -273,11 +273,11 @@ impl Source<LocalMesh> for PointQueue {
             return None;
         }
         let cursor = self.current.as_mut()?;
-        let site = cursor.next(&self.own, mesh)?;
+        let vertex = cursor.next(&self.own, mesh)?;
         self.left -= 1;
         self.given += 1;
-        cursor.given = Some(site.vertex);
-        Some(site)
+        cursor.given = Some(vertex.name);
+        Some(vertex)
     }
 
     fn is_empty(&self) -> bool {
@@ -289,34 +289,34 @@ impl Source<LocalMesh> for PointQueue {
     }
 
     fn inserted(&mut self, _: &LocalMesh, point: &WireVertex) {
-        if !self.free_current(point.vertex)
-            && let Some(cursor) = self.free(point.vertex)
+        if !self.free_current(point.name)
+            && let Some(cursor) = self.free(point.name)
         {
-            self.urgent.push(cursor);
+            self.resumed.push(cursor);
         }
     }
 
-    fn let_go(&mut self, point: &WireVertex) {
-        if self.free_current(point.vertex) {
+    fn released(&mut self, point: &WireVertex) {
+        if self.free_current(point.name) {
             // It has walked to another worker. The next ones of its cursor would follow it there
             // and meet its locks: other cursors first.
-            let later = self.current.take().into_iter().chain(std::mem::take(&mut self.urgent));
+            let later = self.current.take().into_iter().chain(std::mem::take(&mut self.resumed));
             later.for_each(|cursor| self.put_last(cursor));
-        } else if let Some(cursor) = self.free(point.vertex) {
+        } else if let Some(cursor) = self.free(point.name) {
             self.put_last(cursor);
         }
     }
 
-    fn take_block(&mut self, mesh: &LocalMesh, block: BlockId) -> Vec<WireVertex> {
-        let Self { blocks, own, current, urgent, interface, ready, waiting, .. } = self;
+    fn remove_block(&mut self, mesh: &LocalMesh, block: BlockId) -> Vec<WireVertex> {
+        let Self { blocks, own, current, resumed, interface, ready, waiting, .. } = self;
         let range = blocks.vertices(block);
         let mut taken = Vec::new();
-        let begun = current.iter_mut().chain(urgent).chain(interface).chain(ready).chain(waiting);
+        let begun = current.iter_mut().chain(resumed).chain(interface).chain(ready).chain(waiting);
         begun.for_each(|cursor| cursor.take_in(&range, own, mesh, &mut taken));
         let to_come: Vec<Place> = own.since_round(&range, self.next_round).collect();
         for v in to_come {
             own.take_out(v);
-            taken.push(mesh.site_at(v));
+            taken.push(mesh.vertex_at(v));
         }
         self.look_for_more();
         self.left -= taken.len();
@@ -324,7 +324,7 @@ impl Source<LocalMesh> for PointQueue {
         taken
     }
 
-    fn give(&mut self, _: BlockId, points: Vec<WireVertex>) {
+    fn add(&mut self, _: BlockId, points: Vec<WireVertex>) {
         self.left += points.len();
         let points: VecDeque<_> = points.into();
         if !points.is_empty() {
@@ -337,7 +337,7 @@ impl Source<LocalMesh> for PointQueue {
         self.next_round = self.own.rounds + 1;
         self.more = false;
         self.current = None;
-        self.urgent.clear();
+        self.resumed.clear();
         self.interface.clear();
         self.ready.clear();
         self.waiting.clear();

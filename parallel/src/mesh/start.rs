@@ -70,7 +70,7 @@ pub struct Layout {
     pub cursors: usize,
     /// Points of a worker that are to be under way before points that need no other worker go
     /// first; 0 if points are to come as they lie.
-    pub abreast: usize,
+    pub max_in_flight: usize,
     /// Points of the coarse mesh, or all if there are fewer.
     pub sample: usize,
     /// The rule that says who owns a new tetrahedron.
@@ -99,7 +99,7 @@ impl Layout {
             workers,
             blocks_per_worker,
             cursors,
-            abreast: 0,
+            max_in_flight: 0,
             sample,
             ownership: Ownership::default(),
             reserve: false,
@@ -109,18 +109,19 @@ impl Layout {
 
     /// The layout for processors whose messages take long: what lies at the interface goes first.
     pub fn for_high_latency(points: usize, workers: u32) -> Self {
-        Self { abreast: 80, ..Self::new(points, workers) }
+        Self { max_in_flight: 80, ..Self::new(points, workers) }
     }
 
     /// Builds the coarse mesh and distributes it.
     ///
     /// # Errors
     /// As [`Builder::build`]: there is no first tetrahedron.
-    pub fn prepare(&self, set: &PointSet) -> Result<Prepared, BuildError> {
+    pub fn distribute(&self, set: &PointSet) -> Result<Prepared, BuildError> {
         self.prepare_some(set, None, None)
     }
 
-    /// As [`Layout::prepare`], for the points `only`, by index, or all; `cancel` may end it early.
+    /// As [`Layout::distribute`], for the points `only`, by index, or all; `cancel` may end it
+    /// early.
     pub(crate) fn prepare_some(
         &self,
         set: &PointSet,
@@ -130,8 +131,8 @@ impl Layout {
         self.prepare_with(set, only, cancel, None)
     }
 
-    /// As [`Layout::prepare`], with all points in the mesh that is distributed; `cancel` may end it
-    /// at any time.
+    /// As [`Layout::distribute`], with all points in the mesh that is distributed; `cancel` may end
+    /// it at any time.
     pub(crate) fn prepare_all(
         &self,
         set: &PointSet,
@@ -176,7 +177,7 @@ impl Layout {
         );
         let coarse = coarse?;
         distribute(&coarse, &sample, &points, &blocks, &owners, &mut workers);
-        let interface = match self.abreast {
+        let interface = match self.max_in_flight {
             0 => Vec::new(),
             _ => self.interface(&coarse, &sample, &blocks, points.len() as u32),
         };
@@ -195,7 +196,7 @@ impl Layout {
                     .map(|v| sample.partition_point(|&rank| rank < v.saturating_sub(1)));
                 let out = sample[ranks[0]..ranks[1]].iter().map(|rank| rank + 1);
                 let field = PointQueue::new(blocks.clone(), range, out, self.cursors)
-                    .interface(interface.iter().cloned(), self.abreast);
+                    .interface(interface.iter().cloned(), self.max_in_flight);
                 (Directory::new(me, &owners), mesh, field)
             })
             .collect();
@@ -365,7 +366,7 @@ fn distribute(
         for v in tets.iter().filter_map(|&t| corners(t)) {
             let v = v.map(|w| match w {
                 NO_PLACE => INFINITE,
-                w => mesh.take_site(&WireVertex::new(w, points[w as usize - 1])),
+                w => mesh.take_vertex(&WireVertex::new(w, points[w as usize - 1])),
             });
             // Without room the run fails before anything looks at the submesh.
             let Some(local) = mesh.tets.create(v) else {

@@ -12,16 +12,15 @@ use ltbw_exact::Point;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WireVertex {
     /// Its name.
-    pub vertex: VertexName,
+    pub name: VertexName,
     /// The bits of its kernel coordinates.
     pub bits: [u64; 3],
 }
 
 impl WireVertex {
-    /// Vertex `vertex` at `p`.
-    pub fn new(vertex: impl Into<VertexName>, p: Point) -> Self {
-        let vertex = vertex.into();
-        Self { vertex, bits: p.map(f64::to_bits) }
+    /// Vertex `name` at `p`.
+    pub fn new(name: impl Into<VertexName>, p: Point) -> Self {
+        Self { name: name.into(), bits: p.map(f64::to_bits) }
     }
 
     /// Its kernel coordinates.
@@ -55,8 +54,8 @@ pub enum Link {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Side {
-    /// Its vertices, indices of the piece's sites: with the point before them they are a positively
-    /// oriented tetrahedron.
+    /// Its vertices, by their places among the piece's: with the point before them they are a
+    /// positively oriented tetrahedron.
     pub v: [u32; 3],
     /// The other side.
     pub link: Link,
@@ -71,7 +70,7 @@ pub struct Piece {
     /// The names of those that have one.
     pub names: Vec<Name>,
     /// Their vertices, each once.
-    pub sites: Vec<WireVertex>,
+    pub vertices: Vec<WireVertex>,
     /// Their faces, but those between two of them.
     pub sides: Vec<Side>,
 }
@@ -94,7 +93,7 @@ pub enum To {
 pub struct NewTet {
     /// Its name, if another worker knows it.
     pub name: Option<Name>,
-    /// Its vertices, positively oriented: indices of the patch's sites.
+    /// Its vertices, positively oriented: by their places among the patch's.
     pub v: [u32; 4],
     /// Its block.
     pub block: BlockId,
@@ -133,7 +132,7 @@ pub struct Patch {
     /// Tetrahedra of the cavity.
     pub remove: Vec<TetId>,
     /// The vertices of the new tetrahedra, each once: the inserted point first.
-    pub sites: Vec<WireVertex>,
+    pub vertices: Vec<WireVertex>,
     /// New tetrahedra; the inserted point is the first vertex of each.
     pub create: Vec<NewTet>,
     /// Faces of the ring.

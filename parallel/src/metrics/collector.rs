@@ -3,7 +3,7 @@
 use super::figures::WorkerFigures;
 use super::flow::Port;
 use super::span::{Span, SpanKind};
-use super::{Nanos, Survey};
+use super::{Nanos, SubmeshSize};
 use crate::protocol::{Action, Attempt, Event, Message, Note, Submesh, Ticket, WorkerId};
 use std::collections::{BTreeMap, HashMap};
 
@@ -232,7 +232,7 @@ impl Collector {
     }
 
     /// The run is over at `end`; `mesh` is the worker's submesh.
-    pub fn finish(&mut self, end: Nanos, mesh: &impl Survey) {
+    pub fn finish(&mut self, end: Nanos, mesh: &impl SubmeshSize) {
         self.rest_until(end);
         self.figures.tets = mesh.tets();
         self.figures.interface_faces = mesh.interface_faces();
@@ -293,7 +293,7 @@ impl Collector {
                 }
                 SpanKind::Fill
             }
-            Note::Known | Note::Gone => {
+            Note::Duplicate | Note::Gone => {
                 self.figures.known += 1;
                 kind
             }

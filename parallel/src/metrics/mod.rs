@@ -50,7 +50,7 @@ pub use trace::Trace;
 pub type Nanos = u64;
 
 /// The size of a worker's submesh and of its boundary (Table III).
-pub trait Survey {
+pub trait SubmeshSize {
     /// Tetrahedra, ghosts included.
     fn tets(&self) -> u64;
 

@@ -32,7 +32,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         let cargo = self.take_out(block);
         let epoch = self.directory.epoch(block) + 1;
         self.directory.learn(block, to, epoch);
-        let points = self.source.take_block(&self.mesh, block);
+        let points = self.source.remove_block(&self.mesh, block);
         self.out.push(Action::Note(Note::Migrated(block)));
         self.send(to, Message::Migrate { block, epoch, cargo, points });
         // R11
@@ -103,7 +103,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         if self.cancelled && C::STAYS_CANCELLED {
             self.dropped |= !points.is_empty();
         } else {
-            self.source.give(block, points);
+            self.source.add(block, points);
         }
         self.install(cargo);
     }

@@ -48,15 +48,15 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             Item::At(_) | Item::Gone if !C::LETS_GO => self.mesh.walk(point, from),
             Item::At(_) | Item::Gone => {
                 self.mesh.forget(point);
-                self.source.let_go(point);
+                self.source.released(point);
                 self.out.push(Action::Note(Note::Gone));
                 return;
             }
         };
         match walk {
             Walk::Duplicate(_) => {
-                self.source.let_go(point);
-                self.out.push(Action::Note(Note::Known));
+                self.source.released(point);
+                self.out.push(Action::Note(Note::Duplicate));
             }
             Walk::At(seed) => match self.insert(point, seed) {
                 Insert::Done => {
@@ -125,7 +125,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     fn send_walk(&mut self, to: WorkerId, start: Start<S>, at: Option<Handle>) {
         let ticket = start.ticket.unwrap_or_else(|| self.ticket());
         let Start { attempt, point, .. } = start;
-        self.source.let_go(&point);
+        self.source.released(&point);
         self.send(to, Message::Walk { ticket, attempt, point, at });
     }
 

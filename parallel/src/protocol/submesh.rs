@@ -259,7 +259,7 @@ pub trait Source<S: Submesh> {
     }
 
     /// `point` has left for another worker, was a vertex already, or its item is gone.
-    fn let_go(&mut self, point: &S::Point) {
+    fn released(&mut self, point: &S::Point) {
         let _ = point;
     }
 
@@ -267,10 +267,10 @@ pub trait Source<S: Submesh> {
     fn inserted(&mut self, mesh: &S, point: &S::Point);
 
     /// Takes out the points of `block`, which moves away.
-    fn take_block(&mut self, mesh: &S, block: BlockId) -> Vec<S::Point>;
+    fn remove_block(&mut self, mesh: &S, block: BlockId) -> Vec<S::Point>;
 
     /// Takes in points of a block that has moved here.
-    fn give(&mut self, block: BlockId, points: Vec<S::Point>);
+    fn add(&mut self, block: BlockId, points: Vec<S::Point>);
 
     /// Drops all points: the run is cancelled. A block that moves away afterwards takes none along.
     fn clear(&mut self);

@@ -11,8 +11,8 @@ use ltbw_core::topology::TetId;
 const NAME: Name = Name { by: WorkerId::new(1), number: 2 };
 const HANDLE: Handle = Handle { name: NAME, block: BlockId::new(3), face: 1 };
 
-fn site(vertex: u32) -> WireVertex {
-    WireVertex::new(vertex, [1.0, 2.0, 3.0])
+fn vertex(number: u32) -> WireVertex {
+    WireVertex::new(number, [1.0, 2.0, 3.0])
 }
 
 fn table<K: Ord + Copy, V>(key: K, value: V) -> Table<K, V> {
@@ -24,7 +24,7 @@ fn table<K: Ord + Copy, V>(key: K, value: V) -> Table<K, V> {
 #[test]
 fn a_reused_operation_equals_a_new_one() {
     let used = Operation::<LocalMesh> {
-        point: site(5),
+        point: vertex(5),
         attempt: Attempt::new(7),
         phase: Phase::Releasing(3),
         asked: table(WorkerId::new(4), 5),
@@ -32,8 +32,8 @@ fn a_reused_operation_equals_a_new_one() {
         parts: table(WorkerId::new(3), Vec::new()),
         around: vec![8],
     };
-    let reused = Box::new(used).renew(site(1), Attempt::new(1), Phase::Expanding);
-    let new = Operation::<LocalMesh>::new(site(1), Attempt::new(1), Phase::Expanding);
+    let reused = Box::new(used).renew(vertex(1), Attempt::new(1), Phase::Expanding);
+    let new = Operation::<LocalMesh>::new(vertex(1), Attempt::new(1), Phase::Expanding);
     assert_eq!(format!("{reused:?}"), format!("{new:?}"));
 }
 
@@ -42,7 +42,7 @@ fn a_reused_request_equals_a_new_one() {
     let used = Request::<LocalMesh> {
         home: WorkerId::new(1),
         attempt: Attempt::new(2),
-        point: site(3),
+        point: vertex(3),
         wants: vec![Want::Seed(HANDLE)],
         held: vec![TetId::new(4)],
         cavity: vec![TetId::new(5)],
@@ -54,7 +54,7 @@ fn a_reused_request_equals_a_new_one() {
         stalled: true,
         wounded: true,
     };
-    let reused = Box::new(used).renew(WorkerId::new(9), Attempt::new(8), site(1));
-    let new = Request::<LocalMesh>::new(WorkerId::new(9), Attempt::new(8), site(1));
+    let reused = Box::new(used).renew(WorkerId::new(9), Attempt::new(8), vertex(1));
+    let new = Request::<LocalMesh>::new(WorkerId::new(9), Attempt::new(8), vertex(1));
     assert_eq!(format!("{reused:?}"), format!("{new:?}"));
 }

@@ -65,7 +65,7 @@ pub enum Note {
     /// A point was inserted at once, without a lock.
     Local,
     /// A point was a vertex already.
-    Known,
+    Duplicate,
     /// A point was let go: its item is gone.
     Gone,
     /// An operation asks for its closure.

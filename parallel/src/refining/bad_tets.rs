@@ -2,7 +2,7 @@
 
 use super::Bounds;
 use super::shape::Shape;
-use crate::balance::Stock;
+use crate::balance::Workload;
 use crate::mesh::{LocalMesh, VertexName, WireVertex, made};
 use crate::protocol::{BlockId, Item, Source, WorkerId};
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
@@ -99,7 +99,7 @@ impl Source<LocalMesh> for BadTets {
     }
 
     fn item(&self, mesh: &LocalMesh, point: &WireVertex) -> Item<TetId> {
-        match self.under_way.get(&point.vertex) {
+        match self.under_way.get(&point.name) {
             Some(bad) if bad.stands(mesh) => Item::At(bad.tet),
             _ => Item::Gone,
         }
@@ -114,20 +114,20 @@ impl Source<LocalMesh> for BadTets {
         }
     }
 
-    fn let_go(&mut self, point: &WireVertex) {
-        self.under_way.remove(&point.vertex);
+    fn released(&mut self, point: &WireVertex) {
+        self.under_way.remove(&point.name);
     }
 
     fn inserted(&mut self, _: &LocalMesh, point: &WireVertex) {
-        self.under_way.remove(&point.vertex);
+        self.under_way.remove(&point.name);
     }
 
     /// The receiver finds the bad ones among the tetrahedra that come.
-    fn take_block(&mut self, _: &LocalMesh, _: BlockId) -> Vec<WireVertex> {
+    fn remove_block(&mut self, _: &LocalMesh, _: BlockId) -> Vec<WireVertex> {
         Vec::new()
     }
 
-    fn give(&mut self, _: BlockId, _: Vec<WireVertex>) {}
+    fn add(&mut self, _: BlockId, _: Vec<WireVertex>) {}
 
     fn clear(&mut self) {
         self.bounds = Bounds::NONE;
@@ -135,7 +135,7 @@ impl Source<LocalMesh> for BadTets {
     }
 }
 
-impl Stock for BadTets {
+impl Workload for BadTets {
     fn left(&self) -> u64 {
         self.waiting.len() as u64
     }

@@ -10,7 +10,7 @@
 //! of workers and the timing. Workers choose nothing, and have no marks.
 
 use super::RefineError;
-use crate::balance::Stock;
+use crate::balance::Workload;
 use crate::mesh::{Gathered, Layout, LocalMesh, Prepared, SharedInput, VertexName, WireVertex};
 use crate::mesh::{gather, made};
 use crate::metrics::Summary;
@@ -56,7 +56,7 @@ impl RoundPoints {
     /// Takes a point that begins at tetrahedron `t`, or where a walk finds it.
     fn take(&mut self, mesh: &LocalMesh, point: WireVertex, t: Option<TetId>) {
         self.waiting.push_back(point);
-        self.starts.extend(t.map(|t| (point.vertex, (t, mesh.tets().vertices(t)))));
+        self.starts.extend(t.map(|t| (point.name, (t, mesh.tets().vertices(t)))));
     }
 }
 
@@ -83,7 +83,7 @@ impl Source<LocalMesh> for RoundPoints {
     fn item(&self, mesh: &LocalMesh, point: &WireVertex) -> Item<TetId> {
         let tets = mesh.tets();
         let stands = |&&(t, v): &&(TetId, _)| tets.is_live(t) && tets.vertices(t) == v;
-        let start = self.starts.get(&point.vertex).filter(stands);
+        let start = self.starts.get(&point.name).filter(stands);
         start.map_or(Item::Free, |&(t, _)| Item::At(t))
     }
 
@@ -96,20 +96,20 @@ impl Source<LocalMesh> for RoundPoints {
         }
     }
 
-    fn let_go(&mut self, point: &WireVertex) {
-        self.starts.remove(&point.vertex);
+    fn released(&mut self, point: &WireVertex) {
+        self.starts.remove(&point.name);
     }
 
     fn inserted(&mut self, _: &LocalMesh, point: &WireVertex) {
-        self.starts.remove(&point.vertex);
+        self.starts.remove(&point.name);
     }
 
     /// The tetrahedra move, the points stay: they walk there.
-    fn take_block(&mut self, _: &LocalMesh, _: BlockId) -> Vec<WireVertex> {
+    fn remove_block(&mut self, _: &LocalMesh, _: BlockId) -> Vec<WireVertex> {
         Vec::new()
     }
 
-    fn give(&mut self, _: BlockId, points: Vec<WireVertex>) {
+    fn add(&mut self, _: BlockId, points: Vec<WireVertex>) {
         self.waiting.extend(points);
     }
 
@@ -119,7 +119,7 @@ impl Source<LocalMesh> for RoundPoints {
     }
 }
 
-impl Stock for RoundPoints {
+impl Workload for RoundPoints {
     fn left(&self) -> u64 {
         self.waiting.len() as u64
     }

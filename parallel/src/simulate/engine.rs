@@ -2,13 +2,13 @@
 
 use super::cost::{LOAD_BYTES, Payload, bytes};
 use super::error::SimulationError;
-use super::network::Wires;
+use super::network::Links;
 use super::options::Options;
 use super::processor::{Asking, Envelope, Next, Processor};
 use crate::WorkerError;
-use crate::balance::{Balancer, Stock};
+use crate::balance::{Balancer, Workload};
 use crate::check::{Between, History, Inspect};
-use crate::metrics::{Cause, Collector, Nanos, Step, Summary, Survey, Trace};
+use crate::metrics::{Cause, Collector, Nanos, Step, SubmeshSize, Summary, Trace};
 use crate::protocol::{
     Action, Broken, Event, Message, Note, Rules, Source, Submesh, Ticket, Worker, WorkerId,
     message_of,
@@ -43,8 +43,8 @@ pub fn simulate<S, Q, C>(
     options: &Options,
 ) -> Result<Simulation<S, Q, C>, SimulationError>
 where
-    S: Payload + Survey + Inspect,
-    Q: Source<S> + Stock,
+    S: Payload + SubmeshSize + Inspect,
+    Q: Source<S> + Workload,
     C: Rules,
 {
     options.check(workers.len())?;
@@ -67,7 +67,7 @@ enum What<S: Submesh> {
     /// A worker may ask for a block.
     Ask(WorkerId),
     /// A random block moves.
-    Storm,
+    RandomMigrations,
     /// All workers are told to start no more points.
     Cancel,
 }
@@ -113,7 +113,7 @@ impl<S: Submesh> Ord for Entry<S> {
 struct Engine<'a, S: Submesh, Q, C> {
     options: &'a Options,
     processors: Vec<Processor<S, Q, C>>,
-    wires: Wires,
+    links: Links,
     random: Random,
     heap: BinaryHeap<Entry<S>>,
     now: Nanos,
@@ -131,14 +131,14 @@ struct Engine<'a, S: Submesh, Q, C> {
 
 impl<'a, S, Q, C> Engine<'a, S, Q, C>
 where
-    S: Payload + Survey + Inspect,
-    Q: Source<S> + Stock,
+    S: Payload + SubmeshSize + Inspect,
+    Q: Source<S> + Workload,
     C: Rules,
 {
     fn new(workers: Vec<Worker<S, Q, C>>, options: &'a Options) -> Self {
         let count = workers.len();
         let mut random = Random::new(options.seed);
-        let wires = Wires::new(options.network, count, random.bits());
+        let links = Links::new(options.network, count, random.bits());
         let processors = workers
             .into_iter()
             .map(|mut worker| {
@@ -162,7 +162,7 @@ where
         let mut engine = Self {
             options,
             processors,
-            wires,
+            links,
             random,
             heap: BinaryHeap::new(),
             now: 0,
@@ -184,7 +184,7 @@ where
             engine.at(time, What::Cancel);
         }
         if let Some(storm) = options.storm.filter(|_| count > 1) {
-            engine.at(storm.every, What::Storm);
+            engine.at(storm.every, What::RandomMigrations);
         }
         engine
     }
@@ -289,7 +289,7 @@ where
                     self.wake(id);
                 }
             }
-            What::Storm => self.storm(),
+            What::RandomMigrations => self.storm(),
         }
     }
 
@@ -383,7 +383,7 @@ where
                     let processor = &self.processors[id.index()];
                     time += processor.time(self.options.costs.sending(bytes));
                     let envelope = Envelope { from: id, load, bytes, message: Some(message) };
-                    let arrival = self.wires.arrival((id, to), time, bytes);
+                    let arrival = self.links.arrival((id, to), time, bytes);
                     self.at(arrival, What::Arrive(to, envelope));
                 }
                 Action::Backoff { ticket, attempt } => {
@@ -404,7 +404,7 @@ where
                 self.operations += 1;
                 self.last_insertion = time;
             }
-            Note::Known | Note::Gone => self.last_insertion = time,
+            Note::Duplicate | Note::Gone => self.last_insertion = time,
             Note::SetBack { .. } => self.setbacks += 1,
             Note::Stopped => self.stopped += 1,
             Note::Began(_) | Note::Waits(_) | Note::Migrated(_) => {}
@@ -437,7 +437,7 @@ where
             end += sending;
             self.processors[id.index()].collector.sent("load", LOAD_BYTES);
             let envelope = Envelope { from: id, load, bytes: LOAD_BYTES, message: None };
-            let arrival = self.wires.arrival((id, to), end, LOAD_BYTES);
+            let arrival = self.links.arrival((id, to), end, LOAD_BYTES);
             self.at(arrival, What::Arrive(to, envelope));
         }
         self.occupy(id, begin, end);
@@ -457,7 +457,7 @@ where
         else {
             return;
         };
-        self.at(self.now + storm.every, What::Storm);
+        self.at(self.now + storm.every, What::RandomMigrations);
         let count = self.processors.len() as u64;
         let from = self.random.below(count);
         let to = WorkerId::at(((from + 1 + self.random.below(count - 1)) % count) as usize);

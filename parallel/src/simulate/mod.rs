@@ -27,4 +27,4 @@ pub use engine::{Simulation, simulate};
 pub use error::SimulationError;
 pub use mesh::{MeshError, Meshed, simulate_as, simulate_mesh};
 pub use network::{Bursts, Distribution, Network};
-pub use options::{Options, Storm};
+pub use options::{Options, RandomMigrations};

@@ -118,7 +118,7 @@ fn exponential(random: &mut Random) -> f64 {
 }
 
 /// The state of the network.
-pub(super) struct Wires {
+pub(super) struct Links {
     network: Network,
     processors: usize,
     random: Random,
@@ -128,7 +128,7 @@ pub(super) struct Wires {
     last: Vec<Nanos>,
 }
 
-impl Wires {
+impl Links {
     pub(super) fn new(network: Network, processors: usize, seed: u64) -> Self {
         Self {
             network,
@@ -191,12 +191,12 @@ mod tests {
     #[test]
     fn pairs_keep_their_order_and_others_do_not() {
         let network = Network { distribution: Distribution::Exponential, ..Network::default() };
-        let mut wires = Wires::new(network, 3, 1);
+        let mut links = Links::new(network, 3, 1);
         let mut overtaken = 0;
         let mut last = [0; 3];
         for time in 0..1000 {
             let [a, b] = [1, 2]
-                .map(|to| wires.arrival((WorkerId::default(), WorkerId::new(to)), time * 100, 10));
+                .map(|to| links.arrival((WorkerId::default(), WorkerId::new(to)), time * 100, 10));
             assert!(a >= last[1] && b >= last[2]);
             overtaken += usize::from(b < a);
             last = [0, a, b];
@@ -208,19 +208,19 @@ mod tests {
     fn bursts_hold_messages_back() {
         let bursts = Some(Bursts { every: 1000, length: 300 });
         let network = Network { latency: 10, byte: 0.0, bursts, ..Network::default() };
-        let mut wires = Wires::new(network, 2, 1);
+        let mut links = Links::new(network, 2, 1);
         let arrivals = [0, 100, 289, 290, 995, 1500]
-            .map(|t| wires.arrival((WorkerId::default(), WorkerId::new(1)), t, 8));
+            .map(|t| links.arrival((WorkerId::default(), WorkerId::new(1)), t, 8));
         assert_eq!(arrivals, [300, 300, 300, 300, 1300, 1510]);
     }
 
     #[test]
     fn links_send_one_message_after_the_other() {
         let network = Network { latency: 10, byte: 1.0, ..Network::default() };
-        let mut wires = Wires::new(network, 3, 1);
-        assert_eq!(wires.arrival((WorkerId::default(), WorkerId::new(1)), 0, 100), 110);
-        assert_eq!(wires.arrival((WorkerId::default(), WorkerId::new(2)), 50, 100), 210);
-        assert_eq!(wires.arrival((WorkerId::default(), WorkerId::new(2)), 500, 100), 610);
+        let mut links = Links::new(network, 3, 1);
+        assert_eq!(links.arrival((WorkerId::default(), WorkerId::new(1)), 0, 100), 110);
+        assert_eq!(links.arrival((WorkerId::default(), WorkerId::new(2)), 50, 100), 210);
+        assert_eq!(links.arrival((WorkerId::default(), WorkerId::new(2)), 500, 100), 610);
     }
 
     use super::super::network::Bursts;

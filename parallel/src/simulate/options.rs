@@ -9,7 +9,7 @@ use crate::protocol::WorkerId;
 
 /// Blocks that move for no reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Storm {
+pub struct RandomMigrations {
     /// Each `every`, one block of a random worker is to go to a random other one.
     pub every: Nanos,
 }
@@ -28,7 +28,7 @@ pub struct Options {
     /// Blocks given to workers that run out of points.
     pub balance: Option<Balance>,
     /// Blocks that move for no reason.
-    pub storm: Option<Storm>,
+    pub storm: Option<RandomMigrations>,
     /// The time at which all workers are told to start no more points.
     pub cancel: Option<Nanos>,
     /// Under the paper's rule an operation starts again after a random time up to this and four

@@ -1,7 +1,7 @@
 //! One simulated processor: a worker, its inbox, and what is known of its time.
 
 use super::cost::CostModel;
-use crate::balance::{Balancer, Stock};
+use crate::balance::{Balancer, Workload};
 use crate::metrics::{Collector, Nanos};
 use crate::protocol::{Event, Message, Rules, Source, Submesh, Ticket, Worker, WorkerId};
 use std::collections::VecDeque;
@@ -59,7 +59,7 @@ pub(super) struct Processor<S: Submesh, Q, C> {
     pub(super) collector: Collector,
 }
 
-impl<S: Submesh, Q: Source<S> + Stock, C: Rules> Processor<S, Q, C> {
+impl<S: Submesh, Q: Source<S> + Workload, C: Rules> Processor<S, Q, C> {
     /// Messages come before local work, and set-back operations before new points; they are looked
     /// for before each `poll_every`-th step of local work.
     pub(super) fn next(&mut self, poll_every: u32) -> Next<S> {

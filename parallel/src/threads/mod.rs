@@ -4,16 +4,16 @@
 //! work (the paper's queues QR before QL before LB) and sleeps when there is neither.
 
 mod distributed;
+mod hooks;
 mod teller;
-mod watch;
 mod worker_loop;
 
 pub use distributed::Distributed;
 #[doc(hidden)]
-pub use worker_loop::{Broken, Ended, Loop, Watch};
+pub use worker_loop::{Broken, Ended, Loop, RuntimeHooks};
 
 use crate::WorkerError;
-use crate::balance::{Balance, Stock};
+use crate::balance::{Balance, Workload};
 use crate::mailbox::connect;
 use crate::mesh::{GatherError, LocalMesh, PointQueue, Prepared, SharedInput};
 #[doc(inline)]
@@ -23,12 +23,12 @@ use crate::metrics::{Collector, Summary, Trace};
 pub use crate::protocol::{Closure, Config, Rule};
 use crate::protocol::{Correct, Note, Source, Worker, WorkerId, message_of};
 use crate::transport::{Delayed, Mail, Transport};
+use hooks::ThreadHooks;
 use ltbw_core::{BuildError, CancelToken, Mesh, Observer, Outcome, Phase, Vertex};
 use ltbw_exact::PointSet;
 use std::time::{Duration, Instant};
 pub(crate) use teller::PAUSE;
 use teller::{Listener, Teller};
-use watch::ThreadWatch;
 
 /// Shortest backoff of the paper's rule, beside four latencies.
 const BACKOFF: Duration = Duration::from_micros(20);
@@ -102,7 +102,7 @@ impl WorkerStats {
                 self.interface += u64::from(parts > 1);
             }
             Note::Migrated(_) => self.migrated += 1,
-            Note::Known | Note::Gone | Note::Began(_) | Note::Waits(_) | Note::Stopped => {}
+            Note::Duplicate | Note::Gone | Note::Began(_) | Note::Waits(_) | Note::Stopped => {}
         }
     }
 }
@@ -304,38 +304,38 @@ impl<'a> Parallel<'a> {
     }
 
     /// Runs workers until all points are in, and gives them back with their figures.
-    pub(crate) fn run_workers<Q: Source<LocalMesh> + Stock + Send>(
+    pub(crate) fn run_workers<Q: Source<LocalMesh> + Workload + Send>(
         &self,
         nodes: Vec<Node<Q>>,
     ) -> Result<Vec<(Node<Q>, WorkerStats)>, RunError> {
         let clock = Instant::now();
         let teller = Teller::new(Listener::default(), 0, 0);
-        let watch = |id| self.watch(id, clock).counted(teller.tally());
-        let ends = self.run_watched(nodes, &teller, watch)?;
-        let ended = ends.into_iter().map(|(node, watch)| {
-            let (figures, _) = watch.finish(node.mesh());
+        let hooks = |id| self.hooks(id, clock).counted(teller.tally());
+        let ends = self.run_with_hooks(nodes, &teller, hooks)?;
+        let ended = ends.into_iter().map(|(node, hooks)| {
+            let (figures, _) = hooks.finish(node.mesh());
             (node, figures)
         });
         Ok(ended.collect())
     }
 
-    fn run_watched<Q: Source<LocalMesh> + Stock + Send, W: Watch<LocalMesh> + Send>(
+    fn run_with_hooks<Q: Source<LocalMesh> + Workload + Send, W: RuntimeHooks<LocalMesh> + Send>(
         &self,
         nodes: Vec<Node<Q>>,
         teller: &Teller<'_>,
-        watch: impl Fn(WorkerId) -> W,
+        hooks: impl Fn(WorkerId) -> W,
     ) -> Result<Vec<End<Q, W>>, RunError> {
         if self.latency.is_zero() {
-            return run_all(self.loops(nodes, connect(self.workers), watch), teller);
+            return run_all(self.loops(nodes, connect(self.workers), hooks), teller);
         }
         let ways = connect(self.workers).into_iter();
         let ways = ways.map(|way| Delayed::new(way, self.latency)).collect();
-        run_all(self.loops(nodes, ways, watch), teller)
+        run_all(self.loops(nodes, ways, hooks), teller)
     }
 
     /// Runs workers to their end. `started` and `total` are numbers of points to tell of; the start
     /// began at `clock`.
-    pub(crate) fn run_nodes<Q: Source<LocalMesh> + Stock + Send>(
+    pub(crate) fn run_nodes<Q: Source<LocalMesh> + Workload + Send>(
         &self,
         nodes: Vec<Node<Q>>,
         common: SharedInput,
@@ -345,13 +345,13 @@ impl<'a> Parallel<'a> {
         let teller = Teller::new(self.listener, started, total);
         let start_seconds = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
-        let watch = |id| self.watch(id, clock).counted(teller.tally());
-        let ends = self.run_watched(nodes, &teller, watch)?;
+        let hooks = |id| self.hooks(id, clock).counted(teller.tally());
+        let ends = self.run_with_hooks(nodes, &teller, hooks)?;
         let insert_seconds = clock.elapsed().as_secs_f64();
         let cancelled = ends.iter().any(|(node, _)| node.has_dropped_points());
         let (mut meshes, mut stats, mut collectors) = (Vec::new(), Vec::new(), Vec::new());
-        for (node, watch) in ends {
-            let (figures, collector) = watch.finish(node.mesh());
+        for (node, hooks) in ends {
+            let (figures, collector) = hooks.finish(node.mesh());
             stats.push(figures);
             collectors.extend(collector);
             meshes.push(node.into_parts().0);
@@ -381,33 +381,33 @@ impl<'a> Parallel<'a> {
         Layout { ownership, ..Layout::new(points, self.workers) }
     }
 
-    fn watch<'w>(&self, id: WorkerId, start: Instant) -> ThreadWatch<'w>
+    fn hooks<'w>(&self, id: WorkerId, start: Instant) -> ThreadHooks<'w>
     where
         'a: 'w,
     {
         let backoff = BACKOFF + 4 * self.latency;
         let processors = std::thread::available_parallelism().map_or(1, usize::from);
         let crowded = self.workers as usize > processors;
-        ThreadWatch::new(id, start, self.cancel, backoff, self.spans, crowded)
+        ThreadHooks::new(id, start, self.cancel, backoff, self.spans, crowded)
     }
 
     fn loops<Q, T, W>(
         &self,
         nodes: Vec<Node<Q>>,
         ways: Vec<T>,
-        watch: impl Fn(WorkerId) -> W,
+        hooks: impl Fn(WorkerId) -> W,
     ) -> Vec<Loop<LocalMesh, Q, Correct, T, W>>
     where
-        Q: Source<LocalMesh> + Stock,
+        Q: Source<LocalMesh> + Workload,
         T: Transport<Mail<LocalMesh>>,
-        W: Watch<LocalMesh>,
+        W: RuntimeHooks<LocalMesh>,
     {
         let pairs = nodes.into_iter().zip(ways);
         pairs
             .map(|(node, way)| {
-                let watch = watch(node.id());
+                let hooks = hooks(node.id());
                 let balance = self.is_balanced.then_some(self.balance);
-                Loop::new(node, self.workers, way, watch, balance)
+                Loop::new(node, self.workers, way, hooks, balance)
             })
             .collect()
     }
@@ -421,7 +421,7 @@ impl<'a> Parallel<'a> {
     }
 }
 
-/// A worker at its end, and its watch.
+/// A worker at its end, and its hooks.
 type End<Q, W> = (Node<Q>, W);
 
 /// Runs every loop on a thread of its own. A loop that panics takes its way along, which tells the
@@ -431,9 +431,9 @@ fn run_all<Q, T, W>(
     teller: &Teller<'_>,
 ) -> Result<Vec<End<Q, W>>, RunError>
 where
-    Q: Source<LocalMesh> + Stock + Send,
+    Q: Source<LocalMesh> + Workload + Send,
     T: Transport<Mail<LocalMesh>> + Send,
-    W: Watch<LocalMesh> + Send,
+    W: RuntimeHooks<LocalMesh> + Send,
 {
     let results: Vec<_> = std::thread::scope(|scope| {
         let spawn = |worker: Loop<_, Q, _, T, W>| {
@@ -452,7 +452,7 @@ where
     for (worker, result) in results.into_iter().enumerate() {
         let worker = WorkerId::at(worker);
         match result {
-            Ok(Ok(Ended { node, watch, .. })) => ends.push((node, watch)),
+            Ok(Ok(Ended { node, hooks, .. })) => ends.push((node, hooks)),
             Ok(Err(Broken::Here(error))) => errors.push(WorkerError::Submesh { worker, error }),
             // It stopped because another one failed.
             Ok(Err(Broken::Elsewhere(_))) => {}

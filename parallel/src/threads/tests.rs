@@ -9,31 +9,31 @@ use ltbw_generate::{PointKind, generate};
 /// A watch that fails after some steps, or if the run has no end by some time: a run that hangs is
 /// a failure, and says what the worker did last.
 struct Bomb<'a> {
-    inner: ThreadWatch<'a>,
+    inner: ThreadHooks<'a>,
     steps: u32,
     until: Instant,
     last: Vec<String>,
 }
 
 impl<'a> Bomb<'a> {
-    fn new(inner: ThreadWatch<'a>, steps: u32, time: Duration) -> Self {
+    fn new(inner: ThreadHooks<'a>, steps: u32, time: Duration) -> Self {
         Self { inner, steps, until: Instant::now() + time, last: Vec::new() }
     }
 }
 
-impl Watch<LocalMesh> for Bomb<'_> {
+impl RuntimeHooks<LocalMesh> for Bomb<'_> {
     const BURST: usize = 16;
 
     fn now(&mut self) -> Nanos {
-        Watch::<LocalMesh>::now(&mut self.inner)
+        RuntimeHooks::<LocalMesh>::now(&mut self.inner)
     }
 
     fn until(&mut self, due: Nanos) -> Option<Duration> {
-        Watch::<LocalMesh>::until(&mut self.inner, due)
+        RuntimeHooks::<LocalMesh>::until(&mut self.inner, due)
     }
 
     fn backoff(&mut self, attempt: Attempt) -> Nanos {
-        Watch::<LocalMesh>::backoff(&mut self.inner, attempt)
+        RuntimeHooks::<LocalMesh>::backoff(&mut self.inner, attempt)
     }
 
     fn order(&mut self, may_move: impl Fn(BlockId) -> bool) -> Option<Event<LocalMesh>> {
@@ -41,12 +41,15 @@ impl Watch<LocalMesh> for Bomb<'_> {
         self.inner.order(may_move)
     }
 
-    fn nap(&self) -> Option<Duration> {
-        Some(Watch::<LocalMesh>::nap(&self.inner).unwrap_or(Duration::from_millis(20)))
+    fn poll_interval(&self) -> Option<Duration> {
+        Some(
+            RuntimeHooks::<LocalMesh>::poll_interval(&self.inner)
+                .unwrap_or(Duration::from_millis(20)),
+        )
     }
 
-    fn looked(&mut self, found: usize) {
-        Watch::<LocalMesh>::looked(&mut self.inner, found);
+    fn polled(&mut self, found: usize) {
+        RuntimeHooks::<LocalMesh>::polled(&mut self.inner, found);
     }
 
     fn ended(&mut self, actions: &[Action<LocalMesh>]) {
@@ -131,7 +134,7 @@ fn silent() -> Teller<'static> {
 
 fn nodes(set: &PointSet, workers: u32) -> Vec<Node> {
     let config = Config { window: 16, ..Config::new(workers) };
-    let prepared = Layout::new(set.len(), workers).prepare(set).expect("a start");
+    let prepared = Layout::new(set.len(), workers).distribute(set).expect("a start");
     let workers = prepared.workers.into_iter();
     workers.map(|(directory, mesh, field)| Worker::new(config, directory, mesh, field)).collect()
 }
@@ -143,7 +146,7 @@ fn a_broken_invariant_ends_the_run_by_its_number() {
     let clock = Instant::now();
     let ways =
         connect(3).into_iter().map(|inner| Faulty { inner, loses: false, done: false }).collect();
-    let loops = kernel.loops(nodes(&set, 3), ways, |id| kernel.watch(id, clock));
+    let loops = kernel.loops(nodes(&set, 3), ways, |id| kernel.hooks(id, clock));
     let error = run_all(loops, &silent()).map(drop).expect_err("a grant that arrives twice");
     let RunError::Worker(WorkerError::Broken { invariant, .. }) = &error else { panic!("{error}") };
     assert_eq!(*invariant, Invariant::P8, "{error}");
@@ -158,13 +161,13 @@ fn a_worker_that_fails_ends_the_run_by_name() {
         let kernel = Parallel::new(3).latency(Duration::from_micros(latency));
         let nodes = nodes(&set, 3);
         let clock = Instant::now();
-        let watch = |id| {
+        let hooks = |id| {
             let steps = if id == WorkerId::new(victim) { 100 } else { u32::MAX };
-            Bomb::new(kernel.watch(id, clock), steps, Duration::from_secs(60))
+            Bomb::new(kernel.hooks(id, clock), steps, Duration::from_secs(60))
         };
         let ways = connect(3).into_iter();
         let ways = ways.map(|way| Delayed::new(way, kernel.latency)).collect();
-        let error = run_all(kernel.loops(nodes, ways, watch), &silent()).map(drop);
+        let error = run_all(kernel.loops(nodes, ways, hooks), &silent()).map(drop);
         let said =
             WorkerError::Failed { worker: WorkerId::new(victim), message: "planted".to_string() };
         assert_eq!(error, Err(said.into()));
@@ -176,8 +179,8 @@ fn a_run_that_hangs_fails_and_says_what_was_last() {
     let set = PointSet::new(generate(PointKind::Uniform, 2000, 1)).expect("finite points");
     let (kernel, clock) = (Parallel::new(3), Instant::now());
     let ways = connect(3).into_iter().map(|inner| Faulty { inner, loses: true, done: false });
-    let watch = |id| Bomb::new(kernel.watch(id, clock), u32::MAX, Duration::from_secs(2));
-    let error = run_all(kernel.loops(nodes(&set, 3), ways.collect(), watch), &silent()).map(drop);
+    let hooks = |id| Bomb::new(kernel.hooks(id, clock), u32::MAX, Duration::from_secs(2));
+    let error = run_all(kernel.loops(nodes(&set, 3), ways.collect(), hooks), &silent()).map(drop);
     let Err(RunError::Worker(WorkerError::Failed { message, .. })) = error else {
         panic!("{error:?}")
     };

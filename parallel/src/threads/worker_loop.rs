@@ -1,14 +1,15 @@
 //! The loop of one worker: the same on threads and in the models that run threads.
 //!
 //! ```text
-//! take and answer all messages (QR) -> obey an order -> some local work (QL, then LB)
+//! take and answer all messages (QR) -> handle an order -> some local work (QL, then LB)
 //!   -> ask for blocks, if points run out -> hand over what was sent -> sleep, if there was nothing
 //! ```
 //!
 //! The differences between the runtimes are behind [`Transport`] (how messages travel) and
-//! [`Watch`] (the time, orders from outside, observers). Both are known when the code is compiled.
+//! [`RuntimeHooks`] (the time, orders from outside, observers). Both are known when the code is
+//! compiled.
 
-use crate::balance::{Balance, Balancer, Stock};
+use crate::balance::{Balance, Balancer, Workload};
 use crate::metrics::Nanos;
 use crate::protocol::{
     Action, Attempt, BlockId, Event, Rules, Source, Submesh, SubmeshError, Ticket, Worker, WorkerId,
@@ -17,7 +18,7 @@ use crate::transport::{Mail, Transport};
 use std::time::Duration;
 
 /// A runtime's additions to the loop: time, orders, and a look at what happens.
-pub trait Watch<S: Submesh> {
+pub trait RuntimeHooks<S: Submesh> {
     /// Units of local work between two looks for messages.
     const BURST: usize;
 
@@ -35,19 +36,19 @@ pub trait Watch<S: Submesh> {
     fn order(&mut self, may_move: impl Fn(BlockId) -> bool) -> Option<Event<S>>;
 
     /// The time after which a sleeping worker must look for orders; `None` if it need not.
-    fn nap(&self) -> Option<Duration>;
+    fn poll_interval(&self) -> Option<Duration>;
 
     /// The number of looks for messages of a worker with nothing to do before it sleeps: to be
     /// woken takes longer than most answers do.
-    fn looks_before_sleep(&self) -> u32 {
+    fn polls_before_sleep(&self) -> u32 {
         0
     }
 
     /// A look for messages begins.
-    fn looks(&mut self) {}
+    fn polls(&mut self) {}
 
     /// The look has ended, and found `found` messages.
-    fn looked(&mut self, found: usize);
+    fn polled(&mut self, found: usize);
 
     /// A step begins.
     fn begins(&mut self, event: &Event<S>) {
@@ -70,7 +71,7 @@ pub trait Watch<S: Submesh> {
 pub struct Loop<S: Submesh, Q, C, T, W> {
     node: Worker<S, Q, C>,
     way: T,
-    watch: W,
+    hooks: W,
     balancer: Option<Balancer>,
     /// When it asks for blocks, if it is going to.
     asks: Option<Nanos>,
@@ -87,7 +88,7 @@ pub struct Ended<S: Submesh, Q, C, T, W> {
     /// Its way to the others.
     pub way: T,
     /// The watch.
-    pub watch: W,
+    pub hooks: W,
 }
 
 /// Why a loop has not come to its end.
@@ -102,22 +103,22 @@ pub enum Broken {
 impl<S, Q, C, T, W> Loop<S, Q, C, T, W>
 where
     S: Submesh,
-    Q: Source<S> + Stock,
+    Q: Source<S> + Workload,
     C: Rules,
     T: Transport<Mail<S>>,
-    W: Watch<S>,
+    W: RuntimeHooks<S>,
 {
     /// The loop of worker `node`, one of `workers`; it asks for blocks if there is a `balance`.
     pub fn new(
         node: Worker<S, Q, C>,
         workers: u32,
         way: T,
-        watch: W,
+        hooks: W,
         balance: Option<Balance>,
     ) -> Self {
         let balancer = balance.map(|b| Balancer::new(b, node.id(), workers as usize));
         let (actions, inbox, resting) = (Vec::new(), Vec::new(), Vec::new());
-        Self { node, way, watch, balancer, asks: None, actions, inbox, resting }
+        Self { node, way, hooks, balancer, asks: None, actions, inbox, resting }
     }
 
     /// Runs until all work is done everywhere.
@@ -136,15 +137,15 @@ where
             if let Some(worker) = self.way.failed() {
                 return Err(Broken::Elsewhere(worker));
             }
-            let heard = self.hear();
-            self.obey();
+            let heard = self.receive();
+            self.handle_order();
             let worked = self.work();
             let asked = self.ask();
             self.way.flush();
-            self.watch.sent(asked);
+            self.hooks.sent(asked);
             if heard || worked || self.node.is_stopped() {
                 idle = 0;
-            } else if idle < self.watch.looks_before_sleep() {
+            } else if idle < self.hooks.polls_before_sleep() {
                 idle += 1;
                 std::hint::spin_loop();
             } else if self.node.error().is_none() {
@@ -153,16 +154,16 @@ where
             }
         }
         self.way.flush();
-        let Self { node, way, watch, .. } = self;
-        Ok(Ended { node, way, watch })
+        let Self { node, way, hooks, .. } = self;
+        Ok(Ended { node, way, hooks })
     }
 
     /// Answers all messages that are there.
-    fn hear(&mut self) -> bool {
+    fn receive(&mut self) -> bool {
         let mut inbox = std::mem::take(&mut self.inbox);
-        self.watch.looks();
+        self.hooks.polls();
         self.way.take(&mut inbox);
-        self.watch.looked(inbox.len());
+        self.hooks.polled(inbox.len());
         let heard = !inbox.is_empty();
         for (from, Mail { load, message }) in inbox.drain(..) {
             if let Some(balancer) = &mut self.balancer {
@@ -177,10 +178,10 @@ where
         heard
     }
 
-    /// Obeys an order from outside.
-    fn obey(&mut self) {
+    /// Handles an order from outside.
+    fn handle_order(&mut self) {
         let node = &self.node;
-        if let Some(event) = self.watch.order(|block| node.can_migrate(block)) {
+        if let Some(event) = self.hooks.order(|block| node.can_migrate(block)) {
             self.step(event);
         }
     }
@@ -189,7 +190,7 @@ where
     fn work(&mut self) -> bool {
         let mut worked = false;
         if !self.resting.is_empty() {
-            let now = self.watch.now();
+            let now = self.hooks.now();
             while let Some(k) = self.resting.iter().position(|&(due, _)| due <= now) {
                 let (_, ticket) = self.resting.swap_remove(k);
                 self.step(Event::Retry(ticket));
@@ -215,7 +216,7 @@ where
             self.asks = None;
             return 0;
         }
-        let now = self.watch.now();
+        let now = self.hooks.now();
         let due = *self.asks.get_or_insert_with(|| now.saturating_add(balancer.pause()));
         if due > now {
             return 0;
@@ -237,16 +238,16 @@ where
     }
 
     fn sleep(&mut self) {
-        self.watch.sleeps();
+        self.hooks.sleeps();
         let due = self.resting.iter().map(|&(due, _)| due).chain(self.asks).min();
-        let rest = due.and_then(|due| self.watch.until(due));
-        self.way.wait(rest.into_iter().chain(self.watch.nap()).min());
+        let rest = due.and_then(|due| self.hooks.until(due));
+        self.way.wait(rest.into_iter().chain(self.hooks.poll_interval()).min());
     }
 
     fn step(&mut self, event: Event<S>) {
-        self.watch.begins(&event);
+        self.hooks.begins(&event);
         self.node.step(event, &mut self.actions);
-        self.watch.ended(&self.actions);
+        self.hooks.ended(&self.actions);
         let load = self.balancer.as_ref().map_or(0, |_| self.node.source().left());
         for action in self.actions.drain(..) {
             match action {
@@ -255,7 +256,7 @@ where
                 }
                 Action::Note(_) => {}
                 Action::Backoff { ticket, attempt } => {
-                    let due = self.watch.backoff(attempt);
+                    let due = self.hooks.backoff(attempt);
                     self.resting.push((due, ticket));
                 }
             }

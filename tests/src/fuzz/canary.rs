@@ -39,7 +39,7 @@ fn planted(a: &Point, b: &Point, c: &Point, d: &Point) -> Sign {
 mod tests {
     use super::planted;
     use crate::families::Rng;
-    use crate::fives::WINDOW;
+    use crate::five_points::WINDOW;
     use crate::oracle;
 
     /// A bug that random points find would say nothing about the fuzzer.

@@ -1,7 +1,7 @@
 //! `predicates`: bytes to five points, all predicates compared with `rug`.
 
 use crate::families::{snap, spheres, two_to};
-use crate::fives::{PREDICATES, each_predicate};
+use crate::five_points::{PREDICATES, each_predicate};
 use crate::oracle::{self, Exact, exact as by_rug};
 use arbitrary::{Result, Unstructured};
 use ltbw::predicates::{exact, twin};

@@ -45,7 +45,7 @@ fn read(bytes: &[u8]) -> (Vec<Point>, Case, Chooser<'_>) {
             workers,
             blocks_per_worker: 1 + u32::from(blocks) % 4,
             cursors: 1 + usize::from(cursors) % 6,
-            abreast: usize::from(cursors) / 6 % 8,
+            max_in_flight: usize::from(cursors) / 6 % 8,
             sample: 4 + usize::from(sample) % 24,
             ownership,
             ..Layout::new(0, 1)

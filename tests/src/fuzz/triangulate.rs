@@ -138,7 +138,7 @@ fn live(plan: &Plan, whole: &Mesh) {
         mesh.insert(p).unwrap_or_else(|error| panic!("{error}: {points:?}"));
         let after = quadruples(&mesh);
         let gone: Vec<_> = before.iter().filter(|t| after.binary_search(t).is_err()).collect();
-        assert!(gone.into_iter().eq(&doomed), "the zone of {p:?} foretells: {points:?}");
+        assert!(gone.into_iter().eq(&doomed), "the region of {p:?} foretells: {points:?}");
     }
     assert_eq!(mesh.hash(), whole.hash(), "inserted one by one: {points:?}");
 }
@@ -178,9 +178,9 @@ fn doomed(mesh: &Mesh, p: Point) -> Vec<[u32; 4]> {
     let mut cursor = queries.cursor();
     match cursor.conflicts(p).expect("a finite point") {
         Conflicts::AtVertex(_) => Vec::new(),
-        Conflicts::Zone(zone) => {
-            let tets: Vec<[u32; 4]> = zone.tets.iter().filter_map(|&t| mesh.tet(t)).collect();
-            assert_eq!(tets.len(), zone.tets.len(), "a zone of finite tetrahedra: {p:?}");
+        Conflicts::Region(region) => {
+            let tets: Vec<[u32; 4]> = region.tets.iter().filter_map(|&t| mesh.tet(t)).collect();
+            assert_eq!(tets.len(), region.tets.len(), "a region of finite tetrahedra: {p:?}");
             canonical(&tets)
         }
     }

@@ -160,7 +160,7 @@ impl Case {
     /// If the run does not end, or not as it must.
     pub fn play(&self, set: &PointSet, chooser: &mut Chooser) -> Result<Played, Refusal> {
         let expected = ltbw::Builder::new().build(set);
-        let (prepared, expected) = match (self.layout.prepare(set), expected) {
+        let (prepared, expected) = match (self.layout.distribute(set), expected) {
             (Ok(prepared), Ok(built)) => (prepared, built.mesh),
             (Err(error), Err(_)) => return Err(Refusal::Build(error)),
             (one, other) => panic!("one is refused: {:?}, {:?}", one.err(), other.err()),

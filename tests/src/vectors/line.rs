@@ -5,9 +5,9 @@
 //! and two intervals fill the cavity. `verify/vectors/README.md` defines it for ports. Nothing here
 //! panics but [`joined`]: runs of known-bad variants meet states that must not be.
 
-use ltbw::balance::Stock;
+use ltbw::balance::Workload;
 use ltbw::check::{Inspect, Seen, Sent};
-use ltbw::metrics::Survey;
+use ltbw::metrics::SubmeshSize;
 use ltbw::protocol::{
     BlockId, Costs, Directory, Handle, Insert, Name, Neighbour, Rules, Source, Submesh, Ticket,
     Walk, Worker, WorkerId,
@@ -336,7 +336,7 @@ fn sent(cells: &[Piece]) -> Vec<Sent> {
     cells.iter().map(|(name, cell)| (Some(*name), key(cell))).collect()
 }
 
-impl Survey for Line {
+impl SubmeshSize for Line {
     fn tets(&self) -> u64 {
         self.cells.len() as u64
     }
@@ -420,7 +420,7 @@ impl Source<Line> for Queue {
 
     fn inserted(&mut self, _: &Line, _: &i64) {}
 
-    fn take_block(&mut self, _: &Line, block: BlockId) -> Vec<i64> {
+    fn remove_block(&mut self, _: &Line, block: BlockId) -> Vec<i64> {
         let cuts = self.cuts;
         let goes = |p: &i64| cuts.is_some_and(|cuts| cuts.block(*p) == block);
         let taken = self.points.iter().copied().filter(goes).collect();
@@ -428,7 +428,7 @@ impl Source<Line> for Queue {
         taken
     }
 
-    fn give(&mut self, _: BlockId, points: Vec<i64>) {
+    fn add(&mut self, _: BlockId, points: Vec<i64>) {
         self.points.extend(points);
     }
 
@@ -437,7 +437,7 @@ impl Source<Line> for Queue {
     }
 }
 
-impl Stock for Queue {
+impl Workload for Queue {
     fn left(&self) -> u64 {
         self.points.len() as u64
     }

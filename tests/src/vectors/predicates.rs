@@ -2,7 +2,7 @@
 
 use super::{Case, File, write};
 use crate::families::{Rng, two_to};
-use crate::fives::{WIDE, WINDOW};
+use crate::five_points::{WIDE, WINDOW};
 use crate::{epsilon, oracle};
 use ltbw::predicates::{cmp_xyz, insphere, orient3d, perturb, twin};
 use ltbw::{Point, Sign};

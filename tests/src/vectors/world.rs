@@ -3,7 +3,7 @@
 use super::letters::{self, Written};
 use super::quiet::quietly;
 use crate::families::Rng;
-use ltbw::balance::Stock;
+use ltbw::balance::Workload;
 use ltbw::protocol::{
     Action, BlockId, Correct, Event, Message, Rule, Source, Ticket, Worker, WorkerId,
 };
@@ -16,7 +16,7 @@ pub trait Start: Clone {
     /// The mesh of workers that obey C.
     type Mesh<C: Variant>: Written + Clone;
     /// Their points.
-    type Points<C: Variant>: Source<Self::Mesh<C>> + Stock + Clone;
+    type Points<C: Variant>: Source<Self::Mesh<C>> + Workload + Clone;
 
     /// The workers.
     fn workers<C: Variant>(&self) -> Vec<Node<Self, C>>;

@@ -94,7 +94,7 @@ impl<S: Submesh> Step<'_, S> {
     pub(crate) fn started(&self) -> bool {
         let kept = self.after.home.is_none() || self.after.attempt() == self.attempt;
         let walks = self.to("walk");
-        let ended = self.has(|n| matches!(n, Note::Known | Note::Local));
+        let ended = self.has(|n| matches!(n, Note::Duplicate | Note::Local));
         match self.after.phase() {
             "no operation" => walks.len() == 1 || ended || self.is_committed(),
             "Walking" => kept && walks.is_empty() && self.after.request.is_none(),

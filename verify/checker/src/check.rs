@@ -1,14 +1,14 @@
 //! The order of the levels.
 
+use crate::adjacency_proof::{self, Proof};
+use crate::chunks::Partial;
 use crate::defect::{Findings, Kind, Level};
 use crate::faces::{self, Faces};
 use crate::geometry::{self, Oriented};
-use crate::glued::{self, Proof};
 use crate::hash;
 use crate::mesh::{Depth, Mesh, Options};
 use crate::report::{Counts, Hash, LevelReport, Outcome, Report};
 use crate::structure::{self, Sound};
-use crate::sweep::Partial;
 use crate::topology::{self, Hull};
 use crate::{hull, predicates::Tally};
 
@@ -44,7 +44,7 @@ pub fn check(mesh: &Mesh, options: &Options) -> Report {
         return run.level_by_level(sound, None);
     }
     // The hash is in part sequential: the proof fills the gaps.
-    let (proof, hash) = rayon::join(|| glued::prove(mesh, options, run.is_full()), hash);
+    let (proof, hash) = rayon::join(|| adjacency_proof::prove(mesh, options, run.is_full()), hash);
     match proof {
         Some(proof) => run.proved(&sound, proof, hash),
         None => run.level_by_level(sound, Some(hash)),

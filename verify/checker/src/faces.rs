@@ -6,9 +6,9 @@
 //! tetrahedron. Threads share the result ([`Numbers`]): each entry is written at most once and read
 //! after the sweep.
 
+use crate::chunks::{Partial, Table, pieces_of};
 use crate::defect::{Findings, Kind};
 use crate::mesh::{Mesh, split};
-use crate::sweep::{Partial, Table, pieces_of};
 use crate::sync::Numbers;
 
 /// No tetrahedron on the other side.
@@ -64,7 +64,7 @@ pub(crate) fn matched(mesh: &Mesh, sound: &mut [bool], limit: usize, out: &mut F
                         across.set(*a, *b);
                         across.set(*b, *a);
                     }
-                    _ => crowd(tets, group, &across, &mut duplicates, &mut part.findings),
+                    _ => face_of_many(tets, group, &across, &mut duplicates, &mut part.findings),
                 }
             }
         }
@@ -98,7 +98,7 @@ fn other_two(tets: &[[u32; 4]], code: u32) -> u64 {
 
 /// A face with duplicated tetrahedra, or with three or more. Of tetrahedra with the same apex the
 /// first counts; each duplicate is reported once, at the face opposite its largest vertex.
-fn crowd(
+fn face_of_many(
     tets: &[[u32; 4]],
     group: &mut [(u64, u32)],
     across: &Numbers,

@@ -1,13 +1,13 @@
 //! Levels *orientation*, *Delaunay* and *canonical* inside the mesh: one exact test per
 //! tetrahedron and one per interior face. The hull's part is in `hull.rs`.
 
+use crate::chunks::{Partial, pieces};
 use crate::defect::{Findings, Kind};
 use crate::determinant::{det3, differences};
 use crate::faces::Faces;
 use crate::mesh::{Mesh, Point, VertexOrder, face};
 use crate::perturb;
 use crate::predicates::{Sphere, Tally, insphere, orient3d};
-use crate::sweep::{Partial, pieces};
 
 /// The mesh with every tetrahedron's exact sign.
 pub(crate) struct Oriented<'a> {

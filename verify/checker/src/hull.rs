@@ -13,6 +13,7 @@
 //! the first test needs the four vertices of the tetrahedron on the inner side and not all of
 //! them on the plane; the second is exact in big integers behind a filter.
 
+use crate::chunks::{Partial, pieces};
 use crate::defect::Kind;
 use crate::determinant::{det3, differences};
 use crate::exact::{big, big_sign, lowest_bit};
@@ -20,7 +21,6 @@ use crate::geometry::Oriented;
 use crate::mesh::{Point, split};
 use crate::perturb;
 use crate::predicates::orient3d;
-use crate::sweep::{Partial, pieces};
 use crate::topology::HullPair;
 use num_bigint::BigInt;
 

@@ -37,13 +37,13 @@
 //! A level passes only if the levels before it do. [`Depth::Fast`] leaves out what the theorem
 //! below does not need; it is still a proof that the mesh is Delaunay.
 //!
-//! *With an adjacency* ([`Mesh::neighbours`]) the checker first tries a short proof (`glued.rs`):
-//! it tests the premises of the theorem on the claims, without trusting them, and takes from the
-//! conclusion what the list above tests one by one: no face of three, no tetrahedron twice, one
-//! piece, vertex links, Euler's formula (which gives the number of edges), and that the claims
-//! are the real adjacency. If a single test fails, or the mesh is mirrored, it goes through the
-//! levels on its own adjacency and names what is wrong. The report is the same either way.
-//! Whoever wants every test made all the same leaves the adjacency out.
+//! *With an adjacency* ([`Mesh::neighbours`]) the checker first tries a short proof
+//! (`adjacency_proof.rs`): it tests the premises of the theorem on the claims, without trusting
+//! them, and takes from the conclusion what the list above tests one by one: no face of three, no
+//! tetrahedron twice, one piece, vertex links, Euler's formula (which gives the number of edges),
+//! and that the claims are the real adjacency. If a single test fails, or the mesh is mirrored, it
+//! goes through the levels on its own adjacency and names what is wrong. The report is the same
+//! either way. Whoever wants every test made all the same leaves the adjacency out.
 //!
 //! # Theorem
 //!
@@ -103,7 +103,9 @@
 
 #![forbid(unsafe_code)]
 
+mod adjacency_proof;
 mod check;
+mod chunks;
 mod conform;
 mod defect;
 mod determinant;
@@ -111,7 +113,6 @@ mod display;
 mod exact;
 mod faces;
 mod geometry;
-mod glued;
 mod hash;
 mod hull;
 mod mesh;
@@ -120,12 +121,13 @@ mod places;
 mod predicates;
 mod report;
 mod structure;
-mod sweep;
 mod sync;
 mod topology;
 
 pub use check::check;
-pub use conform::{Breach, Conformity, Finding, Fraction, Limits, Plc, PlcFacet, conforms};
+pub use conform::{
+    Conformity, ConformityDefect, Finding, Fraction, Limits, Plc, PlcFacet, conforms,
+};
 pub use defect::{Defect, Kind, Level};
 pub use hash::{HashError, canonical_hash};
 pub use mesh::{Depth, Mesh, NO_NEIGHBOUR, Options, Point, VertexOrder};

@@ -4,11 +4,11 @@
 //!
 //! Tetrahedra that fail are left out of the later levels. Cost: O(T + V log V).
 
+use crate::chunks::pieces;
 use crate::defect::{Findings, Kind};
 use crate::mesh::{Mesh, Options, Point};
 use crate::perturb::order;
 use crate::places;
-use crate::sweep::pieces;
 use crate::sync::Marks;
 use rayon::prelude::*;
 

@@ -12,11 +12,11 @@
 //! vertices of it (a pinch) lowers the number further. So "connected through edges, and 2 or 1"
 //! is the whole test. Cost of all: linear but for sorting hull edges.
 
+use crate::chunks::{Partial, Table, pieces, pieces_of};
 use crate::defect::{Findings, Kind};
 use crate::faces::{Faces, HULL};
 use crate::mesh::{Mesh, NO_NEIGHBOUR, VertexOrder, face, split};
 use crate::structure::Sound;
-use crate::sweep::{Partial, Table, pieces, pieces_of};
 use rayon::prelude::*;
 
 /// Two hull facets that share an edge: positions in `Faces::hull`, and the index of the edge's

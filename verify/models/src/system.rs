@@ -4,7 +4,7 @@
 use crate::hull::{Hull, Letter};
 use crate::variants::Variant;
 use crate::world::{Network, Node, Points, World};
-use ltbw::balance::Stock;
+use ltbw::balance::Workload;
 use ltbw::check::Between;
 use ltbw::protocol::{
     Action, Attempt, BlockId, Broken, Event, Message, Name, Note, Rule, Submesh, Ticket, WorkerId,

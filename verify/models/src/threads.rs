@@ -1,7 +1,7 @@
 //! Workers on threads: the real mailbox, the real loop and the real step, under loom or shuttle.
 //!
-//! The [`Watch`] alone is of the models: it has no clock (a backoff is over at once, and no rule
-//! with one runs here), orders the moves of the world, and notes what happens.
+//! The [`RuntimeHooks`] alone are of the models: they have no clock (a backoff is over at once, and
+//! no rule with one runs here), orders the moves of the world, and notes what happens.
 
 use crate::hull::Hull;
 use crate::variants::Variant;
@@ -10,7 +10,7 @@ use ltbw::balance::Balance;
 use ltbw::mailbox::{Endpoint, connect_as};
 use ltbw::metrics::Nanos;
 use ltbw::protocol::{Action, Attempt, BlockId, Event, Note, WorkerId};
-use ltbw::threads::{Ended, Loop, Watch};
+use ltbw::threads::{Ended, Loop, RuntimeHooks};
 use ltbw::transport::{Mail, Transport};
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -73,7 +73,7 @@ impl<C: Variant> Transport<Mail<Hull<C>>> for Way<C> {
     }
 }
 
-/// A worker's watch.
+/// A worker's hooks.
 struct Notes {
     seen: BTreeSet<Seen>,
     /// Moves to order, the next one last.
@@ -81,7 +81,7 @@ struct Notes {
     rounds: u32,
 }
 
-impl<C: Variant> Watch<Hull<C>> for Notes {
+impl<C: Variant> RuntimeHooks<Hull<C>> for Notes {
     const BURST: usize = 2;
 
     fn now(&mut self) -> Nanos {
@@ -101,11 +101,11 @@ impl<C: Variant> Watch<Hull<C>> for Notes {
         Some(Event::Migrate { block, to })
     }
 
-    fn nap(&self) -> Option<Duration> {
+    fn poll_interval(&self) -> Option<Duration> {
         None
     }
 
-    fn looked(&mut self, found: usize) {
+    fn polled(&mut self, found: usize) {
         if found > 1 {
             self.seen.insert(Seen::Batch);
         }
@@ -145,9 +145,9 @@ type Worked<C> = Loop<Hull<C>, Points, C, Way<C>, Notes>;
 /// Runs a worker until it is stopped.
 fn work<C: Variant>(worker: Worked<C>) -> (Node<C>, BTreeSet<Seen>) {
     // Nobody fails here: a panic ends the model.
-    let Ok(Ended { node, way, watch }) = worker.run() else { panic!("a worker failed") };
+    let Ok(Ended { node, way, hooks }) = worker.run() else { panic!("a worker failed") };
     drop(Kept::into_inner(way.0));
-    (node, watch.seen)
+    (node, hooks.seen)
 }
 
 /// Runs `world`, one thread per worker, and checks its end. Worker 0 runs on the caller's thread.

@@ -52,9 +52,9 @@ variants! {
     R5 KEEPS_PLACE: LostPlace, "new wants above the one waited for";
     /// The next attempt meets its own last one.
     R6 AWAITS_RELEASES: HastyRestart, "restart before the releases are acknowledged";
-    /// A committed operation is set back, of which nothing is left at its home. (A home that kept it
-    /// would do no harm: with channels in order its `Abort` finds nothing to release, and its second
-    /// walk finds the point as a vertex.)
+    /// A committed operation is set back, of which nothing is left at its home. (A home that kept
+    /// it would do no harm: with channels in order its `Abort` finds nothing to release, and its
+    /// second walk finds the point as a vertex.)
     R7 IGNORES_LATE_WOUND: LateWound, "wound after commit obeyed";
     /// The token misses a message that was taken behind its back.
     R8 BLACKENS: WhiteSafra, "Safra without blackening";

@@ -3,7 +3,7 @@
 use crate::hull::{Hull, Link, Piece, Vertex, block_of, orient};
 use crate::variants::Variant;
 use crate::witness::Witness;
-use ltbw::balance::Stock;
+use ltbw::balance::Workload;
 use ltbw::protocol::{BlockId, Config, Directory, Name, Rule, Source, Worker, WorkerId};
 use std::collections::BTreeMap;
 
@@ -22,13 +22,13 @@ impl<C: Variant> Source<Hull<C>> for Points {
 
     fn inserted(&mut self, _: &Hull<C>, _: &Vertex) {}
 
-    fn take_block(&mut self, _: &Hull<C>, block: BlockId) -> Vec<Vertex> {
+    fn remove_block(&mut self, _: &Hull<C>, block: BlockId) -> Vec<Vertex> {
         let (taken, kept) = self.0.iter().partition(|v| u32::from(v.block) == block.number());
         self.0 = kept;
         taken
     }
 
-    fn give(&mut self, _: BlockId, points: Vec<Vertex>) {
+    fn add(&mut self, _: BlockId, points: Vec<Vertex>) {
         self.0.extend(points);
         self.0.sort_unstable();
     }
@@ -38,7 +38,7 @@ impl<C: Variant> Source<Hull<C>> for Points {
     }
 }
 
-impl Stock for Points {
+impl Workload for Points {
     fn left(&self) -> u64 {
         self.0.len() as u64
     }

@@ -5,7 +5,7 @@
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, Correct};
 use ltbw::refining::{Bounds, RefineError, simulate_refined};
-use ltbw::simulate::{MeshError, Network, Options, SimulationError, Storm, simulate_as};
+use ltbw::simulate::{MeshError, Network, Options, RandomMigrations, SimulationError, simulate_as};
 use ltbw::{Builder, Mesh, MeshHash, Point, PointSet};
 use ltbw_generate::{PointKind, generate};
 use ltbw_models::graph::{Graph, Limits};
@@ -139,7 +139,7 @@ fn in_a_storm<C: Variant>(
     layout: &Layout,
     seed: u64,
 ) -> Result<MeshHash, MeshError> {
-    let storm = Some(Storm { every: 20_000 });
+    let storm = Some(RandomMigrations { every: 20_000 });
     let options = Options { seed, storm, patience: 20_000_000, ..Options::default() };
     let meshed = simulate_as::<C>(set, layout, Config::new(layout.workers), &options)?;
     Ok(meshed.gathered.mesh.hash().expect("a hash"))

@@ -106,7 +106,7 @@ impl Marks {
     pub(crate) fn gather(&mut self, mesh: &Mesh) {
         let inner = |outer: FaceId| mesh.topology().at(tet_of(outer)).neighbours()[slot_of(outer)];
         let mut inherited = std::mem::take(&mut self.inherited);
-        self.inherit(&mut inherited, mesh.cavity().walls().map(|(_, outer)| inner(outer)));
+        self.inherit(&mut inherited, mesh.cavity().boundary().map(|(_, outer)| inner(outer)));
         self.inherited = inherited;
     }
 

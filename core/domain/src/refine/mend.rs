@@ -7,7 +7,7 @@ use super::run::Run;
 use super::split::Step;
 use super::table::Set;
 use super::tiles::Found;
-use ltbw_core::cavity::Open;
+use ltbw_core::cavity::AdmitAll;
 use ltbw_core::topology::VertexId;
 
 /// The most rounds in which patches are recovered.
@@ -63,7 +63,7 @@ impl Run<'_> {
         if self.refinement.inserted.points.total() >= self.most {
             return Ok(false);
         }
-        let step = self.refinement.fill_hole(hole, &mut self.work, &mut Open);
+        let step = self.refinement.fill_hole(hole, &mut self.work, &mut AdmitAll);
         Ok(step == Step::Inserted)
     }
 

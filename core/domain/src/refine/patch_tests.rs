@@ -64,7 +64,7 @@ fn seeds_part_the_mesh_and_keep_every_patch_covered() {
     let refiner = Refiner::new().flat_tolerance(5e-7);
     let (mut run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
     let before: Vec<[VertexId; 3]> = run.refinement.state.subfaces.keys().copied().collect();
-    run.refinement.seed(u64::MAX, &mut run.work, &mut ltbw_core::cavity::Open);
+    run.refinement.seed(u64::MAX, &mut run.work, &mut ltbw_core::cavity::AdmitAll);
     let state = &run.refinement.state;
     check_labels(state);
     let points = run.refinement.inserted.points;
@@ -180,7 +180,7 @@ fn every_transaction_keeps_every_patch_covered() {
     let (mut inserted, mut on_patches) = (0, 0);
     for _ in 0..20_000 {
         let Some(item) = work.next_boundary().or_else(|| work.next_tet()) else { break };
-        let step = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::Open);
+        let step = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::AdmitAll);
         if step == Step::Inserted {
             inserted += 1;
             let state = &run.refinement.state;

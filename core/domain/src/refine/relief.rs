@@ -32,7 +32,7 @@ use super::table::edge;
 use super::verdict::{Filling, Judge};
 use super::walk::Way;
 use crate::vector::distance2;
-use ltbw_core::cavity::Open;
+use ltbw_core::cavity::AdmitAll;
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_exact::Point;
 
@@ -220,7 +220,7 @@ impl Refinement<'_> {
     ) -> bool {
         let Some(bounds) = self.bounds.as_ref().filter(|_| *left > 0) else { return false };
         // The point fell together with a vertex, or the mesh is full.
-        let Ok(mut open) = self.state.begin(place, &mut Open) else { return false };
+        let Ok(mut open) = self.state.begin(place, &mut AdmitAll) else { return false };
         let opened = open.owner().mesh.cavity().tets().count();
         *left = left.saturating_sub(opened);
         let judge = Judge { state: open.owner(), record: &self.record, recovers: false };

@@ -24,7 +24,7 @@ use super::table::Set;
 use crate::{Domain, Lattice};
 use ltbw_core::CancelToken;
 use ltbw_core::build::{Observer, Phase, Progress};
-use ltbw_core::cavity::Open;
+use ltbw_core::cavity::AdmitAll;
 use ltbw_core::mesh::Vertex;
 use ltbw_core::topology::TetId;
 use std::time::Instant;
@@ -204,7 +204,7 @@ impl<'a> Refiner<'a> {
         let (mut run, regions) = self.recovered(domain, lattice)?;
         run.refinement.script = script;
         let clock = Instant::now();
-        run.refinement.seed(run.most, &mut run.work, &mut Open);
+        run.refinement.seed(run.most, &mut run.work, &mut AdmitAll);
         match self.engine {
             Engine::Queues => {
                 run.refine(usize::MAX)?;
@@ -212,7 +212,7 @@ impl<'a> Refiner<'a> {
                 run.relieve(Goal::Bounds)?;
                 // A sizing field may ask for more afterwards.
                 if run.stop.is_none() {
-                    run.refinement.split_slivers(run.most, &mut run.work, &mut Open);
+                    run.refinement.split_slivers(run.most, &mut run.work, &mut AdmitAll);
                     run.refine(usize::MAX)?;
                     run.relieve(Goal::Angles)?;
                     run.relieve(Goal::Bounds)?;
@@ -423,7 +423,7 @@ impl Run<'_> {
             self.refinement.record.refused.insert(item, Refusal::final_for(reason));
             return Ok(());
         }
-        match self.refinement.split(item, &mut self.work, &mut Open) {
+        match self.refinement.split(item, &mut self.work, &mut AdmitAll) {
             Step::Inserted | Step::Gone => {}
             Step::Deferred => stats.deferred += 1,
             Step::Refused(_) => stats.refused += 1,

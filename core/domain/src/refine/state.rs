@@ -15,7 +15,7 @@ use super::plc::Plc;
 use super::registry::Registry;
 use super::table::{Map, Set, sides};
 use crate::vector::distance2;
-use ltbw_core::cavity::{Admission, Cavity, Open};
+use ltbw_core::cavity::{Admission, AdmitAll, Cavity};
 use ltbw_core::mesh::{At, Mesh};
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_core::transaction::{OpenCavity, Opens};
@@ -160,7 +160,7 @@ impl State {
         let mut found = Vec::new();
         if cfg!(debug_assertions) {
             let from = self.start_near(place.from);
-            self.mesh.begin(place.p, from, &mut Open)?.end(|_| ());
+            self.mesh.begin(place.p, from, &mut AdmitAll)?.end(|_| ());
             found = sorted(self.mesh.cavity());
             self.set_back();
         }
@@ -168,7 +168,7 @@ impl State {
         let is_same = again.map(|(open, is_same)| open.end(|_| is_same));
         if is_same.is_none() {
             let from = self.start_near(place.from);
-            self.mesh.begin(place.p, from, &mut Open)?.end(|_| ());
+            self.mesh.begin(place.p, from, &mut AdmitAll)?.end(|_| ());
         }
         debug_assert_eq!(sorted(self.mesh.cavity()), found, "a point has one cavity");
         Ok((OpenCavity::new(self), is_same == Some(true)))

@@ -183,7 +183,7 @@ impl State {
             }
             Some(wall)
         };
-        self.mesh.cavity().walls().map(wall).collect()
+        self.mesh.cavity().boundary().map(wall).collect()
     }
 
     /// The patch among some that `t` is dust of, on the outer side, and the label of the inner one.

@@ -113,7 +113,7 @@ fn a_free_point_is_in_no_ball_that_was_empty() {
         let mut free = 0;
         for _ in 0..20_000 {
             let Some(item) = work.next_boundary().or_else(|| work.next_tet()) else { break };
-            let step = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::Open);
+            let step = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::AdmitAll);
             let state = &run.refinement.state;
             assert!(state.is_complete());
             if step != Step::Inserted || state.carriers.last() != Some(&Carrier::Free) {
@@ -354,7 +354,7 @@ fn transactions_are_idempotent_and_a_refusal_changes_nothing() {
             Step::SetBack(_) => {
                 refused += 1;
                 assert_eq!(fingerprint(&run.refinement.state.mesh), before);
-                let again = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::Open);
+                let again = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::AdmitAll);
                 assert_ne!(again, Step::Gone);
                 inserted += usize::from(again == Step::Inserted);
                 if again != Step::Inserted {
@@ -366,7 +366,7 @@ fn transactions_are_idempotent_and_a_refusal_changes_nothing() {
         }
         // Split, it is gone: to split it again does nothing.
         let before = fingerprint(&run.refinement.state.mesh);
-        let again = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::Open);
+        let again = run.refinement.split(item, &mut work, &mut ltbw_core::cavity::AdmitAll);
         assert_eq!(again, Step::Gone);
         gone += 1;
         assert_eq!(fingerprint(&run.refinement.state.mesh), before);

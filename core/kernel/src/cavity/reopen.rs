@@ -4,14 +4,14 @@
 //! A tetrahedron that is where it was is in conflict if it was, whatever was inserted since: so its
 //! slot tells, without its sphere.
 
-use super::{Admission, Cavity, Conflict, OTHERS, Role, Setback, Wall};
+use super::{Admission, BoundaryFace, Cavity, Conflict, OTHERS, Role, Setback};
 use crate::topology::{INFINITE, TetId, Topology, tet_of};
 
 impl Cavity {
     /// Opens a cavity, of which `tets` are what a search has found earlier; `changed` says of a
-    /// slot whether it was written since then. Says whether the closure is as it was: then walls
-    /// are in the order of that search. `None` if all of the list has changed: there is nothing to
-    /// start from, and the mesh is as before.
+    /// slot whether it was written since then. Says whether the closure is as it was: then boundary
+    /// faces are in the order of that search. `None` if all of the list has changed: there is
+    /// nothing to start from, and the mesh is as before.
     ///
     /// Ends: each tetrahedron enters once.
     ///
@@ -27,7 +27,7 @@ impl Cavity {
         admission: &mut A,
     ) -> Result<Option<bool>, Setback> {
         self.tets.clear();
-        self.walls.clear();
+        self.boundary.clear();
         self.ghosts = 0;
         self.tests = 0;
         if let Some(&t) = tets.iter().find(|&&t| !admission.admit(t, Role::Cavity)) {
@@ -70,22 +70,23 @@ impl Cavity {
             if fresh != 0 {
                 is_same = false;
                 self.tests += fresh.count_ones() as usize;
-                let (inside, outside) = conflict.certain(n.map(tet_of));
+                let (inside, outside) = conflict.by_sphere(n.map(tet_of));
                 let unknown = !(inside | outside) & fresh;
                 take = inside & fresh;
                 if unknown != 0 {
-                    take |= conflict.decide(topology, n.map(tet_of), unknown) & fresh;
+                    take |= conflict.by_points(topology, n.map(tet_of), unknown) & fresh;
                 }
                 for (slot, &face) in n.iter().enumerate() {
                     topology.mark_if(tet_of(face), take >> slot & 1 == 1);
                 }
                 self.tets.push_some(n.map(tet_of), take);
             }
-            let wall = |slot: usize| Wall { v: OTHERS[slot].map(|k| v[k]), outer: n[slot] };
-            self.walls.push_some([wall(0), wall(1), wall(2), wall(3)], open & !take);
+            let border =
+                |slot: usize| BoundaryFace { v: OTHERS[slot].map(|k| v[k]), outer: n[slot] };
+            self.boundary.push_some([border(0), border(1), border(2), border(3)], open & !take);
         }
         // Not of a point: all tetrahedra of a mesh.
-        if self.walls.is_empty() {
+        if self.boundary.is_empty() {
             self.set_back(topology);
             return Ok(None);
         }
@@ -96,7 +97,7 @@ impl Cavity {
 
 #[cfg(test)]
 mod tests {
-    use crate::cavity::Open;
+    use crate::cavity::AdmitAll;
     use crate::mesh::{Mesh, Vertex};
     use crate::topology::TetId;
     use crate::{Builder, Point, PointSet};
@@ -116,7 +117,7 @@ mod tests {
 
     fn cavity_of(mesh: &mut Mesh, p: &Point) -> Vec<TetId> {
         let from = mesh.hint();
-        mesh.begin(*p, from, &mut Open).expect("a new point").tets().collect()
+        mesh.begin(*p, from, &mut AdmitAll).expect("a new point").tets().collect()
     }
 
     #[test]
@@ -124,15 +125,15 @@ mod tests {
         let (mut mesh, points) = mesh_and_points(300);
         for p in points {
             let from = mesh.hint();
-            let open = mesh.begin(p, from, &mut Open).expect("a new point");
+            let open = mesh.begin(p, from, &mut AdmitAll).expect("a new point");
             let tets: Vec<TetId> = open.tets().collect();
-            let walls: Vec<_> = open.owner().cavity().walls().collect();
+            let boundary: Vec<_> = open.owner().cavity().boundary().collect();
             drop(open);
             let number = mesh.num_vertices() as Vertex;
             let again = mesh.reopen(&p, &tets, &|_| false).expect("room");
             let (open, is_same) = again.expect("nothing has changed");
             assert!(is_same && open.tets().eq(tets.iter().copied()));
-            assert!(open.owner().cavity().walls().eq(walls.iter().copied()));
+            assert!(open.owner().cavity().boundary().eq(boundary.iter().copied()));
             assert_eq!(open.owner().cavity().tests(), 0);
             open.fill(p, number);
         }
@@ -167,7 +168,7 @@ mod tests {
                         assert!(tets.iter().all(|&t| changed(t)) && !now.is_empty());
                         gone += 1;
                         let from = mesh.hint();
-                        mesh.begin(*p, from, &mut Open).expect("a new point").fill(*p, number);
+                        mesh.begin(*p, from, &mut AdmitAll).expect("a new point").fill(*p, number);
                     }
                 }
                 written.extend(mesh.cavity().star().tets);

@@ -45,12 +45,12 @@ impl Conflict for SharedConflict<'_> {
     }
 
     #[inline(always)]
-    fn certain(&self, tets: [TetId; 4]) -> (u32, u32) {
+    fn by_sphere(&self, tets: [TetId; 4]) -> (u32, u32) {
         simd::test_spheres(tets.map(|t| self.geometry.spheres.at(t)), &self.query)
     }
 
     #[inline(never)]
-    fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
+    fn by_points(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
         let p = self.p;
         let known = self.predicates().filter(topology, tets, unknown, &p);
         decide_rest(self, topology, tets, known)

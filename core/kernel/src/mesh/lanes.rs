@@ -43,9 +43,9 @@ pub trait Follow: Sync {
     /// Was slot `t`, one of the lane's own, written since the cavities were found?
     fn changed(&self, t: TetId) -> bool;
 
-    /// A cavity is open, and is going to be filled. `walls` are its boundary faces, as seen from
+    /// A cavity is open, and is going to be filled. `boundary` are its boundary faces, as seen from
     /// inside, in the order of the star.
-    fn opened(&self, own: &mut Self::Own, walls: impl Iterator<Item = FaceId>);
+    fn opened(&self, own: &mut Self::Own, boundary: impl Iterator<Item = FaceId>);
 
     /// It was filled with this star.
     fn filled(&self, own: &mut Self::Own, star: &[TetId], view: View<'_>);
@@ -137,7 +137,7 @@ impl Lane<'_> {
             Ok(None) | Err(Setback::Refused(_) | Setback::Full) => return false,
         }
         let inner = |outer: FaceId| topology.tet(tet_of(outer)).neighbours()[slot_of(outer)];
-        follow.opened(kept, cavity.walls().map(|(_, outer)| inner(outer)));
+        follow.opened(kept, cavity.boundary().map(|(_, outer)| inner(outer)));
         *last = Some(cavity.fill(topology, v));
         geometry.created(0, &cavity.star(), &chosen.p);
         geometry.stats.insphere_calls += cavity.tests() as u64;
@@ -270,7 +270,7 @@ impl OpenCavity<'_, Mesh> {
 #[cfg(test)]
 mod tests {
     use super::{Chosen, Follow, Lanes, View};
-    use crate::cavity::Open;
+    use crate::cavity::AdmitAll;
     use crate::invariants::check_all;
     use crate::mesh::{Mesh, Vertex};
     use crate::topology::{FaceId, TetId, VertexId};
@@ -290,8 +290,8 @@ mod tests {
             self.0.lock().expect("no panic").contains(&t)
         }
 
-        fn opened(&self, own: &mut [usize; 2], walls: impl Iterator<Item = FaceId>) {
-            own[0] = walls.count();
+        fn opened(&self, own: &mut [usize; 2], boundary: impl Iterator<Item = FaceId>) {
+            own[0] = boundary.count();
         }
 
         fn filled(&self, own: &mut [usize; 2], star: &[TetId], view: View<'_>) {
@@ -313,12 +313,12 @@ mod tests {
 
     fn insert(mesh: &mut Mesh, p: &Point) {
         let (from, number) = (mesh.hint(), mesh.num_vertices() as Vertex);
-        mesh.begin(*p, from, &mut Open).expect("a new point").fill(*p, number);
+        mesh.begin(*p, from, &mut AdmitAll).expect("a new point").fill(*p, number);
     }
 
     fn cavity_of(mesh: &mut Mesh, p: &Point) -> Vec<TetId> {
         let from = mesh.hint();
-        mesh.begin(*p, from, &mut Open).expect("a new point").tets().collect()
+        mesh.begin(*p, from, &mut AdmitAll).expect("a new point").tets().collect()
     }
 
     /// Inserts points in lanes, then those that were put off; returns the number of these.
@@ -334,7 +334,7 @@ mod tests {
         assert_eq!(filled + put_off.len(), points.len());
         for &k in &put_off {
             let from = mesh.hint();
-            let open = mesh.begin(points[k], from, &mut Open).expect("a new point");
+            let open = mesh.begin(points[k], from, &mut AdmitAll).expect("a new point");
             open.fill_vertex(VertexId::at(first.index() + k));
         }
         put_off.len()
@@ -387,7 +387,7 @@ mod tests {
         assert!(put_off.len() > 200, "{}", put_off.len());
         for k in put_off {
             let from = mesh.hint();
-            let open = mesh.begin(points[300 + k], from, &mut Open).expect("a new point");
+            let open = mesh.begin(points[300 + k], from, &mut AdmitAll).expect("a new point");
             open.fill_vertex(VertexId::at(first.index() + k));
         }
         check_all(&mesh).expect("invariants");

@@ -1,7 +1,7 @@
 //! Cavities opened again, from what an earlier search has found.
 
 use super::Mesh;
-use crate::cavity::{Open, Setback};
+use crate::cavity::{AdmitAll, Setback};
 use crate::topology::TetId;
 use crate::transaction::OpenCavity;
 use ltbw_exact::Point;
@@ -24,7 +24,7 @@ impl Mesh {
     ) -> Result<Option<(OpenCavity<'_, Self>, bool)>, Setback> {
         let mut conflict = self.geometry.conflict_of(p);
         let Self { cavity, topology, .. } = self;
-        let is_same = cavity.reopen(topology, tets, &mut conflict, changed, &mut Open)?;
+        let is_same = cavity.reopen(topology, tets, &mut conflict, changed, &mut AdmitAll)?;
         Ok(is_same.map(|is_same| (OpenCavity::new(self), is_same)))
     }
 

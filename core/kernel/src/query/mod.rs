@@ -29,16 +29,16 @@
 //! ```
 
 mod circumcentre;
+mod region;
 pub(crate) mod set;
 mod star;
 mod target;
 mod voronoi;
-mod zone;
 
 pub use circumcentre::Circumcentre;
+pub use region::{BoundaryFace, ConflictRegion, Conflicts};
 pub use star::Edges;
 pub use voronoi::{Cell, CellFace, CellFaces};
-pub use zone::{Conflicts, Wall, Zone};
 
 use crate::mesh::{Mesh, Vertex};
 use crate::numbering::Numbering;
@@ -188,7 +188,7 @@ struct Scratch {
     ring: Vec<VertexId>,
     /// Vertices of the answer.
     numbers: Vec<Vertex>,
-    zone: zone::Buffers,
+    region: region::Buffers,
     cell: voronoi::Buffers,
 }
 
@@ -301,7 +301,7 @@ impl<'q> Cursor<'q> {
         words * size_of::<u32>()
             + s.tets.memory_bytes()
             + s.vertices.memory_bytes()
-            + s.zone.memory_bytes()
+            + s.region.memory_bytes()
             + s.cell.memory_bytes()
     }
 }

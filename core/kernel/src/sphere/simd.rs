@@ -2,16 +2,16 @@
 //! they agree: one of the modules with unsafe code (see the crate).
 #![allow(unsafe_code)]
 
-use super::{Maker, Query, Sphere};
+use super::{Query, Sphere, SphereBuilder};
 use crate::arena::Arena;
 use crate::topology::{TetId, VertexId};
 use ltbw_exact::Point;
 
-/// Caches spheres with AVX2, four at a time, bit for bit as [`Maker::sphere`] does; `false` if
-/// the machine has no AVX2.
+/// Caches spheres with AVX2, four at a time, bit for bit as [`SphereBuilder::sphere`] does; `false`
+/// if the machine has no AVX2.
 #[inline(always)]
 pub(crate) fn make_spheres(
-    maker: &Maker,
+    builder: &SphereBuilder,
     spheres: &mut Arena<Sphere>,
     tets: &[TetId],
     faces: &[[u8; 4]],
@@ -19,10 +19,10 @@ pub(crate) fn make_spheres(
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the machine has AVX2.
-        unsafe { x86::make_spheres(maker, spheres, tets, faces) };
+        unsafe { x86::make_spheres(builder, spheres, tets, faces) };
         return true;
     }
-    let _ = (maker, spheres, tets, faces);
+    let _ = (builder, spheres, tets, faces);
     false
 }
 
@@ -63,7 +63,7 @@ pub(crate) fn filter_insphere(
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Arena, Maker, Point, Query, Sphere, TetId, VertexId};
+    use super::{Arena, Point, Query, Sphere, SphereBuilder, TetId, VertexId};
     use crate::cavity::SMALL;
     use crate::sphere::{FLATNESS, LEAST_SQUARE, MAX_RADIUS, TOLERANCE};
     use ltbw_exact::predicates::filter::INSPHERE_ERROR;
@@ -197,12 +197,12 @@ mod x86 {
 
     #[target_feature(enable = "avx2")]
     pub(super) fn make_spheres(
-        maker: &Maker,
+        builder: &SphereBuilder,
         spheres: &mut Arena<Sphere>,
         tets: &[TetId],
         faces: &[[u8; 4]],
     ) {
-        let scale = _mm256_set1_pd(maker.scale);
+        let scale = _mm256_set1_pd(builder.scale);
         let column = |f: &[[u8; 4]; 4], k: usize| [f[0][k], f[1][k], f[2][k], f[3][k]];
         for (tets, faces) in tets.chunks(4).zip(faces.chunks(4)) {
             // All but the last are whole: no call to copy.
@@ -211,9 +211,9 @@ mod x86 {
                 f.iter_mut().zip(faces).for_each(|(to, from)| *to = *from);
                 f
             });
-            let [ax, ay, az, la] = lanes(&maker.rim, column(&f, 0));
-            let [bx, by, bz, lb] = lanes(&maker.rim, column(&f, 1));
-            let [cx, cy, cz, lc] = lanes(&maker.rim, column(&f, 2));
+            let [ax, ay, az, la] = lanes(&builder.rim, column(&f, 0));
+            let [bx, by, bz, lb] = lanes(&builder.rim, column(&f, 1));
+            let [cx, cy, cz, lc] = lanes(&builder.rim, column(&f, 2));
             let bc = [minor(by, cz, bz, cy), minor(bz, cx, bx, cz), minor(bx, cy, by, cx)];
             let ca = [minor(cy, az, cz, ay), minor(cz, ax, cx, az), minor(cx, ay, cy, ax)];
             let ab = [minor(ay, bz, az, by), minor(az, bx, ax, bz), minor(ax, by, ay, bx)];
@@ -236,7 +236,7 @@ mod x86 {
             let credible = _mm256_cmp_pd::<_CMP_GE_OQ>(square, least);
             let sound = _mm256_and_pd(_mm256_and_pd(solid, credible), small);
             let r = _mm256_blendv_pd(_mm256_set1_pd(f64::NAN), scaled, sound);
-            let centre = maker.centre;
+            let centre = builder.centre;
             let x = _mm256_add_pd(_mm256_set1_pd(centre[0]), _mm256_mul_pd(x, scale));
             let y = _mm256_add_pd(_mm256_set1_pd(centre[1]), _mm256_mul_pd(y, scale));
             let z = _mm256_add_pd(_mm256_set1_pd(centre[2]), _mm256_mul_pd(z, scale));
@@ -330,17 +330,17 @@ mod tests {
                 }
             }
             let rim: Vec<VertexId> = VertexId::below(12).collect();
-            let mut maker = Maker::default();
-            assert!(maker.aim(&frame, &points, &rim, points.at(12u32)));
+            let mut builder = SphereBuilder::default();
+            assert!(builder.at_apex(&frame, &points, &rim, points.at(12u32)));
             let faces: Vec<[u8; 4]> = (0..11).map(|k| [k, (k + 1) % 11, (k + 4) % 11, 0]).collect();
             let tets: Vec<TetId> = TetId::below(11).collect();
             let mut fast = Arena::default();
             fast.grow(11, Sphere::UNKNOWN);
-            if !make_spheres(&maker, &mut fast, &tets, &faces) {
+            if !make_spheres(&builder, &mut fast, &tets, &faces) {
                 println!("SKIPPED: no AVX2 on this machine");
                 return;
             }
-            let slow: Vec<Sphere> = faces.iter().map(|&f| maker.sphere(f)).collect();
+            let slow: Vec<Sphere> = faces.iter().map(|&f| builder.sphere(f)).collect();
             for (a, b) in fast.all().iter().zip(&slow) {
                 assert_eq!(a.0[3].is_nan(), b.0[3].is_nan());
                 if a.0[3].is_nan() {

@@ -1,4 +1,4 @@
-//! Obstacles to an insertion or a walk in a submesh: proxies, locked and tagged tetrahedra.
+//! Obstacles to an insertion or a walk in a submesh: far faces, locked and tagged tetrahedra.
 
 use super::lock_table::LockTable;
 use crate::cavity::Conflict;
@@ -6,7 +6,7 @@ use crate::geometry::{Geometry, PointConflict};
 use crate::locate::Access;
 use crate::topology::{TetId, Topology};
 
-/// Bars walks from proxies and locked tetrahedra.
+/// Bars walks from far faces and locked tetrahedra.
 pub(super) struct LockFilter<'a, H, T>(pub(super) &'a LockTable<H, T>);
 
 impl<H: Copy, T: Copy> Access for LockFilter<'_, H, T> {
@@ -25,13 +25,13 @@ impl<H: Copy, T: Copy> Access for LockFilter<'_, H, T> {
 pub(super) struct Met {
     /// A tagged tetrahedron.
     pub(super) tagged: bool,
-    /// A proxy.
+    /// A far face.
     pub(super) blocked: bool,
     /// A locked tetrahedron.
     pub(super) locked: Option<TetId>,
 }
 
-/// [`Conflict`] that sees proxies and locked tetrahedra.
+/// [`Conflict`] that sees far faces and locked tetrahedra.
 pub(super) struct SubmeshConflict<'a, H, T> {
     pub(super) inner: PointConflict<'a>,
     pub(super) locks: &'a LockTable<H, T>,
@@ -47,19 +47,19 @@ impl<H: Copy + Eq, T: Copy> Conflict for SubmeshConflict<'_, H, T> {
     }
 
     #[inline(always)]
-    fn certain(&self, tets: [TetId; 4]) -> (u32, u32) {
-        self.inner.certain(tets)
+    fn by_sphere(&self, tets: [TetId; 4]) -> (u32, u32) {
+        self.inner.by_sphere(tets)
     }
 
     #[inline(never)]
-    fn decide(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
+    fn by_points(&mut self, topology: &Topology, tets: [TetId; 4], unknown: u32) -> u32 {
         // A slot that has a sphere, although that decides nothing, is an unlocked tetrahedron; so
         // is one that is not in `unknown`, as a sphere has decided it or the cavity has it already.
         // A vacant slot has none and is not marked.
         let blank = tets.map(|t| self.inner.geometry().sphere(t).is_blank());
         let blank = (0..4).map(|slot| u32::from(blank[slot]) << slot).sum::<u32>() & unknown;
         if blank == 0 {
-            return self.inner.decide(topology, tets, unknown);
+            return self.inner.by_points(topology, tets, unknown);
         }
         let mut unlocked = unknown & !blank;
         for (slot, &t) in tets.iter().enumerate().filter(|&(slot, _)| blank >> slot & 1 == 1) {
@@ -81,7 +81,7 @@ impl<H: Copy + Eq, T: Copy> Conflict for SubmeshConflict<'_, H, T> {
         if self.met.locked.is_some() || unlocked == 0 {
             return 0;
         }
-        // A proxy has no vertices to look at: an unlocked one stands in for it.
+        // A far face has no vertices to look at: an unlocked one stands in for it.
         let stand_in = tets[unlocked.trailing_zeros() as usize & 3];
         let mut slot = 0;
         let tets = tets.map(|t| {
@@ -89,7 +89,7 @@ impl<H: Copy + Eq, T: Copy> Conflict for SubmeshConflict<'_, H, T> {
             slot += 1;
             t
         });
-        self.inner.decide(topology, tets, unlocked)
+        self.inner.by_points(topology, tets, unlocked)
     }
 
     #[cold]

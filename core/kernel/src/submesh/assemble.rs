@@ -53,17 +53,17 @@ pub enum AssembleError<F> {
     NoSubmeshes,
     /// Together they have too many tetrahedra.
     TooManyTets,
-    /// Nobody has the tetrahedron beyond a proxy.
+    /// Nobody has the tetrahedron beyond a far face.
     Dangling {
-        /// Index of the submesh with the proxy.
+        /// Index of the submesh with the far face.
         submesh: usize,
-        /// The far handle of the proxy.
+        /// The far handle of the far face.
         far: F,
     },
 }
 
 /// Puts all submeshes of a mesh together, each with the numbers of its vertices. `find` finds the
-/// submesh and the face beyond a proxy by its far handle.
+/// submesh and the face beyond a far face by its far handle.
 ///
 /// Vertices that no tetrahedron has are left out.
 ///
@@ -97,8 +97,8 @@ pub fn assemble<H: Copy + Eq, T: Copy, F: Copy>(
         offsets.push(offset.ok_or(AssembleError::TooManyTets)?);
         geometry.append_spheres(slots, their_geometry, theirs);
     }
-    let (used, proxies) = topology.survey(assembly.points.len());
-    for &t in &proxies {
+    let (used, far_faces) = topology.survey(assembly.points.len());
+    for &t in &far_faces {
         let tet = topology.tet(t);
         let face = tet.neighbours()[0];
         let at = offsets.partition_point(|&offset| offset <= t.index()) - 1;
@@ -112,7 +112,7 @@ pub fn assemble<H: Copy + Eq, T: Copy, F: Copy>(
             None => return Err(AssembleError::Dangling { submesh: at, far }),
         }
     }
-    for t in proxies {
+    for t in far_faces {
         topology.erase(t);
     }
     geometry.reserve_spheres(topology.slots());

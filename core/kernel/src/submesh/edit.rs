@@ -76,8 +76,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         }
     }
 
-    /// Makes two faces of tetrahedra of this submesh each other's neighbour. A proxy that stood at
-    /// either is gone.
+    /// Makes two faces of tetrahedra of this submesh each other's neighbour. A far face that stood
+    /// at either is gone.
     ///
     /// # Panics
     /// If there is no such face.
@@ -85,13 +85,13 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.expect_live(tet_of(a));
         self.expect_live(tet_of(b));
         self.blocked = None;
-        self.forget_proxy(a);
-        self.forget_proxy(b);
+        self.forget_far_face(a);
+        self.forget_far_face(b);
         self.topology.link(a, b);
     }
 
-    /// Puts a proxy for `far` at `face`, or lets the one there stand for that. `None` at the limit
-    /// of tetrahedra.
+    /// Puts a far face for `far` at `face`, or lets the one there stand for that. `None` at the
+    /// limit of tetrahedra.
     ///
     /// # Panics
     /// If there is no such face.
@@ -99,14 +99,14 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.expect_live(tet_of(face));
         self.blocked = None;
         let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
-        if !self.is_proxy_of(there, face) {
+        if !self.is_far_face_of(there, face) {
             return self.put_far(face, far);
         }
         self.far.replace(self.geometry.sphere(there), far);
         Some(())
     }
 
-    /// Removes tetrahedron `t`, which is unlocked, and the proxies at its faces; returns its tag.
+    /// Removes tetrahedron `t`, which is unlocked, and the far faces at its faces; returns its tag.
     /// What links to it is still to be linked anew.
     ///
     /// # Panics
@@ -117,31 +117,31 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         debug_assert!(!self.is_locked(t));
         let tag = self.locks.untag(&mut self.geometry.sphere(t));
         for (slot, beyond) in self.topology.tet(t).neighbours().into_iter().enumerate() {
-            self.forget_proxy_at(FaceId::new(t, slot), tet_of(beyond));
+            self.forget_far_face_at(FaceId::new(t, slot), tet_of(beyond));
         }
         self.geometry.set_sphere(t, Sphere::UNKNOWN);
         self.topology.erase(t);
         tag
     }
 
-    /// Is slot `t`, to which a link leads (I7), a proxy at `face`? Links that are not made yet lead
-    /// to any slot.
+    /// Is slot `t`, to which a link leads (I7), a far face at `face`? Links that are not made yet
+    /// lead to any slot.
     #[inline]
-    fn is_proxy_of(&self, t: TetId, face: FaceId) -> bool {
+    fn is_far_face_of(&self, t: TetId, face: FaceId) -> bool {
         let tet = self.topology.tet(t);
-        tet.is_proxy() && tet.neighbours()[0] == face
+        tet.is_far_face() && tet.neighbours()[0] == face
     }
 
     #[inline]
-    pub(super) fn forget_proxy(&mut self, face: FaceId) {
+    pub(super) fn forget_far_face(&mut self, face: FaceId) {
         let there = tet_of(self.topology.tet(tet_of(face)).neighbours()[slot_of(face)]);
-        self.forget_proxy_at(face, there);
+        self.forget_far_face_at(face, there);
     }
 
-    /// Forgets the proxy at `face` if slot `there` beyond it is one.
+    /// Forgets the far face at `face` if slot `there` beyond it is one.
     #[inline]
-    fn forget_proxy_at(&mut self, face: FaceId, there: TetId) {
-        if self.is_proxy_of(there, face) {
+    fn forget_far_face_at(&mut self, face: FaceId, there: TetId) {
+        if self.is_far_face_of(there, face) {
             self.far.remove(self.geometry.sphere(there));
             self.geometry.set_sphere(there, Sphere::UNKNOWN);
             self.topology.erase(there);

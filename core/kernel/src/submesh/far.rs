@@ -1,8 +1,8 @@
 //! The far sides of the interface faces of a submesh: a table beside the tetrahedra.
 //!
-//! Topology knows of an interface face only that a *proxy* stands behind it. What the proxy stands
-//! for, a tetrahedron of another submesh, means something to the caller alone: its *far handle*
-//! lies here, and the proxy is tagged with its place.
+//! Topology knows of an interface face only that a *far face* stands behind it. What the far face
+//! stands for, a tetrahedron of another submesh, means something to the caller alone: its *far
+//! handle* lies here, and the far face is tagged with its place.
 
 use crate::sphere::{Sphere, TagKind};
 
@@ -13,7 +13,7 @@ pub(super) struct FarTable<F> {
     free: Vec<u32>,
 }
 
-/// The tag by which geometry sees proxies.
+/// The tag by which geometry sees far faces.
 const KIND: TagKind = TagKind::Second;
 
 impl<F: Copy> FarTable<F> {
@@ -21,13 +21,14 @@ impl<F: Copy> FarTable<F> {
         Self { handles: Vec::new(), free: Vec::new() }
     }
 
-    /// The far handle of a proxy by what it has in place of a sphere; `None` of other slots.
+    /// The far handle of a far face by what it has in place of a sphere; `None` of other slots.
     #[inline]
     pub(super) fn get(&self, sphere: Sphere) -> Option<F> {
         self.handles.get(sphere.number(KIND)? as usize).copied()
     }
 
-    /// Keeps the far handle of a new proxy; returns what the proxy is to have in place of a sphere.
+    /// Keeps the far handle of a new far face; returns what the far face is to have in place of a
+    /// sphere.
     pub(super) fn add(&mut self, handle: F) -> Sphere {
         let place = match self.free.pop() {
             Some(place) => {
@@ -42,7 +43,7 @@ impl<F: Copy> FarTable<F> {
         Sphere::tagged(KIND, place)
     }
 
-    /// Replaces the far handle of a proxy.
+    /// Replaces the far handle of a far face.
     pub(super) fn replace(&mut self, sphere: Sphere, handle: F) {
         let place = sphere.number(KIND).and_then(|place| self.handles.get_mut(place as usize));
         if let Some(place) = place {
@@ -50,7 +51,7 @@ impl<F: Copy> FarTable<F> {
         }
     }
 
-    /// Forgets the far handle of a proxy that goes.
+    /// Forgets the far handle of a far face that goes.
     pub(super) fn remove(&mut self, sphere: Sphere) {
         self.free.extend(sphere.number(KIND));
     }

@@ -2,7 +2,7 @@
 
 use super::access::{Met, SubmeshConflict};
 use super::{Insert, Owns, Submesh, untag};
-use crate::cavity::{Cavity, Open, Setback};
+use crate::cavity::{AdmitAll, Cavity, Setback};
 use crate::sphere::Sphere;
 use crate::topology::{TetId, VertexId};
 use crate::transaction::{OpenCavity, Opens};
@@ -20,7 +20,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Opens for Submesh<H, T, F> {
 }
 
 impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
-    /// Inserts `p` as vertex `v` if nothing is in the way: no proxy, no locked tetrahedron, and
+    /// Inserts `p` as vertex `v` if nothing is in the way: no far face, no locked tetrahedron, and
     /// every new tetrahedron is the submesh's own. `seed` must be unlocked and in conflict with
     /// `p`.
     ///
@@ -62,7 +62,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         let met = Met { tagged, ..Met::default() };
         let inner = geometry.conflict_of(p);
         let mut conflict = SubmeshConflict { inner, locks, met, holder };
-        cavity.expand(topology, seed, &mut conflict, &mut Open)?;
+        cavity.expand(topology, seed, &mut conflict, &mut AdmitAll)?;
         let met = conflict.met;
         Ok((OpenCavity::new(self), met))
     }

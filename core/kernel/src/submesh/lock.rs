@@ -64,7 +64,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         for t in cavity.tets() {
             lock(t, true);
         }
-        for (v, outer) in cavity.walls() {
+        for (v, outer) in cavity.boundary() {
             let u = tet_of(outer);
             if topology.tet(u).is_vacant() || !lock(u, false) {
                 closure.boundary.push((v, outer));
@@ -80,7 +80,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     fn check_found(&mut self, seed: TetId, p: &Point, holder: H) {
         if cfg!(debug_assertions) {
             let found = |cavity: &Cavity| {
-                (cavity.tets().collect::<Vec<_>>(), cavity.walls().collect::<Vec<_>>())
+                (cavity.tets().collect::<Vec<_>>(), cavity.boundary().collect::<Vec<_>>())
             };
             let (before, stats) = (found(&self.cavity), self.geometry.stats);
             assert!(self.find_unlocked(seed, p, holder), "{seed}: nothing was locked");

@@ -1,7 +1,7 @@
 //! Stars whose tetrahedra the caller names: what a submesh gets of a cavity that others share.
 
 use super::Submesh;
-use crate::cavity::{SMALL, SMALL_WALLS, Star};
+use crate::cavity::{SMALL, SMALL_BOUNDARY, Star};
 use crate::topology::{FaceId, TetId, VertexId, slot_of, tet_of};
 
 impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
@@ -24,24 +24,24 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.topology.reserve(star.len()).ok()?;
         corners.iter().for_each(|&v| self.expect_vertex(v));
         // As in a cavity of the kernel, large stars have no spheres.
-        let small = corners.len() <= SMALL + 1 && star.len() <= SMALL_WALLS;
+        let small = corners.len() <= SMALL + 1 && star.len() <= SMALL_BOUNDARY;
         let rim = if small { &corners[1..] } else { &[] };
-        let mut faces = [[0; 4]; SMALL_WALLS];
+        let mut faces = [[0; 4]; SMALL_BOUNDARY];
         // All slots first: a face may lead to a tetrahedron that comes later.
         tets.extend((0..star.len()).map(|_| self.topology.take()));
-        for (k, (wall, links)) in star.enumerate() {
-            let [a, b, c] = wall.map(|corner| corners[corner as usize]);
+        for (k, (border, links)) in star.enumerate() {
+            let [a, b, c] = border.map(|corner| corners[corner as usize]);
             // A face that is not linked yet leads to slot 0, which there is (I7).
             let beyond = |face| FaceId::new(tets[tet_of(face).index()], slot_of(face));
             let n = links.map(|face| face.map_or_else(FaceId::default, beyond));
             self.topology.write(tets[k], [corners[0], a, b, c], n);
             if small {
-                let [a, b, c] = wall.map(|corner| corner as u8 - 1);
+                let [a, b, c] = border.map(|corner| corner as u8 - 1);
                 faces[k] = [a, b, c, 0];
             }
         }
         let Some(&hint) = tets.last() else { return Some(()) };
-        let star = Star { tets, rim, faces: &faces[..tets.len().min(SMALL_WALLS)] };
+        let star = Star { tets, rim, faces: &faces[..tets.len().min(SMALL_BOUNDARY)] };
         let p = *self.geometry.point(corners[0]);
         self.geometry.created(self.topology.slots(), &star, &p);
         self.made += tets.len() as u64;
@@ -52,7 +52,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         Some(())
     }
 
-    /// Links a face of a new tetrahedron with that of an old one. A proxy that stood there is
+    /// Links a face of a new tetrahedron with that of an old one. A far face that stood there is
     /// gone.
     ///
     /// # Panics
@@ -61,12 +61,12 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.expect_live(tet_of(new));
         self.expect_live(tet_of(old));
         self.blocked = None;
-        self.forget_proxy(old);
+        self.forget_far_face(old);
         self.topology.link(new, old);
     }
 
-    /// Puts a proxy for `far` at a face, such as a new tetrahedron's, where none stands. `None` at
-    /// the limit of tetrahedra.
+    /// Puts a far face for `far` at a face, such as a new tetrahedron's, where none stands. `None`
+    /// at the limit of tetrahedra.
     ///
     /// # Panics
     /// If there is no such face.
@@ -74,11 +74,11 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.expect_live(tet_of(face));
         self.blocked = None;
         self.topology.reserve(1).ok()?;
-        let proxy = self.topology.take();
+        let far_face = self.topology.take();
         self.geometry.reserve_spheres(self.topology.slots());
-        self.topology.put_proxy(proxy, face);
+        self.topology.put_far_face(far_face, face);
         let tag = self.far.add(far);
-        self.geometry.set_sphere(proxy, tag);
+        self.geometry.set_sphere(far_face, tag);
         Some(())
     }
 }

@@ -8,7 +8,7 @@ use ltbw_exact::Point;
 
 /// Places on either side that are looked at for a start.
 const SPREAD: usize = 2;
-/// The same for other starts, when a walk has met a proxy.
+/// The same for other starts, when a walk has met a far face.
 const WIDE_SPREAD: usize = 16;
 /// The number of other starts that are tried then.
 const TRIES: usize = 4;
@@ -18,8 +18,8 @@ const NEAR: u32 = 64;
 impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     /// Walks towards `p`, which is to be vertex `v` (or 0, if it has no number yet), from `start`
     /// if that is a tetrahedron here, else from one made lately near by. Such a walk is free to
-    /// start elsewhere when it meets a proxy: the submesh need not be convex, and steps here cost
-    /// less than to ask another.
+    /// start elsewhere when it meets a far face: the submesh need not be convex, and steps here
+    /// cost less than to ask another.
     pub fn walk(&mut self, v: VertexId, p: &Point, start: Option<TetId>) -> Walk<TetId, F> {
         let start = start.filter(|&t| self.is_live(t));
         let free = start.is_none();

@@ -104,8 +104,8 @@ pub(super) enum Track {
 }
 
 /// Is it a given vertex of `range`?
-fn lies_in(site: &WireVertex, range: &Range<Place>) -> bool {
-    given(site.vertex).is_some_and(|place| range.contains(&place))
+fn lies_in(vertex: &WireVertex, range: &Range<Place>) -> bool {
+    given(vertex.name).is_some_and(|place| range.contains(&place))
 }
 
 /// A piece of a Hilbert curve.
@@ -169,7 +169,7 @@ impl Cursor {
                 let both = (*next).max(range.start)..(*end).min(range.end);
                 both.filter(|&v| own.gives(v, *round)).count()
             }
-            Track::Moved(points) => points.iter().filter(|site| lies_in(site, range)).count(),
+            Track::Moved(points) => points.iter().filter(|vertex| lies_in(vertex, range)).count(),
         }
     }
 
@@ -185,15 +185,15 @@ impl Cursor {
             Track::Own { next, end, round } => {
                 for v in (*next).max(range.start)..(*end).min(range.end) {
                     if round_of(v, own.rounds) == *round && !own.take_out(v) {
-                        taken.push(mesh.site_at(v));
+                        taken.push(mesh.vertex_at(v));
                     }
                 }
                 *next = own.first(*next, *end, *round);
             }
-            Track::Moved(points) => points.retain(|site| {
-                let goes = lies_in(site, range);
+            Track::Moved(points) => points.retain(|vertex| {
+                let goes = lies_in(vertex, range);
                 if goes {
-                    taken.push(*site);
+                    taken.push(*vertex);
                 }
                 !goes
             }),
@@ -207,7 +207,7 @@ impl Cursor {
             Track::Own { next, end, round } => {
                 let v = *next;
                 *next = own.first(v + 1, *end, *round);
-                Some(mesh.site_at(v))
+                Some(mesh.vertex_at(v))
             }
             Track::Moved(points) => points.pop_front(),
         }

@@ -22,18 +22,18 @@ fn every_point_comes_once_and_a_waiting_one_keeps_its_cursor() {
     let mut seen = vec![0; 9001];
     let mut waiting: Option<WireVertex> = None;
     while !field.is_empty() {
-        let Some(site) = field.next(&mesh) else {
+        let Some(vertex) = field.next(&mesh) else {
             // Only the last cursors have nothing else to give.
             field.inserted(&mesh, &waiting.take().expect("a waiting point"));
             continue;
         };
-        seen[site.vertex as usize] += 1;
-        if site.vertex % 100 == 0 {
-            if let Some(before) = waiting.replace(site) {
-                field.let_go(&before);
+        seen[vertex.name as usize] += 1;
+        if vertex.name % 100 == 0 {
+            if let Some(before) = waiting.replace(vertex) {
+                field.released(&before);
             }
         } else {
-            field.inserted(&mesh, &site);
+            field.inserted(&mesh, &vertex);
         }
     }
     assert!(seen[1..].iter().all(|&n| n == 1));
@@ -44,8 +44,8 @@ fn every_point_comes_once_and_a_waiting_one_keeps_its_cursor() {
 fn points_that_wait_are_far_from_each_other() {
     let (mut field, mesh) = field(900);
     let mut given: Vec<VertexName> = Vec::new();
-    while let Some(site) = field.next(&mesh) {
-        given.push(site.vertex);
+    while let Some(vertex) = field.next(&mesh) {
+        given.push(vertex.name);
     }
     assert!(!field.is_ready() && !field.is_empty());
     assert_eq!(given[..3], [1, 301, 601], "one point of each cursor");
@@ -54,17 +54,17 @@ fn points_that_wait_are_far_from_each_other() {
     // The piece between two of them is too short to be cut.
     let gaps: Vec<u64> = given.windows(2).map(|pair| pair[1] - pair[0]).collect();
     assert!(gaps.iter().all(|&gap| gap > 1 && gap <= 1 + SHORTEST as u64), "{gaps:?}");
-    let site = WireVertex::new(given[1], [0.0; 3]);
-    field.let_go(&site);
+    let vertex = WireVertex::new(given[1], [0.0; 3]);
+    field.released(&vertex);
     let next = field.next(&mesh).expect("a point");
-    assert_eq!(next.vertex, given[1] + 1);
+    assert_eq!(next.name, given[1] + 1);
     assert!(!field.is_ready());
 }
 
 #[test]
 fn the_next_round_begins_when_all_cursors_wait() {
     let (mut field, mesh) = field(9000);
-    let round = |site: &WireVertex| round_of(site.vertex as u32, 1);
+    let round = |vertex: &WireVertex| round_of(vertex.name as u32, 1);
     let rounds: Vec<u32> =
         std::iter::from_fn(|| field.next(&mesh)).take(6).map(|s| round(&s)).collect();
     assert_eq!(rounds, [0, 0, 0, 1, 1, 1]);
@@ -78,32 +78,32 @@ fn what_lies_at_the_interface_goes_first_in_short_pieces_far_from_each_other() {
     let mut field = field.interface(pieces.to_vec(), 4);
     let next = |field: &mut PointQueue| field.next(&mesh).expect("a point");
     let given: Vec<WireVertex> = (0..4).map(|_| next(&mut field)).collect();
-    assert!(given.iter().all(|site| at(site.vertex)), "{given:?}");
-    let pairs = given.iter().flat_map(|a| given.iter().map(|b| (a.vertex, b.vertex)));
+    assert!(given.iter().all(|vertex| at(vertex.name)), "{given:?}");
+    let pairs = given.iter().flat_map(|a| given.iter().map(|b| (a.name, b.name)));
     let near = pairs.filter(|(a, b)| a < b).map(|(a, b)| b - a).min();
     assert!(near >= Some(32), "pieces, not points of one piece: {given:?}");
     // Four are under way: others go on, as they lie.
     let others: Vec<WireVertex> = (0..3)
         .map(|_| {
-            let site = next(&mut field);
-            field.inserted(&mesh, &site);
-            site
+            let vertex = next(&mut field);
+            field.inserted(&mesh, &vertex);
+            vertex
         })
         .collect();
-    assert!(others.windows(2).all(|pair| pair[0].vertex < pair[1].vertex), "{others:?}");
-    assert!(!others.iter().any(|site| at(site.vertex)), "{others:?}");
+    assert!(others.windows(2).all(|pair| pair[0].name < pair[1].name), "{others:?}");
+    assert!(!others.iter().any(|vertex| at(vertex.name)), "{others:?}");
     // One of them is inserted: its piece goes on.
     field.inserted(&mesh, &given[2]);
     let after = next(&mut field);
-    assert!(after.vertex > given[2].vertex && after.vertex < given[2].vertex + 64);
+    assert!(after.name > given[2].name && after.name < given[2].name + 64);
     // Every point comes once all the same.
     let mut seen = vec![0; 9001];
     let so_far = given.iter().chain(&others).chain([&after]);
-    so_far.for_each(|site| seen[site.vertex as usize] += 1);
-    given.iter().chain([&after]).for_each(|site| field.inserted(&mesh, site));
-    while let Some(site) = field.next(&mesh) {
-        seen[site.vertex as usize] += 1;
-        field.inserted(&mesh, &site);
+    so_far.for_each(|vertex| seen[vertex.name as usize] += 1);
+    given.iter().chain([&after]).for_each(|vertex| field.inserted(&mesh, vertex));
+    while let Some(vertex) = field.next(&mesh) {
+        seen[vertex.name as usize] += 1;
+        field.inserted(&mesh, &vertex);
     }
     assert!(seen[1..].iter().all(|&n| n == 1) && field.is_empty());
     assert_eq!(field.given(), 9000);
@@ -120,15 +120,15 @@ fn no_more_points_than_said_are_under_way_while_others_may_go() {
     while !field.is_empty() {
         // Points under way when nothing else may go are another matter.
         if field.ready.is_empty() {
-            under_way.drain(..).for_each(|site: WireVertex| field.inserted(&mesh, &site));
+            under_way.drain(..).for_each(|vertex: WireVertex| field.inserted(&mesh, &vertex));
         }
         let others = !field.ready.is_empty();
-        let site = field.next(&mesh).expect("a point");
-        if at(site.vertex) {
-            under_way.push(site);
+        let vertex = field.next(&mesh).expect("a point");
+        if at(vertex.name) {
+            under_way.push(vertex);
             most = most.max(if others { under_way.len() } else { 0 });
         } else {
-            field.inserted(&mesh, &site);
+            field.inserted(&mesh, &vertex);
         }
     }
     assert_eq!(most, 10);
@@ -138,17 +138,17 @@ fn no_more_points_than_said_are_under_way_while_others_may_go() {
 fn a_block_moves_with_its_points() {
     let (mut field, mesh) = field(1000);
     for _ in 0..10 {
-        let site = field.next(&mesh).expect("a point");
-        field.inserted(&mesh, &site);
+        let vertex = field.next(&mesh).expect("a point");
+        field.inserted(&mesh, &vertex);
     }
     let before = field.left();
     assert_eq!(field.in_block(BlockId::new(3)), 250);
-    let taken = field.take_block(&mesh, BlockId::new(3));
+    let taken = field.remove_block(&mesh, BlockId::new(3));
     assert_eq!(
         (taken.len(), field.left(), field.in_block(BlockId::new(3))),
         (250, before - 250, 0)
     );
-    field.give(BlockId::new(3), taken);
+    field.add(BlockId::new(3), taken);
     assert_eq!((field.in_block(BlockId::new(3)), field.left()), (250, before));
     field.clear();
     assert!(field.is_empty() && field.next(&mesh).is_none());
@@ -161,12 +161,12 @@ fn a_block_moves_without_points_once_the_field_is_cleared() {
     for begun in [0, 10] {
         let (mut field, mesh) = field(9000);
         for _ in 0..begun {
-            let site = field.next(&mesh).expect("a point");
-            field.inserted(&mesh, &site);
+            let vertex = field.next(&mesh).expect("a point");
+            field.inserted(&mesh, &vertex);
         }
         field.clear();
         for block in 0..4 {
-            assert_eq!(field.take_block(&mesh, BlockId::new(block)).len(), 0, "block {block}");
+            assert_eq!(field.remove_block(&mesh, BlockId::new(block)).len(), 0, "block {block}");
             assert_eq!(field.in_block(BlockId::new(block)), 0);
         }
         assert!(field.is_empty() && !field.is_ready() && field.next(&mesh).is_none());

@@ -20,7 +20,7 @@ pub struct Limits {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
-pub enum Breach {
+pub enum ConformityDefect {
     /// Coordinates of mesh and domain have no common unit of 60 bits: nothing was tested.
     TooFine,
     /// A vertex of the domain is not in the mesh. `ids`: the vertex of the domain.
@@ -49,7 +49,7 @@ pub enum Breach {
     VolumeExceeded,
 }
 
-impl Breach {
+impl ConformityDefect {
     /// The breach in words, for people.
     pub fn text(self) -> &'static str {
         match self {
@@ -73,8 +73,8 @@ impl Breach {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
     /// The kind of breach.
-    pub breach: Breach,
-    /// The place: see [`Breach`].
+    pub breach: ConformityDefect,
+    /// The place: see [`ConformityDefect`].
     pub ids: Vec<u32>,
 }
 
@@ -93,7 +93,7 @@ pub struct Conformity {
     /// Breaches, at most `max_defects` of each kind.
     pub findings: Vec<Finding>,
     /// All of them, listed or not.
-    pub counts: BTreeMap<Breach, u64>,
+    pub counts: BTreeMap<ConformityDefect, u64>,
     /// Number of defects of the mesh, listed or not.
     pub mesh_defect_count: u64,
     /// Faces of the mesh that lie on facets.
@@ -119,7 +119,7 @@ impl Conformity {
     }
 
     /// Number of breaches of a kind.
-    pub fn count(&self, breach: Breach) -> u64 {
+    pub fn count(&self, breach: ConformityDefect) -> u64 {
         self.counts.get(&breach).copied().unwrap_or(0)
     }
 }

@@ -27,15 +27,15 @@ mod place;
 mod slab;
 mod whole;
 
+use crate::chunks::pieces;
 use crate::defect::{Findings, Level};
 use crate::faces::{self, Faces};
 use crate::geometry;
 use crate::mesh::{Mesh, Options, Point, face};
 use crate::predicates::{Tally, orient3d};
 use crate::structure;
-use crate::sweep::pieces;
 use facet::FlatFacet;
-pub use finding::{Breach, Conformity, Finding, Limits};
+pub use finding::{Conformity, ConformityDefect, Finding, Limits};
 use num_bigint::BigInt;
 use place::{along, groups, holds};
 use std::collections::{HashMap, HashSet};
@@ -85,7 +85,7 @@ pub fn conforms(
     let named = named.chain(plc.segments.iter().flatten().copied());
     let known = named.into_iter().all(|v| (v as usize) < plc.vertices.len());
     let Some(units) = Units::of(&[mesh.points, &plc.vertices]).filter(|_| known) else {
-        run.add(Breach::TooFine, &[]);
+        run.add(ConformityDefect::TooFine, &[]);
         return run.out;
     };
     let points: Vec<Whole> = mesh.points.iter().map(|p| units.whole(p)).collect();
@@ -111,7 +111,7 @@ fn edge(a: u32, b: u32) -> [u32; 2] {
 }
 
 impl Run<'_> {
-    fn add(&mut self, breach: Breach, ids: &[u32]) {
+    fn add(&mut self, breach: ConformityDefect, ids: &[u32]) {
         let count = self.out.counts.entry(breach).or_default();
         *count += 1;
         if *count <= self.limit as u64 {
@@ -162,7 +162,7 @@ impl Run<'_> {
             (0u32..).zip(points).filter(|(v, _)| used[*v as usize]).map(|(v, p)| (*p, v)).collect();
         for (v, p) in (0u32..).zip(&corners) {
             if !place.contains_key(p) {
-                self.add(Breach::VertexMissing, &[v]);
+                self.add(ConformityDefect::VertexMissing, &[v]);
             }
         }
         let mut facets = Vec::new();
@@ -170,12 +170,12 @@ impl Run<'_> {
             let holes: Vec<Whole> = facet.holes.iter().map(|p| units.whole(p)).collect();
             let flat = FlatFacet::new(&facet.polygons, &holes, |v| corners[v as usize]);
             if flat.is_none() {
-                self.add(Breach::FacetDegenerate, &[f]);
+                self.add(ConformityDefect::FacetDegenerate, &[f]);
             }
             facets.push(flat);
         }
         let patches = flat::find(self.plc, &corners).unwrap_or_else(|| {
-            self.add(Breach::TooFine, &[]);
+            self.add(ConformityDefect::TooFine, &[]);
             Vec::new()
         });
         let on = self.vertices_on(&facets, &corners, points, &used);
@@ -312,7 +312,7 @@ impl Run<'_> {
         let mut broken: Vec<[u32; 2]> = wanted.into_values().flatten().collect();
         broken.sort_unstable();
         broken.dedup();
-        broken.iter().for_each(|ends| self.add(Breach::SegmentBroken, ends));
+        broken.iter().for_each(|ends| self.add(ConformityDefect::SegmentBroken, ends));
         chains
     }
 
@@ -371,7 +371,7 @@ impl Run<'_> {
             if let Some(&first) = list.first()
                 && flats.map(FlatFacet::area).sum::<BigInt>() != area
             {
-                self.add(Breach::FacetNotTiled, &[first]);
+                self.add(ConformityDefect::FacetNotTiled, &[first]);
             }
         }
         codes
@@ -382,7 +382,7 @@ impl Run<'_> {
         for &code in faces.hull.iter().filter(|code| !on_facets.contains(code)) {
             let (t, i) = crate::mesh::split(code);
             let [a, b, c] = face(&self.mesh.tets[t], i);
-            self.add(Breach::HullFaceOffFacet, &[t as u32, a, b, c]);
+            self.add(ConformityDefect::HullFaceOffFacet, &[t as u32, a, b, c]);
         }
     }
 
@@ -405,7 +405,7 @@ impl Run<'_> {
                         continue;
                     }
                     if tag(t) != tag(u) && t < u {
-                        self.add(Breach::TagsDiffer, &[t as u32, u as u32]);
+                        self.add(ConformityDefect::TagsDiffer, &[t as u32, u as u32]);
                     }
                     if cell[u] == u32::MAX {
                         cell[u] = next;
@@ -428,12 +428,12 @@ impl Run<'_> {
         };
         for (k, p) in (0u32..).zip(&plc.holes) {
             if let Some(t) = find(p) {
-                self.add(Breach::HoleMeshed, &[k, t as u32]);
+                self.add(ConformityDefect::HoleMeshed, &[k, t as u32]);
             }
         }
         let seeds: Vec<Option<usize>> = plc.regions.iter().map(find).collect();
         for (k, _) in (0u32..).zip(&seeds).filter(|(_, seed)| seed.is_none()) {
-            self.add(Breach::RegionNotMeshed, &[k]);
+            self.add(ConformityDefect::RegionNotMeshed, &[k]);
         }
         seeds
     }
@@ -476,11 +476,11 @@ impl Run<'_> {
                     continue;
                 }
                 if limits.radius_edge.is_some_and(|b| bounds::ratio_exceeds(corners, b)) {
-                    found.push((Breach::RatioExceeded, t as u32));
+                    found.push((ConformityDefect::RatioExceeded, t as u32));
                 }
                 let volumes = [general, regions.get(&cells[t]).copied()];
                 if volumes.into_iter().flatten().any(|b| bounds::volume_exceeds(corners, b)) {
-                    found.push((Breach::VolumeExceeded, t as u32));
+                    found.push((ConformityDefect::VolumeExceeded, t as u32));
                 }
             }
             found

@@ -6,7 +6,7 @@
 
 use super::slab::{Slab, big_dot, minus};
 use super::whole::{Units, Whole, twice_area};
-use super::{Breach, Run, edge};
+use super::{ConformityDefect, Run, edge};
 use crate::faces::Faces;
 use crate::mesh::face;
 use num_bigint::BigInt;
@@ -196,11 +196,11 @@ impl Run<'_> {
         for (patch, tile) in patches.iter().zip(tiles) {
             let fewer = usize::from(tile.turns[0] >= tile.turns[1]);
             if let Some(ids) = tile.first[fewer].filter(|_| tile.turns[fewer] > 0) {
-                self.add(Breach::PatchFolded, &ids);
+                self.add(ConformityDefect::PatchFolded, &ids);
             }
             let mut odd = tile.edges.iter().filter(|(_, count)| **count % 2 == 1);
             if tile.area != patch.area() || odd.any(|(e, _)| !outline.contains(e)) {
-                self.add(Breach::FacetNotTiled, &patch.facets[..1]);
+                self.add(ConformityDefect::FacetNotTiled, &patch.facets[..1]);
             }
             within += patch.plane_area() * 2.0;
         }

@@ -27,7 +27,7 @@ use super::state::Place;
 use super::table::Map;
 use super::verdict::Filling;
 use crate::sync::{Keys, Words};
-use ltbw_core::cavity::Open;
+use ltbw_core::cavity::AdmitAll;
 use ltbw_core::topology::TetId;
 use probe::Probe;
 use std::ops::Range;
@@ -389,7 +389,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
         let before = self.own.state.mesh.num_vertices();
         let mut work = Queues::default();
         for item in self.circles() {
-            match self.own.split_jointly(item, &mut work, &mut Open) {
+            match self.own.split_jointly(item, &mut work, &mut AdmitAll) {
                 Step::Refused(reason) => {
                     self.own.record.refused.insert(item, Refusal::final_for(reason));
                 }

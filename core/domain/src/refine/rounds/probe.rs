@@ -16,7 +16,7 @@ use crate::refine::state::Place;
 use crate::refine::verdict::{Filling, Judge, Verdict};
 use crate::refine::walk::Way;
 use crate::vector::distance2;
-use ltbw_core::cavity::{Open, Role};
+use ltbw_core::cavity::{AdmitAll, Role};
 use ltbw_core::mesh::At;
 use ltbw_core::topology::{TetId, VertexId};
 
@@ -183,7 +183,7 @@ impl Rounds<'_, '_> {
         stats.searches += 1;
         let is_free = place.carrier == Carrier::Free;
         let open = match is_free {
-            true => state.begin_and_look(&place, &mut Open),
+            true => state.begin_and_look(&place, &mut AdmitAll),
             // Rule (d): boundary points keep apart.
             false => state.begin_and_look(&place, &mut |t: TetId, _: Role| {
                 let other = reserved.at(t);

@@ -2,8 +2,8 @@
 //! they are wanted.
 
 use super::WorkerStats;
-use super::worker_loop::Watch;
-use crate::metrics::{Cause, Collector, Nanos, Step, Survey};
+use super::worker_loop::RuntimeHooks;
+use crate::metrics::{Cause, Collector, Nanos, Step, SubmeshSize};
 use crate::protocol::{Action, Attempt, BlockId, Event, Note, WorkerId};
 use crate::simulate::{LOAD_BYTES, Payload, bytes};
 use crate::sync::Tally;
@@ -11,35 +11,35 @@ use ltbw_core::CancelToken;
 use std::time::{Duration, Instant};
 
 /// A cancel token wakes nobody: a sleeping worker looks at it now and then.
-const NAP: Duration = Duration::from_millis(20);
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// The number of times that a backoff doubles.
 const DOUBLINGS: u32 = 10;
 
 /// Looks for messages of a worker with nothing to do, some ten microseconds in all, before it
 /// sleeps.
-const LOOKS: u32 = 100;
+const POLLS: u32 = 100;
 
 /// Points that a worker has done before it says so.
 const BATCH: u64 = 64;
 
 /// The watch of a worker thread.
 #[derive(Debug)]
-pub(super) struct ThreadWatch<'a> {
+pub(super) struct ThreadHooks<'a> {
     start: Instant,
     cancel: Option<&'a CancelToken>,
     /// The worker was told of the cancel.
-    told: bool,
+    has_cancelled: bool,
     /// A backoff's longest time, before it is doubled.
     backoff: Duration,
     random: u64,
-    looks: u32,
+    polls: u32,
     pub(super) stats: WorkerStats,
     meter: Option<Meter>,
     /// The figures of all workers, if somebody wants to know.
     tally: Option<&'a Tally>,
     /// Points done that the tally does not have yet.
-    untold: u64,
+    uncounted: u64,
 }
 
 /// Takes the time of everything.
@@ -51,7 +51,7 @@ struct Meter {
     cause: Cause,
 }
 
-impl<'a> ThreadWatch<'a> {
+impl<'a> ThreadHooks<'a> {
     /// The watch of `worker` in a run that began at `start`; if there is a number of `spans`, all
     /// is measured, and that number of stretches of time is kept. In a `crowded` run there are more
     /// workers than processors.
@@ -70,9 +70,20 @@ impl<'a> ThreadWatch<'a> {
         });
         let random = 0x9e37_79b9_7f4a_7c15 ^ u64::from(worker.number()) << 32 | 1;
         let stats = WorkerStats::default();
-        let looks = if crowded { 0 } else { LOOKS };
-        let (tally, untold) = (None, 0);
-        Self { start, cancel, told: false, backoff, random, looks, stats, meter, tally, untold }
+        let polls = if crowded { 0 } else { POLLS };
+        let (tally, uncounted) = (None, 0);
+        Self {
+            start,
+            cancel,
+            has_cancelled: false,
+            backoff,
+            random,
+            polls,
+            stats,
+            meter,
+            tally,
+            uncounted,
+        }
     }
 
     /// Adds the points done to `tally`.
@@ -82,16 +93,16 @@ impl<'a> ThreadWatch<'a> {
     }
 
     fn count(&mut self, most: u64) {
-        if self.untold > most {
+        if self.uncounted > most {
             if let Some(tally) = self.tally {
-                tally.add(self.untold);
+                tally.add(self.uncounted);
             }
-            self.untold = 0;
+            self.uncounted = 0;
         }
     }
 
     /// Ends the measuring.
-    pub(super) fn finish(self, mesh: &impl Survey) -> (WorkerStats, Option<Collector>) {
+    pub(super) fn finish(self, mesh: &impl SubmeshSize) -> (WorkerStats, Option<Collector>) {
         let collector = self.meter.map(|mut meter| {
             meter.collector.finish(meter.last, mesh);
             meter.collector
@@ -105,7 +116,7 @@ fn nanos(start: Instant) -> Nanos {
     start.elapsed().as_nanos() as Nanos
 }
 
-impl<S: Payload> Watch<S> for ThreadWatch<'_> {
+impl<S: Payload> RuntimeHooks<S> for ThreadHooks<'_> {
     const BURST: usize = 4;
 
     fn now(&mut self) -> Nanos {
@@ -127,28 +138,28 @@ impl<S: Payload> Watch<S> for ThreadWatch<'_> {
     }
 
     fn order(&mut self, _: impl Fn(BlockId) -> bool) -> Option<Event<S>> {
-        if self.told || !self.cancel.is_some_and(CancelToken::is_cancelled) {
+        if self.has_cancelled || !self.cancel.is_some_and(CancelToken::is_cancelled) {
             return None;
         }
-        self.told = true;
+        self.has_cancelled = true;
         Some(Event::Cancel)
     }
 
-    fn nap(&self) -> Option<Duration> {
-        self.cancel.filter(|_| !self.told).map(|_| NAP)
+    fn poll_interval(&self) -> Option<Duration> {
+        self.cancel.filter(|_| !self.has_cancelled).map(|_| POLL_INTERVAL)
     }
 
-    fn looks_before_sleep(&self) -> u32 {
-        self.looks
+    fn polls_before_sleep(&self) -> u32 {
+        self.polls
     }
 
-    fn looks(&mut self) {
+    fn polls(&mut self) {
         if let Some(meter) = &mut self.meter {
             meter.last = nanos(self.start);
         }
     }
 
-    fn looked(&mut self, found: usize) {
+    fn polled(&mut self, found: usize) {
         self.stats.polls[0] += 1;
         self.stats.polls[1] += u64::from(found > 0);
         if let Some(meter) = &mut self.meter {
@@ -176,9 +187,9 @@ impl<S: Payload> Watch<S> for ThreadWatch<'_> {
                 Action::Note(note) => {
                     let is_done = matches!(
                         note,
-                        Note::Local | Note::Known | Note::Gone | Note::Committed { .. }
+                        Note::Local | Note::Duplicate | Note::Gone | Note::Committed { .. }
                     );
-                    self.untold += u64::from(is_done);
+                    self.uncounted += u64::from(is_done);
                     self.stats.note(*note);
                 }
                 Action::Backoff { .. } => {}

@@ -1,28 +1,25 @@
-//! The conflict zone of a point: what inserting it would change, without inserting it.
+//! The conflict region of a point: what inserting it would change, without inserting it.
 
 use super::target::{Spot, Target};
 use super::{Cursor, Location};
+use crate::cavity::OTHERS;
 use crate::mesh::Vertex;
 use crate::topology::{INFINITE, TetId, tet_of};
 use ltbw_exact::Point;
 use ltbw_exact::points::PointError;
-
-/// For slot i: the other slots, in the order in which (p, others) is positively oriented when p
-/// stands for vertex i of a positively oriented tetrahedron.
-const OTHERS: [[usize; 3]; 4] = [[1, 2, 3], [2, 0, 3], [0, 1, 3], [1, 0, 2]];
 
 /// The conflicts of a point ([`Cursor::conflicts`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Conflicts<'c> {
     /// It lies at this vertex: inserting it would change nothing.
     AtVertex(Vertex),
-    /// Inserting it would replace this zone by a star.
-    Zone(Zone<'c>),
+    /// Inserting it would replace this region by a star.
+    Region(ConflictRegion<'c>),
 }
 
-/// A face on the boundary of a conflict zone.
+/// A face on the boundary of a conflict region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Wall {
+pub struct BoundaryFace {
     /// Its corners: with the point before them they are a positively oriented tetrahedron, one
     /// that inserting the point would make.
     pub corners: [Vertex; 3],
@@ -33,15 +30,16 @@ pub struct Wall {
 /// The tetrahedra and hull facets that inserting a point would delete, and what bounds them.
 ///
 /// All tetrahedra whose symbolically perturbed circumsphere has the point inside. Inserted, the
-/// point would make one tetrahedron on each wall and one hull facet on each edge of the horizon.
+/// point would make one tetrahedron on each boundary face and one hull facet on each edge of the
+/// horizon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Zone<'c> {
+pub struct ConflictRegion<'c> {
     /// The finite tetrahedra; none if the point is outside the hull and all spheres.
     pub tets: &'c [TetId],
     /// The hull facets that would not be hull facets any more, counterclockwise from outside.
     pub hull: &'c [[Vertex; 3]],
     /// The finite faces of the boundary.
-    pub walls: &'c [Wall],
+    pub boundary: &'c [BoundaryFace],
     /// The boundary of `hull`: edges of a closed path, directed so that the facet from the point
     /// over such an edge, (point, first, second), turns counterclockwise seen from outside.
     pub horizon: &'c [[Vertex; 2]],
@@ -51,22 +49,22 @@ pub struct Zone<'c> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Buffers {
     hull: Vec<[Vertex; 3]>,
-    walls: Vec<Wall>,
+    boundary: Vec<BoundaryFace>,
     horizon: Vec<[Vertex; 2]>,
 }
 
 impl Buffers {
     pub(super) fn memory_bytes(&self) -> usize {
         self.hull.capacity() * size_of::<[Vertex; 3]>()
-            + self.walls.capacity() * size_of::<Wall>()
+            + self.boundary.capacity() * size_of::<BoundaryFace>()
             + self.horizon.capacity() * size_of::<[Vertex; 2]>()
     }
 }
 
 impl Cursor<'_> {
-    /// The conflict zone of a point, exactly: what [`crate::Mesh::insert`] would change.
+    /// The conflict region of a point, exactly: what [`crate::Mesh::insert`] would change.
     ///
-    /// Cost: a walk, then O(zone).
+    /// Cost: a walk, then O(region).
     ///
     /// # Errors
     /// [`PointError::NotFinite`], with index 0.
@@ -79,9 +77,9 @@ impl Cursor<'_> {
     /// # let mesh = Builder::new().build(&PointSet::new(cube)?)?.mesh;
     /// let queries = mesh.queries();
     /// let mut cursor = queries.cursor();
-    /// let Conflicts::Zone(zone) = cursor.conflicts([0.5; 3])? else { panic!("not a vertex") };
-    /// assert_eq!(zone.tets.len(), mesh.num_tets(), "the centre is inside every sphere");
-    /// assert_eq!((zone.walls.len(), zone.hull.len()), (12, 0));
+    /// let Conflicts::Region(region) = cursor.conflicts([0.5; 3])? else { panic!("not a vertex") };
+    /// assert_eq!(region.tets.len(), mesh.num_tets(), "the centre is inside every sphere");
+    /// assert_eq!((region.boundary faces.len(), region.hull.len()), (12, 0));
     /// assert_eq!(cursor.conflicts([0.0; 3])?, Conflicts::AtVertex(0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -95,28 +93,28 @@ impl Cursor<'_> {
         // A point in a tetrahedron, at none of its corners, is inside its sphere; one beyond a
         // hull facet is in conflict with its ghost.
         let (Spot::Inside(start, _) | Spot::Outside(start)) = spot;
-        self.find_zone(&target, start);
+        self.find_region(&target, start);
         let s = &self.scratch;
-        Ok(Conflicts::Zone(Zone {
+        Ok(Conflicts::Region(ConflictRegion {
             tets: &s.finite,
-            hull: &s.zone.hull,
-            walls: &s.zone.walls,
-            horizon: &s.zone.horizon,
+            hull: &s.region.hull,
+            boundary: &s.region.boundary,
+            horizon: &s.region.horizon,
         }))
     }
 
-    /// Breadth-first from `start`, as [`crate::cavity`] does it. The zone is connected across
+    /// Breadth-first from `start`, as [`crate::cavity`] does it. The region is connected across
     /// faces. Ends: each tetrahedron enters once.
-    fn find_zone(&mut self, target: &Target<'_>, start: TetId) {
+    fn find_region(&mut self, target: &Target<'_>, start: TetId) {
         let queries = self.queries;
         let topology = &queries.mesh.topology;
         let s = &mut self.scratch;
         s.reached.clear();
         s.tets.clear();
         s.finite.clear();
-        s.zone.hull.clear();
-        s.zone.walls.clear();
-        s.zone.horizon.clear();
+        s.region.hull.clear();
+        s.region.boundary.clear();
+        s.region.horizon.clear();
         s.tets.insert(start);
         s.reached.push(start);
         let mut next = 0;
@@ -125,7 +123,7 @@ impl Cursor<'_> {
             let tet = topology.tet(t);
             let v = tet.vertices();
             if tet.is_ghost() {
-                s.zone.hull.push([v[0], v[1], v[2]].map(|v| queries.number(v)));
+                s.region.hull.push([v[0], v[1], v[2]].map(|v| queries.number(v)));
             } else {
                 s.finite.push(t);
             }
@@ -142,11 +140,11 @@ impl Cursor<'_> {
                 let [a, b, c] = OTHERS[slot].map(|k| v[k]);
                 if c == INFINITE {
                     // The new ghost (p, a, b, infinity) stands for the facet p, a, b.
-                    s.zone.horizon.push([a, b].map(|v| queries.number(v)));
+                    s.region.horizon.push([a, b].map(|v| queries.number(v)));
                 } else {
                     let corners = [a, b, c].map(|v| queries.number(v));
                     let beyond = (!topology.tet(u).is_ghost()).then_some(u);
-                    s.zone.walls.push(Wall { corners, beyond });
+                    s.region.boundary.push(BoundaryFace { corners, beyond });
                 }
             }
         }

@@ -13,13 +13,13 @@
 //! this maps the faces with a claim `u > t` one to one into those with a claim `u < t`; if the
 //! numbers of both are equal, onto them: the claims are pairs.
 
+use crate::chunks::{Partial, pieces};
 use crate::defect::Findings;
 use crate::geometry::Oriented;
 use crate::hull;
 use crate::mesh::{Mesh, NO_NEIGHBOUR, Options, Point, face, split};
 use crate::perturb;
 use crate::predicates::{Sphere, Tally};
-use crate::sweep::{Partial, pieces};
 use crate::topology::{self, Hull};
 use std::ops::Range;
 
@@ -41,14 +41,14 @@ pub(crate) struct Proof {
 /// tetrahedra must be sound and there must be one.
 pub(crate) fn prove(mesh: &Mesh, options: &Options, canonical: bool) -> Option<Proof> {
     let claims = mesh.neighbours.filter(|n| n.len() == mesh.tets.len())?;
-    let swept = Swept::all(mesh, claims, canonical)?;
-    let facets = &swept.hull;
+    let totals = Totals::all(mesh, claims, canonical)?;
+    let facets = &totals.hull;
     let mut findings = Findings::new(options.max_defects);
     topology::claimed_hull(mesh, facets, &mut findings);
     let surface = topology::hull(mesh, facets, &mut findings);
     findings.merge(topology::hull_euler(mesh, facets, &surface));
 
-    let oriented = Oriented::positive(mesh, swept.volume / 6.0);
+    let oriented = Oriented::positive(mesh, totals.volume / 6.0);
     let limit = options.max_defects;
     let (mut part, ties) = hull::edges(&oriented, facets, &surface.pairs, canonical, limit);
     part.merge(hull::once_around(&oriented, facets, 0, limit));
@@ -56,23 +56,23 @@ pub(crate) fn prove(mesh: &Mesh, options: &Options, canonical: bool) -> Option<P
     if !findings.counts.is_empty() || !holds(&part) || !holds(&ties) {
         return None;
     }
-    let (mut delaunay, mut perturbed) = (swept.delaunay, swept.canonical);
+    let (mut delaunay, mut perturbed) = (totals.delaunay, totals.canonical);
     delaunay.merge(part.tally);
     perturbed.merge(ties.tally);
     Some(Proof {
-        orientation: swept.orientation,
+        orientation: totals.orientation,
         delaunay,
         canonical: perturbed,
         volume: oriented.volume,
         hull_facets: facets.len() as u64,
-        faces: swept.above + facets.len() as u64,
+        faces: totals.above + facets.len() as u64,
         hull: surface,
     })
 }
 
 /// The result of a sweep over tetrahedra if all of its tests hold.
 #[derive(Default)]
-struct Swept {
+struct Totals {
     orientation: Tally,
     delaunay: Tally,
     canonical: Tally,
@@ -85,7 +85,7 @@ struct Swept {
     below: u64,
 }
 
-impl Swept {
+impl Totals {
     fn all(mesh: &Mesh, claims: &[[u32; 4]], canonical: bool) -> Option<Self> {
         let parts = pieces(mesh.tets.len(), |range| {
             let (mut part, mut block) = (Self::default(), Block::default());
@@ -171,7 +171,7 @@ impl Block {
         mesh: &Mesh,
         claims: &[[u32; 4]],
         tets: Range<usize>,
-        swept: &mut Swept,
+        totals: &mut Totals,
     ) -> Option<()> {
         let empty = Joint { code: 0, claim: 0, other: [0; 4], back: [0; 4], apex: [0.0; 3] };
         self.joints.resize(4 * tets.len(), empty);
@@ -187,11 +187,11 @@ impl Block {
             }
         }
         self.joints.truncate(count);
-        swept.above += count as u64;
-        swept.below += (4 * tets.len() - count - on_hull) as u64;
+        totals.above += count as u64;
+        totals.below += (4 * tets.len() - count - on_hull) as u64;
         if on_hull > 0 {
             let codes = (4 * tets.start as u32..).zip(claims[tets].as_flattened());
-            swept.hull.extend(codes.filter(|&(_, &c)| c == NO_NEIGHBOUR).map(|(code, _)| code));
+            totals.hull.extend(codes.filter(|&(_, &c)| c == NO_NEIGHBOUR).map(|(code, _)| code));
         }
         for joint in &mut self.joints {
             joint.other = *mesh.tets.get(joint.claim as usize)?;

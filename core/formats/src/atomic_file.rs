@@ -16,14 +16,14 @@ use tempfile::{NamedTempFile, TempPath};
 const LINKS: usize = 40;
 
 /// A file written in full under a temporary name.
-pub(super) struct Aside {
+pub(super) struct AtomicFile {
     file: TempPath,
     path: PathBuf,
     target: PathBuf,
 }
 
-impl Aside {
-    /// Writes a file with `fill`, to be named `path` by [`Aside::publish`].
+impl AtomicFile {
+    /// Writes a file with `fill`, to be named `path` by [`AtomicFile::publish`].
     pub(super) fn write(
         path: &Path,
         fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
@@ -31,7 +31,7 @@ impl Aside {
         Self::write_until(path, None, fill)
     }
 
-    /// Writes a file as [`Aside::write`] does, until the token says otherwise.
+    /// Writes a file as [`AtomicFile::write`] does, until the token says otherwise.
     pub(super) fn write_until(
         path: &Path,
         cancel: Option<&CancelToken>,
@@ -181,7 +181,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.xyz");
         std::fs::write(&path, "old").unwrap();
-        let result = Aside::write(&path, |out| {
+        let result = AtomicFile::write(&path, |out| {
             out.write_all(&[b'x'; 3 << 20])?;
             Err(Error::from(ErrorKind::StorageFull))
         });
@@ -196,7 +196,7 @@ mod tests {
         let path = dir.path().join("a.xyz");
         std::fs::write(&path, "old").unwrap();
         let (token, mut taken) = (CancelToken::new(), 0);
-        let result = Aside::write_until(&path, Some(&token), |out| {
+        let result = AtomicFile::write_until(&path, Some(&token), |out| {
             for k in 0..100 {
                 if k == 3 {
                     token.cancel();
@@ -216,7 +216,7 @@ mod tests {
     fn nothing_appears_before_it_is_published() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.xyz");
-        let aside = Aside::write(&path, |out| out.write_all(b"new")).unwrap();
+        let aside = AtomicFile::write(&path, |out| out.write_all(b"new")).unwrap();
         assert!(!path.exists());
         aside.publish().unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"new");
@@ -232,7 +232,7 @@ mod tests {
         std::fs::write(&real, "old").unwrap();
         let ordinary = std::fs::metadata(&real).unwrap().permissions().mode();
         std::os::unix::fs::symlink(&real, &link).unwrap();
-        Aside::write(&link, |out| out.write_all(b"new")).unwrap().publish().unwrap();
+        AtomicFile::write(&link, |out| out.write_all(b"new")).unwrap().publish().unwrap();
         assert_eq!(std::fs::read(&real).unwrap(), b"new");
         assert!(std::fs::symlink_metadata(&link).unwrap().file_type().is_symlink());
         assert_eq!(std::fs::metadata(&real).unwrap().permissions().mode(), ordinary);
@@ -248,7 +248,7 @@ mod tests {
         symlink("deep/second", at("first")).unwrap();
         symlink("../real.xyz", at("deep/second")).unwrap();
         check(&at("first")).unwrap();
-        Aside::write(&at("first"), |out| out.write_all(b"new")).unwrap().publish().unwrap();
+        AtomicFile::write(&at("first"), |out| out.write_all(b"new")).unwrap().publish().unwrap();
         assert_eq!(std::fs::read(at("real.xyz")).unwrap(), b"new");
         for link in ["first", "deep/second"] {
             assert!(std::fs::symlink_metadata(at(link)).unwrap().file_type().is_symlink());
@@ -265,7 +265,8 @@ mod tests {
     fn a_folder_that_is_missing_is_named() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("missing").join("a.xyz");
-        let written = Aside::write(&path, |out| out.write_all(b"new")).err().unwrap().to_string();
+        let written =
+            AtomicFile::write(&path, |out| out.write_all(b"new")).err().unwrap().to_string();
         assert!(written.ends_with("/missing is missing"), "{written}");
         assert_eq!(check(&path).unwrap_err().to_string(), written);
     }

@@ -64,7 +64,7 @@ pub(super) fn known_by(
     Ok(format!("{file}: {change}: {}»{}", before.trim_start(), after.trim_end()))
 }
 
-/// The excused mutants of the list `path`, each with its reason.
+/// The equivalent mutants of the list `path`, each with its reason.
 ///
 /// Paragraphs of a reason (lines that start with `#`) and the mutants it holds for.
 pub(super) fn read(path: &Path) -> Result<BTreeMap<String, String>, String> {
@@ -73,7 +73,7 @@ pub(super) fn read(path: &Path) -> Result<BTreeMap<String, String>, String> {
 }
 
 fn parse(text: &str) -> Result<BTreeMap<String, String>, String> {
-    let mut excused = BTreeMap::new();
+    let mut equivalent = BTreeMap::new();
     for paragraph in text.split("\n\n") {
         let (reason, mutants): (Vec<&str>, Vec<&str>) =
             paragraph.lines().filter(|line| !line.is_empty()).partition(|l| l.starts_with('#'));
@@ -81,19 +81,19 @@ fn parse(text: &str) -> Result<BTreeMap<String, String>, String> {
             if reason.is_empty() {
                 return Err(format!("xtask/mutants.txt: no reason for {mutant}"));
             }
-            if excused.insert(mutant.to_string(), reason.join("\n")).is_some() {
+            if equivalent.insert(mutant.to_string(), reason.join("\n")).is_some() {
                 return Err(format!("xtask/mutants.txt: twice: {mutant}"));
             }
         }
     }
-    Ok(excused)
+    Ok(equivalent)
 }
 
-/// The differences: survivors that are not excused, excused ones that did not survive. If `whole`,
-/// all mutants of the files for which `tried` holds were tried: an excuse for one that is not
-/// among them is out of date.
+/// The differences: survivors that are not equivalent, equivalent ones that did not survive. If
+/// `whole`, all mutants of the files for which `tried` holds were tried: an excuse for one that is
+/// not among them is out of date.
 pub(super) fn compare(
-    excused: &BTreeMap<String, String>,
+    equivalent: &BTreeMap<String, String>,
     found: &Found,
     whole: bool,
     tried: impl Fn(&str) -> bool,
@@ -103,11 +103,11 @@ pub(super) fn compare(
     let mut wrong: Vec<String> =
         found.timeout.iter().map(|mutant| format!("no verdict in time: {mutant}")).collect();
     for mutant in &missed {
-        if !excused.contains_key(*mutant) {
+        if !equivalent.contains_key(*mutant) {
             wrong.push(format!("not caught: {mutant}"));
         }
     }
-    for mutant in excused.keys() {
+    for mutant in equivalent.keys() {
         let file = mutant.split(": ").next().unwrap_or_default();
         if dead.contains(mutant) && !missed.contains(mutant) {
             wrong.push(format!("in the list, but caught: {mutant}"));
@@ -149,14 +149,15 @@ mod tests {
     #[test]
     fn survivors_and_stale_excuses_are_wrong() {
         let names = |list: &[&str]| list.iter().map(|name| (*name).to_string()).collect();
-        let excused = parse("# r\na.rs: 1\na.rs: 2\na.rs: 3\nb.rs: 1\n").expect("a list");
+        let equivalent = parse("# r\na.rs: 1\na.rs: 2\na.rs: 3\nb.rs: 1\n").expect("a list");
         let found = Found {
             caught: names(&["a.rs: 2", "a.rs: 8"]),
             missed: names(&["a.rs: 1", "a.rs: 9"]),
             timeout: names(&["a.rs: 7"]),
             ..Found::default()
         };
-        let wrong = |whole| compare(&excused, &found, whole, |file| file == "a.rs").expect("lists");
+        let wrong =
+            |whole| compare(&equivalent, &found, whole, |file| file == "a.rs").expect("lists");
         let part = [
             "no verdict in time: a.rs: 7",
             "not caught: a.rs: 9",

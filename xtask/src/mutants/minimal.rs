@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The part of a package that stays.
-pub(super) struct Lean {
+pub(super) struct Minimal {
     /// The folder of the package.
     pub(super) folder: &'static str,
     /// The modules that stay, with blanks between them: all that those in question need.
@@ -17,14 +17,14 @@ pub(super) struct Lean {
 
 /// Writes the cut package anew, below `below`; returns its folder. Versions, profiles and the
 /// lock file are the workspace's.
-pub(super) fn package(lean: &Lean, below: &Path) -> Result<PathBuf, String> {
+pub(super) fn package(minimal: &Minimal, below: &Path) -> Result<PathBuf, String> {
     let package = below.join("package");
-    write(lean, &package).map_err(|error| format!("{}: {error}", package.display()))?;
+    write(minimal, &package).map_err(|error| format!("{}: {error}", package.display()))?;
     Ok(package)
 }
 
-fn write(lean: &Lean, package: &Path) -> std::io::Result<()> {
-    let from = root().join(lean.folder);
+fn write(minimal: &Minimal, package: &Path) -> std::io::Result<()> {
+    let from = root().join(minimal.folder);
     // Test programs name their data by a path from where they are.
     for folder in ["src", "tests", "testdata"] {
         if package.join(folder).exists() {
@@ -39,7 +39,7 @@ fn write(lean: &Lean, package: &Path) -> std::io::Result<()> {
     let shared = shared(&workspace, &root().display().to_string());
     fs::write(package.join("Cargo.toml"), format!("{manifest}\n{shared}"))?;
     fs::copy(root().join("Cargo.lock"), package.join("Cargo.lock"))?;
-    let library = library(&fs::read_to_string(from.join("src/lib.rs"))?, &manifest, lean);
+    let library = library(&fs::read_to_string(from.join("src/lib.rs"))?, &manifest, minimal);
     fs::write(package.join("src/lib.rs"), library)
 }
 
@@ -49,8 +49,8 @@ fn shared(workspace: &str, root: &str) -> String {
     format!("[workspace]\n{}", rest.replace("path = \"", &format!("path = \"{root}/")))
 }
 
-/// `library` (a `lib.rs`) with the lean package's modules alone, and its test programs.
-fn library(library: &str, manifest: &str, lean: &Lean) -> String {
+/// `library` (a `lib.rs`) with the minimal package's modules alone, and its test programs.
+fn library(library: &str, manifest: &str, minimal: &Minimal) -> String {
     let mut text = String::new();
     let mut attribute = "";
     for line in library.lines() {
@@ -58,7 +58,7 @@ fn library(library: &str, manifest: &str, lean: &Lean) -> String {
             attribute = line;
             continue;
         }
-        if module(line).is_none_or(|name| lean.modules.split(' ').any(|m| m == name)) {
+        if module(line).is_none_or(|name| minimal.modules.split(' ').any(|m| m == name)) {
             if !attribute.is_empty() {
                 text.push_str(&format!("{attribute}\n"));
             }
@@ -70,7 +70,7 @@ fn library(library: &str, manifest: &str, lean: &Lean) -> String {
     let name = manifest.lines().find_map(|line| line.strip_prefix("name = ")).unwrap_or_default();
     let name = name.trim_matches('"').replace('-', "_");
     text.push_str(&format!("#[cfg(test)]\nextern crate self as {name};\n"));
-    for case in lean.cases {
+    for case in minimal.cases {
         text.push_str(&format!(
             "#[cfg(test)]\n#[path = \"../tests/{case}.rs\"]\nmod test_{case};\n"
         ));
@@ -117,9 +117,9 @@ mod tests {
     fn modules_that_are_not_needed_go() {
         let whole = "//! Text.\n#![deny(x)]\npub mod a;\n#[cfg(feature = \"f\")]\nmod b;\nmod c;\n\
                      pub use a::A;\npub use b::B;\n\n/// One.\npub type T = u8;\n";
-        let lean = Lean { folder: "", modules: "a c", cases: &["k"] };
+        let minimal = Minimal { folder: "", modules: "a c", cases: &["k"] };
         assert_eq!(
-            library(whole, "[package]\nname = \"x-y\"\n", &lean),
+            library(whole, "[package]\nname = \"x-y\"\n", &minimal),
             "//! Text.\n#![deny(x)]\npub mod a;\nmod c;\npub use a::A;\n\n/// One.\npub type T = \
              u8;\n#[cfg(test)]\nextern crate self as x_y;\n#[cfg(test)]\n#[path = \
              \"../tests/k.rs\"]\nmod test_k;\n"

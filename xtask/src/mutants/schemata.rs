@@ -6,8 +6,8 @@
 //! stand at the margin, as rustfmt writes them, with names of their own and plain parameters: one
 //! that is generated.
 
-use super::excused::{Found, known_by, read_source};
-use super::{Group, MEMORY, SECONDS, environment, lean};
+use super::equivalent::{Found, known_by, read_source};
+use super::{Group, MEMORY, SECONDS, environment, minimal};
 use crate::shell::{cargo, target};
 use std::fs;
 use std::path::Path;
@@ -32,7 +32,7 @@ struct Change {
 pub(super) fn test(group: &Group, file: &str, first: &[&str]) -> Result<Found, String> {
     let folder = target().join("mutants").join(group.name);
     fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let package = lean::package(&group.lean, &folder)?;
+    let package = minimal::package(&group.minimal, &folder)?;
     let listed = cargo()
         .args(["mutants", "--list", "--file", file, "--dir"])
         .arg(&package)
@@ -49,10 +49,10 @@ pub(super) fn test(group: &Group, file: &str, first: &[&str]) -> Result<Found, S
     let failed = |error: std::io::Error| format!("{}: {error}", path.display());
     let source = fs::read_to_string(&path).map_err(failed)?;
     let changes = names.iter().map(|name| Change::parse(name)).collect::<Result<Vec<_>, _>>()?;
-    fs::write(&path, switched(&source, &changes)?).map_err(failed)?;
+    fs::write(&path, schemata(&source, &changes)?).map_err(failed)?;
     let program = build(&package)?;
     let mut found = Found::default();
-    let known = |name: &str| known_by(&format!("{}/{name}", group.lean.folder), &read_source);
+    let known = |name: &str| known_by(&format!("{}/{name}", group.minimal.folder), &read_source);
     for name in unviable {
         found.unviable.push(known(name)?);
     }
@@ -141,7 +141,7 @@ impl Change {
 }
 
 /// The source with each function as a switch between itself and its mutants.
-fn switched(source: &str, changes: &[Change]) -> Result<String, String> {
+fn schemata(source: &str, changes: &[Change]) -> Result<String, String> {
     let lines: Vec<&str> = source.lines().collect();
     let mut text = String::new();
     let mut used = vec![false; changes.len()];
@@ -315,11 +315,11 @@ fn f_3([x, y]: [f64; 2], z: f64) -> f64 {
     -1.0
 }
 ";
-        let text = switched(SOURCE, &changes).expect("a program");
+        let text = schemata(SOURCE, &changes).expect("a program");
         assert!(text.starts_with(expected), "{text}");
         let nowhere = Change { line: 2, column: 1, old: None, new: String::new() };
-        assert!(switched(SOURCE, &[nowhere]).is_err());
+        assert!(schemata(SOURCE, &[nowhere]).is_err());
         let other = Change { line: 6, column: 15, old: Some("+".into()), new: "*".into() };
-        assert!(switched(SOURCE, &[other]).is_err());
+        assert!(schemata(SOURCE, &[other]).is_err());
     }
 }
