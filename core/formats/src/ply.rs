@@ -345,6 +345,16 @@ fn tag_type(tags: &[i64]) -> &'static str {
     if tags.iter().all(|&t| i32::try_from(t).is_ok()) { "int" } else { "double" }
 }
 
+/// Writes the start of a header: the format, and points with their coordinates.
+fn write_start(out: &mut dyn Write, points: usize, encoding: Encoding) -> std::io::Result<()> {
+    let form = match encoding {
+        Encoding::Ascii => "ascii",
+        Encoding::Binary => "binary_little_endian",
+    };
+    write!(out, "ply\nformat {form} 1.0\nelement vertex {points}\n")?;
+    ["x", "y", "z"].iter().try_for_each(|axis| writeln!(out, "property double {axis}"))
+}
+
 /// Writes a `.ply` file; binary is little endian.
 ///
 /// # Errors
@@ -357,14 +367,7 @@ pub fn write(
     encoding: Encoding,
 ) -> std::io::Result<()> {
     super::float_tags("point", tags)?;
-    let form = match encoding {
-        Encoding::Ascii => "ascii",
-        Encoding::Binary => "binary_little_endian",
-    };
-    write!(out, "ply\nformat {form} 1.0\nelement vertex {}\n", points.len())?;
-    for axis in ["x", "y", "z"] {
-        writeln!(out, "property double {axis}")?;
-    }
+    write_start(out, points.len(), encoding)?;
     let kind = tags.map(tag_type);
     if let Some(kind) = kind {
         writeln!(out, "property {kind} tag")?;

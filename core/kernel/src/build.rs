@@ -4,7 +4,7 @@ use crate::PredicateStats;
 use crate::cavity::{Admission, AdmitAll, Setback};
 use crate::geometry::Geometry;
 use crate::mesh::{Mesh, Placed, Vertex};
-use crate::order::brio_hilbert;
+use crate::order::{bounding_box, brio_hilbert};
 use crate::sync::CancelToken;
 use crate::topology::MAX_TETS;
 use ltbw_exact::points::Mode;
@@ -238,7 +238,7 @@ impl<'a> Builder<'a> {
         }
         let clock = Instant::now();
         let corners = first_tet(&points, &mut order)?;
-        let (low, high) = bounding_box(&points);
+        let (low, high) = bounding_box(&*points);
         let wide = set.mode() == Mode::Wide;
         // Uniform points have 6.77 tetrahedra each. Pages that stay unused cost nothing.
         let tets = (7 * points.len() + 64).min(MAX_TETS);
@@ -378,19 +378,6 @@ fn insert_next<A: Admission>(
         mesh.duplicates.push((duplicate, v.number()));
     }
     Ok(())
-}
-
-/// The corners of the smallest box around `points`.
-pub(crate) fn bounding_box(points: &[Point]) -> (Point, Point) {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for p in points {
-        for k in 0..3 {
-            low[k] = low[k].min(p[k]);
-            high[k] = high[k].max(p[k]);
-        }
-    }
-    (low, high)
 }
 
 /// The indices of four affinely independent points, the earliest there are.

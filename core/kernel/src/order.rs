@@ -101,6 +101,19 @@ impl Curve {
     }
 }
 
+/// The corners of the smallest box around points.
+pub fn bounding_box<'a>(points: impl IntoIterator<Item = &'a Point>) -> (Point, Point) {
+    let mut low = [f64::INFINITY; 3];
+    let mut high = [f64::NEG_INFINITY; 3];
+    for p in points {
+        for k in 0..3 {
+            low[k] = low[k].min(p[k]);
+            high[k] = high[k].max(p[k]);
+        }
+    }
+    (low, high)
+}
+
 /// An axis-parallel cube that holds some points. Coordinates are halved, so that the side of the
 /// cube around any finite points is finite.
 #[derive(Clone, Copy, Debug)]
@@ -111,14 +124,8 @@ struct Cube {
 
 impl Cube {
     fn around<'a>(points: impl Iterator<Item = &'a Point>) -> Self {
-        let mut low = [f64::INFINITY; 3];
-        let mut high = [f64::NEG_INFINITY; 3];
-        for p in points {
-            for k in 0..3 {
-                low[k] = low[k].min(p[k] * 0.5);
-                high[k] = high[k].max(p[k] * 0.5);
-            }
-        }
+        let (low, high) = bounding_box(points);
+        let [low, high] = [low, high].map(|corner| corner.map(|c| c * 0.5));
         let side = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
         Self { low, side }
     }

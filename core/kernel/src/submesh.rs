@@ -103,7 +103,7 @@ impl MeshParams {
     pub fn of(points: &[Point], mode: Mode) -> Self {
         let wide = mode == Mode::Wide;
         let of_chunk = |chunk: &[Point]| {
-            let (low, high) = crate::build::bounding_box(chunk);
+            let (low, high) = crate::order::bounding_box(chunk);
             (low, high, if wide { 0.0 } else { crate::geometry::common_step(chunk) })
         };
         let join = |(low, high, step): (Point, Point, f64), other: (Point, Point, f64)| {

@@ -306,7 +306,7 @@ fn check_walls(
     mesh: &Mesh,
     at: &BTreeMap<Vertex, Point>,
     p: &Point,
-    boundary: &[ltbw_core::query::BoundaryFace],
+    boundary: &[ltbw_core::query::RegionFace],
     hull: &[[Vertex; 3]],
     horizon: &[[Vertex; 2]],
 ) {

@@ -27,6 +27,7 @@ use crate::mesh::{Layout, LocalMesh, Prepared, SharedInput, gather};
 use crate::protocol::{Config, Correct, Rules, Worker};
 use crate::simulate::{MeshError, Meshed, Options, Simulation, simulate};
 use crate::threads::{Parallel, Run, RunError};
+use ltbw_core::order::bounding_box;
 use ltbw_core::{BuildError, CancelToken};
 use ltbw_domain::vector::dot;
 use ltbw_exact::{Mode, Point, PointSet};
@@ -100,10 +101,7 @@ impl Bounds {
             return Err(RefineError::Bounds { volume: max_volume, ratio: max_radius_edge });
         }
         let points = set.kernel_points();
-        let bound = |pick: fn(f64, f64) -> f64, start: f64| {
-            [0, 1, 2].map(|k| points.iter().map(|p| p[k]).fold(start, pick))
-        };
-        let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
+        let (low, high) = bounding_box(&*points);
         let side = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
         let largest = low.iter().chain(&high).map(|c| c.abs()).fold(0.0, f64::max);
         let power = f64::from_bits(side.to_bits() & 0x7ff0_0000_0000_0000);

@@ -7,7 +7,7 @@ use crate::metrics::{Cause, Collector, Nanos, Step, SubmeshSize};
 use crate::protocol::{Action, Attempt, BlockId, Event, Note, WorkerId};
 use crate::simulate::{LOAD_BYTES, Payload, bytes};
 use crate::sync::Tally;
-use ltbw_core::CancelToken;
+use ltbw_core::{CancelToken, Random};
 use std::time::{Duration, Instant};
 
 /// A cancel token wakes nobody: a sleeping worker looks at it now and then.
@@ -32,7 +32,7 @@ pub(super) struct ThreadHooks<'a> {
     has_cancelled: bool,
     /// A backoff's longest time, before it is doubled.
     backoff: Duration,
-    random: u64,
+    random: Random,
     polls: u32,
     pub(super) stats: WorkerStats,
     meter: Option<Meter>,
@@ -68,7 +68,7 @@ impl<'a> ThreadHooks<'a> {
             last: 0,
             cause: Cause::Work,
         });
-        let random = 0x9e37_79b9_7f4a_7c15 ^ u64::from(worker.number()) << 32 | 1;
+        let random = Random::new(worker.number().into());
         let stats = WorkerStats::default();
         let polls = if crowded { 0 } else { POLLS };
         let (tally, uncounted) = (None, 0);
@@ -129,11 +129,8 @@ impl<S: Payload> RuntimeHooks<S> for ThreadHooks<'_> {
 
     /// A random time that doubles with every attempt.
     fn backoff(&mut self, attempt: Attempt) -> Nanos {
-        self.random ^= self.random << 13;
-        self.random ^= self.random >> 7;
-        self.random ^= self.random << 17;
         let most = self.backoff * (1 << attempt.number().min(DOUBLINGS));
-        let time = most.mul_f64((self.random >> 11) as f64 / (1u64 << 53) as f64);
+        let time = most.mul_f64(self.random.unit());
         nanos(self.start) + time.as_nanos() as Nanos
     }
 

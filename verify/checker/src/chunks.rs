@@ -26,6 +26,15 @@ impl Partial {
         self.tally.merge(later.tally);
         self.untested += later.untested;
     }
+
+    /// The results of the parts of two levels that are tested together.
+    pub(crate) fn both(parts: Vec<(Self, Self)>, limit: usize) -> (Self, Self) {
+        parts.into_iter().fold((Self::new(limit), Self::new(limit)), |(mut a, mut b), (c, d)| {
+            a.merge(c);
+            b.merge(d);
+            (a, b)
+        })
+    }
 }
 
 /// Number of elements in a piece: small enough to balance, large enough to cost nothing.

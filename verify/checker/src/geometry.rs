@@ -184,12 +184,7 @@ pub(crate) fn delaunay(
         }
         (part, ties)
     });
-    let (mut out, mut ties) = (Partial::new(limit), Partial::new(limit));
-    for (part, tie) in parts {
-        out.merge(part);
-        ties.merge(tie);
-    }
-    (out, ties)
+    Partial::both(parts, limit)
 }
 
 fn report(out: &mut Findings, kind: Kind, mesh: &Oriented, t: (usize, usize), u: (usize, usize)) {

@@ -20,7 +20,7 @@ use crate::exact::{big, big_sign, lowest_bit};
 use crate::geometry::Oriented;
 use crate::mesh::{Point, split};
 use crate::perturb;
-use crate::predicates::orient3d;
+use crate::predicates::{orient3d, sign_beyond};
 use crate::topology::HullPair;
 use num_bigint::BigInt;
 
@@ -39,12 +39,7 @@ pub(crate) fn edges(
         }
         (part, ties)
     });
-    let (mut out, mut ties) = (Partial::new(limit), Partial::new(limit));
-    for (part, tie) in parts {
-        out.merge(part);
-        ties.merge(tie);
-    }
-    (out, ties)
+    Partial::both(parts, limit)
 }
 
 fn edge(
@@ -185,13 +180,7 @@ impl Ray {
             return None;
         }
         let (det, bound) = (det3(&rows), s * s * s / (1u64 << 36) as f64);
-        if det > bound {
-            Some(1)
-        } else if det < -bound {
-            Some(-1)
-        } else {
-            None
-        }
+        sign_beyond(det, bound)
     }
 
     /// The exact sign of det(a - O, b - O, Q - O), with O and Q multiplied by 4 and 3.

@@ -40,7 +40,7 @@ const INSPHERE_BOUND: f64 = 2048.0 / (1u64 << 53) as f64;
 
 /// The sign of `det` if it exceeds `bound` in absolute value.
 #[inline(always)]
-fn sign_beyond(det: f64, bound: f64) -> Option<i8> {
+pub(crate) fn sign_beyond(det: f64, bound: f64) -> Option<i8> {
     if det > bound {
         Some(1)
     } else if det < -bound {

@@ -109,14 +109,7 @@ pub(crate) fn write_surface(
     faces: &[(&[u32], i32)],
     encoding: Encoding,
 ) -> std::io::Result<()> {
-    let form = match encoding {
-        Encoding::Ascii => "ascii",
-        Encoding::Binary => "binary_little_endian",
-    };
-    write!(out, "ply\nformat {form} 1.0\nelement vertex {}\n", points.len())?;
-    for axis in ["x", "y", "z"] {
-        writeln!(out, "property double {axis}")?;
-    }
+    super::write_start(out, points.len(), encoding)?;
     writeln!(out, "element face {}\nproperty list uint uint vertex_indices", faces.len())?;
     let marked = faces.iter().any(|&(_, marker)| marker != 0);
     if marked {

@@ -36,7 +36,7 @@ mod target;
 mod voronoi;
 
 pub use circumcentre::Circumcentre;
-pub use region::{BoundaryFace, ConflictRegion, Conflicts};
+pub use region::{ConflictRegion, Conflicts, RegionFace};
 pub use star::Edges;
 pub use voronoi::{Cell, CellFace, CellFaces};
 

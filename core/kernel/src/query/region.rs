@@ -19,7 +19,7 @@ pub enum Conflicts<'c> {
 
 /// A face on the boundary of a conflict region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct BoundaryFace {
+pub struct RegionFace {
     /// Its corners: with the point before them they are a positively oriented tetrahedron, one
     /// that inserting the point would make.
     pub corners: [Vertex; 3],
@@ -39,7 +39,7 @@ pub struct ConflictRegion<'c> {
     /// The hull facets that would not be hull facets any more, counterclockwise from outside.
     pub hull: &'c [[Vertex; 3]],
     /// The finite faces of the boundary.
-    pub boundary: &'c [BoundaryFace],
+    pub boundary: &'c [RegionFace],
     /// The boundary of `hull`: edges of a closed path, directed so that the facet from the point
     /// over such an edge, (point, first, second), turns counterclockwise seen from outside.
     pub horizon: &'c [[Vertex; 2]],
@@ -49,14 +49,14 @@ pub struct ConflictRegion<'c> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Buffers {
     hull: Vec<[Vertex; 3]>,
-    boundary: Vec<BoundaryFace>,
+    boundary: Vec<RegionFace>,
     horizon: Vec<[Vertex; 2]>,
 }
 
 impl Buffers {
     pub(super) fn memory_bytes(&self) -> usize {
         self.hull.capacity() * size_of::<[Vertex; 3]>()
-            + self.boundary.capacity() * size_of::<BoundaryFace>()
+            + self.boundary.capacity() * size_of::<RegionFace>()
             + self.horizon.capacity() * size_of::<[Vertex; 2]>()
     }
 }
@@ -144,7 +144,7 @@ impl Cursor<'_> {
                 } else {
                     let corners = [a, b, c].map(|v| queries.number(v));
                     let beyond = (!topology.tet(u).is_ghost()).then_some(u);
-                    s.region.boundary.push(BoundaryFace { corners, beyond });
+                    s.region.boundary.push(RegionFace { corners, beyond });
                 }
             }
         }
