@@ -55,6 +55,7 @@ pub mod mailbox;
 #[doc(hidden)]
 pub mod mesh;
 pub mod metrics;
+mod payload;
 pub mod prelude;
 #[doc(hidden)]
 pub mod protocol;

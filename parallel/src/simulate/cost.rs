@@ -1,6 +1,6 @@
 //! The costs of work and messages for a simulated processor.
 
-use crate::protocol::{Costs, Message, Submesh};
+use crate::protocol::Costs;
 
 /// Times in nanoseconds of a processor of ordinary speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,57 +101,4 @@ impl CostModel {
         .iter()
         .all(|ns| (0.0..=1e12).contains(ns))
     }
-}
-
-/// Bytes of a submesh's payloads in messages.
-pub trait Payload: Submesh {
-    /// Bytes of a point.
-    fn point_bytes(point: &Self::Point) -> u64;
-
-    /// Bytes of a piece.
-    fn piece_bytes(piece: &Self::Piece) -> u64;
-
-    /// Bytes of a patch.
-    fn patch_bytes(patch: &Self::Patch) -> u64;
-
-    /// Bytes of a block's tetrahedra.
-    fn cargo_bytes(cargo: &Self::Cargo) -> u64;
-}
-
-/// Kind, sender, load, ticket and attempt.
-const HEADER: u64 = 32;
-/// Name, block and face.
-const HANDLE: u64 = 13;
-/// A block, its owner and its epoch.
-const NEWS: u64 = 12;
-
-/// Bytes of `message`, as a compact encoding would have them.
-pub(crate) fn bytes<S: Payload>(message: &Message<S>) -> u64 {
-    HEADER
-        + match message {
-            Message::Walk { point, at, .. } => S::point_bytes(point) + 1 + at.map_or(0, |_| HANDLE),
-            Message::Expand { point, seeds, around, .. } => {
-                S::point_bytes(point) + handles(seeds.len()) + 4 * around.len() as u64
-            }
-            Message::Grant { pieces, foreign, bounced, moved, .. } => {
-                8 + pieces.iter().map(S::piece_bytes).sum::<u64>()
-                    + handles(foreign.len() + bounced.len())
-                    + 4
-                    + NEWS * moved.len() as u64
-            }
-            Message::Commit { patch, .. } => 1 + patch.as_ref().map_or(0, S::patch_bytes),
-            Message::Migrate { cargo, points, .. } => {
-                8 + S::cargo_bytes(cargo) + 4 + points.iter().map(S::point_bytes).sum::<u64>()
-            }
-            Message::Stray { cargo, .. } => 4 + S::cargo_bytes(cargo),
-            Message::Token(_) => 9,
-            _ => 0,
-        }
-}
-
-/// Bytes of a message about load alone.
-pub(crate) const LOAD_BYTES: u64 = HEADER;
-
-fn handles(count: usize) -> u64 {
-    4 + HANDLE * count as u64
 }

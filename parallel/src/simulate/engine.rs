@@ -1,6 +1,5 @@
 //! The simulator's loop.
 
-use super::cost::{LOAD_BYTES, Payload, bytes};
 use super::error::SimulationError;
 use super::network::Links;
 use super::options::Options;
@@ -9,6 +8,7 @@ use crate::WorkerError;
 use crate::balance::{Balancer, Workload};
 use crate::check::{Between, History, Inspect};
 use crate::metrics::{Cause, Collector, Nanos, Step, SubmeshSize, Summary, Trace};
+use crate::payload::{LOAD_BYTES, Payload, bytes};
 use crate::protocol::{
     Action, Broken, Event, Message, Note, Rules, Source, Submesh, Ticket, Worker, WorkerId,
     message_of,

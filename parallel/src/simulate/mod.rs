@@ -21,8 +21,8 @@ mod network;
 mod options;
 mod processor;
 
-pub use cost::{CostModel, Payload};
-pub(crate) use cost::{LOAD_BYTES, bytes};
+pub use crate::payload::Payload;
+pub use cost::CostModel;
 pub use engine::{Simulation, simulate};
 pub use error::SimulationError;
 pub use mesh::{MeshError, Meshed, simulate_as, simulate_mesh};

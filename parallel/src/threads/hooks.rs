@@ -4,8 +4,8 @@
 use super::WorkerStats;
 use super::worker_loop::RuntimeHooks;
 use crate::metrics::{Cause, Collector, Nanos, Step, SubmeshSize};
+use crate::payload::{LOAD_BYTES, Payload, bytes};
 use crate::protocol::{Action, Attempt, BlockId, Event, Note, WorkerId};
-use crate::simulate::{LOAD_BYTES, Payload, bytes};
 use crate::sync::Tally;
 use ltbw_core::{CancelToken, Random};
 use std::time::{Duration, Instant};
