@@ -180,12 +180,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             invariant!(P8, releasing, "a grant for {ticket:?} in {:?}", op.phase);
             return;
         }
-        let part = op.parts.entry(from, Vec::new);
-        if part.is_empty() {
-            *part = pieces;
-        } else {
-            part.extend(pieces);
-        }
+        op.parts.entry(from, Vec::new).extend(pieces);
         match op.asked.get_mut(from).map(|open| (open.checked_sub(answers), open)) {
             Some((Some(left), open)) => *open = left,
             _ => invariant!(P8, "{from} answers {answers} for {ticket:?}, which are too many"),
@@ -216,7 +211,9 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         bounced: Vec<Handle>,
     ) -> Table<WorkerId, Vec<Handle>> {
         let mut seeds: Table<WorkerId, Vec<Handle>> = Table::default();
-        let Some(op) = self.operations.all.get_mut(&ticket) else { return seeds };
+        let Some(op) = self.operations.all.get_mut(&ticket) else {
+            invariant!(P8, "{ticket:?} is granted and gone")
+        };
         let far = foreign.len() + bounced.len();
         op.whereabouts.reserve(far);
         for handle in foreign {

@@ -7,6 +7,7 @@
 //! it meets a lock.
 
 use super::config::Closure;
+use super::invariant::invariant;
 use super::rules::Rules;
 use super::state::{Phase, Request, want};
 use super::submesh::{Insert, Source, Submesh};
@@ -46,7 +47,9 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// The cavity is complete: all that touches it is asked for, too, unless that was done.
     /// `false`: nothing more is to be locked.
     pub(super) fn surround(&mut self, ticket: Ticket) -> bool {
-        let Some(op) = self.operations.all.get_mut(&ticket) else { return false };
+        let Some(op) = self.operations.all.get_mut(&ticket) else {
+            invariant!(P8, "{ticket:?} is complete and gone")
+        };
         if self.config.closure == Closure::Face || !op.around.is_empty() {
             return false;
         }
@@ -69,7 +72,9 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
 
     /// Tells a request the cavity's vertices: what touches them across a face is wanted.
     pub(super) fn widen(&mut self, ticket: Ticket, vertices: Vec<u64>) {
-        let Some(request) = self.locks.requests.get_mut(&ticket) else { return };
+        let Some(request) = self.locks.requests.get_mut(&ticket) else {
+            invariant!(P8, "a request of {ticket:?} is to widen and gone")
+        };
         if !request.around.is_empty() || vertices.is_empty() {
             return;
         }
