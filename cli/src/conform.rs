@@ -20,7 +20,7 @@ use verify::{Conformity, ConformityDefect, Finding, Limits, Plc, PlcFacet};
 const SHOWN: usize = 10;
 
 /// A domain as the checker takes it.
-pub(crate) fn plc_of(domain: &Domain, flat_tolerance: f64) -> Plc {
+pub fn plc_of(domain: &Domain, flat_tolerance: f64) -> Plc {
     let facet = |f: &ltbw::domain::Facet| PlcFacet {
         polygons: f.polygons.clone(),
         holes: f.holes.clone(),

@@ -69,6 +69,8 @@ use outcome::{Exit, Failure};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+#[doc(hidden)]
+pub use conform::plc_of;
 pub use refusal::Refusal;
 
 /// Understands a command line, the program's name first, and runs nothing.

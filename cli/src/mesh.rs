@@ -5,12 +5,12 @@ use crate::bounds::{Asked, Field, asked, field};
 use crate::conform::{certificate, check_own, print, same_volume, summary};
 use crate::console::{self, Stop};
 use crate::excused;
-use crate::json::{distinct, file_writable, keep_input, write_json, write_text};
-use crate::outcome::{Exit, Failure, seconds as told, show};
+use crate::json::{distinct, file_writable, keep_input, write_text};
+use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
 use crate::progress::{Progress, Stage};
 use crate::report::{
-    Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, quality_json,
+    Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, end, quality_json,
 };
 use crate::rounds::{self, EngineArg};
 use crate::run::set_threads;
@@ -438,28 +438,20 @@ fn write(
     Ok(())
 }
 
-/// Tells how long it took, prints the hash and writes the report.
+/// Tells how long it took, writes the report and prints the hash.
 fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
     report.peak_rss_bytes = crate::report::peak_rss_bytes();
     report.seconds.total = job.start.elapsed().as_secs_f64();
     let s = &report.seconds;
-    console::people(&format!(
-        "seconds   {}: read {}, refine {}, hash {}, check {}, write {}",
-        told(s.total),
-        told(s.read),
-        told(s.refine),
-        told(s.hash),
-        told(s.check),
-        told(s.write)
-    ));
-    if let Some(path) = job.json {
-        let text = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
-        write_json(path, &text)?;
-    }
-    match &report.mesh.hash {
-        Some(hash) if !job.stdout_taken => console::data(&format!("ltbw.mesh/1 {hash}\n")),
-        _ => Ok(()),
-    }
+    let stages = [
+        ("read", s.read),
+        ("refine", s.refine),
+        ("hash", s.hash),
+        ("check", s.check),
+        ("write", s.write),
+    ];
+    let hash = report.mesh.hash.as_ref().filter(|_| !job.stdout_taken);
+    end((s.total, &stages), job.json.map(|path| (path, report.to_json())), hash)
 }
 
 #[cfg(test)]

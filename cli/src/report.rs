@@ -1,9 +1,13 @@
 //! The JSON report `ltbw.report/1`, as `docs/schema/report.json` has it. A field that exists is
 //! never renamed in this version.
 
+use crate::console;
+use crate::json::write_json;
+use crate::outcome::{Failure, seconds};
 use ltbw::quality::{Extreme, Histogram, Quality};
 use serde::Serialize;
 use serde_json::{Value, json};
+use std::path::Path;
 
 /// The report of a run.
 #[derive(Debug, Serialize)]
@@ -50,6 +54,22 @@ impl Report {
     pub(crate) fn to_json(&self) -> serde_json::Result<String> {
         serde_json::to_string_pretty(self).map(|text| text + "\n")
     }
+}
+
+/// Ends a command: tells the seconds in all and of its stages, writes the report to its file and
+/// prints the mesh's hash.
+pub(crate) fn end(
+    (total, stages): (f64, &[(&str, f64)]),
+    report: Option<(&Path, serde_json::Result<String>)>,
+    hash: Option<&String>,
+) -> Result<(), Failure> {
+    let stages = stages.iter().map(|&(stage, time)| format!("{stage} {}", seconds(time)));
+    let stages: Vec<String> = stages.collect();
+    console::people(&format!("seconds   {}: {}", seconds(total), stages.join(", ")));
+    if let Some((path, text)) = report {
+        write_json(path, &text.map_err(|e| Failure::Other(e.to_string()))?)?;
+    }
+    hash.map_or(Ok(()), |hash| console::data(&format!("ltbw.mesh/1 {hash}\n")))
 }
 
 /// The points of a run.

@@ -4,12 +4,12 @@ use crate::args::{Delaunay, Depth};
 use crate::check::check_own;
 use crate::console::{self, Stop};
 use crate::figures::{Figures, SPANS, tables, write_trace};
-use crate::json::{distinct, file_writable, keep_input, write_json, write_text};
+use crate::json::{distinct, file_writable, keep_input, write_text};
 use crate::lists::lists;
-use crate::outcome::{Exit, Failure, seconds, show};
+use crate::outcome::{Exit, Failure, show};
 use crate::page::{self, Page, Scene};
 use crate::progress::{Progress, Stage};
-use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds};
+use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, end};
 use crate::streams::{Formats, name_of, on_stdout};
 use ltbw::balance::Balance;
 use ltbw::io::{self, MeshWriter, PointFile};
@@ -379,27 +379,19 @@ fn empty_report(job: &Job<'_>, input: Input, outcome: &'static str) -> Report {
     }
 }
 
-/// Tells how long it took, prints the hash and writes the report.
+/// Tells how long it took, writes the report and prints the hash.
 fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
     report.peak_rss_bytes = crate::report::peak_rss_bytes();
     report.seconds.total = job.start.elapsed().as_secs_f64();
     let s = &report.seconds;
-    console::people(&format!(
-        "seconds   {}: read {}, order {}, insert {}, hash {}, check {}, write {}",
-        seconds(s.total),
-        seconds(s.read),
-        seconds(s.order),
-        seconds(s.insert),
-        seconds(s.hash),
-        seconds(s.check),
-        seconds(s.write)
-    ));
-    if let Some(path) = job.json {
-        let text = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
-        write_json(path, &text)?;
-    }
-    match &report.mesh.hash {
-        Some(hash) if !job.stdout_taken => console::data(&format!("ltbw.mesh/1 {hash}\n")),
-        _ => Ok(()),
-    }
+    let stages = [
+        ("read", s.read),
+        ("order", s.order),
+        ("insert", s.insert),
+        ("hash", s.hash),
+        ("check", s.check),
+        ("write", s.write),
+    ];
+    let hash = report.mesh.hash.as_ref().filter(|_| !job.stdout_taken);
+    end((s.total, &stages), job.json.map(|path| (path, report.to_json())), hash)
 }

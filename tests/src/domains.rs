@@ -2,7 +2,7 @@
 
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw_generate::{DomainKind, Shape, generate_domain, surfaces};
-use ltbw_verify::{Plc, PlcFacet};
+use ltbw_verify::Plc;
 
 /// The faces of a box whose corners are numbered by the bits of their places.
 const FACES: [[u32; 4]; 6] =
@@ -20,19 +20,7 @@ pub fn prepared(domain: &Domain) -> Prepared {
 /// A domain as the checker takes it, without a tolerance.
 #[must_use]
 pub fn plc_of(domain: &Domain) -> Plc {
-    let facet = |f: &Facet| PlcFacet {
-        polygons: f.polygons.clone(),
-        holes: f.holes.clone(),
-        marker: f.marker,
-    };
-    Plc {
-        vertices: domain.vertices.clone(),
-        facets: domain.facets.iter().map(facet).collect(),
-        segments: domain.segments.iter().map(|(ends, _)| *ends).collect(),
-        holes: domain.holes.clone(),
-        regions: domain.regions.iter().map(|r| r.seed).collect(),
-        flat_tolerance: 0.0,
-    }
+    ltbw_cli::plc_of(domain, 0.0)
 }
 
 /// A random domain and the kind of it: a box with a turned box hole, a star-shaped polyhedron, or a

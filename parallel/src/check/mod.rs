@@ -10,8 +10,8 @@ mod view;
 pub use view::RequestView;
 
 use crate::protocol::{
-    Attempt, BlockId, Broken, Closure, Invariant, Message, Name, Neighbour, Note, Phase, Request,
-    Rule, Rules, Source, Submesh, Ticket, Waiter, Want, Worker, WorkerId,
+    Attempt, BlockId, Broken, Invariant, Message, Name, Neighbour, Note, Phase, Request, Rule,
+    Rules, Source, Submesh, Ticket, Waiter, Want, Worker, WorkerId,
 };
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
@@ -431,11 +431,6 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
                 format!("worker {w} has {tet:?}, whose block is another's")
             })
         })
-    }
-
-    /// Is the closure that operations lock the one that the invariants speak of?
-    pub fn has_face_closure(&self) -> bool {
-        self.workers.iter().all(|worker| worker.config.closure == Closure::Face)
     }
 }
 

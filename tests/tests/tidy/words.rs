@@ -22,6 +22,7 @@ pub(crate) const BANNED: &[(&str, &str)] = &[
     ("^ of these ,", "a noun first"),
     ("^ of those ,", "a noun first"),
     ("had better", "should"),
+    ("is to have", "say what is written where"),
     ("has no say", "is not asked"),
     ("have no say", "are not asked"),
 ];

@@ -27,8 +27,7 @@ impl<F: Copy> FarTable<F> {
         self.handles.get(sphere.number(KIND)? as usize).copied()
     }
 
-    /// Keeps the far handle of a new far face; returns what the far face is to have in place of a
-    /// sphere.
+    /// Keeps the far handle of a new far face. The result stands in place of the face's sphere.
     pub(super) fn add(&mut self, handle: F) -> Sphere {
         let place = match self.free.pop() {
             Some(place) => {

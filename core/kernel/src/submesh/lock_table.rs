@@ -57,8 +57,8 @@ impl<H: Copy, T: Copy> LockTable<H, T> {
         self.get(sphere).is_some_and(|s| s.tag.is_some())
     }
 
-    /// The entry of tetrahedron `t` that has `sphere`; a new one if that is none yet. `sphere` is
-    /// then what the tetrahedron is to have in its place.
+    /// The entry of tetrahedron `t`, whose sphere is `sphere`: a new one if it has none yet. The
+    /// sphere is then replaced by the entry's tag.
     #[inline]
     pub(crate) fn entry(&mut self, t: TetId, sphere: &mut Sphere) -> &mut Entry<H, T> {
         let place = sphere.number(KIND).unwrap_or_else(|| {
@@ -79,7 +79,7 @@ impl<H: Copy, T: Copy> LockTable<H, T> {
         &mut self.entries[place as usize]
     }
 
-    /// Takes the holder away; `sphere` is then what the tetrahedron is to have.
+    /// Takes the holder away. A tag for which no reason is left is replaced by the sphere.
     #[inline]
     pub(crate) fn unlock(&mut self, sphere: &mut Sphere) {
         let Some(place) = sphere.number(KIND) else { return };
@@ -92,7 +92,7 @@ impl<H: Copy, T: Copy> LockTable<H, T> {
         }
     }
 
-    /// Takes the tag away; `sphere` is then what the tetrahedron is to have.
+    /// Takes the tag away, and restores the sphere likewise.
     #[inline]
     pub(crate) fn untag(&mut self, sphere: &mut Sphere) -> Option<T> {
         let place = sphere.number(KIND)?;
