@@ -90,7 +90,7 @@ struct Target {
 pub(crate) struct Relief {
     goal: Goal,
     pass: u64,
-    /// Those of this pass that were not looked at yet.
+    /// The tetrahedra of this pass that were not looked at yet.
     tets: std::vec::IntoIter<(TetId, [VertexId; 4])>,
     /// The number of those of this pass.
     least: usize,
