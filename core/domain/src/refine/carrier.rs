@@ -71,7 +71,7 @@ impl Line {
     }
 
     /// The length of one step of the parameter, in fine steps.
-    pub(crate) fn pace(&self) -> f64 {
+    pub(crate) fn step_length(&self) -> f64 {
         let d = [0, 1, 2].map(|k| (self.to[k] - self.from[k]) as f64);
         dot(&d, &d).sqrt()
     }

@@ -41,7 +41,7 @@ impl Refinement<'_> {
             };
             let Some(next) = next else { break };
             match self.rule(next, &mut own, admission) {
-                Step::Inserted | Step::Gone => self.state.registry.remove(next),
+                Step::Inserted | Step::Gone => self.state.encroachment.remove(next),
                 Step::Deferred => {}
                 step @ (Step::Refused(_) | Step::SetBack(_)) => {
                     failed = Some(step);
@@ -102,6 +102,6 @@ impl State {
         // Nothing was missing before.
         self.missing.clear();
         self.missing_segments.clear();
-        journal.entered.into_iter().for_each(|item| self.registry.remove(item));
+        journal.entered.into_iter().for_each(|item| self.encroachment.remove(item));
     }
 }

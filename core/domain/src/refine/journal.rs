@@ -15,7 +15,7 @@ pub(crate) struct Journal {
     /// Entries of the tables, each as it was before.
     pub(crate) segments: Vec<([VertexId; 2], Option<u32>)>,
     pub(crate) subfaces: Vec<([VertexId; 3], Option<u32>)>,
-    /// Items entered into the registry.
+    /// Items entered into the encroachment index.
     pub(crate) entered: Vec<Item>,
     /// New tetrahedra, whose bounds are looked at when the step is done.
     pub(crate) created: Vec<(TetId, [VertexId; 4])>,

@@ -16,7 +16,7 @@
 //! | `measure` | closed balls and bounds: filters and exact integers |
 //! | `marks` | marks of faces and edges, regions: one word per tetrahedron |
 //! | `item` | what there is to do, and the source of it |
-//! | `registry` | pending boundary items by place |
+//! | `encroachment` | pending boundary items by place |
 //! | `state`, `facet` | mesh, marks and tables; how a point changes a facet |
 //! | `angles`, `near` | where the theory gives no guarantee: small angles, narrow gaps |
 //! | `sharp` | tetrahedra at angles too small for their bound of shape |
@@ -45,6 +45,7 @@ mod bounds;
 mod carrier;
 mod defer;
 mod dust;
+mod encroachment;
 mod excuse;
 mod facet;
 mod fill;
@@ -68,7 +69,6 @@ mod plc;
 mod record;
 mod recover;
 mod region;
-mod registry;
 mod relief;
 mod rounds;
 mod run;

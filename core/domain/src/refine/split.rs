@@ -1,9 +1,9 @@
 //! The three rules, each a transaction on one cavity: split a subsegment, a subface, a tetrahedron.
 //!
 //! A transaction is idempotent: if its item is gone it does nothing. It opens the cavity of a
-//! proposed point, takes the verdict on it (`verdict`: by the closure of the point and the registry
-//! alone), and ends with the point inserted; or with nothing changed and other items put before it
-//! (*deferred*); or with a reason why its item cannot be split.
+//! proposed point, takes the verdict on it (`verdict`: by the closure of the point and the
+//! encroachment index alone), and ends with the point inserted; or with nothing changed and other
+//! items put before it (*deferred*); or with a reason why its item cannot be split.
 
 use super::angles::{direction, is_sharp};
 use super::bounds::Bounds;
@@ -101,11 +101,11 @@ impl<'a> Refinement<'a> {
                     Item::Tet(..) => false,
                 };
                 if !missing {
-                    self.state.registry.remove(item);
+                    self.state.encroachment.remove(item);
                 }
             }
             Step::Inserted | Step::Gone if !matches!(item, Item::Tet(..)) => {
-                self.state.registry.remove(item);
+                self.state.encroachment.remove(item);
                 self.record.limits.remove(&item);
             }
             _ => {}
@@ -338,15 +338,15 @@ impl State {
         if sharp_low == sharp_high {
             return Line::middle(low, high);
         }
-        let pace = self.plc.segments[s as usize].line.pace();
-        let length = (high - low) as f64 * pace;
+        let step_length = self.plc.segments[s as usize].line.step_length();
+        let length = (high - low) as f64 * step_length;
         // The power of two between a third and two thirds of the length.
         let third = length / 3.0;
         let mut shell = f64::from_bits(third.to_bits() & 0x7ff0_0000_0000_0000);
         while shell < third {
             shell *= 2.0;
         }
-        let steps = shell / pace;
+        let steps = shell / step_length;
         let t = if sharp_low { low as f64 + steps } else { high as f64 - steps };
         Line::near(t, 1.0, low, high)
     }

@@ -6,13 +6,13 @@
 
 use super::angles::Angles;
 use super::carrier::{Carrier, UNIT};
+use super::encroachment::EncroachmentIndex;
 use super::item::{Item, Work};
 use super::journal::Journal;
 use super::marks::Marks;
 use super::measure::{circumcircle, in_diametral_ball, in_equatorial_ball};
 use super::outcome::Reason;
 use super::plc::Plc;
-use super::registry::Registry;
 use super::table::{Map, Set, sides};
 use crate::vector::distance2;
 use ltbw_core::cavity::{Admission, AdmitAll, Cavity};
@@ -83,7 +83,7 @@ pub(crate) struct State {
     pub(crate) missing_segments: Set<[VertexId; 2]>,
     /// While the boundary is recovered: the subfaces at each edge of one.
     pub(crate) at_edge: Option<Map<[VertexId; 2], Vec<[VertexId; 3]>>>,
-    pub(crate) registry: Registry,
+    pub(crate) encroachment: EncroachmentIndex,
     /// The changes of a joint step, while there is one.
     pub(crate) journal: Option<Journal>,
     pub(crate) touched: Touched,
@@ -126,7 +126,7 @@ impl State {
             missing: Set::default(),
             missing_segments: Set::default(),
             at_edge: None,
-            registry: Registry::default(),
+            encroachment: EncroachmentIndex::default(),
             journal: None,
             touched: Touched::default(),
             by_place: false,
@@ -264,10 +264,10 @@ impl State {
         }
     }
 
-    /// Enters a boundary item into the registry; `false` if it is there already.
+    /// Enters a boundary item into the encroachment index; `false` if it is there already.
     pub(crate) fn enter(&mut self, item: Item) -> bool {
         let (centre, radius) = self.ball(item);
-        let new = self.registry.enter(item, centre, radius);
+        let new = self.encroachment.enter(item, centre, radius);
         if let Some(journal) = self.journal.as_mut().filter(|_| new) {
             journal.entered.push(item);
         }
@@ -281,7 +281,7 @@ impl State {
             Item::Subface(s) => self.missing.insert(s),
             Item::Tet(..) => false,
         };
-        // An item that others wait for may be in the registry already.
+        // An item that others wait for may be in the encroachment index already.
         if new {
             self.enter(item);
             work.put(item, 1.0);
@@ -308,7 +308,7 @@ impl State {
             journal.segments.push((key, before));
         }
         self.missing_segments.remove(&key);
-        self.registry.remove(Item::Segment(key));
+        self.encroachment.remove(Item::Segment(key));
     }
 
     /// Enters a subface of facet `f`.
@@ -331,7 +331,7 @@ impl State {
             journal.subfaces.push((key, before));
         }
         self.missing.remove(&key);
-        self.registry.remove(Item::Subface(key));
+        self.encroachment.remove(Item::Subface(key));
         if let Some(at_edge) = &mut self.at_edge {
             for (side, _) in sides(key) {
                 if let Some(list) = at_edge.get_mut(&side) {
@@ -363,7 +363,7 @@ impl State {
         if self.missing.is_empty() {
             return Vec::new();
         }
-        let near = self.registry.near(p).filter_map(|item| match item {
+        let near = self.encroachment.near(p).filter_map(|item| match item {
             Item::Subface(s) => Some(s),
             _ => None,
         });

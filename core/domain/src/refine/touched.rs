@@ -35,7 +35,7 @@ impl State {
     }
 
     /// Looks at the boundary in the open cavity of `p`, which lives on `carrier`: what is in it,
-    /// and what `p` encroaches, by the closure and the registry.
+    /// and what `p` encroaches, by the closure and the encroachment index.
     pub(crate) fn touch(&mut self, p: &Point, carrier: Carrier) {
         let mut touched = std::mem::take(&mut self.touched);
         let topology = self.mesh.topology();
@@ -172,7 +172,7 @@ impl State {
 
     /// Adds the pending items that `p` encroaches.
     fn touch_pending(&self, p: &Point, carrier: Carrier, touched: &mut Touched) {
-        for item in self.registry.near(p) {
+        for item in self.encroachment.near(p) {
             match item {
                 Item::Segment(s) => {
                     if !touched.hit_segments.contains(&s) && self.encroaches_segment(s, p) {

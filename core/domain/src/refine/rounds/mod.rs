@@ -210,7 +210,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
         stats: RefineStats,
     ) -> Self {
         own.state.by_place = true;
-        own.state.registry = Default::default();
+        own.state.encroachment = Default::default();
         own.record = Default::default();
         let threads = rayon::current_num_threads();
         let in_waves = own.state.plc.facets.iter().any(|facet| facet.patch.is_some());

@@ -1,8 +1,8 @@
-//! The registry: pending boundary items and their closed balls.
+//! The encroachment index: pending boundary items and their closed balls.
 //!
 //! A present item that no vertex encroaches is guarded by the tetrahedra around it: a new point in
 //! its ball takes one of them into its cavity. An item whose repair waits has no such guard, and a
-//! missing one is in no tetrahedron at all. The registry finds them by place: a hash grid with one
+//! missing one is in no tetrahedron at all. The index finds them by place: a hash grid with one
 //! level per power of two of the radius, cells at least two radii wide, so that a ball lies in at
 //! most eight cells and a query looks at one cell of each level in use.
 
@@ -18,7 +18,7 @@ type Cell = [i64; 4];
 
 /// Pending segments and subfaces by place.
 #[derive(Debug)]
-pub(crate) struct Registry {
+pub(crate) struct EncroachmentIndex {
     cells: Map<Cell, Vec<Item>>,
     /// Per item: the ball under which it was entered.
     balls: Map<Item, (Point, f64)>,
@@ -26,7 +26,7 @@ pub(crate) struct Registry {
     levels: [u32; TOP as usize + 1],
 }
 
-impl Default for Registry {
+impl Default for EncroachmentIndex {
     fn default() -> Self {
         let levels = [0; TOP as usize + 1];
         Self { cells: Map::default(), balls: Map::default(), levels }
@@ -50,7 +50,7 @@ fn cells(centre: &Point, radius: f64) -> (i32, [[i64; 2]; 3]) {
     (level, centre.map(|c| [place(c - radius, level), place(c + radius, level)]))
 }
 
-impl Registry {
+impl EncroachmentIndex {
     /// Enters an item with a ball that contains its own (the rounding of centre and radius is
     /// covered here). `false` if it is there already.
     pub(crate) fn enter(&mut self, item: Item, centre: Point, radius: f64) -> bool {
@@ -114,20 +114,20 @@ mod tests {
             s = s.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             (s >> 33) as f64 / f64::from(1u32 << 31)
         };
-        let mut registry = Registry::default();
+        let mut index = EncroachmentIndex::default();
         let mut balls = Vec::new();
         for k in 0..600u32 {
             let centre = [0; 3].map(|_| (next() - 0.5) * 1e15);
             let radius = 10f64.powf(next() * 20.0);
             let item = Item::Segment([k, k + 1].map(VertexId::new));
-            assert!(registry.enter(item, centre, radius));
+            assert!(index.enter(item, centre, radius));
             balls.push((item, centre, radius));
         }
         let mut hits = 0;
         for round in 0..3 {
             for _ in 0..500 {
                 let p = [0; 3].map(|_| (next() - 0.5) * 1e15);
-                let found: Vec<Item> = registry.near(&p).collect();
+                let found: Vec<Item> = index.near(&p).collect();
                 for (item, centre, radius) in &balls {
                     if distance2(centre, &p) <= radius * radius {
                         hits += 1;
@@ -137,10 +137,10 @@ mod tests {
                 assert!(found.iter().all(|i| balls.iter().any(|b| b.0 == *i)));
             }
             for (item, ..) in balls.drain(..200) {
-                registry.remove(item);
+                index.remove(item);
             }
         }
         assert!(hits > 1000, "{hits}");
-        assert!(registry.cells.is_empty() && registry.levels == [0; TOP as usize + 1]);
+        assert!(index.cells.is_empty() && index.levels == [0; TOP as usize + 1]);
     }
 }
