@@ -6,10 +6,19 @@
 
 use super::RefineError;
 use super::item::{Item, Work};
+use super::outcome::Reason;
 use super::run::Run;
+use super::table::Map;
 
 /// The most times that refused tetrahedra are asked again.
 const MOST: u32 = 5;
+
+/// The parts of what they may usually make that edges may have when many are over at one corner.
+const PARTS: [f64; 2] = [0.5, 0.25];
+/// The least number by which they are more than the needles there.
+const MANY: usize = 2;
+/// The most tetrahedra for each vertex of the domain; with more, needles are all there is.
+const DENSE: usize = 192;
 
 impl Run<'_> {
     /// Asks refused tetrahedra again while that makes them fewer.
@@ -35,6 +44,45 @@ impl Run<'_> {
             refinement.record.waits.clear();
             over.into_iter().for_each(|(item, weight)| self.work.put(item, weight));
             self.refine(usize::MAX)?;
+        }
+        Ok(())
+    }
+
+    /// Asks again where many tetrahedra were refused because of one corner, for shorter edges.
+    ///
+    /// A tip that is not cut, since its side would be too short, keeps what is beside it from being
+    /// split, and that the next. A shorter tip is no worse; but where needles are dense every cut
+    /// leads to others.
+    pub(super) fn insist(&mut self) -> Result<(), RefineError> {
+        let state = &self.refinement.state;
+        if self.stop.is_some() || state.mesh.num_tets() > DENSE * state.plc.corners.len() {
+            return Ok(());
+        }
+        let needles = state.angles.needles();
+        for part in PARTS {
+            let over = self.refused_and_over();
+            let reason = |item: &Item| self.refinement.record.refused.get(item).map(|r| r.reason);
+            let mut counts: Map<Reason, usize> = Map::default();
+            for reason in over.iter().filter_map(|(item, _)| reason(item)) {
+                *counts.entry(reason).or_default() += 1;
+            }
+            let is_many = |item: &Item| {
+                let reason = reason(item).filter(|reason| needles.contains_key(reason));
+                reason.is_some_and(|reason| counts[&reason] >= MANY + needles[&reason])
+            };
+            let many: Vec<_> = over.into_iter().filter(|(item, _)| is_many(item)).collect();
+            if many.is_empty() {
+                break;
+            }
+            let record = &mut self.refinement.record;
+            record.parts.clear();
+            for (item, weight) in many {
+                record.refused.remove(&item);
+                record.parts.insert(item, part);
+                self.work.put(item, weight);
+            }
+            self.refine(usize::MAX)?;
+            self.refine_again()?;
         }
         Ok(())
     }

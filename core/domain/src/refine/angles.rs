@@ -217,6 +217,18 @@ impl Angles {
         halves.filter(|&half| half < self.tips_below).reduce(f64::min).map(f64::sqrt)
     }
 
+    /// The number of segments that are at a small angle with another one at a corner, by corner.
+    pub(crate) fn needles(&self) -> Map<Reason, usize> {
+        let at = |(pair, reasons): (&[u32; 2], &Reasons)| {
+            reasons.iter().flat_map(|&reason| pair.map(|s| (reason, s))).collect::<Vec<_>>()
+        };
+        let mut counts: Map<Reason, usize> = Map::default();
+        for (reason, _) in self.sharp.iter().flat_map(at).collect::<Set<(Reason, u32)>>() {
+            *counts.entry(reason).or_default() += 1;
+        }
+        counts
+    }
+
     /// Are two segments at a small angle at a corner?
     pub(crate) fn is_tip(&self, s: u32, r: u32, corner: u32) -> bool {
         let reason = Reason::SmallFaceAngle { corner };

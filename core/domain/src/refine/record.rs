@@ -35,6 +35,8 @@ pub(crate) struct Record {
     pub(crate) refused: Map<Item, Refusal>,
     /// Proposed items near small angles: the shortest edge that splitting them may make.
     pub(crate) limits: Map<Item, f64>,
+    /// Refused tetrahedra that are asked again with a part of the shortest edge that they may make.
+    pub(crate) parts: Map<Item, f64>,
     /// Boundary items that wait for another one, since the last insertion.
     pub(crate) waits: Map<Item, Item>,
     /// The transactions of joint steps so far.

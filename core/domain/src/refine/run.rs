@@ -210,6 +210,7 @@ impl<'a> Refiner<'a> {
                 run.refine(usize::MAX)?;
                 run.refine_again()?;
                 run.relieve(Goal::Bounds)?;
+                run.insist()?;
                 // A sizing field may ask for more afterwards.
                 if run.stop.is_none() {
                     run.refinement.split_slivers(run.most, &mut run.work, &mut AdmitAll);

@@ -259,7 +259,8 @@ impl<'a> Refinement<'a> {
         if let Some(reason) = self.beyond_help(t, v) {
             return Step::Refused(reason);
         }
-        let grain = |own: &Self| own.bounds.as_ref().map(|b| b.grain(&own.state, t, &shape));
+        let part = self.record.parts.get(&item).copied().unwrap_or(1.0);
+        let grain = |own: &Self| own.bounds.as_ref().map(|b| part * b.grain(&own.state, t, &shape));
         for tolerance in [radius * TOLERANCE, 1.0] {
             let Some(centre) = shape.circumcentre(&d) else { break };
             // A flat tetrahedron may have its centre outside the box: the way there still counts.
