@@ -25,7 +25,7 @@ use super::item::{Item, Queues, Work};
 use super::key::sorted;
 use super::measure::{Shape, circumcircle, has_small_dihedral};
 use super::record::Refusal;
-use super::sliver::in_unit_ball;
+use super::sliver::{Thin, in_unit_ball};
 use super::split::{Refinement, TOLERANCE};
 use super::state::{FACE, Place, State};
 use super::table::edge;
@@ -98,13 +98,20 @@ pub(crate) struct Relief {
     is_changed: bool,
     /// Tetrahedra of cavities that may still be opened.
     left: usize,
+    /// Tetrahedra among which are all with tiny angles, if such are known.
+    slivers: Option<Vec<Thin>>,
 }
 
 impl Relief {
     pub(crate) fn new(goal: Goal, refinement: &Refinement<'_>) -> Self {
         let left = OPENED * refinement.state.mesh.num_tets() + OPENED_MORE;
         let tets = Vec::new().into_iter();
-        Self { goal, pass: 0, tets, least: usize::MAX, is_changed: true, left }
+        Self { goal, pass: 0, tets, least: usize::MAX, is_changed: true, left, slivers: None }
+    }
+
+    /// Relief of angles, where all tetrahedra with tiny ones are these.
+    pub(crate) fn of_slivers(slivers: Vec<Thin>, refinement: &Refinement<'_>) -> Self {
+        Self { slivers: Some(slivers), ..Self::new(Goal::Angles, refinement) }
     }
 
     /// Looks for a point that relieves the next tetrahedron, and inserts it; is there one? `None`
@@ -116,6 +123,9 @@ impl Relief {
         let (t, v) = self.tets.next().filter(|_| self.left > 0)?;
         let is_relieved = refinement.relieve_tet(t, v, self.goal, self.pass, &mut self.left);
         self.is_changed |= is_relieved;
+        if let Some(slivers) = self.slivers.as_mut().filter(|_| is_relieved) {
+            slivers.extend(refinement.created());
+        }
         Some(is_relieved)
     }
 
@@ -126,7 +136,12 @@ impl Relief {
         }
         let all = match self.goal {
             Goal::Bounds => refinement.refused_tets(),
-            Goal::Angles => refinement.slivers(),
+            Goal::Angles => {
+                let known = self.slivers.take().map(|slivers| refinement.slivers_among(slivers));
+                let all = known.unwrap_or_else(|| refinement.slivers());
+                self.slivers = Some(all.clone());
+                all
+            }
         };
         if all.len() < self.least {
             (self.least, self.is_changed) = (all.len(), false);

@@ -211,11 +211,8 @@ impl<'a> Refiner<'a> {
                 run.refine_again()?;
                 run.relieve(Goal::Bounds)?;
                 run.insist()?;
-                // A sizing field may ask for more afterwards.
                 if run.stop.is_none() {
-                    run.refinement.split_slivers(run.most, &mut run.work, &mut AdmitAll);
-                    run.refine(usize::MAX)?;
-                    run.relieve(Goal::Angles)?;
+                    run.split_slivers()?;
                     run.relieve(Goal::Bounds)?;
                 }
             }

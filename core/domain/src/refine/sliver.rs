@@ -27,34 +27,60 @@ pub(crate) const TRIES: u32 = 32;
 /// They are within this part of the circumradius of the circumcentre.
 pub(crate) const REACH: f64 = 0.75;
 
+/// A tetrahedron with a tiny dihedral angle.
+pub(crate) type Thin = (TetId, [VertexId; 4]);
+
 impl Refinement<'_> {
     /// Splits slivers in the regions, in the order of their coordinates, with `most` points.
+    /// Returns those that are left.
     pub(crate) fn split_slivers<W: Work, A: Admission>(
         &mut self,
         most: u64,
         work: &mut W,
         admission: &mut A,
-    ) {
-        let Some(ratio) = self.bounds.as_ref().and_then(|bounds| bounds.ratio) else { return };
-        for (t, v) in self.slivers() {
+    ) -> Vec<Thin> {
+        let ratio = self.bounds.as_ref().and_then(|bounds| bounds.ratio);
+        let Some(ratio) = ratio else { return Vec::new() };
+        let mut slivers = self.slivers();
+        for &(t, v) in &slivers {
             if self.inserted.points.total() >= most {
-                return;
+                break;
             }
             self.split_sliver(t, v, ratio, work, admission);
         }
+        // No point makes one.
+        slivers.retain(|&(t, v)| self.state.is_live(t, v));
+        slivers
     }
 
     /// The slivers in the order of their coordinates; none without a bound of shape.
-    pub(crate) fn slivers(&self) -> Vec<(TetId, [VertexId; 4])> {
+    pub(crate) fn slivers(&self) -> Vec<Thin> {
         let state = &self.state;
         if self.bounds.as_ref().is_none_or(|bounds| bounds.ratio.is_none()) {
             return Vec::new();
         }
         let all: Vec<TetId> = state.mesh.tet_ids().collect();
         let all = all.par_iter().with_min_len(SHARE).filter(|&&t| state.is_sliver(t));
-        let mut slivers: Vec<_> = all.map(|&t| (t, state.vertices(t))).collect();
-        slivers.sort_by_cached_key(|&(t, v)| state.place_of(Item::Tet(t, v)));
+        self.sorted(all.map(|&t| (t, state.vertices(t))).collect())
+    }
+
+    /// The slivers, in the same order, where all are among these.
+    pub(crate) fn slivers_among(&self, mut tets: Vec<Thin>) -> Vec<Thin> {
+        tets.retain(|&(t, v)| self.state.is_live(t, v) && self.state.is_sliver(t));
+        let slivers = self.sorted(tets);
+        debug_assert_eq!(slivers, self.slivers(), "all slivers are known");
         slivers
+    }
+
+    /// The tetrahedra that the last insertion has made.
+    pub(crate) fn created(&self) -> impl Iterator<Item = Thin> + '_ {
+        let all = self.inserted.created.iter().map(|&t| (t, self.state.vertices(t)));
+        all.filter(|(_, v)| v[3] != INFINITE)
+    }
+
+    fn sorted(&self, mut tets: Vec<Thin>) -> Vec<Thin> {
+        tets.sort_by_cached_key(|&(t, v)| self.state.place_of(Item::Tet(t, v)));
+        tets
     }
 
     fn split_sliver<W: Work, A: Admission>(
