@@ -7,7 +7,7 @@
 use super::carrier::{Carrier, free_point};
 use super::item::{Item, Work};
 use super::key::sorted;
-use super::measure::{RatioBound, Shape, has_small_dihedral};
+use super::measure::{RatioBound, Shape, has_large_dihedrals, has_small_dihedral};
 use super::outcome::Reason;
 use super::split::{Proposal, Refinement, TOLERANCE};
 use super::state::{Place, State};
@@ -143,8 +143,11 @@ impl State {
             return false;
         }
         let v = self.vertices(t);
-        let [a, b, c, d] = sorted(v.map(|v| self.at(v)));
-        has_small_dihedral([&a, &b, &c, &d]) && !self.is_flat(v)
+        let corners = v.map(|v| self.at(v));
+        if has_large_dihedrals(corners.each_ref()) {
+            return false;
+        }
+        has_small_dihedral(sorted(corners).each_ref()) && !self.is_flat(v)
     }
 }
 
