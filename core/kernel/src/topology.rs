@@ -243,10 +243,15 @@ impl Topology {
         if self.tets.all().len() + fresh > self.limit { Err(Full) } else { Ok(()) }
     }
 
+    /// The number of slots when `count` are free, as far as the limit allows.
+    pub(crate) fn slots_with(&self, count: usize) -> usize {
+        let (slots, missing) = (self.slots(), count.saturating_sub(self.free.len()));
+        (slots + missing).min(self.limit).max(slots)
+    }
+
     /// Makes sure that there are `count` free slots, as far as the limit allows.
     pub(crate) fn make_free(&mut self, count: usize) {
-        let (slots, missing) = (self.slots(), count.saturating_sub(self.free.len()));
-        let all = (slots + missing).min(self.limit).max(slots);
+        let (slots, all) = (self.slots(), self.slots_with(count));
         self.tets.grow(all, Tet { v: FREE, n: [FaceId::default(); 4] });
         self.free.extend((slots..all).rev().map(TetId::at));
     }

@@ -10,7 +10,7 @@
 
 use super::carrier::Carrier;
 use super::measure::in_equatorial_ball;
-use super::state::State;
+use super::state::{State, Touched};
 use super::table::sides;
 use ltbw_core::topology::VertexId;
 use ltbw_exact::Point;
@@ -48,11 +48,11 @@ pub(crate) enum Seed {
 }
 
 impl State {
-    /// The change that `p` makes to the triangulation of facet `f`; `None` if `p` does not see its
-    /// whole rim, which means that it lies elsewhere.
-    pub(crate) fn plan(&self, f: u32, p: &Point, seed: Seed) -> Option<Change> {
+    /// The change that `p`, in whose cavity the boundary is `touched`, makes to the triangulation
+    /// of facet `f`; `None` if `p` does not see its whole rim, which means that it lies elsewhere.
+    pub(crate) fn plan(&self, touched: &Touched, f: u32, p: &Point, seed: Seed) -> Option<Change> {
         let mut candidates: Vec<[VertexId; 3]> =
-            self.touched.inner.iter().filter(|(_, g)| *g == f).map(|(s, _)| *s).collect();
+            touched.inner.iter().filter(|(_, g)| *g == f).map(|(s, _)| *s).collect();
         let missing = self.missing_near(f, p);
         candidates.extend(missing.into_iter().filter(|s| self.conflicts(f, *s, p, seed)));
         let mut taken = vec![false; candidates.len()];

@@ -238,12 +238,12 @@ impl Refinement<'_> {
         let Ok(mut open) = self.state.begin(place, &mut AdmitAll) else { return false };
         let opened = open.owner().mesh.cavity().tets().count();
         *left = left.saturating_sub(opened);
-        let judge = Judge { state: open.owner(), record: &self.record, recovers: false };
+        let judge = Judge::on_open(open.owner(), &self.record);
         if !judge.relieves(target, place, bounds) {
             return false;
         }
         open.owner_mut().touch(&place.p, place.carrier);
-        let judge = Judge { state: open.owner(), record: &self.record, recovers: false };
+        let judge = Judge::on_open(open.owner(), &self.record);
         let Some(filling) = judge.filling_beside(item, place, target) else { return false };
         let mut work = Queues::default();
         self.inserted.fill(open, place, &filling, Some(bounds), &mut work);
@@ -443,15 +443,15 @@ impl Judge<'_> {
                 Item::Tet(..) => return None,
             };
             for f in state.facets_of(place.carrier).into_iter().filter(|&f| state.is_planned(f)) {
-                changes.push(state.plan(f, &place.p, seed)?);
+                changes.push(state.plan(self.touched, f, &place.p, seed)?);
             }
         }
         let ends = split.map(|(ends, _)| ends);
-        let patches = state.plan_patches(&place.p, place.carrier, ends, &changes)?;
+        let patches = state.plan_patches(self.touched, &place.p, place.carrier, ends, &changes)?;
         changes.extend(patches);
         let refused = |hit: &Item| Some(*hit) == item || self.record.refused.contains_key(hit);
-        let may = target.may_encroach || state.hits().iter().all(refused);
-        let is_kept = may && state.losses(ends, &changes).is_empty();
+        let may = target.may_encroach || state.hits_in(self.touched).iter().all(refused);
+        let is_kept = may && state.losses_in(self.touched, ends, &changes).is_empty();
         is_kept.then_some(Filling { split, changes, lost: Vec::new() })
     }
 }

@@ -310,7 +310,8 @@ impl<'a> Refinement<'a> {
             Err(At::SetBack(setback)) => return Proposal::SetBack(setback),
         };
         let recovers = self.bounds.is_none();
-        match verdict(Judge { state: open.owner(), record: &self.record, recovers }) {
+        let judge = Judge { recovers, ..Judge::on_open(open.owner(), &self.record) };
+        match verdict(judge) {
             Verdict::Fill(filling) => {
                 self.inserted.fill(open, place, &filling, self.bounds.as_ref(), work);
                 self.record.waits.clear();

@@ -21,7 +21,7 @@ use super::carrier::Carrier;
 use super::facet::Change;
 use super::marks::face_bit;
 use super::patch::Sides;
-use super::state::{FACE, State};
+use super::state::{FACE, State, Touched};
 use super::table::{Map, edge, sides, triangle};
 use super::tiles::is_above;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
@@ -58,6 +58,7 @@ impl State {
     /// While the boundary is recovered there are no changes: layers are looked for afterwards.
     pub(crate) fn plan_patches(
         &self,
+        touched: &Touched,
         p: &Point,
         carrier: Carrier,
         split: Option<[VertexId; 2]>,
@@ -73,14 +74,15 @@ impl State {
         }
         let stays = |s: &[VertexId; 3]| !others.iter().any(|c| c.removed.contains(s));
         let foreign = |(s, f): &&([VertexId; 3], u32)| !patches.contains(f) && stays(s);
-        let mut lost: Vec<u32> = self.touched.inner.iter().filter(foreign).map(|x| x.1).collect();
+        let mut lost: Vec<u32> = touched.inner.iter().filter(foreign).map(|x| x.1).collect();
         lost.sort_unstable();
         lost.dedup();
         if patches.is_empty() && lost.is_empty() {
             return Some(Vec::new());
         }
         if lost.iter().all(|&f| self.sides_of(f).is_some()) {
-            let plan = |dust: bool| self.plan_labels(p, [&patches, &lost], split, others, dust);
+            let places = [&patches[..], &lost];
+            let plan = |dust: bool| self.plan_labels(touched, p, places, split, others, dust);
             let planned = plan(true).or_else(|| plan(false));
             if planned.is_some() || lost.is_empty() {
                 return planned;
@@ -89,7 +91,7 @@ impl State {
         // A point that takes something else out of the mesh has to wait: no labels would fit.
         let mut own: Vec<Change> = patches.iter().map(|&f| Change::of(f)).collect();
         for change in &mut own {
-            let inner = self.touched.inner.iter().filter(|(_, f)| *f == change.facet);
+            let inner = touched.inner.iter().filter(|(_, f)| *f == change.facet);
             change.removed.extend(inner.map(|(s, _)| *s));
         }
         Some(own)
@@ -99,6 +101,7 @@ impl State {
     /// that it takes subfaces of.
     fn plan_labels(
         &self,
+        touched: &Touched,
         p: &Point,
         [patches, lost]: [&[u32]; 2],
         split: Option<[VertexId; 2]>,
@@ -109,7 +112,7 @@ impl State {
         let all = || patches.iter().chain(lost);
         let mut changes: Vec<Change> = all().map(|&f| Change::of(f)).collect();
         let place = |f: u32| all().position(|&g| g == f);
-        for &(s, f) in &self.touched.inner {
+        for &(s, f) in &touched.inner {
             if let Some(k) = place(f) {
                 changes[k].removed.push(s);
             }

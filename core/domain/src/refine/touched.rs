@@ -20,11 +20,6 @@ use ltbw_exact::Point;
 const ACROSS: [[usize; 2]; 6] = [[2, 3], [3, 1], [1, 2], [0, 3], [2, 0], [0, 1]];
 
 impl State {
-    /// The items that the point of the open cavity encroaches.
-    pub(crate) fn hits(&self) -> Vec<Item> {
-        self.hits_in(&self.touched)
-    }
-
     /// The items that a point encroaches, of the boundary in its cavity.
     pub(crate) fn hits_in(&self, touched: &Touched) -> Vec<Item> {
         let mut hits = touched.hits();
@@ -191,13 +186,8 @@ impl State {
         }
     }
 
-    /// The boundary items that the point of the open cavity would take out of the mesh, but for
+    /// The boundary items that a point would take out of the mesh, of those in its cavity, but for
     /// those that it splits: the subsegment `split`, and what `changes` remove.
-    pub(crate) fn losses(&self, split: Option<[VertexId; 2]>, changes: &[Change]) -> Vec<Item> {
-        self.losses_in(&self.touched, split, changes)
-    }
-
-    /// The same, of the boundary in any cavity.
     pub(crate) fn losses_in(
         &self,
         touched: &Touched,

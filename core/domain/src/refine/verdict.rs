@@ -6,7 +6,7 @@ use super::item::Item;
 use super::marks::face_bit;
 use super::outcome::Reason;
 use super::record::{Record, TIP_SHARE};
-use super::state::{FACE, Place, State};
+use super::state::{FACE, Place, State, Touched};
 use super::table::triangle;
 use crate::vector::distance2;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
@@ -44,15 +44,36 @@ pub(crate) enum Verdict {
     Useless,
 }
 
-/// The grounds of a verdict. The state's cavity is that of the point, and is open.
+/// The grounds of a verdict.
 pub(crate) struct Judge<'s> {
     pub(crate) state: &'s State,
     pub(crate) record: &'s Record,
     /// Is the boundary still being recovered?
     pub(crate) recovers: bool,
+    /// The boundary in the cavity of the point.
+    pub(crate) touched: &'s Touched,
+    /// The tetrahedra of this cavity, if it is not open.
+    pub(crate) found: Option<&'s [TetId]>,
 }
 
-impl Judge<'_> {
+impl<'s> Judge<'s> {
+    /// The grounds of a verdict on the point whose cavity is open in the state, when nothing is
+    /// missing.
+    pub(crate) fn on_open(state: &'s State, record: &'s Record) -> Self {
+        Self { state, record, recovers: false, touched: &state.touched, found: None }
+    }
+
+    /// On a point that is to split a boundary item; one of a facet is on it if it `is_on`.
+    pub(crate) fn on_boundary(&self, item: Item, place: &Place, is_on: bool) -> Verdict {
+        match (item, place.carrier) {
+            (Item::Segment(ends), Carrier::Segment(s, _)) => self.on_segment(ends, s, place),
+            (Item::Subface(corners), Carrier::Facet(f)) => {
+                self.on_subface(corners, f, place, is_on)
+            }
+            _ => Verdict::Useless,
+        }
+    }
+
     /// On a point that is to split a subsegment of segment `s`.
     pub(crate) fn on_segment(&self, ends: [VertexId; 2], s: u32, place: &Place) -> Verdict {
         let (state, item) = (self.state, Item::Segment(ends));
@@ -64,16 +85,16 @@ impl Judge<'_> {
         let reason = state.angles.reason_of_segment(s);
         let mut changes = Vec::new();
         for f in state.facets_of(place.carrier).into_iter().filter(|&f| state.is_planned(f)) {
-            match state.plan(f, &place.p, Seed::Along(ends)) {
+            match state.plan(self.touched, f, &place.p, Seed::Along(ends)) {
                 Some(change) => changes.push(change),
                 None => return Verdict::Refuse(reason.unwrap_or(Reason::Rounding)),
             }
         }
-        match state.plan_patches(&place.p, place.carrier, Some(ends), &changes) {
+        match state.plan_patches(self.touched, &place.p, place.carrier, Some(ends), &changes) {
             Some(patches) => changes.extend(patches),
             None => return Verdict::Refuse(reason.unwrap_or(Reason::Rounding)),
         }
-        let lost = state.losses(Some(ends), &changes);
+        let lost = state.losses_in(self.touched, Some(ends), &changes);
         self.spare(item, place, Filling { split: Some((ends, s)), changes, lost })
     }
 
@@ -91,26 +112,27 @@ impl Judge<'_> {
         if let Some(reason) = reason.filter(|_| self.is_too_near(item, &place.p)) {
             return Verdict::Refuse(reason);
         }
-        if !state.touched.hit_segments.is_empty() {
-            return Verdict::Defer(state.hits());
+        if !self.touched.hit_segments.is_empty() {
+            return Verdict::Defer(state.hits_in(self.touched));
         }
         let changes = match state.is_planned(f) {
             _ if !is_on => None,
-            true => self.state.plan(f, &place.p, Seed::At(corners)).map(|change| {
+            true => state.plan(self.touched, f, &place.p, Seed::At(corners)).map(|change| {
                 let mut changes = vec![change];
-                let patches = state.plan_patches(&place.p, place.carrier, None, &changes);
+                let patches =
+                    state.plan_patches(self.touched, &place.p, place.carrier, None, &changes);
                 changes.extend(patches.into_iter().flatten());
                 changes
             }),
-            false => state.plan_patches(&place.p, place.carrier, None, &[]),
+            false => state.plan_patches(self.touched, &place.p, place.carrier, None, &[]),
         };
         if let Some(changes) = changes
             && changes.iter().any(|change| change.removed.contains(&corners))
         {
-            let lost = state.losses(None, &changes);
+            let lost = state.losses_in(self.touched, None, &changes);
             return self.spare(item, place, Filling { split: None, changes, lost });
         }
-        match state.segment_between(corners, f, &place.p) {
+        match state.segment_between(self.touched, corners, f, &place.p) {
             Some(segment) => Verdict::Defer(vec![Item::Segment(segment)]),
             None => Verdict::Useless,
         }
@@ -118,13 +140,14 @@ impl Judge<'_> {
 
     /// On a point in a hole of a patch, if it `is_on` the patch.
     pub(crate) fn on_hole(&self, is_on: bool) -> Verdict {
-        let hits = &self.state.touched.hit_segments;
+        let hits = &self.touched.hit_segments;
         if !hits.is_empty() {
             return Verdict::Defer(hits.iter().map(|&s| Item::Segment(s)).collect());
         }
         match is_on {
             true => {
-                Verdict::Fill(Filling { lost: self.state.losses(None, &[]), ..Filling::default() })
+                let lost = self.state.losses_in(self.touched, None, &[]);
+                Verdict::Fill(Filling { lost, ..Filling::default() })
             }
             false => Verdict::Useless,
         }
@@ -133,11 +156,12 @@ impl Judge<'_> {
     /// On a point that is to split tetrahedron `t`.
     pub(crate) fn on_tet(&self, t: TetId, p: &Point) -> Verdict {
         let state = self.state;
-        let mut first = state.hits();
+        let mut first = state.hits_in(self.touched);
         let mut changes = Vec::new();
         if first.is_empty() {
-            changes = state.plan_patches(p, Carrier::Free, None, &[]).unwrap_or_default();
-            first = state.losses(None, &changes);
+            let patches = state.plan_patches(self.touched, p, Carrier::Free, None, &[]);
+            changes = patches.unwrap_or_default();
+            first = state.losses_in(self.touched, None, &changes);
         }
         match first.is_empty() {
             false => Verdict::Defer(first),
@@ -149,7 +173,7 @@ impl Judge<'_> {
     }
 
     /// Would the point make an edge shorter than what `item` is limited to? The vertex nearest to a
-    /// new point is always on the rim of its cavity.
+    /// new point is always on the rim of its cavity, as are all of the cavity.
     fn is_too_near(&self, item: Item, p: &Point) -> bool {
         let joint = self.state.journal.as_ref().and_then(|journal| journal.limit);
         let Some(limit) = self.record.limits.get(&item).copied().or(joint) else { return false };
@@ -159,8 +183,12 @@ impl Judge<'_> {
         {
             return true;
         }
-        let mut rim = self.state.mesh.cavity().faces().flatten();
-        rim.any(|v| v != INFINITE && distance2(&self.state.at(v), p) < limit * limit)
+        let is_near =
+            |v: VertexId| v != INFINITE && distance2(&self.state.at(v), p) < limit * limit;
+        match self.found {
+            None => self.state.mesh.cavity().faces().flatten().any(is_near),
+            Some(tets) => tets.iter().flat_map(|&t| self.state.vertices(t)).any(is_near),
+        }
     }
 
     /// The verdict on a boundary point that takes the items `lost` out of the mesh. While the

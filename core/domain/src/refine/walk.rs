@@ -9,7 +9,7 @@
 use super::item::Item;
 use super::key::{order_key, sorted};
 use super::marks::face_bit;
-use super::state::State;
+use super::state::{State, Touched};
 use super::table::{sides, triangle};
 use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::Point;
@@ -78,10 +78,35 @@ impl State {
         Way::Outside
     }
 
-    /// The subsegment of facet `f` between its subface `s` and a point `p` of its plane, of the
-    /// open cavity, that `s` does not see.
+    /// A tetrahedron, or ghost, that holds `p`: where a walk from `start` ends that nothing bars.
+    pub(crate) fn holder(&self, start: TetId, p: &Point) -> Option<TetId> {
+        let topology = self.mesh.topology();
+        let (mut t, mut entry) = (start, 4);
+        if topology.at(t).is_ghost() {
+            t = tet_of(topology.at(t).neighbours()[3]);
+        }
+        // In a Delaunay mesh such a walk visits no tetrahedron twice; the bound only guards it.
+        for _ in 0..=topology.slots() {
+            let tet = topology.at(t);
+            let v = tet.vertices();
+            let is_beyond = |slot: &usize| {
+                let [a, b, c] = FACES[*slot].map(|k| self.at(v[k]));
+                *slot != entry && orient3d(&a, &b, &c, p) == Sign::Negative
+            };
+            let Some(slot) = (0..4).filter(|_| !tet.is_ghost()).find(is_beyond) else {
+                return Some(t);
+            };
+            let next = tet.neighbours()[slot];
+            (t, entry) = (tet_of(next), slot_of(next));
+        }
+        None
+    }
+
+    /// The subsegment of facet `f` between its subface `s` and a point `p` of its plane, in whose
+    /// cavity the boundary is `touched`, that `s` does not see.
     pub(crate) fn segment_between(
         &self,
+        touched: &Touched,
         s: [VertexId; 3],
         f: u32,
         p: &Point,
@@ -116,7 +141,7 @@ impl State {
             let segment = self.segments.get(e).map(|&of| &self.plc.segments[of as usize]);
             segment.is_some_and(|segment| segment.facets.contains(&f))
         };
-        let between = self.touched.edges().filter(|e| on_facet(e) && separates(*e));
+        let between = touched.edges().filter(|e| on_facet(e) && separates(*e));
         between.min_by_key(|&e| self.place_of(Item::Segment(e)))
     }
 

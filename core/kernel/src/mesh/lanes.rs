@@ -175,9 +175,11 @@ impl Mesh {
     /// of slots from then on.
     #[doc(hidden)]
     pub fn make_room_for(&mut self, count: usize, lanes: usize) -> usize {
-        self.topology.make_free(count.saturating_mul(SPARE).saturating_add(MARGIN * lanes));
-        let slots = self.topology.slots();
-        self.geometry.reserve_spheres(slots);
+        let free = count.saturating_mul(SPARE).saturating_add(MARGIN * lanes);
+        let slots = self.topology.slots_with(free);
+        let Self { topology, geometry, .. } = self;
+        // Memory that nobody has touched takes its time.
+        rayon::join(|| topology.make_free(free), || geometry.reserve_spheres(slots));
         slots
     }
 

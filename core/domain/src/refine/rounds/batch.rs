@@ -25,8 +25,8 @@ const BATCH: usize = if cfg!(test) { 3 } else { 64 };
 /// One thread's memory for probes.
 #[derive(Debug, Default)]
 pub(super) struct Prober {
-    search: Search,
-    touched: Touched,
+    pub(super) search: Search,
+    pub(super) touched: Touched,
 }
 
 /// The end of a probe that does not conclude.

@@ -29,15 +29,9 @@ impl Rounds<'_, '_> {
             Class::Slivers => return self.choose_slivers(look),
             Class::Segments | Class::Subfaces | Class::Relief => {}
         }
-        let ready = self.ready();
+        let ready = self.ready(class);
         self.forget_reserved(ready.len());
-        for (item, near) in ready {
-            match item {
-                Item::Segment(s) if class == Class::Segments => self.probe_segment(s, near),
-                Item::Subface(s) if class == Class::Subfaces => self.probe_subface(s, near),
-                _ => {}
-            }
-        }
+        self.probe_boundary(&ready);
         false
     }
 
@@ -106,10 +100,16 @@ impl Rounds<'_, '_> {
         self.chosen.sort_unstable();
     }
 
-    /// The pending items that wait for none, the foremost first, each with a slot near it.
-    fn ready(&self) -> Vec<(Item, TetId)> {
+    /// The pending items of a class that wait for none, the foremost first, each with a slot near
+    /// it.
+    fn ready(&self, class: Class) -> Vec<(Item, TetId)> {
         let state = &self.own.state;
-        let ready = self.pending.iter().filter(|(_, pending)| self.is_ready(pending));
+        let is_own = |item: &Item| match class {
+            Class::Segments => matches!(item, Item::Segment(_)),
+            _ => matches!(item, Item::Subface(_)),
+        };
+        let all = self.pending.iter().filter(|(item, _)| is_own(item));
+        let ready = all.filter(|(_, pending)| self.is_ready(pending));
         let mut items: Vec<_> = ready
             .map(|(&item, pending)| {
                 let (key, place) = (state.key_of(item), state.place_of(item));

@@ -199,7 +199,7 @@ impl Rounds<'_, '_> {
         let count = self.leaders.len() as u32;
         let mut falling: Vec<(u64, u32)> = (0..count).map(|k| (leader(&k).key, k)).collect();
         let state = &self.own.state;
-        falling.sort_unstable_by(|(a, j), (b, k)| {
+        falling.par_sort_unstable_by(|(a, j), (b, k)| {
             b.cmp(a).then_with(|| state.compare(leader(j), leader(k)))
         });
         let mut ranks = vec![0; self.leaders.len()];

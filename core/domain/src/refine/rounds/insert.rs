@@ -144,7 +144,7 @@ impl State {
             let rim = self.rim(facet, &removed, &place.p, seed)?;
             changes.push(Change { removed, rim, ..Change::of(facet) });
         }
-        let lost = self.losses(split.map(|(ends, _)| ends), &changes);
+        let lost = self.losses_in(&self.touched, split.map(|(ends, _)| ends), &changes);
         Some(Filling { split, changes, lost })
     }
 }

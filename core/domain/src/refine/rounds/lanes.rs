@@ -174,9 +174,8 @@ impl Rounds<'_, '_> {
         let Self { own, candidates, cavities, reserved, keys, stamps, lanes, .. } = self;
         let (state, inserted) = (&mut own.state, &mut own.inserted);
         let slots = state.mesh.make_room_for(count, many);
-        state.marks.grow(slots);
-        [&mut *reserved, stamps].into_iter().for_each(|words| words.grow(slots));
-        keys.grow(slots);
+        let words = || [&mut *reserved, &mut *stamps].into_iter().for_each(|own| own.grow(slots));
+        rayon::join(|| rayon::join(|| keys.grow(slots), || state.marks.grow(slots)), words);
         let (candidates, cavities) = (&*candidates, &*cavities);
         let chosen = |k: usize| {
             let Candidate { place, cavity, .. } = &candidates[stage[k]];

@@ -7,6 +7,7 @@
 
 mod batch;
 mod block;
+mod boundary;
 mod choose;
 mod conflict;
 mod foremost;

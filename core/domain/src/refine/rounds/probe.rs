@@ -8,17 +8,15 @@ use super::foremost::Foremost;
 use super::{Asked, Candidate, Conclusion, Pending, Rounds};
 use crate::refine::carrier::{Carrier, free_point};
 use crate::refine::item::Item;
-use crate::refine::key::sorted;
-use crate::refine::measure::{Shape, circumcircle};
+use crate::refine::measure::Shape;
 use crate::refine::outcome::Reason;
-use crate::refine::split::{TOLERANCE, aim};
+use crate::refine::split::TOLERANCE;
 use crate::refine::state::Place;
 use crate::refine::verdict::{Filling, Judge, Verdict};
 use crate::refine::walk::Way;
-use crate::vector::distance2;
 use ltbw_core::cavity::{AdmitAll, Role};
 use ltbw_core::mesh::At;
-use ltbw_core::topology::{TetId, VertexId};
+use ltbw_core::topology::TetId;
 
 /// The result of a probe.
 pub(super) enum Probe {
@@ -33,65 +31,6 @@ pub(super) enum Probe {
 }
 
 impl Rounds<'_, '_> {
-    /// Proposes a point for a subsegment.
-    pub(super) fn probe_segment(&mut self, ends: [VertexId; 2], near: TetId) {
-        let (item, state) = (Item::Segment(ends), &self.own.state);
-        let Some(&s) = state.segments.get(&ends) else {
-            self.pending.remove(&item);
-            return;
-        };
-        let corners = sorted(ends.map(|v| state.at(v)));
-        let Some(t) = state.split_parameter(ends, s) else {
-            return self.refuse(item, Reason::Floor);
-        };
-        let p = state.plc.segments[s as usize].line.point(t);
-        let nearest = corners.iter().map(|c| distance2(c, &p)).fold(f64::INFINITY, f64::min);
-        if nearest < self.own.floor * self.own.floor {
-            return self.refuse(item, Reason::Floor);
-        }
-        let rank = self.candidates.len() as u32;
-        let place = Place { p, carrier: Carrier::Segment(s, t), from: near };
-        match self.probe((item, rank), &place, |judge| judge.on_segment(ends, s, &place)) {
-            Probe::Fits => self.take_or_drop(),
-            Probe::Barred => {}
-            Probe::Defers(first) => self.wait(item, first, near),
-            Probe::Refuses(reason) => self.refuse(item, reason),
-            Probe::Useless => self.refuse(item, Reason::Rounding),
-        }
-    }
-
-    /// Proposes a point for a subface.
-    pub(super) fn probe_subface(&mut self, corners: [VertexId; 3], near: TetId) {
-        let (item, state) = (Item::Subface(corners), &self.own.state);
-        let Some(&f) = state.subfaces.get(&corners) else {
-            self.pending.remove(&item);
-            return;
-        };
-        let points = sorted(corners.map(|v| state.at(v)));
-        let (centre, square) = circumcircle(&points[0], &points[1], &points[2]);
-        if square < self.own.floor * self.own.floor {
-            return self.refuse(item, Reason::Floor);
-        }
-        let reason = state.angles.reason_of_facet(f);
-        let (centre, radius) = aim(points, &centre, square);
-        for tolerance in [radius * TOLERANCE, 1.0] {
-            let Some((p, is_on)) = self.own.state.place_on(f, &centre, tolerance) else {
-                continue;
-            };
-            let rank = self.candidates.len() as u32;
-            let place = Place { p, carrier: Carrier::Facet(f), from: near };
-            let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, is_on);
-            match self.probe((item, rank), &place, verdict) {
-                Probe::Fits => return self.take_or_drop(),
-                Probe::Barred => return,
-                Probe::Defers(first) => return self.wait(item, first, near),
-                Probe::Refuses(reason) => return self.refuse(item, reason),
-                Probe::Useless => {}
-            }
-        }
-        self.refuse(item, reason.unwrap_or(Reason::Rounding));
-    }
-
     /// Proposes a point for a tetrahedron near a patch, the leader of a group, of this rank: what
     /// its labels would be, the open cavity tells.
     pub(super) fn probe_tet(&mut self, own: &Foremost, rank: u32) {
@@ -200,7 +139,7 @@ impl Rounds<'_, '_> {
                 return Probe::Barred;
             }
         };
-        let verdict = verdict(Judge { state: open.owner(), record: &own.record, recovers: false });
+        let verdict = verdict(Judge::on_open(open.owner(), &own.record));
         let (probe, filling) = match verdict {
             Verdict::Fill(filling) => (Probe::Fits, filling),
             Verdict::Defer(first) if is_free => (Probe::Defers(first), Filling::default()),
@@ -220,7 +159,7 @@ impl Rounds<'_, '_> {
     }
 
     /// Takes the last candidate, unless one taken before it is in its way.
-    fn take_or_drop(&mut self) {
+    pub(super) fn take_or_drop(&mut self) {
         self.note_alone();
         if self.survives(self.candidates.len() - 1) {
             self.take();
@@ -234,7 +173,7 @@ impl Rounds<'_, '_> {
     }
 
     /// A boundary item waits for others, unless all of them were refused.
-    fn wait(&mut self, item: Item, first: Vec<Item>, near: TetId) {
+    pub(super) fn wait(&mut self, item: Item, first: Vec<Item>, near: TetId) {
         let limit = self.own.record.limits.get(&item).copied();
         match self.first_of(&first, limit, Reason::Rounding) {
             Ok(first) => {

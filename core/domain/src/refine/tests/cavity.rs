@@ -6,6 +6,7 @@ use crate::refine::carrier::Carrier;
 use crate::refine::marks::ENDS;
 use crate::refine::state::{Place, State};
 use crate::refine::table::{Set, edge};
+use crate::refine::walk::Way;
 use ltbw_core::topology::{TetId, VertexId};
 
 /// The edges of the open cavity that are marked, and those of them on no wall: by lists and sets.
@@ -27,6 +28,27 @@ fn slow_edges(state: &State) -> [Vec<[VertexId; 2]>; 2] {
     });
     both.iter_mut().for_each(|list| list.sort_unstable());
     both
+}
+
+/// A walk that nothing bars ends where its point is, from anywhere: inside, at a vertex, outside.
+#[test]
+fn the_holder_of_a_point_is_found_from_everywhere() {
+    let refined = refine(&Refiner::new().max_volume(1e-2), &model());
+    let (state, mut barred) = (&refined.state, 0);
+    let tets: Vec<TetId> = refined.tets().collect();
+    for (k, &from) in tets.iter().enumerate() {
+        let to = tets[(k * 7919 + 13) % tets.len()];
+        let corners = state.vertices(to).map(|v| state.at(v));
+        let middle = [0, 1, 2].map(|k| corners.iter().map(|c| c[k] * 0.25).sum::<f64>().round());
+        assert_eq!(state.holder(from, &middle), Some(to));
+        barred += usize::from(state.way(from, &middle) != Way::Arrived(to));
+        let holder = state.holder(from, &corners[k % 4]).expect("a walk ends");
+        assert!(state.vertices(holder).contains(&state.vertices(to)[k % 4]));
+        let outside = state.holder(from, &[3e16, 0.0, 0.0]).expect("a walk ends");
+        assert!(state.mesh.topology().at(outside).is_ghost());
+        assert_eq!(state.holder(outside, &middle), Some(to));
+    }
+    assert!(barred > 10, "{barred} ways cross the boundary");
 }
 
 /// One pass finds each marked edge of a cavity once, and those inside it.

@@ -1,0 +1,261 @@
+//! Probes of boundary items: where each is to be split, and the verdict on that point, on the mesh
+//! at the start of the round. All threads look at them; then they are taken one after the other,
+//! the largest key first, unless one taken before is in the way. At patches one thread looks at
+//! each in its turn, with the cavity open.
+
+use super::batch::Prober;
+use super::conflict::is_same;
+use super::probe::Probe;
+use super::{Candidate, Rounds};
+use crate::refine::carrier::Carrier;
+use crate::refine::item::Item;
+use crate::refine::key::sorted;
+use crate::refine::measure::circumcircle;
+use crate::refine::outcome::Reason;
+use crate::refine::split::{TOLERANCE, aim};
+use crate::refine::state::Place;
+use crate::refine::verdict::{Judge, Verdict};
+use crate::vector::distance2;
+use ltbw_core::PredicateStats;
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Places that are proposed for a boundary item, at most.
+const PLACES: usize = 2;
+/// Items that a thread looks at at a time; fewer are not worth another thread.
+const BATCH: usize = if cfg!(test) { 3 } else { 16 };
+
+/// Where a boundary item is to be split.
+enum Proposed {
+    /// Nowhere: it is split already.
+    Gone,
+    Refused(Reason),
+    /// Nowhere this time.
+    Useless,
+    /// Here. A point for a subface is on its facet, or was moved off it: `false`.
+    At(Place, bool),
+}
+
+/// The outcome of a look at a boundary item.
+#[derive(Debug)]
+enum Looked {
+    Gone,
+    Refused(Reason),
+    Found(Found),
+}
+
+/// A point for a boundary item, with its cavity and the verdict on it.
+#[derive(Debug)]
+struct Found {
+    place: Place,
+    /// The cavity in the list of the batch.
+    cavity: Range<usize>,
+    /// The tetrahedra around it there, some more than once.
+    around: Range<usize>,
+    is_marked: bool,
+    verdict: Verdict,
+}
+
+/// The looks at some boundary items, in their order.
+#[derive(Debug, Default)]
+struct Batch {
+    all: Vec<(Item, TetId, Looked)>,
+    tets: Vec<TetId>,
+    stats: PredicateStats,
+}
+
+impl Rounds<'_, '_> {
+    /// Probes boundary items, each with a slot near it, and takes those that may be split now.
+    pub(super) fn probe_boundary(&mut self, items: &[(Item, TetId)]) {
+        if self.in_waves {
+            items.iter().for_each(|&own| self.probe_open(own));
+            return;
+        }
+        let mut own = std::mem::take(&mut self.prober);
+        let this = &*self;
+        let look = |prober: &mut Prober, items: &[(Item, TetId)]| {
+            let mut batch = Batch::default();
+            for &(item, near) in items {
+                let looked = this.look_at_item(item, near, prober, &mut batch.tets);
+                batch.all.push((item, near, looked));
+            }
+            batch.stats = std::mem::take(&mut prober.search.stats);
+            batch
+        };
+        let batches: Vec<Batch> = match self.threads > 1 && items.len() >= 2 * BATCH {
+            true => items.par_chunks(BATCH).map_init(Prober::default, look).collect(),
+            false => vec![look(&mut own, items)],
+        };
+        self.prober = own;
+        for batch in batches {
+            self.own.state.mesh.add_stats(batch.stats);
+            for (item, near, looked) in batch.all {
+                self.take_looked((item, near), looked, &batch.tets);
+            }
+        }
+    }
+
+    /// The place that is proposed for a boundary item at this attempt.
+    fn proposed(&self, item: Item, near: TetId, attempt: usize) -> Proposed {
+        match item {
+            Item::Segment(ends) => self.proposed_on_segment(ends, near, attempt),
+            Item::Subface(corners) => self.proposed_on_facet(corners, near, attempt),
+            Item::Tet(..) => Proposed::Gone,
+        }
+    }
+
+    fn proposed_on_segment(&self, ends: [VertexId; 2], near: TetId, attempt: usize) -> Proposed {
+        let state = &self.own.state;
+        let Some(&s) = state.segments.get(&ends) else { return Proposed::Gone };
+        if attempt > 0 {
+            return Proposed::Refused(Reason::Rounding);
+        }
+        let Some(t) = state.split_parameter(ends, s) else {
+            return Proposed::Refused(Reason::Floor);
+        };
+        let p = state.plc.segments[s as usize].line.point(t);
+        let corners = sorted(ends.map(|v| state.at(v)));
+        let nearest = corners.iter().map(|c| distance2(c, &p)).fold(f64::INFINITY, f64::min);
+        match nearest < self.own.floor * self.own.floor {
+            true => Proposed::Refused(Reason::Floor),
+            false => Proposed::At(Place { p, carrier: Carrier::Segment(s, t), from: near }, true),
+        }
+    }
+
+    fn proposed_on_facet(&self, corners: [VertexId; 3], near: TetId, attempt: usize) -> Proposed {
+        let state = &self.own.state;
+        let Some(&f) = state.subfaces.get(&corners) else { return Proposed::Gone };
+        let points = sorted(corners.map(|v| state.at(v)));
+        let (centre, square) = circumcircle(&points[0], &points[1], &points[2]);
+        if square < self.own.floor * self.own.floor {
+            return Proposed::Refused(Reason::Floor);
+        }
+        let (centre, radius) = aim(points, &centre, square);
+        let tolerances: [f64; PLACES] = [radius * TOLERANCE, 1.0];
+        let Some(&tolerance) = tolerances.get(attempt) else {
+            let reason = state.angles.reason_of_facet(f);
+            return Proposed::Refused(reason.unwrap_or(Reason::Rounding));
+        };
+        match state.place_on(f, &centre, tolerance) {
+            Some((p, is_on)) => {
+                Proposed::At(Place { p, carrier: Carrier::Facet(f), from: near }, is_on)
+            }
+            None => Proposed::Useless,
+        }
+    }
+
+    /// Looks for the point of a boundary item; its cavity, and what is around it, is added to
+    /// `list`. The last attempt is refused.
+    fn look_at_item(
+        &self,
+        item: Item,
+        near: TetId,
+        prober: &mut Prober,
+        list: &mut Vec<TetId>,
+    ) -> Looked {
+        let state = &self.own.state;
+        let Prober { search, touched } = prober;
+        for attempt in 0..=PLACES {
+            let (place, is_on) = match self.proposed(item, near, attempt) {
+                Proposed::Gone => return Looked::Gone,
+                Proposed::Refused(reason) => return Looked::Refused(reason),
+                Proposed::Useless => continue,
+                Proposed::At(place, is_on) => (place, is_on),
+            };
+            let p = &place.p;
+            let Some(from) = state.holder(state.start_near(near), p) else { continue };
+            // The point fell together with a vertex.
+            let mut corners = state.vertices(from).into_iter().filter(|&v| v != INFINITE);
+            if corners.any(|v| state.at(v) == *p) {
+                continue;
+            }
+            search.find(&state.mesh, p, from);
+            let has = |t: TetId| search.has(t);
+            let tets = search.tets();
+            state.look_into((tets.iter().copied(), &has), p, place.carrier, touched);
+            let judge =
+                Judge { touched, found: Some(tets), ..Judge::on_open(state, &self.own.record) };
+            let verdict = judge.on_boundary(item, &place, is_on);
+            if matches!(verdict, Verdict::Useless) {
+                continue;
+            }
+            let start = list.len();
+            list.extend(tets);
+            let cavity = start..list.len();
+            let beside = tets.iter().flat_map(|&t| self.neighbours(t));
+            list.extend(beside.filter(|&t| !has(t)));
+            let around = cavity.end..list.len();
+            let place = Place { from, ..place };
+            let is_marked = touched.is_marked;
+            return Looked::Found(Found { place, cavity, around, is_marked, verdict });
+        }
+        Looked::Refused(Reason::Rounding)
+    }
+
+    /// Takes a boundary item, unless one taken before is in its way; `list` has its cavity.
+    fn take_looked(&mut self, (item, near): (Item, TetId), looked: Looked, list: &[TetId]) {
+        let found = match looked {
+            Looked::Gone => {
+                self.pending.remove(&item);
+                return;
+            }
+            Looked::Refused(reason) => return self.refuse(item, reason),
+            Looked::Found(found) => found,
+        };
+        let Found { place, cavity, around, is_marked, verdict } = found;
+        // Rule (d): boundary points keep apart.
+        if list[cavity.start..around.end].iter().any(|&t| self.bars(t, place.carrier)) {
+            self.stats.barred += 1;
+            return;
+        }
+        self.stats.searches += 1;
+        match verdict {
+            Verdict::Fill(filling) => {
+                let start = self.cavities.len();
+                self.cavities.extend_from_slice(&list[cavity]);
+                let cavity = start..self.cavities.len();
+                let rank = self.candidates.len() as u32;
+                let (fits, alone) = (true, false);
+                let own = Candidate { item, rank, fits, is_marked, alone, place, cavity, filling };
+                self.candidates.push(own);
+                self.take_or_drop();
+            }
+            Verdict::Defer(first) => self.wait(item, first, near),
+            Verdict::Refuse(reason) => self.refuse(item, reason),
+            Verdict::Useless => {}
+        }
+    }
+
+    /// Is slot `t` in the cavity of a point taken before, other than one of the same segment or
+    /// facet?
+    fn bars(&self, t: TetId, carrier: Carrier) -> bool {
+        let other = self.reserved.at(t);
+        let before = || &self.candidates[(self.free + self.count - other) as usize].place;
+        other > self.free && !is_same(before().carrier, carrier)
+    }
+
+    /// Probes a boundary item with the cavity of its point open, and takes it if it may be split.
+    fn probe_open(&mut self, (item, near): (Item, TetId)) {
+        for attempt in 0..=PLACES {
+            let (place, is_on) = match self.proposed(item, near, attempt) {
+                Proposed::Gone => {
+                    self.pending.remove(&item);
+                    return;
+                }
+                Proposed::Refused(reason) => return self.refuse(item, reason),
+                Proposed::Useless => continue,
+                Proposed::At(place, is_on) => (place, is_on),
+            };
+            let rank = self.candidates.len() as u32;
+            let verdict = |judge: Judge<'_>| judge.on_boundary(item, &place, is_on);
+            match self.probe((item, rank), &place, verdict) {
+                Probe::Fits => return self.take_or_drop(),
+                Probe::Barred => return,
+                Probe::Defers(first) => return self.wait(item, first, near),
+                Probe::Refuses(reason) => return self.refuse(item, reason),
+                Probe::Useless => {}
+            }
+        }
+    }
+}
