@@ -153,6 +153,15 @@ impl<T> Arena<T> {
         }
     }
 
+    /// Takes memory for `capacity` entries, on huge pages where there are any. A hint.
+    pub(crate) fn expect(&mut self, capacity: usize) {
+        let more = capacity.saturating_sub(self.data.len());
+        if self.data.capacity() < capacity && self.data.try_reserve_exact(more).is_ok() {
+            self.first = self.data.as_mut_ptr();
+            advise_huge(&self.data);
+        }
+    }
+
     /// All entries.
     #[inline(always)]
     pub(crate) fn all(&self) -> &[T] {

@@ -166,6 +166,14 @@ impl Geometry {
         self.spheres = Arena::with_capacity(if self.wide { 0 } else { tets });
     }
 
+    /// Takes memory for this many points and spheres. A hint.
+    pub(crate) fn expect(&mut self, points: usize, spheres: usize) {
+        self.points.expect(points);
+        if !self.wide {
+            self.spheres.expect(spheres);
+        }
+    }
+
     /// Makes room for the spheres of `slots` slots.
     pub(crate) fn reserve_spheres(&mut self, slots: usize) {
         self.spheres.grow(slots, Sphere::UNKNOWN);

@@ -8,6 +8,7 @@ mod assembled;
 #[doc(hidden)]
 pub mod lanes;
 mod reopened;
+mod room;
 
 pub use assembled::Assembly;
 

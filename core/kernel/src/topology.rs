@@ -243,6 +243,11 @@ impl Topology {
         if self.tets.all().len() + fresh > self.limit { Err(Full) } else { Ok(()) }
     }
 
+    /// Takes memory for this many tetrahedra. A hint.
+    pub(crate) fn expect(&mut self, tets: usize) {
+        self.tets.expect(tets);
+    }
+
     /// The number of slots when `count` are free, as far as the limit allows.
     pub(crate) fn slots_with(&self, count: usize) -> usize {
         let (slots, missing) = (self.slots(), count.saturating_sub(self.free.len()));

@@ -282,7 +282,8 @@ impl<'a> Refiner<'a> {
         if tolerance > 0.0 && patches == 0 {
             return Ok(Err(all));
         }
-        let (mesh, kernel) = plc.first_mesh(lattice)?;
+        let (mut mesh, kernel) = plc.first_mesh(lattice)?;
+        mesh.expect_tets(self.expected_tets(domain));
         let patches_folded = plc.folds;
         let stats = RefineStats { patches, patches_folded, ..RefineStats::default() };
         let carriers = mesh.numbers().iter().map(|&c| Carrier::Corner(c)).collect();

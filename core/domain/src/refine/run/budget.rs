@@ -17,6 +17,9 @@ const STEINER_PER_CORNER: u64 = 64;
 /// See [`STEINER_BASE`].
 const STEINER_PER_VOLUME: f64 = 4.0;
 
+/// The most tetrahedra for which memory is taken before they are there.
+const MOST_EXPECTED: usize = 1 << 23;
+
 impl Refiner<'_> {
     pub(super) fn floor_in_steps(&self, domain: &Domain, lattice: &Lattice) -> f64 {
         let length = self.floor.unwrap_or_else(|| {
@@ -24,6 +27,15 @@ impl Refiner<'_> {
             (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max) * FLOOR
         });
         length / lattice.fine_step()
+    }
+
+    /// The tetrahedra for which memory is taken beforehand: about as many as a domain has that
+    /// fills its box; none where no bound on all volumes is given.
+    pub(super) fn expected_tets(&self, domain: &Domain) -> usize {
+        let (low, high) = domain.bounds().unwrap_or(([0.0; 3], [1.0; 3]));
+        let volume: f64 = (0..3).map(|k| high[k] - low[k]).product();
+        // A conversion of floats saturates.
+        self.max_volume.map_or(0, |most| (2.0 * volume / most) as usize).min(MOST_EXPECTED)
     }
 
     pub(super) fn default_budget(&self, domain: &Domain) -> u64 {
