@@ -80,6 +80,11 @@ impl Refinement<'_> {
 }
 
 impl State {
+    /// The shortest edge that the joint step under way may make, if there is one and it is limited.
+    pub(crate) fn joint_limit(&self) -> Option<f64> {
+        self.journal.as_ref().and_then(|journal| journal.limit)
+    }
+
     /// Takes back all of a joint step.
     fn take_back(&mut self, journal: Journal) {
         for (key, before) in journal.segments.into_iter().rev() {

@@ -127,6 +127,13 @@ impl<'a> Refinement<'a> {
         }
     }
 
+    /// The reason why a boundary item was refused. A joint step of the rounds that allows shorter
+    /// edges than the proposal that was refused may try again; queues ask again in the end.
+    fn bars(&self, item: &Item) -> Option<Reason> {
+        let limit = self.state.joint_limit().filter(|_| self.state.by_place);
+        self.record.bars(item, limit)
+    }
+
     /// Rule 1: a subsegment is split near its middle.
     fn split_segment<W: Work, A: Admission>(
         &mut self,
@@ -136,8 +143,8 @@ impl<'a> Refinement<'a> {
     ) -> Step {
         let item = Item::Segment(ends);
         let Some(&s) = self.state.segments.get(&ends) else { return Step::Gone };
-        if let Some(refusal) = self.record.refused.get(&item) {
-            return Step::Refused(refusal.reason);
+        if let Some(reason) = self.bars(&item) {
+            return Step::Refused(reason);
         }
         let Some(t) = self.state.split_parameter(ends, s) else {
             return Step::Refused(Reason::Floor);
@@ -169,8 +176,8 @@ impl<'a> Refinement<'a> {
     ) -> Step {
         let item = Item::Subface(corners);
         let Some(&f) = self.state.subfaces.get(&corners) else { return Step::Gone };
-        if let Some(refusal) = self.record.refused.get(&item) {
-            return Step::Refused(refusal.reason);
+        if let Some(reason) = self.bars(&item) {
+            return Step::Refused(reason);
         }
         let mut points = corners.map(|v| self.state.at(v));
         if self.state.by_place {

@@ -20,6 +20,10 @@ const JOINT: usize = 4;
 /// a tip with a side of the limit's length is not halved for what is beside it. (Queues only.)
 const TIP_SIDE: f64 = 0.75;
 
+/// The part of its limit that an edge has to have where no joint step halves limits: edges between
+/// shells of one size differ in their last bits only, and these decide nothing. (Rounds only.)
+const SLACK: f64 = 0.99;
+
 /// The changes of the boundary that come with a point.
 #[derive(Debug, Default)]
 pub(crate) struct Filling {
@@ -175,16 +179,18 @@ impl<'s> Judge<'s> {
     /// Would the point make an edge shorter than what `item` is limited to? The vertex nearest to a
     /// new point is always on the rim of its cavity, as are all of the cavity.
     fn is_too_near(&self, item: Item, p: &Point) -> bool {
-        let joint = self.state.journal.as_ref().and_then(|journal| journal.limit);
-        let Some(limit) = self.record.limits.get(&item).copied().or(joint) else { return false };
+        let own = self.record.limits.get(&item).copied();
+        let Some(limit) = own.or(self.state.joint_limit()) else { return false };
         let share = if self.state.by_place { TIP_SHARE } else { TIP_SIDE };
         if let Item::Segment(ends) = item
             && self.state.tip_side(ends, p).is_some_and(|side| side < share * limit)
         {
             return true;
         }
+        let is_slack = own.is_some() && self.state.by_place;
+        let least = if is_slack { SLACK * limit } else { limit };
         let is_near =
-            |v: VertexId| v != INFINITE && distance2(&self.state.at(v), p) < limit * limit;
+            |v: VertexId| v != INFINITE && distance2(&self.state.at(v), p) < least * least;
         match self.found {
             None => self.state.mesh.cavity().faces().flatten().any(is_near),
             Some(tets) => tets.iter().flat_map(|&t| self.state.vertices(t)).any(is_near),

@@ -390,9 +390,10 @@ impl<'r, 'a> Rounds<'r, 'a> {
         let before = self.own.state.mesh.num_vertices();
         let mut work = Queues::default();
         for item in self.circles() {
+            let limit = self.own.record.limits.get(&item).copied();
             match self.own.split_jointly(item, &mut work, &mut AdmitAll) {
                 Step::Refused(reason) => {
-                    self.own.record.refused.insert(item, Refusal::final_for(reason));
+                    self.own.record.refused.insert(item, Refusal { reason, limit });
                 }
                 Step::SetBack(_) => return Err(RefineError::Invariant { what: "room for points" }),
                 Step::Inserted => self.note_created(),

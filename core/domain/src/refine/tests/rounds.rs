@@ -351,13 +351,16 @@ fn relief_is_the_same_for_all_orders() {
     let ready =
         surface!(ltbw_generate::surfaces::turned(&ltbw_generate::surfaces::prism(24, 1e-7, 1)));
     let refined = one_mesh(&Refiner::new(), &ready, 0, "a prism");
-    // Queues ask again where many are over at one corner; before that they have as many.
+    // Queues ask again where many are over at one corner; before that their share is as large.
     let (mut run, _) = Refiner::new().recovered(&ready.domain, &ready.lattice).expect("sound");
     run.refine(usize::MAX).expect("no error");
     run.refine_again().expect("no error");
     run.relieve(Goal::Bounds).expect("no error");
-    let counts = [refined.excuses.len(), over(&run).len()];
-    assert!(counts[0] * 5 <= counts[1] * 6, "{counts:?}");
+    let own = refined.excuses.len() as f64 / refined.num_tets() as f64;
+    let state = &run.refinement.state;
+    let tets = state.mesh.tet_ids().filter(|&t| state.marks.region(t) != 0).count();
+    let others = over(&run).len() as f64 / tets as f64;
+    assert!(own < 1.2 * others, "{own} {others}");
 }
 
 /// A ghost on a patch was looked at as if it had four corners.
@@ -365,4 +368,17 @@ fn relief_is_the_same_for_all_orders() {
 fn patches_on_the_hull_may_bar_points() {
     let ready = surface!(ltbw_generate::surfaces::prism(12, 1e-6, 1));
     one_mesh(&Refiner::new().flat_tolerance(5e-7), &ready, 0, "a prism");
+}
+
+/// Long segments between needles are split together with their neighbours. What had been refused
+/// for larger tetrahedra barred every such step (433 of 1,541 and 227 of 1,158 were excused), and
+/// so did sides that are as long as their limits but for the last bits (229 of 1,936).
+#[test]
+fn a_joint_step_tries_what_was_refused_for_larger_tetrahedra() {
+    for (noise, seed) in [(1e-2, 2), (1e-6, 2), (1e-6, 1)] {
+        let ready = surface!(ltbw_generate::surfaces::prism(24, noise, seed));
+        let refined = one_mesh(&Refiner::new(), &ready, 0, "a prism");
+        let (excused, all) = (refined.excuses.len(), refined.num_tets());
+        assert!(20 * excused < 2 * all, "{noise} {seed}: {excused} of {all}");
+    }
 }
