@@ -79,7 +79,7 @@ impl Cursor<'_> {
     /// let mut cursor = queries.cursor();
     /// let Conflicts::Region(region) = cursor.conflicts([0.5; 3])? else { panic!("not a vertex") };
     /// assert_eq!(region.tets.len(), mesh.num_tets(), "the centre is inside every sphere");
-    /// assert_eq!((region.boundary faces.len(), region.hull.len()), (12, 0));
+    /// assert_eq!((region.boundary.len(), region.hull.len()), (12, 0));
     /// assert_eq!(cursor.conflicts([0.0; 3])?, Conflicts::AtVertex(0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
