@@ -1,6 +1,7 @@
 //! The only file of this crate that touches atomics: numbers by slot, which several
 //! threads may write, each those of its own slots.
 
+use ltbw_core::prefetch;
 use ltbw_core::topology::TetId;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
@@ -31,6 +32,12 @@ macro_rules! by_slot {
             #[inline(always)]
             pub(crate) fn at(&self, t: TetId) -> $number {
                 self.0[t.index()].load(Ordering::Relaxed)
+            }
+
+            /// Asks the processor to fetch the number of slot `t`. A hint.
+            #[inline(always)]
+            pub(crate) fn prefetch(&self, t: TetId) {
+                prefetch(self.0.as_ptr().wrapping_add(t.index()));
             }
 
             /// Replaces the number of slot `t`.

@@ -191,16 +191,7 @@ impl<T> Arena<T> {
     /// Asks the processor to fetch entry `i` into its cache. A hint: nothing depends on it.
     #[inline(always)]
     pub(crate) fn prefetch(&self, i: impl Into<u32>) {
-        let i = i.into() as usize;
-        #[cfg(target_arch = "x86_64")]
-        {
-            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            let entry = self.first.wrapping_add(i);
-            // SAFETY: SSE is part of x86-64, and a prefetch of any address is harmless.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(entry.cast_const().cast()) };
-        }
-        #[cfg(not(target_arch = "x86_64"))]
-        let _ = i;
+        prefetch(self.first.wrapping_add(i.into() as usize).cast_const());
     }
 
     /// Entry `i`, which must exist (I7).
@@ -221,6 +212,19 @@ impl<T> Default for Arena<T> {
     fn default() -> Self {
         Self::of(Vec::new())
     }
+}
+
+/// Asks the processor to fetch what is at an address into its cache. A hint: nothing depends on it.
+#[inline(always)]
+pub fn prefetch<T>(entry: *const T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: SSE is part of x86-64, and a prefetch of any address is harmless.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(entry.cast()) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = entry;
 }
 
 #[cfg(test)]

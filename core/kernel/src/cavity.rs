@@ -240,8 +240,9 @@ impl Cavity {
     ///
     /// Afterwards the cavity's tetrahedra are marked: call [`Cavity::fill`] or
     /// [`Cavity::set_back`]. Refused, the mesh is as before. Ends: each tetrahedron enters once.
+    /// `FAR`: neighbours are far apart in memory, and fetched as soon as they are known.
     #[inline(never)]
-    pub(crate) fn expand<C: Conflict, A: Admission>(
+    pub(crate) fn expand<C: Conflict, A: Admission, const FAR: bool>(
         &mut self,
         topology: &mut Topology,
         start: TetId,
@@ -256,12 +257,15 @@ impl Cavity {
         }
         topology.mark(start);
         self.tets.push_some([start; 4], 1);
-        let mut next = 0;
+        let (mut next, mut ahead) = (0, 1);
         while next < self.tets.len() {
             let t = self.tets[next];
             next += 1;
-            if let Some(&ahead) = self.tets.get(next) {
-                for face in topology.tet(ahead).neighbours() {
+            ahead = if FAR { ahead } else { next };
+            // The next one's neighbours, and those of all that follow if they are far apart.
+            while let Some(&t) = self.tets.get(ahead).filter(|_| FAR || ahead == next) {
+                ahead += 1;
+                for face in topology.tet(t).neighbours() {
                     conflict.prefetch(tet_of(face));
                     topology.prefetch(tet_of(face));
                 }
@@ -432,6 +436,12 @@ mod tests {
         }
     }
 
+    type Both<'b> = (&'b mut Cavity, &'b mut Topology);
+
+    fn open((own, all): Both<'_>, t: TetId, by: &mut impl Admission) -> Result<(), Setback> {
+        own.expand::<_, _, true>(all, t, &mut Only(t), by)
+    }
+
     /// Splits a tetrahedron `count` times, with a cavity whose stamp starts at `stamp`.
     fn split(count: u32, stamp: u32) -> Topology {
         let mut topology = Topology::default();
@@ -440,7 +450,7 @@ mod tests {
         let mut t = TetId::default();
         for v in 5..5 + count {
             cavity.reserve_vertices(v as usize + 1);
-            cavity.expand(&mut topology, t, &mut Only(t), &mut AdmitAll).expect("all are admitted");
+            open((&mut cavity, &mut topology), t, &mut AdmitAll).expect("all are admitted");
             assert_eq!((cavity.tets.len(), cavity.boundary.len(), cavity.tests()), (1, 4, 4));
             t = cavity.fill(&mut topology, VertexId::new(v));
             assert_eq!((cavity.star().tets.len(), cavity.star().rim.len()), (4, 4));
@@ -474,17 +484,15 @@ mod tests {
             true
         };
         let mut cavity = Cavity::default();
-        cavity.expand(&mut topology, first, &mut Only(first), &mut admission).expect("admitted");
+        open((&mut cavity, &mut topology), first, &mut admission).expect("admitted");
         let ring = topology.tet(first).neighbours().map(|n| (tet_of(n), Role::Ring));
         assert_eq!(asked, [vec![(first, Role::Cavity)], ring.to_vec()].concat());
         assert!(topology.tet(first).is_marked());
         cavity.set_back(&mut topology);
         assert!(topology == before);
-        assert_eq!(
-            cavity.expand(&mut topology, first, &mut Only(first), &mut |_, role| role
-                == Role::Cavity),
-            Err(Setback::Refused(ring[0].0))
-        );
+        let mut no_ring = |_, role| role == Role::Cavity;
+        let refused = open((&mut cavity, &mut topology), first, &mut no_ring);
+        assert_eq!(refused, Err(Setback::Refused(ring[0].0)));
         assert!(topology == before);
     }
 }

@@ -142,6 +142,12 @@ impl Geometry {
         self.spheres.prefetch(t);
     }
 
+    /// The same of a vertex.
+    #[inline(always)]
+    pub(crate) fn prefetch_point(&self, v: VertexId) {
+        self.points.prefetch(v);
+    }
+
     /// Replaces the cached sphere of `t`.
     #[inline(always)]
     pub(crate) fn set_sphere(&mut self, t: TetId, sphere: Sphere) {

@@ -68,6 +68,8 @@ pub mod transaction;
 #[doc(hidden)]
 pub mod undo;
 
+#[doc(hidden)]
+pub use arena::prefetch;
 pub use build::{
     Budget, BuildError, Builder, Built, Observer, Order, Outcome, Phase, Progress, Stats,
 };
@@ -80,6 +82,8 @@ pub use mesh::{InsertError, Inserted, Mesh, Vertex};
 #[doc(inline)]
 pub use random::Random;
 pub use snapshot::{Snapshot, SnapshotError};
+#[doc(hidden)]
+pub use sphere::simd::{FourCorners, TINY_SINE, test_bounds};
 pub use sync::CancelToken;
 pub use tetmesh::{BoundaryFace, TetMesh};
 

@@ -7,7 +7,7 @@
 mod assembled;
 #[doc(hidden)]
 pub mod lanes;
-mod reopened;
+mod opened;
 mod room;
 
 pub use assembled::Assembly;
@@ -16,7 +16,6 @@ use crate::PredicateStats;
 use crate::cavity::{Admission, AdmitAll, Cavity, Role, Setback, Star};
 use crate::geometry::Geometry;
 use crate::hash::{HashError, MeshHash, canonical_hash};
-use crate::locate::{Found, walk};
 use crate::numbering::Numbering;
 use crate::topology::{INFINITE, TetId, Topology, VertexId, tet_of};
 use crate::transaction::{OpenCavity, Opens};
@@ -181,34 +180,6 @@ impl Mesh {
             }
             Err(At::Vertex(v)) => Ok(Placed::At(v)),
             Err(At::SetBack(setback)) => Err(setback),
-        }
-    }
-
-    /// Finds the cavity of a point in kernel coordinates, walking from `from`.
-    #[doc(hidden)]
-    #[inline]
-    pub fn begin<A: Admission>(
-        &mut self,
-        p: Point,
-        from: TetId,
-        admission: &mut A,
-    ) -> Result<OpenCavity<'_, Self>, At> {
-        let mut conflict = self.geometry.conflict_of(&p);
-        let start = match walk(&self.topology, &mut conflict, from) {
-            // Nothing bars a walk in a whole mesh.
-            Found::Conflict(t) | Found::Outside(t) | Found::Barred(t) => t,
-            Found::Inside(t) => {
-                let geometry = conflict.geometry();
-                let corners = self.topology.tet(t).vertices();
-                if let Some(&v) = corners.iter().find(|&&v| *geometry.point(v) == p) {
-                    return Err(At::Vertex(v));
-                }
-                t
-            }
-        };
-        match self.cavity.expand(&mut self.topology, start, &mut conflict, admission) {
-            Ok(()) => Ok(OpenCavity::new(self)),
-            Err(setback) => Err(At::SetBack(setback)),
         }
     }
 

@@ -34,12 +34,6 @@ impl Search {
         let (mut next, mut boundary) = (0, 0);
         while let Some(&t) = tets.get(next) {
             next += 1;
-            if let Some(&ahead) = tets.get(next) {
-                for face in topology.tet(ahead).neighbours() {
-                    conflict.prefetch(tet_of(face));
-                    topology.prefetch(tet_of(face));
-                }
-            }
             let n = topology.tet(t).neighbours().map(tet_of);
             let mut open = 0;
             for (slot, &other) in n.iter().enumerate() {
@@ -54,6 +48,10 @@ impl Search {
                 if inside & open & 1 << slot != 0 {
                     tets.push(other);
                     set.insert(other);
+                    for face in topology.tet(other).neighbours() {
+                        conflict.prefetch(tet_of(face));
+                        topology.prefetch(tet_of(face));
+                    }
                 }
             }
             boundary += (open & !inside).count_ones();

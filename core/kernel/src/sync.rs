@@ -1,6 +1,7 @@
 //! The only file of this crate that touches atomics: cancelling long work from another thread, and
 //! the claims of several threads on the slots of one mesh.
 
+use crate::arena::prefetch;
 use crate::topology::TetId;
 #[cfg(loom)]
 use loom::sync::{Arc, atomic::AtomicBool};
@@ -65,6 +66,12 @@ impl Claims {
             slot.compare_exchange(0, lane, Ordering::Relaxed, Ordering::Relaxed).is_ok()
         };
         self.0.get(t.index()).is_some_and(take)
+    }
+
+    /// Asks the processor to fetch the entry of slot `t`. A hint.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, t: TetId) {
+        prefetch(self.0.as_ptr().wrapping_add(t.index()));
     }
 
     /// Asks for slot `t`; says whether it is this lane's.

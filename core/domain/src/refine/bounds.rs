@@ -2,12 +2,14 @@
 
 use super::RefineError;
 use super::key::sorted;
-use super::measure::{RatioBound, Shape, VolumeBound};
+use super::measure::{RatioBound, Shape, VolumeBound, has_large_dihedrals};
 use super::state::State;
+use super::thin::Thin;
 use crate::prepare::LARGEST_TOLERANCE;
 use crate::vector::distance2;
 use crate::{Domain, Lattice};
-use ltbw_core::topology::TetId;
+use ltbw_core::topology::{INFINITE, TetId};
+use ltbw_core::{FourCorners, test_bounds};
 use ltbw_exact::Point;
 
 /// The largest tolerance within which facets of a domain may be taken for coplanar: 2^-10 of the
@@ -125,31 +127,95 @@ impl Bounds<'_> {
         bounds.into_iter().any(|bound| bound.exceeded(corners))
     }
 
+    /// Which of at most four tetrahedra would be over their bounds, and which may have tiny
+    /// dihedral angles: bit masks. The same as [`Self::are_over`] of each, and faster.
+    #[inline(always)]
+    pub(crate) fn look_at_four(&self, tets: &Four) -> (u32, u32) {
+        let volumes = match self.field {
+            None => tets.regions.map(|region| self.volume_of(region)),
+            Some(_) => std::array::from_fn(|k| match k < tets.count {
+                true => self.volume_at(tets.corners(k).each_ref(), tets.regions[k]),
+                false => f64::INFINITY,
+            }),
+        };
+        let ratio = self.ratio.map(|bound| bound.value());
+        let [mut over, within, thick] = test_bounds(&tets.corners, &volumes, ratio);
+        let mut thin = 0;
+        for k in 0..tets.count {
+            if (over | within) >> k & 1 == 0 {
+                over |= u32::from(self.are_over(tets.corners(k).each_ref(), tets.regions[k])) << k;
+            }
+            if thick >> k & 1 == 0 && ratio.is_some() {
+                thin |= u32::from(!has_large_dihedrals(tets.corners(k).each_ref())) << k;
+            }
+        }
+        (over & !(u32::MAX << tets.count), thin)
+    }
+
+    /// The bound on the volume in a region; infinite if there is none.
+    #[inline(always)]
+    fn volume_of(&self, region: u32) -> f64 {
+        let own = self.volumes.get(region as usize).copied().flatten();
+        own.map_or(f64::INFINITY, |bound| bound.volume())
+    }
+
+    fn volume_at(&self, corners: [&Point; 4], region: u32) -> f64 {
+        let field = self.field_bound(corners);
+        field.map_or(f64::INFINITY, |bound| bound.volume()).min(self.volume_of(region))
+    }
+
+    /// Which of some tetrahedra of the domain are over their bounds, in their order. If there is a
+    /// bound of shape, those that may have tiny dihedral angles are added to `thin`.
+    pub(crate) fn over_of<'b>(
+        &'b self,
+        state: &'b State,
+        tets: impl Iterator<Item = TetId> + 'b,
+        thin: &'b mut Vec<Thin>,
+    ) -> impl Iterator<Item = Thin> + 'b {
+        let mut rest = tets.filter_map(|t| {
+            let (v, region) = (state.vertices(t), state.marks.region(t));
+            (region != 0 && v[3] != INFINITE).then_some((t, v, region))
+        });
+        let mut four = Four::default();
+        let mut own = [(TetId::default(), [INFINITE; 4]); 4];
+        let (mut over, mut is_done) = (0u32, false);
+        let all = std::iter::from_fn(move || {
+            while over == 0 && !is_done {
+                four.clear();
+                for (to, (t, v, region)) in own.iter_mut().zip(rest.by_ref()) {
+                    *to = (t, v);
+                    four.push(v.map(|v| state.at(v)), region);
+                }
+                is_done = four.count < 4;
+                let looked = self.look_at_four(&four);
+                over = looked.0;
+                thin.extend(bits(looked.1).map(|k| own[k]));
+            }
+            let k = over.trailing_zeros() as usize;
+            over &= over.wrapping_sub(1);
+            own.get(k).copied()
+        });
+        all.filter(|&(_, v)| !state.is_flat(v))
+    }
+
     /// The factor by which tetrahedron `t` of the domain is over its bounds, if it is: at least 1.
     #[inline(always)]
     pub(crate) fn excess(&self, state: &State, t: TetId) -> Option<f64> {
-        let region = state.marks.region(t) as usize;
-        if region == 0 {
-            return None;
-        }
+        self.is_over(state, t).then(|| self.excess_of(state, t))
+    }
+
+    /// The same of a tetrahedron that is over its bounds.
+    #[inline(always)]
+    pub(crate) fn excess_of(&self, state: &State, t: TetId) -> f64 {
         let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
         let corners = [&a, &b, &c, &d];
-        let volume = self.volumes.get(region).copied().flatten();
-        let volume = volume.filter(|bound| bound.exceeded(corners));
-        let field = self.field_bound(corners).filter(|bound| bound.exceeded(corners));
-        let ratio = self.ratio.filter(|bound| bound.exceeded(corners));
-        // Most meet their bounds, which the filters tell without the shape.
-        if volume.is_none() && field.is_none() && ratio.is_none() {
-            return None;
-        }
-        // Between the triangles of a patch: no points make that any better.
-        if state.is_flat(state.vertices(t)) {
-            return None;
-        }
         let shape = Shape::of(corners);
-        let sizes = volume.into_iter().chain(field).map(|bound| bound.excess(&shape));
-        let ratios = ratio.map(|bound| shape.ratio_over(&bound));
-        Some(sizes.chain(ratios).fold(1.0, f64::max))
+        let volume = self.volumes.get(state.marks.region(t) as usize).copied().flatten();
+        let sizes = volume.into_iter().chain(self.field_bound(corners));
+        let sizes = sizes.map(|bound| bound.excess(&shape));
+        let ratios = self.ratio.map(|bound| shape.ratio_over(&bound));
+        // The excess over a bound that is met is at most 1, but for rounding.
+        sizes.chain(ratios).fold(1.0, f64::max)
     }
 
     /// The edge length that splitting `t` may go down to near small angles: its own shortest edge,
@@ -172,6 +238,50 @@ impl Bounds<'_> {
         let h = field(centroid) / self.fine_step;
         let volume = regular_volume(h);
         (volume > 0.0 && volume.is_finite()).then(|| VolumeBound::new(volume))
+    }
+}
+
+/// The numbers of the bits of a mask of four.
+pub(crate) fn bits(mask: u32) -> impl Iterator<Item = usize> {
+    (0..4).filter(move |k| mask >> k & 1 == 1)
+}
+
+/// At most four tetrahedra whose bounds are tested together.
+#[derive(Default)]
+pub(crate) struct Four {
+    corners: FourCorners,
+    regions: [u32; 4],
+    count: usize,
+}
+
+impl Four {
+    /// Adds a tetrahedron, of which there are fewer than four.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, corners: [Point; 4], region: u32) {
+        let lane = self.count % 4;
+        for (to, corner) in self.corners.iter_mut().zip(corners) {
+            for (to, coordinate) in to.iter_mut().zip(corner) {
+                to[lane] = coordinate;
+            }
+        }
+        self.regions[lane] = region;
+        self.count = lane + 1;
+    }
+
+    #[inline(always)]
+    pub(crate) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    #[inline(always)]
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The corners of tetrahedron `lane`.
+    #[inline(always)]
+    pub(crate) fn corners(&self, lane: usize) -> [Point; 4] {
+        self.corners.map(|corner| corner.map(|coordinate| coordinate[lane % 4]))
     }
 }
 

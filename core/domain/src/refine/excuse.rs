@@ -24,8 +24,10 @@ impl State {
         over: Option<Vec<TetId>>,
         stop: Option<Reason>,
     ) -> Vec<Excuse> {
-        let is_over = |t: &TetId| bounds.excess(self, *t).is_some();
-        let all = || -> Vec<TetId> { order.iter().copied().filter(is_over).collect() };
+        let all = || -> Vec<TetId> {
+            let all = order.iter().copied();
+            bounds.over_of(self, all, &mut Vec::new()).map(|(t, _)| t).collect()
+        };
         let over = match over {
             None => all(),
             Some(mut over) => {

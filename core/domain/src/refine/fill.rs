@@ -6,6 +6,7 @@ use super::item::{Item, Work};
 use super::marks::{edge_bit, face_bit};
 use super::state::{Place, State};
 use super::table::{edge, triangle};
+use super::thin::ThinTets;
 use super::verdict::Filling;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_core::transaction::OpenCavity;
@@ -40,12 +41,19 @@ pub(crate) struct Inserted {
     pub(crate) next_number: u32,
     /// The new tetrahedra of the last insertion, or the slots that a joint step has written.
     pub(crate) created: Vec<TetId>,
+    /// Tetrahedra that may have tiny dihedral angles: all that are left, and others.
+    pub(crate) thin: ThinTets,
 }
 
 impl Inserted {
     /// No vertices yet.
     pub(crate) fn from(next_number: u32) -> Self {
-        Self { points: Points::default(), next_number, created: Vec::new() }
+        Self {
+            points: Points::default(),
+            next_number,
+            created: Vec::new(),
+            thin: ThinTets::default(),
+        }
     }
 
     /// Fills the open cavity of a place. Items that the mesh has lost, and new tetrahedra over
@@ -83,18 +91,17 @@ impl Inserted {
 
     /// Puts the new tetrahedra that are over their bounds; those of a joint step are noted, and
     /// looked at when it is done.
-    fn put_created<W: Work>(&self, state: &mut State, bounds: &Bounds<'_>, work: &mut W) {
-        for &t in &self.created {
-            let v = state.vertices(t);
-            if v[3] == INFINITE {
-                continue;
-            }
-            if let Some(journal) = &mut state.journal {
-                journal.created.push((t, v));
-            } else if let Some(weight) = bounds.excess(state, t) {
-                work.put(Item::Tet(t, v), weight);
-            }
+    fn put_created<W: Work>(&mut self, state: &mut State, bounds: &Bounds<'_>, work: &mut W) {
+        if let Some(journal) = &mut state.journal {
+            let topology = state.mesh.topology();
+            let created = self.created.iter().map(|&t| (t, topology.at(t).vertices()));
+            return journal.created.extend(created.filter(|(_, v)| v[3] != INFINITE));
         }
+        let created = self.created.iter().copied();
+        for (t, v) in bounds.over_of(state, created, &mut self.thin.tets) {
+            work.put(Item::Tet(t, v), bounds.excess_of(state, t));
+        }
+        self.thin.forget_old(state);
     }
 
     /// After the filling: old boundary items that are gone or lost, and the new ones.

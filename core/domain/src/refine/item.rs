@@ -59,6 +59,11 @@ impl Default for Queues {
 }
 
 impl Queues {
+    /// The tetrahedron that may be the next one.
+    pub(crate) fn upcoming(&self) -> Option<(TetId, [VertexId; 4])> {
+        self.tets[self.highest].front().copied()
+    }
+
     /// The next boundary item, where the first by its place comes first of those that do not wait.
     pub(crate) fn next_by_place<K: Ord>(&mut self, place: impl Fn(Item) -> K) -> Option<Item> {
         let Self { waiting, segments, subfaces, .. } = self;

@@ -58,12 +58,11 @@ impl Refinement<'_> {
             // Slots of ghosts, too: a tetrahedron may have been there.
             let written = journal.insertions.iter().flat_map(|(undo, _)| undo.created());
             self.inserted.created = written.collect();
-            for (t, v) in journal.created {
-                if self.state.is_live(t, v)
-                    && let Some(weight) =
-                        self.bounds.as_ref().and_then(|b| b.excess(&self.state, t))
-                {
-                    work.put(Item::Tet(t, v), weight);
+            if let Some(bounds) = &self.bounds {
+                let live = journal.created.iter().filter(|&&(t, v)| self.state.is_live(t, v));
+                let live = live.map(|&(t, _)| t);
+                for (t, v) in bounds.over_of(&self.state, live, &mut self.inserted.thin.tets) {
+                    work.put(Item::Tet(t, v), bounds.excess_of(&self.state, t));
                 }
             }
             return Step::Inserted;

@@ -81,6 +81,12 @@ impl Marks {
         self.words.at(t)
     }
 
+    /// Asks the processor to fetch the word of a slot. A hint.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, t: TetId) {
+        self.words.prefetch(t);
+    }
+
     pub(crate) fn set(&mut self, t: TetId, bits: Word) {
         self.words.set(t, self.of(t) | bits);
     }

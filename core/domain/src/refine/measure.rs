@@ -5,6 +5,7 @@
 //! Coordinates are in fine steps: whole numbers of at most 2^53 in magnitude.
 
 use crate::vector::{cross, dot, minus};
+use ltbw_core::TINY_SINE;
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, filter};
 use num_bigint::BigInt;
@@ -262,9 +263,6 @@ pub(crate) fn has_small_dihedral([p, q, r, s]: [&Point; 4]) -> bool {
         })
     })
 }
-
-/// sin² of one degree, times 9/16 and a little more.
-const TINY_SINE: f64 = 0.000_172;
 
 /// Are all dihedral angles of a tetrahedron above one degree, as a short test tells? Either
 /// orientation, and the corners in any order.

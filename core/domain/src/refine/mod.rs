@@ -82,6 +82,7 @@ mod surface;
 mod table;
 #[cfg(test)]
 mod tests;
+mod thin;
 mod tiles;
 mod touched;
 mod verdict;

@@ -1,9 +1,12 @@
 //! The record of earlier proposals: what was refused, under which limit, and which boundary items
 //! wait for which.
 
+use super::bounds::Bounds;
 use super::item::Item;
 use super::outcome::Reason;
+use super::state::State;
 use super::table::Map;
+use ltbw_core::topology::{TetId, VertexId};
 
 /// The part of its limit down to which an edge may be made between two segments at a small angle:
 /// the points of both are as near to each other as the angle makes them.
@@ -47,6 +50,18 @@ impl Record {
     /// The reason why an item was refused, unless a proposal down to `limit` may try again.
     pub(crate) fn bars(&self, item: &Item, limit: Option<f64>) -> Option<Reason> {
         self.refused.get(item).filter(|r| !r.allows(limit)).map(|r| r.reason)
+    }
+
+    /// The refused tetrahedra that are over their bounds.
+    pub(crate) fn refused_over<'r>(
+        &'r self,
+        bounds: &'r Bounds<'_>,
+        state: &'r State,
+    ) -> impl Iterator<Item = (TetId, [VertexId; 4])> + 'r {
+        self.refused.keys().filter_map(|&item| match item {
+            Item::Tet(t, v) if state.is_live(t, v) => bounds.is_over(state, t).then_some((t, v)),
+            _ => None,
+        })
     }
 
     /// Does `first` wait for `item`, or for something that does?

@@ -25,7 +25,7 @@ use super::item::{Item, Queues, Work};
 use super::key::sorted;
 use super::measure::{Shape, circumcircle, has_small_dihedral};
 use super::record::Refusal;
-use super::sliver::{Thin, in_unit_ball};
+use super::sliver::in_unit_ball;
 use super::split::{Refinement, TOLERANCE};
 use super::state::{FACE, Place, State};
 use super::table::edge;
@@ -98,20 +98,13 @@ pub(crate) struct Relief {
     is_changed: bool,
     /// Tetrahedra of cavities that may still be opened.
     left: usize,
-    /// Tetrahedra among which are all with tiny angles, if such are known.
-    slivers: Option<Vec<Thin>>,
 }
 
 impl Relief {
     pub(crate) fn new(goal: Goal, refinement: &Refinement<'_>) -> Self {
         let left = OPENED * refinement.state.mesh.num_tets() + OPENED_MORE;
         let tets = Vec::new().into_iter();
-        Self { goal, pass: 0, tets, least: usize::MAX, is_changed: true, left, slivers: None }
-    }
-
-    /// Relief of angles, where all tetrahedra with tiny ones are these.
-    pub(crate) fn of_slivers(slivers: Vec<Thin>, refinement: &Refinement<'_>) -> Self {
-        Self { slivers: Some(slivers), ..Self::new(Goal::Angles, refinement) }
+        Self { goal, pass: 0, tets, least: usize::MAX, is_changed: true, left }
     }
 
     /// Looks for a point that relieves the next tetrahedron, and inserts it; is there one? `None`
@@ -123,25 +116,17 @@ impl Relief {
         let (t, v) = self.tets.next().filter(|_| self.left > 0)?;
         let is_relieved = refinement.relieve_tet(t, v, self.goal, self.pass, &mut self.left);
         self.is_changed |= is_relieved;
-        if let Some(slivers) = self.slivers.as_mut().filter(|_| is_relieved) {
-            slivers.extend(refinement.created());
-        }
         Some(is_relieved)
     }
 
     /// Finds the tetrahedra of the next pass: none after one that has not made them fewer.
-    fn begin_pass(&mut self, refinement: &Refinement<'_>) {
+    fn begin_pass(&mut self, refinement: &mut Refinement<'_>) {
         if self.pass == PASSES || !self.is_changed {
             return;
         }
         let all = match self.goal {
             Goal::Bounds => refinement.refused_tets(),
-            Goal::Angles => {
-                let known = self.slivers.take().map(|slivers| refinement.slivers_among(slivers));
-                let all = known.unwrap_or_else(|| refinement.slivers());
-                self.slivers = Some(all.clone());
-                all
-            }
+            Goal::Angles => refinement.slivers(),
         };
         if all.len() < self.least {
             (self.least, self.is_changed) = (all.len(), false);
@@ -157,13 +142,7 @@ impl Refinement<'_> {
         let Some(bounds) = self.bounds.as_ref().filter(|bounds| bounds.ratio.is_some()) else {
             return Vec::new();
         };
-        let over = |&item: &Item| match item {
-            Item::Tet(t, v) if self.state.is_live(t, v) => {
-                bounds.is_over(&self.state, t).then_some((t, v))
-            }
-            _ => None,
-        };
-        let mut all: Vec<_> = self.record.refused.keys().filter_map(over).collect();
+        let mut all: Vec<_> = self.record.refused_over(bounds, &self.state).collect();
         all.sort_by_cached_key(|&(t, v)| self.state.place_of(Item::Tet(t, v)));
         all
     }

@@ -376,6 +376,9 @@ impl Run<'_> {
                 return Ok(());
             }
             let Some(item) = self.work.next_tet() else { return Ok(()) };
+            if let Some((t, v)) = self.work.upcoming() {
+                self.refinement.state.fetch(t, v);
+            }
             self.step(item)?;
         }
     }
@@ -399,12 +402,10 @@ impl Run<'_> {
 
     /// Puts every tetrahedron over its bounds.
     fn put_all(&mut self) {
-        let state = &self.refinement.state;
-        let Some(bounds) = &self.refinement.bounds else { return };
-        for t in state.mesh.tet_ids() {
-            if let Some(weight) = bounds.excess(state, t) {
-                self.work.put(Item::Tet(t, state.vertices(t)), weight);
-            }
+        let Refinement { state, bounds, inserted, .. } = &mut self.refinement;
+        let Some(bounds) = bounds else { return };
+        for (t, v) in bounds.over_of(state, state.mesh.tet_ids(), &mut inserted.thin.tets) {
+            self.work.put(Item::Tet(t, v), bounds.excess_of(state, t));
         }
     }
 
@@ -463,7 +464,10 @@ impl Run<'_> {
         let mut excuses = Vec::new();
         if let Some(bounds) = &bounds {
             state.settle_all_dust();
-            excuses = state.excuses(bounds, &record, &order, self.over, self.stop);
+            // At the end whatever is over its bounds was refused.
+            let refused = || record.refused_over(bounds, &state).map(|(t, _)| t).collect();
+            let over = self.over.or_else(|| self.stop.is_none().then(refused));
+            excuses = state.excuses(bounds, &record, &order, over, self.stop);
         }
         let segments = state.missing_segments.iter().map(|&s| Item::Segment(s));
         let missing = segments.chain(state.missing.iter().map(|&s| Item::Subface(s)));

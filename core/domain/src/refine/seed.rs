@@ -78,7 +78,7 @@ impl Refinement<'_> {
     /// A tetrahedron over its bounds, by its circumradius.
     fn candidate(&self, t: TetId) -> Option<Candidate> {
         let v = self.state.vertices(t);
-        self.bounds.as_ref()?.excess(&self.state, t)?;
+        self.bounds.as_ref()?.is_over(&self.state, t).then_some(())?;
         let [a, b, c, d] = v.map(|v| self.state.at(v));
         // The bits of positive numbers are in the order of the numbers.
         Some((Shape::of([&a, &b, &c, &d]).radius().to_bits(), v, t))

@@ -11,15 +11,12 @@ use super::measure::{RatioBound, Shape, has_large_dihedrals, has_small_dihedral}
 use super::outcome::Reason;
 use super::split::{Proposal, Refinement, TOLERANCE};
 use super::state::{Place, State};
+use super::thin::Thin;
 use super::verdict::{Judge, Verdict};
 use super::walk::Way;
 use ltbw_core::cavity::Admission;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
-use rayon::prelude::*;
-
-/// Tetrahedra that one thread looks at at a time, at least.
-const SHARE: usize = if cfg!(test) { 5 } else { 4096 };
 
 /// Points tried for a sliver.
 pub(crate) const TRIES: u32 = 32;
@@ -27,60 +24,40 @@ pub(crate) const TRIES: u32 = 32;
 /// They are within this part of the circumradius of the circumcentre.
 pub(crate) const REACH: f64 = 0.75;
 
-/// A tetrahedron with a tiny dihedral angle.
-pub(crate) type Thin = (TetId, [VertexId; 4]);
-
 impl Refinement<'_> {
     /// Splits slivers in the regions, in the order of their coordinates, with `most` points.
-    /// Returns those that are left.
     pub(crate) fn split_slivers<W: Work, A: Admission>(
         &mut self,
         most: u64,
         work: &mut W,
         admission: &mut A,
-    ) -> Vec<Thin> {
+    ) {
         let ratio = self.bounds.as_ref().and_then(|bounds| bounds.ratio);
-        let Some(ratio) = ratio else { return Vec::new() };
-        let mut slivers = self.slivers();
-        for &(t, v) in &slivers {
+        let Some(ratio) = ratio else { return };
+        for (t, v) in self.slivers() {
             if self.inserted.points.total() >= most {
                 break;
             }
             self.split_sliver(t, v, ratio, work, admission);
         }
-        // No point makes one.
-        slivers.retain(|&(t, v)| self.state.is_live(t, v));
-        slivers
     }
 
     /// The slivers in the order of their coordinates; none without a bound of shape.
-    pub(crate) fn slivers(&self) -> Vec<Thin> {
-        let state = &self.state;
+    pub(crate) fn slivers(&mut self) -> Vec<Thin> {
+        let (state, thin) = (&self.state, &mut self.inserted.thin.tets);
         if self.bounds.as_ref().is_none_or(|bounds| bounds.ratio.is_none()) {
             return Vec::new();
         }
-        let all: Vec<TetId> = state.mesh.tet_ids().collect();
-        let all = all.par_iter().with_min_len(SHARE).filter(|&&t| state.is_sliver(t));
-        self.sorted(all.map(|&t| (t, state.vertices(t))).collect())
-    }
-
-    /// The slivers, in the same order, where all are among these.
-    pub(crate) fn slivers_among(&self, mut tets: Vec<Thin>) -> Vec<Thin> {
-        tets.retain(|&(t, v)| self.state.is_live(t, v) && self.state.is_sliver(t));
-        let slivers = self.sorted(tets);
-        debug_assert_eq!(slivers, self.slivers(), "all slivers are known");
+        thin.retain(|&(t, v)| state.is_live(t, v));
+        let mut slivers: Vec<Thin> =
+            thin.iter().copied().filter(|&(t, _)| state.is_sliver(t)).collect();
+        slivers.sort_by_cached_key(|&(t, v)| state.place_of(Item::Tet(t, v)));
+        slivers.dedup();
+        debug_assert!(
+            state.mesh.tet_ids().filter(|&t| state.is_sliver(t)).count() == slivers.len(),
+            "all slivers are in the list"
+        );
         slivers
-    }
-
-    /// The tetrahedra that the last insertion has made.
-    pub(crate) fn created(&self) -> impl Iterator<Item = Thin> + '_ {
-        let all = self.inserted.created.iter().map(|&t| (t, self.state.vertices(t)));
-        all.filter(|(_, v)| v[3] != INFINITE)
-    }
-
-    fn sorted(&self, mut tets: Vec<Thin>) -> Vec<Thin> {
-        tets.sort_by_cached_key(|&(t, v)| self.state.place_of(Item::Tet(t, v)));
-        tets
     }
 
     fn split_sliver<W: Work, A: Admission>(

@@ -139,7 +139,7 @@ impl State {
         place: &Place,
         admission: &mut A,
     ) -> Result<OpenCavity<'_, Self>, At> {
-        self.mesh.begin(place.p, place.from, admission)?.end(|_| ());
+        self.mesh.begin_anywhere(place.p, place.from, admission)?.end(|_| ());
         Ok(OpenCavity::new(self))
     }
 
@@ -160,7 +160,7 @@ impl State {
         let mut found = Vec::new();
         if cfg!(debug_assertions) {
             let from = self.start_near(place.from);
-            self.mesh.begin(place.p, from, &mut AdmitAll)?.end(|_| ());
+            self.mesh.begin_anywhere(place.p, from, &mut AdmitAll)?.end(|_| ());
             found = sorted(self.mesh.cavity());
             self.set_back();
         }
@@ -168,7 +168,7 @@ impl State {
         let is_same = again.map(|(open, is_same)| open.end(|_| is_same));
         if is_same.is_none() {
             let from = self.start_near(place.from);
-            self.mesh.begin(place.p, from, &mut AdmitAll)?.end(|_| ());
+            self.mesh.begin_anywhere(place.p, from, &mut AdmitAll)?.end(|_| ());
         }
         debug_assert_eq!(sorted(self.mesh.cavity()), found, "a point has one cavity");
         Ok((OpenCavity::new(self), is_same == Some(true)))
@@ -183,6 +183,14 @@ impl State {
         let mut open = self.begin(place, admission)?;
         open.owner_mut().touch(&place.p, place.carrier);
         Ok(open)
+    }
+
+    /// Asks the processor to fetch a tetrahedron that is about to be looked at, and its corners. A
+    /// hint.
+    #[inline(always)]
+    pub(crate) fn fetch(&self, t: TetId, v: [VertexId; 4]) {
+        self.mesh.prefetch(t);
+        v.into_iter().for_each(|v| self.mesh.prefetch_point(v));
     }
 
     /// Where a walk starts that should start at slot `t`.

@@ -43,6 +43,10 @@ pub trait Follow: Sync {
     /// Was slot `t`, one of the lane's own, written since the cavities were found?
     fn changed(&self, t: TetId) -> bool;
 
+    /// Asks the processor to fetch what [`Self::changed`] and [`Self::opened`] read of slot `t`. A
+    /// hint.
+    fn fetch(&self, t: TetId);
+
     /// A cavity is open, and is going to be filled. `boundary` are its boundary faces, as seen from
     /// inside, in the order of the star.
     fn opened(&self, own: &mut Self::Own, boundary: impl Iterator<Item = FaceId>);
@@ -145,9 +149,13 @@ impl Lane<'_> {
         true
     }
 
-    /// Asks the processor to fetch what the next insertion begins with. A hint.
-    fn fetch(&self, next: &Chosen<'_>) {
-        next.cavity.iter().for_each(|&t| self.topology.prefetch(t));
+    /// Asks the processor to fetch what a later insertion begins with. A hint.
+    fn fetch(&self, next: &Chosen<'_>, follow: &impl Follow) {
+        for &t in next.cavity {
+            self.topology.prefetch(t);
+            self.claims.prefetch(t);
+            follow.fetch(t);
+        }
     }
 }
 
@@ -239,8 +247,8 @@ impl Mesh {
         side_by_side(work.iter_mut().zip(kept), |lane, (own, kept)| {
             let all = share(lane);
             for k in all.clone() {
-                if k + 1 < all.end {
-                    own.fetch(&chosen(k + 1));
+                if k + 2 < all.end {
+                    own.fetch(&chosen(k + 2), follow);
                 }
                 if !own.insert(vertex(k), &chosen(k), follow, kept) {
                     own.memory.put_off.push(k);
@@ -291,6 +299,8 @@ mod tests {
         fn changed(&self, t: TetId) -> bool {
             self.0.lock().expect("no panic").contains(&t)
         }
+
+        fn fetch(&self, _: TetId) {}
 
         fn opened(&self, own: &mut [usize; 2], boundary: impl Iterator<Item = FaceId>) {
             own[0] = boundary.count();

@@ -62,7 +62,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         let met = Met { tagged, ..Met::default() };
         let inner = geometry.conflict_of(p);
         let mut conflict = SubmeshConflict { inner, locks, met, holder };
-        cavity.expand(topology, seed, &mut conflict, &mut AdmitAll)?;
+        cavity.expand::<_, _, false>(topology, seed, &mut conflict, &mut AdmitAll)?;
         let met = conflict.met;
         Ok((OpenCavity::new(self), met))
     }

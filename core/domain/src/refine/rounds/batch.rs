@@ -91,6 +91,7 @@ impl Rounds<'_, '_> {
             for t in self.neighbours(self.leader(k).t) {
                 mesh.prefetch(t);
                 mesh.prefetch_sphere(t);
+                self.own.state.marks.prefetch(t);
             }
         }
         if let Some(&k) = next.get(1) {

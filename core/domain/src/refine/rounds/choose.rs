@@ -43,7 +43,9 @@ impl Rounds<'_, '_> {
         let (mut first, mut wave) = (0, if self.in_waves { 1 } else { ranks.len() });
         while first < ranks.len() {
             let has = |k: u32| (first..first + wave).contains(&(ranks[k as usize] as usize));
-            let is_alive = |k: u32| !self.has_rival(self.leader(k).t, ranks[k as usize]);
+            // Before the first probe nothing is reserved.
+            let is_alive =
+                |k: u32| first == 0 || !self.has_rival(self.leader(k).t, ranks[k as usize]);
             let all = order.iter().copied().filter(|&k| has(k));
             let list: Vec<u32> = all.filter(|&k| is_alive(k)).collect();
             for (k, list) in list.chunks(CHECK_EVERY * self.threads).enumerate() {

@@ -130,6 +130,9 @@ impl Rounds<'_, '_> {
     /// the cache: what is before one of them now may be so when the round has ended.
     pub(super) fn find_witnesses(&mut self, first: usize) {
         for k in first..self.bad.len() {
+            if let Some(next) = self.bad.get(k + 2) {
+                self.neighbours(next.t).into_iter().for_each(|t| self.keys.prefetch(t));
+            }
             let t = self.bad[k].t;
             if let Some(witness) = self.one_before(t, self.keys.at(t)) {
                 self.bad[k].witness = witness;

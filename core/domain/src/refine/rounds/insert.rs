@@ -66,9 +66,22 @@ impl Rounds<'_, '_> {
 
     /// Asks the processor to fetch the cavities of the next candidates. A hint.
     fn fetch(&self, next: &[usize]) {
-        let Some(&k) = next.first() else { return };
-        for &t in &self.cavities[self.candidates[k].cavity.clone()] {
-            self.own.state.mesh.prefetch(t);
+        let state = &self.own.state;
+        let cavity = |k: usize| &self.cavities[self.candidates[k].cavity.clone()];
+        if let Some(&k) = next.get(1) {
+            for &t in cavity(k) {
+                state.mesh.prefetch(t);
+                state.marks.prefetch(t);
+                self.reserved.prefetch(t);
+            }
+        }
+        // The next cavity is in the cache by now: its neighbours are fetched.
+        if let Some(&k) = next.first() {
+            for &t in cavity(k) {
+                for beside in self.neighbours(t) {
+                    self.reserved.prefetch(beside);
+                }
+            }
         }
     }
 

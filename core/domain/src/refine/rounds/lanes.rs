@@ -4,13 +4,14 @@
 use super::foremost::{Bad, witness};
 use super::{Candidate, Look, Rounds};
 use crate::refine::RefineError;
-use crate::refine::bounds::Bounds;
+use crate::refine::bounds::{Bounds, Four, bits};
 use crate::refine::carrier::Carrier;
 use crate::refine::key::key_of_tet;
 use crate::refine::marks::{Marks, Word};
+use crate::refine::thin::Thin;
 use crate::sync::{Keys, Words};
 use ltbw_core::mesh::lanes::{Chosen, Follow, Lanes, View};
-use ltbw_core::topology::{FaceId, TetId, VertexId, tet_of};
+use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, tet_of};
 
 /// The fewest points for a lane.
 const FEW: usize = if cfg!(test) { 2 } else { 128 };
@@ -38,8 +39,10 @@ struct Kept {
     insertions: usize,
     /// The looks of this stage.
     looks: u32,
-    /// The tetrahedra over their bounds that it has found.
+    /// The tetrahedra over their bounds that it has found, and those that may have tiny dihedral
+    /// angles.
     bad: Vec<Bad>,
+    thin: Vec<Thin>,
 }
 
 /// Marks, slots written, and keys, which each lane brings up to date.
@@ -64,18 +67,15 @@ impl Update<'_> {
     #[inline(never)]
     fn look(&self, own: &mut Kept, view: View<'_>) {
         let Some(bounds) = self.bounds else { return };
-        let Kept { created, bad, looks, insertions, .. } = own;
+        let Kept { created, bad, thin, looks, insertions, .. } = own;
         *insertions = 0;
         *looks += 1;
         let (look, first) = (self.looks + *looks, bad.len());
         for &t in &*created {
-            let key = self.key_at(t, bounds, view);
-            self.keys.set(t, key);
+            self.keys.set(t, 0);
             self.stamps.set(t, look);
-            if key != 0 {
-                bad.push(Bad::new(t, look));
-            }
         }
+        self.find_bad(created, look, (bounds, view), (bad, thin));
         created.clear();
         for bad in &mut bad[first..] {
             if let Some(witness) = self.one_before(bad.t, view) {
@@ -84,14 +84,38 @@ impl Update<'_> {
         }
     }
 
-    /// The key of slot `t`: 0 unless it has a tetrahedron over its bounds. The first vertex of
-    /// each is free, so none lies between the triangles of a patch.
-    fn key_at(&self, t: TetId, bounds: &Bounds<'_>, view: View<'_>) -> u64 {
-        let region = self.marks.region(t);
-        let Some(tet) = view.tet(t).filter(|tet| region != 0 && !tet.is_ghost()) else { return 0 };
-        let corners = tet.vertices().map(|v| view.point(v));
-        let [a, b, c, d] = &corners;
-        if bounds.are_over([a, b, c, d], region) { key_of_tet(corners) } else { 0 }
+    /// Finds those of some tetrahedra that are over their bounds, and gives their slots keys. The
+    /// first vertex of each is free, so none lies between the triangles of a patch.
+    fn find_bad(
+        &self,
+        tets: &[TetId],
+        look: u32,
+        (bounds, view): (&Bounds<'_>, View<'_>),
+        (bad, thin): (&mut Vec<Bad>, &mut Vec<Thin>),
+    ) {
+        let mut solid = tets.iter().filter_map(|&t| {
+            let region = self.marks.region(t);
+            let tet = view.tet(t).filter(|tet| region != 0 && !tet.is_ghost())?;
+            Some((t, tet.vertices(), region))
+        });
+        let (mut four, mut own) = (Four::default(), [(TetId::default(), [INFINITE; 4]); 4]);
+        loop {
+            four.clear();
+            for (to, (t, v, region)) in own.iter_mut().zip(solid.by_ref()) {
+                *to = (t, v);
+                four.push(v.map(|v| view.point(v)), region);
+            }
+            let looked = bounds.look_at_four(&four);
+            for k in bits(looked.0) {
+                let t = own[k].0;
+                self.keys.set(t, key_of_tet(four.corners(k)));
+                bad.push(Bad::new(t, look));
+            }
+            thin.extend(bits(looked.1).map(|k| own[k]));
+            if four.count() < own.len() {
+                return;
+            }
+        }
     }
 
     /// A tetrahedron around `t` that comes before it, and the neighbour on the way there, or `t`.
@@ -114,6 +138,12 @@ impl Follow for Update<'_> {
     }
 
     #[inline(always)]
+    fn fetch(&self, t: TetId) {
+        self.reserved.prefetch(t);
+        self.marks.prefetch(t);
+    }
+
+    #[inline(always)]
     fn opened(&self, own: &mut Kept, walls: impl Iterator<Item = FaceId>) {
         self.marks.inherit(&mut own.inherited, walls);
     }
@@ -126,6 +156,9 @@ impl Follow for Update<'_> {
             if self.reserved.at(t) != written {
                 self.reserved.set(t, written);
                 own.created.push(t);
+                // These are written when the tetrahedron is looked at.
+                self.keys.prefetch(t);
+                self.stamps.prefetch(t);
             }
         }
         own.insertions += 1;
@@ -195,9 +228,11 @@ impl Rounds<'_, '_> {
         inserted.points.free += count as u64;
         let looks = kept.iter().map(|own| own.looks).max().unwrap_or(0);
         (self.looks, self.batch) = (self.looks + looks, self.batch + looks);
+        let thin = &mut inserted.thin.tets;
         for own in kept {
             own.looks = 0;
             self.bad.append(&mut own.bad);
+            thin.append(&mut own.thin);
             self.created.append(&mut own.created);
         }
         for k in put_off {

@@ -3,13 +3,13 @@
 use super::Rounds;
 use super::foremost::Bad;
 use crate::refine::RefineError;
-use crate::refine::bounds::Bounds;
 use crate::refine::item::Item;
 use crate::refine::key::{key_of_tet, order_key};
 use crate::refine::marks::{ENDS, FACES};
 use crate::refine::outcome::Reason;
 use crate::refine::record::Refusal;
 use crate::refine::table::{Set, edge};
+use crate::refine::thin::{Thin, ThinTets};
 use crate::sync::{Keys, Words};
 use ltbw_core::topology::TetId;
 use rayon::prelude::*;
@@ -19,6 +19,10 @@ const SHARE: usize = if cfg!(test) { 5 } else { 512 };
 
 /// The most times that refusals at patches are forgotten.
 const RETRIES: usize = 4;
+
+/// Lists for the tetrahedra over their bounds, those of them that points cannot help, and those
+/// that may have tiny dihedral angles.
+type Found<'f> = (&'f mut Vec<Bad>, &'f mut Vec<(Item, Reason)>, &'f mut Vec<Thin>);
 
 impl Rounds<'_, '_> {
     /// Notes the slots that the last insertion, or joint step, has written.
@@ -30,6 +34,9 @@ impl Rounds<'_, '_> {
             if self.reserved.at(t) != written {
                 self.reserved.set(t, written);
                 self.created.push(t);
+                // These are written when the tetrahedron is looked at.
+                self.keys.prefetch(t);
+                self.stamps.prefetch(t);
             }
         }
     }
@@ -65,23 +72,26 @@ impl Rounds<'_, '_> {
     /// cannot help are refused at once.
     fn look_at(&mut self, tets: &[TetId]) {
         let mut bad = std::mem::take(&mut self.bad);
+        let mut thin = std::mem::take(&mut self.own.inserted.thin.tets);
         let this = &*self;
         let mut refused = Vec::new();
         if this.threads > 1 && tets.len() >= 2 * SHARE {
             let look = |list: &[TetId]| {
-                let (mut bad, mut refused) = (Vec::new(), Vec::new());
-                list.iter().for_each(|&t| this.look_at_one(t, &mut bad, &mut refused));
-                (bad, refused)
+                let (mut bad, mut refused, mut thin) = (Vec::new(), Vec::new(), Vec::new());
+                this.look_at_list(list, (&mut bad, &mut refused, &mut thin));
+                (bad, refused, thin)
             };
             let found: Vec<_> = tets.par_chunks(SHARE).map(look).collect();
-            for (own_bad, own_refused) in found {
+            for (own_bad, own_refused, own_thin) in found {
                 bad.extend(own_bad);
                 refused.extend(own_refused);
+                thin.extend(own_thin);
             }
         } else {
-            tets.iter().for_each(|&t| this.look_at_one(t, &mut bad, &mut refused));
+            this.look_at_list(tets, (&mut bad, &mut refused, &mut thin));
         }
         self.bad = bad;
+        self.own.inserted.thin.tets = thin;
         let refused = refused.into_iter().map(|(item, why)| (item, Refusal::final_for(why)));
         self.own.record.refused.extend(refused);
     }
@@ -89,6 +99,7 @@ impl Rounds<'_, '_> {
     /// Ends a round.
     pub(super) fn settle(&mut self) {
         self.look_at_created();
+        self.own.inserted.thin.forget_old(&self.own.state);
         let state = &self.own.state;
         for &t in state.mesh.topology().free_slots() {
             self.write_key(t, 0, self.looks);
@@ -113,33 +124,34 @@ impl Rounds<'_, '_> {
         (self.keys, self.stamps) = (Keys::new(slots), Words::new(slots));
         self.reserved.grow(slots);
         self.bad.clear();
+        self.own.inserted.thin = ThinTets::default();
         let all: Vec<TetId> = self.own.state.mesh.tet_ids().collect();
         self.look_at(&all);
     }
 
-    /// Gives slot `t` its key, which is 0 unless it has a tetrahedron over its bounds that was not
-    /// refused before.
-    fn look_at_one(&self, t: TetId, bad: &mut Vec<Bad>, refused: &mut Vec<(Item, Reason)>) {
-        self.keys.set(t, 0);
+    /// Gives slots their keys, which are 0 but for those with a tetrahedron over its bounds that
+    /// was not refused before.
+    fn look_at_list(&self, tets: &[TetId], (bad, refused, thin): Found<'_>) {
+        tets.iter().for_each(|&t| self.keys.set(t, 0));
         let state = &self.own.state;
-        let tet = state.mesh.topology().at(t);
-        let over = |b: &Bounds<'_>| b.is_over(state, t);
-        if tet.is_free() || tet.is_ghost() || !self.own.bounds.as_ref().is_some_and(over) {
-            return;
-        }
-        let v = tet.vertices();
-        if self.own.record.refused.contains_key(&Item::Tet(t, v)) {
-            return;
-        }
-        if !state.angles.is_empty() {
-            let mut by_place = v;
-            by_place.sort_unstable_by_key(|&v| order_key(&state.at(v)));
-            if let Some(reason) = self.own.beyond_help(t, by_place) {
-                return refused.push((Item::Tet(t, v), reason));
+        let topology = state.mesh.topology();
+        let Some(bounds) = &self.own.bounds else { return };
+        let taken = tets.iter().copied().filter(|&t| !topology.at(t).is_free());
+        for (t, v) in bounds.over_of(state, taken, thin) {
+            if self.own.record.refused.contains_key(&Item::Tet(t, v)) {
+                continue;
             }
+            if !state.angles.is_empty() {
+                let mut by_place = v;
+                by_place.sort_unstable_by_key(|&v| order_key(&state.at(v)));
+                if let Some(reason) = self.own.beyond_help(t, by_place) {
+                    refused.push((Item::Tet(t, v), reason));
+                    continue;
+                }
+            }
+            self.keys.set(t, key_of_tet(v.map(|v| state.at(v))));
+            bad.push(Bad::new(t, self.looks));
         }
-        self.keys.set(t, key_of_tet(v.map(|v| state.at(v))));
-        bad.push(Bad::new(t, self.looks));
     }
 
     /// A second chance for what was refused at patches, when nothing else is left to do: a point
