@@ -1,8 +1,8 @@
 //! The only file of this crate that touches atomics: numbers by slot, which several
 //! threads may write, each those of its own slots.
 
-use ltbw_core::prefetch;
 use ltbw_core::topology::TetId;
+use ltbw_core::{expect, prefetch};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// An array with a number for each slot of a mesh. Numbers carry no other data, so relaxed ordering
@@ -14,11 +14,16 @@ macro_rules! by_slot {
         pub(crate) struct $name(Vec<$atomic>);
 
         impl $name {
-            /// Zeros for `slots` slots.
-            pub(crate) fn new(slots: usize) -> Self {
+            /// Nothing, and memory for this many slots, on huge pages where there are any.
+            pub(crate) fn with_room_for(slots: usize) -> Self {
                 let mut own = Self::default();
-                own.grow(slots);
+                own.expect(slots);
                 own
+            }
+
+            /// Takes memory for this many slots. A hint.
+            pub(crate) fn expect(&mut self, slots: usize) {
+                expect(&mut self.0, slots);
             }
 
             /// Makes room for `slots` slots, zeros at first.

@@ -59,10 +59,7 @@ impl<T> Arena<T> {
     /// room is a hint: where it is refused the array grows as it is filled.
     pub(crate) fn with_capacity(capacity: usize) -> Self {
         let mut array = Vec::new();
-        if array.try_reserve_exact(capacity).is_err() {
-            return Self::of(array);
-        }
-        advise_huge(&array);
+        expect(&mut array, capacity);
         Self::of(array)
     }
 
@@ -155,11 +152,8 @@ impl<T> Arena<T> {
 
     /// Takes memory for `capacity` entries, on huge pages where there are any. A hint.
     pub(crate) fn expect(&mut self, capacity: usize) {
-        let more = capacity.saturating_sub(self.data.len());
-        if self.data.capacity() < capacity && self.data.try_reserve_exact(more).is_ok() {
-            self.first = self.data.as_mut_ptr();
-            advise_huge(&self.data);
-        }
+        expect(&mut self.data, capacity);
+        self.first = self.data.as_mut_ptr();
     }
 
     /// All entries.
@@ -211,6 +205,15 @@ impl<T> Arena<T> {
 impl<T> Default for Arena<T> {
     fn default() -> Self {
         Self::of(Vec::new())
+    }
+}
+
+/// Takes memory for `capacity` entries, on huge pages where there are any. A hint: where it is
+/// refused the array grows as it is filled.
+pub fn expect<T>(array: &mut Vec<T>, capacity: usize) {
+    let more = capacity.saturating_sub(array.len());
+    if array.capacity() < capacity && array.try_reserve_exact(more).is_ok() {
+        advise_huge(array);
     }
 }
 

@@ -69,7 +69,7 @@ pub mod transaction;
 pub mod undo;
 
 #[doc(hidden)]
-pub use arena::prefetch;
+pub use arena::{expect, prefetch};
 pub use build::{
     Budget, BuildError, Builder, Built, Observer, Order, Outcome, Phase, Progress, Stats,
 };

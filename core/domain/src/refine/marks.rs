@@ -74,7 +74,9 @@ pub(crate) struct Marks {
 impl Marks {
     /// No marks, for `slots` slots.
     pub(crate) fn new(slots: usize) -> Self {
-        Self { words: Words::new(slots), inherited: Vec::new() }
+        let mut own = Self::default();
+        own.grow(slots);
+        own
     }
 
     pub(crate) fn of(&self, t: TetId) -> Word {
@@ -133,6 +135,11 @@ impl Marks {
     #[inline(always)]
     pub(crate) fn pass(&self, words: &[Word], star: &[TetId]) {
         star.iter().zip(words).for_each(|(&t, &word)| self.words.set(t, word));
+    }
+
+    /// Takes memory for this many slots. A hint.
+    pub(crate) fn expect(&mut self, slots: usize) {
+        self.words.expect(slots);
     }
 
     /// Makes room for `slots` slots.

@@ -283,16 +283,19 @@ impl<'a> Refiner<'a> {
             return Ok(Err(all));
         }
         let (mut mesh, kernel) = plc.first_mesh(lattice)?;
-        mesh.expect_tets(self.expected_tets(domain));
+        let expected = self.expected_tets(domain);
+        mesh.expect_tets(expected);
         let patches_folded = plc.folds;
         let stats = RefineStats { patches, patches_folded, ..RefineStats::default() };
         let carriers = mesh.numbers().iter().map(|&c| Carrier::Corner(c)).collect();
         let next_number = plc.corners.len() as Vertex;
         let floor = self.floor_in_steps(domain, lattice);
         let near = NEAR * floor / UNIT as f64;
+        let mut state = State::new(mesh, plc, carriers, near);
+        state.expect_tets(expected);
         let mut run = Run {
             refiner: *self,
-            refinement: Refinement::new(State::new(mesh, plc, carriers, near), next_number, floor),
+            refinement: Refinement::new(state, next_number, floor),
             work: Queues::default(),
             stats: RefineStats { flat_tolerance: tolerance, ..stats },
             steps: 0,
@@ -389,12 +392,9 @@ impl Run<'_> {
             return Ok(());
         }
         let refiner = self.refiner;
-        let look = |vertices: usize| {
-            refiner.tell(Phase::Refine, vertices);
-            refiner.cancel.is_some_and(CancelToken::is_cancelled)
-        };
+        let tell = |vertices: usize| refiner.tell(Phase::Refine, vertices);
         let rounds = Rounds::new(&mut self.refinement, order, self.most, self.stats);
-        let (stop, stats, over) = rounds.run(&look)?;
+        let (stop, stats, over) = rounds.run_in_pool(refiner.cancel, tell)?;
         (self.stop, self.over) = (stop, Some(over));
         self.stats = RefineStats { start_seconds, ..stats };
         Ok(())

@@ -87,6 +87,8 @@ pub(crate) struct State {
     /// The changes of a joint step, while there is one.
     pub(crate) journal: Option<Journal>,
     pub(crate) touched: Touched,
+    /// The tetrahedra for which memory was taken beforehand.
+    pub(crate) expected: usize,
     /// Are lists of items in the order of their coordinates?
     pub(crate) by_place: bool,
 }
@@ -130,7 +132,14 @@ impl State {
             journal: None,
             touched: Touched::default(),
             by_place: false,
+            expected: 0,
         }
+    }
+
+    /// Takes memory for what comes with about this many tetrahedra. A hint.
+    pub(crate) fn expect_tets(&mut self, tets: usize) {
+        self.expected = tets;
+        self.marks.expect(tets);
     }
 
     /// Finds the cavity of a place.

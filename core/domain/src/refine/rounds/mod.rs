@@ -13,6 +13,7 @@ mod conflict;
 mod foremost;
 mod insert;
 mod lanes;
+mod pool;
 mod probe;
 mod relief;
 mod script;
@@ -127,6 +128,9 @@ struct Conclusion {
 /// Probes, or insertions, between two looks at whether the work is cancelled.
 const CHECK_EVERY: usize = 1024;
 
+/// Why rounds stopped early, figures, and the tetrahedra that are over their bounds.
+type Finished = (Option<Reason>, RefineStats, Vec<TetId>);
+
 /// Says whether the work is cancelled; is told the number of vertices.
 type Look<'l> = &'l dyn Fn(usize) -> bool;
 
@@ -213,14 +217,14 @@ impl<'r, 'a> Rounds<'r, 'a> {
         own.state.by_place = true;
         own.state.encroachment = Default::default();
         own.record = Default::default();
-        let threads = rayon::current_num_threads();
+        let (threads, expected) = (rayon::current_num_threads(), own.state.expected);
         let in_waves = own.state.plc.facets.iter().any(|facet| facet.patch.is_some());
         Self {
             own,
             order,
             most,
-            keys: Keys::default(),
-            stamps: Words::default(),
+            keys: Keys::with_room_for(expected),
+            stamps: Words::with_room_for(expected),
             looks: 0,
             bad: Vec::new(),
             foremost: Vec::new(),
@@ -229,7 +233,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             candidates: Vec::new(),
             chosen: Vec::new(),
             cavities: Vec::new(),
-            reserved: Words::default(),
+            reserved: Words::with_room_for(expected),
             free: 0,
             count: 0,
             batch: 0,
@@ -262,10 +266,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
     ///
     /// # Errors
     /// A broken invariant.
-    pub(crate) fn run(
-        mut self,
-        look: Look<'_>,
-    ) -> Result<(Option<Reason>, RefineStats, Vec<TetId>), RefineError> {
+    pub(crate) fn run(mut self, look: Look<'_>) -> Result<Finished, RefineError> {
         self.look_at_all();
         self.begin_script();
         let mut stop = None;

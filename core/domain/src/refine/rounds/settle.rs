@@ -10,7 +10,6 @@ use crate::refine::outcome::Reason;
 use crate::refine::record::Refusal;
 use crate::refine::table::{Set, edge};
 use crate::refine::thin::{Thin, ThinTets};
-use crate::sync::{Keys, Words};
 use ltbw_core::topology::TetId;
 use rayon::prelude::*;
 
@@ -121,7 +120,8 @@ impl Rounds<'_, '_> {
     /// Looks at all tetrahedra.
     pub(super) fn look_at_all(&mut self) {
         let slots = self.own.state.mesh.topology().slots();
-        (self.keys, self.stamps) = (Keys::new(slots), Words::new(slots));
+        self.keys.grow(slots);
+        self.stamps.grow(slots);
         self.reserved.grow(slots);
         self.bad.clear();
         self.own.inserted.thin = ThinTets::default();

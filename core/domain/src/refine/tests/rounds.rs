@@ -248,7 +248,10 @@ fn a_wide_round_can_be_cancelled_and_leaves_a_sound_mesh() {
         };
         let engine = Engine::Rounds { order: InsertOrder::Hilbert, start: 0 };
         let refiner = Refiner::new().max_volume(1.8e-5).engine(engine);
-        let refined = refine(&refiner.observer(&observer).cancel(&token), &model());
+        // A thread of the pool is told at once, one outside a little later.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
+        let run = || refine(&refiner.observer(&observer).cancel(&token), &model());
+        let refined = pool.install(run);
         let seen = seen.lock().expect("no panic");
         assert!(seen.windows(2).all(|pair| pair[1] <= pair[0] + 1024), "{seen:?}");
         if most == u64::MAX {
@@ -269,6 +272,36 @@ fn a_wide_round_can_be_cancelled_and_leaves_a_sound_mesh() {
 
 /// Points at a patch are alone in their closures: labels of flat tetrahedra and subfaces are a
 /// function of the mesh, too.
+#[test]
+fn rounds_tell_the_thread_that_asked_for_them_and_end_with_it() {
+    use std::sync::Mutex;
+    use std::thread::{ThreadId, current};
+
+    /// Notes the threads that tell it, and panics from this number of vertices on.
+    struct Told(Mutex<Vec<ThreadId>>, u64);
+
+    impl ltbw_core::Observer for Told {
+        fn progress(&self, progress: ltbw_core::Progress) {
+            self.0.lock().expect("no panic with the lock").push(current().id());
+            assert!(progress.done < self.1, "asked for");
+        }
+    }
+
+    let ready = model();
+    let engine = Engine::Rounds { order: InsertOrder::Hilbert, start: 64 };
+    let refiner = Refiner::new().max_volume(2e-3).engine(engine);
+    let told = Told(Mutex::default(), u64::MAX);
+    let outside = refine(&refiner.observer(&told), &ready);
+    let threads = told.0.into_inner().expect("no panic with the lock");
+    assert!(threads.len() > 10 && threads.iter().all(|&id| id == current().id()), "{threads:?}");
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
+    let inside = pool.install(|| refine(&refiner, &ready));
+    assert_eq!(inside.mesh().hash().expect("a hash"), outside.mesh().hash().expect("a hash"));
+    let told = Told(Mutex::default(), 80);
+    let broken = std::panic::AssertUnwindSafe(|| refine(&refiner.observer(&told), &ready));
+    assert!(std::panic::catch_unwind(broken).is_err(), "a panic of the observer comes through");
+}
+
 #[test]
 fn patches_within_a_tolerance_have_one_mesh_for_all_orders() {
     use ltbw_generate::surfaces::{globe, prism, shell, single, torus, turned};
