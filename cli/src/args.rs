@@ -281,6 +281,9 @@ pub(crate) struct MeshArgs {
     /// The engine that refines
     #[arg(long, value_enum, hide = true, default_value_t)]
     pub(crate) engine: EngineArg,
+    /// Write a timeline for Perfetto or chrome://tracing: the rounds
+    #[arg(long, value_name = "FILE|-", hide = true)]
+    pub(crate) trace: Option<PathBuf>,
     /// Write the exterior between domain and convex hull, too (tag 0)
     #[arg(long)]
     pub(crate) keep_exterior: bool,

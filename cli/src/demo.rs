@@ -51,6 +51,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         json: None,
         histogram: None,
         page: Some(&page),
+        trace: None,
         check: Depth::Full,
         stop: &stop,
         start,

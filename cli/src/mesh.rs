@@ -60,6 +60,8 @@ pub(crate) struct Job<'a> {
     pub(crate) json: Option<&'a Path>,
     pub(crate) histogram: Option<&'a Path>,
     pub(crate) page: Option<&'a Path>,
+    /// The file of the rounds' timeline.
+    pub(crate) trace: Option<&'a Path>,
     /// Whether to check.
     pub(crate) check: Depth,
     /// Cancels the refinement.
@@ -77,7 +79,8 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     let formats = args.streams.resolve(&[&args.domain], &args.output)?;
     formats.meshes_writable(&args.output)?;
     args.json.as_deref().map_or(Ok(()), file_writable)?;
-    let pages = [&args.histogram, &args.page].into_iter().flatten();
+    rounds::check_trace(args.trace.as_deref(), args.engine)?;
+    let pages = [&args.histogram, &args.page, &args.trace].into_iter().flatten();
     pages.clone().try_for_each(|path| file_writable(path))?;
     let written = args.output.iter().flat_map(io::mesh_files);
     let written = written.chain(args.json.clone()).chain(pages.cloned());
@@ -110,6 +113,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         json: args.json.as_deref(),
         histogram: args.histogram.as_deref(),
         page: args.page.as_deref(),
+        trace: args.trace.as_deref(),
         check: args.check,
         stop: &stop,
         start,
@@ -179,6 +183,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
         console::people(&format!("checked   {verdict}"));
     }
     write(job, &refined, &inside, &mut report)?;
+    rounds::write_trace(job.trace, &refined.rounds)?;
     if let (Some(path), Some(quality)) = (job.page, &quality) {
         let _stage = Stage::begin("page");
         let scene = Scene { mesh: &inside, hull: &[], workers: &[] };

@@ -1,7 +1,12 @@
 //! Refinement in rounds: the choice of the engine, and its figures in the report.
 
-use ltbw::refine::{Engine, InsertOrder, RefineStats};
+use crate::console;
+use crate::json::{name_of, write_json};
+use crate::outcome::{Failure, show};
+use ltbw::metrics::Trace;
+use ltbw::refine::{Engine, InsertOrder, RefineStats, RoundTimes};
 use serde_json::{Value, json};
+use std::path::Path;
 
 /// The vertices up to which queues are used, by default.
 pub(crate) const START: usize = 4096;
@@ -58,6 +63,46 @@ pub(crate) fn line(stats: &RefineStats) -> Option<String> {
             stats.searches as f64 / stats.round_points.max(1) as f64
         )
     })
+}
+
+/// A timeline is about rounds.
+pub(crate) fn check_trace(path: Option<&Path>, engine: EngineArg) -> Result<(), Failure> {
+    match (path, engine) {
+        (Some(_), EngineArg::Queues) => {
+            Err(Failure::Usage("--trace is about rounds: --engine rounds".to_owned()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes the timeline of the rounds, if it is asked for: what each chose, and what it inserted.
+pub(crate) fn write_trace(path: Option<&Path>, rounds: &[RoundTimes]) -> Result<(), Failure> {
+    let Some(path) = path else { return Ok(()) };
+    let name = |what: &str, name: &str| {
+        let args = json!({ "name": name });
+        json!({ "name": what, "ph": "M", "pid": 0, "tid": 0, "args": args })
+    };
+    let mut events = vec![name("process_name", "ltbw"), name("thread_name", "rounds")];
+    for (number, own) in rounds.iter().enumerate() {
+        let mut add = |what: &str, begin: f64, end: f64| {
+            events.push(json!({
+                "name": format!("{what} {}", own.class), "ph": "X", "pid": 0, "tid": 0,
+                "ts": 1e6 * begin, "dur": 1e6 * (end - begin).max(0.0),
+                "args": { "round": number, "candidates": own.candidates, "points": own.points },
+            }));
+        };
+        add("choose", own.begin, own.chosen);
+        add("insert", own.chosen, own.end);
+    }
+    let trace = json!({
+        "displayTimeUnit": "ns",
+        "otherData": { "schema": Trace::SCHEMA, "complete": true },
+        "traceEvents": events,
+    });
+    write_json(path, &trace.to_string())?;
+    let path = show(&name_of(path));
+    console::people(&format!("wrote     {path}: open it in ui.perfetto.dev"));
+    Ok(())
 }
 
 #[cfg(test)]

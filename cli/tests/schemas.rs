@@ -97,6 +97,31 @@ fn reports_of_domains_are_as_their_schema_has_them() {
 }
 
 #[test]
+fn the_timeline_of_rounds_is_as_its_schema_has_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    generate(dir, "cube-octahedron -o d.poly");
+    let args = ["mesh", "d.poly", "--max-volume", "1e-4", "--trace", "t.json"];
+    let refused = ltbw(dir, &args);
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("--trace is about rounds"), "{}", refused.stderr);
+    let report = [&args[..], &["--engine", "rounds", "--json", "r.json"]].concat();
+    let report = written(dir, &report, "r.json");
+    let trace: Value =
+        serde_json::from_str(&std::fs::read_to_string(dir.join("t.json")).unwrap()).unwrap();
+    validate(&trace);
+    let events = trace["traceEvents"].as_array().unwrap();
+    let inserted = events.iter().filter(|e| e["name"].as_str().unwrap().starts_with("insert"));
+    let points = |e: &Value| e["args"]["points"].as_u64().unwrap();
+    let all: Vec<u64> = inserted.map(points).collect();
+    let rounds = &report["refinement"]["rounds"];
+    assert_eq!(all.iter().filter(|&&n| n > 0).count() as u64, rounds["rounds"].as_u64().unwrap());
+    assert_eq!(all.iter().sum::<u64>(), rounds["points"].as_u64().unwrap());
+    let ends: Vec<f64> = events[2..].iter().map(|e| e["ts"].as_f64().unwrap()).collect();
+    assert!(ends.is_sorted(), "{ends:?}");
+}
+
+#[test]
 fn reports_of_simulations_and_lines_of_progress_are_as_their_schemas_have_them() {
     let dir = tempfile::tempdir().unwrap();
     let dir = dir.path();

@@ -63,6 +63,8 @@ impl Follow for Written {
         self.0[t.index()].load(Ordering::Relaxed)
     }
 
+    fn fetch(&self, _: TetId) {}
+
     fn opened(&self, _: &mut usize, boundary: impl Iterator<Item = FaceId>) {
         boundary.for_each(drop);
     }

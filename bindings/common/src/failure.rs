@@ -178,6 +178,9 @@ impl From<RefineError> for Failure {
     fn from(error: RefineError) -> Self {
         let (class, code) = match &error {
             RefineError::Bound { .. } => (Class::Input, "refine.bound"),
+            RefineError::Size { .. } | RefineError::ImpureSize { .. } => {
+                (Class::Input, "refine.size")
+            }
             RefineError::Cancelled => (Class::Cancelled, "cancelled"),
             RefineError::NoInterior => (Class::Domain, "refine.no-interior"),
             _ => (Class::Domain, "refine.domain"),

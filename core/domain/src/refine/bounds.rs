@@ -11,6 +11,7 @@ use crate::{Domain, Lattice};
 use ltbw_core::topology::{INFINITE, TetId};
 use ltbw_core::{FourCorners, test_bounds};
 use ltbw_exact::Point;
+use std::sync::OnceLock;
 
 /// The largest tolerance within which facets of a domain may be taken for coplanar: 2^-10 of the
 /// diagonal.
@@ -97,6 +98,8 @@ pub(crate) struct Bounds<'a> {
     pub(crate) field: Option<&'a SizeField<'a>>,
     /// The length of a fine step in the input's coordinates.
     pub(crate) fine_step: f64,
+    /// A place where the sizing field gave no length, and what it gave.
+    pub(crate) no_length: OnceLock<(Point, f64)>,
 }
 
 impl Bounds<'_> {
@@ -230,14 +233,35 @@ impl Bounds<'_> {
     }
 
     /// The bound of the sizing field at the centroid: the volume of the regular tetrahedron with
-    /// edges of the wanted length. A length that is not positive and finite bounds nothing.
+    /// edges of the wanted length. An infinite length bounds nothing; nor does one that is not
+    /// positive, but it is noted.
     fn field_bound(&self, corners: [&Point; 4]) -> Option<VolumeBound> {
         let field = self.field?;
+        let at = self.centroid(corners);
+        let value = field(at);
+        let volume = regular_volume(value / self.fine_step);
+        let is_length = volume > 0.0;
+        if !is_length {
+            self.no_length.get_or_init(|| (at, value));
+        }
+        (is_length && volume.is_finite()).then(|| VolumeBound::new(volume))
+    }
+
+    /// The place at which the sizing field is asked for a tetrahedron.
+    pub(crate) fn centroid(&self, corners: [&Point; 4]) -> Point {
         let [a, b, c, d] = sorted(corners.map(|c| *c));
-        let centroid = [0, 1, 2].map(|k| (a[k] + b[k] + c[k] + d[k]) * 0.25 * self.fine_step);
-        let h = field(centroid) / self.fine_step;
-        let volume = regular_volume(h);
-        (volume > 0.0 && volume.is_finite()).then(|| VolumeBound::new(volume))
+        [0, 1, 2].map(|k| (a[k] + b[k] + c[k] + d[k]) * 0.25 * self.fine_step)
+    }
+
+    /// Were all sizes lengths so far?
+    ///
+    /// # Errors
+    /// One was not.
+    pub(crate) fn check_sizes(&self) -> Result<(), RefineError> {
+        match self.no_length.get() {
+            Some(&(at, value)) => Err(RefineError::Size { at, value }),
+            None => Ok(()),
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The tetrahedra that are over their bounds at the end, each with the reason; and counts of them
 //! by corner and segment.
 
+use super::RefineError;
 use super::bounds::Bounds;
 use super::item::Item;
 use super::key::sorted;
@@ -23,7 +24,7 @@ impl State {
         order: &[TetId],
         over: Option<Vec<TetId>>,
         stop: Option<Reason>,
-    ) -> Vec<Excuse> {
+    ) -> Result<Vec<Excuse>, RefineError> {
         let all = || -> Vec<TetId> {
             let all = order.iter().copied();
             bounds.over_of(self, all, &mut Vec::new()).map(|(t, _)| t).collect()
@@ -32,7 +33,11 @@ impl State {
             None => all(),
             Some(mut over) => {
                 over.sort_unstable_by_key(|&t| self.mesh.tet(t).map(in_order));
-                debug_assert_eq!(over, all(), "what is over its bounds is known");
+                if bounds.field.is_some() {
+                    self.check_field(bounds, &over, &all())?;
+                } else {
+                    debug_assert_eq!(over, all(), "all that are over their bounds are known");
+                }
                 over
             }
         };
@@ -41,7 +46,25 @@ impl State {
             let reason = record.refused.get(&item).map(|r| r.reason).or(stop);
             Excuse { tet, reason: reason.unwrap_or(Reason::Rounding) }
         };
-        over.into_iter().map(excuse).collect()
+        bounds.check_sizes()?;
+        Ok(over.into_iter().map(excuse).collect())
+    }
+
+    /// Are the tetrahedra that the sizing field leaves over their bounds now those of before?
+    ///
+    /// # Errors
+    /// One of them is not.
+    fn check_field(
+        &self,
+        bounds: &Bounds<'_>,
+        before: &[TetId],
+        now: &[TetId],
+    ) -> Result<(), RefineError> {
+        bounds.check_sizes()?;
+        let differs = (0..before.len().max(now.len())).find(|&k| before.get(k) != now.get(k));
+        let Some(&t) = differs.and_then(|k| now.get(k).or(before.get(k))) else { return Ok(()) };
+        let corners = self.vertices(t).map(|v| self.at(v));
+        Err(RefineError::ImpureSize { at: bounds.centroid(corners.each_ref()) })
     }
 }
 

@@ -101,7 +101,7 @@ pub use item::{Item, Queues, Work};
 pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats};
 pub use output::Refined;
 pub use region::RegionInfo;
-pub use rounds::{Engine, InsertOrder};
+pub use rounds::{Engine, InsertOrder, RoundTimes};
 pub use run::Refiner;
 pub use script::{Chosen, Script};
 pub use whole::MeshError;
@@ -158,6 +158,20 @@ pub enum RefineError {
         value: f64,
         /// The limit that it breaks.
         limit: String,
+    },
+    /// The sizing function gave something that is no length.
+    #[error("the size at {at:?} is {value:?}: an edge length is positive")]
+    Size {
+        /// The place, in the coordinates of the mesh.
+        at: Point,
+        /// The size.
+        value: f64,
+    },
+    /// The sizing function gave different sizes for one place.
+    #[error("the size at {at:?} is not what it was before: it has to depend on the place alone")]
+    ImpureSize {
+        /// The place, in the coordinates of the mesh.
+        at: Point,
     },
     /// The vertices are not a point set.
     #[error(transparent)]

@@ -6,6 +6,7 @@ use super::marks::face_bit;
 use super::number::{from_smallest, in_order};
 use super::outcome::{Excuse, Reason, RefineOutcome, RefineStats};
 use super::region::RegionInfo;
+use super::rounds::RoundTimes;
 use super::state::State;
 use super::table::triangle;
 use crate::Lattice;
@@ -33,6 +34,9 @@ pub struct Refined {
     pub regions: Vec<RegionInfo>,
     /// Figures.
     pub stats: RefineStats,
+    /// The rounds on the clock, if there were any.
+    #[doc(hidden)]
+    pub rounds: Vec<RoundTimes>,
     /// The lattice of all points.
     pub lattice: Lattice,
     pub(super) state: State,

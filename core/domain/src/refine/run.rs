@@ -16,7 +16,7 @@ use super::plc::Plc;
 use super::record::Refusal;
 use super::region::RegionInfo;
 use super::relief::Goal;
-use super::rounds::{Engine, InsertOrder, Rounds};
+use super::rounds::{Engine, InsertOrder, RoundTimes, Rounds};
 use super::script::Script;
 use super::split::{Refinement, Step};
 use super::state::State;
@@ -27,6 +27,7 @@ use ltbw_core::build::{Observer, Phase, Progress};
 use ltbw_core::cavity::AdmitAll;
 use ltbw_core::mesh::Vertex;
 use ltbw_core::topology::TetId;
+use std::sync::OnceLock;
 use std::time::Instant;
 
 /// Transactions between two looks at the cancel token and the observer.
@@ -118,7 +119,7 @@ impl<'a> Refiner<'a> {
 
     /// Asks for an edge length at each place: a tetrahedron may have the volume of the regular one
     /// with edges of the length that the field has at its centroid. The function has to give the
-    /// same answer for the same point.
+    /// same answer for the same point, a positive number: an infinite one asks for nothing.
     ///
     /// It is asked in the coordinates of the mesh: those of the input less [`Lattice::offset`],
     /// which is zero but for a domain that is small beside its distance from the origin. Whoever
@@ -223,7 +224,7 @@ impl<'a> Refiner<'a> {
         }
         run.stats.refine_seconds = clock.elapsed().as_secs_f64();
         let script = run.refinement.script.take();
-        Ok((run.finish(regions, *lattice), script))
+        Ok((run.finish(regions, *lattice)?, script))
     }
 
     /// Tells the observer how many vertices there are.
@@ -302,6 +303,7 @@ impl<'a> Refiner<'a> {
             most: self.max_points.unwrap_or_else(|| self.default_budget(domain)),
             stop: None,
             over: None,
+            rounds: Vec::new(),
         };
         run.recover(&kernel)?;
         let found = match patches {
@@ -346,6 +348,7 @@ impl<'a> Refiner<'a> {
             volumes: regions.iter().map(volume).collect(),
             field: self.field,
             fine_step: step,
+            no_length: OnceLock::new(),
         }
     }
 }
@@ -363,6 +366,8 @@ pub(super) struct Run<'a> {
     pub(super) stop: Option<Reason>,
     /// The tetrahedra that are over their bounds, if that is known.
     over: Option<Vec<TetId>>,
+    /// The rounds on the clock.
+    rounds: Vec<RoundTimes>,
 }
 
 impl Run<'_> {
@@ -394,8 +399,8 @@ impl Run<'_> {
         let refiner = self.refiner;
         let tell = |vertices: usize| refiner.tell(Phase::Refine, vertices);
         let rounds = Rounds::new(&mut self.refinement, order, self.most, self.stats);
-        let (stop, stats, over) = rounds.run_in_pool(refiner.cancel, tell)?;
-        (self.stop, self.over) = (stop, Some(over));
+        let (stop, stats, over, times) = rounds.run_in_pool(refiner.cancel, tell)?;
+        (self.stop, self.over, self.rounds) = (stop, Some(over), times);
         self.stats = RefineStats { start_seconds, ..stats };
         Ok(())
     }
@@ -436,6 +441,7 @@ impl Run<'_> {
     /// Tells the observer, asks the token.
     #[cold]
     pub(super) fn look(&mut self) -> Result<(), RefineError> {
+        self.refinement.bounds.iter().try_for_each(Bounds::check_sizes)?;
         let is_whole = self.refinement.bounds.is_some();
         let phase = if is_whole { Phase::Refine } else { Phase::Recover };
         self.refiner.tell(phase, self.refinement.state.mesh.num_vertices());
@@ -449,9 +455,12 @@ impl Run<'_> {
     }
 
     /// Collects what is over its bounds.
-    fn finish(self, regions: Vec<RegionInfo>, lattice: Lattice) -> Refined {
+    ///
+    /// # Errors
+    /// A sizing function that gives no lengths, or different ones for one place.
+    fn finish(self, regions: Vec<RegionInfo>, lattice: Lattice) -> Result<Refined, RefineError> {
         let Refinement { mut state, bounds, record, inserted, .. } = self.refinement;
-        let points = inserted.points;
+        let (points, rounds) = (inserted.points, self.rounds);
         let stats = RefineStats {
             segment_points: points.segments,
             facet_points: points.facets,
@@ -467,7 +476,7 @@ impl Run<'_> {
             // At the end whatever is over its bounds was refused.
             let refused = || record.refused_over(bounds, &state).map(|(t, _)| t).collect();
             let over = self.over.or_else(|| self.stop.is_none().then(refused));
-            excuses = state.excuses(bounds, &record, &order, over, self.stop);
+            excuses = state.excuses(bounds, &record, &order, over, self.stop)?;
         }
         let segments = state.missing_segments.iter().map(|&s| Item::Segment(s));
         let missing = segments.chain(state.missing.iter().map(|&s| Item::Subface(s)));
@@ -482,6 +491,6 @@ impl Run<'_> {
             _ if excuses.is_empty() => RefineOutcome::Met,
             _ => RefineOutcome::Excused,
         };
-        Refined { outcome, excuses, lost, regions, stats, lattice, state, order }
+        Ok(Refined { outcome, excuses, lost, regions, stats, rounds, lattice, state, order })
     }
 }

@@ -3,6 +3,7 @@
 mod cavity;
 mod rounds;
 mod sharp;
+mod sizes;
 
 use super::carrier::Carrier;
 use super::item::Work;

@@ -19,8 +19,12 @@ mod relief;
 mod script;
 mod settle;
 mod sliver;
+mod times;
+
+pub use times::RoundTimes;
 
 use super::RefineError;
+use super::bounds::Bounds;
 use super::item::{Item, Queues};
 use super::outcome::{Reason, RefineStats};
 use super::record::Refusal;
@@ -33,6 +37,7 @@ use ltbw_core::cavity::AdmitAll;
 use ltbw_core::topology::TetId;
 use probe::Probe;
 use std::ops::Range;
+use times::Clock;
 
 /// The engine that refines.
 #[doc(hidden)]
@@ -128,8 +133,8 @@ struct Conclusion {
 /// Probes, or insertions, between two looks at whether the work is cancelled.
 const CHECK_EVERY: usize = 1024;
 
-/// Why rounds stopped early, figures, and the tetrahedra that are over their bounds.
-type Finished = (Option<Reason>, RefineStats, Vec<TetId>);
+/// Why rounds stopped early, figures, the tetrahedra that are over their bounds, and the times.
+type Finished = (Option<Reason>, RefineStats, Vec<TetId>, Vec<RoundTimes>);
 
 /// Says whether the work is cancelled; is told the number of vertices.
 type Look<'l> = &'l dyn Fn(usize) -> bool;
@@ -197,6 +202,7 @@ pub(crate) struct Rounds<'r, 'a> {
     /// The work that the fillings put: items that are lost, of which there are none.
     nothing: Queues,
     stats: RefineStats,
+    clock: Clock,
     /// Are there patches? Then many tetrahedra may have their points in one place, and those that
     /// come first are probed before the others, which they may kill.
     in_waves: bool,
@@ -251,6 +257,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             lanes: lanes::Memory::default(),
             nothing: Queues::default(),
             stats: RefineStats { round_threads: threads, ..stats },
+            clock: Clock::start(),
             in_waves,
             threads,
             prober: batch::Prober::default(),
@@ -270,6 +277,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
         self.look_at_all();
         self.begin_script();
         let mut stop = None;
+        self.clock.begin();
         while let Some(class) = self.next_class() {
             if look(self.own.state.mesh.num_vertices()) {
                 stop = Some(Reason::Cancelled);
@@ -288,6 +296,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
                         break;
                     }
                     let count = self.chosen.len();
+                    self.clock.choose();
                     let total = self.own.inserted.points.total() + count as u64;
                     if total > self.most && class == Class::Slivers {
                         self.slivers = Some(Vec::new());
@@ -301,6 +310,8 @@ impl<'r, 'a> Rounds<'r, 'a> {
                     let progress = self.record_round() || count > 0 || class == Class::Slivers;
                     let cancelled = self.insert(class, look)?;
                     self.settle();
+                    self.clock.end(class, self.candidates.len(), count);
+                    self.own.bounds.iter().try_for_each(Bounds::check_sizes)?;
                     if cancelled {
                         stop = Some(Reason::Cancelled);
                         break;
@@ -311,9 +322,11 @@ impl<'r, 'a> Rounds<'r, 'a> {
                 }
                 None => self.split_circles()?,
             }
+            self.clock.begin();
         }
         self.check_complete()?;
-        Ok((stop, self.stats, self.over()))
+        let over = self.over();
+        Ok((stop, self.stats, over, self.clock.rounds))
     }
 
     /// The class of the next round; `Some(None)` if all pending items wait for each other, `None`

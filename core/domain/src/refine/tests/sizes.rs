@@ -1,0 +1,63 @@
+//! Sizing functions that give no lengths, or different ones for one place.
+
+use super::{model, refine};
+use crate::refine::{Engine, InsertOrder, RefineError, Refiner, SizeField};
+use ltbw_exact::Point;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+const ENGINES: [Engine; 2] =
+    [Engine::Queues, Engine::Rounds { order: InsertOrder::Hilbert, start: 64 }];
+
+fn error(field: &SizeField<'_>, engine: Engine) -> RefineError {
+    let ready = model();
+    let refiner = Refiner::new().sizing(field).engine(engine);
+    refiner.refine(&ready.domain, &ready.lattice).expect_err("a wrong sizing function")
+}
+
+#[test]
+fn what_is_no_length_is_named_with_its_place() {
+    for wrong in [f64::NAN, 0.0, -1.0, f64::NEG_INFINITY, 1e-300] {
+        let field = |p: Point| if p[0] > 0.5 { wrong } else { 0.1 };
+        for engine in ENGINES {
+            let RefineError::Size { at, value } = error(&field, engine) else {
+                panic!("{wrong} with {engine:?}");
+            };
+            assert!(at[0] > 0.5 && value.to_bits() == wrong.to_bits(), "{at:?} {value} {wrong}");
+        }
+    }
+    let text = RefineError::Size { at: [0.5, 1.0, 2.0], value: f64::NAN }.to_string();
+    assert_eq!(text, "the size at [0.5, 1.0, 2.0] is NaN: an edge length is positive");
+}
+
+#[test]
+fn an_infinite_length_asks_for_nothing() {
+    let ready = model();
+    let plain = refine(&Refiner::new(), &ready).mesh().hash().expect("a hash");
+    for engine in ENGINES {
+        let refined = refine(&Refiner::new().sizing(&|_| f64::INFINITY).engine(engine), &ready);
+        if engine == Engine::Queues {
+            assert_eq!(refined.mesh().hash().expect("a hash"), plain);
+        }
+        assert!(refined.excuses.is_empty());
+    }
+}
+
+#[test]
+fn a_function_that_changes_its_mind_is_told() {
+    for engine in ENGINES {
+        let calls = AtomicUsize::new(0);
+        let coarse = |_: Point| {
+            calls.fetch_add(1, Ordering::Relaxed);
+            0.25
+        };
+        refine(&Refiner::new().sizing(&coarse).engine(engine), &model());
+        // The last calls are about the whole mesh, in the end.
+        let most = calls.swap(0, Ordering::Relaxed);
+        let field = |_: Point| match calls.fetch_add(1, Ordering::Relaxed) {
+            k if k + 20 < most => 0.25,
+            _ => 0.02,
+        };
+        let found = error(&field, engine);
+        assert!(matches!(found, RefineError::ImpureSize { .. }), "{found:?} with {engine:?}");
+    }
+}
