@@ -11,7 +11,6 @@ use crate::{Domain, Lattice};
 use ltbw_core::topology::{INFINITE, TetId};
 use ltbw_core::{FourCorners, test_bounds};
 use ltbw_exact::Point;
-use std::sync::OnceLock;
 
 /// The largest tolerance within which facets of a domain may be taken for coplanar: 2^-10 of the
 /// diagonal.
@@ -98,8 +97,6 @@ pub(crate) struct Bounds<'a> {
     pub(crate) field: Option<&'a SizeField<'a>>,
     /// The length of a fine step in the input's coordinates.
     pub(crate) fine_step: f64,
-    /// A place where the sizing field gave no length, and what it gave.
-    pub(crate) no_length: OnceLock<(Point, f64)>,
 }
 
 impl Bounds<'_> {
@@ -233,18 +230,16 @@ impl Bounds<'_> {
     }
 
     /// The bound of the sizing field at the centroid: the volume of the regular tetrahedron with
-    /// edges of the wanted length. An infinite length bounds nothing; nor does one that is not
-    /// positive, but it is noted.
+    /// edges of the wanted length. One that is not positive and finite bounds nothing; whether all
+    /// are positive is checked in the end.
     fn field_bound(&self, corners: [&Point; 4]) -> Option<VolumeBound> {
-        let field = self.field?;
-        let at = self.centroid(corners);
-        let value = field(at);
-        let volume = regular_volume(value / self.fine_step);
-        let is_length = volume > 0.0;
-        if !is_length {
-            self.no_length.get_or_init(|| (at, value));
-        }
-        (is_length && volume.is_finite()).then(|| VolumeBound::new(volume))
+        let volume = self.wanted_volume(self.field?(self.centroid(corners)));
+        (volume > 0.0 && volume.is_finite()).then(|| VolumeBound::new(volume))
+    }
+
+    /// The volume of the regular tetrahedron with edges of a length in the input's coordinates.
+    fn wanted_volume(&self, length: f64) -> f64 {
+        regular_volume(length / self.fine_step)
     }
 
     /// The place at which the sizing field is asked for a tetrahedron.
@@ -253,15 +248,26 @@ impl Bounds<'_> {
         [0, 1, 2].map(|k| (a[k] + b[k] + c[k] + d[k]) * 0.25 * self.fine_step)
     }
 
-    /// Were all sizes lengths so far?
+    /// Has the sizing field a length for each of some tetrahedra of the domain? Others may be asked
+    /// for before, and come and go with the order of insertion.
     ///
     /// # Errors
-    /// One was not.
-    pub(crate) fn check_sizes(&self) -> Result<(), RefineError> {
-        match self.no_length.get() {
-            Some(&(at, value)) => Err(RefineError::Size { at, value }),
-            None => Ok(()),
+    /// The first for which it has none.
+    pub(crate) fn check_sizes(&self, state: &State, tets: &[TetId]) -> Result<(), RefineError> {
+        let Some(field) = self.field else { return Ok(()) };
+        for &t in tets {
+            let v = state.vertices(t);
+            if state.marks.region(t) == 0 || state.is_flat(v) {
+                continue;
+            }
+            let at = self.centroid(v.map(|v| state.at(v)).each_ref());
+            let value = field(at);
+            let is_length = self.wanted_volume(value) > 0.0;
+            if !is_length {
+                return Err(RefineError::Size { at, value });
+            }
         }
+        Ok(())
     }
 }
 

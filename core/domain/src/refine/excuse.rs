@@ -11,7 +11,7 @@ use super::outcome::{Excuse, Reason};
 use super::output::Refined;
 use super::record::Record;
 use super::state::State;
-use super::table::Map;
+use super::table::{Map, Set};
 use ltbw_core::topology::TetId;
 
 impl State {
@@ -24,7 +24,7 @@ impl State {
         order: &[TetId],
         over: Option<Vec<TetId>>,
         stop: Option<Reason>,
-    ) -> Result<Vec<Excuse>, RefineError> {
+    ) -> Vec<Excuse> {
         let all = || -> Vec<TetId> {
             let all = order.iter().copied();
             bounds.over_of(self, all, &mut Vec::new()).map(|(t, _)| t).collect()
@@ -33,11 +33,11 @@ impl State {
             None => all(),
             Some(mut over) => {
                 over.sort_unstable_by_key(|&t| self.mesh.tet(t).map(in_order));
-                if bounds.field.is_some() {
-                    self.check_field(bounds, &over, &all())?;
-                } else {
-                    debug_assert_eq!(over, all(), "all that are over their bounds are known");
-                }
+                // A field was asked once more already.
+                debug_assert!(
+                    bounds.field.is_some() || over == all(),
+                    "all that are over their bounds are known"
+                );
                 over
             }
         };
@@ -46,23 +46,29 @@ impl State {
             let reason = record.refused.get(&item).map(|r| r.reason).or(stop);
             Excuse { tet, reason: reason.unwrap_or(Reason::Rounding) }
         };
-        bounds.check_sizes()?;
-        Ok(over.into_iter().map(excuse).collect())
+        over.into_iter().map(excuse).collect()
     }
 
-    /// Are the tetrahedra that the sizing field leaves over their bounds now those of before?
+    /// Has the sizing field lengths for all tetrahedra, which `order` has, and are those over their
+    /// bounds now the ones of before? It is asked for each once more.
     ///
     /// # Errors
-    /// One of them is not.
-    fn check_field(
+    /// A place where it has none, or another one.
+    pub(crate) fn check_field(
         &self,
         bounds: &Bounds<'_>,
+        order: &[TetId],
         before: &[TetId],
-        now: &[TetId],
     ) -> Result<(), RefineError> {
-        bounds.check_sizes()?;
-        let differs = (0..before.len().max(now.len())).find(|&k| before.get(k) != now.get(k));
-        let Some(&t) = differs.and_then(|k| now.get(k).or(before.get(k))) else { return Ok(()) };
+        if bounds.field.is_none() {
+            return Ok(());
+        }
+        bounds.check_sizes(self, order)?;
+        let before: Set<TetId> = before.iter().copied().collect();
+        let (mut thin, all) = (Vec::new(), order.iter().copied());
+        let now: Set<TetId> = bounds.over_of(self, all, &mut thin).map(|(t, _)| t).collect();
+        let differs = |t: &&TetId| before.contains(*t) != now.contains(*t);
+        let Some(&t) = order.iter().find(differs) else { return Ok(()) };
         let corners = self.vertices(t).map(|v| self.at(v));
         Err(RefineError::ImpureSize { at: bounds.centroid(corners.each_ref()) })
     }

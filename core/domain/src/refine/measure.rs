@@ -297,6 +297,15 @@ mod tests {
     use ltbw_exact::predicates::orient3d;
     use proptest::prelude::*;
 
+    /// Does the test of four at once say that all dihedral angles are large? Never on a machine
+    /// without AVX2.
+    fn are_large_in_lanes(corners: [&Point; 4]) -> bool {
+        let four = corners.map(|corner| corner.map(|c| [c; 4]));
+        let thick = ltbw_core::test_bounds(&four, &[f64::INFINITY; 4], Some(2.0))[2];
+        assert!([0, 15].contains(&thick), "the same in all lanes: {thick:b}");
+        thick == 15
+    }
+
     /// Few-bit and full-size whole coordinates.
     fn coordinate() -> impl Strategy<Value = f64> {
         prop_oneof![
@@ -373,6 +382,7 @@ mod tests {
         ) {
             let corners = [&a, &b, &c, &d];
             prop_assert!(!has_large_dihedrals(corners) || !has_small_dihedral(corners));
+            prop_assert!(!are_large_in_lanes(corners) || !has_small_dihedral(corners));
         }
 
         /// Four points near a square, folded by up to two degrees.
@@ -395,6 +405,7 @@ mod tests {
             let corners = corners.each_ref();
             prop_assert!(fold > 0.0087 || has_small_dihedral(corners));
             prop_assert!(!(has_small_dihedral(corners) && has_large_dihedrals(corners)));
+            prop_assert!(!(has_small_dihedral(corners) && are_large_in_lanes(corners)));
         }
     }
 
@@ -405,6 +416,11 @@ mod tests {
         // The corner of a cube: 54.7 degrees.
         let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         assert!(has_large_dihedrals(corners.each_ref()));
+        #[cfg(target_arch = "x86_64")]
+        match is_x86_feature_detected!("avx2") {
+            true => assert!(are_large_in_lanes(corners.each_ref())),
+            false => println!("SKIPPED: no AVX2 on this machine"),
+        }
     }
 
     #[test]

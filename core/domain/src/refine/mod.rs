@@ -160,7 +160,7 @@ pub enum RefineError {
         limit: String,
     },
     /// The sizing function gave something that is no length.
-    #[error("the size at {at:?} is {value:?}: an edge length is positive")]
+    #[error("the size at {at:?} is {value:?}: an edge length is positive, and so is its cube")]
     Size {
         /// The place, in the coordinates of the mesh.
         at: Point,

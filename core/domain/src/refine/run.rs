@@ -27,7 +27,6 @@ use ltbw_core::build::{Observer, Phase, Progress};
 use ltbw_core::cavity::AdmitAll;
 use ltbw_core::mesh::Vertex;
 use ltbw_core::topology::TetId;
-use std::sync::OnceLock;
 use std::time::Instant;
 
 /// Transactions between two looks at the cancel token and the observer.
@@ -348,7 +347,6 @@ impl<'a> Refiner<'a> {
             volumes: regions.iter().map(volume).collect(),
             field: self.field,
             fine_step: step,
-            no_length: OnceLock::new(),
         }
     }
 }
@@ -441,7 +439,6 @@ impl Run<'_> {
     /// Tells the observer, asks the token.
     #[cold]
     pub(super) fn look(&mut self) -> Result<(), RefineError> {
-        self.refinement.bounds.iter().try_for_each(Bounds::check_sizes)?;
         let is_whole = self.refinement.bounds.is_some();
         let phase = if is_whole { Phase::Refine } else { Phase::Recover };
         self.refiner.tell(phase, self.refinement.state.mesh.num_vertices());
@@ -476,7 +473,14 @@ impl Run<'_> {
             // At the end whatever is over its bounds was refused.
             let refused = || record.refused_over(bounds, &state).map(|(t, _)| t).collect();
             let over = self.over.or_else(|| self.stop.is_none().then(refused));
-            excuses = state.excuses(bounds, &record, &order, over, self.stop)?;
+            let cancel = self.refiner.cancel;
+            // A sizing function of a work that is cancelled may answer anything.
+            let sound = match &over {
+                Some(over) => state.check_field(bounds, &order, over),
+                None => bounds.check_sizes(&state, &order),
+            };
+            sound.or_else(|error| cancel.filter(|c| c.is_cancelled()).map(drop).ok_or(error))?;
+            excuses = state.excuses(bounds, &record, &order, over, self.stop);
         }
         let segments = state.missing_segments.iter().map(|&s| Item::Segment(s));
         let missing = segments.chain(state.missing.iter().map(|&s| Item::Subface(s)));

@@ -24,7 +24,6 @@ mod times;
 pub use times::RoundTimes;
 
 use super::RefineError;
-use super::bounds::Bounds;
 use super::item::{Item, Queues};
 use super::outcome::{Reason, RefineStats};
 use super::record::Refusal;
@@ -308,10 +307,11 @@ impl<'r, 'a> Rounds<'r, 'a> {
                     }
                     // Of slivers the foremost is split, or looked at no more.
                     let progress = self.record_round() || count > 0 || class == Class::Slivers;
+                    let before = self.stats.round_points;
                     let cancelled = self.insert(class, look)?;
                     self.settle();
-                    self.clock.end(class, self.candidates.len(), count);
-                    self.own.bounds.iter().try_for_each(Bounds::check_sizes)?;
+                    let inserted = self.stats.round_points - before;
+                    self.clock.end(class, self.candidates.len(), inserted as usize);
                     if cancelled {
                         stop = Some(Reason::Cancelled);
                         break;

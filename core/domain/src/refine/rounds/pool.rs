@@ -5,6 +5,10 @@ use super::{Finished, Rounds};
 use crate::refine::RefineError;
 use ltbw_core::CancelToken;
 use std::sync::mpsc::channel;
+use std::sync::{Mutex, TryLockError};
+
+/// The run that is in the pool from outside.
+static ALONE: Mutex<()> = Mutex::new(());
 
 impl Rounds<'_, '_> {
     /// Carries out rounds until nothing is left to do, or the token is cancelled. `tell` is told
@@ -19,7 +23,12 @@ impl Rounds<'_, '_> {
     ) -> Result<Finished, RefineError> {
         let is_cancelled = || cancel.is_some_and(CancelToken::is_cancelled);
         // A thread of the pool must not wait for another one to take the work.
-        if self.threads == 1 || rayon::current_thread_index().is_some() {
+        let is_inside = rayon::current_thread_index().is_some();
+        // A thread of the pool that waits for a piece of work may take up the whole of another run,
+        // and go on with its own when that has ended: so there is one at a time.
+        let alone = ALONE.try_lock();
+        let is_taken = matches!(alone, Err(TryLockError::WouldBlock));
+        if self.threads == 1 || is_inside || is_taken {
             return self.run(&|vertices| {
                 tell(vertices);
                 is_cancelled()

@@ -3,7 +3,8 @@
 use super::Class;
 use std::time::Instant;
 
-/// A round on the clock: seconds since the first one began.
+/// A round on the clock, in seconds since the queues have ended. Relief and joint steps, which are
+/// no rounds, are between these.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoundTimes {

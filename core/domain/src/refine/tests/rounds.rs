@@ -270,8 +270,6 @@ fn a_wide_round_can_be_cancelled_and_leaves_a_sound_mesh() {
     }
 }
 
-/// Points at a patch are alone in their closures: labels of flat tetrahedra and subfaces are a
-/// function of the mesh, too.
 #[test]
 fn rounds_tell_the_thread_that_asked_for_them_and_end_with_it() {
     use std::sync::Mutex;
@@ -302,6 +300,8 @@ fn rounds_tell_the_thread_that_asked_for_them_and_end_with_it() {
     assert!(std::panic::catch_unwind(broken).is_err(), "a panic of the observer comes through");
 }
 
+/// Points at a patch are alone in their closures: labels of flat tetrahedra and subfaces are a
+/// function of the mesh, too.
 #[test]
 fn patches_within_a_tolerance_have_one_mesh_for_all_orders() {
     use ltbw_generate::surfaces::{globe, prism, shell, single, torus, turned};
