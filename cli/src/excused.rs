@@ -20,6 +20,12 @@ fn sums(all: &[Excused]) -> [(usize, usize, f64); 3] {
     [sum(all, Reason::is_corner), sum(all, Reason::is_segment), sum(all, elsewhere)]
 }
 
+/// The part of the mesh's volume that the excused fill.
+fn share(refined: &Refined, all: &[Excused]) -> f64 {
+    let volume: f64 = all.iter().map(|e| e.volume).sum();
+    if volume > 0.0 { volume / refined.volume() } else { 0.0 }
+}
+
 /// The excused for the report.
 pub(crate) fn json(refined: &Refined) -> Value {
     let all = refined.excused();
@@ -31,6 +37,7 @@ pub(crate) fn json(refined: &Refined) -> Value {
         "corners": corners,
         "segments": segments,
         "elsewhere": elsewhere,
+        "share": share(refined, &all),
         "by_reason": all.iter().take(LISTED).map(each).collect::<Vec<_>>(),
     })
 }
@@ -39,21 +46,24 @@ pub(crate) fn json(refined: &Refined) -> Value {
 pub(crate) fn text(refined: &Refined) -> String {
     let all = refined.excused();
     let [corners, segments, elsewhere] = sums(&all);
-    let count = |(places, tets, _), name: &str| match places {
-        0 => None,
-        1 => Some(format!("{tets} at 1 {name}")),
-        _ => Some(format!("{tets} at {places} {name}s")),
+    let told = |(places, tets, volume): (usize, usize, f64), name: &str| {
+        let place = match places {
+            0 => return None,
+            _ if name.is_empty() => "elsewhere".to_owned(),
+            1 => format!("at 1 {name}"),
+            _ => format!("at {places} {name}s"),
+        };
+        Some(format!("{tets} {place} of volume {volume:.3e}"))
     };
-    let elsewhere = (elsewhere.1 > 0).then(|| format!("{} elsewhere", elsewhere.1));
-    let places = [count(corners, "corner"), count(segments, "segment"), elsewhere];
+    let places = [told(corners, "corner"), told(segments, "segment"), told(elsewhere, "")];
     let places: Vec<String> = places.into_iter().flatten().collect();
-    let volume: f64 = all.iter().map(|e| e.volume).sum();
+    let percent = 100.0 * share(refined, &all);
     let reasons: Vec<String> =
         all.iter().take(SHOWN).map(|e| format!("{} for {}", e.tets, e.reason)).collect();
     let more = all.len().saturating_sub(SHOWN);
     let more = if more > 0 { format!(", and {more} more reasons") } else { String::new() };
     format!(
-        "{} tetrahedra over a bound, {}, of volume {volume:.3e}: {}{more}",
+        "{} tetrahedra over a bound, {}, {percent:.2e} % of all volume: {}{more}",
         refined.excuses.len(),
         places.join(", "),
         reasons.join(", ")

@@ -85,22 +85,71 @@ pub struct Excused {
     pub volume: f64,
 }
 
+/// A sum of rounded numbers with what rounding took off it, so that millions of them lose nothing.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    head: f64,
+    rest: f64,
+}
+
+impl Sum {
+    /// Adds a number that is not negative.
+    fn add(&mut self, x: f64) {
+        let (large, small) = if self.head < x { (x, self.head) } else { (self.head, x) };
+        self.head = large + small;
+        self.rest += (large - self.head) + small;
+    }
+
+    fn value(self) -> f64 {
+        self.head + self.rest
+    }
+}
+
 impl Refined {
     /// The excuses counted by reason, in the order of reasons: corner by corner, then segment by
     /// segment.
     pub fn excused(&self) -> Vec<Excused> {
-        let mut all: Map<Reason, (usize, f64)> = Map::default();
-        let step = self.lattice.fine_step();
+        let mut all: Map<Reason, (usize, Sum)> = Map::default();
         for excuse in &self.excuses {
-            // Rounded in an order that is the same for all slots and vertices.
-            let [a, b, c, d] = sorted(self.state.vertices(excuse.tet).map(|v| self.state.at(v)));
-            let volume = Shape::of([&a, &b, &c, &d]).det.abs() / 6.0 * step * step * step;
             let entry = all.entry(excuse.reason).or_default();
-            *entry = (entry.0 + 1, entry.1 + volume);
+            entry.0 += 1;
+            entry.1.add(self.volume_of(excuse.tet));
         }
-        let excused = |(reason, (tets, volume))| Excused { reason, tets, volume };
+        let excused = |(reason, (tets, sum)): (Reason, (usize, Sum))| Excused {
+            reason,
+            tets,
+            volume: sum.value(),
+        };
         let mut list: Vec<Excused> = all.into_iter().map(excused).collect();
         list.sort_unstable_by_key(|excused| excused.reason);
         list
+    }
+
+    /// The volume of all tetrahedra inside, rounded, in the coordinates of the domain.
+    pub fn volume(&self) -> f64 {
+        let mut sum = Sum::default();
+        self.tets().for_each(|t| sum.add(self.volume_of(t)));
+        sum.value()
+    }
+
+    /// The volume of a tetrahedron, rounded, with its vertices in an order that is always the same.
+    fn volume_of(&self, t: TetId) -> f64 {
+        let step = self.lattice.fine_step();
+        let [a, b, c, d] = sorted(self.state.vertices(t).map(|v| self.state.at(v)));
+        Shape::of([&a, &b, &c, &d]).det.abs() / 6.0 * step * step * step
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Sum;
+
+    #[test]
+    fn sums_keep_what_rounding_takes_off() {
+        let mut sum = Sum::default();
+        for x in [2.0_f64.powi(-60), 1.0, 2.0_f64.powi(53), 1.0, 2.0_f64.powi(-60)] {
+            sum.add(x);
+        }
+        assert_eq!(sum.value(), 2.0_f64.powi(53) + 2.0);
     }
 }
