@@ -250,6 +250,22 @@ fn prisms_within_the_tolerance_are_small_and_round() {
     }
 }
 
+/// Noise that is within the tolerance leaves no needles: without it 96 angles of the facets of a
+/// prism of 24 sides are too small for the bound, whatever is inserted.
+#[test]
+fn prisms_of_noise_within_the_tolerance_meet_every_bound() {
+    for n in [12, 24, 48] {
+        for (noise, seed) in [(1e-6, 0), (1e-6, 1), (1e-4, 0), (1e-4, 1)] {
+            let (name, tolerance) = (format!("prism of {n}, noise {noise:e}"), 3.0 * noise);
+            let refiner = Refiner::new().flat_tolerance(tolerance);
+            let domain = prism(n, noise, seed);
+            let refined = certified_within(&domain, &refiner, None, tolerance, &name);
+            assert_eq!(refined.outcome, RefineOutcome::Met, "{name}");
+            assert!(refined.num_tets() < 45 * n as usize, "{name}: {}", refined.num_tets());
+        }
+    }
+}
+
 /// A box of height 1 with pockets in its top, between every other pair of these numbers.
 fn pockets(x: &[f64], y: &[f64], depth: f64) -> Domain {
     let (columns, rows) = (x.len() as u32, y.len() as u32);

@@ -5,7 +5,7 @@ use super::facet::{Change, Seed};
 use super::item::Item;
 use super::marks::face_bit;
 use super::outcome::Reason;
-use super::record::{Record, TIP_SHARE};
+use super::record::Record;
 use super::state::{FACE, Place, State, Touched};
 use super::table::triangle;
 use crate::vector::distance2;
@@ -17,7 +17,7 @@ use ltbw_exact::Point;
 const JOINT: usize = 4;
 
 /// The part of its limit down to which the side of a tip may be made: more than one half, so that
-/// a tip with a side of the limit's length is not halved for what is beside it. (Queues only.)
+/// a tip with a side of the limit's length is not halved for what is beside it.
 const TIP_SIDE: f64 = 0.75;
 
 /// The part of its limit that an edge has to have where no joint step halves limits: edges between
@@ -181,9 +181,8 @@ impl<'s> Judge<'s> {
     fn is_too_near(&self, item: Item, p: &Point) -> bool {
         let own = self.record.limits.get(&item).copied();
         let Some(limit) = own.or(self.state.joint_limit()) else { return false };
-        let share = if self.state.by_place { TIP_SHARE } else { TIP_SIDE };
         if let Item::Segment(ends) = item
-            && self.state.tip_side(ends, p).is_some_and(|side| side < share * limit)
+            && self.state.tip_side(ends, p).is_some_and(|side| side < TIP_SIDE * limit)
         {
             return true;
         }

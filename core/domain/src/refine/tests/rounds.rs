@@ -182,9 +182,9 @@ fn small_angles_have_one_mesh_for_all_orders() {
         excused += refined.excuses.len();
         excused_by_queues += queues.excuses.len();
     }
-    // Rounds ask nothing again.
-    assert!(excused > 0 && excused <= 73, "{excused} {excused_by_queues}");
-    assert!(excused_by_queues <= excused, "{excused_by_queues}");
+    // Where needles were halved in rounds alone, 73 of these were excused.
+    assert!(excused > 0 && excused <= 40, "{excused} {excused_by_queues}");
+    assert!(excused <= excused_by_queues, "{excused_by_queues}");
 }
 
 #[test]
