@@ -40,6 +40,7 @@
 
 mod again;
 mod angles;
+mod arc;
 mod background;
 mod bounds;
 mod carrier;

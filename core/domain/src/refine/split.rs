@@ -196,6 +196,15 @@ impl<'a> Refinement<'a> {
             match self.propose(&place, work, admission, verdict) {
                 Proposal::Inserted => return Step::Inserted,
                 Proposal::Deferred(first) => {
+                    let arc = self.bounds.is_none().then(|| self.state.arc(corners, f, &first));
+                    if let Some(place) = arc.flatten() {
+                        let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, true);
+                        match self.propose(&place, work, admission, verdict) {
+                            Proposal::Inserted => return Step::Inserted,
+                            Proposal::SetBack(setback) => return Step::SetBack(setback),
+                            _ => {}
+                        }
+                    }
                     let limit = self.record.limits.get(&item).copied();
                     return self.defer(item, first, limit, work, admission);
                 }
