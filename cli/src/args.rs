@@ -2,7 +2,6 @@
 
 use crate::numbers::whole;
 use crate::progress::Show;
-use crate::rounds::EngineArg;
 use crate::simulate::Simulate;
 use crate::streams::Streams;
 use crate::surface::Preparation;
@@ -278,11 +277,9 @@ pub(crate) struct MeshArgs {
     #[arg(allow_negative_numbers = true)]
     #[arg(hide_short_help = true)]
     pub(crate) max_points: Option<u64>,
-    /// The engine that refines
-    #[arg(long, value_enum, hide = true, default_value_t)]
-    pub(crate) engine: EngineArg,
     /// Write a timeline for Perfetto or chrome://tracing: the rounds
-    #[arg(long, value_name = "FILE|-", hide = true)]
+    #[arg(long, value_name = "FILE|-")]
+    #[arg(hide_short_help = true)]
     pub(crate) trace: Option<PathBuf>,
     /// Write the exterior between domain and convex hull, too (tag 0)
     #[arg(long)]
@@ -301,7 +298,7 @@ pub(crate) struct MeshArgs {
     #[arg(long, value_name = "SVG|-")]
     #[arg(hide_short_help = true)]
     pub(crate) histogram: Option<PathBuf>,
-    /// Threads for checking, hashing and output [default: one per core]
+    /// Threads for rounds, checking and output [default: one per core]
     #[arg(long, value_name = "N", value_parser = whole::<u16>(1..=1024))]
     #[arg(allow_negative_numbers = true)]
     pub(crate) threads: Option<u16>,

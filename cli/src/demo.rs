@@ -6,7 +6,6 @@ use crate::console::{self, Stop};
 use crate::json::{distinct, is_stdout};
 use crate::mesh::{Job, mesh_domain};
 use crate::outcome::{Exit, Failure, show};
-use crate::rounds::EngineArg;
 use crate::streams::Formats;
 use ltbw::domain::PrepareOptions;
 use ltbw::io;
@@ -41,7 +40,6 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         asked: Asked { radius_edge: Some(RADIUS_EDGE), max_volume: Some(MAX_VOLUME), size: None },
         field: None,
         max_points: None,
-        engine: EngineArg::default(),
         flat_tolerance: 0.0,
         outputs: std::slice::from_ref(&args.out),
         formats: Formats::default(),

@@ -12,7 +12,7 @@ use crate::progress::{Progress, Stage};
 use crate::report::{
     Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, end, quality_json,
 };
-use crate::rounds::{self, EngineArg};
+use crate::rounds;
 use crate::run::set_threads;
 use crate::streams::{Formats, attributes_note, name_of, on_stdout};
 use crate::surface::{print_patches, repairs_json};
@@ -43,8 +43,6 @@ pub(crate) struct Job<'a> {
     pub(crate) field: Option<Field>,
     /// The most points to insert.
     pub(crate) max_points: Option<u64>,
-    /// The engine that refines.
-    pub(crate) engine: EngineArg,
     /// The distance within which facets are taken for coplanar.
     pub(crate) flat_tolerance: f64,
     /// Mesh files to write, and the formats that their names do not tell.
@@ -79,7 +77,6 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     let formats = args.streams.resolve(&[&args.domain], &args.output)?;
     formats.meshes_writable(&args.output)?;
     args.json.as_deref().map_or(Ok(()), file_writable)?;
-    rounds::check_trace(args.trace.as_deref(), args.engine)?;
     let pages = [&args.histogram, &args.page, &args.trace].into_iter().flatten();
     pages.clone().try_for_each(|path| file_writable(path))?;
     let written = args.output.iter().flat_map(io::mesh_files);
@@ -103,7 +100,6 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         asked,
         field: field(args, &ready)?,
         max_points: args.max_points,
-        engine: args.engine,
         flat_tolerance,
         outputs: &args.output,
         formats,
@@ -220,7 +216,7 @@ fn finish_unrecovered(
 fn refine(job: &Job<'_>, ready: &Prepared) -> Result<Refined, Failure> {
     let progress = Progress::begin("recover");
     let mut refiner = job.asked.refiner().observer(&progress).cancel(job.stop.token());
-    refiner = refiner.flat_tolerance(job.flat_tolerance).engine(job.engine.engine());
+    refiner = refiner.flat_tolerance(job.flat_tolerance);
     if let Some(field) = &job.field {
         refiner = refiner.sizing(field);
     }

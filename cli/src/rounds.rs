@@ -1,54 +1,32 @@
-//! Refinement in rounds: the choice of the engine, and its figures in the report.
+//! The figures of the rounds in the report, and their timeline.
 
 use crate::console;
 use crate::json::{name_of, write_json};
 use crate::outcome::{Failure, show};
 use ltbw::metrics::Trace;
-use ltbw::refine::{Engine, InsertOrder, RefineStats, RoundTimes};
+use ltbw::refine::{RefineStats, RoundTimes};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// The vertices up to which queues are used, by default.
+/// The vertices from which on it refines in rounds, by default.
 pub(crate) const START: usize = 4096;
 
-/// The engine that refines.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum EngineArg {
-    /// One item after the other
-    #[default]
-    Queues,
-    /// In rounds
-    Rounds,
-}
-
-impl EngineArg {
-    pub(crate) fn engine(self) -> Engine {
-        match self {
-            Self::Queues => Engine::Queues,
-            Self::Rounds => Engine::Rounds { order: InsertOrder::default(), start: START },
-        }
-    }
-}
-
-/// The figures of the rounds; `null` if there were none.
+/// The figures of the rounds.
 pub(crate) fn json(stats: &RefineStats) -> Value {
     let [segments, facets, tets] = stats.rounds;
-    match segments + facets + tets {
-        0 => Value::Null,
-        all => json!({
-            "rounds": all,
-            "segment_rounds": segments,
-            "facet_rounds": facets,
-            "tet_rounds": tets,
-            "points": stats.round_points,
-            "searches": stats.searches,
-            "barred": stats.barred,
-            "widest": stats.widest,
-            "joint_phases": stats.joint_phases,
-            "threads": stats.round_threads,
-            "start_seconds": stats.start_seconds,
-        }),
-    }
+    json!({
+        "rounds": segments + facets + tets,
+        "segment_rounds": segments,
+        "facet_rounds": facets,
+        "tet_rounds": tets,
+        "points": stats.round_points,
+        "searches": stats.searches,
+        "barred": stats.barred,
+        "widest": stats.widest,
+        "joint_phases": stats.joint_phases,
+        "threads": stats.round_threads,
+        "start_seconds": stats.start_seconds,
+    })
 }
 
 /// The same as a line for people.
@@ -63,16 +41,6 @@ pub(crate) fn line(stats: &RefineStats) -> Option<String> {
             stats.searches as f64 / stats.round_points.max(1) as f64
         )
     })
-}
-
-/// A timeline is about rounds.
-pub(crate) fn check_trace(path: Option<&Path>, engine: EngineArg) -> Result<(), Failure> {
-    match (path, engine) {
-        (Some(_), EngineArg::Queues) => {
-            Err(Failure::Usage("--trace is about rounds: --engine rounds".to_owned()))
-        }
-        _ => Ok(()),
-    }
 }
 
 /// Writes the timeline of the rounds, if it is asked for: what each chose, and what it inserted.
@@ -111,10 +79,8 @@ mod tests {
 
     #[test]
     fn rounds_are_told_where_there_were_any() {
-        assert_eq!(
-            (json(&RefineStats::default()), line(&RefineStats::default())),
-            (Value::Null, None)
-        );
+        let none = RefineStats::default();
+        assert_eq!((&json(&none)["rounds"], line(&none)), (&json!(0), None));
         let stats = RefineStats {
             rounds: [1, 2, 3],
             searches: 30,

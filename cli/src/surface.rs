@@ -35,8 +35,7 @@ pub(crate) struct Preparation {
     pub(crate) flat_tolerance: Option<f64>,
     /// Measure from the middle of the domain: keeps more bits of one far from the origin
     ///
-    /// The mesh is then in those coordinates; the offset is reported. This is done by itself where
-    /// the distance takes two bits or more.
+    /// The offset is reported. The default where the distance takes two bits or more.
     #[arg(long)]
     #[arg(hide_short_help = true)]
     pub(crate) local_frame: bool,

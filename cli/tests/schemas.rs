@@ -71,21 +71,19 @@ fn reports_of_domains_are_as_their_schema_has_them() {
     let dir = tempfile::tempdir().unwrap();
     let dir = dir.path();
     generate(dir, "wedge --angle 5 -o d.poly");
-    for engine in ["queues", "rounds"] {
-        let args = ["mesh", "d.poly", "--engine", engine, "--max-volume", "1e-3", "-o", "d.vtu"];
-        let report = written(dir, &[&args[..], &["--json", "r.json"]].concat(), "r.json");
-        assert_eq!(report["certificate"]["schema"], "ltbw.conformity/1");
-        assert!(report["quality"].is_object() && report["refinement"].is_object());
-        let refinement = &report["refinement"];
-        let tets = |value: &Value| value["tets"].as_u64().unwrap();
-        let at = ["corners", "segments", "elsewhere"].map(|name| &refinement["excused_at"][name]);
-        let all = refinement["excused_at"]["by_reason"].as_array().unwrap();
-        assert_eq!(at.iter().map(|sum| tets(sum)).sum::<u64>(), refinement["excused"]);
-        assert_eq!(all.iter().map(tets).sum::<u64>(), refinement["excused"]);
-        let [volume, share] = [&at[0]["volume"], &refinement["excused_at"]["share"]];
-        assert!(volume.as_f64().unwrap() > 0.0, "{report}");
-        assert!(share.as_f64().is_some_and(|share| 0.0 < share && share <= 1.0), "{report}");
-    }
+    let args = ["mesh", "d.poly", "--max-volume", "1e-3", "-o", "d.vtu"];
+    let report = written(dir, &[&args[..], &["--json", "r.json"]].concat(), "r.json");
+    assert_eq!(report["certificate"]["schema"], "ltbw.conformity/1");
+    assert!(report["quality"].is_object() && report["refinement"].is_object());
+    let refinement = &report["refinement"];
+    let tets = |value: &Value| value["tets"].as_u64().unwrap();
+    let at = ["corners", "segments", "elsewhere"].map(|name| &refinement["excused_at"][name]);
+    let all = refinement["excused_at"]["by_reason"].as_array().unwrap();
+    assert_eq!(at.iter().map(|sum| tets(sum)).sum::<u64>(), refinement["excused"]);
+    assert_eq!(all.iter().map(tets).sum::<u64>(), refinement["excused"]);
+    let [volume, share] = [&at[0]["volume"], &refinement["excused_at"]["share"]];
+    assert!(volume.as_f64().unwrap() > 0.0, "{report}");
+    assert!(share.as_f64().is_some_and(|share| 0.0 < share && share <= 1.0), "{report}");
     let plc = ["check", "d.vtu", "--plc", "d.poly", "--max-volume", "1e-9", "--json", "c.json"];
     let certificate = written(dir, &plc, "c.json");
     assert!(!certificate["breaches"].as_array().unwrap().is_empty());
@@ -104,10 +102,7 @@ fn the_timeline_of_rounds_is_as_its_schema_has_it() {
     let dir = dir.path();
     generate(dir, "cube-octahedron -o d.poly");
     let args = ["mesh", "d.poly", "--max-volume", "1e-4", "--trace", "t.json"];
-    let refused = ltbw(dir, &args);
-    assert_eq!(refused.code, 2, "{}", refused.stderr);
-    assert!(refused.stderr.contains("--trace is about rounds"), "{}", refused.stderr);
-    let report = [&args[..], &["--engine", "rounds", "--json", "r.json"]].concat();
+    let report = [&args[..], &["--json", "r.json"]].concat();
     let report = written(dir, &report, "r.json");
     let trace: Value =
         serde_json::from_str(&std::fs::read_to_string(dir.join("t.json")).unwrap()).unwrap();

@@ -4,7 +4,7 @@
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, Correct, WorkerId};
-use ltbw::refine::{Engine, InsertOrder, Refined, Refiner, Script};
+use ltbw::refine::{Refined, Refiner, Script};
 use ltbw::refining::{RefineError, rounds_on_threads, simulate_rounds};
 use ltbw::simulate::{Bursts, Network, Options, RandomMigrations};
 use ltbw::threads::Parallel;
@@ -21,8 +21,7 @@ fn prepared(kind: DomainKind, shape: &Shape) -> Prepared {
 
 /// The mesh of the engine, and what its rounds insert.
 fn script(refiner: &Refiner<'_>, ready: &Prepared, start: usize) -> (Refined, Script) {
-    let engine = Engine::Rounds { order: InsertOrder::Hilbert, start };
-    let refiner = refiner.engine(engine);
+    let refiner = refiner.start(start);
     let (refined, script) =
         refiner.refine_with_script(&ready.domain, &ready.lattice).expect("a mesh");
     let points: usize = script.rounds.iter().map(Vec::len).sum();

@@ -117,7 +117,8 @@ fn bounds_out_of_reach_are_errors_or_use_up_the_budget() {
     for refiner in [Refiner::new().radius_edge(1.0), Refiner::new().max_volume(1e-12)] {
         let refined = refine(refiner.max_points(20_000)).expect("a mesh");
         assert_eq!(refined.outcome, RefineOutcome::Budget);
-        assert!(points(&refined) == 20_000 && !refined.excuses.is_empty());
+        // A round that would exceed it is not begun, and none doubles the mesh.
+        assert!((10_000..=20_000).contains(&points(&refined)), "{}", points(&refined));
         assert!(refined.excuses.iter().any(|e| e.reason == Reason::Budget));
     }
     // One point is too few for the boundary: what is missing is listed. Or it is there at once.

@@ -4,7 +4,7 @@
 //! Random domains: 10 by default, `LTBW_CASES` for more (100 for the full bar).
 
 use ltbw::domain::PrepareOptions;
-use ltbw::refine::{Engine, InsertOrder, Refiner};
+use ltbw::refine::{InsertOrder, Refiner};
 use ltbw_tests::cases;
 use ltbw_tests::cgal::Cgal;
 use ltbw_tests::compare::compare_mesh;
@@ -18,9 +18,9 @@ fn meshes_of_random_domains_equal_cgal() {
         let (name, domain) = random_domain(seed);
         let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
         // Every other one in rounds, in an order of its own.
-        let rounds = Engine::Rounds { order: InsertOrder::Random(seed), start: 0 };
-        let engine = if seed % 2 == 0 { Engine::Queues } else { rounds };
-        let refiner = Refiner::new().max_volume(2e-3).engine(engine);
+        let order = InsertOrder::Random(seed);
+        let start = if seed % 2 == 0 { usize::MAX } else { 0 };
+        let refiner = Refiner::new().max_volume(2e-3).insert_order(order).start(start);
         let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
         let mesh = refined.mesh();
         let reply = cgal.triangulate(&mesh.to_tet_mesh().points).expect("CGAL answers");

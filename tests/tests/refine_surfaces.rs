@@ -325,7 +325,7 @@ fn turned_boxes_with_pockets_have_all_their_patches() {
         let refined = certified_within(&domain, &refiner, None, FLAT, "pockets");
         let stats = refined.stats;
         assert!(stats.patches > 20 && stats.patches_given_up == 0, "{stats:?}");
-        assert_eq!(refined.outcome, RefineOutcome::Met);
+        assert_eq!(refined.outcome, RefineOutcome::Met, "{:?}", refined.excuses);
     }
 }
 

@@ -35,9 +35,9 @@ cargo xtask COMMAND
                         one and two threads against the sequential kernel and CGAL on TBB, N points
   bench python [N [ROUNDS]]
                         ltbw.delaunay of the Python package beside the program, N points
-  bench refine          refinement by both engines, beside the commit before (LTBW_BEFORE names its
-                        measure_refine), against TetGen's (the Python package tetgen), and over 500
-                        random domains
+  bench refine          refinement, beside one item after the other, beside the commit before
+                        (LTBW_BEFORE names its measure_refine), against TetGen's (the Python
+                        package tetgen), and over 500 random domains
   bench instructions    instructions of a build and of `ltbw mesh` by callgrind; fails where `mesh`
                         takes 2 % more than the program LTBW_BEFORE_PROGRAM, of the commit before
   parts [DIR] [--twins] [--only TEXT]

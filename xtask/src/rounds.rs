@@ -1,6 +1,7 @@
 //! `rounds`: refinement in rounds at full size. 500 random domains in five orders are judged, and
-//! compared with the queues; named domains and the parts of a folder in 22 orders; tiny domains in
-//! every permutation; files, golden hashes; 100 random domains against CGAL.
+//! compared with splitting one item after the other; named domains and the parts of a folder in
+//! 22 orders; tiny domains in every permutation; files, golden hashes; 100 random domains against
+//! CGAL.
 
 use crate::shell::{self, cargo};
 

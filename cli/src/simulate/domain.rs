@@ -9,7 +9,7 @@ use crate::surface::Preparation;
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, Correct};
-use ltbw::refine::{Engine, InsertOrder, RefineOutcome, Refiner, Script};
+use ltbw::refine::{RefineOutcome, Refiner, Script};
 use ltbw::refining::{Simulated, simulate_rounds};
 use ltbw::simulate::{Meshed, Options};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
@@ -21,8 +21,7 @@ use super::report::Report;
 pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     let ready = ready(path)?;
     let stage = Stage::begin("refine");
-    let engine = Engine::Rounds { order: InsertOrder::default(), start: args.start };
-    let mut refiner = Refiner::new().radius_edge(args.radius_edge.unwrap_or(2.0)).engine(engine);
+    let mut refiner = Refiner::new().radius_edge(args.radius_edge.unwrap_or(2.0)).start(args.start);
     if let Some(bound) = args.max_volume {
         refiner = refiner.max_volume(bound);
     }

@@ -1,10 +1,11 @@
 //! Refines a domain file and prints times, counts and the outcome:
 //! `refine_speed DOMAIN [VOLUME|0 [RATIO [REPEATS [queues|rounds [ORDER [START [flat]]]]]]]`;
+//! with `queues` all is the start, before the first round;
 //! ORDER is `hilbert`, `forwards`, `backwards` or a seed; with `flat`, the facets of surfaces are
 //! flat within the usual tolerance.
 
 use ltbw_domain::PrepareOptions;
-use ltbw_domain::refine::{Engine, InsertOrder, Refiner, usual_tolerance};
+use ltbw_domain::refine::{InsertOrder, Refiner, usual_tolerance};
 use ltbw_formats::read_domain;
 use std::path::Path;
 
@@ -14,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let volume: f64 = args.next().map_or(Ok(0.0), |s| s.parse())?;
     let ratio: f64 = args.next().map_or(Ok(2.0), |s| s.parse())?;
     let repeats: usize = args.next().map_or(Ok(1), |s| s.parse())?;
-    let rounds = args.next().is_some_and(|engine| engine == "rounds");
+    let queues = args.next().is_some_and(|word| word == "queues");
     let order = match args.next().as_deref() {
         None | Some("hilbert") => InsertOrder::Hilbert,
         Some("forwards") => InsertOrder::Forwards,
@@ -33,9 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     if flat {
         refiner = refiner.flat_tolerance(usual_tolerance(&file.domain, &ready.domain));
     }
-    if rounds {
-        refiner = refiner.engine(Engine::Rounds { order, start });
-    }
+    refiner = refiner.insert_order(order).start(if queues { usize::MAX } else { start });
     for repeat in 1..=repeats {
         let refined = refiner.refine(&ready.domain, &ready.lattice)?;
         let stats = refined.stats;

@@ -50,7 +50,7 @@ impl fmt::Display for RefineStats {
         let Self { segment_points, facet_points, free_points, deferred, refused, .. } = self;
         write!(f, "{} on segments, {facet_points} on facets, ", Of(*segment_points, "point"))?;
         write!(f, "{free_points} inside; {deferred} put off, {refused} refused; ")?;
-        let (recover, refine) = (self.recover_seconds, self.start_seconds + self.refine_seconds);
+        let (recover, refine) = (self.recover_seconds, self.refine_seconds);
         write!(f, "{recover:.3} s for the boundary, {refine:.3} s for the rest")?;
         if self.patches > 0 {
             let (patches, within) = (self.patches, self.flat_tolerance);

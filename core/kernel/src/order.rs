@@ -16,6 +16,8 @@ use rayon::prelude::*;
 const BITS: u32 = 20;
 /// Runs of equal keys at most this long are left as they are.
 const SHORT_RUN: usize = 8;
+/// Fewer points than this are not worth more than one thread.
+const MANY: usize = 1 << 12;
 /// Levels of refinement: each divides the box by at least 2^BITS, and all of f64 spans 2^2098.
 const MAX_DEPTH: usize = 2 * (2098 / BITS as usize + 1);
 /// A round is not started for fewer points than this.
@@ -49,15 +51,18 @@ pub fn round_of(index: u32, rounds: u32) -> u32 {
 /// Hilbert order in each of the rounds 0 to `rounds`.
 fn in_rounds(points: &[Point], rounds: u32) -> Vec<u32> {
     let frame = Cube::around(points.iter());
-    let mut keyed: Vec<(u64, u32)> = points
-        .par_iter()
-        .enumerate()
-        .map(|(i, p)| {
-            let round = round_of(i as u32, rounds);
-            (u64::from(round) << (3 * BITS) | frame.key(p), i as u32)
-        })
-        .collect();
-    keyed.par_sort_unstable();
+    let key = |(i, p): (usize, &Point)| {
+        let round = round_of(i as u32, rounds);
+        (u64::from(round) << (3 * BITS) | frame.key(p), i as u32)
+    };
+    let mut keyed: Vec<(u64, u32)>;
+    if points.len() < MANY {
+        keyed = points.iter().enumerate().map(key).collect();
+        keyed.sort_unstable();
+    } else {
+        keyed = points.par_iter().enumerate().map(key).collect();
+        keyed.par_sort_unstable();
+    }
     refine(points, &mut keyed, 1);
     keyed.into_iter().map(|(_, i)| i).collect()
 }
@@ -67,8 +72,9 @@ fn refine(points: &[Point], keyed: &mut [(u64, u32)], depth: usize) {
     if depth == MAX_DEPTH {
         return;
     }
-    let runs = keyed.par_chunk_by_mut(|a, b| a.0 == b.0);
-    runs.filter(|run| run.len() > SHORT_RUN).for_each(|run| {
+    let is_one = |a: &(u64, u32), b: &(u64, u32)| a.0 == b.0;
+    let is_long = |run: &&mut [(u64, u32)]| run.len() > SHORT_RUN;
+    let refine_run = |run: &mut [(u64, u32)]| {
         let frame = Cube::around(run.iter().map(|&(_, i)| &points[i as usize]));
         if frame.side == 0.0 {
             return; // all the same point
@@ -78,7 +84,11 @@ fn refine(points: &[Point], keyed: &mut [(u64, u32)], depth: usize) {
         }
         run.sort_unstable();
         refine(points, run, depth + 1);
-    });
+    };
+    match keyed.len() < MANY {
+        true => keyed.chunk_by_mut(is_one).filter(is_long).for_each(refine_run),
+        false => keyed.par_chunk_by_mut(is_one).filter(is_long).for_each(refine_run),
+    }
 }
 
 /// A Hilbert curve through a box, of fixed depth: it says where a point that came later lies among

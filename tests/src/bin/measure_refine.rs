@@ -5,12 +5,12 @@
 //! Every run is a process of its own, ours and TetGen's in turn, so that a slow spell of the
 //! machine hits both; times are those of the processor, and the median of the pairs' ratios of time
 //! per tetrahedron counts. TetGen is the Python package `tetgen`; `LTBW_TETGEN_PYTHON` names a
-//! Python that has it. The engines are compared with each other in the same way, and with the
-//! commit before where `LTBW_BEFORE` names a `measure_refine` built from it.
+//! Python that has it. Rounds are compared with splitting one item after the other in the same way,
+//! and with the commit before where `LTBW_BEFORE` names a `measure_refine` built from it.
 
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::io;
-use ltbw::refine::{Engine, InsertOrder, RefineOutcome, Refiner};
+use ltbw::refine::{RefineOutcome, Refiner};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_tests::domains::random_domain;
 use ltbw_tests::require::skip;
@@ -30,9 +30,6 @@ const SLOWEST: f64 = 1.0;
 const MEMORY: f64 = 300e6 / 1024.0;
 /// No random domain may take this many times the median time per tetrahedron.
 const UNEVEN: f64 = 10.0;
-
-/// The engine of rounds as the program starts it.
-const ROUNDS: Engine = Engine::Rounds { order: InsertOrder::Hilbert, start: 4096 };
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -66,8 +63,8 @@ fn main() -> ExitCode {
     let result = match args[..] {
         [] => engines().and_then(|()| Ok(compare()? & evenness()?)),
         ["engines"] => engines().map(|()| true),
-        ["once", volume] => once(volume, Engine::Queues),
-        ["once", volume, "rounds"] => once(volume, ROUNDS),
+        ["once", volume] => once(volume, Refiner::new()),
+        ["once", volume, "singly"] => once(volume, Refiner::new().start(usize::MAX)),
         _ => Err("usage: measure_refine [engines]".into()),
     };
     match result {
@@ -86,9 +83,9 @@ fn model() -> Result<Prepared, Failure> {
 }
 
 /// Refines the model problem in this process and prints what it took.
-fn once(volume: &str, engine: Engine) -> Result<bool, Failure> {
+fn once(volume: &str, refiner: Refiner<'_>) -> Result<bool, Failure> {
     let ready = model()?;
-    let refiner = Refiner::new().max_volume(volume.parse()?).engine(engine);
+    let refiner = refiner.max_volume(volume.parse()?);
     let start = processor_seconds();
     let refined = refiner.refine(&ready.domain, &ready.lattice)?;
     let seconds = processor_seconds() - start;
@@ -144,17 +141,17 @@ fn compare() -> Result<bool, Failure> {
     result
 }
 
-/// The table of the engines, beside the commit before: tetrahedra, time of each, its ratio to that
-/// of the queues in the same turn, and memory.
+/// The table beside one item after the other and the commit before: tetrahedra, time of each, its
+/// ratio to that of rounds in the same turn, and memory.
 fn engines() -> Result<(), Failure> {
     let own = std::env::current_exe()?;
-    let mut programs = vec![("queues", own.clone(), None), ("rounds", own, Some("rounds"))];
+    let mut programs = vec![("rounds", own.clone(), None), ("one by one", own, Some("singly"))];
     match std::env::var_os("LTBW_BEFORE") {
-        Some(before) => programs.push(("queues, before", PathBuf::from(before), None)),
+        Some(before) => programs.push(("before", PathBuf::from(before), None)),
         None => skip("the commit before", "before", "LTBW_BEFORE names no measure_refine of it")?,
     }
     println!(
-        "| largest volume | engine | tets | us/tet | to queues | MiB |\n|---|---|--:|--:|--:|--:|"
+        "| largest volume | engine | tets | us/tet | to rounds | MiB |\n|---|---|--:|--:|--:|--:|"
     );
     for (volume, _) in VOLUMES {
         let mut turns: Vec<Vec<Taken>> = Vec::new();

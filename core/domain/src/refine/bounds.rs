@@ -198,13 +198,7 @@ impl Bounds<'_> {
         all.filter(|&(_, v)| !state.is_flat(v))
     }
 
-    /// The factor by which tetrahedron `t` of the domain is over its bounds, if it is: at least 1.
-    #[inline(always)]
-    pub(crate) fn excess(&self, state: &State, t: TetId) -> Option<f64> {
-        self.is_over(state, t).then(|| self.excess_of(state, t))
-    }
-
-    /// The same of a tetrahedron that is over its bounds.
+    /// The factor by which tetrahedron `t`, which is over its bounds, is so: at least 1.
     #[inline(always)]
     pub(crate) fn excess_of(&self, state: &State, t: TetId) -> f64 {
         let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));

@@ -15,7 +15,7 @@
 //! | `carrier` | points of segments and facets, with whole parameters |
 //! | `measure` | closed balls and bounds: filters and exact integers |
 //! | `marks` | marks of faces and edges, regions: one word per tetrahedron |
-//! | `item` | what there is to do, and the source of it |
+//! | `run`, `item` | the driver; what there is to do before the first round |
 //! | `encroachment` | pending boundary items by place |
 //! | `state`, `facet` | mesh, marks and tables; how a point changes a facet |
 //! | `angles`, `near` | where the theory gives no guarantee: small angles, narrow gaps |
@@ -23,7 +23,7 @@
 //! | `dust` | flat tetrahedra of a patch go to its outer side |
 //! | `recover`, `mend` | from the mesh of the corners to one that has the boundary |
 //! | `seed` | the first points where empty balls are large |
-//! | `sliver` | flat tetrahedra that the bounds allow |
+//! | `sliver`, `thin` | flat tetrahedra that the bounds allow |
 //! | `split` | the three rules |
 //! | `touched`, `verdict` | the boundary in an open cavity, and what follows for its point |
 //! | `fill` | the point inserted, and marks and tables brought up to date |
@@ -32,6 +32,8 @@
 //! | `walk` | the way to a proposed point |
 //! | `key` | orders by coordinates alone |
 //! | `rounds` | refinement in rounds: one mesh whatever the order of insertion |
+//! | `again`, `relief` | what was refused: asked again; a point with which fewer are over |
+//! | `script` | the points of the rounds, for others to insert |
 //! | `region` | inside, outside, regions |
 //! | `background` | sizing by a background mesh, or at input vertices |
 //! | `excuse` | what is over its bounds at the end, and why |
@@ -102,7 +104,7 @@ pub use item::{Item, Queues, Work};
 pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats};
 pub use output::Refined;
 pub use region::RegionInfo;
-pub use rounds::{Engine, InsertOrder, RoundTimes};
+pub use rounds::{InsertOrder, RoundTimes};
 pub use run::Refiner;
 pub use script::{Chosen, Script};
 pub use whole::MeshError;

@@ -138,7 +138,7 @@ pub struct RefineStats {
     pub patches_given_up: usize,
     /// Seconds for the first mesh and the recovery of the boundary.
     pub recover_seconds: f64,
-    /// Seconds with queues before the first round; 0 without rounds.
+    /// Seconds before the first round, one item after the other.
     pub start_seconds: f64,
     /// Seconds for the splitting of tetrahedra.
     pub refine_seconds: f64,

@@ -5,7 +5,7 @@ use super::bounds::Bounds;
 use super::item::Item;
 use super::outcome::Reason;
 use super::state::State;
-use super::table::Map;
+use super::table::{Map, Set};
 use ltbw_core::topology::{TetId, VertexId};
 
 /// The part of its limit down to which an edge may be made between two segments at a small angle:
@@ -42,6 +42,8 @@ pub(crate) struct Record {
     pub(crate) parts: Map<Item, f64>,
     /// Boundary items that wait for another one, since the last insertion.
     pub(crate) waits: Map<Item, Item>,
+    /// Refused tetrahedra for which no point was found that relieves them.
+    pub(crate) in_vain: Set<Item>,
     /// The transactions of joint steps so far.
     pub(crate) joint_transactions: usize,
 }

@@ -8,15 +8,14 @@
 //! no other boundary item out. So there are at most twice as many points as tetrahedra were over
 //! their bounds.
 //!
-//! Items do not keep points out of their balls here: none is split any more, and those balls are
-//! large at small angles. (In rounds those that may be split do.) Tetrahedra are taken in the order
-//! of their coordinates, so that the mesh is a function of that before.
+//! Items do not keep points out of their balls here: those balls are large at small angles.
+//! Tetrahedra are taken in the order of their coordinates, so that the mesh is a function of that
+//! before.
 //!
 //! Afterwards the same is done for tetrahedra with tiny dihedral angles, the points being those
 //! with which there are fewer such, and no more over their bounds than before. Most are under a
 //! shallow fold between four vertices on one circle, with both its triangles for sides: any point
-//! in the ball and below the fold divides them, but lies in the balls of these triangles. (Queues
-//! only.)
+//! in the ball and below the fold divides them, but lies in the balls of these triangles.
 
 use super::bounds::Bounds;
 use super::carrier::{Carrier, Line, free_point};
@@ -28,7 +27,7 @@ use super::record::Refusal;
 use super::sliver::in_unit_ball;
 use super::split::{Refinement, TOLERANCE};
 use super::state::{FACE, Place, State};
-use super::table::edge;
+use super::table::{Set, edge};
 use super::verdict::{Filling, Judge};
 use super::walk::Way;
 use crate::vector::distance2;
@@ -39,9 +38,7 @@ use ltbw_exact::Point;
 /// The most times that all tetrahedra over their bounds are looked at, each time with other points.
 const PASSES: u64 = 8;
 /// Points tried for a tetrahedron in its ball, besides those towards its shortest edge.
-const INSIDE: usize = 48;
-/// The same in rounds.
-const INSIDE_IN_ROUNDS: usize = 32;
+const INSIDE: usize = 32;
 /// The same for the sake of angles.
 const INSIDE_FOR_ANGLES: usize = 64;
 /// Points tried on each boundary item beside it.
@@ -57,7 +54,7 @@ const OPENED: usize = 24;
 const OPENED_MORE: usize = 1 << 19;
 
 /// The tetrahedra of which a point is to leave fewer.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Goal {
     /// Tetrahedra over their bounds.
     Bounds,
@@ -67,9 +64,8 @@ pub(crate) enum Goal {
 
 impl Goal {
     /// Points tried in the ball.
-    fn inside(self, in_rounds: bool) -> usize {
+    fn inside(self) -> usize {
         match self {
-            Self::Bounds if in_rounds => INSIDE_IN_ROUNDS,
             Self::Bounds => INSIDE,
             Self::Angles => INSIDE_FOR_ANGLES,
         }
@@ -98,13 +94,19 @@ pub(crate) struct Relief {
     is_changed: bool,
     /// Tetrahedra of cavities that may still be opened.
     left: usize,
+    /// Tetrahedra for which an earlier relief found no point.
+    in_vain: Set<Item>,
 }
 
 impl Relief {
     pub(crate) fn new(goal: Goal, refinement: &Refinement<'_>) -> Self {
         let left = OPENED * refinement.state.mesh.num_tets() + OPENED_MORE;
         let tets = Vec::new().into_iter();
-        Self { goal, pass: 0, tets, least: usize::MAX, is_changed: true, left }
+        let in_vain = match goal {
+            Goal::Bounds => refinement.record.in_vain.clone(),
+            Goal::Angles => Set::default(),
+        };
+        Self { goal, pass: 0, tets, least: usize::MAX, is_changed: true, left, in_vain }
     }
 
     /// Looks for a point that relieves the next tetrahedron, and inserts it; is there one? `None`
@@ -116,6 +118,9 @@ impl Relief {
         let (t, v) = self.tets.next().filter(|_| self.left > 0)?;
         let is_relieved = refinement.relieve_tet(t, v, self.goal, self.pass, &mut self.left);
         self.is_changed |= is_relieved;
+        if !is_relieved && self.goal == Goal::Bounds {
+            refinement.record.in_vain.insert(Item::Tet(t, v));
+        }
         Some(is_relieved)
     }
 
@@ -124,10 +129,11 @@ impl Relief {
         if self.pass == PASSES || !self.is_changed {
             return;
         }
-        let all = match self.goal {
+        let mut all = match self.goal {
             Goal::Bounds => refinement.refused_tets(),
             Goal::Angles => refinement.slivers(),
         };
+        all.retain(|&(t, v)| !self.in_vain.contains(&Item::Tet(t, v)));
         if all.len() < self.least {
             (self.least, self.is_changed) = (all.len(), false);
             self.pass += 1;
@@ -175,12 +181,12 @@ impl Refinement<'_> {
             return false;
         };
         let in_collar = || self.state.collar(v, bound.value()).is_some();
-        let may_encroach = goal == Goal::Angles || !(self.state.by_place || in_collar());
+        let may_encroach = goal == Goal::Angles || !in_collar();
         let target = Target { t, goal, refusal, radius: shape.radius(), may_encroach };
         let tolerance = target.radius * TOLERANCE;
         let mut seed = pass;
         let way = towards(&corners, &centre, bound.value());
-        for k in 0..WAY.len() + goal.inside(self.state.by_place) {
+        for k in 0..WAY.len() + goal.inside() {
             let aim = way.get(k).copied().unwrap_or_else(|| {
                 let offset = in_unit_ball(&mut seed);
                 [0, 1, 2].map(|k| centre[k] + target.radius * offset[k])
@@ -371,7 +377,7 @@ impl Judge<'_> {
         let mut after = Tally::default();
         // Dust that a point inside takes is inside then, too.
         let region = state.marks.region(target.t);
-        let is_free = place.carrier == Carrier::Free && !state.by_place;
+        let is_free = place.carrier == Carrier::Free;
         let solid = |t: &TetId| !topology.at(*t).is_ghost() && (is_free || inside(t));
         for t in state.mesh.cavity().tets().filter(solid) {
             let (v, n) = (state.vertices(t), topology.at(t).neighbours());

@@ -1,7 +1,6 @@
 //! The driver: recover the boundary, find the regions, split what is over its bounds.
 
 mod budget;
-mod relieve;
 mod scripted;
 
 use super::RefineError;
@@ -15,8 +14,7 @@ use super::patch::{DISSOLVED, Unfound};
 use super::plc::Plc;
 use super::record::Refusal;
 use super::region::RegionInfo;
-use super::relief::Goal;
-use super::rounds::{Engine, InsertOrder, RoundTimes, Rounds};
+use super::rounds::{InsertOrder, RoundTimes, Rounds};
 use super::script::Script;
 use super::split::{Refinement, Step};
 use super::state::State;
@@ -31,6 +29,9 @@ use std::time::Instant;
 
 /// Transactions between two looks at the cancel token and the observer.
 const CHECK_EVERY: u64 = 1024;
+
+/// The vertices from which on it refines in rounds: fewer are too few for wide ones.
+const START: usize = 4096;
 
 /// Features nearer to each other than this many floors are not refined towards each other.
 const NEAR: f64 = 16.0;
@@ -60,7 +61,8 @@ pub struct Refiner<'a> {
     max_points: Option<u64>,
     cancel: Option<&'a CancelToken>,
     observer: Option<&'a dyn Observer>,
-    engine: Engine,
+    order: InsertOrder,
+    start: usize,
 }
 
 impl std::fmt::Debug for Refiner<'_> {
@@ -87,7 +89,8 @@ impl Default for Refiner<'_> {
             max_points: None,
             cancel: None,
             observer: None,
-            engine: Engine::default(),
+            order: InsertOrder::default(),
+            start: START,
         }
     }
 }
@@ -176,10 +179,17 @@ impl<'a> Refiner<'a> {
         self
     }
 
-    /// Sets the engine that refines.
+    /// Sets the order in which the points of a round are inserted: the mesh is the same for all.
     #[doc(hidden)]
-    pub fn engine(mut self, engine: Engine) -> Self {
-        self.engine = engine;
+    pub fn insert_order(mut self, order: InsertOrder) -> Self {
+        self.order = order;
+        self
+    }
+
+    /// Sets the number of vertices from which on it refines in rounds.
+    #[doc(hidden)]
+    pub fn start(mut self, vertices: usize) -> Self {
+        self.start = vertices;
         self
     }
 
@@ -205,22 +215,8 @@ impl<'a> Refiner<'a> {
         run.refinement.script = script;
         let clock = Instant::now();
         run.refinement.seed(run.most, &mut run.work, &mut AdmitAll);
-        match self.engine {
-            Engine::Queues => {
-                run.refine(usize::MAX)?;
-                run.refine_again()?;
-                run.relieve(Goal::Bounds)?;
-                run.insist()?;
-                if run.stop.is_none() {
-                    run.split_slivers()?;
-                    run.relieve(Goal::Bounds)?;
-                }
-            }
-            Engine::Rounds { order, start } => {
-                run.refine(start)?;
-                run.rounds(order, clock.elapsed().as_secs_f64())?;
-            }
-        }
+        run.refine(self.start)?;
+        run.rounds(self.order, clock.elapsed().as_secs_f64())?;
         run.stats.refine_seconds = clock.elapsed().as_secs_f64();
         let script = run.refinement.script.take();
         Ok((run.finish(regions, *lattice)?, script))
@@ -389,7 +385,7 @@ impl Run<'_> {
         }
     }
 
-    /// Goes on in rounds, if there is a boundary; the queues took `start_seconds`.
+    /// Goes on in rounds, if there is a boundary; what was before took `start_seconds`.
     fn rounds(&mut self, order: InsertOrder, start_seconds: f64) -> Result<(), RefineError> {
         if self.stop.is_some() || self.refinement.bounds.is_none() {
             return Ok(());

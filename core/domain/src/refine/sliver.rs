@@ -4,18 +4,14 @@
 //! tetrahedra meet the bound and have no such angle. So no sliver follows from another, and the
 //! number of tries is bounded. Where none serves the sliver stays.
 
-use super::carrier::{Carrier, free_point};
-use super::item::{Item, Work};
+use super::item::Item;
 use super::key::sorted;
-use super::measure::{RatioBound, Shape, has_large_dihedrals, has_small_dihedral};
-use super::outcome::Reason;
-use super::split::{Proposal, Refinement, TOLERANCE};
-use super::state::{Place, State};
+use super::measure::{RatioBound, has_large_dihedrals, has_small_dihedral};
+use super::split::Refinement;
+use super::state::State;
 use super::thin::Thin;
-use super::verdict::{Judge, Verdict};
-use super::walk::Way;
-use ltbw_core::cavity::Admission;
-use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use super::verdict::Judge;
+use ltbw_core::topology::{INFINITE, TetId};
 use ltbw_exact::Point;
 
 /// Points tried for a sliver.
@@ -25,23 +21,6 @@ pub(crate) const TRIES: u32 = 32;
 pub(crate) const REACH: f64 = 0.75;
 
 impl Refinement<'_> {
-    /// Splits slivers in the regions, in the order of their coordinates, with `most` points.
-    pub(crate) fn split_slivers<W: Work, A: Admission>(
-        &mut self,
-        most: u64,
-        work: &mut W,
-        admission: &mut A,
-    ) {
-        let ratio = self.bounds.as_ref().and_then(|bounds| bounds.ratio);
-        let Some(ratio) = ratio else { return };
-        for (t, v) in self.slivers() {
-            if self.inserted.points.total() >= most {
-                break;
-            }
-            self.split_sliver(t, v, ratio, work, admission);
-        }
-    }
-
     /// The slivers in the order of their coordinates; none without a bound of shape.
     pub(crate) fn slivers(&mut self) -> Vec<Thin> {
         let (state, thin) = (&self.state, &mut self.inserted.thin.tets);
@@ -58,43 +37,6 @@ impl Refinement<'_> {
             "all slivers are in the list"
         );
         slivers
-    }
-
-    fn split_sliver<W: Work, A: Admission>(
-        &mut self,
-        t: TetId,
-        v: [VertexId; 4],
-        ratio: RatioBound,
-        work: &mut W,
-        admission: &mut A,
-    ) {
-        let corners = v.map(|v| self.state.at(v));
-        let [a, b, c, d] = &corners;
-        let shape = Shape::of([a, b, c, d]);
-        let radius = shape.radius();
-        let Some(centre) = shape.circumcentre(d) else { return };
-        let mut seed = 1;
-        for _ in 0..TRIES {
-            if !self.state.is_live(t, v) {
-                return;
-            }
-            let offset = in_unit_ball(&mut seed);
-            let target = [0, 1, 2].map(|k| centre[k] + REACH * radius * offset[k]);
-            let Some(p) = free_point(&target, radius * TOLERANCE) else { continue };
-            let Way::Arrived(from) = self.state.way(t, &p) else { continue };
-            let place = Place { p, carrier: Carrier::Free, from };
-            let verdict = |judge: Judge<'_>| match judge.on_tet(t, &place.p) {
-                Verdict::Fill(filling) if judge.makes_no_sliver(&p, &ratio) => {
-                    Verdict::Fill(filling)
-                }
-                _ => Verdict::Refuse(Reason::Rounding),
-            };
-            if let Proposal::Inserted | Proposal::SetBack(_) =
-                self.propose(&place, work, admission, verdict)
-            {
-                return;
-            }
-        }
     }
 }
 

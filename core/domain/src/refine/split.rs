@@ -128,7 +128,7 @@ impl<'a> Refinement<'a> {
     }
 
     /// The reason why a boundary item was refused. A joint step of the rounds that allows shorter
-    /// edges than the proposal that was refused may try again; queues ask again in the end.
+    /// edges than the proposal that was refused may try again.
     fn bars(&self, item: &Item) -> Option<Reason> {
         let limit = self.state.joint_limit().filter(|_| self.state.by_place);
         self.record.bars(item, limit)

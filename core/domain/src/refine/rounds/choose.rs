@@ -27,7 +27,7 @@ impl Rounds<'_, '_> {
         match class {
             Class::Tets => return self.choose_tets(look),
             Class::Slivers => return self.choose_slivers(look),
-            Class::Segments | Class::Subfaces | Class::Relief => {}
+            Class::Segments | Class::Subfaces => {}
         }
         let ready = self.ready(class);
         self.forget_reserved(ready.len());

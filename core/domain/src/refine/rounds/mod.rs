@@ -13,6 +13,7 @@ mod conflict;
 mod foremost;
 mod insert;
 mod lanes;
+mod late;
 mod pool;
 mod probe;
 mod relief;
@@ -24,9 +25,11 @@ mod times;
 pub use times::RoundTimes;
 
 use super::RefineError;
+use super::again::Asking;
 use super::item::{Item, Queues};
 use super::outcome::{Reason, RefineStats};
 use super::record::Refusal;
+use super::relief::Goal;
 use super::split::{Refinement, Step};
 use super::state::Place;
 use super::table::Map;
@@ -37,22 +40,6 @@ use ltbw_core::topology::TetId;
 use probe::Probe;
 use std::ops::Range;
 use times::Clock;
-
-/// The engine that refines.
-#[doc(hidden)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Engine {
-    /// One item after the other, from queues.
-    #[default]
-    Queues,
-    /// In rounds, from this number of vertices on.
-    Rounds {
-        /// The order of insertion within a round.
-        order: InsertOrder,
-        /// The vertices up to which the queues are used.
-        start: usize,
-    },
-}
 
 /// The order in which the points of a round are inserted: the mesh is the same for all.
 #[doc(hidden)]
@@ -78,9 +65,17 @@ enum Class {
     Segments,
     Subfaces,
     Tets,
-    /// Tetrahedra that were refused, one after the other: no round.
-    Relief,
     Slivers,
+}
+
+/// The next step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Next {
+    Round(Class),
+    /// Items that wait for each other are split jointly.
+    Circles,
+    /// Refused tetrahedra are relieved, one after the other.
+    Relief(Goal),
 }
 
 /// A point proposed in a round, and its cavity in the mesh at the start of the round.
@@ -177,10 +172,11 @@ pub(crate) struct Rounds<'r, 'a> {
     batch: u32,
     /// Per rank: is the candidate of this rank to be alone? Empty if none is.
     alone: Vec<bool>,
-    /// The numbers of points at which refusals at patches were forgotten.
+    /// The numbers of points at which refusals for rounding were forgotten.
     retried: Vec<u64>,
-    /// Have refused tetrahedra been relieved?
-    is_relieved: bool,
+    /// The late step to come.
+    late: usize,
+    asking: Asking,
     /// Slivers not yet looked at, when all else is done.
     slivers: Option<Vec<sliver::Sliver>>,
     /// Subfaces that tetrahedra were refused for in earlier rounds, and those of this one.
@@ -244,7 +240,8 @@ impl<'r, 'a> Rounds<'r, 'a> {
             batch: 0,
             alone: Vec::new(),
             retried: Vec::new(),
-            is_relieved: false,
+            late: 0,
+            asking: Asking::default(),
             slivers: None,
             blocks: Vec::new(),
             new_blocks: Vec::new(),
@@ -277,19 +274,19 @@ impl<'r, 'a> Rounds<'r, 'a> {
         self.begin_script();
         let mut stop = None;
         self.clock.begin();
-        while let Some(class) = self.next_class() {
+        while let Some(next) = self.next() {
             if look(self.own.state.mesh.num_vertices()) {
                 stop = Some(Reason::Cancelled);
                 break;
             }
-            match class {
-                Some(Class::Relief) => {
-                    stop = self.relieve(look)?;
+            match next {
+                Next::Relief(goal) => {
+                    stop = self.relieve(goal, look)?;
                     if stop.is_some() {
                         break;
                     }
                 }
-                Some(class) => {
+                Next::Round(class) => {
                     if self.choose(class, look) {
                         stop = Some(Reason::Cancelled);
                         break;
@@ -320,7 +317,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
                         return Err(RefineError::Invariant { what: "a round makes progress" });
                     }
                 }
-                None => self.split_circles()?,
+                Next::Circles => self.split_circles()?,
             }
             self.clock.begin();
         }
@@ -329,9 +326,8 @@ impl<'r, 'a> Rounds<'r, 'a> {
         Ok((stop, self.stats, over, self.clock.rounds))
     }
 
-    /// The class of the next round; `Some(None)` if all pending items wait for each other, `None`
-    /// if nothing is left to do.
-    fn next_class(&mut self) -> Option<Option<Class>> {
+    /// The next step; `None` if nothing is left to do.
+    fn next(&mut self) -> Option<Next> {
         let mut waiting = false;
         let mut subface = false;
         for (&item, pending) in &self.pending {
@@ -340,23 +336,19 @@ impl<'r, 'a> Rounds<'r, 'a> {
                 continue;
             }
             match item {
-                Item::Segment(_) => return Some(Some(Class::Segments)),
+                Item::Segment(_) => return Some(Next::Round(Class::Segments)),
                 _ => subface = true,
             }
         }
         match (subface, waiting) {
-            (true, _) => Some(Some(Class::Subfaces)),
-            (_, true) => Some(None),
+            (true, _) => Some(Next::Round(Class::Subfaces)),
+            (_, true) => Some(Next::Circles),
             _ => {
                 self.find_foremost();
                 // Of tetrahedra over their bounds one is before all others.
-                if self.foremost.is_empty() && self.retry() {
-                    self.find_foremost();
-                }
                 match self.foremost.is_empty() {
-                    false => Some(Some(Class::Tets)),
-                    true if !self.is_relieved => Some(Some(Class::Relief)),
-                    true => self.has_slivers().then_some(Some(Class::Slivers)),
+                    false => Some(Next::Round(Class::Tets)),
+                    true => self.next_late(),
                 }
             }
         }
@@ -370,6 +362,8 @@ impl<'r, 'a> Rounds<'r, 'a> {
     /// Writes what the choice has found into the record; `false` if that is nothing new.
     fn record_round(&mut self) -> bool {
         let mut news = !self.refusals.is_empty() || !self.waits.is_empty();
+        self.stats.refused += self.refusals.len() as u64;
+        self.stats.deferred += self.asked.len() as u64;
         self.pending.extend(self.waits.drain(..));
         let record = &mut self.own.record;
         for Asked { item, limit, near } in self.asked.drain(..) {

@@ -104,7 +104,11 @@ impl Rounds<'_, '_> {
 
     /// The shortest edge that splitting a tetrahedron may lead to.
     pub(super) fn limit(&self, t: TetId, shape: &Shape) -> Option<f64> {
-        self.own.bounds.as_ref().map(|bounds| bounds.grain(&self.own.state, t, shape))
+        let own = &self.own;
+        let parts = &own.record.parts;
+        let item = || Item::Tet(t, own.state.vertices(t));
+        let part = if parts.is_empty() { None } else { parts.get(&item()).copied() };
+        own.bounds.as_ref().map(|bounds| part.unwrap_or(1.0) * bounds.grain(&own.state, t, shape))
     }
 
     /// Opens the cavity of a place, takes the verdict and sets the cavity back. A point that serves

@@ -14,10 +14,13 @@ impl Rounds<'_, '_> {
     ///
     /// # Errors
     /// A point that takes an item out of the mesh.
-    pub(super) fn relieve(&mut self, look: Look<'_>) -> Result<Option<Reason>, RefineError> {
-        self.is_relieved = true;
+    pub(super) fn relieve(
+        &mut self,
+        goal: Goal,
+        look: Look<'_>,
+    ) -> Result<Option<Reason>, RefineError> {
         self.forget_reserved(0);
-        let mut relief = Relief::new(Goal::Bounds, self.own);
+        let mut relief = Relief::new(goal, self.own);
         let mut stop = None;
         while self.own.inserted.points.total() < self.most {
             let before = self.own.state.mesh.num_vertices();

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 /// Tetrahedra that one thread looks at at a time.
 const SHARE: usize = if cfg!(test) { 5 } else { 512 };
 
-/// The most times that refusals at patches are forgotten.
+/// The most times that refusals for rounding are forgotten.
 const RETRIES: usize = 4;
 
 /// Lists for the tetrahedra over their bounds, those of them that points cannot help, and those
@@ -69,7 +69,7 @@ impl Rounds<'_, '_> {
 
     /// Gives those of some tetrahedra that are over their bounds their keys; those that points
     /// cannot help are refused at once.
-    fn look_at(&mut self, tets: &[TetId]) {
+    pub(super) fn look_at(&mut self, tets: &[TetId]) {
         let mut bad = std::mem::take(&mut self.bad);
         let mut thin = std::mem::take(&mut self.own.inserted.thin.tets);
         let this = &*self;
@@ -154,24 +154,19 @@ impl Rounds<'_, '_> {
         }
     }
 
-    /// A second chance for what was refused at patches, when nothing else is left to do: a point
-    /// that would have torn one may fit by now. `false` if there is none, or nothing has changed
-    /// since, or often enough.
+    /// A second chance for boundary items that no point served, when nothing else is left to do:
+    /// one that would have torn a patch may fit by now. `false` if there is none, or nothing has
+    /// changed since, or often enough.
     pub(super) fn retry(&mut self) -> bool {
         let points = self.own.inserted.points.total();
         if self.retried.len() == RETRIES || self.retried.last() == Some(&points) {
             return false;
         }
         let (state, record) = (&self.own.state, &mut self.own.record);
-        let is_torn = |item: &Item| match item {
-            Item::Segment(s) => state.segments.get(s).is_some_and(|&s| {
-                state.plc.segments[s as usize].facets.iter().any(|&f| state.is_patch(f))
-            }),
-            Item::Subface(s) => state.subfaces.get(s).is_some_and(|&f| state.is_patch(f)),
-            Item::Tet(..) => false,
-        };
         let before = record.refused.len();
-        record.refused.retain(|item, own| own.reason != Reason::Rounding || !is_torn(item));
+        record
+            .refused
+            .retain(|item, own| own.reason != Reason::Rounding || matches!(item, Item::Tet(..)));
         if record.refused.len() == before {
             return false;
         }

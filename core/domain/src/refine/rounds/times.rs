@@ -3,7 +3,7 @@
 use super::Class;
 use std::time::Instant;
 
-/// A round on the clock, in seconds since the queues have ended. Relief and joint steps, which are
+/// A round on the clock, in seconds since the first one began. Relief and joint steps, which are
 /// no rounds, are between these.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,7 @@ impl Clock {
         Self { start: Instant::now(), begin: 0.0, chosen: 0.0, rounds: Vec::new() }
     }
 
-    fn now(&self) -> f64 {
+    pub(super) fn now(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
     }
 
@@ -55,7 +55,7 @@ impl Clock {
         let class = match class {
             Class::Segments => "segments",
             Class::Subfaces => "facets",
-            Class::Tets | Class::Relief => "tetrahedra",
+            Class::Tets => "tetrahedra",
             Class::Slivers => "slivers",
         };
         let (begin, chosen, end) = (self.begin, self.chosen, self.now());

@@ -1,9 +1,9 @@
 //! Rounds: one mesh whatever the order of insertion, and the rules that make it so.
 
-use super::sharp::over;
+use super::sharp::{over, relieve};
 use super::{check_conforming, check_marks, model, ready, refine};
 use crate::refine::relief::Goal;
-use crate::refine::{Engine, InsertOrder, Reason, RefineOutcome, Refined, Refiner};
+use crate::refine::{InsertOrder, Reason, RefineOutcome, Refined, Refiner};
 use crate::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw_core::invariants::check_all;
 use ltbw_core::mesh::Vertex;
@@ -56,7 +56,7 @@ fn excuses(refined: &Refined) -> Vec<PlacedExcuse> {
 
 /// Refines in rounds in all orders: one hash, one list of excuses. Returns one of the results.
 fn one_mesh(refiner: &Refiner<'_>, ready: &Prepared, start: usize, name: &str) -> Refined {
-    let run = |order| refine(&refiner.engine(Engine::Rounds { order, start }), ready);
+    let run = |order| refine(&refiner.insert_order(order).start(start), ready);
     let first = run(ORDERS[0]);
     let hash = first.mesh().hash().expect("a hash");
     for order in &ORDERS[1..] {
@@ -98,19 +98,18 @@ fn the_problems_of_the_paper_have_one_mesh_for_all_orders() {
             let refined = one_mesh(&Refiner::new().max_volume(volume), &ready, start, &name);
             assert_eq!(refined.outcome, RefineOutcome::Met, "{name}");
             check_conforming(&refined.state);
-            let queues = refine(&Refiner::new().max_volume(volume), &ready);
+            let single = refine(&Refiner::new().max_volume(volume).start(usize::MAX), &ready);
             // The largest circumradius first needs fewer points, but for a coarse gear.
-            assert!(refined.num_tets() <= queues.num_tets() * 105 / 100, "{name}");
+            assert!(refined.num_tets() <= single.num_tets() * 105 / 100, "{name}");
         }
     }
 }
 
 /// Refines in rounds on some numbers of threads: all is the same, with the figures of the rounds.
 fn one_mesh_on_threads(refiner: &Refiner<'_>, ready: &Prepared, name: &str) {
-    let engine = Engine::Rounds { order: InsertOrder::Hilbert, start: 64 };
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let refined = pool.install(|| refine(&refiner.engine(engine), ready));
+        let refined = pool.install(|| refine(&refiner.start(64), ready));
         assert_eq!(refined.stats.round_threads, threads, "{name}");
         refined
     };
@@ -165,7 +164,7 @@ fn any_number_of_threads_chooses_the_same_points() {
 
 #[test]
 fn small_angles_have_one_mesh_for_all_orders() {
-    let (mut excused, mut excused_by_queues) = (0, 0);
+    let (mut excused, mut excused_singly) = (0, 0);
     let shapes = [60.0, 45.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.1]
         .into_iter()
         .flat_map(|angle| [(DomainKind::Wedge, angle), (DomainKind::Spike, angle)]);
@@ -174,17 +173,17 @@ fn small_angles_have_one_mesh_for_all_orders() {
         let refiner = Refiner::new().max_volume(2e-3);
         let refined = one_mesh(&refiner, &ready, 0, &format!("{kind:?} {angle}"));
         assert!(refined.lost.is_empty(), "{kind:?} {angle}");
-        let queues = refine(&refiner, &ready);
+        let single = refine(&refiner.start(usize::MAX), &ready);
         if angle > 20.0 {
-            let outcomes = [refined.outcome, queues.outcome];
+            let outcomes = [refined.outcome, single.outcome];
             assert_eq!(outcomes, [RefineOutcome::Met; 2], "{kind:?} {angle}");
         }
         excused += refined.excuses.len();
-        excused_by_queues += queues.excuses.len();
+        excused_singly += single.excuses.len();
     }
     // Where needles were halved in rounds alone, 73 of these were excused.
-    assert!(excused > 0 && excused <= 40, "{excused} {excused_by_queues}");
-    assert!(excused <= excused_by_queues, "{excused_by_queues}");
+    assert!(excused > 0 && excused <= 40, "{excused} {excused_singly}");
+    assert!(excused <= excused_singly, "{excused_singly}");
 }
 
 #[test]
@@ -246,8 +245,7 @@ fn a_wide_round_can_be_cancelled_and_leaves_a_sound_mesh() {
                 token.cancel();
             }
         };
-        let engine = Engine::Rounds { order: InsertOrder::Hilbert, start: 0 };
-        let refiner = Refiner::new().max_volume(1.8e-5).engine(engine);
+        let refiner = Refiner::new().max_volume(1.8e-5).start(0);
         // A thread of the pool is told at once, one outside a little later.
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
         let run = || refine(&refiner.observer(&observer).cancel(&token), &model());
@@ -286,8 +284,7 @@ fn rounds_tell_the_thread_that_asked_for_them_and_end_with_it() {
     }
 
     let ready = model();
-    let engine = Engine::Rounds { order: InsertOrder::Hilbert, start: 64 };
-    let refiner = Refiner::new().max_volume(2e-3).engine(engine);
+    let refiner = Refiner::new().max_volume(2e-3).start(64);
     let told = Told(Mutex::default(), u64::MAX);
     let outside = refine(&refiner.observer(&told), &ready);
     let threads = told.0.into_inner().expect("no panic with the lock");
@@ -305,7 +302,7 @@ fn rounds_tell_the_thread_that_asked_for_them_and_end_with_it() {
 #[test]
 fn patches_within_a_tolerance_have_one_mesh_for_all_orders() {
     use ltbw_generate::surfaces::{globe, prism, shell, single, torus, turned};
-    let (mut patches, mut excused, mut excused_by_queues) = (0, 0, 0);
+    let (mut patches, mut excused, mut excused_singly) = (0, 0, 0);
     for (name, made, volume) in [
         ("a globe", globe(16, 16, 0.0, 1), None),
         ("a fine globe", globe(12, 12, 0.0, 1), Some(1e-4)),
@@ -323,30 +320,30 @@ fn patches_within_a_tolerance_have_one_mesh_for_all_orders() {
         let refiner = volume.map_or(refiner, |volume| refiner.max_volume(volume));
         let refined = one_mesh(&refiner, &ready, 0, name);
         crate::refine::patch_tests::check_labels(&refined.state);
-        let queues = refine(&refiner, &ready);
+        let single = refine(&refiner.start(usize::MAX), &ready);
         println!(
             "{name}: {} {}, {} patches, {} {} tetrahedra, {:?} {}",
             refined.excuses.len(),
-            queues.excuses.len(),
+            single.excuses.len(),
             refined.stats.patches,
             refined.num_tets(),
-            queues.num_tets(),
+            single.num_tets(),
             refined.stats.rounds,
             refined.stats.joint_phases
         );
-        assert_eq!(refined.stats.patches, queues.stats.patches, "{name}");
-        if queues.outcome == RefineOutcome::Met {
+        assert_eq!(refined.stats.patches, single.stats.patches, "{name}");
+        if single.outcome == RefineOutcome::Met {
             assert_eq!(refined.outcome, RefineOutcome::Met, "{name}");
         }
         patches += refined.stats.patches;
         excused += refined.excuses.len();
-        excused_by_queues += queues.excuses.len();
+        excused_singly += single.excuses.len();
     }
     assert!(patches > 100, "{patches}");
-    assert!(excused <= excused_by_queues, "{excused} {excused_by_queues}");
+    assert!(excused <= excused_singly, "{excused} {excused_singly}");
 }
 
-/// Slivers that a point serves are gone, as with queues, and none follows.
+/// Slivers that a point serves are gone, and none follows.
 #[test]
 fn slivers_are_split_in_rounds() {
     let ready = surface!(ltbw_generate::surfaces::torus(24));
@@ -356,9 +353,9 @@ fn slivers_are_split_in_rounds() {
     };
     let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(1e-4);
     let refined = one_mesh(&refiner, &ready, 0, "a torus");
-    let queues = refine(&refiner, &ready);
-    let counts = [slivers(&refined), slivers(&queues)];
-    println!("{counts:?} slivers, {} {} tetrahedra", refined.num_tets(), queues.num_tets());
+    let single = refine(&refiner.start(usize::MAX), &ready);
+    let counts = [slivers(&refined), slivers(&single)];
+    println!("{counts:?} slivers, {} {} tetrahedra", refined.num_tets(), single.num_tets());
     assert!(counts[0] <= counts[1].max(2), "{counts:?}");
 }
 
@@ -370,8 +367,7 @@ fn tetrahedra_that_the_same_subfaces_bar_are_refused_without_a_search() {
     let facets = made.facets.iter().map(|f| Facet::polygon(&f.polygons[0], 0)).collect();
     let ball = Domain { vertices: made.vertices, facets, ..Domain::default() };
     let ready = ball.prepare(&PrepareOptions::default()).expect("a sound domain");
-    let engine = Engine::Rounds { order: InsertOrder::Hilbert, start: 0 };
-    let refined = refine(&Refiner::new().floor(0.15).engine(engine), &ready);
+    let refined = refine(&Refiner::new().floor(0.15).start(0), &ready);
     assert_eq!(refined.outcome, RefineOutcome::Excused);
     let (excused, searches) = (refined.excuses.len(), refined.stats.searches);
     assert!(excused > 1000 && searches < 200, "{searches} searches, {excused} excused");
@@ -384,11 +380,10 @@ fn relief_is_the_same_for_all_orders() {
     let ready =
         surface!(ltbw_generate::surfaces::turned(&ltbw_generate::surfaces::prism(24, 1e-7, 1)));
     let refined = one_mesh(&Refiner::new(), &ready, 0, "a prism");
-    // Queues ask again where many are over at one corner; before that their share is as large.
+    // One item after the other, without asking for shorter edges, is hardly better.
     let (mut run, _) = Refiner::new().recovered(&ready.domain, &ready.lattice).expect("sound");
     run.refine(usize::MAX).expect("no error");
-    run.refine_again().expect("no error");
-    run.relieve(Goal::Bounds).expect("no error");
+    relieve(&mut run, Goal::Bounds);
     let own = refined.excuses.len() as f64 / refined.num_tets() as f64;
     let state = &run.refinement.state;
     let tets = state.mesh.tet_ids().filter(|&t| state.marks.region(t) != 0).count();

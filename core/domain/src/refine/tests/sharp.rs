@@ -1,10 +1,11 @@
 //! Small angles of the input: what is excused there, and what is met elsewhere.
 
 use super::{ready, refine};
-use crate::refine::item::Item;
-use crate::refine::relief::Goal;
+use crate::refine::again::Asking;
+use crate::refine::item::{Item, Work};
+use crate::refine::relief::{Goal, Relief};
 use crate::refine::run::Run;
-use crate::refine::{Engine, InsertOrder, Reason, RefineOutcome, Refined, Refiner};
+use crate::refine::{Reason, RefineOutcome, Refined, Refiner};
 use crate::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw_core::invariants::check_all;
 use ltbw_core::topology::TetId;
@@ -94,19 +95,16 @@ fn prism_of(angle: f64, rhombus: bool, lean: bool) -> Prepared {
     domain.prepare(&PrepareOptions::default()).expect("a sound domain")
 }
 
-/// Between 20 degrees and those of the theory nothing is excused, by either engine.
+/// Between 20 degrees and those of the theory nothing is excused, in rounds or before them.
 #[test]
 fn prisms_from_25_degrees_on_meet_every_bound() {
-    let rounds = Engine::Rounds { order: InsertOrder::default(), start: 0 };
     for angle in [25.0, 30.0, 45.0, 60.0] {
         for (rhombus, lean) in [(false, false), (true, false), (false, true), (true, true)] {
             let ready = prism_of(angle, rhombus, lean);
-            for (engine, volume) in
-                [Engine::Queues, rounds].map(|e| [(e, 1.0), (e, 1e-3)]).as_flattened()
-            {
-                let refined = refine(&Refiner::new().engine(*engine).max_volume(*volume), &ready);
+            for (start, volume) in [usize::MAX, 0].map(|e| [(e, 1.0), (e, 1e-3)]).as_flattened() {
+                let refined = refine(&Refiner::new().start(*start).max_volume(*volume), &ready);
                 check_all(refined.mesh()).expect("invariants of the mesh");
-                let name = format!("{angle} {rhombus} {lean} {engine:?} {volume}");
+                let name = format!("{angle} {rhombus} {lean} {start} {volume}");
                 assert_eq!(refined.outcome, RefineOutcome::Met, "{name}");
                 assert!(refined.excuses.is_empty() && refined.excused().is_empty(), "{name}");
             }
@@ -210,6 +208,27 @@ pub(super) fn over(run: &Run<'_>) -> Vec<Item> {
     state.mesh.tet_ids().filter(is_over).map(|t| Item::Tet(t, state.vertices(t))).collect()
 }
 
+/// Relieves tetrahedra while that makes those that the goal asks for fewer.
+pub(super) fn relieve(run: &mut Run<'_>, goal: Goal) {
+    let mut relief = Relief::new(goal, &run.refinement);
+    while relief.next(&mut run.refinement).is_some() {}
+}
+
+/// Asks refused tetrahedra for shorter edges as often as that is of use.
+fn insist(run: &mut Run<'_>) {
+    let mut asking = Asking::default();
+    loop {
+        let asked = run.refinement.insist(&mut asking);
+        if asked.is_empty() {
+            return;
+        }
+        for t in asked {
+            run.work.put(Item::Tet(t, run.refinement.state.vertices(t)), 1.0);
+        }
+        run.refine(usize::MAX).expect("no error");
+    }
+}
+
 #[test]
 fn relief_makes_fewer_tetrahedra_over_their_bounds() {
     for (corners, noise, seed) in [(12, 1e-6, 1), (16, 1e-2, 2), (24, 1e-4, 0)] {
@@ -217,9 +236,8 @@ fn relief_makes_fewer_tetrahedra_over_their_bounds() {
         let recovered = Refiner::new().recovered(&ready.domain, &ready.lattice);
         let (mut run, _) = recovered.expect("a sound domain");
         run.refine(usize::MAX).expect("no error");
-        run.refine_again().expect("no error");
         let (before, points) = (over(&run).len(), run.refinement.inserted.points.total());
-        run.relieve(Goal::Bounds).expect("no error");
+        relieve(&mut run, Goal::Bounds);
         let (after, state) = (over(&run), &run.refinement.state);
         let points = run.refinement.inserted.points.total() - points;
         assert!(points > 0 && points as usize <= 2 * before, "{corners}: {points}");
@@ -240,14 +258,13 @@ fn many_refused_at_one_corner_are_asked_again() {
         let recovered = Refiner::new().recovered(&ready.domain, &ready.lattice);
         let (mut run, _) = recovered.expect("a sound domain");
         run.refine(usize::MAX).expect("no error");
-        run.refine_again().expect("no error");
-        run.relieve(Goal::Bounds).expect("no error");
+        relieve(&mut run, Goal::Bounds);
         let (before, tets) = (over(&run).len(), run.refinement.state.mesh.num_tets());
-        run.insist().expect("no error");
-        run.relieve(Goal::Bounds).expect("no error");
+        insist(&mut run);
+        relieve(&mut run, Goal::Bounds);
         let (after, state) = (over(&run), &run.refinement.state);
         assert!(after.len() * 10 <= before * 9, "{seed}: {before} {}", after.len());
-        assert!(state.mesh.num_tets() <= 3 * tets / 2, "{seed}: {tets}");
+        assert!(state.mesh.num_tets() <= 2 * tets, "{seed}: {tets}");
         // The boundary is complete, labels change at it alone, and all that is over has a reason.
         assert!(state.is_complete(), "{seed}");
         assert!(state.is_labelled(state.mesh.tet_ids()), "{seed}");
@@ -261,15 +278,14 @@ fn many_refused_at_one_corner_are_asked_again() {
 #[test]
 fn needles_around_a_pole_stay_whole() {
     let ready = globe(0.0);
-    let rounds = Engine::Rounds { order: InsertOrder::default(), start: 0 };
-    for engine in [Engine::Queues, rounds] {
-        let refined = refine(&Refiner::new().engine(engine).flat_tolerance(1e-6), &ready);
+    for start in [usize::MAX, 0] {
+        let refined = refine(&Refiner::new().start(start).flat_tolerance(1e-6), &ready);
         let slivers: Vec<TetId> = refined.tets().filter(|&t| refined.state.is_sliver(t)).collect();
-        assert!(slivers.is_empty(), "{engine:?}: {slivers:?}");
+        assert!(slivers.is_empty(), "{start}: {slivers:?}");
         // There are 60 tips, and two have a tetrahedron in common only where it is flat.
         let excused = refined.excuses.len();
-        assert!((60..=63).contains(&excused), "{engine:?}: {excused}");
-        assert!(refined.num_tets() < 4500, "{engine:?}: {}", refined.num_tets());
+        assert!((60..=63).contains(&excused), "{start}: {excused}");
+        assert!(refined.num_tets() < 4500, "{start}: {}", refined.num_tets());
     }
 }
 
@@ -277,16 +293,13 @@ fn needles_around_a_pole_stay_whole() {
 /// the floor, and 7 to 17 triangles were missing in the end.
 #[test]
 fn narrow_folds_around_a_corner_are_recovered_by_points_on_arcs() {
-    let rounds = Engine::Rounds { order: InsertOrder::default(), start: 0 };
-    for (seed, engine) in
-        [1, 2, 3].map(|s| [(s, Engine::Queues), (s, rounds)]).into_iter().flatten()
-    {
+    for (seed, start) in [1, 2, 3].map(|s| [(s, usize::MAX), (s, 0)]).into_iter().flatten() {
         let ready = globe_of(3e-2, seed);
-        let refined = refine(&Refiner::new().engine(engine).flat_tolerance(1e-6), &ready);
+        let refined = refine(&Refiner::new().start(start).flat_tolerance(1e-6), &ready);
         check_all(refined.mesh()).expect("invariants of the mesh");
         assert_eq!(refined.outcome, RefineOutcome::Excused, "{seed}: {:?}", refined.lost.first());
         let elsewhere = refined.excuses.iter().filter(|e| !e.reason.is_corner()).count();
-        assert!(elsewhere <= 4, "{seed} {engine:?}: {elsewhere}");
+        assert!(elsewhere <= 4, "{seed} {start}: {elsewhere}");
         assert!(
             refined.excuses.len() * 100 <= refined.num_tets(),
             "{seed}: {}",
@@ -307,7 +320,7 @@ fn folds_between_four_vertices_on_a_circle_leave_few_slivers() {
         state.mesh.tet_ids().filter(|&t| state.is_sliver(t)).count()
     };
     let (before, bad) = (slivers(&run), over(&run).len());
-    run.relieve(Goal::Angles).expect("no error");
+    relieve(&mut run, Goal::Angles);
     let (after, state) = (slivers(&run), &run.refinement.state);
     assert!(before > 300 && after <= 10, "{before} {after}");
     assert!(over(&run).len() <= bad, "{} {bad}", over(&run).len());

@@ -1,16 +1,16 @@
 //! Sizing functions that give no lengths, or different ones for one place.
 
 use super::{model, refine};
-use crate::refine::{Engine, InsertOrder, RefineError, Refiner, SizeField};
+use crate::refine::{RefineError, Refiner, SizeField};
 use ltbw_exact::Point;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-const ENGINES: [Engine; 2] =
-    [Engine::Queues, Engine::Rounds { order: InsertOrder::Hilbert, start: 64 }];
+/// The vertices from which on there are rounds.
+const STARTS: [usize; 2] = [usize::MAX, 64];
 
-fn error(field: &SizeField<'_>, engine: Engine) -> RefineError {
+fn error(field: &SizeField<'_>, start: usize) -> RefineError {
     let ready = model();
-    let refiner = Refiner::new().sizing(field).engine(engine);
+    let refiner = Refiner::new().sizing(field).start(start);
     refiner.refine(&ready.domain, &ready.lattice).expect_err("a wrong sizing function")
 }
 
@@ -18,9 +18,9 @@ fn error(field: &SizeField<'_>, engine: Engine) -> RefineError {
 fn what_is_no_length_is_named_with_its_place() {
     for wrong in [f64::NAN, 0.0, -1.0, f64::NEG_INFINITY, 1e-300] {
         let field = |p: Point| if p[0] > 0.5 { wrong } else { 0.1 };
-        for engine in ENGINES {
-            let RefineError::Size { at, value } = error(&field, engine) else {
-                panic!("{wrong} with {engine:?}");
+        for start in STARTS {
+            let RefineError::Size { at, value } = error(&field, start) else {
+                panic!("{wrong} from {start}");
             };
             assert!(at[0] > 0.5 && value.to_bits() == wrong.to_bits(), "{at:?} {value} {wrong}");
         }
@@ -36,9 +36,9 @@ fn what_is_no_length_is_named_with_its_place() {
 fn an_infinite_length_asks_for_nothing() {
     let ready = model();
     let plain = refine(&Refiner::new(), &ready).mesh().hash().expect("a hash");
-    for engine in ENGINES {
-        let refined = refine(&Refiner::new().sizing(&|_| f64::INFINITY).engine(engine), &ready);
-        if engine == Engine::Queues {
+    for start in STARTS {
+        let refined = refine(&Refiner::new().sizing(&|_| f64::INFINITY).start(start), &ready);
+        if start == usize::MAX {
             assert_eq!(refined.mesh().hash().expect("a hash"), plain);
         }
         assert!(refined.excuses.is_empty());
@@ -47,7 +47,7 @@ fn an_infinite_length_asks_for_nothing() {
 
 #[test]
 fn a_function_that_changes_its_mind_is_told() {
-    for engine in ENGINES {
+    for start in STARTS {
         let calls = AtomicUsize::new(0);
         let coarse = |_: Point| {
             calls.fetch_add(1, Ordering::Relaxed);
@@ -55,14 +55,14 @@ fn a_function_that_changes_its_mind_is_told() {
         };
         // On several threads the number of calls depends on the time.
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-        pool.install(|| refine(&Refiner::new().sizing(&coarse).engine(engine), &model()));
+        pool.install(|| refine(&Refiner::new().sizing(&coarse).start(start), &model()));
         // The last calls are about the whole mesh, in the end.
         let most = calls.swap(0, Ordering::Relaxed);
         let field = |_: Point| match calls.fetch_add(1, Ordering::Relaxed) {
             k if k + 20 < most => 0.25,
             _ => 0.02,
         };
-        let found = pool.install(|| error(&field, engine));
-        assert!(matches!(found, RefineError::ImpureSize { .. }), "{found:?} with {engine:?}");
+        let found = pool.install(|| error(&field, start));
+        assert!(matches!(found, RefineError::ImpureSize { .. }), "{found:?} from {start}");
     }
 }
