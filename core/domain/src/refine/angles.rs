@@ -196,6 +196,11 @@ impl Angles {
         }
     }
 
+    /// Is anything related to anything?
+    pub(crate) fn relates(&self) -> bool {
+        !(self.of_facet.is_empty() && self.of_segment.is_empty())
+    }
+
     /// Is nothing at a small angle?
     pub(crate) fn is_empty(&self) -> bool {
         self.sharp.is_empty() && self.wedges.is_empty()

@@ -22,8 +22,9 @@ const LARGEST: i128 = 1 << (INPUT_BITS + PARAMETER_BITS);
 pub(crate) type Grid = [i64; 3];
 
 /// Where a vertex lives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Carrier {
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Carrier {
     /// It is an input vertex.
     Corner(u32),
     /// On a segment, at a parameter.

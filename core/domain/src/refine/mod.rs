@@ -35,6 +35,7 @@
 //! | `again`, `relief` | what was refused: asked again; a point with which fewer are over |
 //! | `script` | the points of the rounds, for others to insert |
 //! | `region` | inside, outside, regions |
+//! | `complex` | boundary, bounds and points as values, for engines on many processors |
 //! | `background` | sizing by a background mesh, or at input vertices |
 //! | `excuse` | what is over its bounds at the end, and why |
 //! | `number` | numbers of vertices, and orders, that are functions of the mesh alone |
@@ -46,6 +47,7 @@ mod arc;
 mod background;
 mod bounds;
 mod carrier;
+mod complex;
 mod defer;
 mod dust;
 mod encroachment;
@@ -99,6 +101,8 @@ use ltbw_exact::points::PointError;
 
 pub use background::{Background, BackgroundError};
 pub use bounds::{SizeField, largest_tolerance, usual_tolerance};
+pub use carrier::Carrier;
+pub use complex::{Complex, ComplexError, Start};
 pub use excuse::Excused;
 pub use item::{Item, Queues, Work};
 pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats};

@@ -5,7 +5,7 @@
 //! and nothing else does: there the facet simply continues.
 
 use super::RefineError;
-use super::carrier::{Grid, Line, Plane, corner_point};
+use super::carrier::{Carrier, Grid, Line, Plane, corner_point};
 use super::flat::{self, Polygon};
 use super::patch::Patch;
 use super::table::{Map, Set, edge};
@@ -100,6 +100,16 @@ impl Plc {
             kernel[number as usize] = v;
         }
         Ok((mesh, kernel))
+    }
+
+    /// Does a vertex with this carrier lie on facet `f`?
+    pub(crate) fn lies_on(&self, carrier: Carrier, f: u32) -> bool {
+        match carrier {
+            Carrier::Corner(c) => self.facets_at[c as usize].binary_search(&f).is_ok(),
+            Carrier::Segment(s, _) => self.segments[s as usize].facets.contains(&f),
+            Carrier::Facet(g) => f == g,
+            Carrier::Free => false,
+        }
     }
 
     /// Takes the complex from a domain whose vertices are on their lattice.

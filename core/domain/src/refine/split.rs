@@ -7,13 +7,14 @@
 
 use super::angles::{direction, is_sharp};
 use super::bounds::Bounds;
-use super::carrier::{Carrier, Line, free_point, within_box};
+use super::carrier::{Carrier, Line, UNIT, free_point, within_box};
 use super::fill::Inserted;
 use super::item::{Item, Work};
 use super::key::sorted;
 use super::layer::Hole;
 use super::measure::{Shape, circumcircle};
 use super::outcome::Reason;
+use super::plc::Plc;
 use super::record::{Record, Refusal};
 use super::script::Script;
 use super::state::{Place, State};
@@ -341,32 +342,9 @@ impl<'a> Refinement<'a> {
 }
 
 impl State {
-    /// The parameter at which a subsegment of segment `s` is split: its middle, or, at a corner
-    /// where another segment leaves at a small angle, a distance from it that is a power of two, so
-    /// that the points of both are equally far from the corner. `None` if it is too short.
+    /// The parameter at which a subsegment of segment `s` is split; `None` if it is too short.
     pub(crate) fn split_parameter(&self, ends: [VertexId; 2], s: u32) -> Option<i64> {
-        let [mut low, mut high] = ends.map(|v| self.parameter(v, s));
-        let sharp = ends.map(|v| self.is_sharp(v, s));
-        let flip = low > high;
-        if flip {
-            std::mem::swap(&mut low, &mut high);
-        }
-        let (sharp_low, sharp_high) =
-            if flip { (sharp[1], sharp[0]) } else { (sharp[0], sharp[1]) };
-        if sharp_low == sharp_high {
-            return Line::middle(low, high);
-        }
-        let step_length = self.plc.segments[s as usize].line.step_length();
-        let length = (high - low) as f64 * step_length;
-        // The power of two between a third and two thirds of the length.
-        let third = length / 3.0;
-        let mut shell = f64::from_bits(third.to_bits() & 0x7ff0_0000_0000_0000);
-        while shell < third {
-            shell *= 2.0;
-        }
-        let steps = shell / step_length;
-        let t = if sharp_low { low as f64 + steps } else { high as f64 - steps };
-        Line::near(t, 1.0, low, high)
+        self.plc.split_parameter(ends.map(|v| self.carriers[v.index()]), s)
     }
 
     /// A point near `centre` on facet `f`, and `true`; or, if a patch has no polygon there, the
@@ -391,13 +369,52 @@ impl State {
         });
         reasons.unwrap_or(Reason::Rounding)
     }
+}
 
-    /// Does vertex `v` of segment `s` lie at a corner where another segment leaves at less than
-    /// 60°?
-    fn is_sharp(&self, v: VertexId, s: u32) -> bool {
-        let Carrier::Corner(c) = self.carriers[v.index()] else { return false };
-        let mine = direction(&self.plc, s, c);
-        let others = self.plc.segments_at[c as usize].iter().filter(|&&other| other != s);
-        others.into_iter().any(|&other| is_sharp(&mine, &direction(&self.plc, other, c)))
+impl Plc {
+    /// The parameter at which a subsegment of segment `s` with ends on these carriers is split: its
+    /// middle, or, at a corner where another segment leaves at a small angle, a distance from it
+    /// that is a power of two, so that the points of both are equally far from the corner. `None`
+    /// if it is too short.
+    pub(crate) fn split_parameter(&self, ends: [Carrier; 2], s: u32) -> Option<i64> {
+        let [mut low, mut high] = ends.map(|end| self.parameter(end, s));
+        let sharp = ends.map(|end| self.is_sharp(end, s));
+        let flip = low > high;
+        if flip {
+            std::mem::swap(&mut low, &mut high);
+        }
+        let (sharp_low, sharp_high) =
+            if flip { (sharp[1], sharp[0]) } else { (sharp[0], sharp[1]) };
+        if sharp_low == sharp_high {
+            return Line::middle(low, high);
+        }
+        let step_length = self.segments[s as usize].line.step_length();
+        let length = (high - low) as f64 * step_length;
+        // The power of two between a third and two thirds of the length.
+        let third = length / 3.0;
+        let mut shell = f64::from_bits(third.to_bits() & 0x7ff0_0000_0000_0000);
+        while shell < third {
+            shell *= 2.0;
+        }
+        let steps = shell / step_length;
+        let t = if sharp_low { low as f64 + steps } else { high as f64 - steps };
+        Line::near(t, 1.0, low, high)
+    }
+
+    /// The parameter of a vertex on segment `s`, on which it lies.
+    pub(crate) fn parameter(&self, carrier: Carrier, s: u32) -> i64 {
+        match carrier {
+            Carrier::Segment(_, t) => t,
+            Carrier::Corner(c) if c == self.segments[s as usize].ends[1] => UNIT,
+            _ => 0,
+        }
+    }
+
+    /// Does a vertex of segment `s` lie at a corner where another segment leaves at less than 60°?
+    fn is_sharp(&self, carrier: Carrier, s: u32) -> bool {
+        let Carrier::Corner(c) = carrier else { return false };
+        let mine = direction(self, s, c);
+        let others = self.segments_at[c as usize].iter().filter(|&&other| other != s);
+        others.into_iter().any(|&other| is_sharp(&mine, &direction(self, other, c)))
     }
 }

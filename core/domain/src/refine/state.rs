@@ -5,7 +5,7 @@
 //! the new point, so an item that the mesh has lost never comes back: it has to be split.
 
 use super::angles::Angles;
-use super::carrier::{Carrier, UNIT};
+use super::carrier::Carrier;
 use super::encroachment::EncroachmentIndex;
 use super::item::{Item, Work};
 use super::journal::Journal;
@@ -222,21 +222,12 @@ impl State {
 
     /// Does a vertex with this carrier lie on facet `f`?
     pub(crate) fn lies_on(&self, carrier: Carrier, f: u32) -> bool {
-        match carrier {
-            Carrier::Corner(c) => self.plc.facets_at[c as usize].binary_search(&f).is_ok(),
-            Carrier::Segment(s, _) => self.plc.segments[s as usize].facets.contains(&f),
-            Carrier::Facet(g) => f == g,
-            Carrier::Free => false,
-        }
+        self.plc.lies_on(carrier, f)
     }
 
     /// The parameter of a vertex on segment `s`, on which it lies.
     pub(crate) fn parameter(&self, v: VertexId, s: u32) -> i64 {
-        match self.carriers[v.index()] {
-            Carrier::Segment(_, t) => t,
-            Carrier::Corner(c) if c == self.plc.segments[s as usize].ends[1] => UNIT,
-            _ => 0,
-        }
+        self.plc.parameter(self.carriers[v.index()], s)
     }
 
     /// Is an input corner a vertex of a boundary item?

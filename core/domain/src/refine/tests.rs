@@ -1,6 +1,7 @@
 //! Tests of whole refinements: conformity against slow twins, transactions, early ends.
 
 mod cavity;
+mod complex;
 mod rounds;
 mod sharp;
 mod sizes;

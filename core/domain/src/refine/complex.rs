@@ -1,0 +1,394 @@
+//! The boundary of a domain, its bounds and the points that split things, as functions of values:
+//! for engines whose mesh is on many processors.
+//!
+//! While every subsegment and subface is in the mesh, the carriers of its vertices tell what they
+//! are. An edge between two vertices of one segment is a subsegment, for a third one between them
+//! would be on the edge. A triangle of vertices of one facet does not cross a subsegment; so it is
+//! a subface if one of them is inside the facet, or if it is on a side of a segment where the facet
+//! is. Triangles of three corners are as they were at the start: all new ones have a new vertex.
+
+use super::bounds::Bounds;
+use super::carrier::{Carrier, corner_point, free_point, within_box};
+use super::item::{Item, Queues};
+use super::key::sorted;
+use super::measure::{Shape, circumcircle, in_diametral_ball, in_equatorial_ball};
+use super::plc::Plc;
+use super::region::RegionInfo;
+use super::run::Run;
+use super::split::{Refinement, TOLERANCE, aim};
+use super::state::{Place, State};
+use super::table::{self, Map, Set, edge, triangle};
+use super::verdict::Verdict;
+use super::{RefineError, Refiner};
+use crate::vector::distance2;
+use crate::{Domain, Lattice};
+use ltbw_core::cavity::AdmitAll;
+use ltbw_core::topology::VertexId;
+use ltbw_exact::{Mode, Point};
+use std::cmp::Ordering;
+
+/// The distances from the ideal point that are tried, one after the other: a part of the radius, or
+/// a step.
+const TOLERANCES: [Option<f64>; 2] = [Some(TOLERANCE), None];
+
+/// Why a domain cannot be refined by engines on many processors.
+#[doc(hidden)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ComplexError {
+    /// There is no mesh to start with.
+    #[error(transparent)]
+    Refine(#[from] RefineError),
+    /// The domain, or its bounds, are of a kind that only the sequential engine deals with.
+    #[error("{0}: only the rounds deal with that")]
+    Unsupported(&'static str),
+}
+
+/// A mesh to start with, all subsegments and subfaces in it. Vertices are numbered from 0.
+#[doc(hidden)]
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// The coordinates of a vertex of the mesh, as [`Mode::from_kernel`] makes them of those here.
+    pub mode: Mode,
+    /// The vertices.
+    pub points: Vec<Point>,
+    /// Where they live.
+    pub carriers: Vec<Carrier>,
+    /// The finite tetrahedra, exterior included: vertices, ascending, and region.
+    pub tets: Vec<([u32; 4], u32)>,
+    /// The regions, the exterior first.
+    pub regions: Vec<RegionInfo>,
+    /// The most points to insert.
+    pub most: u64,
+}
+
+/// The boundary of a domain and the bounds of its mesh.
+#[doc(hidden)]
+pub struct Complex {
+    plc: Plc,
+    bounds: Bounds<'static>,
+    floor: f64,
+    /// Segments by their ends.
+    segments: Map<[u32; 2], u32>,
+    /// By segment and facet: is the facet on the left, and on the right of the segment?
+    sides: Map<(u32, u32), [bool; 2]>,
+    /// Subfaces whose vertices are corners.
+    faces: Set<[u32; 3]>,
+}
+
+impl std::fmt::Debug for Complex {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Complex").field("facets", &self.plc.facets.len()).finish_non_exhaustive()
+    }
+}
+
+impl Refiner<'_> {
+    /// The complex of a domain, and the mesh that the sequential engine has when there are
+    /// `vertices` vertices and no boundary item waits.
+    ///
+    /// # Errors
+    /// [`ComplexError`] if there is no mesh of the domain, or if it has patches, a sizing field, or
+    /// features at small angles.
+    #[doc(hidden)]
+    pub fn complex(
+        &self,
+        domain: &Domain,
+        lattice: &Lattice,
+        vertices: usize,
+    ) -> Result<(Complex, Start), ComplexError> {
+        let (mut run, regions) = self.recovered(domain, lattice)?;
+        let most = run.most;
+        run.refinement.seed(most, &mut run.work, &mut AdmitAll);
+        run.refine(vertices)?;
+        run.part_circles()?;
+        let own = run.refinement;
+        let no = |what| Err(ComplexError::Unsupported(what));
+        let Some(Bounds { ratio, volumes, field, fine_step }) = own.bounds else {
+            return no("some of the boundary could not be recovered");
+        };
+        if field.is_some() {
+            return no("a sizing field");
+        }
+        if own.state.plc.facets.iter().any(|facet| facet.patch.is_some()) {
+            return no("facets that are coplanar within a tolerance");
+        }
+        if own.state.angles.relates() {
+            return no("features at small angles, or too near to each other");
+        }
+        let bounds = Bounds { ratio, volumes, field: None, fine_step };
+        let start = Start::of(&own.state, regions, most);
+        Ok((Complex::of(own.state, bounds, own.floor), start))
+    }
+}
+
+/// Times that the boundary items are looked through for circles.
+const LOOKS: usize = 32;
+
+impl Run<'_> {
+    /// Splits boundary items that wait for each other in a circle, until there are none: the point
+    /// of each would take the next one out of the mesh. What is left when nothing helps stays.
+    fn part_circles(&mut self) -> Result<(), RefineError> {
+        for _ in 0..LOOKS {
+            let before = self.refinement.state.mesh.num_vertices();
+            for item in self.refinement.circles(&mut self.work) {
+                self.refinement.split(item, &mut self.work, &mut AdmitAll);
+                self.refine(0)?;
+            }
+            if self.refinement.state.mesh.num_vertices() == before {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Refinement<'_> {
+    /// The boundary items that wait for themselves.
+    fn circles(&mut self, work: &mut Queues) -> Vec<Item> {
+        let segments = self.state.segments.keys().map(|&s| Item::Segment(s));
+        let subfaces = self.state.subfaces.keys().map(|&s| Item::Subface(s));
+        let all: Vec<Item> = segments.chain(subfaces).collect();
+        let mut first: Map<Item, Vec<Item>> = Map::default();
+        for item in all {
+            let waits = self.waits(item, work);
+            if !waits.is_empty() {
+                first.insert(item, waits);
+            }
+        }
+        let is_in_circle = |item: &&Item| {
+            let (mut seen, mut stack) = (Set::default(), vec![**item]);
+            while let Some(next) = stack.pop() {
+                for other in first.get(&next).into_iter().flatten() {
+                    if other == *item {
+                        return true;
+                    }
+                    if seen.insert(*other) {
+                        stack.push(*other);
+                    }
+                }
+            }
+            false
+        };
+        first.keys().filter(is_in_circle).copied().collect()
+    }
+
+    /// The boundary items that go before one, by the point proposed first.
+    fn waits(&mut self, item: Item, work: &mut Queues) -> Vec<Item> {
+        let place = |p, carrier| Place { p, carrier, from: self.state.mesh.hint() };
+        let place = match item {
+            Item::Segment(ends) => self.state.segments.get(&ends).and_then(|&s| {
+                let t = self.state.split_parameter(ends, s)?;
+                let p = self.state.plc.segments[s as usize].line.point(t);
+                Some(place(p, Carrier::Segment(s, t)))
+            }),
+            Item::Subface(corners) => self.state.subfaces.get(&corners).and_then(|&f| {
+                let points = corners.map(|v| self.state.at(v));
+                let p = self.state.plc.point_of_subface(f, points, Some(TOLERANCE))?;
+                Some(place(p, Carrier::Facet(f)))
+            }),
+            Item::Tet(..) => None,
+        };
+        let Some(place) = place else { return Vec::new() };
+        let mut found = Vec::new();
+        self.propose(&place, work, &mut AdmitAll, |judge| {
+            if let Verdict::Defer(first) = judge.on_boundary(item, &place, true) {
+                found = first;
+            }
+            Verdict::Useless
+        });
+        found
+    }
+}
+
+impl Plc {
+    /// The point on facet `f` that splits a triangle, off by at most a part of the radius, or by a
+    /// step.
+    fn point_of_subface(&self, f: u32, corners: [Point; 3], part: Option<f64>) -> Option<Point> {
+        let corners = sorted(corners);
+        let [a, b, c] = &corners;
+        let (centre, square) = circumcircle(a, b, c);
+        let (centre, radius) = aim(corners, &centre, square);
+        let tolerance = part.map_or(1.0, |part| part * radius);
+        self.facets[f as usize].plane.near(&centre, tolerance)
+    }
+}
+
+impl Start {
+    fn of(state: &State, regions: Vec<RegionInfo>, most: u64) -> Self {
+        let mesh = &state.mesh;
+        let tet = |t| {
+            let mut v = state.vertices(t).map(|v| v.number() - 1);
+            v.sort_unstable();
+            (v, state.marks.region(t))
+        };
+        let all = (1..=mesh.num_vertices()).map(|v| mesh.kernel_point(VertexId::at(v)));
+        Self {
+            mode: mesh.mode(),
+            points: all.collect(),
+            carriers: state.carriers[1..].to_vec(),
+            tets: mesh.tet_ids().map(tet).collect(),
+            regions,
+            most,
+        }
+    }
+}
+
+impl Complex {
+    pub(super) fn of(state: State, bounds: Bounds<'static>, floor: f64) -> Self {
+        let segments = (0..).zip(&state.plc.segments).map(|(s, own)| (own.ends, s)).collect();
+        let (sides, faces) = (Map::default(), Set::default());
+        let State { plc, subfaces, carriers, mesh, .. } = state;
+        let mut own = Self { plc, bounds, floor, segments, sides, faces };
+        for (&corners, &f) in &subfaces {
+            let at = |v: VertexId| (carriers[v.index()], mesh.kernel_point(v));
+            if let [Carrier::Corner(a), Carrier::Corner(b), Carrier::Corner(c)] =
+                corners.map(|v| at(v).0)
+            {
+                own.faces.insert(triangle(a, b, c));
+            }
+            for ([a, b], apex) in table::sides(corners) {
+                if let Some(s) = own.segment([at(a).0, at(b).0]) {
+                    let side = own.side(f, s, &at(apex).1);
+                    own.sides.entry((s, f)).or_default()[usize::from(side == Ordering::Less)] =
+                        true;
+                }
+            }
+        }
+        own
+    }
+
+    /// The segment that an edge of the mesh between two vertices is on, if it is a subsegment.
+    pub fn segment(&self, ends: [Carrier; 2]) -> Option<u32> {
+        let is_end = |s: u32, c: u32| self.plc.segments[s as usize].ends.contains(&c);
+        match ends {
+            [Carrier::Segment(s, _), Carrier::Segment(r, _)] => (s == r).then_some(s),
+            [Carrier::Segment(s, _), Carrier::Corner(c)]
+            | [Carrier::Corner(c), Carrier::Segment(s, _)] => is_end(s, c).then_some(s),
+            [Carrier::Corner(a), Carrier::Corner(b)] => self.segments.get(&edge(a, b)).copied(),
+            _ => None,
+        }
+    }
+
+    /// The facet that a triangle of the mesh is on, if it is a subface.
+    pub fn facet(&self, corners: [(Carrier, Point); 3]) -> Option<u32> {
+        let carriers = corners.map(|(carrier, _)| carrier);
+        if carriers.contains(&Carrier::Free) {
+            return None;
+        }
+        let on_all = |&f: &u32| carriers.iter().all(|&carrier| self.plc.lies_on(carrier, f));
+        let inside = carriers.iter().find_map(|&carrier| match carrier {
+            Carrier::Facet(f) => Some(f),
+            _ => None,
+        });
+        if let Some(f) = inside {
+            return Some(f).filter(on_all);
+        }
+        let on_segment = carriers.iter().find_map(|&carrier| match carrier {
+            Carrier::Segment(s, _) => Some(s),
+            _ => None,
+        });
+        if let Some(s) = on_segment {
+            let f = self.plc.segments[s as usize].facets.iter().copied().find(on_all)?;
+            let off = corners.iter().map(|(_, p)| self.side(f, s, p)).find(|side| side.is_ne())?;
+            let known = self.sides.get(&(s, f)).copied().unwrap_or_default();
+            return known[usize::from(off.is_lt())].then_some(f);
+        }
+        let [Carrier::Corner(a), Carrier::Corner(b), Carrier::Corner(c)] = carriers else {
+            return None;
+        };
+        let is_face = self.faces.contains(&triangle(a, b, c));
+        is_face.then(|| self.plc.facets_at[a as usize].iter().copied().find(on_all)).flatten()
+    }
+
+    /// Does a vertex with this carrier lie on a facet?
+    pub fn lies_on(&self, carrier: Carrier, facet: u32) -> bool {
+        self.plc.lies_on(carrier, facet)
+    }
+
+    /// The facets that a segment is on.
+    pub fn facets_of(&self, segment: u32) -> &[u32] {
+        &self.plc.segments[segment as usize].facets
+    }
+
+    /// The side of segment `s` in the plane of facet `f`, on which it lies, that `p` of that plane
+    /// is on.
+    fn side(&self, f: u32, s: u32, p: &Point) -> Ordering {
+        let ends = self.plc.segments[s as usize].ends;
+        let [a, b] = ends.map(|c| corner_point(&self.plc.corners[c as usize]));
+        self.turn(f, [&a, &b, p])
+    }
+
+    /// The turn of three points of the plane of facet `f`, as seen along an axis that is not in it.
+    pub fn turn(&self, f: u32, [a, b, p]: [&Point; 3]) -> Ordering {
+        let normal = self.plc.facets[f as usize].plane.normal();
+        let drop = (0..3).max_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs()));
+        let drop = drop.unwrap_or_default();
+        let [x, y] = [(drop + 1) % 3, (drop + 2) % 3];
+        // Coordinates are whole and at most 2^53: products are below 2^109.
+        let from_a = |p: &Point, k: usize| p[k] as i128 - a[k] as i128;
+        (from_a(b, x) * from_a(p, y)).cmp(&(from_a(b, y) * from_a(p, x)))
+    }
+
+    /// Is a tetrahedron of a region over its bounds? Its vertices are positively oriented.
+    pub fn is_over(&self, corners: [&Point; 4], region: u32) -> bool {
+        region != 0 && self.bounds.are_over(corners, region)
+    }
+
+    /// The circumradius of a tetrahedron, rounded.
+    pub fn radius(&self, corners: [&Point; 4]) -> f64 {
+        Shape::of(corners).radius()
+    }
+
+    /// The point that splits a tetrahedron, at the given attempt, and `true`. Of one that is nearly
+    /// flat the centre may be outside the box: then a point on the way there, where whatever bars
+    /// the way can be found, and no point may be inserted.
+    pub fn point_of_tet(&self, corners: [&Point; 4], attempt: usize) -> Option<(Point, bool)> {
+        let shape = Shape::of(corners);
+        let (radius, tolerance) = (shape.radius(), TOLERANCES.get(attempt)?);
+        let centre = shape.circumcentre(corners[3]).filter(|_| radius >= self.floor)?;
+        let proposed = free_point(&centre, tolerance.map_or(1.0, |part| part * radius));
+        proposed.map(|p| (p, true)).or_else(|| {
+            let sum = |k: usize| sorted(corners.map(|p| *p)).iter().map(|p| p[k] * 0.25).sum();
+            let target = within_box(&[0, 1, 2].map(sum), &centre);
+            free_point(&target, 1.0).map(|p| (p, false))
+        })
+    }
+
+    /// The point that splits a subsegment of segment `s`, given by place and coordinates of its
+    /// ends.
+    pub fn point_of_segment(
+        &self,
+        s: u32,
+        ends: [(Carrier, Point); 2],
+    ) -> Option<(Point, Carrier)> {
+        let t = self.plc.split_parameter(ends.map(|(carrier, _)| carrier), s)?;
+        let p = self.plc.segments[s as usize].line.point(t);
+        let is_far = |(_, end): (Carrier, Point)| distance2(&end, &p) >= self.floor * self.floor;
+        ends.into_iter().all(is_far).then_some((p, Carrier::Segment(s, t)))
+    }
+
+    /// The point that splits a subface of facet `f`, at the given attempt.
+    pub fn point_of_subface(
+        &self,
+        f: u32,
+        corners: [Point; 3],
+        attempt: usize,
+    ) -> Option<(Point, Carrier)> {
+        let [a, b, c] = &corners;
+        let part = TOLERANCES.get(attempt)?;
+        let square = circumcircle(a, b, c).1;
+        let p = (square >= self.floor * self.floor)
+            .then(|| self.plc.point_of_subface(f, corners, *part))??;
+        Some((p, Carrier::Facet(f)))
+    }
+
+    /// Is `p` in the closed ball of a subsegment?
+    pub fn encroaches_segment(&self, [a, b]: [&Point; 2], p: &Point) -> bool {
+        in_diametral_ball(a, b, p)
+    }
+
+    /// Is `p` in the closed ball of a subface?
+    pub fn encroaches_subface(&self, [a, b, c]: [&Point; 3], p: &Point) -> bool {
+        in_equatorial_ball(a, b, c, p)
+    }
+}
