@@ -258,6 +258,37 @@ fn the_simulator_inserts_the_rounds_of_a_domain() {
 }
 
 #[test]
+fn the_simulator_refines_a_domain_without_rounds() {
+    let dir = tempfile::tempdir().unwrap();
+    let base = ["simulate", "--domain", "cube-in-cube", "--max-volume", "1e-3", "--start", "50"];
+    let mut hashes = Vec::new();
+    for more in [
+        &["--processors", "4", "--json", "a.json"][..],
+        &["--processors", "9", "--latency", "100us", "--ownership", "newest", "--json", "a.json"],
+        &["--processors", "1", "--json", "a.json"],
+    ] {
+        let run = ltbw(dir.path(), &[&base[..], &["--mode", "async"], more].concat());
+        // The program checks the mesh against the domain.
+        assert_eq!(run.code, 0, "{more:?}: {}", run.stderr);
+        let all = "Over their bounds: 0 tetrahedra; boundary items not split: 0";
+        assert!(run.stdout.contains(all), "{}", run.stdout);
+        let report = json(&dir.path().join("a.json"));
+        assert!(report["simulation"]["operations"].as_u64().unwrap() > 300, "{report}");
+        hashes.push(report["mesh"]["hash"].clone());
+    }
+    assert!(hashes[0] != hashes[1] && hashes[1] != hashes[2], "{hashes:?}");
+    for (wrong, code) in [
+        (&["--mode", "async"][..], 2),
+        (&["--domain", "cube-in-cube", "--mode", "async", "--storm", "1ms"], 2),
+        (&["--domain", "cube-in-cube", "--mode", "never"], 2),
+        (&["--domain", "none.poly", "--mode", "async"], 3),
+    ] {
+        let run = ltbw(dir.path(), &[&["simulate"], wrong].concat());
+        assert_eq!(run.code, code, "{wrong:?}: {}", run.stderr);
+    }
+}
+
+#[test]
 fn every_option_of_the_simulator_is_obeyed() {
     let dir = tempfile::tempdir().unwrap();
     let base = ["simulate", "--points", "600", "--processors", "3", "--json", "a.json"];

@@ -40,12 +40,15 @@ pub(crate) struct Simulate {
     pub(crate) kind: PointKind,
     /// Refine a domain: a file, or a kind as of `generate`
     ///
-    /// One engine, not the processors, chooses the points of each round beforehand; the time is
-    /// that of their insertion alone. All processors wait for the end of each round.
+    /// In rounds one engine, not the processors, chooses the points of each round beforehand; the
+    /// time is that of their insertion alone. All processors wait for the end of each round.
     #[arg(long, value_name = "FILE|KIND")]
     #[arg(conflicts_with_all = ["points", "kind", "page", "trace", "sample", "cursors", "abreast"])]
     #[arg(hide_short_help = true)]
     pub(crate) domain: Option<PathBuf>,
+    /// How the processors refine the domain
+    #[arg(long, value_enum, default_value_t, requires = "domain", hide_short_help = true)]
+    pub(crate) mode: Mode,
     /// Largest volume of a tetrahedron of the domain
     #[arg(long, value_name = "A", requires = "domain", allow_negative_numbers = true)]
     #[arg(hide_short_help = true)]
@@ -54,7 +57,7 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "B", requires = "domain", allow_negative_numbers = true)]
     #[arg(hide_short_help = true)]
     pub(crate) radius_edge: Option<f64>,
-    /// Vertices before the first round, at least
+    /// Vertices before the first round, or before the processors begin, at least
     #[arg(long, value_name = "N", requires = "domain", default_value_t = START)]
     #[arg(hide_short_help = true)]
     pub(crate) start: usize,
@@ -120,6 +123,16 @@ pub(crate) struct Simulate {
     /// speed-up
     #[arg(long, value_name = "HTML|-")]
     pub(crate) page: Option<PathBuf>,
+}
+
+/// How simulated processors refine a domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Mode {
+    /// Rounds that one engine has chosen: one mesh
+    #[default]
+    Rounds,
+    /// The paper's: each processor its own bad tetrahedra, as they come; another mesh each time
+    Async,
 }
 
 /// The machine whose processors are simulated.

@@ -86,7 +86,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
 }
 
 /// The domain of a file; where there is none, that of the kind of this name.
-fn ready(path: &Path) -> Result<Prepared, Failure> {
+pub(super) fn ready(path: &Path) -> Result<Prepared, Failure> {
     let kind = path.to_str().and_then(|name| name.parse::<DomainKind>().ok());
     let Some(kind) = kind.filter(|_| !path.exists()) else {
         let source = Formats::default().input(path)?;

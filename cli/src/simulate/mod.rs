@@ -2,9 +2,11 @@
 
 mod args;
 mod domain;
+mod freely;
 mod page;
 mod report;
 
+use args::Mode;
 pub(crate) use args::Simulate;
 
 use crate::console;
@@ -35,7 +37,10 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     let written: Vec<PathBuf> = args.json.iter().chain(pages).cloned().collect();
     distinct(&written)?;
     if let Some(path) = &args.domain {
-        return domain::simulate(args, path);
+        return match args.mode {
+            Mode::Rounds => domain::simulate(args, path),
+            Mode::Async => freely::simulate(args, path),
+        };
     }
     let name = PathBuf::from(format!("{} {} points", args.points, args.kind.name()));
     let points = generate(args.kind, args.points as usize, args.seed);

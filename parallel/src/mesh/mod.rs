@@ -15,6 +15,7 @@
 //! | `start` | the coarse mesh, distributed |
 //! | `gather` | the submeshes, put together |
 //! | `inspect` | what checkers of the protocol see |
+//! | `probe` | a submesh as one that keeps more of it sees it |
 //! | `point_queue` | the points to insert, on many cursors |
 //!
 //! Invariant P1: a tetrahedron with a far neighbour has a name, and keeps it until it is removed:
@@ -30,6 +31,7 @@ mod inspect;
 mod name;
 mod piece;
 mod point_queue;
+mod probe;
 mod start;
 mod vertices;
 mod wire;

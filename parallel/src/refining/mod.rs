@@ -13,14 +13,19 @@
 //! are made depends on the timing: the mesh is a Delaunay mesh that keeps the bounds, not the same
 //! one twice.
 //!
-//! There are no boundary items: the box of the points is the boundary, and a tetrahedron whose
-//! circumcentre lies outside it stays as it is.
+//! With points alone there are no boundary items (`domain` has them): the box of the points is the
+//! boundary, and a tetrahedron whose circumcentre lies outside it stays as it is.
 
 mod bad_tets;
+mod domain;
 mod rounds;
 mod shape;
 
 pub use bad_tets::BadTets;
+pub use domain::{
+    BadItems, DomainMesh, DomainNode, DomainPatch, DomainPiece, DomainPoint, RefinedDomain,
+    SimulatedDomain, Splits, simulate_domain,
+};
 pub use rounds::{RoundPoints, Simulated, Threaded, rounds_on_threads, simulate_rounds};
 
 use crate::mesh::{Layout, LocalMesh, Prepared, SharedInput, gather};
@@ -71,6 +76,13 @@ pub enum RefineError {
     /// The points have no mesh.
     #[error(transparent)]
     Build(#[from] BuildError),
+    /// The domain has no mesh to start with, or one that only the rounds can refine.
+    #[error(transparent)]
+    Complex(#[from] ltbw_domain::refine::ComplexError),
+    /// Under the paper's rule operations have no age: those that wait for a boundary item would
+    /// ask for its locks for ever, and the item would get none.
+    #[error("the paper's rule for locks has no ages, which boundary items need")]
+    Ageless,
     /// The threads have not ended properly.
     #[error(transparent)]
     Run(#[from] RunError),

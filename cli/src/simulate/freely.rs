@@ -1,0 +1,113 @@
+//! `simulate --domain --mode async`: bad tetrahedra and the boundary, split by simulated processors
+//! as they come.
+
+use super::domain::ready;
+use super::report::Report;
+use super::{Run, Simulate, end, layout, options, options_alone};
+use crate::conform::plc_of;
+use crate::console;
+use crate::figures::{cost_model, tables};
+use crate::outcome::{Exit, Failure, show};
+use crate::progress::Stage;
+use ltbw::domain::Prepared;
+use ltbw::mesh::{Layout, Ownership};
+use ltbw::protocol::{Closure, Config, Correct};
+use ltbw::refine::Refiner;
+use ltbw::refining::{RefinedDomain, SimulatedDomain, simulate_domain};
+use ltbw::simulate::{Meshed, Options};
+use ltbw_verify as verify;
+use std::path::Path;
+
+/// `ltbw simulate --domain --mode async`.
+pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
+    if args.storm.is_some() {
+        return Err(Failure::Usage("--storm moves blocks, which --mode async does not".to_owned()));
+    }
+    let ready = ready(path)?;
+    let options = options(args);
+    let planned = |points: usize, processors: u32| {
+        let (layout, config) = layout(args, points, processors);
+        (Layout { sample: points, max_in_flight: 0, ..layout }, config)
+    };
+    let run = |processors: u32, options: &Options| {
+        let planned = |points| match processors {
+            1 => {
+                let (layout, config) = planned(points, 1);
+                let layout = Layout { ownership: Ownership::default(), ..layout };
+                (layout, Config { closure: Closure::default(), ..config })
+            }
+            _ => planned(points, processors),
+        };
+        let _stage = Stage::begin("simulate");
+        let domain = (&ready.domain, &ready.lattice);
+        simulate_domain::<Correct>(&refiner(args), domain, args.start, planned, options)
+            .map_err(|error| Failure::Other(format!("{}: {error}", show(path))))
+    };
+    let SimulatedDomain { refined, summary, events } = run(args.processors, &options)?;
+    let alone = match args.processors {
+        1 => summary.makespan,
+        _ => run(1, &options_alone(&options))?.summary.makespan,
+    };
+    let stage = Stage::begin("check");
+    let defects = defects(args, &ready, &refined);
+    drop(stage);
+    let hash = refined.gathered.mesh.hash().map_err(|e| Failure::Other(e.to_string()))?;
+    let hash = hash.to_string();
+    let (layout, config) = planned(refined.started, args.processors);
+    let vertices = refined.gathered.mesh.num_vertices();
+    let [segments, facets, inside] = refined.splits.inserted;
+    let (deferred, over, refused) = (refined.splits.deferred, refined.over, refined.refused);
+    let text = format!(
+        "{}: {} tetrahedra of the domain, {} points after {} vertices ({segments} on segments, \
+         {facets} on facets, {inside} inside), {deferred} gave way to the boundary, on {} \
+         processors ({}), rule {}, latency {} ns ({}), seed {}\nWhich points are made depends on \
+         the timing. A point that gives way counts as a cavity.\nOver their bounds: {over} \
+         tetrahedra; boundary items not split: {refused}\n{}\n{}\nltbw.mesh/1 {hash}\n",
+        show(path),
+        refined.tets.len(),
+        vertices - refined.started,
+        refined.started,
+        layout.workers,
+        args.machine.name(),
+        config.rule,
+        options.network.latency,
+        options.network.distribution.name(),
+        args.seed,
+        tables(&summary, Some(alone)),
+        cost_model(&options.costs),
+    );
+    let meshed = Meshed { gathered: refined.gathered, summary, events, trace: None };
+    let settings = Run { args, layout: &layout, config: &config, options: &options };
+    let report = Report::new(settings, &meshed, alone, &hash, vertices);
+    let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
+    let exit = end(args, (&json, &text), (&hash, &hash))?;
+    if let Some(first) = defects.first() {
+        console::people(&format!("defect    {first}"));
+        return Ok(Exit::OwnDefect);
+    }
+    Ok(if over + refused > 0 { Exit::Defect } else { exit })
+}
+
+fn refiner(args: &Simulate) -> Refiner<'static> {
+    let refiner = Refiner::new().radius_edge(args.radius_edge.unwrap_or(2.0));
+    args.max_volume.map_or(refiner, |bound| refiner.max_volume(bound))
+}
+
+/// Whatever the independent checker finds, but bounds that the run knows not to be met.
+fn defects(args: &Simulate, ready: &Prepared, refined: &RefinedDomain) -> Vec<String> {
+    let (tets, tags): (Vec<[u32; 4]>, Vec<i64>) =
+        refined.tets.iter().map(|&(v, region)| (v, i64::from(region))).unzip();
+    let limits = match refined.over {
+        0 => verify::Limits {
+            radius_edge: Some(args.radius_edge.unwrap_or(2.0)),
+            max_volume: args.max_volume,
+            ..verify::Limits::default()
+        },
+        _ => verify::Limits::default(),
+    };
+    let mesh = verify::Mesh::new(&refined.points, &tets);
+    let plc = plc_of(&ready.domain, 0.0);
+    let found = verify::conforms(&mesh, &plc, Some(&tags), &limits, &verify::Options::default());
+    let mesh = found.mesh_defects.iter().map(|defect| format!("{defect:?}"));
+    mesh.chain(found.counts.iter().map(|count| format!("{count:?}"))).collect()
+}

@@ -1,0 +1,349 @@
+//! One worker's list of what is to be split: bad tetrahedra, and boundary items that others have
+//! asked for.
+
+use super::mesh::DomainMesh;
+use super::values::{DomainPoint, End, ItemKey, Marked};
+use crate::balance::Workload;
+use crate::mesh::{VertexName, WireVertex, made};
+use crate::protocol::{BlockId, Item, Source, WorkerId};
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_domain::refine::Carrier;
+use ltbw_exact::Point;
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Entries that are looked at for one that nobody has locked.
+const LOOKS: usize = 8;
+/// Times that something is set behind boundary items before it is given up. What is behind another
+/// worker's asks again at most once in the time that a message takes there and back.
+const TRIES: u16 = 5000;
+/// The key of a tetrahedron.
+const TET: ItemKey = [0; 3];
+
+/// Something to split, at a tetrahedron here. While the tetrahedron has these vertices it is the
+/// same one: none comes back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Entry {
+    /// The number of vertices that an item has less than a tetrahedron: segments go first.
+    class: u8,
+    /// Times that it was set behind others.
+    tries: Reverse<u16>,
+    /// The bits of its circumradius, which order positive numbers; the largest goes first.
+    radius: u64,
+    tet: TetId,
+    corners: [VertexId; 4],
+    key: ItemKey,
+    of: u32,
+    attempt: u8,
+}
+
+/// A point for an entry.
+#[derive(Clone, Copy, Debug)]
+struct Proposed {
+    p: Point,
+    carrier: Carrier,
+    from: Point,
+    may: bool,
+}
+
+impl Entry {
+    fn stands(&self, mesh: &DomainMesh) -> bool {
+        let tets = mesh.inner.tets();
+        tets.is_live(self.tet) && tets.vertices(self.tet) == self.corners
+    }
+
+    fn is_tet(&self) -> bool {
+        self.key == TET
+    }
+}
+
+/// The figures of one worker's refinement.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Splits {
+    /// Points inserted on segments, on facets, and inside.
+    pub inserted: [u64; 3],
+    /// Points that gave way to a boundary item.
+    pub deferred: u64,
+    /// Points that did not do what they were made for.
+    pub useless: u64,
+}
+
+impl Splits {
+    pub(super) fn add(&mut self, other: &Self) {
+        self.inserted.iter_mut().zip(other.inserted).for_each(|(sum, own)| *sum += own);
+        self.deferred += other.deferred;
+        self.useless += other.useless;
+    }
+}
+
+/// The list.
+#[derive(Debug)]
+pub struct BadItems {
+    me: WorkerId,
+    waiting: BinaryHeap<Entry>,
+    /// Entries behind boundary items of this list.
+    behind: FxHashMap<ItemKey, Vec<Entry>>,
+    /// The boundary items of this list, those under way included.
+    pending: FxHashSet<ItemKey>,
+    under_way: FxHashMap<VertexName, Entry>,
+    /// Points made so far: a name is given once, whatever becomes of its point.
+    made: u32,
+    /// The most points.
+    most: u64,
+    is_closed: bool,
+    pub(super) splits: Splits,
+}
+
+impl BadItems {
+    /// The bad tetrahedra of a submesh.
+    pub(super) fn new(me: WorkerId, most: u64, mesh: &DomainMesh) -> Self {
+        let mut own = Self {
+            me,
+            waiting: BinaryHeap::new(),
+            behind: FxHashMap::default(),
+            pending: FxHashSet::default(),
+            under_way: FxHashMap::default(),
+            made: 0,
+            most,
+            is_closed: false,
+            splits: Splits::default(),
+        };
+        let all: Vec<TetId> = mesh.inner.tets().tets().map(|(t, _)| t).collect();
+        own.created(mesh, &all);
+        own
+    }
+
+    /// Was the budget of points used up?
+    pub(super) fn is_exhausted(&self) -> bool {
+        u64::from(self.made) >= self.most
+    }
+
+    /// The point for an entry, if there is one, and where the nearest item is looked for.
+    fn propose(mesh: &DomainMesh, entry: &Entry) -> Option<Proposed> {
+        let all = entry.corners.map(|v| mesh.point(v));
+        let complex = &mesh.complex;
+        if entry.is_tet() {
+            let (p, may) = complex.point_of_tet(all.each_ref(), usize::from(entry.attempt))?;
+            return Some(Proposed { p, carrier: Carrier::Free, from: middle(&all), may });
+        }
+        let is_corner = |v: &VertexId| *v != INFINITE && entry.key.contains(&mesh.inner.name(*v));
+        let corners: Vec<VertexId> = entry.corners.into_iter().filter(is_corner).collect();
+        let at = |v: VertexId| (mesh.carrier(v), mesh.point(v));
+        let (p, carrier) = match corners[..] {
+            [a, b] if entry.attempt == 0 => complex.point_of_segment(entry.of, [at(a), at(b)])?,
+            [a, b, c] => {
+                let points = [a, b, c].map(|v| mesh.point(v));
+                complex.point_of_subface(entry.of, points, usize::from(entry.attempt))?
+            }
+            _ => return None,
+        };
+        Some(Proposed { p, carrier, from: p, may: true })
+    }
+
+    /// Ends an entry that cannot be split.
+    fn refuse(&mut self, mesh: &DomainMesh, entry: &Entry) {
+        if !entry.is_tet() {
+            mesh.refuse(entry.key);
+        }
+        self.end(entry);
+    }
+
+    /// An entry is done: those behind it are asked again.
+    fn end(&mut self, entry: &Entry) {
+        if !entry.is_tet() {
+            self.pending.remove(&entry.key);
+            self.waiting.extend(self.behind.remove(&entry.key).into_iter().flatten());
+        }
+    }
+
+    /// An entry goes behind a boundary item: until that is done if this worker splits it, else for
+    /// the time that its next operation takes.
+    fn set_behind(&mut self, mesh: &DomainMesh, mut entry: Entry, key: ItemKey, is_here: bool) {
+        self.splits.deferred += 1;
+        entry.tries.0 += 1;
+        if entry.tries.0 > TRIES {
+            self.refuse(mesh, &entry);
+        } else if is_here && key != entry.key && self.pending.contains(&key) {
+            self.behind.entry(key).or_default().push(entry);
+        } else {
+            self.waiting.push(entry);
+        }
+    }
+
+    fn ask(&mut self, mesh: &DomainMesh, marked: &Marked) {
+        let tets = mesh.inner.tets();
+        if !tets.is_live(marked.tet) || !self.pending.insert(marked.key) {
+            return;
+        }
+        self.waiting.push(Entry {
+            class: if marked.key[0] == 0 { 2 } else { 1 },
+            tries: Reverse(0),
+            radius: 0,
+            tet: marked.tet,
+            corners: tets.vertices(marked.tet),
+            key: marked.key,
+            of: marked.of,
+            attempt: 0,
+        });
+    }
+
+    /// All that wait for each other: nothing else is left.
+    fn release(&mut self) {
+        self.waiting.extend(self.behind.drain().flat_map(|(_, entries)| entries));
+    }
+}
+
+fn middle(corners: &[Point; 4]) -> Point {
+    [0, 1, 2].map(|k| corners.iter().map(|p| p[k] / 4.0).sum())
+}
+
+impl Source<DomainMesh> for BadItems {
+    const WATCHES: bool = true;
+
+    fn next(&mut self, mesh: &DomainMesh) -> Option<DomainPoint> {
+        if self.waiting.is_empty() && self.under_way.is_empty() {
+            self.release();
+        }
+        let mut locked = Vec::new();
+        let mut chosen = None;
+        // Ends: each entry is taken out, and those behind it come once.
+        while let Some(entry) = self.waiting.pop() {
+            if self.is_closed || !entry.stands(mesh) {
+                self.end(&entry);
+                continue;
+            }
+            if self.is_exhausted() {
+                self.refuse(mesh, &entry);
+                continue;
+            }
+            if mesh.inner.tets().holder(entry.tet).is_some() && locked.len() < LOOKS {
+                locked.push(entry);
+                continue;
+            }
+            match Self::propose(mesh, &entry) {
+                Some(proposed) => {
+                    chosen = Some((entry, proposed));
+                    break;
+                }
+                None if entry.attempt == 0 => self.waiting.push(Entry { attempt: 1, ..entry }),
+                None => self.refuse(mesh, &entry),
+            }
+        }
+        // All are locked: the first one waits, for whatever is left of it.
+        if chosen.is_none() && !locked.is_empty() {
+            let entry = locked.remove(0);
+            chosen = Self::propose(mesh, &entry).map(|proposed| (entry, proposed));
+            if chosen.is_none() {
+                self.waiting.push(Entry { attempt: entry.attempt + 1, ..entry });
+            }
+        }
+        self.waiting.extend(locked);
+        let (entry, Proposed { p, carrier, from, may }) = chosen?;
+        self.made += 1;
+        let name = made(self.me, self.made);
+        self.under_way.insert(name, entry);
+        let (vertex, from) = (WireVertex::new(name, p), from.map(f64::to_bits));
+        let (item, seed) = (entry.key, entry.tet);
+        Some(DomainPoint { vertex, carrier, item, seed, from, may })
+    }
+
+    fn is_empty(&self) -> bool {
+        self.waiting.is_empty() && self.behind.is_empty()
+    }
+
+    fn is_ready(&self) -> bool {
+        !self.waiting.is_empty() || self.under_way.is_empty() && !self.behind.is_empty()
+    }
+
+    fn item(&self, mesh: &DomainMesh, point: &DomainPoint) -> Item<TetId> {
+        match self.under_way.get(&point.vertex.name) {
+            // What waits for a boundary item asks for its locks again and again, so that the item
+            // would wait for ever if it did not ask for them: see `DomainMesh::walk`.
+            Some(entry) if entry.stands(mesh) => match mesh.inner.tets().holder(entry.tet) {
+                Some(_) if !entry.is_tet() => Item::Free,
+                _ => Item::At(entry.tet),
+            },
+            _ => Item::Gone,
+        }
+    }
+
+    fn created(&mut self, mesh: &DomainMesh, tets: &[TetId]) {
+        if self.is_closed {
+            return;
+        }
+        for &tet in tets.iter().filter(|&&t| mesh.inner.tets().is_live(t)) {
+            let corners = mesh.inner.tets().vertices(tet);
+            if corners[3] == INFINITE {
+                continue;
+            }
+            let points = corners.map(|v| mesh.point(v));
+            if mesh.complex.is_over(points.each_ref(), mesh.region(tet)) {
+                self.waiting.push(Entry {
+                    class: 0,
+                    tries: Reverse(0),
+                    radius: mesh.complex.radius(points.each_ref()).to_bits(),
+                    tet,
+                    corners,
+                    key: TET,
+                    of: 0,
+                    attempt: 0,
+                });
+            }
+        }
+        mesh.asked().iter().for_each(|marked| self.ask(mesh, marked));
+    }
+
+    /// Its tetrahedron is gone, or not in conflict with the point.
+    fn released(&mut self, point: &DomainPoint) {
+        if let Some(entry) = self.under_way.remove(&point.vertex.name) {
+            self.waiting.push(Entry { attempt: entry.attempt + 1, ..entry });
+        }
+    }
+
+    fn inserted(&mut self, mesh: &DomainMesh, point: &DomainPoint) {
+        let Some(entry) = self.under_way.remove(&point.vertex.name) else { return };
+        mesh.asked().iter().for_each(|marked| self.ask(mesh, marked));
+        match mesh.end() {
+            Some(End::Inserted) => {
+                let kind = match point.carrier {
+                    Carrier::Segment(..) => 0,
+                    Carrier::Facet(_) => 1,
+                    _ => 2,
+                };
+                self.splits.inserted[kind] += 1;
+                self.end(&entry);
+            }
+            Some(End::Behind(key, is_here)) => self.set_behind(mesh, entry, key, is_here),
+            Some(End::Barred) => self.refuse(mesh, &entry),
+            Some(End::Useless) | None => {
+                self.splits.useless += 1;
+                self.waiting.push(Entry { attempt: entry.attempt + 1, ..entry });
+            }
+        }
+    }
+
+    /// No block moves.
+    fn remove_block(&mut self, _: &DomainMesh, _: BlockId) -> Vec<DomainPoint> {
+        Vec::new()
+    }
+
+    fn add(&mut self, _: BlockId, _: Vec<DomainPoint>) {}
+
+    fn clear(&mut self) {
+        self.is_closed = true;
+        self.waiting.clear();
+        self.behind.clear();
+        self.pending.clear();
+    }
+}
+
+impl Workload for BadItems {
+    fn left(&self) -> u64 {
+        self.waiting.len() as u64
+    }
+
+    fn in_block(&self, _: BlockId) -> u64 {
+        0
+    }
+}

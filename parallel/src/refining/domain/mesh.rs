@@ -1,0 +1,493 @@
+//! One worker's submesh of a domain: that of points, with the carriers of its vertices and the
+//! regions of its tetrahedra.
+//!
+//! The verdict on a point falls at its home, when the whole closure is locked: `fill`. A point that
+//! is not to be inserted ends there, too: its patches change nothing, but for the boundary items
+//! that go first, which they bring to the owners of tetrahedra at these.
+
+use super::values::{
+    DomainPatch, DomainPiece, DomainPoint, End, ItemKey, MARKED, Marked, carriers_bytes,
+    segment_key, subface_key,
+};
+use super::verdict::{Cavity, Verdict, regions};
+use crate::check::{Inspect, Seen, Sent};
+use crate::mesh::{LocalMesh, Moving, Patch, Piece, VertexName, WireVertex};
+use crate::metrics::SubmeshSize;
+use crate::payload::Payload;
+use crate::protocol::{
+    BlockId, Correct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Rules, Submesh,
+    SubmeshError, Ticket, Walk, WorkerId,
+};
+use ltbw_core::cavity::OTHERS;
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_domain::refine::{Carrier, Complex};
+use ltbw_exact::Point;
+use rustc_hash::FxHashSet;
+use std::cell::RefCell;
+use std::sync::Arc;
+
+/// The slots of the edges of a tetrahedron.
+const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+
+/// A submesh of a domain.
+#[derive(Debug)]
+pub struct DomainMesh {
+    pub(super) inner: LocalMesh,
+    pub(super) complex: Arc<Complex>,
+    me: WorkerId,
+    /// By vertex number.
+    carriers: Vec<Carrier>,
+    /// By slot.
+    regions: Vec<u32>,
+    /// The boundary items that go first, by the last patch.
+    asked: Vec<Marked>,
+    /// The end of the last operation whose home is here.
+    end: Option<End>,
+    /// Was the last point inserted at once, or given up at once?
+    is_at_once: bool,
+    /// Boundary items that cannot be split, as far as this worker has tried.
+    refused: RefCell<FxHashSet<ItemKey>>,
+}
+
+/// Puts a value at a place of a list that may be too short.
+fn put<T: Clone>(list: &mut Vec<T>, place: usize, value: T, rest: T) {
+    if list.len() <= place {
+        list.resize(place + 1, rest);
+    }
+    list[place] = value;
+}
+
+impl DomainMesh {
+    /// A submesh whose vertices and tetrahedra, given by name, have these carriers and regions.
+    pub(super) fn new(
+        inner: LocalMesh,
+        complex: Arc<Complex>,
+        me: WorkerId,
+        carrier: impl Fn(VertexName) -> Carrier,
+        region: impl Fn([VertexName; 4]) -> u32,
+    ) -> Self {
+        let mut carriers = vec![Carrier::Free];
+        let numbers = 1..=inner.num_vertices();
+        carriers.extend(numbers.map(|v| carrier(inner.name(VertexId::at(v)))));
+        let mut regions = Vec::new();
+        for (t, v) in inner.tets().tets().filter(|(_, v)| v[3] != INFINITE) {
+            put(&mut regions, t.index(), region(v.map(|v| inner.name(v))), 0);
+        }
+        let (asked, refused) = (Vec::new(), RefCell::default());
+        let (end, is_at_once) = (None, false);
+        Self { inner, complex, me, carriers, regions, asked, end, is_at_once, refused }
+    }
+
+    /// The region of a tetrahedron.
+    pub(super) fn region(&self, t: TetId) -> u32 {
+        self.regions.get(t.index()).copied().unwrap_or_default()
+    }
+
+    pub(super) fn carrier(&self, v: VertexId) -> Carrier {
+        self.carriers.get(v.index()).copied().unwrap_or(Carrier::Free)
+    }
+
+    pub(super) fn point(&self, v: VertexId) -> Point {
+        self.inner.tets().point(v)
+    }
+
+    pub(super) fn asked(&self) -> &[Marked] {
+        &self.asked
+    }
+
+    pub(super) fn end(&self) -> Option<End> {
+        self.end
+    }
+
+    /// Notes that a boundary item cannot be split.
+    pub(super) fn refuse(&self, key: ItemKey) {
+        self.refused.borrow_mut().insert(key);
+    }
+
+    pub(super) fn refused(&self) -> usize {
+        self.refused.borrow().len()
+    }
+
+    /// Do vertices `v` of a tetrahedron in conflict with a point have boundary items?
+    fn mark(&self, t: TetId, v: [VertexId; 4], edges: &mut FxHashSet<ItemKey>) -> Vec<Marked> {
+        let carriers = v.map(|v| self.carrier(v));
+        let is_on = [0, 1, 2, 3].map(|k| v[k] != INFINITE && carriers[k] != Carrier::Free);
+        if is_on.iter().filter(|on| **on).count() < 2 {
+            return Vec::new();
+        }
+        let name = |k: usize| self.inner.name(v[k]);
+        let mut found = Vec::new();
+        let refused = self.refused.borrow();
+        let mut add = |key: ItemKey, of: u32| {
+            found.push(Marked { key, of, tet: t, is_refused: refused.contains(&key) });
+        };
+        for [i, j] in EDGES.into_iter().filter(|edge| edge.iter().all(|&k| is_on[k])) {
+            if let Some(s) = self.complex.segment([carriers[i], carriers[j]]) {
+                let key = segment_key([name(i), name(j)]);
+                if edges.insert(key) {
+                    add(key, s);
+                }
+            }
+        }
+        for face in OTHERS.into_iter().filter(|face| face.iter().all(|&k| is_on[k])) {
+            if let Some(f) = self.complex.facet(face.map(|k| (carriers[k], self.point(v[k])))) {
+                add(subface_key(face.map(name)), f);
+            }
+        }
+        found
+    }
+
+    /// Adds to a piece what the boundary and the regions are there.
+    fn describe(&self, piece: Piece) -> DomainPiece {
+        let number = |vertex: &WireVertex| self.inner.number(vertex.name).unwrap_or(INFINITE);
+        let carriers = piece.vertices.iter().map(|vertex| self.carrier(number(vertex))).collect();
+        let (mut marked, mut edges) = (Vec::new(), FxHashSet::default());
+        for &t in &piece.tets {
+            marked.extend(self.mark(t, self.inner.tets().vertices(t), &mut edges));
+        }
+        let first = piece.tets.first().map_or(0, |&t| self.region(t));
+        let mut regions = vec![first];
+        if piece.tets.iter().any(|&t| self.region(t) != first) {
+            let faces = piece.tets.iter().flat_map(|&t| {
+                let names = self.inner.tets().vertices(t).map(|v| self.inner.name(v));
+                OTHERS.map(|face| (subface_key(face.map(|k| names[k])), self.region(t)))
+            });
+            // A face between two of them is none of the sides.
+            let faces: rustc_hash::FxHashMap<ItemKey, u32> = faces.collect();
+            let key = |v: [u32; 3]| subface_key(v.map(|k| piece.vertices[k as usize].name));
+            let of = |v| faces.get(&key(v)).copied().unwrap_or_default();
+            regions = piece.sides.iter().map(|side| of(side.v)).collect();
+        }
+        DomainPiece { piece, carriers, regions, marked }
+    }
+
+    /// The patches of a cavity that is filled.
+    fn filled(
+        &mut self,
+        point: &DomainPoint,
+        parts: &[(WorkerId, Vec<DomainPiece>)],
+        whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
+        directory: &Directory,
+    ) -> Vec<(WorkerId, DomainPatch)> {
+        let plain =
+            |pieces: &Vec<DomainPiece>| pieces.iter().map(|own| own.piece.clone()).collect();
+        let inner: Vec<(WorkerId, Vec<Piece>)> =
+            parts.iter().map(|(worker, pieces)| (*worker, plain(pieces))).collect();
+        let patches = self.inner.fill(&point.vertex, &inner, whereabouts, directory);
+        let found = regions(parts);
+        let pieces = || parts.iter().flat_map(|(_, pieces)| pieces);
+        let named = |own: &DomainPiece| -> Vec<(VertexName, Carrier)> {
+            let names = own.piece.vertices.iter().map(|vertex| vertex.name);
+            names.zip(own.carriers.iter().copied()).collect()
+        };
+        let mut carriers: rustc_hash::FxHashMap<VertexName, Carrier> =
+            pieces().flat_map(named).collect();
+        carriers.insert(point.vertex.name, point.carrier);
+        let complete = |patch: Patch| {
+            let regions = match &found {
+                Ok(region) => vec![*region],
+                Err(faces) => {
+                    let name = |k: u32| patch.vertices[k as usize].name;
+                    let key = |[_, a, b, c]: [u32; 4]| subface_key([a, b, c].map(name));
+                    let of = |v| faces.get(&key(v)).copied().unwrap_or_default();
+                    patch.create.iter().map(|new| of(new.v)).collect()
+                }
+            };
+            let carrier = |vertex: &WireVertex| carriers.get(&vertex.name).copied();
+            let of = |vertex: &WireVertex| carrier(vertex).unwrap_or(Carrier::Free);
+            let carriers = patch.vertices.iter().map(of).collect();
+            DomainPatch { patch, carriers, regions, ..nothing() }
+        };
+        patches.into_iter().map(|(worker, patch)| (worker, complete(patch))).collect()
+    }
+}
+
+impl DomainMesh {
+    /// The verdict on a point whose closure is locked, and the patches that follow.
+    fn decide(
+        &mut self,
+        point: &DomainPoint,
+        parts: &[(WorkerId, Vec<DomainPiece>)],
+        whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
+        directory: &Directory,
+    ) -> Vec<(WorkerId, DomainPatch)> {
+        let cavity = Cavity::of(&self.complex, parts);
+        let verdict = match point.carrier {
+            _ if parts.iter().all(|(_, pieces)| pieces.is_empty()) => Verdict::Useless,
+            Carrier::Free if cavity.is_bare() => Verdict::Fill,
+            _ => cavity.verdict(point),
+        };
+        let (mut patches, end) = match verdict {
+            Verdict::Fill if !point.may => (Vec::new(), End::Useless),
+            Verdict::Fill => (self.filled(point, parts, whereabouts, directory), End::Inserted),
+            Verdict::Defer(worker, marked) => {
+                let patch = DomainPatch { first: vec![marked], ..nothing() };
+                (vec![(worker, patch)], End::Behind(marked.key, worker == self.me))
+            }
+            Verdict::Bar => (Vec::new(), End::Barred),
+            Verdict::Useless => (Vec::new(), End::Useless),
+        };
+        if end != End::Inserted {
+            self.inner.forget(&point.vertex);
+        }
+        let own = patches.iter().position(|&(worker, _)| worker == self.me);
+        let own = own.unwrap_or_else(|| {
+            patches.push((self.me, nothing()));
+            patches.len() - 1
+        });
+        patches[own].1.end = Some(end);
+        patches.sort_unstable_by_key(|&(worker, _)| worker);
+        patches
+    }
+}
+
+/// A patch that changes nothing.
+fn nothing() -> DomainPatch {
+    DomainPatch {
+        patch: Patch::default(),
+        carriers: Vec::new(),
+        regions: Vec::new(),
+        first: Vec::new(),
+        end: None,
+    }
+}
+
+impl Submesh for DomainMesh {
+    type Tet = TetId;
+    type Point = DomainPoint;
+    type Piece = DomainPiece;
+    type Patch = DomainPatch;
+    type Cargo = Vec<Moving>;
+
+    /// No walk: a point of the boundary begins at its tetrahedron although that is locked. It waits
+    /// for the lock as an operation, whose age counts, and not outside.
+    fn walk(&mut self, point: &DomainPoint, _: Option<Name>) -> Walk<TetId> {
+        Walk::At(point.seed)
+    }
+
+    /// If nothing of the closure is locked or another worker's, the verdict falls at once.
+    fn insert(&mut self, point: &DomainPoint, seed: TetId, directory: &Directory) -> Insert<TetId> {
+        self.is_at_once = false;
+        let waits = point.carrier != Carrier::Free;
+        if waits && self.inner.holder(seed).is_some() {
+            return Insert::Blocked;
+        }
+        match self.inner.probe(&point.vertex, seed) {
+            Insert::Blocked => {}
+            Insert::Locked(_) if waits => return Insert::Blocked,
+            other => return other,
+        }
+        let (mut held, mut foreign, mut pieces) = (Vec::new(), Vec::new(), Vec::new());
+        let mut found = Found { held: &mut held, foreign: &mut foreign, pieces: &mut pieces };
+        let nobody = Ticket { clock: 0, worker: self.me, sequence: 0 };
+        let all = self.lock_all(seed, point, nobody, &mut found);
+        let parts = [(self.me, pieces)];
+        let done = match all && foreign.is_empty() {
+            true => self.decide(point, &parts, &|_| None, directory),
+            false => Vec::new(),
+        };
+        held.iter().for_each(|&t| self.inner.set_holder(t, None));
+        let mut done = done.into_iter();
+        // New tetrahedra may belong to others even here.
+        let (Some((worker, patch)), None) = (done.next(), done.next()) else {
+            return Insert::Blocked;
+        };
+        if worker != self.me {
+            return Insert::Blocked;
+        }
+        self.is_at_once = true;
+        // Nothing gets a name, and nothing belongs to a block that moves.
+        self.apply::<Correct>(patch, directory, &mut Vec::new(), &mut Vec::new());
+        Insert::Done
+    }
+
+    fn forget(&mut self, point: &DomainPoint) {
+        self.inner.forget(&point.vertex);
+    }
+
+    fn resolve(&self, name: Name) -> Option<TetId> {
+        self.inner.resolve(name)
+    }
+
+    fn holder(&self, t: TetId) -> Option<Ticket> {
+        self.inner.holder(t)
+    }
+
+    fn set_holder(&mut self, t: TetId, holder: Option<Ticket>) {
+        self.inner.set_holder(t, holder);
+    }
+
+    fn lock(&mut self, t: TetId, holder: Ticket, in_conflict: bool) {
+        self.inner.lock(t, holder, in_conflict);
+    }
+
+    fn in_conflict(&mut self, t: TetId, point: &DomainPoint) -> bool {
+        self.inner.in_conflict(t, &point.vertex)
+    }
+
+    fn neighbours(&self, t: TetId, f: impl FnMut(Neighbour<TetId>)) {
+        self.inner.neighbours(t, f);
+    }
+
+    fn corners(parts: &[(WorkerId, Vec<DomainPiece>)]) -> Vec<u64> {
+        let pieces = parts.iter().flat_map(|(_, pieces)| pieces);
+        LocalMesh::names_of(pieces.flat_map(|own| own.piece.vertices.iter().map(|v| v.name)))
+    }
+
+    fn neighbours_around(&self, t: TetId, corners: &[u64], f: impl FnMut(Neighbour<TetId>)) {
+        self.inner.neighbours_around(t, corners, f);
+    }
+
+    fn in_the_way(&mut self, point: &DomainPoint, seed: TetId) -> Option<Insert<TetId>> {
+        let waits = point.carrier != Carrier::Free;
+        if waits { Some(Insert::Blocked) } else { self.inner.in_the_way(&point.vertex, seed) }
+    }
+
+    fn lock_all(
+        &mut self,
+        seed: TetId,
+        point: &DomainPoint,
+        holder: Ticket,
+        found: &mut Found<'_, Self>,
+    ) -> bool {
+        // It may have been removed while the operation waited for its lock: nothing is found.
+        if !self.inner.tets().is_live(seed) {
+            return true;
+        }
+        let Found { held, foreign, pieces } = found;
+        let mut own = Vec::new();
+        let mut inner = Found { held, foreign, pieces: &mut own };
+        let all = self.inner.lock_all(seed, &point.vertex, holder, &mut inner);
+        pieces.extend(own.into_iter().map(|piece| self.describe(piece)));
+        all
+    }
+
+    fn pieces(&mut self, tets: &[TetId]) -> Vec<DomainPiece> {
+        let own = self.inner.pieces(tets);
+        own.into_iter().map(|piece| self.describe(piece)).collect()
+    }
+
+    fn fill(
+        &mut self,
+        point: &DomainPoint,
+        parts: &[(WorkerId, Vec<DomainPiece>)],
+        whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
+        directory: &Directory,
+    ) -> Vec<(WorkerId, DomainPatch)> {
+        self.decide(point, parts, whereabouts, directory)
+    }
+
+    fn apply<C: Rules>(
+        &mut self,
+        patch: DomainPatch,
+        directory: &Directory,
+        made: &mut Vec<Name>,
+        strays: &mut Vec<BlockId>,
+    ) {
+        let DomainPatch { patch, carriers, regions, first, end } = patch;
+        let vertices = patch.vertices.clone();
+        self.inner.apply::<C>(patch, directory, made, strays);
+        (self.asked, self.end) = (first, end);
+        if self.inner.error().is_some() {
+            return;
+        }
+        for (vertex, carrier) in vertices.iter().zip(carriers) {
+            if let Some(v) = self.inner.number(vertex.name).filter(|&v| v != INFINITE) {
+                put(&mut self.carriers, v.index(), carrier, Carrier::Free);
+            }
+        }
+        for (k, &t) in self.inner.installed().iter().enumerate() {
+            let ghost = self.inner.tets().vertices(t)[3] == INFINITE;
+            let region = regions.get(k).or(regions.first()).copied().unwrap_or_default();
+            put(&mut self.regions, t.index(), if ghost { 0 } else { region }, 0);
+        }
+    }
+
+    /// No block moves.
+    fn is_block_locked(&self, _: BlockId) -> bool {
+        true
+    }
+
+    fn extract<C: Rules>(
+        &mut self,
+        block: BlockId,
+        moved: &mut dyn FnMut(TetId, Handle),
+    ) -> Vec<Moving> {
+        self.inner.extract::<C>(block, moved)
+    }
+
+    fn adopt(&mut self, cargo: Vec<Moving>, made: &mut Vec<Name>) {
+        self.inner.adopt(cargo, made);
+    }
+
+    fn made_at_once(&self) -> &[TetId] {
+        if self.is_at_once { self.inner.installed() } else { &[] }
+    }
+
+    fn installed(&self) -> &[TetId] {
+        self.inner.installed()
+    }
+
+    fn error(&self) -> Option<SubmeshError> {
+        self.inner.error()
+    }
+
+    fn take_costs(&mut self) -> Costs {
+        self.inner.take_costs()
+    }
+}
+
+impl Payload for DomainMesh {
+    /// What it splits and its carrier matter at home alone.
+    fn point_bytes(point: &DomainPoint) -> u64 {
+        LocalMesh::point_bytes(&point.vertex)
+    }
+
+    fn piece_bytes(own: &DomainPiece) -> u64 {
+        LocalMesh::piece_bytes(&own.piece)
+            + carriers_bytes(&own.carriers)
+            + 4 * own.regions.len() as u64
+            + 2
+            + MARKED * own.marked.len() as u64
+    }
+
+    fn patch_bytes(own: &DomainPatch) -> u64 {
+        LocalMesh::patch_bytes(&own.patch)
+            + carriers_bytes(&own.carriers)
+            + 4 * own.regions.len() as u64
+            + 2
+            + MARKED * own.first.len() as u64
+    }
+
+    fn cargo_bytes(cargo: &Vec<Moving>) -> u64 {
+        LocalMesh::cargo_bytes(cargo)
+    }
+}
+
+impl SubmeshSize for DomainMesh {
+    fn tets(&self) -> u64 {
+        self.inner.num_tets() as u64
+    }
+
+    fn interface_faces(&self) -> u64 {
+        self.inner.num_interface_faces() as u64
+    }
+}
+
+impl Inspect for DomainMesh {
+    fn seen(&self) -> Vec<Seen<TetId>> {
+        self.inner.seen()
+    }
+
+    fn made(patch: &DomainPatch) -> Vec<Sent> {
+        LocalMesh::made(&patch.patch)
+    }
+
+    fn named(patch: &DomainPatch) -> Vec<Name> {
+        LocalMesh::named(&patch.patch)
+    }
+
+    fn carried(cargo: &Vec<Moving>) -> Vec<Sent> {
+        LocalMesh::carried(cargo)
+    }
+}

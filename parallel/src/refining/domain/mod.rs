@@ -1,0 +1,170 @@
+//! The paper's mode on domains: bad tetrahedra and the boundary split on many processors at once.
+//!
+//! The sequential engine brings the boundary into the mesh; then workers own parts of it. Every
+//! worker's source is the list of its own bad tetrahedra, and of boundary items that others have
+//! asked for (`list`). An operation begins at the tetrahedron, or at one that has the boundary item,
+//! at its owner. When its closure is locked its home takes the *verdict* (`verdict`): the owners
+//! have told which faces and edges of the cavity are subfaces and subsegments, which the carriers of
+//! their vertices tell (`Complex` of `ltbw_domain`). A point inside a region that encroaches one,
+//! and a point of the boundary that would take another one out of the mesh, is not inserted: the
+//! item goes first, in the list of the owner of a tetrahedron at it, and the other is asked again
+//! afterwards. So everything that was in the mesh at the start stays in it, at any time.
+//!
+//! Nothing is told when an item is split. What waits for an item of the same worker is asked again
+//! when that is done; what waits for another worker's begins again at once, and goes to that
+//! worker for its locks. An item that cannot be split bars what it is in the way of.
+//!
+//! Which points are made depends on the timing: the mesh conforms to the domain and keeps the
+//! bounds, but it is not the same one twice.
+
+mod list;
+mod mesh;
+mod values;
+mod verdict;
+
+pub use list::{BadItems, Splits};
+pub use mesh::DomainMesh;
+pub use values::{DomainPatch, DomainPiece, DomainPoint};
+
+use super::RefineError;
+use crate::mesh::{Gathered, Layout, Prepared, SharedInput, VertexName, gather, given};
+use crate::metrics::Summary;
+use crate::protocol::{Config, Rule, Rules, Worker};
+use crate::simulate::{MeshError, Options, Simulation, simulate};
+use ltbw_core::topology::INFINITE;
+use ltbw_domain::refine::{Complex, Refiner, Start};
+use ltbw_domain::{Domain, Lattice};
+use ltbw_exact::{Mode, Point, PointSet};
+use rustc_hash::FxHashMap;
+use std::sync::Arc;
+
+/// A domain that many processors have refined.
+#[derive(Debug)]
+pub struct RefinedDomain {
+    /// The Delaunay mesh of all points, exterior included, in the coordinates of the domain.
+    pub gathered: Gathered,
+    /// The points, in the coordinates of the domain.
+    pub points: Vec<Point>,
+    /// The tetrahedra of the domain, and their regions.
+    pub tets: Vec<([u32; 4], u32)>,
+    /// Tetrahedra that are over their bounds.
+    pub over: u64,
+    /// Boundary items that could not be split.
+    pub refused: u64,
+    /// The figures of the splits, over all workers.
+    pub splits: Splits,
+    /// Points at the start.
+    pub started: usize,
+}
+
+/// The same on simulated processors.
+#[derive(Debug)]
+pub struct SimulatedDomain {
+    /// The mesh.
+    pub refined: RefinedDomain,
+    /// The figures of time.
+    pub summary: Summary,
+    /// Events of the simulation.
+    pub events: u64,
+}
+
+/// A worker that refines a domain.
+pub type DomainNode<C> = Worker<DomainMesh, BadItems, C>;
+
+/// Refines a domain on simulated processors, from the mesh that the sequential engine has at
+/// `start` vertices. Virtual time is that of the processors, from there on.
+///
+/// # Errors
+/// [`RefineError`] if the domain has no mesh, or one that only the rounds can refine, or if the run
+/// has not ended properly.
+pub fn simulate_domain<C: Rules>(
+    refiner: &Refiner<'_>,
+    (domain, lattice): (&Domain, &Lattice),
+    start: usize,
+    layout: impl Fn(usize) -> (Layout, Config),
+    options: &Options,
+) -> Result<SimulatedDomain, RefineError> {
+    // Nothing depends on the number of points.
+    if layout(0).1.rule == Rule::Paper {
+        return Err(RefineError::Ageless);
+    }
+    let (complex, start) = refiner.complex(domain, lattice, start)?;
+    let (layout, config) = layout(start.points.len());
+    let (workers, common) = prepare::<C>(complex, &start, &layout, config)?;
+    let options = Options { balance: None, storm: None, ..options.clone() };
+    let run = simulate(workers, &options).map_err(MeshError::from)?;
+    let Simulation { workers, summary, events, .. } = run;
+    let refined = collect(workers, common, start.points.len())?;
+    Ok(SimulatedDomain { refined, summary, events })
+}
+
+/// Workers with parts of the mesh at the start.
+fn prepare<C: Rules>(
+    complex: Complex,
+    start: &Start,
+    layout: &Layout,
+    config: Config,
+) -> Result<(Vec<DomainNode<C>>, SharedInput), RefineError> {
+    let set = PointSet::new(start.points.clone()).map_err(|_| RefineError::Range)?;
+    // The coordinates at the start are those that the kernel computes with.
+    if set.mode() != Mode::Normal {
+        return Err(RefineError::Range);
+    }
+    let Prepared { workers, mut common, .. } = layout.prepare_all(&set, None)?;
+    common.mode = start.mode;
+    let config = Config { workers: layout.workers, ..config };
+    let complex = Arc::new(complex);
+    let regions: FxHashMap<[u32; 4], u32> = start.tets.iter().copied().collect();
+    let number = |name: VertexName| given(name).map(|place| common.numbers[place as usize - 1]);
+    let carrier = |name| number(name).map(|k| start.carriers[k as usize]);
+    let region = |names: [VertexName; 4]| {
+        let mut corners = names.map(|name| number(name).unwrap_or(u32::MAX));
+        corners.sort_unstable();
+        regions.get(&corners).copied().unwrap_or_default()
+    };
+    let workers = workers.into_iter().map(|(directory, mesh, _)| {
+        let (me, complex) = (directory.me(), Arc::clone(&complex));
+        let free = ltbw_domain::refine::Carrier::Free;
+        let mesh = DomainMesh::new(mesh, complex, me, |v| carrier(v).unwrap_or(free), region);
+        let source = BadItems::new(me, start.most, &mesh);
+        Worker::new(config, directory, mesh, source)
+    });
+    Ok((workers.collect(), common))
+}
+
+/// Puts together what workers have at the end.
+fn collect<C: Rules>(
+    workers: Vec<DomainNode<C>>,
+    common: SharedInput,
+    started: usize,
+) -> Result<RefinedDomain, RefineError> {
+    let mode = common.mode;
+    let mut at: FxHashMap<VertexName, Point> = FxHashMap::default();
+    let mut named: Vec<([VertexName; 4], u32)> = Vec::new();
+    let (mut splits, mut over, mut refused) = (Splits::default(), 0, 0);
+    let mut meshes = Vec::new();
+    for worker in workers {
+        let (mesh, source, _) = worker.into_parts();
+        for (t, v) in mesh.inner.tets().tets().filter(|(_, v)| v[3] != INFINITE) {
+            let region = mesh.region(t);
+            let points = v.map(|v| mesh.point(v));
+            over += u64::from(mesh.complex.is_over(points.each_ref(), region));
+            if region != 0 {
+                let names = v.map(|v| mesh.inner.name(v));
+                at.extend(names.into_iter().zip(points));
+                named.push((names, region));
+            }
+        }
+        refused += mesh.refused() as u64;
+        splits.add(&source.splits);
+        meshes.push(mesh.inner);
+    }
+    // Given vertices have their own numbers, others those after them.
+    let mut names: Vec<VertexName> = at.keys().copied().collect();
+    names.sort_unstable();
+    let places: FxHashMap<VertexName, u32> = names.iter().copied().zip(0..).collect();
+    let points = names.iter().map(|name| mode.from_kernel(at[name])).collect();
+    let tets = named.iter().map(|(v, region)| (v.map(|name| places[&name]), *region)).collect();
+    let gathered = gather(meshes, common).map_err(MeshError::from)?;
+    Ok(RefinedDomain { gathered, points, tets, over, refused, splits, started })
+}

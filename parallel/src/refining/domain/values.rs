@@ -1,0 +1,101 @@
+//! The values that workers send each other about a domain: those of the mesh, and what the boundary
+//! adds.
+
+use crate::mesh::{Patch, Piece, VertexName, WireVertex};
+use ltbw_core::topology::TetId;
+use ltbw_domain::refine::Carrier;
+
+/// A boundary item by the names of its vertices, ascending, those of a segment after a 0; for a
+/// tetrahedron all are 0.
+pub(super) type ItemKey = [VertexName; 3];
+
+/// The key of a subsegment.
+pub(super) fn segment_key([a, b]: [VertexName; 2]) -> ItemKey {
+    if a < b { [0, a, b] } else { [0, b, a] }
+}
+
+/// The key of a subface.
+pub(super) fn subface_key(mut corners: [VertexName; 3]) -> ItemKey {
+    corners.sort_unstable();
+    corners
+}
+
+/// A point that is to split something.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct DomainPoint {
+    pub(super) vertex: WireVertex,
+    pub(super) carrier: Carrier,
+    /// The boundary item that it is to split.
+    pub(super) item: ItemKey,
+    /// The tetrahedron at its home where its operation begins.
+    pub(super) seed: TetId,
+    /// The bits of the middle of what it is to split: of several items in the way the nearest goes
+    /// first.
+    pub(super) from: [u64; 3],
+    /// May it be inserted? Else it only finds what is in the way.
+    pub(super) may: bool,
+}
+
+/// A boundary item at a tetrahedron in conflict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Marked {
+    pub(super) key: ItemKey,
+    /// Its segment or facet.
+    pub(super) of: u32,
+    /// The tetrahedron, at its owner.
+    pub(super) tet: TetId,
+    /// It cannot be split, as this owner knows.
+    pub(super) is_refused: bool,
+}
+
+/// One owner's tetrahedra in conflict, with the boundary.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct DomainPiece {
+    pub(super) piece: Piece,
+    /// The carriers of its vertices.
+    pub(super) carriers: Vec<Carrier>,
+    /// The regions of the tetrahedra at its sides; one if all are equal.
+    pub(super) regions: Vec<u32>,
+    /// Its subsegments, each once, and its subfaces, once for each tetrahedron at them.
+    pub(super) marked: Vec<Marked>,
+}
+
+/// The end of an operation whose closure was locked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum End {
+    /// The point is a vertex.
+    Inserted,
+    /// The point does not do what it was made for; another one may.
+    Useless,
+    /// A boundary item goes first. Is it this worker that splits it?
+    Behind(ItemKey, bool),
+    /// A boundary item is in the way that cannot be split.
+    Barred,
+}
+
+/// The changes of one worker's submesh, and its boundary items that go first.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct DomainPatch {
+    pub(super) patch: Patch,
+    /// The carriers of its vertices.
+    pub(super) carriers: Vec<Carrier>,
+    /// The regions of its new tetrahedra; one if all are equal.
+    pub(super) regions: Vec<u32>,
+    /// Boundary items of its list that go first.
+    pub(super) first: Vec<Marked>,
+    /// The end of the operation, for its home.
+    pub(super) end: Option<End>,
+}
+
+/// Bytes of carriers, most of which are free.
+pub(super) fn carriers_bytes(all: &[Carrier]) -> u64 {
+    let bytes = |carrier: &Carrier| match carrier {
+        Carrier::Free => 1,
+        Carrier::Corner(_) | Carrier::Facet(_) => 5,
+        Carrier::Segment(..) => 9,
+    };
+    all.iter().map(bytes).sum()
+}
+
+/// Bytes of a boundary item in a message: indices of its vertices, segment or facet, tetrahedron.
+pub(super) const MARKED: u64 = 3 * 2 + 4 + 4 + 1;
