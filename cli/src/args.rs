@@ -119,7 +119,6 @@ Examples:
   ltbw simulate --processors 64 --latency 100us --points 1000000 --json run.json
   ltbw simulate --rule paper --distribution heavy-tail --trace t.json
   ltbw simulate --rule paper --closure vertex --ownership creator     all as in the paper
-  ltbw simulate --domain cube-octahedron --max-volume 1e-4   rounds of refinement
   ltbw simulate --domain cube-octahedron --max-volume 1e-4 --mode async   the paper's
 
 Time is virtual: work and messages cost what the printed cost model says. One seed gives one run,

@@ -5,36 +5,20 @@ use crate::bounds::Asked;
 use crate::console;
 use crate::json::{check_report, write_json};
 use crate::outcome::{Exit, Failure};
+use crate::plc::plc_of;
 use crate::progress::Stage;
 use crate::streams::{Formats, Source};
-use ltbw::domain::{Domain, Prepared};
+use ltbw::domain::Prepared;
 use ltbw::refine::Refined;
 use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
-use verify::{Conformity, ConformityDefect, Finding, Limits, Plc, PlcFacet};
+use verify::{Conformity, ConformityDefect, Finding, Limits};
 
 /// Breaches that people are shown.
 const SHOWN: usize = 10;
-
-/// A domain as the checker takes it.
-pub fn plc_of(domain: &Domain, flat_tolerance: f64) -> Plc {
-    let facet = |f: &ltbw::domain::Facet| PlcFacet {
-        polygons: f.polygons.clone(),
-        holes: f.holes.clone(),
-        marker: f.marker,
-    };
-    Plc {
-        vertices: domain.vertices.clone(),
-        facets: domain.facets.iter().map(facet).collect(),
-        segments: domain.segments.iter().map(|(ends, _)| *ends).collect(),
-        holes: domain.holes.clone(),
-        regions: domain.regions.iter().map(|r| r.seed).collect(),
-        flat_tolerance,
-    }
-}
 
 /// `ltbw check MESH --plc DOMAIN`.
 pub(crate) fn check(

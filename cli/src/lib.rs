@@ -51,6 +51,7 @@ mod numbers;
 mod outcome;
 mod page;
 mod picture;
+mod plc;
 mod progress;
 mod refusal;
 mod report;
@@ -70,7 +71,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 #[doc(hidden)]
-pub use conform::plc_of;
+pub use plc::plc_of;
 pub use refusal::Refusal;
 
 /// Understands a command line, the program's name first, and runs nothing.

@@ -40,13 +40,12 @@ pub(crate) struct Simulate {
     pub(crate) kind: PointKind,
     /// Refine a domain: a file, or a kind as of `generate`
     ///
-    /// In rounds one engine, not the processors, chooses the points of each round beforehand; the
-    /// time is that of their insertion alone. All processors wait for the end of each round.
+    /// In rounds all points are chosen beforehand; the time is that of their insertion alone.
     #[arg(long, value_name = "FILE|KIND")]
     #[arg(conflicts_with_all = ["points", "kind", "page", "trace", "sample", "cursors", "abreast"])]
     #[arg(hide_short_help = true)]
     pub(crate) domain: Option<PathBuf>,
-    /// How the processors refine the domain
+    /// Insert rounds chosen beforehand, or refine as the paper does (async)
     #[arg(long, value_enum, default_value_t, requires = "domain", hide_short_help = true)]
     pub(crate) mode: Mode,
     /// Largest volume of a tetrahedron of the domain
@@ -57,7 +56,7 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "B", requires = "domain", allow_negative_numbers = true)]
     #[arg(hide_short_help = true)]
     pub(crate) radius_edge: Option<f64>,
-    /// Vertices before the first round, or before the processors begin, at least
+    /// Vertices at which the processors begin, at least
     #[arg(long, value_name = "N", requires = "domain", default_value_t = START)]
     #[arg(hide_short_help = true)]
     pub(crate) start: usize,
@@ -113,10 +112,10 @@ pub(crate) struct Simulate {
     #[arg(long)]
     #[arg(hide_short_help = true)]
     pub(crate) no_balance: bool,
-    /// Write the report as JSON (schema ltbw.simulation/1), `-` for stdout
+    /// Write the report as JSON (ltbw.simulation/1)
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,
-    /// Write a timeline for Perfetto or chrome://tracing: a track for each worker
+    /// Write a timeline for Perfetto: a track for each worker
     #[arg(long, value_name = "FILE|-")]
     pub(crate) trace: Option<PathBuf>,
     /// Write a page to look at: a timeline by worker, and with more runs LT over latency and the
@@ -125,13 +124,13 @@ pub(crate) struct Simulate {
     pub(crate) page: Option<PathBuf>,
 }
 
-/// How simulated processors refine a domain.
+/// The mode in which simulated processors refine a domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Mode {
-    /// Rounds that one engine has chosen: one mesh
+    // Rounds that one engine has chosen: one mesh.
     #[default]
     Rounds,
-    /// The paper's: each processor its own bad tetrahedra, as they come; another mesh each time
+    // The paper's: each processor its own bad tetrahedra, as they come; another mesh each time.
     Async,
 }
 

@@ -4,10 +4,10 @@
 use super::domain::ready;
 use super::report::Report;
 use super::{Run, Simulate, end, layout, options, options_alone};
-use crate::conform::plc_of;
 use crate::console;
 use crate::figures::{cost_model, tables};
 use crate::outcome::{Exit, Failure, show};
+use crate::plc::plc_of;
 use crate::progress::Stage;
 use ltbw::domain::Prepared;
 use ltbw::mesh::{Layout, Ownership};

@@ -258,8 +258,8 @@ impl Source<DomainMesh> for BadItems {
 
     fn item(&self, mesh: &DomainMesh, point: &DomainPoint) -> Item<TetId> {
         match self.under_way.get(&point.vertex.name) {
-            // What waits for a boundary item asks for its locks again and again, so that the item
-            // would wait for ever if it did not ask for them: see `DomainMesh::walk`.
+            // One that waits for a boundary item asks for its locks again and again, so that the
+            // item would wait for ever if it did not ask for them: see `DomainMesh::walk`.
             Some(entry) if entry.stands(mesh) => match mesh.inner.tets().holder(entry.tet) {
                 Some(_) if !entry.is_tet() => Item::Free,
                 _ => Item::At(entry.tet),

@@ -438,7 +438,7 @@ impl Submesh for DomainMesh {
 }
 
 impl Payload for DomainMesh {
-    /// What it splits and its carrier matter at home alone.
+    /// The item and the carrier matter at home alone.
     fn point_bytes(point: &DomainPoint) -> u64 {
         LocalMesh::point_bytes(&point.vertex)
     }
