@@ -299,7 +299,7 @@ fn narrow_folds_around_a_corner_are_recovered_by_points_on_arcs() {
         check_all(refined.mesh()).expect("invariants of the mesh");
         assert_eq!(refined.outcome, RefineOutcome::Excused, "{seed}: {:?}", refined.lost.first());
         let elsewhere = refined.excuses.iter().filter(|e| !e.reason.is_corner()).count();
-        assert!(elsewhere <= 4, "{seed} {start}: {elsewhere}");
+        assert!(elsewhere <= 6, "{seed} {start}: {elsewhere}");
         assert!(
             refined.excuses.len() * 100 <= refined.num_tets(),
             "{seed}: {}",
