@@ -129,7 +129,7 @@ fn tetrahedralized(source: Source, asked: &Asked, run: Run) -> Result<Meshed, Fa
                 let constant = move |_| edge_length.unwrap_or(f64::INFINITY);
                 let field: Option<&ltbw_bindings::Field<'_>> =
                     if edge_length.is_some() { Some(&constant) } else { None };
-                let refined = ready.refine(wishes, field, &reins.progress, &reins.cancel)?;
+                let refined = ready.refine(wishes, field, false, &reins.progress, &reins.cancel)?;
                 ready.finish(wishes, refined)
             })
         });
@@ -147,7 +147,8 @@ fn tetrahedralized(source: Source, asked: &Asked, run: Run) -> Result<Meshed, Fa
         looked: Mutex::new(Instant::now()),
         failure: Mutex::new(None),
     };
-    let refined = ready.refine(wishes, Some(&|p| function.at(p)), &reins.progress, &reins.cancel);
+    let field = |p| function.at(p);
+    let refined = ready.refine(wishes, Some(&field), true, &reins.progress, &reins.cancel);
     if let Some(failure) = function.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
         return Err(failure);
     }

@@ -111,7 +111,8 @@ impl Ready {
         Ok(Box::new(move |p| background.at(p)))
     }
 
-    /// Refines, with a sizing field or without. The observer is called by this thread.
+    /// Refines, with a sizing field or without. The observer is called by this thread, and so is
+    /// the field if `here`.
     ///
     /// # Errors
     /// Bounds that no mesh can meet; work cancelled before there is a mesh.
@@ -119,6 +120,7 @@ impl Ready {
         &self,
         wishes: &Wishes,
         field: Option<&Field<'_>>,
+        here: bool,
         observer: &dyn Observer,
         cancel: &CancelToken,
     ) -> Result<Refined, Failure> {
@@ -136,6 +138,9 @@ impl Ready {
         }
         if let Some(field) = field {
             refiner = refiner.sizing(field);
+        }
+        if here {
+            refiner = refiner.one_thread();
         }
         Ok(refiner.refine(&self.prepared.domain, &self.prepared.lattice)?)
     }

@@ -106,7 +106,7 @@ pub(crate) fn tetrahedralize(
                 return Ok((ready, None));
             }
             let refined =
-                ready.refine(&wishes, field.as_deref(), &reins.progress, &reins.cancel)?;
+                ready.refine(&wishes, field.as_deref(), false, &reins.progress, &reins.cancel)?;
             Ok((ready, Some(refined)))
         })
     };
@@ -151,7 +151,7 @@ fn with_function(
     let asked = Function::new(function, ready.offset(), &reins, tell);
     let refined = py.detach(|| {
         let field = |p| asked.at(p);
-        unpanicked(|| Ok(ready.refine(wishes, Some(&field), &asked, &reins.cancel)?))
+        unpanicked(|| Ok(ready.refine(wishes, Some(&field), true, &asked, &reins.cancel)?))
     });
     asked.raised().map_or(refined, Err)
 }

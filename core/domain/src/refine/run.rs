@@ -1,6 +1,7 @@
 //! The driver: recover the boundary, find the regions, split what is over its bounds.
 
 mod budget;
+mod finish;
 mod scripted;
 
 use super::RefineError;
@@ -8,7 +9,7 @@ use super::bounds::{Bounds, SizeField, check_limits, check_tolerance};
 use super::carrier::{Carrier, UNIT};
 use super::item::{Item, Queues, Work};
 use super::measure::{RatioBound, VolumeBound};
-use super::outcome::{Reason, RefineOutcome, RefineStats};
+use super::outcome::{Reason, RefineStats};
 use super::output::Refined;
 use super::patch::{DISSOLVED, Unfound};
 use super::plc::Plc;
@@ -63,6 +64,7 @@ pub struct Refiner<'a> {
     observer: Option<&'a dyn Observer>,
     order: InsertOrder,
     start: usize,
+    one_thread: bool,
 }
 
 impl std::fmt::Debug for Refiner<'_> {
@@ -91,6 +93,7 @@ impl Default for Refiner<'_> {
             observer: None,
             order: InsertOrder::default(),
             start: START,
+            one_thread: false,
         }
     }
 }
@@ -132,6 +135,13 @@ impl<'a> Refiner<'a> {
     /// [`Prepared::lattice`]: crate::Prepared::lattice
     pub fn sizing(mut self, field: &'a SizeField<'a>) -> Self {
         self.field = Some(field);
+        self
+    }
+
+    /// Refines on the calling thread alone, which is then the only one that asks a sizing function.
+    /// By default all threads of the pool refine and ask. The mesh is the same.
+    pub fn one_thread(mut self) -> Self {
+        self.one_thread = true;
         self
     }
 
@@ -392,7 +402,9 @@ impl Run<'_> {
         }
         let refiner = self.refiner;
         let tell = |vertices: usize| refiner.tell(Phase::Refine, vertices);
-        let rounds = Rounds::new(&mut self.refinement, order, self.most, self.stats);
+        let threads = if refiner.one_thread { 1 } else { rayon::current_num_threads() };
+        let stats = RefineStats { round_threads: threads, ..self.stats };
+        let rounds = Rounds::new(&mut self.refinement, order, self.most, stats);
         let (stop, stats, over, times) = rounds.run_in_pool(refiner.cancel, tell)?;
         (self.stop, self.over, self.rounds) = (stop, Some(over), times);
         self.stats = RefineStats { start_seconds, ..stats };
@@ -445,52 +457,5 @@ impl Run<'_> {
             self.stop = Some(Reason::Cancelled);
         }
         Ok(())
-    }
-
-    /// Collects what is over its bounds.
-    ///
-    /// # Errors
-    /// A sizing function that gives no lengths, or different ones for one place.
-    fn finish(self, regions: Vec<RegionInfo>, lattice: Lattice) -> Result<Refined, RefineError> {
-        let Refinement { mut state, bounds, record, inserted, .. } = self.refinement;
-        let (points, rounds) = (inserted.points, self.rounds);
-        let stats = RefineStats {
-            segment_points: points.segments,
-            facet_points: points.facets,
-            free_points: points.free,
-            ..self.stats
-        };
-        state.mesh.set_next_number(inserted.next_number);
-        state.number_vertices(state.plc.corners.len() as Vertex);
-        let order = state.tets_in_order(inserted.next_number);
-        let mut excuses = Vec::new();
-        if let Some(bounds) = &bounds {
-            state.settle_all_dust();
-            // At the end whatever is over its bounds was refused.
-            let refused = || record.refused_over(bounds, &state).map(|(t, _)| t).collect();
-            let over = self.over.or_else(|| self.stop.is_none().then(refused));
-            let cancel = self.refiner.cancel;
-            // A sizing function of a work that is cancelled may answer anything.
-            let sound = match &over {
-                Some(over) => state.check_field(bounds, &order, over),
-                None => bounds.check_sizes(&state, &order),
-            };
-            sound.or_else(|error| cancel.filter(|c| c.is_cancelled()).map(drop).ok_or(error))?;
-            excuses = state.excuses(bounds, &record, &order, over, self.stop);
-        }
-        let segments = state.missing_segments.iter().map(|&s| Item::Segment(s));
-        let missing = segments.chain(state.missing.iter().map(|&s| Item::Subface(s)));
-        let reason = |item: &Item| record.refused.get(item).map(|r| r.reason).or(self.stop);
-        let mut lost: Vec<(Item, Reason)> =
-            missing.map(|item| (item, reason(&item).unwrap_or(Reason::Rounding))).collect();
-        lost.sort_by_cached_key(|(item, _)| state.place_of(*item));
-        let outcome = match self.stop {
-            _ if !lost.is_empty() => RefineOutcome::Unrecovered,
-            Some(Reason::Cancelled) => RefineOutcome::Cancelled,
-            Some(_) if !excuses.is_empty() => RefineOutcome::Budget,
-            _ if excuses.is_empty() => RefineOutcome::Met,
-            _ => RefineOutcome::Excused,
-        };
-        Ok(Refined { outcome, excuses, lost, regions, stats, rounds, lattice, state, order })
     }
 }

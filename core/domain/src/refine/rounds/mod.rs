@@ -208,7 +208,8 @@ pub(crate) struct Rounds<'r, 'a> {
 }
 
 impl<'r, 'a> Rounds<'r, 'a> {
-    /// Rounds from the present state on, in which nothing is missing, with the figures so far.
+    /// Rounds from the present state on, in which nothing is missing, on as many threads as the
+    /// figures so far say.
     pub(crate) fn new(
         own: &'r mut Refinement<'a>,
         order: InsertOrder,
@@ -218,7 +219,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
         own.state.by_place = true;
         own.state.encroachment = Default::default();
         own.record = Default::default();
-        let (threads, expected) = (rayon::current_num_threads(), own.state.expected);
+        let (threads, expected) = (stats.round_threads.max(1), own.state.expected);
         let in_waves = own.state.plc.facets.iter().any(|facet| facet.patch.is_some());
         Self {
             own,
@@ -252,7 +253,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             created: Vec::new(),
             lanes: lanes::Memory::default(),
             nothing: Queues::default(),
-            stats: RefineStats { round_threads: threads, ..stats },
+            stats,
             clock: Clock::start(),
             in_waves,
             threads,

@@ -46,6 +46,24 @@ fn an_infinite_length_asks_for_nothing() {
 }
 
 #[test]
+fn one_thread_asks_all_sizes() {
+    let caller = std::thread::current().id();
+    let elsewhere = AtomicUsize::new(0);
+    let field = |_: Point| {
+        if std::thread::current().id() != caller {
+            elsewhere.fetch_add(1, Ordering::Relaxed);
+        }
+        0.05
+    };
+    let refiner = Refiner::new().sizing(&field).start(0);
+    let alone = refine(&refiner.one_thread(), &model());
+    assert_eq!((elsewhere.into_inner(), alone.stats.round_threads), (0, 1));
+    assert!(alone.stats.rounds.iter().sum::<u64>() > 0);
+    let all = refine(&Refiner::new().sizing(&|_| 0.05).start(0), &model());
+    assert_eq!(alone.mesh().hash().expect("a hash"), all.mesh().hash().expect("a hash"));
+}
+
+#[test]
 fn a_function_that_changes_its_mind_is_told() {
     for start in STARTS {
         let calls = AtomicUsize::new(0);
