@@ -13,9 +13,9 @@ pub(crate) const START: usize = 4096;
 
 /// The figures of the rounds.
 pub(crate) fn json(stats: &RefineStats) -> Value {
-    let [segments, facets, tets] = stats.rounds;
+    let [segments, facets, tets] = stats.rounds_with;
     json!({
-        "rounds": segments + facets + tets,
+        "rounds": stats.rounds,
         "segment_rounds": segments,
         "facet_rounds": facets,
         "tet_rounds": tets,
@@ -31,12 +31,12 @@ pub(crate) fn json(stats: &RefineStats) -> Value {
 
 /// The same as a line for people.
 pub(crate) fn line(stats: &RefineStats) -> Option<String> {
-    let [segments, facets, tets] = stats.rounds;
-    (segments + facets + tets > 0).then(|| {
+    let [segments, facets, tets] = stats.rounds_with;
+    (stats.rounds > 0).then(|| {
         format!(
-            "rounds    {} ({segments} of segments, {facets} of facets, {tets} inside), \
+            "rounds    {} ({segments} on segments, {facets} on facets, {tets} inside), \
              the widest of {} points, {:.2} searches a point",
-            segments + facets + tets,
+            stats.rounds,
             stats.widest,
             stats.searches as f64 / stats.round_points.max(1) as f64
         )
@@ -82,15 +82,19 @@ mod tests {
         let none = RefineStats::default();
         assert_eq!((&json(&none)["rounds"], line(&none)), (&json!(0), None));
         let stats = RefineStats {
-            rounds: [1, 2, 3],
+            rounds: 5,
+            rounds_with: [1, 2, 3],
             searches: 30,
             round_points: 20,
             widest: 7,
             ..RefineStats::default()
         };
         let line = line(&stats).expect("a line");
-        assert!(line.starts_with("rounds    6 (1 of segments, 2 of facets, 3 inside)"), "{line}");
+        assert!(
+            line.starts_with("rounds    5 (1 on segments, 2 on facets, 3 inside)"),
+            "{line}"
+        );
         assert!(line.ends_with("the widest of 7 points, 1.50 searches a point"), "{line}");
-        assert_eq!(json(&stats)["rounds"], 6);
+        assert_eq!(json(&stats)["rounds"], 5);
     }
 }

@@ -106,7 +106,7 @@ fn the_problems_of_the_paper_need_no_more_tetrahedra_than_tetgen() {
         let stats = refined.stats;
         let searches = stats.searches as f64 / stats.round_points as f64;
         assert!(searches <= 1.6, "{kind:?}: {searches}");
-        assert!(stats.rounds.iter().sum::<u64>() <= 200, "{kind:?}: {:?}", stats.rounds);
+        assert!(stats.rounds <= 100, "{kind:?}: {:?}", stats.rounds);
     }
 }
 
@@ -182,7 +182,7 @@ fn every_order_of_every_round_of_tiny_domains_gives_one_mesh() {
                 assert!(other.with_exterior() == first.with_exterior(), "{name}");
             }
             domains += 1;
-            rounds += first.stats.rounds.iter().sum::<u64>();
+            rounds += first.stats.rounds;
             runs += orders;
         }
     }
@@ -196,11 +196,11 @@ const GOLDEN: [(DomainKind, f64, Option<f64>, &str); 20] = [
     (DomainKind::CubeOctahedron, 1e-2, None, "1ad722d693ffe295"),
     (DomainKind::CubeOctahedron, 1e-3, None, "4eff388bba03d92b"),
     (DomainKind::CubeInCube, 1e-2, None, "e875526381ffded3"),
-    (DomainKind::CubeInCube, 1e-3, None, "e7df5f42a7cf6f21"),
-    (DomainKind::Gear, 1e-2, None, "2588ba720903ec0e"),
-    (DomainKind::Gear, 1e-3, None, "e65ca118f169be1f"),
-    (DomainKind::Tee, 1e-3, None, "538ca3078e7550ce"),
-    (DomainKind::Tee, 3e-4, None, "a81ff6f6c4d207bd"),
+    (DomainKind::CubeInCube, 1e-3, None, "e3d052edda989c71"),
+    (DomainKind::Gear, 1e-2, None, "1cc667ca3123275c"),
+    (DomainKind::Gear, 1e-3, None, "1dded5a4c785100b"),
+    (DomainKind::Tee, 1e-3, None, "e3bf7fa840cd51be"),
+    (DomainKind::Tee, 3e-4, None, "fdaa7f182ca5b2c8"),
     (DomainKind::Wedge, 1e-2, Some(45.0), "7fca10b507540fc6"),
     (DomainKind::Wedge, 1e-2, Some(30.0), "16393843bb8f65b0"),
     (DomainKind::Wedge, 1e-2, Some(5.0), "78aef9a111c70b5a"),
@@ -210,7 +210,7 @@ const GOLDEN: [(DomainKind, f64, Option<f64>, &str); 20] = [
     (DomainKind::Spike, 1e-2, Some(2.0), "b3db02f3df07103f"),
     (DomainKind::LBlock, 1e-2, None, "537bbd7f7c35ffda"),
     (DomainKind::Stair, 1e-2, None, "bc4f74ddf3450b4d"),
-    (DomainKind::Voxels, 1e-1, None, "63e4818b52d0e972"),
+    (DomainKind::Voxels, 1e-1, None, "a31000a7bb2da875"),
     (DomainKind::Schoenhardt, 1e-3, None, "958eeec6fb670181"),
     (DomainKind::TwoMaterial, 1e-2, None, "53e940e3c82457d1"),
 ];

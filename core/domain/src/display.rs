@@ -56,7 +56,7 @@ impl fmt::Display for RefineStats {
             let (patches, within) = (self.patches, self.flat_tolerance);
             write!(f, "; {patches} sets of facets coplanar within {within:e}")?;
         }
-        match self.rounds.iter().sum() {
+        match self.rounds {
             0 => Ok(()),
             rounds => write!(f, "; {}", Of(rounds, "round")),
         }
@@ -135,7 +135,7 @@ mod tests {
         let text = "1 point on segments, 2 on facets, 3 inside; 4 put off, 5 refused; \
                     0.000 s for the boundary, 0.500 s for the rest";
         assert_eq!(stats.to_string(), text);
-        let more = RefineStats { patches: 7, flat_tolerance: 0.25, rounds: [1, 0, 2], ..stats };
+        let more = RefineStats { patches: 7, flat_tolerance: 0.25, rounds: 3, ..stats };
         let more = more.to_string();
         let expected = format!("{text}; 7 sets of facets coplanar within 2.5e-1; 3 rounds");
         assert_eq!(more, expected);

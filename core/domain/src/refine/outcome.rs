@@ -113,8 +113,10 @@ pub struct RefineStats {
     pub deferred: u64,
     /// Items refused.
     pub refused: u64,
-    /// Rounds that inserted points on segments, on facets, and inside; 0 without rounds.
-    pub rounds: [u64; 3],
+    /// Rounds that inserted points; 0 without rounds.
+    pub rounds: u64,
+    /// Rounds that inserted points on segments, on facets, and inside: some did several of these.
+    pub rounds_with: [u64; 3],
     /// Cavities opened whole to choose the points of the rounds.
     pub searches: u64,
     /// Cavities given up on the way, at the cavity of another point.

@@ -1,7 +1,7 @@
 //! Probes of boundary items: where each is to be split, and the verdict on that point, on the mesh
-//! at the start of the round. All threads look at them; then they are taken one after the other,
-//! the largest key first, unless one taken before is in the way. At patches one thread looks at
-//! each in its turn, with the cavity open.
+//! at the start of the round. All threads look at them, in any order; one waits if another with a
+//! larger key is in its way, whatever becomes of that. At patches one thread looks at each in its
+//! turn, with the cavity open, and one waits for those that were taken before.
 
 use super::batch::Prober;
 use super::conflict::is_same;
@@ -51,8 +51,6 @@ struct Found {
     place: Place,
     /// The cavity in the list of the batch.
     cavity: Range<usize>,
-    /// The tetrahedra around it there, some more than once.
-    around: Range<usize>,
     is_marked: bool,
     verdict: Verdict,
 }
@@ -92,6 +90,13 @@ impl Rounds<'_, '_> {
             self.own.state.mesh.add_stats(batch.stats);
             for (item, near, looked) in batch.all {
                 self.take_looked((item, near), looked, &batch.tets);
+            }
+        }
+        for k in 0..self.candidates.len() {
+            let has_way = !self.is_barred(&self.candidates[k]);
+            self.stats.barred += u64::from(!has_way);
+            if has_way && self.survives(k) {
+                self.chosen.push(k);
             }
         }
     }
@@ -183,17 +188,14 @@ impl Rounds<'_, '_> {
             let start = list.len();
             list.extend(tets);
             let cavity = start..list.len();
-            let beside = tets.iter().flat_map(|&t| self.neighbours(t));
-            list.extend(beside.filter(|&t| !has(t)));
-            let around = cavity.end..list.len();
             let place = Place { from, ..place };
             let is_marked = touched.is_marked;
-            return Looked::Found(Found { place, cavity, around, is_marked, verdict });
+            return Looked::Found(Found { place, cavity, is_marked, verdict });
         }
         Looked::Refused(Reason::Rounding)
     }
 
-    /// Takes a boundary item, unless one taken before is in its way; `list` has its cavity.
+    /// Makes an item that may be split a candidate; `list` has its cavity.
     fn take_looked(&mut self, (item, near): (Item, TetId), looked: Looked, list: &[TetId]) {
         let found = match looked {
             Looked::Gone => {
@@ -203,12 +205,7 @@ impl Rounds<'_, '_> {
             Looked::Refused(reason) => return self.refuse(item, reason),
             Looked::Found(found) => found,
         };
-        let Found { place, cavity, around, is_marked, verdict } = found;
-        // Rule (d): boundary points keep apart.
-        if list[cavity.start..around.end].iter().any(|&t| self.bars(t, place.carrier)) {
-            self.stats.barred += 1;
-            return;
-        }
+        let Found { place, cavity, is_marked, verdict } = found;
         self.stats.searches += 1;
         match verdict {
             Verdict::Fill(filling) => {
@@ -219,7 +216,7 @@ impl Rounds<'_, '_> {
                 let (fits, alone) = (true, false);
                 let own = Candidate { item, rank, fits, is_marked, alone, place, cavity, filling };
                 self.candidates.push(own);
-                self.take_or_drop();
+                self.reserve_last();
             }
             Verdict::Defer(first) => self.wait(item, first, near),
             Verdict::Refuse(reason) => self.refuse(item, reason),
@@ -227,12 +224,14 @@ impl Rounds<'_, '_> {
         }
     }
 
-    /// Is slot `t` in the cavity of a point taken before, other than one of the same segment or
-    /// facet?
-    fn bars(&self, t: TetId, carrier: Carrier) -> bool {
-        let other = self.reserved.at(t);
-        let before = || &self.candidates[(self.free + self.count - other) as usize].place;
-        other > self.free && !is_same(before().carrier, carrier)
+    /// Rule (d): has a candidate's closure slots in the cavity of one before it, other than one of
+    /// the same segment or facet? Only the foremost of a slot counts: those behind that one wait.
+    fn is_barred(&self, own: &Candidate) -> bool {
+        self.has_in_closure(own, |t| {
+            let rank = || (self.free + self.count - self.reserved.at(t)) as usize;
+            self.has_rival(t, own.rank)
+                && !is_same(self.candidates[rank()].place.carrier, own.place.carrier)
+        })
     }
 
     /// Probes a boundary item with the cavity of its point open, and takes it if it may be split.

@@ -1,20 +1,26 @@
 //! The choice of a round: candidates, probes, and the kill rule.
 //!
+//! Boundary items come before tetrahedra. Where only few are left, the tetrahedra go on in the same
+//! round, away from them: else many rounds would have a few points each.
+//!
 //! Of tetrahedra the candidates are probed on the mesh at the start of the round, in any order, or
 //! at patches in waves: one is dropped if a candidate with a larger key has it in its cavity. Where
-//! cavities only overlap, both points are taken. Boundary items are taken one after the other, the
-//! largest key first; one whose cavity meets that of a point taken before waits for the next round,
-//! unless both points are on one segment, or in one facet and the cavity there has not this
-//! subface.
+//! cavities only overlap, both points are taken. A boundary item whose cavity meets that of one
+//! with a larger key waits for the next round, unless both points are on one segment, or in one
+//! facet and the cavity there has not this subface.
 
 use super::{CHECK_EVERY, Candidate, Class, LAST, Look, Rounds};
 use crate::refine::item::Item;
-use ltbw_core::topology::{TetId, tet_of};
+use ltbw_core::topology::TetId;
 use rayon::prelude::*;
+use std::cmp::Reverse;
 
 /// At patches each wave of probes has twice the ranks of the wave before it, the first has one, up
 /// to this number; then come all others.
 const SMALL: usize = 64;
+/// Tetrahedra are split in one round with boundary items where they were at least this number for
+/// each of these, when last counted.
+const BESIDE: usize = if cfg!(test) { 1 } else { 32 };
 /// Candidates that are worth more than one thread.
 const MANY: usize = if cfg!(test) { 4 } else { 512 };
 
@@ -25,38 +31,55 @@ impl Rounds<'_, '_> {
         self.chosen.clear();
         self.cavities.clear();
         match class {
-            Class::Tets => return self.choose_tets(look),
-            Class::Slivers => return self.choose_slivers(look),
-            Class::Segments | Class::Subfaces => {}
+            Class::Slivers => self.choose_slivers(look),
+            Class::Tets => {
+                self.forget_reserved(self.leaders.len());
+                self.choose_tets(look)
+            }
+            Class::Boundary => {
+                let ready = self.ready();
+                // At patches points are alone in their closures.
+                let joined = !self.in_waves && ready.len() * BESIDE <= self.leaders.len();
+                if joined {
+                    self.find_foremost();
+                }
+                let tets = if joined { self.leaders.len() } else { 0 };
+                self.forget_reserved(ready.len() + tets);
+                self.boundary = ready.len() as u32;
+                self.probe_boundary(&ready);
+                joined && self.choose_tets(look)
+            }
         }
-        let ready = self.ready(class);
-        self.forget_reserved(ready.len());
-        self.probe_boundary(&ready);
-        false
     }
 
     /// Probes the leaders among the foremost tetrahedra, then takes those that are killed by none.
+    /// Their ranks follow those of boundary items.
     fn choose_tets(&mut self, look: Look<'_>) -> bool {
         let (ranks, order) = self.ranks();
-        self.forget_reserved(ranks.len());
+        let others = self.candidates.len();
         self.check_blocks();
-        let (mut first, mut wave) = (0, if self.in_waves { 1 } else { ranks.len() });
-        while first < ranks.len() {
+        let all = self.count as usize;
+        let (mut first, mut wave) =
+            (self.boundary as usize, if self.in_waves { 1 } else { ranks.len() });
+        while first < all {
             let has = |k: u32| (first..first + wave).contains(&(ranks[k as usize] as usize));
-            // Before the first probe nothing is reserved.
+            // Of the first wave nobody knows yet whether it is killed.
+            let is_first = first == self.boundary as usize;
             let is_alive =
-                |k: u32| first == 0 || !self.has_rival(self.leader(k).t, ranks[k as usize]);
-            let all = order.iter().copied().filter(|&k| has(k));
-            let list: Vec<u32> = all.filter(|&k| is_alive(k)).collect();
+                |k: u32| is_first || !self.has_rival(self.leader(k).t, ranks[k as usize]);
+            let own = order.iter().copied().filter(|&k| has(k));
+            let list: Vec<u32> = own.filter(|&k| is_alive(k)).collect();
             for (k, list) in list.chunks(CHECK_EVERY * self.threads).enumerate() {
-                if (first, k) != (0, 0) && look(self.own.state.mesh.num_vertices()) {
+                if (first, k) != (self.boundary as usize, 0)
+                    && look(self.own.state.mesh.num_vertices())
+                {
                     return true;
                 }
                 let batches = self.probe_tets(list, &ranks);
                 batches.into_iter().for_each(|batch| self.take_batch(batch));
             }
             first += wave;
-            wave = if wave < SMALL { 2 * wave } else { ranks.len() };
+            wave = if wave < SMALL { 2 * wave } else { all };
         }
         if !self.alone.is_empty() {
             self.choose_in_turns();
@@ -66,11 +89,11 @@ impl Rounds<'_, '_> {
         }
         let (this, count) = (&*self, self.candidates.len());
         let is_chosen = |k: usize| this.candidates[k].fits && this.survives(k);
-        let chosen: Vec<usize> = match this.threads > 1 && count >= MANY {
-            true => (0..count).into_par_iter().filter(|&k| is_chosen(k)).collect(),
-            false => (0..count).filter(|&k| is_chosen(k)).collect(),
+        let chosen: Vec<usize> = match this.threads > 1 && count - others >= MANY {
+            true => (others..count).into_par_iter().filter(|&k| is_chosen(k)).collect(),
+            false => (others..count).filter(|&k| is_chosen(k)).collect(),
         };
-        self.chosen = chosen;
+        self.chosen.extend(chosen);
         self.conclude();
         self.refuse_blocked();
         false
@@ -102,20 +125,16 @@ impl Rounds<'_, '_> {
         self.chosen.sort_unstable();
     }
 
-    /// The pending items of a class that wait for none, the foremost first, each with a slot near
-    /// it.
-    fn ready(&self, class: Class) -> Vec<(Item, TetId)> {
+    /// The pending items that wait for none, subsegments first, then by their keys, each with a
+    /// slot near it.
+    fn ready(&self) -> Vec<(Item, TetId)> {
         let state = &self.own.state;
-        let is_own = |item: &Item| match class {
-            Class::Segments => matches!(item, Item::Segment(_)),
-            _ => matches!(item, Item::Subface(_)),
-        };
-        let all = self.pending.iter().filter(|(item, _)| is_own(item));
-        let ready = all.filter(|(_, pending)| self.is_ready(pending));
+        let ready = self.pending.iter().filter(|(_, pending)| self.is_ready(pending));
         let mut items: Vec<_> = ready
             .map(|(&item, pending)| {
                 let (key, place) = (state.key_of(item), state.place_of(item));
-                (std::cmp::Reverse((key, place)), item, pending.near)
+                let is_subface = matches!(item, Item::Subface(_));
+                ((is_subface, Reverse((key, place))), item, pending.near)
             })
             .collect();
         items.sort_unstable_by_key(|own| own.0);
@@ -132,7 +151,7 @@ impl Rounds<'_, '_> {
                 0
             }
         };
-        (self.count, self.batch) = (count, 0);
+        (self.count, self.boundary, self.batch) = (count, 0, 0);
         self.alone.clear();
     }
 
@@ -149,7 +168,7 @@ impl Rounds<'_, '_> {
         }
     }
 
-    fn reserve(&mut self, k: usize) {
+    pub(super) fn reserve(&mut self, k: usize) {
         let candidate = &self.candidates[k];
         let own = self.free + self.count - candidate.rank;
         for &t in &self.cavities[candidate.cavity.clone()] {
@@ -175,11 +194,19 @@ impl Rounds<'_, '_> {
             let rank = || (self.free + self.count - other) as usize;
             self.has_rival(t, own.rank) && (own.alone || self.alone[rank()])
         };
-        let topology = self.own.state.mesh.topology();
-        !self.alone.is_empty()
-            && self.cavities[own.cavity.clone()].iter().any(|&t| {
-                is_met(t) || topology.at(t).neighbours().iter().any(|&n| is_met(tet_of(n)))
-            })
+        !self.alone.is_empty() && self.has_in_closure(own, is_met)
+    }
+
+    /// Has a candidate's closure a slot of this kind?
+    pub(super) fn has_in_closure(&self, own: &Candidate, is: impl Fn(TetId) -> bool) -> bool {
+        let mut cavity = self.cavities[own.cavity.clone()].iter();
+        cavity.any(|&t| is(t) || self.neighbours(t).into_iter().any(&is))
+    }
+
+    /// Has the closure of a tetrahedron's candidate slots in the cavities of boundary items?
+    fn is_beside_boundary(&self, own: &Candidate) -> bool {
+        let has = |t: TetId| self.has_rival(t, self.boundary);
+        self.boundary > 0 && matches!(own.item, Item::Tet(..)) && self.has_in_closure(own, has)
     }
 
     /// Does a candidate before the one of this rank have slot `t` in its cavity?
@@ -196,6 +223,7 @@ impl Rounds<'_, '_> {
             Item::Segment(_) => false,
         };
         // Only what is marked can be lost.
-        !(is_killed || own.is_marked && self.loses_jointly(own) || self.is_crowded(own))
+        let is_lost = |own: &Candidate| self.loses_jointly(own) || self.is_beside_boundary(own);
+        !(is_killed || own.is_marked && is_lost(own) || self.is_crowded(own))
     }
 }

@@ -3,9 +3,8 @@
 
 use super::{Candidate, Rounds};
 use crate::refine::carrier::Carrier;
-use crate::refine::item::Item;
 use crate::refine::marks::{EDGES, ENDS, FACES, face_bit};
-use crate::refine::measure::{in_diametral_ball, in_equatorial_ball};
+use crate::refine::measure::in_equatorial_ball;
 use crate::refine::state::FACE;
 use crate::refine::table::{edge, triangle};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
@@ -55,64 +54,23 @@ impl Rounds<'_, '_> {
         })
     }
 
-    /// Rule (c): an edge that is not safe, with a tetrahedron in the cavity of a rival.
+    /// Rule (c): an edge of which a rival has a tetrahedron of its own closure.
     fn loses_edge(&self, own: &Candidate, t: TetId, word: u32) -> bool {
-        let state = &self.own.state;
-        let (carrier, v) = (own.place.carrier, state.vertices(t));
+        let (state, carrier) = (&self.own.state, own.place.carrier);
+        let topology = state.mesh.topology();
+        let (v, n) = (topology.at(t).vertices(), topology.at(t).neighbours());
         ENDS.into_iter().enumerate().filter(|(bit, _)| word >> (4 + bit) & 1 == 1).any(
             |(_, [i, j])| {
-                let ends = edge(v[i], v[j]);
-                let of = state.segments.get(&ends).copied();
-                if let Carrier::Segment(s, _) = carrier
-                    && of == Some(s)
-                {
-                    return false;
-                }
-                let others = (0..4).filter(|&slot| slot != i && slot != j).map(|slot| v[slot]);
-                let mut is_met = false;
-                let has = |corner: u32| state.has_corner(Item::Segment(ends), corner);
-                let related = |s: u32| state.angles.related_segment(carrier, s, &has).is_some();
-                let mut is_safe =
-                    !matches!(carrier, Carrier::Segment(..)) && of.is_some_and(|s| !related(s));
-                let [a, b] = ends.map(|v| state.at(v));
-                let mut look = |at: TetId, apex: VertexId| {
-                    is_met |= self.has_rival(at, own.rank);
-                    let inside = || apex != INFINITE && in_diametral_ball(&a, &b, &state.at(apex));
-                    is_safe = is_safe && !inside();
+                let mut beside = (0..4).filter(|&slot| slot != i && slot != j);
+                let is_met = self.has_rival(t, own.rank)
+                    || beside.any(|slot| self.has_rival(tet_of(n[slot]), own.rank));
+                let is_own = || match carrier {
+                    Carrier::Segment(s, _) => state.segments.get(&edge(v[i], v[j])) == Some(&s),
+                    _ => false,
                 };
-                let first: Vec<VertexId> = others.collect();
-                look(t, first[1]);
-                self.around(t, ends, first[0], &mut look);
-                is_met && !is_safe
+                is_met && !is_own()
             },
         )
-    }
-
-    /// Calls `look` for each tetrahedron around an edge of `t` after `t` itself, with the vertex
-    /// that it does not share with the one before; the first step leaves vertex `leave` behind.
-    fn around(
-        &self,
-        t: TetId,
-        ends: [VertexId; 2],
-        leave: VertexId,
-        look: &mut dyn FnMut(TetId, VertexId),
-    ) {
-        let topology = self.own.state.mesh.topology();
-        let (mut at, mut leave) = (t, leave);
-        // Around an edge the way comes back to its start; the bound only guards it.
-        for _ in 0..topology.slots() {
-            let tet = topology.at(at);
-            let v = tet.vertices();
-            let Some(slot) = v.iter().position(|&w| w == leave) else { return };
-            let Some(&kept) = v.iter().find(|w| **w != leave && !ends.contains(w)) else { return };
-            let face = tet.neighbours()[slot];
-            at = tet_of(face);
-            if at == t {
-                return;
-            }
-            look(at, topology.at(at).vertices()[slot_of(face)]);
-            leave = kept;
-        }
     }
 }
 

@@ -177,7 +177,7 @@ impl Rounds<'_, '_> {
         for k in 0..foremost.len() {
             let own = &foremost[k];
             let next = leaders.len() as u32;
-            let group = match own.centre {
+            let group = match own.centre.filter(|_| self.in_groups) {
                 Some(centre) => {
                     *numbers.entry(group_of(&centre, own.shape.radius())).or_insert(next)
                 }
@@ -196,7 +196,8 @@ impl Rounds<'_, '_> {
         self.foremost = foremost;
     }
 
-    /// The leaders' ranks by their numbers, and their numbers along a Hilbert curve.
+    /// The leaders' ranks, after those of boundary items, by their numbers, and their numbers along a
+    /// Hilbert curve.
     pub(super) fn ranks(&self) -> (Vec<u32>, Vec<u32>) {
         let leader = |&k: &u32| self.leader(k);
         let count = self.leaders.len() as u32;
@@ -206,7 +207,7 @@ impl Rounds<'_, '_> {
             b.cmp(a).then_with(|| state.compare(leader(j), leader(k)))
         });
         let mut ranks = vec![0; self.leaders.len()];
-        for (rank, &(_, k)) in (0..).zip(&falling) {
+        for (rank, &(_, k)) in (self.boundary..).zip(&falling) {
             ranks[k as usize] = rank;
         }
         let first = |k: &u32| self.own.state.at(leader(k).corners[0]);

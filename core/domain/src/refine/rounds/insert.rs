@@ -18,7 +18,7 @@ const FEW: usize = 16;
 const BATCH: usize = 32;
 const LARGE_BATCH: usize = if cfg!(test) { 6 } else { 512 };
 /// Insertions whose new tetrahedra are worth more than one thread.
-const MANY: u64 = if cfg!(test) { 4 } else { 256 };
+const MANY: usize = if cfg!(test) { 4 } else { 256 };
 
 impl Rounds<'_, '_> {
     /// Inserts the chosen candidates; `true` if the work is cancelled, and some are left. The mesh
@@ -27,41 +27,69 @@ impl Rounds<'_, '_> {
     /// # Errors
     /// A point that takes an item out of the mesh, or that lies at a vertex: the choice is wrong.
     pub(super) fn insert(&mut self, class: Class, look: Look<'_>) -> Result<bool, RefineError> {
-        let (mut count, mut cancelled) = (self.chosen.len() as u64, false);
-        if count == 0 {
+        if self.chosen.is_empty() {
             return Ok(false);
         }
-        self.stats.rounds[(class as usize).min(Class::Tets as usize)] += 1;
-        self.stats.widest = self.stats.widest.max(count);
-        let batch = if self.threads == 1 || count < MANY { BATCH } else { LARGE_BATCH };
+        self.count_round();
         let order = self.in_order(class);
         self.script_round(&order);
-        if class == Class::Tets && count >= MANY && self.may_use_lanes() {
-            count = self.insert_in_lanes(&order, look)?;
-            cancelled = count < order.len() as u64;
-            return self.end_insertion(count, cancelled);
+        // The boundary comes first, but in the orders of tests.
+        let inner = order.iter().position(|&k| self.is_inner(k)).unwrap_or(order.len());
+        let (boundary, tets) = order.split_at(inner);
+        let mut count = self.insert_each(boundary, look)?;
+        if count == boundary.len() {
+            let is_wide = class != Class::Slivers && tets.len() >= MANY && self.may_use_lanes();
+            let apart = tets.iter().all(|&k| self.is_inner(k));
+            count += match is_wide && apart {
+                true => {
+                    self.look_at_created();
+                    self.insert_in_lanes(tets, look)?
+                }
+                false => self.insert_each(tets, look)?,
+            };
         }
+        self.stats.round_points += count as u64;
+        if !self.own.state.is_complete() {
+            return Err(RefineError::Invariant { what: "no round loses an item of the boundary" });
+        }
+        Ok(count < order.len())
+    }
+
+    /// Is a candidate's item inside?
+    fn is_inner(&self, k: usize) -> bool {
+        matches!(self.candidates[k].item, Item::Tet(..))
+    }
+
+    /// Counts a round that inserts the chosen candidates.
+    fn count_round(&mut self) {
+        let mut has = [0; 3];
+        for &k in &self.chosen {
+            has[match self.candidates[k].item {
+                Item::Segment(_) => 0,
+                Item::Subface(_) => 1,
+                Item::Tet(..) => 2,
+            }] = 1;
+        }
+        self.stats.rounds += 1;
+        self.stats.rounds_with = [0, 1, 2].map(|k| self.stats.rounds_with[k] + has[k]);
+        self.stats.widest = self.stats.widest.max(self.chosen.len() as u64);
+    }
+
+    /// Inserts candidates one after the other; returns their number, which is less than all if the
+    /// work is cancelled.
+    fn insert_each(&mut self, order: &[usize], look: Look<'_>) -> Result<usize, RefineError> {
+        let batch = if self.threads == 1 || order.len() < MANY { BATCH } else { LARGE_BATCH };
         for done in 0..order.len() {
             if done % batch == batch - 1 {
                 self.look_at_created();
             }
             if done % CHECK_EVERY == CHECK_EVERY - 1 && look(self.own.state.mesh.num_vertices()) {
-                (count, cancelled) = (done as u64, true);
-                break;
+                return Ok(done);
             }
             self.fetch(&order[(done + 1).min(order.len())..]);
             self.insert_one(order[done])?;
         }
-        self.end_insertion(count, cancelled)
-    }
-
-    /// After the insertion of `count` points.
-    fn end_insertion(&mut self, count: u64, cancelled: bool) -> Result<bool, RefineError> {
-        self.stats.round_points += count;
-        if !self.own.state.is_complete() {
-            return Err(RefineError::Invariant { what: "no round loses an item of the boundary" });
-        }
-        Ok(cancelled)
+        Ok(order.len())
     }
 
     /// Asks the processor to fetch the cavities of the next candidates. A hint.
@@ -118,7 +146,7 @@ impl Rounds<'_, '_> {
             InsertOrder::Forwards => {}
             InsertOrder::Backwards => order.reverse(),
             InsertOrder::Random(seed) => {
-                let rounds = self.stats.rounds.iter().sum::<u64>();
+                let rounds = self.stats.rounds;
                 Random::new(seed.wrapping_mul(1 << 20).wrapping_add(rounds)).shuffle(&mut order);
             }
             InsertOrder::Nth(mut n) => {
@@ -130,11 +158,18 @@ impl Rounds<'_, '_> {
                     order[at..=next].rotate_right(1);
                 }
             }
-            // Tetrahedra are probed along the curve.
-            InsertOrder::Hilbert if order.len() < FEW || class == Class::Tets => {}
             InsertOrder::Hilbert => {
-                let points: Vec<_> = order.iter().map(|&k| self.candidates[k].place.p).collect();
-                order = hilbert(&points).into_iter().map(|k| order[k as usize]).collect();
+                // Tetrahedra are probed along the curve.
+                let is_sorted = |&k: &usize| class != Class::Slivers && self.is_inner(k);
+                let end = order.iter().position(is_sorted).unwrap_or(order.len());
+                let first = &mut order[..end];
+                if first.len() >= FEW {
+                    let points: Vec<_> =
+                        first.iter().map(|&k| self.candidates[k].place.p).collect();
+                    let sorted: Vec<usize> =
+                        hilbert(&points).into_iter().map(|k| first[k as usize]).collect();
+                    first.copy_from_slice(&sorted);
+                }
             }
         }
         order

@@ -189,14 +189,14 @@ impl Rounds<'_, '_> {
         &mut self,
         order: &[usize],
         look: Look<'_>,
-    ) -> Result<u64, RefineError> {
+    ) -> Result<usize, RefineError> {
         let mut count = 0;
         for stage in order.chunks(STAGE) {
             if count > 0 && look(self.own.state.mesh.num_vertices()) {
                 break;
             }
             self.insert_stage(stage)?;
-            count += stage.len() as u64;
+            count += stage.len();
         }
         Ok(count)
     }

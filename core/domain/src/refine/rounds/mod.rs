@@ -59,11 +59,11 @@ pub enum InsertOrder {
     Nth(u64),
 }
 
-/// The kinds of items, in the order in which they are split.
+/// The kinds of rounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Class {
-    Segments,
-    Subfaces,
+    /// Items of the boundary; where they are few beside the tetrahedra, these as well.
+    Boundary,
     Tets,
     Slivers,
 }
@@ -166,8 +166,10 @@ pub(crate) struct Rounds<'r, 'a> {
     reserved: Words,
     /// The largest entry of the rounds before.
     free: u32,
-    /// The number of ranks of this round.
+    /// The number of ranks of this round, and of the first ones among them, which boundary items
+    /// have.
     count: u32,
+    boundary: u32,
     /// Looks at new tetrahedra in this round so far.
     batch: u32,
     /// Per rank: is the candidate of this rank to be alone? Empty if none is.
@@ -201,6 +203,9 @@ pub(crate) struct Rounds<'r, 'a> {
     /// Are there patches? Then many tetrahedra may have their points in one place, and those that
     /// come first are probed before the others, which they may kill.
     in_waves: bool,
+    /// Are there such, or small angles? Then many may be refused: of those whose circumspheres are
+    /// nearly equal one is probed.
+    in_groups: bool,
     /// Threads that read the mesh together.
     threads: usize,
     /// The memory for probes on this thread.
@@ -221,6 +226,8 @@ impl<'r, 'a> Rounds<'r, 'a> {
         own.record = Default::default();
         let (threads, expected) = (stats.round_threads.max(1), own.state.expected);
         let in_waves = own.state.plc.facets.iter().any(|facet| facet.patch.is_some());
+        let angles = &own.state.angles;
+        let in_groups = in_waves || angles.relates() || !angles.is_empty();
         Self {
             own,
             order,
@@ -238,6 +245,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             reserved: Words::with_room_for(expected),
             free: 0,
             count: 0,
+            boundary: 0,
             batch: 0,
             alone: Vec::new(),
             retried: Vec::new(),
@@ -255,6 +263,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             nothing: Queues::default(),
             stats,
             clock: Clock::start(),
+            in_groups,
             in_waves,
             threads,
             prober: batch::Prober::default(),
@@ -309,7 +318,13 @@ impl<'r, 'a> Rounds<'r, 'a> {
                     let cancelled = self.insert(class, look)?;
                     self.settle();
                     let inserted = self.stats.round_points - before;
-                    self.clock.end(class, self.candidates.len(), inserted as usize);
+                    let name = match class {
+                        Class::Boundary if self.count > self.boundary => "all",
+                        Class::Boundary => "boundary",
+                        Class::Tets => "tetrahedra",
+                        Class::Slivers => "slivers",
+                    };
+                    self.clock.end(name, self.candidates.len(), inserted as usize);
                     if cancelled {
                         stop = Some(Reason::Cancelled);
                         break;
@@ -329,29 +344,17 @@ impl<'r, 'a> Rounds<'r, 'a> {
 
     /// The next step; `None` if nothing is left to do.
     fn next(&mut self) -> Option<Next> {
-        let mut waiting = false;
-        let mut subface = false;
-        for (&item, pending) in &self.pending {
-            if !self.is_ready(pending) {
-                waiting = true;
-                continue;
-            }
-            match item {
-                Item::Segment(_) => return Some(Next::Round(Class::Segments)),
-                _ => subface = true,
-            }
+        if self.pending.values().any(|pending| self.is_ready(pending)) {
+            return Some(Next::Round(Class::Boundary));
         }
-        match (subface, waiting) {
-            (true, _) => Some(Next::Round(Class::Subfaces)),
-            (_, true) => Some(Next::Circles),
-            _ => {
-                self.find_foremost();
-                // Of tetrahedra over their bounds one is before all others.
-                match self.foremost.is_empty() {
-                    false => Some(Next::Round(Class::Tets)),
-                    true => self.next_late(),
-                }
-            }
+        if !self.pending.is_empty() {
+            return Some(Next::Circles);
+        }
+        self.find_foremost();
+        // Of tetrahedra over their bounds one is before all others.
+        match self.foremost.is_empty() {
+            false => Some(Next::Round(Class::Tets)),
+            true => self.next_late(),
         }
     }
 

@@ -1,6 +1,5 @@
 //! The time that each round takes: a timeline shows how a refinement went.
 
-use super::Class;
 use std::time::Instant;
 
 /// A round on the clock, in seconds since the first one began. Relief and joint steps, which are
@@ -8,7 +7,8 @@ use std::time::Instant;
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoundTimes {
-    /// The items that it splits: `segments`, `facets`, `tetrahedra` or `slivers`.
+    /// The items that it splits: `boundary`, `tetrahedra` or `slivers`; `all` are of the boundary
+    /// and inside.
     pub class: &'static str,
     /// Items are looked for from here on.
     pub begin: f64,
@@ -51,13 +51,7 @@ impl Clock {
     }
 
     /// It has ended.
-    pub(super) fn end(&mut self, class: Class, candidates: usize, points: usize) {
-        let class = match class {
-            Class::Segments => "segments",
-            Class::Subfaces => "facets",
-            Class::Tets => "tetrahedra",
-            Class::Slivers => "slivers",
-        };
+    pub(super) fn end(&mut self, class: &'static str, candidates: usize, points: usize) {
         let (begin, chosen, end) = (self.begin, self.chosen, self.now());
         self.rounds.push(RoundTimes { class, begin, chosen, end, candidates, points });
     }

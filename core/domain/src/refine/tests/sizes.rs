@@ -58,7 +58,7 @@ fn one_thread_asks_all_sizes() {
     let refiner = Refiner::new().sizing(&field).start(0);
     let alone = refine(&refiner.one_thread(), &model());
     assert_eq!((elsewhere.into_inner(), alone.stats.round_threads), (0, 1));
-    assert!(alone.stats.rounds.iter().sum::<u64>() > 0);
+    assert!(alone.stats.rounds > 0);
     let all = refine(&Refiner::new().sizing(&|_| 0.05).start(0), &model());
     assert_eq!(alone.mesh().hash().expect("a hash"), all.mesh().hash().expect("a hash"));
 }
