@@ -90,10 +90,7 @@ mod tests {
             ..RefineStats::default()
         };
         let line = line(&stats).expect("a line");
-        assert!(
-            line.starts_with("rounds    5 (1 on segments, 2 on facets, 3 inside)"),
-            "{line}"
-        );
+        assert!(line.starts_with("rounds    5 (1 on segments, 2 on facets, 3 inside)"), "{line}");
         assert!(line.ends_with("the widest of 7 points, 1.50 searches a point"), "{line}");
         assert_eq!(json(&stats)["rounds"], 5);
     }
