@@ -9,19 +9,28 @@
 //!   number of each, nearly, and a test alone costs little beside what comes before it, so that the
 //!   two cannot be told apart: the rest is divided as the cost model has it.
 //!
+//! * look at a tetrahedron: what the rounds of a refinement on one thread take more than the model
+//!   has for the walks, tests and tetrahedra of one simulated processor that carries them out. So
+//!   it stands for all that rounds do beside: bounds, keys, who is foremost, marks.
+//!
 //! The cost of a message over a network is not measured: it is an assumption of the cost model.
 
 use ltbw::PointSet;
+use ltbw::domain::PrepareOptions;
 use ltbw::mesh::{Layout, LocalMesh, PointQueue, WireVertex};
-use ltbw::protocol::{Config, Costs, Event, Submesh, Worker};
-use ltbw::simulate::CostModel;
-use ltbw_generate::{PointKind, generate};
+use ltbw::protocol::{Config, Correct, Costs, Event, Submesh, Worker};
+use ltbw::refine::Refiner;
+use ltbw::refining::simulate_rounds;
+use ltbw::simulate::{CostModel, Options};
+use ltbw_generate::{DomainKind, PointKind, Shape, generate, generate_domain};
 
 type Failure = Box<dyn std::error::Error>;
 type Alone = Worker<LocalMesh, PointQueue>;
 
 /// Runs of each measurement.
 const RUNS: usize = 5;
+/// The largest volume of a tetrahedron of the model problem that is refined.
+const VOLUME: f64 = 1.73783e-6;
 
 /// The thread's time on a processor so far, in nanoseconds.
 fn clock() -> Result<f64, Failure> {
@@ -50,8 +59,34 @@ fn main() -> Result<(), Failure> {
     println!(
         "walk step {walk_step:.1} ns, conflict test {test:.1} ns, tetrahedron {created:.1} ns"
     );
+    println!("look at a tetrahedron {:.0} ns", looks(&model)?);
     println!("the cost model has: {model:?}");
     Ok(())
+}
+
+/// The time that rounds take for each tetrahedron that they look at, beside what the model has.
+fn looks(model: &CostModel) -> Result<f64, Failure> {
+    let domain = generate_domain(DomainKind::CubeOctahedron, &Shape::default())?;
+    let ready = domain.prepare(&PrepareOptions::default())?;
+    let refiner = Refiner::new().max_volume(VOLUME).one_thread();
+    let mut engine = f64::INFINITY;
+    for _ in 0..RUNS {
+        let refined = refiner.refine(&ready.domain, &ready.lattice)?;
+        let seconds = refined.rounds.iter().map(|round| round.end - round.begin).sum::<f64>();
+        engine = engine.min(seconds);
+    }
+    let modelled = |costs: CostModel| {
+        let options = Options { costs, ..Options::default() };
+        let layout = |points| (Layout::new(points, 1), Config::new(1));
+        let whole = (&ready.domain, &ready.lattice);
+        let run = simulate_rounds::<Correct>(&refiner, whole, layout, &options)?;
+        let makespan = run.summary.map_or(0, |summary| summary.makespan);
+        Ok::<f64, Failure>(makespan as f64)
+    };
+    let others = modelled(CostModel { look: 0.0, ..*model })?;
+    let looked = modelled(CostModel { look: 100.0, ..*model })? - others;
+    println!("rounds: {engine:.3} s, of it by the model without looks {:.3} s", others * 1e-9);
+    Ok((engine * 1e9 - others) / (looked / 100.0))
 }
 
 /// Inserts all points with one worker: the worker, the time, and the work done in it.

@@ -2,7 +2,7 @@
 
 use crate::mesh::{Link, LocalMesh, Moving, Patch, Piece, Side, WireVertex};
 use crate::metrics::SubmeshSize;
-use crate::protocol::{Message, Submesh};
+use crate::protocol::{Message, NoNews, Submesh};
 
 /// Bytes of a submesh's payloads in messages.
 pub trait Payload: Submesh {
@@ -17,6 +17,9 @@ pub trait Payload: Submesh {
 
     /// Bytes of a block's tetrahedra.
     fn cargo_bytes(cargo: &Self::Cargo) -> u64;
+
+    /// Bytes of news.
+    fn news_bytes(news: &Self::News) -> u64;
 }
 
 /// Kind, sender, load, ticket and attempt.
@@ -45,6 +48,7 @@ pub(crate) fn bytes<S: Payload>(message: &Message<S>) -> u64 {
                 8 + S::cargo_bytes(cargo) + 4 + points.iter().map(S::point_bytes).sum::<u64>()
             }
             Message::Stray { cargo, .. } => 4 + S::cargo_bytes(cargo),
+            Message::News(news) => S::news_bytes(news),
             Message::Token(_) => 9,
             _ => 0,
         }
@@ -102,6 +106,10 @@ impl Payload for LocalMesh {
     fn cargo_bytes(cargo: &Vec<Moving>) -> u64 {
         // A tetrahedron of four vertices and four faces.
         4 + cargo.iter().map(|tet| NAME + 4 * FACE + vertices_bytes(&tet.v)).sum::<u64>()
+    }
+
+    fn news_bytes(news: &NoNews) -> u64 {
+        match *news {}
     }
 }
 

@@ -189,10 +189,24 @@ fn domains_that_only_rounds_can_refine_are_refused() {
     let of = |what| Err(RefineError::Complex(ComplexError::Unsupported(what)));
     let angles = of("features at small angles, or too near to each other");
     assert_eq!(run(Refiner::new()), angles);
-    assert_eq!(run(Refiner::new().sizing(&|_| 0.1)), of("a sizing field"));
     let rule = |points| (Layout::new(points, 4), Config { rule: Rule::Paper, ..Config::new(4) });
     let found = simulate_domain::<Correct>(&Refiner::new(), domain, 0, rule, &Options::default());
     assert_eq!(found.map(|run| run.refined.splits), Err(RefineError::Ageless));
+}
+
+#[test]
+fn a_sizing_field_is_met() {
+    let ready = prepared(DomainKind::CubeOctahedron);
+    let field = |p: Point| 0.1 + 0.1 * p[0];
+    let layout = |points| (Layout::new(points, 6), Config::new(6));
+    let refiner = Refiner::new().sizing(&field);
+    let domain = (&ready.domain, &ready.lattice);
+    let run = simulate_domain::<Correct>(&refiner, domain, 0, layout, &Options::default());
+    let refined = run.expect("a run ends").refined;
+    assert_eq!((refined.over, refined.refused), (0, 0));
+    let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    let (tets, engine) = (refined.tets.len(), engine.num_tets());
+    assert!(tets * 4 > engine * 3 && tets * 3 < engine * 4, "{tets} {engine}");
 }
 
 /// A run with too small a budget ends, and says what is over its bounds.

@@ -1,7 +1,6 @@
 //! The command line of `simulate`.
 
 use crate::numbers::whole;
-use crate::rounds::START;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use ltbw::mesh::Ownership;
 use ltbw::points::MAX_POINTS;
@@ -17,9 +16,8 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "P", default_value_t = 16)]
     #[arg(value_parser = whole::<u32>(1..=1024), allow_negative_numbers = true)]
     pub(crate) processors: u32,
-    /// The costs of work and messages: of today's machines, or of the paper's 32 workstations
-    /// (2.4 ms a cavity, 33 us a poll in vain, 100 Mbit/s)
-    #[arg(long, value_enum, default_value_t)]
+    /// The costs of work and messages: today's, or of the paper's 32 workstations (2.4 ms a cavity)
+    #[arg(long, value_enum, default_value_t, hide_short_help = true)]
     pub(crate) machine: Machine,
     /// Mean time from sending a message to its arrival: a number with ns, us, ms or s
     /// [default: 10us; 100us on cow]
@@ -40,12 +38,13 @@ pub(crate) struct Simulate {
     pub(crate) kind: PointKind,
     /// Refine a domain: a file, or a kind as of `generate`
     ///
-    /// In rounds all points are chosen beforehand; the time is that of their insertion alone.
+    /// Domains with small angles, or facets that are coplanar within a tolerance, one processor
+    /// refines alone.
     #[arg(long, value_name = "FILE|KIND")]
     #[arg(conflicts_with_all = ["points", "kind", "page", "trace", "sample", "cursors", "abreast"])]
     #[arg(hide_short_help = true)]
     pub(crate) domain: Option<PathBuf>,
-    /// Insert rounds chosen beforehand, or refine as the paper does (async)
+    /// Refine in rounds, or as the paper does (async)
     #[arg(long, value_enum, default_value_t, requires = "domain", hide_short_help = true)]
     pub(crate) mode: Mode,
     /// Largest volume of a tetrahedron of the domain
@@ -56,10 +55,10 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "B", requires = "domain", allow_negative_numbers = true)]
     #[arg(hide_short_help = true)]
     pub(crate) radius_edge: Option<f64>,
-    /// Vertices at which the processors begin, at least
-    #[arg(long, value_name = "N", requires = "domain", default_value_t = START)]
+    /// Vertices at which the processors begin, at least [default: 4096; async: also 2048 each]
+    #[arg(long, value_name = "N", requires = "domain")]
     #[arg(hide_short_help = true)]
-    pub(crate) start: usize,
+    pub(crate) start: Option<usize>,
     /// Determines the points and all that is random in the run
     #[arg(long, default_value_t = 1)]
     #[arg(value_parser = whole::<u64>(0..=u64::MAX), allow_negative_numbers = true)]
@@ -127,7 +126,7 @@ pub(crate) struct Simulate {
 /// The mode in which simulated processors refine a domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Mode {
-    // Rounds that one engine has chosen: one mesh.
+    // All choose together, then insert: one mesh.
     #[default]
     Rounds,
     // The paper's: each processor its own bad tetrahedra, as they come; another mesh each time.

@@ -1,35 +1,57 @@
-//! `simulate --domain`: the rounds of a domain's refinement, inserted by simulated processors.
+//! `simulate --domain`: a domain refined in rounds by simulated processors.
 
+use super::report::{Made, Report};
 use super::{Run, Simulate, end, layout, options, options_alone};
 use crate::figures::{cost_model, tables};
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
+use crate::rounds::START;
 use crate::streams::Formats;
 use crate::surface::Preparation;
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, Correct};
-use ltbw::refine::{RefineOutcome, Refiner, Script};
-use ltbw::refining::{Simulated, simulate_rounds};
-use ltbw::simulate::{Meshed, Options};
+use ltbw::refine::{RefineOutcome, Refiner};
+use ltbw::refining::{Ending, SimulatedRounds, simulate_rounds};
+use ltbw::simulate::Options;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use std::path::Path;
 
-use super::report::Report;
-
 /// `ltbw simulate --domain`.
 pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
+    if args.storm.is_some() {
+        return Err(Failure::Usage("--storm moves blocks, which no domain does".to_owned()));
+    }
     let ready = ready(path)?;
-    let stage = Stage::begin("refine");
-    let mut refiner = Refiner::new().radius_edge(args.radius_edge.unwrap_or(2.0)).start(args.start);
+    let mut refiner = Refiner::new()
+        .radius_edge(args.radius_edge.unwrap_or(2.0))
+        .start(args.start.unwrap_or(START));
     if let Some(bound) = args.max_volume {
         refiner = refiner.max_volume(bound);
     }
+    let options = options(args);
+    let planned = |points: usize, processors: u32| {
+        let (layout, config) = layout(args, points, processors);
+        (Layout { sample: points, max_in_flight: 0, ..layout }, config)
+    };
+    let run = |processors: u32, options: &Options| {
+        let planned = |points| match processors {
+            1 => {
+                let (layout, config) = planned(points, 1);
+                let layout = Layout { ownership: Ownership::default(), ..layout };
+                (layout, Config { closure: Closure::default(), ..config })
+            }
+            _ => planned(points, processors),
+        };
+        let _stage = Stage::begin("simulate");
+        simulate_rounds::<Correct>(&refiner, (&ready.domain, &ready.lattice), planned, options)
+            .map_err(|error| Failure::Other(format!("{}: {error}", show(path))))
+    };
+    let stage = Stage::begin("refine");
     let failed = |error| Failure::Refine { path: path.to_owned(), error };
-    let found = refiner.refine_with_script(&ready.domain, &ready.lattice);
-    let (refined, script) = found.map_err(failed)?;
+    let engine = refiner.refine(&ready.domain, &ready.lattice).map_err(failed)?;
     drop(stage);
-    if refined.outcome == RefineOutcome::Unrecovered || script.rounds.is_empty() {
+    if engine.outcome == RefineOutcome::Unrecovered || engine.stats.round_points == 0 {
         let text = "no round was needed: a smaller --max-volume or --start makes some";
         return Err(Failure::Usage(format!("{}: {text}", show(path))));
     }
@@ -37,50 +59,60 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
         Ok(hash) => Ok(hash.to_string()),
         Err(error) => Err(Failure::Other(error.to_string())),
     };
-    let expected = of(refined.mesh())?;
-    let vertices = refined.mesh().num_vertices();
-    drop(refined);
+    let expected = of(engine.mesh())?;
+    drop(engine);
 
-    let (layout, config) = layout(args, script.start.len(), args.processors);
-    let layout = Layout { sample: script.start.len(), max_in_flight: 0, ..layout };
-    let options = options(args);
-    let run = rounds(&script, &layout, config, &options, path)?;
-    let hash = of(&run.gathered.mesh)?;
-    let Some(summary) = run.summary() else {
-        return Err(Failure::Other("a run without rounds".to_owned()));
-    };
-    let alone = match layout.workers {
-        1 => summary.makespan,
-        _ => {
-            let one = Layout { workers: 1, ownership: Ownership::default(), ..layout };
-            let config = Config { workers: 1, closure: Closure::default(), ..config };
-            let run = rounds(&script, &one, config, &options_alone(&options), path)?;
-            run.summary().map_or(0, |summary| summary.makespan)
+    let SimulatedRounds { refined, summary, events, ending, figures } =
+        run(args.processors, &options)?;
+    let hash = of(refined.mesh())?;
+    let summary = match (summary, &ending) {
+        (Some(summary), Ok(_)) => summary,
+        (_, Err(why)) => {
+            return Err(Failure::Usage(format!("{}: one processor refines {why}", show(path))));
         }
+        (None, Ok(_)) => return Err(Failure::Other("a run without rounds".to_owned())),
     };
+    let alone = match args.processors {
+        1 => summary.makespan,
+        _ => run(1, &options_alone(&options))?.summary.map_or(0, |summary| summary.makespan),
+    };
+    let vertices = refined.mesh().num_vertices();
+    let by_all = figures.points as usize;
+    let [rounds, segments, facets, inside] = figures.rounds;
+    let after = vertices - refined.stats.round_points as usize;
+    let (layout, config) = planned(after, args.processors);
     let text = format!(
-        "{}: {} points in {} rounds after {} vertices, on {} processors ({}), rule {}, latency \
-         {} ns ({}), seed {}\nAll points are chosen beforehand, by one engine: no time of that is \
-         in these figures.\n{}\n\
-         {}\nltbw.mesh/1 {hash}\n",
+        "{}: {by_all} points in {rounds} rounds ({segments} on segments, {facets} on facets, \
+         {inside} inside; the widest of {} points, {:.2} searches a point), on {} processors \
+         ({}), rule {}, latency {} ns ({}), seed {}\n{}{} barriers; {}\n{}\n{}\n\
+         ltbw.mesh/1 {hash}\n",
         show(path),
-        vertices - script.start.len(),
-        script.rounds.len(),
-        script.start.len(),
+        figures.widest,
+        figures.searches as f64 / figures.points.max(1) as f64,
         layout.workers,
         args.machine.name(),
         config.rule,
         options.network.latency,
         options.network.distribution.name(),
         args.seed,
+        if figures.ended > 1 {
+            format!("{} times one processor split what waits in circles. ", figures.ended - 1)
+        } else {
+            String::new()
+        },
+        figures.barriers,
+        match &ending {
+            Ok(Ending::Done) | Err(_) => {
+                "one processor put the mesh together, and split the last slivers".to_owned()
+            }
+            Ok(other) => format!("one processor did what was left ({other:?})").to_lowercase(),
+        },
         tables(&summary, Some(alone)),
         cost_model(&options.costs),
     );
-    let count = run.rounds.len();
-    let Simulated { gathered, events, .. } = run;
-    let meshed = Meshed { gathered, summary, events, trace: None };
     let settings = Run { args, layout: &layout, config: &config, options: &options };
-    let report = Report::new(settings, &meshed, alone, &hash, vertices).in_rounds(count);
+    let made = Made { mesh: refined.mesh(), duplicates: 0, summary: &summary, events };
+    let report = Report::new(settings, &made, alone, &hash, vertices).in_rounds(rounds as usize);
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
     end(args, (&json, &text), (&hash, &expected))
 }
@@ -96,16 +128,4 @@ pub(super) fn ready(path: &Path) -> Result<Prepared, Failure> {
     let domain = domain.map_err(|error| Failure::Usage(error.to_string()))?;
     let failed = |error| Failure::Domain { path: path.to_owned(), error };
     domain.prepare(&PrepareOptions::default()).map_err(failed)
-}
-
-fn rounds(
-    script: &Script,
-    layout: &Layout,
-    config: Config,
-    options: &Options,
-    path: &Path,
-) -> Result<Simulated, Failure> {
-    let _stage = Stage::begin("simulate");
-    simulate_rounds::<Correct>(script, layout, config, options)
-        .map_err(|error| Failure::Other(format!("{}: {error}", show(path))))
 }

@@ -2,13 +2,14 @@
 //! as they come.
 
 use super::domain::ready;
-use super::report::Report;
+use super::report::{Made, Report};
 use super::{Run, Simulate, end, layout, options, options_alone};
 use crate::console;
 use crate::figures::{cost_model, tables};
 use crate::outcome::{Exit, Failure, show};
 use crate::plc::plc_of;
 use crate::progress::Stage;
+use crate::rounds::START;
 use ltbw::domain::Prepared;
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, Correct};
@@ -17,6 +18,15 @@ use ltbw::refining::{RefinedDomain, SimulatedDomain, simulate_domain};
 use ltbw::simulate::{Meshed, Options};
 use ltbw_verify as verify;
 use std::path::Path;
+
+/// Vertices of each processor at the start: with fewer, most cavities reach an interface.
+const START_EACH: usize = 2048;
+
+/// Vertices at which the processors begin, at least.
+fn start(args: &Simulate) -> usize {
+    let each = START_EACH * args.processors as usize;
+    args.start.unwrap_or(each.max(START))
+}
 
 /// `ltbw simulate --domain --mode async`.
 pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
@@ -40,7 +50,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
         };
         let _stage = Stage::begin("simulate");
         let domain = (&ready.domain, &ready.lattice);
-        simulate_domain::<Correct>(&refiner(args), domain, args.start, planned, options)
+        simulate_domain::<Correct>(&refiner(args), domain, start(args), planned, options)
             .map_err(|error| Failure::Other(format!("{}: {error}", show(path))))
     };
     let SimulatedDomain { refined, summary, events } = run(args.processors, &options)?;
@@ -78,7 +88,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     );
     let meshed = Meshed { gathered: refined.gathered, summary, events, trace: None };
     let settings = Run { args, layout: &layout, config: &config, options: &options };
-    let report = Report::new(settings, &meshed, alone, &hash, vertices);
+    let report = Report::new(settings, &Made::of(&meshed), alone, &hash, vertices);
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
     let exit = end(args, (&json, &text), (&hash, &hash))?;
     if let Some(first) = defects.first() {

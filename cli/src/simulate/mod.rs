@@ -21,7 +21,7 @@ use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, WorkerId};
 use ltbw::simulate::{MeshError, Meshed, Network, Options, RandomMigrations, simulate_mesh};
 use ltbw_generate::generate;
-use report::{Report, Run};
+use report::{Made, Report, Run};
 use std::path::{Path, PathBuf};
 
 /// `ltbw simulate`.
@@ -57,7 +57,7 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     let hash = meshed.gathered.mesh.hash().map_err(|e| Failure::Other(e.to_string()))?.to_string();
     let alone = alone(&set, &layout, config, &options, &name, &meshed)?;
     let run = Run { args, layout: &layout, config: &config, options: &options };
-    let report = Report::new(run, &meshed, alone, &hash, set.len());
+    let report = Report::new(run, &Made::of(&meshed), alone, &hash, set.len());
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
     let trace = meshed.trace.take();
     let text = format!(

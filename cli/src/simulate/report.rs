@@ -3,7 +3,9 @@
 use super::Simulate;
 use crate::figures::Figures;
 use crate::outcome::show;
+use ltbw::Mesh;
 use ltbw::mesh::Layout;
+use ltbw::metrics::Summary;
 use ltbw::protocol::Config;
 use ltbw::simulate::{CostModel, Meshed, Options};
 use serde::Serialize;
@@ -23,7 +25,7 @@ pub(super) struct Report {
     schema: &'static str,
     command: &'static str,
     input: Input,
-    mesh: Mesh,
+    mesh: MeshFigures,
     simulation: Simulation,
     outcome: &'static str,
 }
@@ -38,7 +40,7 @@ struct Input {
 }
 
 #[derive(Serialize)]
-struct Mesh {
+struct MeshFigures {
     tets: usize,
     hull_faces: usize,
     hash: String,
@@ -79,16 +81,32 @@ struct Settings {
     balance: bool,
 }
 
+/// The result of a run.
+#[derive(Clone, Copy)]
+pub(super) struct Made<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) duplicates: usize,
+    pub(super) summary: &'a Summary,
+    pub(super) events: u64,
+}
+
+impl<'a> Made<'a> {
+    pub(super) fn of(meshed: &'a Meshed) -> Self {
+        let Meshed { gathered, summary, events, .. } = meshed;
+        let duplicates = gathered.duplicates.len();
+        Self { mesh: &gathered.mesh, duplicates, summary, events: *events }
+    }
+}
+
 impl Report {
     pub(super) fn new(
         run: Run<'_>,
-        meshed: &Meshed,
+        made: &Made<'_>,
         one_processor: u64,
         hash: &str,
         points: usize,
     ) -> Self {
-        let s = &meshed.summary;
-        let mesh = &meshed.gathered.mesh;
+        let Made { mesh, duplicates, summary: s, events } = *made;
         Self {
             schema: "ltbw.simulation/1",
             command: "simulate",
@@ -96,9 +114,9 @@ impl Report {
                 kind: run.args.domain.as_ref().map_or(run.args.kind.name(), |_| "domain"),
                 domain: run.args.domain.as_deref().map(show),
                 points,
-                duplicates: meshed.gathered.duplicates.len(),
+                duplicates,
             },
-            mesh: Mesh {
+            mesh: MeshFigures {
                 tets: mesh.num_tets(),
                 hull_faces: mesh.num_hull_faces(),
                 hash: hash.to_owned(),
@@ -107,7 +125,7 @@ impl Report {
                 figures: Figures::of(s),
                 efficiency: s.efficiency(one_processor),
                 one_processor,
-                events: meshed.events,
+                events,
                 rounds: None,
                 cost_model: run.options.costs,
                 settings: Settings::new(run),

@@ -123,6 +123,7 @@ impl<S: Submesh> Message<S> {
             Self::Commit { .. }
             | Self::Migrate { .. }
             | Self::Stray { .. }
+            | Self::News(_)
             | Self::Token(_)
             | Self::Stop => None,
         }

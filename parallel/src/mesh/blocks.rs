@@ -16,7 +16,8 @@ use std::sync::Arc;
 pub struct Blocks {
     /// First vertex of each block, and one past the last vertex of all.
     starts: Arc<[Place]>,
-    /// Blocks by vertices, in 2^-32: blocks are nearly even, so that this guesses a block.
+    /// Blocks by vertices, in 2^-32: blocks are nearly even, so that this guesses a block; 0 if
+    /// they are not.
     density: u64,
     /// The curve, and the key on it of each block's first vertex; ascending.
     cuts: Option<(Curve, Arc<[u64]>)>,
@@ -29,6 +30,34 @@ impl Blocks {
         let density = (k << 32) / n.max(1);
         let starts = (0..=k).map(|b| 1 + (b * n / k) as Place).collect();
         Self { starts, density, cuts: None }
+    }
+
+    /// Cuts a curve, along which `points` are numbered, into `blocks` blocks with about equal parts
+    /// of the weights of some places.
+    pub(super) fn weighted(
+        curve: Curve,
+        points: &[Point],
+        weights: &[(Point, u64)],
+        blocks: u32,
+    ) -> Self {
+        let (k, n) = (u128::from(blocks.max(1)), points.len());
+        let mut keyed: Vec<(u64, u64)> = weights.iter().map(|(p, w)| (curve.key(p), *w)).collect();
+        keyed.sort_unstable();
+        let all: u128 = keyed.iter().map(|&(_, w)| u128::from(w)).sum();
+        let mut cuts = vec![0];
+        let mut sum = 0;
+        for (key, weight) in keyed {
+            sum += u128::from(weight);
+            // A block ends where its share is reached.
+            while (cuts.len() as u128) < k && sum * k >= cuts.len() as u128 * all {
+                cuts.push(key + 1);
+            }
+        }
+        cuts.resize(k as usize, u64::MAX);
+        let keys: Vec<u64> = points.iter().map(|p| curve.key(p)).collect();
+        let first = |&cut: &u64| 1 + keys.partition_point(|&key| key < cut) as Place;
+        let starts = cuts.iter().map(first).chain([1 + n as Place]).collect();
+        Self { starts, density: 0, cuts: Some((curve, cuts.into())) }
     }
 
     /// The same blocks, for vertices to come, too: `points` are those given, along `curve`.
@@ -79,6 +108,11 @@ impl Blocks {
     #[inline]
     pub fn of_vertex(&self, v: Place) -> BlockId {
         let last = self.starts.len() - 2;
+        if self.density == 0 {
+            return BlockId::at(
+                self.starts[..=last].partition_point(|&first| first <= v).max(1) - 1,
+            );
+        }
         let guess = (u64::from(v.saturating_sub(1)) * self.density) >> 32;
         let mut block = (guess as usize).min(last);
         // A few steps at most: the guess is off by rounding, or by empty blocks.

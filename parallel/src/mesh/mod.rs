@@ -45,7 +45,7 @@ pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, W
 
 use crate::protocol::invariant;
 use crate::protocol::{
-    BlockId, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Rules, Submesh,
+    BlockId, Costs, Directory, Found, Handle, Insert, Name, Neighbour, NoNews, Rules, Submesh,
     SubmeshError, Ticket, Walk, WorkerId,
 };
 use around::finite;
@@ -299,6 +299,7 @@ impl Submesh for LocalMesh {
     type Piece = Piece;
     type Patch = Patch;
     type Cargo = Vec<Moving>;
+    type News = NoNews;
 
     fn walk(&mut self, point: &WireVertex, from: Option<Name>) -> Walk<TetId> {
         let named = from.and_then(|name| self.names.get(&name).copied());
@@ -490,6 +491,7 @@ impl Submesh for LocalMesh {
             walk_steps: walk_steps - before.0,
             tests: tests - before.1,
             created: created - before.2,
+            looks: 0,
         }
     }
 }

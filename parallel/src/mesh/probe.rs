@@ -1,9 +1,10 @@
 //! The view of a submesh for one that keeps more of its vertices and tetrahedra.
 
-use super::{LocalMesh, VertexName, WireVertex};
-use crate::protocol::Insert;
+use super::{LocalMesh, VertexName, WireVertex, made};
+use crate::protocol::{BlockId, Insert, Walk};
 use ltbw_core::submesh::Owns;
-use ltbw_core::topology::{TetId, VertexId};
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_exact::Point;
 
 impl LocalMesh {
     /// The number here of a vertex; `None` if it has none.
@@ -17,6 +18,21 @@ impl LocalMesh {
         // The number is not used: no star is its submesh's own.
         let number = VertexId::new(1);
         self.tets.insert(number, &point.point(), seed, Owns::None::<fn([VertexId; 4]) -> bool>)
+    }
+
+    /// Is a tetrahedron in conflict with a point?
+    pub(crate) fn conflicts(&mut self, t: TetId, p: &Point) -> bool {
+        self.tets.in_conflict(t, p)
+    }
+
+    /// Looks for a tetrahedron in conflict with a point, from one here on.
+    pub(crate) fn seek(&mut self, p: &Point, from: Option<TetId>) -> Walk<TetId> {
+        self.tets.walk(INFINITE, p, from)
+    }
+
+    /// The block of a vertex that would be made at a place.
+    pub(crate) fn block_at(&self, p: &Point) -> BlockId {
+        self.blocks.of_name(made(self.me, 1), p)
     }
 
     /// The finite vertices of a cavity that is described by some pieces.

@@ -128,26 +128,28 @@ impl Layout {
         only: Option<&[u32]>,
         cancel: Option<&CancelToken>,
     ) -> Result<Prepared, BuildError> {
-        self.prepare_with(set, only, cancel, None)
+        self.prepare_with(set, only, None, [cancel, None])
     }
 
-    /// As [`Layout::distribute`], with all points in the mesh that is distributed; `cancel` may end
-    /// it at any time.
+    /// As [`Layout::distribute`], with all points in the mesh that is distributed, cut into blocks
+    /// of about equal weight if there are weights of places; `cancel` may end it at any time.
     pub(crate) fn prepare_all(
         &self,
         set: &PointSet,
+        weights: Option<&[(Point, u64)]>,
         cancel: Option<&CancelToken>,
     ) -> Result<Prepared, BuildError> {
-        Self { sample: set.len(), ..*self }.prepare_with(set, None, cancel, cancel)
+        let whole = Self { sample: set.len(), ..*self };
+        whole.prepare_with(set, None, weights, [cancel; 2])
     }
 
-    /// A coarse mesh that is cancelled by `whole` is none.
+    /// A coarse mesh that is cancelled by the second token is none.
     fn prepare_with(
         &self,
         set: &PointSet,
         only: Option<&[u32]>,
-        cancel: Option<&CancelToken>,
-        whole: Option<&CancelToken>,
+        weights: Option<&[(Point, u64)]>,
+        [cancel, whole]: [Option<&CancelToken>; 2],
     ) -> Result<Prepared, BuildError> {
         let kernel = set.kernel_points();
         let order = match only {
@@ -166,8 +168,12 @@ impl Layout {
         let sample = self.sample_of(&points)?;
         let params = MeshParams::of(&points, set.mode()).at_most(self.max_tets);
         let (low, high) = params.bounds();
-        let blocks = Blocks::even(points.len() as u32, self.workers * self.blocks_per_worker)
-            .along(Curve::of_box(low, high), &points);
+        let count = self.workers * self.blocks_per_worker;
+        let curve = Curve::of_box(low, high);
+        let blocks = match weights {
+            None => Blocks::even(points.len() as u32, count).along(curve, &points),
+            Some(weights) => Blocks::weighted(curve, &points, weights, count),
+        };
         let owners: Vec<WorkerId> =
             BlockId::below(blocks.len() as u32).map(|block| self.owner_of(block)).collect();
         // The one is sequential, the other mostly waits for memory.

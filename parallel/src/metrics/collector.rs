@@ -57,7 +57,11 @@ fn about<S: Submesh>(message: &Message<S>) -> Option<(Ticket, Attempt)> {
         | Message::Abort { ticket, attempt }
         | Message::Aborted { ticket, attempt } => Some((*ticket, *attempt)),
         Message::Commit { ticket, .. } => Some((*ticket, LAST)),
-        Message::Migrate { .. } | Message::Stray { .. } | Message::Token(_) | Message::Stop => None,
+        Message::Migrate { .. }
+        | Message::Stray { .. }
+        | Message::News(_)
+        | Message::Token(_)
+        | Message::Stop => None,
     }
 }
 

@@ -32,7 +32,8 @@
 //! | `migration` | blocks that change their owner |
 //! | `termination` | the token |
 //! | `directory`, `table` | who owns which block; a small map |
-//! | `rules` | R1 to R17, as constants |
+//! | `news` | what sources tell each other |
+//! | `rules` | R1 to R25, as constants |
 //! | `invariant` | P1 to P11, as assertions that hold in releases |
 //! | `submesh` | what is needed of a mesh and of a supply of points |
 //! | `variants` | the steps of the paper's conflict rule and closure |
@@ -42,6 +43,7 @@ mod directory;
 mod invariant;
 mod lock_request;
 mod migration;
+mod news;
 mod operation;
 mod rules;
 mod state;
@@ -57,6 +59,7 @@ pub use config::{Closure, Config, Rule};
 pub use directory::{BlockId, Directory, WorkerId};
 pub use invariant::{Broken, Invariant, message_of};
 pub(crate) use invariant::{broken, invariant};
+pub use news::{NoNews, Standing};
 pub use rules::{Correct, Rules};
 pub(crate) use state::{Phase, Request, Waiter, Want};
 pub use submesh::{Costs, Found, Insert, Item, Neighbour, Source, Submesh, SubmeshError, Walk};
@@ -124,9 +127,11 @@ pub struct Handle {
     derive(serde::Serialize, serde::Deserialize),
     serde(bound(
         serialize = "S::Point: serde::Serialize, S::Piece: serde::Serialize, \
-                     S::Patch: serde::Serialize, S::Cargo: serde::Serialize",
+                     S::Patch: serde::Serialize, S::Cargo: serde::Serialize, \
+                     S::News: serde::Serialize",
         deserialize = "S::Point: serde::Deserialize<'de>, S::Piece: serde::Deserialize<'de>, \
-                       S::Patch: serde::Deserialize<'de>, S::Cargo: serde::Deserialize<'de>"
+                       S::Patch: serde::Deserialize<'de>, S::Cargo: serde::Deserialize<'de>, \
+                       S::News: serde::Deserialize<'de>"
     ))
 )]
 pub enum Message<S: Submesh> {
@@ -227,6 +232,8 @@ pub enum Message<S: Submesh> {
         /// Its tetrahedra.
         cargo: S::Cargo,
     },
+    /// The news of a source for another one.
+    News(S::News),
     /// Termination detection. Not counted by it.
     Token(Token),
     /// All work is done everywhere. Not counted by termination detection.
@@ -237,6 +244,11 @@ impl<S: Submesh> Message<S> {
     /// Does termination detection count this message?
     pub fn is_basic(&self) -> bool {
         !matches!(self, Self::Token(_) | Self::Stop)
+    }
+
+    /// Is it about an operation, or a block?
+    fn is_of_operation(&self) -> bool {
+        self.is_basic() && !matches!(self, Self::News(_))
     }
 
     /// The operation that it is about.
@@ -250,7 +262,11 @@ impl<S: Submesh> Message<S> {
             | Self::Abort { ticket, .. }
             | Self::Aborted { ticket, .. }
             | Self::Commit { ticket, .. } => Some(*ticket),
-            Self::Migrate { .. } | Self::Stray { .. } | Self::Token(_) | Self::Stop => None,
+            Self::Migrate { .. }
+            | Self::Stray { .. }
+            | Self::News(_)
+            | Self::Token(_)
+            | Self::Stop => None,
         }
     }
 
@@ -267,6 +283,7 @@ impl<S: Submesh> Message<S> {
             Self::Commit { .. } => "commit",
             Self::Migrate { .. } => "migrate",
             Self::Stray { .. } => "stray",
+            Self::News(_) => "news",
             Self::Token(_) => "token",
             Self::Stop => "stop",
         }

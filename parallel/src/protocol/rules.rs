@@ -46,6 +46,21 @@ pub trait Rules: 'static {
     const TESTS_BEFORE_SLEEP: bool = true;
     /// R18: a point whose item is gone is let go, never inserted elsewhere.
     const LETS_GO: bool = true;
+    /// R19: insertion ends when two waves in a row have the same sums, and all that was sent is
+    /// taken.
+    const AWAITS_SECOND_WAVE: bool = true;
+    /// R20: keys that are told in a later exchange wait for it.
+    const NUMBERS_EXCHANGES: bool = true;
+    /// R21: nobody decides before all cavities are reserved.
+    const AWAITS_RESERVATIONS: bool = true;
+    /// R22: a candidate's rank comes from the coordinates of its corners, from no name or number.
+    const RANKS_BY_PLACE: bool = true;
+    /// R23: a candidate at the boundary hears of the rivals in all parts of its closure.
+    const HEARS_OF_RIVALS: bool = true;
+    /// R24: an item that waits takes back what it has reserved, everywhere.
+    const TAKES_BACK: bool = true;
+    /// R25: a probe takes in its whole closure, whatever it has found before.
+    const ENDS_PROBES: bool = true;
 }
 
 /// The protocol as it ships.

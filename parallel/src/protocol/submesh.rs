@@ -1,5 +1,6 @@
 //! The protocol's view of a mesh and of a supply of points. It never sees a coordinate.
 
+use super::news::Standing;
 use super::{BlockId, Directory, Handle, Name, Rules, Ticket, WorkerId};
 pub use ltbw_core::submesh::Insert;
 use std::fmt::Debug;
@@ -47,6 +48,8 @@ pub struct Costs {
     pub tests: u64,
     /// Tetrahedra created.
     pub created: u64,
+    /// Tetrahedra looked at for their bounds.
+    pub looks: u64,
 }
 
 /// Where what [`Submesh::lock_all`] finds is appended.
@@ -72,6 +75,8 @@ pub trait Submesh: Sized {
     type Patch: Clone + Eq + Hash + Debug;
     /// Tetrahedra that change their owner.
     type Cargo: Clone + Eq + Hash + Debug;
+    /// The news that its sources tell each other.
+    type News: Clone + Eq + Hash + Debug;
 
     /// Walks towards `point`, from the named tetrahedron if it is there. Never enters a locked
     /// tetrahedron.
@@ -271,6 +276,32 @@ pub trait Source<S: Submesh> {
 
     /// Takes in points of a block that has moved here.
     fn add(&mut self, block: BlockId, points: Vec<S::Point>);
+
+    /// Does it look at the counts of its worker's [`Standing`]?
+    fn counts(&self) -> bool {
+        false
+    }
+
+    /// Is there something to do beside giving points?
+    fn has_thoughts(&self, standing: Standing) -> bool {
+        let _ = standing;
+        false
+    }
+
+    /// Does some of that.
+    fn think(&mut self, mesh: &mut S, directory: &Directory, standing: Standing) {
+        let _ = (mesh, directory, standing);
+    }
+
+    /// Takes what the source of worker `from` tells.
+    fn hear(&mut self, mesh: &mut S, directory: &Directory, from: WorkerId, news: S::News) {
+        let _ = (mesh, directory, from, news);
+    }
+
+    /// The next thing to tell another source, or itself.
+    fn tell(&mut self) -> Option<(WorkerId, S::News)> {
+        None
+    }
 
     /// Drops all points: the run is cancelled. A block that moves away afterwards takes none along.
     fn clear(&mut self);

@@ -5,6 +5,7 @@
 use super::config::Config;
 use super::directory::{BlockId, Directory, WorkerId};
 use super::invariant::invariant;
+use super::news::Standing;
 use super::rules::{Correct, Rules};
 use super::state::{Granted, Locks, Operations, Spare, Start, Want};
 use super::submesh::{Source, Submesh, SubmeshError};
@@ -116,6 +117,8 @@ pub struct Worker<S: Submesh, Q, C = Correct> {
     pub(super) dropped: bool,
     /// Messages to itself, taken in the same step.
     own: VecDeque<Message<S>>,
+    /// Messages about operations so far.
+    pub(super) traffic: Standing,
     /// The actions of the step under way.
     pub(super) out: Vec<Action<S>>,
     rules: PhantomData<C>,
@@ -139,6 +142,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             cancelled: false,
             dropped: false,
             own: VecDeque::new(),
+            traffic: Standing::default(),
             out: Vec::new(),
             rules: PhantomData,
         }
@@ -204,7 +208,8 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     pub fn has_work(&self) -> bool {
         !self.stopped
             && self.error().is_none()
-            && (!self.operations.ready.is_empty()
+            && (self.has_thoughts()
+                || !self.operations.ready.is_empty()
                 || self.has_room() && self.source.is_ready()
                 || self.is_passive() && self.safra.holds_token())
     }
@@ -251,6 +256,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
                 if message.is_basic() {
                     self.safra.received::<C>();
                 }
+                self.count_taken(&message);
                 self.receive(from, message);
             }
             Event::Work => self.work(),
@@ -261,10 +267,12 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         // Ends: a message to itself follows from one seed, grant, cavity, commit or release of the
         // step.
         let me = self.id();
-        while self.error().is_none()
-            && let Some(message) = self.own.pop_front()
-        {
-            self.receive(me, message);
+        while self.error().is_none() {
+            match self.own.pop_front() {
+                Some(message) => self.receive(me, message),
+                None if self.tell() => {}
+                None => break,
+            }
         }
     }
 
@@ -296,6 +304,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
                 self.moved_in(block, epoch, cargo, points);
             }
             Message::Stray { block, cargo } => self.stray(block, cargo),
+            Message::News(news) => self.source.hear(&mut self.mesh, &self.directory, from, news),
             Message::Token(token) => self.safra.arrived(token),
             Message::Stop => self.stop(),
         }
@@ -305,6 +314,9 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     fn work(&mut self) {
         if self.stopped {
             return;
+        }
+        if self.has_thoughts() {
+            return self.think();
         }
         if self.start_ready() {
             return;
@@ -357,6 +369,45 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         if message.is_basic() {
             self.safra.sent();
         }
+        self.count_sent(&message);
         self.out.push(Action::Send { to, message });
+    }
+}
+
+impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
+    /// Where this worker stands.
+    pub fn standing(&self) -> Standing {
+        Standing { is_passive: self.operations.all.is_empty(), ..self.traffic }
+    }
+
+    /// Is the source to think?
+    fn has_thoughts(&self) -> bool {
+        self.source.has_thoughts(self.standing())
+    }
+
+    /// Lets the source think.
+    fn think(&mut self) {
+        let standing = self.standing();
+        self.source.think(&mut self.mesh, &self.directory, standing);
+    }
+
+    /// Counts a message that is taken.
+    fn count_taken(&mut self, message: &Message<S>) {
+        self.traffic.received += u64::from(self.source.counts() && message.is_of_operation());
+    }
+
+    /// Counts a message that is sent.
+    fn count_sent(&mut self, message: &Message<S>) {
+        self.traffic.sent += u64::from(self.source.counts() && message.is_of_operation());
+    }
+
+    /// Sends the next thing that the source wants to tell. Returns `false` if there is none.
+    fn tell(&mut self) -> bool {
+        let next = self.source.tell();
+        let is_some = next.is_some();
+        if let Some((to, news)) = next {
+            self.send(to, Message::News(news));
+        }
+        is_some
     }
 }

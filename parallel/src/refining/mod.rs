@@ -18,6 +18,7 @@
 
 mod bad_tets;
 mod domain;
+mod news;
 mod rounds;
 mod shape;
 
@@ -26,7 +27,11 @@ pub use domain::{
     BadItems, DomainMesh, DomainNode, DomainPatch, DomainPiece, DomainPoint, RefinedDomain,
     SimulatedDomain, Splits, simulate_domain,
 };
-pub use rounds::{RoundPoints, Simulated, Threaded, rounds_on_threads, simulate_rounds};
+pub use news::{DomainNews, PartEnd, ProbeId, Proposal, Sums, WireClosure, WireCorner, WireItem};
+pub use rounds::{
+    Ending, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN, ThreadedRounds,
+    Tree, is_quiet, rounds_on_threads, simulate_rounds,
+};
 
 use crate::mesh::{Layout, LocalMesh, Prepared, SharedInput, gather};
 use crate::protocol::{Config, Correct, Rules, Worker};
@@ -70,12 +75,12 @@ pub enum RefineError {
     /// Coordinates are too large or too small to make new points as they are.
     #[error("the coordinates are out of the range in which new points are made")]
     Range,
-    /// A script names a tetrahedron that no worker has.
-    #[error("a round of the script begins at a tetrahedron that is not in the mesh")]
-    Script,
     /// The points have no mesh.
     #[error(transparent)]
     Build(#[from] BuildError),
+    /// The domain has no mesh.
+    #[error(transparent)]
+    Domain(#[from] ltbw_domain::refine::RefineError),
     /// The domain has no mesh to start with, or one that only the rounds can refine.
     #[error(transparent)]
     Complex(#[from] ltbw_domain::refine::ComplexError),
@@ -173,7 +178,7 @@ fn prepare_unless<C: Rules>(
     layout: &Layout,
     config: Config,
 ) -> Result<(Vec<Node<C>>, SharedInput), RefineError> {
-    let Prepared { workers, common, .. } = layout.prepare_all(set, cancel)?;
+    let Prepared { workers, common, .. } = layout.prepare_all(set, None, cancel)?;
     let config = Config { workers: layout.workers, ..config };
     let workers = workers.into_iter().map(|(directory, mesh, _)| {
         let source = BadTets::new(directory.me(), bounds, &mesh);

@@ -12,6 +12,8 @@ pub struct CostModel {
     pub test: f64,
     /// A tetrahedron created, its part of removing the old ones included.
     pub created: f64,
+    /// A tetrahedron looked at for its bounds, its place among others included.
+    pub look: f64,
     /// Any step, whatever it does.
     pub step: f64,
     /// A look for messages.
@@ -32,6 +34,7 @@ impl Default for CostModel {
             walk_step: 25.0,
             test: 12.0,
             created: 35.0,
+            look: 220.0,
             step: 100.0,
             poll: 50.0,
             send: 500.0,
@@ -55,6 +58,7 @@ impl CostModel {
             walk_step: SLOWER * own.walk_step,
             test: SLOWER * own.test,
             created: SLOWER * own.created,
+            look: SLOWER * own.look,
             step: SLOWER * own.step,
             poll: 33_000.0,
             send: 146_000.0,
@@ -74,6 +78,7 @@ impl CostModel {
             + self.walk(costs)
             + costs.tests as f64 * self.test
             + costs.created as f64 * self.created
+            + costs.looks as f64 * self.look
     }
 
     /// The time that a message of `bytes` bytes takes its sender.
@@ -92,6 +97,7 @@ impl CostModel {
             self.walk_step,
             self.test,
             self.created,
+            self.look,
             self.step,
             self.poll,
             self.send,

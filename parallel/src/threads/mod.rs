@@ -18,10 +18,11 @@ use crate::mailbox::connect;
 use crate::mesh::{GatherError, LocalMesh, PointQueue, Prepared, SharedInput};
 #[doc(inline)]
 pub use crate::mesh::{Layout, Ownership};
-use crate::metrics::{Collector, Summary, Trace};
+use crate::metrics::{Collector, SubmeshSize, Summary, Trace};
+use crate::payload::Payload;
 #[doc(inline)]
 pub use crate::protocol::{Closure, Config, Rule};
-use crate::protocol::{Correct, Note, Source, Worker, WorkerId, message_of};
+use crate::protocol::{Correct, Note, Source, Submesh, Worker, WorkerId, message_of};
 use crate::transport::{Delayed, Mail, Transport};
 use hooks::ThreadHooks;
 use ltbw_core::{BuildError, CancelToken, Mesh, Observer, Outcome, Phase, Vertex};
@@ -30,10 +31,21 @@ use std::time::{Duration, Instant};
 pub(crate) use teller::PAUSE;
 use teller::{Listener, Teller};
 
+/// A submesh that may go from one thread to another, and so may all that it sends.
+pub(crate) trait Travels:
+    Submesh<Tet: Send, Point: Send, Piece: Send, Patch: Send, Cargo: Send, News: Send> + Send
+{
+}
+
+impl<S> Travels for S where
+    S: Submesh<Tet: Send, Point: Send, Piece: Send, Patch: Send, Cargo: Send, News: Send> + Send
+{
+}
+
 /// Shortest backoff of the paper's rule, beside four latencies.
 const BACKOFF: Duration = Duration::from_micros(20);
 
-type Node<Q = PointQueue> = Worker<LocalMesh, Q>;
+type Node<S = LocalMesh, Q = PointQueue> = Worker<S, Q>;
 
 /// Why there is no mesh.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -159,6 +171,9 @@ pub struct Parallel<'a> {
     listener: Listener<'a>,
     only: Option<&'a [Vertex]>,
 }
+
+/// A worker at its end, and its figures.
+pub(crate) type Measured<S, Q> = (Node<S, Q>, WorkerStats);
 
 impl<'a> Parallel<'a> {
     /// A run on `workers` threads, at least one.
@@ -304,10 +319,14 @@ impl<'a> Parallel<'a> {
     }
 
     /// Runs workers until all points are in, and gives them back with their figures.
-    pub(crate) fn run_workers<Q: Source<LocalMesh> + Workload + Send>(
+    pub(crate) fn run_workers<S, Q>(
         &self,
-        nodes: Vec<Node<Q>>,
-    ) -> Result<Vec<(Node<Q>, WorkerStats)>, RunError> {
+        nodes: Vec<Node<S, Q>>,
+    ) -> Result<Vec<Measured<S, Q>>, RunError>
+    where
+        S: Payload + SubmeshSize + Travels,
+        Q: Source<S> + Workload + Send,
+    {
         let clock = Instant::now();
         let teller = Teller::new(Listener::default(), 0, 0);
         let hooks = |id| self.hooks(id, clock).counted(teller.tally());
@@ -319,12 +338,17 @@ impl<'a> Parallel<'a> {
         Ok(ended.collect())
     }
 
-    fn run_with_hooks<Q: Source<LocalMesh> + Workload + Send, W: RuntimeHooks<LocalMesh> + Send>(
+    fn run_with_hooks<S, Q, W>(
         &self,
-        nodes: Vec<Node<Q>>,
+        nodes: Vec<Node<S, Q>>,
         teller: &Teller<'_>,
         hooks: impl Fn(WorkerId) -> W,
-    ) -> Result<Vec<End<Q, W>>, RunError> {
+    ) -> Result<Vec<End<S, Q, W>>, RunError>
+    where
+        S: Travels,
+        Q: Source<S> + Workload + Send,
+        W: RuntimeHooks<S> + Send,
+    {
         if self.latency.is_zero() {
             return run_all(self.loops(nodes, connect(self.workers), hooks), teller);
         }
@@ -337,7 +361,7 @@ impl<'a> Parallel<'a> {
     /// began at `clock`.
     pub(crate) fn run_nodes<Q: Source<LocalMesh> + Workload + Send>(
         &self,
-        nodes: Vec<Node<Q>>,
+        nodes: Vec<Node<LocalMesh, Q>>,
         common: SharedInput,
         [started, total]: [u64; 2],
         clock: Instant,
@@ -391,16 +415,17 @@ impl<'a> Parallel<'a> {
         ThreadHooks::new(id, start, self.cancel, backoff, self.spans, crowded)
     }
 
-    fn loops<Q, T, W>(
+    fn loops<S, Q, T, W>(
         &self,
-        nodes: Vec<Node<Q>>,
+        nodes: Vec<Node<S, Q>>,
         ways: Vec<T>,
         hooks: impl Fn(WorkerId) -> W,
-    ) -> Vec<Loop<LocalMesh, Q, Correct, T, W>>
+    ) -> Vec<Loop<S, Q, Correct, T, W>>
     where
-        Q: Source<LocalMesh> + Workload,
-        T: Transport<Mail<LocalMesh>>,
-        W: RuntimeHooks<LocalMesh>,
+        S: Submesh,
+        Q: Source<S> + Workload,
+        T: Transport<Mail<S>>,
+        W: RuntimeHooks<S>,
     {
         let pairs = nodes.into_iter().zip(ways);
         pairs
@@ -422,21 +447,22 @@ impl<'a> Parallel<'a> {
 }
 
 /// A worker at its end, and its hooks.
-type End<Q, W> = (Node<Q>, W);
+type End<S, Q, W> = (Node<S, Q>, W);
 
 /// Runs every loop on a thread of its own. A loop that panics takes its way along, which tells the
 /// others.
-fn run_all<Q, T, W>(
-    loops: Vec<Loop<LocalMesh, Q, Correct, T, W>>,
+fn run_all<S, Q, T, W>(
+    loops: Vec<Loop<S, Q, Correct, T, W>>,
     teller: &Teller<'_>,
-) -> Result<Vec<End<Q, W>>, RunError>
+) -> Result<Vec<End<S, Q, W>>, RunError>
 where
-    Q: Source<LocalMesh> + Workload + Send,
-    T: Transport<Mail<LocalMesh>> + Send,
-    W: RuntimeHooks<LocalMesh> + Send,
+    S: Travels,
+    Q: Source<S> + Workload + Send,
+    T: Transport<Mail<S>> + Send,
+    W: RuntimeHooks<S> + Send,
 {
     let results: Vec<_> = std::thread::scope(|scope| {
-        let spawn = |worker: Loop<_, Q, _, T, W>| {
+        let spawn = |worker: Loop<S, Q, _, T, W>| {
             let leave = teller.leave();
             scope.spawn(move || {
                 let _leave = leave;

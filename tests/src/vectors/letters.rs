@@ -2,8 +2,9 @@
 //! format.
 
 use super::line::{self, Line};
-use ltbw::protocol::{Action, BlockId, Handle, Message, Name, Submesh, Ticket};
+use ltbw::protocol::{Action, BlockId, Handle, Message, Name, NoNews, Submesh, Ticket};
 use ltbw_models::hull::{self, Hull};
+use ltbw_models::told::Told;
 use ltbw_models::variants::Variant;
 use serde_json::{Value, json};
 
@@ -50,6 +51,8 @@ pub trait Written: Submesh {
     fn patch(patch: &Self::Patch) -> Value;
     /// Cells that change their owner.
     fn cargo(cargo: &Self::Cargo) -> Value;
+    /// The news of sources.
+    fn told(news: &Self::News) -> Value;
     /// The ends of all cells, sorted.
     fn cells(&self) -> Value;
 }
@@ -71,6 +74,10 @@ impl Written for Line {
 
     fn cargo(cargo: &Vec<line::Piece>) -> Value {
         cargo.iter().map(Self::piece).collect()
+    }
+
+    fn told(news: &NoNews) -> Value {
+        match *news {}
     }
 
     fn cells(&self) -> Value {
@@ -112,6 +119,15 @@ impl<C: Variant> Written for Hull<C> {
         cargo.iter().map(Self::piece).collect()
     }
 
+    fn told(told: &Told) -> Value {
+        match told {
+            Told::Ask => json!("ask"),
+            Told::Answer => json!("answer"),
+            Told::Up(sums) => json!({ "up": sums }),
+            Told::Down(sums) => json!({ "down": sums }),
+        }
+    }
+
     fn cells(&self) -> Value {
         let mut ends: Vec<[hull::Vertex; 2]> =
             Hull::cells(self).map(|cell| cell.piece.ends).collect();
@@ -145,6 +161,7 @@ pub fn message<M: Written>(of: &Message<M>) -> Value {
             "points": points.iter().map(M::point).collect::<Value>(),
         }),
         Message::Stray { block, cargo } => json!({"block": block, "cargo": M::cargo(cargo)}),
+        Message::News(told) => json!({"told": M::told(told)}),
         Message::Token(token) => json!({"count": token.count, "black": token.black}),
         Message::Stop => json!({}),
     };

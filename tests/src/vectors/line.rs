@@ -9,8 +9,8 @@ use ltbw::balance::Workload;
 use ltbw::check::{Inspect, Seen, Sent};
 use ltbw::metrics::SubmeshSize;
 use ltbw::protocol::{
-    BlockId, Costs, Directory, Handle, Insert, Name, Neighbour, Rules, Source, Submesh, Ticket,
-    Walk, Worker, WorkerId,
+    BlockId, Costs, Directory, Handle, Insert, Name, Neighbour, NoNews, Rules, Source, Submesh,
+    Ticket, Walk, Worker, WorkerId,
 };
 use ltbw::simulate::Payload;
 use ltbw::topology::INFINITE;
@@ -136,6 +136,7 @@ impl Submesh for Line {
     type Point = i64;
     type Piece = Piece;
     type Patch = Patch;
+    type News = NoNews;
     type Cargo = Vec<Piece>;
 
     fn walk(&mut self, &p: &i64, from: Option<Name>) -> Walk<Name> {
@@ -362,6 +363,10 @@ impl Payload for Line {
 
     fn cargo_bytes(cargo: &Vec<Piece>) -> u64 {
         48 * cargo.len() as u64
+    }
+
+    fn news_bytes(news: &NoNews) -> u64 {
+        match *news {}
     }
 }
 

@@ -16,6 +16,7 @@
 //! names, handles, patches and cargo are as in the real submesh. Nothing here panics: what should
 //! not happen sets [`Hull::broken`], which the models' safety property looks at.
 
+use crate::told::Told;
 use crate::variants::Variant;
 use ltbw::check::{Inspect, Seen, Sent};
 use ltbw::protocol::{
@@ -323,6 +324,7 @@ impl<C: Variant> Submesh for Hull<C> {
     type Point = Vertex;
     type Piece = Piece;
     type Patch = Patch;
+    type News = Told;
     type Cargo = Vec<Piece>;
 
     /// Goes round counter-clockwise: every edge that the point sees lies ahead.

@@ -18,12 +18,14 @@ pub mod hull;
 mod properties;
 pub mod random;
 pub mod report;
+pub mod rounds;
 #[cfg(not(any(loom, shuttle)))]
 pub mod runs;
 #[cfg(not(any(loom, shuttle)))]
 pub mod system;
 #[cfg(any(loom, shuttle))]
 pub mod threads;
+pub mod told;
 pub mod variants;
 pub mod witness;
 pub mod world;

@@ -275,6 +275,9 @@ impl<C: Variant> System<C> {
         if state.cancelled.iter().any(has_points) {
             return Some("a cancelled worker has points");
         }
+        if state.nodes.iter().any(|node| node.source().is_choosing()) && has_operations(state) {
+            return Some("an operation while a worker chooses");
+        }
         if let Err(broken) = self.between(state).check() {
             return Some(NAMES[broken.invariant as usize - 1]);
         }
@@ -287,6 +290,13 @@ impl<C: Variant> System<C> {
         let nodes: Vec<&Node<C>> = state.nodes.iter().map(|node| &**node).collect();
         self.world.fault_at_end(&nodes, !state.cancelled.is_empty())
     }
+}
+
+/// Is an operation under way?
+fn has_operations<C: Variant>(state: &State<C>) -> bool {
+    let is_of_operation = |letter: &Shared<Letter<C>>| letter.ticket().is_some();
+    state.nodes.iter().any(|node| !node.standing().is_passive)
+        || state.channels.values().flatten().any(is_of_operation)
 }
 
 /// The fault that a broken invariant is.

@@ -78,4 +78,18 @@ variants! {
     R17 TESTS_BEFORE_SLEEP: LostWakeUp, "lost wake-up";
     /// The circumcentre of a tetrahedron that is gone may lie next to a vertex.
     R18 LETS_GO: Obstinate, "point inserted though its item is gone";
+    /// The sums fit by chance while a commit is under way.
+    R19 AWAITS_SECOND_WAVE: OneWave, "one wave ends a round";
+    /// The keys of a second exchange are taken for those of the first.
+    R20 NUMBERS_EXCHANGES: NamelessKeys, "exchanges without a number";
+    /// A home decides while another one still reserves.
+    R21 AWAITS_RESERVATIONS: NoBarrier, "decided before all is reserved";
+    /// The foremost candidate depends on how a submesh numbers its vertices.
+    R22 RANKS_BY_PLACE: KeyByName, "ranks from numbers of vertices";
+    /// Two points are inserted beside one another, each in its own facet.
+    R23 HEARS_OF_RIVALS: DeafHome, "rivals elsewhere not heard of";
+    /// Nobody gets the cavity of an item that waits.
+    R24 TAKES_BACK: StaleReservation, "reservations of items that wait stay";
+    /// The item that a tetrahedron asks for depends on whose parts it has seen.
+    R25 ENDS_PROBES: HastyProbe, "probe stopped at its first veto";
 }

@@ -1,50 +1,93 @@
 //! Small worlds: a convex polygon dealt out to workers, points to insert, blocks that may move.
 
 use crate::hull::{Hull, Link, Piece, Vertex, block_of, orient};
+use crate::rounds::Rounds;
+use crate::told::Told;
 use crate::variants::Variant;
 use crate::witness::Witness;
 use ltbw::balance::Workload;
-use ltbw::protocol::{BlockId, Config, Directory, Name, Rule, Source, Worker, WorkerId};
+use ltbw::protocol::{BlockId, Config, Directory, Name, Rule, Source, Standing, Worker, WorkerId};
 use std::collections::BTreeMap;
 
 /// The points of one worker.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Points(Vec<Vertex>);
+pub struct Points {
+    /// Points to give, in a world with rounds those of this round.
+    left: Vec<Vertex>,
+    rounds: Option<Rounds>,
+}
+
+impl Points {
+    /// Is it choosing the points of a round?
+    pub fn is_choosing(&self) -> bool {
+        self.rounds.as_ref().is_some_and(Rounds::is_choosing)
+    }
+}
 
 impl<C: Variant> Source<Hull<C>> for Points {
     fn next(&mut self, _: &Hull<C>) -> Option<Vertex> {
-        (!self.0.is_empty()).then(|| self.0.remove(0))
+        let may = self.rounds.as_ref().is_none_or(Rounds::inserts);
+        (may && !self.left.is_empty()).then(|| self.left.remove(0))
     }
 
     fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.left.is_empty() && self.rounds.as_ref().is_none_or(Rounds::is_over)
+    }
+
+    fn is_ready(&self) -> bool {
+        !self.left.is_empty() && self.rounds.as_ref().is_none_or(Rounds::inserts)
     }
 
     fn inserted(&mut self, _: &Hull<C>, _: &Vertex) {}
 
     fn remove_block(&mut self, _: &Hull<C>, block: BlockId) -> Vec<Vertex> {
-        let (taken, kept) = self.0.iter().partition(|v| u32::from(v.block) == block.number());
-        self.0 = kept;
+        let (taken, kept) = self.left.iter().partition(|v| u32::from(v.block) == block.number());
+        self.left = kept;
         taken
     }
 
     fn add(&mut self, _: BlockId, points: Vec<Vertex>) {
-        self.0.extend(points);
-        self.0.sort_unstable();
+        self.left.extend(points);
+        self.left.sort_unstable();
     }
 
     fn clear(&mut self) {
-        self.0.clear();
+        self.left.clear();
+    }
+
+    fn counts(&self) -> bool {
+        self.rounds.is_some()
+    }
+
+    fn has_thoughts(&self, standing: Standing) -> bool {
+        let points = self.left.len();
+        self.rounds.as_ref().is_some_and(|rounds| rounds.has_thoughts(standing, points))
+    }
+
+    fn think(&mut self, _: &mut Hull<C>, _: &Directory, standing: Standing) {
+        if let Some(rounds) = &mut self.rounds {
+            rounds.think::<C>(standing, &mut self.left);
+        }
+    }
+
+    fn hear(&mut self, _: &mut Hull<C>, _: &Directory, from: WorkerId, told: Told) {
+        if let Some(rounds) = &mut self.rounds {
+            rounds.hear::<C>(from, told, &mut self.left);
+        }
+    }
+
+    fn tell(&mut self) -> Option<(WorkerId, Told)> {
+        self.rounds.as_mut()?.tell()
     }
 }
 
 impl Workload for Points {
     fn left(&self) -> u64 {
-        self.0.len() as u64
+        self.left.len() as u64
     }
 
     fn in_block(&self, block: BlockId) -> u64 {
-        self.0.iter().filter(|v| u32::from(v.block) == block.number()).count() as u64
+        self.left.iter().filter(|v| u32::from(v.block) == block.number()).count() as u64
     }
 }
 
@@ -71,6 +114,8 @@ pub struct World {
     pub polygon: Vec<Vertex>,
     /// Points to insert, at the worker that owns their block.
     pub points: Vec<Vertex>,
+    /// Points of a second round, if there are rounds.
+    pub second: Option<Vec<Vertex>>,
     /// Moves of blocks to workers, in this order. A move may happen at any time that the protocol
     /// allows it, or never.
     pub moves: Vec<(BlockId, WorkerId)>,
@@ -103,6 +148,7 @@ impl World {
             owners: owners.iter().copied().map(WorkerId::new).collect(),
             polygon: polygon.iter().map(vertex).collect(),
             points: points.iter().map(vertex).collect(),
+            second: None,
             moves: Vec::new(),
             cancels: false,
             rule: Rule::WoundWait,
@@ -128,6 +174,13 @@ impl World {
     /// The same with the token of termination detection.
     pub fn terminating(mut self) -> Self {
         self.termination = true;
+        self
+    }
+
+    /// The same with a second round of points.
+    pub fn then(mut self, second: &[(i16, i16, u8)]) -> Self {
+        let vertex = |&(x, y, block): &(i16, i16, u8)| Vertex { x, y, block };
+        self.second = Some(second.iter().map(vertex).collect());
         self
     }
 
@@ -183,7 +236,11 @@ impl World {
         let node = |me| {
             let mine = edges.iter().filter(|(w, _)| *w == me).map(|&(_, edge)| edge).collect();
             let home = |v: &&Vertex| self.owners[usize::from(v.block)] == me;
-            let points = Points(self.points.iter().filter(home).copied().collect());
+            let left = self.points.iter().filter(home).copied().collect();
+            let second = self.second.as_ref();
+            let second = second.map(|all| all.iter().filter(home).copied().collect());
+            let rounds = second.map(|second| Rounds::new(me, self.workers(), second));
+            let points = Points { left, rounds };
             let config =
                 Config { rule: self.rule, window: self.window, ..Config::new(self.workers()) };
             Worker::new(config, Directory::new(me, &self.owners), Hull::new(me, mine), points)
@@ -233,7 +290,7 @@ impl World {
         }
         let mut points = self.polygon.clone();
         match cancelled {
-            false => points.extend(&self.points),
+            false => points.extend(self.points.iter().chain(self.second.iter().flatten())),
             true => points.extend(found.iter().flatten()),
         }
         points.sort_unstable();

@@ -66,6 +66,16 @@ pub fn three_on_all() -> World {
         .shows(&[SetBack, Crossing, Installation, Walk])
 }
 
+/// Two points, then one, at two workers.
+pub fn rounds_on_two() -> World {
+    World { name: "rounds, 2 owners", ..same_two() }.then(&[(60, 0, 0)])
+}
+
+/// Two points that see the same edges, then one, at three workers.
+pub fn rounds_on_three() -> World {
+    World { name: "rounds, 3 owners", ..two_on_three() }.then(&[(87, 50, 1)])
+}
+
 /// Three cavities at four workers.
 pub fn four_owners() -> World {
     let points = [(95, 31, 0), (74, 67, 3), (-29, 0, 2)];
@@ -231,6 +241,8 @@ pub fn journeys() -> Vec<World> {
         walks_unordered(),
         cancels(),
         cancels_with_a_move(),
+        rounds_on_two(),
+        rounds_on_three(),
     ]
 }
 

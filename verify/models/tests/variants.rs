@@ -126,6 +126,20 @@ fn cancelled_worker_takes_in_moved_points() {
     caught::<variants::RestlessCancel>(worlds::cancels_with_a_move(), fault);
 }
 
+/// The variant of barriers that the model of two rounds alone catches: a commit is under way, and
+/// the counts fit by chance.
+#[test]
+fn one_wave_ends_a_round() {
+    let early = Caught::Fault("an operation while a worker chooses");
+    caught::<variants::OneWave>(worlds::rounds_on_three(), early);
+}
+
+#[test]
+fn decided_before_all_is_reserved() {
+    let early = Caught::Fault("an operation while a worker chooses");
+    caught::<variants::NoBarrier>(worlds::rounds_on_two(), early);
+}
+
 #[test]
 fn expand_before_installation_not_held() {
     let lost = Caught::Fault("a ring cell is not here");

@@ -90,6 +90,7 @@ fn cube_root(x: f64) -> f64 {
 pub type SizeField<'a> = dyn Fn(Point) -> f64 + Sync + 'a;
 
 /// All bounds, in fine steps.
+#[derive(Clone)]
 pub(crate) struct Bounds<'a> {
     pub(crate) ratio: Option<RatioBound>,
     /// The bound of every region; that of the exterior is not used.
@@ -159,7 +160,7 @@ impl Bounds<'_> {
         own.map_or(f64::INFINITY, |bound| bound.volume())
     }
 
-    fn volume_at(&self, corners: [&Point; 4], region: u32) -> f64 {
+    pub(crate) fn volume_at(&self, corners: [&Point; 4], region: u32) -> f64 {
         let field = self.field_bound(corners);
         field.map_or(f64::INFINITY, |bound| bound.volume()).min(self.volume_of(region))
     }
@@ -215,10 +216,15 @@ impl Bounds<'_> {
     /// The edge length that splitting `t` may go down to near small angles: its own shortest edge,
     /// or, if it is too large, that of a cube of the volume wanted.
     pub(crate) fn grain(&self, state: &State, t: TetId, shape: &Shape) -> f64 {
+        let corners = state.vertices(t).map(|v| state.at(v));
+        self.grain_in(corners.each_ref(), state.marks.region(t), shape)
+    }
+
+    /// The same for a tetrahedron with these corners in a region.
+    pub(crate) fn grain_in(&self, corners: [&Point; 4], region: u32, shape: &Shape) -> f64 {
         let edge = shape.edge2.sqrt();
-        let [a, b, c, d] = state.vertices(t).map(|v| state.at(v));
-        let own = self.volumes.get(state.marks.region(t) as usize).copied().flatten();
-        let bounds = [own, self.field_bound([&a, &b, &c, &d])];
+        let own = self.volumes.get(region as usize).copied().flatten();
+        let bounds = [own, self.field_bound(corners)];
         let exceeded = bounds.into_iter().flatten().filter(|bound| bound.excess(shape) >= 1.0);
         exceeded.map(|bound| cube_root(bound.volume())).fold(edge, f64::min)
     }

@@ -7,22 +7,18 @@
 //! a subface if one of them is inside the facet, or if it is on a side of a segment where the facet
 //! is. Triangles of three corners are as they were at the start: all new ones have a new vertex.
 
+use super::RefineError;
 use super::bounds::Bounds;
 use super::carrier::{Carrier, corner_point, free_point, within_box};
-use super::item::{Item, Queues};
 use super::key::sorted;
 use super::measure::{Shape, circumcircle, in_diametral_ball, in_equatorial_ball};
 use super::plc::Plc;
 use super::region::RegionInfo;
-use super::run::Run;
-use super::split::{Refinement, TOLERANCE, aim};
-use super::state::{Place, State};
+use super::split::{TOLERANCE, aim};
+use super::state::State;
 use super::table::{self, Map, Set, edge, triangle};
-use super::verdict::Verdict;
-use super::{RefineError, Refiner};
 use crate::vector::distance2;
-use crate::{Domain, Lattice};
-use ltbw_core::cavity::AdmitAll;
+use ltbw_core::Random;
 use ltbw_core::topology::VertexId;
 use ltbw_exact::{Mode, Point};
 use std::cmp::Ordering;
@@ -64,9 +60,9 @@ pub struct Start {
 
 /// The boundary of a domain and the bounds of its mesh.
 #[doc(hidden)]
-pub struct Complex {
+pub struct Complex<'a> {
     plc: Plc,
-    bounds: Bounds<'static>,
+    bounds: Bounds<'a>,
     floor: f64,
     /// Segments by their ends.
     segments: Map<[u32; 2], u32>,
@@ -76,134 +72,24 @@ pub struct Complex {
     faces: Set<[u32; 3]>,
 }
 
-impl std::fmt::Debug for Complex {
+impl std::fmt::Debug for Complex<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Complex").field("facets", &self.plc.facets.len()).finish_non_exhaustive()
     }
 }
 
-impl Refiner<'_> {
-    /// The complex of a domain, and the mesh that the sequential engine has when there are
-    /// `vertices` vertices and no boundary item waits.
-    ///
-    /// # Errors
-    /// [`ComplexError`] if there is no mesh of the domain, or if it has patches, a sizing field, or
-    /// features at small angles.
-    #[doc(hidden)]
-    pub fn complex(
-        &self,
-        domain: &Domain,
-        lattice: &Lattice,
-        vertices: usize,
-    ) -> Result<(Complex, Start), ComplexError> {
-        let (mut run, regions) = self.recovered(domain, lattice)?;
-        let most = run.most;
-        run.refinement.seed(most, &mut run.work, &mut AdmitAll);
-        run.refine(vertices)?;
-        run.part_circles()?;
-        let own = run.refinement;
-        let no = |what| Err(ComplexError::Unsupported(what));
-        let Some(Bounds { ratio, volumes, field, fine_step }) = own.bounds else {
-            return no("some of the boundary could not be recovered");
-        };
-        if field.is_some() {
-            return no("a sizing field");
-        }
-        if own.state.plc.facets.iter().any(|facet| facet.patch.is_some()) {
-            return no("facets that are coplanar within a tolerance");
-        }
-        if own.state.angles.relates() {
-            return no("features at small angles, or too near to each other");
-        }
-        let bounds = Bounds { ratio, volumes, field: None, fine_step };
-        let start = Start::of(&own.state, regions, most);
-        Ok((Complex::of(own.state, bounds, own.floor), start))
-    }
-}
-
-/// Times that the boundary items are looked through for circles.
-const LOOKS: usize = 32;
-
-impl Run<'_> {
-    /// Splits boundary items that wait for each other in a circle, until there are none: the point
-    /// of each would take the next one out of the mesh. What is left when nothing helps stays.
-    fn part_circles(&mut self) -> Result<(), RefineError> {
-        for _ in 0..LOOKS {
-            let before = self.refinement.state.mesh.num_vertices();
-            for item in self.refinement.circles(&mut self.work) {
-                self.refinement.split(item, &mut self.work, &mut AdmitAll);
-                self.refine(0)?;
-            }
-            if self.refinement.state.mesh.num_vertices() == before {
-                break;
-            }
-        }
-        Ok(())
-    }
-}
-
-impl Refinement<'_> {
-    /// The boundary items that wait for themselves.
-    fn circles(&mut self, work: &mut Queues) -> Vec<Item> {
-        let segments = self.state.segments.keys().map(|&s| Item::Segment(s));
-        let subfaces = self.state.subfaces.keys().map(|&s| Item::Subface(s));
-        let all: Vec<Item> = segments.chain(subfaces).collect();
-        let mut first: Map<Item, Vec<Item>> = Map::default();
-        for item in all {
-            let waits = self.waits(item, work);
-            if !waits.is_empty() {
-                first.insert(item, waits);
-            }
-        }
-        let is_in_circle = |item: &&Item| {
-            let (mut seen, mut stack) = (Set::default(), vec![**item]);
-            while let Some(next) = stack.pop() {
-                for other in first.get(&next).into_iter().flatten() {
-                    if other == *item {
-                        return true;
-                    }
-                    if seen.insert(*other) {
-                        stack.push(*other);
-                    }
-                }
-            }
-            false
-        };
-        first.keys().filter(is_in_circle).copied().collect()
-    }
-
-    /// The boundary items that go before one, by the point proposed first.
-    fn waits(&mut self, item: Item, work: &mut Queues) -> Vec<Item> {
-        let place = |p, carrier| Place { p, carrier, from: self.state.mesh.hint() };
-        let place = match item {
-            Item::Segment(ends) => self.state.segments.get(&ends).and_then(|&s| {
-                let t = self.state.split_parameter(ends, s)?;
-                let p = self.state.plc.segments[s as usize].line.point(t);
-                Some(place(p, Carrier::Segment(s, t)))
-            }),
-            Item::Subface(corners) => self.state.subfaces.get(&corners).and_then(|&f| {
-                let points = corners.map(|v| self.state.at(v));
-                let p = self.state.plc.point_of_subface(f, points, Some(TOLERANCE))?;
-                Some(place(p, Carrier::Facet(f)))
-            }),
-            Item::Tet(..) => None,
-        };
-        let Some(place) = place else { return Vec::new() };
-        let mut found = Vec::new();
-        self.propose(&place, work, &mut AdmitAll, |judge| {
-            if let Verdict::Defer(first) = judge.on_boundary(item, &place, true) {
-                found = first;
-            }
-            Verdict::Useless
-        });
-        found
-    }
-}
+/// The most places in a tetrahedron that tell where its parts will be.
+const PLACES: f64 = 64.0;
 
 impl Plc {
     /// The point on facet `f` that splits a triangle, off by at most a part of the radius, or by a
     /// step.
-    fn point_of_subface(&self, f: u32, corners: [Point; 3], part: Option<f64>) -> Option<Point> {
+    pub(super) fn point_of_subface(
+        &self,
+        f: u32,
+        corners: [Point; 3],
+        part: Option<f64>,
+    ) -> Option<Point> {
         let corners = sorted(corners);
         let [a, b, c] = &corners;
         let (centre, square) = circumcircle(a, b, c);
@@ -214,7 +100,30 @@ impl Plc {
 }
 
 impl Start {
-    fn of(state: &State, regions: Vec<RegionInfo>, most: u64) -> Self {
+    /// Places inside the domain, each with the number of tetrahedra that there will be around it,
+    /// as far as it can be told: for the balance of work.
+    pub fn weights(&self, complex: &Complex<'_>) -> Vec<(Point, u64)> {
+        let mut random = Random::new(1);
+        let mut weights = Vec::new();
+        for (v, region) in &self.tets {
+            let corners = v.map(|v| self.points[v as usize]);
+            let own = complex.predicted(corners, *region);
+            let count = own.ceil().min(PLACES);
+            let weight = (own / count.max(1.0) * 256.0) as u64;
+            for _ in 0..count as usize {
+                // The parts of an interval that three points cut.
+                let mut cuts = [random.unit(), random.unit(), random.unit()];
+                cuts.sort_unstable_by(f64::total_cmp);
+                let [a, b, c] = cuts;
+                let parts = [a, b - a, c - b, 1.0 - c];
+                let sum = |k: usize| (0..4).map(|v| parts[v] * corners[v][k]).sum();
+                weights.push(([0, 1, 2].map(sum), weight));
+            }
+        }
+        weights
+    }
+
+    pub(super) fn of(state: &State, regions: Vec<RegionInfo>, most: u64) -> Self {
         let mesh = &state.mesh;
         let tet = |t| {
             let mut v = state.vertices(t).map(|v| v.number() - 1);
@@ -233,14 +142,14 @@ impl Start {
     }
 }
 
-impl Complex {
-    pub(super) fn of(state: State, bounds: Bounds<'static>, floor: f64) -> Self {
+impl<'a> Complex<'a> {
+    pub(super) fn of(state: &State, bounds: Bounds<'a>, floor: f64) -> Self {
         let segments = (0..).zip(&state.plc.segments).map(|(s, own)| (own.ends, s)).collect();
         let (sides, faces) = (Map::default(), Set::default());
-        let State { plc, subfaces, carriers, mesh, .. } = state;
+        let plc = state.plc.clone();
         let mut own = Self { plc, bounds, floor, segments, sides, faces };
-        for (&corners, &f) in &subfaces {
-            let at = |v: VertexId| (carriers[v.index()], mesh.kernel_point(v));
+        for (&corners, &f) in &state.subfaces {
+            let at = |v: VertexId| (state.carriers[v.index()], state.at(v));
             if let [Carrier::Corner(a), Carrier::Corner(b), Carrier::Corner(c)] =
                 corners.map(|v| at(v).0)
             {
@@ -334,6 +243,25 @@ impl Complex {
         region != 0 && self.bounds.are_over(corners, region)
     }
 
+    pub(super) fn bounds(&self) -> &Bounds<'a> {
+        &self.bounds
+    }
+
+    pub(super) fn floor(&self) -> f64 {
+        self.floor
+    }
+
+    /// The point that splits a subsegment of segment `s` between two places.
+    pub(super) fn point_on_segment(&self, s: u32, ends: [Carrier; 2]) -> Option<(Point, Carrier)> {
+        let t = self.plc.split_parameter(ends, s)?;
+        Some((self.plc.segments[s as usize].line.point(t), Carrier::Segment(s, t)))
+    }
+
+    /// A point of facet `f` near a place.
+    pub(super) fn point_on_facet(&self, f: u32, place: &Point, tolerance: f64) -> Option<Point> {
+        self.plc.facets[f as usize].plane.near(place, tolerance)
+    }
+
     /// The circumradius of a tetrahedron, rounded.
     pub fn radius(&self, corners: [&Point; 4]) -> f64 {
         Shape::of(corners).radius()
@@ -361,10 +289,9 @@ impl Complex {
         s: u32,
         ends: [(Carrier, Point); 2],
     ) -> Option<(Point, Carrier)> {
-        let t = self.plc.split_parameter(ends.map(|(carrier, _)| carrier), s)?;
-        let p = self.plc.segments[s as usize].line.point(t);
+        let (p, carrier) = self.point_on_segment(s, ends.map(|(carrier, _)| carrier))?;
         let is_far = |(_, end): (Carrier, Point)| distance2(&end, &p) >= self.floor * self.floor;
-        ends.into_iter().all(is_far).then_some((p, Carrier::Segment(s, t)))
+        ends.into_iter().all(is_far).then_some((p, carrier))
     }
 
     /// The point that splits a subface of facet `f`, at the given attempt.

@@ -20,7 +20,7 @@ pub(crate) struct Points {
 }
 
 impl Points {
-    fn count(&mut self, carrier: Carrier) {
+    pub(crate) fn count(&mut self, carrier: Carrier) {
         match carrier {
             Carrier::Segment(..) => self.segments += 1,
             Carrier::Facet(_) => self.facets += 1,

@@ -33,8 +33,8 @@
 //! | `key` | orders by coordinates alone |
 //! | `rounds` | refinement in rounds: one mesh whatever the order of insertion |
 //! | `again`, `relief` | what was refused: asked again; a point with which fewer are over |
-//! | `script` | the points of the rounds, for others to insert |
 //! | `region` | inside, outside, regions |
+//! | `choice`, `aims`, `survey` | the choice of a round by values: items, points, verdicts |
 //! | `complex` | boundary, bounds and points as values, for engines on many processors |
 //! | `background` | sizing by a background mesh, or at input vertices |
 //! | `excuse` | what is over its bounds at the end, and why |
@@ -42,11 +42,13 @@
 //! | `output` | the mesh and its boundary as plain arrays |
 
 mod again;
+mod aims;
 mod angles;
 mod arc;
 mod background;
 mod bounds;
 mod carrier;
+mod choice;
 mod complex;
 mod defer;
 mod dust;
@@ -77,13 +79,13 @@ mod region;
 mod relief;
 mod rounds;
 mod run;
-mod script;
 mod seed;
 mod sharp;
 mod sliver;
 mod split;
 mod state;
 mod surface;
+mod survey;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -99,18 +101,27 @@ use ltbw_core::build::BuildError;
 use ltbw_exact::Point;
 use ltbw_exact::points::PointError;
 
+#[doc(hidden)]
+pub use aims::{way_out, way_start};
 pub use background::{Background, BackgroundError};
 pub use bounds::{SizeField, largest_tolerance, usual_tolerance};
 pub use carrier::Carrier;
+#[doc(hidden)]
+pub use choice::{Aim, BoundaryItem, Closure, Corner, ItemPlace, NOWHERE, Rank, Rival, Ruling};
 pub use complex::{Complex, ComplexError, Start};
 pub use excuse::Excused;
 pub use item::{Item, Queues, Work};
 pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats};
 pub use output::Refined;
 pub use region::RegionInfo;
+#[doc(hidden)]
+pub use rounds::BESIDE;
 pub use rounds::{InsertOrder, RoundTimes};
 pub use run::Refiner;
-pub use script::{Chosen, Script};
+#[doc(hidden)]
+pub use run::{Asked, Delegated, Handed, Parted};
+#[doc(hidden)]
+pub use survey::Survey;
 pub use whole::MeshError;
 
 /// Why there is no mesh of a domain.

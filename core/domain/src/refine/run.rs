@@ -1,8 +1,12 @@
 //! The driver: recover the boundary, find the regions, split what is over its bounds.
 
 mod budget;
+mod complex;
+mod delegated;
 mod finish;
-mod scripted;
+
+#[doc(hidden)]
+pub use delegated::{Asked, Delegated, Handed, Parted};
 
 use super::RefineError;
 use super::bounds::{Bounds, SizeField, check_limits, check_tolerance};
@@ -15,8 +19,7 @@ use super::patch::{DISSOLVED, Unfound};
 use super::plc::Plc;
 use super::record::Refusal;
 use super::region::RegionInfo;
-use super::rounds::{InsertOrder, RoundTimes, Rounds};
-use super::script::Script;
+use super::rounds::{InsertOrder, Resumed, RoundTimes, Rounds};
 use super::split::{Refinement, Step};
 use super::state::State;
 use super::table::Set;
@@ -211,25 +214,7 @@ impl<'a> Refiner<'a> {
     /// # Errors
     /// [`RefineError`] says why there is no mesh of the domain.
     pub fn refine(&self, domain: &Domain, lattice: &Lattice) -> Result<Refined, RefineError> {
-        Ok(self.refined(domain, lattice, None)?.0)
-    }
-
-    /// The same; a script is filled with what the rounds insert.
-    pub(super) fn refined(
-        &self,
-        domain: &Domain,
-        lattice: &Lattice,
-        script: Option<Script>,
-    ) -> Result<(Refined, Option<Script>), RefineError> {
-        let (mut run, regions) = self.recovered(domain, lattice)?;
-        run.refinement.script = script;
-        let clock = Instant::now();
-        run.refinement.seed(run.most, &mut run.work, &mut AdmitAll);
-        run.refine(self.start)?;
-        run.rounds(self.order, clock.elapsed().as_secs_f64())?;
-        run.stats.refine_seconds = clock.elapsed().as_secs_f64();
-        let script = run.refinement.script.take();
-        Ok((run.finish(regions, *lattice)?, script))
+        self.delegate(domain, lattice)?.go_on()
     }
 
     /// Tells the observer how many vertices there are.
@@ -395,8 +380,14 @@ impl Run<'_> {
         }
     }
 
-    /// Goes on in rounds, if there is a boundary; what was before took `start_seconds`.
-    fn rounds(&mut self, order: InsertOrder, start_seconds: f64) -> Result<(), RefineError> {
+    /// Goes on in rounds, if there is a boundary; what was before took `start_seconds`. Others may
+    /// have carried out some of them.
+    fn rounds_from(
+        &mut self,
+        order: InsertOrder,
+        start_seconds: f64,
+        resumed: Option<Resumed>,
+    ) -> Result<(), RefineError> {
         if self.stop.is_some() || self.refinement.bounds.is_none() {
             return Ok(());
         }
@@ -404,7 +395,8 @@ impl Run<'_> {
         let tell = |vertices: usize| refiner.tell(Phase::Refine, vertices);
         let threads = if refiner.one_thread { 1 } else { rayon::current_num_threads() };
         let stats = RefineStats { round_threads: threads, ..self.stats };
-        let rounds = Rounds::new(&mut self.refinement, order, self.most, stats);
+        let mut rounds = Rounds::new(&mut self.refinement, order, self.most, stats);
+        resumed.into_iter().for_each(|resumed| rounds.resume(resumed));
         let (stop, stats, over, times) = rounds.run_in_pool(refiner.cancel, tell)?;
         (self.stop, self.over, self.rounds) = (stop, Some(over), times);
         self.stats = RefineStats { start_seconds, ..stats };

@@ -16,7 +16,6 @@ use super::measure::{Shape, circumcircle};
 use super::outcome::Reason;
 use super::plc::Plc;
 use super::record::{Record, Refusal};
-use super::script::Script;
 use super::state::{Place, State};
 use super::verdict::{Judge, Verdict};
 use super::walk::Way;
@@ -72,15 +71,12 @@ pub(crate) struct Refinement<'a> {
     pub(crate) inserted: Inserted,
     /// Shortest edge that may be made, in fine steps.
     pub(crate) floor: f64,
-    /// The script of the rounds, if somebody wants one.
-    pub(crate) script: Option<Script>,
 }
 
 impl<'a> Refinement<'a> {
     pub(crate) fn new(state: State, next_number: u32, floor: f64) -> Self {
         let inserted = Inserted::from(next_number);
-        let (bounds, script) = (None, None);
-        Self { state, bounds, record: Record::default(), inserted, floor, script }
+        Self { state, bounds: None, record: Record::default(), inserted, floor }
     }
 
     /// Carries out the rule for an item.

@@ -34,10 +34,7 @@ impl State {
     /// Walks from the middle of tetrahedron `start` straight to `p`, up to the first subface.
     pub(crate) fn way(&self, start: TetId, p: &Point) -> Way {
         let topology = self.mesh.topology();
-        let corners = self.vertices(start).map(|v| self.at(v));
-        // A whole number of fine steps, so that the predicates stay in their window.
-        let corners = sorted(corners);
-        let from = [0, 1, 2].map(|k| corners.iter().map(|c| c[k] * 0.25).sum::<f64>().round());
+        let from = middle(self.vertices(start).map(|v| self.at(v)));
         let (mut t, mut entry) = (start, 4);
         // In a Delaunay mesh such a walk visits no tetrahedron twice; the bound only guards it.
         for _ in 0..=topology.slots() {
@@ -46,28 +43,8 @@ impl State {
                 return Way::Outside;
             }
             let v = tet.vertices();
-            let at = |slot: usize| FACES[slot].map(|k| self.at(v[k]));
-            let (mut exit, mut several) = (None, false);
-            for slot in (0..4).filter(|&slot| slot != entry) {
-                let [a, b, c] = at(slot);
-                if orient3d(&a, &b, &c, p) == Sign::Negative {
-                    several |= exit.is_some();
-                    exit = exit.or(Some(slot));
-                }
-            }
-            if several {
-                let beyond = |slot: &usize| {
-                    let [a, b, c] = at(*slot);
-                    *slot != entry && orient3d(&a, &b, &c, p) == Sign::Negative
-                };
-                let straight = (0..4).filter(beyond).filter(|&k| crosses(&from, p, &at(k)));
-                // Through an edge or a vertex, and where the rounded start is outside a flat
-                // tetrahedron, the way goes as the coordinates say, not the slots.
-                let place = |k: &usize| order_key(&self.at(v[*k]));
-                exit =
-                    straight.min_by_key(place).or_else(|| (0..4).filter(beyond).min_by_key(place));
-            }
-            let Some(slot) = exit else { return Way::Arrived(t) };
+            let corners = v.map(|v| self.at(v));
+            let Some(slot) = exit(&corners, entry, &from, p) else { return Way::Arrived(t) };
             if self.marks.of(t) & face_bit(slot) != 0 {
                 let [a, b, c] = FACES[slot].map(|k| v[k]);
                 return Way::Blocked(triangle(a, b, c));
@@ -167,6 +144,39 @@ impl State {
         }
         None
     }
+}
+
+/// The middle of a tetrahedron, where a way begins: a whole number of fine steps, so that the
+/// predicates stay in their window.
+pub(crate) fn middle(corners: [Point; 4]) -> Point {
+    let corners = sorted(corners);
+    [0, 1, 2].map(|k| corners.iter().map(|c| c[k] * 0.25).sum::<f64>().round())
+}
+
+/// The face through which the straight way from `from` to `p` leaves a tetrahedron that it has
+/// entered through face `entry`, by the slot opposite; `None` if the tetrahedron holds `p`.
+pub(crate) fn exit(corners: &[Point; 4], entry: usize, from: &Point, p: &Point) -> Option<usize> {
+    let at = |slot: usize| FACES[slot].map(|k| corners[k]);
+    let (mut exit, mut several) = (None, false);
+    for slot in (0..4).filter(|&slot| slot != entry) {
+        let [a, b, c] = at(slot);
+        if orient3d(&a, &b, &c, p) == Sign::Negative {
+            several |= exit.is_some();
+            exit = exit.or(Some(slot));
+        }
+    }
+    if several {
+        let beyond = |slot: &usize| {
+            let [a, b, c] = at(*slot);
+            *slot != entry && orient3d(&a, &b, &c, p) == Sign::Negative
+        };
+        let straight = (0..4).filter(beyond).filter(|&k| crosses(from, p, &at(k)));
+        // Through an edge or a vertex, and where the rounded start is outside a flat tetrahedron,
+        // the way goes as the coordinates say, not the slots.
+        let place = |k: &usize| order_key(&corners[*k]);
+        exit = straight.min_by_key(place).or_else(|| (0..4).filter(beyond).min_by_key(place));
+    }
+    exit
 }
 
 /// Does the line from `a` to `b`, which lie on different sides of a triangle's plane, meet it?

@@ -5,13 +5,14 @@ use super::mesh::DomainMesh;
 use super::values::{DomainPoint, End, ItemKey, Marked};
 use crate::balance::Workload;
 use crate::mesh::{VertexName, WireVertex, made};
-use crate::protocol::{BlockId, Item, Source, WorkerId};
+use crate::protocol::{BlockId, Directory, Item, Source, WorkerId};
+use crate::refining::news::DomainNews;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_domain::refine::Carrier;
 use ltbw_exact::Point;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, VecDeque};
 
 /// Entries that are looked at for one that nobody has locked.
 const LOOKS: usize = 8;
@@ -48,7 +49,7 @@ struct Proposed {
 }
 
 impl Entry {
-    fn stands(&self, mesh: &DomainMesh) -> bool {
+    fn stands(&self, mesh: &DomainMesh<'_>) -> bool {
         let tets = mesh.inner.tets();
         tets.is_live(self.tet) && tets.vertices(self.tet) == self.corners
     }
@@ -84,6 +85,11 @@ pub struct BadItems {
     waiting: BinaryHeap<Entry>,
     /// Entries behind boundary items of this list.
     behind: FxHashMap<ItemKey, Vec<Entry>>,
+    /// Tetrahedra behind boundary items of other lists, which will tell of their ends.
+    behind_far: FxHashMap<ItemKey, Vec<Entry>>,
+    /// Workers that are to hear of the ends of boundary items of this list.
+    waiters: FxHashMap<ItemKey, Vec<WorkerId>>,
+    out: VecDeque<(WorkerId, DomainNews)>,
     /// The boundary items of this list, those under way included.
     pending: FxHashSet<ItemKey>,
     under_way: FxHashMap<VertexName, Entry>,
@@ -97,11 +103,14 @@ pub struct BadItems {
 
 impl BadItems {
     /// The bad tetrahedra of a submesh.
-    pub(super) fn new(me: WorkerId, most: u64, mesh: &DomainMesh) -> Self {
+    pub(super) fn new(me: WorkerId, most: u64, mesh: &DomainMesh<'_>) -> Self {
         let mut own = Self {
             me,
             waiting: BinaryHeap::new(),
             behind: FxHashMap::default(),
+            behind_far: FxHashMap::default(),
+            waiters: FxHashMap::default(),
+            out: VecDeque::new(),
             pending: FxHashSet::default(),
             under_way: FxHashMap::default(),
             made: 0,
@@ -120,7 +129,7 @@ impl BadItems {
     }
 
     /// The point for an entry, if there is one, and where the nearest item is looked for.
-    fn propose(mesh: &DomainMesh, entry: &Entry) -> Option<Proposed> {
+    fn propose(mesh: &DomainMesh<'_>, entry: &Entry) -> Option<Proposed> {
         let all = entry.corners.map(|v| mesh.point(v));
         let complex = &mesh.complex;
         if entry.is_tet() {
@@ -142,7 +151,7 @@ impl BadItems {
     }
 
     /// Ends an entry that cannot be split.
-    fn refuse(&mut self, mesh: &DomainMesh, entry: &Entry) {
+    fn refuse(&mut self, mesh: &DomainMesh<'_>, entry: &Entry) {
         if !entry.is_tet() {
             mesh.refuse(entry.key);
         }
@@ -154,16 +163,20 @@ impl BadItems {
         if !entry.is_tet() {
             self.pending.remove(&entry.key);
             self.waiting.extend(self.behind.remove(&entry.key).into_iter().flatten());
+            let waiters = self.waiters.remove(&entry.key).into_iter().flatten();
+            self.out.extend(waiters.map(|to| (to, DomainNews::Ended(entry.key))));
         }
     }
 
     /// An entry goes behind a boundary item: until that is done if this worker splits it, else for
     /// the time that its next operation takes.
-    fn set_behind(&mut self, mesh: &DomainMesh, mut entry: Entry, key: ItemKey, is_here: bool) {
+    fn set_behind(&mut self, mesh: &DomainMesh<'_>, mut entry: Entry, key: ItemKey, is_here: bool) {
         self.splits.deferred += 1;
         entry.tries.0 += 1;
         if entry.tries.0 > TRIES {
             self.refuse(mesh, &entry);
+        } else if !is_here && entry.is_tet() {
+            self.behind_far.entry(key).or_default().push(entry);
         } else if is_here && key != entry.key && self.pending.contains(&key) {
             self.behind.entry(key).or_default().push(entry);
         } else {
@@ -171,9 +184,25 @@ impl BadItems {
         }
     }
 
-    fn ask(&mut self, mesh: &DomainMesh, marked: &Marked) {
+    fn ask_all(&mut self, mesh: &DomainMesh<'_>) {
+        let (asked, waiter) = mesh.asked();
+        asked.iter().for_each(|marked| self.ask(mesh, marked, waiter));
+    }
+
+    fn ask(&mut self, mesh: &DomainMesh<'_>, marked: &Marked, waiter: Option<WorkerId>) {
         let tets = mesh.inner.tets();
-        if !tets.is_live(marked.tet) || !self.pending.insert(marked.key) {
+        if !tets.is_live(marked.tet) || self.is_closed {
+            // It may be split already: the waiter finds out.
+            self.out.extend(waiter.map(|to| (to, DomainNews::Ended(marked.key))));
+            return;
+        }
+        if let Some(waiter) = waiter {
+            let waiters = self.waiters.entry(marked.key).or_default();
+            if !waiters.contains(&waiter) {
+                waiters.push(waiter);
+            }
+        }
+        if !self.pending.insert(marked.key) {
             return;
         }
         self.waiting.push(Entry {
@@ -198,10 +227,10 @@ fn middle(corners: &[Point; 4]) -> Point {
     [0, 1, 2].map(|k| corners.iter().map(|p| p[k] / 4.0).sum())
 }
 
-impl Source<DomainMesh> for BadItems {
+impl<'c> Source<DomainMesh<'c>> for BadItems {
     const WATCHES: bool = true;
 
-    fn next(&mut self, mesh: &DomainMesh) -> Option<DomainPoint> {
+    fn next(&mut self, mesh: &DomainMesh<'c>) -> Option<DomainPoint> {
         if self.waiting.is_empty() && self.under_way.is_empty() {
             self.release();
         }
@@ -245,18 +274,18 @@ impl Source<DomainMesh> for BadItems {
         self.under_way.insert(name, entry);
         let (vertex, from) = (WireVertex::new(name, p), from.map(f64::to_bits));
         let (item, seed) = (entry.key, entry.tet);
-        Some(DomainPoint { vertex, carrier, item, seed, from, may })
+        Some(DomainPoint { vertex, carrier, item, seed, from, may, is_chosen: false })
     }
 
     fn is_empty(&self) -> bool {
-        self.waiting.is_empty() && self.behind.is_empty()
+        self.waiting.is_empty() && self.behind.is_empty() && self.behind_far.is_empty()
     }
 
     fn is_ready(&self) -> bool {
         !self.waiting.is_empty() || self.under_way.is_empty() && !self.behind.is_empty()
     }
 
-    fn item(&self, mesh: &DomainMesh, point: &DomainPoint) -> Item<TetId> {
+    fn item(&self, mesh: &DomainMesh<'c>, point: &DomainPoint) -> Item<TetId> {
         match self.under_way.get(&point.vertex.name) {
             // One that waits for a boundary item asks for its locks again and again, so that the
             // item would wait for ever if it did not ask for them: see `DomainMesh::walk`.
@@ -268,7 +297,7 @@ impl Source<DomainMesh> for BadItems {
         }
     }
 
-    fn created(&mut self, mesh: &DomainMesh, tets: &[TetId]) {
+    fn created(&mut self, mesh: &DomainMesh<'c>, tets: &[TetId]) {
         if self.is_closed {
             return;
         }
@@ -291,7 +320,7 @@ impl Source<DomainMesh> for BadItems {
                 });
             }
         }
-        mesh.asked().iter().for_each(|marked| self.ask(mesh, marked));
+        self.ask_all(mesh);
     }
 
     /// Its tetrahedron is gone, or not in conflict with the point.
@@ -301,9 +330,9 @@ impl Source<DomainMesh> for BadItems {
         }
     }
 
-    fn inserted(&mut self, mesh: &DomainMesh, point: &DomainPoint) {
+    fn inserted(&mut self, mesh: &DomainMesh<'c>, point: &DomainPoint) {
         let Some(entry) = self.under_way.remove(&point.vertex.name) else { return };
-        mesh.asked().iter().for_each(|marked| self.ask(mesh, marked));
+        self.ask_all(mesh);
         match mesh.end() {
             Some(End::Inserted) => {
                 let kind = match point.carrier {
@@ -324,17 +353,31 @@ impl Source<DomainMesh> for BadItems {
     }
 
     /// No block moves.
-    fn remove_block(&mut self, _: &DomainMesh, _: BlockId) -> Vec<DomainPoint> {
+    fn remove_block(&mut self, _: &DomainMesh<'c>, _: BlockId) -> Vec<DomainPoint> {
         Vec::new()
     }
 
     fn add(&mut self, _: BlockId, _: Vec<DomainPoint>) {}
 
+    fn hear(&mut self, _: &mut DomainMesh<'c>, _: &Directory, _: WorkerId, news: DomainNews) {
+        if let DomainNews::Ended(key) = news {
+            self.waiting.extend(self.behind_far.remove(&key).into_iter().flatten());
+        }
+    }
+
+    fn tell(&mut self) -> Option<(WorkerId, DomainNews)> {
+        self.out.pop_front()
+    }
+
     fn clear(&mut self) {
         self.is_closed = true;
         self.waiting.clear();
         self.behind.clear();
+        self.behind_far.clear();
         self.pending.clear();
+        for (key, waiters) in self.waiters.drain() {
+            self.out.extend(waiters.into_iter().map(|to| (to, DomainNews::Ended(key))));
+        }
     }
 }
 

@@ -6,18 +6,15 @@
 //! that go first, which they bring to the owners of tetrahedra at these.
 
 use super::values::{
-    DomainPatch, DomainPiece, DomainPoint, End, ItemKey, MARKED, Marked, carriers_bytes,
-    segment_key, subface_key,
+    DomainPatch, DomainPiece, DomainPoint, End, ItemKey, Marked, segment_key, subface_key,
 };
 use super::verdict::{Cavity, Verdict, regions};
-use crate::check::{Inspect, Seen, Sent};
 use crate::mesh::{LocalMesh, Moving, Patch, Piece, VertexName, WireVertex};
-use crate::metrics::SubmeshSize;
-use crate::payload::Payload;
 use crate::protocol::{
     BlockId, Correct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Rules, Submesh,
     SubmeshError, Ticket, Walk, WorkerId,
 };
+use crate::refining::news::DomainNews;
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_domain::refine::{Carrier, Complex};
@@ -31,16 +28,19 @@ const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
 /// A submesh of a domain.
 #[derive(Debug)]
-pub struct DomainMesh {
-    pub(super) inner: LocalMesh,
-    pub(super) complex: Arc<Complex>,
+pub struct DomainMesh<'c> {
+    pub(crate) inner: LocalMesh,
+    pub(crate) complex: Arc<Complex<'c>>,
+    /// Work done outside the inner submesh.
+    extra: Costs,
     me: WorkerId,
     /// By vertex number.
     carriers: Vec<Carrier>,
     /// By slot.
     regions: Vec<u32>,
-    /// The boundary items that go first, by the last patch.
+    /// The boundary items that go first, by the last patch, and the worker that waits for them.
     asked: Vec<Marked>,
+    waiter: Option<WorkerId>,
     /// The end of the last operation whose home is here.
     end: Option<End>,
     /// Was the last point inserted at once, or given up at once?
@@ -57,11 +57,11 @@ fn put<T: Clone>(list: &mut Vec<T>, place: usize, value: T, rest: T) {
     list[place] = value;
 }
 
-impl DomainMesh {
+impl<'c> DomainMesh<'c> {
     /// A submesh whose vertices and tetrahedra, given by name, have these carriers and regions.
-    pub(super) fn new(
+    pub(crate) fn new(
         inner: LocalMesh,
-        complex: Arc<Complex>,
+        complex: Arc<Complex<'c>>,
         me: WorkerId,
         carrier: impl Fn(VertexName) -> Carrier,
         region: impl Fn([VertexName; 4]) -> u32,
@@ -75,24 +75,62 @@ impl DomainMesh {
         }
         let (asked, refused) = (Vec::new(), RefCell::default());
         let (end, is_at_once) = (None, false);
-        Self { inner, complex, me, carriers, regions, asked, end, is_at_once, refused }
+        let (extra, waiter) = (Costs::default(), None);
+        Self {
+            inner,
+            complex,
+            extra,
+            me,
+            carriers,
+            regions,
+            asked,
+            waiter,
+            end,
+            is_at_once,
+            refused,
+        }
+    }
+
+    /// The worker whose submesh it is.
+    pub(crate) fn me(&self) -> WorkerId {
+        self.me
     }
 
     /// The region of a tetrahedron.
-    pub(super) fn region(&self, t: TetId) -> u32 {
+    pub(crate) fn region(&self, t: TetId) -> u32 {
         self.regions.get(t.index()).copied().unwrap_or_default()
     }
 
-    pub(super) fn carrier(&self, v: VertexId) -> Carrier {
+    pub(crate) fn carrier(&self, v: VertexId) -> Carrier {
         self.carriers.get(v.index()).copied().unwrap_or(Carrier::Free)
     }
 
-    pub(super) fn point(&self, v: VertexId) -> Point {
+    pub(crate) fn point(&self, v: VertexId) -> Point {
         self.inner.tets().point(v)
     }
 
-    pub(super) fn asked(&self) -> &[Marked] {
-        &self.asked
+    /// Is a tetrahedron in conflict with a point?
+    pub(crate) fn conflicts(&mut self, t: TetId, p: &Point) -> bool {
+        self.inner.conflicts(t, p)
+    }
+
+    /// Looks for a tetrahedron in conflict with a point, from one of this submesh on.
+    pub(crate) fn seek(&mut self, p: &Point, from: Option<TetId>) -> Walk<TetId> {
+        self.inner.seek(p, from)
+    }
+
+    /// Counts steps of a walk outside the inner submesh.
+    pub(crate) fn count_steps(&mut self, steps: u64) {
+        self.extra.walk_steps += steps;
+    }
+
+    /// Counts tetrahedra that were looked at for their bounds.
+    pub(crate) fn count_looks(&mut self, looks: u64) {
+        self.extra.looks += looks;
+    }
+
+    pub(super) fn asked(&self) -> (&[Marked], Option<WorkerId>) {
+        (&self.asked, self.waiter)
     }
 
     pub(super) fn end(&self) -> Option<End> {
@@ -202,7 +240,7 @@ impl DomainMesh {
     }
 }
 
-impl DomainMesh {
+impl DomainMesh<'_> {
     /// The verdict on a point whose closure is locked, and the patches that follow.
     fn decide(
         &mut self,
@@ -211,6 +249,9 @@ impl DomainMesh {
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, DomainPatch)> {
+        if point.is_chosen {
+            return self.filled(point, parts, whereabouts, directory);
+        }
         let cavity = Cavity::of(&self.complex, parts);
         let verdict = match point.carrier {
             _ if parts.iter().all(|(_, pieces)| pieces.is_empty()) => Verdict::Useless,
@@ -221,7 +262,10 @@ impl DomainMesh {
             Verdict::Fill if !point.may => (Vec::new(), End::Useless),
             Verdict::Fill => (self.filled(point, parts, whereabouts, directory), End::Inserted),
             Verdict::Defer(worker, marked) => {
-                let patch = DomainPatch { first: vec![marked], ..nothing() };
+                // A point of the boundary asks again and again: two may wait for each other.
+                let waits = worker != self.me && point.carrier == Carrier::Free;
+                let waiter = waits.then_some(self.me);
+                let patch = DomainPatch { first: vec![marked], waiter, ..nothing() };
                 (vec![(worker, patch)], End::Behind(marked.key, worker == self.me))
             }
             Verdict::Bar => (Vec::new(), End::Barred),
@@ -248,27 +292,32 @@ fn nothing() -> DomainPatch {
         carriers: Vec::new(),
         regions: Vec::new(),
         first: Vec::new(),
+        waiter: None,
         end: None,
     }
 }
 
-impl Submesh for DomainMesh {
+impl Submesh for DomainMesh<'_> {
     type Tet = TetId;
     type Point = DomainPoint;
     type Piece = DomainPiece;
     type Patch = DomainPatch;
     type Cargo = Vec<Moving>;
+    type News = DomainNews;
 
     /// No walk: a point of the boundary begins at its tetrahedron although that is locked. It waits
     /// for the lock as an operation, whose age counts, and not outside.
-    fn walk(&mut self, point: &DomainPoint, _: Option<Name>) -> Walk<TetId> {
-        Walk::At(point.seed)
+    fn walk(&mut self, point: &DomainPoint, from: Option<Name>) -> Walk<TetId> {
+        match point.is_chosen {
+            true => self.inner.walk(&point.vertex, from),
+            false => Walk::At(point.seed),
+        }
     }
 
     /// If nothing of the closure is locked or another worker's, the verdict falls at once.
     fn insert(&mut self, point: &DomainPoint, seed: TetId, directory: &Directory) -> Insert<TetId> {
         self.is_at_once = false;
-        let waits = point.carrier != Carrier::Free;
+        let waits = point.carrier != Carrier::Free && !point.is_chosen;
         if waits && self.inner.holder(seed).is_some() {
             return Insert::Blocked;
         }
@@ -339,7 +388,7 @@ impl Submesh for DomainMesh {
     }
 
     fn in_the_way(&mut self, point: &DomainPoint, seed: TetId) -> Option<Insert<TetId>> {
-        let waits = point.carrier != Carrier::Free;
+        let waits = point.carrier != Carrier::Free && !point.is_chosen;
         if waits { Some(Insert::Blocked) } else { self.inner.in_the_way(&point.vertex, seed) }
     }
 
@@ -384,10 +433,10 @@ impl Submesh for DomainMesh {
         made: &mut Vec<Name>,
         strays: &mut Vec<BlockId>,
     ) {
-        let DomainPatch { patch, carriers, regions, first, end } = patch;
+        let DomainPatch { patch, carriers, regions, first, waiter, end } = patch;
         let vertices = patch.vertices.clone();
         self.inner.apply::<C>(patch, directory, made, strays);
-        (self.asked, self.end) = (first, end);
+        (self.asked, self.waiter, self.end) = (first, waiter, end);
         if self.inner.error().is_some() {
             return;
         }
@@ -433,61 +482,8 @@ impl Submesh for DomainMesh {
     }
 
     fn take_costs(&mut self) -> Costs {
-        self.inner.take_costs()
-    }
-}
-
-impl Payload for DomainMesh {
-    /// The item and the carrier matter at home alone.
-    fn point_bytes(point: &DomainPoint) -> u64 {
-        LocalMesh::point_bytes(&point.vertex)
-    }
-
-    fn piece_bytes(own: &DomainPiece) -> u64 {
-        LocalMesh::piece_bytes(&own.piece)
-            + carriers_bytes(&own.carriers)
-            + 4 * own.regions.len() as u64
-            + 2
-            + MARKED * own.marked.len() as u64
-    }
-
-    fn patch_bytes(own: &DomainPatch) -> u64 {
-        LocalMesh::patch_bytes(&own.patch)
-            + carriers_bytes(&own.carriers)
-            + 4 * own.regions.len() as u64
-            + 2
-            + MARKED * own.first.len() as u64
-    }
-
-    fn cargo_bytes(cargo: &Vec<Moving>) -> u64 {
-        LocalMesh::cargo_bytes(cargo)
-    }
-}
-
-impl SubmeshSize for DomainMesh {
-    fn tets(&self) -> u64 {
-        self.inner.num_tets() as u64
-    }
-
-    fn interface_faces(&self) -> u64 {
-        self.inner.num_interface_faces() as u64
-    }
-}
-
-impl Inspect for DomainMesh {
-    fn seen(&self) -> Vec<Seen<TetId>> {
-        self.inner.seen()
-    }
-
-    fn made(patch: &DomainPatch) -> Vec<Sent> {
-        LocalMesh::made(&patch.patch)
-    }
-
-    fn named(patch: &DomainPatch) -> Vec<Name> {
-        LocalMesh::named(&patch.patch)
-    }
-
-    fn carried(cargo: &Vec<Moving>) -> Vec<Sent> {
-        LocalMesh::carried(cargo)
+        let Costs { walk_steps, looks, .. } = std::mem::take(&mut self.extra);
+        let inner = self.inner.take_costs();
+        Costs { walk_steps: inner.walk_steps + walk_steps, looks: inner.looks + looks, ..inner }
     }
 }

@@ -18,6 +18,7 @@
 //! Which points are made depends on the timing: the mesh conforms to the domain and keeps the
 //! bounds, but it is not the same one twice.
 
+mod bytes;
 mod list;
 mod mesh;
 mod values;
@@ -70,7 +71,7 @@ pub struct SimulatedDomain {
 }
 
 /// A worker that refines a domain.
-pub type DomainNode<C> = Worker<DomainMesh, BadItems, C>;
+pub type DomainNode<'c, C> = Worker<DomainMesh<'c>, BadItems, C>;
 
 /// Refines a domain on simulated processors, from the mesh that the sequential engine has at
 /// `start` vertices. Virtual time is that of the processors, from there on.
@@ -100,18 +101,19 @@ pub fn simulate_domain<C: Rules>(
 }
 
 /// Workers with parts of the mesh at the start.
-fn prepare<C: Rules>(
-    complex: Complex,
+fn prepare<'c, C: Rules>(
+    complex: Complex<'c>,
     start: &Start,
     layout: &Layout,
     config: Config,
-) -> Result<(Vec<DomainNode<C>>, SharedInput), RefineError> {
+) -> Result<(Vec<DomainNode<'c, C>>, SharedInput), RefineError> {
     let set = PointSet::new(start.points.clone()).map_err(|_| RefineError::Range)?;
     // The coordinates at the start are those that the kernel computes with.
     if set.mode() != Mode::Normal {
         return Err(RefineError::Range);
     }
-    let Prepared { workers, mut common, .. } = layout.prepare_all(&set, None)?;
+    let weights = start.weights(&complex);
+    let Prepared { workers, mut common, .. } = layout.prepare_all(&set, Some(&weights), None)?;
     common.mode = start.mode;
     let config = Config { workers: layout.workers, ..config };
     let complex = Arc::new(complex);
@@ -135,7 +137,7 @@ fn prepare<C: Rules>(
 
 /// Puts together what workers have at the end.
 fn collect<C: Rules>(
-    workers: Vec<DomainNode<C>>,
+    workers: Vec<DomainNode<'_, C>>,
     common: SharedInput,
     started: usize,
 ) -> Result<RefinedDomain, RefineError> {

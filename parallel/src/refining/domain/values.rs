@@ -2,6 +2,7 @@
 //! adds.
 
 use crate::mesh::{Patch, Piece, VertexName, WireVertex};
+use crate::protocol::WorkerId;
 use ltbw_core::topology::TetId;
 use ltbw_domain::refine::Carrier;
 
@@ -34,6 +35,20 @@ pub struct DomainPoint {
     pub(super) from: [u64; 3],
     /// May it be inserted? Else it only finds what is in the way.
     pub(super) may: bool,
+    /// The verdict has fallen: it is inserted whatever is in its cavity.
+    pub(super) is_chosen: bool,
+}
+
+impl DomainPoint {
+    /// A point that is to be inserted in any case, from tetrahedron `seed` on if that stands.
+    pub(crate) fn chosen(vertex: WireVertex, carrier: Carrier, seed: TetId) -> Self {
+        Self { vertex, carrier, item: [0; 3], seed, from: [0; 3], may: true, is_chosen: true }
+    }
+
+    /// The name of the vertex that it becomes.
+    pub(crate) fn name(&self) -> VertexName {
+        self.vertex.name
+    }
 }
 
 /// A boundary item at a tetrahedron in conflict.
@@ -83,6 +98,8 @@ pub struct DomainPatch {
     pub(super) regions: Vec<u32>,
     /// Boundary items of its list that go first.
     pub(super) first: Vec<Marked>,
+    /// The worker that is to hear of their end.
+    pub(super) waiter: Option<WorkerId>,
     /// The end of the operation, for its home.
     pub(super) end: Option<End>,
 }

@@ -47,7 +47,7 @@ impl Item {
 /// The boundary in a cavity.
 #[derive(Debug)]
 pub(super) struct Cavity<'a> {
-    complex: &'a Complex,
+    complex: &'a Complex<'a>,
     items: Vec<Item>,
     segments: FxHashSet<ItemKey>,
 }
@@ -69,7 +69,7 @@ pub(super) fn sides(
 }
 
 impl<'a> Cavity<'a> {
-    pub(super) fn of(complex: &'a Complex, parts: &[(WorkerId, Vec<DomainPiece>)]) -> Self {
+    pub(super) fn of(complex: &'a Complex<'a>, parts: &[(WorkerId, Vec<DomainPiece>)]) -> Self {
         let mut own = Self { complex, items: Vec::new(), segments: FxHashSet::default() };
         let mut places: FxHashMap<ItemKey, usize> = FxHashMap::default();
         for (worker, pieces) in parts {

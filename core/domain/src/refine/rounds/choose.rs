@@ -20,7 +20,7 @@ use std::cmp::Reverse;
 const SMALL: usize = 64;
 /// Tetrahedra are split in one round with boundary items where they were at least this number for
 /// each of these, when last counted.
-const BESIDE: usize = if cfg!(test) { 1 } else { 32 };
+pub const BESIDE: usize = if cfg!(test) { 1 } else { 32 };
 /// Candidates that are worth more than one thread.
 const MANY: usize = if cfg!(test) { 4 } else { 512 };
 
@@ -39,7 +39,7 @@ impl Rounds<'_, '_> {
             Class::Boundary => {
                 let ready = self.ready();
                 // At patches points are alone in their closures.
-                let joined = !self.in_waves && ready.len() * BESIDE <= self.leaders.len();
+                let joined = !self.in_waves && ready.len() * BESIDE <= self.counted;
                 if joined {
                     self.find_foremost();
                 }
@@ -134,7 +134,7 @@ impl Rounds<'_, '_> {
             .map(|(&item, pending)| {
                 let (key, place) = (state.key_of(item), state.place_of(item));
                 let is_subface = matches!(item, Item::Subface(_));
-                ((is_subface, Reverse((key, place))), item, pending.near)
+                ((is_subface, Reverse(key), place), item, pending.near)
             })
             .collect();
         items.sort_unstable_by_key(|own| own.0);

@@ -194,10 +194,11 @@ impl Rounds<'_, '_> {
             }
         }
         self.foremost = foremost;
+        self.counted = self.leaders.len();
     }
 
-    /// The leaders' ranks, after those of boundary items, by their numbers, and their numbers along a
-    /// Hilbert curve.
+    /// The leaders' ranks, after those of boundary items, by their numbers, and their numbers along
+    /// a Hilbert curve.
     pub(super) fn ranks(&self) -> (Vec<u32>, Vec<u32>) {
         let leader = |&k: &u32| self.leader(k);
         let count = self.leaders.len() as u32;

@@ -32,7 +32,6 @@ impl Rounds<'_, '_> {
         }
         self.count_round();
         let order = self.in_order(class);
-        self.script_round(&order);
         // The boundary comes first, but in the orders of tests.
         let inner = order.iter().position(|&k| self.is_inner(k)).unwrap_or(order.len());
         let (boundary, tets) = order.split_at(inner);

@@ -17,11 +17,13 @@ mod late;
 mod pool;
 mod probe;
 mod relief;
-mod script;
+mod resume;
 mod settle;
 mod sliver;
 mod times;
 
+pub use choose::BESIDE;
+pub(crate) use resume::{Resumed, Waiting};
 pub use times::RoundTimes;
 
 use super::RefineError;
@@ -154,6 +156,8 @@ pub(crate) struct Rounds<'r, 'a> {
     foremost: Vec<foremost::Foremost>,
     /// Per group of the foremost: the index of the one that comes first.
     leaders: Vec<u32>,
+    /// The leaders when last counted.
+    counted: usize,
     /// Boundary items to be split.
     pending: Map<Item, Pending>,
     candidates: Vec<Candidate>,
@@ -238,6 +242,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             bad: Vec::new(),
             foremost: Vec::new(),
             leaders: Vec::new(),
+            counted: 0,
             pending: Map::default(),
             candidates: Vec::new(),
             chosen: Vec::new(),
@@ -281,7 +286,6 @@ impl<'r, 'a> Rounds<'r, 'a> {
     /// A broken invariant.
     pub(crate) fn run(mut self, look: Look<'_>) -> Result<Finished, RefineError> {
         self.look_at_all();
-        self.begin_script();
         let mut stop = None;
         self.clock.begin();
         while let Some(next) = self.next() {
@@ -399,7 +403,6 @@ impl<'r, 'a> Rounds<'r, 'a> {
     fn split_circles(&mut self) -> Result<(), RefineError> {
         self.stats.joint_phases += 1;
         self.forget_reserved(0);
-        let before = self.own.state.mesh.num_vertices();
         let mut work = Queues::default();
         for item in self.circles() {
             let limit = self.own.record.limits.get(&item).copied();
@@ -414,7 +417,6 @@ impl<'r, 'a> Rounds<'r, 'a> {
             self.own.record.limits.remove(&item);
             self.pending.remove(&item);
         }
-        self.script_joint(before);
         self.settle();
         Ok(())
     }

@@ -23,15 +23,13 @@ impl Rounds<'_, '_> {
         let mut relief = Relief::new(goal, self.own);
         let mut stop = None;
         while self.own.inserted.points.total() < self.most {
-            let before = self.own.state.mesh.num_vertices();
-            if look(before) {
+            if look(self.own.state.mesh.num_vertices()) {
                 stop = Some(Reason::Cancelled);
                 break;
             }
             let Some(is_relieved) = relief.next(self.own) else { break };
             if is_relieved {
                 self.note_created();
-                self.script_joint(before);
             }
         }
         if !self.own.state.is_complete() {

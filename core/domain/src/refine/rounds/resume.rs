@@ -1,0 +1,57 @@
+//! Rounds that take over from others, who have carried out some before.
+
+use super::{Pending, Rounds};
+use crate::refine::RefineError;
+use crate::refine::item::Item;
+use crate::refine::outcome::RefineStats;
+use ltbw_core::topology::TetId;
+
+/// A boundary item that was to be split when others handed over.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Waiting {
+    pub(crate) item: Item,
+    pub(crate) first: Option<Item>,
+    /// A slot at it.
+    pub(crate) near: TetId,
+    pub(crate) limit: Option<f64>,
+}
+
+/// The work that others leave to be done.
+#[derive(Debug)]
+pub(crate) struct Resumed {
+    pub(crate) waiting: Vec<Waiting>,
+    /// The candidates among the tetrahedra when last counted.
+    pub(crate) candidates: usize,
+}
+
+/// The items that are left to be split, and figures; or all, if something could not be split.
+type Parted<R> = Result<(Vec<Waiting>, RefineStats), R>;
+
+impl Rounds<'_, '_> {
+    /// Takes over from others.
+    pub(crate) fn resume(&mut self, resumed: Resumed) {
+        self.counted = resumed.candidates;
+        for Waiting { item, first, near, limit } in resumed.waiting {
+            self.pending.insert(item, Pending { first, near });
+            self.own.record.limits.extend(limit.map(|limit| (item, limit)));
+        }
+    }
+
+    /// Splits circles that others have found.
+    ///
+    /// # Errors
+    /// A broken invariant.
+    pub(crate) fn part_circles(mut self) -> Result<Parted<Self>, RefineError> {
+        self.look_at_all();
+        self.split_circles()?;
+        if !self.own.record.refused.is_empty() {
+            return Ok(Err(self));
+        }
+        let limits = &self.own.record.limits;
+        let left = self.pending.iter().map(|(&item, own)| {
+            let first = own.first.filter(|first| self.pending.contains_key(first));
+            Waiting { item, first, near: own.near, limit: limits.get(&item).copied() }
+        });
+        Ok(Ok((left.collect(), self.stats)))
+    }
+}

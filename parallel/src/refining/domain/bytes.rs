@@ -1,0 +1,71 @@
+//! The sizes of a domain's messages, and how checkers see its submesh.
+
+use super::mesh::DomainMesh;
+use super::values::{DomainPatch, DomainPiece, DomainPoint, MARKED, carriers_bytes};
+use crate::check::{Inspect, Seen, Sent};
+use crate::mesh::{LocalMesh, Moving};
+use crate::metrics::SubmeshSize;
+use crate::payload::Payload;
+use crate::protocol::Name;
+use crate::refining::news::DomainNews;
+use ltbw_core::topology::TetId;
+
+impl Payload for DomainMesh<'_> {
+    /// The item and the carrier matter at home alone.
+    fn point_bytes(point: &DomainPoint) -> u64 {
+        LocalMesh::point_bytes(&point.vertex)
+    }
+
+    fn piece_bytes(own: &DomainPiece) -> u64 {
+        LocalMesh::piece_bytes(&own.piece)
+            + carriers_bytes(&own.carriers)
+            + 4 * own.regions.len() as u64
+            + 2
+            + MARKED * own.marked.len() as u64
+    }
+
+    fn patch_bytes(own: &DomainPatch) -> u64 {
+        LocalMesh::patch_bytes(&own.patch)
+            + carriers_bytes(&own.carriers)
+            + 4 * own.regions.len() as u64
+            + 2
+            + MARKED * own.first.len() as u64
+            + 1
+    }
+
+    fn cargo_bytes(cargo: &Vec<Moving>) -> u64 {
+        LocalMesh::cargo_bytes(cargo)
+    }
+
+    fn news_bytes(news: &DomainNews) -> u64 {
+        news.bytes()
+    }
+}
+
+impl SubmeshSize for DomainMesh<'_> {
+    fn tets(&self) -> u64 {
+        self.inner.num_tets() as u64
+    }
+
+    fn interface_faces(&self) -> u64 {
+        self.inner.num_interface_faces() as u64
+    }
+}
+
+impl Inspect for DomainMesh<'_> {
+    fn seen(&self) -> Vec<Seen<TetId>> {
+        self.inner.seen()
+    }
+
+    fn made(patch: &DomainPatch) -> Vec<Sent> {
+        LocalMesh::made(&patch.patch)
+    }
+
+    fn named(patch: &DomainPatch) -> Vec<Name> {
+        LocalMesh::named(&patch.patch)
+    }
+
+    fn carried(cargo: &Vec<Moving>) -> Vec<Sent> {
+        LocalMesh::carried(cargo)
+    }
+}

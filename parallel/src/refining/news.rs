@@ -1,0 +1,235 @@
+//! The news of workers about a domain: about the choice of a round, or, without rounds,
+//! about boundary items that are split.
+
+use crate::mesh::VertexName;
+use crate::protocol::{Handle, Name, WorkerId};
+use ltbw_domain::refine::{BoundaryItem, Carrier, Corner, ItemPlace, NOWHERE, Rank};
+use ltbw_exact::Point;
+
+/// A point as bits: the protocol never sees a float.
+pub(crate) type Bits = [u64; 3];
+
+/// The bits of a point.
+pub(crate) fn bits(p: &Point) -> Bits {
+    p.map(f64::to_bits)
+}
+
+/// The point of these bits.
+pub(crate) fn point(bits: &Bits) -> Point {
+    bits.map(f64::from_bits)
+}
+
+/// A vertex in a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct WireCorner {
+    pub(crate) at: Bits,
+    pub(crate) carrier: Carrier,
+}
+
+impl WireCorner {
+    pub(crate) fn new(corner: &Corner) -> Self {
+        Self { at: bits(&corner.point), carrier: corner.carrier }
+    }
+
+    pub(crate) fn corner(&self) -> Corner {
+        Corner { point: point(&self.at), carrier: self.carrier }
+    }
+}
+
+/// A boundary item in a message: its corners, and its segment or facet.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct WireItem {
+    corners: Vec<WireCorner>,
+    of: u32,
+}
+
+impl WireItem {
+    pub(crate) fn new(item: &BoundaryItem) -> Self {
+        Self { corners: item.corners().iter().map(WireCorner::new).collect(), of: item.of() }
+    }
+
+    pub(crate) fn item(&self) -> BoundaryItem {
+        BoundaryItem::new(self.corners.iter().map(WireCorner::corner).collect(), self.of)
+    }
+}
+
+/// A probe: its home, and its number there in this round.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ProbeId {
+    pub(crate) home: WorkerId,
+    pub(crate) number: u32,
+}
+
+/// A probe with its point, which is a candidate of this rank.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Proposal {
+    pub(crate) probe: ProbeId,
+    pub(crate) to: Bits,
+    pub(crate) carrier: Carrier,
+    pub(crate) rank: Rank,
+}
+
+/// Where an owner's part of a probe has ended.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum PartEnd {
+    /// Everything asked for was looked at.
+    Found,
+    /// The way crosses this subface.
+    Blocked(WireItem),
+    /// The way leaves the hull.
+    Outside,
+    /// The point is a vertex.
+    Vertex,
+}
+
+/// An owner's part of a closure: tetrahedra by their corners, and whether each is in
+/// conflict.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct WireClosure {
+    pub(crate) corners: Vec<WireCorner>,
+    pub(crate) tets: Vec<([u32; 4], bool)>,
+}
+
+/// Sums that all workers get of what each of them says: counts, or flags.
+pub(crate) const SUMS: usize = 10;
+
+/// The same.
+pub type Sums = [i64; SUMS];
+
+/// News of a domain.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum DomainNews {
+    /// The sender's keys at the faces that it has in common with the receiver, who knows them by
+    /// these tetrahedra and faces of his own.
+    Keys {
+        /// The exchange: two in a round.
+        exchange: u32,
+        /// Faces without a key are left out.
+        keys: Vec<(Name, u8, Rank)>,
+    },
+    /// The sums of the sender and those below it in the tree.
+    Up(Sums),
+    /// All sums.
+    Down(Sums),
+    /// A probe walks straight from `start` to its point, and then searches.
+    Way {
+        /// The probe.
+        own: Proposal,
+        /// The tetrahedron and face that it comes in by.
+        at: Handle,
+        /// The place where it started.
+        start: Bits,
+        /// May the point be inserted?
+        may: bool,
+    },
+    /// A probe looks for a tetrahedron in conflict with its point, and then searches.
+    Seek {
+        /// The probe.
+        own: Proposal,
+        /// The tetrahedron that the walk comes to; none if the sender has none at all.
+        at: Option<Handle>,
+    },
+    /// A probe asks for the receiver's part of its closure, which it reserves.
+    Search {
+        /// The probe.
+        own: Proposal,
+        /// Tetrahedra to look at; those in conflict lead to others.
+        seeds: Vec<Handle>,
+    },
+    /// The answer to one of these three, to the home.
+    Part {
+        /// The number of the probe.
+        number: u32,
+        /// The end.
+        end: PartEnd,
+        /// New parts of the closure.
+        found: WireClosure,
+        /// Other workers' tetrahedra beside those in conflict.
+        foreign: Vec<Handle>,
+    },
+    /// The probe reserves nothing after all.
+    Void(ProbeId),
+    /// The home of the probe wants to hear of its rivals.
+    WantRivals(ProbeId),
+    /// The rivals in the sender's part of a closure, in the order in which it has told of it: bits
+    /// 1, 2, 4 for there, of the boundary, apart.
+    Rivals {
+        /// The number of the probe.
+        number: u32,
+        /// A byte for each tetrahedron; none if there is no rival.
+        rivals: Vec<u8>,
+    },
+    /// A boundary item is to be split.
+    Ask {
+        /// The item.
+        item: WireItem,
+        /// The bits of the shortest edge that this may lead to.
+        limit: Option<u64>,
+        /// Another item that waits for it.
+        waiter: Option<ItemPlace>,
+    },
+    /// A boundary item is gone.
+    Gone(ItemPlace),
+    /// The item that this one waits for is gone.
+    Release(ItemPlace),
+    /// A boundary item of the sender's list is split, or cannot be: the items that wait for it are
+    /// asked again. (Without rounds.)
+    Ended([VertexName; 3]),
+    /// Some news, one after the other.
+    Several(Vec<DomainNews>),
+}
+
+/// Bytes of some corners, most of which are free.
+fn corners_bytes(all: &[WireCorner]) -> u64 {
+    let bytes = |corner: &WireCorner| match corner.carrier {
+        Carrier::Free => 25,
+        Carrier::Corner(_) | Carrier::Facet(_) => 29,
+        Carrier::Segment(..) => 33,
+    };
+    all.iter().map(bytes).sum()
+}
+
+fn item_bytes(item: &WireItem) -> u64 {
+    5 + corners_bytes(&item.corners)
+}
+
+const HANDLE: u64 = 13;
+const POINT: u64 = 24;
+/// A key, which the place decides only where two are equal.
+const RANK: u64 = 9;
+const PROBE: u64 = 8;
+/// A carrier takes up to 9 bytes.
+const PROPOSAL: u64 = PROBE + POINT + RANK + 9;
+const PLACE: u64 = 3 * POINT + 1;
+
+impl DomainNews {
+    /// Bytes beside the header, as a compact encoding would have them.
+    pub(crate) fn bytes(&self) -> u64 {
+        match self {
+            Self::Keys { keys, .. } => 8 + keys.len() as u64 * (9 + RANK),
+            Self::Up(_) | Self::Down(_) => 4 * SUMS as u64,
+            Self::Way { .. } => PROPOSAL + HANDLE + POINT + 1,
+            Self::Seek { at, .. } => PROPOSAL + 1 + at.map_or(0, |_| HANDLE),
+            Self::Search { seeds, .. } => PROPOSAL + 4 + HANDLE * seeds.len() as u64,
+            Self::Part { end, found, foreign, .. } => {
+                let end = match end {
+                    PartEnd::Blocked(item) => item_bytes(item),
+                    _ => 0,
+                };
+                9 + end
+                    + corners_bytes(&found.corners)
+                    + 8 * found.tets.len() as u64
+                    + HANDLE * foreign.len() as u64
+            }
+            Self::Void(_) | Self::WantRivals(_) => PROBE,
+            Self::Rivals { rivals, .. } => 8 + rivals.len() as u64 / 2,
+            Self::Ask { item, waiter, .. } => item_bytes(item) + 9 + waiter.map_or(1, |_| PLACE),
+            Self::Gone(_) | Self::Release(_) => PLACE,
+            Self::Ended(_) => 3 * 8,
+            Self::Several(all) => all.iter().map(|news| 1 + news.bytes()).sum(),
+        }
+    }
+}
+
+/// The vertex at infinity in a closure.
+pub(crate) const INFINITE_CORNER: u32 = NOWHERE;

@@ -1,0 +1,139 @@
+//! The end of the choice: each home decides alone for its own candidates, from the rivals that the
+//! owners of their closures tell of.
+
+use super::candidate::{ChosenPoint, Outcome, What};
+use super::source::{Rounds, Stage};
+use crate::mesh::{WireVertex, made};
+use crate::protocol::{Rules, WorkerId};
+use crate::refining::domain::{DomainMesh, DomainPoint};
+use crate::refining::news::{DomainNews, WireItem, point};
+use ltbw_core::topology::TetId;
+use ltbw_domain::refine::{BoundaryItem, Rival, Survey};
+
+impl<C: Rules> Rounds<C> {
+    /// All cavities are reserved: rivals are told of, and the points chosen that wait for none.
+    pub(super) fn begin_to_decide(&mut self, mesh: &mut DomainMesh<'_>) {
+        self.stage = Stage::Deciding;
+        for probe in self.served.reserve_all() {
+            let rivals = self.served.rivals(probe);
+            let byte = |rival: &Rival| {
+                u8::from(rival.is_there)
+                    | u8::from(rival.is_boundary) << 1
+                    | u8::from(rival.is_apart) << 2
+            };
+            let rivals = match rivals.iter().any(|rival| rival.is_there) {
+                true => rivals.iter().map(byte).collect(),
+                false => Vec::new(),
+            };
+            self.send(probe.home, DomainNews::Rivals { number: probe.number, rivals });
+        }
+        self.open = self.probes.len();
+        for k in 0..self.probes.len() as u32 {
+            if self.probes[k as usize].due == 0 {
+                self.decide(mesh, k);
+            }
+        }
+    }
+
+    /// An owner tells of the rivals in its part.
+    pub(super) fn take_rivals(&mut self, from: WorkerId, k: u32, rivals: &[u8]) {
+        let probe = &mut self.probes[k as usize];
+        probe.due -= 1;
+        probe.rivals.resize(probe.closure.tets.len(), Rival::default());
+        let places = probe.places.get(&from).into_iter().flatten();
+        for (&place, byte) in places.zip(rivals) {
+            probe.rivals[place as usize] = Rival {
+                is_there: byte & 1 != 0,
+                is_boundary: byte & 2 != 0,
+                is_apart: byte & 4 != 0,
+            };
+        }
+    }
+
+    /// Has a probe all that its decision takes?
+    pub(super) fn is_due(&self, k: u32) -> bool {
+        self.probes[k as usize].due == 0
+    }
+
+    /// Decides what becomes of a probe.
+    pub(super) fn decide(&mut self, mesh: &mut DomainMesh<'_>, k: u32) {
+        self.open -= 1;
+        let (me, id) = (self.me, self.id(k));
+        let probe = &mut self.probes[k as usize];
+        let rank = probe.rank;
+        // One that is killed waits for what becomes of its place.
+        if let What::Tet(t, _) = probe.what
+            && self.served.has_rival(t, rank)
+        {
+            return;
+        }
+        let removed = match std::mem::replace(&mut probe.outcome, Outcome::Dropped) {
+            Outcome::Open | Outcome::Dropped => return,
+            Outcome::Asks(item, limit) => return self.ask_for(mesh, k, item, limit),
+            Outcome::Fits(removed) => removed,
+        };
+        if probe.has_boundary {
+            probe.rivals.resize(probe.closure.tets.len(), Rival::default());
+            let own = self.served.rivals(id);
+            let places = probe.places.get(&me).into_iter().flatten();
+            for (&place, rival) in places.zip(own) {
+                probe.rivals[place as usize] = rival;
+            }
+            let survey = Survey::of(&mesh.complex, &probe.closure);
+            let yields = match &probe.what {
+                What::Tet(..) => survey.yields_in_tet(&probe.rivals),
+                What::Item(item) => survey.yields_at_item(item, probe.carrier, &probe.rivals),
+            };
+            if yields {
+                return;
+            }
+        }
+        let start = probe.start;
+        let class = match &probe.what {
+            What::Item(item) if item.is_segment() => 0,
+            What::Item(_) => 1,
+            What::Tet(..) => 2,
+        };
+        self.chosen_by_class[class] += 1;
+        self.made += 1;
+        let vertex = WireVertex::new(made(me, self.made), point(&probe.to));
+        let seed = start.map_or(TetId::default(), |(t, _)| t);
+        let point = DomainPoint::chosen(vertex, probe.carrier, seed);
+        self.chosen.push_back(ChosenPoint { point, start });
+        for item in removed {
+            self.tell_gone(mesh, &item);
+        }
+    }
+
+    /// A probe's tetrahedron, or item, asks for an item that is to be split before it.
+    fn ask_for(&mut self, mesh: &DomainMesh<'_>, k: u32, item: BoundaryItem, limit: Option<f64>) {
+        let place = item.place();
+        let (limit, waiter) = match self.probes[k as usize].what {
+            What::Tet(..) => (limit, None),
+            What::Item(own) => {
+                let own_place = own.place();
+                let pending = self.pending.get_mut(&own_place);
+                let limit = pending.and_then(|pending| {
+                    pending.first = Some(place);
+                    pending.limit
+                });
+                (limit, Some(own_place))
+            }
+        };
+        let limit = limit.map(f64::to_bits);
+        let news = DomainNews::Ask { item: WireItem::new(&item), limit, waiter };
+        self.counts.asks += 1;
+        self.send(self.keeper(mesh, &item), news);
+    }
+
+    fn tell_gone(&mut self, mesh: &DomainMesh<'_>, item: &BoundaryItem) {
+        self.counts.asks += 1;
+        self.send(self.keeper(mesh, item), DomainNews::Gone(item.place()));
+    }
+
+    /// The worker that keeps a boundary item while it is to be split: a function of the item.
+    pub(super) fn keeper(&self, mesh: &DomainMesh<'_>, item: &BoundaryItem) -> WorkerId {
+        let block = mesh.inner.block_at(&item.corners()[0].point);
+        WorkerId::new(block.number() / self.blocks_each)
+    }
+}

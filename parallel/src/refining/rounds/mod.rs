@@ -1,0 +1,298 @@
+//! Rounds of a domain's refinement on many workers: one mesh, whatever their number and the timing.
+//!
+//! The sequential engine brings the boundary into the mesh and refines to where rounds begin; then
+//! workers own parts of it. In each round they choose points together, by the rules of the engine
+//! with one mesh (`docs/refinement.md`), and then insert them by the protocol, in any order. What a
+//! worker needs of others' parts it asks for by *probes*, which read and lock nothing; the cavity
+//! of a candidate is *reserved* where it lies; and each worker decides for its own candidates,
+//! from what is reserved in their closures. The mesh is the engine's, to the last tetrahedron.
+//!
+//! Boundary items that are to be split are kept by the worker whose block their first corner is in,
+//! so that each is known to one, whoever asks for it.
+//!
+//! Work on the whole mesh is left to the engine, which takes over when nothing else is left:
+//! slivers; circles of items that wait for each other; anything that cannot be split. Domains with
+//! small angles or patches within a tolerance it refines from the start.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `source` | what a worker knows and is told |
+//! | `stages` | the stages of a round |
+//! | `tree` | barriers with sums |
+//! | `keys` | which tetrahedra come before all around them |
+//! | `candidate` | probes and candidates as values |
+//! | `probe` | the home's side of the choice: probes and what comes of them |
+//! | `decide` | who is chosen |
+//! | `serve` | the owner's side |
+
+mod candidate;
+mod decide;
+mod keys;
+mod probe;
+mod serve;
+mod source;
+mod stages;
+mod tree;
+
+pub use source::{Ending, RoundFigures, Rounds};
+pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};
+
+use super::RefineError;
+use super::domain::DomainMesh;
+use crate::mesh::{Layout, Prepared, SharedInput, VertexName, gather, given};
+use crate::metrics::Summary;
+use crate::protocol::{Config, Correct, Rules, Worker, WorkerId};
+use crate::simulate::{MeshError, Options, Simulation, simulate};
+use crate::threads::{Parallel, RunError, WorkerStats};
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_domain::refine::{
+    Asked, Carrier, Complex, ComplexError, Handed, Parted, RefineStats, Refined, Refiner, Start,
+};
+use ltbw_domain::{Domain, Lattice};
+use ltbw_exact::{Mode, PointSet};
+use rustc_hash::FxHashMap;
+use source::Pending;
+use std::sync::Arc;
+
+/// A worker that refines a domain in rounds.
+pub type RoundNode<'c, C> = Worker<DomainMesh<'c>, Rounds<C>, C>;
+
+/// A domain refined in rounds on simulated processors.
+#[derive(Debug)]
+pub struct SimulatedRounds {
+    /// The refined domain.
+    pub refined: Refined,
+    /// The figures of the processors' time in the rounds that they carried out; `None` if they
+    /// carried out none.
+    pub summary: Option<Summary>,
+    /// Events of the simulation.
+    pub events: u64,
+    /// The end of the processors' rounds, or why they carried out none.
+    pub ending: Result<Ending, ComplexError>,
+    /// The figures of their rounds.
+    pub figures: RoundFigures,
+}
+
+/// The same on threads.
+#[derive(Debug)]
+pub struct ThreadedRounds {
+    /// The refined domain.
+    pub refined: Refined,
+    /// The figures of each worker.
+    pub workers: Vec<WorkerStats>,
+    /// The end of the workers' rounds, or why they carried out none.
+    pub ending: Result<Ending, ComplexError>,
+    /// The figures of their rounds.
+    pub figures: RoundFigures,
+}
+
+/// The work that workers leave to one, and how they have ended.
+type Left = (Handed, Ending);
+
+/// The state from which workers go on in rounds.
+#[derive(Default)]
+struct Resumed {
+    asked: Vec<Asked>,
+    candidates: usize,
+    figures: RoundFigures,
+}
+
+/// A refinement in rounds by workers, whichever way they run: `run` is given them, and gives them
+/// back.
+///
+/// # Errors
+/// Those of `run`; [`RefineError`] if the domain has no mesh.
+fn refine<'a, C: Rules>(
+    refiner: &Refiner<'a>,
+    (domain, lattice): (&Domain, &Lattice),
+    layout: impl Fn(usize) -> (Layout, Config),
+    mut run: impl FnMut(Vec<RoundNode<'a, C>>) -> Result<Vec<RoundNode<'a, C>>, RefineError>,
+) -> Result<(Refined, Result<Ending, ComplexError>, RoundFigures), RefineError> {
+    let mut delegated = refiner.delegate(domain, lattice)?;
+    let mut resumed = Resumed::default();
+    // Ends: each time at least one item of a circle is split, or refused, which is the end.
+    loop {
+        let (complex, start) = match delegated.complex() {
+            Ok(whole) => whole,
+            Err(unfit) => return Ok((delegated.go_on()?, Err(unfit), resumed.figures)),
+        };
+        let (layout, config) = layout(start.points.len());
+        let (workers, common) = prepare::<C>((complex, &start), &layout, config, &resumed)?;
+        let workers = run(workers)?;
+        let before = delegated.stats();
+        let mut figures = resumed.figures;
+        let (handed, ending) = left_by(workers, common, &start, before, &mut figures)?;
+        figures.ended += 1;
+        if ending != Ending::Circles {
+            return Ok((delegated.finish(handed)?, Ok(ending), figures));
+        }
+        match delegated.part_circles(handed)? {
+            Parted::Again(again, asked, candidates) => {
+                delegated = *again;
+                resumed = Resumed { asked, candidates, figures };
+            }
+            Parted::Finished(refined) => return Ok((*refined, Ok(ending), figures)),
+        }
+    }
+}
+
+/// Refines a domain in rounds on simulated processors. Virtual time is that of the processors, from
+/// the start of the rounds to where one takes over.
+///
+/// # Errors
+/// [`RefineError`] if the domain has no mesh, or if the run has not ended properly.
+pub fn simulate_rounds<C: Rules>(
+    refiner: &Refiner<'_>,
+    whole: (&Domain, &Lattice),
+    layout: impl Fn(usize) -> (Layout, Config),
+    options: &Options,
+) -> Result<SimulatedRounds, RefineError> {
+    let options = Options { balance: None, storm: None, ..options.clone() };
+    let (mut summary, mut events) = (None::<Summary>, 0);
+    let run = |workers| {
+        let run = simulate(workers, &options).map_err(MeshError::from)?;
+        let Simulation { workers, summary: own, events: more, .. } = run;
+        events += more;
+        match &mut summary {
+            Some(all) => all.go_on(&own),
+            None => summary = Some(own),
+        }
+        Ok(workers)
+    };
+    let (refined, ending, figures) = refine::<C>(refiner, whole, layout, run)?;
+    Ok(SimulatedRounds { refined, summary, events, ending, figures })
+}
+
+/// Refines a domain in rounds on the threads of `parallel`, which share no mesh.
+///
+/// # Errors
+/// [`RefineError`] if the domain has no mesh, or if a worker has failed.
+pub fn rounds_on_threads(
+    refiner: &Refiner<'_>,
+    whole: (&Domain, &Lattice),
+    parallel: &Parallel<'_>,
+) -> Result<ThreadedRounds, RefineError> {
+    let mut workers: Vec<WorkerStats> = Vec::new();
+    let layout = |points| (parallel.plan_for(points), parallel.config());
+    let run = |nodes| {
+        let ended = parallel.run_workers(nodes)?;
+        workers.resize(ended.len(), WorkerStats::default());
+        let add = |((node, stats), sum): ((_, WorkerStats), &mut WorkerStats)| {
+            sum.add(&stats);
+            node
+        };
+        Ok(ended.into_iter().zip(&mut workers).map(add).collect())
+    };
+    let (refined, ending, figures) = refine::<Correct>(refiner, whole, layout, run)?;
+    Ok(ThreadedRounds { refined, workers, ending, figures })
+}
+
+/// Workers with parts of the mesh at the start.
+fn prepare<'c, C: Rules>(
+    (complex, start): (Complex<'c>, &Start),
+    layout: &Layout,
+    config: Config,
+    resumed: &Resumed,
+) -> Result<(Vec<RoundNode<'c, C>>, SharedInput), RefineError> {
+    let set = PointSet::new(start.points.clone()).map_err(|_| RefineError::Range)?;
+    // The coordinates at the start are those that the kernel computes with.
+    if set.mode() != Mode::Normal {
+        return Err(RefineError::Range);
+    }
+    let weights = start.weights(&complex);
+    let Prepared { workers, mut common, .. } = layout.prepare_all(&set, Some(&weights), None)?;
+    common.mode = start.mode;
+    let config = Config { workers: layout.workers, ..config };
+    let complex = Arc::new(complex);
+    let regions: FxHashMap<[u32; 4], u32> = start.tets.iter().copied().collect();
+    let number = |name: VertexName| given(name).map(|place| common.numbers[place as usize - 1]);
+    let carrier = |name| number(name).map(|k| start.carriers[k as usize]);
+    let region = |names: [VertexName; 4]| {
+        let mut corners = names.map(|name| number(name).unwrap_or(u32::MAX));
+        corners.sort_unstable();
+        regions.get(&corners).copied().unwrap_or_default()
+    };
+    let before = start.carriers.iter().filter(|c| !matches!(c, Carrier::Corner(_))).count() as u64;
+    let Resumed { asked, candidates, figures } = resumed;
+    let workers = workers.into_iter().map(|(directory, mesh, _)| {
+        let (me, complex) = (directory.me(), Arc::clone(&complex));
+        let mesh =
+            DomainMesh::new(mesh, complex, me, |v| carrier(v).unwrap_or(Carrier::Free), region);
+        let place = (me, layout.workers, layout.blocks_per_worker);
+        let mut source = Rounds::new(place, (before, start.most), &mesh);
+        source.resume(&mesh, asked, *candidates, *figures);
+        Worker::new(config, directory, mesh, source)
+    });
+    Ok((workers.collect(), common))
+}
+
+/// Puts together what workers have; `before` are the figures when they began, `figures` all.
+fn left_by<C: Rules>(
+    workers: Vec<RoundNode<'_, C>>,
+    common: SharedInput,
+    start: &Start,
+    before: RefineStats,
+    figures: &mut RoundFigures,
+) -> Result<Left, RefineError> {
+    let mut carriers: FxHashMap<VertexName, Carrier> = FxHashMap::default();
+    let mut regions: FxHashMap<[VertexName; 4], u32> = FxHashMap::default();
+    let (mut meshes, mut asked) = (Vec::new(), Vec::new());
+    let (mut ending, mut candidates) = (Ending::Done, 0);
+    let searches = figures.searches;
+    let mut searched = 0;
+    for worker in workers {
+        let (mesh, source, _) = worker.into_parts();
+        for (t, v) in mesh.inner.tets().tets().filter(|(_, v)| v[3] != INFINITE) {
+            let mut names = v.map(|v| mesh.inner.name(v));
+            for (name, v) in names.into_iter().zip(v) {
+                if given(name).is_none() {
+                    carriers.insert(name, mesh.carrier(v));
+                }
+            }
+            names.sort_unstable();
+            regions.insert(names, mesh.region(t));
+        }
+        let me = mesh.me();
+        let (pending, counted, end, own) = source.into_parts();
+        let left = |Pending { item, first, limit }| Asked { item, first, limit };
+        asked.extend(pending.into_iter().map(left));
+        searched += own.searches - searches;
+        if me == WorkerId::default() {
+            (ending, candidates, *figures) = (end.unwrap_or(Ending::Irregular), counted, own);
+        }
+        meshes.push(mesh.inner);
+    }
+    figures.searches = searches + searched;
+    // Vertices that were made have the numbers after those given, in the order of their names.
+    let mut made: Vec<VertexName> = carriers.keys().copied().collect();
+    made.sort_unstable();
+    let count = common.points.len();
+    let given_carriers = common.numbers[..count].iter().map(|&k| start.carriers[k as usize]);
+    let all: Vec<Carrier> = given_carriers.chain(made.iter().map(|name| carriers[name])).collect();
+    let name = |v: VertexId| match v.index().checked_sub(count + 1) {
+        Some(place) => made[place],
+        None => VertexName::from(v.number()),
+    };
+    let mesh = gather(meshes, common).map_err(RunError::from)?.mesh;
+    let topology = mesh.topology();
+    let region_of = |t: TetId| {
+        let v = topology.at(t).vertices();
+        if topology.at(t).is_free() || v[3] == INFINITE {
+            return 0;
+        }
+        let mut names = v.map(name);
+        names.sort_unstable();
+        regions.get(&names).copied().unwrap_or_default()
+    };
+    let own = TetId::below(topology.slots() as u32).map(region_of).collect();
+    let [rounds, segments, facets, inside] = figures.rounds;
+    let stats = RefineStats {
+        rounds,
+        rounds_with: [segments, facets, inside],
+        searches: figures.searches,
+        widest: figures.widest,
+        round_points: figures.points,
+        ..before
+    };
+    Ok((Handed { carriers: all, regions: own, asked, candidates, stats, mesh }, ending))
+}

@@ -1,0 +1,325 @@
+//! The home's side of the choice: probes, what comes of them, and who is chosen.
+
+use super::candidate::{Outcome, Probe, What};
+use super::serve::{WayEnd, corner, describe, is_part_near, walk_way};
+use super::source::Rounds;
+use crate::protocol::{Directory, Handle, Rules, Submesh, Walk, WorkerId};
+use crate::refining::domain::DomainMesh;
+use crate::refining::news::{
+    Bits, DomainNews, PartEnd, ProbeId, Proposal, WireClosure, bits, point,
+};
+use ltbw_core::topology::TetId;
+use ltbw_domain::refine::{Aim, BoundaryItem, Carrier, NOWHERE, Rank, Ruling, Survey, way_start};
+
+impl<C: Rules> Rounds<C> {
+    pub(super) fn id(&self, number: u32) -> ProbeId {
+        ProbeId { home: self.me, number }
+    }
+
+    fn proposal(&self, number: u32) -> Proposal {
+        let Probe { to, carrier, rank, .. } = self.probes[number as usize];
+        Proposal { probe: self.id(number), to, carrier, rank }
+    }
+
+    /// A new probe, to be launched.
+    pub(super) fn add_probe(&mut self, what: What, rank: Rank, attempt: usize) -> u32 {
+        self.probes.push(Probe::new(what, rank, attempt));
+        self.open += 1;
+        self.probes.len() as u32 - 1
+    }
+
+    /// Launches a probe.
+    pub(super) fn launch(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
+        let probe = &self.probes[k as usize];
+        let (what, attempt) = (probe.what, probe.attempt);
+        let aim = match what {
+            What::Tet(_, v) => mesh.complex.aim_at_tet(v.map(|v| mesh.point(v)), attempt),
+            What::Item(item) => mesh.complex.aim_at_item(&item, attempt),
+        };
+        match aim {
+            Aim::At { point, carrier, may } => {
+                let probe = &mut self.probes[k as usize];
+                (probe.to, probe.carrier, probe.may) = (bits(&point), carrier, may);
+                probe.open = 1;
+                let own = self.proposal(k);
+                match what {
+                    What::Tet(t, v) => {
+                        let start = way_start(v.map(|v| mesh.point(v)));
+                        self.go(mesh, directory, own, (t, None), (bits(&start), may));
+                    }
+                    What::Item(_) => self.seek(mesh, directory, own, None),
+                }
+            }
+            Aim::Skip => self.retry(mesh, directory, k),
+            Aim::Exhausted => {
+                let What::Tet(_, v) = what else { return self.give_up(k) };
+                let sides = mesh.complex.sides_of(v.map(|v| corner(mesh, v)));
+                match sides.first() {
+                    Some(side) => self.conclude_with(mesh, k, *side),
+                    None => self.give_up(k),
+                }
+            }
+            Aim::Refused => self.give_up(k),
+        }
+    }
+
+    /// The next attempt for what a probe is for.
+    fn retry(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
+        let Probe { what, rank, attempt, .. } = self.probes[k as usize];
+        self.conclude(k, Outcome::Dropped);
+        let next = self.add_probe(what, rank, attempt + 1);
+        self.launch(mesh, directory, next);
+    }
+
+    /// Nothing can be done: the rounds end, and others go on.
+    fn give_up(&mut self, k: u32) {
+        self.is_irregular = true;
+        self.conclude(k, Outcome::Dropped);
+    }
+
+    fn conclude_with(&mut self, mesh: &DomainMesh<'_>, k: u32, item: BoundaryItem) {
+        let outcome = self.probes[k as usize].what.asks(mesh, item);
+        self.conclude(k, outcome);
+    }
+
+    fn conclude(&mut self, k: u32, outcome: Outcome) {
+        self.probes[k as usize].outcome = outcome;
+        self.open -= 1;
+    }
+
+    /// A probe on its straight way is at one of this worker's tetrahedra.
+    pub(super) fn go(
+        &mut self,
+        mesh: &mut DomainMesh<'_>,
+        directory: &Directory,
+        own: Proposal,
+        at: (TetId, Option<usize>),
+        (start, may): (Bits, bool),
+    ) {
+        match walk_way(mesh, at, &start, &own.to, may) {
+            WayEnd::At(t) => self.serve(mesh, directory, own, &[t]),
+            WayEnd::Far(at) => {
+                let owner = directory.owner(at.block);
+                self.send(owner, DomainNews::Way { own, at, start, may });
+            }
+            WayEnd::Not(end) => {
+                self.answer(mesh, directory, own.probe, end, WireClosure::default(), Vec::new());
+            }
+        }
+    }
+
+    /// A probe looks for a tetrahedron in conflict with its point.
+    pub(super) fn seek(
+        &mut self,
+        mesh: &mut DomainMesh<'_>,
+        directory: &Directory,
+        own: Proposal,
+        at: Option<TetId>,
+    ) {
+        match mesh.seek(&point(&own.to), at) {
+            Walk::At(t) | Walk::Locked(t) => self.serve(mesh, directory, own, &[t]),
+            Walk::Duplicate(_) => {
+                let nothing = WireClosure::default();
+                self.answer(mesh, directory, own.probe, PartEnd::Vertex, nothing, Vec::new());
+            }
+            Walk::Exits(at) => {
+                let owner = directory.owner(at.block);
+                self.send(owner, DomainNews::Seek { own, at: Some(at) });
+            }
+            Walk::NoTets => {
+                let next = WorkerId::new((self.me.number() + 1) % self.workers);
+                self.send(next, DomainNews::Seek { own, at: None });
+            }
+        }
+    }
+
+    /// Looks at this worker's part of a closure and tells the home.
+    pub(super) fn serve(
+        &mut self,
+        mesh: &mut DomainMesh<'_>,
+        directory: &Directory,
+        own: Proposal,
+        seeds: &[TetId],
+    ) {
+        let (probe, seeds) = (own.probe, seeds.iter().copied());
+        let (new, foreign) = self.served.search(mesh, &own, seeds);
+        let part = self.served.part(probe);
+        let found = match part {
+            // The home knows its own.
+            Some(part) if probe.home != self.me => describe(mesh, part, &new),
+            _ => WireClosure::default(),
+        };
+        self.answer(mesh, directory, probe, PartEnd::Found, found, foreign);
+    }
+
+    fn answer(
+        &mut self,
+        mesh: &mut DomainMesh<'_>,
+        directory: &Directory,
+        probe: ProbeId,
+        end: PartEnd,
+        found: WireClosure,
+        foreign: Vec<Handle>,
+    ) {
+        if probe.home == self.me {
+            return self.take_part(mesh, directory, self.me, probe.number, (end, found, foreign));
+        }
+        let number = probe.number;
+        self.send(probe.home, DomainNews::Part { number, end, found, foreign });
+    }
+
+    /// Takes an owner's part of a probe of this worker.
+    pub(super) fn take_part(
+        &mut self,
+        mesh: &mut DomainMesh<'_>,
+        directory: &Directory,
+        from: WorkerId,
+        k: u32,
+        (end, found, foreign): (PartEnd, WireClosure, Vec<Handle>),
+    ) {
+        let probe = &mut self.probes[k as usize];
+        probe.open -= 1;
+        match end {
+            PartEnd::Found => {}
+            PartEnd::Blocked(item) => return self.conclude_with(mesh, k, item.item()),
+            PartEnd::Outside | PartEnd::Vertex => return self.retry(mesh, directory, k),
+        }
+        if !probe.owners.contains(&from) {
+            probe.owners.push(from);
+        }
+        probe.add(from, &found);
+        let mut seeds: Vec<(WorkerId, Vec<Handle>)> = Vec::new();
+        for handle in foreign {
+            if probe.known.insert(handle.name) {
+                let owner = directory.owner(handle.block);
+                match seeds.iter_mut().find(|(other, _)| *other == owner) {
+                    Some((_, list)) => list.push(handle),
+                    None => seeds.push((owner, vec![handle])),
+                }
+            }
+        }
+        // R25.
+        if !C::ENDS_PROBES && self.asks_already(mesh, k) {
+            seeds.clear();
+        }
+        let probe = &mut self.probes[k as usize];
+        probe.open += seeds.len() as u32;
+        let own = self.proposal(k);
+        for (owner, seeds) in seeds {
+            if owner == self.me {
+                let here: Vec<TetId> =
+                    seeds.iter().filter_map(|handle| mesh.resolve(handle.name)).collect();
+                self.serve(mesh, directory, own, &here);
+            } else {
+                self.send(owner, DomainNews::Search { own, seeds });
+            }
+        }
+        let probe = &self.probes[k as usize];
+        if probe.open == 0 && probe.outcome == Outcome::Open {
+            self.judge(mesh, directory, k);
+        }
+    }
+
+    /// Does a tetrahedron's probe ask for an item by what is known of its closure so far? (A
+    /// known-bad variant stops there.)
+    fn asks_already(&self, mesh: &DomainMesh<'_>, k: u32) -> bool {
+        let Probe { what, to, closure, .. } = &self.probes[k as usize];
+        let survey = Survey::of(&mesh.complex, closure);
+        matches!(what, What::Tet(..)) && !survey.rule_on_tet(&point(to)).is_empty()
+    }
+
+    /// All of a probe's closure is known: the verdict.
+    fn judge(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
+        let id = self.id(k);
+        let own = self.served.part(id);
+        let probe = &mut self.probes[k as usize];
+        let is_item = matches!(probe.what, What::Item(_));
+        let is_near = is_item
+            || own.is_some_and(|part| is_part_near(mesh, part))
+            || probe.closure.tets.iter().any(|(v, is_in)| {
+                let is_on = |v: &&u32| {
+                    **v != NOWHERE && probe.closure.corners[**v as usize].carrier != Carrier::Free
+                };
+                *is_in && v.iter().filter(is_on).count() > 1
+            });
+        if let Some(part) = own.filter(|_| is_near) {
+            let found = describe(mesh, part, &part.order);
+            probe.add(self.me, &found);
+        }
+        let p = point(&probe.to);
+        let outcome = if is_near {
+            let survey = Survey::of(&mesh.complex, &probe.closure);
+            probe.has_boundary = is_item || survey.is_marked();
+            match probe.what {
+                What::Tet(..) => match survey.rule_on_tet(&p).first() {
+                    Some(first) => Some(probe.what.asks(mesh, *first)),
+                    None => Some(Outcome::Fits(Vec::new())),
+                },
+                What::Item(item) => match survey.rule_on_item(&item, &p) {
+                    Ruling::Fill(removed) => Some(Outcome::Fits(removed)),
+                    Ruling::Defer(first) => Some(Outcome::Asks(first[0], None)),
+                    Ruling::Useless => None,
+                    Ruling::Refuse => return self.give_up(k),
+                },
+            }
+        } else {
+            Some(Outcome::Fits(Vec::new()))
+        };
+        let has_own = match probe.what {
+            What::Tet(t, _) => own.is_some_and(|part| part.has(t)),
+            What::Item(_) => true,
+        };
+        let outcome = match outcome {
+            Some(Outcome::Fits(_)) if !has_own => None,
+            other => other,
+        };
+        let Some(outcome) = outcome else {
+            self.drop_parts(k);
+            return self.retry(mesh, directory, k);
+        };
+        let fits = matches!(outcome, Outcome::Fits(_));
+        if fits {
+            let of_item = || self.served.part(id)?.cavity().next();
+            let tets = mesh.inner.tets();
+            self.probes[k as usize].start = match self.probes[k as usize].what {
+                What::Tet(t, v) => Some((t, v)),
+                What::Item(_) => of_item().map(|t| (t, tets.vertices(t))),
+            };
+        }
+        if !fits && is_item {
+            // A boundary item that waits for others is in nobody's way. Others hear of rivals (R23).
+            self.drop_parts(k);
+        } else if fits && self.probes[k as usize].has_boundary && C::HEARS_OF_RIVALS {
+            self.want_rivals(k);
+        }
+        self.conclude(k, outcome);
+    }
+
+    /// The owners of a probe's parts, but for this worker.
+    fn others(&self, k: u32) -> Vec<WorkerId> {
+        let owners = self.probes[k as usize].owners.iter();
+        owners.copied().filter(|&owner| owner != self.me).collect()
+    }
+
+    /// A probe reserves nothing after all.
+    fn drop_parts(&mut self, k: u32) {
+        let id = self.id(k);
+        self.served.drop_part(id);
+        // R24.
+        let others = if C::TAKES_BACK { self.others(k) } else { Vec::new() };
+        for owner in others {
+            self.counts.notes += 1;
+            self.send(owner, DomainNews::Void(id));
+        }
+    }
+
+    /// All owners of a probe's parts are to tell of rivals.
+    fn want_rivals(&mut self, k: u32) {
+        let (id, others) = (self.id(k), self.others(k));
+        self.probes[k as usize].due = others.len() as u32;
+        for owner in others {
+            self.counts.notes += 1;
+            self.send(owner, DomainNews::WantRivals(id));
+        }
+    }
+}

@@ -1,0 +1,419 @@
+//! One worker's part in the rounds: what it knows, what it is told, and the points that it gives.
+
+use super::candidate::{ChosenPoint, Probe};
+use super::keys::Keys;
+use super::serve::Served;
+use super::tree::Tree;
+use crate::balance::Workload;
+use crate::mesh::VertexName;
+use crate::protocol::{
+    BlockId, Correct, Directory, Item, Name, Rules, Source, Standing, Submesh, WorkerId,
+};
+use crate::refining::domain::{DomainMesh, DomainPoint};
+use crate::refining::news::{DomainNews, Sums};
+use ltbw_core::topology::{TetId, VertexId};
+use ltbw_domain::refine::{Asked, BoundaryItem, ItemPlace, Rank};
+use rustc_hash::FxHashMap;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::marker::PhantomData;
+
+/// The stages of a round.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// New tetrahedra are to be looked at.
+    Looking,
+    /// The workers beside have to tell their keys, for the first or second time.
+    Exchanging(u32),
+    /// Waiting at the barrier at which all is counted.
+    Counting,
+    /// Probing.
+    Choosing,
+    /// Waiting for rivals.
+    Deciding,
+    /// Inserting.
+    Inserting,
+    /// No round follows.
+    Over,
+}
+
+/// Why no round follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// No tetrahedron is left that may be split.
+    Done,
+    /// Boundary items wait for each other.
+    Circles,
+    /// Something cannot be split.
+    Irregular,
+    /// The budget may be used up in this round.
+    Budget,
+    /// The run was cancelled.
+    Cancelled,
+}
+
+/// A boundary item to be split.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pending {
+    pub(super) item: BoundaryItem,
+    /// The one that has to be split before it.
+    pub(super) first: Option<ItemPlace>,
+    pub(super) limit: Option<f64>,
+}
+
+/// Messages that barriers count, sent less taken.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Counts {
+    pub(super) notes: i64,
+    pub(super) asks: i64,
+    pub(super) releases: i64,
+}
+
+/// The figures of the rounds, of one worker or of all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RoundFigures {
+    /// Rounds that inserted points: all, and with points on segments, on facets, inside.
+    pub rounds: [u64; 4],
+    /// Points of the widest round.
+    pub widest: u64,
+    /// Points inserted by rounds.
+    pub points: u64,
+    /// Closures searched by this worker's probes.
+    pub searches: u64,
+    /// Barriers, waves that had to be repeated included.
+    pub barriers: u64,
+    /// Times that all workers had ended, and one took over.
+    pub ended: u64,
+}
+
+/// Probes that are launched in one step: what they ask others for goes together.
+const TOGETHER: usize = 8;
+
+/// One worker's part in rounds.
+#[derive(Debug)]
+pub struct Rounds<C = Correct> {
+    pub(super) me: WorkerId,
+    pub(super) workers: u32,
+    /// Blocks of every worker at the start.
+    pub(super) blocks_each: u32,
+    pub(super) tree: Tree,
+    pub(super) stage: Stage,
+    /// Exchanges so far.
+    pub(super) exchange: u32,
+    pub(super) keys: Keys,
+    /// Keys of later exchanges.
+    pub(super) early: Vec<(WorkerId, u32, KeysTold)>,
+    /// Workers beside that have still to tell.
+    pub(super) awaited: BTreeSet<WorkerId>,
+    pub(super) foremost: Vec<TetId>,
+    pub(super) served: Served,
+    pub(super) probes: Vec<Probe>,
+    /// Probes to launch.
+    pub(super) to_launch: VecDeque<u32>,
+    /// Probes under way, or to be decided.
+    pub(super) open: usize,
+    pub(super) chosen: VecDeque<ChosenPoint>,
+    pub(super) starts: FxHashMap<VertexName, (TetId, [VertexId; 4])>,
+    pub(super) pending: BTreeMap<ItemPlace, Pending>,
+    pub(super) waiters: BTreeMap<ItemPlace, Vec<(WorkerId, ItemPlace)>>,
+    pub(super) asked: Vec<Demand>,
+    pub(super) gone: Vec<ItemPlace>,
+    pub(super) released: Vec<ItemPlace>,
+    pub(super) counts: Counts,
+    /// The points that this worker has chosen in this round, by class.
+    pub(super) chosen_by_class: [i64; 3],
+    pub(super) out: VecDeque<(WorkerId, DomainNews)>,
+    /// Vertices named so far.
+    pub(super) made: u32,
+    pub(super) created: Vec<TetId>,
+    /// The candidates among the tetrahedra when last counted.
+    pub(super) counted: i64,
+    /// Points inserted so far, by all, those before the rounds included.
+    pub(super) total: i64,
+    pub(super) most: i64,
+    /// Is a probe of this worker one that rounds do not know what to do with?
+    pub(super) is_irregular: bool,
+    pub(super) is_cancelled: bool,
+    pub(super) ending: Option<Ending>,
+    /// The sums of the wave before.
+    pub(super) before: Option<Sums>,
+    pub(super) figures: RoundFigures,
+    pub(super) rules: PhantomData<C>,
+}
+
+/// An item to split, its limit, and the place of the item that waits for it.
+pub(super) type Demand = (BoundaryItem, Option<f64>, Option<(WorkerId, ItemPlace)>);
+/// Faces and keys that another worker tells.
+pub(super) type KeysTold = Vec<(Name, u8, Rank)>;
+
+impl<C: Rules> Rounds<C> {
+    /// The start of rounds in a submesh; `total` points of `most` were inserted before.
+    pub(super) fn new(
+        (me, workers, blocks_each): (WorkerId, u32, u32),
+        (total, most): (u64, u64),
+        mesh: &DomainMesh<'_>,
+    ) -> Self {
+        Self {
+            me,
+            workers,
+            blocks_each,
+            tree: Tree::new(me, workers),
+            stage: Stage::Looking,
+            exchange: 0,
+            keys: Keys::default(),
+            early: Vec::new(),
+            awaited: BTreeSet::new(),
+            foremost: Vec::new(),
+            served: Served::default(),
+            probes: Vec::new(),
+            to_launch: VecDeque::new(),
+            open: 0,
+            chosen: VecDeque::new(),
+            starts: FxHashMap::default(),
+            pending: BTreeMap::new(),
+            waiters: BTreeMap::new(),
+            asked: Vec::new(),
+            gone: Vec::new(),
+            released: Vec::new(),
+            counts: Counts::default(),
+            chosen_by_class: [0; 3],
+            out: VecDeque::new(),
+            made: 0,
+            created: mesh.inner.tets().tets().map(|(t, _)| t).collect(),
+            counted: 0,
+            total: total as i64,
+            most: i64::try_from(most).unwrap_or(i64::MAX),
+            is_irregular: false,
+            is_cancelled: false,
+            ending: None,
+            before: None,
+            figures: RoundFigures::default(),
+            rules: PhantomData,
+        }
+    }
+
+    /// Goes on where others were: items to be split, candidates when last counted, figures.
+    pub(super) fn resume(
+        &mut self,
+        mesh: &DomainMesh<'_>,
+        asked: &[Asked],
+        candidates: usize,
+        figures: RoundFigures,
+    ) {
+        self.counted = candidates as i64;
+        self.figures = figures;
+        let items: BTreeMap<ItemPlace, BoundaryItem> =
+            asked.iter().map(|own| (own.item.place(), own.item)).collect();
+        for Asked { item, first, limit } in asked {
+            let (item, first, limit, place) = (*item, *first, *limit, item.place());
+            let keeper = self.keeper(mesh, &item);
+            if keeper == self.me {
+                self.pending.insert(place, Pending { item, first, limit });
+            }
+            if let Some(other) = first.and_then(|first| items.get(&first))
+                && self.keeper(mesh, other) == self.me
+            {
+                self.waiters.entry(other.place()).or_default().push((keeper, place));
+            }
+        }
+    }
+
+    /// The boundary items that are left, the candidates when last counted, how the rounds have
+    /// ended, and figures.
+    pub(super) fn into_parts(self) -> (Vec<Pending>, usize, Option<Ending>, RoundFigures) {
+        let candidates = usize::try_from(self.counted).unwrap_or(0);
+        (self.pending.into_values().collect(), candidates, self.ending, self.figures)
+    }
+
+    pub(super) fn send(&mut self, to: WorkerId, news: DomainNews) {
+        self.out.push_back((to, news));
+    }
+}
+
+impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
+    const WATCHES: bool = true;
+
+    fn next(&mut self, _: &DomainMesh<'c>) -> Option<DomainPoint> {
+        match self.stage {
+            Stage::Inserting => self.chosen.pop_front().map(|own| own.point),
+            _ => None,
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.stage == Stage::Over
+    }
+
+    fn is_ready(&self) -> bool {
+        self.stage == Stage::Inserting && !self.chosen.is_empty()
+    }
+
+    fn item(&self, mesh: &DomainMesh<'c>, point: &DomainPoint) -> Item<TetId> {
+        let tets = mesh.inner.tets();
+        let stands = |&&(t, v): &&(TetId, _)| tets.is_live(t) && tets.vertices(t) == v;
+        let start = self.starts.get(&point.name()).filter(stands);
+        start.map_or(Item::Free, |&(t, _)| Item::At(t))
+    }
+
+    fn created(&mut self, _: &DomainMesh<'c>, tets: &[TetId]) {
+        self.created.extend(tets);
+    }
+
+    fn released(&mut self, point: &DomainPoint) {
+        self.starts.remove(&point.name());
+    }
+
+    fn inserted(&mut self, _: &DomainMesh<'c>, point: &DomainPoint) {
+        self.starts.remove(&point.name());
+    }
+
+    fn remove_block(&mut self, _: &DomainMesh<'c>, _: BlockId) -> Vec<DomainPoint> {
+        Vec::new()
+    }
+
+    fn add(&mut self, _: BlockId, _: Vec<DomainPoint>) {}
+
+    fn counts(&self) -> bool {
+        true
+    }
+
+    fn has_thoughts(&self, standing: Standing) -> bool {
+        match self.stage {
+            Stage::Looking => true,
+            Stage::Choosing if !self.to_launch.is_empty() => true,
+            _ => !self.tree.has_put() && self.sums(standing).is_some(),
+        }
+    }
+
+    fn think(&mut self, mesh: &mut DomainMesh<'c>, directory: &Directory, standing: Standing) {
+        match self.stage {
+            Stage::Looking => self.look(mesh, directory),
+            Stage::Choosing if !self.to_launch.is_empty() => {
+                for _ in 0..TOGETHER {
+                    let Some(k) = self.to_launch.pop_front() else { break };
+                    self.launch(mesh, directory, k);
+                }
+            }
+            // R21.
+            Stage::Choosing if !C::AWAITS_RESERVATIONS && self.open == 0 => {
+                self.begin_to_decide(mesh);
+                self.end_decisions();
+            }
+            _ => {
+                if let Some(sums) = self.sums(standing) {
+                    let step = self.tree.put(sums);
+                    self.take_step(mesh, step);
+                }
+            }
+        }
+    }
+
+    fn hear(
+        &mut self,
+        mesh: &mut DomainMesh<'c>,
+        directory: &Directory,
+        from: WorkerId,
+        news: DomainNews,
+    ) {
+        match news {
+            DomainNews::Several(all) => {
+                for news in all {
+                    self.hear(mesh, directory, from, news);
+                }
+            }
+            DomainNews::Keys { exchange, keys } => {
+                self.take_keys(mesh, from, exchange, keys);
+                self.end_exchange(mesh, directory);
+            }
+            DomainNews::Up(sums) => {
+                let step = self.tree.hear(from, sums);
+                self.take_step(mesh, step);
+            }
+            DomainNews::Down(sums) => self.pass_on(mesh, sums),
+            DomainNews::Way { own, at, start, may } => {
+                if let Some(t) = mesh.resolve(at.name) {
+                    let entry = (t, Some(usize::from(at.face)));
+                    self.go(mesh, directory, own, entry, (start, may));
+                }
+            }
+            DomainNews::Seek { own, at } => {
+                let at = at.and_then(|at| mesh.resolve(at.name));
+                self.seek(mesh, directory, own, at);
+            }
+            DomainNews::Search { own, seeds } => {
+                let seeds: Vec<TetId> =
+                    seeds.iter().filter_map(|handle| mesh.resolve(handle.name)).collect();
+                self.serve(mesh, directory, own, &seeds);
+            }
+            DomainNews::Part { number, end, found, foreign } => {
+                self.take_part(mesh, directory, from, number, (end, found, foreign));
+            }
+            // Told by sources without rounds alone.
+            DomainNews::Ended(_) => {}
+            DomainNews::Void(probe) => {
+                self.counts.notes -= 1;
+                self.served.drop_part(probe);
+            }
+            DomainNews::WantRivals(probe) => {
+                self.counts.notes -= 1;
+                self.served.want_rivals(probe);
+            }
+            DomainNews::Rivals { number, rivals } => {
+                self.take_rivals(from, number, &rivals);
+                if self.stage == Stage::Deciding && self.is_due(number) {
+                    self.decide(mesh, number);
+                    self.end_decisions();
+                }
+            }
+            DomainNews::Ask { item, limit, waiter } => {
+                self.counts.asks -= 1;
+                let waiter = waiter.map(|place| (from, place));
+                self.asked.push((item.item(), limit.map(f64::from_bits), waiter));
+            }
+            DomainNews::Gone(place) => {
+                self.counts.asks -= 1;
+                self.gone.push(place);
+            }
+            DomainNews::Release(place) => {
+                self.counts.releases -= 1;
+                self.released.push(place);
+                // One may be told before this worker knows that the round is over.
+                if self.stage != Stage::Inserting {
+                    self.release();
+                }
+            }
+        }
+    }
+
+    /// All that is to be told one worker goes together.
+    fn tell(&mut self) -> Option<(WorkerId, DomainNews)> {
+        let (to, first) = self.out.pop_front()?;
+        if to == self.me || self.out.iter().all(|(other, _)| *other != to) {
+            return Some((to, first));
+        }
+        let mut all = vec![first];
+        let mut rest = VecDeque::new();
+        for (other, news) in self.out.drain(..) {
+            if other == to {
+                all.push(news);
+            } else {
+                rest.push_back((other, news));
+            }
+        }
+        self.out = rest;
+        Some((to, DomainNews::Several(all)))
+    }
+
+    fn clear(&mut self) {
+        self.is_cancelled = true;
+    }
+}
+
+impl<C> Workload for Rounds<C> {
+    fn left(&self) -> u64 {
+        self.chosen.len() as u64
+    }
+
+    fn in_block(&self, _: BlockId) -> u64 {
+        0
+    }
+}

@@ -1,0 +1,276 @@
+//! The stages of a round, one after the other, and the barriers between them.
+//!
+//! ```text
+//! look      new tetrahedra get their ranks; two exchanges with the workers beside: who is foremost
+//! count     barrier: what there is to split; all decide alike what this round splits
+//! choose    probes find closures and reserve cavities
+//! chosen    barrier: all cavities are reserved
+//! decide    owners tell of rivals; each home decides alone for its own
+//! insert    the protocol inserts what is chosen; barrier when nothing is under way
+//! ```
+//!
+//! Where the mesh is read, up to the second barrier, it stays as it is. From there on others may
+//! insert already, so that decisions rest on what was read before. All barriers are waves that are
+//! repeated until the counts say that nothing is on its way: of one kind of messages, which nobody
+//! sends any more once he has said so, one wave with equal counts will do; operations lead to
+//! others, so it takes two waves that are equal.
+
+use super::candidate::{Outcome, Probe, What};
+use super::source::{Ending, KeysTold, Pending, Rounds, Stage};
+use super::tree::{SENT, Step, TAKEN, is_quiet};
+use crate::protocol::{Directory, Rules, Standing, WorkerId};
+use crate::refining::domain::DomainMesh;
+use crate::refining::news::{DomainNews, SUMS, Sums};
+use ltbw_domain::refine::{BESIDE, BoundaryItem};
+
+// The places of sums.
+const READY: usize = 0;
+const WAITING: usize = 1;
+const FOREMOST: usize = 2;
+const IRREGULAR: usize = 3;
+const OPEN: usize = 4;
+const CANDIDATES: usize = 5;
+const CANCELLED: usize = 5;
+const CHOSEN: [usize; 3] = [6, 7, 8];
+const NEWS: usize = 9;
+
+impl<C: Rules> Rounds<C> {
+    /// Looks at the new tetrahedra; the first exchange begins.
+    pub(super) fn look(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory) {
+        let created = std::mem::take(&mut self.created);
+        self.keys.look_at::<C>(mesh, &created);
+        mesh.count_looks(created.len() as u64);
+        self.keys.start(mesh);
+        mesh.count_steps(self.keys.interface_faces() as u64 / 8);
+        self.served.clear();
+        self.probes.clear();
+        self.begin_exchange(mesh, directory, 0);
+    }
+
+    fn begin_exchange(&mut self, mesh: &DomainMesh<'_>, directory: &Directory, second: u32) {
+        self.stage = Stage::Exchanging(second);
+        self.exchange += 1;
+        let told = self.keys.told(mesh, directory, second as usize);
+        self.awaited = told.keys().copied().collect();
+        for (to, keys) in told {
+            self.send(to, DomainNews::Keys { exchange: self.exchange, keys });
+        }
+        for (from, exchange, keys) in std::mem::take(&mut self.early) {
+            self.take_keys(mesh, from, exchange, keys);
+        }
+        self.end_exchange(mesh, directory);
+    }
+
+    pub(super) fn take_keys(
+        &mut self,
+        mesh: &DomainMesh<'_>,
+        from: WorkerId,
+        exchange: u32,
+        keys: KeysTold,
+    ) {
+        match self.stage {
+            // R20.
+            Stage::Exchanging(second) if exchange == self.exchange || !C::NUMBERS_EXCHANGES => {
+                self.keys.hear(mesh, second as usize, keys);
+                self.awaited.remove(&from);
+            }
+            _ => self.early.push((from, exchange, keys)),
+        }
+    }
+
+    /// If all workers beside have told their keys, the next stage begins.
+    pub(super) fn end_exchange(&mut self, mesh: &DomainMesh<'_>, directory: &Directory) {
+        match self.stage {
+            Stage::Exchanging(second) if self.awaited.is_empty() => match second {
+                0 => self.begin_exchange(mesh, directory, 1),
+                _ => {
+                    self.foremost = self.keys.foremost(mesh);
+                    self.stage = Stage::Counting;
+                }
+            },
+            _ => {}
+        }
+    }
+
+    /// The sums that this worker adds at the barrier that it is at, if it is ready for that.
+    pub(super) fn sums(&self, standing: Standing) -> Option<Sums> {
+        let mut sums = [0; SUMS];
+        match self.stage {
+            Stage::Counting => {
+                let ready = self.pending.values().filter(|own| own.first.is_none()).count();
+                sums[READY] = ready as i64;
+                sums[WAITING] = (self.pending.len() - ready) as i64;
+                sums[FOREMOST] = self.foremost.len() as i64;
+                sums[OPEN] = self.counts.releases;
+                sums[CANCELLED] = i64::from(self.is_cancelled);
+            }
+            Stage::Choosing if self.open == 0 && self.to_launch.is_empty() => {
+                let fits = |probe: &&Probe| matches!(probe.outcome, Outcome::Fits(_));
+                sums[CANDIDATES] = self.probes.iter().filter(fits).count() as i64;
+                sums[OPEN] = self.counts.notes;
+                sums[IRREGULAR] = i64::from(self.is_irregular);
+            }
+            Stage::Inserting if standing.is_passive && self.chosen.is_empty() => {
+                sums[SENT] = standing.sent as i64;
+                sums[TAKEN] = standing.received as i64;
+                sums[OPEN] = self.counts.asks;
+                for (place, count) in CHOSEN.into_iter().zip(self.chosen_by_class) {
+                    sums[place] = count;
+                }
+                sums[NEWS] = self.asked.len() as i64;
+            }
+            _ => return None,
+        }
+        Some(sums)
+    }
+
+    pub(super) fn take_step(&mut self, mesh: &mut DomainMesh<'_>, step: Option<Step>) {
+        match step {
+            None => {}
+            Some(Step::Up(to, sums)) => self.send(to, DomainNews::Up(sums)),
+            Some(Step::Done(sums)) => self.pass_on(mesh, sums),
+        }
+    }
+
+    /// A barrier is over, with these sums.
+    pub(super) fn pass_on(&mut self, mesh: &mut DomainMesh<'_>, sums: Sums) {
+        self.tree.release();
+        for to in self.tree.below() {
+            self.send(to, DomainNews::Down(sums));
+        }
+        self.figures.barriers += 1;
+        let before = self.before.replace(sums);
+        match self.stage {
+            // Something was still under way: once more.
+            _ if sums[OPEN] != 0 => {}
+            Stage::Counting => self.decide_what(&sums),
+            Stage::Choosing => {
+                if sums[IRREGULAR] > 0 {
+                    self.end(Ending::Irregular);
+                } else if self.total + sums[CANDIDATES] > self.most {
+                    self.end(Ending::Budget);
+                } else {
+                    self.begin_to_decide(mesh);
+                    self.end_decisions();
+                }
+            }
+            Stage::Inserting => {
+                if is_quiet::<C>(before, &sums) {
+                    self.settle(&sums);
+                }
+            }
+            Stage::Looking | Stage::Exchanging(_) | Stage::Deciding | Stage::Over => {}
+        }
+        if self.stage != Stage::Inserting {
+            self.before = None;
+        }
+    }
+
+    /// All know what there is to split: this round's probes are made.
+    fn decide_what(&mut self, sums: &Sums) {
+        let has_boundary = sums[READY] > 0;
+        let has_tets = match has_boundary {
+            true => sums[READY] * BESIDE as i64 <= self.counted,
+            false => true,
+        };
+        if sums[CANCELLED] > 0 {
+            return self.end(Ending::Cancelled);
+        }
+        if !has_boundary && sums[WAITING] > 0 {
+            return self.end(Ending::Circles);
+        }
+        if has_tets {
+            self.counted = sums[FOREMOST];
+        }
+        if !has_boundary && sums[FOREMOST] == 0 {
+            return self.end(Ending::Done);
+        }
+        self.stage = Stage::Choosing;
+        let ready: Vec<BoundaryItem> = self
+            .pending
+            .values()
+            .filter(|own| has_boundary && own.first.is_none())
+            .map(|own| own.item)
+            .collect();
+        for item in ready {
+            let k = self.add_probe(What::Item(item), item.rank(), 0);
+            self.to_launch.push_back(k);
+        }
+        let foremost = std::mem::take(&mut self.foremost);
+        for t in foremost.into_iter().filter(|_| has_tets) {
+            if let Some(own) = self.keys.at(t) {
+                let (corners, rank) = (own.corners, own.rank);
+                let k = self.add_probe(What::Tet(t, corners), rank, 0);
+                self.to_launch.push_back(k);
+            }
+        }
+    }
+
+    /// If all is decided, insertion begins.
+    pub(super) fn end_decisions(&mut self) {
+        if self.stage == Stage::Deciding && self.open == 0 {
+            self.figures.searches +=
+                self.probes.iter().filter(|probe| probe.was_searched()).count() as u64;
+            let starts = self.chosen.iter();
+            self.starts = starts.filter_map(|own| Some((own.point.name(), own.start?))).collect();
+            (self.stage, self.before) = (Stage::Inserting, None);
+        }
+    }
+
+    /// Everything of a round is in.
+    fn settle(&mut self, sums: &Sums) {
+        let chosen = CHOSEN.map(|place| sums[place]);
+        let all: i64 = chosen.iter().sum();
+        self.total += all;
+        let figures = &mut self.figures;
+        if all > 0 {
+            figures.rounds[0] += 1;
+            for (k, count) in chosen.into_iter().enumerate() {
+                figures.rounds[k + 1] += u64::from(count > 0);
+            }
+            figures.widest = figures.widest.max(all as u64);
+            figures.points += all as u64;
+        }
+        self.chosen_by_class = [0; 3];
+        self.starts.clear();
+        for (item, limit, waiter) in std::mem::take(&mut self.asked) {
+            let place = item.place();
+            let own = self.pending.entry(place).or_insert(Pending { item, first: None, limit });
+            own.limit = match (own.limit, limit) {
+                (Some(a), Some(b)) => Some(a.min(b)),
+                (a, b) => a.or(b),
+            };
+            if let Some(waiter) = waiter {
+                self.waiters.entry(place).or_default().push(waiter);
+            }
+        }
+        for place in std::mem::take(&mut self.gone) {
+            self.pending.remove(&place);
+            for (keeper, waiter) in self.waiters.remove(&place).unwrap_or_default() {
+                self.counts.releases += 1;
+                self.send(keeper, DomainNews::Release(waiter));
+            }
+        }
+        self.release();
+        self.stage = Stage::Looking;
+        // Every round inserts a point or asks for something.
+        if all == 0 && sums[NEWS] == 0 {
+            self.end(Ending::Irregular);
+        }
+    }
+
+    /// Items whose first ones are gone may be tried.
+    pub(super) fn release(&mut self) {
+        for place in std::mem::take(&mut self.released) {
+            if let Some(own) = self.pending.get_mut(&place) {
+                own.first = None;
+            }
+        }
+    }
+
+    pub(super) fn end(&mut self, ending: Ending) {
+        self.ending = Some(ending);
+        self.stage = Stage::Over;
+        self.to_launch.clear();
+    }
+}

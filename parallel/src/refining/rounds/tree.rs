@@ -1,0 +1,125 @@
+//! A barrier that adds up: what each worker has to say goes up a binary tree, the sums come down.
+//!
+//! Nobody is a barrier ahead of another: a worker hears from those below it only about the barrier
+//! that it is at, since the end of that one goes to them through it.
+
+use crate::protocol::{Rules, WorkerId};
+use crate::refining::news::Sums;
+
+/// The next thing to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Tell the worker above.
+    Up(WorkerId, Sums),
+    /// These are the sums of all: tell those below.
+    Done(Sums),
+}
+
+/// The place of messages about operations that were sent.
+pub const SENT: usize = 0;
+/// The place of those that were taken.
+pub const TAKEN: usize = 1;
+
+/// Has every operation of a round ended, by the sums of a wave and of the one before? One alone may
+/// add up by chance, as workers speak at different times (R19).
+pub fn is_quiet<C: Rules>(before: Option<Sums>, sums: &Sums) -> bool {
+    let is_second = before == Some(*sums) || !C::AWAITS_SECOND_WAVE;
+    sums[SENT] == sums[TAKEN] && is_second
+}
+
+/// One worker's place in the tree.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Tree {
+    me: WorkerId,
+    workers: u32,
+    own: Option<Sums>,
+    below: [Option<Sums>; 2],
+    /// It has said what it has to say, and waits for the sums.
+    waits: bool,
+}
+
+impl Tree {
+    /// The place of worker `me` of `workers`.
+    pub fn new(me: WorkerId, workers: u32) -> Self {
+        Self { me, workers, own: None, below: [None; 2], waits: false }
+    }
+
+    /// The workers below this one.
+    pub fn below(&self) -> impl Iterator<Item = WorkerId> + use<> {
+        let (first, workers) = (2 * self.me.number() + 1, self.workers);
+        (first..first + 2).filter(move |&w| w < workers).map(WorkerId::new)
+    }
+
+    /// Has this worker said what it has to say?
+    pub fn has_put(&self) -> bool {
+        self.waits
+    }
+
+    /// The barrier is over.
+    pub fn release(&mut self) {
+        self.waits = false;
+    }
+
+    /// Says what this worker has to add.
+    pub fn put(&mut self, sums: Sums) -> Option<Step> {
+        (self.own, self.waits) = (Some(sums), true);
+        self.step()
+    }
+
+    /// Takes what a worker below has to add.
+    pub fn hear(&mut self, from: WorkerId, sums: Sums) -> Option<Step> {
+        let place = from.number().wrapping_sub(2 * self.me.number() + 1) as usize;
+        self.below[place.min(1)] = Some(sums);
+        self.step()
+    }
+
+    fn step(&mut self) -> Option<Step> {
+        let count = self.below().count();
+        let mut all = self.own?;
+        for below in &self.below[..count] {
+            let below = (*below)?;
+            all.iter_mut().zip(below).for_each(|(sum, own)| *sum += own);
+        }
+        (self.own, self.below) = (None, [None; 2]);
+        Some(match self.me.number() {
+            0 => Step::Done(all),
+            me => Step::Up(WorkerId::new((me - 1) / 2), all),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::refining::news::SUMS;
+
+    #[test]
+    fn the_root_has_the_sums_of_all() {
+        for workers in [1, 2, 3, 4, 7, 8, 100] {
+            let mut all: Vec<Tree> =
+                (0..workers).map(|me| Tree::new(WorkerId::new(me), workers)).collect();
+            let mut own = [0; SUMS];
+            let mut done = None;
+            // The last ones first, so that all wait for the root; then the other way round.
+            for round in 0..2 {
+                done = None;
+                for k in 0..workers {
+                    let me = if round == 0 { workers - 1 - k } else { k };
+                    own[0] = i64::from(me + 1);
+                    let mut step = all[me as usize].put(own);
+                    let mut from = WorkerId::new(me);
+                    while let Some(Step::Up(to, sums)) = step {
+                        step = all[to.index()].hear(from, sums);
+                        from = to;
+                    }
+                    if let Some(Step::Done(sums)) = step {
+                        assert!(done.is_none());
+                        done = Some(sums[0]);
+                    }
+                }
+                assert_eq!(done, Some(i64::from(workers * (workers + 1) / 2)));
+            }
+            assert!(done.is_some());
+        }
+    }
+}

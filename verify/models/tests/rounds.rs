@@ -1,0 +1,98 @@
+//! Known-bad variants of the rules of rounds (that of the second wave is in `variants.rs`): workers
+//! that break one of them make another mesh than the engine with one mesh, or none, on some of the
+//! domains and networks; workers that keep all make the engine's on every one.
+#![cfg(not(any(loom, shuttle)))]
+
+use ltbw::MeshHash;
+use ltbw::domain::{PrepareOptions, Prepared};
+use ltbw::mesh::Layout;
+use ltbw::protocol::{Config, Correct};
+use ltbw::refine::{Refined, Refiner};
+use ltbw::refining::{Ending, simulate_rounds};
+use ltbw::simulate::{Network, Options};
+use ltbw_generate::{DomainKind, Shape, generate_domain};
+use ltbw_models::report::row;
+use ltbw_models::variants::{self, Variant};
+
+/// Processors and latency in nanoseconds of the runs.
+const RUNS: [(u32, u64); 5] = [(2, 1_000), (3, 30_000), (8, 1_000), (16, 30_000), (40, 1_000)];
+
+/// A domain and the engine's mesh of it.
+struct Case {
+    ready: Prepared,
+    refiner: Refiner<'static>,
+    expected: MeshHash,
+}
+
+fn hash(refined: &Refined) -> MeshHash {
+    refined.mesh().hash().expect("a hash")
+}
+
+fn cases() -> Vec<Case> {
+    let kinds = [
+        (DomainKind::CubeOctahedron, 2e-3),
+        (DomainKind::CubeInCube, 2e-3),
+        (DomainKind::Tee, 2e-3),
+        (DomainKind::Gear, 1e-3),
+    ];
+    let case = |(kind, volume): (DomainKind, f64)| {
+        let domain = generate_domain(kind, &Shape::default()).expect("a shape");
+        let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+        let refiner = Refiner::new().max_volume(volume).start(1);
+        let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+        Case { expected: hash(&engine), ready, refiner }
+    };
+    kinds.into_iter().map(case).collect()
+}
+
+/// The end of a run: the engine's mesh, or something that shows that it is not sound.
+fn run<C: Variant>(case: &Case, (processors, latency): (u32, u64)) -> Result<(), String> {
+    let network = Network { latency, ..Network::default() };
+    let options =
+        Options { network, max_events: 3_000_000, patience: 20_000_000, ..Options::default() };
+    let layout = |points| (Layout::new(points, processors), Config::new(processors));
+    let whole = (&case.ready.domain, &case.ready.lattice);
+    match simulate_rounds::<C>(&case.refiner, whole, layout, &options) {
+        Ok(run) if hash(&run.refined) != case.expected => Err("another mesh".to_owned()),
+        Ok(run) if run.ending != Ok(Ending::Done) => Err(format!("it ends: {:?}", run.ending)),
+        Ok(_) => Ok(()),
+        Err(error) => {
+            let text = error.to_string();
+            Err(text.split(" at ").next().unwrap_or_default().to_owned())
+        }
+    }
+}
+
+/// A variant is caught in some run, and the correct protocol in none.
+fn caught<C: Variant>(all: &[Case]) {
+    let (mut runs, mut outcomes) = (0, Vec::new());
+    for case in all {
+        for of in RUNS {
+            runs += 1;
+            outcomes.extend(run::<C>(case, of).err());
+        }
+    }
+    assert!(!outcomes.is_empty(), "{}: {} is not caught", C::RULE, C::TITLE);
+    let mut kinds = outcomes.clone();
+    kinds.sort_unstable();
+    kinds.dedup();
+    let outcome = format!("caught in {}: {}", outcomes.len(), kinds.join("; "));
+    let model = format!("known bad: {}", C::TITLE);
+    row(&model, "four domains in rounds, 2 to 40 processors", &format!("{runs} runs"), &outcome);
+}
+
+#[test]
+fn rounds_with_a_broken_rule_are_caught() {
+    let all = cases();
+    for case in &all {
+        for of in RUNS {
+            assert_eq!(run::<Correct>(case, of), Ok(()), "{of:?}");
+        }
+    }
+    caught::<variants::NamelessKeys>(&all);
+    caught::<variants::NoBarrier>(&all);
+    caught::<variants::KeyByName>(&all);
+    caught::<variants::DeafHome>(&all);
+    caught::<variants::StaleReservation>(&all);
+    caught::<variants::HastyProbe>(&all);
+}
