@@ -287,7 +287,7 @@ impl<C: Rules> Rounds<C> {
             };
         }
         if !fits && is_item {
-            // A boundary item that waits for others is in nobody's way. Others hear of rivals (R23).
+            // A boundary item that waits for others is in nobody's way. (R23.)
             self.drop_parts(k);
         } else if fits && self.probes[k as usize].has_boundary && C::HEARS_OF_RIVALS {
             self.want_rivals(k);
