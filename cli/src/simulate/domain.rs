@@ -17,32 +17,39 @@ use ltbw::simulate::Options;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use std::path::Path;
 
+/// The bounds that the arguments ask for.
+pub(super) fn refiner(args: &Simulate) -> Refiner<'static> {
+    let refiner = Refiner::new().radius_edge(args.radius_edge.unwrap_or(2.0));
+    args.max_volume.map_or(refiner, |bound| refiner.max_volume(bound))
+}
+
+/// The workers of a run: all points are in the mesh that is distributed.
+pub(super) fn planned(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
+    let (layout, config) = layout(args, points, processors);
+    (Layout { sample: points, max_in_flight: 0, ..layout }, config)
+}
+
+/// The same, but a run on one processor has settings of its own: it is what others are compared
+/// with.
+pub(super) fn planned_run(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
+    let (layout, config) = planned(args, points, processors);
+    if processors > 1 {
+        return (layout, config);
+    }
+    let layout = Layout { ownership: Ownership::default(), ..layout };
+    (layout, Config { closure: Closure::default(), ..config })
+}
+
 /// `ltbw simulate --domain`.
 pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     if args.storm.is_some() {
         return Err(Failure::Usage("--storm moves blocks, which no domain does".to_owned()));
     }
     let ready = ready(path)?;
-    let mut refiner = Refiner::new()
-        .radius_edge(args.radius_edge.unwrap_or(2.0))
-        .start(args.start.unwrap_or(START));
-    if let Some(bound) = args.max_volume {
-        refiner = refiner.max_volume(bound);
-    }
+    let refiner = refiner(args).start(args.start.unwrap_or(START));
     let options = options(args);
-    let planned = |points: usize, processors: u32| {
-        let (layout, config) = layout(args, points, processors);
-        (Layout { sample: points, max_in_flight: 0, ..layout }, config)
-    };
     let run = |processors: u32, options: &Options| {
-        let planned = |points| match processors {
-            1 => {
-                let (layout, config) = planned(points, 1);
-                let layout = Layout { ownership: Ownership::default(), ..layout };
-                (layout, Config { closure: Closure::default(), ..config })
-            }
-            _ => planned(points, processors),
-        };
+        let planned = |points| planned_run(args, points, processors);
         let _stage = Stage::begin("simulate");
         simulate_rounds::<Correct>(&refiner, (&ready.domain, &ready.lattice), planned, options)
             .map_err(|error| Failure::Other(format!("{}: {error}", show(path))))
@@ -80,7 +87,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     let by_all = figures.points as usize;
     let [rounds, segments, facets, inside] = figures.rounds;
     let after = vertices - refined.stats.round_points as usize;
-    let (layout, config) = planned(after, args.processors);
+    let (layout, config) = planned(args, after, args.processors);
     let text = format!(
         "{}: {by_all} points in {rounds} rounds ({segments} on segments, {facets} on facets, \
          {inside} inside; the widest of {} points, {:.2} searches a point), on {} processors \

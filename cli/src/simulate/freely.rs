@@ -1,9 +1,9 @@
 //! `simulate --domain --mode async`: bad tetrahedra and the boundary, split by simulated processors
 //! as they come.
 
-use super::domain::ready;
+use super::domain::{planned, planned_run, ready, refiner};
 use super::report::{Made, Report};
-use super::{Run, Simulate, end, layout, options, options_alone};
+use super::{Run, Simulate, end, options, options_alone};
 use crate::console;
 use crate::figures::{cost_model, tables};
 use crate::outcome::{Exit, Failure, show};
@@ -11,9 +11,7 @@ use crate::plc::plc_of;
 use crate::progress::Stage;
 use crate::rounds::START;
 use ltbw::domain::Prepared;
-use ltbw::mesh::{Layout, Ownership};
-use ltbw::protocol::{Closure, Config, Correct};
-use ltbw::refine::Refiner;
+use ltbw::protocol::Correct;
 use ltbw::refining::{RefinedDomain, SimulatedDomain, simulate_domain};
 use ltbw::simulate::{Meshed, Options};
 use ltbw_verify as verify;
@@ -35,19 +33,8 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     }
     let ready = ready(path)?;
     let options = options(args);
-    let planned = |points: usize, processors: u32| {
-        let (layout, config) = layout(args, points, processors);
-        (Layout { sample: points, max_in_flight: 0, ..layout }, config)
-    };
     let run = |processors: u32, options: &Options| {
-        let planned = |points| match processors {
-            1 => {
-                let (layout, config) = planned(points, 1);
-                let layout = Layout { ownership: Ownership::default(), ..layout };
-                (layout, Config { closure: Closure::default(), ..config })
-            }
-            _ => planned(points, processors),
-        };
+        let planned = |points| planned_run(args, points, processors);
         let _stage = Stage::begin("simulate");
         let domain = (&ready.domain, &ready.lattice);
         simulate_domain::<Correct>(&refiner(args), domain, start(args), planned, options)
@@ -63,7 +50,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     drop(stage);
     let hash = refined.gathered.mesh.hash().map_err(|e| Failure::Other(e.to_string()))?;
     let hash = hash.to_string();
-    let (layout, config) = planned(refined.started, args.processors);
+    let (layout, config) = planned(args, refined.started, args.processors);
     let vertices = refined.gathered.mesh.num_vertices();
     let [segments, facets, inside] = refined.splits.inserted;
     let (deferred, over, refused) = (refined.splits.deferred, refined.over, refined.refused);
@@ -96,11 +83,6 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
         return Ok(Exit::OwnDefect);
     }
     Ok(if over + refused > 0 { Exit::Defect } else { exit })
-}
-
-fn refiner(args: &Simulate) -> Refiner<'static> {
-    let refiner = Refiner::new().radius_edge(args.radius_edge.unwrap_or(2.0));
-    args.max_volume.map_or(refiner, |bound| refiner.max_volume(bound))
 }
 
 /// Whatever the independent checker finds, but bounds that the run knows not to be met.

@@ -2,17 +2,12 @@
 
 use super::carrier::{Carrier, free_point};
 use super::choice::{Aim, BoundaryItem, Corner};
-use super::complex::Complex;
+use super::complex::{Complex, TOLERANCES};
 use super::key::sorted;
-use super::measure::{Shape, circumcircle};
-use super::split::{TOLERANCE, aim};
+use super::measure::Shape;
 use super::state::FACE;
 use super::walk::{exit, middle};
-use crate::vector::distance2;
 use ltbw_exact::Point;
-
-/// The attempts to find a point, each nearer to the ideal one.
-const ATTEMPTS: usize = 2;
 
 /// The part of the largest volume that tetrahedra have on average: that of the paper's problems.
 const USUAL_VOLUME: f64 = 0.55;
@@ -27,12 +22,10 @@ impl Complex<'_> {
         if radius < self.floor() {
             return Aim::Refused;
         }
-        let tolerances: [f64; ATTEMPTS] = [radius * TOLERANCE, 1.0];
-        let (Some(&tolerance), Some(centre)) = (tolerances.get(attempt), shape.circumcentre(d))
-        else {
+        let (Some(part), Some(centre)) = (TOLERANCES.get(attempt), shape.circumcentre(d)) else {
             return Aim::Exhausted;
         };
-        let proposed = free_point(&centre, tolerance);
+        let proposed = free_point(&centre, part.map_or(1.0, |part| part * radius));
         let (point, may) = (proposed.unwrap_or(centre), proposed.is_some());
         Aim::At { point, carrier: Carrier::Free, may }
     }
@@ -59,31 +52,21 @@ impl Complex<'_> {
 
     /// The point that splits a boundary item, at the given attempt.
     pub fn aim_at_item(&self, item: &BoundaryItem, attempt: usize) -> Aim {
-        let floor2 = self.floor() * self.floor();
-        let points = item.points();
-        if item.is_segment() {
-            if attempt > 0 {
-                return Aim::Refused;
-            }
-            let ends = [item.corners()[0], item.corners()[1]];
-            let place = self.point_on_segment(item.of(), ends.map(|end| end.carrier));
-            let Some((point, carrier)) = place else { return Aim::Refused };
-            let is_far = |end: &Corner| distance2(&end.point, &point) >= floor2;
-            return match ends.iter().all(is_far) {
-                true => Aim::At { point, carrier, may: true },
-                false => Aim::Refused,
-            };
+        if let [a, b] = item.corners() {
+            let ends = [a, b].map(|end| (end.carrier, end.point));
+            let place = (attempt == 0).then(|| self.point_of_segment(item.of(), ends)).flatten();
+            return place.map_or(Aim::Refused, |(point, carrier)| Aim::At {
+                point,
+                carrier,
+                may: true,
+            });
         }
-        let [a, b, c] = &points;
-        let (centre, square) = circumcircle(a, b, c);
-        if square < floor2 {
+        let points = item.points();
+        if attempt >= TOLERANCES.len() || !self.is_large(&points) {
             return Aim::Refused;
         }
-        let (centre, radius) = aim(points, &centre, square);
-        let tolerances: [f64; ATTEMPTS] = [radius * TOLERANCE, 1.0];
-        let Some(&tolerance) = tolerances.get(attempt) else { return Aim::Refused };
-        match self.point_on_facet(item.of(), &centre, tolerance) {
-            Some(point) => Aim::At { point, carrier: Carrier::Facet(item.of()), may: true },
+        match self.point_of_subface(item.of(), points, attempt) {
+            Some((point, carrier)) => Aim::At { point, carrier, may: true },
             None => Aim::Skip,
         }
     }

@@ -25,7 +25,7 @@ use std::cmp::Ordering;
 
 /// The distances from the ideal point that are tried, one after the other: a part of the radius, or
 /// a step.
-const TOLERANCES: [Option<f64>; 2] = [Some(TOLERANCE), None];
+pub(super) const TOLERANCES: [Option<f64>; 2] = [Some(TOLERANCE), None];
 
 /// Why a domain cannot be refined by engines on many processors.
 #[doc(hidden)]
@@ -252,14 +252,14 @@ impl<'a> Complex<'a> {
     }
 
     /// The point that splits a subsegment of segment `s` between two places.
-    pub(super) fn point_on_segment(&self, s: u32, ends: [Carrier; 2]) -> Option<(Point, Carrier)> {
+    fn point_on_segment(&self, s: u32, ends: [Carrier; 2]) -> Option<(Point, Carrier)> {
         let t = self.plc.split_parameter(ends, s)?;
         Some((self.plc.segments[s as usize].line.point(t), Carrier::Segment(s, t)))
     }
 
-    /// A point of facet `f` near a place.
-    pub(super) fn point_on_facet(&self, f: u32, place: &Point, tolerance: f64) -> Option<Point> {
-        self.plc.facets[f as usize].plane.near(place, tolerance)
+    /// Is a subface large enough to be split?
+    pub(super) fn is_large(&self, [a, b, c]: &[Point; 3]) -> bool {
+        circumcircle(a, b, c).1 >= self.floor * self.floor
     }
 
     /// The circumradius of a tetrahedron, rounded.
@@ -301,11 +301,8 @@ impl<'a> Complex<'a> {
         corners: [Point; 3],
         attempt: usize,
     ) -> Option<(Point, Carrier)> {
-        let [a, b, c] = &corners;
         let part = TOLERANCES.get(attempt)?;
-        let square = circumcircle(a, b, c).1;
-        let p = (square >= self.floor * self.floor)
-            .then(|| self.plc.point_of_subface(f, corners, *part))??;
+        let p = self.is_large(&corners).then(|| self.plc.point_of_subface(f, corners, *part))??;
         Some((p, Carrier::Facet(f)))
     }
 

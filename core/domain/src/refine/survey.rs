@@ -6,7 +6,7 @@ use super::choice::{BoundaryItem, Closure, Corner, NOWHERE, Rival, Ruling};
 use super::complex::Complex;
 use super::measure::{in_diametral_ball, in_equatorial_ball};
 use super::state::FACE;
-use super::table::Map;
+use super::table::{Map, edge, sides, triangle};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, coplanar_orient};
 
@@ -40,13 +40,8 @@ pub struct Survey<'c> {
     at_face: Map<[u32; 3], [Option<usize>; 2]>,
 }
 
-fn triple(mut corners: [u32; 3]) -> [u32; 3] {
-    corners.sort_unstable();
-    corners
-}
-
-fn pair([a, b]: [u32; 2]) -> [u32; 2] {
-    if a < b { [a, b] } else { [b, a] }
+fn triple([a, b, c]: [u32; 3]) -> [u32; 3] {
+    triangle(a, b, c)
 }
 
 /// The slots at the ends of each edge of a tetrahedron, and the other two.
@@ -136,7 +131,7 @@ impl<'c> Survey<'c> {
                 continue;
             };
             let is_inner = beside.into_iter().all(|slot| self.is_in(self.beyond(k, slot)));
-            let key = pair(ends);
+            let key = edge(ends[0], ends[1]);
             match self.edges.iter_mut().find(|edge| edge.key == key) {
                 Some(edge) => edge.is_inner &= is_inner,
                 None => self.edges.push(Edge { key, segment, is_inner }),
@@ -206,7 +201,7 @@ impl<'c> Survey<'c> {
     pub fn rule_on_item(&self, item: &BoundaryItem, p: &Point) -> Ruling {
         let Some(own) = self.own(item) else { return Ruling::Useless };
         match own[..] {
-            [a, b] => self.rule_on_segment(pair([a, b]), item, p),
+            [a, b] => self.rule_on_segment(edge(a, b), item, p),
             [a, b, c] => self.rule_on_subface(triple([a, b, c]), item.of(), p),
             _ => Ruling::Useless,
         }
@@ -269,7 +264,7 @@ impl<'c> Survey<'c> {
         // Breadth first; each one enters once.
         while let Some(&face) = removed.get(next) {
             next += 1;
-            for [a, b, _] in sides(face) {
+            for ([a, b], _) in sides(face) {
                 if self.is_segment([a, b]) {
                     continue;
                 }
@@ -282,12 +277,12 @@ impl<'c> Survey<'c> {
             }
         }
         for (k, &face) in removed.iter().enumerate() {
-            for [a, b, opposite] in sides(face) {
+            for ([a, b], opposite) in sides(face) {
                 let has = |(l, other): (usize, &[u32; 3])| {
                     l != k && other.contains(&a) && other.contains(&b)
                 };
                 let is_shared = removed.iter().enumerate().any(has);
-                if split == Some(pair([a, b])) || is_shared && !self.is_segment([a, b]) {
+                if split == Some(edge(a, b)) || is_shared && !self.is_segment([a, b]) {
                     continue;
                 }
                 if self.turn([a, b], p) != self.turn([a, b], self.point(opposite)) {
@@ -306,11 +301,11 @@ impl<'c> Survey<'c> {
     /// subface does not see.
     fn segment_between(&self, own: [u32; 3], f: u32, p: &Point) -> Option<BoundaryItem> {
         let nearest = |found: Vec<BoundaryItem>| found.into_iter().min_by_key(BoundaryItem::place);
-        let is_beyond = |&[a, b, opposite]: &[u32; 3]| {
+        let is_beyond = |&([a, b], opposite): &([u32; 2], u32)| {
             self.is_segment([a, b])
                 && self.turn([a, b], p) != self.turn([a, b], self.point(opposite))
         };
-        let item = |[a, b, _]: [u32; 3]| {
+        let item = |([a, b], _): ([u32; 2], u32)| {
             let ends = [a, b].map(|v| self.closure.corners[v as usize]);
             let of = self.complex.segment(ends.map(|end| end.carrier))?;
             Some(BoundaryItem::new(ends.to_vec(), of))
@@ -397,17 +392,13 @@ impl<'c> Survey<'c> {
         let cavity = self.closure.tets.iter().enumerate().filter(|(_, (_, is_in))| *is_in);
         let mut all = cavity.flat_map(|(k, (tet, _))| EDGES.map(move |own| (k, tet, own)));
         all.any(|(k, tet, ([i, j], beside))| {
-            keys.contains(&pair([tet[i], tet[j]]))
+            keys.contains(&edge(tet[i], tet[j]))
                 && (rivals[k].is_there
                     || beside.into_iter().any(|slot| {
                         self.beyond(k, slot).is_some_and(|other| rivals[other].is_there)
                     }))
         })
     }
-}
-
-fn sides([a, b, c]: [u32; 3]) -> [[u32; 3]; 3] {
-    [[a, b, c], [b, c, a], [a, c, b]]
 }
 
 /// Sorts items: that which is to be split first comes first.

@@ -9,6 +9,12 @@ use crate::payload::Payload;
 use crate::protocol::Name;
 use crate::refining::news::DomainNews;
 use ltbw_core::topology::TetId;
+use ltbw_domain::refine::Carrier;
+
+/// Bytes of carriers and regions, with the number of what follows.
+fn extra_bytes(carriers: &[Carrier], regions: &[u32]) -> u64 {
+    carriers_bytes(carriers) + 4 * regions.len() as u64 + 2
+}
 
 impl Payload for DomainMesh<'_> {
     /// The item and the carrier matter at home alone.
@@ -17,20 +23,13 @@ impl Payload for DomainMesh<'_> {
     }
 
     fn piece_bytes(own: &DomainPiece) -> u64 {
-        LocalMesh::piece_bytes(&own.piece)
-            + carriers_bytes(&own.carriers)
-            + 4 * own.regions.len() as u64
-            + 2
-            + MARKED * own.marked.len() as u64
+        let marked = MARKED * own.marked.len() as u64;
+        LocalMesh::piece_bytes(&own.piece) + extra_bytes(&own.carriers, &own.regions) + marked
     }
 
     fn patch_bytes(own: &DomainPatch) -> u64 {
-        LocalMesh::patch_bytes(&own.patch)
-            + carriers_bytes(&own.carriers)
-            + 4 * own.regions.len() as u64
-            + 2
-            + MARKED * own.first.len() as u64
-            + 1
+        let first = MARKED * own.first.len() as u64;
+        LocalMesh::patch_bytes(&own.patch) + extra_bytes(&own.carriers, &own.regions) + first + 1
     }
 
     fn cargo_bytes(cargo: &Vec<Moving>) -> u64 {

@@ -11,9 +11,10 @@
 //! other is asked again afterwards. So everything that was in the mesh at the start stays in it,
 //! at any time.
 //!
-//! Nothing is told when an item is split. What waits for an item of the same worker is asked again
-//! when that is done; what waits for another worker's begins again at once, and goes to that
-//! worker for its locks. An item that cannot be split bars what it is in the way of.
+//! An item that waits for one of the same worker is asked again when that is done. A tetrahedron
+//! that waits for another worker's item hears from it when that has ended; a boundary item begins
+//! again at once, and goes to that worker for its locks. An item that cannot be split bars what it
+//! is in the way of.
 //!
 //! Which points are made depends on the timing: the mesh conforms to the domain and keeps the
 //! bounds, but it is not the same one twice.
@@ -31,10 +32,10 @@ pub use values::{DomainPatch, DomainPiece, DomainPoint};
 use super::RefineError;
 use crate::mesh::{Gathered, Layout, Prepared, SharedInput, VertexName, gather, given};
 use crate::metrics::Summary;
-use crate::protocol::{Config, Rule, Rules, Worker};
+use crate::protocol::{Config, Rule, Rules, Source, Worker, WorkerId};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
 use ltbw_core::topology::INFINITE;
-use ltbw_domain::refine::{Complex, Refiner, Start};
+use ltbw_domain::refine::{Carrier, Complex, Refiner, Start};
 use ltbw_domain::{Domain, Lattice};
 use ltbw_exact::{Mode, Point, PointSet};
 use rustc_hash::FxHashMap;
@@ -92,7 +93,8 @@ pub fn simulate_domain<C: Rules>(
     }
     let (complex, start) = refiner.complex(domain, lattice, start)?;
     let (layout, config) = layout(start.points.len());
-    let (workers, common) = prepare::<C>(complex, &start, &layout, config)?;
+    let items = |me, mesh: &DomainMesh<'_>| BadItems::new(me, start.most, mesh);
+    let (workers, common) = prepare::<_, C>(complex, &start, &layout, config, items)?;
     let options = Options { balance: None, storm: None, ..options.clone() };
     let run = simulate(workers, &options).map_err(MeshError::from)?;
     let Simulation { workers, summary, events, .. } = run;
@@ -100,13 +102,17 @@ pub fn simulate_domain<C: Rules>(
     Ok(SimulatedDomain { refined, summary, events })
 }
 
-/// Workers with parts of the mesh at the start.
-fn prepare<'c, C: Rules>(
+/// Workers, and all that they share.
+type Begun<'c, Q, C> = (Vec<Worker<DomainMesh<'c>, Q, C>>, SharedInput);
+
+/// Workers with parts of the mesh at the start, each with the source that it is given for its part.
+pub(super) fn prepare<'c, Q: Source<DomainMesh<'c>>, C: Rules>(
     complex: Complex<'c>,
     start: &Start,
     layout: &Layout,
     config: Config,
-) -> Result<(Vec<DomainNode<'c, C>>, SharedInput), RefineError> {
+    source: impl Fn(WorkerId, &DomainMesh<'c>) -> Q,
+) -> Result<Begun<'c, Q, C>, RefineError> {
     let set = PointSet::new(start.points.clone()).map_err(|_| RefineError::Range)?;
     // The coordinates at the start are those that the kernel computes with.
     if set.mode() != Mode::Normal {
@@ -119,7 +125,7 @@ fn prepare<'c, C: Rules>(
     let complex = Arc::new(complex);
     let regions: FxHashMap<[u32; 4], u32> = start.tets.iter().copied().collect();
     let number = |name: VertexName| given(name).map(|place| common.numbers[place as usize - 1]);
-    let carrier = |name| number(name).map(|k| start.carriers[k as usize]);
+    let carrier = |name| number(name).map_or(Carrier::Free, |k| start.carriers[k as usize]);
     let region = |names: [VertexName; 4]| {
         let mut corners = names.map(|name| number(name).unwrap_or(u32::MAX));
         corners.sort_unstable();
@@ -127,9 +133,8 @@ fn prepare<'c, C: Rules>(
     };
     let workers = workers.into_iter().map(|(directory, mesh, _)| {
         let (me, complex) = (directory.me(), Arc::clone(&complex));
-        let free = ltbw_domain::refine::Carrier::Free;
-        let mesh = DomainMesh::new(mesh, complex, me, |v| carrier(v).unwrap_or(free), region);
-        let source = BadItems::new(me, start.most, &mesh);
+        let mesh = DomainMesh::new(mesh, complex, me, carrier, region);
+        let source = source(me, &mesh);
         Worker::new(config, directory, mesh, source)
     });
     Ok((workers.collect(), common))

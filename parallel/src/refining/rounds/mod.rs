@@ -38,21 +38,19 @@ pub use source::{Ending, RoundFigures, Rounds};
 pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};
 
 use super::RefineError;
-use super::domain::DomainMesh;
-use crate::mesh::{Layout, Prepared, SharedInput, VertexName, gather, given};
+use super::domain::{DomainMesh, prepare};
+use crate::mesh::{Layout, SharedInput, VertexName, gather, given};
 use crate::metrics::Summary;
 use crate::protocol::{Config, Correct, Rules, Worker, WorkerId};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
 use crate::threads::{Parallel, RunError, WorkerStats};
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_domain::refine::{
-    Asked, Carrier, Complex, ComplexError, Handed, Parted, RefineStats, Refined, Refiner, Start,
+    Asked, Carrier, ComplexError, Handed, Parted, RefineStats, Refined, Refiner, Start,
 };
 use ltbw_domain::{Domain, Lattice};
-use ltbw_exact::{Mode, PointSet};
 use rustc_hash::FxHashMap;
 use source::Pending;
-use std::sync::Arc;
 
 /// A worker that refines a domain in rounds.
 pub type RoundNode<'c, C> = Worker<DomainMesh<'c>, Rounds<C>, C>;
@@ -117,7 +115,15 @@ fn refine<'a, C: Rules>(
             Err(unfit) => return Ok((delegated.go_on()?, Err(unfit), resumed.figures)),
         };
         let (layout, config) = layout(start.points.len());
-        let (workers, common) = prepare::<C>((complex, &start), &layout, config, &resumed)?;
+        let is_made = |c: &&Carrier| !matches!(c, Carrier::Corner(_));
+        let before = start.carriers.iter().filter(is_made).count() as u64;
+        let source = |me, mesh: &DomainMesh<'_>| {
+            let place = (me, layout.workers, layout.blocks_per_worker);
+            let mut source = Rounds::new(place, (before, start.most), mesh);
+            source.resume(mesh, &resumed.asked, resumed.candidates, resumed.figures);
+            source
+        };
+        let (workers, common) = prepare(complex, &start, &layout, config, source)?;
         let workers = run(workers)?;
         let before = delegated.stats();
         let mut figures = resumed.figures;
@@ -185,45 +191,6 @@ pub fn rounds_on_threads(
     };
     let (refined, ending, figures) = refine::<Correct>(refiner, whole, layout, run)?;
     Ok(ThreadedRounds { refined, workers, ending, figures })
-}
-
-/// Workers with parts of the mesh at the start.
-fn prepare<'c, C: Rules>(
-    (complex, start): (Complex<'c>, &Start),
-    layout: &Layout,
-    config: Config,
-    resumed: &Resumed,
-) -> Result<(Vec<RoundNode<'c, C>>, SharedInput), RefineError> {
-    let set = PointSet::new(start.points.clone()).map_err(|_| RefineError::Range)?;
-    // The coordinates at the start are those that the kernel computes with.
-    if set.mode() != Mode::Normal {
-        return Err(RefineError::Range);
-    }
-    let weights = start.weights(&complex);
-    let Prepared { workers, mut common, .. } = layout.prepare_all(&set, Some(&weights), None)?;
-    common.mode = start.mode;
-    let config = Config { workers: layout.workers, ..config };
-    let complex = Arc::new(complex);
-    let regions: FxHashMap<[u32; 4], u32> = start.tets.iter().copied().collect();
-    let number = |name: VertexName| given(name).map(|place| common.numbers[place as usize - 1]);
-    let carrier = |name| number(name).map(|k| start.carriers[k as usize]);
-    let region = |names: [VertexName; 4]| {
-        let mut corners = names.map(|name| number(name).unwrap_or(u32::MAX));
-        corners.sort_unstable();
-        regions.get(&corners).copied().unwrap_or_default()
-    };
-    let before = start.carriers.iter().filter(|c| !matches!(c, Carrier::Corner(_))).count() as u64;
-    let Resumed { asked, candidates, figures } = resumed;
-    let workers = workers.into_iter().map(|(directory, mesh, _)| {
-        let (me, complex) = (directory.me(), Arc::clone(&complex));
-        let mesh =
-            DomainMesh::new(mesh, complex, me, |v| carrier(v).unwrap_or(Carrier::Free), region);
-        let place = (me, layout.workers, layout.blocks_per_worker);
-        let mut source = Rounds::new(place, (before, start.most), &mesh);
-        source.resume(&mesh, asked, *candidates, *figures);
-        Worker::new(config, directory, mesh, source)
-    });
-    Ok((workers.collect(), common))
 }
 
 /// Puts together what workers have; `before` are the figures when they began, `figures` all.

@@ -5,12 +5,10 @@ use crate::refining::domain::DomainMesh;
 use crate::refining::news::{
     Bits, INFINITE_CORNER, PartEnd, ProbeId, Proposal, WireClosure, WireCorner, WireItem, point,
 };
+use ltbw_core::cavity::OTHERS;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_domain::refine::{Carrier, Corner, Rank, Rival, way_out};
 use rustc_hash::FxHashMap;
-
-/// The faces of a tetrahedron by the slots of their corners.
-const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
 
 /// One probe's part of its closure here.
 #[derive(Debug)]
@@ -235,7 +233,7 @@ pub(super) fn walk_way(
                 false => WayEnd::At(t),
             };
         };
-        let face = FACES[slot].map(|k| corner(mesh, v[k]));
+        let face = OTHERS[slot].map(|k| corner(mesh, v[k]));
         if face.iter().all(|corner| corner.carrier != Carrier::Free)
             && let Some(item) = mesh.complex.item_at(face)
         {

@@ -7,7 +7,7 @@ use crate::refine::choice::{BoundaryItem, Corner, ItemPlace};
 use crate::refine::complex::{Complex, ComplexError, Start};
 use crate::refine::fill::Points;
 use crate::refine::item::Item;
-use crate::refine::marks::{ENDS, Marks, face_bit};
+use crate::refine::marks::{ENDS, Marks, edge_bit, face_bit};
 use crate::refine::outcome::RefineStats;
 use crate::refine::region::RegionInfo;
 use crate::refine::rounds::{InsertOrder, Resumed, Rounds, Waiting};
@@ -256,7 +256,7 @@ impl State {
             self.marks.set_region(t, region);
             let carrier = |v: VertexId| self.carriers[v.index()];
             let is_on = v.map(|v| v != INFINITE && carrier(v) != Carrier::Free);
-            for (k, [i, j]) in ENDS.into_iter().enumerate() {
+            for [i, j] in ENDS {
                 let ends = [v[i], v[j]];
                 if is_on[i]
                     && is_on[j]
@@ -265,7 +265,7 @@ impl State {
                     let place = ItemPlace::of(&ends.map(|v| self.at(v)));
                     found.insert(place, (Item::Segment(edge(v[i], v[j])), t));
                     self.segments.insert(edge(v[i], v[j]), s);
-                    self.marks.set(t, 1 << (4 + k));
+                    self.marks.set(t, edge_bit(i, j));
                 }
             }
             for (slot, face) in FACE.into_iter().enumerate() {
