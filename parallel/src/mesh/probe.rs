@@ -2,6 +2,7 @@
 
 use super::{LocalMesh, VertexName, WireVertex, made};
 use crate::protocol::{BlockId, Insert, Walk};
+use ltbw_core::cavity::Cavity;
 use ltbw_core::submesh::Owns;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
@@ -23,6 +24,12 @@ impl LocalMesh {
     /// Is a tetrahedron in conflict with a point?
     pub(crate) fn conflicts(&mut self, t: TetId, p: &Point) -> bool {
         self.tets.in_conflict(t, p)
+    }
+
+    /// The cavity of a point, from a tetrahedron in conflict with it on, if its whole closure is
+    /// here and unlocked.
+    pub(crate) fn cavity_of(&mut self, seed: TetId, p: &Point) -> Option<&Cavity> {
+        self.tets.cavity_of(seed, p)
     }
 
     /// Looks for a tetrahedron in conflict with a point, from one here on.

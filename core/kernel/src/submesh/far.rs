@@ -5,20 +5,26 @@
 //! handle* lies here, and the far face is tagged with its place.
 
 use crate::sphere::{Sphere, TagKind};
+use crate::topology::TetId;
 
 /// Far handles by place.
 #[derive(Debug)]
 pub(super) struct FarTable<F> {
     handles: Vec<F>,
+    /// The far face of each; no slot, if the place is free.
+    slots: Vec<TetId>,
     free: Vec<u32>,
 }
+
+/// In place of a slot: none.
+const NO_SLOT: TetId = TetId::new(u32::MAX);
 
 /// The tag by which geometry sees far faces.
 const KIND: TagKind = TagKind::Second;
 
 impl<F: Copy> FarTable<F> {
     pub(super) fn new() -> Self {
-        Self { handles: Vec::new(), free: Vec::new() }
+        Self { handles: Vec::new(), slots: Vec::new(), free: Vec::new() }
     }
 
     /// The far handle of a far face by what it has in place of a sphere; `None` of other slots.
@@ -27,15 +33,23 @@ impl<F: Copy> FarTable<F> {
         self.handles.get(sphere.number(KIND)? as usize).copied()
     }
 
-    /// Keeps the far handle of a new far face. The result stands in place of the face's sphere.
-    pub(super) fn add(&mut self, handle: F) -> Sphere {
+    /// All far faces, with their far handles.
+    pub(super) fn all(&self) -> impl Iterator<Item = (TetId, F)> + '_ {
+        let all = self.slots.iter().copied().zip(self.handles.iter().copied());
+        all.filter(|&(t, _)| t != NO_SLOT)
+    }
+
+    /// Keeps the far handle of new far face `t`. The result stands in place of the face's sphere.
+    pub(super) fn add(&mut self, t: TetId, handle: F) -> Sphere {
         let place = match self.free.pop() {
             Some(place) => {
                 self.handles[place as usize] = handle;
+                self.slots[place as usize] = t;
                 place
             }
             None => {
                 self.handles.push(handle);
+                self.slots.push(t);
                 (self.handles.len() - 1) as u32
             }
         };
@@ -52,7 +66,10 @@ impl<F: Copy> FarTable<F> {
 
     /// Forgets the far handle of a far face that goes.
     pub(super) fn remove(&mut self, sphere: Sphere) {
-        self.free.extend(sphere.number(KIND));
+        if let Some(place) = sphere.number(KIND) {
+            self.slots[place as usize] = NO_SLOT;
+            self.free.push(place);
+        }
     }
 }
 
@@ -63,13 +80,16 @@ mod tests {
     #[test]
     fn places_are_used_again() {
         let mut table = FarTable::new();
-        let [a, b] = ['a', 'b'].map(|handle| table.add(handle));
+        let slots = [3, 5, 7].map(TetId::new);
+        let [a, b] = [(slots[0], 'a'), (slots[1], 'b')].map(|(t, handle)| table.add(t, handle));
         assert_eq!((table.get(a), table.get(b)), (Some('a'), Some('b')));
         assert_eq!(table.get(Sphere::UNKNOWN), None);
         assert_eq!(table.get(Sphere::tagged(TagKind::First, 0)), None, "a tag of another table");
         table.replace(a, 'c');
         table.remove(b);
-        let d = table.add('d');
+        assert_eq!(table.all().collect::<Vec<_>>(), [(slots[0], 'c')]);
+        let d = table.add(slots[2], 'd');
+        assert_eq!(table.all().collect::<Vec<_>>(), [(slots[0], 'c'), (slots[2], 'd')]);
         assert_eq!(table.get(d), Some('d'));
         assert_eq!((table.get(a), table.handles.len()), (Some('c'), 2));
     }

@@ -4,7 +4,7 @@ use super::access::{Met, SubmeshConflict};
 use super::{Insert, Owns, Submesh, untag};
 use crate::cavity::{AdmitAll, Cavity, Setback};
 use crate::sphere::Sphere;
-use crate::topology::{TetId, VertexId};
+use crate::topology::{TetId, Topology, VertexId};
 use crate::transaction::{OpenCavity, Opens};
 use ltbw_exact::Point;
 
@@ -33,6 +33,22 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         seed: TetId,
         owns: Owns<impl Fn([VertexId; 4]) -> bool>,
     ) -> Insert<TetId> {
+        self.insert_seeing(v, p, seed, owns, |_, _| {})
+    }
+
+    /// The same; `see` is shown the cavity before it is filled: the k-th face of its boundary becomes
+    /// one of the k-th tetrahedron of [`Submesh::made_at_once`].
+    ///
+    /// # Panics
+    /// If `seed` is no tetrahedron, or `v` no finite vertex.
+    pub fn insert_seeing(
+        &mut self,
+        v: VertexId,
+        p: &Point,
+        seed: TetId,
+        owns: Owns<impl Fn([VertexId; 4]) -> bool>,
+        see: impl FnOnce(&Topology, &Cavity),
+    ) -> Insert<TetId> {
         self.expect_live(seed);
         assert!(self.is_vertex(v), "there is no finite vertex {v}");
         self.blocked = None;
@@ -45,8 +61,27 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
             self.blocked = Some((seed, *p));
             return Insert::Blocked;
         }
+        let Self { topology, cavity, .. } = open.owner();
+        see(topology, cavity);
         open.end(|submesh| submesh.fill(v, p, met.tagged));
         Insert::Done
+    }
+
+    /// The cavity of `p`, from `seed` on, if nothing is in the way of its filling: no far face, no
+    /// locked tetrahedron. Nothing changes. `seed` must be in conflict with `p`.
+    ///
+    /// # Panics
+    /// If `seed` is no tetrahedron.
+    pub fn cavity_of(&mut self, seed: TetId, p: &Point) -> Option<&Cavity> {
+        self.expect_live(seed);
+        self.blocked = None;
+        if self.is_locked(seed) {
+            return None;
+        }
+        // The guard is dropped at once: nothing is filled here.
+        let (_, met) = self.begin(seed, p, None).ok()?;
+        self.geometry.stats.insphere_calls += self.cavity.tests() as u64;
+        (met.locked.is_none() && !met.blocked).then_some(&self.cavity)
     }
 
     /// Finds the cavity of `p` from `seed` on, and what is in its way.

@@ -77,7 +77,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         let far_face = self.topology.take();
         self.geometry.reserve_spheres(self.topology.slots());
         self.topology.put_far_face(far_face, face);
-        let tag = self.far.add(far);
+        let tag = self.far.add(far_face, far);
         self.geometry.set_sphere(far_face, tag);
         Some(())
     }

@@ -8,15 +8,15 @@
 use super::values::{
     DomainPatch, DomainPiece, DomainPoint, End, ItemKey, Marked, segment_key, subface_key,
 };
-use super::verdict::{Cavity, Verdict, regions};
+use super::verdict::{self, Verdict, regions};
 use crate::mesh::{LocalMesh, Moving, Patch, Piece, VertexName, WireVertex};
 use crate::protocol::{
     BlockId, Correct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Rules, Submesh,
     SubmeshError, Ticket, Walk, WorkerId,
 };
 use crate::refining::news::DomainNews;
-use ltbw_core::cavity::OTHERS;
-use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_core::cavity::{Cavity, OTHERS};
+use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_domain::refine::{Carrier, Complex};
 use ltbw_exact::Point;
 use rustc_hash::FxHashSet;
@@ -25,6 +25,16 @@ use std::sync::Arc;
 
 /// The slots of the edges of a tetrahedron.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+
+/// The way in which a point was inserted at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum AtOnce {
+    No,
+    /// By the kernel.
+    Filled,
+    /// By a patch.
+    Patched,
+}
 
 /// A submesh of a domain.
 #[derive(Debug)]
@@ -43,8 +53,10 @@ pub struct DomainMesh<'c> {
     waiter: Option<WorkerId>,
     /// The end of the last operation whose home is here.
     end: Option<End>,
-    /// Was the last point inserted at once, or given up at once?
-    is_at_once: bool,
+    /// How the last point was inserted at once, or given up at once, if it was.
+    at_once: AtOnce,
+    /// The regions of a star.
+    star: Vec<u32>,
     /// Boundary items that cannot be split, as far as this worker has tried.
     refused: RefCell<FxHashSet<ItemKey>>,
 }
@@ -74,7 +86,7 @@ impl<'c> DomainMesh<'c> {
             put(&mut regions, t.index(), region(v.map(|v| inner.name(v))), 0);
         }
         let (asked, refused) = (Vec::new(), RefCell::default());
-        let (end, is_at_once) = (None, false);
+        let (end, at_once, star) = (None, AtOnce::No, Vec::new());
         let (extra, waiter) = (Costs::default(), None);
         Self {
             inner,
@@ -86,7 +98,8 @@ impl<'c> DomainMesh<'c> {
             asked,
             waiter,
             end,
-            is_at_once,
+            at_once,
+            star,
             refused,
         }
     }
@@ -112,6 +125,12 @@ impl<'c> DomainMesh<'c> {
     /// Is a tetrahedron in conflict with a point?
     pub(crate) fn conflicts(&mut self, t: TetId, p: &Point) -> bool {
         self.inner.conflicts(t, p)
+    }
+
+    /// The cavity of a point, from a tetrahedron in conflict with it on, if its whole closure is
+    /// here and unlocked.
+    pub(crate) fn cavity_of(&mut self, seed: TetId, p: &Point) -> Option<&Cavity> {
+        self.inner.cavity_of(seed, p)
     }
 
     /// Looks for a tetrahedron in conflict with a point, from one of this submesh on.
@@ -199,6 +218,36 @@ impl<'c> DomainMesh<'c> {
         DomainPiece { piece, carriers, regions, marked }
     }
 
+    /// Inserts a point on which all is decided, if nothing is in its way.
+    fn insert_chosen(
+        &mut self,
+        point: &DomainPoint,
+        seed: TetId,
+        directory: &Directory,
+    ) -> Insert<TetId> {
+        let Self { inner, regions, star, carriers, .. } = self;
+        star.clear();
+        let own = |t: TetId| regions.get(t.index()).copied().unwrap_or_default();
+        let insert = inner.insert_seeing(&point.vertex, seed, directory, |topology, cavity| {
+            // Each new tetrahedron is in the region of the one that was behind its outer face.
+            let inside = cavity.boundary().map(|(_, outer)| {
+                tet_of(topology.at(tet_of(outer)).neighbours()[slot_of(outer)])
+            });
+            star.extend(inside.map(own));
+        });
+        if insert == Insert::Done {
+            self.at_once = AtOnce::Filled;
+            for (&t, &region) in inner.made_at_once().iter().zip(&*star) {
+                let is_ghost = inner.tets().vertices(t)[3] == INFINITE;
+                put(regions, t.index(), if is_ghost { 0 } else { region }, 0);
+            }
+            if let Some(v) = inner.number(point.vertex.name) {
+                put(carriers, v.index(), point.carrier, Carrier::Free);
+            }
+        }
+        insert
+    }
+
     /// The patches of a cavity that is filled.
     fn filled(
         &mut self,
@@ -252,7 +301,7 @@ impl DomainMesh<'_> {
         if point.is_chosen {
             return self.filled(point, parts, whereabouts, directory);
         }
-        let cavity = Cavity::of(&self.complex, parts);
+        let cavity = verdict::Cavity::of(&self.complex, parts);
         let verdict = match point.carrier {
             _ if parts.iter().all(|(_, pieces)| pieces.is_empty()) => Verdict::Useless,
             Carrier::Free if cavity.is_bare() => Verdict::Fill,
@@ -316,8 +365,11 @@ impl Submesh for DomainMesh<'_> {
 
     /// If nothing of the closure is locked or another worker's, the verdict falls at once.
     fn insert(&mut self, point: &DomainPoint, seed: TetId, directory: &Directory) -> Insert<TetId> {
-        self.is_at_once = false;
-        let waits = point.carrier != Carrier::Free && !point.is_chosen;
+        self.at_once = AtOnce::No;
+        if point.is_chosen {
+            return self.insert_chosen(point, seed, directory);
+        }
+        let waits = point.carrier != Carrier::Free;
         if waits && self.inner.holder(seed).is_some() {
             return Insert::Blocked;
         }
@@ -344,7 +396,7 @@ impl Submesh for DomainMesh<'_> {
         if worker != self.me {
             return Insert::Blocked;
         }
-        self.is_at_once = true;
+        self.at_once = AtOnce::Patched;
         // Nothing gets a name, and nothing belongs to a block that moves.
         self.apply::<Correct>(patch, directory, &mut Vec::new(), &mut Vec::new());
         Insert::Done
@@ -470,7 +522,11 @@ impl Submesh for DomainMesh<'_> {
     }
 
     fn made_at_once(&self) -> &[TetId] {
-        if self.is_at_once { self.inner.installed() } else { &[] }
+        match self.at_once {
+            AtOnce::No => &[],
+            AtOnce::Filled => self.inner.made_at_once(),
+            AtOnce::Patched => self.inner.installed(),
+        }
     }
 
     fn installed(&self) -> &[TetId] {
