@@ -3,19 +3,26 @@
 //! The tetrahedra around one are its face neighbours and the face neighbours of these. Where they
 //! are another worker's, two exchanges tell: first the ranks of the tetrahedra at interface faces,
 //! then the best rank around each of these.
+//!
+//! Most are beaten round after round by the same one: it is remembered as a *witness*, and as long
+//! as nothing on the way there has changed nothing is looked at.
 
 use crate::protocol::{Directory, Handle, Name, Rules, Submesh, WorkerId};
 use crate::refining::domain::DomainMesh;
-use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
+use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_domain::refine::Rank;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
-/// A tetrahedron over its bounds, with its vertices and its rank.
+/// A tetrahedron over its bounds, or one that was.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bad {
-    pub(super) corners: [VertexId; 4],
-    pub(super) rank: Rank,
+struct Bad {
+    t: TetId,
+    /// The neighbour on the way to one here that comes before it, or `t` itself, and that one; `t`
+    /// twice if none is known.
+    witness: [TetId; 2],
+    /// The look at new tetrahedra up to which all this is so.
+    look: u32,
 }
 
 /// The news for each worker at an interface face: its tetrahedron and face, and a rank.
@@ -24,35 +31,50 @@ pub(super) type Told = BTreeMap<WorkerId, Vec<(Name, u8, Rank)>>;
 /// The tetrahedra over their bounds.
 #[derive(Debug, Default)]
 pub(super) struct Keys {
-    bad: FxHashMap<TetId, Bad>,
+    /// By slot: the leading part of its tetrahedron's rank, 0 if that is within its bounds.
+    keys: Vec<u64>,
+    /// By slot: the look at which its tetrahedron was new, or had gone.
+    stamps: Vec<u32>,
+    /// Looks so far.
+    look: u32,
+    bad: Vec<Bad>,
     /// By own tetrahedron and face: the rank beyond, and the best one around that.
     beyond: [FxHashMap<(TetId, u8), Rank>; 2],
     /// The interface faces, as seen from here.
     interface: Vec<(TetId, usize, Handle)>,
 }
 
-fn best(ranks: impl Iterator<Item = Rank>) -> Option<Rank> {
-    ranks.min()
+/// The rank of a tetrahedron with these corners.
+fn rank_of<C: Rules>(mesh: &DomainMesh<'_>, corners: [VertexId; 4]) -> Rank {
+    // R22.
+    Rank::of_tet(match C::RANKS_BY_PLACE {
+        true => corners.map(|v| mesh.point(v)),
+        false => corners.map(|v| [f64::from(v.number()), 0.0, 0.0]),
+    })
 }
 
 impl Keys {
     /// Looks at new tetrahedra.
     pub(super) fn look_at<C: Rules>(&mut self, mesh: &DomainMesh<'_>, tets: &[TetId]) {
+        let all = mesh.inner.tets();
+        let slots = all.topology().slots();
+        self.keys.resize(slots, 0);
+        self.stamps.resize(slots, 0);
+        self.look += 1;
         for &t in tets {
-            self.bad.remove(&t);
-            let topology = mesh.inner.tets();
-            if !topology.is_live(t) || topology.vertices(t)[3] == INFINITE {
+            // One that is told of twice is looked at once.
+            if std::mem::replace(&mut self.stamps[t.index()], self.look) == self.look {
                 continue;
             }
-            let corners = topology.vertices(t);
+            self.keys[t.index()] = 0;
+            if !all.is_live(t) || all.vertices(t)[3] == INFINITE {
+                continue;
+            }
+            let corners = all.vertices(t);
             let points = corners.map(|v| mesh.point(v));
             if mesh.complex.is_over(points.each_ref(), mesh.region(t)) {
-                // R22.
-                let rank = match C::RANKS_BY_PLACE {
-                    true => Rank::of_tet(points),
-                    false => Rank::of_tet(corners.map(|v| [f64::from(v.number()), 0.0, 0.0])),
-                };
-                self.bad.insert(t, Bad { corners, rank });
+                self.keys[t.index()] = rank_of::<C>(mesh, corners).key();
+                self.bad.push(Bad { t, witness: [t; 2], look: self.look });
             }
         }
     }
@@ -60,16 +82,24 @@ impl Keys {
     /// Forgets those that are gone, and what was told; finds the interface faces.
     pub(super) fn start(&mut self, mesh: &DomainMesh<'_>) {
         let tets = mesh.inner.tets();
-        self.bad.retain(|&t, own| tets.is_live(t) && tets.vertices(t) == own.corners);
+        let topology = tets.topology();
         self.beyond.iter_mut().for_each(FxHashMap::clear);
         self.interface.clear();
-        for (t, _) in tets.tets() {
-            for (slot, face) in tets.neighbours(t).into_iter().enumerate() {
-                if let Some(handle) = tets.far(tet_of(face)) {
-                    self.interface.push((t, slot, handle));
-                }
-            }
+        for (face, handle) in tets.far_faces() {
+            self.interface.push((tet_of(face), slot_of(face), handle));
+            let far = topology.at(tet_of(face)).neighbours()[slot_of(face)];
+            self.forget(tet_of(far));
         }
+        self.interface.sort_unstable_by_key(|&(t, slot, _)| (t, slot));
+        for &t in topology.free_slots() {
+            self.forget(t);
+        }
+    }
+
+    /// There is no tetrahedron in a slot.
+    fn forget(&mut self, t: TetId) {
+        self.keys[t.index()] = 0;
+        self.stamps[t.index()] = self.look;
     }
 
     /// Interface faces.
@@ -77,18 +107,15 @@ impl Keys {
         self.interface.len()
     }
 
-    /// The tetrahedron over its bounds in a slot.
-    pub(super) fn at(&self, t: TetId) -> Option<&Bad> {
-        self.bad.get(&t)
-    }
-
-    fn rank(&self, t: TetId) -> Option<Rank> {
-        self.bad.get(&t).map(|own| own.rank)
+    /// The rank of a tetrahedron over its bounds.
+    pub(super) fn rank<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId) -> Option<Rank> {
+        let is_over = self.keys[t.index()] != 0;
+        is_over.then(|| rank_of::<C>(mesh, mesh.inner.tets().vertices(t)))
     }
 
     /// The rank of the tetrahedron in slot `t`, or of the one beyond face `slot` of `from`, if `t`
     /// stands for that.
-    fn rank_beside(
+    fn rank_beside<C: Rules>(
         &self,
         mesh: &DomainMesh<'_>,
         (from, slot): (TetId, usize),
@@ -96,13 +123,13 @@ impl Keys {
     ) -> Option<Rank> {
         match mesh.inner.tets().far(t) {
             Some(_) => self.beyond[0].get(&(from, slot as u8)).copied(),
-            None => self.rank(t),
+            None => self.rank::<C>(mesh, t),
         }
     }
 
     /// The news for others in an exchange, an entry for each worker that has a tetrahedron beside
     /// one of this worker.
-    pub(super) fn told(
+    pub(super) fn told<C: Rules>(
         &self,
         mesh: &DomainMesh<'_>,
         directory: &Directory,
@@ -112,13 +139,13 @@ impl Keys {
         for &(t, slot, handle) in &self.interface {
             let entry = told.entry(directory.owner(handle.block)).or_default();
             let rank = match exchange {
-                0 => self.rank(t),
+                0 => self.rank::<C>(mesh, t),
                 _ => {
                     let around = mesh.inner.tets().neighbours(t).into_iter().enumerate();
                     let others = around.filter(|&(k, _)| k != slot);
-                    best(
-                        others.filter_map(|(k, face)| self.rank_beside(mesh, (t, k), tet_of(face))),
-                    )
+                    let ranks = others
+                        .filter_map(|(k, face)| self.rank_beside::<C>(mesh, (t, k), tet_of(face)));
+                    ranks.min()
                 }
             };
             entry.extend(rank.map(|rank| (handle.name, handle.face, rank)));
@@ -142,32 +169,83 @@ impl Keys {
 
     /// The tetrahedra that come before all around them, those at interface faces first: others are
     /// waited for there.
-    pub(super) fn foremost(&self, mesh: &DomainMesh<'_>) -> Vec<TetId> {
+    pub(super) fn foremost<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> Vec<TetId> {
         let mut all: Vec<(bool, TetId)> = Vec::new();
-        for (&t, own) in &self.bad {
-            let tets = mesh.inner.tets();
-            let neighbours = tets.neighbours(t).map(tet_of);
-            let is_before = |rank: Option<Rank>| rank.is_some_and(|rank| rank < own.rank);
-            let mut near = neighbours.into_iter().enumerate();
-            if near.any(|(slot, n)| is_before(self.rank_beside(mesh, (t, slot), n))) {
-                continue;
+        let mut bad = std::mem::take(&mut self.bad);
+        let stays = |own: &Bad, t: TetId| self.stamps[t.index()] <= own.look;
+        bad.retain_mut(|own| {
+            let (t, [way, other]) = (own.t, own.witness);
+            if !stays(own, t) {
+                return false;
             }
-            let mut near = neighbours.into_iter().enumerate();
-            let is_beaten = near.any(|(slot, n)| match tets.far(n) {
-                Some(_) => is_before(self.beyond[1].get(&(t, slot as u8)).copied()),
-                None => {
-                    let around = tets.neighbours(n).into_iter().enumerate();
-                    let mut ranks =
-                        around.map(|(k, face)| self.rank_beside(mesh, (n, k), tet_of(face)));
-                    ranks.any(is_before)
-                }
-            });
-            if !is_beaten {
-                let is_inner = neighbours.into_iter().all(|n| tets.far(n).is_none());
+            if other != t && stays(own, way) && stays(own, other) {
+                return true;
+            }
+            let around = mesh.inner.tets().neighbours(t).map(tet_of);
+            if let Some(witness) = self.one_before::<C>(mesh, t, around) {
+                *own = Bad { t, witness, look: self.look };
+            } else if !self.is_beaten_from_afar::<C>(mesh, t, around) {
+                let is_inner = around.into_iter().all(|n| mesh.inner.tets().far(n).is_none());
                 all.push((is_inner, t));
             }
-        }
+            true
+        });
+        self.bad = bad;
         all.sort_unstable();
         all.into_iter().map(|(_, t)| t).collect()
+    }
+
+    /// The neighbour on the way, or `t`, and a tetrahedron here around `t` that comes before it.
+    fn one_before<C: Rules>(
+        &self,
+        mesh: &DomainMesh<'_>,
+        t: TetId,
+        around: [TetId; 4],
+    ) -> Option<[TetId; 2]> {
+        let key = self.keys[t.index()];
+        // The slot of a far face has no key.
+        let is_before = |one: TetId| {
+            let other = self.keys[one.index()];
+            other > key || other == key && one != t && {
+                let [one, own] = [one, t].map(|t| self.rank::<C>(mesh, t));
+                one < own
+            }
+        };
+        if let Some(other) = around.into_iter().find(|&n| is_before(n)) {
+            return Some([t, other]);
+        }
+        let tets = mesh.inner.tets();
+        around.into_iter().filter(|&n| tets.is_live(n)).find_map(|way| {
+            let beyond = tets.neighbours(way).map(tet_of);
+            beyond.into_iter().find(|&n| is_before(n)).map(|other| [way, other])
+        })
+    }
+
+    /// Does one that is another worker's come before one that nothing here comes before?
+    fn is_beaten_from_afar<C: Rules>(
+        &self,
+        mesh: &DomainMesh<'_>,
+        t: TetId,
+        around: [TetId; 4],
+    ) -> bool {
+        let tets = mesh.inner.tets();
+        let told = |exchange: usize, t: TetId, slot: usize| {
+            self.beyond[exchange].get(&(t, slot as u8)).copied()
+        };
+        let mut best = None::<Rank>;
+        let mut meet = |rank: Option<Rank>| best = [best, rank].into_iter().flatten().min();
+        for (slot, n) in around.into_iter().enumerate() {
+            if tets.far(n).is_some() {
+                meet(told(0, t, slot));
+                meet(told(1, t, slot));
+                continue;
+            }
+            for (k, face) in tets.neighbours(n).into_iter().enumerate() {
+                if tets.far(tet_of(face)).is_some() {
+                    meet(told(0, n, k));
+                }
+            }
+        }
+        best.is_some_and(|best| self.rank::<C>(mesh, t).is_some_and(|own| best < own))
     }
 }

@@ -50,7 +50,7 @@ impl<C: Rules> Rounds<C> {
     fn begin_exchange(&mut self, mesh: &DomainMesh<'_>, directory: &Directory, second: u32) {
         self.stage = Stage::Exchanging(second);
         self.exchange += 1;
-        let told = self.keys.told(mesh, directory, second as usize);
+        let told = self.keys.told::<C>(mesh, directory, second as usize);
         self.awaited = told.keys().copied().collect();
         for (to, keys) in told {
             self.send(to, DomainNews::Keys { exchange: self.exchange, keys });
@@ -84,7 +84,7 @@ impl<C: Rules> Rounds<C> {
             Stage::Exchanging(second) if self.awaited.is_empty() => match second {
                 0 => self.begin_exchange(mesh, directory, 1),
                 _ => {
-                    self.foremost = self.keys.foremost(mesh);
+                    self.foremost = self.keys.foremost::<C>(mesh);
                     self.stage = Stage::Counting;
                 }
             },
@@ -143,7 +143,7 @@ impl<C: Rules> Rounds<C> {
         match self.stage {
             // Something was still under way: once more.
             _ if sums[OPEN] != 0 => {}
-            Stage::Counting => self.decide_what(&sums),
+            Stage::Counting => self.decide_what(mesh, &sums),
             Stage::Choosing => {
                 if sums[IRREGULAR] > 0 {
                     self.end(Ending::Irregular);
@@ -167,7 +167,7 @@ impl<C: Rules> Rounds<C> {
     }
 
     /// All know what there is to split: this round's probes are made.
-    fn decide_what(&mut self, sums: &Sums) {
+    fn decide_what(&mut self, mesh: &DomainMesh<'_>, sums: &Sums) {
         let has_boundary = sums[READY] > 0;
         let has_tets = match has_boundary {
             true => sums[READY] * BESIDE as i64 <= self.counted,
@@ -198,8 +198,8 @@ impl<C: Rules> Rounds<C> {
         }
         let foremost = std::mem::take(&mut self.foremost);
         for t in foremost.into_iter().filter(|_| has_tets) {
-            if let Some(own) = self.keys.at(t) {
-                let (corners, rank) = (own.corners, own.rank);
+            if let Some(rank) = self.keys.rank::<C>(mesh, t) {
+                let corners = mesh.inner.tets().vertices(t);
                 let k = self.add_probe(What::Tet(t, corners), rank, 0);
                 self.to_launch.push_back(k);
             }
