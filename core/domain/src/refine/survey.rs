@@ -60,15 +60,18 @@ impl<'c> Survey<'c> {
         let (faces, edges, at_face) = (Vec::new(), Vec::new(), Map::default());
         let mut own = Self { complex, closure, faces, edges, at_face };
         let all = || closure.tets.iter().enumerate();
-        let may = |v: &u32| *v != NOWHERE && own.carrier(*v) != Carrier::Free;
+        let is_bound = |v: u32| closure.corners[v as usize].carrier != Carrier::Free;
+        let may = |v: &u32| *v != NOWHERE && is_bound(*v);
         let is_near = |tet: &[u32; 4]| tet.iter().filter(|v| may(v)).count() > 1;
         let near: Vec<usize> =
             all().filter(|(_, (tet, is_in))| *is_in && is_near(tet)).map(|(k, _)| k).collect();
         if near.is_empty() {
             return own;
         }
-        for (k, (tet, _)) in all() {
-            for face in FACE {
+        for (k, (tet, _)) in all().filter(|(_, (tet, _))| is_near(tet)) {
+            // A face that is marked, or has a marked edge, has two such corners.
+            let is_on = |face: &[usize; 3]| face.iter().filter(|&&slot| may(&tet[slot])).count() > 1;
+            for face in FACE.into_iter().filter(is_on) {
                 let entry = own.at_face.entry(triple(face.map(|slot| tet[slot]))).or_default();
                 entry[usize::from(entry[0].is_some())] = Some(k);
             }

@@ -43,6 +43,18 @@ pub(super) enum Outcome {
     Asks(BoundaryItem, Option<f64>),
 }
 
+/// What others have told of a probe's closure.
+#[derive(Debug, Default)]
+pub(super) struct Told {
+    /// Far tetrahedra that were asked for.
+    pub(super) known: FxHashSet<Name>,
+    /// The other workers that have a part.
+    pub(super) owners: Vec<WorkerId>,
+    index: FxHashMap<Bits, u32>,
+    /// Per owner, the places in the closure of what it has told of, in that order.
+    pub(super) places: FxHashMap<WorkerId, Vec<u32>>,
+}
+
 /// A probe of this worker.
 #[derive(Debug)]
 pub(super) struct Probe {
@@ -54,15 +66,12 @@ pub(super) struct Probe {
     pub(super) may: bool,
     /// Answers that are still to come.
     pub(super) open: u32,
-    /// Far tetrahedra that were asked for.
-    pub(super) known: FxHashSet<Name>,
-    /// Workers that have a part.
-    pub(super) owners: Vec<WorkerId>,
+    /// Its closure was searched.
+    pub(super) was_searched: bool,
+    /// What others have told of its closure.
+    pub(super) told: Option<Box<Told>>,
     /// Its closure, as far as it is known. This worker's own part is added where it matters.
     pub(super) closure: Closure,
-    pub(super) index: FxHashMap<Bits, u32>,
-    /// Per owner, the places in `closure` of what it has told of, in that order.
-    pub(super) places: FxHashMap<WorkerId, Vec<u32>>,
     pub(super) outcome: Outcome,
     /// Does a rival matter that has not its tetrahedron?
     pub(super) has_boundary: bool,
@@ -83,11 +92,9 @@ impl Probe {
             carrier: Carrier::Free,
             may: false,
             open: 0,
-            known: FxHashSet::default(),
-            owners: Vec::new(),
+            was_searched: false,
+            told: None,
             closure: Closure::default(),
-            index: FxHashMap::default(),
-            places: FxHashMap::default(),
             outcome: Outcome::Open,
             has_boundary: false,
             start: None,
@@ -96,14 +103,10 @@ impl Probe {
         }
     }
 
-    /// Was its closure searched?
-    pub(super) fn was_searched(&self) -> bool {
-        !self.owners.is_empty()
-    }
-
     /// Adds what an owner has found.
     pub(super) fn add(&mut self, owner: WorkerId, found: &WireClosure) {
-        let Self { closure, index, places, .. } = self;
+        let Self { closure, told, .. } = self;
+        let Told { index, places, .. } = &mut **told.get_or_insert_default();
         let numbers: Vec<u32> = found
             .corners
             .iter()

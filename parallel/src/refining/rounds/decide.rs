@@ -14,7 +14,7 @@ impl<C: Rules> Rounds<C> {
     /// All cavities are reserved: rivals are told of, and the points chosen that wait for none.
     pub(super) fn begin_to_decide(&mut self, mesh: &mut DomainMesh<'_>) {
         self.stage = Stage::Deciding;
-        for probe in self.served.reserve_all() {
+        for probe in self.served.reserve_all(mesh) {
             let rivals = self.served.rivals(probe);
             let byte = |rival: &Rival| {
                 u8::from(rival.is_there)
@@ -40,7 +40,8 @@ impl<C: Rules> Rounds<C> {
         let probe = &mut self.probes[k as usize];
         probe.due -= 1;
         probe.rivals.resize(probe.closure.tets.len(), Rival::default());
-        let places = probe.places.get(&from).into_iter().flatten();
+        let places = probe.told.as_ref().and_then(|told| told.places.get(&from));
+        let places = places.into_iter().flatten();
         for (&place, byte) in places.zip(rivals) {
             probe.rivals[place as usize] = Rival {
                 is_there: byte & 1 != 0,
@@ -73,19 +74,27 @@ impl<C: Rules> Rounds<C> {
             Outcome::Fits(removed) => removed,
         };
         if probe.has_boundary {
-            probe.rivals.resize(probe.closure.tets.len(), Rival::default());
             let own = self.served.rivals(id);
-            let places = probe.places.get(&me).into_iter().flatten();
-            for (&place, rival) in places.zip(own) {
-                probe.rivals[place as usize] = rival;
+            match &probe.told {
+                None => probe.rivals = own,
+                Some(told) => {
+                    probe.rivals.resize(probe.closure.tets.len(), Rival::default());
+                    let places = told.places.get(&me).into_iter().flatten();
+                    for (&place, rival) in places.zip(own) {
+                        probe.rivals[place as usize] = rival;
+                    }
+                }
             }
-            let survey = Survey::of(&mesh.complex, &probe.closure);
-            let yields = match &probe.what {
-                What::Tet(..) => survey.yields_in_tet(&probe.rivals),
-                What::Item(item) => survey.yields_at_item(item, probe.carrier, &probe.rivals),
-            };
-            if yields {
-                return;
+            // Without a rival nobody yields.
+            if probe.rivals.iter().any(|rival| rival.is_there) {
+                let survey = Survey::of(&mesh.complex, &probe.closure);
+                let yields = match &probe.what {
+                    What::Tet(..) => survey.yields_in_tet(&probe.rivals),
+                    What::Item(item) => survey.yields_at_item(item, probe.carrier, &probe.rivals),
+                };
+                if yields {
+                    return;
+                }
             }
         }
         let start = probe.start;

@@ -141,12 +141,17 @@ impl<C: Rules> Rounds<C> {
         own: Proposal,
         seeds: &[TetId],
     ) {
-        let (probe, seeds) = (own.probe, seeds.iter().copied());
-        let (new, foreign) = self.served.search(mesh, &own, seeds);
-        let part = self.served.part(probe);
-        let found = match part {
+        let probe = own.probe;
+        if let [seed] = *seeds
+            && self.served.search_here(mesh, &own, seed)
+        {
+            let nothing = (PartEnd::Found, WireClosure::default(), Vec::new());
+            return self.take_part(mesh, directory, self.me, probe.number, nothing);
+        }
+        let (before, foreign) = self.served.search(mesh, &own, seeds.iter().copied());
+        let found = match self.served.part(probe) {
             // The home knows its own.
-            Some(part) if probe.home != self.me => describe(mesh, part, &new),
+            Some(part) if probe.home != self.me => describe(mesh, &part.order[before..]),
             _ => WireClosure::default(),
         };
         self.answer(mesh, directory, probe, PartEnd::Found, found, foreign);
@@ -184,13 +189,17 @@ impl<C: Rules> Rounds<C> {
             PartEnd::Blocked(item) => return self.conclude_with(mesh, k, item.item()),
             PartEnd::Outside | PartEnd::Vertex => return self.retry(mesh, directory, k),
         }
-        if !probe.owners.contains(&from) {
-            probe.owners.push(from);
+        probe.was_searched = true;
+        if from != self.me {
+            let told = probe.told.get_or_insert_default();
+            if !told.owners.contains(&from) {
+                told.owners.push(from);
+            }
+            probe.add(from, &found);
         }
-        probe.add(from, &found);
         let mut seeds: Vec<(WorkerId, Vec<Handle>)> = Vec::new();
         for handle in foreign {
-            if probe.known.insert(handle.name) {
+            if probe.told.get_or_insert_default().known.insert(handle.name) {
                 let owner = directory.owner(handle.block);
                 match seeds.iter_mut().find(|(other, _)| *other == owner) {
                     Some((_, list)) => list.push(handle),
@@ -242,10 +251,17 @@ impl<C: Rules> Rounds<C> {
                 };
                 *is_in && v.iter().filter(is_on).count() > 1
             });
-        if let Some(part) = own.filter(|_| is_near) {
-            let found = describe(mesh, part, &part.order);
-            probe.add(self.me, &found);
+        if is_near {
+            match &probe.told {
+                None => self.served.describe_here(mesh, id, &mut probe.closure),
+                Some(_) => {
+                    self.served.complete(mesh, id);
+                    let all = self.served.part(id).map_or(&[][..], |part| &part.order);
+                    probe.add(self.me, &describe(mesh, all));
+                }
+            }
         }
+        let own = self.served.part(id);
         let p = point(&probe.to);
         let outcome = if is_near {
             let survey = Survey::of(&mesh.complex, &probe.closure);
@@ -297,8 +313,7 @@ impl<C: Rules> Rounds<C> {
 
     /// The owners of a probe's parts, but for this worker.
     fn others(&self, k: u32) -> Vec<WorkerId> {
-        let owners = self.probes[k as usize].owners.iter();
-        owners.copied().filter(|&owner| owner != self.me).collect()
+        self.probes[k as usize].told.as_ref().map_or_else(Vec::new, |told| told.owners.clone())
     }
 
     /// A probe reserves nothing after all.

@@ -1,13 +1,13 @@
 //! The owner's side of the choice: ways, searches, reservations, and what rivals there are.
 
-use crate::protocol::Handle;
+use crate::protocol::{Handle, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{
     Bits, INFINITE_CORNER, PartEnd, ProbeId, Proposal, WireClosure, WireCorner, WireItem, point,
 };
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
-use ltbw_domain::refine::{Carrier, Corner, Rank, Rival, way_out};
+use ltbw_domain::refine::{Carrier, Closure, Corner, NOWHERE, Rank, Rival, way_out};
 use rustc_hash::FxHashMap;
 
 /// One probe's part of its closure here.
@@ -19,10 +19,11 @@ pub(super) struct Part {
     is_void: bool,
     /// Its home wants to hear of rivals.
     is_wanted: bool,
-    /// Is each tetrahedron looked at in conflict?
-    seen: FxHashMap<TetId, bool>,
-    /// They in the order in which the home was told.
-    pub(super) order: Vec<TetId>,
+    /// The tetrahedra looked at, in the order in which the home was told, and whether each is in
+    /// conflict.
+    pub(super) order: Vec<(TetId, bool)>,
+    /// The tetrahedra around the cavity are still to be added: all of them are here.
+    lacks_ring: bool,
 }
 
 impl Part {
@@ -32,19 +33,57 @@ impl Part {
             carrier: own.carrier,
             is_void: false,
             is_wanted: false,
-            seen: FxHashMap::default(),
             order: Vec::new(),
+            lacks_ring: false,
         }
     }
 
     /// The tetrahedra in conflict.
     pub(super) fn cavity(&self) -> impl Iterator<Item = TetId> + '_ {
-        self.order.iter().copied().filter(|t| self.seen[t])
+        self.order.iter().filter(|own| own.1).map(|own| own.0)
     }
 
     /// Is a tetrahedron in conflict?
     pub(super) fn has(&self, t: TetId) -> bool {
-        self.seen.get(&t).copied().unwrap_or_default()
+        self.cavity().any(|other| other == t)
+    }
+}
+
+/// Values by slot or vertex that are all forgotten at once.
+#[derive(Debug, Default)]
+struct Marks {
+    /// The time of each, and the value.
+    all: Vec<(u32, u32)>,
+    now: u32,
+}
+
+impl Marks {
+    /// Forgets all; there is room for numbers below `room`.
+    fn clear(&mut self, room: usize) {
+        if self.all.len() < room {
+            self.all.resize(room, (0, 0));
+        }
+        match self.now.checked_add(1) {
+            Some(now) => self.now = now,
+            None => {
+                self.all.fill((0, 0));
+                self.now = 1;
+            }
+        }
+    }
+
+    fn get(&self, place: usize) -> Option<u32> {
+        let (time, value) = self.all[place];
+        (time == self.now).then_some(value)
+    }
+
+    /// Marks a place, if it is not; was it not?
+    fn mark(&mut self, place: usize, value: u32) -> bool {
+        let is_new = self.all[place].0 != self.now;
+        if is_new {
+            self.all[place] = (self.now, value);
+        }
+        is_new
     }
 }
 
@@ -61,43 +100,126 @@ pub(super) enum WayEnd {
 /// The parts that this worker has been asked for in a round.
 #[derive(Debug, Default)]
 pub(super) struct Served {
-    parts: FxHashMap<ProbeId, Part>,
-    /// The foremost candidate with a tetrahedron in its cavity, and where its point lives.
-    reserved: FxHashMap<TetId, (Rank, Carrier)>,
+    me: WorkerId,
+    /// Those of own probes, by their numbers.
+    own: Vec<Option<Part>>,
+    /// Those of others.
+    others: FxHashMap<ProbeId, Part>,
+    /// By slot: the number in `holders` of the foremost candidate with it in its cavity.
+    reserved: Marks,
+    holders: Vec<(Rank, Carrier)>,
+    /// Scratch: tetrahedra that a search has seen.
+    seen: Marks,
+    /// Scratch: the numbers of vertices in a closure.
+    places: Marks,
 }
 
 impl Served {
+    /// The parts of worker `me`.
+    pub(super) fn new(me: WorkerId) -> Self {
+        Self { me, ..Self::default() }
+    }
+
     /// Starts a round.
     pub(super) fn clear(&mut self) {
-        self.parts.clear();
-        self.reserved.clear();
+        self.own.clear();
+        self.others.clear();
+        self.holders.clear();
     }
 
     pub(super) fn part(&self, probe: ProbeId) -> Option<&Part> {
-        self.parts.get(&probe)
+        match probe.home == self.me {
+            true => self.own.get(probe.number as usize)?.as_ref(),
+            false => self.others.get(&probe),
+        }
     }
 
-    /// Looks at tetrahedra, and from those in conflict on. Returns the new ones, and the far
-    /// neighbours of those in conflict.
+    fn part_mut(&mut self, probe: ProbeId) -> Option<&mut Part> {
+        match probe.home == self.me {
+            true => self.own.get_mut(probe.number as usize)?.as_mut(),
+            false => self.others.get_mut(&probe),
+        }
+    }
+
+    /// The part of a probe, made if there is none.
+    fn enter(&mut self, own: &Proposal) -> &mut Part {
+        let ProbeId { home, number } = own.probe;
+        if home != self.me {
+            return self.others.entry(own.probe).or_insert_with(|| Part::of(own));
+        }
+        let place = number as usize;
+        if self.own.len() <= place {
+            self.own.resize_with(place + 1, || None);
+        }
+        self.own[place].get_or_insert_with(|| Part::of(own))
+    }
+
+    /// Finds the whole cavity of an own probe from a tetrahedron in conflict with its point, if
+    /// nothing of its closure is another worker's. The tetrahedra around it are not looked at.
+    pub(super) fn search_here(
+        &mut self,
+        mesh: &mut DomainMesh<'_>,
+        own: &Proposal,
+        seed: TetId,
+    ) -> bool {
+        if own.probe.home != self.me || self.part(own.probe).is_some() {
+            return false;
+        }
+        let Some(cavity) = mesh.cavity_of(seed, &point(&own.to)) else { return false };
+        let part = self.enter(own);
+        part.order.extend(cavity.tets().map(|t| (t, true)));
+        part.lacks_ring = true;
+        true
+    }
+
+    /// Adds the tetrahedra around a cavity that is all here.
+    pub(super) fn complete(&mut self, mesh: &DomainMesh<'_>, probe: ProbeId) {
+        let tets = mesh.inner.tets();
+        self.seen.clear(tets.topology().slots());
+        let mut seen = std::mem::take(&mut self.seen);
+        if let Some(part) = self.part_mut(probe).filter(|part| part.lacks_ring) {
+            part.lacks_ring = false;
+            let inside = part.order.len();
+            for (t, _) in &part.order {
+                seen.mark(t.index(), 0);
+            }
+            for k in 0..inside {
+                for u in tets.neighbours(part.order[k].0).map(tet_of) {
+                    if seen.mark(u.index(), 0) {
+                        part.order.push((u, false));
+                    }
+                }
+            }
+        }
+        self.seen = seen;
+    }
+
+    /// Looks at tetrahedra, and from those in conflict on. Returns the number of those known
+    /// before, and the far neighbours of new ones in conflict.
     pub(super) fn search(
         &mut self,
         mesh: &mut DomainMesh<'_>,
         own: &Proposal,
         seeds: impl Iterator<Item = TetId>,
-    ) -> (Vec<TetId>, Vec<Handle>) {
+    ) -> (usize, Vec<Handle>) {
         let p = &point(&own.to);
-        let part = self.parts.entry(own.probe).or_insert_with(|| Part::of(own));
+        self.complete(mesh, own.probe);
+        self.seen.clear(mesh.inner.tets().topology().slots());
+        let mut seen = std::mem::take(&mut self.seen);
+        let part = self.enter(own);
         let before = part.order.len();
+        for (t, _) in &part.order {
+            seen.mark(t.index(), 0);
+        }
         let mut foreign = Vec::new();
         let mut stack: Vec<TetId> = seeds.collect();
         // Ends: each is looked at once.
         while let Some(t) = stack.pop() {
-            if part.seen.contains_key(&t) {
+            if !seen.mark(t.index(), 0) {
                 continue;
             }
             let is_in = mesh.conflicts(t, p);
-            part.seen.insert(t, is_in);
-            part.order.push(t);
+            part.order.push((t, is_in));
             if is_in {
                 let tets = mesh.inner.tets();
                 for u in tets.neighbours(t).map(tet_of) {
@@ -108,51 +230,60 @@ impl Served {
                 }
             }
         }
-        (part.order[before..].to_vec(), foreign)
+        self.seen = seen;
+        (before, foreign)
     }
 
     /// A probe reserves nothing.
     pub(super) fn drop_part(&mut self, probe: ProbeId) {
-        if let Some(part) = self.parts.get_mut(&probe) {
+        if let Some(part) = self.part_mut(probe) {
             part.is_void = true;
         }
     }
 
     /// The home of a probe wants to hear of rivals.
     pub(super) fn want_rivals(&mut self, probe: ProbeId) {
-        if let Some(part) = self.parts.get_mut(&probe) {
+        if let Some(part) = self.part_mut(probe) {
             part.is_wanted = true;
         }
     }
 
     /// All probes have ended: reserves their cavities. Returns those whose homes want to hear of
     /// rivals.
-    pub(super) fn reserve_all(&mut self) -> Vec<ProbeId> {
-        let Self { parts, reserved } = self;
-        for part in parts.values().filter(|part| !part.is_void) {
-            let own = (part.rank, part.carrier);
+    pub(super) fn reserve_all(&mut self, mesh: &DomainMesh<'_>) -> Vec<ProbeId> {
+        let Self { own, others, reserved, holders, .. } = self;
+        reserved.clear(mesh.inner.tets().topology().slots());
+        let all = own.iter().flatten().chain(others.values());
+        for part in all.filter(|part| !part.is_void) {
+            let number = holders.len() as u32;
+            holders.push((part.rank, part.carrier));
             for t in part.cavity() {
-                let entry = reserved.entry(t).or_insert(own);
-                if own.0 < entry.0 {
-                    *entry = own;
+                let is_first = reserved.get(t.index());
+                if is_first.is_none_or(|other| part.rank < holders[other as usize].0) {
+                    reserved.all[t.index()] = (reserved.now, number);
                 }
             }
         }
-        let wanted = parts.iter().filter(|(_, part)| part.is_wanted);
+        let wanted = others.iter().filter(|(_, part)| part.is_wanted);
         let mut wanted: Vec<ProbeId> = wanted.map(|(&probe, _)| probe).collect();
         wanted.sort_unstable();
         wanted
     }
 
+    fn holder(&self, t: TetId) -> Option<&(Rank, Carrier)> {
+        let number = self.reserved.all.get(t.index()).and_then(|_| self.reserved.get(t.index()))?;
+        self.holders.get(number as usize)
+    }
+
     /// Is a candidate before this one in the way of its own tetrahedron?
     pub(super) fn has_rival(&self, t: TetId, rank: Rank) -> bool {
-        self.reserved.get(&t).is_some_and(|own| own.0 < rank)
+        self.holder(t).is_some_and(|own| own.0 < rank)
     }
 
     /// The rivals in a probe's part of its closure, in the order in which its home was told.
     pub(super) fn rivals(&self, probe: ProbeId) -> Vec<Rival> {
-        let Some(part) = self.parts.get(&probe) else { return Vec::new() };
-        let rival = |t: &TetId| match self.reserved.get(t) {
+        let Some(part) = self.part(probe) else { return Vec::new() };
+        let rival = |(t, _): &(TetId, bool)| match self.holder(*t) {
             Some((other, at)) if *other < part.rank => Rival {
                 is_there: true,
                 is_boundary: other.is_boundary(),
@@ -161,6 +292,33 @@ impl Served {
             _ => Rival::default(),
         };
         part.order.iter().map(rival).collect()
+    }
+
+    /// Adds a probe's part to a closure that has nothing yet.
+    pub(super) fn describe_here(
+        &mut self,
+        mesh: &DomainMesh<'_>,
+        probe: ProbeId,
+        closure: &mut Closure,
+    ) {
+        self.complete(mesh, probe);
+        let tets = mesh.inner.tets();
+        self.places.clear(mesh.inner.num_vertices() + 1);
+        let mut places = std::mem::take(&mut self.places);
+        for &(t, is_in) in self.part(probe).map_or(&[][..], |part| &part.order) {
+            let v = tets.vertices(t).map(|v| match v {
+                INFINITE => NOWHERE,
+                v => {
+                    let next = closure.corners.len() as u32;
+                    if places.mark(v.index(), next) {
+                        closure.corners.push(corner(mesh, v));
+                    }
+                    places.get(v.index()).unwrap_or(next)
+                }
+            });
+            closure.tets.push((v, is_in));
+        }
+        self.places = places;
     }
 }
 
@@ -190,10 +348,10 @@ pub(super) fn is_part_near(mesh: &DomainMesh<'_>, part: &Part) -> bool {
 }
 
 /// Some tetrahedra of a part as their home gets to know them.
-pub(super) fn describe(mesh: &DomainMesh<'_>, part: &Part, tets: &[TetId]) -> WireClosure {
+pub(super) fn describe(mesh: &DomainMesh<'_>, tets: &[(TetId, bool)]) -> WireClosure {
     let mut found = WireClosure::default();
     let mut places: FxHashMap<VertexId, u32> = FxHashMap::default();
-    for &t in tets {
+    for &(t, is_in) in tets {
         let v = mesh.inner.tets().vertices(t).map(|v| match v {
             INFINITE => INFINITE_CORNER,
             v => *places.entry(v).or_insert_with(|| {
@@ -201,7 +359,7 @@ pub(super) fn describe(mesh: &DomainMesh<'_>, part: &Part, tets: &[TetId]) -> Wi
                 found.corners.len() as u32 - 1
             }),
         });
-        found.tets.push((v, part.has(t)));
+        found.tets.push((v, is_in));
     }
     found
 }

@@ -163,7 +163,7 @@ impl<C: Rules> Rounds<C> {
             early: Vec::new(),
             awaited: BTreeSet::new(),
             foremost: Vec::new(),
-            served: Served::default(),
+            served: Served::new(me),
             probes: Vec::new(),
             to_launch: VecDeque::new(),
             open: 0,

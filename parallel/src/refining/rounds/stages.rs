@@ -210,7 +210,7 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn end_decisions(&mut self) {
         if self.stage == Stage::Deciding && self.open == 0 {
             self.figures.searches +=
-                self.probes.iter().filter(|probe| probe.was_searched()).count() as u64;
+                self.probes.iter().filter(|probe| probe.was_searched).count() as u64;
             let starts = self.chosen.iter();
             self.starts = starts.filter_map(|own| Some((own.point.name(), own.start?))).collect();
             (self.stage, self.before) = (Stage::Inserting, None);
