@@ -167,10 +167,9 @@ impl Keys {
         }
     }
 
-    /// The tetrahedra that come before all around them, those at interface faces first: others are
-    /// waited for there.
-    pub(super) fn foremost<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> Vec<TetId> {
-        let mut all: Vec<(bool, TetId)> = Vec::new();
+    /// The tetrahedra that come before all around them: those at interface faces, and the others.
+    pub(super) fn foremost<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> [Vec<TetId>; 2] {
+        let mut all: [Vec<TetId>; 2] = Default::default();
         let mut bad = std::mem::take(&mut self.bad);
         let stays = |own: &Bad, t: TetId| self.stamps[t.index()] <= own.look;
         bad.retain_mut(|own| {
@@ -186,13 +185,12 @@ impl Keys {
                 *own = Bad { t, witness, look: self.look };
             } else if !self.is_beaten_from_afar::<C>(mesh, t, around) {
                 let is_inner = around.into_iter().all(|n| mesh.inner.tets().far(n).is_none());
-                all.push((is_inner, t));
+                all[usize::from(is_inner)].push(t);
             }
             true
         });
         self.bad = bad;
-        all.sort_unstable();
-        all.into_iter().map(|(_, t)| t).collect()
+        all
     }
 
     /// The neighbour on the way, or `t`, and a tetrahedron here around `t` that comes before it.

@@ -104,7 +104,8 @@ pub struct Rounds<C = Correct> {
     pub(super) early: Vec<(WorkerId, u32, KeysTold)>,
     /// Workers beside that have still to tell.
     pub(super) awaited: BTreeSet<WorkerId>,
-    pub(super) foremost: Vec<TetId>,
+    /// The tetrahedra that come before all around them: those at interface faces, and the others.
+    pub(super) foremost: [Vec<TetId>; 2],
     pub(super) served: Served,
     pub(super) probes: Vec<Probe>,
     /// Probes to launch.
@@ -162,7 +163,7 @@ impl<C: Rules> Rounds<C> {
             keys: Keys::default(),
             early: Vec::new(),
             awaited: BTreeSet::new(),
-            foremost: Vec::new(),
+            foremost: Default::default(),
             served: Served::new(me),
             probes: Vec::new(),
             to_launch: VecDeque::new(),

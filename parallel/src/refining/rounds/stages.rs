@@ -21,7 +21,9 @@ use super::tree::{SENT, Step, TAKEN, is_quiet};
 use crate::protocol::{Directory, Rules, Standing, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{DomainNews, SUMS, Sums};
+use ltbw_core::order::hilbert;
 use ltbw_domain::refine::{BESIDE, BoundaryItem};
+use ltbw_exact::Point;
 
 // The places of sums.
 const READY: usize = 0;
@@ -100,7 +102,7 @@ impl<C: Rules> Rounds<C> {
                 let ready = self.pending.values().filter(|own| own.first.is_none()).count();
                 sums[READY] = ready as i64;
                 sums[WAITING] = (self.pending.len() - ready) as i64;
-                sums[FOREMOST] = self.foremost.len() as i64;
+                sums[FOREMOST] = self.foremost.iter().map(Vec::len).sum::<usize>() as i64;
                 sums[OPEN] = self.counts.releases;
                 sums[CANCELLED] = i64::from(self.is_cancelled);
             }
@@ -192,16 +194,24 @@ impl<C: Rules> Rounds<C> {
             .filter(|own| has_boundary && own.first.is_none())
             .map(|own| own.item)
             .collect();
-        for item in ready {
+        // Along a curve, so that what is near is looked at, and inserted, together.
+        let firsts: Vec<Point> = ready.iter().map(|item| item.corners()[0].point).collect();
+        for k in hilbert(&firsts) {
+            let item = ready[k as usize];
             let k = self.add_probe(What::Item(item), item.rank(), 0);
             self.to_launch.push_back(k);
         }
         let foremost = std::mem::take(&mut self.foremost);
-        for t in foremost.into_iter().filter(|_| has_tets) {
-            if let Some(rank) = self.keys.rank::<C>(mesh, t) {
-                let corners = mesh.inner.tets().vertices(t);
-                let k = self.add_probe(What::Tet(t, corners), rank, 0);
-                self.to_launch.push_back(k);
+        // Those at interface faces come first: others are waited for there.
+        for list in foremost.into_iter().filter(|_| has_tets) {
+            let tets = mesh.inner.tets();
+            let firsts: Vec<Point> = list.iter().map(|&t| mesh.point(tets.vertices(t)[0])).collect();
+            for k in hilbert(&firsts) {
+                let t = list[k as usize];
+                if let Some(rank) = self.keys.rank::<C>(mesh, t) {
+                    let k = self.add_probe(What::Tet(t, tets.vertices(t)), rank, 0);
+                    self.to_launch.push_back(k);
+                }
             }
         }
     }
