@@ -104,8 +104,8 @@ pub enum DomainNews {
     Keys {
         /// The exchange: two in a round.
         exchange: u32,
-        /// Faces without a key are left out.
-        keys: Vec<(Name, u8, Rank)>,
+        /// Faces of which the receiver knows this already are left out.
+        keys: Vec<(Name, u8, Option<Rank>)>,
     },
     /// The sums of the sender and those below it in the tree.
     Up(Sums),
@@ -206,7 +206,10 @@ impl DomainNews {
     /// Bytes beside the header, as a compact encoding would have them.
     pub(crate) fn bytes(&self) -> u64 {
         match self {
-            Self::Keys { keys, .. } => 8 + keys.len() as u64 * (9 + RANK),
+            Self::Keys { keys, .. } => {
+                let ranks = keys.iter().filter(|(.., rank)| rank.is_some()).count();
+                8 + keys.len() as u64 * 10 + ranks as u64 * RANK
+            }
             Self::Up(_) | Self::Down(_) => 4 * SUMS as u64,
             Self::Way { .. } => PROPOSAL + HANDLE + POINT + 1,
             Self::Seek { at, .. } => PROPOSAL + 1 + at.map_or(0, |_| HANDLE),

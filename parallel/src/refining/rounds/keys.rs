@@ -4,6 +4,9 @@
 //! are another worker's, two exchanges tell: first the ranks of the tetrahedra at interface faces,
 //! then the best rank around each of these.
 //!
+//! Only what has changed is told. A tetrahedron at an interface face has a name that no other ever
+//! has, so that what was told of the face stays true of it, or is told anew.
+//!
 //! Most are beaten round after round by the same one: it is remembered as a *witness*, and as long
 //! as nothing on the way there has changed nothing is looked at.
 
@@ -12,6 +15,7 @@ use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_domain::refine::Rank;
 use rustc_hash::FxHashMap;
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// A tetrahedron over its bounds, or one that was.
@@ -26,7 +30,23 @@ struct Bad {
 }
 
 /// The news for each worker at an interface face: its tetrahedron and face, and a rank.
-pub(super) type Told = BTreeMap<WorkerId, Vec<(Name, u8, Rank)>>;
+pub(super) type Told = BTreeMap<WorkerId, Vec<(Name, u8, Option<Rank>)>>;
+
+/// An interface face, as seen from here.
+#[derive(Clone, Copy, Debug)]
+struct Interface {
+    t: TetId,
+    slot: usize,
+    beyond: Handle,
+}
+
+/// A tetrahedron over its bounds at or near an interface face: one here, as of a look, or another
+/// worker's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum One {
+    Here(TetId, u32),
+    There(Rank),
+}
 
 /// The tetrahedra over their bounds.
 #[derive(Debug, Default)]
@@ -39,9 +59,11 @@ pub(super) struct Keys {
     look: u32,
     bad: Vec<Bad>,
     /// By own tetrahedron and face: the rank beyond, and the best one around that.
-    beyond: [FxHashMap<(TetId, u8), Rank>; 2],
-    /// The interface faces, as seen from here.
-    interface: Vec<(TetId, usize, Handle)>,
+    beyond: [FxHashMap<(Name, u8), Rank>; 2],
+    /// By other worker's tetrahedron and face: at which look it was told last, and what. Only what
+    /// was told at the last look is sure to be known there: another worker may have told since.
+    told: [FxHashMap<(Name, u8), (u32, Option<One>)>; 2],
+    interface: Vec<Interface>,
 }
 
 /// The rank of a tetrahedron with these corners.
@@ -79,20 +101,28 @@ impl Keys {
         }
     }
 
-    /// Forgets those that are gone, and what was told; finds the interface faces.
+    /// Forgets those that are gone; finds the interface faces.
     pub(super) fn start(&mut self, mesh: &DomainMesh<'_>) {
         let tets = mesh.inner.tets();
         let topology = tets.topology();
-        self.beyond.iter_mut().for_each(FxHashMap::clear);
         self.interface.clear();
-        for (face, handle) in tets.far_faces() {
-            self.interface.push((tet_of(face), slot_of(face), handle));
-            let far = topology.at(tet_of(face)).neighbours()[slot_of(face)];
-            self.forget(tet_of(far));
+        for (face, beyond) in tets.far_faces() {
+            let (t, slot) = (tet_of(face), slot_of(face));
+            self.interface.push(Interface { t, slot, beyond });
+            self.forget(tet_of(topology.at(t).neighbours()[slot]));
         }
-        self.interface.sort_unstable_by_key(|&(t, slot, _)| (t, slot));
         for &t in topology.free_slots() {
             self.forget(t);
+        }
+        // Names of tetrahedra that are gone are never asked for again.
+        let most = 4 * self.interface.len() + 1024;
+        if self.beyond.iter().any(|beyond| beyond.len() > most) {
+            let is_here = |&(name, _): &(Name, u8)| mesh.resolve(name).is_some();
+            self.beyond.iter_mut().for_each(|beyond| beyond.retain(|at, _| is_here(at)));
+        }
+        if self.told.iter().any(|told| told.len() > most) {
+            let last = self.look - 1;
+            self.told.iter_mut().for_each(|told| told.retain(|_, own| own.0 == last));
         }
     }
 
@@ -113,56 +143,95 @@ impl Keys {
         is_over.then(|| rank_of::<C>(mesh, mesh.inner.tets().vertices(t)))
     }
 
-    /// The rank of the tetrahedron in slot `t`, or of the one beyond face `slot` of `from`, if `t`
+    /// The tetrahedron over its bounds in slot `t`, or the one beyond face `slot` of `from`, if `t`
     /// stands for that.
-    fn rank_beside<C: Rules>(
+    fn one_beside(&self, mesh: &DomainMesh<'_>, from: TetId, slot: usize, t: TetId) -> Option<One> {
+        if self.keys[t.index()] != 0 {
+            return Some(One::Here(t, self.stamps[t.index()]));
+        }
+        mesh.inner.tets().far(t)?;
+        self.told_beyond(mesh, 0, from, slot).map(One::There)
+    }
+
+    /// What was told of a face of tetrahedron `t` in an exchange.
+    fn told_beyond(
         &self,
         mesh: &DomainMesh<'_>,
-        (from, slot): (TetId, usize),
+        exchange: usize,
         t: TetId,
+        slot: usize,
     ) -> Option<Rank> {
-        match mesh.inner.tets().far(t) {
-            Some(_) => self.beyond[0].get(&(from, slot as u8)).copied(),
-            None => self.rank::<C>(mesh, t),
+        let name = mesh.inner.tets().tag_of(t)?;
+        self.beyond[exchange].get(&(name, slot as u8)).copied()
+    }
+
+    fn rank_of_one<C: Rules>(&self, mesh: &DomainMesh<'_>, one: One) -> Option<Rank> {
+        match one {
+            One::Here(t, _) => self.rank::<C>(mesh, t),
+            One::There(rank) => Some(rank),
         }
+    }
+
+    /// The one that comes before others.
+    fn best<C: Rules>(
+        &self,
+        mesh: &DomainMesh<'_>,
+        all: impl Iterator<Item = One>,
+    ) -> Option<One> {
+        let key = |one: &One| match one {
+            One::Here(t, _) => self.keys[t.index()],
+            One::There(rank) => rank.key(),
+        };
+        all.reduce(|one, other| {
+            let is_after = match key(&other).cmp(&key(&one)) {
+                Ordering::Equal => {
+                    self.rank_of_one::<C>(mesh, other) >= self.rank_of_one::<C>(mesh, one)
+                }
+                order => order == Ordering::Less,
+            };
+            if is_after { one } else { other }
+        })
     }
 
     /// The news for others in an exchange, an entry for each worker that has a tetrahedron beside
     /// one of this worker.
     pub(super) fn told<C: Rules>(
-        &self,
+        &mut self,
         mesh: &DomainMesh<'_>,
         directory: &Directory,
         exchange: usize,
     ) -> Told {
-        let mut told = Told::new();
-        for &(t, slot, handle) in &self.interface {
-            let entry = told.entry(directory.owner(handle.block)).or_default();
-            let rank = match exchange {
-                0 => self.rank::<C>(mesh, t),
+        let mut news = Told::new();
+        let mut told = std::mem::take(&mut self.told[exchange]);
+        for &Interface { t, slot, beyond, .. } in &self.interface {
+            let entry = news.entry(directory.owner(beyond.block)).or_default();
+            let one = match exchange {
+                0 => (self.keys[t.index()] != 0).then(|| One::Here(t, self.stamps[t.index()])),
                 _ => {
                     let around = mesh.inner.tets().neighbours(t).into_iter().enumerate();
                     let others = around.filter(|&(k, _)| k != slot);
-                    let ranks = others
-                        .filter_map(|(k, face)| self.rank_beside::<C>(mesh, (t, k), tet_of(face)));
-                    ranks.min()
+                    let all = others.filter_map(|(k, face)| {
+                        self.one_beside(mesh, t, k, tet_of(face))
+                    });
+                    self.best::<C>(mesh, all)
                 }
             };
-            entry.extend(rank.map(|rank| (handle.name, handle.face, rank)));
+            let at = (beyond.name, beyond.face);
+            if told.insert(at, (self.look, one)) != Some((self.look - 1, one)) {
+                let rank = one.and_then(|one| self.rank_of_one::<C>(mesh, one));
+                entry.push((beyond.name, beyond.face, rank));
+            }
         }
-        told
+        self.told[exchange] = told;
+        news
     }
 
     /// Takes what another worker tells.
-    pub(super) fn hear(
-        &mut self,
-        mesh: &DomainMesh<'_>,
-        exchange: usize,
-        keys: Vec<(Name, u8, Rank)>,
-    ) {
+    pub(super) fn hear(&mut self, exchange: usize, keys: Vec<(Name, u8, Option<Rank>)>) {
         for (name, face, rank) in keys {
-            if let Some(t) = mesh.resolve(name) {
-                self.beyond[exchange].insert((t, face), rank);
+            match rank {
+                Some(rank) => _ = self.beyond[exchange].insert((name, face), rank),
+                None => _ = self.beyond[exchange].remove(&(name, face)),
             }
         }
     }
@@ -228,7 +297,7 @@ impl Keys {
     ) -> bool {
         let tets = mesh.inner.tets();
         let told = |exchange: usize, t: TetId, slot: usize| {
-            self.beyond[exchange].get(&(t, slot as u8)).copied()
+            self.told_beyond(mesh, exchange, t, slot)
         };
         let mut best = None::<Rank>;
         let mut meet = |rank: Option<Rank>| best = [best, rank].into_iter().flatten().min();

@@ -49,7 +49,7 @@ use ltbw_domain::refine::{
     Asked, Carrier, ComplexError, Handed, Parted, RefineStats, Refined, Refiner, Start,
 };
 use ltbw_domain::{Domain, Lattice};
-use rustc_hash::FxHashMap;
+use rayon::prelude::*;
 use source::Pending;
 
 /// A worker that refines a domain in rounds.
@@ -201,24 +201,24 @@ fn left_by<C: Rules>(
     before: RefineStats,
     figures: &mut RoundFigures,
 ) -> Result<Left, RefineError> {
-    let mut carriers: FxHashMap<VertexName, Carrier> = FxHashMap::default();
-    let mut regions: FxHashMap<[VertexName; 4], u32> = FxHashMap::default();
+    let mut made: Vec<(VertexName, Carrier)> = Vec::new();
+    // The mesh has all slots of one worker after those of another.
+    let mut regions: Vec<u32> = Vec::new();
     let (mut meshes, mut asked) = (Vec::new(), Vec::new());
     let (mut ending, mut candidates) = (Ending::Done, 0);
     let searches = figures.searches;
     let mut searched = 0;
     for worker in workers {
         let (mesh, source, _) = worker.into_parts();
-        for (t, v) in mesh.inner.tets().tets().filter(|(_, v)| v[3] != INFINITE) {
-            let mut names = v.map(|v| mesh.inner.name(v));
-            for (name, v) in names.into_iter().zip(v) {
-                if given(name).is_none() {
-                    carriers.insert(name, mesh.carrier(v));
-                }
-            }
-            names.sort_unstable();
-            regions.insert(names, mesh.region(t));
+        let topology = mesh.inner.tets().topology();
+        regions.extend(TetId::below(topology.slots() as u32).map(|t| mesh.region(t)));
+        let mut is_used = vec![false; mesh.inner.num_vertices() + 1];
+        for (_, v) in mesh.inner.tets().tets() {
+            v.into_iter().for_each(|v| is_used[v.index()] = true);
         }
+        let used = VertexId::below(is_used.len() as u32).filter(|v| is_used[v.index()]);
+        let named = used.filter(|&v| v != INFINITE).map(|v| (mesh.inner.name(v), mesh.carrier(v)));
+        made.extend(named.filter(|&(name, _)| given(name).is_none()));
         let me = mesh.me();
         let (pending, counted, end, own) = source.into_parts();
         let left = |Pending { item, first, limit }| Asked { item, first, limit };
@@ -231,27 +231,11 @@ fn left_by<C: Rules>(
     }
     figures.searches = searches + searched;
     // Vertices that were made have the numbers after those given, in the order of their names.
-    let mut made: Vec<VertexName> = carriers.keys().copied().collect();
-    made.sort_unstable();
-    let count = common.points.len();
-    let given_carriers = common.numbers[..count].iter().map(|&k| start.carriers[k as usize]);
-    let all: Vec<Carrier> = given_carriers.chain(made.iter().map(|name| carriers[name])).collect();
-    let name = |v: VertexId| match v.index().checked_sub(count + 1) {
-        Some(place) => made[place],
-        None => VertexName::from(v.number()),
-    };
+    made.par_sort_unstable_by_key(|&(name, _)| name);
+    made.dedup_by_key(|&mut (name, _)| name);
+    let given_carriers = common.numbers.iter().map(|&k| start.carriers[k as usize]);
+    let carriers = given_carriers.chain(made.into_iter().map(|(_, carrier)| carrier)).collect();
     let mesh = gather(meshes, common).map_err(RunError::from)?.mesh;
-    let topology = mesh.topology();
-    let region_of = |t: TetId| {
-        let v = topology.at(t).vertices();
-        if topology.at(t).is_free() || v[3] == INFINITE {
-            return 0;
-        }
-        let mut names = v.map(name);
-        names.sort_unstable();
-        regions.get(&names).copied().unwrap_or_default()
-    };
-    let own = TetId::below(topology.slots() as u32).map(region_of).collect();
     let [rounds, segments, facets, inside] = figures.rounds;
     let stats = RefineStats {
         rounds,
@@ -261,5 +245,5 @@ fn left_by<C: Rules>(
         round_points: figures.points,
         ..before
     };
-    Ok((Handed { carriers: all, regions: own, asked, candidates, stats, mesh }, ending))
+    Ok((Handed { carriers, regions, asked, candidates, stats, mesh }, ending))
 }

@@ -144,7 +144,7 @@ pub struct Rounds<C = Correct> {
 /// An item to split, its limit, and the place of the item that waits for it.
 pub(super) type Demand = (BoundaryItem, Option<f64>, Option<(WorkerId, ItemPlace)>);
 /// Faces and keys that another worker tells.
-pub(super) type KeysTold = Vec<(Name, u8, Rank)>;
+pub(super) type KeysTold = Vec<(Name, u8, Option<Rank>)>;
 
 impl<C: Rules> Rounds<C> {
     /// The start of rounds in a submesh; `total` points of `most` were inserted before.
@@ -322,7 +322,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 }
             }
             DomainNews::Keys { exchange, keys } => {
-                self.take_keys(mesh, from, exchange, keys);
+                self.take_keys(from, exchange, keys);
                 self.end_exchange(mesh, directory);
             }
             DomainNews::Up(sums) => {

@@ -58,14 +58,13 @@ impl<C: Rules> Rounds<C> {
             self.send(to, DomainNews::Keys { exchange: self.exchange, keys });
         }
         for (from, exchange, keys) in std::mem::take(&mut self.early) {
-            self.take_keys(mesh, from, exchange, keys);
+            self.take_keys(from, exchange, keys);
         }
         self.end_exchange(mesh, directory);
     }
 
     pub(super) fn take_keys(
         &mut self,
-        mesh: &DomainMesh<'_>,
         from: WorkerId,
         exchange: u32,
         keys: KeysTold,
@@ -73,7 +72,7 @@ impl<C: Rules> Rounds<C> {
         match self.stage {
             // R20.
             Stage::Exchanging(second) if exchange == self.exchange || !C::NUMBERS_EXCHANGES => {
-                self.keys.hear(mesh, second as usize, keys);
+                self.keys.hear(second as usize, keys);
                 self.awaited.remove(&from);
             }
             _ => self.early.push((from, exchange, keys)),
