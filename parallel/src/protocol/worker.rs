@@ -381,7 +381,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     }
 
     /// Is the source to think?
-    fn has_thoughts(&self) -> bool {
+    pub(crate) fn has_thoughts(&self) -> bool {
         self.source.has_thoughts(self.standing())
     }
 

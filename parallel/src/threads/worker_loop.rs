@@ -201,6 +201,10 @@ where
             if !self.node.has_work() {
                 break;
             }
+            if self.node.has_thoughts() {
+                // They may take long: nobody is to wait for what was sent.
+                self.way.flush();
+            }
             self.step(Event::Work);
             worked = true;
         }

@@ -55,13 +55,14 @@ pub(super) struct Keys {
     keys: Vec<u64>,
     /// By slot: the look at which its tetrahedron was new, or had gone.
     stamps: Vec<u32>,
-    /// Looks so far.
+    /// Looks so far, of which a round may have several.
     look: u32,
+    round: u32,
     bad: Vec<Bad>,
     /// By own tetrahedron and face: the rank beyond, and the best one around that.
     beyond: [FxHashMap<(Name, u8), Rank>; 2],
-    /// By other worker's tetrahedron and face: at which look it was told last, and what. Only what
-    /// was told at the last look is sure to be known there: another worker may have told since.
+    /// By other worker's tetrahedron and face: in which round it was told last, and what. Only what
+    /// was told in the last round is sure to be known there: another worker may have told since.
     told: [FxHashMap<(Name, u8), (u32, Option<One>)>; 2],
     interface: Vec<Interface>,
 }
@@ -121,9 +122,10 @@ impl Keys {
             self.beyond.iter_mut().for_each(|beyond| beyond.retain(|at, _| is_here(at)));
         }
         if self.told.iter().any(|told| told.len() > most) {
-            let last = self.look - 1;
+            let last = self.round;
             self.told.iter_mut().for_each(|told| told.retain(|_, own| own.0 == last));
         }
+        self.round += 1;
     }
 
     /// There is no tetrahedron in a slot.
@@ -217,7 +219,7 @@ impl Keys {
                 }
             };
             let at = (beyond.name, beyond.face);
-            if told.insert(at, (self.look, one)) != Some((self.look - 1, one)) {
+            if told.insert(at, (self.round, one)) != Some((self.round - 1, one)) {
                 let rank = one.and_then(|one| self.rank_of_one::<C>(mesh, one));
                 entry.push((beyond.name, beyond.face, rank));
             }

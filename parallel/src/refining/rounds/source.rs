@@ -85,6 +85,9 @@ pub struct RoundFigures {
     pub ended: u64,
 }
 
+/// New tetrahedra that are looked at together, when it is not all that are left.
+const LOOK: usize = 512;
+
 /// Probes that are launched in one step: what they ask others for goes together.
 const TOGETHER: usize = 8;
 
@@ -137,6 +140,8 @@ pub struct Rounds<C = Correct> {
     pub(super) ending: Option<Ending>,
     /// The sums of the wave before.
     pub(super) before: Option<Sums>,
+    /// The sums of a wave that is over, if this worker has not gone on yet.
+    pub(super) passed: Option<Sums>,
     pub(super) figures: RoundFigures,
     pub(super) rules: PhantomData<C>,
 }
@@ -187,6 +192,7 @@ impl<C: Rules> Rounds<C> {
             is_cancelled: false,
             ending: None,
             before: None,
+            passed: None,
             figures: RoundFigures::default(),
             rules: PhantomData,
         }
@@ -279,15 +285,23 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
 
     fn has_thoughts(&self, standing: Standing) -> bool {
         match self.stage {
+            _ if self.passed.is_some() => true,
             Stage::Looking => true,
+            Stage::Exchanging(_) => self.awaited.is_empty(),
             Stage::Choosing if !self.to_launch.is_empty() => true,
+            Stage::Inserting if self.created.len() >= LOOK => true,
             _ => !self.tree.has_put() && self.sums(standing).is_some(),
         }
     }
 
     fn think(&mut self, mesh: &mut DomainMesh<'c>, directory: &Directory, standing: Standing) {
+        if let Some(sums) = self.passed.take() {
+            return self.go_on(mesh, sums);
+        }
         match self.stage {
             Stage::Looking => self.look(mesh, directory),
+            Stage::Exchanging(second) => self.end_exchange(mesh, directory, second),
+            Stage::Inserting if self.created.len() >= LOOK => self.look_at_created(mesh),
             Stage::Choosing if !self.to_launch.is_empty() => {
                 for _ in 0..TOGETHER {
                     let Some(k) = self.to_launch.pop_front() else { break };
@@ -302,7 +316,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             _ => {
                 if let Some(sums) = self.sums(standing) {
                     let step = self.tree.put(sums);
-                    self.take_step(mesh, step);
+                    self.take_step(step);
                 }
             }
         }
@@ -321,15 +335,12 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                     self.hear(mesh, directory, from, news);
                 }
             }
-            DomainNews::Keys { exchange, keys } => {
-                self.take_keys(from, exchange, keys);
-                self.end_exchange(mesh, directory);
-            }
+            DomainNews::Keys { exchange, keys } => self.take_keys(from, exchange, keys),
             DomainNews::Up(sums) => {
                 let step = self.tree.hear(from, sums);
-                self.take_step(mesh, step);
+                self.take_step(step);
             }
-            DomainNews::Down(sums) => self.pass_on(mesh, sums),
+            DomainNews::Down(sums) => self.pass_on(sums),
             DomainNews::Way { own, at, start, may } => {
                 if let Some(t) = mesh.resolve(at.name) {
                     let entry = (t, Some(usize::from(at.face)));

@@ -37,11 +37,16 @@ const CHOSEN: [usize; 3] = [6, 7, 8];
 const NEWS: usize = 9;
 
 impl<C: Rules> Rounds<C> {
+    /// Looks at the tetrahedra made since the last look.
+    pub(super) fn look_at_created(&mut self, mesh: &mut DomainMesh<'_>) {
+        self.keys.look_at::<C>(mesh, &self.created);
+        mesh.count_looks(self.created.len() as u64);
+        self.created.clear();
+    }
+
     /// Looks at the new tetrahedra; the first exchange begins.
     pub(super) fn look(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory) {
-        let created = std::mem::take(&mut self.created);
-        self.keys.look_at::<C>(mesh, &created);
-        mesh.count_looks(created.len() as u64);
+        self.look_at_created(mesh);
         self.keys.start(mesh);
         mesh.count_steps(self.keys.interface_faces() as u64 / 8);
         self.served.clear();
@@ -60,7 +65,6 @@ impl<C: Rules> Rounds<C> {
         for (from, exchange, keys) in std::mem::take(&mut self.early) {
             self.take_keys(from, exchange, keys);
         }
-        self.end_exchange(mesh, directory);
     }
 
     pub(super) fn take_keys(
@@ -79,18 +83,18 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
-    /// If all workers beside have told their keys, the next stage begins.
-    pub(super) fn end_exchange(&mut self, mesh: &DomainMesh<'_>, directory: &Directory) {
-        match self.stage {
-            Stage::Exchanging(second) if self.awaited.is_empty() => match second {
-                0 => self.begin_exchange(mesh, directory, 1),
-                _ => {
-                    self.foremost = self.keys.foremost::<C>(mesh);
-                    self.stage = Stage::Counting;
-                }
-            },
-            _ => {}
+    /// All workers beside have told their keys: the next stage begins.
+    pub(super) fn end_exchange(
+        &mut self,
+        mesh: &DomainMesh<'_>,
+        directory: &Directory,
+        second: u32,
+    ) {
+        if second == 0 {
+            return self.begin_exchange(mesh, directory, 1);
         }
+        self.foremost = self.keys.foremost::<C>(mesh);
+        self.stage = Stage::Counting;
     }
 
     /// The sums that this worker adds at the barrier that it is at, if it is ready for that.
@@ -125,21 +129,26 @@ impl<C: Rules> Rounds<C> {
         Some(sums)
     }
 
-    pub(super) fn take_step(&mut self, mesh: &mut DomainMesh<'_>, step: Option<Step>) {
+    pub(super) fn take_step(&mut self, step: Option<Step>) {
         match step {
             None => {}
             Some(Step::Up(to, sums)) => self.send(to, DomainNews::Up(sums)),
-            Some(Step::Done(sums)) => self.pass_on(mesh, sums),
+            Some(Step::Done(sums)) => self.pass_on(sums),
         }
     }
 
-    /// A barrier is over, with these sums.
-    pub(super) fn pass_on(&mut self, mesh: &mut DomainMesh<'_>, sums: Sums) {
+    /// A barrier is over, with these sums. What follows is thought about when others have been told.
+    pub(super) fn pass_on(&mut self, sums: Sums) {
         self.tree.release();
         for to in self.tree.below() {
             self.send(to, DomainNews::Down(sums));
         }
         self.figures.barriers += 1;
+        self.passed = Some(sums);
+    }
+
+    /// Goes on after a barrier.
+    pub(super) fn go_on(&mut self, mesh: &mut DomainMesh<'_>, sums: Sums) {
         let before = self.before.replace(sums);
         match self.stage {
             // Something was still under way: once more.
