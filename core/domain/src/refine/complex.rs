@@ -8,7 +8,7 @@
 //! is. Triangles of three corners are as they were at the start: all new ones have a new vertex.
 
 use super::RefineError;
-use super::bounds::Bounds;
+use super::bounds::{Bounds, Four};
 use super::carrier::{Carrier, corner_point, free_point, within_box};
 use super::key::sorted;
 use super::measure::{Shape, circumcircle, in_diametral_ball, in_equatorial_ball};
@@ -241,6 +241,14 @@ impl<'a> Complex<'a> {
     /// Is a tetrahedron of a region over its bounds? Its vertices are positively oriented.
     pub fn is_over(&self, corners: [&Point; 4], region: u32) -> bool {
         region != 0 && self.bounds.are_over(corners, region)
+    }
+
+    /// Which of at most four tetrahedra, given by their corners and regions, which are no exterior,
+    /// are over their bounds: a bit mask.
+    pub fn are_over(&self, tets: impl Iterator<Item = ([Point; 4], u32)>) -> u32 {
+        let mut four = Four::default();
+        tets.take(4).for_each(|(corners, region)| four.push(corners, region));
+        self.bounds.look_at_four(&four).0
     }
 
     pub(super) fn bounds(&self) -> &Bounds<'a> {

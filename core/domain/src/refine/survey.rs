@@ -68,6 +68,7 @@ impl<'c> Survey<'c> {
         if near.is_empty() {
             return own;
         }
+        own.at_face.reserve(3 * closure.tets.len());
         for (k, (tet, _)) in all().filter(|(_, (tet, _))| is_near(tet)) {
             // A face that is marked, or has a marked edge, has two such corners.
             let is_on = |face: &[usize; 3]| face.iter().filter(|&&slot| may(&tet[slot])).count() > 1;

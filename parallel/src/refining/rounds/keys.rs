@@ -29,6 +29,9 @@ struct Bad {
     look: u32,
 }
 
+/// Tetrahedra over their bounds whose entries are looked at together.
+const BLOCK: usize = 32;
+
 /// The news for each worker at an interface face: its tetrahedron and face, and a rank.
 pub(super) type Told = BTreeMap<WorkerId, Vec<(Name, u8, Option<Rank>)>>;
 
@@ -85,19 +88,42 @@ impl Keys {
         self.stamps.resize(slots, 0);
         self.look += 1;
         for &t in tets {
-            // One that is told of twice is looked at once.
-            if std::mem::replace(&mut self.stamps[t.index()], self.look) == self.look {
-                continue;
-            }
             self.keys[t.index()] = 0;
-            if !all.is_live(t) || all.vertices(t)[3] == INFINITE {
-                continue;
+            self.stamps[t.index()] = self.look;
+        }
+        let first = self.bad.len();
+        let is_inside = |&t: &TetId| {
+            all.is_live(t) && all.vertices(t)[3] != INFINITE && mesh.region(t) != 0
+        };
+        let mut rest = tets.iter().copied().filter(is_inside);
+        // Ends: each is taken once.
+        loop {
+            let mut four = [TetId::default(); 4];
+            let mut count = 0;
+            for (to, t) in four.iter_mut().zip(rest.by_ref()) {
+                *to = t;
+                count += 1;
             }
-            let corners = all.vertices(t);
-            let points = corners.map(|v| mesh.point(v));
-            if mesh.complex.is_over(points.each_ref(), mesh.region(t)) {
-                self.keys[t.index()] = rank_of::<C>(mesh, corners).key();
-                self.bad.push(Bad { t, witness: [t; 2], look: self.look });
+            let over = mesh.complex.are_over(four[..count].iter().map(|&t| {
+                (all.vertices(t).map(|v| mesh.point(v)), mesh.region(t))
+            }));
+            for (_, &t) in (0..count).zip(&four).filter(|&(k, _)| over >> k & 1 == 1) {
+                // One that is told of twice has a key already.
+                if self.keys[t.index()] == 0 {
+                    self.keys[t.index()] = rank_of::<C>(mesh, all.vertices(t)).key();
+                    self.bad.push(Bad { t, witness: [t; 2], look: self.look });
+                }
+            }
+            if count < 4 {
+                break;
+            }
+        }
+        // They are in the cache; what comes before one of them now may do so when the round is over.
+        for k in first..self.bad.len() {
+            let t = self.bad[k].t;
+            let around = all.neighbours(t).map(tet_of);
+            if let Some(witness) = self.one_before::<C>(mesh, t, around) {
+                self.bad[k].witness = witness;
             }
         }
     }
@@ -242,24 +268,37 @@ impl Keys {
     pub(super) fn foremost<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> [Vec<TetId>; 2] {
         let mut all: [Vec<TetId>; 2] = Default::default();
         let mut bad = std::mem::take(&mut self.bad);
-        let stays = |own: &Bad, t: TetId| self.stamps[t.index()] <= own.look;
-        bad.retain_mut(|own| {
-            let (t, [way, other]) = (own.t, own.witness);
-            if !stays(own, t) {
-                return false;
+        let changed = |own: &Bad, t: TetId| u32::from(self.stamps[t.index()] > own.look);
+        let mut kept = 0;
+        for first in (0..bad.len()).step_by(BLOCK) {
+            let block = first..bad.len().min(first + BLOCK);
+            // No branch waits for an entry: they are fetched side by side. 0: what came before it
+            // is where it was; 1: it has to be looked for; 2 or 3: the tetrahedron is gone.
+            let mut news = [0u32; BLOCK];
+            for (own, new) in bad[block.clone()].iter().zip(&mut news) {
+                let [way, other] = own.witness;
+                let is_alone = u32::from(other == own.t);
+                *new =
+                    changed(own, own.t) << 1 | changed(own, way) | changed(own, other) | is_alone;
             }
-            if other != t && stays(own, way) && stays(own, other) {
-                return true;
+            for (k, new) in block.zip(news).filter(|own| own.1 <= 1) {
+                let mut own = bad[k];
+                if new == 1 {
+                    let t = own.t;
+                    let around = mesh.inner.tets().neighbours(t).map(tet_of);
+                    if let Some(witness) = self.one_before::<C>(mesh, t, around) {
+                        own = Bad { t, witness, look: self.look };
+                    } else if !self.is_beaten_from_afar::<C>(mesh, t, around) {
+                        let tets = mesh.inner.tets();
+                        let is_inner = around.into_iter().all(|n| tets.far(n).is_none());
+                        all[usize::from(is_inner)].push(t);
+                    }
+                }
+                bad[kept] = own;
+                kept += 1;
             }
-            let around = mesh.inner.tets().neighbours(t).map(tet_of);
-            if let Some(witness) = self.one_before::<C>(mesh, t, around) {
-                *own = Bad { t, witness, look: self.look };
-            } else if !self.is_beaten_from_afar::<C>(mesh, t, around) {
-                let is_inner = around.into_iter().all(|n| mesh.inner.tets().far(n).is_none());
-                all[usize::from(is_inner)].push(t);
-            }
-            true
-        });
+        }
+        bad.truncate(kept);
         self.bad = bad;
         all
     }

@@ -116,8 +116,13 @@ impl<C: Rules> Rounds<C> {
         own: Proposal,
         at: Option<TetId>,
     ) {
-        match mesh.seek(&point(&own.to), at) {
-            Walk::At(t) | Walk::Locked(t) => self.serve(mesh, directory, own, &[t]),
+        // Along a curve the last one is near.
+        let from = at.or_else(|| self.near.filter(|&t| mesh.inner.tets().is_live(t)));
+        match mesh.seek(&point(&own.to), from) {
+            Walk::At(t) | Walk::Locked(t) => {
+                self.near = Some(t);
+                self.serve(mesh, directory, own, &[t]);
+            }
             Walk::Duplicate(_) => {
                 let nothing = WireClosure::default();
                 self.answer(mesh, directory, own.probe, PartEnd::Vertex, nothing, Vec::new());

@@ -113,6 +113,8 @@ pub struct Rounds<C = Correct> {
     pub(super) probes: Vec<Probe>,
     /// Probes to launch.
     pub(super) to_launch: VecDeque<u32>,
+    /// Where the last probe for a boundary item has ended here.
+    pub(super) near: Option<TetId>,
     /// Probes under way, or to be decided.
     pub(super) open: usize,
     pub(super) chosen: VecDeque<ChosenPoint>,
@@ -172,6 +174,7 @@ impl<C: Rules> Rounds<C> {
             served: Served::new(me),
             probes: Vec::new(),
             to_launch: VecDeque::new(),
+            near: None,
             open: 0,
             chosen: VecDeque::new(),
             starts: FxHashMap::default(),
