@@ -132,6 +132,8 @@ impl Keys {
     pub(super) fn start(&mut self, mesh: &DomainMesh<'_>) {
         let tets = mesh.inner.tets();
         let topology = tets.topology();
+        // What is gone has changed since the last tetrahedra were looked at.
+        self.look += 1;
         self.interface.clear();
         for (face, beyond) in tets.far_faces() {
             let (t, slot) = (tet_of(face), slot_of(face));

@@ -21,7 +21,7 @@ use super::tree::{SENT, Step, TAKEN, is_quiet};
 use crate::protocol::{Directory, Rules, Standing, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{DomainNews, SUMS, Sums};
-use ltbw_core::order::hilbert;
+use ltbw_core::order::{Curve, bounding_box};
 use ltbw_domain::refine::{BESIDE, BoundaryItem};
 use ltbw_exact::Point;
 
@@ -35,6 +35,18 @@ const CANDIDATES: usize = 5;
 const CANCELLED: usize = 5;
 const CHOSEN: [usize; 3] = [6, 7, 8];
 const NEWS: usize = 9;
+
+/// Values by their places along a Hilbert curve. (Nothing is done on other threads: these have
+/// workers of their own.)
+fn along_curve<T>(values: Vec<T>, place: impl Fn(&T) -> Point) -> impl Iterator<Item = T> {
+    let places: Vec<Point> = values.iter().map(&place).collect();
+    let (low, high) = bounding_box(&places);
+    let curve = Curve::of_box(low, high);
+    let keys = places.iter().map(|p| curve.key(p));
+    let mut all: Vec<(u64, T)> = keys.zip(values).collect();
+    all.sort_by_key(|own| own.0);
+    all.into_iter().map(|own| own.1)
+}
 
 impl<C: Rules> Rounds<C> {
     /// Looks at the tetrahedra made since the last look.
@@ -203,9 +215,7 @@ impl<C: Rules> Rounds<C> {
             .map(|own| own.item)
             .collect();
         // Along a curve, so that what is near is looked at, and inserted, together.
-        let firsts: Vec<Point> = ready.iter().map(|item| item.corners()[0].point).collect();
-        for k in hilbert(&firsts) {
-            let item = ready[k as usize];
+        for item in along_curve(ready, |item| item.corners()[0].point) {
             let k = self.add_probe(What::Item(item), item.rank(), 0);
             self.to_launch.push_back(k);
         }
@@ -213,9 +223,7 @@ impl<C: Rules> Rounds<C> {
         // Those at interface faces come first: others are waited for there.
         for list in foremost.into_iter().filter(|_| has_tets) {
             let tets = mesh.inner.tets();
-            let firsts: Vec<Point> = list.iter().map(|&t| mesh.point(tets.vertices(t)[0])).collect();
-            for k in hilbert(&firsts) {
-                let t = list[k as usize];
+            for t in along_curve(list, |&t| mesh.point(tets.vertices(t)[0])) {
                 if let Some(rank) = self.keys.rank::<C>(mesh, t) {
                     let k = self.add_probe(What::Tet(t, tets.vertices(t)), rank, 0);
                     self.to_launch.push_back(k);
