@@ -34,6 +34,9 @@ pub struct Closure {
     /// The tetrahedra by their corners, positively oriented, and whether each is in conflict with
     /// the point.
     pub tets: Vec<([u32; 4], bool)>,
+    /// Of the first of these, which are all that are in conflict: the places here of those beyond
+    /// their faces, by the slot opposite. Of none, if that is not known.
+    pub beyond: Vec<[u32; 4]>,
 }
 
 /// A boundary item by its corners, which are sorted: two of a subsegment, three of a subface.

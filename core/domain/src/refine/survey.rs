@@ -36,7 +36,7 @@ pub struct Survey<'c> {
     closure: &'c Closure,
     faces: Vec<Face>,
     edges: Vec<Edge>,
-    /// The tetrahedra at each face that matters.
+    /// The tetrahedra at each face that matters, if the closure does not tell.
     at_face: Map<[u32; 3], [Option<usize>; 2]>,
 }
 
@@ -68,8 +68,11 @@ impl<'c> Survey<'c> {
         if near.is_empty() {
             return own;
         }
-        own.at_face.reserve(3 * closure.tets.len());
-        for (k, (tet, _)) in all().filter(|(_, (tet, _))| is_near(tet)) {
+        if closure.beyond.is_empty() {
+            own.at_face.reserve(3 * closure.tets.len());
+        }
+        let unknown = all().filter(|_| closure.beyond.is_empty());
+        for (k, (tet, _)) in unknown.filter(|(_, (tet, _))| is_near(tet)) {
             // A face that is marked, or has a marked edge, has two such corners.
             let is_on = |face: &[usize; 3]| face.iter().filter(|&&slot| may(&tet[slot])).count() > 1;
             for face in FACE.into_iter().filter(is_on) {
@@ -98,6 +101,9 @@ impl<'c> Survey<'c> {
 
     /// The tetrahedron beyond face `slot` of one of the closure, if that is there, too.
     fn beyond(&self, k: usize, slot: usize) -> Option<usize> {
+        if let Some(beyond) = self.closure.beyond.get(k) {
+            return (beyond[slot] != NOWHERE).then_some(beyond[slot] as usize);
+        }
         let tet = &self.closure.tets[k].0;
         let at = self.at_face.get(&triple(FACE[slot].map(|slot| tet[slot])))?;
         at.iter().flatten().copied().find(|other| *other != k)

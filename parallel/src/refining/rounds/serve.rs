@@ -172,26 +172,31 @@ impl Served {
         true
     }
 
-    /// Adds the tetrahedra around a cavity that is all here.
-    pub(super) fn complete(&mut self, mesh: &DomainMesh<'_>, probe: ProbeId) {
+    /// Adds the tetrahedra around a cavity that is all here. Returns whether there was one, of which
+    /// the places are marked as seen then.
+    pub(super) fn complete(&mut self, mesh: &DomainMesh<'_>, probe: ProbeId) -> bool {
         let tets = mesh.inner.tets();
         self.seen.clear(tets.topology().slots());
         let mut seen = std::mem::take(&mut self.seen);
-        if let Some(part) = self.part_mut(probe).filter(|part| part.lacks_ring) {
+        let part = self.part_mut(probe).filter(|part| part.lacks_ring);
+        let is_new = part.is_some();
+        if let Some(part) = part {
             part.lacks_ring = false;
             let inside = part.order.len();
-            for (t, _) in &part.order {
-                seen.mark(t.index(), 0);
+            part.order.reserve(2 * inside + 2);
+            for (place, (t, _)) in part.order.iter().enumerate() {
+                seen.mark(t.index(), place as u32);
             }
             for k in 0..inside {
                 for u in tets.neighbours(part.order[k].0).map(tet_of) {
-                    if seen.mark(u.index(), 0) {
+                    if seen.mark(u.index(), part.order.len() as u32) {
                         part.order.push((u, false));
                     }
                 }
             }
         }
         self.seen = seen;
+        is_new
     }
 
     /// Looks at tetrahedra, and from those in conflict on. Returns the number of those known
@@ -301,11 +306,18 @@ impl Served {
         probe: ProbeId,
         closure: &mut Closure,
     ) {
-        self.complete(mesh, probe);
+        let is_whole = self.complete(mesh, probe);
         let tets = mesh.inner.tets();
         self.places.clear(mesh.inner.num_vertices() + 1);
         let mut places = std::mem::take(&mut self.places);
-        for &(t, is_in) in self.part(probe).map_or(&[][..], |part| &part.order) {
+        let order = self.part(probe).map_or(&[][..], |part| &part.order);
+        closure.tets.reserve(order.len());
+        closure.corners.reserve(order.len());
+        for &(t, is_in) in order {
+            if is_whole && is_in {
+                let beyond = tets.neighbours(t).map(|face| self.seen.get(tet_of(face).index()));
+                closure.beyond.push(beyond.map(|place| place.unwrap_or(NOWHERE)));
+            }
             let v = tets.vertices(t).map(|v| match v {
                 INFINITE => NOWHERE,
                 v => {
