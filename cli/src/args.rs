@@ -243,6 +243,8 @@ pub(crate) struct MeshArgs {
     /// The domain: .poly .smesh .off .obj .stl .ply .vtk
     pub(crate) domain: PathBuf,
     /// Where to write the mesh: .vtu .vtk .msh .mesh .ele (with .node); may be given several times
+    ///
+    /// As .pvtu it is left distributed: a .vtu beside it for each worker
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
     /// Largest circumradius to shortest edge, at least 1 (sure to end from 2 on) [default: 2]
@@ -302,6 +304,12 @@ pub(crate) struct MeshArgs {
     #[arg(long, value_name = "N", value_parser = whole::<u16>(1..=1024))]
     #[arg(allow_negative_numbers = true)]
     pub(crate) threads: Option<u16>,
+    /// Refine by N workers that share no mesh, each on a thread: the same mesh, in parts as .pvtu
+    ///
+    /// They choose the points of each round together and insert them by the LTBW protocol.
+    #[arg(long, value_name = "N", value_parser = whole::<u16>(1..=1024))]
+    #[arg(allow_negative_numbers = true, conflicts_with = "trace")]
+    pub(crate) workers: Option<u16>,
     /// Write the report as JSON (schema ltbw.report/1), `-` for stdout
     #[arg(long, value_name = "FILE|-")]
     pub(crate) json: Option<PathBuf>,

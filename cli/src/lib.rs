@@ -51,6 +51,7 @@ mod numbers;
 mod outcome;
 mod page;
 mod picture;
+mod pieces;
 mod plc;
 mod progress;
 mod refusal;

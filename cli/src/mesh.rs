@@ -8,6 +8,7 @@ use crate::excused;
 use crate::json::{distinct, file_writable, keep_input, write_text};
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
+use crate::pieces::parts_of;
 use crate::progress::{Progress, Stage};
 use crate::report::{
     Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, end, quality_json,
@@ -20,7 +21,9 @@ use crate::unrecovered;
 use ltbw::domain::Prepared;
 use ltbw::io::{self, MeshWriter};
 use ltbw::quality::{self, Quality};
-use ltbw::refine::{RefineOutcome, Refined};
+use ltbw::refine::{ComplexError, RefineOutcome, Refined};
+use ltbw::refining::{RefineError, rounds_on_threads};
+use ltbw::threads::{Parallel, WorkerStats};
 use ltbw::{TetMesh, canonical_hash};
 use ltbw_verify::{Conformity, ConformityDefect, Finding};
 use serde_json::{Value, json};
@@ -41,11 +44,14 @@ pub(crate) struct Job<'a> {
     pub(crate) asked: Asked,
     /// Wanted edge lengths.
     pub(crate) field: Option<Field>,
+    /// The workers that refine it without a common mesh.
+    pub(crate) workers: Option<u32>,
     /// The most points to insert.
     pub(crate) max_points: Option<u64>,
     /// The distance within which facets are taken for coplanar.
     pub(crate) flat_tolerance: f64,
-    /// Mesh files to write, and the formats that their names do not tell.
+    /// Mesh files to write, in parts and whole, and the formats that the latters' names do not tell.
+    pub(crate) in_parts: &'a [PathBuf],
     pub(crate) outputs: &'a [PathBuf],
     pub(crate) formats: Formats,
     /// An output goes to stdout, and so nothing else does.
@@ -74,12 +80,20 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     set_threads(args.threads)?;
     let asked = asked(args)?;
     args.preparation.check(&[&args.domain])?;
-    let formats = args.streams.resolve(&[&args.domain], &args.output)?;
-    formats.meshes_writable(&args.output)?;
+    let workers = args.workers.map(u32::from);
+    let (in_parts, whole): (Vec<PathBuf>, Vec<PathBuf>) =
+        args.output.iter().cloned().partition(|path| io::is_parts(path));
+    let formats = args.streams.resolve(&[&args.domain], &whole)?;
+    formats.meshes_writable(&whole)?;
+    let parts = workers.unwrap_or(1) as usize;
+    for path in &in_parts {
+        io::check_parts_writable(path, parts).map_err(Failure::Write)?;
+    }
     args.json.as_deref().map_or(Ok(()), file_writable)?;
     let pages = [&args.histogram, &args.page, &args.trace].into_iter().flatten();
     pages.clone().try_for_each(|path| file_writable(path))?;
-    let written = args.output.iter().flat_map(io::mesh_files);
+    let written = whole.iter().flat_map(io::mesh_files);
+    let written = written.chain(in_parts.iter().flat_map(|path| io::part_files(path, parts)));
     let written = written.chain(args.json.clone()).chain(pages.cloned());
     let written: Vec<PathBuf> = written.chain(args.preparation.write_defects.clone()).collect();
     distinct(&written)?;
@@ -99,9 +113,11 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         name: &source.name,
         asked,
         field: field(args, &ready)?,
+        workers,
         max_points: args.max_points,
         flat_tolerance,
-        outputs: &args.output,
+        in_parts: &in_parts,
+        outputs: &whole,
         formats,
         stdout_taken: on_stdout(&written),
         keep_exterior: args.keep_exterior,
@@ -122,7 +138,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     let mut seconds = Seconds { read: job.start.elapsed().as_secs_f64(), ..Seconds::default() };
     print_domain(job, ready);
     let clock = Instant::now();
-    let refined = refine(job, ready)?;
+    let (refined, made) = refine(job, ready)?;
     seconds.refine = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     let stage = Stage::begin("hash");
@@ -145,6 +161,8 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     let quality = Quality::of(&inside.points, &inside.tets);
     drop(stage);
     print_mesh(&refined, &inside, quality.as_ref());
+    print_workers(job, &made);
+    report.workers.clone_from(&made.workers);
     print_patches(job.flat_tolerance, &refined.stats);
     report.quality = quality.as_ref().map(quality_json);
     if refined.outcome != RefineOutcome::Cancelled {
@@ -178,11 +196,11 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
         };
         console::people(&format!("checked   {verdict}"));
     }
-    write(job, &refined, &inside, &mut report)?;
+    write(job, &refined, (&inside, &made), &mut report)?;
     rounds::write_trace(job.trace, &refined.rounds)?;
     if let (Some(path), Some(quality)) = (job.page, &quality) {
         let _stage = Stage::begin("page");
-        let scene = Scene { mesh: &inside, hull: &[], workers: &[] };
+        let scene = Scene { mesh: &inside, hull: &[], workers: &made.owners };
         let page = Page::new(&show(job.name)).view(&scene).mesh(&report, &verdict, quality);
         write_text(path, &page.html(&report.to_json().unwrap_or_default()))?;
     }
@@ -213,7 +231,17 @@ fn finish_unrecovered(
     Ok(Exit::Defect)
 }
 
-fn refine(job: &Job<'_>, ready: &Prepared) -> Result<Refined, Failure> {
+/// The part of workers in a refinement; of none if there were none.
+#[derive(Default)]
+struct Made {
+    workers: Vec<WorkerStats>,
+    /// The worker of each tetrahedron that is written.
+    owners: Vec<u32>,
+    /// Why one thread has refined all.
+    alone: Option<ComplexError>,
+}
+
+fn refine(job: &Job<'_>, ready: &Prepared) -> Result<(Refined, Made), Failure> {
     let progress = Progress::begin("recover");
     let mut refiner = job.asked.refiner().observer(&progress).cancel(job.stop.token());
     refiner = refiner.flat_tolerance(job.flat_tolerance);
@@ -224,7 +252,18 @@ fn refine(job: &Job<'_>, ready: &Prepared) -> Result<Refined, Failure> {
         refiner = refiner.max_points(count);
     }
     let failed = |error| Failure::Refine { path: job.name.to_owned(), error };
-    refiner.refine(&ready.domain, &ready.lattice).map_err(failed)
+    let Some(workers) = job.workers else {
+        let refined = refiner.refine(&ready.domain, &ready.lattice).map_err(failed)?;
+        return Ok((refined, Made::default()));
+    };
+    let parallel = Parallel::new(workers).cancel(job.stop.token());
+    let whole = (&ready.domain, &ready.lattice);
+    let run = rounds_on_threads(&refiner, whole, &parallel).map_err(|error| match error {
+        RefineError::Domain(error) => failed(error),
+        error => Failure::Other(format!("{}: {error}", show(job.name))),
+    })?;
+    let owners = run.owners(job.keep_exterior);
+    Ok((run.refined, Made { workers: run.workers, owners, alone: run.ending.err() }))
 }
 
 /// Is everything that the checker found excused? A bound may be exceeded by the tetrahedra that
@@ -324,6 +363,25 @@ fn print_mesh(refined: &Refined, inside: &TetMesh, quality: Option<&Quality>) {
     }
 }
 
+fn print_workers(job: &Job<'_>, made: &Made) {
+    if let Some(why) = &made.alone {
+        console::people(&format!("note: one thread has refined it: {why}"));
+    }
+    if made.workers.is_empty() || job.workers.is_none() {
+        return;
+    }
+    let count = |own: &WorkerStats| own.local + own.operations;
+    let most = made.workers.iter().map(count).max().unwrap_or_default();
+    let sum = |of: fn(&WorkerStats) -> u64| made.workers.iter().map(of).sum::<u64>();
+    console::people(&format!(
+        "workers   {}, of at most {most} points; {} points at interfaces, {} setbacks, {} messages",
+        made.workers.len(),
+        sum(|own| own.interface),
+        sum(|own| own.setbacks),
+        sum(|own| own.messages)
+    ));
+}
+
 fn report_of(
     job: &Job<'_>,
     refined: &Refined,
@@ -417,13 +475,18 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
 fn write(
     job: &Job<'_>,
     refined: &Refined,
-    inside: &TetMesh,
+    (inside, made): (&TetMesh, &Made),
     report: &mut Report,
 ) -> Result<(), Failure> {
     let clock = Instant::now();
-    let _stage = (!job.outputs.is_empty()).then(|| Stage::begin("write"));
+    let is_written = !(job.outputs.is_empty() && job.in_parts.is_empty());
+    let _stage = is_written.then(|| Stage::begin("write"));
     let whole = job.keep_exterior.then(|| refined.with_exterior());
     let mesh = whole.as_ref().unwrap_or(inside);
+    let mut tell = |path: &Path| {
+        report.outputs.push(path.to_string_lossy().into_owned());
+        console::people(&format!("wrote     {}", show(path)));
+    };
     if !job.outputs.is_empty() {
         let values = quality::arrays(&mesh.points, &mesh.tets);
         for path in job.outputs {
@@ -431,8 +494,16 @@ fn write(
             let note = attributes_note(mesh, job.formats.of_output(path)?);
             let path = &name_of(path);
             note.iter().for_each(|n| console::people(&format!("note: {}: {n}", show(path))));
-            report.outputs.push(path.to_string_lossy().into_owned());
-            console::people(&format!("wrote     {}", show(path)));
+            tell(path);
+        }
+    }
+    if !job.in_parts.is_empty() {
+        let one = vec![0; mesh.tets.len()];
+        let owners = if made.owners.is_empty() { &one } else { &made.owners };
+        let parts = parts_of(mesh, owners);
+        for path in job.in_parts {
+            io::write_parts(path, &parts).map_err(Failure::Write)?;
+            io::part_files(path, parts.len()).iter().for_each(|path| tell(path));
         }
     }
     report.seconds.write = clock.elapsed().as_secs_f64();

@@ -324,3 +324,61 @@ fn every_option_of_the_simulator_is_obeyed() {
         assert_eq!(run.code, 2, "{}", run.stderr);
     }
 }
+
+/// A domain refined by workers that share no mesh: one hash, one set of whole files, and parts
+/// that are the mesh, regions and boundary triangles included.
+#[test]
+fn workers_refine_a_domain_to_one_mesh() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = ltbw(dir.path(), &["generate", "cube-in-cube", "-o", "d.poly"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let mesh = ["mesh", "d.poly", "--max-volume", "2e-4"];
+    let run = ltbw(dir.path(), &[&mesh[..], &["-o", "whole.vtu"]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let (hash, whole) = (run.stdout, read_mesh(dir.path().join("whole.vtu")).unwrap());
+    let bytes = std::fs::read(dir.path().join("whole.vtu")).unwrap();
+    let place = |points: &[[f64; 3]], v: u32| points[v as usize].map(f64::to_bits);
+    for workers in ["1", "2", "5"] {
+        let more = ["--workers", workers, "-o", "again.vtu", "-o", "m.pvtu", "--json", "r.json"];
+        let run = ltbw(dir.path(), &[&mesh[..], &more].concat());
+        assert_eq!((run.code, &run.stdout), (0, &hash), "{}", run.stderr);
+        assert!(run.stderr.contains(&format!("workers   {workers}, ")), "{}", run.stderr);
+        assert!(std::fs::read(dir.path().join("again.vtu")).unwrap() == bytes, "other bytes");
+        let (mut tets, mut faces) = (BTreeMap::new(), BTreeMap::new());
+        let count: usize = workers.parse().unwrap();
+        for k in 0..count {
+            let part = read_mesh(dir.path().join(format!("m_{k}.vtu"))).unwrap();
+            let regions = part.tet_tags.as_ref().unwrap();
+            for (tet, region) in part.tets.iter().zip(regions) {
+                let corners: BTreeSet<_> = tet.iter().map(|&v| place(&part.points, v)).collect();
+                assert_eq!(tets.insert(corners, *region), None, "a tetrahedron in two parts");
+            }
+            for face in &part.faces {
+                let corners: BTreeSet<_> =
+                    face.corners.iter().map(|&v| place(&part.points, v)).collect();
+                assert_eq!(faces.insert(corners, face.marker), None, "a triangle in two parts");
+            }
+        }
+        let set =
+            |v: &[u32]| -> BTreeSet<_> { v.iter().map(|&v| place(&whole.points, v)).collect() };
+        let regions = whole.tet_tags.as_ref().unwrap();
+        let all: BTreeMap<_, _> =
+            whole.tets.iter().map(|tet| set(tet)).zip(regions.iter().copied()).collect();
+        assert!(tets == all, "the parts are not the mesh");
+        let all: BTreeMap<_, _> =
+            whole.faces.iter().map(|face| (set(&face.corners), face.marker)).collect();
+        assert!(faces == all, "the parts have other boundary triangles");
+        let report: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(dir.path().join("r.json")).unwrap()).unwrap();
+        assert_eq!(report["workers"].as_array().unwrap().len(), count);
+    }
+    // What one thread refines alone is said, and is one part.
+    let run = ltbw(dir.path(), &["generate", "wedge", "--angle", "5", "-o", "w.poly"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let args = ["mesh", "w.poly", "--max-volume", "1e-2", "--workers", "2", "-o", "w.pvtu"];
+    let run = ltbw(dir.path(), &args);
+    assert!(run.stderr.contains("note: one thread has refined it: "), "{}", run.stderr);
+    assert!(dir.path().join("w_0.vtu").exists() && !dir.path().join("w_1.vtu").exists());
+    let run = ltbw(dir.path(), &["mesh", "w.poly", "--workers", "2", "--trace", "t.json"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+}

@@ -2,7 +2,8 @@
 //!
 //! `m.pvtu` lists `m_0.vtu`, `m_1.vtu` and so on; ParaView opens it as one mesh. A part has the
 //! points of its own tetrahedra, so that a point at the boundary between parts is in several. The
-//! array `worker` of cells, `Int32`, is the number of the part.
+//! array `worker` of cells, `Int32`, is the number of the part; the others are those of `.vtu`, as
+//! far as all parts have them.
 //! Source: the VTK file formats page of the VTK documentation.
 
 use super::atomic_file::{self, AtomicFile};
@@ -55,13 +56,14 @@ pub fn write_parts(path: impl AsRef<Path>, parts: &[TetMesh]) -> Result<(), IoEr
         check_mesh(part).map_err(|r| data_error(name, r))?;
         written.push(AtomicFile::write(name, |out| vtu::write_part(out, part, worker))?);
     }
-    let tagged = !parts.is_empty() && parts.iter().all(|part| part.point_tags.is_some());
-    let index = AtomicFile::write(&list[0], |out| write_list(out, names, tagged))?;
+    let index = AtomicFile::write(&list[0], |out| write_list(out, names, parts))?;
     written.into_iter().try_for_each(AtomicFile::publish)?;
     index.publish()
 }
 
-fn write_list(out: &mut dyn Write, names: &[PathBuf], tagged: bool) -> std::io::Result<()> {
+fn write_list(out: &mut dyn Write, names: &[PathBuf], parts: &[TetMesh]) -> std::io::Result<()> {
+    let all = |has: fn(&TetMesh) -> bool| !parts.is_empty() && parts.iter().all(has);
+    let tagged = all(|part| part.point_tags.is_some());
     out.write_all(
         b"<?xml version=\"1.0\"?>\n\
           <VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
@@ -76,7 +78,17 @@ fn write_list(out: &mut dyn Write, names: &[PathBuf], tagged: bool) -> std::io::
               </PPointData>\n",
         )?;
     }
-    out.write_all(b"<PCellData>\n<PDataArray type=\"Int32\" Name=\"worker\"/>\n</PCellData>\n")?;
+    out.write_all(b"<PCellData>\n")?;
+    let arrays = [
+        ("Int64", "region", all(|part| part.tet_tags.is_some())),
+        ("Int64", "marker", all(|part| !part.faces.is_empty())),
+        ("Float64", "attribute", all(|part| part.tet_attributes.is_some())),
+        ("Int32", "worker", true),
+    ];
+    for (kind, name, _) in arrays.iter().filter(|array| array.2) {
+        writeln!(out, "<PDataArray type=\"{kind}\" Name=\"{name}\"/>")?;
+    }
+    out.write_all(b"</PCellData>\n")?;
     for name in names {
         let name = name.file_name().unwrap_or_default().to_string_lossy();
         let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");

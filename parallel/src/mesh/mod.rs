@@ -49,8 +49,8 @@ use crate::protocol::{
     SubmeshError, Ticket, Walk, WorkerId,
 };
 use around::finite;
-use ltbw_core::submesh::{self as kernel, MeshParams, Owns};
 use ltbw_core::cavity::Cavity;
+use ltbw_core::submesh::{self as kernel, MeshParams, Owns};
 use ltbw_core::topology::{INFINITE, TetId, Topology, VertexId, tet_of};
 use name::NOWHERE;
 use rustc_hash::FxHashMap;

@@ -74,6 +74,14 @@ impl Refined {
         self.order.iter().copied().filter(|&t| self.region(t) != 0)
     }
 
+    /// The tetrahedra of [`Refined::inside`] or, with the exterior, of [`Refined::with_exterior`], in
+    /// their order.
+    #[doc(hidden)]
+    pub fn listed(&self, exterior: bool) -> Vec<TetId> {
+        let kept = |t: &TetId| exterior || self.region(*t) != 0;
+        self.order.iter().copied().filter(kept).collect()
+    }
+
     /// The vertices of a tetrahedron, positively oriented: the smallest number, then the next; as
     /// [`Refined::inside`] has them. `None` if `t` is not one.
     pub fn tet(&self, t: TetId) -> Option<[Vertex; 4]> {
@@ -120,8 +128,7 @@ impl Refined {
     }
 
     fn plain(&self, exterior: bool) -> TetMesh {
-        let kept = |t: &TetId| exterior || self.region(*t) != 0;
-        let kept: Vec<TetId> = self.order.iter().copied().filter(kept).collect();
+        let kept = self.listed(exterior);
         let (numbers, topology) = (self.state.mesh.numbers(), self.state.mesh.topology());
         let corners = |t| in_order(topology.at(t).vertices().map(|v| numbers[v.index()]));
         let all = kept.par_iter().with_min_len(SHARE);

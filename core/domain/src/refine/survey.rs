@@ -74,7 +74,8 @@ impl<'c> Survey<'c> {
         let unknown = all().filter(|_| closure.beyond.is_empty());
         for (k, (tet, _)) in unknown.filter(|(_, (tet, _))| is_near(tet)) {
             // A face that is marked, or has a marked edge, has two such corners.
-            let is_on = |face: &[usize; 3]| face.iter().filter(|&&slot| may(&tet[slot])).count() > 1;
+            let is_on =
+                |face: &[usize; 3]| face.iter().filter(|&&slot| may(&tet[slot])).count() > 1;
             for face in FACE.into_iter().filter(is_on) {
                 let entry = own.at_face.entry(triple(face.map(|slot| tet[slot]))).or_default();
                 entry[usize::from(entry[0].is_some())] = Some(k);

@@ -230,9 +230,9 @@ impl<'c> DomainMesh<'c> {
         let own = |t: TetId| regions.get(t.index()).copied().unwrap_or_default();
         let insert = inner.insert_seeing(&point.vertex, seed, directory, |topology, cavity| {
             // Each new tetrahedron is in the region of the one that was behind its outer face.
-            let inside = cavity.boundary().map(|(_, outer)| {
-                tet_of(topology.at(tet_of(outer)).neighbours()[slot_of(outer)])
-            });
+            let inside = cavity
+                .boundary()
+                .map(|(_, outer)| tet_of(topology.at(tet_of(outer)).neighbours()[slot_of(outer)]));
             star.extend(inside.map(own));
         });
         if insert == Insert::Done {

@@ -92,9 +92,8 @@ impl Keys {
             self.stamps[t.index()] = self.look;
         }
         let first = self.bad.len();
-        let is_inside = |&t: &TetId| {
-            all.is_live(t) && all.vertices(t)[3] != INFINITE && mesh.region(t) != 0
-        };
+        let is_inside =
+            |&t: &TetId| all.is_live(t) && all.vertices(t)[3] != INFINITE && mesh.region(t) != 0;
         let mut rest = tets.iter().copied().filter(is_inside);
         // Ends: each is taken once.
         loop {
@@ -104,9 +103,11 @@ impl Keys {
                 *to = t;
                 count += 1;
             }
-            let over = mesh.complex.are_over(four[..count].iter().map(|&t| {
-                (all.vertices(t).map(|v| mesh.point(v)), mesh.region(t))
-            }));
+            let over = mesh.complex.are_over(
+                four[..count]
+                    .iter()
+                    .map(|&t| (all.vertices(t).map(|v| mesh.point(v)), mesh.region(t))),
+            );
             for (_, &t) in (0..count).zip(&four).filter(|&(k, _)| over >> k & 1 == 1) {
                 // One that is told of twice has a key already.
                 if self.keys[t.index()] == 0 {
@@ -203,11 +204,7 @@ impl Keys {
     }
 
     /// The one that comes before others.
-    fn best<C: Rules>(
-        &self,
-        mesh: &DomainMesh<'_>,
-        all: impl Iterator<Item = One>,
-    ) -> Option<One> {
+    fn best<C: Rules>(&self, mesh: &DomainMesh<'_>, all: impl Iterator<Item = One>) -> Option<One> {
         let key = |one: &One| match one {
             One::Here(t, _) => self.keys[t.index()],
             One::There(rank) => rank.key(),
@@ -240,9 +237,8 @@ impl Keys {
                 _ => {
                     let around = mesh.inner.tets().neighbours(t).into_iter().enumerate();
                     let others = around.filter(|&(k, _)| k != slot);
-                    let all = others.filter_map(|(k, face)| {
-                        self.one_beside(mesh, t, k, tet_of(face))
-                    });
+                    let all =
+                        others.filter_map(|(k, face)| self.one_beside(mesh, t, k, tet_of(face)));
                     self.best::<C>(mesh, all)
                 }
             };
@@ -316,10 +312,11 @@ impl Keys {
         // The slot of a far face has no key.
         let is_before = |one: TetId| {
             let other = self.keys[one.index()];
-            other > key || other == key && one != t && {
-                let [one, own] = [one, t].map(|t| self.rank::<C>(mesh, t));
-                one < own
-            }
+            other > key
+                || other == key && one != t && {
+                    let [one, own] = [one, t].map(|t| self.rank::<C>(mesh, t));
+                    one < own
+                }
         };
         if let Some(other) = around.into_iter().find(|&n| is_before(n)) {
             return Some([t, other]);
@@ -339,9 +336,8 @@ impl Keys {
         around: [TetId; 4],
     ) -> bool {
         let tets = mesh.inner.tets();
-        let told = |exchange: usize, t: TetId, slot: usize| {
-            self.told_beyond(mesh, exchange, t, slot)
-        };
+        let told =
+            |exchange: usize, t: TetId, slot: usize| self.told_beyond(mesh, exchange, t, slot);
         let mut best = None::<Rank>;
         let mut meet = |rank: Option<Rank>| best = [best, rank].into_iter().flatten().min();
         for (slot, n) in around.into_iter().enumerate() {

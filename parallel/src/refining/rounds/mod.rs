@@ -76,16 +76,33 @@ pub struct SimulatedRounds {
 pub struct ThreadedRounds {
     /// The refined domain.
     pub refined: Refined,
-    /// The figures of each worker.
+    /// The figures of each worker; of none if one thread has refined all.
     pub workers: Vec<WorkerStats>,
+    /// By worker: the first slot of its tetrahedra when the workers' rounds had ended.
+    firsts: Vec<usize>,
     /// The end of the workers' rounds, or why they carried out none.
     pub ending: Result<Ending, ComplexError>,
     /// The figures of their rounds.
     pub figures: RoundFigures,
 }
 
-/// The work that workers leave to one, and how they have ended.
-type Left = (Handed, Ending);
+impl ThreadedRounds {
+    /// The worker of each tetrahedron of [`Refined::inside`] or, with the exterior, of
+    /// [`Refined::with_exterior`]; 0 if one thread has refined all. What was made when the workers'
+    /// rounds had ended belongs to the one whose slot it has, or to the last one.
+    pub fn owners(&self, exterior: bool) -> Vec<u32> {
+        let owner = |t: TetId| self.firsts.partition_point(|&first| first <= t.index());
+        let owners = self.refined.listed(exterior).into_iter();
+        owners.map(|t| owner(t).saturating_sub(1) as u32).collect()
+    }
+}
+
+/// The work that workers leave to one, how they have ended, and the first slot of each.
+type Left = (Handed, Ending, Vec<usize>);
+
+/// A refinement at its end, how the workers' rounds have ended, or why there were none, their
+/// figures, and the first slot of each.
+type AllRounds = (Refined, Result<Ending, ComplexError>, RoundFigures, Vec<usize>);
 
 /// The state from which workers go on in rounds.
 #[derive(Default)]
@@ -105,14 +122,15 @@ fn refine<'a, C: Rules>(
     (domain, lattice): (&Domain, &Lattice),
     layout: impl Fn(usize) -> (Layout, Config),
     mut run: impl FnMut(Vec<RoundNode<'a, C>>) -> Result<Vec<RoundNode<'a, C>>, RefineError>,
-) -> Result<(Refined, Result<Ending, ComplexError>, RoundFigures), RefineError> {
+) -> Result<AllRounds, RefineError> {
     let mut delegated = refiner.delegate(domain, lattice)?;
     let mut resumed = Resumed::default();
+    let mut firsts = Vec::new();
     // Ends: each time at least one item of a circle is split, or refused, which is the end.
     loop {
         let (complex, start) = match delegated.complex() {
             Ok(whole) => whole,
-            Err(unfit) => return Ok((delegated.go_on()?, Err(unfit), resumed.figures)),
+            Err(unfit) => return Ok((delegated.go_on()?, Err(unfit), resumed.figures, firsts)),
         };
         let (layout, config) = layout(start.points.len());
         let is_made = |c: &&Carrier| !matches!(c, Carrier::Corner(_));
@@ -127,17 +145,18 @@ fn refine<'a, C: Rules>(
         let workers = run(workers)?;
         let before = delegated.stats();
         let mut figures = resumed.figures;
-        let (handed, ending) = left_by(workers, common, &start, before, &mut figures)?;
+        let (handed, ending, slots) = left_by(workers, common, &start, before, &mut figures)?;
+        firsts = slots;
         figures.ended += 1;
         if ending != Ending::Circles {
-            return Ok((delegated.finish(handed)?, Ok(ending), figures));
+            return Ok((delegated.finish(handed)?, Ok(ending), figures, firsts));
         }
         match delegated.part_circles(handed)? {
             Parted::Again(again, asked, candidates) => {
                 delegated = *again;
                 resumed = Resumed { asked, candidates, figures };
             }
-            Parted::Finished(refined) => return Ok((*refined, Ok(ending), figures)),
+            Parted::Finished(refined) => return Ok((*refined, Ok(ending), figures, firsts)),
         }
     }
 }
@@ -165,7 +184,7 @@ pub fn simulate_rounds<C: Rules>(
         }
         Ok(workers)
     };
-    let (refined, ending, figures) = refine::<C>(refiner, whole, layout, run)?;
+    let (refined, ending, figures, _) = refine::<C>(refiner, whole, layout, run)?;
     Ok(SimulatedRounds { refined, summary, events, ending, figures })
 }
 
@@ -189,8 +208,8 @@ pub fn rounds_on_threads(
         };
         Ok(ended.into_iter().zip(&mut workers).map(add).collect())
     };
-    let (refined, ending, figures) = refine::<Correct>(refiner, whole, layout, run)?;
-    Ok(ThreadedRounds { refined, workers, ending, figures })
+    let (refined, ending, figures, firsts) = refine::<Correct>(refiner, whole, layout, run)?;
+    Ok(ThreadedRounds { refined, workers, firsts, ending, figures })
 }
 
 /// Puts together what workers have; `before` are the figures when they began, `figures` all.
@@ -204,6 +223,7 @@ fn left_by<C: Rules>(
     let mut made: Vec<(VertexName, Carrier)> = Vec::new();
     // The mesh has all slots of one worker after those of another.
     let mut regions: Vec<u32> = Vec::new();
+    let mut firsts = Vec::new();
     let (mut meshes, mut asked) = (Vec::new(), Vec::new());
     let (mut ending, mut candidates) = (Ending::Done, 0);
     let searches = figures.searches;
@@ -211,6 +231,7 @@ fn left_by<C: Rules>(
     for worker in workers {
         let (mesh, source, _) = worker.into_parts();
         let topology = mesh.inner.tets().topology();
+        firsts.push(regions.len());
         regions.extend(TetId::below(topology.slots() as u32).map(|t| mesh.region(t)));
         let mut is_used = vec![false; mesh.inner.num_vertices() + 1];
         for (_, v) in mesh.inner.tets().tets() {
@@ -245,5 +266,5 @@ fn left_by<C: Rules>(
         round_points: figures.points,
         ..before
     };
-    Ok((Handed { carriers, regions, asked, candidates, stats, mesh }, ending))
+    Ok((Handed { carriers, regions, asked, candidates, stats, mesh }, ending, firsts))
 }

@@ -79,12 +79,7 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
-    pub(super) fn take_keys(
-        &mut self,
-        from: WorkerId,
-        exchange: u32,
-        keys: KeysTold,
-    ) {
+    pub(super) fn take_keys(&mut self, from: WorkerId, exchange: u32, keys: KeysTold) {
         match self.stage {
             // R20.
             Stage::Exchanging(second) if exchange == self.exchange || !C::NUMBERS_EXCHANGES => {
