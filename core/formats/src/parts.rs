@@ -153,12 +153,24 @@ mod tests {
     #[test]
     fn a_list_without_room_is_an_error_at_every_byte() {
         let names = [PathBuf::from("m_0.vtu"), PathBuf::from("m_1.vtu")];
-        for tagged in [false, true] {
+        let tagged = TetMesh {
+            point_tags: Some(Vec::new()),
+            tet_tags: Some(Vec::new()),
+            tet_attributes: Some(Vec::new()),
+            ..TetMesh::default()
+        };
+        for parts in [[TetMesh::default(), tagged.clone()], [tagged.clone(), tagged]] {
             let mut whole = Vec::new();
-            write_list(&mut whole, &names, tagged).expect("room enough");
+            write_list(&mut whole, &names, &parts).expect("room enough");
+            let has_all = parts[0].tet_tags.is_some();
+            let text = String::from_utf8(whole.clone()).expect("text");
+            for name in ["tag", "region", "attribute"] {
+                assert_eq!(text.contains(&format!("Name=\"{name}\"")), has_all, "{name}");
+            }
+            assert!(text.contains("Name=\"worker\"") && !text.contains("Name=\"marker\""));
             for room in 0..whole.len() {
                 let mut medium = vec![0; room];
-                let error = write_list(&mut medium.as_mut_slice(), &names, tagged);
+                let error = write_list(&mut medium.as_mut_slice(), &names, &parts);
                 assert_eq!(error.expect_err("no room").kind(), std::io::ErrorKind::WriteZero);
             }
         }

@@ -51,6 +51,9 @@ enum One {
     There(Rank),
 }
 
+/// The round in which something was told of a face, and what.
+type ToldOnce = (u32, Option<One>);
+
 /// The tetrahedra over their bounds.
 #[derive(Debug, Default)]
 pub(super) struct Keys {
@@ -66,7 +69,7 @@ pub(super) struct Keys {
     beyond: [FxHashMap<(Name, u8), Rank>; 2],
     /// By other worker's tetrahedron and face: in which round it was told last, and what. Only what
     /// was told in the last round is sure to be known there: another worker may have told since.
-    told: [FxHashMap<(Name, u8), (u32, Option<One>)>; 2],
+    told: [FxHashMap<(Name, u8), ToldOnce>; 2],
     interface: Vec<Interface>,
 }
 
