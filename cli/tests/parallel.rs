@@ -368,8 +368,7 @@ fn workers_refine_a_domain_to_one_mesh() {
         let all: BTreeMap<_, _> =
             whole.faces.iter().map(|face| (set(&face.corners), face.marker)).collect();
         assert!(faces == all, "the parts have other boundary triangles");
-        let report: serde_json::Value =
-            serde_json::from_slice(&std::fs::read(dir.path().join("r.json")).unwrap()).unwrap();
+        let report = json(&dir.path().join("r.json"));
         assert_eq!(report["workers"].as_array().unwrap().len(), count);
     }
     // What one thread refines alone is said, and is one part.
