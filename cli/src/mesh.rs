@@ -500,7 +500,7 @@ fn write(
     if !job.in_parts.is_empty() {
         let one = vec![0; mesh.tets.len()];
         let owners = if made.owners.is_empty() { &one } else { &made.owners };
-        let parts = parts_of(mesh, owners);
+        let parts = parts_of(mesh, owners, made.workers.len().max(1));
         for path in job.in_parts {
             io::write_parts(path, &parts).map_err(Failure::Write)?;
             io::part_files(path, parts.len()).iter().for_each(|path| tell(path));

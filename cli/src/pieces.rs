@@ -2,9 +2,8 @@
 
 use ltbw::{BoundaryFace, TetMesh};
 
-/// The parts of a mesh by the worker of each tetrahedron. Workers without a tetrahedron have none.
-pub(crate) fn parts_of(mesh: &TetMesh, owners: &[u32]) -> Vec<TetMesh> {
-    let count = owners.iter().max().map_or(0, |&last| last as usize + 1);
+/// The parts of a mesh by the worker, of `count`, of each tetrahedron. One may be empty.
+pub(crate) fn parts_of(mesh: &TetMesh, owners: &[u32], count: usize) -> Vec<TetMesh> {
     let mut lists: Vec<Vec<usize>> = vec![Vec::new(); count];
     for (tet, &owner) in owners.iter().enumerate() {
         lists[owner as usize].push(tet);
@@ -19,7 +18,7 @@ pub(crate) fn parts_of(mesh: &TetMesh, owners: &[u32]) -> Vec<TetMesh> {
         let own = BoundaryFace { tet: places[face.tet], ..*face };
         faces[owners[face.tet] as usize].push(own);
     }
-    let parts = lists.into_iter().zip(faces).filter(|(list, _)| !list.is_empty());
+    let parts = lists.into_iter().zip(faces);
     parts.map(|(list, faces)| part_of(mesh, &list, faces)).collect()
 }
 
