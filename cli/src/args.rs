@@ -70,7 +70,6 @@ Examples:
   ltbw mesh model.poly --max-volume 1e-5 -o model.vtu
   ltbw mesh part.stl --radius-edge 1.5 -o part.msh --json -
   ltbw mesh model.poly --sizes model.mtr -o model.vtu         edge lengths at the vertices
-  ltbw check model.vtu --plc model.poly --max-volume 1e-5     check it once more
 
 The vertices of the domain are moved to a lattice (the largest move is reported); every point of
 the mesh is then exact, and lies exactly on its facet. The mesh is of the inside alone unless
@@ -243,8 +242,6 @@ pub(crate) struct MeshArgs {
     /// The domain: .poly .smesh .off .obj .stl .ply .vtk
     pub(crate) domain: PathBuf,
     /// Where to write the mesh: .vtu .vtk .msh .mesh .ele (with .node); may be given several times
-    ///
-    /// As .pvtu it is left distributed: a .vtu beside it for each worker
     #[arg(short, long = "output", value_name = "MESH")]
     pub(crate) output: Vec<PathBuf>,
     /// Largest circumradius to shortest edge, at least 1 (sure to end from 2 on) [default: 2]
@@ -304,9 +301,7 @@ pub(crate) struct MeshArgs {
     #[arg(long, value_name = "N", value_parser = whole::<u16>(1..=1024))]
     #[arg(allow_negative_numbers = true)]
     pub(crate) threads: Option<u16>,
-    /// Refine by N workers that share no mesh, each on a thread: the same mesh, in parts as .pvtu
-    ///
-    /// They choose the points of each round together and insert them by the LTBW protocol.
+    /// Refine by N workers that share no mesh; in parts as .pvtu
     #[arg(long, value_name = "N", value_parser = whole::<u16>(1..=1024))]
     #[arg(allow_negative_numbers = true, conflicts_with = "trace")]
     pub(crate) workers: Option<u16>,

@@ -39,6 +39,7 @@ mod console;
 mod demo;
 mod domain;
 mod excused;
+mod explained;
 mod figures;
 mod files;
 mod help;
@@ -64,6 +65,7 @@ mod surface;
 mod sync;
 mod unrecovered;
 mod vectors;
+mod workers;
 
 use args::{Args, Command, Vectors};
 use clap::Parser;

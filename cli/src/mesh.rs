@@ -5,10 +5,11 @@ use crate::bounds::{Asked, Field, asked, field};
 use crate::conform::{certificate, check_own, print, same_volume, summary};
 use crate::console::{self, Stop};
 use crate::excused;
+use crate::explained::{excused, is_explained};
 use crate::json::{distinct, file_writable, keep_input, write_text};
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
-use crate::pieces::parts_of;
+use crate::pieces::write_parts;
 use crate::progress::{Progress, Stage};
 use crate::report::{
     Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, end, quality_json,
@@ -18,16 +19,13 @@ use crate::run::set_threads;
 use crate::streams::{Formats, attributes_note, name_of, on_stdout};
 use crate::surface::{print_patches, repairs_json};
 use crate::unrecovered;
+use crate::workers::{Made, print_workers, refine};
 use ltbw::domain::Prepared;
 use ltbw::io::{self, MeshWriter};
 use ltbw::quality::{self, Quality};
-use ltbw::refine::{ComplexError, RefineOutcome, Refined};
-use ltbw::refining::{RefineError, rounds_on_threads};
-use ltbw::threads::{Parallel, WorkerStats};
+use ltbw::refine::{RefineOutcome, Refined};
 use ltbw::{TetMesh, canonical_hash};
-use ltbw_verify::{Conformity, ConformityDefect, Finding};
 use serde_json::{Value, json};
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -50,7 +48,7 @@ pub(crate) struct Job<'a> {
     pub(crate) max_points: Option<u64>,
     /// The distance within which facets are taken for coplanar.
     pub(crate) flat_tolerance: f64,
-    /// Mesh files to write, in parts and whole, and the formats that the latters' names do not tell.
+    /// Mesh files to write, in parts and whole, and the formats that names do not tell.
     pub(crate) in_parts: &'a [PathBuf],
     pub(crate) outputs: &'a [PathBuf],
     pub(crate) formats: Formats,
@@ -138,7 +136,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     let mut seconds = Seconds { read: job.start.elapsed().as_secs_f64(), ..Seconds::default() };
     print_domain(job, ready);
     let clock = Instant::now();
-    let (refined, made) = refine(job, ready)?;
+    let (refined, made) = refined(job, ready)?;
     seconds.refine = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     let stage = Stage::begin("hash");
@@ -161,7 +159,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     let quality = Quality::of(&inside.points, &inside.tets);
     drop(stage);
     print_mesh(&refined, &inside, quality.as_ref());
-    print_workers(job, &made);
+    print_workers(&made);
     report.workers.clone_from(&made.workers);
     print_patches(job.flat_tolerance, &refined.stats);
     report.quality = quality.as_ref().map(quality_json);
@@ -231,17 +229,7 @@ fn finish_unrecovered(
     Ok(Exit::Defect)
 }
 
-/// The part of workers in a refinement; of none if there were none.
-#[derive(Default)]
-struct Made {
-    workers: Vec<WorkerStats>,
-    /// The worker of each tetrahedron that is written.
-    owners: Vec<u32>,
-    /// Why one thread has refined all.
-    alone: Option<ComplexError>,
-}
-
-fn refine(job: &Job<'_>, ready: &Prepared) -> Result<(Refined, Made), Failure> {
+fn refined(job: &Job<'_>, ready: &Prepared) -> Result<(Refined, Made), Failure> {
     let progress = Progress::begin("recover");
     let mut refiner = job.asked.refiner().observer(&progress).cancel(job.stop.token());
     refiner = refiner.flat_tolerance(job.flat_tolerance);
@@ -251,44 +239,7 @@ fn refine(job: &Job<'_>, ready: &Prepared) -> Result<(Refined, Made), Failure> {
     if let Some(count) = job.max_points {
         refiner = refiner.max_points(count);
     }
-    let failed = |error| Failure::Refine { path: job.name.to_owned(), error };
-    let Some(workers) = job.workers else {
-        let refined = refiner.refine(&ready.domain, &ready.lattice).map_err(failed)?;
-        return Ok((refined, Made::default()));
-    };
-    let parallel = Parallel::new(workers).cancel(job.stop.token());
-    let whole = (&ready.domain, &ready.lattice);
-    let run = rounds_on_threads(&refiner, whole, &parallel).map_err(|error| match error {
-        RefineError::Domain(error) => failed(error),
-        error => Failure::Other(format!("{}: {error}", show(job.name))),
-    })?;
-    let owners = run.owners(job.keep_exterior);
-    Ok((run.refined, Made { workers: run.workers, owners, alone: run.ending.err() }))
-}
-
-/// Is everything that the checker found excused? A bound may be exceeded by the tetrahedra that
-/// have an excuse, and by no others.
-fn is_explained(found: &Conformity, inside: &TetMesh, excused: &Excused) -> bool {
-    let is_excused = |f: &Finding| {
-        let tet = f.ids.first().and_then(|&t| inside.tets.get(t as usize));
-        tet.is_some_and(|tet| excused.contains(tet))
-    };
-    found.mesh_defect_count == 0
-        && found.counts.iter().all(|(&breach, &count)| match breach {
-            ConformityDefect::RatioExceeded | ConformityDefect::VolumeExceeded => {
-                let listed = found.findings.iter().filter(|f| f.breach == breach);
-                // A tetrahedron that is not listed cannot be told to be excused.
-                listed.clone().count() as u64 == count && listed.clone().all(is_excused)
-            }
-            _ => false,
-        })
-}
-
-/// The tetrahedra that have an excuse, by their vertices.
-type Excused = HashSet<[u32; 4]>;
-
-fn excused(refined: &Refined) -> Excused {
-    refined.excuses.iter().filter_map(|excuse| refined.tet(excuse.tet)).collect()
+    refine((&refiner, ready), job.workers, job.keep_exterior, (job.stop, job.name))
 }
 
 fn ending(refined: &Refined) -> Exit {
@@ -361,25 +312,6 @@ fn print_mesh(refined: &Refined, inside: &TetMesh, quality: Option<&Quality>) {
             d.least.value, d.largest.value, r.largest.value
         ));
     }
-}
-
-fn print_workers(job: &Job<'_>, made: &Made) {
-    if let Some(why) = &made.alone {
-        console::people(&format!("note: one thread has refined it: {why}"));
-    }
-    if made.workers.is_empty() || job.workers.is_none() {
-        return;
-    }
-    let count = |own: &WorkerStats| own.local + own.operations;
-    let most = made.workers.iter().map(count).max().unwrap_or_default();
-    let sum = |of: fn(&WorkerStats) -> u64| made.workers.iter().map(of).sum::<u64>();
-    console::people(&format!(
-        "workers   {}, of at most {most} points; {} points at interfaces, {} setbacks, {} messages",
-        made.workers.len(),
-        sum(|own| own.interface),
-        sum(|own| own.setbacks),
-        sum(|own| own.messages)
-    ));
 }
 
 fn report_of(
@@ -497,15 +429,8 @@ fn write(
             tell(path);
         }
     }
-    if !job.in_parts.is_empty() {
-        let one = vec![0; mesh.tets.len()];
-        let owners = if made.owners.is_empty() { &one } else { &made.owners };
-        let parts = parts_of(mesh, owners, made.workers.len().max(1));
-        for path in job.in_parts {
-            io::write_parts(path, &parts).map_err(Failure::Write)?;
-            io::part_files(path, parts.len()).iter().for_each(|path| tell(path));
-        }
-    }
+    let written = write_parts(job.in_parts, mesh, &made.owners, made.workers.len())?;
+    written.iter().for_each(|path| tell(path));
     report.seconds.write = clock.elapsed().as_secs_f64();
     Ok(())
 }
@@ -524,43 +449,4 @@ fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
     ];
     let hash = report.mesh.hash.as_ref().filter(|_| !job.stdout_taken);
     end((s.total, &stages), job.json.map(|path| (path, report.to_json())), hash)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Excused, is_explained};
-    use ltbw::TetMesh;
-    use ltbw_verify::{self as verify, ConformityDefect, Limits, Plc, PlcFacet};
-
-    /// Two tetrahedra on one triangle, of volumes 1/6 and 1/3, of which the second is too large.
-    #[test]
-    fn an_excuse_is_for_its_own_tetrahedron() {
-        let points = vec![
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [0.25, 0.25, -2.0],
-        ];
-        let (small, large) = ([0, 1, 2, 3], [0, 2, 1, 4]);
-        let inside = TetMesh { points, tets: vec![small, large], ..TetMesh::default() };
-        let facets = [[0, 2, 3], [0, 3, 1], [1, 3, 2], [0, 1, 4], [1, 2, 4], [2, 0, 4]];
-        let facet = |f: [u32; 3]| PlcFacet { polygons: vec![f.to_vec()], ..PlcFacet::default() };
-        let plc = Plc {
-            vertices: inside.points.clone(),
-            facets: facets.map(facet).to_vec(),
-            ..Plc::default()
-        };
-        let limits = Limits { max_volume: Some(0.25), ..Limits::default() };
-        let mesh = verify::Mesh::new(&inside.points, &inside.tets);
-        let found = verify::conforms(&mesh, &plc, None, &limits, &verify::Options::default());
-        assert_eq!(found.mesh_defect_count, 0, "{:?}", found.mesh_defects);
-        assert_eq!(
-            found.counts.iter().collect::<Vec<_>>(),
-            [(&ConformityDefect::VolumeExceeded, &1)]
-        );
-        let explained = |tet| is_explained(&found, &inside, &Excused::from([tet]));
-        assert!(explained(large));
-        assert!(!explained(small), "as many excuses as breaches, but for another tetrahedron");
-    }
 }

@@ -1,9 +1,33 @@
 //! The parts of a refined domain that workers have, each as a mesh of its own.
 
+use crate::outcome::Failure;
+use ltbw::io;
 use ltbw::{BoundaryFace, TetMesh};
+use std::path::PathBuf;
+
+/// Writes a mesh in parts, one for each worker, or one alone. Returns all files.
+pub(crate) fn write_parts(
+    paths: &[PathBuf],
+    mesh: &TetMesh,
+    owners: &[u32],
+    workers: usize,
+) -> Result<Vec<PathBuf>, Failure> {
+    if paths.is_empty() {
+        return Ok(Vec::new());
+    }
+    let one = vec![0; mesh.tets.len()];
+    let owners = if owners.is_empty() { &one } else { owners };
+    let parts = parts_of(mesh, owners, workers.max(1));
+    let mut written = Vec::new();
+    for path in paths {
+        io::write_parts(path, &parts).map_err(Failure::Write)?;
+        written.extend(io::part_files(path, parts.len()));
+    }
+    Ok(written)
+}
 
 /// The parts of a mesh by the worker, of `count`, of each tetrahedron. One may be empty.
-pub(crate) fn parts_of(mesh: &TetMesh, owners: &[u32], count: usize) -> Vec<TetMesh> {
+fn parts_of(mesh: &TetMesh, owners: &[u32], count: usize) -> Vec<TetMesh> {
     let mut lists: Vec<Vec<usize>> = vec![Vec::new(); count];
     for (tet, &owner) in owners.iter().enumerate() {
         lists[owner as usize].push(tet);

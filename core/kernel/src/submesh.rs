@@ -327,8 +327,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.far.get(self.geometry.sphere(t))
     }
 
-    /// The faces of tetrahedra here behind which there are far faces, with the far handles of these.
-    /// In no order.
+    /// The faces of tetrahedra here behind which there are far faces, with the far handles of
+    /// these. In no order.
     pub fn far_faces(&self) -> impl Iterator<Item = (FaceId, F)> + '_ {
         self.far.all().map(|(t, far)| (self.topology.tet(t).neighbours()[0], far))
     }

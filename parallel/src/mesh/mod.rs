@@ -49,9 +49,8 @@ use crate::protocol::{
     SubmeshError, Ticket, Walk, WorkerId,
 };
 use around::finite;
-use ltbw_core::cavity::Cavity;
-use ltbw_core::submesh::{self as kernel, MeshParams, Owns};
-use ltbw_core::topology::{INFINITE, TetId, Topology, VertexId, tet_of};
+use ltbw_core::submesh::{self as kernel, MeshParams};
+use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use name::NOWHERE;
 use rustc_hash::FxHashMap;
 use vertices::Vertices;
@@ -269,49 +268,6 @@ impl LocalMesh {
 
     fn wire_vertices(&self, t: TetId) -> [WireVertex; 4] {
         self.tets.vertices(t).map(|v| self.wire_vertex(v))
-    }
-
-    /// Inserts a point at once, if nothing is in the way; `see` is shown its cavity before that is
-    /// filled.
-    pub(crate) fn insert_seeing(
-        &mut self,
-        point: &WireVertex,
-        seed: TetId,
-        directory: &Directory,
-        see: impl FnOnce(&Topology, &Cavity),
-    ) -> Insert<TetId> {
-        let (v, p) = (self.vertices.number(point.name), point.point());
-        if v.is_none() {
-            // It has a number here if it becomes a vertex here.
-            self.tets.make_vertices(self.vertices.next());
-        }
-        let Self { tets, vertices, blocks, fixed, me, .. } = self;
-        let elsewhere = v.is_none().then(|| blocks.of_name(point.name, &p));
-        let number = v.unwrap_or(vertices.next());
-        let new_block = || elsewhere.unwrap_or_else(|| vertices.block(number));
-        let owns = match fixed {
-            None => Owns::By(|[_, a, b, c]: [VertexId; 4]| {
-                let [a, b] = [a, b].map(|v| vertices.block(v));
-                let c = (c != INFINITE).then(|| vertices.block(c));
-                directory.is_mine(blocks::prevailing([new_block(), a, b], c))
-            }),
-            Some(fixed) => {
-                let owner = fixed.owner_of_new(new_block(), *me);
-                if owner == *me { Owns::All } else { Owns::None }
-            }
-        };
-        let insert = tets.insert_seeing(number, &p, seed, owns, see);
-        match insert {
-            Insert::Done => {
-                if v.is_none() {
-                    self.take_vertex(point);
-                }
-                self.forget_removed();
-            }
-            Insert::Locked(_) | Insert::Blocked => _ = self.located.insert(point.name, seed),
-            Insert::Full => self.fail_for_room(),
-        }
-        insert
     }
 
     /// The neighbour in slot `u` beside a tetrahedron.

@@ -1,16 +1,59 @@
 //! The view of a submesh for one that keeps more of its vertices and tetrahedra.
 
-use super::{LocalMesh, VertexName, WireVertex, made};
-use crate::protocol::{BlockId, Insert, Walk};
+use super::{LocalMesh, VertexName, WireVertex, blocks, made};
+use crate::protocol::{BlockId, Directory, Insert, Walk};
 use ltbw_core::cavity::Cavity;
 use ltbw_core::submesh::Owns;
-use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_core::topology::{INFINITE, TetId, Topology, VertexId};
 use ltbw_exact::Point;
 
 impl LocalMesh {
     /// The number here of a vertex; `None` if it has none.
     pub(crate) fn number(&self, name: VertexName) -> Option<VertexId> {
         self.vertices.number(name)
+    }
+
+    /// Inserts a point at once, if nothing is in the way; `see` is shown its cavity before that is
+    /// filled.
+    pub(crate) fn insert_seeing(
+        &mut self,
+        point: &WireVertex,
+        seed: TetId,
+        directory: &Directory,
+        see: impl FnOnce(&Topology, &Cavity),
+    ) -> Insert<TetId> {
+        let (v, p) = (self.vertices.number(point.name), point.point());
+        if v.is_none() {
+            // It has a number here if it becomes a vertex here.
+            self.tets.make_vertices(self.vertices.next());
+        }
+        let Self { tets, vertices, blocks, fixed, me, .. } = self;
+        let elsewhere = v.is_none().then(|| blocks.of_name(point.name, &p));
+        let number = v.unwrap_or(vertices.next());
+        let new_block = || elsewhere.unwrap_or_else(|| vertices.block(number));
+        let owns = match fixed {
+            None => Owns::By(|[_, a, b, c]: [VertexId; 4]| {
+                let [a, b] = [a, b].map(|v| vertices.block(v));
+                let c = (c != INFINITE).then(|| vertices.block(c));
+                directory.is_mine(blocks::prevailing([new_block(), a, b], c))
+            }),
+            Some(fixed) => {
+                let owner = fixed.owner_of_new(new_block(), *me);
+                if owner == *me { Owns::All } else { Owns::None }
+            }
+        };
+        let insert = tets.insert_seeing(number, &p, seed, owns, see);
+        match insert {
+            Insert::Done => {
+                if v.is_none() {
+                    self.take_vertex(point);
+                }
+                self.forget_removed();
+            }
+            Insert::Locked(_) | Insert::Blocked => _ = self.located.insert(point.name, seed),
+            Insert::Full => self.fail_for_room(),
+        }
+        insert
     }
 
     /// The obstacle in the way of a point that is not to be inserted at once: something locked,

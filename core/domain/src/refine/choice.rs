@@ -83,8 +83,8 @@ impl Rank {
         Self { class: 2, key: Reverse(key_of_tet(corners)), place }
     }
 
-    /// What ranks of one kind are compared by before their places: the larger one comes first. It
-    /// is not 0.
+    /// The number by which ranks of one kind are compared before their places: the larger one comes
+    /// first. It is not 0.
     pub fn key(&self) -> u64 {
         self.key.0
     }

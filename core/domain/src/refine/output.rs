@@ -74,8 +74,8 @@ impl Refined {
         self.order.iter().copied().filter(|&t| self.region(t) != 0)
     }
 
-    /// The tetrahedra of [`Refined::inside`] or, with the exterior, of [`Refined::with_exterior`], in
-    /// their order.
+    /// The tetrahedra of [`Refined::inside`], in their order; with the exterior those of
+    /// [`Refined::with_exterior`].
     #[doc(hidden)]
     pub fn listed(&self, exterior: bool) -> Vec<TetId> {
         let kept = |t: &TetId| exterior || self.region(*t) != 0;

@@ -36,8 +36,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.insert_seeing(v, p, seed, owns, |_, _| {})
     }
 
-    /// The same; `see` is shown the cavity before it is filled: the k-th face of its boundary becomes
-    /// one of the k-th tetrahedron of [`Submesh::made_at_once`].
+    /// The same; `see` is shown the cavity before it is filled: the k-th face of its boundary
+    /// becomes one of the k-th tetrahedron of [`Submesh::made_at_once`].
     ///
     /// # Panics
     /// If `seed` is no tetrahedron, or `v` no finite vertex.

@@ -5,6 +5,7 @@
 //! is not to be inserted ends there, too: its patches change nothing, but for the boundary items
 //! that go first, which they bring to the owners of tetrahedra at these.
 
+use super::chosen::{AtOnce, insert_chosen, put};
 use super::values::{
     DomainPatch, DomainPiece, DomainPoint, End, ItemKey, Marked, segment_key, subface_key,
 };
@@ -16,7 +17,7 @@ use crate::protocol::{
 };
 use crate::refining::news::DomainNews;
 use ltbw_core::cavity::{Cavity, OTHERS};
-use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_domain::refine::{Carrier, Complex};
 use ltbw_exact::Point;
 use rustc_hash::FxHashSet;
@@ -25,16 +26,6 @@ use std::sync::Arc;
 
 /// The slots of the edges of a tetrahedron.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
-
-/// The way in which a point was inserted at once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum AtOnce {
-    No,
-    /// By the kernel.
-    Filled,
-    /// By a patch.
-    Patched,
-}
 
 /// A submesh of a domain.
 #[derive(Debug)]
@@ -53,20 +44,12 @@ pub struct DomainMesh<'c> {
     waiter: Option<WorkerId>,
     /// The end of the last operation whose home is here.
     end: Option<End>,
-    /// How the last point was inserted at once, or given up at once, if it was.
+    /// The way in which the last point was inserted, or given up, at once, if it was.
     at_once: AtOnce,
     /// The regions of a star.
     star: Vec<u32>,
     /// Boundary items that cannot be split, as far as this worker has tried.
     refused: RefCell<FxHashSet<ItemKey>>,
-}
-
-/// Puts a value at a place of a list that may be too short.
-fn put<T: Clone>(list: &mut Vec<T>, place: usize, value: T, rest: T) {
-    if list.len() <= place {
-        list.resize(place + 1, rest);
-    }
-    list[place] = value;
 }
 
 impl<'c> DomainMesh<'c> {
@@ -218,36 +201,6 @@ impl<'c> DomainMesh<'c> {
         DomainPiece { piece, carriers, regions, marked }
     }
 
-    /// Inserts a point on which all is decided, if nothing is in its way.
-    fn insert_chosen(
-        &mut self,
-        point: &DomainPoint,
-        seed: TetId,
-        directory: &Directory,
-    ) -> Insert<TetId> {
-        let Self { inner, regions, star, carriers, .. } = self;
-        star.clear();
-        let own = |t: TetId| regions.get(t.index()).copied().unwrap_or_default();
-        let insert = inner.insert_seeing(&point.vertex, seed, directory, |topology, cavity| {
-            // Each new tetrahedron is in the region of the one that was behind its outer face.
-            let inside = cavity
-                .boundary()
-                .map(|(_, outer)| tet_of(topology.at(tet_of(outer)).neighbours()[slot_of(outer)]));
-            star.extend(inside.map(own));
-        });
-        if insert == Insert::Done {
-            self.at_once = AtOnce::Filled;
-            for (&t, &region) in inner.made_at_once().iter().zip(&*star) {
-                let is_ghost = inner.tets().vertices(t)[3] == INFINITE;
-                put(regions, t.index(), if is_ghost { 0 } else { region }, 0);
-            }
-            if let Some(v) = inner.number(point.vertex.name) {
-                put(carriers, v.index(), point.carrier, Carrier::Free);
-            }
-        }
-        insert
-    }
-
     /// The patches of a cavity that is filled.
     fn filled(
         &mut self,
@@ -367,7 +320,9 @@ impl Submesh for DomainMesh<'_> {
     fn insert(&mut self, point: &DomainPoint, seed: TetId, directory: &Directory) -> Insert<TetId> {
         self.at_once = AtOnce::No;
         if point.is_chosen {
-            return self.insert_chosen(point, seed, directory);
+            let Self { inner, carriers, regions, star, .. } = self;
+            self.at_once = AtOnce::Filled;
+            return insert_chosen(inner, (carriers, regions, star), (point, seed), directory);
         }
         let waits = point.carrier != Carrier::Free;
         if waits && self.inner.holder(seed).is_some() {

@@ -20,6 +20,7 @@
 //! bounds, but it is not the same one twice.
 
 mod bytes;
+mod chosen;
 mod list;
 mod mesh;
 mod values;

@@ -43,7 +43,7 @@ pub(super) enum Outcome {
     Asks(BoundaryItem, Option<f64>),
 }
 
-/// What others have told of a probe's closure.
+/// The news of others about a probe's closure.
 #[derive(Debug, Default)]
 pub(super) struct Told {
     /// Far tetrahedra that were asked for.
@@ -68,7 +68,7 @@ pub(super) struct Probe {
     pub(super) open: u32,
     /// Its closure was searched.
     pub(super) was_searched: bool,
-    /// What others have told of its closure.
+    /// The news of others about its closure.
     pub(super) told: Option<Box<Told>>,
     /// Its closure, as far as it is known. This worker's own part is added where it matters.
     pub(super) closure: Closure,

@@ -122,7 +122,7 @@ impl Keys {
                 break;
             }
         }
-        // They are in the cache; what comes before one of them now may do so when the round is over.
+        // They are in the cache; a witness of now may be one when the round is over.
         for k in first..self.bad.len() {
             let t = self.bad[k].t;
             let around = all.neighbours(t).map(tet_of);
@@ -136,7 +136,7 @@ impl Keys {
     pub(super) fn start(&mut self, mesh: &DomainMesh<'_>) {
         let tets = mesh.inner.tets();
         let topology = tets.topology();
-        // What is gone has changed since the last tetrahedra were looked at.
+        // A tetrahedron that is gone has changed since the last ones were looked at.
         self.look += 1;
         self.interface.clear();
         for (face, beyond) in tets.far_faces() {
@@ -187,7 +187,7 @@ impl Keys {
         self.told_beyond(mesh, 0, from, slot).map(One::There)
     }
 
-    /// What was told of a face of tetrahedron `t` in an exchange.
+    /// The rank told of a face of tetrahedron `t` in an exchange.
     fn told_beyond(
         &self,
         mesh: &DomainMesh<'_>,

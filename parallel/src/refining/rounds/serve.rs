@@ -101,9 +101,9 @@ pub(super) enum WayEnd {
 #[derive(Debug, Default)]
 pub(super) struct Served {
     me: WorkerId,
-    /// Those of own probes, by their numbers.
+    /// The parts of own probes, by their numbers.
     own: Vec<Option<Part>>,
-    /// Those of others.
+    /// The parts of others' probes.
     others: FxHashMap<ProbeId, Part>,
     /// By slot: the number in `holders` of the foremost candidate with it in its cavity.
     reserved: Marks,
@@ -172,8 +172,8 @@ impl Served {
         true
     }
 
-    /// Adds the tetrahedra around a cavity that is all here. Returns whether there was one, of which
-    /// the places are marked as seen then.
+    /// Adds the tetrahedra around a cavity that is all here. Returns whether there was one, of
+    /// which the places are marked as seen then.
     pub(super) fn complete(&mut self, mesh: &DomainMesh<'_>, probe: ProbeId) -> bool {
         let tets = mesh.inner.tets();
         self.seen.clear(tets.topology().slots());

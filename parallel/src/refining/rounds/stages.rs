@@ -144,7 +144,7 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
-    /// A barrier is over, with these sums. What follows is thought about when others have been told.
+    /// A barrier is over, with these sums. The rest is thought about when others have been told.
     pub(super) fn pass_on(&mut self, sums: Sums) {
         self.tree.release();
         for to in self.tree.below() {
@@ -215,7 +215,7 @@ impl<C: Rules> Rounds<C> {
             self.to_launch.push_back(k);
         }
         let foremost = std::mem::take(&mut self.foremost);
-        // Those at interface faces come first: others are waited for there.
+        // Candidates at interface faces come first: others are waited for there.
         for list in foremost.into_iter().filter(|_| has_tets) {
             let tets = mesh.inner.tets();
             for t in along_curve(list, |&t| mesh.point(tets.vertices(t)[0])) {
