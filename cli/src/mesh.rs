@@ -84,6 +84,10 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     let formats = args.streams.resolve(&[&args.domain], &whole)?;
     formats.meshes_writable(&whole)?;
     let parts = workers.unwrap_or(1) as usize;
+    if args.write_unrecovered && !in_parts.is_empty() {
+        let text = "--write-unrecovered writes the mesh as a whole: no .pvtu";
+        return Err(Failure::Usage(text.to_owned()));
+    }
     for path in &in_parts {
         io::check_parts_writable(path, parts).map_err(Failure::Write)?;
     }
@@ -198,7 +202,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     rounds::write_trace(job.trace, &refined.rounds)?;
     if let (Some(path), Some(quality)) = (job.page, &quality) {
         let _stage = Stage::begin("page");
-        let scene = Scene { mesh: &inside, hull: &[], workers: &made.owners };
+        let scene = Scene { mesh: &inside, hull: &[], workers: &made.inside };
         let page = Page::new(&show(job.name)).view(&scene).mesh(&report, &verdict, quality);
         write_text(path, &page.html(&report.to_json().unwrap_or_default()))?;
     }
@@ -429,7 +433,7 @@ fn write(
             tell(path);
         }
     }
-    let written = write_parts(job.in_parts, mesh, &made.owners, made.workers.len())?;
+    let written = write_parts(job.in_parts, mesh, &made.owners, job.workers.unwrap_or(1) as usize)?;
     written.iter().for_each(|path| tell(path));
     report.seconds.write = clock.elapsed().as_secs_f64();
     Ok(())

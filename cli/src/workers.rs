@@ -3,7 +3,7 @@
 use crate::console::{self, Stop};
 use crate::outcome::{Failure, show};
 use ltbw::domain::Prepared;
-use ltbw::refine::{ComplexError, Refined, Refiner};
+use ltbw::refine::{ComplexError, RefineOutcome, Refined, Refiner};
 use ltbw::refining::{RefineError, rounds_on_threads};
 use ltbw::threads::{Parallel, WorkerStats};
 use std::path::Path;
@@ -13,6 +13,8 @@ use std::path::Path;
 pub(crate) struct Made {
     /// The figures of each.
     pub(crate) workers: Vec<WorkerStats>,
+    /// The worker of each tetrahedron of the domain.
+    pub(crate) inside: Vec<u32>,
     /// The worker of each tetrahedron that is written.
     pub(crate) owners: Vec<u32>,
     /// Why one thread has refined all.
@@ -38,8 +40,11 @@ pub(crate) fn refine(
         RefineError::Domain(error) => failed(error),
         error => Failure::Other(format!("{}: {error}", show(name))),
     })?;
-    let owners = run.owners(exterior);
-    Ok((run.refined, Made { workers: run.workers, owners, alone: run.ending.err() }))
+    let (inside, owners) = (run.owners(false), run.owners(exterior));
+    // A run that was stopped before has its own reason, and is told of that.
+    let is_whole = matches!(run.refined.outcome, RefineOutcome::Met | RefineOutcome::Excused);
+    let alone = run.ending.err().filter(|_| is_whole && run.workers.is_empty());
+    Ok((run.refined, Made { workers: run.workers, inside, owners, alone }))
 }
 
 /// Says for people what the workers have done.

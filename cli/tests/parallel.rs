@@ -377,7 +377,23 @@ fn workers_refine_a_domain_to_one_mesh() {
     let args = ["mesh", "w.poly", "--max-volume", "1e-2", "--workers", "2", "-o", "w.pvtu"];
     let run = ltbw(dir.path(), &args);
     assert!(run.stderr.contains("note: one thread has refined it: "), "{}", run.stderr);
-    assert!(dir.path().join("w_0.vtu").exists() && !dir.path().join("w_1.vtu").exists());
+    let parts = ["w_0.vtu", "w_1.vtu"].map(|part| read_mesh(dir.path().join(part)).unwrap());
+    assert!(!parts[0].tets.is_empty() && parts[1].tets.is_empty());
+    let args = ["mesh", "d.poly", "--max-volume", "2e-5", "--max-points", "9", "--workers", "2"];
+    let run = ltbw(dir.path(), &args);
+    assert!(run.code == 4 && !run.stderr.contains("one thread"), "{}", run.stderr);
+    let run = ltbw(dir.path(), &["mesh", "d.poly", "--write-unrecovered", "-o", "m.pvtu"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    // The tetrahedra of the page have the colours of their workers, whatever else is written.
+    assert_eq!(ltbw(dir.path(), &["generate", "gear", "-o", "g.poly"]).code, 0);
+    let page = |more: &[&str]| {
+        let mesh = ["mesh", "g.poly", "--max-volume", "2e-3", "--workers", "3", "--page", "p.html"];
+        assert_eq!(ltbw(dir.path(), &[&mesh[..], more].concat()).code, 0);
+        let text = std::fs::read_to_string(dir.path().join("p.html")).unwrap();
+        let data = text.split("id=\"mesh-data\">").nth(1).unwrap();
+        data.split("</script>").next().unwrap().to_owned()
+    };
+    assert!(page(&[]) == page(&["--keep-exterior", "-o", "e.pvtu"]), "other colours");
     let run = ltbw(dir.path(), &["mesh", "w.poly", "--workers", "2", "--trace", "t.json"]);
     assert_eq!(run.code, 2, "{}", run.stderr);
 }

@@ -312,7 +312,8 @@ impl Keys {
         around: [TetId; 4],
     ) -> Option<[TetId; 2]> {
         let key = self.keys[t.index()];
-        // The slot of a far face has no key.
+        // The slot of a far face has no key, or while points are inserted one of before: a witness
+        // that `start` forgets.
         let is_before = |one: TetId| {
             let other = self.keys[one.index()];
             other > key

@@ -147,7 +147,11 @@ impl<C: Rules> Rounds<C> {
         seeds: &[TetId],
     ) {
         let probe = own.probe;
+        // A probe that others know of may ask for one that is not in conflict.
+        let is_first = probe.home == self.me
+            && self.probes.get(probe.number as usize).is_some_and(|own| own.told.is_none());
         if let [seed] = *seeds
+            && is_first
             && self.served.search_here(mesh, &own, seed)
         {
             let nothing = (PartEnd::Found, WireClosure::default(), Vec::new());
