@@ -9,7 +9,7 @@ use crate::explained::{excused, is_explained};
 use crate::json::{distinct, file_writable, keep_input, write_text};
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
-use crate::pieces::write_parts;
+use crate::pieces::parts_of;
 use crate::progress::{Progress, Stage};
 use crate::report::{
     Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, end, quality_json,
@@ -202,7 +202,8 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
     rounds::write_trace(job.trace, &refined.rounds)?;
     if let (Some(path), Some(quality)) = (job.page, &quality) {
         let _stage = Stage::begin("page");
-        let scene = Scene { mesh: &inside, hull: &[], workers: &made.inside };
+        let workers = job.workers.map(|_| made.owners.of(&refined, false)).unwrap_or_default();
+        let scene = Scene { mesh: &inside, hull: &[], workers: &workers };
         let page = Page::new(&show(job.name)).view(&scene).mesh(&report, &verdict, quality);
         write_text(path, &page.html(&report.to_json().unwrap_or_default()))?;
     }
@@ -243,7 +244,7 @@ fn refined(job: &Job<'_>, ready: &Prepared) -> Result<(Refined, Made), Failure> 
     if let Some(count) = job.max_points {
         refiner = refiner.max_points(count);
     }
-    refine((&refiner, ready), job.workers, job.keep_exterior, (job.stop, job.name))
+    refine((&refiner, ready), job.workers, (job.stop, job.name))
 }
 
 fn ending(refined: &Refined) -> Exit {
@@ -433,8 +434,14 @@ fn write(
             tell(path);
         }
     }
-    let written = write_parts(job.in_parts, mesh, &made.owners, job.workers.unwrap_or(1) as usize)?;
-    written.iter().for_each(|path| tell(path));
+    if !job.in_parts.is_empty() {
+        let owners = made.owners.of(refined, job.keep_exterior);
+        let parts = parts_of(mesh, &owners, job.workers.unwrap_or(1) as usize);
+        for path in job.in_parts {
+            io::write_parts(path, &parts).map_err(Failure::Write)?;
+            io::part_files(path, parts.len()).iter().for_each(|path| tell(path));
+        }
+    }
     report.seconds.write = clock.elapsed().as_secs_f64();
     Ok(())
 }

@@ -1,33 +1,9 @@
-//! The parts of a refined domain that workers have, each as a mesh of its own.
+//! The parts of a mesh that workers have, each as a mesh of its own.
 
-use crate::outcome::Failure;
-use ltbw::io;
 use ltbw::{BoundaryFace, TetMesh};
-use std::path::PathBuf;
-
-/// Writes a mesh in parts, one for each worker, or one alone. Returns all files.
-pub(crate) fn write_parts(
-    paths: &[PathBuf],
-    mesh: &TetMesh,
-    owners: &[u32],
-    workers: usize,
-) -> Result<Vec<PathBuf>, Failure> {
-    if paths.is_empty() {
-        return Ok(Vec::new());
-    }
-    let one = vec![0; mesh.tets.len()];
-    let owners = if owners.is_empty() { &one } else { owners };
-    let parts = parts_of(mesh, owners, workers.max(1));
-    let mut written = Vec::new();
-    for path in paths {
-        io::write_parts(path, &parts).map_err(Failure::Write)?;
-        written.extend(io::part_files(path, parts.len()));
-    }
-    Ok(written)
-}
 
 /// The parts of a mesh by the worker, of `count`, of each tetrahedron. One may be empty.
-fn parts_of(mesh: &TetMesh, owners: &[u32], count: usize) -> Vec<TetMesh> {
+pub(crate) fn parts_of(mesh: &TetMesh, owners: &[u32], count: usize) -> Vec<TetMesh> {
     let mut lists: Vec<Vec<usize>> = vec![Vec::new(); count];
     for (tet, &owner) in owners.iter().enumerate() {
         lists[owner as usize].push(tet);
@@ -42,29 +18,35 @@ fn parts_of(mesh: &TetMesh, owners: &[u32], count: usize) -> Vec<TetMesh> {
         let own = BoundaryFace { tet: places[face.tet], ..*face };
         faces[owners[face.tet] as usize].push(own);
     }
-    let parts = lists.into_iter().zip(faces);
-    parts.map(|(list, faces)| part_of(mesh, &list, faces)).collect()
+    let of_part = |(list, faces): (Vec<usize>, Vec<BoundaryFace>)| TetMesh {
+        tet_tags: mesh.tet_tags.as_ref().map(|all| list.iter().map(|&tet| all[tet]).collect()),
+        tet_attributes: (mesh.tet_attributes.as_ref())
+            .map(|all| list.iter().map(|&tet| all[tet]).collect()),
+        ..part_of(mesh, list.iter().map(|&tet| mesh.tets[tet]).collect(), faces)
+    };
+    lists.into_iter().zip(faces).map(of_part).collect()
 }
 
-/// Some tetrahedra of a mesh with their points alone, and their faces, whose corners are still
-/// numbers of the mesh.
-fn part_of(mesh: &TetMesh, list: &[usize], mut faces: Vec<BoundaryFace>) -> TetMesh {
-    let mut used: Vec<u32> = list.iter().flat_map(|&tet| mesh.tets[tet]).collect();
+/// Some tetrahedra of a mesh with their points alone, in the order of the mesh, and some of their
+/// faces, whose corners are still numbers of the mesh.
+pub(crate) fn part_of(
+    mesh: &TetMesh,
+    mut tets: Vec<[u32; 4]>,
+    mut faces: Vec<BoundaryFace>,
+) -> TetMesh {
+    let mut used: Vec<u32> = tets.iter().flatten().copied().collect();
     used.sort_unstable();
     used.dedup();
     // Every corner is among those used: a face is one of a tetrahedron of the part.
     let place = |v: u32| used.binary_search(&v).unwrap_or_default() as u32;
+    tets.iter_mut().for_each(|tet| *tet = tet.map(place));
     faces.iter_mut().for_each(|face| face.corners = face.corners.map(place));
+    let tags = |all: &Vec<i64>| used.iter().map(|&v| all[v as usize]).collect();
     TetMesh {
         points: used.iter().map(|&v| mesh.points[v as usize]).collect(),
-        tets: list.iter().map(|&tet| mesh.tets[tet].map(place)).collect(),
-        point_tags: mesh.point_tags.as_ref().map(|all| of(&used, |&v| all[v as usize])),
-        tet_tags: mesh.tet_tags.as_ref().map(|all| of(list, |&tet| all[tet])),
-        tet_attributes: mesh.tet_attributes.as_ref().map(|all| of(list, |&tet| all[tet])),
+        tets,
+        point_tags: mesh.point_tags.as_ref().map(tags),
         faces,
+        ..TetMesh::default()
     }
-}
-
-fn of<T, U>(list: &[T], value: impl Fn(&T) -> U) -> Vec<U> {
-    list.iter().map(value).collect()
 }

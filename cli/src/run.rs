@@ -8,6 +8,7 @@ use crate::json::{distinct, file_writable, keep_input, write_text};
 use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{self, Page, Scene};
+use crate::pieces::part_of;
 use crate::progress::{Progress, Stage};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, end};
 use crate::streams::{Formats, name_of, on_stdout};
@@ -305,7 +306,8 @@ fn write_outputs(
     let _stage = (!job.outputs.is_empty()).then(|| Stage::begin("write"));
     for path in job.outputs {
         let files = if io::is_parts(path) {
-            let parts: Vec<TetMesh> = parts.iter().map(|tets| part_of(mesh, tets)).collect();
+            let part = |tets: &Vec<[u32; 4]>| part_of(mesh, tets.clone(), Vec::new());
+            let parts: Vec<TetMesh> = parts.iter().map(part).collect();
             io::write_parts(path, &parts).map_err(Failure::Write)?;
             io::part_files(path, parts.len())
         } else {
@@ -319,22 +321,6 @@ fn write_outputs(
     }
     report.seconds.write = clock.elapsed().as_secs_f64();
     Ok(())
-}
-
-/// Some tetrahedra of a mesh, with their points alone, in the order of the mesh.
-fn part_of(mesh: &TetMesh, tets: &[[u32; 4]]) -> TetMesh {
-    let mut used: Vec<u32> = tets.iter().flatten().copied().collect();
-    used.sort_unstable();
-    used.dedup();
-    // Every corner is among those used.
-    let place = |v: u32| used.binary_search(&v).unwrap_or_default() as u32;
-    let tags = |tags: &Vec<i64>| used.iter().map(|&v| tags[v as usize]).collect();
-    TetMesh {
-        points: used.iter().map(|&v| mesh.points[v as usize]).collect(),
-        tets: tets.iter().map(|tet| tet.map(place)).collect(),
-        point_tags: mesh.point_tags.as_ref().map(tags),
-        ..TetMesh::default()
-    }
 }
 
 /// The worker of each tetrahedron; none if there was one alone.

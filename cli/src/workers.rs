@@ -4,7 +4,7 @@ use crate::console::{self, Stop};
 use crate::outcome::{Failure, show};
 use ltbw::domain::Prepared;
 use ltbw::refine::{ComplexError, RefineOutcome, Refined, Refiner};
-use ltbw::refining::{RefineError, rounds_on_threads};
+use ltbw::refining::{Owners, RefineError, rounds_on_threads};
 use ltbw::threads::{Parallel, WorkerStats};
 use std::path::Path;
 
@@ -13,20 +13,16 @@ use std::path::Path;
 pub(crate) struct Made {
     /// The figures of each.
     pub(crate) workers: Vec<WorkerStats>,
-    /// The worker of each tetrahedron of the domain.
-    pub(crate) inside: Vec<u32>,
-    /// The worker of each tetrahedron that is written.
-    pub(crate) owners: Vec<u32>,
+    /// The workers that have its tetrahedra.
+    pub(crate) owners: Owners,
     /// Why one thread has refined all.
     pub(crate) alone: Option<ComplexError>,
 }
 
-/// Refines a prepared domain on as many workers, if that is asked for. `exterior`: all tetrahedra
-/// are written.
+/// Refines a prepared domain on as many workers, if that is asked for.
 pub(crate) fn refine(
     (refiner, ready): (&Refiner<'_>, &Prepared),
     workers: Option<u32>,
-    exterior: bool,
     (stop, name): (&Stop, &Path),
 ) -> Result<(Refined, Made), Failure> {
     let failed = |error| Failure::Refine { path: name.to_owned(), error };
@@ -40,11 +36,10 @@ pub(crate) fn refine(
         RefineError::Domain(error) => failed(error),
         error => Failure::Other(format!("{}: {error}", show(name))),
     })?;
-    let (inside, owners) = (run.owners(false), run.owners(exterior));
     // A run that was stopped before has its own reason, and is told of that.
     let is_whole = matches!(run.refined.outcome, RefineOutcome::Met | RefineOutcome::Excused);
     let alone = run.ending.err().filter(|_| is_whole && run.workers.is_empty());
-    Ok((run.refined, Made { workers: run.workers, inside, owners, alone }))
+    Ok((run.refined, Made { workers: run.workers, owners: run.owners, alone }))
 }
 
 /// Says for people what the workers have done.

@@ -371,7 +371,7 @@ fn workers_refine_a_domain_to_one_mesh() {
         let report = json(&dir.path().join("r.json"));
         assert_eq!(report["workers"].as_array().unwrap().len(), count);
     }
-    // A domain that one thread refines alone is one part, and that is said.
+    // A domain that one thread refines alone is in one part, others are empty, and that is said.
     let run = ltbw(dir.path(), &["generate", "wedge", "--angle", "5", "-o", "w.poly"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let args = ["mesh", "w.poly", "--max-volume", "1e-2", "--workers", "2", "-o", "w.pvtu"];

@@ -29,8 +29,8 @@ pub use domain::{
 };
 pub use news::{DomainNews, PartEnd, ProbeId, Proposal, Sums, WireClosure, WireCorner, WireItem};
 pub use rounds::{
-    Ending, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN, ThreadedRounds,
-    Tree, is_quiet, rounds_on_threads, simulate_rounds,
+    Ending, Owners, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN,
+    ThreadedRounds, Tree, is_quiet, rounds_on_threads, simulate_rounds,
 };
 
 use crate::mesh::{Layout, LocalMesh, Prepared, SharedInput, gather};

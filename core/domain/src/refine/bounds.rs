@@ -173,30 +173,42 @@ impl Bounds<'_> {
         tets: impl Iterator<Item = TetId> + 'b,
         thin: &'b mut Vec<Thin>,
     ) -> impl Iterator<Item = Thin> + 'b {
-        let mut rest = tets.filter_map(|t| {
+        let inside = tets.filter_map(|t| {
             let (v, region) = (state.vertices(t), state.marks.region(t));
-            (region != 0 && v[3] != INFINITE).then_some((t, v, region))
+            let is_inside = region != 0 && v[3] != INFINITE;
+            is_inside.then(|| ((t, v), v.map(|v| state.at(v)), region))
         });
-        let mut four = Four::default();
-        let mut own = [(TetId::default(), [INFINITE; 4]); 4];
+        let all = self.over_among(inside, |own| thin.push(own));
+        all.filter(|&(_, v)| !state.is_flat(v))
+    }
+
+    /// Which of some tetrahedra of the domain, given with their corners and regions, are over their
+    /// bounds, in their order. If there is a bound of shape, `thin` is told of those that may have
+    /// tiny dihedral angles.
+    #[inline(always)]
+    pub(crate) fn over_among<'b, T: Copy + Default + 'b>(
+        &'b self,
+        mut tets: impl Iterator<Item = (T, [Point; 4], u32)> + 'b,
+        mut thin: impl FnMut(T) + 'b,
+    ) -> impl Iterator<Item = T> + 'b {
+        let (mut four, mut own) = (Four::default(), [T::default(); 4]);
         let (mut over, mut is_done) = (0u32, false);
-        let all = std::iter::from_fn(move || {
+        std::iter::from_fn(move || {
             while over == 0 && !is_done {
                 four.clear();
-                for (to, (t, v, region)) in own.iter_mut().zip(rest.by_ref()) {
-                    *to = (t, v);
-                    four.push(v.map(|v| state.at(v)), region);
+                for (to, (tet, corners, region)) in own.iter_mut().zip(tets.by_ref()) {
+                    *to = tet;
+                    four.push(corners, region);
                 }
                 is_done = four.count < 4;
                 let looked = self.look_at_four(&four);
                 over = looked.0;
-                thin.extend(bits(looked.1).map(|k| own[k]));
+                bits(looked.1).for_each(|k| thin(own[k]));
             }
             let k = over.trailing_zeros() as usize;
             over &= over.wrapping_sub(1);
             own.get(k).copied()
-        });
-        all.filter(|&(_, v)| !state.is_flat(v))
+        })
     }
 
     /// The factor by which tetrahedron `t`, which is over its bounds, is so: at least 1.

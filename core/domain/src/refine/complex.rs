@@ -8,7 +8,7 @@
 //! is. Triangles of three corners are as they were at the start: all new ones have a new vertex.
 
 use super::RefineError;
-use super::bounds::{Bounds, Four};
+use super::bounds::Bounds;
 use super::carrier::{Carrier, corner_point, free_point, within_box};
 use super::key::sorted;
 use super::measure::{Shape, circumcircle, in_diametral_ball, in_equatorial_ball};
@@ -19,7 +19,7 @@ use super::state::State;
 use super::table::{self, Map, Set, edge, triangle};
 use crate::vector::distance2;
 use ltbw_core::Random;
-use ltbw_core::topology::VertexId;
+use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::{Mode, Point};
 use std::cmp::Ordering;
 
@@ -243,12 +243,13 @@ impl<'a> Complex<'a> {
         region != 0 && self.bounds.are_over(corners, region)
     }
 
-    /// Which of at most four tetrahedra, given by their corners and regions, which are no exterior,
-    /// are over their bounds: a bit mask.
-    pub fn are_over(&self, tets: impl Iterator<Item = ([Point; 4], u32)>) -> u32 {
-        let mut four = Four::default();
-        tets.take(4).for_each(|(corners, region)| four.push(corners, region));
-        self.bounds.look_at_four(&four).0
+    /// Which of some tetrahedra of the domain, given with their corners and regions, are over their
+    /// bounds, in their order.
+    pub fn over_among<'b>(
+        &'b self,
+        tets: impl Iterator<Item = (TetId, [Point; 4], u32)> + 'b,
+    ) -> impl Iterator<Item = TetId> + 'b {
+        self.bounds.over_among(tets, |_| {})
     }
 
     pub(super) fn bounds(&self) -> &Bounds<'a> {

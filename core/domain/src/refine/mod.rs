@@ -115,7 +115,7 @@ pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats};
 pub use output::Refined;
 pub use region::RegionInfo;
 #[doc(hidden)]
-pub use rounds::BESIDE;
+pub use rounds::{BESIDE, Bad, Ranked, sift, witness};
 pub use rounds::{InsertOrder, RoundTimes};
 pub use run::Refiner;
 #[doc(hidden)]

@@ -7,30 +7,16 @@
 //! Only what has changed is told. A tetrahedron at an interface face has a name that no other ever
 //! has, so that what was told of the face stays true of it, or is told anew.
 //!
-//! Most are beaten round after round by the same one: it is remembered as a *witness*, and as long
-//! as nothing on the way there has changed nothing is looked at.
+//! Witnesses are remembered from round to round, as by the engine with one mesh (`sift`).
 
 use crate::protocol::{Directory, Handle, Name, Rules, Submesh, WorkerId};
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
-use ltbw_domain::refine::Rank;
+use ltbw_domain::refine::{Bad, Rank, Ranked, sift, witness};
 use rustc_hash::FxHashMap;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
-
-/// A tetrahedron over its bounds, or one that was.
-#[derive(Clone, Copy, Debug)]
-struct Bad {
-    t: TetId,
-    /// The neighbour on the way to one here that comes before it, or `t` itself, and that one; `t`
-    /// twice if none is known.
-    witness: [TetId; 2],
-    /// The look at new tetrahedra up to which all this is so.
-    look: u32,
-}
-
-/// Tetrahedra over their bounds whose entries are looked at together.
-const BLOCK: usize = 32;
+use std::marker::PhantomData;
 
 /// The news for each worker at an interface face: its tetrahedron and face, and a rank.
 pub(super) type Told = BTreeMap<WorkerId, Vec<(Name, u8, Option<Rank>)>>;
@@ -95,38 +81,21 @@ impl Keys {
             self.stamps[t.index()] = self.look;
         }
         let first = self.bad.len();
-        let is_inside =
-            |&t: &TetId| all.is_live(t) && all.vertices(t)[3] != INFINITE && mesh.region(t) != 0;
-        let mut rest = tets.iter().copied().filter(is_inside);
-        // Ends: each is taken once.
-        loop {
-            let mut four = [TetId::default(); 4];
-            let mut count = 0;
-            for (to, t) in four.iter_mut().zip(rest.by_ref()) {
-                *to = t;
-                count += 1;
-            }
-            let over = mesh.complex.are_over(
-                four[..count]
-                    .iter()
-                    .map(|&t| (all.vertices(t).map(|v| mesh.point(v)), mesh.region(t))),
-            );
-            for (_, &t) in (0..count).zip(&four).filter(|&(k, _)| over >> k & 1 == 1) {
-                // One that is told of twice has a key already.
-                if self.keys[t.index()] == 0 {
-                    self.keys[t.index()] = rank_of::<C>(mesh, all.vertices(t)).key();
-                    self.bad.push(Bad { t, witness: [t; 2], look: self.look });
-                }
-            }
-            if count < 4 {
-                break;
+        let inside = tets.iter().copied().filter_map(|t| {
+            let region = mesh.region(t);
+            let is_inside = all.is_live(t) && all.vertices(t)[3] != INFINITE && region != 0;
+            is_inside.then(|| (t, all.vertices(t).map(|v| mesh.point(v)), region))
+        });
+        for t in mesh.complex.over_among(inside) {
+            // One that is told of twice has a key already.
+            if self.keys[t.index()] == 0 {
+                self.keys[t.index()] = rank_of::<C>(mesh, all.vertices(t)).key();
+                self.bad.push(Bad::new(t, self.look));
             }
         }
         // They are in the cache; a witness of now may be one when the round is over.
         for k in first..self.bad.len() {
-            let t = self.bad[k].t;
-            let around = all.neighbours(t).map(tet_of);
-            if let Some(witness) = self.one_before::<C>(mesh, t, around) {
+            if let Some(witness) = self.ranked::<C>(mesh).one_before(self.bad[k].t) {
                 self.bad[k].witness = witness;
             }
         }
@@ -177,14 +146,17 @@ impl Keys {
         is_over.then(|| rank_of::<C>(mesh, mesh.inner.tets().vertices(t)))
     }
 
-    /// The tetrahedron over its bounds in slot `t`, or the one beyond face `slot` of `from`, if `t`
-    /// stands for that.
+    /// The tetrahedron over its bounds in slot `t`.
+    fn one_at(&self, t: TetId) -> Option<One> {
+        (self.keys[t.index()] != 0).then(|| One::Here(t, self.stamps[t.index()]))
+    }
+
+    /// The same, or the one beyond face `slot` of `from`, if `t` stands for that.
     fn one_beside(&self, mesh: &DomainMesh<'_>, from: TetId, slot: usize, t: TetId) -> Option<One> {
-        if self.keys[t.index()] != 0 {
-            return Some(One::Here(t, self.stamps[t.index()]));
-        }
-        mesh.inner.tets().far(t)?;
-        self.told_beyond(mesh, 0, from, slot).map(One::There)
+        self.one_at(t).or_else(|| {
+            mesh.inner.tets().far(t)?;
+            self.told_beyond(mesh, 0, from, slot).map(One::There)
+        })
     }
 
     /// The rank told of a face of tetrahedron `t` in an exchange.
@@ -233,10 +205,10 @@ impl Keys {
     ) -> Told {
         let mut news = Told::new();
         let mut told = std::mem::take(&mut self.told[exchange]);
-        for &Interface { t, slot, beyond, .. } in &self.interface {
+        for &Interface { t, slot, beyond } in &self.interface {
             let entry = news.entry(directory.owner(beyond.block)).or_default();
             let one = match exchange {
-                0 => (self.keys[t.index()] != 0).then(|| One::Here(t, self.stamps[t.index()])),
+                0 => self.one_at(t),
                 _ => {
                     let around = mesh.inner.tets().neighbours(t).into_iter().enumerate();
                     let others = around.filter(|&(k, _)| k != slot);
@@ -269,67 +241,22 @@ impl Keys {
     pub(super) fn foremost<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> [Vec<TetId>; 2] {
         let mut all: [Vec<TetId>; 2] = Default::default();
         let mut bad = std::mem::take(&mut self.bad);
-        let changed = |own: &Bad, t: TetId| u32::from(self.stamps[t.index()] > own.look);
-        let mut kept = 0;
-        for first in (0..bad.len()).step_by(BLOCK) {
-            let block = first..bad.len().min(first + BLOCK);
-            // No branch waits for an entry: they are fetched side by side. 0: what came before it
-            // is where it was; 1: it has to be looked for; 2 or 3: the tetrahedron is gone.
-            let mut news = [0u32; BLOCK];
-            for (own, new) in bad[block.clone()].iter().zip(&mut news) {
-                let [way, other] = own.witness;
-                let is_alone = u32::from(other == own.t);
-                *new =
-                    changed(own, own.t) << 1 | changed(own, way) | changed(own, other) | is_alone;
+        let tets = mesh.inner.tets();
+        let kept = sift(&mut bad, self.look, &self.ranked::<C>(mesh), |t| {
+            let around = tets.neighbours(t).map(tet_of);
+            if !self.is_beaten_from_afar::<C>(mesh, t, around) {
+                let is_inner = around.into_iter().all(|n| tets.far(n).is_none());
+                all[usize::from(is_inner)].push(t);
             }
-            for (k, new) in block.zip(news).filter(|own| own.1 <= 1) {
-                let mut own = bad[k];
-                if new == 1 {
-                    let t = own.t;
-                    let around = mesh.inner.tets().neighbours(t).map(tet_of);
-                    if let Some(witness) = self.one_before::<C>(mesh, t, around) {
-                        own = Bad { t, witness, look: self.look };
-                    } else if !self.is_beaten_from_afar::<C>(mesh, t, around) {
-                        let tets = mesh.inner.tets();
-                        let is_inner = around.into_iter().all(|n| tets.far(n).is_none());
-                        all[usize::from(is_inner)].push(t);
-                    }
-                }
-                bad[kept] = own;
-                kept += 1;
-            }
-        }
+        });
         bad.truncate(kept);
         self.bad = bad;
         all
     }
 
-    /// The neighbour on the way, or `t`, and a tetrahedron here around `t` that comes before it.
-    fn one_before<C: Rules>(
-        &self,
-        mesh: &DomainMesh<'_>,
-        t: TetId,
-        around: [TetId; 4],
-    ) -> Option<[TetId; 2]> {
-        let key = self.keys[t.index()];
-        // The slot of a far face has no key, or while points are inserted one of before: a witness
-        // that `start` forgets.
-        let is_before = |one: TetId| {
-            let other = self.keys[one.index()];
-            other > key
-                || other == key && one != t && {
-                    let [one, own] = [one, t].map(|t| self.rank::<C>(mesh, t));
-                    one < own
-                }
-        };
-        if let Some(other) = around.into_iter().find(|&n| is_before(n)) {
-            return Some([t, other]);
-        }
-        let tets = mesh.inner.tets();
-        around.into_iter().filter(|&n| tets.is_live(n)).find_map(|way| {
-            let beyond = tets.neighbours(way).map(tet_of);
-            beyond.into_iter().find(|&n| is_before(n)).map(|other| [way, other])
-        })
+    /// The tetrahedra here, by their ranks.
+    fn ranked<'k, 'c, C: Rules>(&'k self, mesh: &'k DomainMesh<'c>) -> RankedHere<'k, 'c, C> {
+        RankedHere { keys: self, mesh, rules: PhantomData }
     }
 
     /// Does one that is another worker's come before one that nothing here comes before?
@@ -357,5 +284,42 @@ impl Keys {
             }
         }
         best.is_some_and(|best| self.rank::<C>(mesh, t).is_some_and(|own| best < own))
+    }
+}
+
+/// A worker's tetrahedra by their ranks. Others' count for nothing.
+struct RankedHere<'k, 'c, C> {
+    keys: &'k Keys,
+    mesh: &'k DomainMesh<'c>,
+    rules: PhantomData<C>,
+}
+
+impl<C: Rules> Ranked for RankedHere<'_, '_, C> {
+    fn stamp(&self, t: TetId) -> u32 {
+        self.keys.stamps[t.index()]
+    }
+
+    fn neighbours(&self, t: TetId) -> [TetId; 4] {
+        self.mesh.inner.tets().neighbours(t).map(tet_of)
+    }
+
+    fn prefetch(&self, t: TetId) {
+        self.mesh.inner.tets().prefetch(t);
+    }
+
+    fn one_before(&self, t: TetId) -> Option<[TetId; 2]> {
+        let (keys, key) = (&self.keys.keys, self.keys.keys[t.index()]);
+        // The slot of a far face has no key, or while points are inserted one of before: a witness
+        // that `start` forgets.
+        let is_before = |&one: &TetId| {
+            let other = keys[one.index()];
+            other > key
+                || other == key && one != t && {
+                    let [one, own] = [one, t].map(|t| self.keys.rank::<C>(self.mesh, t));
+                    one < own
+                }
+        };
+        let around = |way: TetId| self.mesh.inner.tets().is_live(way).then(|| self.neighbours(way));
+        witness(t, self.neighbours(t), around, is_before)
     }
 }

@@ -78,22 +78,27 @@ pub struct ThreadedRounds {
     pub refined: Refined,
     /// The figures of each worker; of none if one thread has refined all.
     pub workers: Vec<WorkerStats>,
-    /// By worker: the first slot of its tetrahedra when the workers' rounds had ended.
-    firsts: Vec<usize>,
+    /// The workers that have its tetrahedra.
+    pub owners: Owners,
     /// The end of the workers' rounds, or why they carried out none.
     pub ending: Result<Ending, ComplexError>,
     /// The figures of their rounds.
     pub figures: RoundFigures,
 }
 
-impl ThreadedRounds {
+/// The owners of tetrahedra: by worker the first slot of its tetrahedra when the workers' rounds
+/// had ended; of none if one thread has refined all.
+#[derive(Clone, Debug, Default)]
+pub struct Owners(Vec<usize>);
+
+impl Owners {
     /// The worker of each tetrahedron of [`Refined::inside`] or, with the exterior, of
     /// [`Refined::with_exterior`]; 0 if one thread has refined all. What was made when the workers'
     /// rounds had ended belongs to the one whose slot it has, or to the last one.
-    pub fn owners(&self, exterior: bool) -> Vec<u32> {
-        let owner = |t: TetId| self.firsts.partition_point(|&first| first <= t.index());
-        let owners = self.refined.listed(exterior).into_iter();
-        owners.map(|t| owner(t).saturating_sub(1) as u32).collect()
+    pub fn of(&self, refined: &Refined, exterior: bool) -> Vec<u32> {
+        let owner = |t: TetId| self.0.partition_point(|&first| first <= t.index());
+        let listed = refined.listed(exterior).into_iter();
+        listed.map(|t| owner(t).saturating_sub(1) as u32).collect()
     }
 }
 
@@ -209,7 +214,7 @@ pub fn rounds_on_threads(
         Ok(ended.into_iter().zip(&mut workers).map(add).collect())
     };
     let (refined, ending, figures, firsts) = refine::<Correct>(refiner, whole, layout, run)?;
-    Ok(ThreadedRounds { refined, workers, firsts, ending, figures })
+    Ok(ThreadedRounds { refined, workers, owners: Owners(firsts), ending, figures })
 }
 
 /// Puts together what workers have; `before` are the figures when they began, `figures` all.

@@ -73,15 +73,20 @@ impl Marks {
     }
 
     fn get(&self, place: usize) -> Option<u32> {
-        let (time, value) = self.all[place];
+        let &(time, value) = self.all.get(place)?;
         (time == self.now).then_some(value)
+    }
+
+    /// Marks a place, which may be marked already.
+    fn set(&mut self, place: usize, value: u32) {
+        self.all[place] = (self.now, value);
     }
 
     /// Marks a place, if it is not; was it not?
     fn mark(&mut self, place: usize, value: u32) -> bool {
         let is_new = self.all[place].0 != self.now;
         if is_new {
-            self.all[place] = (self.now, value);
+            self.set(place, value);
         }
         is_new
     }
@@ -162,7 +167,7 @@ impl Served {
         own: &Proposal,
         seed: TetId,
     ) -> bool {
-        if own.probe.home != self.me || self.part(own.probe).is_some() {
+        if self.part(own.probe).is_some() {
             return false;
         }
         let Some(cavity) = mesh.cavity_of(seed, &point(&own.to)) else { return false };
@@ -176,12 +181,12 @@ impl Served {
     /// which the places are marked as seen then.
     pub(super) fn complete(&mut self, mesh: &DomainMesh<'_>, probe: ProbeId) -> bool {
         let tets = mesh.inner.tets();
-        self.seen.clear(tets.topology().slots());
         let mut seen = std::mem::take(&mut self.seen);
         let part = self.part_mut(probe).filter(|part| part.lacks_ring);
         let is_new = part.is_some();
         if let Some(part) = part {
             part.lacks_ring = false;
+            seen.clear(tets.topology().slots());
             let inside = part.order.len();
             part.order.reserve(2 * inside + 2);
             for (place, (t, _)) in part.order.iter().enumerate() {
@@ -265,7 +270,7 @@ impl Served {
             for t in part.cavity() {
                 let is_first = reserved.get(t.index());
                 if is_first.is_none_or(|other| part.rank < holders[other as usize].0) {
-                    reserved.all[t.index()] = (reserved.now, number);
+                    reserved.set(t.index(), number);
                 }
             }
         }
@@ -276,8 +281,7 @@ impl Served {
     }
 
     fn holder(&self, t: TetId) -> Option<&(Rank, Carrier)> {
-        let number = self.reserved.all.get(t.index()).and_then(|_| self.reserved.get(t.index()))?;
-        self.holders.get(number as usize)
+        self.holders.get(self.reserved.get(t.index())? as usize)
     }
 
     /// Is a candidate before this one in the way of its own tetrahedron?

@@ -293,7 +293,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             Stage::Exchanging(_) => self.awaited.is_empty(),
             Stage::Choosing if !self.to_launch.is_empty() => true,
             Stage::Inserting if self.created.len() >= LOOK => true,
-            _ => !self.tree.has_put() && self.sums(standing).is_some(),
+            _ => !self.tree.has_put() && self.is_ready_for_barrier(standing),
         }
     }
 
@@ -317,8 +317,8 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 self.end_decisions();
             }
             _ => {
-                if let Some(sums) = self.sums(standing) {
-                    let step = self.tree.put(sums);
+                if self.is_ready_for_barrier(standing) {
+                    let step = self.tree.put(self.sums(standing));
                     self.take_step(step);
                 }
             }

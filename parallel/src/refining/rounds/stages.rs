@@ -104,8 +104,18 @@ impl<C: Rules> Rounds<C> {
         self.stage = Stage::Counting;
     }
 
-    /// The sums that this worker adds at the barrier that it is at, if it is ready for that.
-    pub(super) fn sums(&self, standing: Standing) -> Option<Sums> {
+    /// Is this worker ready for the barrier of its stage?
+    pub(super) fn is_ready_for_barrier(&self, standing: Standing) -> bool {
+        match self.stage {
+            Stage::Counting => true,
+            Stage::Choosing => self.open == 0 && self.to_launch.is_empty(),
+            Stage::Inserting => standing.is_passive && self.chosen.is_empty(),
+            Stage::Looking | Stage::Exchanging(_) | Stage::Deciding | Stage::Over => false,
+        }
+    }
+
+    /// The sums that this worker adds at the barrier for which it is ready.
+    pub(super) fn sums(&self, standing: Standing) -> Sums {
         let mut sums = [0; SUMS];
         match self.stage {
             Stage::Counting => {
@@ -116,13 +126,13 @@ impl<C: Rules> Rounds<C> {
                 sums[OPEN] = self.counts.releases;
                 sums[CANCELLED] = i64::from(self.is_cancelled);
             }
-            Stage::Choosing if self.open == 0 && self.to_launch.is_empty() => {
+            Stage::Choosing => {
                 let fits = |probe: &&Probe| matches!(probe.outcome, Outcome::Fits(_));
                 sums[CANDIDATES] = self.probes.iter().filter(fits).count() as i64;
                 sums[OPEN] = self.counts.notes;
                 sums[IRREGULAR] = i64::from(self.is_irregular);
             }
-            Stage::Inserting if standing.is_passive && self.chosen.is_empty() => {
+            Stage::Inserting => {
                 sums[SENT] = standing.sent as i64;
                 sums[TAKEN] = standing.received as i64;
                 sums[OPEN] = self.counts.asks;
@@ -131,9 +141,9 @@ impl<C: Rules> Rounds<C> {
                 }
                 sums[NEWS] = self.asked.len() as i64;
             }
-            _ => return None,
+            Stage::Looking | Stage::Exchanging(_) | Stage::Deciding | Stage::Over => {}
         }
-        Some(sums)
+        sums
     }
 
     pub(super) fn take_step(&mut self, step: Option<Step>) {

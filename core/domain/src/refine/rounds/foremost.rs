@@ -2,6 +2,7 @@
 //! keys, whatever the order in which they are found.
 
 use super::Rounds;
+use super::sift::{Bad, Ranked, sift, witness};
 use crate::refine::item::Item;
 use crate::refine::key::order_key;
 use crate::refine::measure::Shape;
@@ -14,26 +15,6 @@ use std::cmp::Ordering;
 
 /// Tetrahedra that one thread sifts at a time.
 const SHARE: usize = if cfg!(test) { 5 } else { 2048 };
-
-/// A tetrahedron over its bounds, or one that was.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bad {
-    pub(super) t: TetId,
-    /// A tetrahedron that came before it at that look, and the neighbour on the way there, or `t`
-    /// itself; `t` twice if none was found.
-    pub(super) witness: [TetId; 2],
-    /// The look at new tetrahedra up to which all this is so.
-    pub(super) look: u32,
-}
-
-impl Bad {
-    pub(super) fn new(t: TetId, look: u32) -> Self {
-        Self { t, witness: [t; 2], look }
-    }
-}
-
-/// Tetrahedra over their bounds whose entries are looked at together, before what they point at.
-const BLOCK: usize = 32;
 
 /// A tetrahedron that comes before all those around it.
 #[derive(Clone, Copy, Debug)]
@@ -92,37 +73,9 @@ impl Rounds<'_, '_> {
     /// Moves those of some tetrahedra that are still there to the front, and finds the foremost
     /// among them. Returns their number, and the foremost.
     fn sift(&self, bad: &mut [Bad]) -> (usize, Vec<Foremost>) {
-        let (mut kept, mut foremost) = (0, Vec::new());
-        let mesh = &self.own.state.mesh;
-        let changed = |own: &Bad, t: TetId| u32::from(self.stamps.at(t) > own.look);
-        for first in (0..bad.len()).step_by(BLOCK) {
-            let block = first..bad.len().min(first + BLOCK);
-            // No branch waits for an entry: they are fetched side by side. 0: what came before it
-            // is where it was; 1: it has to be looked for; 2 or 3: the tetrahedron is gone.
-            let mut news = [0u32; BLOCK];
-            for (own, new) in bad[block.clone()].iter().zip(&mut news) {
-                let [way, other] = own.witness;
-                let is_alone = u32::from(other == own.t);
-                *new =
-                    changed(own, own.t) << 1 | changed(own, way) | changed(own, other) | is_alone;
-            }
-            let of = |new: u32| block.clone().zip(news).filter(move |own| own.1 == new);
-            of(1).for_each(|(k, _)| mesh.prefetch(bad[k].t));
-            for (k, _) in of(1) {
-                self.neighbours(bad[k].t).into_iter().for_each(|t| mesh.prefetch(t));
-            }
-            for (k, new) in block.zip(news).filter(|own| own.1 <= 1) {
-                let mut own = bad[k];
-                if new == 1 {
-                    match self.one_before(own.t, self.keys.at(own.t)) {
-                        Some(witness) => own = Bad { witness, look: self.looks, ..own },
-                        None => foremost.push(self.foremost_at(own.t, self.keys.at(own.t))),
-                    }
-                }
-                bad[kept] = own;
-                kept += 1;
-            }
-        }
+        let mut foremost = Vec::new();
+        let kept =
+            sift(bad, self.looks, self, |t| foremost.push(self.foremost_at(t, self.keys.at(t))));
         (kept, foremost)
     }
 
@@ -236,18 +189,26 @@ impl Rounds<'_, '_> {
     }
 }
 
-/// The neighbour of `t` on the way, or `t`, and a tetrahedron that comes before `t`: one of its
-/// neighbours, else one around one of these.
-#[inline(always)]
-pub(super) fn witness(
-    t: TetId,
-    neighbours: [TetId; 4],
-    around: impl Fn(TetId) -> Option<[TetId; 4]>,
-    is_before: impl Fn(&TetId) -> bool,
-) -> Option<[TetId; 2]> {
-    let beside = neighbours.into_iter().find(&is_before).map(|other| [t, other]);
-    let beyond = |way: TetId| around(way)?.into_iter().find(&is_before).map(|other| [way, other]);
-    beside.or_else(|| neighbours.into_iter().find_map(beyond))
+impl Ranked for Rounds<'_, '_> {
+    #[inline(always)]
+    fn stamp(&self, t: TetId) -> u32 {
+        self.stamps.at(t)
+    }
+
+    #[inline(always)]
+    fn neighbours(&self, t: TetId) -> [TetId; 4] {
+        self.neighbours(t)
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, t: TetId) {
+        self.own.state.mesh.prefetch(t);
+    }
+
+    #[inline(always)]
+    fn one_before(&self, t: TetId) -> Option<[TetId; 2]> {
+        self.one_before(t, self.keys.at(t))
+    }
 }
 
 impl crate::refine::state::State {

@@ -1,7 +1,7 @@
 //! The insertion of the points of a round by several threads: each has a share of them along the
 //! curve, inserts those whose closures nobody else needs, and leaves the others.
 
-use super::foremost::{Bad, witness};
+use super::sift::{Bad, witness};
 use super::{Candidate, Look, Rounds};
 use crate::refine::RefineError;
 use crate::refine::bounds::{Bounds, Four, bits};

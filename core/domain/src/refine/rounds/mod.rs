@@ -19,11 +19,14 @@ mod probe;
 mod relief;
 mod resume;
 mod settle;
+mod sift;
 mod sliver;
 mod times;
 
 pub use choose::BESIDE;
 pub(crate) use resume::{Resumed, Waiting};
+#[doc(hidden)]
+pub use sift::{Bad, Ranked, sift, witness};
 pub use times::RoundTimes;
 
 use super::RefineError;
@@ -151,7 +154,7 @@ pub(crate) struct Rounds<'r, 'a> {
     /// The number of looks at new tetrahedra.
     looks: u32,
     /// The tetrahedra whose key is not 0, and others that are gone since.
-    bad: Vec<foremost::Bad>,
+    bad: Vec<Bad>,
     /// Tetrahedra among them that come before all around them.
     foremost: Vec<foremost::Foremost>,
     /// Per group of the foremost: the index of the one that comes first.

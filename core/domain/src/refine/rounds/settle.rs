@@ -1,7 +1,7 @@
 //! After the insertions: which tetrahedra are over their bounds, with which keys.
 
 use super::Rounds;
-use super::foremost::Bad;
+use super::sift::Bad;
 use crate::refine::RefineError;
 use crate::refine::item::Item;
 use crate::refine::key::{key_of_tet, order_key};
