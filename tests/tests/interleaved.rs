@@ -4,8 +4,10 @@
 
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Rule, SubmeshError, WorkerId};
+use ltbw::refine::Refiner;
 use ltbw::{Point, PointSet};
-use ltbw_generate::{PointKind, generate};
+use ltbw_generate::{DomainKind, PointKind, Shape, generate, generate_domain};
+use ltbw_tests::domains::prepared;
 use ltbw_tests::interleave::{Case, Chooser, Figures, Refusal, Tempo};
 
 /// Plays `points` with ownership by the newest vertex, and by blocks, which move; returns setbacks
@@ -225,4 +227,41 @@ fn a_run_without_room_fails_and_says_why() {
         }
     }
     assert!(whole > 10 && failed > 20, "{whole} whole, {failed} failed");
+}
+
+#[test]
+fn domains_in_rounds_have_the_engines_mesh() {
+    let cases = [
+        (DomainKind::CubeOctahedron, 1e-2),
+        (DomainKind::CubeInCube, 2e-2),
+        (DomainKind::LBlock, 1e-2),
+        (DomainKind::TwoMaterial, 2e-2),
+        (DomainKind::Stair, 2e-2),
+    ];
+    let (mut committed, mut setbacks, mut by_workers) = (0, 0, 0);
+    for seed in 0..20 {
+        let (kind, volume) = cases[seed as usize % cases.len()];
+        let ready = prepared(&generate_domain(kind, &Shape::default()).expect("a domain"));
+        let refiner = Refiner::new().max_volume(volume).start(0);
+        let ownership = [Ownership::Newest, Ownership::Block][seed as usize / 2 % 2];
+        let case = Case {
+            layout: Layout { ownership, ..layout(2 + seed as u32 % 6, 10) },
+            rule: Rule::WoundWait,
+            closure: Closure::Face,
+            tempo: Tempo::ALL[seed as usize / 5 % 4],
+            slow: (seed % 3 == 0).then_some(seed as usize % 2),
+            moves: 0,
+            cancel: (seed % 8 == 7).then_some(50 * seed as usize),
+            bytes: false,
+        };
+        // Shown if the test fails.
+        println!("seed {seed}, {kind:?}, {case:?}");
+        let (figures, end) = case.refine(&refiner, &ready, &mut Chooser::new(&[], seed));
+        committed += figures.committed;
+        setbacks += figures.setbacks;
+        by_workers += usize::from(end.is_ok());
+    }
+    println!("{committed} operations on several workers, {setbacks} setbacks, {by_workers} runs");
+    assert_eq!(by_workers, 20);
+    assert!(committed > 1_000 && setbacks > 20, "{committed} {setbacks}");
 }

@@ -1,7 +1,7 @@
 //! `rounds`: refinement in rounds at full size. 500 random domains in five orders are judged, and
 //! compared with splitting one item after the other; named domains and the parts of a folder in
-//! 22 orders; tiny domains in every permutation; files, golden hashes; 100 random domains against
-//! CGAL.
+//! 22 orders; tiny domains in every permutation; files, golden hashes; 200 random domains and the
+//! parts by workers that share no mesh; 100 random domains against CGAL.
 
 use crate::shell::{self, cargo};
 
@@ -15,7 +15,9 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
         [folder] => Some(std::path::absolute(folder).map_err(|e| format!("{folder}: {e}"))?),
         _ => return Err("usage: rounds [DIR]".to_owned()),
     };
-    for (test, cases) in [("refine_rounds", "500"), ("refine_cgal", "100")] {
+    for (test, cases) in
+        [("refine_rounds", "500"), ("refine_workers", "200"), ("refine_cgal", "100")]
+    {
         let mut command = cargo();
         command.args([
             "test",

@@ -5,20 +5,20 @@
 //! [`Case::play`] runs a point set to its end and checks what must hold there, whatever the order
 //! was: nothing locked, awaited or under way; one owner for each block, and a way to it from every
 //! worker; the mesh whole, certified by the independent checker, and the sequential kernel's.
+//! [`Case::refine`] does so with a domain that the workers refine in rounds.
 
 mod ending;
+mod rounds;
 
 use crate::families::Rng;
-use ltbw::check::{Between, History};
-use ltbw::mesh::{Gathered, Layout, LocalMesh, PointQueue};
+use ltbw::check::{Between, History, Inspect};
+use ltbw::mesh::{Gathered, Layout, LocalMesh};
 use ltbw::protocol::{
-    Action, BlockId, Closure, Config, Event, Message, Note, Rule, Source, SubmeshError, Worker,
-    WorkerId,
+    Action, BlockId, Closure, Config, Event, Message, Note, Rule, Source, Submesh, SubmeshError,
+    Worker, WorkerId,
 };
 use ltbw::{BuildError, Mesh, PointSet};
 use std::collections::{BTreeMap, VecDeque};
-
-type Node = Worker<LocalMesh, PointQueue>;
 
 /// Turns after which a run counts as hanging, per point.
 const TURNS_PER_POINT: usize = 4000;
@@ -99,6 +99,16 @@ pub struct Figures {
     pub moved: usize,
 }
 
+impl Figures {
+    /// Adds those of another run.
+    fn add(&mut self, other: &Self) {
+        self.turns += other.turns;
+        self.setbacks += other.setbacks;
+        self.committed += other.committed;
+        self.moved += other.moved;
+    }
+}
+
 /// A run that ended as it must.
 #[derive(Debug)]
 pub struct Played {
@@ -172,19 +182,11 @@ impl Case {
             .into_iter()
             .map(|(directory, mesh, field)| Worker::new(config, directory, mesh, field))
             .collect();
-        let mut world = World::new(*self, nodes, set.len());
-        let limit = TURNS_PER_POINT * (set.len() + 100);
-        loop {
-            let failed = world.nodes.iter().find_map(|node| Some((node.id(), node.error()?)));
-            if let Some((worker, error)) = failed {
-                return Err(Refusal::Submesh(worker, error));
-            }
-            if !world.turn(chooser) {
-                break;
-            }
-            assert!(world.figures.turns < limit, "no end:\n{}", world.describe());
-        }
+        let way = if self.bytes { through_bytes } else { |message| message };
+        let mut world = World::new(*self, nodes, set.len(), way);
+        world.run(chooser)?;
         world.check_rest();
+        world.check_places();
         let World { nodes, figures, .. } = world;
         let meshes = nodes.into_iter().map(|node| node.into_parts().0).collect();
         let gathered = ltbw::mesh::gather(meshes, prepared.common);
@@ -202,35 +204,60 @@ impl Case {
 }
 
 /// Workers, and what is under way between them.
-struct World {
+struct World<S: Submesh, Q> {
     case: Case,
-    nodes: Vec<Node>,
-    channels: BTreeMap<(usize, usize), VecDeque<Message<LocalMesh>>>,
+    nodes: Vec<Worker<S, Q>>,
+    channels: BTreeMap<(usize, usize), VecDeque<Message<S>>>,
+    /// What becomes of a message on its way.
+    way: fn(Message<S>) -> Message<S>,
     /// Worker, event, and the turn from which on it may happen.
-    backoff: Vec<(usize, Event<LocalMesh>, usize)>,
+    backoff: Vec<(usize, Event<S>, usize)>,
     /// Moves left.
     moves: u32,
     /// Workers that have heard of the cancel.
     cancelled: Vec<bool>,
     figures: Figures,
+    /// Turns after which a run counts as hanging.
+    limit: usize,
     history: History,
     /// The invariants are checked each time this number of turns have passed.
     check_every: usize,
 }
 
-impl World {
-    fn new(case: Case, nodes: Vec<Node>, points: usize) -> Self {
+impl<S: Submesh + Inspect, Q: Source<S>> World<S, Q> {
+    fn new(
+        case: Case,
+        nodes: Vec<Worker<S, Q>>,
+        points: usize,
+        way: fn(Message<S>) -> Message<S>,
+    ) -> Self {
         Self {
             case,
             cancelled: vec![false; nodes.len()],
             nodes,
             channels: BTreeMap::new(),
+            way,
             backoff: Vec::new(),
             moves: case.moves,
             figures: Figures::default(),
+            limit: TURNS_PER_POINT * (points + 100),
             history: History::default(),
             // A check looks at the whole mesh.
             check_every: if points <= 50 { 1 } else { 2 * points },
+        }
+    }
+
+    /// Runs until nothing can happen any more.
+    fn run(&mut self, chooser: &mut Chooser) -> Result<(), Refusal> {
+        loop {
+            let failed = self.nodes.iter().find_map(|node| Some((node.id(), node.error()?)));
+            if let Some((worker, error)) = failed {
+                return Err(Refusal::Submesh(worker, error));
+            }
+            if !self.turn(chooser) {
+                return Ok(());
+            }
+            assert!(self.figures.turns < self.limit, "no end:\n{}", self.describe());
         }
     }
 
@@ -304,26 +331,28 @@ impl World {
         if self.figures.turns.is_multiple_of(self.check_every) {
             self.check_invariants();
         }
-        // Nothing gives a cancelled worker more to do, be it a block that moves in.
-        assert!(!self.cancelled[w] || self.nodes[w].source().is_empty(), "{w} is cancelled");
+        // Nothing gives a cancelled worker more points, be it a block that moves in. (A source that
+        // watches ends a round that others have chosen with it.)
+        let has_none = Q::WATCHES || self.nodes[w].source().is_empty();
+        assert!(!self.cancelled[w] || has_none, "{w} is cancelled");
         true
     }
 
-    fn deliver(&mut self, from: usize, to: usize, out: &mut Vec<Action<LocalMesh>>) -> usize {
+    fn deliver(&mut self, from: usize, to: usize, out: &mut Vec<Action<S>>) -> usize {
         let Some(queue) = self.channels.get_mut(&(from, to)) else { return to };
         let message = queue.pop_front();
         if queue.is_empty() {
             self.channels.remove(&(from, to));
         }
         if let Some(message) = message {
-            let message = if self.case.bytes { through_bytes(&message) } else { message };
+            let message = (self.way)(message);
             self.nodes[to].step(Event::Message { from: WorkerId::at(from), message }, out);
         }
         to
     }
 
     /// A block's owner is told to give it away. It need not.
-    fn move_block(&mut self, chooser: &mut Chooser, out: &mut Vec<Action<LocalMesh>>) -> usize {
+    fn move_block(&mut self, chooser: &mut Chooser, out: &mut Vec<Action<S>>) -> usize {
         self.moves -= 1;
         let block = BlockId::at(chooser.below(self.nodes[0].directory().blocks().len()));
         let to = WorkerId::at(chooser.below(self.nodes.len()));
@@ -334,7 +363,7 @@ impl World {
         owner
     }
 
-    fn carry_out(&mut self, w: usize, out: Vec<Action<LocalMesh>>, chooser: &mut Chooser) {
+    fn carry_out(&mut self, w: usize, out: Vec<Action<S>>, chooser: &mut Chooser) {
         for action in out {
             if let Action::Note(note) = action {
                 let noted = self.history.note(note);
@@ -371,7 +400,7 @@ impl World {
     }
 
     fn describe(&self) -> String {
-        let nodes: Vec<String> = self.nodes.iter().map(Node::describe).collect();
+        let nodes: Vec<String> = self.nodes.iter().map(Worker::describe).collect();
         let mail: Vec<_> = self
             .channels
             .iter()
@@ -382,8 +411,8 @@ impl World {
 }
 
 /// The message, written to bytes and read back.
-fn through_bytes(message: &Message<LocalMesh>) -> Message<LocalMesh> {
-    let bytes = serde_json::to_vec(message).unwrap_or_else(|error| panic!("{error}"));
+fn through_bytes(message: Message<LocalMesh>) -> Message<LocalMesh> {
+    let bytes = serde_json::to_vec(&message).unwrap_or_else(|error| panic!("{error}"));
     let back: Message<LocalMesh> =
         serde_json::from_slice(&bytes).unwrap_or_else(|error| panic!("{error}"));
     let again = serde_json::to_vec(&back).unwrap_or_else(|error| panic!("{error}"));

@@ -34,7 +34,8 @@ pub fn world(seed: u64) -> World {
 }
 
 /// A world of `workers` workers, 1 to 3 blocks each, up to 13 points on the final hull, some of
-/// them twice, and up to 7 moves, with termination detection.
+/// them twice, in one round or, in nearly a third, in two, and up to 7 moves, with termination
+/// detection.
 pub fn world_of(seed: u64, workers: usize) -> World {
     let mut rng = Rng(seed);
     let blocks = workers * (1 + rng.below(3));
@@ -60,6 +61,11 @@ pub fn world_of(seed: u64, workers: usize) -> World {
     world.points = points;
     world.window = 1 + rng.below(4);
     world.cancels = rng.once_in(8);
+    // A worker that is cancelled in a model has no way to tell the rounds of others.
+    if !world.cancels && rng.once_in(3) {
+        let first = rng.below(world.points.len() + 1);
+        world.second = Some(world.points.split_off(first));
+    }
     world
 }
 

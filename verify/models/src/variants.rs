@@ -92,4 +92,6 @@ variants! {
     R24 TAKES_BACK: StaleReservation, "reservations of items that wait stay";
     /// The item that a tetrahedron asks for depends on whose parts it has seen.
     R25 ENDS_PROBES: HastyProbe, "probe stopped at its first veto";
+    /// In a domain with a symmetry the cavities of equal candidates meet, and both are inserted.
+    R26 BREAKS_TIES: EqualKeys, "of equal keys both chosen";
 }

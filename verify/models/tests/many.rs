@@ -34,7 +34,10 @@ fn explore(name: &str, check: impl Fn(Box<dyn Fn() + Send + Sync>, u64)) {
     let seen = Arc::new(Mutex::new(BTreeSet::new()));
     let given = Arc::new(AtomicUsize::new(0));
     let worlds = worlds();
-    let points: usize = worlds.iter().map(|world| world.points.len()).sum();
+    let second = |world: &World| world.second.as_ref().map_or(0, Vec::len);
+    let points: usize = worlds.iter().map(|world| world.points.len() + second(world)).sum();
+    let rounds = worlds.iter().filter(|world| world.second.is_some()).count();
+    assert!(rounds > worlds.len() / 5, "few worlds with two rounds: {rounds}");
     for (seed, world) in (0_u64..).zip(&worlds) {
         // In every second world blocks move only because workers run out of points.
         let mut world = world.clone();
@@ -58,9 +61,10 @@ fn explore(name: &str, check: impl Fn(Box<dyn Fn() + Send + Sync>, u64)) {
     }
     let given = given.load(Ordering::Relaxed);
     assert!(given > 0, "no block was ever given to a worker that asked");
-    let bounds = format!("8 to 16 threads, {} worlds, {points} points", worlds.len());
+    let all = worlds.len();
+    let bounds = format!("8 to 16 threads, {all} worlds ({rounds} of two rounds), {points} points");
     let explored =
-        format!("{} schedules, blocks given in {given}, seen: {seen:?}", SCHEDULES * worlds.len());
+        format!("{} schedules, blocks given in {given}, seen: {seen:?}", SCHEDULES * all);
     row(name, &bounds, &explored, "all ends right");
 }
 

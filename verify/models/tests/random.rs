@@ -11,7 +11,7 @@ use ltbw_models::system::System;
 #[test]
 fn random_runs_end_with_the_right_mesh() {
     let seeds = if is_deep() { 200_000 } else { 10_000 };
-    let (mut steps, mut longest, mut points) = (0, 0, 0);
+    let (mut steps, mut longest, mut points, mut rounds) = (0, 0, 0, 0);
     for seed in 0..seeds {
         let system = System::<Correct>::new(world(seed));
         let (outcome, way) = run(&system, seed, 100_000);
@@ -21,9 +21,14 @@ fn random_runs_end_with_the_right_mesh() {
         }
         steps += way.len();
         longest = longest.max(way.len());
-        points += system.world.points.len();
+        let second = system.world.second.as_ref();
+        points += system.world.points.len() + second.map_or(0, Vec::len);
+        rounds += u64::from(second.is_some());
     }
     assert!(steps as u64 > 50 * seeds, "worlds are too small: {steps} steps");
-    let explored = format!("{seeds} runs, {points} points, {steps} steps, longest {longest}");
+    assert!(rounds > seeds / 5, "few worlds with two rounds: {rounds}");
+    let explored = format!(
+        "{seeds} runs ({rounds} of two rounds), {points} points, {steps} steps, longest {longest}"
+    );
     row("random worlds", "up to 6 workers, 14 cavities, 7 moves", &explored, "all right");
 }

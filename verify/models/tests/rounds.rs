@@ -95,4 +95,5 @@ fn rounds_with_a_broken_rule_are_caught() {
     caught::<variants::DeafHome>(&all);
     caught::<variants::StaleReservation>(&all);
     caught::<variants::HastyProbe>(&all);
+    caught::<variants::EqualKeys>(&all);
 }

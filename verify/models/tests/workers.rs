@@ -56,6 +56,13 @@ fn two_cavities() {
     holds(worlds::token_same_two(), preemptions, 2_500, &witnesses);
 }
 
+/// Two rounds, each with questions, a barrier, points, and a barrier in two waves.
+#[test]
+fn two_rounds() {
+    let preemptions = if is_deep() { 4 } else { 2 };
+    holds(worlds::rounds_on_two(), preemptions, 500, &[Seen::Sleep, Seen::Batch]);
+}
+
 /// Known bad: a worker sleeps for ever, because a wake-up was lost or because a lock was leaked.
 fn hangs<C: Variant>(world: World) {
     let bounds = format!("loom, 2 threads, {}", world.name);

@@ -64,7 +64,7 @@ impl<C: Rules> Rounds<C> {
         let rank = probe.rank;
         // One that is killed waits for what becomes of its place.
         if let What::Tet(t, _) = probe.what
-            && self.served.has_rival(t, rank)
+            && self.served.has_rival::<C>(t, rank)
         {
             return;
         }

@@ -193,6 +193,22 @@ pub fn simulate_rounds<C: Rules>(
     Ok(SimulatedRounds { refined, summary, events, ending, figures })
 }
 
+/// Refines a domain in rounds by workers that `run` brings to their end, one event at a time: for
+/// checkers, who choose what happens when. It may be called more than once.
+///
+/// # Errors
+/// Those of `run`; [`RefineError`] if the domain has no mesh.
+#[doc(hidden)]
+pub fn rounds_by<'a, C: Rules>(
+    refiner: &Refiner<'a>,
+    whole: (&Domain, &Lattice),
+    layout: impl Fn(usize) -> (Layout, Config),
+    run: impl FnMut(Vec<RoundNode<'a, C>>) -> Result<Vec<RoundNode<'a, C>>, RefineError>,
+) -> Result<(Refined, Result<Ending, ComplexError>), RefineError> {
+    let (refined, ending, ..) = refine::<C>(refiner, whole, layout, run)?;
+    Ok((refined, ending))
+}
+
 /// Refines a domain in rounds on the threads of `parallel`, which share no mesh.
 ///
 /// # Errors

@@ -1,6 +1,6 @@
 //! The owner's side of the choice: ways, searches, reservations, and what rivals there are.
 
-use crate::protocol::{Handle, WorkerId};
+use crate::protocol::{Handle, Rules, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{
     Bits, INFINITE_CORNER, PartEnd, ProbeId, Proposal, WireClosure, WireCorner, WireItem, point,
@@ -285,8 +285,10 @@ impl Served {
     }
 
     /// Is a candidate before this one in the way of its own tetrahedron?
-    pub(super) fn has_rival(&self, t: TetId, rank: Rank) -> bool {
-        self.holder(t).is_some_and(|own| own.0 < rank)
+    pub(super) fn has_rival<C: Rules>(&self, t: TetId, rank: Rank) -> bool {
+        // R26.
+        let counts = |other: Rank| C::BREAKS_TIES || other.key() != rank.key();
+        self.holder(t).is_some_and(|own| own.0 < rank && counts(own.0))
     }
 
     /// The rivals in a probe's part of its closure, in the order in which its home was told.
