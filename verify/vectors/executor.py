@@ -431,8 +431,9 @@ class Worker:
         self.operations, self.requests = {}, {}  # both by ticket
         self.waiting_tet, self.waiting_name = {}, {}  # name -> [('walk' or 'request', ticket)]
         self.clock, self.sequence = 0, 0
-        self.token = {"count": 0, "black": True} if me == 0 else None
-        self.count, self.black, self.stopped, self.cancelled = 0, False, False, False
+        self.children = [w for w in (2 * me + 1, 2 * me + 2) if w < self.workers]
+        self.due, self.awaited, self.below = True, len(self.children), (0, False)
+        self.count, self.black, self.stopped, self.cancelled = 0, me == 0, False, False
         self.actions, self.to_self = [], []
         line, cells = self.line, self.line.start()
         for left, right in zip(cells, cells[1:]):
@@ -480,7 +481,7 @@ class Worker:
             self.start(min(ready, key=lambda op: op.ticket))
         elif self.points and len(self.operations) < self.window:
             self.start(Operation(self.points.pop(0)))
-        elif self.token and self.passive():
+        elif self.due and self.awaited == 0 and self.passive():
             self.pass_token()
 
     def event_cancel(self, _): self.points, self.cancelled = [], True
@@ -781,21 +782,34 @@ class Worker:
     # Termination
 
     def passive(self): return not self.operations and not self.points
-    def on_token(self, _, kind, count, black): self.token = {"count": count, "black": black}
     def on_stop(self, _, kind): self.stopped = True
 
+    def on_token(self, sender, kind, count, black):
+        if sender < self.me:  # from above: the next wave
+            self.due = True
+            self.start_wave()
+        else:
+            self.awaited, self.below = self.awaited - 1, self.add(count, black)
+
+    def add(self, count, black): return self.below[0] + count, self.below[1] or black
+
+    def start_wave(self):
+        for w in self.children:
+            self.send(w, "token", count=0, black=False)
+
     def pass_token(self):
-        token, self.token = self.token, None
-        count, black = token["count"] + self.count, token["black"] or self.black
-        if self.me > 0:
-            self.send(self.me - 1, "token", count=count, black=black)
-        elif self.workers == 1 or not black and count == 0:
+        count, black = self.add(self.count, self.black)
+        if self.me == 0 and (self.workers == 1 or not black and count == 0):
             for w in range(1, self.workers):
                 self.send(w, "stop")
             self.stopped = True
-        else:
-            self.send(self.workers - 1, "token", count=0, black=False)
+            return
+        self.due, self.awaited, self.below = self.me == 0, len(self.children), (0, False)
         self.black = False
+        if self.me == 0:
+            self.start_wave()
+        else:
+            self.send((self.me - 1) // 2, "token", count=count, black=black)
 
 
 def run_line(ask):

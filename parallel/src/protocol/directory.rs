@@ -9,6 +9,19 @@ ltbw_core::ids! {
     BlockId
 }
 
+impl WorkerId {
+    /// The worker above in the tree of barriers and termination detection; none of worker 0.
+    pub fn parent(self) -> Option<Self> {
+        Some(Self::new(self.number().checked_sub(1)? / 2))
+    }
+
+    /// Those of `workers` workers that are below in that tree: two at most.
+    pub fn children(self, workers: u32) -> impl Iterator<Item = Self> + use<> {
+        let first = 2 * self.number() + 1;
+        (first..first + 2).filter(move |&w| w < workers).map(Self::new)
+    }
+}
+
 /// One worker's view: right for the blocks it owns, and for others as of the last news. A block
 /// that it gave away points to the receiver: messages that still arrive are sent after it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

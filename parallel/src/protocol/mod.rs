@@ -30,7 +30,7 @@
 //! | `operation` | the home's side of an operation |
 //! | `lock_request` | the owner's side: requests, queues, grants |
 //! | `migration` | blocks that change their owner |
-//! | `termination` | the token |
+//! | `termination` | the token, in waves over a tree |
 //! | `directory`, `table` | who owns which block; a small map |
 //! | `news` | what sources tell each other |
 //! | `rules` | R1 to R26, as constants |

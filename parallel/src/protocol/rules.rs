@@ -61,7 +61,7 @@ pub trait Rules: 'static {
     const TAKES_BACK: bool = true;
     /// R25: a probe takes in its whole closure, whatever it has found before.
     const ENDS_PROBES: bool = true;
-    /// R26: of two candidates with equal keys one comes first, by its place.
+    /// R26: of two candidates of one size one comes first, by its corners.
     const BREAKS_TIES: bool = true;
 }
 

@@ -9,7 +9,7 @@ use super::news::Standing;
 use super::rules::{Correct, Rules};
 use super::state::{Granted, Locks, Operations, Spare, Start, Want};
 use super::submesh::{Source, Submesh, SubmeshError};
-use super::termination::{Pass, Safra};
+use super::termination::{Pass, Safra, Token};
 use super::{Attempt, Message, Ticket};
 use std::collections::VecDeque;
 use std::marker::PhantomData;
@@ -211,7 +211,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             && (self.has_thoughts()
                 || !self.operations.ready.is_empty()
                 || self.has_room() && self.source.is_ready()
-                || self.is_passive() && self.safra.holds_token())
+                || self.is_passive() && self.safra.may_speak())
     }
 
     fn has_room(&self) -> bool {
@@ -305,12 +305,17 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             }
             Message::Stray { block, cargo } => self.stray(block, cargo),
             Message::News(news) => self.source.hear(&mut self.mesh, &self.directory, from, news),
-            Message::Token(token) => self.safra.arrived(token),
+            Message::Token(token) => {
+                if self.safra.arrived(from, token) {
+                    self.start_wave();
+                }
+            }
             Message::Stop => self.stop(),
         }
     }
 
-    /// One unit of local work: an operation that can start, else a new point, else the token.
+    /// One unit of local work: an operation that can start, else a new point, else a word in a
+    /// wave of termination detection.
     fn work(&mut self) {
         if self.stopped {
             return;
@@ -328,7 +333,8 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         } else if self.is_passive() {
             match self.safra.pass() {
                 Pass::Nothing => {}
-                Pass::On(to, token) => self.send(to, Message::Token(token)),
+                Pass::Up(to, token) => self.send(to, Message::Token(token)),
+                Pass::Again => self.start_wave(),
                 Pass::Terminated => {
                     let me = self.id();
                     for to in WorkerId::below(self.config.workers).filter(|&w| w != me) {
@@ -337,6 +343,13 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
                     self.stop();
                 }
             }
+        }
+    }
+
+    /// Tells the workers below that the next wave of termination detection starts.
+    fn start_wave(&mut self) {
+        for to in self.id().children(self.config.workers) {
+            self.send(to, Message::Token(Token::default()));
         }
     }
 

@@ -28,7 +28,7 @@ use serde_json::{Map, Value, json};
 use std::sync::OnceLock;
 
 /// The kit's own version: a changed answer or format is a new major one, new cases a minor one.
-pub const VERSION: &str = "4.0.0";
+pub const VERSION: &str = "5.0.0";
 
 /// One question and its answer.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,7 +96,7 @@ pub const FLAGS: &[(&str, &str)] = &[
     ("forward", "a walk or late tetrahedra must follow a block that has moved"),
     ("idle-migration", "a passive worker gave a block away"),
     ("locked-migration", "a block with a locked tetrahedron was given away"),
-    ("token", "termination detection: counts, colours or who passes the token"),
+    ("token", "termination detection: counts, colours or who tells whom"),
     ("rule", "the paper's rule decides otherwise"),
 ];
 

@@ -56,7 +56,7 @@ variants! {
     /// it would do no harm: with channels in order its `Abort` finds nothing to release, and its
     /// second walk finds the point as a vertex.)
     R7 IGNORES_LATE_WOUND: LateWound, "wound after commit obeyed";
-    /// The token misses a message that was taken behind its back.
+    /// A wave misses a message that was taken behind its back.
     R8 BLACKENS: WhiteSafra, "Safra without blackening";
     /// A passive worker sends a message: what termination detection rests on is gone.
     R9 ONLY_BUSY_MIGRATE: IdleMigration, "migration by an idle worker";
@@ -92,6 +92,6 @@ variants! {
     R24 TAKES_BACK: StaleReservation, "reservations of items that wait stay";
     /// The item that a tetrahedron asks for depends on whose parts it has seen.
     R25 ENDS_PROBES: HastyProbe, "probe stopped at its first veto";
-    /// In a domain with a symmetry the cavities of equal candidates meet, and both are inserted.
+    /// Two neighbours of about one size, each the one to be split.
     R26 BREAKS_TIES: EqualKeys, "of equal keys both chosen";
 }

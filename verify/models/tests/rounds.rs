@@ -22,27 +22,31 @@ struct Case {
     ready: Prepared,
     refiner: Refiner<'static>,
     expected: MeshHash,
+    /// Points that rounds inserted.
+    points: u64,
 }
 
 fn hash(refined: &Refined) -> MeshHash {
     refined.mesh().hash().expect("a hash")
 }
 
-fn cases() -> Vec<Case> {
-    let kinds = [
-        (DomainKind::CubeOctahedron, 2e-3),
-        (DomainKind::CubeInCube, 2e-3),
-        (DomainKind::Tee, 2e-3),
-        (DomainKind::Gear, 1e-3),
-    ];
-    let case = |(kind, volume): (DomainKind, f64)| {
+/// The paper's problems.
+const PROBLEMS: [(DomainKind, f64); 4] = [
+    (DomainKind::CubeOctahedron, 2e-3),
+    (DomainKind::CubeInCube, 2e-3),
+    (DomainKind::Tee, 2e-3),
+    (DomainKind::Gear, 1e-3),
+];
+
+fn cases(kinds: &[(DomainKind, f64)]) -> Vec<Case> {
+    let case = |&(kind, volume): &(DomainKind, f64)| {
         let domain = generate_domain(kind, &Shape::default()).expect("a shape");
         let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
         let refiner = Refiner::new().max_volume(volume).start(1);
         let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-        Case { expected: hash(&engine), ready, refiner }
+        Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
     };
-    kinds.into_iter().map(case).collect()
+    kinds.iter().map(case).collect()
 }
 
 /// The end of a run: the engine's mesh, or something that shows that it is not sound.
@@ -54,6 +58,8 @@ fn run<C: Variant>(case: &Case, (processors, latency): (u32, u64)) -> Result<(),
     let whole = (&case.ready.domain, &case.ready.lattice);
     match simulate_rounds::<C>(&case.refiner, whole, layout, &options) {
         Ok(run) if hash(&run.refined) != case.expected => Err("another mesh".to_owned()),
+        // Of two points in one place one is as good as both: the mesh does not show it.
+        Ok(run) if run.refined.stats.round_points != case.points => Err("other points".to_owned()),
         Ok(run) if run.ending != Ok(Ending::Done) => Err(format!("it ends: {:?}", run.ending)),
         Ok(_) => Ok(()),
         Err(error) => {
@@ -78,12 +84,13 @@ fn caught<C: Variant>(all: &[Case]) {
     kinds.dedup();
     let outcome = format!("caught in {}: {}", outcomes.len(), kinds.join("; "));
     let model = format!("known bad: {}", C::TITLE);
-    row(&model, "four domains in rounds, 2 to 40 processors", &format!("{runs} runs"), &outcome);
+    let domains = format!("{} domains in rounds, 2 to 40 processors", all.len());
+    row(&model, &domains, &format!("{runs} runs"), &outcome);
 }
 
 #[test]
 fn rounds_with_a_broken_rule_are_caught() {
-    let all = cases();
+    let all = cases(&PROBLEMS);
     for case in &all {
         for of in RUNS {
             assert_eq!(run::<Correct>(case, of), Ok(()), "{of:?}");
@@ -95,5 +102,6 @@ fn rounds_with_a_broken_rule_are_caught() {
     caught::<variants::DeafHome>(&all);
     caught::<variants::StaleReservation>(&all);
     caught::<variants::HastyProbe>(&all);
-    caught::<variants::EqualKeys>(&all);
+    // Most of its runs do not end.
+    caught::<variants::EqualKeys>(&all[1..2]);
 }

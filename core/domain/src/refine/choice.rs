@@ -5,7 +5,7 @@
 //! rules are those of the rounds (`docs/refinement.md`), which look at a closure alone.
 
 use super::carrier::Carrier;
-use super::key::{OrderKey, key, key_of_tet, order_key, sorted};
+use super::key::{OrderKey, SIZE, key, key_of_tet, order_key, sorted};
 use super::measure::circumcircle;
 use crate::vector::distance2;
 use ltbw_exact::Point;
@@ -87,6 +87,11 @@ impl Rank {
     /// first. It is not 0.
     pub fn key(&self) -> u64 {
         self.key.0
+    }
+
+    /// Are two keys of tetrahedra of about one size, so that a hash of their corners decides?
+    pub fn is_tie(one: u64, other: u64) -> bool {
+        one >> SIZE == other >> SIZE
     }
 
     /// Is it that of a boundary item?

@@ -41,6 +41,9 @@ pub(crate) fn sorted<const N: usize>(points: [Point; N]) -> [Point; N] {
     sorted
 }
 
+/// The lowest bit of the size in a key.
+pub(super) const SIZE: u32 = 48;
+
 /// The key of an item: 16 leading bits of the square of its size, then 48 bits of a hash of its
 /// corners, which are sorted. The larger comes first; no key is 0.
 ///
@@ -52,7 +55,7 @@ pub(crate) fn key(size2: f64, corners: &[Point]) -> u64 {
         h ^ h >> 32
     });
     let size = if size2.is_nan() { f64::INFINITY } else { size2 };
-    size.to_bits() >> 48 << 48 | hash >> 16 | 1
+    size.to_bits() >> SIZE << SIZE | hash >> 16 | 1
 }
 
 /// The key of a tetrahedron with these corners.

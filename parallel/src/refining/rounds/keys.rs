@@ -313,7 +313,8 @@ impl<C: Rules> Ranked for RankedHere<'_, '_, C> {
         // that `start` forgets.
         let is_before = |&one: &TetId| {
             let other = keys[one.index()];
-            other > key
+            // R26.
+            (other > key && (C::BREAKS_TIES || !Rank::is_tie(other, key)))
                 || other == key && one != t && {
                     let [one, own] = [one, t].map(|t| self.keys.rank::<C>(self.mesh, t));
                     one < own

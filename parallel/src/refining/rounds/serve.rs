@@ -287,7 +287,7 @@ impl Served {
     /// Is a candidate before this one in the way of its own tetrahedron?
     pub(super) fn has_rival<C: Rules>(&self, t: TetId, rank: Rank) -> bool {
         // R26.
-        let counts = |other: Rank| C::BREAKS_TIES || other.key() != rank.key();
+        let counts = |other: Rank| C::BREAKS_TIES || !Rank::is_tie(other.key(), rank.key());
         self.holder(t).is_some_and(|own| own.0 < rank && counts(own.0))
     }
 

@@ -46,8 +46,7 @@ impl Tree {
 
     /// The workers below this one.
     pub fn below(&self) -> impl Iterator<Item = WorkerId> + use<> {
-        let (first, workers) = (2 * self.me.number() + 1, self.workers);
-        (first..first + 2).filter(move |&w| w < workers).map(WorkerId::new)
+        self.me.children(self.workers)
     }
 
     /// Has this worker said what it has to say?
@@ -81,10 +80,7 @@ impl Tree {
             all.iter_mut().zip(below).for_each(|(sum, own)| *sum += own);
         }
         (self.own, self.below) = (None, [None; 2]);
-        Some(match self.me.number() {
-            0 => Step::Done(all),
-            me => Step::Up(WorkerId::new((me - 1) / 2), all),
-        })
+        Some(self.me.parent().map_or(Step::Done(all), |above| Step::Up(above, all)))
     }
 }
 
