@@ -240,6 +240,12 @@ fn the_simulator_inserts_the_rounds_of_a_domain() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     hashes.push(run.stdout.lines().last().unwrap().trim_start_matches("ltbw.mesh/1 ").into());
     assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:?}");
+    // The hash is the one that `mesh` prints.
+    let mesh = ltbw(dir.path(), &["mesh", "d.poly", "--max-volume", "1e-4"]);
+    let last = |out: &str| out.lines().last().unwrap_or_default().to_owned();
+    let run = ltbw(dir.path(), &["simulate", "--domain", "d.poly", "--max-volume", "1e-4"]);
+    assert_eq!(last(&run.stdout), last(&mesh.stdout), "{}", run.stderr);
+    assert!(last(&run.stdout).starts_with("ltbw.mesh/1 "), "{}", run.stdout);
     // Another bound is another mesh.
     let run = ltbw(dir.path(), &[&kind[..], &["--radius-edge", "1.1"]].concat());
     assert_eq!(run.code, 0, "{}", run.stderr);

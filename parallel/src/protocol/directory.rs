@@ -15,7 +15,7 @@ impl WorkerId {
         Some(Self::new(self.number().checked_sub(1)? / 2))
     }
 
-    /// Those of `workers` workers that are below in that tree: two at most.
+    /// The workers below in that tree, of `workers` in all: two at most.
     pub fn children(self, workers: u32) -> impl Iterator<Item = Self> + use<> {
         let first = 2 * self.number() + 1;
         (first..first + 2).filter(move |&w| w < workers).map(Self::new)

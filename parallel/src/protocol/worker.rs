@@ -306,9 +306,8 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             Message::Stray { block, cargo } => self.stray(block, cargo),
             Message::News(news) => self.source.hear(&mut self.mesh, &self.directory, from, news),
             Message::Token(token) => {
-                if self.safra.arrived(from, token) {
-                    self.start_wave();
-                }
+                let pass = self.safra.arrived(from, token);
+                self.pass(pass);
             }
             Message::Stop => self.stop(),
         }
@@ -331,25 +330,25 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         {
             self.start(Start { ticket: None, attempt: Attempt::default(), point }, None);
         } else if self.is_passive() {
-            match self.safra.pass() {
-                Pass::Nothing => {}
-                Pass::Up(to, token) => self.send(to, Message::Token(token)),
-                Pass::Again => self.start_wave(),
-                Pass::Terminated => {
-                    let me = self.id();
-                    for to in WorkerId::below(self.config.workers).filter(|&w| w != me) {
-                        self.send(to, Message::Stop);
-                    }
-                    self.stop();
-                }
-            }
+            let pass = self.safra.pass();
+            self.pass(pass);
         }
     }
 
-    /// Tells the workers below that the next wave of termination detection starts.
-    fn start_wave(&mut self) {
-        for to in self.id().children(self.config.workers) {
-            self.send(to, Message::Token(Token::default()));
+    /// Goes on with termination detection.
+    fn pass(&mut self, pass: Pass) {
+        let (me, workers) = (self.id(), self.config.workers);
+        match pass {
+            Pass::Nothing => {}
+            Pass::Up(to, token) => self.send(to, Message::Token(token)),
+            Pass::Again => {
+                me.children(workers).for_each(|to| self.send(to, Message::Token(Token::default())));
+            }
+            Pass::Terminated => {
+                // It is worker 0's word.
+                (1..workers).for_each(|w| self.send(WorkerId::new(w), Message::Stop));
+                self.stop();
+            }
         }
     }
 

@@ -1,5 +1,5 @@
-//! `protocol`: bytes to points, or a domain to refine in rounds, workers and an order of events; the
-//! real mesh on the real protocol.
+//! `protocol`: bytes to points, or a domain to refine in rounds, workers and an order of events;
+//! the real mesh on the real protocol.
 //!
 //! The bytes: 4 of style, 12 of plan, then 4 for each of at most 150 points ([`snap`]), as many
 //! as the plan says; every other byte chooses one event of [`interleave`](crate::interleave).
@@ -29,7 +29,7 @@ const DOMAINS: [(DomainKind, f64); 6] = [
     (DomainKind::Schoenhardt, 5e-3),
 ];
 
-/// What is to be inserted.
+/// The work of a run.
 enum What {
     Points(Vec<Point>),
     Domain(DomainKind, f64),

@@ -208,7 +208,7 @@ struct World<S: Submesh, Q> {
     case: Case,
     nodes: Vec<Worker<S, Q>>,
     channels: BTreeMap<(usize, usize), VecDeque<Message<S>>>,
-    /// What becomes of a message on its way.
+    /// The fate of a message on its way.
     way: fn(Message<S>) -> Message<S>,
     /// Worker, event, and the turn from which on it may happen.
     backoff: Vec<(usize, Event<S>, usize)>,
