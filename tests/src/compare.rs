@@ -1,7 +1,9 @@
 //! Our mesh against CGAL's: the same tetrahedra, the same hull, the same hash, or the same refusal.
+//! A refined domain against another run's: all that a user sees of it.
 
 use crate::cgal::{Cgal, Failure, Reply};
 use ltbw::build::Builder;
+use ltbw::refine::Refined;
 use ltbw::{BuildError, Mesh, Order, Point, PointSet};
 
 /// Builds `points` in `order` and compares with CGAL; `Err` says what differs.
@@ -34,6 +36,22 @@ pub fn compare_mesh(reply: &Reply, mesh: &Mesh) -> Result<(), String> {
     } else {
         Err(format!("our hash is {hash}, CGAL's is {:?}", reply.hash))
     }
+}
+
+/// Two runs have refined a domain alike, in all that a user sees of it.
+///
+/// # Panics
+/// If they have not; `name` is said.
+pub fn same_refined(name: &str, one: &Refined, other: &Refined) {
+    let hash = |refined: &Refined| refined.mesh().hash().ok();
+    assert_eq!(hash(one), hash(other), "{name}");
+    assert_eq!(one.outcome, other.outcome, "{name}");
+    // Files are made of these.
+    assert!(one.with_exterior() == other.with_exterior(), "{name}: another mesh is written");
+    let excuses = |refined: &Refined| -> Vec<_> {
+        refined.excuses.iter().map(|e| (refined.tet(e.tet), e.reason)).collect()
+    };
+    assert!(excuses(one) == excuses(other), "{name}: other excuses");
 }
 
 /// Is our refusal the one that CGAL's dimension calls for?

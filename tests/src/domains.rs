@@ -17,6 +17,17 @@ pub fn prepared(domain: &Domain) -> Prepared {
     domain.prepare(&PrepareOptions::default()).expect("a sound domain")
 }
 
+/// The two thousandth part of the volume of a domain's box: as a bound, it makes a few hundred
+/// tetrahedra or more.
+///
+/// # Panics
+/// If the domain has no vertices: a sound one has.
+#[must_use]
+pub fn small_volume(domain: &Domain) -> f64 {
+    let (low, high) = domain.bounds().expect("vertices");
+    (0..3).map(|k| high[k] - low[k]).product::<f64>() / 2000.0
+}
+
 /// A domain as the checker takes it, without a tolerance.
 #[must_use]
 pub fn plc_of(domain: &Domain) -> Plc {

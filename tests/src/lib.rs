@@ -9,7 +9,7 @@
 //! | [`families`] | the input families of the bars, deterministic by seed |
 //! | [`domains`] | random domains |
 //! | [`five_points`] | five points at a time, for the predicates |
-//! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash |
+//! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash; two refined domains |
 //! | [`parts`] | the surfaces of `cargo xtask parts` |
 //! | [`plant`] | defects planted into sound meshes, for the checker to find |
 //! | [`fuzz`] | the bodies of the fuzz targets, so that `cargo test` replays their corpora |

@@ -84,6 +84,38 @@ pub fn twin_file(original: &Path, twin: &str, domain: &Domain, oriented: bool) -
     format!("{name}~{twin}.{extension}")
 }
 
+/// Gives `judge` the name of a surface, the surface, and whether its facets are oriented: small
+/// ones by formula, rounded to 32-bit floats, also turned; then the parts of the folder
+/// `LTBW_PARTS`, if it is set. It returns whether the surface is sound.
+///
+/// # Panics
+/// If one by formula is not sound, or no part of the folder is.
+pub fn for_each_surface(mut judge: impl FnMut(&str, &Domain, bool) -> bool) {
+    let by_formula = [
+        ("a prism", prism(12, 0.0, 0)),
+        ("a globe", globe(8, 10, 0.0, 0)),
+        ("a torus", torus(10)),
+        ("a plate", plate(3, 0.1)),
+        ("a shell", shell(0.1)),
+    ];
+    for (name, domain) in by_formula {
+        for (way, domain) in [("", domain.clone()), (", turned", turned(&domain))] {
+            let name = format!("{name}{way}");
+            assert!(judge(&name, &single(domain), true), "{name} is sound");
+        }
+    }
+    let Some(folder) = std::env::var_os("LTBW_PARTS") else {
+        println!("no parts: LTBW_PARTS names no folder");
+        return;
+    };
+    let mut parts = 0;
+    for path in files(Path::new(&folder)).expect("a folder") {
+        let Ok(file) = io::read_domain(&path) else { continue };
+        parts += usize::from(judge(&path.display().to_string(), &file.domain, file.oriented));
+    }
+    assert!(parts > 0, "no part");
+}
+
 /// The files of a folder that hold domains, by name.
 ///
 /// # Errors

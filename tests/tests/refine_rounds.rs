@@ -8,9 +8,10 @@
 use ltbw::Random;
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::refine::{InsertOrder, RefineOutcome, Refined, Refiner, usual_tolerance};
-use ltbw_generate::{DomainKind, Shape, generate_domain, surfaces};
+use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_tests::cases;
-use ltbw_tests::domains::{plc_of, prepared, random_domain};
+use ltbw_tests::domains::{plc_of, prepared, random_domain, small_volume};
+use ltbw_tests::parts::for_each_surface;
 use ltbw_verify::{ConformityDefect, Limits, Mesh, Options, Plc, conforms};
 
 /// The orders that every domain is refined in.
@@ -69,8 +70,7 @@ fn random_domains_have_one_mesh_for_all_orders() {
         let (name, domain) = random_domain(seed);
         let (name, ready) = (format!("{name} {seed}"), prepared(&domain));
         // One in two has a bound on volumes, or few would need any point.
-        let (low, high) = ready.domain.bounds().expect("vertices");
-        let volume = (0..3).map(|k| high[k] - low[k]).product::<f64>() / 2000.0;
+        let volume = small_volume(&ready.domain);
         let refiner = Refiner::new();
         let refiner = if seed % 2 == 0 { refiner.max_volume(volume) } else { refiner };
         let rounds = one_mesh((&ready, &name), &refiner, 0, &ORDERS);
@@ -288,30 +288,7 @@ fn named_domains_have_one_mesh_for_all_orders() {
 /// `LTBW_PARTS`, if it is set. All with patches within the usual tolerance, and without.
 #[test]
 fn surfaces_have_one_mesh_for_all_orders() {
-    let by_formula = [
-        ("a prism", surfaces::prism(12, 0.0, 0)),
-        ("a globe", surfaces::globe(8, 10, 0.0, 0)),
-        ("a torus", surfaces::torus(10)),
-        ("a plate", surfaces::plate(3, 0.1)),
-        ("a shell", surfaces::shell(0.1)),
-    ];
-    for (name, domain) in by_formula {
-        for (way, domain) in [("", domain.clone()), (", turned", surfaces::turned(&domain))] {
-            let name = format!("{name}{way}");
-            assert!(judged(&name, &surfaces::single(domain), true), "{name} is sound");
-        }
-    }
-    let Some(folder) = std::env::var_os("LTBW_PARTS") else { return };
-    let entries = std::fs::read_dir(folder).expect("a folder");
-    let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
-    paths.sort();
-    let mut parts = 0;
-    for path in paths {
-        let Ok(file) = ltbw::io::read_domain(&path) else { continue };
-        let name = path.display().to_string();
-        parts += usize::from(judged(&name, &file.domain, file.oriented));
-    }
-    assert!(parts > 0, "no part");
+    for_each_surface(judged);
 }
 
 /// Refines a surface in all orders, and judges it beside one item after the other; `false` if it is

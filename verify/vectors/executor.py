@@ -432,7 +432,7 @@ class Worker:
         self.waiting_tet, self.waiting_name = {}, {}  # name -> [('walk' or 'request', ticket)]
         self.clock, self.sequence = 0, 0
         self.children = [w for w in (2 * me + 1, 2 * me + 2) if w < self.workers]
-        self.due, self.awaited, self.below = True, len(self.children), (0, False)
+        self.awaited, self.below = len(self.children), (0, False)  # awaited None: it has spoken
         self.count, self.black, self.stopped, self.cancelled = 0, me == 0, False, False
         self.actions, self.to_self = [], []
         line, cells = self.line, self.line.start()
@@ -481,7 +481,7 @@ class Worker:
             self.start(min(ready, key=lambda op: op.ticket))
         elif self.points and len(self.operations) < self.window:
             self.start(Operation(self.points.pop(0)))
-        elif self.due and self.awaited == 0 and self.passive():
+        elif self.awaited == 0 and self.passive():
             self.pass_token()
 
     def event_cancel(self, _): self.points, self.cancelled = [], True
@@ -786,7 +786,6 @@ class Worker:
 
     def on_token(self, sender, kind, count, black):
         if sender < self.me:  # from above: the next wave
-            self.due = True
             self.start_wave()
         else:
             self.awaited, self.below = self.awaited - 1, self.add(count, black)
@@ -794,6 +793,7 @@ class Worker:
     def add(self, count, black): return self.below[0] + count, self.below[1] or black
 
     def start_wave(self):
+        self.awaited = len(self.children)
         for w in self.children:
             self.send(w, "token", count=0, black=False)
 
@@ -804,8 +804,7 @@ class Worker:
                 self.send(w, "stop")
             self.stopped = True
             return
-        self.due, self.awaited, self.below = self.me == 0, len(self.children), (0, False)
-        self.black = False
+        self.awaited, self.below, self.black = None, (0, False), False
         if self.me == 0:
             self.start_wave()
         else:

@@ -1,11 +1,12 @@
 //! Domains that workers refine in rounds, one event at a time.
 
 use super::{Case, Chooser, Figures, World, ending};
+use crate::compare::same_refined;
 use ltbw::domain::Prepared;
 use ltbw::mesh::Layout;
 use ltbw::protocol::{Config, Correct};
 
-use ltbw::refine::{ComplexError, Refined, Refiner};
+use ltbw::refine::{ComplexError, Refiner};
 use ltbw::refining::{Ending, rounds_by};
 
 impl Case {
@@ -40,11 +41,8 @@ impl Case {
             Ok(world.nodes)
         });
         let (refined, end) = run.unwrap_or_else(|error| panic!("{error}"));
-        let hash = |refined: &Refined| refined.mesh().hash().ok();
         if self.cancel.is_none() {
-            assert_eq!(hash(&refined), hash(&engine), "not the engine's mesh: {self:?}");
-            assert_eq!(refined.outcome, engine.outcome);
-            assert!(refined.with_exterior() == engine.with_exterior(), "another mesh is written");
+            same_refined(&format!("{self:?}"), &refined, &engine);
         } else {
             ending::same_as_anew(refined.mesh());
         }

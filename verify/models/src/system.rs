@@ -138,7 +138,7 @@ impl<C: Variant> System<C> {
             choices.extend((0..places).map(|place| Choice::Deliver(from, to, place)));
         }
         for (id, node) in state.nodes.iter().enumerate() {
-            // A passive worker has nothing to do but to pass the token on.
+            // A passive worker has nothing to do but to speak in a wave.
             if node.has_work() && (self.world.termination || !node.is_passive()) {
                 choices.push(Choice::Work(WorkerId::at(id)));
             }

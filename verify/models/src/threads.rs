@@ -109,7 +109,7 @@ impl<C: Variant> RuntimeHooks<Hull<C>> for Notes {
         if found > 1 {
             self.seen.insert(Seen::Batch);
         }
-        // PCT by itself starves threads of low priority while the token or a walk goes round
+        // PCT by itself starves threads of low priority while waves or a walk go round
         // among the others.
         self.rounds += 1;
         if self.rounds.is_multiple_of(PATIENCE) {

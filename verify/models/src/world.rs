@@ -125,7 +125,7 @@ pub struct World {
     pub rule: Rule,
     /// The network.
     pub network: Network,
-    /// Does the token run? Without it a run ends when nothing is left to do.
+    /// Is termination detected? Without that a run ends when nothing is left to do.
     pub termination: bool,
     /// Operations that a worker starts at most at a time.
     pub window: usize,
@@ -171,7 +171,7 @@ impl World {
         self
     }
 
-    /// The same with the token of termination detection.
+    /// The same with termination detection.
     pub fn terminating(mut self) -> Self {
         self.termination = true;
         self
@@ -182,6 +182,11 @@ impl World {
         let vertex = |&(x, y, block): &(i16, i16, u8)| Vertex { x, y, block };
         self.second = Some(second.iter().map(vertex).collect());
         self
+    }
+
+    /// The points of all rounds.
+    pub fn all_points(&self) -> impl Iterator<Item = &Vertex> {
+        self.points.iter().chain(self.second.iter().flatten())
     }
 
     /// The same with moves of blocks to workers, by their numbers.
@@ -290,7 +295,7 @@ impl World {
         }
         let mut points = self.polygon.clone();
         match cancelled {
-            false => points.extend(self.points.iter().chain(self.second.iter().flatten())),
+            false => points.extend(self.all_points()),
             true => points.extend(found.iter().flatten()),
         }
         points.sort_unstable();

@@ -166,14 +166,14 @@ pub fn one_on_two() -> World {
     World { name: "token, 1 cavity, 2 owners", points: world.points[..1].to_vec(), ..world }
 }
 
-/// The token goes round while two cavities are contested.
+/// Termination is detected while two cavities are contested.
 pub fn token_same_two() -> World {
     World { name: "token, 2 owners, same 2 cells", ..same_two() }
         .terminating()
         .shows(&[SetBack, Crossing, Walk])
 }
 
-/// The token goes round while two cavities at three workers are contested.
+/// Termination is detected while two cavities at three workers are contested.
 pub fn token_two_on_three() -> World {
     World { name: "token, 2 cavities, 3 owners", ..two_on_three() }.terminating().shows(&[
         SetBack,
@@ -183,7 +183,7 @@ pub fn token_two_on_three() -> World {
     ])
 }
 
-/// The token goes round while a block moves.
+/// Termination is detected while a block moves.
 pub fn token_move() -> World {
     let moves = [(1, 2), (1, 0)];
     World { name: "token, a block moves", ..one_far_point() }.moving(&moves).shows(&[Walk, Move])

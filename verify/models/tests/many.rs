@@ -34,8 +34,7 @@ fn explore(name: &str, check: impl Fn(Box<dyn Fn() + Send + Sync>, u64)) {
     let seen = Arc::new(Mutex::new(BTreeSet::new()));
     let given = Arc::new(AtomicUsize::new(0));
     let worlds = worlds();
-    let second = |world: &World| world.second.as_ref().map_or(0, Vec::len);
-    let points: usize = worlds.iter().map(|world| world.points.len() + second(world)).sum();
+    let points: usize = worlds.iter().map(|world| world.all_points().count()).sum();
     let rounds = worlds.iter().filter(|world| world.second.is_some()).count();
     assert!(rounds > worlds.len() / 5, "few worlds with two rounds: {rounds}");
     for (seed, world) in (0_u64..).zip(&worlds) {

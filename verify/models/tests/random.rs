@@ -21,9 +21,8 @@ fn random_runs_end_with_the_right_mesh() {
         }
         steps += way.len();
         longest = longest.max(way.len());
-        let second = system.world.second.as_ref();
-        points += system.world.points.len() + second.map_or(0, Vec::len);
-        rounds += u64::from(second.is_some());
+        points += system.world.all_points().count();
+        rounds += u64::from(system.world.second.is_some());
     }
     assert!(steps as u64 > 50 * seeds, "worlds are too small: {steps} steps");
     assert!(rounds > seeds / 5, "few worlds with two rounds: {rounds}");

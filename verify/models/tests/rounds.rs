@@ -30,23 +30,21 @@ fn hash(refined: &Refined) -> MeshHash {
     refined.mesh().hash().expect("a hash")
 }
 
-/// The paper's problems.
-const PROBLEMS: [(DomainKind, f64); 4] = [
-    (DomainKind::CubeOctahedron, 2e-3),
-    (DomainKind::CubeInCube, 2e-3),
-    (DomainKind::Tee, 2e-3),
-    (DomainKind::Gear, 1e-3),
-];
-
-fn cases(kinds: &[(DomainKind, f64)]) -> Vec<Case> {
-    let case = |&(kind, volume): &(DomainKind, f64)| {
+fn cases() -> Vec<Case> {
+    let kinds = [
+        (DomainKind::CubeOctahedron, 2e-3),
+        (DomainKind::CubeInCube, 2e-3),
+        (DomainKind::Tee, 2e-3),
+        (DomainKind::Gear, 1e-3),
+    ];
+    let case = |(kind, volume): (DomainKind, f64)| {
         let domain = generate_domain(kind, &Shape::default()).expect("a shape");
         let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
         let refiner = Refiner::new().max_volume(volume).start(1);
         let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
         Case { expected: hash(&engine), points: engine.stats.round_points, ready, refiner }
     };
-    kinds.iter().map(case).collect()
+    kinds.into_iter().map(case).collect()
 }
 
 /// The end of a run: the engine's mesh, or something that shows that it is not sound.
@@ -90,7 +88,7 @@ fn caught<C: Variant>(all: &[Case]) {
 
 #[test]
 fn rounds_with_a_broken_rule_are_caught() {
-    let all = cases(&PROBLEMS);
+    let all = cases();
     for case in &all {
         for of in RUNS {
             assert_eq!(run::<Correct>(case, of), Ok(()), "{of:?}");

@@ -22,7 +22,7 @@ fn bounds(world: &World) -> String {
         Network::Fifo => "fifo",
         Network::Unordered => "any order",
     };
-    let (workers, points) = (world.workers(), world.points.len());
+    let (workers, points) = (world.workers(), world.all_points().count());
     format!("{workers} workers, {points} points{moves}, {order}, {}", world.rule)
 }
 

@@ -31,7 +31,8 @@ fn explore<C: Variant>(world: World, preemptions: usize) -> (BTreeSet<Seen>, usi
 
 fn holds(world: World, preemptions: usize, least: usize, witnesses: &[Seen]) {
     let name = world.name;
-    let bounds = format!("2 threads, {} points, {preemptions} preemptions", world.points.len());
+    let bounds =
+        format!("2 threads, {} points, {preemptions} preemptions", world.all_points().count());
     let (seen, executions) = explore::<Correct>(world, preemptions);
     let explored = format!("{executions} executions, seen: {seen:?}");
     for witness in witnesses {
