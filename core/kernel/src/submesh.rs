@@ -207,6 +207,14 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.geometry.reserve_sphere_capacity(tets.min(limit));
     }
 
+    /// Takes memory for about this many tetrahedra and vertices, on huge pages where there are any:
+    /// it is not written to before they come, and arrays do not move as they grow. A hint.
+    pub fn expect(&mut self, tets: usize, vertices: usize) {
+        self.topology.expect(tets.min(self.topology.limit()));
+        self.geometry.expect(vertices, tets.min(self.topology.limit()));
+        self.cavity.reserve_vertices(vertices);
+    }
+
     /// The largest number of tetrahedra that the submesh may have, hull ghosts and far faces
     /// included.
     pub fn max_tets(&self) -> usize {

@@ -177,8 +177,9 @@ impl Topology {
     }
 
     /// Asks the processor to fetch tetrahedron `t`.
+    #[doc(hidden)]
     #[inline(always)]
-    pub(crate) fn prefetch(&self, t: TetId) {
+    pub fn prefetch(&self, t: TetId) {
         self.tets.prefetch(t);
     }
 

@@ -182,8 +182,13 @@ impl LocalMesh {
     }
 
     fn add_vertex(&mut self, vertex: &WireVertex) -> VertexId {
+        self.add_vertex_in(vertex, self.blocks.of_name(vertex.name, &vertex.point()))
+    }
+
+    /// The same; `block` is that of the vertex.
+    pub(super) fn add_vertex_in(&mut self, vertex: &WireVertex, block: BlockId) -> VertexId {
         let p = vertex.point();
-        let v = self.vertices.add(vertex.name, &p);
+        let v = self.vertices.add(vertex.name, block);
         self.tets.make_vertices(v);
         self.tets.set_point(v, p);
         if given(vertex.name).is_none() {

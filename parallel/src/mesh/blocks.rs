@@ -79,7 +79,9 @@ impl Blocks {
 
     /// The block of the place where `p` lies on the curve.
     fn of_point(&self, p: &Point) -> BlockId {
-        let Some((curve, keys)) = &self.cuts else { return BlockId::default() };
+        let Some((curve, keys)) = self.cuts.as_ref().filter(|(_, keys)| keys.len() > 1) else {
+            return BlockId::default();
+        };
         let key = curve.key(p);
         BlockId::at(keys.partition_point(|&first| first <= key).max(1) - 1)
     }

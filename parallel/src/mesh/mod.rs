@@ -40,6 +40,7 @@ pub use blocks::Blocks;
 pub use gather::{GatherError, Gathered, gather};
 pub use name::{Place, VertexName, given, made};
 pub use point_queue::PointQueue;
+pub(crate) use probe::TETS_PER_VERTEX;
 pub use start::{Layout, Ownership, Prepared, SharedInput};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
 

@@ -7,10 +7,20 @@ use ltbw_core::submesh::Owns;
 use ltbw_core::topology::{INFINITE, TetId, Topology, VertexId};
 use ltbw_exact::Point;
 
+/// A refined mesh has this many tetrahedra for each vertex, at least.
+pub(crate) const TETS_PER_VERTEX: usize = 5;
+
 impl LocalMesh {
     /// The number here of a vertex; `None` if it has none.
     pub(crate) fn number(&self, name: VertexName) -> Option<VertexId> {
         self.vertices.number(name)
+    }
+
+    /// Takes memory for about this many tetrahedra, and what comes with them. A hint.
+    pub(crate) fn expect_tets(&mut self, tets: usize) {
+        let vertices = tets / TETS_PER_VERTEX;
+        self.tets.expect(tets, vertices);
+        self.vertices.expect(vertices);
     }
 
     /// Inserts a point at once, if nothing is in the way; `see` is shown its cavity before that is
@@ -45,8 +55,8 @@ impl LocalMesh {
         let insert = tets.insert_seeing(number, &p, seed, owns, see);
         match insert {
             Insert::Done => {
-                if v.is_none() {
-                    self.take_vertex(point);
+                if let Some(block) = elsewhere {
+                    self.add_vertex_in(point, block);
                 }
                 self.forget_removed();
             }

@@ -8,8 +8,8 @@
 use super::Blocks;
 use super::name::{NOWHERE, Place, VertexName};
 use crate::protocol::BlockId;
+use ltbw_core::expect;
 use ltbw_core::topology::{INFINITE, VertexId};
-use ltbw_exact::Point;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
@@ -38,6 +38,11 @@ impl Vertices {
     pub(super) fn new(blocks: Blocks, own: Range<Place>) -> Self {
         let (before, run) = (own.start.saturating_sub(1), own.len() as u32);
         Self { blocks, before, run, others: Vec::new(), numbers: FxHashMap::default() }
+    }
+
+    /// Takes memory for this many vertices. A hint.
+    pub(super) fn expect(&mut self, vertices: usize) {
+        expect(&mut self.others, vertices);
     }
 
     /// The numbers of vertices at places of the own stretch.
@@ -81,9 +86,9 @@ impl Vertices {
         if name == NOWHERE { Some(INFINITE) } else { self.numbers.get(&name).copied() }
     }
 
-    /// Gives a vertex that has no number the next one.
-    pub(super) fn add(&mut self, name: VertexName, p: &Point) -> VertexId {
-        let (number, block) = (self.next(), self.blocks.of_name(name, p));
+    /// Gives a vertex of this block that has no number the next one.
+    pub(super) fn add(&mut self, name: VertexName, block: BlockId) -> VertexId {
+        let number = self.next();
         self.others.push(Other { name, block });
         self.numbers.insert(name, number);
         number
@@ -132,7 +137,8 @@ mod tests {
         let names = [51, 25, made(0, 1), made(3, 1), made(3, 2), 100, 1];
         for (number, name) in (26..).map(VertexId::new).zip(names) {
             assert_eq!((vertices.number(name), vertices.next()), (None, number));
-            assert_eq!(vertices.add(name, &[0.5; 3]), number);
+            let block = vertices.blocks.of_name(name, &[0.5; 3]);
+            assert_eq!(vertices.add(name, block), number);
         }
         for v in VertexId::below(vertices.next().number()) {
             assert_eq!(vertices.number(vertices.name(v)), Some(v));
@@ -150,7 +156,7 @@ mod tests {
         let mut vertices = Vertices::new(Blocks::even(3, 8), 3..3);
         assert_eq!((vertices.next(), vertices.number(3)), (VertexId::new(1), None));
         assert_eq!(
-            (vertices.add(3, &[0.0; 3]), vertices.name(VertexId::new(1))),
+            (vertices.add(3, BlockId::new(7)), vertices.name(VertexId::new(1))),
             (VertexId::new(1), 3)
         );
     }

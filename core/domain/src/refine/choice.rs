@@ -35,8 +35,18 @@ pub struct Closure {
     /// the point.
     pub tets: Vec<([u32; 4], bool)>,
     /// Of the first of these, which are all that are in conflict: the places here of those beyond
-    /// their faces, by the slot opposite. Of none, if that is not known.
+    /// their faces, by the slot opposite. Then others need corners only beyond faces that may be
+    /// subfaces, those of three corners on the boundary, and may have none at all else. Of none, if
+    /// that is not known.
     pub beyond: Vec<[u32; 4]>,
+}
+
+impl Closure {
+    /// Forgets all, but for the memory.
+    pub fn clear(&mut self) {
+        let Self { corners, tets, beyond } = self;
+        (corners.clear(), tets.clear(), beyond.clear());
+    }
 }
 
 /// A boundary item by its corners, which are sorted: two of a subsegment, three of a subface.
@@ -81,6 +91,12 @@ impl Rank {
     pub fn of_tet(corners: [Point; 4]) -> Self {
         let place = sorted(corners).map(|p| order_key(&p));
         Self { class: 2, key: Reverse(key_of_tet(corners)), place }
+    }
+
+    /// The number of the rank of a tetrahedron with these corners.
+    #[inline]
+    pub fn key_of_tet(corners: [Point; 4]) -> u64 {
+        key_of_tet(corners)
     }
 
     /// The number by which ranks of one kind are compared before their places: the larger one comes

@@ -56,6 +56,8 @@ pub struct Start {
     pub regions: Vec<RegionInfo>,
     /// The most points to insert.
     pub most: u64,
+    /// The number of tetrahedra for which memory may be taken beforehand; 0 if nobody can tell.
+    pub expected: usize,
 }
 
 /// The boundary of a domain and the bounds of its mesh.
@@ -100,6 +102,12 @@ impl Plc {
 }
 
 impl Start {
+    /// The number of tetrahedra for which one of some workers may take memory beforehand.
+    pub fn expected_of(&self, workers: u32) -> usize {
+        // Parts are of equal work, which is not quite an equal number of tetrahedra.
+        self.expected / workers.max(1) as usize / 4 * 5
+    }
+
     /// Places inside the domain, each with the number of tetrahedra that there will be around it,
     /// as far as it can be told: for the balance of work.
     pub fn weights(&self, complex: &Complex<'_>) -> Vec<(Point, u64)> {
@@ -138,6 +146,7 @@ impl Start {
             tets: mesh.tet_ids().map(tet).collect(),
             regions,
             most,
+            expected: state.expected,
         }
     }
 }

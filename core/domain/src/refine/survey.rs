@@ -63,9 +63,8 @@ impl<'c> Survey<'c> {
         let is_bound = |v: u32| closure.corners[v as usize].carrier != Carrier::Free;
         let may = |v: &u32| *v != NOWHERE && is_bound(*v);
         let is_near = |tet: &[u32; 4]| tet.iter().filter(|v| may(v)).count() > 1;
-        let near: Vec<usize> =
-            all().filter(|(_, (tet, is_in))| *is_in && is_near(tet)).map(|(k, _)| k).collect();
-        if near.is_empty() {
+        let near = || all().filter(|(_, (tet, is_in))| *is_in && is_near(tet)).map(|(k, _)| k);
+        if near().next().is_none() {
             return own;
         }
         if closure.beyond.is_empty() {
@@ -81,7 +80,7 @@ impl<'c> Survey<'c> {
                 entry[usize::from(entry[0].is_some())] = Some(k);
             }
         }
-        for &k in &near {
+        for k in near() {
             own.note_faces(k);
             own.note_edges(k);
         }

@@ -79,7 +79,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
             return None;
         }
         // The guard is dropped at once: nothing is filled here.
-        let (_, met) = self.begin(seed, p, None).ok()?;
+        let (_, met) = self.begin_at::<true>(seed, p, None).ok()?;
         self.geometry.stats.insphere_calls += self.cavity.tests() as u64;
         (met.locked.is_none() && !met.blocked).then_some(&self.cavity)
     }
@@ -92,12 +92,23 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         p: &Point,
         holder: Option<H>,
     ) -> Result<(OpenCavity<'_, Self>, Met), Setback> {
+        self.begin_at::<false>(seed, p, holder)
+    }
+
+    /// The same; `FAR`: at a place where nothing was done lately.
+    #[inline(always)]
+    fn begin_at<const FAR: bool>(
+        &mut self,
+        seed: TetId,
+        p: &Point,
+        holder: Option<H>,
+    ) -> Result<(OpenCavity<'_, Self>, Met), Setback> {
         let Self { topology, geometry, cavity, locks, .. } = self;
         let tagged = locks.is_tagged(geometry.sphere(seed));
         let met = Met { tagged, ..Met::default() };
         let inner = geometry.conflict_of(p);
         let mut conflict = SubmeshConflict { inner, locks, met, holder };
-        cavity.expand::<_, _, false>(topology, seed, &mut conflict, &mut AdmitAll)?;
+        cavity.expand::<_, _, FAR>(topology, seed, &mut conflict, &mut AdmitAll)?;
         let met = conflict.met;
         Ok((OpenCavity::new(self), met))
     }

@@ -34,7 +34,13 @@ pub(super) fn insert_chosen(
 ) -> Insert<TetId> {
     star.clear();
     let own = |t: TetId| regions.get(t.index()).copied().unwrap_or_default();
+    let mut whole = None;
     let insert = inner.insert_seeing(&point.vertex, seed, directory, |topology, cavity| {
+        let first = own(seed);
+        if cavity.tets().all(|t| own(t) == first) {
+            whole = Some(first);
+            return;
+        }
         // Each new tetrahedron is in the region of the one that was behind its outer face.
         let inside = cavity
             .boundary()
@@ -42,8 +48,10 @@ pub(super) fn insert_chosen(
         star.extend(inside.map(own));
     });
     if insert == Insert::Done {
-        for (&t, &region) in inner.made_at_once().iter().zip(&*star) {
-            let is_ghost = inner.tets().vertices(t)[3] == INFINITE;
+        for (k, &t) in inner.made_at_once().iter().enumerate() {
+            // A ghost is in the exterior, as all ghosts of its cavity were.
+            let region = whole.or_else(|| star.get(k).copied()).unwrap_or_default();
+            let is_ghost = region != 0 && inner.tets().vertices(t)[3] == INFINITE;
             put(regions, t.index(), if is_ghost { 0 } else { region }, 0);
         }
         if let Some(v) = inner.number(point.vertex.name) {

@@ -10,7 +10,7 @@ use super::values::{
     DomainPatch, DomainPiece, DomainPoint, End, ItemKey, Marked, segment_key, subface_key,
 };
 use super::verdict::{self, Verdict, regions};
-use crate::mesh::{LocalMesh, Moving, Patch, Piece, VertexName, WireVertex};
+use crate::mesh::{LocalMesh, Moving, Patch, Piece, TETS_PER_VERTEX, VertexName, WireVertex};
 use crate::protocol::{
     BlockId, Correct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Rules, Submesh,
     SubmeshError, Ticket, Walk, WorkerId,
@@ -18,6 +18,7 @@ use crate::protocol::{
 use crate::refining::news::DomainNews;
 use ltbw_core::cavity::{Cavity, OTHERS};
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_core::{expect, prefetch};
 use ltbw_domain::refine::{Carrier, Complex};
 use ltbw_exact::Point;
 use rustc_hash::FxHashSet;
@@ -85,6 +86,19 @@ impl<'c> DomainMesh<'c> {
             star,
             refused,
         }
+    }
+
+    /// Takes memory for about this many tetrahedra. A hint.
+    pub(crate) fn expect_tets(&mut self, tets: usize) {
+        self.inner.expect_tets(tets);
+        expect(&mut self.regions, tets);
+        expect(&mut self.carriers, tets / TETS_PER_VERTEX);
+    }
+
+    /// Asks the processor to fetch a tetrahedron, and its region.
+    pub(crate) fn prefetch(&self, t: TetId) {
+        self.inner.tets().prefetch(t);
+        prefetch(self.regions.as_ptr().wrapping_add(t.index()));
     }
 
     /// The worker whose submesh it is.

@@ -119,8 +119,10 @@ pub(super) fn prepare<'c, Q: Source<DomainMesh<'c>>, C: Rules>(
     if set.mode() != Mode::Normal {
         return Err(RefineError::Range);
     }
-    let weights = start.weights(&complex);
-    let Prepared { workers, mut common, .. } = layout.prepare_all(&set, Some(&weights), None)?;
+    // One worker has all of the work.
+    let weights = (layout.workers > 1).then(|| start.weights(&complex));
+    let Prepared { workers, mut common, .. } =
+        layout.prepare_all(&set, weights.as_deref(), None)?;
     common.mode = start.mode;
     let config = Config { workers: layout.workers, ..config };
     let complex = Arc::new(complex);
@@ -134,7 +136,10 @@ pub(super) fn prepare<'c, Q: Source<DomainMesh<'c>>, C: Rules>(
     };
     let workers = workers.into_iter().map(|(directory, mesh, _)| {
         let (me, complex) = (directory.me(), Arc::clone(&complex));
-        let mesh = DomainMesh::new(mesh, complex, me, carrier, region);
+        let mut mesh = DomainMesh::new(mesh, complex, me, carrier, region);
+        // The first one receives all others in the end.
+        let parts = if me == WorkerId::default() { 1 } else { layout.workers };
+        mesh.expect_tets(start.expected_of(parts));
         let source = source(me, &mesh);
         Worker::new(config, directory, mesh, source)
     });

@@ -132,4 +132,6 @@ pub(super) struct ChosenPoint {
     pub(super) point: DomainPoint,
     /// The tetrahedron that it begins at, and its vertices.
     pub(super) start: Option<(TetId, [VertexId; 4])>,
+    /// Its probe.
+    pub(super) probe: u32,
 }

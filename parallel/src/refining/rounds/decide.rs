@@ -14,7 +14,7 @@ impl<C: Rules> Rounds<C> {
     /// All cavities are reserved: rivals are told of, and the points chosen that wait for none.
     pub(super) fn begin_to_decide(&mut self, mesh: &mut DomainMesh<'_>) {
         self.stage = Stage::Deciding;
-        for probe in self.served.reserve_all(mesh) {
+        for probe in self.served.reserve_others() {
             let rivals = self.served.rivals(probe);
             let byte = |rival: &Rival| {
                 u8::from(rival.is_there)
@@ -108,7 +108,7 @@ impl<C: Rules> Rounds<C> {
         let vertex = WireVertex::new(made(me, self.made), point(&probe.to));
         let seed = start.map_or(TetId::default(), |(t, _)| t);
         let point = DomainPoint::chosen(vertex, probe.carrier, seed);
-        self.chosen.push_back(ChosenPoint { point, start });
+        self.chosen.push_back(ChosenPoint { point, start, probe: k });
         for item in removed {
             self.tell_gone(mesh, &item);
         }

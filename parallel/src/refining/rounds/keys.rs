@@ -12,6 +12,7 @@
 use crate::protocol::{Directory, Handle, Name, Rules, Submesh, WorkerId};
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
+use ltbw_core::{Point, expect, prefetch};
 use ltbw_domain::refine::{Bad, Rank, Ranked, sift, witness};
 use rustc_hash::FxHashMap;
 use std::cmp::Ordering;
@@ -57,18 +58,32 @@ pub(super) struct Keys {
     /// was told in the last round is sure to be known there: another worker may have told since.
     told: [FxHashMap<(Name, u8), ToldOnce>; 2],
     interface: Vec<Interface>,
+    /// By slot: has its tetrahedron an interface face?
+    is_beside: Vec<bool>,
+}
+
+/// The places by which a tetrahedron with these corners is ranked.
+#[inline(always)]
+fn places_of<C: Rules>(mesh: &DomainMesh<'_>, corners: [VertexId; 4]) -> [Point; 4] {
+    // R22.
+    match C::RANKS_BY_PLACE {
+        true => corners.map(|v| mesh.point(v)),
+        false => corners.map(|v| [f64::from(v.number()), 0.0, 0.0]),
+    }
 }
 
 /// The rank of a tetrahedron with these corners.
 fn rank_of<C: Rules>(mesh: &DomainMesh<'_>, corners: [VertexId; 4]) -> Rank {
-    // R22.
-    Rank::of_tet(match C::RANKS_BY_PLACE {
-        true => corners.map(|v| mesh.point(v)),
-        false => corners.map(|v| [f64::from(v.number()), 0.0, 0.0]),
-    })
+    Rank::of_tet(places_of::<C>(mesh, corners))
 }
 
 impl Keys {
+    /// Takes memory for about this many tetrahedra. A hint.
+    pub(super) fn expect_tets(&mut self, tets: usize) {
+        expect(&mut self.keys, tets);
+        expect(&mut self.stamps, tets);
+    }
+
     /// Looks at new tetrahedra.
     pub(super) fn look_at<C: Rules>(&mut self, mesh: &DomainMesh<'_>, tets: &[TetId]) {
         let all = mesh.inner.tets();
@@ -89,12 +104,19 @@ impl Keys {
         for t in mesh.complex.over_among(inside) {
             // One that is told of twice has a key already.
             if self.keys[t.index()] == 0 {
-                self.keys[t.index()] = rank_of::<C>(mesh, all.vertices(t)).key();
+                let places = places_of::<C>(mesh, all.vertices(t));
+                self.keys[t.index()] = Rank::key_of_tet(places);
                 self.bad.push(Bad::new(t, self.look));
             }
         }
         // They are in the cache; a witness of now may be one when the round is over.
         for k in first..self.bad.len() {
+            if let Some(next) = self.bad.get(k + 2) {
+                let around = all.neighbours(next.t).map(tet_of);
+                around
+                    .into_iter()
+                    .for_each(|t| prefetch(self.keys.as_ptr().wrapping_add(t.index())));
+            }
             if let Some(witness) = self.ranked::<C>(mesh).one_before(self.bad[k].t) {
                 self.bad[k].witness = witness;
             }
@@ -107,10 +129,14 @@ impl Keys {
         let topology = tets.topology();
         // A tetrahedron that is gone has changed since the last ones were looked at.
         self.look += 1;
-        self.interface.clear();
+        for own in self.interface.drain(..) {
+            self.is_beside[own.t.index()] = false;
+        }
+        self.is_beside.resize(topology.slots(), false);
         for (face, beyond) in tets.far_faces() {
             let (t, slot) = (tet_of(face), slot_of(face));
             self.interface.push(Interface { t, slot, beyond });
+            self.is_beside[t.index()] = true;
             self.forget(tet_of(topology.at(t).neighbours()[slot]));
         }
         for &t in topology.free_slots() {
@@ -241,11 +267,9 @@ impl Keys {
     pub(super) fn foremost<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> [Vec<TetId>; 2] {
         let mut all: [Vec<TetId>; 2] = Default::default();
         let mut bad = std::mem::take(&mut self.bad);
-        let tets = mesh.inner.tets();
         let kept = sift(&mut bad, self.look, &self.ranked::<C>(mesh), |t| {
-            let around = tets.neighbours(t).map(tet_of);
-            if !self.is_beaten_from_afar::<C>(mesh, t, around) {
-                let is_inner = around.into_iter().all(|n| tets.far(n).is_none());
+            let is_inner = !self.is_beside[t.index()];
+            if !self.is_beaten_from_afar::<C>(mesh, t) {
                 all[usize::from(is_inner)].push(t);
             }
         });
@@ -260,13 +284,13 @@ impl Keys {
     }
 
     /// Does one that is another worker's come before one that nothing here comes before?
-    fn is_beaten_from_afar<C: Rules>(
-        &self,
-        mesh: &DomainMesh<'_>,
-        t: TetId,
-        around: [TetId; 4],
-    ) -> bool {
+    fn is_beaten_from_afar<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId) -> bool {
         let tets = mesh.inner.tets();
+        let around = tets.neighbours(t).map(tet_of);
+        // Of most neither it nor a neighbour has an interface face.
+        if !around.iter().chain([&t]).any(|t| self.is_beside[t.index()]) {
+            return false;
+        }
         let told =
             |exchange: usize, t: TetId, slot: usize| self.told_beyond(mesh, exchange, t, slot);
         let mut best = None::<Rank>;
@@ -294,19 +318,33 @@ struct RankedHere<'k, 'c, C> {
     rules: PhantomData<C>,
 }
 
+impl<C: Rules> RankedHere<'_, '_, C> {
+    /// Does one tetrahedron come before another one with the same key?
+    #[cold]
+    #[inline(never)]
+    fn is_first_by_place(&self, one: TetId, other: TetId) -> bool {
+        self.keys.rank::<C>(self.mesh, one) < self.keys.rank::<C>(self.mesh, other)
+    }
+}
+
 impl<C: Rules> Ranked for RankedHere<'_, '_, C> {
+    #[inline(always)]
     fn stamp(&self, t: TetId) -> u32 {
         self.keys.stamps[t.index()]
     }
 
+    #[inline(always)]
     fn neighbours(&self, t: TetId) -> [TetId; 4] {
         self.mesh.inner.tets().neighbours(t).map(tet_of)
     }
 
+    #[inline(always)]
     fn prefetch(&self, t: TetId) {
-        self.mesh.inner.tets().prefetch(t);
+        self.mesh.inner.tets().topology().prefetch(t);
+        prefetch(self.keys.keys.as_ptr().wrapping_add(t.index()));
     }
 
+    #[inline(always)]
     fn one_before(&self, t: TetId) -> Option<[TetId; 2]> {
         let (keys, key) = (&self.keys.keys, self.keys.keys[t.index()]);
         // The slot of a far face has no key, or while points are inserted one of before: a witness
@@ -315,10 +353,7 @@ impl<C: Rules> Ranked for RankedHere<'_, '_, C> {
             let other = keys[one.index()];
             // R26.
             (other > key && (C::BREAKS_TIES || !Rank::is_tie(other, key)))
-                || other == key && one != t && {
-                    let [one, own] = [one, t].map(|t| self.keys.rank::<C>(self.mesh, t));
-                    one < own
-                }
+                || other == key && one != t && self.is_first_by_place(one, t)
         };
         let around = |way: TetId| self.mesh.inner.tets().is_live(way).then(|| self.neighbours(way));
         witness(t, self.neighbours(t), around, is_before)

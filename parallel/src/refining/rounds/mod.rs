@@ -143,6 +143,7 @@ fn refine<'a, C: Rules>(
         let source = |me, mesh: &DomainMesh<'_>| {
             let place = (me, layout.workers, layout.blocks_per_worker);
             let mut source = Rounds::new(place, (before, start.most), mesh);
+            source.expect_tets(start.expected_of(layout.workers));
             source.resume(mesh, &resumed.asked, resumed.candidates, resumed.figures);
             source
         };

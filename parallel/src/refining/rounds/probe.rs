@@ -262,7 +262,10 @@ impl<C: Rules> Rounds<C> {
             });
         if is_near {
             match &probe.told {
-                None => self.served.describe_here(mesh, id, &mut probe.closure),
+                None => {
+                    probe.closure = self.spare.pop().unwrap_or_default();
+                    self.served.describe_here(mesh, id, &mut probe.closure);
+                }
                 Some(_) => {
                     self.served.complete(mesh, id);
                     let all = self.served.part(id).map_or(&[][..], |part| &part.order);
@@ -317,6 +320,8 @@ impl<C: Rules> Rounds<C> {
         } else if fits && self.probes[k as usize].has_boundary && C::HEARS_OF_RIVALS {
             self.want_rivals(k);
         }
+        // What it has is in the cache.
+        self.served.reserve_own(id);
         self.conclude(k, outcome);
     }
 

@@ -6,6 +6,7 @@ use crate::refining::news::{
     Bits, INFINITE_CORNER, PartEnd, ProbeId, Proposal, WireClosure, WireCorner, WireItem, point,
 };
 use ltbw_core::cavity::OTHERS;
+use ltbw_core::expect;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_domain::refine::{Carrier, Closure, Corner, NOWHERE, Rank, Rival, way_out};
 use rustc_hash::FxHashMap;
@@ -27,13 +28,15 @@ pub(super) struct Part {
 }
 
 impl Part {
-    fn of(own: &Proposal) -> Self {
+    /// A part without tetrahedra, in the memory of one that has ended.
+    fn of(own: &Proposal, mut order: Vec<(TetId, bool)>) -> Self {
+        order.clear();
         Self {
             rank: own.rank,
             carrier: own.carrier,
             is_void: false,
             is_wanted: false,
-            order: Vec::new(),
+            order,
             lacks_ring: false,
         }
     }
@@ -113,6 +116,8 @@ pub(super) struct Served {
     /// By slot: the number in `holders` of the foremost candidate with it in its cavity.
     reserved: Marks,
     holders: Vec<(Rank, Carrier)>,
+    /// The memory of parts of rounds before.
+    spare: Vec<Vec<(TetId, bool)>>,
     /// Scratch: tetrahedra that a search has seen.
     seen: Marks,
     /// Scratch: the numbers of vertices in a closure.
@@ -125,11 +130,18 @@ impl Served {
         Self { me, ..Self::default() }
     }
 
+    /// Takes memory for about this many tetrahedra. A hint.
+    pub(super) fn expect_tets(&mut self, tets: usize) {
+        expect(&mut self.reserved.all, tets);
+        expect(&mut self.seen.all, tets);
+    }
+
     /// Starts a round.
-    pub(super) fn clear(&mut self) {
-        self.own.clear();
-        self.others.clear();
+    pub(super) fn clear(&mut self, mesh: &DomainMesh<'_>) {
+        let ended = self.own.drain(..).flatten().chain(self.others.drain().map(|own| own.1));
+        self.spare.extend(ended.map(|part| part.order));
         self.holders.clear();
+        self.reserved.clear(mesh.inner.tets().topology().slots());
     }
 
     pub(super) fn part(&self, probe: ProbeId) -> Option<&Part> {
@@ -149,14 +161,16 @@ impl Served {
     /// The part of a probe, made if there is none.
     fn enter(&mut self, own: &Proposal) -> &mut Part {
         let ProbeId { home, number } = own.probe;
+        let spare = &mut self.spare;
+        let new = || Part::of(own, spare.pop().unwrap_or_default());
         if home != self.me {
-            return self.others.entry(own.probe).or_insert_with(|| Part::of(own));
+            return self.others.entry(own.probe).or_insert_with(new);
         }
         let place = number as usize;
         if self.own.len() <= place {
             self.own.resize_with(place + 1, || None);
         }
-        self.own[place].get_or_insert_with(|| Part::of(own))
+        self.own[place].get_or_insert_with(new)
     }
 
     /// Finds the whole cavity of an own probe from a tetrahedron in conflict with its point, if
@@ -258,22 +272,19 @@ impl Served {
         }
     }
 
-    /// All probes have ended: reserves their cavities. Returns those whose homes want to hear of
-    /// rivals.
-    pub(super) fn reserve_all(&mut self, mesh: &DomainMesh<'_>) -> Vec<ProbeId> {
-        let Self { own, others, reserved, holders, .. } = self;
-        reserved.clear(mesh.inner.tets().topology().slots());
-        let all = own.iter().flatten().chain(others.values());
-        for part in all.filter(|part| !part.is_void) {
-            let number = holders.len() as u32;
-            holders.push((part.rank, part.carrier));
-            for t in part.cavity() {
-                let is_first = reserved.get(t.index());
-                if is_first.is_none_or(|other| part.rank < holders[other as usize].0) {
-                    reserved.set(t.index(), number);
-                }
-            }
+    /// The verdict on an own probe has fallen: reserves the cavity in its part, unless that is void.
+    pub(super) fn reserve_own(&mut self, probe: ProbeId) {
+        let Self { own, reserved, holders, .. } = self;
+        if let Some(Some(part)) = own.get(probe.number as usize) {
+            reserve(part, reserved, holders);
         }
+    }
+
+    /// All probes have ended: reserves the cavities of others'. Returns those whose homes want to
+    /// hear of rivals.
+    pub(super) fn reserve_others(&mut self) -> Vec<ProbeId> {
+        let Self { others, reserved, holders, .. } = self;
+        others.values().for_each(|part| reserve(part, reserved, holders));
         let wanted = others.iter().filter(|(_, part)| part.is_wanted);
         let mut wanted: Vec<ProbeId> = wanted.map(|(&probe, _)| probe).collect();
         wanted.sort_unstable();
@@ -317,26 +328,56 @@ impl Served {
         self.places.clear(mesh.inner.num_vertices() + 1);
         let mut places = std::mem::take(&mut self.places);
         let order = self.part(probe).map_or(&[][..], |part| &part.order);
-        closure.tets.reserve(order.len());
-        closure.corners.reserve(order.len());
-        for &(t, is_in) in order {
-            if is_whole && is_in {
-                let beyond = tets.neighbours(t).map(|face| self.seen.get(tet_of(face).index()));
-                closure.beyond.push(beyond.map(|place| place.unwrap_or(NOWHERE)));
-            }
-            let v = tets.vertices(t).map(|v| match v {
+        let Closure { corners, tets: told, beyond } = closure;
+        let mut describe = |t: TetId, corners: &mut Vec<Corner>| {
+            tets.vertices(t).map(|v| match v {
                 INFINITE => NOWHERE,
                 v => {
-                    let next = closure.corners.len() as u32;
+                    let next = corners.len() as u32;
                     if places.mark(v.index(), next) {
-                        closure.corners.push(corner(mesh, v));
+                        corners.push(corner(mesh, v));
                     }
                     places.get(v.index()).unwrap_or(next)
                 }
-            });
-            closure.tets.push((v, is_in));
+            })
+        };
+        if !is_whole {
+            told.extend(order.iter().map(|&(t, is_in)| (describe(t, corners), is_in)));
+            self.places = places;
+            return;
+        }
+        let inside = order.partition_point(|own| own.1);
+        told.resize(order.len(), ([NOWHERE; 4], false));
+        for (k, &(t, _)) in order[..inside].iter().enumerate() {
+            let v = describe(t, corners);
+            told[k] = (v, true);
+            let around = tets.neighbours(t).map(|face| self.seen.get(tet_of(face).index()));
+            let around = around.map(|place| place.unwrap_or(NOWHERE));
+            beyond.push(around);
+            let is_on = v.map(|v| v != NOWHERE && corners[v as usize].carrier != Carrier::Free);
+            for (face, place) in OTHERS.into_iter().zip(around) {
+                let is_ring = (inside..order.len()).contains(&(place as usize));
+                if is_ring && face.iter().all(|&slot| is_on[slot]) {
+                    told[place as usize].0 = describe(order[place as usize].0, corners);
+                }
+            }
         }
         self.places = places;
+    }
+}
+
+/// Reserves the cavity in a part, unless that is void, where no candidate before it has.
+fn reserve(part: &Part, reserved: &mut Marks, holders: &mut Vec<(Rank, Carrier)>) {
+    if part.is_void {
+        return;
+    }
+    let number = holders.len() as u32;
+    holders.push((part.rank, part.carrier));
+    for t in part.cavity() {
+        let other = reserved.get(t.index());
+        if other.is_none_or(|other| part.rank < holders[other as usize].0) {
+            reserved.set(t.index(), number);
+        }
     }
 }
 
@@ -354,10 +395,18 @@ pub(super) fn corner(mesh: &DomainMesh<'_>, v: VertexId) -> Corner {
     Corner { point: mesh.point(v), carrier: mesh.carrier(v) }
 }
 
-/// May something of a tetrahedron be boundary?
+/// May something of a tetrahedron be boundary? A subface has three corners there, an edge of which
+/// no face is one is a subsegment or nothing.
 fn is_near(mesh: &DomainMesh<'_>, t: TetId) -> bool {
-    let is_on = |v: &VertexId| *v != INFINITE && mesh.carrier(*v) != Carrier::Free;
-    mesh.inner.tets().vertices(t).iter().filter(|v| is_on(v)).count() > 1
+    let (mut ends, mut count) = ([Carrier::Free; 2], 0);
+    for v in mesh.inner.tets().vertices(t) {
+        let carrier = if v == INFINITE { Carrier::Free } else { mesh.carrier(v) };
+        if carrier != Carrier::Free {
+            ends[count % 2] = carrier;
+            count += 1;
+        }
+    }
+    count > 2 || count == 2 && mesh.complex.segment(ends).is_some()
 }
 
 /// May something of a cavity's part be boundary?

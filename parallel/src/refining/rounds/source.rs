@@ -11,8 +11,8 @@ use crate::protocol::{
 };
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{DomainNews, Sums};
-use ltbw_core::topology::{TetId, VertexId};
-use ltbw_domain::refine::{Asked, BoundaryItem, ItemPlace, Rank};
+use ltbw_core::topology::{TetId, VertexId, tet_of};
+use ltbw_domain::refine::{Asked, BoundaryItem, Closure, ItemPlace, Rank};
 use rustc_hash::FxHashMap;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::marker::PhantomData;
@@ -111,6 +111,8 @@ pub struct Rounds<C = Correct> {
     pub(super) foremost: [Vec<TetId>; 2],
     pub(super) served: Served,
     pub(super) probes: Vec<Probe>,
+    /// The memory of closures of rounds before.
+    pub(super) spare: Vec<Closure>,
     /// Probes to launch.
     pub(super) to_launch: VecDeque<u32>,
     /// Where the last probe for a boundary item has ended here.
@@ -173,6 +175,7 @@ impl<C: Rules> Rounds<C> {
             foremost: Default::default(),
             served: Served::new(me),
             probes: Vec::new(),
+            spare: Vec::new(),
             to_launch: VecDeque::new(),
             near: None,
             open: 0,
@@ -199,6 +202,12 @@ impl<C: Rules> Rounds<C> {
             figures: RoundFigures::default(),
             rules: PhantomData,
         }
+    }
+
+    /// Takes memory for about this many tetrahedra. A hint.
+    pub(super) fn expect_tets(&mut self, tets: usize) {
+        self.keys.expect_tets(tets);
+        self.served.expect_tets(tets);
     }
 
     /// Goes on where others were: items to be split, candidates when last counted, figures.
@@ -234,6 +243,22 @@ impl<C: Rules> Rounds<C> {
         (self.pending.into_values().collect(), candidates, self.ending, self.figures)
     }
 
+    /// Asks the processor to fetch the cavities of the next points to insert. A hint: they may have
+    /// changed.
+    fn fetch(&self, mesh: &DomainMesh<'_>) {
+        let tets = mesh.inner.tets();
+        let part = |own: &ChosenPoint| self.served.part(self.id(own.probe));
+        if let Some(part) = self.chosen.get(1).and_then(part) {
+            part.cavity().for_each(|t| mesh.prefetch(t));
+        }
+        // The next cavity is in the cache by now: its neighbours are fetched.
+        if let Some(part) = self.chosen.front().and_then(part) {
+            for t in part.cavity() {
+                tets.neighbours(t).into_iter().for_each(|face| tets.prefetch(tet_of(face)));
+            }
+        }
+    }
+
     pub(super) fn send(&mut self, to: WorkerId, news: DomainNews) {
         self.out.push_back((to, news));
     }
@@ -242,11 +267,13 @@ impl<C: Rules> Rounds<C> {
 impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
     const WATCHES: bool = true;
 
-    fn next(&mut self, _: &DomainMesh<'c>) -> Option<DomainPoint> {
-        match self.stage {
-            Stage::Inserting => self.chosen.pop_front().map(|own| own.point),
-            _ => None,
+    fn next(&mut self, mesh: &DomainMesh<'c>) -> Option<DomainPoint> {
+        if self.stage != Stage::Inserting {
+            return None;
         }
+        let next = self.chosen.pop_front()?;
+        self.fetch(mesh);
+        Some(next.point)
     }
 
     fn is_empty(&self) -> bool {

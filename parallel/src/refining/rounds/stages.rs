@@ -61,8 +61,13 @@ impl<C: Rules> Rounds<C> {
         self.look_at_created(mesh);
         self.keys.start(mesh);
         mesh.count_steps(self.keys.interface_faces() as u64 / 8);
-        self.served.clear();
-        self.probes.clear();
+        self.served.clear(mesh);
+        for Probe { mut closure, .. } in self.probes.drain(..) {
+            if closure.tets.capacity() > 0 {
+                closure.clear();
+                self.spare.push(closure);
+            }
+        }
         self.begin_exchange(mesh, directory, 0);
     }
 

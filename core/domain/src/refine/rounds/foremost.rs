@@ -203,6 +203,7 @@ impl Ranked for Rounds<'_, '_> {
     #[inline(always)]
     fn prefetch(&self, t: TetId) {
         self.own.state.mesh.prefetch(t);
+        self.keys.prefetch(t);
     }
 
     #[inline(always)]

@@ -33,7 +33,7 @@ pub trait Ranked {
     fn stamp(&self, t: TetId) -> u32;
     /// The slots around one.
     fn neighbours(&self, t: TetId) -> [TetId; 4];
-    /// Asks the processor to fetch a tetrahedron.
+    /// Asks the processor to fetch a tetrahedron, and what it is ranked by.
     fn prefetch(&self, t: TetId);
     /// A witness for a tetrahedron, if one is found.
     fn one_before(&self, t: TetId) -> Option<[TetId; 2]>;

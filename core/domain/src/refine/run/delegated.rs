@@ -256,6 +256,9 @@ impl State {
             self.marks.set_region(t, region);
             let carrier = |v: VertexId| self.carriers[v.index()];
             let is_on = v.map(|v| v != INFINITE && carrier(v) != Carrier::Free);
+            if is_on.iter().filter(|on| **on).count() < 2 {
+                continue;
+            }
             for [i, j] in ENDS {
                 let ends = [v[i], v[j]];
                 if is_on[i]
