@@ -30,6 +30,16 @@ struct Interface {
     beyond: Handle,
 }
 
+/// A tetrahedron that comes before all around it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Foremost {
+    pub(super) t: TetId,
+    pub(super) v: [VertexId; 4],
+    pub(super) rank: Rank,
+    /// The first of its vertices.
+    pub(super) at: Point,
+}
+
 /// A tetrahedron over its bounds at or near an interface face: one here, as of a look, or another
 /// worker's.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -264,13 +274,16 @@ impl Keys {
     }
 
     /// The tetrahedra that come before all around them: those at interface faces, and the others.
-    pub(super) fn foremost<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> [Vec<TetId>; 2] {
-        let mut all: [Vec<TetId>; 2] = Default::default();
+    pub(super) fn foremost<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> [Vec<Foremost>; 2] {
+        let mut all: [Vec<Foremost>; 2] = Default::default();
         let mut bad = std::mem::take(&mut self.bad);
         let kept = sift(&mut bad, self.look, &self.ranked::<C>(mesh), |t| {
             let is_inner = !self.is_beside[t.index()];
             if !self.is_beaten_from_afar::<C>(mesh, t) {
-                all[usize::from(is_inner)].push(t);
+                // All that is read of it is in the cache now.
+                let v = mesh.inner.tets().vertices(t);
+                let (rank, at) = (rank_of::<C>(mesh, v), mesh.point(v[0]));
+                all[usize::from(is_inner)].push(Foremost { t, v, rank, at });
             }
         });
         bad.truncate(kept);

@@ -1,7 +1,7 @@
 //! One worker's part in the rounds: what it knows, what it is told, and the points that it gives.
 
 use super::candidate::{ChosenPoint, Probe};
-use super::keys::Keys;
+use super::keys::{Foremost, Keys};
 use super::serve::Served;
 use super::tree::Tree;
 use crate::balance::Workload;
@@ -108,7 +108,7 @@ pub struct Rounds<C = Correct> {
     /// Workers beside that have still to tell.
     pub(super) awaited: BTreeSet<WorkerId>,
     /// The tetrahedra that come before all around them: those at interface faces, and the others.
-    pub(super) foremost: [Vec<TetId>; 2],
+    pub(super) foremost: [Vec<Foremost>; 2],
     pub(super) served: Served,
     pub(super) probes: Vec<Probe>,
     /// The memory of closures of rounds before.

@@ -16,6 +16,7 @@
 //! others, so it takes two waves that are equal.
 
 use super::candidate::{Outcome, Probe, What};
+use super::keys::Foremost;
 use super::source::{Ending, KeysTold, Pending, Rounds, Stage};
 use super::tree::{SENT, Step, TAKEN, is_quiet};
 use crate::protocol::{Directory, Rules, Standing, WorkerId};
@@ -36,16 +37,15 @@ const CANCELLED: usize = 5;
 const CHOSEN: [usize; 3] = [6, 7, 8];
 const NEWS: usize = 9;
 
-/// Values by their places along a Hilbert curve. (Nothing is done on other threads: these have
-/// workers of their own.)
-fn along_curve<T>(values: Vec<T>, place: impl Fn(&T) -> Point) -> impl Iterator<Item = T> {
-    let places: Vec<Point> = values.iter().map(&place).collect();
+/// The numbers of values along a Hilbert curve through their places. (Nothing is done on other
+/// threads: these have workers of their own.)
+fn along_curve(places: impl Iterator<Item = Point>) -> impl Iterator<Item = usize> {
+    let places: Vec<Point> = places.collect();
     let (low, high) = bounding_box(&places);
     let curve = Curve::of_box(low, high);
-    let keys = places.iter().map(|p| curve.key(p));
-    let mut all: Vec<(u64, T)> = keys.zip(values).collect();
-    all.sort_by_key(|own| own.0);
-    all.into_iter().map(|own| own.1)
+    let mut all: Vec<(u64, u32)> = places.iter().map(|p| curve.key(p)).zip(0..).collect();
+    all.sort_unstable();
+    all.into_iter().map(|own| own.1 as usize)
 }
 
 impl<C: Rules> Rounds<C> {
@@ -175,7 +175,7 @@ impl<C: Rules> Rounds<C> {
         match self.stage {
             // Something was still under way: once more.
             _ if sums[OPEN] != 0 => {}
-            Stage::Counting => self.decide_what(mesh, &sums),
+            Stage::Counting => self.decide_what(&sums),
             Stage::Choosing => {
                 if sums[IRREGULAR] > 0 {
                     self.end(Ending::Irregular);
@@ -199,7 +199,7 @@ impl<C: Rules> Rounds<C> {
     }
 
     /// All know what there is to split: this round's probes are made.
-    fn decide_what(&mut self, mesh: &DomainMesh<'_>, sums: &Sums) {
+    fn decide_what(&mut self, sums: &Sums) {
         let has_boundary = sums[READY] > 0;
         let has_tets = match has_boundary {
             true => sums[READY] * BESIDE as i64 <= self.counted,
@@ -225,19 +225,18 @@ impl<C: Rules> Rounds<C> {
             .map(|own| own.item)
             .collect();
         // Along a curve, so that what is near is looked at, and inserted, together.
-        for item in along_curve(ready, |item| item.corners()[0].point) {
+        for k in along_curve(ready.iter().map(|item| item.corners()[0].point)) {
+            let item = ready[k];
             let k = self.add_probe(What::Item(item), item.rank(), 0);
             self.to_launch.push_back(k);
         }
         let foremost = std::mem::take(&mut self.foremost);
         // Candidates at interface faces come first: others are waited for there.
         for list in foremost.into_iter().filter(|_| has_tets) {
-            let tets = mesh.inner.tets();
-            for t in along_curve(list, |&t| mesh.point(tets.vertices(t)[0])) {
-                if let Some(rank) = self.keys.rank::<C>(mesh, t) {
-                    let k = self.add_probe(What::Tet(t, tets.vertices(t)), rank, 0);
-                    self.to_launch.push_back(k);
-                }
+            for k in along_curve(list.iter().map(|own| own.at)) {
+                let Foremost { t, v, rank, .. } = list[k];
+                let k = self.add_probe(What::Tet(t, v), rank, 0);
+                self.to_launch.push_back(k);
             }
         }
     }

@@ -173,7 +173,7 @@ impl<'a> Delegated<'a> {
         own.state.carriers = std::iter::once(Carrier::Free).chain(carriers).collect();
         own.inserted.points = own.state.number_all();
         own.inserted.next_number = own.state.carriers.len() as Vertex - 1;
-        let found = own.state.enter_marks(&complex, &regions);
+        let found = own.state.enter_marks(&complex, &regions, !asked.is_empty());
         let waiting = |asked: &Asked| {
             let &(item, near) = found.get(&asked.item.place())?;
             let first = asked.first.and_then(|first| Some(found.get(&first)?.0));
@@ -239,12 +239,13 @@ impl State {
         points
     }
 
-    /// Enters the boundary that the carriers tell, and the regions. Returns all items by place,
-    /// each with a tetrahedron at it.
+    /// Enters the boundary that the carriers tell, and the regions. Returns all items by place if
+    /// they are asked for, each with a tetrahedron at it.
     fn enter_marks(
         &mut self,
         complex: &Complex<'_>,
         regions: &[u32],
+        is_asked: bool,
     ) -> Map<ItemPlace, (Item, TetId)> {
         self.marks = Marks::new(self.mesh.topology().slots());
         (self.segments, self.subfaces) = Default::default();
@@ -265,8 +266,10 @@ impl State {
                     && is_on[j]
                     && let Some(s) = complex.segment(ends.map(carrier))
                 {
-                    let place = ItemPlace::of(&ends.map(|v| self.at(v)));
-                    found.insert(place, (Item::Segment(edge(v[i], v[j])), t));
+                    if is_asked {
+                        let place = ItemPlace::of(&ends.map(|v| self.at(v)));
+                        found.insert(place, (Item::Segment(edge(v[i], v[j])), t));
+                    }
                     self.segments.insert(edge(v[i], v[j]), s);
                     self.marks.set(t, edge_bit(i, j));
                 }
@@ -276,8 +279,10 @@ impl State {
                 if face.iter().all(|&k| is_on[k])
                     && let Some(f) = complex.facet([a, b, c].map(|v| (carrier(v), self.at(v))))
                 {
-                    let place = ItemPlace::of(&[a, b, c].map(|v| self.at(v)));
-                    found.insert(place, (Item::Subface(triangle(a, b, c)), t));
+                    if is_asked {
+                        let place = ItemPlace::of(&[a, b, c].map(|v| self.at(v)));
+                        found.insert(place, (Item::Subface(triangle(a, b, c)), t));
+                    }
                     self.subfaces.insert(triangle(a, b, c), f);
                     self.marks.set(t, face_bit(slot));
                 }
