@@ -45,7 +45,9 @@ impl Closure {
     /// Forgets all, but for the memory.
     pub fn clear(&mut self) {
         let Self { corners, tets, beyond } = self;
-        (corners.clear(), tets.clear(), beyond.clear());
+        corners.clear();
+        tets.clear();
+        beyond.clear();
     }
 }
 

@@ -1,22 +1,16 @@
 //! The boundary of a domain, its bounds and the points that split things, as functions of values:
 //! for engines whose mesh is on many processors.
-//!
-//! While every subsegment and subface is in the mesh, the carriers of its vertices tell what they
-//! are. An edge between two vertices of one segment is a subsegment, for a third one between them
-//! would be on the edge. A triangle of vertices of one facet does not cross a subsegment; so it is
-//! a subface if one of them is inside the facet, or if it is on a side of a segment where the facet
-//! is. Triangles of three corners are as they were at the start: all new ones have a new vertex.
 
 use super::RefineError;
 use super::bounds::Bounds;
-use super::carrier::{Carrier, corner_point, free_point, within_box};
+use super::carrier::{Carrier, free_point, within_box};
 use super::key::sorted;
 use super::measure::{Shape, circumcircle, in_diametral_ball, in_equatorial_ball};
+use super::names::Names;
 use super::plc::Plc;
 use super::region::RegionInfo;
 use super::split::{TOLERANCE, aim};
 use super::state::State;
-use super::table::{self, Map, Set, edge, triangle};
 use crate::vector::distance2;
 use ltbw_core::Random;
 use ltbw_core::topology::{TetId, VertexId};
@@ -66,12 +60,7 @@ pub struct Complex<'a> {
     plc: Plc,
     bounds: Bounds<'a>,
     floor: f64,
-    /// Segments by their ends.
-    segments: Map<[u32; 2], u32>,
-    /// By segment and facet: is the facet on the left, and on the right of the segment?
-    sides: Map<(u32, u32), [bool; 2]>,
-    /// Subfaces whose vertices are corners.
-    faces: Set<[u32; 3]>,
+    names: Names,
 }
 
 impl std::fmt::Debug for Complex<'_> {
@@ -153,69 +142,17 @@ impl Start {
 
 impl<'a> Complex<'a> {
     pub(super) fn of(state: &State, bounds: Bounds<'a>, floor: f64) -> Self {
-        let segments = (0..).zip(&state.plc.segments).map(|(s, own)| (own.ends, s)).collect();
-        let (sides, faces) = (Map::default(), Set::default());
-        let plc = state.plc.clone();
-        let mut own = Self { plc, bounds, floor, segments, sides, faces };
-        for (&corners, &f) in &state.subfaces {
-            let at = |v: VertexId| (state.carriers[v.index()], state.at(v));
-            if let [Carrier::Corner(a), Carrier::Corner(b), Carrier::Corner(c)] =
-                corners.map(|v| at(v).0)
-            {
-                own.faces.insert(triangle(a, b, c));
-            }
-            for ([a, b], apex) in table::sides(corners) {
-                if let Some(s) = own.segment([at(a).0, at(b).0]) {
-                    let side = own.side(f, s, &at(apex).1);
-                    own.sides.entry((s, f)).or_default()[usize::from(side == Ordering::Less)] =
-                        true;
-                }
-            }
-        }
-        own
+        Self { plc: state.plc.clone(), bounds, floor, names: Names::of(state) }
     }
 
     /// The segment that an edge of the mesh between two vertices is on, if it is a subsegment.
     pub fn segment(&self, ends: [Carrier; 2]) -> Option<u32> {
-        let is_end = |s: u32, c: u32| self.plc.segments[s as usize].ends.contains(&c);
-        match ends {
-            [Carrier::Segment(s, _), Carrier::Segment(r, _)] => (s == r).then_some(s),
-            [Carrier::Segment(s, _), Carrier::Corner(c)]
-            | [Carrier::Corner(c), Carrier::Segment(s, _)] => is_end(s, c).then_some(s),
-            [Carrier::Corner(a), Carrier::Corner(b)] => self.segments.get(&edge(a, b)).copied(),
-            _ => None,
-        }
+        self.names.segment(&self.plc, ends)
     }
 
     /// The facet that a triangle of the mesh is on, if it is a subface.
     pub fn facet(&self, corners: [(Carrier, Point); 3]) -> Option<u32> {
-        let carriers = corners.map(|(carrier, _)| carrier);
-        if carriers.contains(&Carrier::Free) {
-            return None;
-        }
-        let on_all = |&f: &u32| carriers.iter().all(|&carrier| self.plc.lies_on(carrier, f));
-        let inside = carriers.iter().find_map(|&carrier| match carrier {
-            Carrier::Facet(f) => Some(f),
-            _ => None,
-        });
-        if let Some(f) = inside {
-            return Some(f).filter(on_all);
-        }
-        let on_segment = carriers.iter().find_map(|&carrier| match carrier {
-            Carrier::Segment(s, _) => Some(s),
-            _ => None,
-        });
-        if let Some(s) = on_segment {
-            let f = self.plc.segments[s as usize].facets.iter().copied().find(on_all)?;
-            let off = corners.iter().map(|(_, p)| self.side(f, s, p)).find(|side| side.is_ne())?;
-            let known = self.sides.get(&(s, f)).copied().unwrap_or_default();
-            return known[usize::from(off.is_lt())].then_some(f);
-        }
-        let [Carrier::Corner(a), Carrier::Corner(b), Carrier::Corner(c)] = carriers else {
-            return None;
-        };
-        let is_face = self.faces.contains(&triangle(a, b, c));
-        is_face.then(|| self.plc.facets_at[a as usize].iter().copied().find(on_all)).flatten()
+        self.names.facet(&self.plc, corners)
     }
 
     /// Does a vertex with this carrier lie on a facet?
@@ -228,23 +165,9 @@ impl<'a> Complex<'a> {
         &self.plc.segments[segment as usize].facets
     }
 
-    /// The side of segment `s` in the plane of facet `f`, on which it lies, that `p` of that plane
-    /// is on.
-    fn side(&self, f: u32, s: u32, p: &Point) -> Ordering {
-        let ends = self.plc.segments[s as usize].ends;
-        let [a, b] = ends.map(|c| corner_point(&self.plc.corners[c as usize]));
-        self.turn(f, [&a, &b, p])
-    }
-
     /// The turn of three points of the plane of facet `f`, as seen along an axis that is not in it.
-    pub fn turn(&self, f: u32, [a, b, p]: [&Point; 3]) -> Ordering {
-        let normal = self.plc.facets[f as usize].plane.normal();
-        let drop = (0..3).max_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs()));
-        let drop = drop.unwrap_or_default();
-        let [x, y] = [(drop + 1) % 3, (drop + 2) % 3];
-        // Coordinates are whole and at most 2^53: products are below 2^109.
-        let from_a = |p: &Point, k: usize| p[k] as i128 - a[k] as i128;
-        (from_a(b, x) * from_a(p, y)).cmp(&(from_a(b, y) * from_a(p, x)))
+    pub fn turn(&self, f: u32, corners: [&Point; 3]) -> Ordering {
+        self.plc.turn(f, corners)
     }
 
     /// Is a tetrahedron of a region over its bounds? Its vertices are positively oriented.

@@ -65,6 +65,7 @@ mod layer;
 mod marks;
 mod measure;
 mod mend;
+mod names;
 mod near;
 mod number;
 mod outcome;

@@ -45,7 +45,7 @@ fn model() -> Prepared {
     ready(DomainKind::CubeOctahedron, &Shape::default())
 }
 
-fn refine(refiner: &Refiner<'_>, ready: &Prepared) -> Refined {
+pub(super) fn refine(refiner: &Refiner<'_>, ready: &Prepared) -> Refined {
     refiner.refine(&ready.domain, &ready.lattice).expect("a mesh")
 }
 

@@ -32,6 +32,7 @@ pub use times::RoundTimes;
 use super::RefineError;
 use super::again::Asking;
 use super::item::{Item, Queues};
+use super::names::Names;
 use super::outcome::{Reason, RefineStats};
 use super::record::Refusal;
 use super::relief::Goal;
@@ -203,6 +204,8 @@ pub(crate) struct Rounds<'r, 'a> {
     created: Vec<TetId>,
     /// The memory of the threads that insert together.
     lanes: lanes::Memory,
+    /// What is boundary by the carriers: tables and marks are compared with it in debug builds.
+    names: Option<Names>,
     /// The work that the fillings put: items that are lost, of which there are none.
     nothing: Queues,
     stats: RefineStats,
@@ -235,6 +238,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
         let in_waves = own.state.plc.facets.iter().any(|facet| facet.patch.is_some());
         let angles = &own.state.angles;
         let in_groups = in_waves || angles.relates() || !angles.is_empty();
+        let names = cfg!(debug_assertions).then(|| Names::of(&own.state));
         Self {
             own,
             order,
@@ -268,6 +272,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             refusals: Vec::new(),
             created: Vec::new(),
             lanes: lanes::Memory::default(),
+            names,
             nothing: Queues::default(),
             stats,
             clock: Clock::start(),

@@ -99,6 +99,8 @@ impl Rounds<'_, '_> {
     pub(super) fn settle(&mut self) {
         self.look_at_created();
         self.own.inserted.thin.forget_old(&self.own.state);
+        let last = self.free + self.count;
+        self.check_names(|t| self.reserved.at(t) > last);
         let state = &self.own.state;
         for &t in state.mesh.topology().free_slots() {
             self.write_key(t, 0, self.looks);
@@ -109,6 +111,16 @@ impl Rounds<'_, '_> {
             Item::Subface(s) => state.subfaces.contains_key(s),
             Item::Tet(..) => false,
         });
+    }
+
+    /// In debug builds: are marks and tables what the carriers tell, at some tetrahedra?
+    fn check_names(&self, is_looked_at: impl Fn(TetId) -> bool) {
+        if let Some(names) = &self.names {
+            let state = &self.own.state;
+            let mut all = state.mesh.topology().iter().map(|(t, _)| t);
+            let other = all.find(|&t| is_looked_at(t) && names.differ(state, t));
+            assert!(other.is_none(), "the boundary at {other:?} is not what its carriers tell");
+        }
     }
 
     /// Writes the entries of a slot, from this look on.
@@ -204,6 +216,7 @@ impl Rounds<'_, '_> {
     /// # Errors
     /// One is missing: a round has lost it.
     pub(super) fn check_complete(&self) -> Result<(), RefineError> {
+        self.check_names(|_| true);
         let state = &self.own.state;
         let (mut faces, mut edges) = (0, Set::default());
         for (t, tet) in state.mesh.topology().iter() {
