@@ -179,6 +179,7 @@ pub(crate) struct VectorsRun {
     /// Only this folder of the kit; may be given several times
     #[arg(long, value_name = "NAME", value_parser = [
         "predicates", "order", "cavity", "insert", "delaunay", "protocol", "interleavings",
+        "rounds",
     ])]
     pub(crate) folder: Vec<String>,
     /// The longest time for an answer

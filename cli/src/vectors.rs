@@ -19,8 +19,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
 /// The folders, in the order in which a port fills them (`docs/porting.md`).
-const FOLDERS: [&str; 7] =
-    ["predicates", "order", "cavity", "insert", "delaunay", "protocol", "interleavings"];
+const FOLDERS: [&str; 8] =
+    ["predicates", "order", "cavity", "insert", "delaunay", "protocol", "interleavings", "rounds"];
 /// Wrong answers told of, for each folder.
 const TOLD: usize = 3;
 

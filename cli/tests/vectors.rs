@@ -63,6 +63,7 @@ fn an_executor_in_python_reaches_every_level() {
         ("delaunay", 3),
         ("protocol", 3),
         ("interleavings", 2),
+        ("rounds", 2),
     ] {
         assert!(
             run.stdout.contains(&format!("{folder:<14} level {level} of {level}: ")),
@@ -89,6 +90,34 @@ fn a_protocol_without_a_rule_is_told_by_its_flags() {
         run.stdout
     );
     assert!(!run.stdout.contains("  bounce: "), "{}", run.stdout);
+}
+
+#[test]
+fn rounds_without_a_rule_are_told_by_their_flags() {
+    if python().is_none() {
+        return;
+    }
+    // The faces beyond do not count; one that is killed kills nobody; one wave is enough.
+    let spoilt = [
+        (
+            "foremost-beyond",
+            "old = executor.answer_foremost\nexecutor.ANSWERS['foremost'] = lambda ask: old({**ask, \
+             'neighbours': [[t for t in range(len(ask['over']))][k:k + 1] * 4 for k in \
+             range(len(ask['over']))]})",
+        ),
+        (
+            "second-wave",
+            "executor.ANSWERS['quiet'] = lambda ask: {'quiet': ask['sums'][0] == ask['sums'][1]}",
+        ),
+        ("key", "executor.bits = lambda number: int(number)"),
+    ];
+    for (flag, line) in spoilt {
+        let dir = tempfile::tempdir().unwrap();
+        let run = ask(&spoiled(dir.path(), line), &["rounds"]);
+        assert_eq!(run.code, 1, "{flag}: {}", run.stderr);
+        assert!(run.stdout.contains(&format!("  {flag}: ")), "{flag}: {}", run.stdout);
+        assert!(!run.stdout.contains("  tree: "), "{flag}: {}", run.stdout);
+    }
 }
 
 #[test]

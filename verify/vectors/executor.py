@@ -844,6 +844,98 @@ def answer_judge(ask):
 # Questions -------------------------------------------------------------------------------------
 
 
+# Rounds of refinement ---------------------------------------------------------------------------
+
+
+def distance2(p, q):
+    x, y, z = minus(p, q)
+    return x * x + y * y + z * z
+
+
+def square(v): return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+
+
+def size2(corners):
+    """The square of the length, or the circumradius: f64 arithmetic in the order of the page."""
+    if len(corners) == 2:
+        return distance2(*corners)
+    if len(corners) == 3:
+        u, v = minus(corners[1], corners[0]), minus(corners[2], corners[0])
+        uu, vv = square(u), square(v)
+        uv = u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+        g = 2.0 * square(cross(u, v))
+        x, y = vv * (uu - uv) / g, uu * (vv - uv) / g
+        return square([x * a + y * b for a, b in zip(u, v)])
+    a, b, c = (minus(p, corners[3]) for p in corners[:3])
+    bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
+    aa, bb, cc = square(a), square(b), square(c)
+    normal = [aa * bc[k] + bb * ca[k] + cc * ab[k] for k in range(3)]
+    volume6 = a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2]
+    return square(normal) / (4.0 * (volume6 * volume6))
+
+
+def bits(number): return struct.unpack("<Q", struct.pack("<d", number))[0]
+
+
+def key_of(corners):
+    """16 leading bits of the size, 47 of a hash of the corners by x, y, z, and a 1."""
+    corners = sorted(corners)
+    hashed = 0
+    for c in (c for p in corners for c in p):
+        hashed = (hashed ^ bits(c)) * 0x9E3779B97F4A7C15 & (1 << 64) - 1
+        hashed ^= hashed >> 32
+    return bits(size2(corners)) >> 48 << 48 | hashed >> 16 | 1
+
+
+def rank_of(corners):
+    """The smaller one comes first: the larger key, then the smaller corners."""
+    corners = [[float.fromhex(c) for c in p] for p in corners]
+    return -key_of(corners), sorted(corners)
+
+
+def answer_foremost(ask):
+    ranks, around = [rank_of(t) for t in ask["tets"]], ask["neighbours"]
+    over = [t for t, is_over in enumerate(ask["over"]) if is_over]
+
+    def near(t): return {n for beside in around[t] for n in [beside, *around[beside]]} - {t}
+
+    return {"foremost": [t for t in over if not any(ranks[n] < ranks[t] for n in near(t) & {*over})]}
+
+
+def answer_kill(ask):
+    ranks = [rank_of(c["tet"]) for c in ask["candidates"]]
+    both = list(zip(ranks, ask["candidates"]))
+    dies = lambda rank, own: any(r < rank and own in c["cavity"] for r, c in both)
+    return {"chosen": [k for k, (rank, c) in enumerate(both) if not dies(rank, c["own"])]}
+
+
+def answer_wave(ask):
+    """Worker w has 2 w + 1 and 2 w + 2 below it. It speaks when these and it itself have."""
+    workers, known, up, total = ask["workers"], {}, [], None
+    for word in ask["words"]:
+        sent, who = [], word["worker"]
+        known[who, who] = word["sums"]
+        while True:
+            below = [w for w in (2 * who + 1, 2 * who + 2) if w < workers]
+            if any((who, w) not in known for w in [who, *below]):
+                break
+            sums = [sum(column) for column in zip(*(known[who, w] for w in [who, *below]))]
+            if who == 0:
+                total = sums
+                break
+            above = (who - 1) // 2
+            sent.append({"from": who, "to": above, "sums": sums})
+            known[above, who] = sums
+            who = above
+        up.append(sent)
+    return {"up": up, "all": total}
+
+
+def answer_quiet(ask):
+    sent, taken = ask["sums"]
+    return {"quiet": sent == taken and ask["before"] == ask["sums"]}
+
+
 def ask_mesh(ask):
     points = [read(p) for p in ask["points"]] + [read(ask["at"])]
     tets = [tuple(t) for t in ask["tets"]]
@@ -898,6 +990,11 @@ ANSWERS = {
     "line": answer_line,
     "hull": answer_line,
     "judge": answer_judge,
+    "key": lambda ask: {"key": f"{key_of(floats_of(ask)):016x}"},
+    "foremost": answer_foremost,
+    "kill": answer_kill,
+    "wave": answer_wave,
+    "quiet": answer_quiet,
 }
 
 

@@ -30,7 +30,7 @@ pub use domain::{
 pub use news::{DomainNews, PartEnd, ProbeId, Proposal, Sums, WireClosure, WireCorner, WireItem};
 pub use rounds::{
     Ending, Owners, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN,
-    ThreadedRounds, Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds,
+    ThreadedRounds, Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds, unkilled,
 };
 
 use crate::mesh::{Layout, LocalMesh, Prepared, SharedInput, gather};

@@ -12,6 +12,7 @@
 //! | [`world`] | workers, run event by event |
 //! | [`quiet`] | runs of known-bad variants that panic |
 //! | [`protocol`] | `protocol/`, `interleavings/` |
+//! | [`rounds`] | `rounds/` |
 
 pub mod hex;
 pub mod letters;
@@ -21,6 +22,7 @@ pub mod order;
 pub mod predicates;
 pub mod protocol;
 pub mod quiet;
+pub mod rounds;
 pub mod world;
 
 use ltbw::Point;
@@ -28,7 +30,7 @@ use serde_json::{Map, Value, json};
 use std::sync::OnceLock;
 
 /// The kit's own version: a changed answer or format is a new major one, new cases a minor one.
-pub const VERSION: &str = "5.0.0";
+pub const VERSION: &str = "5.1.0";
 
 /// One question and its answer.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,6 +100,13 @@ pub const FLAGS: &[(&str, &str)] = &[
     ("locked-migration", "a block with a locked tetrahedron was given away"),
     ("token", "termination detection: counts, colours or who tells whom"),
     ("rule", "the paper's rule decides otherwise"),
+    ("key", "another size, another hash, or corners not sorted by x, y, z"),
+    ("foremost", "a tetrahedron over its bounds with a larger key beside it is no candidate"),
+    ("foremost-beyond", "the face neighbours of the face neighbours count, whatever is between"),
+    ("kill", "a candidate dies if one before it has its tetrahedron, not if cavities only meet"),
+    ("kill-chain", "a candidate that is killed kills others all the same"),
+    ("tree", "the sums of a barrier: who tells whom, and when"),
+    ("second-wave", "insertion ends with two equal waves in which as many were sent as taken"),
 ];
 
 /// All files of the kit, made once.
@@ -105,7 +114,8 @@ pub const FLAGS: &[(&str, &str)] = &[
 pub fn kit() -> &'static [File] {
     static KIT: OnceLock<Vec<File>> = OnceLock::new();
     KIT.get_or_init(|| {
-        [predicates::files(), order::files(), meshes::files(), protocol::files()].concat()
+        let (protocol, rounds) = (protocol::files(), rounds::files());
+        [predicates::files(), order::files(), meshes::files(), protocol, rounds].concat()
     })
 }
 

@@ -34,6 +34,7 @@ mod source;
 mod stages;
 mod tree;
 
+pub use serve::unkilled;
 pub use source::{Ending, RoundFigures, Rounds};
 pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};
 

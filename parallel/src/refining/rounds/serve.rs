@@ -1,6 +1,6 @@
 //! The owner's side of the choice: ways, searches, reservations, and what rivals there are.
 
-use crate::protocol::{Handle, Rules, WorkerId};
+use crate::protocol::{Correct, Handle, Rules, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{
     Bits, INFINITE_CORNER, PartEnd, ProbeId, Proposal, WireClosure, WireCorner, WireItem, point,
@@ -31,14 +31,12 @@ impl Part {
     /// A part without tetrahedra, in the memory of one that has ended.
     fn of(own: &Proposal, mut order: Vec<(TetId, bool)>) -> Self {
         order.clear();
-        Self {
-            rank: own.rank,
-            carrier: own.carrier,
-            is_void: false,
-            is_wanted: false,
-            order,
-            lacks_ring: false,
-        }
+        Self { order, ..Self::new(own.rank, own.carrier) }
+    }
+
+    fn new(rank: Rank, carrier: Carrier) -> Self {
+        let order = Vec::new();
+        Self { rank, carrier, is_void: false, is_wanted: false, order, lacks_ring: false }
     }
 
     /// The tetrahedra in conflict.
@@ -364,6 +362,22 @@ impl Served {
         }
         self.places = places;
     }
+}
+
+/// The numbers of those candidates inside, each with its rank, its own slot and its cavity, that no
+/// candidate before them kills: the rule alone, for ports.
+#[doc(hidden)]
+pub fn unkilled(candidates: &[(Rank, TetId, Vec<TetId>)]) -> Vec<usize> {
+    let mut served = Served::default();
+    let slots = candidates.iter().flat_map(|(_, own, cavity)| cavity.iter().chain([own]));
+    served.reserved.clear(slots.map(|t| t.index() + 1).max().unwrap_or(0));
+    for (rank, _, cavity) in candidates {
+        let order = cavity.iter().map(|&t| (t, true)).collect();
+        let part = Part { order, ..Part::new(*rank, Carrier::Free) };
+        reserve(&part, &mut served.reserved, &mut served.holders);
+    }
+    let dies = |k: usize| served.has_rival::<Correct>(candidates[k].1, candidates[k].0);
+    (0..candidates.len()).filter(|&k| !dies(k)).collect()
 }
 
 /// Reserves the cavity in a part, unless that is void, where no candidate before it has.
