@@ -101,7 +101,8 @@ fn rounds_without_a_rule_are_told_by_their_flags() {
     let spoilt = [
         (
             "foremost-beyond",
-            "old = executor.answer_foremost\nexecutor.ANSWERS['foremost'] = lambda ask: old({**ask, \
+            "old = executor.answer_foremost\n\
+             executor.ANSWERS['foremost'] = lambda ask: old({**ask, \
              'neighbours': [[t for t in range(len(ask['over']))][k:k + 1] * 4 for k in \
              range(len(ask['over']))]})",
         ),

@@ -18,7 +18,7 @@ use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
 use std::cmp::Ordering;
 
-/// What the carriers do not tell, at a state in which nothing is missing.
+/// All that the carriers do not tell, at a state in which nothing is missing.
 #[derive(Debug, Default)]
 pub(crate) struct Names {
     /// Segments by their ends.

@@ -21,6 +21,7 @@
 
 mod bytes;
 mod chosen;
+mod describe;
 mod list;
 mod mesh;
 mod values;

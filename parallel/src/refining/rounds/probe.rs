@@ -320,7 +320,7 @@ impl<C: Rules> Rounds<C> {
         } else if fits && self.probes[k as usize].has_boundary && C::HEARS_OF_RIVALS {
             self.want_rivals(k);
         }
-        // What it has is in the cache.
+        // Its tetrahedra are in the cache.
         self.served.reserve_own(id);
         self.conclude(k, outcome);
     }

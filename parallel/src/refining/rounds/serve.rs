@@ -270,7 +270,7 @@ impl Served {
         }
     }
 
-    /// The verdict on an own probe has fallen: reserves the cavity in its part, unless that is void.
+    /// The verdict on an own probe has fallen: reserves the cavity in its part, unless void.
     pub(super) fn reserve_own(&mut self, probe: ProbeId) {
         let Self { own, reserved, holders, .. } = self;
         if let Some(Some(part)) = own.get(probe.number as usize) {

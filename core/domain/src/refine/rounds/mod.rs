@@ -204,7 +204,7 @@ pub(crate) struct Rounds<'r, 'a> {
     created: Vec<TetId>,
     /// The memory of the threads that insert together.
     lanes: lanes::Memory,
-    /// What is boundary by the carriers: tables and marks are compared with it in debug builds.
+    /// The boundary by the carriers: tables and marks are compared with it in debug builds.
     names: Option<Names>,
     /// The work that the fillings put: items that are lost, of which there are none.
     nothing: Queues,
