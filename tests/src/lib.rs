@@ -13,7 +13,6 @@
 //! | [`parts`] | the surfaces of `cargo xtask parts` |
 //! | [`plant`] | defects planted into sound meshes, for the checker to find |
 //! | [`fuzz`] | the bodies of the fuzz targets, so that `cargo test` replays their corpora |
-//! | [`vectors`] | the conformance kit: its cases, from the real code and its twins |
 //! | [`interleave`] | the parallel kernel, one event at a time in a chosen order |
 //! | [`require`] | what is skipped when a tool is missing, and when that is a failure |
 #![forbid(unsafe_code)]
@@ -31,7 +30,6 @@ pub mod parts;
 pub mod plant;
 pub mod require;
 pub mod small_world;
-pub mod vectors;
 
 /// Number of random cases: `LTBW_CASES` if it is set, else `default`.
 ///

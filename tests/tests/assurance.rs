@@ -47,7 +47,8 @@ fn root() -> PathBuf {
 fn folder(package: &str) -> PathBuf {
     let name = format!("name = \"{package}\"");
     let core = ["exact", "kernel", "domain", "formats", "generate"].map(|c| format!("core/{c}"));
-    let rest = ["parallel", "verify/checker", "verify/models", "cli", "xtask", "tests"];
+    let rest =
+        ["parallel", "verify/checker", "verify/models", "verify/kit", "cli", "xtask", "tests"];
     let found =
         core.into_iter().chain(rest.map(String::from)).map(|folder| root().join(folder)).find(
             |folder| {

@@ -1,4 +1,4 @@
-//! `vectors`: writes the cases of the conformance kit. They come from `ltbw-tests`, which has the
+//! `vectors`: writes the cases of the conformance kit. They come from `ltbw-kit`, which has the
 //! oracles that they are compared with. The program's own copy of the kit follows.
 
 use crate::shell::{self, cargo, root};
@@ -7,7 +7,7 @@ use crate::shell::{self, cargo, root};
 pub(crate) fn run() -> Result<(), String> {
     let folder = root().join("verify/vectors");
     let mut command = cargo();
-    command.args(["run", "--quiet", "-p", "ltbw-tests", "--bin", "vectors", "--"]).arg(&folder);
+    command.args(["run", "--quiet", "-p", "ltbw-kit", "--bin", "vectors", "--"]).arg(&folder);
     shell::run(&mut command)?;
     // The example builds the program's library, which takes the copy in: it has to be there.
     let copy = root().join("cli/kit/vectors.json.gz");

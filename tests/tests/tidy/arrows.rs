@@ -31,6 +31,7 @@ pub(crate) const CRATES: &[Crate] = &[
     on(5, "ltbw_models", "verify/models"),
     on(5, "ltbw_cli", "cli"),
     on(6, "ltbw_tests", "tests"),
+    on(7, "ltbw_kit", "verify/kit"),
     on(7, "ltbw_fuzz", "fuzz"),
     on(5, "ltbw_bindings", "bindings/common"),
     on(6, "ltbw_python", "bindings/python"),

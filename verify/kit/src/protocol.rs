@@ -5,10 +5,9 @@
 //! replays every run with each of the [`Rules`](ltbw::protocol::Rules) broken. So a port that fails
 //! a case is told which rules the case can tell apart.
 
-use super::line::{Cuts, Line, Queue};
-use super::world::{Node, Run, Start, Turn, World, differs, play, replay, to_the_end};
-use super::{Case, File, letters};
-use crate::families::Rng;
+use crate::line::{Cuts, Line, Queue};
+use crate::world::{Node, Run, Start, Turn, World, differs, play, replay, to_the_end};
+use crate::{Case, File, letters};
 use ltbw::protocol::{Config, Correct, Directory, Rule, Worker, WorkerId};
 use ltbw_models::graph::{Graph, Limits};
 use ltbw_models::hull::Hull;
@@ -16,6 +15,7 @@ use ltbw_models::system::{Choice, System};
 use ltbw_models::variants::{self, Variant};
 use ltbw_models::world::{Points, World as Polygon};
 use ltbw_models::worlds;
+use ltbw_tests::families::Rng;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 

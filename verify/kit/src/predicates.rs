@@ -1,11 +1,11 @@
 //! `predicates/`: signs of determinants, and the perturbation.
 
-use super::{Case, File, write};
-use crate::families::{Rng, two_to};
-use crate::five_points::{WIDE, WINDOW};
-use crate::{epsilon, oracle};
+use crate::{Case, File, write};
 use ltbw::predicates::{cmp_xyz, insphere, orient3d, perturb, twin};
 use ltbw::{Point, Sign};
+use ltbw_tests::families::{Rng, two_to};
+use ltbw_tests::five_points::{WIDE, WINDOW};
+use ltbw_tests::{epsilon, oracle};
 use serde_json::{Value, json};
 
 /// Draws of each family.
@@ -162,7 +162,7 @@ fn needs_second(five: &[epsilon::Small; 5]) -> bool {
 
 fn ties() -> Vec<Case> {
     let sphere: Vec<epsilon::Small> =
-        crate::families::spheres(&[9]).iter().map(|p| p.map(|c| c as i64)).collect();
+        ltbw_tests::families::spheres(&[9]).iter().map(|p| p.map(|c| c as i64)).collect();
     let cube: Vec<epsilon::Small> = (0..8).map(|i| [i >> 2, i >> 1 & 1, i & 1]).collect();
     let mut random = Rng::new(7);
     let mut cases = Vec::new();

@@ -1,13 +1,13 @@
 //! `rounds/`: the pure parts of refinement in rounds: keys, who is foremost, who is killed, and
 //! the barriers with sums.
 
-use super::{Case, File, write};
-use crate::families::Rng;
+use crate::{Case, File, write};
 use ltbw::Point;
 use ltbw::protocol::{Correct, WorkerId};
 use ltbw::refine::{Bad, BoundaryItem, Carrier, Corner, Rank, Ranked, sift, witness};
 use ltbw::refining::{Step, Sums, Tree, is_quiet, unkilled};
 use ltbw::topology::TetId;
+use ltbw_tests::families::Rng;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 

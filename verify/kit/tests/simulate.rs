@@ -7,7 +7,7 @@ use ltbw::simulate::{
     Bursts, Distribution, Network, Options, RandomMigrations, Simulation, SimulationError, simulate,
 };
 use ltbw_generate::Random;
-use ltbw_tests::vectors::line::{Cuts, Line, Queue, joined};
+use ltbw_kit::line::{Cuts, Line, Queue, joined};
 use std::collections::BTreeSet;
 
 type Run = Simulation<Line, Queue, Correct>;

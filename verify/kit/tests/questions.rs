@@ -10,17 +10,17 @@ use ltbw::balance::Workload;
 use ltbw::check::RequestView;
 use ltbw::protocol::{Action, Attempt, Correct, Event, Message, Note, Rule};
 use ltbw::protocol::{Submesh, Ticket, Worker, WorkerId};
+use ltbw_kit::line::Line;
+use ltbw_kit::protocol::{line, polygons};
+use ltbw_kit::quiet::quietly;
+use ltbw_kit::world::{Start, Turn, World};
 use ltbw_tests::families::Rng;
-use ltbw_tests::vectors::line::Line;
-use ltbw_tests::vectors::protocol::{line, polygons};
-use ltbw_tests::vectors::quiet::quietly;
-use ltbw_tests::vectors::world::{Start, Turn, World};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use tables::{Look, Step, WITHIN, at_home, at_owner, home, look, owner};
 
 fn page(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs").join(name);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs").join(name);
     std::fs::read_to_string(path).expect("a page")
 }
 

@@ -1,13 +1,13 @@
 //! Workers over a small mesh, run event by event, for `protocol/` and `interleavings/`.
 
-use super::letters::{self, Written};
-use super::quiet::quietly;
-use crate::families::Rng;
+use crate::letters::{self, Written};
+use crate::quiet::quietly;
 use ltbw::balance::Workload;
 use ltbw::protocol::{
     Action, BlockId, Correct, Event, Message, Rule, Source, Ticket, Worker, WorkerId,
 };
 use ltbw_models::variants::Variant;
+use ltbw_tests::families::Rng;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, VecDeque};
 

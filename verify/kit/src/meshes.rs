@@ -1,13 +1,13 @@
 //! `cavity/`, `insert/`, `delaunay/`: one point into a mesh, and whole meshes.
 
-use super::{Case, File, hex, write};
-use crate::families::{
+use crate::{Case, File, hex, write};
+use ltbw::topology::TetId;
+use ltbw::{Builder, Mesh, Point, PointSet, Role};
+use ltbw_tests::families::{
     body_centred, grid, mixed_exponents, scaled, signed_zeros, skew_lines, snapped, spheres,
     subnormal_grid, triplicated, uniform,
 };
-use crate::oracle;
-use ltbw::topology::TetId;
-use ltbw::{Builder, Mesh, Point, PointSet, Role};
+use ltbw_tests::oracle;
 use ltbw_verify as verify;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};

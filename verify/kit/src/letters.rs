@@ -1,7 +1,7 @@
 //! Messages and actions over the line and the hull as JSON. `verify/vectors/README.md` defines the
 //! format.
 
-use super::line::{self, Line};
+use crate::line::{self, Line};
 use ltbw::protocol::{Action, BlockId, Handle, Message, Name, NoNews, Submesh, Ticket};
 use ltbw_models::hull::{self, Hull};
 use ltbw_models::told::Told;

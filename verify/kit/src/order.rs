@@ -1,12 +1,12 @@
 //! `order/`: the order of points, the Hilbert curve, the rounds, and who owns a tetrahedron.
 
-use super::predicates::compare;
-use super::{Case, File, write};
-use crate::families::{Rng, clusters, grid, two_to, uniform};
+use crate::predicates::compare;
+use crate::{Case, File, write};
 use ltbw::Point;
 use ltbw::mesh::Blocks;
 use ltbw::order::{brio_hilbert, hilbert, round_of};
 use ltbw::protocol::BlockId;
+use ltbw_tests::families::{Rng, clusters, grid, two_to, uniform};
 use serde_json::json;
 
 /// The files of the folder.
@@ -108,7 +108,12 @@ fn curve() -> Vec<Case> {
         along("clusters", &["hilbert-cell", "hilbert-run"], &clusters(60, 2), false),
         along("many points in one cell", &["hilbert-run"], &near, false),
         along("a plane", &["hilbert-cell"], &flat, false),
-        along("subnormal", &["hilbert-cell", "range"], &crate::families::subnormal_grid(3), false),
+        along(
+            "subnormal",
+            &["hilbert-cell", "range"],
+            &ltbw_tests::families::subnormal_grid(3),
+            false,
+        ),
         along("the ends of f64", &["range"], &[[f64::MAX; 3], [-f64::MAX; 3], [0.0; 3]], false),
     ];
     cases.extend((0..24).map(|k| round(k, 3)));
