@@ -8,13 +8,13 @@ use crate::progress::Stage;
 use crate::rounds::START;
 use crate::streams::Formats;
 use crate::surface::Preparation;
-use ltbw::canonical_hash;
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Closure, Config, Correct};
 use ltbw::refine::{RefineOutcome, Refiner};
 use ltbw::refining::{Ending, SimulatedRounds, simulate_rounds};
 use ltbw::simulate::Options;
+use ltbw::{Point, canonical_hash};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use std::path::Path;
 
@@ -39,6 +39,12 @@ pub(super) fn planned_run(args: &Simulate, points: usize, processors: u32) -> (L
     }
     let layout = Layout { ownership: Ownership::default(), ..layout };
     (layout, Config { closure: Closure::default(), ..config })
+}
+
+/// The hash that `mesh` prints: of the domain, without the exterior.
+pub(super) fn hash_of(points: &[Point], tets: &[[u32; 4]]) -> Result<String, Failure> {
+    let hash = canonical_hash(points, tets);
+    Ok(hash.map_err(|error| Failure::Other(error.to_string()))?.to_string())
 }
 
 /// `ltbw simulate --domain`.
@@ -73,10 +79,9 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     let SimulatedRounds { refined, summary, events, ending, figures } =
         run(args.processors, &options)?;
     let whole = of(refined.mesh())?;
-    // The hash that `mesh` prints, of the domain; the comparison is of the whole mesh.
+    // The comparison is of the whole mesh.
     let inside = refined.inside();
-    let hash = canonical_hash(&inside.points, &inside.tets);
-    let hash = hash.map_err(|error| Failure::Other(error.to_string()))?.to_string();
+    let hash = hash_of(&inside.points, &inside.tets)?;
     let summary = match (summary, &ending) {
         (Some(summary), Ok(_)) => summary,
         (_, Err(why)) => {

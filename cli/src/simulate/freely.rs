@@ -1,7 +1,7 @@
 //! `simulate --domain --mode async`: bad tetrahedra and the boundary, split by simulated processors
 //! as they come.
 
-use super::domain::{planned, planned_run, ready, refiner};
+use super::domain::{hash_of, planned, planned_run, ready, refiner};
 use super::report::{Made, Report};
 use super::{Run, Simulate, end, options, options_alone};
 use crate::console;
@@ -48,8 +48,8 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     let stage = Stage::begin("check");
     let defects = defects(args, &ready, &refined);
     drop(stage);
-    let hash = refined.gathered.mesh.hash().map_err(|e| Failure::Other(e.to_string()))?;
-    let hash = hash.to_string();
+    let inside: Vec<[u32; 4]> = refined.tets.iter().map(|&(v, _)| v).collect();
+    let hash = hash_of(&refined.points, &inside)?;
     let (layout, config) = planned(args, refined.started, args.processors);
     let vertices = refined.gathered.mesh.num_vertices();
     let [segments, facets, inside] = refined.splits.inserted;
