@@ -335,10 +335,32 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.far.get(self.geometry.sphere(t))
     }
 
-    /// The faces of tetrahedra here behind which there are far faces, with the far handles of
-    /// these. In no order.
-    pub fn far_faces(&self) -> impl Iterator<Item = (FaceId, F)> + '_ {
-        self.far.all().map(|(t, far)| (self.topology.tet(t).neighbours()[0], far))
+    /// The place of far face `t`, by which changes are told; `None` if it is no far face.
+    ///
+    /// # Panics
+    /// If there is no such slot.
+    #[inline]
+    pub fn far_place(&self, t: TetId) -> Option<u32> {
+        self.expect_slot(t);
+        FarTable::<F>::place(self.geometry.sphere(t))
+    }
+
+    /// The far face at a place: its slot, the face before it and its far handle. `None` if there is
+    /// none.
+    pub fn far_at(&self, place: u32) -> Option<(TetId, FaceId, F)> {
+        let (t, far) = self.far.at(place)?;
+        Some((t, self.topology.tet(t).neighbours()[0], far))
+    }
+
+    /// Notes from now on the places at which far faces come, go or get another far handle. All that
+    /// there are count as new.
+    pub fn watch_far_faces(&mut self) {
+        self.far.watch();
+    }
+
+    /// Adds the places noted since the last call to a list; one may be there more than once.
+    pub fn take_changed_far_faces(&mut self, list: &mut Vec<u32>) {
+        self.far.take_changed(list);
     }
 
     /// Steps of walks, conflict tests and tetrahedra made so far.

@@ -169,6 +169,16 @@ impl LocalMesh {
         self.tets.tets().count()
     }
 
+    /// Notes from now on which interface faces change; all that there are count as new.
+    pub(crate) fn watch_far_faces(&mut self) {
+        self.tets.watch_far_faces();
+    }
+
+    /// Adds the places of those that have changed since the last call to a list.
+    pub(crate) fn take_changed_far_faces(&mut self, list: &mut Vec<u32>) {
+        self.tets.take_changed_far_faces(list);
+    }
+
     /// Number of interface faces.
     pub fn num_interface_faces(&self) -> usize {
         self.tets.topology().iter().filter(|(_, tet)| tet.is_far_face()).count()

@@ -6,6 +6,7 @@ use crate::refining::news::{Bits, WireClosure};
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_domain::refine::{BoundaryItem, Carrier, Closure, NOWHERE, Rank, Rival};
 use rustc_hash::{FxHashMap, FxHashSet};
+use std::ops::Range;
 
 /// The purpose of a probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,6 +133,6 @@ pub(super) struct ChosenPoint {
     pub(super) point: DomainPoint,
     /// The tetrahedron that it begins at, and its vertices.
     pub(super) start: Option<(TetId, [VertexId; 4])>,
-    /// Its probe.
-    pub(super) probe: u32,
+    /// Its cavity, if its closure was all here.
+    pub(super) cavity: Range<usize>,
 }

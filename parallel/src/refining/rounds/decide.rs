@@ -108,7 +108,8 @@ impl<C: Rules> Rounds<C> {
         let vertex = WireVertex::new(made(me, self.made), point(&probe.to));
         let seed = start.map_or(TetId::default(), |(t, _)| t);
         let point = DomainPoint::chosen(vertex, probe.carrier, seed);
-        self.chosen.push_back(ChosenPoint { point, start, probe: k });
+        let cavity = self.served.inside(id);
+        self.chosen.push_back(ChosenPoint { point, start, cavity });
         for item in removed {
             self.tell_gone(mesh, &item);
         }

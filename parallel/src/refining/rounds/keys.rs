@@ -4,30 +4,41 @@
 //! are another worker's, two exchanges tell: first the ranks of the tetrahedra at interface faces,
 //! then the best rank around each of these.
 //!
-//! Only what has changed is told. A tetrahedron at an interface face has a name that no other ever
-//! has, so that what was told of the face stays true of it, or is told anew.
+//! Only what has changed is looked at and told: interface faces that are new, or have another
+//! tetrahedron beyond them, and tetrahedra at interface faces that have a new one beside them. Both
+//! workers see a face change in the same round, so that what is known of it is told anew.
 //!
 //! Witnesses are remembered from round to round, as by the engine with one mesh (`sift`).
 
-use crate::protocol::{Directory, Handle, Name, Rules, Submesh, WorkerId};
+use crate::protocol::{BlockId, Directory, Handle, Name, Rules, Submesh, WorkerId};
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{Point, expect, prefetch};
 use ltbw_domain::refine::{Bad, Rank, Ranked, sift, witness};
-use rustc_hash::FxHashMap;
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
 
+/// Tetrahedra by name, their interface faces, and ranks that another worker tells of these.
+pub(super) type KeysTold = Vec<(Name, u8, Option<Rank>)>;
 /// The news for each worker at an interface face: its tetrahedron and face, and a rank.
-pub(super) type Told = BTreeMap<WorkerId, Vec<(Name, u8, Option<Rank>)>>;
+pub(super) type Told = BTreeMap<WorkerId, KeysTold>;
 
 /// An interface face, as seen from here.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Interface {
     t: TetId,
     slot: usize,
     beyond: Handle,
+}
+
+/// All that is known of the far face at a place.
+#[derive(Clone, Copy, Debug, Default)]
+struct Far {
+    /// Told by the worker beyond: the rank of its tetrahedron, and the best one around that.
+    heard: [Option<Rank>; 2],
+    /// The best one around the tetrahedron here, as that worker was told last, if it was.
+    told: Option<Option<One>>,
 }
 
 /// A tetrahedron that comes before all around it.
@@ -48,9 +59,6 @@ enum One {
     There(Rank),
 }
 
-/// The round in which something was told of a face, and what.
-type ToldOnce = (u32, Option<One>);
-
 /// The tetrahedra over their bounds.
 #[derive(Debug, Default)]
 pub(super) struct Keys {
@@ -60,17 +68,24 @@ pub(super) struct Keys {
     stamps: Vec<u32>,
     /// Looks so far, of which a round may have several.
     look: u32,
-    round: u32,
     bad: Vec<Bad>,
-    /// By own tetrahedron and face: the rank beyond, and the best one around that.
-    beyond: [FxHashMap<(Name, u8), Rank>; 2],
-    /// By other worker's tetrahedron and face: in which round it was told last, and what. Only what
-    /// was told in the last round is sure to be known there: another worker may have told since.
-    told: [FxHashMap<(Name, u8), ToldOnce>; 2],
-    interface: Vec<Interface>,
-    /// By slot: has its tetrahedron an interface face?
-    is_beside: Vec<bool>,
+    /// Does the mesh note which interface faces change?
+    is_watching: bool,
+    /// By place: the interface face there, and what is known of its far face.
+    interface: Vec<Option<Interface>>,
+    far: Vec<Far>,
+    /// By the block beyond: the number of interface faces.
+    blocks: BTreeMap<BlockId, usize>,
+    /// Places at which something has changed in this round.
+    changed: Vec<u32>,
+    /// Tetrahedra at interface faces around which something has changed in this round.
+    touched: Vec<TetId>,
+    /// By slot: the number of interface faces of its tetrahedron, and [`TOUCHED`].
+    beside: Vec<u8>,
 }
+
+/// A tetrahedron is among those touched.
+const TOUCHED: u8 = 1 << 7;
 
 /// The places by which a tetrahedron with these corners is ranked.
 #[inline(always)]
@@ -100,6 +115,7 @@ impl Keys {
         let slots = all.topology().slots();
         self.keys.resize(slots, 0);
         self.stamps.resize(slots, 0);
+        self.beside.resize(slots, 0);
         self.look += 1;
         for &t in tets {
             self.keys[t.index()] = 0;
@@ -119,6 +135,16 @@ impl Keys {
                 self.bad.push(Bad::new(t, self.look));
             }
         }
+        if !self.blocks.is_empty() {
+            for &t in tets.iter().filter(|&&t| all.is_live(t)) {
+                for n in all.neighbours(t).map(tet_of) {
+                    // Most are at no interface face, and of the others most are noted already.
+                    if (1..TOUCHED).contains(&self.beside[n.index()]) {
+                        self.touch(n);
+                    }
+                }
+            }
+        }
         // They are in the cache; a witness of now may be one when the round is over.
         for k in first..self.bad.len() {
             if let Some(next) = self.bad.get(k + 2) {
@@ -133,36 +159,82 @@ impl Keys {
         }
     }
 
-    /// Forgets those that are gone; finds the interface faces.
-    pub(super) fn start(&mut self, mesh: &DomainMesh<'_>) {
+    /// Forgets those that are gone; finds the interface faces that are new.
+    pub(super) fn start(&mut self, mesh: &mut DomainMesh<'_>) {
+        if !self.is_watching {
+            self.is_watching = true;
+            mesh.inner.watch_far_faces();
+        }
+        self.changed.clear();
+        mesh.inner.take_changed_far_faces(&mut self.changed);
+        self.changed.sort_unstable();
+        self.changed.dedup();
         let tets = mesh.inner.tets();
-        let topology = tets.topology();
         // A tetrahedron that is gone has changed since the last ones were looked at.
         self.look += 1;
-        for own in self.interface.drain(..) {
-            self.is_beside[own.t.index()] = false;
+        self.beside.resize(tets.topology().slots(), 0);
+        let changed = std::mem::take(&mut self.changed);
+        let places = changed.last().map_or(0, |&last| last as usize + 1).max(self.far.len());
+        self.far.resize_with(places, Far::default);
+        self.interface.resize(places, None);
+        for &place in &changed {
+            self.far[place as usize] = Far::default();
+            if let Some(old) = self.interface[place as usize].take() {
+                self.beside[old.t.index()] -= 1;
+                self.count(old.beyond.block, |count| count - 1);
+            }
+            if let Some((far, face, beyond)) = tets.far_at(place) {
+                let (t, slot) = (tet_of(face), slot_of(face));
+                self.interface[place as usize] = Some(Interface { t, slot, beyond });
+                self.beside[t.index()] += 1;
+                self.count(beyond.block, |count| count + 1);
+                self.touch(t);
+                self.forget(far);
+            }
         }
-        self.is_beside.resize(topology.slots(), false);
-        for (face, beyond) in tets.far_faces() {
-            let (t, slot) = (tet_of(face), slot_of(face));
-            self.interface.push(Interface { t, slot, beyond });
-            self.is_beside[t.index()] = true;
-            self.forget(tet_of(topology.at(t).neighbours()[slot]));
-        }
-        for &t in topology.free_slots() {
+        self.changed = changed;
+        for &t in tets.topology().free_slots() {
             self.forget(t);
         }
-        // Names of tetrahedra that are gone are never asked for again.
-        let most = 4 * self.interface.len() + 1024;
-        if self.beyond.iter().any(|beyond| beyond.len() > most) {
-            let is_here = |&(name, _): &(Name, u8)| mesh.resolve(name).is_some();
-            self.beyond.iter_mut().for_each(|beyond| beyond.retain(|at, _| is_here(at)));
+        debug_assert!(self.has_all_interface_faces(mesh));
+    }
+
+    /// Notes that something has changed around a tetrahedron at an interface face.
+    fn touch(&mut self, t: TetId) {
+        let own = &mut self.beside[t.index()];
+        if *own & TOUCHED == 0 {
+            *own |= TOUCHED;
+            self.touched.push(t);
         }
-        if self.told.iter().any(|told| told.len() > most) {
-            let last = self.round;
-            self.told.iter_mut().for_each(|told| told.retain(|_, own| own.0 == last));
+    }
+
+    /// Has the tetrahedron in a slot an interface face?
+    fn is_beside(&self, t: TetId) -> bool {
+        self.beside[t.index()] & !TOUCHED > 0
+    }
+
+    /// Changes the number of interface faces to a block.
+    fn count(&mut self, block: BlockId, change: impl Fn(usize) -> usize) {
+        let count = self.blocks.entry(block).or_default();
+        *count = change(*count);
+        if *count == 0 {
+            self.blocks.remove(&block);
         }
-        self.round += 1;
+    }
+
+    /// Are the interface faces known those that there are?
+    fn has_all_interface_faces(&self, mesh: &DomainMesh<'_>) -> bool {
+        let tets = mesh.inner.tets();
+        let known = |place: usize| {
+            let there = tets.far_at(place as u32).map(|(_, face, beyond)| Interface {
+                t: tet_of(face),
+                slot: slot_of(face),
+                beyond,
+            });
+            there == self.interface[place]
+        };
+        let count = self.interface.iter().flatten().count();
+        count == mesh.inner.num_interface_faces() && (0..self.interface.len()).all(known)
     }
 
     /// There is no tetrahedron in a slot.
@@ -171,9 +243,9 @@ impl Keys {
         self.stamps[t.index()] = self.look;
     }
 
-    /// Interface faces.
-    pub(super) fn interface_faces(&self) -> usize {
-        self.interface.len()
+    /// Interface faces of which something is to be told.
+    pub(super) fn news(&self) -> usize {
+        self.changed.len() + self.touched.len()
     }
 
     /// The rank of a tetrahedron over its bounds.
@@ -187,24 +259,14 @@ impl Keys {
         (self.keys[t.index()] != 0).then(|| One::Here(t, self.stamps[t.index()]))
     }
 
-    /// The same, or the one beyond face `slot` of `from`, if `t` stands for that.
-    fn one_beside(&self, mesh: &DomainMesh<'_>, from: TetId, slot: usize, t: TetId) -> Option<One> {
-        self.one_at(t).or_else(|| {
-            mesh.inner.tets().far(t)?;
-            self.told_beyond(mesh, 0, from, slot).map(One::There)
-        })
+    /// The same, or the one beyond the far face in slot `t`.
+    fn one_beside(&self, mesh: &DomainMesh<'_>, t: TetId) -> Option<One> {
+        self.one_at(t).or_else(|| self.heard(mesh, 0, t).map(One::There))
     }
 
-    /// The rank told of a face of tetrahedron `t` in an exchange.
-    fn told_beyond(
-        &self,
-        mesh: &DomainMesh<'_>,
-        exchange: usize,
-        t: TetId,
-        slot: usize,
-    ) -> Option<Rank> {
-        let name = mesh.inner.tets().tag_of(t)?;
-        self.beyond[exchange].get(&(name, slot as u8)).copied()
+    /// The rank that an exchange has told of what is beyond the far face in slot `t`.
+    fn heard(&self, mesh: &DomainMesh<'_>, exchange: usize, t: TetId) -> Option<Rank> {
+        self.far.get(mesh.inner.tets().far_place(t)? as usize)?.heard[exchange]
     }
 
     fn rank_of_one<C: Rules>(&self, mesh: &DomainMesh<'_>, one: One) -> Option<Rank> {
@@ -231,6 +293,13 @@ impl Keys {
         })
     }
 
+    /// The best one around tetrahedron `t`, but for what is beyond face `slot`.
+    fn best_around<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId, slot: usize) -> Option<One> {
+        let around = mesh.inner.tets().neighbours(t).into_iter().enumerate();
+        let others = around.filter(|&(k, _)| k != slot).map(|(_, face)| tet_of(face));
+        self.best::<C>(mesh, others.filter_map(|t| self.one_beside(mesh, t)))
+    }
+
     /// The news for others in an exchange, an entry for each worker that has a tetrahedron beside
     /// one of this worker.
     pub(super) fn told<C: Rules>(
@@ -239,36 +308,62 @@ impl Keys {
         directory: &Directory,
         exchange: usize,
     ) -> Told {
-        let mut news = Told::new();
-        let mut told = std::mem::take(&mut self.told[exchange]);
-        for &Interface { t, slot, beyond } in &self.interface {
-            let entry = news.entry(directory.owner(beyond.block)).or_default();
-            let one = match exchange {
-                0 => self.one_at(t),
-                _ => {
-                    let around = mesh.inner.tets().neighbours(t).into_iter().enumerate();
-                    let others = around.filter(|&(k, _)| k != slot);
-                    let all =
-                        others.filter_map(|(k, face)| self.one_beside(mesh, t, k, tet_of(face)));
-                    self.best::<C>(mesh, all)
+        let owners = self.blocks.keys().map(|&block| (directory.owner(block), Vec::new()));
+        let mut news: Told = owners.collect();
+        let mut tell = |beyond: Handle, rank: Option<Rank>| {
+            let told = news.entry(directory.owner(beyond.block)).or_default();
+            told.push((beyond.name, beyond.face, rank));
+        };
+        if exchange == 0 {
+            for place in &self.changed {
+                // Of one that is new nobody has heard: that it has no rank need not be told.
+                if let Some(own) = self.interface[*place as usize]
+                    && let Some(rank) = self.rank::<C>(mesh, own.t)
+                {
+                    tell(own.beyond, Some(rank));
                 }
-            };
-            let at = (beyond.name, beyond.face);
-            if told.insert(at, (self.round, one)) != Some((self.round - 1, one)) {
-                let rank = one.and_then(|one| self.rank_of_one::<C>(mesh, one));
-                entry.push((beyond.name, beyond.face, rank));
+            }
+            return news;
+        }
+        let mut touched = std::mem::take(&mut self.touched);
+        touched.iter().for_each(|t| self.beside[t.index()] &= !TOUCHED);
+        let tets = mesh.inner.tets();
+        for &t in &touched {
+            let places = tets.neighbours(t).map(|face| tets.far_place(tet_of(face)));
+            for place in places.into_iter().flatten() {
+                let Some(Some(own)) = self.interface.get(place as usize) else { continue };
+                let (beyond, best) = (own.beyond, self.best_around::<C>(mesh, t, own.slot));
+                if self.far[place as usize].told.replace(best) != Some(best) {
+                    tell(beyond, best.and_then(|one| self.rank_of_one::<C>(mesh, one)));
+                }
             }
         }
-        self.told[exchange] = told;
+        touched.clear();
+        self.touched = touched;
+        debug_assert!(self.has_told_all::<C>(mesh));
         news
     }
 
+    /// Do all others know what is around the tetrahedra here?
+    fn has_told_all<C: Rules>(&self, mesh: &DomainMesh<'_>) -> bool {
+        self.interface.iter().zip(&self.far).all(|(own, far)| {
+            own.is_none_or(|own| far.told == Some(self.best_around::<C>(mesh, own.t, own.slot)))
+        })
+    }
+
     /// Takes what another worker tells.
-    pub(super) fn hear(&mut self, exchange: usize, keys: Vec<(Name, u8, Option<Rank>)>) {
+    pub(super) fn hear(&mut self, mesh: &DomainMesh<'_>, exchange: usize, keys: KeysTold) {
+        let tets = mesh.inner.tets();
         for (name, face, rank) in keys {
-            match rank {
-                Some(rank) => _ = self.beyond[exchange].insert((name, face), rank),
-                None => _ = self.beyond[exchange].remove(&(name, face)),
+            let Some(t) = mesh.resolve(name) else { continue };
+            let there = tets.neighbours(t).get(usize::from(face)).map(|&beyond| tet_of(beyond));
+            let place = there.and_then(|there| tets.far_place(there));
+            let far = place.and_then(|place| self.far.get_mut(place as usize));
+            if let Some(far) = far {
+                far.heard[exchange] = rank;
+                if exchange == 0 {
+                    self.touch(t);
+                }
             }
         }
     }
@@ -278,7 +373,7 @@ impl Keys {
         let mut all: [Vec<Foremost>; 2] = Default::default();
         let mut bad = std::mem::take(&mut self.bad);
         let kept = sift(&mut bad, self.look, &self.ranked::<C>(mesh), |t| {
-            let is_inner = !self.is_beside[t.index()];
+            let is_inner = !self.is_beside(t);
             if !self.is_beaten_from_afar::<C>(mesh, t) {
                 // All that is read of it is in the cache now.
                 let v = mesh.inner.tets().vertices(t);
@@ -301,24 +396,18 @@ impl Keys {
         let tets = mesh.inner.tets();
         let around = tets.neighbours(t).map(tet_of);
         // Of most neither it nor a neighbour has an interface face.
-        if !around.iter().chain([&t]).any(|t| self.is_beside[t.index()]) {
+        if !around.iter().chain([&t]).any(|&t| self.is_beside(t)) {
             return false;
         }
-        let told =
-            |exchange: usize, t: TetId, slot: usize| self.told_beyond(mesh, exchange, t, slot);
         let mut best = None::<Rank>;
         let mut meet = |rank: Option<Rank>| best = [best, rank].into_iter().flatten().min();
-        for (slot, n) in around.into_iter().enumerate() {
-            if tets.far(n).is_some() {
-                meet(told(0, t, slot));
-                meet(told(1, t, slot));
+        for n in around {
+            if tets.far_place(n).is_some() {
+                meet(self.heard(mesh, 0, n));
+                meet(self.heard(mesh, 1, n));
                 continue;
             }
-            for (k, face) in tets.neighbours(n).into_iter().enumerate() {
-                if tets.far(tet_of(face)).is_some() {
-                    meet(told(0, n, k));
-                }
-            }
+            tets.neighbours(n).into_iter().for_each(|face| meet(self.heard(mesh, 0, tet_of(face))));
         }
         best.is_some_and(|best| self.rank::<C>(mesh, t).is_some_and(|own| best < own))
     }

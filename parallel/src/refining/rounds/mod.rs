@@ -24,6 +24,7 @@
 //! | `probe` | the home's side of the choice: probes and what comes of them |
 //! | `decide` | who is chosen |
 //! | `serve` | the owner's side |
+//! | `way` | straight ways to proposed points |
 
 mod candidate;
 mod decide;
@@ -33,6 +34,7 @@ mod serve;
 mod source;
 mod stages;
 mod tree;
+mod way;
 
 pub use serve::unkilled;
 pub use source::{Ending, RoundFigures, Rounds};

@@ -1,8 +1,9 @@
 //! The home's side of the choice: probes, what comes of them, and who is chosen.
 
 use super::candidate::{Outcome, Probe, What};
-use super::serve::{WayEnd, corner, describe, is_part_near, walk_way};
+use super::serve::{corner, describe, is_near};
 use super::source::Rounds;
+use super::way::{WayEnd, walk_way};
 use crate::protocol::{Directory, Handle, Rules, Submesh, Walk, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{
@@ -249,11 +250,10 @@ impl<C: Rules> Rounds<C> {
     /// All of a probe's closure is known: the verdict.
     fn judge(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
         let id = self.id(k);
-        let own = self.served.part(id);
         let probe = &mut self.probes[k as usize];
         let is_item = matches!(probe.what, What::Item(_));
         let is_near = is_item
-            || own.is_some_and(|part| is_part_near(mesh, part))
+            || self.served.cavity(id).any(|t| is_near(mesh, t))
             || probe.closure.tets.iter().any(|(v, is_in)| {
                 let is_on = |v: &&u32| {
                     **v != NOWHERE && probe.closure.corners[**v as usize].carrier != Carrier::Free
@@ -273,7 +273,6 @@ impl<C: Rules> Rounds<C> {
                 }
             }
         }
-        let own = self.served.part(id);
         let p = point(&probe.to);
         let outcome = if is_near {
             let survey = Survey::of(&mesh.complex, &probe.closure);
@@ -294,7 +293,7 @@ impl<C: Rules> Rounds<C> {
             Some(Outcome::Fits(Vec::new()))
         };
         let has_own = match probe.what {
-            What::Tet(t, _) => own.is_some_and(|part| part.has(t)),
+            What::Tet(t, _) => self.served.cavity(id).any(|other| other == t),
             What::Item(_) => true,
         };
         let outcome = match outcome {
@@ -307,7 +306,7 @@ impl<C: Rules> Rounds<C> {
         };
         let fits = matches!(outcome, Outcome::Fits(_));
         if fits {
-            let of_item = || self.served.part(id)?.cavity().next();
+            let of_item = || self.served.cavity(id).next();
             let tets = mesh.inner.tets();
             self.probes[k as usize].start = match self.probes[k as usize].what {
                 What::Tet(t, v) => Some((t, v)),

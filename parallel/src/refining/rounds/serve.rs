@@ -1,15 +1,14 @@
-//! The owner's side of the choice: ways, searches, reservations, and what rivals there are.
+//! The owner's side of the choice: searches, reservations, and what rivals there are.
 
 use crate::protocol::{Correct, Handle, Rules, WorkerId};
 use crate::refining::domain::DomainMesh;
-use crate::refining::news::{
-    Bits, INFINITE_CORNER, PartEnd, ProbeId, Proposal, WireClosure, WireCorner, WireItem, point,
-};
+use crate::refining::news::{INFINITE_CORNER, ProbeId, Proposal, WireClosure, WireCorner, point};
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::expect;
-use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
-use ltbw_domain::refine::{Carrier, Closure, Corner, NOWHERE, Rank, Rival, way_out};
+use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
+use ltbw_domain::refine::{Carrier, Closure, Corner, NOWHERE, Rank, Rival};
 use rustc_hash::FxHashMap;
+use std::ops::Range;
 
 /// One probe's part of its closure here.
 #[derive(Debug)]
@@ -20,33 +19,24 @@ pub(super) struct Part {
     is_void: bool,
     /// Its home wants to hear of rivals.
     is_wanted: bool,
+    /// If all of the closure is here: the cavity in the list of those.
+    inside: Range<usize>,
     /// The tetrahedra looked at, in the order in which the home was told, and whether each is in
-    /// conflict.
+    /// conflict; none, as long as nobody asks, if all of the closure is here.
     pub(super) order: Vec<(TetId, bool)>,
-    /// The tetrahedra around the cavity are still to be added: all of them are here.
-    lacks_ring: bool,
 }
 
 impl Part {
-    /// A part without tetrahedra, in the memory of one that has ended.
-    fn of(own: &Proposal, mut order: Vec<(TetId, bool)>) -> Self {
-        order.clear();
-        Self { order, ..Self::new(own.rank, own.carrier) }
-    }
-
     fn new(rank: Rank, carrier: Carrier) -> Self {
-        let order = Vec::new();
-        Self { rank, carrier, is_void: false, is_wanted: false, order, lacks_ring: false }
+        let (inside, order) = (0..0, Vec::new());
+        Self { rank, carrier, is_void: false, is_wanted: false, inside, order }
     }
 
-    /// The tetrahedra in conflict.
-    pub(super) fn cavity(&self) -> impl Iterator<Item = TetId> + '_ {
-        self.order.iter().filter(|own| own.1).map(|own| own.0)
-    }
-
-    /// Is a tetrahedron in conflict?
-    pub(super) fn has(&self, t: TetId) -> bool {
-        self.cavity().any(|other| other == t)
+    /// The tetrahedra in conflict; `cavities` has those of closures that are all here.
+    fn cavity<'p>(&'p self, cavities: &'p [TetId]) -> impl Iterator<Item = TetId> + 'p {
+        let order = if self.inside.is_empty() { &self.order[..] } else { &[] };
+        let inside = cavities[self.inside.clone()].iter().copied();
+        inside.chain(order.iter().filter(|own| own.1).map(|own| own.0))
     }
 }
 
@@ -93,16 +83,6 @@ impl Marks {
     }
 }
 
-/// The end of a way.
-pub(super) enum WayEnd {
-    /// It ends in the tetrahedron that holds its point.
-    At(TetId),
-    /// It goes on elsewhere.
-    Far(Handle),
-    /// It is not to be searched.
-    Not(PartEnd),
-}
-
 /// The parts that this worker has been asked for in a round.
 #[derive(Debug, Default)]
 pub(super) struct Served {
@@ -114,6 +94,8 @@ pub(super) struct Served {
     /// By slot: the number in `holders` of the foremost candidate with it in its cavity.
     reserved: Marks,
     holders: Vec<(Rank, Carrier)>,
+    /// The cavities of own probes whose closures are all here.
+    cavities: Vec<TetId>,
     /// The memory of parts of rounds before.
     spare: Vec<Vec<(TetId, bool)>>,
     /// Scratch: tetrahedra that a search has seen.
@@ -137,8 +119,10 @@ impl Served {
     /// Starts a round.
     pub(super) fn clear(&mut self, mesh: &DomainMesh<'_>) {
         let ended = self.own.drain(..).flatten().chain(self.others.drain().map(|own| own.1));
-        self.spare.extend(ended.map(|part| part.order));
+        let orders = ended.map(|part| part.order);
+        self.spare.extend(orders.filter(|order| order.capacity() > 0));
         self.holders.clear();
+        self.cavities.clear();
         self.reserved.clear(mesh.inner.tets().topology().slots());
     }
 
@@ -147,6 +131,21 @@ impl Served {
             true => self.own.get(probe.number as usize)?.as_ref(),
             false => self.others.get(&probe),
         }
+    }
+
+    /// The tetrahedra in conflict in a probe's part.
+    pub(super) fn cavity(&self, probe: ProbeId) -> impl Iterator<Item = TetId> + '_ {
+        self.part(probe).into_iter().flat_map(|part| part.cavity(&self.cavities))
+    }
+
+    /// The cavity of an own probe among those whose closures are all here; empty if it is none.
+    pub(super) fn inside(&self, probe: ProbeId) -> Range<usize> {
+        self.part(probe).map_or(0..0, |part| part.inside.clone())
+    }
+
+    /// The cavity there.
+    pub(super) fn cavity_at(&self, inside: &Range<usize>) -> &[TetId] {
+        self.cavities.get(inside.clone()).unwrap_or_default()
     }
 
     fn part_mut(&mut self, probe: ProbeId) -> Option<&mut Part> {
@@ -159,8 +158,7 @@ impl Served {
     /// The part of a probe, made if there is none.
     fn enter(&mut self, own: &Proposal) -> &mut Part {
         let ProbeId { home, number } = own.probe;
-        let spare = &mut self.spare;
-        let new = || Part::of(own, spare.pop().unwrap_or_default());
+        let new = || Part::new(own.rank, own.carrier);
         if home != self.me {
             return self.others.entry(own.probe).or_insert_with(new);
         }
@@ -183,9 +181,10 @@ impl Served {
             return false;
         }
         let Some(cavity) = mesh.cavity_of(seed, &point(&own.to)) else { return false };
-        let part = self.enter(own);
-        part.order.extend(cavity.tets().map(|t| (t, true)));
-        part.lacks_ring = true;
+        let first = self.cavities.len();
+        self.cavities.extend(cavity.tets());
+        let inside = first..self.cavities.len();
+        self.enter(own).inside = inside;
         true
     }
 
@@ -193,27 +192,26 @@ impl Served {
     /// which the places are marked as seen then.
     pub(super) fn complete(&mut self, mesh: &DomainMesh<'_>, probe: ProbeId) -> bool {
         let tets = mesh.inner.tets();
-        let mut seen = std::mem::take(&mut self.seen);
-        let part = self.part_mut(probe).filter(|part| part.lacks_ring);
-        let is_new = part.is_some();
-        if let Some(part) = part {
-            part.lacks_ring = false;
-            seen.clear(tets.topology().slots());
-            let inside = part.order.len();
-            part.order.reserve(2 * inside + 2);
-            for (place, (t, _)) in part.order.iter().enumerate() {
-                seen.mark(t.index(), place as u32);
-            }
-            for k in 0..inside {
-                for u in tets.neighbours(part.order[k].0).map(tet_of) {
-                    if seen.mark(u.index(), part.order.len() as u32) {
-                        part.order.push((u, false));
-                    }
+        let lacks_ring = |part: &&Part| part.order.is_empty() && !part.inside.is_empty();
+        let Some(part) = self.part(probe).filter(lacks_ring) else { return false };
+        let (inside, mut order) = (part.inside.clone(), self.spare.pop().unwrap_or_default());
+        let cavity = &self.cavities[inside];
+        self.seen.clear(tets.topology().slots());
+        order.clear();
+        order.reserve(3 * cavity.len() + 2);
+        for (place, &t) in cavity.iter().enumerate() {
+            self.seen.mark(t.index(), place as u32);
+            order.push((t, true));
+        }
+        for &t in cavity {
+            for u in tets.neighbours(t).map(tet_of) {
+                if self.seen.mark(u.index(), order.len() as u32) {
+                    order.push((u, false));
                 }
             }
         }
-        self.seen = seen;
-        is_new
+        self.part_mut(probe).into_iter().for_each(|part| part.order = std::mem::take(&mut order));
+        true
     }
 
     /// Looks at tetrahedra, and from those in conflict on. Returns the number of those known
@@ -229,6 +227,9 @@ impl Served {
         self.seen.clear(mesh.inner.tets().topology().slots());
         let mut seen = std::mem::take(&mut self.seen);
         let part = self.enter(own);
+        if !part.order.is_empty() {
+            part.inside = 0..0;
+        }
         let before = part.order.len();
         for (t, _) in &part.order {
             seen.mark(t.index(), 0);
@@ -272,9 +273,9 @@ impl Served {
 
     /// The verdict on an own probe has fallen: reserves the cavity in its part, unless void.
     pub(super) fn reserve_own(&mut self, probe: ProbeId) {
-        let Self { own, reserved, holders, .. } = self;
+        let Self { own, reserved, holders, cavities, .. } = self;
         if let Some(Some(part)) = own.get(probe.number as usize) {
-            reserve(part, reserved, holders);
+            reserve(part, cavities, reserved, holders);
         }
     }
 
@@ -282,7 +283,7 @@ impl Served {
     /// hear of rivals.
     pub(super) fn reserve_others(&mut self) -> Vec<ProbeId> {
         let Self { others, reserved, holders, .. } = self;
-        others.values().for_each(|part| reserve(part, reserved, holders));
+        others.values().for_each(|part| reserve(part, &[], reserved, holders));
         let wanted = others.iter().filter(|(_, part)| part.is_wanted);
         let mut wanted: Vec<ProbeId> = wanted.map(|(&probe, _)| probe).collect();
         wanted.sort_unstable();
@@ -374,20 +375,25 @@ pub fn unkilled(candidates: &[(Rank, TetId, Vec<TetId>)]) -> Vec<usize> {
     for (rank, _, cavity) in candidates {
         let order = cavity.iter().map(|&t| (t, true)).collect();
         let part = Part { order, ..Part::new(*rank, Carrier::Free) };
-        reserve(&part, &mut served.reserved, &mut served.holders);
+        reserve(&part, &[], &mut served.reserved, &mut served.holders);
     }
     let dies = |k: usize| served.has_rival::<Correct>(candidates[k].1, candidates[k].0);
     (0..candidates.len()).filter(|&k| !dies(k)).collect()
 }
 
 /// Reserves the cavity in a part, unless that is void, where no candidate before it has.
-fn reserve(part: &Part, reserved: &mut Marks, holders: &mut Vec<(Rank, Carrier)>) {
+fn reserve(
+    part: &Part,
+    cavities: &[TetId],
+    reserved: &mut Marks,
+    holders: &mut Vec<(Rank, Carrier)>,
+) {
     if part.is_void {
         return;
     }
     let number = holders.len() as u32;
     holders.push((part.rank, part.carrier));
-    for t in part.cavity() {
+    for t in part.cavity(cavities) {
         let other = reserved.get(t.index());
         if other.is_none_or(|other| part.rank < holders[other as usize].0) {
             reserved.set(t.index(), number);
@@ -411,7 +417,7 @@ pub(super) fn corner(mesh: &DomainMesh<'_>, v: VertexId) -> Corner {
 
 /// May something of a tetrahedron be boundary? A subface has three corners there, an edge of which
 /// no face is one is a subsegment or nothing.
-fn is_near(mesh: &DomainMesh<'_>, t: TetId) -> bool {
+pub(super) fn is_near(mesh: &DomainMesh<'_>, t: TetId) -> bool {
     let (mut ends, mut count) = ([Carrier::Free; 2], 0);
     for v in mesh.inner.tets().vertices(t) {
         let carrier = if v == INFINITE { Carrier::Free } else { mesh.carrier(v) };
@@ -421,11 +427,6 @@ fn is_near(mesh: &DomainMesh<'_>, t: TetId) -> bool {
         }
     }
     count > 2 || count == 2 && mesh.complex.segment(ends).is_some()
-}
-
-/// May something of a cavity's part be boundary?
-pub(super) fn is_part_near(mesh: &DomainMesh<'_>, part: &Part) -> bool {
-    part.cavity().any(|t| is_near(mesh, t))
 }
 
 /// Some tetrahedra of a part as their home gets to know them.
@@ -443,48 +444,4 @@ pub(super) fn describe(mesh: &DomainMesh<'_>, tets: &[(TetId, bool)]) -> WireClo
         found.tets.push((v, is_in));
     }
     found
-}
-
-/// Walks straight from `start` to `to`, from face `entry` of tetrahedron `t` on.
-pub(super) fn walk_way(
-    mesh: &mut DomainMesh<'_>,
-    (mut t, mut entry): (TetId, Option<usize>),
-    start: &Bits,
-    to: &Bits,
-    may: bool,
-) -> WayEnd {
-    let (from, p) = (start.map(f64::from_bits), to.map(f64::from_bits));
-    let slots = mesh.inner.tets().topology().slots();
-    // In a Delaunay mesh such a walk visits no tetrahedron twice; the bound only guards it.
-    for step in 0..=slots {
-        let tets = mesh.inner.tets();
-        let v = tets.vertices(t);
-        if v[3] == INFINITE {
-            mesh.count_steps(step as u64);
-            return WayEnd::Not(PartEnd::Outside);
-        }
-        let corners = v.map(|v| mesh.point(v));
-        let Some(slot) = way_out(corners, entry, &from, &p) else {
-            mesh.count_steps(step as u64);
-            return match corners.contains(&p) {
-                _ if !may => WayEnd::Not(PartEnd::Outside),
-                true => WayEnd::Not(PartEnd::Vertex),
-                false => WayEnd::At(t),
-            };
-        };
-        let face = OTHERS[slot].map(|k| corner(mesh, v[k]));
-        if face.iter().all(|corner| corner.carrier != Carrier::Free)
-            && let Some(item) = mesh.complex.item_at(face)
-        {
-            mesh.count_steps(step as u64);
-            return WayEnd::Not(PartEnd::Blocked(WireItem::new(&item)));
-        }
-        let next = mesh.inner.tets().neighbours(t)[slot];
-        if let Some(handle) = mesh.inner.tets().far(tet_of(next)) {
-            mesh.count_steps(step as u64);
-            return WayEnd::Far(handle);
-        }
-        (t, entry) = (tet_of(next), Some(slot_of(next)));
-    }
-    WayEnd::Not(PartEnd::Outside)
 }

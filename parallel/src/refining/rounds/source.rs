@@ -1,19 +1,18 @@
 //! One worker's part in the rounds: what it knows, what it is told, and the points that it gives.
 
 use super::candidate::{ChosenPoint, Probe};
-use super::keys::{Foremost, Keys};
+use super::keys::{Foremost, Keys, KeysTold};
 use super::serve::Served;
 use super::tree::Tree;
 use crate::balance::Workload;
 use crate::mesh::VertexName;
 use crate::protocol::{
-    BlockId, Correct, Directory, Item, Name, Rules, Source, Standing, Submesh, WorkerId,
+    BlockId, Correct, Directory, Item, Rules, Source, Standing, Submesh, WorkerId,
 };
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{DomainNews, Sums};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
-use ltbw_domain::refine::{Asked, BoundaryItem, Closure, ItemPlace, Rank};
-use rustc_hash::FxHashMap;
+use ltbw_domain::refine::{Asked, BoundaryItem, Closure, ItemPlace};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::marker::PhantomData;
 
@@ -120,7 +119,9 @@ pub struct Rounds<C = Correct> {
     /// Probes under way, or to be decided.
     pub(super) open: usize,
     pub(super) chosen: VecDeque<ChosenPoint>,
-    pub(super) starts: FxHashMap<VertexName, (TetId, [VertexId; 4])>,
+    /// The tetrahedra that points chosen in this round begin at, by their names from `first` on.
+    pub(super) starts: Vec<Start>,
+    pub(super) first: VertexName,
     pub(super) pending: BTreeMap<ItemPlace, Pending>,
     pub(super) waiters: BTreeMap<ItemPlace, Vec<(WorkerId, ItemPlace)>>,
     pub(super) asked: Vec<Demand>,
@@ -150,10 +151,10 @@ pub struct Rounds<C = Correct> {
     pub(super) rules: PhantomData<C>,
 }
 
+/// A tetrahedron that a point begins at, and its vertices.
+pub(super) type Start = Option<(TetId, [VertexId; 4])>;
 /// An item to split, its limit, and the place of the item that waits for it.
 pub(super) type Demand = (BoundaryItem, Option<f64>, Option<(WorkerId, ItemPlace)>);
-/// Faces and keys that another worker tells.
-pub(super) type KeysTold = Vec<(Name, u8, Option<Rank>)>;
 
 impl<C: Rules> Rounds<C> {
     /// The start of rounds in a submesh; `total` points of `most` were inserted before.
@@ -180,7 +181,8 @@ impl<C: Rules> Rounds<C> {
             near: None,
             open: 0,
             chosen: VecDeque::new(),
-            starts: FxHashMap::default(),
+            starts: Vec::new(),
+            first: 0,
             pending: BTreeMap::new(),
             waiters: BTreeMap::new(),
             asked: Vec::new(),
@@ -247,16 +249,24 @@ impl<C: Rules> Rounds<C> {
     /// changed.
     fn fetch(&self, mesh: &DomainMesh<'_>) {
         let tets = mesh.inner.tets();
-        let part = |own: &ChosenPoint| self.served.part(self.id(own.probe));
-        if let Some(part) = self.chosen.get(1).and_then(part) {
-            part.cavity().for_each(|t| mesh.prefetch(t));
-        }
+        let cavity = |own: &ChosenPoint| self.served.cavity_at(&own.cavity);
+        let next = self.chosen.get(1).map(cavity).unwrap_or_default();
+        next.iter().for_each(|&t| mesh.prefetch(t));
         // The next cavity is in the cache by now: its neighbours are fetched.
-        if let Some(part) = self.chosen.front().and_then(part) {
-            for t in part.cavity() {
-                tets.neighbours(t).into_iter().for_each(|face| tets.prefetch(tet_of(face)));
-            }
+        for &t in self.chosen.front().map(cavity).unwrap_or_default() {
+            tets.neighbours(t).into_iter().for_each(|face| tets.prefetch(tet_of(face)));
         }
+    }
+
+    /// The number of a point among those chosen in this round; others have numbers beyond.
+    fn number(&self, point: &DomainPoint) -> usize {
+        point.name().wrapping_sub(self.first) as usize
+    }
+
+    /// A point is not to begin at its tetrahedron any more.
+    fn forget_start(&mut self, point: &DomainPoint) {
+        let number = self.number(point);
+        self.starts.get_mut(number).into_iter().for_each(|start| *start = None);
     }
 
     pub(super) fn send(&mut self, to: WorkerId, news: DomainNews) {
@@ -287,7 +297,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
     fn item(&self, mesh: &DomainMesh<'c>, point: &DomainPoint) -> Item<TetId> {
         let tets = mesh.inner.tets();
         let stands = |&&(t, v): &&(TetId, _)| tets.is_live(t) && tets.vertices(t) == v;
-        let start = self.starts.get(&point.name()).filter(stands);
+        let start = self.starts.get(self.number(point)).and_then(Option::as_ref).filter(stands);
         start.map_or(Item::Free, |&(t, _)| Item::At(t))
     }
 
@@ -296,11 +306,11 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
     }
 
     fn released(&mut self, point: &DomainPoint) {
-        self.starts.remove(&point.name());
+        self.forget_start(point);
     }
 
     fn inserted(&mut self, _: &DomainMesh<'c>, point: &DomainPoint) {
-        self.starts.remove(&point.name());
+        self.forget_start(point);
     }
 
     fn remove_block(&mut self, _: &DomainMesh<'c>, _: BlockId) -> Vec<DomainPoint> {
@@ -365,7 +375,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                     self.hear(mesh, directory, from, news);
                 }
             }
-            DomainNews::Keys { exchange, keys } => self.take_keys(from, exchange, keys),
+            DomainNews::Keys { exchange, keys } => self.take_keys(mesh, from, exchange, keys),
             DomainNews::Up(sums) => {
                 let step = self.tree.hear(from, sums);
                 self.take_step(step);

@@ -16,8 +16,8 @@
 //! others, so it takes two waves that are equal.
 
 use super::candidate::{Outcome, Probe, What};
-use super::keys::Foremost;
-use super::source::{Ending, KeysTold, Pending, Rounds, Stage};
+use super::keys::{Foremost, KeysTold};
+use super::source::{Ending, Pending, Rounds, Stage};
 use super::tree::{SENT, Step, TAKEN, is_quiet};
 use crate::protocol::{Directory, Rules, Standing, WorkerId};
 use crate::refining::domain::DomainMesh;
@@ -60,7 +60,7 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn look(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory) {
         self.look_at_created(mesh);
         self.keys.start(mesh);
-        mesh.count_steps(self.keys.interface_faces() as u64 / 8);
+        mesh.count_steps(self.keys.news() as u64 / 8);
         self.served.clear(mesh);
         for Probe { mut closure, .. } in self.probes.drain(..) {
             if closure.tets.capacity() > 0 {
@@ -80,15 +80,21 @@ impl<C: Rules> Rounds<C> {
             self.send(to, DomainNews::Keys { exchange: self.exchange, keys });
         }
         for (from, exchange, keys) in std::mem::take(&mut self.early) {
-            self.take_keys(from, exchange, keys);
+            self.take_keys(mesh, from, exchange, keys);
         }
     }
 
-    pub(super) fn take_keys(&mut self, from: WorkerId, exchange: u32, keys: KeysTold) {
+    pub(super) fn take_keys(
+        &mut self,
+        mesh: &DomainMesh<'_>,
+        from: WorkerId,
+        exchange: u32,
+        keys: KeysTold,
+    ) {
         match self.stage {
             // R20.
             Stage::Exchanging(second) if exchange == self.exchange || !C::NUMBERS_EXCHANGES => {
-                self.keys.hear(second as usize, keys);
+                self.keys.hear(mesh, second as usize, keys);
                 self.awaited.remove(&from);
             }
             _ => self.early.push((from, exchange, keys)),
@@ -246,8 +252,10 @@ impl<C: Rules> Rounds<C> {
         if self.stage == Stage::Deciding && self.open == 0 {
             self.figures.searches +=
                 self.probes.iter().filter(|probe| probe.was_searched).count() as u64;
-            let starts = self.chosen.iter();
-            self.starts = starts.filter_map(|own| Some((own.point.name(), own.start?))).collect();
+            self.starts.clear();
+            self.starts.extend(self.chosen.iter().map(|own| own.start));
+            // Names follow one another.
+            self.first = self.chosen.front().map_or(0, |own| own.point.name());
             (self.stage, self.before) = (Stage::Inserting, None);
         }
     }
