@@ -100,6 +100,23 @@ fn the_papers_problems_have_the_engines_mesh_on_any_number_of_workers() {
     }
 }
 
+/// Two of these have a half and a quarter of the cube around them for their own: their ends are
+/// where cells of a curve through that cube meet.
+#[test]
+fn no_worker_has_much_more_than_its_part() {
+    for kind in [DomainKind::TwoMaterial, DomainKind::LBlock, DomainKind::CubeOctahedron] {
+        let ready = prepared(kind, &Shape::default());
+        let refiner = Refiner::new().max_volume(1e-4).start(1000);
+        let summary = simulated(&refiner, &ready, (8, 1_000)).summary.expect("rounds");
+        let all = summary.workers.iter();
+        let sum: u64 = all.clone().map(|own| own.tets).sum();
+        let most = all.map(|own| own.tets).max().unwrap_or(0);
+        let share = (8 * most) as f64 / sum as f64;
+        println!("{kind:?}: the most tetrahedra of a worker are {share:.2} times the mean");
+        assert!(share < 1.25, "{kind:?}: {share}");
+    }
+}
+
 #[test]
 fn all_kinds_of_domains_have_the_engines_mesh() {
     let mut workers = 0;

@@ -109,6 +109,14 @@ impl Curve {
     pub fn key(&self, p: &Point) -> u64 {
         if self.0.side > 0.0 { self.0.key(p) } else { 0 }
     }
+
+    /// The numbers of points along the curve; those in one cell in the order in which they are. On
+    /// one thread.
+    pub fn order(&self, points: &[Point]) -> Vec<u32> {
+        let mut keyed: Vec<(u64, u32)> = points.iter().map(|p| self.key(p)).zip(0..).collect();
+        keyed.sort_unstable();
+        keyed.into_iter().map(|(_, i)| i).collect()
+    }
 }
 
 /// The corners of the smallest box around points.

@@ -34,7 +34,7 @@ impl Blocks {
 
     /// Cuts a curve, along which `points` are numbered, into `blocks` blocks with about equal parts
     /// of the weights of some places.
-    pub(super) fn weighted(
+    pub(crate) fn weighted(
         curve: Curve,
         points: &[Point],
         weights: &[(Point, u64)],
@@ -78,7 +78,7 @@ impl Blocks {
     }
 
     /// The block of the place where `p` lies on the curve.
-    fn of_point(&self, p: &Point) -> BlockId {
+    pub(crate) fn of_point(&self, p: &Point) -> BlockId {
         let Some((curve, keys)) = self.cuts.as_ref().filter(|(_, keys)| keys.len() > 1) else {
             return BlockId::default();
         };

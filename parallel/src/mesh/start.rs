@@ -131,16 +131,17 @@ impl Layout {
         self.prepare_with(set, only, None, [cancel, None])
     }
 
-    /// As [`Layout::distribute`], with all points in the mesh that is distributed, cut into blocks
-    /// of about equal weight if there are weights of places; `cancel` may end it at any time.
+    /// As [`Layout::distribute`], with all points in the mesh that is distributed; if there is a
+    /// curve with weights of places, it is cut into blocks of about equal weight. `cancel` may end
+    /// it at any time.
     pub(crate) fn prepare_all(
         &self,
         set: &PointSet,
-        weights: Option<&[(Point, u64)]>,
+        cut: Option<(Curve, &[(Point, u64)])>,
         cancel: Option<&CancelToken>,
     ) -> Result<Prepared, BuildError> {
         let whole = Self { sample: set.len(), ..*self };
-        whole.prepare_with(set, None, weights, [cancel; 2])
+        whole.prepare_with(set, None, cut, [cancel; 2])
     }
 
     /// A coarse mesh that is cancelled by the second token is none.
@@ -148,12 +149,12 @@ impl Layout {
         &self,
         set: &PointSet,
         only: Option<&[u32]>,
-        weights: Option<&[(Point, u64)]>,
+        cut: Option<(Curve, &[(Point, u64)])>,
         [cancel, whole]: [Option<&CancelToken>; 2],
     ) -> Result<Prepared, BuildError> {
         let kernel = set.kernel_points();
         let order = match only {
-            None => hilbert(&kernel),
+            None => cut.map_or_else(|| hilbert(&kernel), |(curve, _)| curve.order(&kernel)),
             Some(only) => {
                 let points: Vec<Point> = only.iter().map(|&i| kernel[i as usize]).collect();
                 hilbert(&points).into_iter().map(|k| only[k as usize]).collect()
@@ -169,10 +170,12 @@ impl Layout {
         let params = MeshParams::of(&points, set.mode()).at_most(self.max_tets);
         let (low, high) = params.bounds();
         let count = self.workers * self.blocks_per_worker;
-        let curve = Curve::of_box(low, high);
-        let blocks = match weights {
-            None => Blocks::even(points.len() as u32, count).along(curve, &points),
-            Some(weights) => Blocks::weighted(curve, &points, weights, count),
+        let blocks = match cut {
+            None => {
+                let curve = Curve::of_box(low, high);
+                Blocks::even(points.len() as u32, count).along(curve, &points)
+            }
+            Some((curve, weights)) => Blocks::weighted(curve, &points, weights, count),
         };
         let owners: Vec<WorkerId> =
             BlockId::below(blocks.len() as u32).map(|block| self.owner_of(block)).collect();

@@ -70,7 +70,7 @@ impl std::fmt::Debug for Complex<'_> {
 }
 
 /// The most places in a tetrahedron that tell where its parts will be.
-const PLACES: f64 = 64.0;
+const MOST: f64 = 64.0;
 
 impl Plc {
     /// The point on facet `f` that splits a triangle, off by at most a part of the radius, or by a
@@ -97,15 +97,19 @@ impl Start {
         self.expected / workers.max(1) as usize / 4 * 5
     }
 
-    /// Places inside the domain, each with the number of tetrahedra that there will be around it,
-    /// as far as it can be told: for the balance of work.
-    pub fn weights(&self, complex: &Complex<'_>) -> Vec<(Point, u64)> {
+    /// About `places` places inside the domain, at least one in each tetrahedron, with the numbers
+    /// of tetrahedra that there will be around them, as far as these can be told: for the balance
+    /// of work.
+    pub fn weights(&self, complex: &Complex<'_>, places: usize) -> Vec<(Point, u64)> {
         let mut random = Random::new(1);
         let mut weights = Vec::new();
-        for (v, region) in &self.tets {
-            let corners = v.map(|v| self.points[v as usize]);
-            let own = complex.predicted(corners, *region);
-            let count = own.ceil().min(PLACES);
+        let corners_of = |v: &[u32; 4]| v.map(|v| self.points[v as usize]);
+        let predict = |(v, region): &([u32; 4], u32)| complex.predicted(corners_of(v), *region);
+        let all: Vec<f64> = self.tets.iter().map(predict).collect();
+        let part = (places as f64 / all.iter().sum::<f64>().max(1.0)).min(1.0);
+        for ((v, _), own) in self.tets.iter().zip(all) {
+            let corners = corners_of(v);
+            let count = (own * part).ceil().min(MOST);
             let weight = (own / count.max(1.0) * 256.0) as u64;
             for _ in 0..count as usize {
                 // The parts of an interval that three points cut.

@@ -32,10 +32,11 @@ pub use mesh::DomainMesh;
 pub use values::{DomainPatch, DomainPiece, DomainPoint};
 
 use super::RefineError;
-use crate::mesh::{Gathered, Layout, Prepared, SharedInput, VertexName, gather, given};
+use crate::mesh::{Blocks, Gathered, Layout, Prepared, SharedInput, VertexName, gather, given};
 use crate::metrics::Summary;
-use crate::protocol::{Config, Rule, Rules, Source, Worker, WorkerId};
+use crate::protocol::{BlockId, Config, Rule, Rules, Source, Worker, WorkerId};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
+use ltbw_core::order::{Curve, bounding_box};
 use ltbw_core::topology::INFINITE;
 use ltbw_domain::refine::{Carrier, Complex, Refiner, Start};
 use ltbw_domain::{Domain, Lattice};
@@ -107,6 +108,29 @@ pub fn simulate_domain<C: Rules>(
 /// Workers, and all that they share.
 type Begun<'c, Q, C> = (Vec<Worker<DomainMesh<'c>, Q, C>>, SharedInput);
 
+/// Places whose weights tell where a worker's part of a domain ends, a worker.
+const PLACES: usize = 4096;
+
+/// The curve that is cut into the workers' parts: of some the one that divides the fewest
+/// tetrahedra.
+///
+/// Domains end at halves and quarters of their box. If cells of the curve meet there, all vertices
+/// on such an end may be in cells outside the domain, and so with one worker: of two unit cubes
+/// side by side it had twice the others' work. The other curves have a larger box.
+fn curve_for(start: &Start, weights: &[(Point, u64)], layout: &Layout) -> Curve {
+    let (low, high) = bounding_box(&start.points);
+    let larger = |part: f64| [0, 1, 2].map(|k| high[k] + (high[k] - low[k]) * part);
+    let divided = |curve: &Curve| {
+        let blocks = Blocks::weighted(*curve, &[], weights, layout.workers);
+        let parts: Vec<BlockId> = start.points.iter().map(|p| blocks.of_point(p)).collect();
+        let is_divided =
+            |v: &[u32; 4]| v.iter().any(|&k| parts[k as usize] != parts[v[0] as usize]);
+        start.tets.iter().filter(|(v, _)| is_divided(v)).count()
+    };
+    let curves = [0.0, 1.0 / 1024.0, 1.0 / 16.0].map(|part| Curve::of_box(low, larger(part)));
+    curves.into_iter().min_by_key(divided).unwrap_or(curves[0])
+}
+
 /// Workers with parts of the mesh at the start, each with the source that it is given for its part.
 pub(super) fn prepare<'c, Q: Source<DomainMesh<'c>>, C: Rules>(
     complex: Complex<'c>,
@@ -121,9 +145,10 @@ pub(super) fn prepare<'c, Q: Source<DomainMesh<'c>>, C: Rules>(
         return Err(RefineError::Range);
     }
     // One worker has all of the work.
-    let weights = (layout.workers > 1).then(|| start.weights(&complex));
-    let Prepared { workers, mut common, .. } =
-        layout.prepare_all(&set, weights.as_deref(), None)?;
+    let weights = (layout.workers > 1)
+        .then(|| start.weights(&complex, PLACES.saturating_mul(layout.workers as usize)));
+    let cut = weights.as_ref().map(|weights| (curve_for(start, weights, layout), &weights[..]));
+    let Prepared { workers, mut common, .. } = layout.prepare_all(&set, cut, None)?;
     common.mode = start.mode;
     let config = Config { workers: layout.workers, ..config };
     let complex = Arc::new(complex);

@@ -42,10 +42,7 @@ const NEWS: usize = 9;
 fn along_curve(places: impl Iterator<Item = Point>) -> impl Iterator<Item = usize> {
     let places: Vec<Point> = places.collect();
     let (low, high) = bounding_box(&places);
-    let curve = Curve::of_box(low, high);
-    let mut all: Vec<(u64, u32)> = places.iter().map(|p| curve.key(p)).zip(0..).collect();
-    all.sort_unstable();
-    all.into_iter().map(|own| own.1 as usize)
+    Curve::of_box(low, high).order(&places).into_iter().map(|k| k as usize)
 }
 
 impl<C: Rules> Rounds<C> {
