@@ -64,6 +64,20 @@ by_slot! {
 }
 
 impl Words {
+    /// Raises the word of slot `t` to `word` if it is less. Several threads may do so at once,
+    /// unless the caller is alone.
+    #[inline(always)]
+    pub(crate) fn raise(&self, t: TetId, word: u32, is_alone: bool) {
+        let own = &self.0[t.index()];
+        if own.load(Ordering::Relaxed) >= word {
+            return;
+        }
+        match is_alone {
+            true => own.store(word, Ordering::Relaxed),
+            false => _ = own.fetch_max(word, Ordering::Relaxed),
+        }
+    }
+
     /// Makes all words zero.
     pub(crate) fn clear(&mut self) {
         self.0.iter_mut().for_each(|word| *word.get_mut() = 0);

@@ -161,6 +161,10 @@ impl Rounds<'_, '_> {
                     return;
                 }
             }
+            // Reserved at once, while they are in this thread's cache: the largest entry stays,
+            // whoever writes first.
+            let entry = self.free + self.count - rank;
+            tets.iter().for_each(|&t| self.reserved.raise(t, entry, self.threads == 1));
             let start = batch.cavities.len();
             batch.cavities.extend(tets);
             batch.probed.push(Probed::Reserves(Reserves {
@@ -187,9 +191,8 @@ impl Rounds<'_, '_> {
         Conclusion { t: own.t, rank, verdict }
     }
 
-    /// Takes over what a batch has found: its cavities are reserved.
+    /// Takes over what a batch has found.
     pub(super) fn take_batch(&mut self, batch: Batch) {
-        let last = self.free + self.count;
         for probed in batch.probed {
             let own = match probed {
                 Probed::Reserves(own) => own,
@@ -199,12 +202,8 @@ impl Rounds<'_, '_> {
                 }
             };
             let Reserves { item, rank, place, cavity, fits, is_marked } = own;
-            let tets = &batch.cavities[cavity];
-            for &t in tets {
-                self.reserved.set(t, self.reserved.at(t).max(last - rank));
-            }
             let start = self.cavities.len();
-            self.cavities.extend_from_slice(tets);
+            self.cavities.extend_from_slice(&batch.cavities[cavity]);
             let cavity = start..self.cavities.len();
             let filling = Filling::default();
             let own =

@@ -26,6 +26,9 @@ const PLACES: usize = 2;
 /// Items that a thread looks at at a time; fewer are not worth another thread.
 const BATCH: usize = if cfg!(test) { 3 } else { 16 };
 
+/// Candidates that are worth more than one thread.
+const MANY: usize = if cfg!(test) { 4 } else { 256 };
+
 /// Where a boundary item is to be split.
 enum Proposed {
     /// Nowhere: it is split already.
@@ -92,10 +95,18 @@ impl Rounds<'_, '_> {
                 self.take_looked((item, near), looked, &batch.tets);
             }
         }
-        for k in 0..self.candidates.len() {
-            let has_way = !self.is_barred(&self.candidates[k]);
+        let (this, count) = (&*self, self.candidates.len());
+        let judge = |k: usize| {
+            let has_way = !this.is_barred(&this.candidates[k]);
+            (has_way, has_way && this.survives(k))
+        };
+        let judged: Vec<(bool, bool)> = match this.threads > 1 && count >= MANY {
+            true => (0..count).into_par_iter().map(judge).collect(),
+            false => (0..count).map(judge).collect(),
+        };
+        for (k, (has_way, stays)) in judged.into_iter().enumerate() {
             self.stats.barred += u64::from(!has_way);
-            if has_way && self.survives(k) {
+            if stays {
                 self.chosen.push(k);
             }
         }
