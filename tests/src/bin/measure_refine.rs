@@ -28,15 +28,27 @@ struct Problem {
     kind: DomainKind,
     volume: &'static str,
     most: usize,
+    /// Can `tetgen/run.py` read it? Not if facets have holes.
+    has_peer: bool,
 }
 
 /// The paper's problems; the model problem at two sizes, tenfold, comes first.
 const PROBLEMS: [Problem; 5] = [
-    Problem { kind: DomainKind::CubeOctahedron, volume: "1.73783e-5", most: 104_182 },
-    Problem { kind: DomainKind::CubeOctahedron, volume: "1.73783e-6", most: 1_048_174 },
-    Problem { kind: DomainKind::CubeInCube, volume: "1.68e-5", most: 104_956 },
-    Problem { kind: DomainKind::Tee, volume: "5e-5", most: 109_003 },
-    Problem { kind: DomainKind::Gear, volume: "1e-5", most: 106_023 },
+    Problem {
+        kind: DomainKind::CubeOctahedron,
+        volume: "1.73783e-5",
+        most: 104_182,
+        has_peer: true,
+    },
+    Problem {
+        kind: DomainKind::CubeOctahedron,
+        volume: "1.73783e-6",
+        most: 1_048_174,
+        has_peer: true,
+    },
+    Problem { kind: DomainKind::CubeInCube, volume: "1.68e-5", most: 104_956, has_peer: true },
+    Problem { kind: DomainKind::Tee, volume: "5e-5", most: 109_003, has_peer: true },
+    Problem { kind: DomainKind::Gear, volume: "1e-5", most: 106_023, has_peer: false },
 ];
 /// The model problem of a million tetrahedra among them.
 const MILLION: usize = 1;
@@ -169,7 +181,8 @@ fn compare() -> Result<bool, Failure> {
     );
     let (mut met, mut rounds) = (true, Vec::new());
     for (k, problem) in PROBLEMS.iter().enumerate() {
-        let turns = turns_of(&own, python.as_deref(), problem)?;
+        let peer = python.as_deref().filter(|_| problem.has_peer);
+        let turns = turns_of(&own, peer, problem)?;
         let taken = turns[0].0;
         let (count, searches) = taken.rounds.ok_or("a run has not told its rounds")?;
         rounds.push(count);
@@ -206,7 +219,8 @@ fn compare() -> Result<bool, Failure> {
     met &= rounds[MILLION] <= ROUNDS[0] && rounds[MILLION] <= rounds[0] + ROUNDS[1];
     println!(
         "\nprocessor time of the refinement, one thread, medians of {PAIRS} turns; MiB: peak of \
-         the process (TetGen's has Python in it); searches: a point; a million tetrahedra: at most \
+         the process (TetGen's has Python in it, and reads no facets with holes, as the gear has); \
+         searches: a point; a million tetrahedra: at most \
          {SLOWEST} of TetGen's time, {:.0} MiB, {} rounds, {} more than a tenth of it, {SEARCHES} \
          searches; bars {}",
         MEMORY / 1024.0,
