@@ -20,7 +20,7 @@ use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
 /// Pairs of runs for a median.
-const PAIRS: usize = 5;
+const PAIRS: usize = 9;
 
 /// A domain and its largest volume, with the most tetrahedra that it may have: TetGen's, 0.99 of
 /// the old queues' for the gear.
