@@ -181,6 +181,7 @@ impl Keys {
             self.far[place as usize] = Far::default();
             if let Some(old) = self.interface[place as usize].take() {
                 self.beside[old.t.index()] -= 1;
+                self.touch(old.t);
                 self.count(old.beyond.block, |count| count - 1);
             }
             if let Some((far, face, beyond)) = tets.far_at(place) {
@@ -332,6 +333,10 @@ impl Keys {
             let places = tets.neighbours(t).map(|face| tets.far_place(tet_of(face)));
             for place in places.into_iter().flatten() {
                 let Some(Some(own)) = self.interface.get(place as usize) else { continue };
+                // One that is gone has the links that it had, to slots of others now.
+                if own.t != t {
+                    continue;
+                }
                 let (beyond, best) = (own.beyond, self.best_around::<C>(mesh, t, own.slot));
                 if self.far[place as usize].told.replace(best) != Some(best) {
                     tell(beyond, best.and_then(|one| self.rank_of_one::<C>(mesh, one)));

@@ -226,7 +226,12 @@ impl Served {
         self.complete(mesh, own.probe);
         self.seen.clear(mesh.inner.tets().topology().slots());
         let mut seen = std::mem::take(&mut self.seen);
+        let mut memory = self.spare.pop().unwrap_or_default();
+        memory.clear();
         let part = self.enter(own);
+        if part.order.capacity() == 0 {
+            std::mem::swap(&mut part.order, &mut memory);
+        }
         if !part.order.is_empty() {
             part.inside = 0..0;
         }
@@ -254,6 +259,9 @@ impl Served {
             }
         }
         self.seen = seen;
+        if memory.capacity() > 0 {
+            self.spare.push(memory);
+        }
         (before, foreign)
     }
 
