@@ -8,6 +8,15 @@ use ltbw_verify::Plc;
 const FACES: [[u32; 4]; 6] =
     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
 
+/// The paper's problems, each with a largest volume and the most tetrahedra that it may have:
+/// TetGen's, for the gear 0.99 of those that splitting one item after the other took.
+pub const PROBLEMS: [(DomainKind, f64, usize); 4] = [
+    (DomainKind::CubeOctahedron, 1.73783e-5, 104_182),
+    (DomainKind::CubeInCube, 1.68e-5, 104_956),
+    (DomainKind::Tee, 5e-5, 109_003),
+    (DomainKind::Gear, 1e-5, 106_023),
+];
+
 /// Named domains, each with a largest volume and an angle, if it has one, and the hash of the whole
 /// mesh, exterior included, in rounds from 256 vertices on: the same on every machine. Refinement
 /// may change it, by rules of its own; a run on another machine, or with other threads, may not.

@@ -11,7 +11,7 @@ use ltbw::refine::{InsertOrder, RefineOutcome, Refined, Refiner, usual_tolerance
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_tests::cases;
 use ltbw_tests::compare::same_refined;
-use ltbw_tests::domains::{NAMED, plc_of, prepared, random_domain, small_volume};
+use ltbw_tests::domains::{NAMED, PROBLEMS, plc_of, prepared, random_domain, small_volume};
 use ltbw_tests::parts::for_each_surface;
 use ltbw_verify::{ConformityDefect, Limits, Mesh, Options, Plc, conforms};
 
@@ -90,18 +90,12 @@ fn random_domains_have_one_mesh_for_all_orders() {
 
 #[test]
 fn the_problems_of_the_paper_need_no_more_tetrahedra_than_tetgen() {
-    let bars = [
-        (DomainKind::CubeOctahedron, 1.73783e-5, 104_182.0),
-        (DomainKind::CubeInCube, 1.68e-5, 104_956.0),
-        (DomainKind::Tee, 5e-5, 109_003.0),
-        (DomainKind::Gear, 1e-5, 0.99 * 107_094.0),
-    ];
-    for (kind, volume, most) in bars {
+    for (kind, volume, most) in PROBLEMS {
         let ready = prepared(&generate_domain(kind, &Shape::default()).expect("a domain"));
         let refiner = Refiner::new().max_volume(volume).start(4096);
         let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
         assert_eq!(refined.outcome, RefineOutcome::Met, "{kind:?}");
-        assert!(refined.num_tets() as f64 <= most, "{kind:?}: {}", refined.num_tets());
+        assert!(refined.num_tets() <= most, "{kind:?}: {}", refined.num_tets());
         let stats = refined.stats;
         let searches = stats.searches as f64 / stats.round_points as f64;
         assert!(searches <= 1.6, "{kind:?}: {searches}");

@@ -1,7 +1,7 @@
 //! `rounds`: refinement in rounds at full size. 500 random domains in five orders are judged, and
 //! compared with splitting one item after the other; named domains and the parts of a folder in
 //! 22 orders; tiny domains in every permutation; files, golden hashes; 200 random domains and the
-//! parts by workers that share no mesh; 100 random domains against CGAL.
+//! parts by workers that share no mesh; named domains and 100 random ones against CGAL.
 
 use crate::shell::{self, cargo};
 

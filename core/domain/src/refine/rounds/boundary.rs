@@ -25,7 +25,6 @@ use std::ops::Range;
 const PLACES: usize = 2;
 /// Items that a thread looks at at a time; fewer are not worth another thread.
 const BATCH: usize = if cfg!(test) { 3 } else { 16 };
-
 /// Candidates that are worth more than one thread.
 const MANY: usize = if cfg!(test) { 4 } else { 256 };
 

@@ -172,7 +172,7 @@ impl Rounds<'_, '_> {
         let candidate = &self.candidates[k];
         let own = self.free + self.count - candidate.rank;
         for &t in &self.cavities[candidate.cavity.clone()] {
-            self.reserved.set(t, self.reserved.at(t).max(own));
+            self.reserved.raise(t, own, true);
         }
     }
 
