@@ -31,7 +31,7 @@ pub const NAMED: [(DomainKind, f64, Option<f64>, &str); 20] = [
     (DomainKind::Tee, 3e-4, None, "fdaa7f182ca5b2c8"),
     (DomainKind::Wedge, 1e-2, Some(45.0), "7fca10b507540fc6"),
     (DomainKind::Wedge, 1e-2, Some(30.0), "16393843bb8f65b0"),
-    (DomainKind::Wedge, 1e-2, Some(5.0), "78aef9a111c70b5a"),
+    (DomainKind::Wedge, 1e-2, Some(5.0), "11ee54907962d03e"),
     (DomainKind::Wedge, 1e-2, Some(1.0), "df24dbf5dd61bf59"),
     (DomainKind::Spike, 1e-2, Some(30.0), "4ee40f0ce92e48c2"),
     (DomainKind::Spike, 1e-2, Some(10.0), "6b6248848f23c598"),

@@ -8,6 +8,7 @@
 use ltbw::Random;
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw::refine::{InsertOrder, RefineOutcome, Refined, Refiner, usual_tolerance};
+use ltbw_generate::surfaces::book;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_tests::cases;
 use ltbw_tests::compare::same_refined;
@@ -59,6 +60,18 @@ fn one_mesh(
     let bounds = |b: &ConformityDefect| matches!(b, ConformityDefect::RatioExceeded);
     assert!(found.counts.keys().all(bounds), "{name}: {:?}", found.findings.first());
     first
+}
+
+/// Sheets at small angles are split together for the sake of size.
+#[test]
+fn sheets_have_one_mesh_for_all_orders() {
+    for (sheets, angle) in [(2, 10.0), (3, 5.0), (6, 10.0)] {
+        let (ready, name) = (prepared(&book(sheets, angle)), format!("{sheets} sheets, {angle}"));
+        let refiner = Refiner::new().max_volume(5e-3);
+        let refined = one_mesh((&ready, &name), &refiner, 0, &orders());
+        let excused: f64 = refined.excused().iter().map(|own| own.volume).sum();
+        assert!(excused <= 0.04 * refined.volume(), "{name}: {excused:e}");
+    }
 }
 
 #[test]

@@ -4,7 +4,8 @@
 //! *related* where the angle between them is below 20°. A point of one would take items of the
 //! other out of the mesh again and again, the nearer to the segment or corner the more; so such a
 //! point is refused, with the segment or corner for a reason, where it would take an item of an
-//! unrelated facet only after that item was split. Features with narrow gaps between them (`near`)
+//! unrelated facet only after that item was split. (But where a tetrahedron is too large both are
+//! split together: `limit`, `turned`.) Features with narrow gaps between them (`near`)
 //! are related, too.
 //!
 //! Features that meet at a corner alone are related there alone: the reason counts for items that
@@ -51,6 +52,7 @@ pub(crate) struct Angles {
     /// of it.
     wedges: Map<u32, Vec<([u32; 2], f64)>>,
     of_segment: Map<u32, Reasons>,
+    has_small: bool,
     /// The square of the sine of half the angle below which a bound on shapes is not met at tips.
     tips_below: f64,
 }
@@ -104,6 +106,7 @@ impl Angles {
                     let least = small.map(|(a, b)| half_sine2(a, b)).reduce(f64::min);
                     if let Some(half) = least {
                         angles.wedges.entry(s).or_default().push(([f, g], half));
+                        angles.has_small = true;
                         let reason = Reason::SmallDihedral { segment: segment.ends };
                         angles.relate_facets(f, g, reason);
                         add(&mut angles.of_segment, s, reason);
@@ -173,6 +176,7 @@ impl Angles {
                 add(&mut self.of_segment, s, reason);
                 add(&mut self.of_segment, r, reason);
                 add(&mut self.sharp, edge(s, r), reason);
+                self.has_small = true;
                 let [of_s, of_r] = [s, r].map(|s| &plc.segments[s as usize].facets);
                 // Two sides of one facet: the small angle is in its plane, not between facets.
                 if of_s.iter().any(|f| of_r.contains(f)) {
@@ -204,6 +208,19 @@ impl Angles {
     /// Is nothing at a small angle?
     pub(crate) fn is_empty(&self) -> bool {
         self.sharp.is_empty() && self.wedges.is_empty()
+    }
+
+    /// The ends of a segment at which two facets meet at a small dihedral angle.
+    pub(crate) fn hinge(&self, f: u32, g: u32) -> Option<[u32; 2]> {
+        self.facets.get(&edge(f, g))?.iter().find_map(|reason| match *reason {
+            Reason::SmallDihedral { segment } => Some(segment),
+            _ => None,
+        })
+    }
+
+    /// Are there small dihedral angles, or segments at small angles?
+    pub(crate) fn has_small(&self) -> bool {
+        self.has_small
     }
 
     /// Takes the bound on shapes that tells which tips are too sharp for it.

@@ -1,6 +1,7 @@
 //! Deferral: an item waits until another one is split, or both are split jointly.
 
 use super::item::{Item, Work};
+use super::limit::Limit;
 use super::outcome::Reason;
 use super::record::Refusal;
 use super::split::{Refinement, Step};
@@ -8,7 +9,7 @@ use ltbw_core::cavity::Admission;
 
 impl Refinement<'_> {
     /// Puts one of the items `all` before `item`, which waits for it. Near small angles, splitting
-    /// it may make no edge shorter than `limit`.
+    /// it may make no edges but those that `limit` allows.
     ///
     /// If all were refused, so is this one, for the same reason, unless it allows shorter edges
     /// than before. Items that wait for each other in a circle are split jointly.
@@ -16,7 +17,7 @@ impl Refinement<'_> {
         &mut self,
         item: Item,
         all: Vec<Item>,
-        limit: Option<f64>,
+        limit: Option<Limit>,
         work: &mut W,
         admission: &mut A,
     ) -> Step {
@@ -25,6 +26,7 @@ impl Refinement<'_> {
             _ => Reason::Rounding,
         };
         for first in all {
+            let mut limit = limit;
             if let Some(refusal) = self.record.refused.get(&first) {
                 if !refusal.allows(limit) {
                     if refusal.reason != Reason::Rounding {
@@ -32,12 +34,16 @@ impl Refinement<'_> {
                     }
                     continue;
                 }
+                limit = limit.map(|limit| refusal.again(limit));
                 self.record.refused.remove(&first);
             }
             if self.record.waits_for(first, item) {
                 reason = self.state.reason_in_circle(item);
                 if self.bounds.is_none() || self.state.journal.is_some() {
                     continue;
+                }
+                if let Some(limit) = limit.filter(|limit| limit.along.is_some()) {
+                    self.record.limits.entry(first).or_insert(limit);
                 }
                 match self.split_jointly(first, work, admission) {
                     Step::Refused(why) => {

@@ -133,7 +133,7 @@ impl Refined {
     }
 
     /// The volume of a tetrahedron, rounded, with its vertices in an order that is always the same.
-    fn volume_of(&self, t: TetId) -> f64 {
+    pub(crate) fn volume_of(&self, t: TetId) -> f64 {
         let step = self.lattice.fine_step();
         let [a, b, c, d] = sorted(self.state.vertices(t).map(|v| self.state.at(v)));
         Shape::of([&a, &b, &c, &d]).det.abs() / 6.0 * step * step * step

@@ -194,6 +194,7 @@ impl State {
                 let (p, undo) = open.fill_for_now(place.p, number);
                 let words = undo.cavity().map(|t| self.marks.of(t)).collect();
                 journal.insertions.push((undo, words));
+                journal.points.push((place.p, place.carrier));
                 p
             }
         };

@@ -8,6 +8,7 @@
 
 use super::item::{Item, Queues, Work};
 use super::journal::Journal;
+use super::limit::Limit;
 use super::outcome::Reason;
 use super::record::TIP_SHARE;
 use super::split::{Refinement, Step};
@@ -26,7 +27,7 @@ impl Refinement<'_> {
         work: &mut W,
         admission: &mut A,
     ) -> Step {
-        let limit = self.record.limits.get(&item).map(|limit| TIP_SHARE * limit);
+        let limit = self.record.limits.get(&item).map(|limit| limit.times(TIP_SHARE));
         self.state.journal = Some(Journal { limit, ..Journal::default() });
         let before = self.inserted.points;
         let mut own = Queues::default();
@@ -79,8 +80,8 @@ impl Refinement<'_> {
 }
 
 impl State {
-    /// The shortest edge that the joint step under way may make, if there is one and it is limited.
-    pub(crate) fn joint_limit(&self) -> Option<f64> {
+    /// The edges that the joint step under way may make, if there is one and it is limited.
+    pub(crate) fn joint_limit(&self) -> Option<Limit> {
         self.journal.as_ref().and_then(|journal| journal.limit)
     }
 

@@ -1,15 +1,20 @@
 //! The changes of a joint step, so that it can be taken back.
 
+use super::carrier::Carrier;
 use super::item::Item;
+use super::limit::Limit;
 use super::marks::Word;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_core::undo::Undo;
+use ltbw_exact::Point;
 
 /// The changes of a joint step so far.
 #[derive(Debug, Default)]
 pub(crate) struct Journal {
-    /// The shortest edge that may be made near small angles.
-    pub(crate) limit: Option<f64>,
+    /// The edges that may be made near small angles.
+    pub(crate) limit: Option<Limit>,
+    /// The points inserted, and where they live.
+    pub(crate) points: Vec<(Point, Carrier)>,
     /// The insertions, each with the marks of its cavity.
     pub(crate) insertions: Vec<(Undo, Vec<Word>)>,
     /// Entries of the tables, each as it was before.

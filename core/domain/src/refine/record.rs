@@ -3,6 +3,7 @@
 
 use super::bounds::Bounds;
 use super::item::Item;
+use super::limit::Limit;
 use super::outcome::Reason;
 use super::state::State;
 use super::table::{Map, Set};
@@ -16,19 +17,29 @@ pub(crate) const TIP_SHARE: f64 = 0.5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Refusal {
     pub(crate) reason: Reason,
-    /// The shortest edge that was allowed; a proposal that allows shorter ones may try again.
-    pub(crate) limit: Option<f64>,
+    /// The edges that were allowed; a proposal that allows shorter ones may try again.
+    pub(crate) limit: Option<Limit>,
 }
 
 impl Refusal {
     /// A refusal for good.
     pub(crate) fn final_for(reason: Reason) -> Self {
-        Self { reason, limit: None }
+        Self::under(None, reason)
+    }
+
+    /// A refusal of a proposal that allowed these edges.
+    pub(crate) fn under(limit: Option<Limit>, reason: Reason) -> Self {
+        Self { reason, limit }
     }
 
     /// May a proposal that allows edges down to `limit` try again?
-    pub(crate) fn allows(&self, limit: Option<f64>) -> bool {
-        limit.zip(self.limit).is_some_and(|(new, old)| new < 0.99 * old)
+    pub(crate) fn allows(&self, limit: Option<Limit>) -> bool {
+        limit.zip(self.limit).is_some_and(|(new, old)| new.is_below(0.99, old))
+    }
+
+    /// The limit of a proposal that tries again: all that was allowed before is still.
+    pub(crate) fn again(&self, limit: Limit) -> Limit {
+        self.limit.map_or(limit, |before| limit.or(before))
     }
 }
 
@@ -36,8 +47,8 @@ impl Refusal {
 #[derive(Debug, Default)]
 pub(crate) struct Record {
     pub(crate) refused: Map<Item, Refusal>,
-    /// Proposed items near small angles: the shortest edge that splitting them may make.
-    pub(crate) limits: Map<Item, f64>,
+    /// Proposed items near small angles: the edges that splitting them may make.
+    pub(crate) limits: Map<Item, Limit>,
     /// Refused tetrahedra that are asked again with a part of the shortest edge that they may make.
     pub(crate) parts: Map<Item, f64>,
     /// Boundary items that wait for another one, since the last insertion.
@@ -50,7 +61,7 @@ pub(crate) struct Record {
 
 impl Record {
     /// The reason why an item was refused, unless a proposal down to `limit` may try again.
-    pub(crate) fn bars(&self, item: &Item, limit: Option<f64>) -> Option<Reason> {
+    pub(crate) fn bars(&self, item: &Item, limit: Option<Limit>) -> Option<Reason> {
         self.refused.get(item).filter(|r| !r.allows(limit)).map(|r| r.reason)
     }
 
@@ -78,5 +89,27 @@ impl Record {
             next = then;
         }
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Limit, Reason, Refusal};
+
+    /// A proposal that tries again allows what was allowed before, so that none tries twice.
+    #[test]
+    fn a_refusal_is_tried_again_for_shorter_edges_alone() {
+        let sized = |least: f64, along: f64| Limit { least, along: Some(along) };
+        let first = Refusal::under(Some(Limit::all(8.0)), Reason::Rounding);
+        assert!(!first.allows(None) && !first.allows(Some(Limit::all(7.95))));
+        for limit in [Limit::all(7.0), sized(9.0, 16.0)] {
+            assert!(first.allows(Some(limit)));
+            let again = first.again(limit);
+            let second = Refusal::under(Some(again), Reason::Rounding);
+            for before in [Limit::all(8.0), limit, again] {
+                assert!(!second.allows(Some(before)), "{before:?} after {limit:?}");
+            }
+        }
+        assert!(!Refusal::final_for(Reason::Rounding).allows(Some(sized(0.0, 0.0))));
     }
 }

@@ -23,6 +23,7 @@ use super::facet::Seed;
 use super::item::{Item, Queues, Work};
 use super::key::sorted;
 use super::measure::{Shape, circumcircle, has_small_dihedral};
+use super::outcome::Reason;
 use super::record::Refusal;
 use super::sliver::in_unit_ball;
 use super::split::{Refinement, TOLERANCE};
@@ -230,11 +231,21 @@ impl Refinement<'_> {
         open.owner_mut().touch(&place.p, place.carrier);
         let judge = Judge::on_open(open.owner(), &self.record);
         let Some(filling) = judge.filling_beside(item, place, target) else { return false };
+        let mut refusal = target.refusal;
+        if refusal.reason == Reason::Rounding {
+            // A reason that has a place, of what was over its bounds there before, says more.
+            let refused =
+                open.owner().mesh.cavity().tets().filter_map(|t| {
+                    self.record.refused.get(&Item::Tet(t, open.owner().vertices(t)))
+                });
+            let named = refused.map(|r| r.reason).filter(|r| r.is_corner() || r.is_segment());
+            refusal.reason = named.min().unwrap_or(refusal.reason);
+        }
         let mut work = Queues::default();
         self.inserted.fill(open, place, &filling, Some(bounds), &mut work);
         debug_assert!(self.state.is_complete(), "nothing may be lost");
         while let Some(item) = work.next_tet() {
-            self.record.refused.insert(item, target.refusal);
+            self.record.refused.insert(item, refusal);
         }
         true
     }

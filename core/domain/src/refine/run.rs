@@ -36,6 +36,8 @@ const CHECK_EVERY: u64 = 1024;
 
 /// The vertices from which on it refines in rounds: fewer are too few for wide ones.
 const START: usize = 4096;
+/// The same where there are patches: what is near them is looked at by one thread, twice a round.
+const START_WITH_PATCHES: usize = 32_768;
 
 /// Features nearer to each other than this many floors are not refined towards each other.
 const NEAR: f64 = 16.0;
@@ -66,7 +68,7 @@ pub struct Refiner<'a> {
     cancel: Option<&'a CancelToken>,
     observer: Option<&'a dyn Observer>,
     order: InsertOrder,
-    start: usize,
+    start: Option<usize>,
     one_thread: bool,
 }
 
@@ -95,7 +97,7 @@ impl Default for Refiner<'_> {
             cancel: None,
             observer: None,
             order: InsertOrder::default(),
-            start: START,
+            start: None,
             one_thread: false,
         }
     }
@@ -202,7 +204,7 @@ impl<'a> Refiner<'a> {
     /// Sets the number of vertices from which on it refines in rounds.
     #[doc(hidden)]
     pub fn start(mut self, vertices: usize) -> Self {
-        self.start = vertices;
+        self.start = Some(vertices);
         self
     }
 

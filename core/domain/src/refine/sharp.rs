@@ -66,6 +66,46 @@ impl State {
         matches!(reason, Reason::SmallFaceAngle { corner } if is_at(corner))
     }
 
+    /// The facets of a boundary item.
+    pub(crate) fn facets_of_item(&self, item: Item) -> Vec<u32> {
+        match item {
+            Item::Segment(s) => self
+                .segments
+                .get(&s)
+                .map_or_else(Vec::new, |&s| self.plc.segments[s as usize].facets.clone()),
+            Item::Subface(s) => self.subfaces.get(&s).copied().into_iter().collect(),
+            Item::Tet(..) => Vec::new(),
+        }
+    }
+
+    /// Is a vertex across a small angle from a boundary item with these facets: on a facet at a
+    /// small dihedral angle with one of them, and not on that one, or on a segment that makes a
+    /// tip with the item?
+    pub(crate) fn is_across(&self, v: VertexId, item: Item, facets: &[u32]) -> bool {
+        let carrier = self.carriers[v.index()];
+        if let Item::Segment(ends) = item
+            && let Some(&s) = self.segments.get(&ends)
+        {
+            let segments = match &carrier {
+                Carrier::Segment(r, _) => std::slice::from_ref(r),
+                Carrier::Corner(c) => self.plc.segments_at[*c as usize].as_slice(),
+                Carrier::Facet(_) | Carrier::Free => &[],
+            };
+            let is_tip = |end: VertexId| match self.carriers[end.index()] {
+                Carrier::Corner(corner) => {
+                    segments.iter().any(|&r| r != s && self.angles.is_tip(s, r, corner))
+                }
+                _ => false,
+            };
+            if ends.into_iter().any(|end| end != v && is_tip(end)) {
+                return true;
+            }
+        }
+        let others = self.facets_of(carrier);
+        let across = |f: u32, g: u32| !facets.contains(&g) && self.angles.hinge(f, g).is_some();
+        facets.iter().any(|&f| !self.lies_on(carrier, f) && others.iter().any(|&g| across(f, g)))
+    }
+
     /// The small angle at which a subsegment is, or that it and others displace each other.
     pub(crate) fn reason_in_circle(&self, item: Item) -> Reason {
         let has = |corner: u32| self.has_corner(item, corner);

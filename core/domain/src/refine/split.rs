@@ -10,7 +10,7 @@ use super::bounds::Bounds;
 use super::carrier::{Carrier, Line, UNIT, free_point, within_box};
 use super::fill::Inserted;
 use super::item::{Item, Work};
-use super::key::sorted;
+use super::key::{order_key, sorted};
 use super::layer::Hole;
 use super::measure::{Shape, circumcircle};
 use super::outcome::Reason;
@@ -90,7 +90,7 @@ impl<'a> Refinement<'a> {
         match step {
             Step::Refused(reason) => {
                 let limit = self.record.limits.remove(&item);
-                self.record.refused.insert(item, Refusal { reason, limit });
+                self.record.refused.insert(item, Refusal::under(limit, reason));
                 // A refused item no longer waits; only a missing one keeps its place.
                 let missing = match item {
                     Item::Segment(s) => self.state.missing_segments.contains(&s),
@@ -186,6 +186,14 @@ impl<'a> Refinement<'a> {
             return Step::Refused(Reason::Floor);
         }
         let (centre, radius) = aim(points, &centre, square);
+        if let Some(place) = self.state.turned(corners, f) {
+            let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, true);
+            match self.propose(&place, work, admission, verdict) {
+                Proposal::Inserted => return Step::Inserted,
+                Proposal::SetBack(setback) => return Step::SetBack(setback),
+                _ => {}
+            }
+        }
         for tolerance in [radius * TOLERANCE, 1.0] {
             let Some((p, is_on)) = self.state.place_on(f, &centre, tolerance) else { continue };
             let place = Place { p, carrier: Carrier::Facet(f), from: self.state.mesh.hint() };
@@ -273,7 +281,8 @@ impl<'a> Refinement<'a> {
             return Step::Refused(reason);
         }
         let part = self.record.parts.get(&item).copied().unwrap_or(1.0);
-        let grain = |own: &Self| own.bounds.as_ref().map(|b| part * b.grain(&own.state, t, &shape));
+        let limit =
+            |own: &Self| own.bounds.as_ref().map(|b| b.limit(&own.state, t, &shape).times(part));
         for tolerance in [radius * TOLERANCE, 1.0] {
             let Some(centre) = shape.circumcentre(&d) else { break };
             // A flat tetrahedron may have its centre outside the box: the way there still counts.
@@ -282,7 +291,7 @@ impl<'a> Refinement<'a> {
             let from = match self.state.way(t, &p) {
                 Way::Arrived(from) if proposed.is_some() => from,
                 Way::Blocked(subface) => {
-                    let limit = grain(self);
+                    let limit = limit(self);
                     return self.defer(item, vec![Item::Subface(subface)], limit, work, admission);
                 }
                 Way::Arrived(_) | Way::Outside => continue,
@@ -291,7 +300,7 @@ impl<'a> Refinement<'a> {
             match self.propose(&place, work, admission, |judge| judge.on_tet(t, &place.p)) {
                 Proposal::Inserted => return Step::Inserted,
                 Proposal::Deferred(first) => {
-                    let limit = grain(self);
+                    let limit = limit(self);
                     return self.defer(item, first, limit, work, admission);
                 }
                 Proposal::Refused(reason) => return Step::Refused(reason),
@@ -304,7 +313,7 @@ impl<'a> Refinement<'a> {
         if sides.is_empty() {
             return Step::Refused(self.state.reason_near(v));
         }
-        let limit = grain(self);
+        let limit = limit(self);
         self.defer(item, sides, limit, work, admission)
     }
 
@@ -355,10 +364,19 @@ impl State {
     }
 
     /// The small angle that a tetrahedron is at, if any of its vertices is on something at one.
-    pub(crate) fn reason_near(&self, v: [VertexId; 4]) -> Reason {
+    pub(crate) fn reason_near(&self, mut v: [VertexId; 4]) -> Reason {
+        if !self.angles.relates() {
+            return Reason::Rounding;
+        }
+        if self.by_place {
+            v.sort_by_key(|&v| order_key(&self.at(v)));
+        }
         let facets = |f: &u32| self.angles.reason_of_facet(*f);
         let reasons = v.into_iter().find_map(|v| match self.carriers[v.index()] {
-            Carrier::Segment(s, _) => self.angles.reason_of_segment(s),
+            Carrier::Segment(s, _) => {
+                let own = self.angles.reason_of_segment(s);
+                own.or_else(|| self.plc.segments[s as usize].facets.iter().find_map(facets))
+            }
             Carrier::Corner(c) => self.plc.facets_at[c as usize].iter().find_map(facets),
             Carrier::Facet(f) => facets(&f),
             Carrier::Free => None,

@@ -1,5 +1,8 @@
 //! Tests of whole refinements: conformity against slow twins, transactions, early ends.
 
+#[macro_use]
+mod surface;
+
 mod cavity;
 mod complex;
 mod rounds;

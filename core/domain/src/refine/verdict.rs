@@ -181,18 +181,30 @@ impl<'s> Judge<'s> {
     fn is_too_near(&self, item: Item, p: &Point) -> bool {
         let own = self.record.limits.get(&item).copied();
         let Some(limit) = own.or(self.state.joint_limit()) else { return false };
-        if let Item::Segment(ends) = item
-            && self.state.tip_side(ends, p).is_some_and(|side| side < TIP_SIDE * limit)
-        {
-            return true;
-        }
         let is_slack = own.is_some() && self.state.by_place;
-        let least = if is_slack { SLACK * limit } else { limit };
-        let is_near =
-            |v: VertexId| v != INFINITE && distance2(&self.state.at(v), p) < least * least;
+        let slack = if is_slack { SLACK } else { 1.0 };
+        let is_near = |v: VertexId, least: f64| {
+            v != INFINITE && distance2(&self.state.at(v), p) < least * least
+        };
+        let is_tip = || match item {
+            Item::Segment(ends) => {
+                self.state.tip_side(ends, p).is_some_and(|side| side < TIP_SIDE * limit.least)
+            }
+            _ => false,
+        };
+        if !is_tip() && !self.any_around(|v| is_near(v, slack * limit.least)) {
+            return false;
+        }
+        let Some(along) = limit.along else { return true };
+        let facets = self.state.facets_of_item(item);
+        self.any_around(|v| is_near(v, slack * along) && !self.state.is_across(v, item, &facets))
+    }
+
+    /// Is there such a vertex on the rim of the point's cavity?
+    fn any_around(&self, is: impl FnMut(VertexId) -> bool) -> bool {
         match self.found {
-            None => self.state.mesh.cavity().faces().flatten().any(is_near),
-            Some(tets) => tets.iter().flat_map(|&t| self.state.vertices(t)).any(is_near),
+            None => self.state.mesh.cavity().faces().flatten().any(is),
+            Some(tets) => tets.iter().flat_map(|&t| self.state.vertices(t)).any(is),
         }
     }
 
@@ -202,18 +214,24 @@ impl<'s> Judge<'s> {
     /// Afterwards the boundary is complete, and stays so: what would be lost is split first, or,
     /// where that would take this item out of the mesh, with it. If it may not be split, or is at a
     /// small angle with the point's own carrier, the point is refused, but where a subsegment is
-    /// split and both are at one corner.
+    /// split and both are at one corner, or for the sake of size.
     fn spare(&self, item: Item, place: &Place, filling: Filling) -> Verdict {
         let lost = &filling.lost;
         if lost.is_empty() || self.recovers {
             return Verdict::Fill(filling);
         }
+        let own = self.record.limits.get(&item).copied();
+        let limit = own.or(self.state.joint_limit());
         let related = |&other: &Item| {
             let reason = self.state.relation(place.carrier, other)?;
             let spent = self.record.joint_transactions;
             let may = spent <= JOINT * self.state.mesh.num_vertices();
-            let together = may && self.state.go_together(item, other, reason);
-            (!together).then_some(reason)
+            // Of what is too large both sides of a small angle are split.
+            let is_sized = limit.is_some_and(|limit| limit.along.is_some());
+            let is_angle =
+                matches!(reason, Reason::SmallDihedral { .. } | Reason::SmallFaceAngle { .. });
+            let together = || is_sized && is_angle || self.state.go_together(item, other, reason);
+            (!(may && together())).then_some(reason)
         };
         if let Some(reason) = lost.iter().find_map(related) {
             return Verdict::Refuse(reason);
@@ -221,8 +239,7 @@ impl<'s> Judge<'s> {
         if self.state.journal.is_some() {
             return Verdict::Fill(filling);
         }
-        let limit = self.record.limits.get(&item).copied();
-        match lost.iter().find_map(|other| self.record.bars(other, limit)) {
+        match lost.iter().find_map(|other| self.record.bars(other, own)) {
             Some(reason) => Verdict::Refuse(reason),
             None => Verdict::Defer(filling.lost),
         }

@@ -10,6 +10,7 @@ use super::Rounds;
 use super::foremost::Foremost;
 use crate::refine::carrier::free_point;
 use crate::refine::item::Item;
+use crate::refine::limit::Limit;
 use crate::refine::marks::{FACES, face_bit};
 use crate::refine::outcome::Reason;
 use crate::refine::split::TOLERANCE;
@@ -37,7 +38,7 @@ impl Rounds<'_, '_> {
         &self,
         tets: &[TetId],
         touched: &Touched,
-        limit: Option<f64>,
+        limit: Option<Limit>,
     ) -> Vec<Block> {
         if touched.inner.is_empty() {
             return Vec::new();
@@ -72,7 +73,7 @@ impl Rounds<'_, '_> {
     }
 
     /// Notes such subfaces of the last candidate, whose cavity was open.
-    pub(super) fn note_blocks(&mut self, limit: Option<f64>) {
+    pub(super) fn note_blocks(&mut self, limit: Option<Limit>) {
         let Some(own) = self.candidates.last() else { return };
         let tets = &self.cavities[own.cavity.clone()];
         let found = self.blocks_in(tets, &self.own.state.touched, limit);
@@ -181,7 +182,7 @@ mod tests {
         rounds.blocks.push(Block { corners, sides: [t, other] });
         let limit = rounds.limit(t, &own.shape).expect("bounds");
         for (factor, is_barred) in [(0.5, true), (1.0, true), (2.0, false)] {
-            let refusal = Refusal { reason: Reason::Floor, limit: Some(factor * limit) };
+            let refusal = Refusal::under(Some(limit.times(factor)), Reason::Floor);
             rounds.own.record.refused.insert(Item::Subface(corners), refusal);
             assert_eq!(rounds.blocked(&p, &own).is_some(), is_barred, "{factor}");
         }

@@ -32,6 +32,7 @@ pub use times::RoundTimes;
 use super::RefineError;
 use super::again::Asking;
 use super::item::{Item, Queues};
+use super::limit::Limit;
 use super::names::Names;
 use super::outcome::{Reason, RefineStats};
 use super::record::Refusal;
@@ -116,8 +117,8 @@ struct Pending {
 #[derive(Clone, Copy, Debug)]
 struct Asked {
     item: Item,
-    /// The shortest edge that it may make.
-    limit: Option<f64>,
+    /// The edges that it may make.
+    limit: Option<Limit>,
     near: TetId,
 }
 
@@ -383,20 +384,21 @@ impl<'r, 'a> Rounds<'r, 'a> {
         self.pending.extend(self.waits.drain(..));
         let record = &mut self.own.record;
         for Asked { item, limit, near } in self.asked.drain(..) {
-            record.refused.remove(&item);
+            let refusal = record.refused.remove(&item);
             news |= !self.pending.contains_key(&item);
             self.pending.entry(item).or_insert(Pending { first: None, near });
             if let Some(limit) = limit {
-                let least = record.limits.entry(item).or_insert(limit);
-                news |= limit < *least;
-                *least = least.min(limit);
+                let limit = refusal.map_or(limit, |refusal| refusal.again(limit));
+                let own = record.limits.entry(item).or_insert(limit);
+                news |= limit.is_below(1.0, *own);
+                *own = own.or(limit);
             }
         }
         for (item, reason) in self.refusals.drain(..) {
             let limit = record.limits.remove(&item);
             // The floor is no lower for a proposal that allows shorter edges.
             let limit = limit.filter(|_| reason != Reason::Floor);
-            record.refused.insert(item, Refusal { reason, limit });
+            record.refused.insert(item, Refusal::under(limit, reason));
             self.pending.remove(&item);
             if let Item::Tet(t, _) = item {
                 // No look so far has found it so.
@@ -416,7 +418,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             let limit = self.own.record.limits.get(&item).copied();
             match self.own.split_jointly(item, &mut work, &mut AdmitAll) {
                 Step::Refused(reason) => {
-                    self.own.record.refused.insert(item, Refusal { reason, limit });
+                    self.own.record.refused.insert(item, Refusal::under(limit, reason));
                 }
                 Step::SetBack(_) => return Err(RefineError::Invariant { what: "room for points" }),
                 Step::Inserted => self.note_created(),

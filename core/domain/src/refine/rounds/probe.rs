@@ -8,6 +8,7 @@ use super::foremost::Foremost;
 use super::{Asked, Candidate, Conclusion, Pending, Rounds};
 use crate::refine::carrier::{Carrier, free_point};
 use crate::refine::item::Item;
+use crate::refine::limit::Limit;
 use crate::refine::measure::Shape;
 use crate::refine::outcome::Reason;
 use crate::refine::split::TOLERANCE;
@@ -102,13 +103,13 @@ impl Rounds<'_, '_> {
         }
     }
 
-    /// The shortest edge that splitting a tetrahedron may lead to.
-    pub(super) fn limit(&self, t: TetId, shape: &Shape) -> Option<f64> {
+    /// The edges that splitting a tetrahedron may lead to.
+    pub(super) fn limit(&self, t: TetId, shape: &Shape) -> Option<Limit> {
         let own = &self.own;
         let parts = &own.record.parts;
         let item = || Item::Tet(t, own.state.vertices(t));
         let part = if parts.is_empty() { None } else { parts.get(&item()).copied() };
-        own.bounds.as_ref().map(|bounds| part.unwrap_or(1.0) * bounds.grain(&own.state, t, shape))
+        own.bounds.as_ref().map(|b| b.limit(&own.state, t, shape).times(part.unwrap_or(1.0)))
     }
 
     /// Opens the cavity of a place, takes the verdict and sets the cavity back. A point that serves
@@ -192,7 +193,7 @@ impl Rounds<'_, '_> {
     pub(super) fn first_of(
         &self,
         items: &[Item],
-        limit: Option<f64>,
+        limit: Option<Limit>,
         mut reason: Reason,
     ) -> Result<Item, Reason> {
         for item in items {

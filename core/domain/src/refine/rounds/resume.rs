@@ -3,6 +3,7 @@
 use super::{Pending, Rounds};
 use crate::refine::RefineError;
 use crate::refine::item::Item;
+use crate::refine::limit::Limit;
 use crate::refine::outcome::RefineStats;
 use ltbw_core::topology::TetId;
 
@@ -13,7 +14,7 @@ pub(crate) struct Waiting {
     pub(crate) first: Option<Item>,
     /// A slot at it.
     pub(crate) near: TetId,
-    pub(crate) limit: Option<f64>,
+    pub(crate) limit: Option<Limit>,
 }
 
 /// The work that others leave to be done.

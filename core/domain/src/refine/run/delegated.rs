@@ -1,12 +1,13 @@
 //! Rounds that others carry out, on many processors: they get the mesh at the start, and hand over
 //! what they have when they are done, or at a step that takes the whole mesh.
 
-use super::{Refiner, Run};
+use super::{Refiner, Run, START, START_WITH_PATCHES};
 use crate::refine::carrier::Carrier;
 use crate::refine::choice::{BoundaryItem, Corner, ItemPlace};
 use crate::refine::complex::{Complex, ComplexError, Start};
 use crate::refine::fill::Points;
 use crate::refine::item::Item;
+use crate::refine::limit::Limit;
 use crate::refine::marks::{ENDS, Marks, edge_bit, face_bit};
 use crate::refine::outcome::RefineStats;
 use crate::refine::region::RegionInfo;
@@ -91,7 +92,9 @@ impl<'a> Refiner<'a> {
         let (mut run, regions) = self.recovered(domain, lattice)?;
         let clock = Instant::now();
         run.refinement.seed(run.most, &mut run.work, &mut AdmitAll);
-        run.refine(self.start)?;
+        let patches = run.refinement.state.plc.facets.iter().any(|facet| facet.patch.is_some());
+        let usual = if patches { START_WITH_PATCHES } else { START };
+        run.refine(self.start.unwrap_or(usual))?;
         let start_seconds = clock.elapsed().as_secs_f64();
         Ok(Delegated { run, regions, lattice: *lattice, clock, start_seconds })
     }
@@ -177,7 +180,7 @@ impl<'a> Delegated<'a> {
         let waiting = |asked: &Asked| {
             let &(item, near) = found.get(&asked.item.place())?;
             let first = asked.first.and_then(|first| Some(found.get(&first)?.0));
-            Some(Waiting { item, first, near, limit: asked.limit })
+            Some(Waiting { item, first, near, limit: asked.limit.map(Limit::all) })
         };
         let waiting: Option<Vec<Waiting>> = asked.iter().map(waiting).collect();
         let gone = RefineError::Invariant { what: "items asked for are in the mesh" };
@@ -215,7 +218,11 @@ impl State {
             Some(first) => Some(named(first)?.place()),
             None => None,
         };
-        Some(Asked { item: named(waiting.item)?, first, limit: waiting.limit })
+        Some(Asked {
+            item: named(waiting.item)?,
+            first,
+            limit: waiting.limit.map(|limit| limit.least),
+        })
     }
 
     /// Numbers all vertices: those of the domain as there. Counts the others.

@@ -1,6 +1,6 @@
 //! Rounds: one mesh whatever the order of insertion, and the rules that make it so.
 
-use super::sharp::{over, relieve};
+use super::sharp::{larger, over, relieve};
 use super::{check_conforming, check_marks, model, ready, refine};
 use crate::refine::relief::Goal;
 use crate::refine::{InsertOrder, Reason, RefineOutcome, Refined, Refiner};
@@ -9,17 +9,6 @@ use ltbw_core::invariants::check_all;
 use ltbw_core::mesh::Vertex;
 use ltbw_exact::Point;
 use ltbw_generate::{DomainKind, Shape};
-
-/// A surface by formula, of single polygons; its type is that of another instance of this crate.
-macro_rules! surface {
-    ($made:expr) => {{
-        let made = $made;
-        let polygons = made.facets.iter().flat_map(|f| &f.polygons);
-        let facets = polygons.map(|polygon| Facet::polygon(polygon, 0)).collect();
-        let domain = Domain { vertices: made.vertices, facets, ..Domain::default() };
-        domain.prepare(&PrepareOptions::default()).expect("a sound domain")
-    }};
-}
 
 /// All orders of a round that are tried.
 const ORDERS: [InsertOrder; 8] = [
@@ -157,6 +146,8 @@ fn any_number_of_threads_chooses_the_same_points() {
     let field = |p: Point| 0.05 + 0.1 * p[0];
     one_mesh_on_threads(&Refiner::new().sizing(&field), &model(), "a field");
     one_mesh_on_threads(&Refiner::new().max_volume(1e-4).max_points(900), &model(), "a budget");
+    let sheets = surface!(ltbw_generate::surfaces::book(2, 12.0));
+    one_mesh_on_threads(&Refiner::new().max_volume(3e-4), &sheets, "sheets at a small angle");
     let ready = surface!(ltbw_generate::surfaces::torus(12));
     let refiner = Refiner::new().flat_tolerance(5e-7).max_volume(1e-3);
     one_mesh_on_threads(&refiner, &ready, "a torus with patches and slivers");
@@ -164,7 +155,7 @@ fn any_number_of_threads_chooses_the_same_points() {
 
 #[test]
 fn small_angles_have_one_mesh_for_all_orders() {
-    let (mut excused, mut excused_singly) = (0, 0);
+    let mut excused = 0;
     let shapes = [60.0, 45.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.1]
         .into_iter()
         .flat_map(|angle| [(DomainKind::Wedge, angle), (DomainKind::Spike, angle)]);
@@ -179,11 +170,15 @@ fn small_angles_have_one_mesh_for_all_orders() {
             assert_eq!(outcomes, [RefineOutcome::Met; 2], "{kind:?} {angle}");
         }
         excused += refined.excuses.len();
-        excused_singly += single.excuses.len();
+        // Where needles were halved in rounds alone, up to 30 were excused.
+        if kind == DomainKind::Spike {
+            assert!(refined.excuses.len() <= 4, "{angle}: {}", refined.excuses.len());
+        }
+        // Shapes are excused, not sizes: more of them the thinner the wedge is.
+        let name = format!("{kind:?} {angle}");
+        assert_eq!([&refined, &single].map(|r| larger(r, 2e-3)), [0, 0], "{name}");
     }
-    // Where needles were halved in rounds alone, 73 of these were excused.
-    assert!(excused > 0 && excused <= 40, "{excused} {excused_singly}");
-    assert!(excused <= excused_singly, "{excused_singly}");
+    assert!(excused <= 200, "{excused}");
 }
 
 #[test]
