@@ -84,6 +84,7 @@ fn by_pkg_config(package: &Path, dist: &Path, own_target: &Path) -> Result<(), S
 fn in_package(arguments: &[&str]) -> Result<(), String> {
     let mut cargo = command(&cargo().get_program().to_string_lossy());
     cargo.current_dir(root().join("bindings/c")).env("CARGO_TARGET_DIR", target().join("c"));
+    shell::quick_bindings(&mut cargo);
     shell::run(cargo.args(arguments))
 }
 

@@ -47,6 +47,7 @@ fn in_package(program: &str) -> Command {
     let mut command = command(program);
     command.current_dir(root().join("bindings/python"));
     command.env("CARGO_TARGET_DIR", target().join("python"));
+    shell::quick_bindings(&mut command);
     command
 }
 

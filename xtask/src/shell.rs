@@ -42,6 +42,15 @@ pub(crate) fn cargo() -> Command {
     command(&std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_string()))
 }
 
+/// Has `command` build bindings fast rather than well, if `LTBW_QUICK_BINDINGS` is set: without
+/// link-time optimisation, in many units.
+pub(crate) fn quick_bindings(command: &mut Command) {
+    if std::env::var_os("LTBW_QUICK_BINDINGS").is_some() {
+        command.env("CARGO_PROFILE_RELEASE_LTO", "off");
+        command.env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
+    }
+}
+
 /// Runs `command` with our own output; anything but success is an error.
 pub(crate) fn run(command: &mut Command) -> Result<(), String> {
     match command.status() {
