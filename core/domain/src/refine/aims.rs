@@ -47,7 +47,7 @@ impl Complex<'_> {
         let corners = sorted(corners);
         let [a, b, c, d] = &corners;
         let all = [a, b, c, d];
-        self.bounds().grain_in(all, region, &Shape::of(all))
+        self.bounds().limit_in(all, region, &Shape::of(all)).least
     }
 
     /// The point that splits a boundary item, at the given attempt.

@@ -52,6 +52,7 @@ pub(crate) struct Angles {
     /// of it.
     wedges: Map<u32, Vec<([u32; 2], f64)>>,
     of_segment: Map<u32, Reasons>,
+    /// Are there small dihedral angles, or segments at small angles?
     has_small: bool,
     /// The square of the sine of half the angle below which a bound on shapes is not met at tips.
     tips_below: f64,
@@ -106,7 +107,6 @@ impl Angles {
                     let least = small.map(|(a, b)| half_sine2(a, b)).reduce(f64::min);
                     if let Some(half) = least {
                         angles.wedges.entry(s).or_default().push(([f, g], half));
-                        angles.has_small = true;
                         let reason = Reason::SmallDihedral { segment: segment.ends };
                         angles.relate_facets(f, g, reason);
                         add(&mut angles.of_segment, s, reason);
@@ -117,6 +117,8 @@ impl Angles {
         for corner in 0..plc.corners.len() as u32 {
             angles.look_at_corner(plc, corner);
         }
+        // Features near each other add to the same lists.
+        angles.has_small = !angles.is_empty();
         near::pairs(plc, limit).into_iter().for_each(|pair| angles.relate_near(plc, pair));
         angles
     }
@@ -176,7 +178,6 @@ impl Angles {
                 add(&mut self.of_segment, s, reason);
                 add(&mut self.of_segment, r, reason);
                 add(&mut self.sharp, edge(s, r), reason);
-                self.has_small = true;
                 let [of_s, of_r] = [s, r].map(|s| &plc.segments[s as usize].facets);
                 // Two sides of one facet: the small angle is in its plane, not between facets.
                 if of_s.iter().any(|f| of_r.contains(f)) {

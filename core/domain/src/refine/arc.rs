@@ -45,8 +45,7 @@ impl State {
         let target = [0, 1, 2].map(|k| o[k] + stretch * middle[k]);
         // The triangle's circle reaches beyond the arc by an eighth of its side, squared, over r.
         let tolerance = distance2(&a, &b) / (128.0 * square.sqrt());
-        let (p, is_on) = self.place_on(f, &target, tolerance)?;
-        is_on.then(|| Place { p, carrier: Carrier::Facet(f), from: self.mesh.hint() })
+        self.place_at(f, &target, tolerance)
     }
 
     /// The squared length of segment `s`, rounded.

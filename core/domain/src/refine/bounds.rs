@@ -230,26 +230,18 @@ impl Bounds<'_> {
     /// it is too large, that of a cube of the volume wanted; this one alone counts along facets.
     pub(crate) fn limit(&self, state: &State, t: TetId, shape: &Shape) -> Limit {
         let corners = state.vertices(t).map(|v| state.at(v));
-        let corners = corners.each_ref();
-        let size = self.size_in(corners, state.marks.region(t), shape);
-        let edge = shape.edge2.sqrt();
-        let along = size.filter(|_| state.angles.has_small());
-        Limit { least: size.map_or(edge, |size| edge.min(size)), along }
+        let limit = self.limit_in(corners.each_ref(), state.marks.region(t), shape);
+        Limit { along: limit.along.filter(|_| state.angles.has_small()), ..limit }
     }
 
-    /// The shortest edge that splitting a tetrahedron with these corners in a region may lead to,
-    /// where no facets are at a small dihedral angle.
-    pub(crate) fn grain_in(&self, corners: [&Point; 4], region: u32, shape: &Shape) -> f64 {
-        let edge = shape.edge2.sqrt();
-        self.size_in(corners, region, shape).map_or(edge, |size| edge.min(size))
-    }
-
-    /// The edge of a cube of the volume wanted, of a tetrahedron that is too large.
-    fn size_in(&self, corners: [&Point; 4], region: u32, shape: &Shape) -> Option<f64> {
+    /// The same for a tetrahedron with these corners in a region, at a small angle.
+    pub(crate) fn limit_in(&self, corners: [&Point; 4], region: u32, shape: &Shape) -> Limit {
         let own = self.volumes.get(region as usize).copied().flatten();
         let bounds = [own, self.field_bound(corners)];
         let exceeded = bounds.into_iter().flatten().filter(|bound| bound.excess(shape) >= 1.0);
-        exceeded.map(|bound| cube_root(bound.volume())).reduce(f64::min)
+        let along = exceeded.map(|bound| cube_root(bound.volume())).reduce(f64::min);
+        let edge = shape.edge2.sqrt();
+        Limit { least: along.map_or(edge, |size| edge.min(size)), along }
     }
 
     /// The bound of the sizing field at the centroid: the volume of the regular tetrahedron with

@@ -16,7 +16,7 @@ use std::cmp::Reverse;
 impl State {
     /// Moves all dust to the outer sides.
     pub(crate) fn settle_all_dust(&mut self) {
-        if self.plc.facets.iter().any(|facet| facet.patch.is_some()) {
+        if self.plc.has_patches() {
             let has_two = |t: &TetId| (self.marks.of(*t) & FACES).count_ones() == 2;
             let all: Vec<TetId> = self.mesh.tet_ids().filter(has_two).collect();
             self.settle_dust(all);

@@ -84,6 +84,11 @@ struct Uses {
 }
 
 impl Plc {
+    /// Are there facets within a tolerance?
+    pub(crate) fn has_patches(&self) -> bool {
+        self.facets.iter().any(|facet| facet.patch.is_some())
+    }
+
     /// The Delaunay mesh of the corners, and the kernel vertex of each.
     pub(super) fn first_mesh(
         &self,

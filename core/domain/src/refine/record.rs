@@ -24,12 +24,7 @@ pub(crate) struct Refusal {
 impl Refusal {
     /// A refusal for good.
     pub(crate) fn final_for(reason: Reason) -> Self {
-        Self::under(None, reason)
-    }
-
-    /// A refusal of a proposal that allowed these edges.
-    pub(crate) fn under(limit: Option<Limit>, reason: Reason) -> Self {
-        Self { reason, limit }
+        Self { reason, limit: None }
     }
 
     /// May a proposal that allows edges down to `limit` try again?
@@ -100,12 +95,13 @@ mod tests {
     #[test]
     fn a_refusal_is_tried_again_for_shorter_edges_alone() {
         let sized = |least: f64, along: f64| Limit { least, along: Some(along) };
-        let first = Refusal::under(Some(Limit::all(8.0)), Reason::Rounding);
+        let under = |limit| Refusal { reason: Reason::Rounding, limit: Some(limit) };
+        let first = under(Limit::all(8.0));
         assert!(!first.allows(None) && !first.allows(Some(Limit::all(7.95))));
         for limit in [Limit::all(7.0), sized(9.0, 16.0)] {
             assert!(first.allows(Some(limit)));
             let again = first.again(limit);
-            let second = Refusal::under(Some(again), Reason::Rounding);
+            let second = under(again);
             for before in [Limit::all(8.0), limit, again] {
                 assert!(!second.allows(Some(before)), "{before:?} after {limit:?}");
             }

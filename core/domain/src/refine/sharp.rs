@@ -59,28 +59,22 @@ impl State {
     }
 
     /// May a point of `item` take `other` out of the mesh, although they are related for this
-    /// reason? A subsegment and what else is at its corner may be split together.
-    pub(crate) fn go_together(&self, item: Item, other: Item, reason: Reason) -> bool {
-        let Item::Segment(_) = item else { return false };
+    /// reason? A subsegment and what else is at its corner may be split together, and, of what is
+    /// too large, both sides of a small angle.
+    pub(crate) fn go_together(&self, item: Item, other: Item, reason: Reason, sized: bool) -> bool {
         let is_at = |corner| self.has_corner(item, corner) && self.has_corner(other, corner);
-        matches!(reason, Reason::SmallFaceAngle { corner } if is_at(corner))
-    }
-
-    /// The facets of a boundary item.
-    pub(crate) fn facets_of_item(&self, item: Item) -> Vec<u32> {
-        match item {
-            Item::Segment(s) => self
-                .segments
-                .get(&s)
-                .map_or_else(Vec::new, |&s| self.plc.segments[s as usize].facets.clone()),
-            Item::Subface(s) => self.subfaces.get(&s).copied().into_iter().collect(),
-            Item::Tet(..) => Vec::new(),
+        match reason {
+            Reason::SmallDihedral { .. } => sized,
+            Reason::SmallFaceAngle { corner } => {
+                sized || matches!(item, Item::Segment(_)) && is_at(corner)
+            }
+            _ => false,
         }
     }
 
-    /// Is a vertex across a small angle from a boundary item with these facets: on a facet at a
-    /// small dihedral angle with one of them, and not on that one, or on a segment that makes a
-    /// tip with the item?
+    /// Is a vertex across a small angle from a boundary item on these facets: on a facet at a small
+    /// dihedral angle with one of them, and not on that one, or on a segment that makes a tip with
+    /// the item?
     pub(crate) fn is_across(&self, v: VertexId, item: Item, facets: &[u32]) -> bool {
         let carrier = self.carriers[v.index()];
         if let Item::Segment(ends) = item

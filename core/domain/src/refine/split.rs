@@ -90,7 +90,7 @@ impl<'a> Refinement<'a> {
         match step {
             Step::Refused(reason) => {
                 let limit = self.record.limits.remove(&item);
-                self.record.refused.insert(item, Refusal::under(limit, reason));
+                self.record.refused.insert(item, Refusal { reason, limit });
                 // A refused item no longer waits; only a missing one keeps its place.
                 let missing = match item {
                     Item::Segment(s) => self.state.missing_segments.contains(&s),
@@ -186,13 +186,9 @@ impl<'a> Refinement<'a> {
             return Step::Refused(Reason::Floor);
         }
         let (centre, radius) = aim(points, &centre, square);
-        if let Some(place) = self.state.turned(corners, f) {
-            let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, true);
-            match self.propose(&place, work, admission, verdict) {
-                Proposal::Inserted => return Step::Inserted,
-                Proposal::SetBack(setback) => return Step::SetBack(setback),
-                _ => {}
-            }
+        let turned = self.state.turned(corners, f);
+        if let Some(step) = self.split_subface_at(corners, f, turned, work, admission) {
+            return step;
         }
         for tolerance in [radius * TOLERANCE, 1.0] {
             let Some((p, is_on)) = self.state.place_on(f, &centre, tolerance) else { continue };
@@ -202,13 +198,9 @@ impl<'a> Refinement<'a> {
                 Proposal::Inserted => return Step::Inserted,
                 Proposal::Deferred(first) => {
                     let arc = self.bounds.is_none().then(|| self.state.arc(corners, f, &first));
-                    if let Some(place) = arc.flatten() {
-                        let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, true);
-                        match self.propose(&place, work, admission, verdict) {
-                            Proposal::Inserted => return Step::Inserted,
-                            Proposal::SetBack(setback) => return Step::SetBack(setback),
-                            _ => {}
-                        }
+                    let arc = arc.flatten();
+                    if let Some(step) = self.split_subface_at(corners, f, arc, work, admission) {
+                        return step;
                     }
                     let limit = self.record.limits.get(&item).copied();
                     return self.defer(item, first, limit, work, admission);
@@ -220,6 +212,24 @@ impl<'a> Refinement<'a> {
         }
         let reason = self.state.angles.reason_of_facet(f);
         Step::Refused(reason.unwrap_or(Reason::Rounding))
+    }
+
+    /// Splits a subface at a place other than its circumcentre, if there is one and it serves.
+    fn split_subface_at<W: Work, A: Admission>(
+        &mut self,
+        corners: [VertexId; 3],
+        f: u32,
+        place: Option<Place>,
+        work: &mut W,
+        admission: &mut A,
+    ) -> Option<Step> {
+        let place = place?;
+        let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, true);
+        match self.propose(&place, work, admission, verdict) {
+            Proposal::Inserted => Some(Step::Inserted),
+            Proposal::SetBack(setback) => Some(Step::SetBack(setback)),
+            _ => None,
+        }
     }
 
     /// Rule 2 for a triangle that a patch lacks, while the boundary is recovered: inserts a point
@@ -361,6 +371,12 @@ impl State {
         };
         let on = patch.place(centre, tolerance).map(|p| (p, true));
         on.or_else(|| free_point(centre, 1.0).map(|p| (p, false)))
+    }
+
+    /// The place of a new point near `target` on facet `f`, if there is one.
+    pub(crate) fn place_at(&self, f: u32, target: &Point, tolerance: f64) -> Option<Place> {
+        let (p, is_on) = self.place_on(f, target, tolerance)?;
+        is_on.then(|| Place { p, carrier: Carrier::Facet(f), from: self.mesh.hint() })
     }
 
     /// The small angle that a tetrahedron is at, if any of its vertices is on something at one.

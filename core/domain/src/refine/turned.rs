@@ -37,8 +37,7 @@ impl State {
             found.filter(|p| distance2(p, &centre) < INSIDE * square)
         };
         let target = journal.points.iter().rev().find_map(turned)?;
-        let (p, is_on) = self.place_on(f, &target, 1.0)?;
-        is_on.then(|| Place { p, carrier: Carrier::Facet(f), from: self.mesh.hint() })
+        self.place_at(f, &target, 1.0)
     }
 
     /// A point of facet `g`, turned about the segment at which it meets facet `f` at a small angle

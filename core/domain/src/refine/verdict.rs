@@ -3,6 +3,7 @@
 use super::carrier::Carrier;
 use super::facet::{Change, Seed};
 use super::item::Item;
+use super::limit::Limit;
 use super::marks::face_bit;
 use super::outcome::Reason;
 use super::record::Record;
@@ -83,7 +84,7 @@ impl<'s> Judge<'s> {
         let (state, item) = (self.state, Item::Segment(ends));
         let has = |corner: u32| state.has_corner(item, corner);
         let reason = state.angles.reason_on_segment(s, &has);
-        if let Some(reason) = reason.filter(|_| self.is_too_near(item, &place.p)) {
+        if let Some(reason) = reason.filter(|_| self.is_too_near(item, place)) {
             return Verdict::Refuse(reason);
         }
         let reason = state.angles.reason_of_segment(s);
@@ -113,7 +114,7 @@ impl<'s> Judge<'s> {
         let (state, item) = (self.state, Item::Subface(corners));
         let has = |corner: u32| state.has_corner(item, corner);
         let reason = state.angles.reason_on_facet(f, &has);
-        if let Some(reason) = reason.filter(|_| self.is_too_near(item, &place.p)) {
+        if let Some(reason) = reason.filter(|_| self.is_too_near(item, place)) {
             return Verdict::Refuse(reason);
         }
         if !self.touched.hit_segments.is_empty() {
@@ -178,10 +179,10 @@ impl<'s> Judge<'s> {
 
     /// Would the point make an edge shorter than what `item` is limited to? The vertex nearest to a
     /// new point is always on the rim of its cavity, as are all of the cavity.
-    fn is_too_near(&self, item: Item, p: &Point) -> bool {
-        let own = self.record.limits.get(&item).copied();
-        let Some(limit) = own.or(self.state.joint_limit()) else { return false };
-        let is_slack = own.is_some() && self.state.by_place;
+    fn is_too_near(&self, item: Item, place: &Place) -> bool {
+        let p = &place.p;
+        let Some(limit) = self.limit_of(item) else { return false };
+        let is_slack = self.state.by_place && self.record.limits.contains_key(&item);
         let slack = if is_slack { SLACK } else { 1.0 };
         let is_near = |v: VertexId, least: f64| {
             v != INFINITE && distance2(&self.state.at(v), p) < least * least
@@ -196,8 +197,13 @@ impl<'s> Judge<'s> {
             return false;
         }
         let Some(along) = limit.along else { return true };
-        let facets = self.state.facets_of_item(item);
+        let facets = self.state.facets_of(place.carrier);
         self.any_around(|v| is_near(v, slack * along) && !self.state.is_across(v, item, &facets))
+    }
+
+    /// The edges that splitting an item may make: its own limit, or that of the joint step.
+    fn limit_of(&self, item: Item) -> Option<Limit> {
+        self.record.limits.get(&item).copied().or(self.state.joint_limit())
     }
 
     /// Is there such a vertex on the rim of the point's cavity?
@@ -220,18 +226,14 @@ impl<'s> Judge<'s> {
         if lost.is_empty() || self.recovers {
             return Verdict::Fill(filling);
         }
-        let own = self.record.limits.get(&item).copied();
-        let limit = own.or(self.state.joint_limit());
+        let limit = self.limit_of(item);
+        let sized = limit.is_some_and(|limit| limit.along.is_some());
         let related = |&other: &Item| {
             let reason = self.state.relation(place.carrier, other)?;
             let spent = self.record.joint_transactions;
             let may = spent <= JOINT * self.state.mesh.num_vertices();
-            // Of what is too large both sides of a small angle are split.
-            let is_sized = limit.is_some_and(|limit| limit.along.is_some());
-            let is_angle =
-                matches!(reason, Reason::SmallDihedral { .. } | Reason::SmallFaceAngle { .. });
-            let together = || is_sized && is_angle || self.state.go_together(item, other, reason);
-            (!(may && together())).then_some(reason)
+            let together = may && self.state.go_together(item, other, reason, sized);
+            (!together).then_some(reason)
         };
         if let Some(reason) = lost.iter().find_map(related) {
             return Verdict::Refuse(reason);
@@ -239,7 +241,7 @@ impl<'s> Judge<'s> {
         if self.state.journal.is_some() {
             return Verdict::Fill(filling);
         }
-        match lost.iter().find_map(|other| self.record.bars(other, own)) {
+        match lost.iter().find_map(|other| self.record.bars(other, limit)) {
             Some(reason) => Verdict::Refuse(reason),
             None => Verdict::Defer(filling.lost),
         }

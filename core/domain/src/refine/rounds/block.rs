@@ -182,7 +182,7 @@ mod tests {
         rounds.blocks.push(Block { corners, sides: [t, other] });
         let limit = rounds.limit(t, &own.shape).expect("bounds");
         for (factor, is_barred) in [(0.5, true), (1.0, true), (2.0, false)] {
-            let refusal = Refusal::under(Some(limit.times(factor)), Reason::Floor);
+            let refusal = Refusal { reason: Reason::Floor, limit: Some(limit.times(factor)) };
             rounds.own.record.refused.insert(Item::Subface(corners), refusal);
             assert_eq!(rounds.blocked(&p, &own).is_some(), is_barred, "{factor}");
         }

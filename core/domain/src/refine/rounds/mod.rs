@@ -398,7 +398,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             let limit = record.limits.remove(&item);
             // The floor is no lower for a proposal that allows shorter edges.
             let limit = limit.filter(|_| reason != Reason::Floor);
-            record.refused.insert(item, Refusal::under(limit, reason));
+            record.refused.insert(item, Refusal { reason, limit });
             self.pending.remove(&item);
             if let Item::Tet(t, _) = item {
                 // No look so far has found it so.
@@ -418,7 +418,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             let limit = self.own.record.limits.get(&item).copied();
             match self.own.split_jointly(item, &mut work, &mut AdmitAll) {
                 Step::Refused(reason) => {
-                    self.own.record.refused.insert(item, Refusal::under(limit, reason));
+                    self.own.record.refused.insert(item, Refusal { reason, limit });
                 }
                 Step::SetBack(_) => return Err(RefineError::Invariant { what: "room for points" }),
                 Step::Inserted => self.note_created(),

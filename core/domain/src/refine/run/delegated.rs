@@ -92,8 +92,8 @@ impl<'a> Refiner<'a> {
         let (mut run, regions) = self.recovered(domain, lattice)?;
         let clock = Instant::now();
         run.refinement.seed(run.most, &mut run.work, &mut AdmitAll);
-        let patches = run.refinement.state.plc.facets.iter().any(|facet| facet.patch.is_some());
-        let usual = if patches { START_WITH_PATCHES } else { START };
+        let patched = run.refinement.state.plc.has_patches();
+        let usual = if patched { START_WITH_PATCHES } else { START };
         run.refine(self.start.unwrap_or(usual))?;
         let start_seconds = clock.elapsed().as_secs_f64();
         Ok(Delegated { run, regions, lattice: *lattice, clock, start_seconds })
