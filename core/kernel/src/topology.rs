@@ -48,6 +48,8 @@ pub const INFINITE: VertexId = VertexId::new(0);
 const FREE: [VertexId; 4] = [INFINITE; 4];
 /// The vertices of a far face: vacant like a free slot, and another one.
 const FAR_FACE: [VertexId; 4] = [INFINITE, VertexId::new(1), INFINITE, INFINITE];
+/// Tetrahedra that one thread looks at at a time, at least.
+const SHARE: usize = 4096;
 /// Bit of the last vertex that marks a tetrahedron of the cavity in work.
 const MARK: u32 = 1 << 31;
 /// Largest number of slots: a face handle is a `u32`.
@@ -221,6 +223,13 @@ impl Topology {
     /// The finite tetrahedra, ascending. (The last vertex of a vacant slot is at infinity, too.)
     pub fn finite(&self) -> impl Iterator<Item = (TetId, &Tet)> + '_ {
         (0..).map(TetId::new).zip(self.tets.all()).filter(|(_, t)| !t.is_ghost())
+    }
+
+    /// All slots that are not free, ascending, on all threads.
+    #[doc(hidden)]
+    pub fn par_iter(&self) -> impl ParallelIterator<Item = (TetId, &Tet)> + '_ {
+        let all = self.tets.all().par_iter().with_min_len(SHARE).enumerate();
+        all.map(|(k, t)| (TetId::at(k), t)).filter(|(_, t)| !t.is_free())
     }
 
     #[inline(always)]

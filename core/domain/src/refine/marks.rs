@@ -105,6 +105,11 @@ impl Marks {
         self.words.set(t, self.of(t) & (FACES | EDGES) | region << REGION_SHIFT);
     }
 
+    /// Writes the marks and the region of a slot, which is the caller's.
+    pub(crate) fn enter(&self, t: TetId, region: u32, bits: Word) {
+        self.words.set(t, bits | region << REGION_SHIFT);
+    }
+
     /// Gives a slot the word that it had before.
     pub(crate) fn restore(&mut self, t: TetId, word: Word) {
         self.words.set(t, word);

@@ -39,12 +39,13 @@ impl State {
     pub(crate) fn number_vertices(&mut self, first: Vertex) {
         let is_new = |v: &VertexId| !matches!(self.carriers[v.index()], Carrier::Corner(_));
         let mut new: Vec<(OrderKey, VertexId)> = (1..=self.mesh.num_vertices())
+            .into_par_iter()
             .map(VertexId::at)
             .filter(is_new)
             .map(|v| (order_key(&self.at(v)), v))
             .collect();
         // Points of one cell of the curve stay in the order in which they come.
-        new.sort_unstable();
+        new.par_sort_unstable();
         let points: Vec<Point> = new.iter().map(|&(_, v)| self.at(v)).collect();
         let numbers = self.mesh.numbers_mut();
         for (number, k) in (first..).zip(hilbert(&points)) {
@@ -56,16 +57,18 @@ impl State {
     pub(crate) fn tets_in_order(&self, end: Vertex) -> Vec<TetId> {
         let (numbers, topology) = (self.mesh.numbers(), self.mesh.topology());
         let corners = |t: TetId| topology.at(t).vertices().map(|v| numbers[v.index()]);
-        let smallest = |t: TetId| corners(t).into_iter().fold(end, Vertex::min) as usize;
+        let smallest = |t: TetId| corners(t).into_iter().fold(end, Vertex::min);
+        let finite = topology.par_iter().filter(|(_, tet)| !tet.is_ghost());
+        let all: Vec<(TetId, Vertex)> = finite.map(|(t, _)| (t, smallest(t))).collect();
         // Tetrahedra of one smallest vertex are together, and few.
         let mut starts = vec![0u32; end as usize + 2];
-        self.mesh.tet_ids().for_each(|t| starts[smallest(t) + 1] += 1);
+        all.iter().for_each(|&(_, least)| starts[least as usize + 1] += 1);
         for v in 1..starts.len() {
             starts[v] += starts[v - 1];
         }
-        let mut order = vec![TetId::default(); self.mesh.num_tets()];
-        for t in self.mesh.tet_ids() {
-            let place = &mut starts[smallest(t)];
+        let mut order = vec![TetId::default(); all.len()];
+        for (t, least) in all {
+            let place = &mut starts[least as usize];
             order[*place as usize] = t;
             *place += 1;
         }

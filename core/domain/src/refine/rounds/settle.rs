@@ -10,7 +10,7 @@ use crate::refine::outcome::Reason;
 use crate::refine::record::Refusal;
 use crate::refine::table::{Set, edge};
 use crate::refine::thin::{Thin, ThinTets};
-use ltbw_core::topology::TetId;
+use ltbw_core::topology::{Tet, TetId};
 use rayon::prelude::*;
 
 /// Tetrahedra that one thread looks at at a time.
@@ -218,16 +218,19 @@ impl Rounds<'_, '_> {
     pub(super) fn check_complete(&self) -> Result<(), RefineError> {
         self.check_names(|_| true);
         let state = &self.own.state;
-        let (mut faces, mut edges) = (0, Set::default());
-        for (t, tet) in state.mesh.topology().iter() {
+        let count = |(mut faces, mut edges): (usize, Vec<_>), (t, tet): (TetId, &Tet)| {
             let (word, v) = (state.marks.of(t), tet.vertices());
             faces += (word & FACES).count_ones() as usize;
-            for (k, [i, j]) in ENDS.into_iter().enumerate() {
-                if word >> (4 + k) & 1 == 1 {
-                    edges.insert(edge(v[i], v[j]));
-                }
-            }
-        }
+            let marked = ENDS.into_iter().enumerate().filter(|(k, _)| word >> (4 + k) & 1 == 1);
+            edges.extend(marked.map(|(_, [i, j])| edge(v[i], v[j])));
+            (faces, edges)
+        };
+        let all: Vec<_> = match self.threads > 1 {
+            true => state.mesh.topology().par_iter().fold(Default::default, count).collect(),
+            false => vec![state.mesh.topology().iter().fold(Default::default(), count)],
+        };
+        let faces: usize = all.iter().map(|own| own.0).sum();
+        let edges: Set<_> = all.into_iter().flat_map(|own| own.1).collect();
         let whole = faces == 2 * state.subfaces.len() && edges.len() == state.segments.len();
         match whole {
             true => Ok(()),

@@ -8,7 +8,7 @@ use crate::refine::complex::{Complex, ComplexError, Start};
 use crate::refine::fill::Points;
 use crate::refine::item::Item;
 use crate::refine::limit::Limit;
-use crate::refine::marks::{ENDS, Marks, edge_bit, face_bit};
+use crate::refine::marks::{ENDS, Marks, Word, edge_bit, face_bit};
 use crate::refine::outcome::RefineStats;
 use crate::refine::region::RegionInfo;
 use crate::refine::rounds::{InsertOrder, Resumed, Rounds, Waiting};
@@ -19,7 +19,8 @@ use crate::{Domain, Lattice};
 use ltbw_core::build::Phase;
 use ltbw_core::cavity::AdmitAll;
 use ltbw_core::mesh::{Mesh, Vertex};
-use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_core::topology::{INFINITE, Tet, TetId, VertexId};
+use rayon::prelude::*;
 use std::time::Instant;
 
 /// A refinement whose rounds others carry out.
@@ -256,45 +257,70 @@ impl State {
     ) -> Map<ItemPlace, (Item, TetId)> {
         self.marks = Marks::new(self.mesh.topology().slots());
         (self.segments, self.subfaces) = Default::default();
-        let mut found = Map::default();
-        let all: Vec<TetId> = self.mesh.topology().iter().map(|(t, _)| t).collect();
-        for t in all {
-            let v = self.vertices(t);
+        let this = &*self;
+        let enter = |mut found: Vec<_>, (t, tet): (TetId, &Tet)| {
+            let v = tet.vertices();
             let region = if v[3] == INFINITE { 0 } else { regions[t.index()] };
-            self.marks.set_region(t, region);
-            let carrier = |v: VertexId| self.carriers[v.index()];
-            let is_on = v.map(|v| v != INFINITE && carrier(v) != Carrier::Free);
-            if is_on.iter().filter(|on| **on).count() < 2 {
-                continue;
+            let bits = this.named(complex, v, |item, of| found.push((item, of, t)));
+            this.marks.enter(t, region, bits);
+            found
+        };
+        let all = this.mesh.topology().par_iter().fold(Vec::new, enter);
+        let mut found = Map::default();
+        for (item, of, t) in all.collect::<Vec<_>>().into_iter().flatten() {
+            if is_asked {
+                found.insert(self.corners_place(item), (item, t));
             }
-            for [i, j] in ENDS {
-                let ends = [v[i], v[j]];
-                if is_on[i]
-                    && is_on[j]
-                    && let Some(s) = complex.segment(ends.map(carrier))
-                {
-                    if is_asked {
-                        let place = ItemPlace::of(&ends.map(|v| self.at(v)));
-                        found.insert(place, (Item::Segment(edge(v[i], v[j])), t));
-                    }
-                    self.segments.insert(edge(v[i], v[j]), s);
-                    self.marks.set(t, edge_bit(i, j));
-                }
-            }
-            for (slot, face) in FACE.into_iter().enumerate() {
-                let [a, b, c] = face.map(|k| v[k]);
-                if face.iter().all(|&k| is_on[k])
-                    && let Some(f) = complex.facet([a, b, c].map(|v| (carrier(v), self.at(v))))
-                {
-                    if is_asked {
-                        let place = ItemPlace::of(&[a, b, c].map(|v| self.at(v)));
-                        found.insert(place, (Item::Subface(triangle(a, b, c)), t));
-                    }
-                    self.subfaces.insert(triangle(a, b, c), f);
-                    self.marks.set(t, face_bit(slot));
-                }
+            match item {
+                Item::Segment(ends) => _ = self.segments.insert(ends, of),
+                Item::Subface(corners) => _ = self.subfaces.insert(corners, of),
+                Item::Tet(..) => {}
             }
         }
         found
+    }
+
+    /// Tells the boundary items of a tetrahedron, each with its segment or facet. Returns its
+    /// marks.
+    fn named(
+        &self,
+        complex: &Complex<'_>,
+        v: [VertexId; 4],
+        mut tell: impl FnMut(Item, u32),
+    ) -> Word {
+        let carrier = |v: VertexId| self.carriers[v.index()];
+        let is_on = v.map(|v| v != INFINITE && carrier(v) != Carrier::Free);
+        let mut bits = 0;
+        if is_on.iter().filter(|on| **on).count() < 2 {
+            return bits;
+        }
+        for [i, j] in ENDS {
+            if is_on[i]
+                && is_on[j]
+                && let Some(s) = complex.segment([v[i], v[j]].map(carrier))
+            {
+                tell(Item::Segment(edge(v[i], v[j])), s);
+                bits |= edge_bit(i, j);
+            }
+        }
+        for (slot, face) in FACE.into_iter().enumerate() {
+            let [a, b, c] = face.map(|k| v[k]);
+            if face.iter().all(|&k| is_on[k])
+                && let Some(f) = complex.facet([a, b, c].map(|v| (carrier(v), self.at(v))))
+            {
+                tell(Item::Subface(triangle(a, b, c)), f);
+                bits |= face_bit(slot);
+            }
+        }
+        bits
+    }
+
+    /// The place of a boundary item.
+    fn corners_place(&self, item: Item) -> ItemPlace {
+        match item {
+            Item::Segment(ends) => ItemPlace::of(&ends.map(|v| self.at(v))),
+            Item::Subface(corners) => ItemPlace::of(&corners.map(|v| self.at(v))),
+            Item::Tet(_, v) => ItemPlace::of(&v.map(|v| self.at(v))[..3]),
+        }
     }
 }
