@@ -55,7 +55,7 @@ impl LocalMesh {
     pub(super) fn fill_cavity(
         &mut self,
         point: &WireVertex,
-        parts: &[(WorkerId, Vec<Piece>)],
+        parts: &[(WorkerId, Vec<impl AsRef<Piece>>)],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, Patch)> {
@@ -80,8 +80,8 @@ impl LocalMesh {
         }
         for (worker, pieces) in parts.iter().filter(|(_, pieces)| !pieces.is_empty()) {
             let patch = patch_of(&mut patches, *worker);
-            patch.remove.reserve_exact(pieces.iter().map(|piece| piece.tets.len()).sum());
-            patch.remove.extend(pieces.iter().flat_map(|piece| &piece.tets));
+            patch.remove.reserve_exact(pieces.iter().map(|piece| piece.as_ref().tets.len()).sum());
+            patch.remove.extend(pieces.iter().flat_map(|piece| &piece.as_ref().tets));
         }
         for border in &*boundary {
             let n = [0, 1, 2, 3].map(|slot| lead(boundary, border, slot));
@@ -110,12 +110,13 @@ impl LocalMesh {
         &self,
         scratch: &mut Scratch,
         point: &WireVertex,
-        parts: &[(WorkerId, Vec<Piece>)],
+        parts: &[(WorkerId, Vec<impl AsRef<Piece>>)],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) {
         let Scratch { corners, corner_blocks, boundary, named, places, .. } = scratch;
-        let pieces = || parts.iter().flat_map(|(w, list)| list.iter().map(move |p| (*w, p)));
+        let pieces =
+            || parts.iter().flat_map(|(w, list)| list.iter().map(move |p| (*w, p.as_ref())));
         named.clear();
         named.extend(pieces().flat_map(|(_, piece)| &piece.names));
         named.sort_unstable();

@@ -40,6 +40,7 @@ pub use blocks::Blocks;
 pub use gather::{GatherError, Gathered, gather};
 pub use name::{Place, VertexName, given, made};
 pub use point_queue::PointQueue;
+use probe::Again;
 pub(crate) use probe::TETS_PER_VERTEX;
 pub use start::{Layout, Ownership, Prepared, SharedInput};
 pub use wire::{At, Lead, Link, Moving, NewTet, Patch, Piece, Relink, Side, To, WireVertex};
@@ -122,7 +123,7 @@ impl LocalMesh {
         Self {
             // A vacant slot names vertex 1, which must exist.
             tets: Tets::new(&params.vertices(own.len().max(1))),
-            vertices: Vertices::new(blocks.clone(), own),
+            vertices: Vertices::new(blocks.clone(), me, own),
             blocks,
             fixed: None,
             me,
@@ -326,7 +327,12 @@ impl Submesh for LocalMesh {
     }
 
     fn insert(&mut self, point: &WireVertex, seed: TetId, directory: &Directory) -> Insert<TetId> {
-        self.insert_seeing(point, seed, directory, |_, _| {})
+        self.insert_seeing(
+            point,
+            (seed, None::<Again<'_, fn(TetId) -> bool>>),
+            directory,
+            |_, _| {},
+        )
     }
 
     fn forget(&mut self, point: &WireVertex) {
@@ -411,8 +417,7 @@ impl Submesh for LocalMesh {
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, Patch)> {
-        self.located.remove(&point.name);
-        self.fill_cavity(point, parts, whereabouts, directory)
+        self.fill_with(point, parts, whereabouts, directory)
     }
 
     fn apply<C: Rules>(

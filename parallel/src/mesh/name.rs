@@ -26,6 +26,12 @@ pub fn given(name: VertexName) -> Option<Place> {
     u32::try_from(name).ok().filter(|&rank| rank != NO_PLACE)
 }
 
+/// The counter of a vertex that worker `by` has made.
+#[inline]
+pub(super) fn made_by(by: WorkerId, name: VertexName) -> Option<u32> {
+    u32::try_from(name.wrapping_sub(made(by, 0))).ok()
+}
+
 /// The lower half of a name, for messages.
 pub(super) fn count_of(name: VertexName) -> u32 {
     name as u32

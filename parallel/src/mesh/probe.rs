@@ -1,7 +1,7 @@
 //! The view of a submesh for one that keeps more of its vertices and tetrahedra.
 
-use super::{LocalMesh, VertexName, WireVertex, blocks, made};
-use crate::protocol::{BlockId, Directory, Insert, Walk};
+use super::{LocalMesh, Patch, Piece, VertexName, WireVertex, blocks, made};
+use crate::protocol::{BlockId, Directory, Insert, Name, Walk, WorkerId};
 use ltbw_core::cavity::Cavity;
 use ltbw_core::submesh::Owns;
 use ltbw_core::topology::{INFINITE, TetId, Topology, VertexId};
@@ -9,6 +9,9 @@ use ltbw_exact::Point;
 
 /// A refined mesh has this many tetrahedra for each vertex, at least.
 pub(crate) const TETS_PER_VERTEX: usize = 5;
+
+/// The cavity found earlier for a point, and whether something was written to a slot since then.
+pub(crate) type Again<'a, F> = (&'a [TetId], &'a F);
 
 impl LocalMesh {
     /// The number here of a vertex; `None` if it has none.
@@ -28,7 +31,7 @@ impl LocalMesh {
     pub(crate) fn insert_seeing(
         &mut self,
         point: &WireVertex,
-        seed: TetId,
+        (seed, again): (TetId, Option<Again<'_, impl Fn(TetId) -> bool>>),
         directory: &Directory,
         see: impl FnOnce(&Topology, &Cavity),
     ) -> Insert<TetId> {
@@ -52,7 +55,18 @@ impl LocalMesh {
                 if owner == *me { Owns::All } else { Owns::None }
             }
         };
-        let insert = tets.insert_seeing(number, &p, seed, owns, see);
+        let mut see = Some(see);
+        let mut show = |topology: &Topology, cavity: &Cavity| {
+            see.take().into_iter().for_each(|see| see(topology, cavity));
+        };
+        let insert = match again {
+            Some((found, changed))
+                if tets.insert_again(number, &p, (seed, found, changed), owns, &mut show) =>
+            {
+                Insert::Done
+            }
+            _ => tets.insert_seeing(number, &p, seed, owns, show),
+        };
         match insert {
             Insert::Done => {
                 if let Some(block) = elsewhere {
@@ -72,6 +86,18 @@ impl LocalMesh {
         // The number is not used: no star is its submesh's own.
         let number = VertexId::new(1);
         self.tets.insert(number, &point.point(), seed, Owns::None::<fn([VertexId; 4]) -> bool>)
+    }
+
+    /// The patches that fill a cavity, of which pieces are given with more.
+    pub(crate) fn fill_with(
+        &mut self,
+        point: &WireVertex,
+        parts: &[(WorkerId, Vec<impl AsRef<Piece>>)],
+        whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
+        directory: &Directory,
+    ) -> Vec<(WorkerId, Patch)> {
+        self.located.remove(&point.name);
+        self.fill_cavity(point, parts, whereabouts, directory)
     }
 
     /// Is a tetrahedron in conflict with a point?

@@ -6,8 +6,8 @@
 //! number differ by a constant, then all others in the order in which they come.
 
 use super::Blocks;
-use super::name::{NOWHERE, Place, VertexName};
-use crate::protocol::BlockId;
+use super::name::{NOWHERE, Place, VertexName, made_by};
+use crate::protocol::{BlockId, WorkerId};
 use ltbw_core::expect;
 use ltbw_core::topology::{INFINITE, VertexId};
 use rustc_hash::FxHashMap;
@@ -20,24 +20,32 @@ struct Other {
     block: BlockId,
 }
 
+/// Counters that an array of them may leave out at a time.
+const GAP: usize = 4096;
+
 /// Names and numbers.
 #[derive(Clone, Debug)]
 pub(super) struct Vertices {
     blocks: Blocks,
+    me: WorkerId,
     /// The place along the curve before that of number 1.
     before: Place,
     /// The number of vertices of the own stretch.
     run: u32,
     /// The vertices with the numbers after those.
     others: Vec<Other>,
+    /// By the counter of a vertex that this worker has made: its number; 0 if it has none here.
+    made: Vec<VertexId>,
+    /// The numbers of all others, and of those that came long before their turn.
     numbers: FxHashMap<VertexName, VertexId>,
 }
 
 impl Vertices {
-    /// The vertices of the stretch `own`.
-    pub(super) fn new(blocks: Blocks, own: Range<Place>) -> Self {
+    /// The vertices of the stretch `own`, which worker `me` has.
+    pub(super) fn new(blocks: Blocks, me: WorkerId, own: Range<Place>) -> Self {
         let (before, run) = (own.start.saturating_sub(1), own.len() as u32);
-        Self { blocks, before, run, others: Vec::new(), numbers: FxHashMap::default() }
+        let (others, made, numbers) = (Vec::new(), Vec::new(), FxHashMap::default());
+        Self { blocks, me, before, run, others, made, numbers }
     }
 
     /// Takes memory for this many vertices. A hint.
@@ -83,6 +91,10 @@ impl Vertices {
         if place.wrapping_sub(1) < VertexName::from(self.run) {
             return Some(VertexId::new(place as u32));
         }
+        if let Some(count) = made_by(self.me, name) {
+            let number = self.made.get(count as usize).copied().filter(|&v| v != INFINITE);
+            return number.or_else(|| self.numbers.get(&name).copied());
+        }
         if name == NOWHERE { Some(INFINITE) } else { self.numbers.get(&name).copied() }
     }
 
@@ -90,7 +102,15 @@ impl Vertices {
     pub(super) fn add(&mut self, name: VertexName, block: BlockId) -> VertexId {
         let number = self.next();
         self.others.push(Other { name, block });
-        self.numbers.insert(name, number);
+        // Others may name what this worker has never made: such a counter takes no memory.
+        let near = self.made.len() + GAP;
+        match made_by(self.me, name).map(|count| count as usize).filter(|&count| count < near) {
+            Some(count) => {
+                self.made.resize(self.made.len().max(count + 1), INFINITE);
+                self.made[count] = number;
+            }
+            None => _ = self.numbers.insert(name, number),
+        }
         number
     }
 
@@ -120,7 +140,6 @@ impl Vertices {
 mod tests {
     use super::super::name::{self, given};
     use super::*;
-    use crate::protocol::WorkerId;
 
     fn made(by: u32, count: u32) -> VertexName {
         name::made(WorkerId::new(by), count)
@@ -128,18 +147,20 @@ mod tests {
 
     #[test]
     fn names_and_numbers_are_inverse() {
-        let mut vertices = Vertices::new(Blocks::even(100, 4), 26..51);
+        let mut vertices = Vertices::new(Blocks::even(100, 4), WorkerId::new(3), 26..51);
         assert_eq!(
             (vertices.name(VertexId::new(1)), vertices.name(VertexId::new(25)), vertices.next()),
             (26, 50, VertexId::new(26))
         );
         assert_eq!((vertices.number(26), vertices.number(51)), (Some(VertexId::new(1)), None));
-        let names = [51, 25, made(0, 1), made(3, 1), made(3, 2), 100, 1];
+        let far = made(3, u32::MAX);
+        let names = [51, 25, made(0, 1), made(3, 5), far, made(3, 2), made(4, 2), 100, 1];
         for (number, name) in (26..).map(VertexId::new).zip(names) {
             assert_eq!((vertices.number(name), vertices.next()), (None, number));
             let block = vertices.blocks.of_name(name, &[0.5; 3]);
             assert_eq!(vertices.add(name, block), number);
         }
+        assert!(vertices.made.len() <= 6, "a counter of no vertex made here takes no memory");
         for v in VertexId::below(vertices.next().number()) {
             assert_eq!(vertices.number(vertices.name(v)), Some(v));
         }
@@ -153,7 +174,7 @@ mod tests {
 
     #[test]
     fn a_worker_without_a_stretch_numbers_what_comes() {
-        let mut vertices = Vertices::new(Blocks::even(3, 8), 3..3);
+        let mut vertices = Vertices::new(Blocks::even(3, 8), WorkerId::default(), 3..3);
         assert_eq!((vertices.next(), vertices.number(3)), (VertexId::new(1), None));
         assert_eq!(
             (vertices.add(3, BlockId::new(7)), vertices.name(VertexId::new(1))),

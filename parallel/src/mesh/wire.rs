@@ -75,6 +75,12 @@ pub struct Piece {
     pub sides: Vec<Side>,
 }
 
+impl AsRef<Self> for Piece {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
 /// The other side of a face of a new tetrahedron.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

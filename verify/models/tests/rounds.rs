@@ -94,6 +94,10 @@ fn rounds_with_a_broken_rule_are_caught() {
             assert_eq!(run::<Correct>(case, of), Ok(()), "{of:?}");
         }
     }
+    // One processor has nobody to wait for.
+    for case in &all {
+        assert_eq!(run::<variants::NoBarrier>(case, (1, 1_000)), Ok(()));
+    }
     caught::<variants::NamelessKeys>(&all);
     caught::<variants::NoBarrier>(&all);
     caught::<variants::KeyByName>(&all);

@@ -32,7 +32,8 @@ pub struct Closure {
     /// The vertices.
     pub corners: Vec<Corner>,
     /// The tetrahedra by their corners, positively oriented, and whether each is in conflict with
-    /// the point.
+    /// the point. One with fewer than two corners on the boundary (of a
+    /// boundary item: with none) may have none here.
     pub tets: Vec<([u32; 4], bool)>,
     /// Of the first of these, which are all that are in conflict: the places here of those beyond
     /// their faces, by the slot opposite. Then others need corners only beyond faces that may be

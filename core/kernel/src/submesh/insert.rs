@@ -4,9 +4,10 @@ use super::access::{Met, SubmeshConflict};
 use super::{Insert, Owns, Submesh, untag};
 use crate::cavity::{AdmitAll, Cavity, Setback};
 use crate::sphere::Sphere;
-use crate::topology::{TetId, Topology, VertexId};
+use crate::topology::{TetId, Topology, VertexId, tet_of};
 use crate::transaction::{OpenCavity, Opens};
 use ltbw_exact::Point;
+use std::collections::BTreeSet;
 
 impl<H: Copy + Eq, T: Copy, F: Copy> Opens for Submesh<H, T, F> {
     #[inline(always)]
@@ -65,6 +66,53 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         see(topology, cavity);
         open.end(|submesh| submesh.fill(v, p, met.tagged));
         Insert::Done
+    }
+
+    /// The same for a point of which `found` is what [`Submesh::cavity_of`] has found earlier (it
+    /// may be nothing); `changed` says of a slot whether a tetrahedron was written to it since
+    /// then. `false` if it is not inserted so, though it may be from its seed on: where much has
+    /// changed, at ghosts, and where something may be in the way. The submesh is as before then.
+    ///
+    /// # Panics
+    /// If `found` names what is no slot, or `v` is no finite vertex.
+    pub fn insert_again(
+        &mut self,
+        v: VertexId,
+        p: &Point,
+        (seed, found, changed): (TetId, &[TetId], &impl Fn(TetId) -> bool),
+        owns: Owns<impl Fn([VertexId; 4]) -> bool>,
+        see: impl FnOnce(&Topology, &Cavity),
+    ) -> bool {
+        found.iter().for_each(|&t| self.expect_slot(t));
+        assert!(self.is_vertex(v), "there is no finite vertex {v}");
+        let stats = self.geometry.stats;
+        let search = || self.cavity_of(seed, p).map(|cavity| cavity.tets().collect());
+        let now: Option<BTreeSet<TetId>> = cfg!(debug_assertions).then(search).flatten();
+        self.geometry.stats = stats;
+        self.blocked = None;
+        let Self { topology, geometry, cavity, locks, .. } = self;
+        let (inner, met) = (geometry.conflict_of(p), Met::default());
+        let mut conflict = SubmeshConflict { inner, locks, met, holder: None };
+        let again = cavity.reopen(topology, found, &mut conflict, changed, &mut AdmitAll);
+        let Met { tagged, blocked, locked } = conflict.met;
+        if !matches!(again, Ok(Some(_))) {
+            return false;
+        }
+        let open = OpenCavity::new(self);
+        let Self { topology, geometry, cavity, .. } = open.owner();
+        // Far faces, and what is locked or tagged, have no sphere. A slot that has become a far
+        // face since then is among these, too.
+        let is_blank = |t: TetId| geometry.sphere(t).is_blank();
+        let outer = cavity.boundary().map(|(_, outer)| tet_of(outer));
+        let is_blank = cavity.tets().chain(outer).any(is_blank);
+        let is_met = tagged || blocked || locked.is_some() || is_blank;
+        if is_met || !open.owner().owns_star(v, owns) {
+            return false;
+        }
+        debug_assert!(now.is_none_or(|now| now == cavity.tets().collect()));
+        see(topology, cavity);
+        open.end(|submesh| submesh.fill(v, p, false));
+        true
     }
 
     /// The cavity of `p`, from `seed` on, if nothing is in the way of its filling: no far face, no

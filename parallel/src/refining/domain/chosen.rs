@@ -1,10 +1,12 @@
-//! The insertion at once of points on which all is decided.
+//! The insertion at once of points on which all is decided, mostly into cavities that the choice
+//! has found.
 
+use super::carriers::Carriers;
 use super::values::DomainPoint;
-use crate::mesh::LocalMesh;
+use crate::mesh::{LocalMesh, VertexName};
 use crate::protocol::{Directory, Insert, Submesh};
 use ltbw_core::topology::{INFINITE, TetId, slot_of, tet_of};
-use ltbw_domain::refine::Carrier;
+use std::cell::RefCell;
 
 /// The way in which a point was inserted at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,46 +18,91 @@ pub(super) enum AtOnce {
     Patched,
 }
 
-/// Puts a value at a place of a list that may be too short.
-pub(super) fn put<T: Clone>(list: &mut Vec<T>, place: usize, value: T, rest: T) {
-    if list.len() <= place {
-        list.resize(place + 1, rest);
+/// The additions of a domain to a slot.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Slot {
+    /// The region of its tetrahedron, 0 of a ghost.
+    pub(super) region: u32,
+    /// The round in which that was made.
+    since: u32,
+}
+
+/// The slots of a submesh.
+#[derive(Debug, Default)]
+pub(super) struct Slots {
+    pub(super) all: Vec<Slot>,
+    round: u32,
+    /// The cavity that the choice has found for a point, by its name.
+    found: RefCell<(VertexName, Vec<TetId>)>,
+}
+
+impl Slots {
+    /// The region of a tetrahedron.
+    pub(super) fn region(&self, t: TetId) -> u32 {
+        self.all.get(t.index()).copied().unwrap_or_default().region
     }
-    list[place] = value;
+
+    /// Notes the region of a tetrahedron that is new.
+    pub(super) fn put(&mut self, t: TetId, region: u32) {
+        if self.all.len() <= t.index() {
+            self.all.resize(t.index() + 1, Slot::default());
+        }
+        self.all[t.index()] = Slot { region, since: self.round };
+    }
+
+    /// A round begins: cavities are found from now on.
+    pub(super) fn begin_round(&mut self) {
+        self.round += 1;
+        self.found.get_mut().1.clear();
+    }
+
+    /// Remembers the cavity found in this round for a point, which is inserted next.
+    pub(super) fn remember(&self, name: VertexName, cavity: &[TetId]) {
+        let (of, found) = &mut *self.found.borrow_mut();
+        *of = name;
+        found.clear();
+        found.extend_from_slice(cavity);
+    }
 }
 
 /// Inserts a point, if nothing is in its way: enters the carrier of its vertex, and the regions of
 /// the new tetrahedra. `star` is scratch.
 pub(super) fn insert_chosen(
     inner: &mut LocalMesh,
-    (carriers, regions, star): (&mut Vec<Carrier>, &mut Vec<u32>, &mut Vec<u32>),
+    (carriers, slots, star): (&mut Carriers, &mut Slots, &mut Vec<u32>),
     (point, seed): (&DomainPoint, TetId),
     directory: &Directory,
 ) -> Insert<TetId> {
     star.clear();
-    let own = |t: TetId| regions.get(t.index()).copied().unwrap_or_default();
+    let own = |t: TetId| slots.region(t);
+    let changed = |t: TetId| slots.all.get(t.index()).is_none_or(|own| own.since == slots.round);
+    let known = slots.found.borrow();
+    let is_known = known.0 == point.name() && !known.1.is_empty();
+    let again = is_known.then_some((&known.1[..], &changed));
     let mut whole = None;
-    let insert = inner.insert_seeing(&point.vertex, seed, directory, |topology, cavity| {
-        let first = own(seed);
-        if cavity.tets().all(|t| own(t) == first) {
-            whole = Some(first);
-            return;
-        }
-        // Each new tetrahedron is in the region of the one that was behind its outer face.
-        let inside = cavity
-            .boundary()
-            .map(|(_, outer)| tet_of(topology.at(tet_of(outer)).neighbours()[slot_of(outer)]));
-        star.extend(inside.map(own));
-    });
+    let insert =
+        inner.insert_seeing(&point.vertex, (seed, again), directory, |topology, cavity| {
+            let first = own(seed);
+            if cavity.tets().all(|t| own(t) == first) {
+                whole = Some(first);
+                return;
+            }
+            // Each new tetrahedron is in the region of the one that was behind its outer face.
+            let inside = cavity
+                .boundary()
+                .map(|(_, outer)| tet_of(topology.at(tet_of(outer)).neighbours()[slot_of(outer)]));
+            star.extend(inside.map(own));
+        });
+    drop(known);
     if insert == Insert::Done {
         for (k, &t) in inner.made_at_once().iter().enumerate() {
             // A ghost is in the exterior, as all ghosts of its cavity were.
             let region = whole.or_else(|| star.get(k).copied()).unwrap_or_default();
             let is_ghost = region != 0 && inner.tets().vertices(t)[3] == INFINITE;
-            put(regions, t.index(), if is_ghost { 0 } else { region }, 0);
+            slots.put(t, if is_ghost { 0 } else { region });
         }
         if let Some(v) = inner.number(point.vertex.name) {
-            put(carriers, v.index(), point.carrier, Carrier::Free);
+            carriers.set(v, point.carrier);
         }
     }
     insert

@@ -5,10 +5,11 @@
 //! is not to be inserted ends there, too: its patches change nothing, but for the boundary items
 //! that go first, which they bring to the owners of tetrahedra at these.
 
-use super::chosen::{AtOnce, insert_chosen, put};
+use super::carriers::Carriers;
+use super::chosen::{AtOnce, Slots, insert_chosen};
 use super::values::{DomainPatch, DomainPiece, DomainPoint, End, ItemKey, Marked, subface_key};
 use super::verdict::{self, Verdict, regions};
-use crate::mesh::{LocalMesh, Moving, Patch, Piece, TETS_PER_VERTEX, VertexName, WireVertex};
+use crate::mesh::{LocalMesh, Moving, Patch, VertexName, WireVertex};
 use crate::protocol::{
     BlockId, Correct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Rules, Submesh,
     SubmeshError, Ticket, Walk, WorkerId,
@@ -31,10 +32,8 @@ pub struct DomainMesh<'c> {
     /// Work done outside the inner submesh.
     extra: Costs,
     me: WorkerId,
-    /// By vertex number.
-    carriers: Vec<Carrier>,
-    /// By slot.
-    regions: Vec<u32>,
+    carriers: Carriers,
+    slots: Slots,
     /// The boundary items that go first, by the last patch, and the worker that waits for them.
     asked: Vec<Marked>,
     waiter: Option<WorkerId>,
@@ -57,12 +56,11 @@ impl<'c> DomainMesh<'c> {
         carrier: impl Fn(VertexName) -> Carrier,
         region: impl Fn([VertexName; 4]) -> u32,
     ) -> Self {
-        let mut carriers = vec![Carrier::Free];
         let numbers = 1..=inner.num_vertices();
-        carriers.extend(numbers.map(|v| carrier(inner.name(VertexId::at(v)))));
-        let mut regions = Vec::new();
+        let carriers = Carriers::of(numbers.map(|v| carrier(inner.name(VertexId::at(v)))));
+        let mut slots = Slots::default();
         for (t, v) in inner.tets().tets().filter(|(_, v)| v[3] != INFINITE) {
-            put(&mut regions, t.index(), region(v.map(|v| inner.name(v))), 0);
+            slots.put(t, region(v.map(|v| inner.name(v))));
         }
         let (asked, refused) = (Vec::new(), RefCell::default());
         let (end, at_once, star) = (None, AtOnce::No, Vec::new());
@@ -73,7 +71,7 @@ impl<'c> DomainMesh<'c> {
             extra,
             me,
             carriers,
-            regions,
+            slots,
             asked,
             waiter,
             end,
@@ -86,14 +84,14 @@ impl<'c> DomainMesh<'c> {
     /// Takes memory for about this many tetrahedra. A hint.
     pub(crate) fn expect_tets(&mut self, tets: usize) {
         self.inner.expect_tets(tets);
-        expect(&mut self.regions, tets);
-        expect(&mut self.carriers, tets / TETS_PER_VERTEX);
+        expect(&mut self.slots.all, tets);
+        self.carriers.expect_tets(tets);
     }
 
     /// Asks the processor to fetch a tetrahedron, and its region.
     pub(crate) fn prefetch(&self, t: TetId) {
         self.inner.tets().prefetch(t);
-        prefetch(self.regions.as_ptr().wrapping_add(t.index()));
+        prefetch(self.slots.all.as_ptr().wrapping_add(t.index()));
     }
 
     /// The worker whose submesh it is.
@@ -103,11 +101,26 @@ impl<'c> DomainMesh<'c> {
 
     /// The region of a tetrahedron.
     pub(crate) fn region(&self, t: TetId) -> u32 {
-        self.regions.get(t.index()).copied().unwrap_or_default()
+        self.slots.region(t)
+    }
+
+    /// A round begins: its choice finds cavities in the mesh as it is.
+    pub(crate) fn begin_round(&mut self) {
+        self.slots.begin_round();
+    }
+
+    /// Remembers the cavity that the choice has found for a point, which is inserted next.
+    pub(crate) fn remember(&self, name: VertexName, cavity: &[TetId]) {
+        self.slots.remember(name, cavity);
     }
 
     pub(crate) fn carrier(&self, v: VertexId) -> Carrier {
-        self.carriers.get(v.index()).copied().unwrap_or(Carrier::Free)
+        self.carriers.at(v)
+    }
+
+    /// Is a vertex on the boundary?
+    pub(crate) fn is_bound(&self, v: VertexId) -> bool {
+        self.carriers.is_bound(v)
     }
 
     pub(crate) fn point(&self, v: VertexId) -> Point {
@@ -165,11 +178,7 @@ impl<'c> DomainMesh<'c> {
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, DomainPatch)> {
-        let plain =
-            |pieces: &Vec<DomainPiece>| pieces.iter().map(|own| own.piece.clone()).collect();
-        let inner: Vec<(WorkerId, Vec<Piece>)> =
-            parts.iter().map(|(worker, pieces)| (*worker, plain(pieces))).collect();
-        let patches = self.inner.fill(&point.vertex, &inner, whereabouts, directory);
+        let patches = self.inner.fill_with(&point.vertex, parts, whereabouts, directory);
         let found = regions(parts);
         let pieces = || parts.iter().flat_map(|(_, pieces)| pieces);
         let named = |own: &DomainPiece| -> Vec<(VertexName, Carrier)> {
@@ -276,9 +285,9 @@ impl Submesh for DomainMesh<'_> {
     fn insert(&mut self, point: &DomainPoint, seed: TetId, directory: &Directory) -> Insert<TetId> {
         self.at_once = AtOnce::No;
         if point.is_chosen {
-            let Self { inner, carriers, regions, star, .. } = self;
+            let Self { inner, carriers, slots, star, .. } = self;
             self.at_once = AtOnce::Filled;
-            return insert_chosen(inner, (carriers, regions, star), (point, seed), directory);
+            return insert_chosen(inner, (carriers, slots, star), (point, seed), directory);
         }
         let waits = point.carrier != Carrier::Free;
         if waits && self.inner.holder(seed).is_some() {
@@ -405,13 +414,13 @@ impl Submesh for DomainMesh<'_> {
         }
         for (vertex, carrier) in vertices.iter().zip(carriers) {
             if let Some(v) = self.inner.number(vertex.name).filter(|&v| v != INFINITE) {
-                put(&mut self.carriers, v.index(), carrier, Carrier::Free);
+                self.carriers.set(v, carrier);
             }
         }
         for (k, &t) in self.inner.installed().iter().enumerate() {
             let ghost = self.inner.tets().vertices(t)[3] == INFINITE;
             let region = regions.get(k).or(regions.first()).copied().unwrap_or_default();
-            put(&mut self.regions, t.index(), if ghost { 0 } else { region }, 0);
+            self.slots.put(t, if ghost { 0 } else { region });
         }
     }
 

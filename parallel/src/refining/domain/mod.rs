@@ -20,6 +20,7 @@
 //! bounds, but it is not the same one twice.
 
 mod bytes;
+mod carriers;
 mod chosen;
 mod describe;
 mod list;

@@ -75,6 +75,12 @@ pub struct DomainPiece {
     pub(super) marked: Vec<Marked>,
 }
 
+impl AsRef<Piece> for DomainPiece {
+    fn as_ref(&self) -> &Piece {
+        &self.piece
+    }
+}
+
 /// The end of an operation whose closure was locked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum End {

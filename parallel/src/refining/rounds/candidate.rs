@@ -9,12 +9,12 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use std::ops::Range;
 
 /// The purpose of a probe.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum What {
     /// A tetrahedron of this worker.
     Tet(TetId, [VertexId; 4]),
     /// A boundary item that this worker keeps.
-    Item(BoundaryItem),
+    Item(Box<BoundaryItem>),
 }
 
 impl What {
@@ -27,7 +27,7 @@ impl What {
             }
             Self::Item(_) => None,
         };
-        Outcome::Asks(item, limit)
+        Outcome::Asks(Box::new(item), limit)
     }
 }
 
@@ -41,7 +41,7 @@ pub(super) enum Outcome {
     /// The point may be inserted, unless others are in its way; items that go then.
     Fits(Vec<BoundaryItem>),
     /// An item comes first; the shortest edge that this may lead to.
-    Asks(BoundaryItem, Option<f64>),
+    Asks(Box<BoundaryItem>, Option<f64>),
 }
 
 /// The news of others about a probe's closure.
@@ -55,6 +55,9 @@ pub(super) struct Told {
     /// Per owner, the places in the closure of what it has told of, in that order.
     pub(super) places: FxHashMap<WorkerId, Vec<u32>>,
 }
+
+/// The memory of closures of rounds before.
+pub(super) type Spare = Vec<Box<Closure>>;
 
 /// A probe of this worker.
 #[derive(Debug)]
@@ -72,7 +75,7 @@ pub(super) struct Probe {
     /// The news of others about its closure.
     pub(super) told: Option<Box<Told>>,
     /// Its closure, as far as it is known. This worker's own part is added where it matters.
-    pub(super) closure: Closure,
+    closure: Option<Box<Closure>>,
     pub(super) outcome: Outcome,
     /// Does a rival matter that has not its tetrahedron?
     pub(super) has_boundary: bool,
@@ -95,7 +98,7 @@ impl Probe {
             open: 0,
             was_searched: false,
             told: None,
-            closure: Closure::default(),
+            closure: None,
             outcome: Outcome::Open,
             has_boundary: false,
             start: None,
@@ -104,9 +107,29 @@ impl Probe {
         }
     }
 
-    /// Adds what an owner has found.
-    pub(super) fn add(&mut self, owner: WorkerId, found: &WireClosure) {
+    /// Its closure, as far as it is known.
+    pub(super) fn closure(&self) -> &Closure {
+        static NOTHING: Closure =
+            Closure { corners: Vec::new(), tets: Vec::new(), beyond: Vec::new() };
+        self.closure.as_deref().unwrap_or(&NOTHING)
+    }
+
+    /// The closure to write to; its memory is one of `spare` if it has none.
+    pub(super) fn closure_in(&mut self, spare: &mut Spare) -> &mut Closure {
+        self.closure.get_or_insert_with(|| spare.pop().unwrap_or_default())
+    }
+
+    /// The memory of its closure, forgotten.
+    pub(super) fn into_spare(self) -> Option<Box<Closure>> {
+        let mut closure = self.closure?;
+        closure.clear();
+        Some(closure)
+    }
+
+    /// Adds what an owner has found, in memory of `spare` if it has no closure.
+    pub(super) fn add(&mut self, owner: WorkerId, found: &WireClosure, spare: &mut Spare) {
         let Self { closure, told, .. } = self;
+        let closure = closure.get_or_insert_with(|| spare.pop().unwrap_or_default());
         let Told { index, places, .. } = &mut **told.get_or_insert_default();
         let numbers: Vec<u32> = found
             .corners

@@ -2,7 +2,7 @@
 //! owners of their closures tell of.
 
 use super::candidate::{ChosenPoint, Outcome, What};
-use super::source::{Rounds, Stage};
+use super::source::{Pending, Rounds, Stage};
 use crate::mesh::{WireVertex, made};
 use crate::protocol::{Rules, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
@@ -39,7 +39,7 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn take_rivals(&mut self, from: WorkerId, k: u32, rivals: &[u8]) {
         let probe = &mut self.probes[k as usize];
         probe.due -= 1;
-        probe.rivals.resize(probe.closure.tets.len(), Rival::default());
+        probe.rivals.resize(probe.closure().tets.len(), Rival::default());
         let places = probe.told.as_ref().and_then(|told| told.places.get(&from));
         let places = places.into_iter().flatten();
         for (&place, byte) in places.zip(rivals) {
@@ -70,7 +70,7 @@ impl<C: Rules> Rounds<C> {
         }
         let removed = match std::mem::replace(&mut probe.outcome, Outcome::Dropped) {
             Outcome::Open | Outcome::Dropped => return,
-            Outcome::Asks(item, limit) => return self.ask_for(mesh, k, item, limit),
+            Outcome::Asks(item, limit) => return self.ask_for(mesh, k, *item, limit),
             Outcome::Fits(removed) => removed,
         };
         if probe.has_boundary {
@@ -78,7 +78,7 @@ impl<C: Rules> Rounds<C> {
             match &probe.told {
                 None => probe.rivals = own,
                 Some(told) => {
-                    probe.rivals.resize(probe.closure.tets.len(), Rival::default());
+                    probe.rivals.resize(probe.closure().tets.len(), Rival::default());
                     let places = told.places.get(&me).into_iter().flatten();
                     for (&place, rival) in places.zip(own) {
                         probe.rivals[place as usize] = rival;
@@ -87,7 +87,7 @@ impl<C: Rules> Rounds<C> {
             }
             // Without a rival nobody yields.
             if probe.rivals.iter().any(|rival| rival.is_there) {
-                let survey = Survey::of(&mesh.complex, &probe.closure);
+                let survey = Survey::of(&mesh.complex, probe.closure());
                 let yields = match &probe.what {
                     What::Tet(..) => survey.yields_in_tet(&probe.rivals),
                     What::Item(item) => survey.yields_at_item(item, probe.carrier, &probe.rivals),
@@ -118,7 +118,7 @@ impl<C: Rules> Rounds<C> {
     /// A probe's tetrahedron, or item, asks for an item that is to be split before it.
     fn ask_for(&mut self, mesh: &DomainMesh<'_>, k: u32, item: BoundaryItem, limit: Option<f64>) {
         let place = item.place();
-        let (limit, waiter) = match self.probes[k as usize].what {
+        let (limit, waiter) = match &self.probes[k as usize].what {
             What::Tet(..) => (limit, None),
             What::Item(own) => {
                 let own_place = own.place();
@@ -130,10 +130,18 @@ impl<C: Rules> Rounds<C> {
                 (limit, Some(own_place))
             }
         };
+        let keeper = self.keeper(mesh, &item);
+        if keeper == self.me {
+            let near = match self.probes[k as usize].what {
+                What::Tet(t, _) => Some(t),
+                What::Item(_) => self.served.cavity(self.id(k)).next(),
+            };
+            let waiter = waiter.map(|place| (self.me, place));
+            return self.asked.push((Pending { item, first: None, limit, near }, waiter));
+        }
         let limit = limit.map(f64::to_bits);
-        let news = DomainNews::Ask { item: WireItem::new(&item), limit, waiter };
         self.counts.asks += 1;
-        self.send(self.keeper(mesh, &item), news);
+        self.send(keeper, DomainNews::Ask { item: WireItem::new(&item), limit, waiter });
     }
 
     fn tell_gone(&mut self, mesh: &DomainMesh<'_>, item: &BoundaryItem) {

@@ -24,12 +24,14 @@
 //! | `probe` | the home's side of the choice: probes and what comes of them |
 //! | `decide` | who is chosen |
 //! | `serve` | the owner's side |
+//! | `reserved` | who has reserved what |
 //! | `way` | straight ways to proposed points |
 
 mod candidate;
 mod decide;
 mod keys;
 mod probe;
+mod reserved;
 mod serve;
 mod source;
 mod stages;
@@ -267,7 +269,7 @@ fn left_by<C: Rules>(
         made.extend(named.filter(|&(name, _)| given(name).is_none()));
         let me = mesh.me();
         let (pending, counted, end, own) = source.into_parts();
-        let left = |Pending { item, first, limit }| Asked { item, first, limit };
+        let left = |Pending { item, first, limit, .. }| Asked { item, first, limit };
         asked.extend(pending.into_iter().map(left));
         searched += own.searches - searches;
         if me == WorkerId::default() {

@@ -9,7 +9,7 @@ use crate::refining::domain::DomainMesh;
 use crate::refining::news::{
     Bits, DomainNews, PartEnd, ProbeId, Proposal, WireClosure, bits, point,
 };
-use ltbw_core::topology::TetId;
+use ltbw_core::topology::{TetId, tet_of};
 use ltbw_domain::refine::{Aim, BoundaryItem, Carrier, NOWHERE, Rank, Ruling, Survey, way_start};
 
 impl<C: Rules> Rounds<C> {
@@ -31,11 +31,10 @@ impl<C: Rules> Rounds<C> {
 
     /// Launches a probe.
     pub(super) fn launch(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
-        let probe = &self.probes[k as usize];
-        let (what, attempt) = (probe.what, probe.attempt);
+        let &Probe { ref what, attempt, .. } = &self.probes[k as usize];
         let aim = match what {
             What::Tet(_, v) => mesh.complex.aim_at_tet(v.map(|v| mesh.point(v)), attempt),
-            What::Item(item) => mesh.complex.aim_at_item(&item, attempt),
+            What::Item(item) => mesh.complex.aim_at_item(item, attempt),
         };
         match aim {
             Aim::At { point, carrier, may } => {
@@ -43,17 +42,21 @@ impl<C: Rules> Rounds<C> {
                 (probe.to, probe.carrier, probe.may) = (bits(&point), carrier, may);
                 probe.open = 1;
                 let own = self.proposal(k);
-                match what {
-                    What::Tet(t, v) => {
+                match &self.probes[k as usize].what {
+                    &What::Tet(t, v) => {
                         let start = way_start(v.map(|v| mesh.point(v)));
                         self.go(mesh, directory, own, (t, None), (bits(&start), may));
                     }
-                    What::Item(_) => self.seek(mesh, directory, own, None),
+                    What::Item(item) => {
+                        let near = self.pending.get(&item.place()).and_then(|own| own.near);
+                        self.near = near.filter(|&t| mesh.inner.tets().is_live(t)).or(self.near);
+                        self.seek(mesh, directory, own, None);
+                    }
                 }
             }
             Aim::Skip => self.retry(mesh, directory, k),
             Aim::Exhausted => {
-                let What::Tet(_, v) = what else { return self.give_up(k) };
+                let What::Tet(_, v) = self.probes[k as usize].what else { return self.give_up(k) };
                 let sides = mesh.complex.sides_of(v.map(|v| corner(mesh, v)));
                 match sides.first() {
                     Some(side) => self.conclude_with(mesh, k, *side),
@@ -64,9 +67,26 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
+    /// Asks the processor to fetch what the next probes begin with. A hint.
+    pub(super) fn fetch_ahead(&self, mesh: &DomainMesh<'_>) {
+        let next = |k: usize| match self.probes[*self.to_launch.get(k)? as usize].what {
+            What::Tet(t, _) => Some(t),
+            What::Item(_) => None,
+        };
+        let tets = mesh.inner.tets();
+        if let Some(t) = next(0) {
+            for t in tets.neighbours(t).map(tet_of) {
+                tets.prefetch(t);
+                self.served.prefetch(t);
+            }
+        }
+        next(1).into_iter().for_each(|t| tets.prefetch(t));
+    }
+
     /// The next attempt for what a probe is for.
     fn retry(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
-        let Probe { what, rank, attempt, .. } = self.probes[k as usize];
+        let Probe { ref what, rank, attempt, .. } = self.probes[k as usize];
+        let what = what.clone();
         self.conclude(k, Outcome::Dropped);
         let next = self.add_probe(what, rank, attempt + 1);
         self.launch(mesh, directory, next);
@@ -161,7 +181,9 @@ impl<C: Rules> Rounds<C> {
         let (before, foreign) = self.served.search(mesh, &own, seeds.iter().copied());
         let found = match self.served.part(probe) {
             // The home knows its own.
-            Some(part) if probe.home != self.me => describe(mesh, &part.order[before..]),
+            Some(part) if probe.home != self.me => {
+                describe(mesh, &part.order[before..], own.carrier)
+            }
             _ => WireClosure::default(),
         };
         self.answer(mesh, directory, probe, PartEnd::Found, found, foreign);
@@ -205,7 +227,7 @@ impl<C: Rules> Rounds<C> {
             if !told.owners.contains(&from) {
                 told.owners.push(from);
             }
-            probe.add(from, &found);
+            probe.add(from, &found, &mut self.spare);
         }
         let mut seeds: Vec<(WorkerId, Vec<Handle>)> = Vec::new();
         for handle in foreign {
@@ -242,9 +264,9 @@ impl<C: Rules> Rounds<C> {
     /// Does a tetrahedron's probe ask for an item by what is known of its closure so far? (A
     /// known-bad variant stops there.)
     fn asks_already(&self, mesh: &DomainMesh<'_>, k: u32) -> bool {
-        let Probe { what, to, closure, .. } = &self.probes[k as usize];
-        let survey = Survey::of(&mesh.complex, closure);
-        matches!(what, What::Tet(..)) && !survey.rule_on_tet(&point(to)).is_empty()
+        let own = &self.probes[k as usize];
+        let survey = Survey::of(&mesh.complex, own.closure());
+        matches!(own.what, What::Tet(..)) && !survey.rule_on_tet(&point(&own.to)).is_empty()
     }
 
     /// All of a probe's closure is known: the verdict.
@@ -254,41 +276,45 @@ impl<C: Rules> Rounds<C> {
         let is_item = matches!(probe.what, What::Item(_));
         let is_near = is_item
             || self.served.cavity(id).any(|t| is_near(mesh, t))
-            || probe.closure.tets.iter().any(|(v, is_in)| {
-                let is_on = |v: &&u32| {
-                    **v != NOWHERE && probe.closure.corners[**v as usize].carrier != Carrier::Free
-                };
+            || probe.closure().tets.iter().any(|(v, is_in)| {
+                let corners = &probe.closure().corners;
+                let is_on =
+                    |v: &&u32| **v != NOWHERE && corners[**v as usize].carrier != Carrier::Free;
                 *is_in && v.iter().filter(is_on).count() > 1
             });
         if is_near {
+            let carrier = probe.carrier;
             match &probe.told {
                 None => {
-                    probe.closure = self.spare.pop().unwrap_or_default();
-                    self.served.describe_here(mesh, id, &mut probe.closure);
+                    let closure = probe.closure_in(&mut self.spare);
+                    self.served.describe_here(mesh, (id, carrier), closure);
                 }
                 Some(_) => {
                     self.served.complete(mesh, id);
                     let all = self.served.part(id).map_or(&[][..], |part| &part.order);
-                    probe.add(self.me, &describe(mesh, all));
+                    let found = describe(mesh, all, carrier);
+                    probe.add(self.me, &found, &mut self.spare);
                 }
             }
         }
         let p = point(&probe.to);
         let outcome = if is_near {
-            let survey = Survey::of(&mesh.complex, &probe.closure);
-            probe.has_boundary = is_item || survey.is_marked();
-            match probe.what {
+            let survey = Survey::of(&mesh.complex, probe.closure());
+            let has_boundary = is_item || survey.is_marked();
+            let outcome = match &probe.what {
                 What::Tet(..) => match survey.rule_on_tet(&p).first() {
                     Some(first) => Some(probe.what.asks(mesh, *first)),
                     None => Some(Outcome::Fits(Vec::new())),
                 },
-                What::Item(item) => match survey.rule_on_item(&item, &p) {
+                What::Item(item) => match survey.rule_on_item(item, &p) {
                     Ruling::Fill(removed) => Some(Outcome::Fits(removed)),
-                    Ruling::Defer(first) => Some(Outcome::Asks(first[0], None)),
+                    Ruling::Defer(first) => Some(Outcome::Asks(Box::new(first[0]), None)),
                     Ruling::Useless => None,
                     Ruling::Refuse => return self.give_up(k),
                 },
-            }
+            };
+            probe.has_boundary = has_boundary;
+            outcome
         } else {
             Some(Outcome::Fits(Vec::new()))
         };
@@ -320,7 +346,8 @@ impl<C: Rules> Rounds<C> {
             self.want_rivals(k);
         }
         // Its tetrahedra are in the cache.
-        self.served.reserve_own(id);
+        let Probe { rank, carrier, .. } = self.probes[k as usize];
+        self.served.reserve_own(id, (rank, carrier));
         self.conclude(k, outcome);
     }
 

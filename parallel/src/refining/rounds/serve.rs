@@ -1,20 +1,21 @@
 //! The owner's side of the choice: searches, reservations, and what rivals there are.
 
+use super::reserved::{Holders, Marks};
 use crate::protocol::{Correct, Handle, Rules, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{INFINITE_CORNER, ProbeId, Proposal, WireClosure, WireCorner, point};
 use ltbw_core::cavity::OTHERS;
-use ltbw_core::expect;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
+use ltbw_core::{expect, prefetch};
 use ltbw_domain::refine::{Carrier, Closure, Corner, NOWHERE, Rank, Rival};
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
 /// One probe's part of its closure here.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Part {
-    rank: Rank,
-    carrier: Carrier,
+    /// Its number among those that have reserved, if it has.
+    holder: Option<u32>,
     /// It reserves nothing.
     is_void: bool,
     /// Its home wants to hear of rivals.
@@ -27,59 +28,11 @@ pub(super) struct Part {
 }
 
 impl Part {
-    fn new(rank: Rank, carrier: Carrier) -> Self {
-        let (inside, order) = (0..0, Vec::new());
-        Self { rank, carrier, is_void: false, is_wanted: false, inside, order }
-    }
-
     /// The tetrahedra in conflict; `cavities` has those of closures that are all here.
     fn cavity<'p>(&'p self, cavities: &'p [TetId]) -> impl Iterator<Item = TetId> + 'p {
         let order = if self.inside.is_empty() { &self.order[..] } else { &[] };
         let inside = cavities[self.inside.clone()].iter().copied();
         inside.chain(order.iter().filter(|own| own.1).map(|own| own.0))
-    }
-}
-
-/// Values by slot or vertex that are all forgotten at once.
-#[derive(Debug, Default)]
-struct Marks {
-    /// The time of each, and the value.
-    all: Vec<(u32, u32)>,
-    now: u32,
-}
-
-impl Marks {
-    /// Forgets all; there is room for numbers below `room`.
-    fn clear(&mut self, room: usize) {
-        if self.all.len() < room {
-            self.all.resize(room, (0, 0));
-        }
-        match self.now.checked_add(1) {
-            Some(now) => self.now = now,
-            None => {
-                self.all.fill((0, 0));
-                self.now = 1;
-            }
-        }
-    }
-
-    fn get(&self, place: usize) -> Option<u32> {
-        let &(time, value) = self.all.get(place)?;
-        (time == self.now).then_some(value)
-    }
-
-    /// Marks a place, which may be marked already.
-    fn set(&mut self, place: usize, value: u32) {
-        self.all[place] = (self.now, value);
-    }
-
-    /// Marks a place, if it is not; was it not?
-    fn mark(&mut self, place: usize, value: u32) -> bool {
-        let is_new = self.all[place].0 != self.now;
-        if is_new {
-            self.set(place, value);
-        }
-        is_new
     }
 }
 
@@ -89,11 +42,11 @@ pub(super) struct Served {
     me: WorkerId,
     /// The parts of own probes, by their numbers.
     own: Vec<Option<Part>>,
-    /// The parts of others' probes.
-    others: FxHashMap<ProbeId, Part>,
+    /// The parts of others' probes, with the ranks and the carriers of these.
+    others: FxHashMap<ProbeId, (Part, (Rank, Carrier))>,
     /// By slot: the number in `holders` of the foremost candidate with it in its cavity.
     reserved: Marks,
-    holders: Vec<(Rank, Carrier)>,
+    holders: Holders,
     /// The cavities of own probes whose closures are all here.
     cavities: Vec<TetId>,
     /// The memory of parts of rounds before.
@@ -116,9 +69,15 @@ impl Served {
         expect(&mut self.seen.all, tets);
     }
 
+    /// Asks the processor to fetch what is reserved of a tetrahedron. A hint.
+    pub(super) fn prefetch(&self, t: TetId) {
+        prefetch(self.reserved.all.as_ptr().wrapping_add(t.index()));
+    }
+
     /// Starts a round.
     pub(super) fn clear(&mut self, mesh: &DomainMesh<'_>) {
-        let ended = self.own.drain(..).flatten().chain(self.others.drain().map(|own| own.1));
+        let others = self.others.drain().map(|(_, (part, _))| part);
+        let ended = self.own.drain(..).flatten().chain(others);
         let orders = ended.map(|part| part.order);
         self.spare.extend(orders.filter(|order| order.capacity() > 0));
         self.holders.clear();
@@ -129,7 +88,7 @@ impl Served {
     pub(super) fn part(&self, probe: ProbeId) -> Option<&Part> {
         match probe.home == self.me {
             true => self.own.get(probe.number as usize)?.as_ref(),
-            false => self.others.get(&probe),
+            false => self.others.get(&probe).map(|own| &own.0),
         }
     }
 
@@ -151,22 +110,22 @@ impl Served {
     fn part_mut(&mut self, probe: ProbeId) -> Option<&mut Part> {
         match probe.home == self.me {
             true => self.own.get_mut(probe.number as usize)?.as_mut(),
-            false => self.others.get_mut(&probe),
+            false => self.others.get_mut(&probe).map(|own| &mut own.0),
         }
     }
 
     /// The part of a probe, made if there is none.
     fn enter(&mut self, own: &Proposal) -> &mut Part {
         let ProbeId { home, number } = own.probe;
-        let new = || Part::new(own.rank, own.carrier);
         if home != self.me {
-            return self.others.entry(own.probe).or_insert_with(new);
+            let new = || (Part::default(), (own.rank, own.carrier));
+            return &mut self.others.entry(own.probe).or_insert_with(new).0;
         }
         let place = number as usize;
         if self.own.len() <= place {
             self.own.resize_with(place + 1, || None);
         }
-        self.own[place].get_or_insert_with(new)
+        self.own[place].get_or_insert_default()
     }
 
     /// Finds the whole cavity of an own probe from a tetrahedron in conflict with its point, if
@@ -280,10 +239,10 @@ impl Served {
     }
 
     /// The verdict on an own probe has fallen: reserves the cavity in its part, unless void.
-    pub(super) fn reserve_own(&mut self, probe: ProbeId) {
+    pub(super) fn reserve_own(&mut self, probe: ProbeId, whose: (Rank, Carrier)) {
         let Self { own, reserved, holders, cavities, .. } = self;
-        if let Some(Some(part)) = own.get(probe.number as usize) {
-            reserve(part, cavities, reserved, holders);
+        if let Some(Some(part)) = own.get_mut(probe.number as usize) {
+            reserve((part, whose), cavities, reserved, holders);
         }
     }
 
@@ -291,33 +250,40 @@ impl Served {
     /// hear of rivals.
     pub(super) fn reserve_others(&mut self) -> Vec<ProbeId> {
         let Self { others, reserved, holders, .. } = self;
-        others.values().for_each(|part| reserve(part, &[], reserved, holders));
-        let wanted = others.iter().filter(|(_, part)| part.is_wanted);
+        let all = others.values_mut();
+        all.for_each(|(part, whose)| reserve((part, *whose), &[], reserved, holders));
+        let wanted = others.iter().filter(|(_, (part, _))| part.is_wanted);
         let mut wanted: Vec<ProbeId> = wanted.map(|(&probe, _)| probe).collect();
         wanted.sort_unstable();
         wanted
     }
 
-    fn holder(&self, t: TetId) -> Option<&(Rank, Carrier)> {
-        self.holders.get(self.reserved.get(t.index())? as usize)
+    /// The number of the holder of a tetrahedron.
+    fn holder(&self, t: TetId) -> Option<u32> {
+        self.reserved.get(t.index())
     }
 
     /// Is a candidate before this one in the way of its own tetrahedron?
     pub(super) fn has_rival<C: Rules>(&self, t: TetId, rank: Rank) -> bool {
         // R26.
-        let counts = |other: Rank| C::BREAKS_TIES || !Rank::is_tie(other.key(), rank.key());
-        self.holder(t).is_some_and(|own| own.0 < rank && counts(own.0))
+        let counts = |own: u32| {
+            let key = self.holders.leads[own as usize].1.0;
+            C::BREAKS_TIES || !Rank::is_tie(key, rank.key())
+        };
+        self.holder(t).is_some_and(|own| self.holders.is_before(own, &rank) && counts(own))
     }
 
     /// The rivals in a probe's part of its closure, in the order in which its home was told.
     pub(super) fn rivals(&self, probe: ProbeId) -> Vec<Rival> {
         let Some(part) = self.part(probe) else { return Vec::new() };
+        let Some(own) = part.holder else { return Vec::new() };
+        let (rank, carrier) = self.holders.all[own as usize];
         let rival = |(t, _): &(TetId, bool)| match self.holder(*t) {
-            Some((other, at)) if *other < part.rank => Rival {
-                is_there: true,
-                is_boundary: other.is_boundary(),
-                is_apart: !is_same(*at, part.carrier),
-            },
+            Some(number) if self.holders.is_before(number, &rank) => {
+                let (other, at) = self.holders.all[number as usize];
+                let is_apart = !is_same(at, carrier);
+                Rival { is_there: true, is_boundary: other.is_boundary(), is_apart }
+            }
             _ => Rival::default(),
         };
         part.order.iter().map(rival).collect()
@@ -327,7 +293,7 @@ impl Served {
     pub(super) fn describe_here(
         &mut self,
         mesh: &DomainMesh<'_>,
-        probe: ProbeId,
+        (probe, carrier): (ProbeId, Carrier),
         closure: &mut Closure,
     ) {
         let is_whole = self.complete(mesh, probe);
@@ -336,8 +302,8 @@ impl Served {
         let mut places = std::mem::take(&mut self.places);
         let order = self.part(probe).map_or(&[][..], |part| &part.order);
         let Closure { corners, tets: told, beyond } = closure;
-        let mut describe = |t: TetId, corners: &mut Vec<Corner>| {
-            tets.vertices(t).map(|v| match v {
+        let mut describe = |v: [VertexId; 4], corners: &mut Vec<Corner>| {
+            v.map(|v| match v {
                 INFINITE => NOWHERE,
                 v => {
                     let next = corners.len() as u32;
@@ -349,23 +315,30 @@ impl Served {
             })
         };
         if !is_whole {
-            told.extend(order.iter().map(|&(t, is_in)| (describe(t, corners), is_in)));
+            told.extend(order.iter().map(|&(t, is_in)| {
+                let corners = told_of(mesh, t, carrier).map(|v| describe(v, corners));
+                (corners.unwrap_or([NOWHERE; 4]), is_in)
+            }));
             self.places = places;
             return;
         }
         let inside = order.partition_point(|own| own.1);
         told.resize(order.len(), ([NOWHERE; 4], false));
+        beyond.resize(inside, [NOWHERE; 4]);
         for (k, &(t, _)) in order[..inside].iter().enumerate() {
-            let v = describe(t, corners);
-            told[k] = (v, true);
+            told[k].1 = true;
+            let Some(v) = told_of(mesh, t, carrier) else { continue };
+            let v = describe(v, corners);
+            told[k].0 = v;
             let around = tets.neighbours(t).map(|face| self.seen.get(tet_of(face).index()));
             let around = around.map(|place| place.unwrap_or(NOWHERE));
-            beyond.push(around);
+            beyond[k] = around;
             let is_on = v.map(|v| v != NOWHERE && corners[v as usize].carrier != Carrier::Free);
             for (face, place) in OTHERS.into_iter().zip(around) {
                 let is_ring = (inside..order.len()).contains(&(place as usize));
                 if is_ring && face.iter().all(|&slot| is_on[slot]) {
-                    told[place as usize].0 = describe(order[place as usize].0, corners);
+                    let ring = order[place as usize].0;
+                    told[place as usize].0 = describe(tets.vertices(ring), corners);
                 }
             }
         }
@@ -382,8 +355,8 @@ pub fn unkilled(candidates: &[(Rank, TetId, Vec<TetId>)]) -> Vec<usize> {
     served.reserved.clear(slots.map(|t| t.index() + 1).max().unwrap_or(0));
     for (rank, _, cavity) in candidates {
         let order = cavity.iter().map(|&t| (t, true)).collect();
-        let part = Part { order, ..Part::new(*rank, Carrier::Free) };
-        reserve(&part, &[], &mut served.reserved, &mut served.holders);
+        let (mut part, whose) = (Part { order, ..Part::default() }, (*rank, Carrier::Free));
+        reserve((&mut part, whose), &[], &mut served.reserved, &mut served.holders);
     }
     let dies = |k: usize| served.has_rival::<Correct>(candidates[k].1, candidates[k].0);
     (0..candidates.len()).filter(|&k| !dies(k)).collect()
@@ -391,19 +364,19 @@ pub fn unkilled(candidates: &[(Rank, TetId, Vec<TetId>)]) -> Vec<usize> {
 
 /// Reserves the cavity in a part, unless that is void, where no candidate before it has.
 fn reserve(
-    part: &Part,
+    (part, (rank, carrier)): (&mut Part, (Rank, Carrier)),
     cavities: &[TetId],
     reserved: &mut Marks,
-    holders: &mut Vec<(Rank, Carrier)>,
+    holders: &mut Holders,
 ) {
     if part.is_void {
         return;
     }
-    let number = holders.len() as u32;
-    holders.push((part.rank, part.carrier));
+    let number = holders.push(rank, carrier);
+    part.holder = Some(number);
     for t in part.cavity(cavities) {
         let other = reserved.get(t.index());
-        if other.is_none_or(|other| part.rank < holders[other as usize].0) {
+        if other.is_none_or(|other| holders.compare(other, &rank).is_gt()) {
             reserved.set(t.index(), number);
         }
     }
@@ -426,23 +399,37 @@ pub(super) fn corner(mesh: &DomainMesh<'_>, v: VertexId) -> Corner {
 /// May something of a tetrahedron be boundary? A subface has three corners there, an edge of which
 /// no face is one is a subsegment or nothing.
 pub(super) fn is_near(mesh: &DomainMesh<'_>, t: TetId) -> bool {
-    let (mut ends, mut count) = ([Carrier::Free; 2], 0);
-    for v in mesh.inner.tets().vertices(t) {
-        let carrier = if v == INFINITE { Carrier::Free } else { mesh.carrier(v) };
-        if carrier != Carrier::Free {
-            ends[count % 2] = carrier;
-            count += 1;
+    let corners = mesh.inner.tets().vertices(t);
+    let is_bound = corners.map(|v| mesh.is_bound(v));
+    match is_bound.iter().filter(|is| **is).count() {
+        0 | 1 => false,
+        2 => {
+            let mut ends = corners.into_iter().zip(is_bound).filter(|own| own.1);
+            let mut end = || ends.next().map_or(Carrier::Free, |(v, _)| mesh.carrier(v));
+            mesh.complex.segment([end(), end()]).is_some()
         }
+        _ => true,
     }
-    count > 2 || count == 2 && mesh.complex.segment(ends).is_some()
 }
 
-/// Some tetrahedra of a part as their home gets to know them.
-pub(super) fn describe(mesh: &DomainMesh<'_>, tets: &[(TetId, bool)]) -> WireClosure {
+/// The vertices of a tetrahedron in the closure of a point with this carrier, if they matter: if
+/// two are on the boundary, or of a boundary item one, as its own corners have to be found.
+fn told_of(mesh: &DomainMesh<'_>, t: TetId, carrier: Carrier) -> Option<[VertexId; 4]> {
+    let v = mesh.inner.tets().vertices(t);
+    let least = if carrier == Carrier::Free { 2 } else { 1 };
+    (v.iter().filter(|&&v| mesh.is_bound(v)).count() >= least).then_some(v)
+}
+
+/// Some tetrahedra of a part, of a point with this carrier, as their home gets to know them.
+pub(super) fn describe(
+    mesh: &DomainMesh<'_>,
+    tets: &[(TetId, bool)],
+    carrier: Carrier,
+) -> WireClosure {
     let mut found = WireClosure::default();
     let mut places: FxHashMap<VertexId, u32> = FxHashMap::default();
     for &(t, is_in) in tets {
-        let v = mesh.inner.tets().vertices(t).map(|v| match v {
+        let v = told_of(mesh, t, carrier).unwrap_or([INFINITE; 4]).map(|v| match v {
             INFINITE => INFINITE_CORNER,
             v => *places.entry(v).or_insert_with(|| {
                 found.corners.push(WireCorner::new(&corner(mesh, v)));

@@ -1,7 +1,7 @@
 //! One worker's part in the rounds: what it knows, what it is told, and the points that it gives.
 
-use super::candidate::{ChosenPoint, Probe};
-use super::keys::{Foremost, Keys, KeysTold};
+use super::candidate::{ChosenPoint, Probe, Spare};
+use super::keys::{Keys, KeysTold};
 use super::serve::Served;
 use super::tree::Tree;
 use crate::balance::Workload;
@@ -12,7 +12,7 @@ use crate::protocol::{
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{DomainNews, Sums};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
-use ltbw_domain::refine::{Asked, BoundaryItem, Closure, ItemPlace};
+use ltbw_domain::refine::{Asked, BoundaryItem, ItemPlace};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::marker::PhantomData;
 
@@ -57,6 +57,8 @@ pub(super) struct Pending {
     /// The one that has to be split before it.
     pub(super) first: Option<ItemPlace>,
     pub(super) limit: Option<f64>,
+    /// A slot that was near it, where the walk to its point starts.
+    pub(super) near: Option<TetId>,
 }
 
 /// Messages that barriers count, sent less taken.
@@ -106,12 +108,14 @@ pub struct Rounds<C = Correct> {
     pub(super) early: Vec<(WorkerId, u32, KeysTold)>,
     /// Workers beside that have still to tell.
     pub(super) awaited: BTreeSet<WorkerId>,
-    /// The tetrahedra that come before all around them: those at interface faces, and the others.
-    pub(super) foremost: [Vec<Foremost>; 2],
+    /// The number of tetrahedra that come before all around them, if this round splits such.
+    pub(super) foremost: Option<i64>,
+    /// Does it split boundary items?
+    pub(super) has_boundary: bool,
     pub(super) served: Served,
     pub(super) probes: Vec<Probe>,
     /// The memory of closures of rounds before.
-    pub(super) spare: Vec<Closure>,
+    pub(super) spare: Spare,
     /// Probes to launch.
     pub(super) to_launch: VecDeque<u32>,
     /// Where the last probe for a boundary item has ended here.
@@ -153,8 +157,8 @@ pub struct Rounds<C = Correct> {
 
 /// A tetrahedron that a point begins at, and its vertices.
 pub(super) type Start = Option<(TetId, [VertexId; 4])>;
-/// An item to split, its limit, and the place of the item that waits for it.
-pub(super) type Demand = (BoundaryItem, Option<f64>, Option<(WorkerId, ItemPlace)>);
+/// An item to split, and the place of the item that waits for it.
+pub(super) type Demand = (Pending, Option<(WorkerId, ItemPlace)>);
 
 impl<C: Rules> Rounds<C> {
     /// The start of rounds in a submesh; `total` points of `most` were inserted before.
@@ -173,7 +177,8 @@ impl<C: Rules> Rounds<C> {
             keys: Keys::default(),
             early: Vec::new(),
             awaited: BTreeSet::new(),
-            foremost: Default::default(),
+            foremost: None,
+            has_boundary: false,
             served: Served::new(me),
             probes: Vec::new(),
             spare: Vec::new(),
@@ -228,7 +233,7 @@ impl<C: Rules> Rounds<C> {
             let (item, first, limit, place) = (*item, *first, *limit, item.place());
             let keeper = self.keeper(mesh, &item);
             if keeper == self.me {
-                self.pending.insert(place, Pending { item, first, limit });
+                self.pending.insert(place, Pending { item, first, limit, near: None });
             }
             if let Some(other) = first.and_then(|first| items.get(&first))
                 && self.keeper(mesh, other) == self.me
@@ -283,6 +288,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
         }
         let next = self.chosen.pop_front()?;
         self.fetch(mesh);
+        mesh.remember(next.point.name(), self.served.cavity_at(&next.cavity));
         Some(next.point)
     }
 
@@ -345,6 +351,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             Stage::Choosing if !self.to_launch.is_empty() => {
                 for _ in 0..TOGETHER {
                     let Some(k) = self.to_launch.pop_front() else { break };
+                    self.fetch_ahead(mesh);
                     self.launch(mesh, directory, k);
                 }
             }
@@ -419,7 +426,8 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             DomainNews::Ask { item, limit, waiter } => {
                 self.counts.asks -= 1;
                 let waiter = waiter.map(|place| (from, place));
-                self.asked.push((item.item(), limit.map(f64::from_bits), waiter));
+                let (item, limit) = (item.item(), limit.map(f64::from_bits));
+                self.asked.push((Pending { item, first: None, limit, near: None }, waiter));
             }
             DomainNews::Gone(place) => {
                 self.counts.asks -= 1;

@@ -1,9 +1,9 @@
 //! The stages of a round, one after the other, and the barriers between them.
 //!
 //! ```text
-//! look      new tetrahedra get their ranks; two exchanges with the workers beside: who is foremost
-//! count     barrier: what there is to split; all decide alike what this round splits
-//! choose    probes find closures and reserve cavities
+//! look      new tetrahedra get their ranks; two exchanges with the workers beside
+//! count     barrier: which items there are to split; all decide alike what this round splits
+//! choose    who is foremost, if tetrahedra are split; probes find closures and reserve cavities
 //! chosen    barrier: all cavities are reserved
 //! decide    owners tell of rivals; each home decides alone for its own
 //! insert    the protocol inserts what is chosen; barrier when nothing is under way
@@ -17,7 +17,7 @@
 
 use super::candidate::{Outcome, Probe, What};
 use super::keys::{Foremost, KeysTold};
-use super::source::{Ending, Pending, Rounds, Stage};
+use super::source::{Ending, Rounds, Stage};
 use super::tree::{SENT, Step, TAKEN, is_quiet};
 use crate::protocol::{Directory, Rules, Standing, WorkerId};
 use crate::refining::domain::DomainMesh;
@@ -59,12 +59,7 @@ impl<C: Rules> Rounds<C> {
         self.keys.start(mesh);
         mesh.count_steps(self.keys.news() as u64 / 8);
         self.served.clear(mesh);
-        for Probe { mut closure, .. } in self.probes.drain(..) {
-            if closure.tets.capacity() > 0 {
-                closure.clear();
-                self.spare.push(closure);
-            }
-        }
+        self.spare.extend(self.probes.drain(..).filter_map(Probe::into_spare));
         self.begin_exchange(mesh, directory, 0);
     }
 
@@ -108,7 +103,6 @@ impl<C: Rules> Rounds<C> {
         if second == 0 {
             return self.begin_exchange(mesh, directory, 1);
         }
-        self.foremost = self.keys.foremost::<C>(mesh);
         self.stage = Stage::Counting;
     }
 
@@ -130,13 +124,13 @@ impl<C: Rules> Rounds<C> {
                 let ready = self.pending.values().filter(|own| own.first.is_none()).count();
                 sums[READY] = ready as i64;
                 sums[WAITING] = (self.pending.len() - ready) as i64;
-                sums[FOREMOST] = self.foremost.iter().map(Vec::len).sum::<usize>() as i64;
                 sums[OPEN] = self.counts.releases;
                 sums[CANCELLED] = i64::from(self.is_cancelled);
             }
             Stage::Choosing => {
                 let fits = |probe: &&Probe| matches!(probe.outcome, Outcome::Fits(_));
                 sums[CANDIDATES] = self.probes.iter().filter(fits).count() as i64;
+                sums[FOREMOST] = self.foremost.unwrap_or(0);
                 sums[OPEN] = self.counts.notes;
                 sums[IRREGULAR] = i64::from(self.is_irregular);
             }
@@ -148,6 +142,7 @@ impl<C: Rules> Rounds<C> {
                     sums[place] = count;
                 }
                 sums[NEWS] = self.asked.len() as i64;
+                sums[FOREMOST] = self.foremost.unwrap_or(0);
             }
             Stage::Looking | Stage::Exchanging(_) | Stage::Deciding | Stage::Over => {}
         }
@@ -178,9 +173,11 @@ impl<C: Rules> Rounds<C> {
         match self.stage {
             // Something was still under way: once more.
             _ if sums[OPEN] != 0 => {}
-            Stage::Counting => self.decide_what(&sums),
+            Stage::Counting => self.decide_what(mesh, &sums),
             Stage::Choosing => {
-                if sums[IRREGULAR] > 0 {
+                if self.is_done(&sums) {
+                    self.end(Ending::Done);
+                } else if sums[IRREGULAR] > 0 {
                     self.end(Ending::Irregular);
                 } else if self.total + sums[CANDIDATES] > self.most {
                     self.end(Ending::Budget);
@@ -201,8 +198,16 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
+    /// All know how many foremost tetrahedra there are in this round: is nothing left?
+    fn is_done(&mut self, sums: &Sums) -> bool {
+        if self.foremost.is_some() {
+            self.counted = sums[FOREMOST];
+        }
+        !self.has_boundary && sums[FOREMOST] == 0
+    }
+
     /// All know what there is to split: this round's probes are made.
-    fn decide_what(&mut self, sums: &Sums) {
+    fn decide_what(&mut self, mesh: &mut DomainMesh<'_>, sums: &Sums) {
         let has_boundary = sums[READY] > 0;
         let has_tets = match has_boundary {
             true => sums[READY] * BESIDE as i64 <= self.counted,
@@ -214,13 +219,8 @@ impl<C: Rules> Rounds<C> {
         if !has_boundary && sums[WAITING] > 0 {
             return self.end(Ending::Circles);
         }
-        if has_tets {
-            self.counted = sums[FOREMOST];
-        }
-        if !has_boundary && sums[FOREMOST] == 0 {
-            return self.end(Ending::Done);
-        }
         self.stage = Stage::Choosing;
+        mesh.begin_round();
         let ready: Vec<BoundaryItem> = self
             .pending
             .values()
@@ -230,12 +230,18 @@ impl<C: Rules> Rounds<C> {
         // Along a curve, so that what is near is looked at, and inserted, together.
         for k in along_curve(ready.iter().map(|item| item.corners()[0].point)) {
             let item = ready[k];
-            let k = self.add_probe(What::Item(item), item.rank(), 0);
+            let k = self.add_probe(What::Item(Box::new(item)), item.rank(), 0);
             self.to_launch.push_back(k);
         }
-        let foremost = std::mem::take(&mut self.foremost);
+        self.has_boundary = has_boundary;
+        self.foremost = None;
+        if !has_tets {
+            return;
+        }
+        let foremost = self.keys.foremost::<C>(mesh);
+        self.foremost = Some(foremost.iter().map(Vec::len).sum::<usize>() as i64);
         // Candidates at interface faces come first: others are waited for there.
-        for list in foremost.into_iter().filter(|_| has_tets) {
+        for list in foremost {
             for k in along_curve(list.iter().map(|own| own.at)) {
                 let Foremost { t, v, rank, .. } = list[k];
                 let k = self.add_probe(What::Tet(t, v), rank, 0);
@@ -273,13 +279,14 @@ impl<C: Rules> Rounds<C> {
         }
         self.chosen_by_class = [0; 3];
         self.starts.clear();
-        for (item, limit, waiter) in std::mem::take(&mut self.asked) {
-            let place = item.place();
-            let own = self.pending.entry(place).or_insert(Pending { item, first: None, limit });
-            own.limit = match (own.limit, limit) {
+        for (asked, waiter) in std::mem::take(&mut self.asked) {
+            let place = asked.item.place();
+            let own = self.pending.entry(place).or_insert(asked);
+            own.limit = match (own.limit, asked.limit) {
                 (Some(a), Some(b)) => Some(a.min(b)),
                 (a, b) => a.or(b),
             };
+            own.near = own.near.or(asked.near);
             if let Some(waiter) = waiter {
                 self.waiters.entry(place).or_default().push(waiter);
             }
@@ -293,6 +300,10 @@ impl<C: Rules> Rounds<C> {
         }
         self.release();
         self.stage = Stage::Looking;
+        // R21: one that has not waited for the others is told now.
+        if !C::AWAITS_RESERVATIONS && self.is_done(sums) {
+            return self.end(Ending::Done);
+        }
         // Every round inserts a point or asks for something.
         if all == 0 && sums[NEWS] == 0 {
             self.end(Ending::Irregular);
