@@ -52,13 +52,15 @@ fn handle_of(border: &BoundaryFace, slot: u8) -> Option<Handle> {
 }
 
 impl LocalMesh {
-    pub(super) fn fill_cavity(
+    /// The patches that fill a cavity with the star of its point, one for each worker concerned.
+    pub(crate) fn fill_cavity(
         &mut self,
         point: &WireVertex,
         parts: &[(WorkerId, Vec<impl AsRef<Piece>>)],
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, Patch)> {
+        self.located.remove(&point.name);
         let mut scratch = std::mem::take(&mut self.scratch);
         self.find_boundary(&mut scratch, point, parts, whereabouts, directory);
         let Scratch { corners, boundary, edges, .. } = &mut scratch;

@@ -417,7 +417,7 @@ impl Submesh for LocalMesh {
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, Patch)> {
-        self.fill_with(point, parts, whereabouts, directory)
+        self.fill_cavity(point, parts, whereabouts, directory)
     }
 
     fn apply<C: Rules>(

@@ -1,7 +1,7 @@
 //! The view of a submesh for one that keeps more of its vertices and tetrahedra.
 
-use super::{LocalMesh, Patch, Piece, VertexName, WireVertex, blocks, made};
-use crate::protocol::{BlockId, Directory, Insert, Name, Walk, WorkerId};
+use super::{LocalMesh, VertexName, WireVertex, blocks, made};
+use crate::protocol::{BlockId, Directory, Insert, Walk};
 use ltbw_core::cavity::Cavity;
 use ltbw_core::submesh::Owns;
 use ltbw_core::topology::{INFINITE, TetId, Topology, VertexId};
@@ -86,18 +86,6 @@ impl LocalMesh {
         // The number is not used: no star is its submesh's own.
         let number = VertexId::new(1);
         self.tets.insert(number, &point.point(), seed, Owns::None::<fn([VertexId; 4]) -> bool>)
-    }
-
-    /// The patches that fill a cavity, of which pieces are given with more.
-    pub(crate) fn fill_with(
-        &mut self,
-        point: &WireVertex,
-        parts: &[(WorkerId, Vec<impl AsRef<Piece>>)],
-        whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
-        directory: &Directory,
-    ) -> Vec<(WorkerId, Patch)> {
-        self.located.remove(&point.name);
-        self.fill_cavity(point, parts, whereabouts, directory)
     }
 
     /// Is a tetrahedron in conflict with a point?

@@ -91,11 +91,12 @@ impl Vertices {
         if place.wrapping_sub(1) < VertexName::from(self.run) {
             return Some(VertexId::new(place as u32));
         }
-        if let Some(count) = made_by(self.me, name) {
-            let number = self.made.get(count as usize).copied().filter(|&v| v != INFINITE);
-            return number.or_else(|| self.numbers.get(&name).copied());
+        if name == NOWHERE {
+            return Some(INFINITE);
         }
-        if name == NOWHERE { Some(INFINITE) } else { self.numbers.get(&name).copied() }
+        let own = made_by(self.me, name).and_then(|count| self.made.get(count as usize));
+        let known = own.filter(|&&v| v != INFINITE).or_else(|| self.numbers.get(&name));
+        known.copied()
     }
 
     /// Gives a vertex of this block that has no number the next one.

@@ -178,7 +178,7 @@ impl<'c> DomainMesh<'c> {
         whereabouts: &dyn Fn(Name) -> Option<WorkerId>,
         directory: &Directory,
     ) -> Vec<(WorkerId, DomainPatch)> {
-        let patches = self.inner.fill_with(&point.vertex, parts, whereabouts, directory);
+        let patches = self.inner.fill_cavity(&point.vertex, parts, whereabouts, directory);
         let found = regions(parts);
         let pieces = || parts.iter().flat_map(|(_, pieces)| pieces);
         let named = |own: &DomainPiece| -> Vec<(VertexName, Carrier)> {

@@ -20,6 +20,7 @@ use ltbw_core::build::Phase;
 use ltbw_core::cavity::AdmitAll;
 use ltbw_core::mesh::{Mesh, Vertex};
 use ltbw_core::topology::{INFINITE, Tet, TetId, VertexId};
+use ltbw_exact::Point;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -268,13 +269,20 @@ impl State {
         let all = this.mesh.topology().par_iter().fold(Vec::new, enter);
         let mut found = Map::default();
         for (item, of, t) in all.collect::<Vec<_>>().into_iter().flatten() {
+            let corners = match &item {
+                Item::Segment(ends) => {
+                    self.segments.insert(*ends, of);
+                    &ends[..]
+                }
+                Item::Subface(corners) => {
+                    self.subfaces.insert(*corners, of);
+                    &corners[..]
+                }
+                Item::Tet(..) => continue,
+            };
             if is_asked {
-                found.insert(self.corners_place(item), (item, t));
-            }
-            match item {
-                Item::Segment(ends) => _ = self.segments.insert(ends, of),
-                Item::Subface(corners) => _ = self.subfaces.insert(corners, of),
-                Item::Tet(..) => {}
+                let points: Vec<Point> = corners.iter().map(|&v| self.at(v)).collect();
+                found.insert(ItemPlace::of(&points), (item, t));
             }
         }
         found
@@ -313,14 +321,5 @@ impl State {
             }
         }
         bits
-    }
-
-    /// The place of a boundary item.
-    fn corners_place(&self, item: Item) -> ItemPlace {
-        match item {
-            Item::Segment(ends) => ItemPlace::of(&ends.map(|v| self.at(v))),
-            Item::Subface(corners) => ItemPlace::of(&corners.map(|v| self.at(v))),
-            Item::Tet(_, v) => ItemPlace::of(&v.map(|v| self.at(v))[..3]),
-        }
     }
 }
