@@ -420,6 +420,12 @@ def must(holds, invariant):
         raise RuntimeError(f"{invariant} is broken")
 
 
+def above(w): return (w - 1) // 16  # in the tree, of which 0 is the root
+
+
+def below(w, workers): return [*range(16 * w + 1, min(16 * w + 17, workers))]
+
+
 class Worker:
     """One worker: `step(event)` gives the list of its actions."""
 
@@ -431,7 +437,7 @@ class Worker:
         self.operations, self.requests = {}, {}  # both by ticket
         self.waiting_tet, self.waiting_name = {}, {}  # name -> [('walk' or 'request', ticket)]
         self.clock, self.sequence = 0, 0
-        self.children = [w for w in (2 * me + 1, 2 * me + 2) if w < self.workers]
+        self.children = below(me, self.workers)
         self.awaited, self.below = len(self.children), (0, False)  # awaited None: it has spoken
         self.count, self.black, self.stopped, self.cancelled = 0, me == 0, False, False
         self.actions, self.to_self = [], []
@@ -808,7 +814,7 @@ class Worker:
         if self.me == 0:
             self.start_wave()
         else:
-            self.send((self.me - 1) // 2, "token", count=count, black=black)
+            self.send(above(self.me), "token", count=count, black=black)
 
 
 def run_line(ask):
@@ -910,23 +916,22 @@ def answer_kill(ask):
 
 
 def answer_wave(ask):
-    """Worker w has 2 w + 1 and 2 w + 2 below it. It speaks when these and it itself have."""
+    """A worker speaks when it itself and those below it have."""
     workers, known, up, total = ask["workers"], {}, [], None
     for word in ask["words"]:
         sent, who = [], word["worker"]
         known[who, who] = word["sums"]
         while True:
-            below = [w for w in (2 * who + 1, 2 * who + 2) if w < workers]
-            if any((who, w) not in known for w in [who, *below]):
+            own = [who, *below(who, workers)]
+            if any((who, w) not in known for w in own):
                 break
-            sums = [sum(column) for column in zip(*(known[who, w] for w in [who, *below]))]
+            sums = [sum(column) for column in zip(*(known[who, w] for w in own))]
             if who == 0:
                 total = sums
                 break
-            above = (who - 1) // 2
-            sent.append({"from": who, "to": above, "sums": sums})
-            known[above, who] = sums
-            who = above
+            sent.append({"from": who, "to": above(who), "sums": sums})
+            known[above(who), who] = sums
+            who = above(who)
         up.append(sent)
     return {"up": up, "all": total}
 

@@ -10,15 +10,19 @@ ltbw_core::ids! {
 }
 
 impl WorkerId {
-    /// The worker above in the tree of barriers and termination detection; none of worker 0.
+    /// The workers below each in the tree of barriers and termination detection, at most. Taking
+    /// one more message is cheaper than waiting for one more: few levels are fast.
+    pub const BELOW: u32 = 16;
+
+    /// The worker above in that tree; none of worker 0.
     pub fn parent(self) -> Option<Self> {
-        Some(Self::new(self.number().checked_sub(1)? / 2))
+        Some(Self::new(self.number().checked_sub(1)? / Self::BELOW))
     }
 
-    /// The workers below in that tree, of `workers` in all: two at most.
+    /// The workers below in that tree, of `workers` in all.
     pub fn children(self, workers: u32) -> impl Iterator<Item = Self> + use<> {
-        let first = 2 * self.number() + 1;
-        (first..first + 2).filter(move |&w| w < workers).map(Self::new)
+        let first = self.number().saturating_mul(Self::BELOW).saturating_add(1);
+        (first..workers.min(first.saturating_add(Self::BELOW))).map(Self::new)
     }
 }
 

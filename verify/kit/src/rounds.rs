@@ -213,7 +213,7 @@ fn wave(name: &str, workers: u32, order: &[u32], own: impl Fn(u32) -> [i64; 2]) 
             step = match next {
                 Step::Up(to, sums) => {
                     sent.push(json!({"from": from, "to": to, "sums": sums[..2]}));
-                    let next = trees[to.index()].hear(from, sums);
+                    let next = trees[to.index()].hear(sums);
                     from = to;
                     next
                 }
@@ -344,7 +344,7 @@ fn choice() -> Vec<Case> {
 fn barrier() -> Vec<Case> {
     let mut random = Rng::new(8);
     let mut cases = Vec::new();
-    for workers in [1, 2, 3, 4, 7, 12] {
+    for workers in [1, 2, 3, 17, 18, 40] {
         let ascending: Vec<u32> = (0..workers).collect();
         let descending: Vec<u32> = (0..workers).rev().collect();
         let mut mixed = ascending.clone();

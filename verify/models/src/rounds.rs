@@ -98,7 +98,7 @@ impl Rounds {
             Told::Ask => self.out.push_back((from, Told::Answer)),
             Told::Answer => self.open = self.open.map(|open| open - 1),
             Told::Up(sums) => {
-                let step = self.tree.hear(from, sums);
+                let step = self.tree.hear(sums);
                 self.take::<C>(step, points);
             }
             Told::Down(sums) => self.pass_on::<C>(sums, points),

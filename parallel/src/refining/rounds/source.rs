@@ -384,7 +384,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             }
             DomainNews::Keys { exchange, keys } => self.take_keys(mesh, from, exchange, keys),
             DomainNews::Up(sums) => {
-                let step = self.tree.hear(from, sums);
+                let step = self.tree.hear(sums);
                 self.take_step(step);
             }
             DomainNews::Down(sums) => self.pass_on(sums),

@@ -1,4 +1,4 @@
-//! A barrier that adds up: what each worker has to say goes up a binary tree, the sums come down.
+//! A barrier that adds up: what each worker has to say goes up a tree, the sums come down.
 //!
 //! Nobody is a barrier ahead of another: a worker hears from those below it only about the barrier
 //! that it is at, since the end of that one goes to them through it.
@@ -33,7 +33,8 @@ pub struct Tree {
     me: WorkerId,
     workers: u32,
     own: Option<Sums>,
-    below: [Option<Sums>; 2],
+    /// The number of workers below that have spoken, and what they add.
+    below: (u32, Sums),
     /// It has said what it has to say, and waits for the sums.
     waits: bool,
 }
@@ -41,7 +42,7 @@ pub struct Tree {
 impl Tree {
     /// The place of worker `me` of `workers`.
     pub fn new(me: WorkerId, workers: u32) -> Self {
-        Self { me, workers, own: None, below: [None; 2], waits: false }
+        Self { me, workers, own: None, below: Default::default(), waits: false }
     }
 
     /// The workers below this one.
@@ -66,20 +67,17 @@ impl Tree {
     }
 
     /// Takes what a worker below has to add.
-    pub fn hear(&mut self, from: WorkerId, sums: Sums) -> Option<Step> {
-        let place = from.number().wrapping_sub(2 * self.me.number() + 1) as usize;
-        self.below[place.min(1)] = Some(sums);
+    pub fn hear(&mut self, sums: Sums) -> Option<Step> {
+        self.below.0 += 1;
+        self.below.1.iter_mut().zip(sums).for_each(|(all, own)| *all += own);
         self.step()
     }
 
     fn step(&mut self) -> Option<Step> {
-        let count = self.below().count();
-        let mut all = self.own?;
-        for below in &self.below[..count] {
-            let below = (*below)?;
-            all.iter_mut().zip(below).for_each(|(sum, own)| *sum += own);
-        }
-        (self.own, self.below) = (None, [None; 2]);
+        let own = self.own.filter(|_| self.below.0 as usize == self.below().count())?;
+        let (_, mut all) = std::mem::take(&mut self.below);
+        all.iter_mut().zip(own).for_each(|(all, own)| *all += own);
+        self.own = None;
         Some(self.me.parent().map_or(Step::Done(all), |above| Step::Up(above, all)))
     }
 }
@@ -91,7 +89,7 @@ mod tests {
 
     #[test]
     fn the_root_has_the_sums_of_all() {
-        for workers in [1, 2, 3, 4, 7, 8, 100] {
+        for workers in [1, 2, 3, 16, 17, 18, 100, 300] {
             let mut all: Vec<Tree> =
                 (0..workers).map(|me| Tree::new(WorkerId::new(me), workers)).collect();
             let mut own = [0; SUMS];
@@ -103,10 +101,8 @@ mod tests {
                     let me = if round == 0 { workers - 1 - k } else { k };
                     own[0] = i64::from(me + 1);
                     let mut step = all[me as usize].put(own);
-                    let mut from = WorkerId::new(me);
                     while let Some(Step::Up(to, sums)) = step {
-                        step = all[to.index()].hear(from, sums);
-                        from = to;
+                        step = all[to.index()].hear(sums);
                     }
                     if let Some(Step::Done(sums)) = step {
                         assert!(done.is_none());
