@@ -100,6 +100,19 @@ fn the_papers_problems_have_the_engines_mesh_on_any_number_of_workers() {
     }
 }
 
+#[test]
+fn cavities_are_found_while_others_are_waited_for() {
+    let ready = prepared(DomainKind::CubeOctahedron, &Shape::default());
+    let refiner = Refiner::new().max_volume(1e-4).start(1000);
+    let share = |processors| {
+        let figures = simulated(&refiner, &ready, (processors, 10_000)).figures;
+        figures.ahead as f64 / figures.searches as f64
+    };
+    // One processor waits for nobody.
+    assert_eq!(share(1), 0.0);
+    assert!(share(8) > 0.1, "{}", share(8));
+}
+
 /// Two of these have a half and a quarter of the cube around them for their own: their ends are
 /// where cells of a curve through that cube meet.
 #[test]

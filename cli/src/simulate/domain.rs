@@ -100,12 +100,14 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     let (layout, config) = planned(args, after, args.processors);
     let text = format!(
         "{}: {by_all} points in {rounds} rounds ({segments} on segments, {facets} on facets, \
-         {inside} inside; the widest of {} points, {:.2} searches a point), on {} processors \
-         ({}), rule {}, latency {} ns ({}), seed {}\n{}{} barriers; {}\n{}\n{}\n\
+         {inside} inside; the widest of {} points, {:.2} searches a point, {:.0} % of them made \
+         while others were waited for), on {} processors ({}), rule {}, latency {} ns ({}), seed \
+         {}\n{}{} barriers; {}\n{}\n{}\n\
          ltbw.mesh/1 {hash}\n",
         show(path),
         figures.widest,
         figures.searches as f64 / figures.points.max(1) as f64,
+        100.0 * figures.ahead as f64 / figures.searches.max(1) as f64,
         layout.workers,
         args.machine.name(),
         config.rule,

@@ -63,6 +63,8 @@ pub trait Rules: 'static {
     const ENDS_PROBES: bool = true;
     /// R26: of two candidates of one size one comes first, by its corners.
     const BREAKS_TIES: bool = true;
+    /// R27: a cavity found ahead is taken only if nothing of its closure was written since.
+    const CHECKS_AHEAD: bool = true;
 }
 
 /// The protocol as it ships.

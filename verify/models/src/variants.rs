@@ -94,4 +94,6 @@ variants! {
     R25 ENDS_PROBES: HastyProbe, "probe stopped at its first veto";
     /// Two neighbours of about one size, each the one to be split.
     R26 BREAKS_TIES: EqualKeys, "of equal keys both chosen";
+    /// Another worker's point, inserted meanwhile, has changed the cavity.
+    R27 CHECKS_AHEAD: RashChoice, "cavity found ahead taken as it was";
 }

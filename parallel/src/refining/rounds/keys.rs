@@ -18,6 +18,7 @@ use ltbw_domain::refine::{Bad, Rank, Ranked, sift, witness};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
+use std::ops::Range;
 
 /// Tetrahedra by name, their interface faces, and ranks that another worker tells of these.
 pub(super) type KeysTold = Vec<(Name, u8, Option<Rank>)>;
@@ -69,6 +70,8 @@ pub(super) struct Keys {
     /// Looks so far, of which a round may have several.
     look: u32,
     bad: Vec<Bad>,
+    /// Entries that are gone: those before were sifted ahead.
+    hole: Range<usize>,
     /// Does the mesh note which interface faces change?
     is_watching: bool,
     /// By place: the interface face there, and what is known of its far face.
@@ -83,6 +86,9 @@ pub(super) struct Keys {
     /// By slot: the number of interface faces of its tetrahedron, and [`TOUCHED`].
     beside: Vec<u8>,
 }
+
+/// Entries that are sifted ahead in one step.
+const SIFTED: usize = 256;
 
 /// A tetrahedron is among those touched.
 const TOUCHED: u8 = 1 << 7;
@@ -109,13 +115,18 @@ impl Keys {
         expect(&mut self.stamps, tets);
     }
 
-    /// Looks at new tetrahedra.
-    pub(super) fn look_at<C: Rules>(&mut self, mesh: &DomainMesh<'_>, tets: &[TetId]) {
-        let all = mesh.inner.tets();
-        let slots = all.topology().slots();
+    /// Makes room for all slots.
+    fn make_room(&mut self, mesh: &DomainMesh<'_>) {
+        let slots = mesh.inner.tets().topology().slots();
         self.keys.resize(slots, 0);
         self.stamps.resize(slots, 0);
         self.beside.resize(slots, 0);
+    }
+
+    /// Looks at new tetrahedra.
+    pub(super) fn look_at<C: Rules>(&mut self, mesh: &DomainMesh<'_>, tets: &[TetId]) {
+        let all = mesh.inner.tets();
+        self.make_room(mesh);
         self.look += 1;
         for &t in tets {
             self.keys[t.index()] = 0;
@@ -172,7 +183,7 @@ impl Keys {
         let tets = mesh.inner.tets();
         // A tetrahedron that is gone has changed since the last ones were looked at.
         self.look += 1;
-        self.beside.resize(tets.topology().slots(), 0);
+        self.make_room(mesh);
         let changed = std::mem::take(&mut self.changed);
         let places = changed.last().map_or(0, |&last| last as usize + 1).max(self.far.len());
         self.far.resize_with(places, Far::default);
@@ -377,6 +388,7 @@ impl Keys {
     pub(super) fn foremost<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> [Vec<Foremost>; 2] {
         let mut all: [Vec<Foremost>; 2] = Default::default();
         let mut bad = std::mem::take(&mut self.bad);
+        bad.drain(std::mem::take(&mut self.hole));
         let kept = sift(&mut bad, self.look, &self.ranked::<C>(mesh), |t| {
             let is_inner = !self.is_beside(t);
             if !self.is_beaten_from_afar::<C>(mesh, t) {
@@ -391,17 +403,60 @@ impl Keys {
         all
     }
 
+    /// Were all entries sifted since the foremost were found?
+    pub(super) fn is_sifted_ahead(&self) -> bool {
+        self.hole.end == self.bad.len()
+    }
+
+    /// Sifts some more entries, so that they have their witnesses when the foremost are found.
+    /// Tells of tetrahedra away from interface faces that may be foremost then.
+    pub(super) fn sift_ahead<C: Rules>(
+        &mut self,
+        mesh: &mut DomainMesh<'_>,
+        told: &mut Vec<(TetId, [VertexId; 4])>,
+    ) {
+        self.make_room(mesh);
+        let mut bad = std::mem::take(&mut self.bad);
+        let some = self.hole.end..bad.len().min(self.hole.end + SIFTED);
+        let kept = sift(&mut bad[some.clone()], self.look, &self.ranked::<C>(mesh), |t| {
+            if mesh.inner.tets().is_live(t) && !self.is_by_interface(mesh, t) {
+                told.push((t, mesh.inner.tets().vertices(t)));
+            }
+        });
+        mesh.count_steps(some.len() as u64 / 2);
+        bad.copy_within(some.start..some.start + kept, self.hole.start);
+        self.hole = self.hole.start + kept..some.end;
+        self.bad = bad;
+    }
+
+    /// The looks so far.
+    pub(super) fn look(&self) -> u32 {
+        self.look
+    }
+
+    /// Was nothing written to some tetrahedra, and those around them, since a look?
+    pub(super) fn are_unchanged(&self, mesh: &DomainMesh<'_>, own: &[TetId], look: u32) -> bool {
+        let tets = mesh.inner.tets();
+        let stands = |t: TetId| self.stamps[t.index()] <= look;
+        own.iter().all(|&t| stands(t) && tets.neighbours(t).map(tet_of).into_iter().all(stands))
+    }
+
     /// The tetrahedra here, by their ranks.
     fn ranked<'k, 'c, C: Rules>(&'k self, mesh: &'k DomainMesh<'c>) -> RankedHere<'k, 'c, C> {
         RankedHere { keys: self, mesh, rules: PhantomData }
+    }
+
+    /// Has it or a neighbour an interface face? Of most neither has.
+    fn is_by_interface(&self, mesh: &DomainMesh<'_>, t: TetId) -> bool {
+        let around = mesh.inner.tets().neighbours(t).map(tet_of);
+        around.into_iter().chain([t]).any(|t| self.is_beside(t))
     }
 
     /// Does one that is another worker's come before one that nothing here comes before?
     fn is_beaten_from_afar<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId) -> bool {
         let tets = mesh.inner.tets();
         let around = tets.neighbours(t).map(tet_of);
-        // Of most neither it nor a neighbour has an interface face.
-        if !around.iter().chain([&t]).any(|&t| self.is_beside(t)) {
+        if !self.is_by_interface(mesh, t) {
             return false;
         }
         let mut best = None::<Rank>;

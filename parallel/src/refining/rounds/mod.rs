@@ -22,11 +22,13 @@
 //! | `keys` | which tetrahedra come before all around them |
 //! | `candidate` | probes and candidates as values |
 //! | `probe` | the home's side of the choice: probes and what comes of them |
+//! | `ahead` | cavities found while others are waited for |
 //! | `decide` | who is chosen |
 //! | `serve` | the owner's side |
 //! | `reserved` | who has reserved what |
 //! | `way` | straight ways to proposed points |
 
+mod ahead;
 mod candidate;
 mod decide;
 mod keys;
@@ -253,8 +255,8 @@ fn left_by<C: Rules>(
     let mut firsts = Vec::new();
     let (mut meshes, mut asked) = (Vec::new(), Vec::new());
     let (mut ending, mut candidates) = (Ending::Done, 0);
-    let searches = figures.searches;
-    let mut searched = 0;
+    let before_all = [figures.searches, figures.ahead];
+    let mut sums = before_all;
     for worker in workers {
         let (mesh, source, _) = worker.into_parts();
         let topology = mesh.inner.tets().topology();
@@ -271,13 +273,14 @@ fn left_by<C: Rules>(
         let (pending, counted, end, own) = source.into_parts();
         let left = |Pending { item, first, limit, .. }| Asked { item, first, limit };
         asked.extend(pending.into_iter().map(left));
-        searched += own.searches - searches;
+        let counts = [own.searches, own.ahead].into_iter().zip(before_all);
+        sums.iter_mut().zip(counts).for_each(|(sum, (own, before))| *sum += own - before);
         if me == WorkerId::default() {
             (ending, candidates, *figures) = (end.unwrap_or(Ending::Irregular), counted, own);
         }
         meshes.push(mesh.inner);
     }
-    figures.searches = searches + searched;
+    [figures.searches, figures.ahead] = sums;
     // Vertices that were made have the numbers after those given, in the order of their names.
     made.par_sort_unstable_by_key(|&(name, _)| name);
     made.dedup_by_key(|&mut (name, _)| name);

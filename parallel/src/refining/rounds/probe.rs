@@ -32,6 +32,13 @@ impl<C: Rules> Rounds<C> {
     /// Launches a probe.
     pub(super) fn launch(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
         let &Probe { ref what, attempt, .. } = &self.probes[k as usize];
+        if let &What::Tet(t, v) = what
+            && attempt == 0
+            && self.is_found(mesh, k, (t, v))
+        {
+            return;
+        }
+        let what = &self.probes[k as usize].what;
         let aim = match what {
             What::Tet(_, v) => mesh.complex.aim_at_tet(v.map(|v| mesh.point(v)), attempt),
             What::Item(item) => mesh.complex.aim_at_item(item, attempt),
@@ -103,7 +110,7 @@ impl<C: Rules> Rounds<C> {
         self.conclude(k, outcome);
     }
 
-    fn conclude(&mut self, k: u32, outcome: Outcome) {
+    pub(super) fn conclude(&mut self, k: u32, outcome: Outcome) {
         self.probes[k as usize].outcome = outcome;
         self.open -= 1;
     }

@@ -121,6 +121,11 @@ impl Served {
             let new = || (Part::default(), (own.rank, own.carrier));
             return &mut self.others.entry(own.probe).or_insert_with(new).0;
         }
+        self.own_part(number)
+    }
+
+    /// The part of an own probe, made if there is none.
+    fn own_part(&mut self, number: u32) -> &mut Part {
         let place = number as usize;
         if self.own.len() <= place {
             self.own.resize_with(place + 1, || None);
@@ -143,8 +148,16 @@ impl Served {
         let first = self.cavities.len();
         self.cavities.extend(cavity.tets());
         let inside = first..self.cavities.len();
-        self.enter(own).inside = inside;
+        self.own_part(own.probe.number).inside = inside;
         true
+    }
+
+    /// Enters the whole cavity of an own probe, found before.
+    pub(super) fn enter_found(&mut self, probe: ProbeId, cavity: &[TetId]) {
+        let first = self.cavities.len();
+        self.cavities.extend(cavity);
+        let inside = first..self.cavities.len();
+        self.own_part(probe.number).inside = inside;
     }
 
     /// Adds the tetrahedra around a cavity that is all here. Returns whether there was one, of

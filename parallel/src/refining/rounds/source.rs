@@ -1,5 +1,6 @@
 //! One worker's part in the rounds: what it knows, what it is told, and the points that it gives.
 
+use super::ahead::Ahead;
 use super::candidate::{ChosenPoint, Probe, Spare};
 use super::keys::{Keys, KeysTold};
 use super::serve::Served;
@@ -80,6 +81,9 @@ pub struct RoundFigures {
     pub points: u64,
     /// Closures searched by this worker's probes.
     pub searches: u64,
+    /// The number of these that were found ahead, while others were waited for. It depends on the
+    /// timing.
+    pub ahead: u64,
     /// Barriers, waves that had to be repeated included.
     pub barriers: u64,
     /// Times that all workers had ended, and one took over.
@@ -112,6 +116,8 @@ pub struct Rounds<C = Correct> {
     pub(super) foremost: Option<i64>,
     /// Does it split boundary items?
     pub(super) has_boundary: bool,
+    /// What was found for the next choice.
+    pub(super) ahead: Ahead,
     pub(super) served: Served,
     pub(super) probes: Vec<Probe>,
     /// The memory of closures of rounds before.
@@ -179,6 +185,7 @@ impl<C: Rules> Rounds<C> {
             awaited: BTreeSet::new(),
             foremost: None,
             has_boundary: false,
+            ahead: Ahead::default(),
             served: Served::new(me),
             probes: Vec::new(),
             spare: Vec::new(),
@@ -333,10 +340,11 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
         match self.stage {
             _ if self.passed.is_some() => true,
             Stage::Looking => true,
-            Stage::Exchanging(_) => self.awaited.is_empty(),
+            Stage::Exchanging(_) if self.awaited.is_empty() => true,
             Stage::Choosing if !self.to_launch.is_empty() => true,
             Stage::Inserting if self.created.len() >= LOOK => true,
-            _ => !self.tree.has_put() && self.is_ready_for_barrier(standing),
+            _ if !self.tree.has_put() && self.is_ready_for_barrier(standing) => true,
+            _ => self.looks_ahead(standing),
         }
     }
 
@@ -346,7 +354,9 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
         }
         match self.stage {
             Stage::Looking => self.look(mesh, directory),
-            Stage::Exchanging(second) => self.end_exchange(mesh, directory, second),
+            Stage::Exchanging(second) if self.awaited.is_empty() => {
+                self.end_exchange(mesh, directory, second);
+            }
             Stage::Inserting if self.created.len() >= LOOK => self.look_at_created(mesh),
             Stage::Choosing if !self.to_launch.is_empty() => {
                 for _ in 0..TOGETHER {
@@ -360,12 +370,12 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 self.begin_to_decide(mesh);
                 self.end_decisions();
             }
-            _ => {
-                if self.is_ready_for_barrier(standing) {
-                    let step = self.tree.put(self.sums(standing));
-                    self.take_step(step);
-                }
+            _ if !self.tree.has_put() && self.is_ready_for_barrier(standing) => {
+                let step = self.tree.put(self.sums(standing));
+                self.take_step(step);
             }
+            _ if self.looks_ahead(standing) => self.look_ahead(mesh),
+            _ => {}
         }
     }
 

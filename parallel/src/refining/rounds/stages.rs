@@ -257,6 +257,9 @@ impl<C: Rules> Rounds<C> {
                 self.probes.iter().filter(|probe| probe.was_searched).count() as u64;
             self.starts.clear();
             self.starts.extend(self.chosen.iter().map(|own| own.start));
+            if self.foremost.is_some() {
+                self.ahead.clear();
+            }
             // Names follow one another.
             self.first = self.chosen.front().map_or(0, |own| own.point.name());
             (self.stage, self.before) = (Stage::Inserting, None);

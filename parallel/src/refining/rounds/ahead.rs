@@ -1,0 +1,145 @@
+//! Cavities found ahead. A worker that waits for others, at the end of a round or before the next
+//! choice, looks for tetrahedra that will come before all around them, and finds the cavities of
+//! their points, as the choice will.
+//!
+//! All this is a guess. Others may still insert points, and the next rounds may split boundary
+//! items alone. So the choice takes a cavity only if nothing of its closure was written since
+//! (R27): then it is what a search would find, as are the aim and the way to it.
+
+use super::candidate::Outcome;
+use super::keys::Keys;
+use super::serve::is_near;
+use super::source::{Rounds, Stage};
+use super::way::{WayEnd, walk_way};
+use crate::protocol::{Rules, Standing};
+use crate::refining::domain::DomainMesh;
+use crate::refining::news::{Bits, bits};
+use ltbw_core::topology::{TetId, VertexId};
+use ltbw_domain::refine::{Aim, Carrier, way_start};
+use rustc_hash::FxHashMap;
+use std::ops::Range;
+
+/// The cavities found ahead.
+#[derive(Debug, Default)]
+pub(super) struct Ahead {
+    /// The tetrahedra whose cavities are to be found, and their vertices.
+    pub(super) next: Vec<(TetId, [VertexId; 4])>,
+    found: FxHashMap<TetId, Found>,
+    cavities: Vec<TetId>,
+}
+
+/// The point of a tetrahedron, and its cavity as of a look.
+#[derive(Debug)]
+struct Found {
+    v: [VertexId; 4],
+    to: Bits,
+    carrier: Carrier,
+    look: u32,
+    cavity: Range<usize>,
+}
+
+impl Ahead {
+    /// Forgets what was found.
+    pub(super) fn clear(&mut self) {
+        self.next.clear();
+        self.found.clear();
+        self.cavities.clear();
+    }
+
+    /// The point of a tetrahedron with these vertices, and its cavity, if both are as a search
+    /// would find them now.
+    fn of<C: Rules>(
+        &self,
+        mesh: &DomainMesh<'_>,
+        keys: &Keys,
+        (t, v): (TetId, [VertexId; 4]),
+    ) -> Option<(Bits, Carrier, &[TetId])> {
+        let found = self.found.get(&t).filter(|found| found.v == v)?;
+        let cavity = &self.cavities[found.cavity.clone()];
+        // R27.
+        let stands = !C::CHECKS_AHEAD || keys.are_unchanged(mesh, cavity, found.look);
+        stands.then_some((found.to, found.carrier, cavity))
+    }
+}
+
+impl<C: Rules> Rounds<C> {
+    /// Is there something to do ahead while others are waited for?
+    pub(super) fn looks_ahead(&self, standing: Standing) -> bool {
+        let waits = match self.stage {
+            Stage::Inserting => self.tree.has_put() && standing.is_passive,
+            Stage::Counting => self.tree.has_put(),
+            Stage::Exchanging(_) => true,
+            Stage::Looking | Stage::Choosing | Stage::Deciding | Stage::Over => false,
+        };
+        let is_left = || !self.ahead.next.is_empty() || !self.keys.is_sifted_ahead();
+        waits && self.workers > 1 && (!self.created.is_empty() || is_left())
+    }
+
+    /// Does a little of it: a message may come.
+    pub(super) fn look_ahead(&mut self, mesh: &mut DomainMesh<'_>) {
+        if !self.created.is_empty() {
+            return self.look_at_created(mesh);
+        }
+        match self.ahead.next.pop() {
+            Some(own) => self.find_ahead(mesh, own),
+            None => self.keys.sift_ahead::<C>(mesh, &mut self.ahead.next),
+        }
+    }
+
+    /// Finds the cavity of a tetrahedron's point, if nothing of it is another worker's or may be
+    /// boundary.
+    fn find_ahead(&mut self, mesh: &mut DomainMesh<'_>, (t, v): (TetId, [VertexId; 4])) {
+        let tets = mesh.inner.tets();
+        if !tets.is_live(t) || tets.vertices(t) != v {
+            return;
+        }
+        let points = v.map(|v| mesh.point(v));
+        let Aim::At { point, carrier, may } = mesh.complex.aim_at_tet(points, 0) else { return };
+        let (start, to) = (bits(&way_start(points)), bits(&point));
+        let WayEnd::At(seed) = walk_way(mesh, (t, None), &start, &to, may) else { return };
+        let Some(cavity) = mesh.cavity_of(seed, &point) else { return };
+        let first = self.ahead.cavities.len();
+        self.ahead.cavities.extend(cavity.tets());
+        let own = &self.ahead.cavities[first..];
+        if !own.contains(&t) || own.iter().any(|&t| is_near(mesh, t)) {
+            return self.ahead.cavities.truncate(first);
+        }
+        let cavity = first..self.ahead.cavities.len();
+        let look = self.keys.look();
+        self.ahead.found.insert(t, Found { v, to, carrier, look, cavity });
+    }
+
+    /// Concludes the first attempt of a tetrahedron's probe with what was found ahead, if that
+    /// still holds.
+    pub(super) fn is_found(
+        &mut self,
+        mesh: &mut DomainMesh<'_>,
+        k: u32,
+        own: (TetId, [VertexId; 4]),
+    ) -> bool {
+        let Some((to, carrier, cavity)) = self.ahead.of::<C>(mesh, &self.keys, own) else {
+            return false;
+        };
+        let (id, probe) = (self.id(k), &mut self.probes[k as usize]);
+        (probe.to, probe.carrier, probe.was_searched) = (to, carrier, true);
+        probe.start = Some(own);
+        let rank = probe.rank;
+        debug_assert!(!C::CHECKS_AHEAD || is_cavity(mesh, &to, cavity));
+        mesh.count_steps(cavity.len() as u64 / 2);
+        self.figures.ahead += 1;
+        self.served.enter_found(id, cavity);
+        self.served.reserve_own(id, (rank, carrier));
+        self.conclude(k, Outcome::Fits(Vec::new()));
+        true
+    }
+}
+
+/// Is this what a search would find?
+fn is_cavity(mesh: &mut DomainMesh<'_>, to: &Bits, tets: &[TetId]) -> bool {
+    let sorted = |mut tets: Vec<TetId>| {
+        tets.sort_unstable();
+        tets
+    };
+    let searched = mesh.cavity_of(tets[0], &to.map(f64::from_bits));
+    searched.map(|cavity| sorted(cavity.tets().collect())) == Some(sorted(tets.to_vec()))
+}
