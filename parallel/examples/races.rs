@@ -69,7 +69,7 @@ impl Follow for Written {
         boundary.for_each(drop);
     }
 
-    fn filled(&self, own: &mut usize, star: &[TetId], view: View<'_>) {
+    fn filled(&self, own: &mut usize, _: usize, star: &[TetId], view: View<'_>) {
         *own += star.iter().filter(|&&t| view.tet(t).is_some()).count();
         star.iter().for_each(|t| self.0[t.index()].store(true, Ordering::Relaxed));
     }

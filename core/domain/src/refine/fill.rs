@@ -3,7 +3,7 @@
 use super::bounds::Bounds;
 use super::carrier::Carrier;
 use super::item::{Item, Work};
-use super::marks::{edge_bit, face_bit};
+use super::marks::{Word, edge_bit, face_bit};
 use super::state::{Place, State};
 use super::table::{edge, triangle};
 use super::thin::ThinTets;
@@ -68,25 +68,51 @@ impl Inserted {
     ) {
         open.end(|state| {
             let p = state.fill(place, self.next_number);
-            state.relabel_walls(&filling.changes);
             self.next_number += 1;
             self.points.count(place.carrier);
-            self.created.clear();
-            self.created.extend_from_slice(state.mesh.cavity().star().tets);
-            if place.carrier != Carrier::Free || !filling.changes.is_empty() {
-                self.update_boundary(state, p, filling, work);
-            }
-            // Labels are inherited; what they have to be is a function of the subfaces alone.
-            debug_assert!(
-                bounds.is_none()
-                    || state.journal.is_some()
-                    || state.is_labelled(self.created.iter().copied()),
-                "the label changes where there is no subface, or not at one"
-            );
-            if let Some(bounds) = bounds {
-                self.put_created(state, bounds, work);
-            }
+            self.follow(state, (p, place.carrier), filling, bounds, work);
         });
+    }
+
+    /// The same with a vertex that was put off.
+    pub(crate) fn fill_vertex<W: Work>(
+        &mut self,
+        open: OpenCavity<'_, State>,
+        (v, carrier): (VertexId, Carrier),
+        filling: &Filling,
+        work: &mut W,
+    ) {
+        open.end(|state| {
+            state.fill_vertex(v);
+            self.follow(state, (v, carrier), filling, None, work);
+        });
+    }
+
+    /// Brings up to date what depends on the star of a new vertex.
+    fn follow<W: Work>(
+        &mut self,
+        state: &mut State,
+        (p, carrier): (VertexId, Carrier),
+        filling: &Filling,
+        bounds: Option<&Bounds<'_>>,
+        work: &mut W,
+    ) {
+        state.relabel_walls(&filling.changes);
+        self.created.clear();
+        self.created.extend_from_slice(state.mesh.cavity().star().tets);
+        if carrier != Carrier::Free || !filling.changes.is_empty() {
+            self.update_boundary(state, p, filling, work);
+        }
+        // Labels are inherited; what they have to be is a function of the subfaces alone.
+        debug_assert!(
+            bounds.is_none()
+                || state.journal.is_some()
+                || state.is_labelled(self.created.iter().copied()),
+            "the label changes where there is no subface, or not at one"
+        );
+        if let Some(bounds) = bounds {
+            self.put_created(state, bounds, work);
+        }
     }
 
     /// Puts the new tetrahedra that are over their bounds; those of a joint step are noted, and
@@ -112,71 +138,73 @@ impl Inserted {
         filling: &Filling,
         work: &mut W,
     ) {
-        let Filling { split, changes, lost } = filling;
-        if let Some((ends, _)) = *split {
-            state.remove_segment(ends);
-        }
-        for s in changes.iter().flat_map(|change| &change.removed) {
-            state.remove_subface(*s);
-        }
-        for item in lost {
-            state.miss(*item, work);
-        }
-        if let Some((ends, s)) = *split {
-            for end in ends {
-                self.add_segment(state, [end, p], s, work);
-            }
-        }
-        for change in changes {
-            for &[a, b] in &change.rim {
-                self.add_subface(state, [p, a, b], change.facet, work);
-            }
+        state.enter_filling(p, filling);
+        let star: Vec<_> = self.created.iter().map(|&t| (t, state.vertices(t))).collect();
+        let mut missed = Vec::new();
+        filling.mark(&star, |t, bits| state.marks.mark(t, bits), &mut missed);
+        for &item in filling.lost.iter().chain(&missed) {
+            state.miss(item, work);
         }
     }
+}
 
-    /// Enters the subsegment from the new vertex `p` to `a`; marks it if the star has it.
-    fn add_segment<W: Work>(&self, state: &mut State, [a, p]: [VertexId; 2], s: u32, work: &mut W) {
-        let key = edge(a, p);
-        state.add_segment(key, s);
-        let mut present = false;
-        for &t in &self.created {
-            let v = state.vertices(t);
-            let Some(slot) = (1..4).find(|&k| v[k] == a) else { continue };
-            present = true;
-            state.marks.set(t, edge_bit(0, slot));
-        }
-        if !present {
-            state.miss(Item::Segment(key), work);
-        }
-    }
-
-    /// Enters the subface from the new vertex `p` to the edge `ab`; marks it if the star has it.
-    fn add_subface<W: Work>(
+impl Filling {
+    /// Marks the new subsegments and subfaces at a star of its vertex, which is the first one of
+    /// each tetrahedron; tells of those that it has not.
+    pub(crate) fn mark(
         &self,
-        state: &mut State,
-        [p, a, b]: [VertexId; 3],
-        f: u32,
-        work: &mut W,
+        star: &[(TetId, [VertexId; 4])],
+        mark: impl Fn(TetId, Word),
+        missed: &mut Vec<Item>,
     ) {
-        let key = triangle(p, a, b);
-        state.add_subface(key, f);
-        let mut present = false;
-        for &t in &self.created {
-            let v = state.vertices(t);
-            let (Some(i), Some(j)) = ((1..4).find(|&k| v[k] == a), (1..4).find(|&k| v[k] == b))
-            else {
-                continue;
-            };
-            present = true;
-            state.marks.set(t, face_bit(6 - i - j));
+        let Some(&(_, [p, ..])) = star.first() else { return };
+        let slot_of = |v: &[VertexId; 4], a| (1..4).find(|&k| v[k] == a);
+        for a in self.split.iter().flat_map(|(ends, _)| *ends) {
+            let mut is_there = false;
+            for (t, v) in star {
+                let Some(slot) = slot_of(v, a) else { continue };
+                is_there = true;
+                mark(*t, edge_bit(0, slot));
+            }
+            if !is_there {
+                missed.push(Item::Segment(edge(a, p)));
+            }
         }
-        if !present {
-            state.miss(Item::Subface(key), work);
+        for &[a, b] in self.changes.iter().flat_map(|change| &change.rim) {
+            let mut is_there = false;
+            for (t, v) in star {
+                let (Some(i), Some(j)) = (slot_of(v, a), slot_of(v, b)) else { continue };
+                is_there = true;
+                mark(*t, face_bit(6 - i - j));
+            }
+            if !is_there {
+                missed.push(Item::Subface(triangle(p, a, b)));
+            }
         }
     }
 }
 
 impl State {
+    /// Takes the items that are gone with a filling by vertex `p` out of the tables, and enters the
+    /// new ones.
+    pub(crate) fn enter_filling(&mut self, p: VertexId, filling: &Filling) {
+        let Filling { split, changes, .. } = filling;
+        if let Some((ends, _)) = *split {
+            self.remove_segment(ends);
+        }
+        for s in changes.iter().flat_map(|change| &change.removed) {
+            self.remove_subface(*s);
+        }
+        if let Some((ends, s)) = *split {
+            ends.into_iter().for_each(|end| self.add_segment(edge(end, p), s));
+        }
+        for change in changes {
+            for &[a, b] in &change.rim {
+                self.add_subface(triangle(p, a, b), change.facet);
+            }
+        }
+    }
+
     /// Fills the open cavity of a free vertex that was put off.
     pub(crate) fn fill_vertex(&mut self, v: VertexId) {
         self.marks.gather(&self.mesh);

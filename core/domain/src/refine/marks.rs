@@ -90,6 +90,11 @@ impl Marks {
     }
 
     pub(crate) fn set(&mut self, t: TetId, bits: Word) {
+        self.mark(t, bits);
+    }
+
+    /// Adds bits to those of a slot, which is the caller's.
+    pub(crate) fn mark(&self, t: TetId, bits: Word) {
         self.words.set(t, self.of(t) | bits);
     }
 

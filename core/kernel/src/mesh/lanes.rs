@@ -33,6 +33,8 @@ pub struct Chosen<'a> {
     pub p: Point,
     /// Its tetrahedra.
     pub cavity: &'a [TetId],
+    /// Is it to be put off if something of its closure was written since they were found?
+    pub is_fixed: bool,
 }
 
 /// The work that the owner of a mesh does in each lane.
@@ -51,8 +53,8 @@ pub trait Follow: Sync {
     /// inside, in the order of the star.
     fn opened(&self, own: &mut Self::Own, boundary: impl Iterator<Item = FaceId>);
 
-    /// It was filled with this star.
-    fn filled(&self, own: &mut Self::Own, star: &[TetId], view: View<'_>);
+    /// That of the k-th point was filled with this star.
+    fn filled(&self, own: &mut Self::Own, k: usize, star: &[TetId], view: View<'_>);
 
     /// The lane has ended.
     fn ended(&self, own: &mut Self::Own, view: View<'_>);
@@ -121,11 +123,11 @@ impl Lane<'_> {
         View { topology, geometry, claims, lane: *own }
     }
 
-    /// Inserts a point as vertex `v`; `false` if it has to be put off.
+    /// Inserts the k-th point as vertex `v`; `false` if it has to be put off.
     #[inline(always)]
     fn insert<F: Follow>(
         &mut self,
-        v: VertexId,
+        (k, v): (usize, VertexId),
         chosen: &Chosen<'_>,
         follow: &F,
         kept: &mut F::Own,
@@ -136,7 +138,11 @@ impl Lane<'_> {
         let mut is_own = |t: TetId, _: Role| claims.ask(t, *own);
         let changed = |t: TetId| follow.changed(t);
         match cavity.reopen(topology, chosen.cavity, &mut conflict, &changed, &mut is_own) {
-            Ok(Some(_)) => {}
+            Ok(Some(is_same)) if is_same || !chosen.is_fixed => {}
+            Ok(Some(_)) => {
+                cavity.set_back(topology);
+                return false;
+            }
             // All of the cavity has changed, or a slot is another lane's, or none is left.
             Ok(None) | Err(Setback::Refused(_) | Setback::Full) => return false,
         }
@@ -145,7 +151,7 @@ impl Lane<'_> {
         *last = Some(cavity.fill(topology, v));
         geometry.created(0, &cavity.star(), &chosen.p);
         geometry.stats.insphere_calls += cavity.tests() as u64;
-        follow.filled(kept, self.memory.cavity.star().tets, self.view());
+        follow.filled(kept, k, self.memory.cavity.star().tets, self.view());
         true
     }
 
@@ -194,7 +200,7 @@ impl Mesh {
     /// Inserts `count` points, of which `chosen` tells the k-th, with public numbers from `number`
     /// on, in as many lanes as there are entries of `kept`; each lane has a contiguous share of
     /// them. Room was made before ([`Mesh::make_room_for`]). All get vertices, from the returned
-    /// one on; those in the list that is returned, too, are in no tetrahedron yet, and have to be
+    /// one on; those in the list that is returned, too, in their order, are in no tetrahedron yet, and have to be
     /// filled in by [`OpenCavity::fill_vertex`].
     ///
     /// # Panics
@@ -250,7 +256,7 @@ impl Mesh {
                 if k + 2 < all.end {
                     own.fetch(&chosen(k + 2), follow);
                 }
-                if !own.insert(vertex(k), &chosen(k), follow, kept) {
+                if !own.insert((k, vertex(k)), &chosen(k), follow, kept) {
                     own.memory.put_off.push(k);
                 }
             }
@@ -306,7 +312,7 @@ mod tests {
             own[0] = boundary.count();
         }
 
-        fn filled(&self, own: &mut [usize; 2], star: &[TetId], view: View<'_>) {
+        fn filled(&self, own: &mut [usize; 2], _: usize, star: &[TetId], view: View<'_>) {
             assert_eq!(star.len(), own[0]);
             own[1] += 1;
             let v = star.iter().map(|&t| view.tet(t).expect("an own slot").vertices()[0]);
@@ -336,7 +342,7 @@ mod tests {
     /// Inserts points in lanes, then those that were put off; returns the number of these.
     fn insert_in_lanes(mesh: &mut Mesh, lanes: &mut Lanes, points: &[Point], many: usize) -> usize {
         let found: Vec<_> = points.iter().map(|p| cavity_of(mesh, p)).collect();
-        let chosen = |k: usize| Chosen { p: points[k], cavity: &found[k] };
+        let chosen = |k: usize| Chosen { p: points[k], cavity: &found[k], is_fixed: false };
         let (follow, mut kept) = (Written::default(), vec![[0; 2]; many]);
         let number = mesh.num_vertices() as Vertex;
         mesh.make_room_for(points.len(), many);
@@ -386,12 +392,39 @@ mod tests {
     }
 
     #[test]
+    fn a_point_that_is_fixed_is_put_off_if_its_closure_has_changed() {
+        let points = generate(PointKind::Uniform, 400, 3);
+        let set = PointSet::new(points[..300].to_vec()).expect("points");
+        for (is_fixed, expected) in [(false, vec![]), (true, vec![1])] {
+            let mut mesh = Builder::new().build(&set).expect("a mesh").mesh;
+            let rest = &points[300..];
+            let found: Vec<_> = rest.iter().map(|p| cavity_of(&mut mesh, p)).collect();
+            // The first one, and another with a part of its cavity, but not all in it.
+            let common = |k: usize| found[k].iter().filter(|t| found[0].contains(t)).count();
+            let is_other = |&k: &usize| (1..found[k].len()).contains(&common(k));
+            let all = [0, (1..rest.len()).find(is_other).expect("a cavity beside the first one")];
+            let chosen = |k: usize| Chosen { p: rest[all[k]], cavity: &found[all[k]], is_fixed };
+            mesh.make_room_for(2, 1);
+            let (mut lanes, follow) = (Lanes::default(), Written::default());
+            let (first, put_off) =
+                mesh.fill_in_lanes(&mut lanes, 300, (2, &chosen), &follow, &mut [[0; 2]]);
+            assert_eq!(put_off, expected);
+            for k in put_off {
+                let from = mesh.hint();
+                let open = mesh.begin(rest[all[k]], from, &mut AdmitAll).expect("a new point");
+                open.fill_vertex(VertexId::at(first.index() + k));
+            }
+            check_all(&mesh).expect("invariants");
+        }
+    }
+
+    #[test]
     fn points_without_free_slots_are_put_off() {
         let points = generate(PointKind::Uniform, 600, 8);
         let set = PointSet::new(points[..300].to_vec()).expect("points");
         let mut mesh = Builder::new().build(&set).expect("a mesh").mesh;
         let found: Vec<_> = points[300..].iter().map(|p| cavity_of(&mut mesh, p)).collect();
-        let chosen = |k: usize| Chosen { p: points[300 + k], cavity: &found[k] };
+        let chosen = |k: usize| Chosen { p: points[300 + k], cavity: &found[k], is_fixed: false };
         // No room is made.
         let (mut lanes, follow) = (Lanes::default(), Written::default());
         let (first, put_off) =
@@ -421,14 +454,14 @@ mod tests {
         // Slots that the small mesh has not, and each of them twice.
         let mut follow = Written::default();
         let slots: Vec<TetId> = TetId::below(large.topology().slots() as u32).rev().collect();
-        let chosen = |k: usize| Chosen { p: points[2200 + k], cavity: &slots };
+        let chosen = |k: usize| Chosen { p: points[2200 + k], cavity: &slots, is_fixed: false };
         let (_, put_off) =
             small.fill_in_lanes(&mut lanes, 200, (9, &chosen), &follow, &mut [[0; 2]; 3]);
         assert_eq!(put_off.len(), 9);
         let (mut small, found) = (built(200), cavity_of(&mut built(200), &points[2300]));
         let twice: Vec<TetId> = found.iter().chain(&found).copied().collect();
         for cavity in [&twice, &found] {
-            let chosen = |_: usize| Chosen { p: points[2300], cavity };
+            let chosen = |_: usize| Chosen { p: points[2300], cavity, is_fixed: false };
             small.make_room_for(1, 4);
             _ = small.fill_in_lanes(&mut lanes, 300, (1, &chosen), &follow, &mut [[0; 2]; 4]);
             follow = Written::default();

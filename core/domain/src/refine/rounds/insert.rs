@@ -9,7 +9,7 @@ use crate::refine::state::{Place, State};
 use crate::refine::verdict::Filling;
 use ltbw_core::order::hilbert;
 use ltbw_core::random::Random;
-use ltbw_core::topology::TetId;
+use ltbw_core::topology::{TetId, VertexId};
 
 /// A round of fewer points is not sorted along a curve.
 const FEW: usize = 16;
@@ -35,16 +35,18 @@ impl Rounds<'_, '_> {
         // The boundary comes first, but in the orders of tests.
         let inner = order.iter().position(|&k| self.is_inner(k)).unwrap_or(order.len());
         let (boundary, tets) = order.split_at(inner);
-        let mut count = self.insert_each(boundary, look)?;
-        if count == boundary.len() {
-            let is_wide = class != Class::Slivers && tets.len() >= MANY && self.may_use_lanes();
-            let apart = tets.iter().all(|&k| self.is_inner(k));
-            count += match is_wide && apart {
+        let mut count = 0;
+        for (list, before) in [(boundary, 0), (tets, boundary.len())] {
+            if count < before {
+                break;
+            }
+            let is_wide = class != Class::Slivers && list.len() >= MANY;
+            count += match is_wide && self.may_use_lanes(list) {
                 true => {
                     self.look_at_created();
-                    self.insert_in_lanes(tets, look)?
+                    self.insert_in_lanes(list, look)?
                 }
-                false => self.insert_each(tets, look)?,
+                false => self.insert_each(list, look)?,
             };
         }
         self.stats.round_points += count as u64;
@@ -55,7 +57,7 @@ impl Rounds<'_, '_> {
     }
 
     /// Is a candidate's item inside?
-    fn is_inner(&self, k: usize) -> bool {
+    pub(super) fn is_inner(&self, k: usize) -> bool {
         matches!(self.candidates[k].item, Item::Tet(..))
     }
 
@@ -86,7 +88,7 @@ impl Rounds<'_, '_> {
                 return Ok(done);
             }
             self.fetch(&order[(done + 1).min(order.len())..]);
-            self.insert_one(order[done])?;
+            self.insert_one(order[done], None)?;
         }
         Ok(order.len())
     }
@@ -113,8 +115,9 @@ impl Rounds<'_, '_> {
     }
 
     /// Inserts candidate `k`: into the cavity that its probe has found, if the round has changed
-    /// nothing there, else into the one that is found now.
-    fn insert_one(&mut self, k: usize) -> Result<(), RefineError> {
+    /// nothing there, else into the one that is found now. Its vertex is `v` if that was made
+    /// before.
+    pub(super) fn insert_one(&mut self, k: usize, v: Option<VertexId>) -> Result<(), RefineError> {
         let last = self.free + self.count;
         let Self { own, candidates, cavities, reserved, nothing, .. } = self;
         let Candidate { item, alone, ref place, ref cavity, ref mut filling, .. } = candidates[k];
@@ -132,7 +135,12 @@ impl Rounds<'_, '_> {
             let seen = RefineError::Invariant { what: "a point on a facet sees its planar cavity" };
             filling = open.owner().filling(item, place).ok_or(seen)?;
         }
-        own.inserted.fill(open, place, &filling, None, nothing);
+        match v {
+            None => own.inserted.fill(open, place, &filling, None, nothing),
+            Some(v) => {
+                own.inserted.fill_vertex(open, (v, place.carrier), &filling, nothing);
+            }
+        }
         self.note_created();
         self.pending.remove(&item);
         self.own.record.limits.remove(&item);

@@ -6,6 +6,7 @@ use super::{Candidate, Look, Rounds};
 use crate::refine::RefineError;
 use crate::refine::bounds::{Bounds, Four, bits};
 use crate::refine::carrier::Carrier;
+use crate::refine::item::Item;
 use crate::refine::key::key_of_tet;
 use crate::refine::marks::{Marks, Word};
 use crate::refine::thin::Thin;
@@ -43,10 +44,17 @@ struct Kept {
     /// angles.
     bad: Vec<Bad>,
     thin: Vec<Thin>,
+    /// Scratch: a star with boundary.
+    star: Vec<(TetId, [VertexId; 4])>,
+    /// Items that should be in a star, but are not.
+    missed: Vec<Item>,
 }
 
 /// Marks, slots written, and keys, which each lane brings up to date.
 struct Update<'u> {
+    candidates: &'u [Candidate],
+    /// The candidates that are inserted.
+    stage: &'u [usize],
     marks: &'u Marks,
     reserved: &'u Words,
     /// The largest entry of slots that were not written in this round.
@@ -149,8 +157,14 @@ impl Follow for Update<'_> {
     }
 
     #[inline(always)]
-    fn filled(&self, own: &mut Kept, star: &[TetId], view: View<'_>) {
+    fn filled(&self, own: &mut Kept, k: usize, star: &[TetId], view: View<'_>) {
         self.marks.pass(&own.inherited, star);
+        let Candidate { place, filling, .. } = &self.candidates[self.stage[k]];
+        if place.carrier != Carrier::Free {
+            own.star.clear();
+            own.star.extend(star.iter().filter_map(|&t| Some((t, view.tet(t)?.vertices()))));
+            filling.mark(&own.star, |t, bits| self.marks.mark(t, bits), &mut own.missed);
+        }
         let written = self.written + own.looks;
         for &t in star {
             if self.reserved.at(t) != written {
@@ -173,15 +187,17 @@ impl Follow for Update<'_> {
 }
 
 impl Rounds<'_, '_> {
-    /// May several threads insert the chosen tetrahedra's points? Not if labels at a patch change:
-    /// they are a function of the mesh as long as one point at a time changes it.
-    pub(super) fn may_use_lanes(&self) -> bool {
+    /// May several threads insert some of the chosen points? Not if labels at a patch change: they
+    /// are a function of the mesh as long as one point at a time changes it.
+    pub(super) fn may_use_lanes(&self, list: &[usize]) -> bool {
         let changes = |&k: &usize| !self.candidates[k].filling.changes.is_empty();
-        self.threads > 1 && self.alone.is_empty() && !self.chosen.iter().any(changes)
+        let changes_patch = self.in_waves && list.iter().any(changes);
+        self.threads > 1 && self.alone.is_empty() && !changes_patch
     }
 
-    /// Inserts candidates of tetrahedra in lanes; returns their number, which is less than all if
-    /// the work is cancelled.
+    /// Inserts candidates in lanes; returns their number, which is less than all if the work is
+    /// cancelled. A point of the boundary is put off if the changes that come with it may be
+    /// others by now.
     ///
     /// # Errors
     /// There is no room for one.
@@ -212,20 +228,35 @@ impl Rounds<'_, '_> {
         let (candidates, cavities) = (&*candidates, &*cavities);
         let chosen = |k: usize| {
             let Candidate { place, cavity, .. } = &candidates[stage[k]];
-            Chosen { p: place.p, cavity: &cavities[cavity.clone()] }
+            let is_fixed = place.carrier != Carrier::Free;
+            Chosen { p: place.p, cavity: &cavities[cavity.clone()], is_fixed }
         };
         // Tetrahedra near small angles that points cannot help are found with the whole mesh.
         let bounds = own.bounds.as_ref().filter(|_| state.angles.is_empty());
         let (marks, looks) = (&state.marks, self.looks);
-        let follow = Update { marks, reserved, last, written, keys, stamps, looks, bounds };
+        let follow = Update {
+            candidates,
+            stage,
+            marks,
+            reserved,
+            last,
+            written,
+            keys,
+            stamps,
+            looks,
+            bounds,
+        };
         let Memory { lanes, kept } = lanes;
         kept.resize_with(kept.len().max(many), Kept::default);
         let all = (count, &chosen);
         let (first, put_off) =
             state.mesh.fill_in_lanes(lanes, inserted.next_number, all, &follow, &mut kept[..many]);
-        state.carriers.resize(state.carriers.len() + count, Carrier::Free);
+        for &k in stage {
+            let carrier = candidates[k].place.carrier;
+            state.carriers.push(carrier);
+            inserted.points.count(carrier);
+        }
         inserted.next_number += count as u32;
-        inserted.points.free += count as u64;
         let looks = kept.iter().map(|own| own.looks).max().unwrap_or(0);
         (self.looks, self.batch) = (self.looks + looks, self.batch + looks);
         let thin = &mut inserted.thin.tets;
@@ -234,27 +265,28 @@ impl Rounds<'_, '_> {
             self.bad.append(&mut own.bad);
             thin.append(&mut own.thin);
             self.created.append(&mut own.created);
+            let missed = std::mem::take(&mut own.missed).into_iter();
+            missed.for_each(|item| state.miss(item, &mut self.nothing));
+        }
+        let vertex = |k: usize| VertexId::at(first.index() + k);
+        let mut others = put_off.iter().peekable();
+        for (k, &own) in stage.iter().enumerate() {
+            if others.next_if_eq(&&k).is_none() && !self.is_inner(own) {
+                self.take_boundary(own, vertex(k));
+            }
         }
         for k in put_off {
-            self.insert_vertex(stage[k], VertexId::at(first.index() + k))?;
+            self.insert_one(stage[k], Some(vertex(k)))?;
         }
         self.look_at_created();
         Ok(())
     }
 
-    /// Inserts the point of candidate `k`, which was put off, as the vertex that it is.
-    fn insert_vertex(&mut self, k: usize, v: VertexId) -> Result<(), RefineError> {
-        let last = self.free + self.count;
-        let Self { own, candidates, cavities, reserved, .. } = self;
-        let Candidate { place, cavity, .. } = &candidates[k];
-        let changed = |t: TetId| reserved.at(t) > last;
-        let open = own.state.begin_again(place, &cavities[cavity.clone()], &changed);
-        let full = |_| RefineError::Invariant { what: "chosen points are new" };
-        open.map_err(full)?.0.end(|state| state.fill_vertex(v));
-        let created = &mut own.inserted.created;
-        created.clear();
-        created.extend_from_slice(own.state.mesh.cavity().star().tets);
-        self.note_created();
-        Ok(())
+    /// Brings tables up to date after the insertion of a boundary candidate's point.
+    fn take_boundary(&mut self, k: usize, v: VertexId) {
+        let Candidate { item, ref filling, .. } = self.candidates[k];
+        self.own.state.enter_filling(v, filling);
+        self.pending.remove(&item);
+        self.own.record.limits.remove(&item);
     }
 }
