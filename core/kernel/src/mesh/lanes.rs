@@ -155,6 +155,21 @@ impl Lane<'_> {
         true
     }
 
+    /// The same of what the next insertion goes on with: what is around the cavity, which is in the
+    /// cache by now. Its slots are asked for, as they are to be looked at.
+    fn fetch_around(&self, next: &Chosen<'_>, follow: &impl Follow) {
+        for &t in next.cavity {
+            if !self.claims.ask(t, self.own) {
+                return;
+            }
+            for beside in self.topology.tet(t).neighbours().map(tet_of) {
+                self.topology.prefetch(beside);
+                self.claims.prefetch(beside);
+                follow.fetch(beside);
+            }
+        }
+    }
+
     /// Asks the processor to fetch what a later insertion begins with. A hint.
     fn fetch(&self, next: &Chosen<'_>, follow: &impl Follow) {
         for &t in next.cavity {
@@ -255,6 +270,9 @@ impl Mesh {
             for k in all.clone() {
                 if k + 2 < all.end {
                     own.fetch(&chosen(k + 2), follow);
+                }
+                if k + 1 < all.end {
+                    own.fetch_around(&chosen(k + 1), follow);
                 }
                 if !own.insert((k, vertex(k)), &chosen(k), follow, kept) {
                     own.memory.put_off.push(k);

@@ -6,9 +6,7 @@
 //! items alone. So the choice takes a cavity only if nothing of its closure was written since
 //! (R27): then it is what a search would find, as are the aim and the way to it.
 
-use super::candidate::Outcome;
 use super::keys::Keys;
-use super::serve::is_near;
 use super::source::{Rounds, Stage};
 use super::way::{WayEnd, walk_way};
 use crate::protocol::{Rules, Standing};
@@ -18,6 +16,9 @@ use ltbw_core::topology::{TetId, VertexId};
 use ltbw_domain::refine::{Aim, Carrier, way_start};
 use rustc_hash::FxHashMap;
 use std::ops::Range;
+
+/// New tetrahedra that are looked at in one step, while others are waited for.
+const FEW: usize = 32;
 
 /// The cavities found ahead.
 #[derive(Debug, Default)]
@@ -78,7 +79,7 @@ impl<C: Rules> Rounds<C> {
     /// Does a little of it: a message may come.
     pub(super) fn look_ahead(&mut self, mesh: &mut DomainMesh<'_>) {
         if !self.created.is_empty() {
-            return self.look_at_created(mesh);
+            return self.look_at_created(mesh, FEW);
         }
         match self.ahead.next.pop() {
             Some(own) => self.find_ahead(mesh, own),
@@ -86,8 +87,7 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
-    /// Finds the cavity of a tetrahedron's point, if nothing of it is another worker's or may be
-    /// boundary.
+    /// Finds the cavity of a tetrahedron's point, if nothing of its closure is another worker's.
     fn find_ahead(&mut self, mesh: &mut DomainMesh<'_>, (t, v): (TetId, [VertexId; 4])) {
         let tets = mesh.inner.tets();
         if !tets.is_live(t) || tets.vertices(t) != v {
@@ -100,36 +100,27 @@ impl<C: Rules> Rounds<C> {
         let Some(cavity) = mesh.cavity_of(seed, &point) else { return };
         let first = self.ahead.cavities.len();
         self.ahead.cavities.extend(cavity.tets());
-        let own = &self.ahead.cavities[first..];
-        if !own.contains(&t) || own.iter().any(|&t| is_near(mesh, t)) {
-            return self.ahead.cavities.truncate(first);
-        }
         let cavity = first..self.ahead.cavities.len();
         let look = self.keys.look();
         self.ahead.found.insert(t, Found { v, to, carrier, look, cavity });
     }
 
-    /// Concludes the first attempt of a tetrahedron's probe with what was found ahead, if that
-    /// still holds.
+    /// Enters the aim and the cavity of the first probe for a tetrahedron as they were found ahead;
+    /// `false` if they were not, or do not hold any more.
     pub(super) fn is_found(
         &mut self,
         mesh: &mut DomainMesh<'_>,
         k: u32,
         own: (TetId, [VertexId; 4]),
     ) -> bool {
-        let Some((to, carrier, cavity)) = self.ahead.of::<C>(mesh, &self.keys, own) else {
-            return false;
-        };
-        let (id, probe) = (self.id(k), &mut self.probes[k as usize]);
-        (probe.to, probe.carrier, probe.was_searched) = (to, carrier, true);
-        probe.start = Some(own);
-        let rank = probe.rank;
+        let found = self.ahead.of::<C>(mesh, &self.keys, own);
+        let Some((to, carrier, cavity)) = found else { return false };
         debug_assert!(!C::CHECKS_AHEAD || is_cavity(mesh, &to, cavity));
         mesh.count_steps(cavity.len() as u64 / 2);
+        self.served.enter_found(self.id(k), cavity);
         self.figures.ahead += 1;
-        self.served.enter_found(id, cavity);
-        self.served.reserve_own(id, (rank, carrier));
-        self.conclude(k, Outcome::Fits(Vec::new()));
+        let probe = &mut self.probes[k as usize];
+        (probe.to, probe.carrier, probe.open) = (to, carrier, 1);
         true
     }
 }

@@ -36,7 +36,8 @@ impl<C: Rules> Rounds<C> {
             && attempt == 0
             && self.is_found(mesh, k, (t, v))
         {
-            return;
+            let nothing = (PartEnd::Found, WireClosure::default(), Vec::new());
+            return self.take_part(mesh, directory, self.me, k, nothing);
         }
         let what = &self.probes[k as usize].what;
         let aim = match what {
@@ -110,7 +111,7 @@ impl<C: Rules> Rounds<C> {
         self.conclude(k, outcome);
     }
 
-    pub(super) fn conclude(&mut self, k: u32, outcome: Outcome) {
+    fn conclude(&mut self, k: u32, outcome: Outcome) {
         self.probes[k as usize].outcome = outcome;
         self.open -= 1;
     }

@@ -357,7 +357,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             Stage::Exchanging(second) if self.awaited.is_empty() => {
                 self.end_exchange(mesh, directory, second);
             }
-            Stage::Inserting if self.created.len() >= LOOK => self.look_at_created(mesh),
+            Stage::Inserting if self.created.len() >= LOOK => self.look_at_created(mesh, LOOK),
             Stage::Choosing if !self.to_launch.is_empty() => {
                 for _ in 0..TOGETHER {
                     let Some(k) = self.to_launch.pop_front() else { break };

@@ -46,16 +46,17 @@ fn along_curve(places: impl Iterator<Item = Point>) -> impl Iterator<Item = usiz
 }
 
 impl<C: Rules> Rounds<C> {
-    /// Looks at the tetrahedra made since the last look.
-    pub(super) fn look_at_created(&mut self, mesh: &mut DomainMesh<'_>) {
-        self.keys.look_at::<C>(mesh, &self.created);
-        mesh.count_looks(self.created.len() as u64);
-        self.created.clear();
+    /// Looks at some of the tetrahedra made since the last look, at most so many.
+    pub(super) fn look_at_created(&mut self, mesh: &mut DomainMesh<'_>, most: usize) {
+        let first = self.created.len().saturating_sub(most);
+        self.keys.look_at::<C>(mesh, &self.created[first..]);
+        mesh.count_looks((self.created.len() - first) as u64);
+        self.created.truncate(first);
     }
 
     /// Looks at the new tetrahedra; the first exchange begins.
     pub(super) fn look(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory) {
-        self.look_at_created(mesh);
+        self.look_at_created(mesh, usize::MAX);
         self.keys.start(mesh);
         mesh.count_steps(self.keys.news() as u64 / 8);
         self.served.clear(mesh);
