@@ -108,6 +108,7 @@ impl Rounds<'_, '_> {
         if let Some(&k) = next.first() {
             for &t in cavity(k) {
                 for beside in self.neighbours(t) {
+                    state.mesh.prefetch(beside);
                     self.reserved.prefetch(beside);
                 }
             }
