@@ -95,7 +95,11 @@ fn lanes(points: usize) -> Result<u32, Failure> {
             }
             let slots = mesh.make_room_for(list.len(), many);
             let follow = Written((0..slots).map(|_| AtomicBool::new(false)).collect());
-            let chosen = |k: usize| Chosen { p: list[k], cavity: &cavities[k] };
+            let chosen = |k: usize| Chosen {
+                p: list[k],
+                cavity: &cavities[k],
+                is_fixed: k.is_multiple_of(3),
+            };
             let (number, all) = (mesh.num_vertices() as u32, (list.len(), &chosen));
             let mut own = vec![0; many];
             let (first, put_off) = mesh.fill_in_lanes(&mut memory, number, all, &follow, &mut own);
