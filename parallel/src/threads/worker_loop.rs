@@ -201,12 +201,17 @@ where
             if !self.node.has_work() {
                 break;
             }
-            if self.node.has_thoughts() {
+            let thinks = self.node.has_thoughts();
+            if thinks {
                 // They may take long: nobody is to wait for what was sent.
                 self.way.flush();
             }
             self.step(Event::Work);
             worked = true;
+            // A message may have come meanwhile.
+            if thinks {
+                break;
+            }
         }
         worked
     }

@@ -205,7 +205,7 @@ impl State {
         }
     }
 
-    /// Fills the open cavity of a free vertex that was put off.
+    /// Fills the open cavity of a vertex that was put off.
     pub(crate) fn fill_vertex(&mut self, v: VertexId) {
         self.marks.gather(&self.mesh);
         OpenCavity::new(&mut self.mesh).fill_vertex(v);

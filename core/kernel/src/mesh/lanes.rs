@@ -158,25 +158,21 @@ impl Lane<'_> {
     /// The same of what the next insertion goes on with: what is around the cavity, which is in the
     /// cache by now. Its slots are asked for, as they are to be looked at.
     fn fetch_around(&self, next: &Chosen<'_>, follow: &impl Follow) {
-        for &t in next.cavity {
-            if !self.claims.ask(t, self.own) {
-                return;
-            }
-            for beside in self.topology.tet(t).neighbours().map(tet_of) {
-                self.topology.prefetch(beside);
-                self.claims.prefetch(beside);
-                follow.fetch(beside);
-            }
+        for &t in next.cavity.iter().take_while(|&&t| self.claims.ask(t, self.own)) {
+            let around = self.topology.tet(t).neighbours();
+            around.into_iter().for_each(|face| self.fetch_slot(tet_of(face), follow));
         }
     }
 
     /// Asks the processor to fetch what a later insertion begins with. A hint.
     fn fetch(&self, next: &Chosen<'_>, follow: &impl Follow) {
-        for &t in next.cavity {
-            self.topology.prefetch(t);
-            self.claims.prefetch(t);
-            follow.fetch(t);
-        }
+        next.cavity.iter().for_each(|&t| self.fetch_slot(t, follow));
+    }
+
+    fn fetch_slot(&self, t: TetId, follow: &impl Follow) {
+        self.topology.prefetch(t);
+        self.claims.prefetch(t);
+        follow.fetch(t);
     }
 }
 
@@ -215,8 +211,8 @@ impl Mesh {
     /// Inserts `count` points, of which `chosen` tells the k-th, with public numbers from `number`
     /// on, in as many lanes as there are entries of `kept`; each lane has a contiguous share of
     /// them. Room was made before ([`Mesh::make_room_for`]). All get vertices, from the returned
-    /// one on; those in the list that is returned, too, in their order, are in no tetrahedron yet, and have to be
-    /// filled in by [`OpenCavity::fill_vertex`].
+    /// one on; those in the list that is returned, too, in their order, are in no tetrahedron yet,
+    /// and have to be filled in by [`OpenCavity::fill_vertex`].
     ///
     /// # Panics
     /// If `follow` does. The mesh has vertices without tetrahedra then, and is to be dropped.
@@ -268,12 +264,9 @@ impl Mesh {
         side_by_side(work.iter_mut().zip(kept), |lane, (own, kept)| {
             let all = share(lane);
             for k in all.clone() {
-                if k + 2 < all.end {
-                    own.fetch(&chosen(k + 2), follow);
-                }
-                if k + 1 < all.end {
-                    own.fetch_around(&chosen(k + 1), follow);
-                }
+                let later = |n: usize| Some(k + n).filter(|&k| k < all.end).map(chosen);
+                later(2).into_iter().for_each(|next| own.fetch(&next, follow));
+                later(1).into_iter().for_each(|next| own.fetch_around(&next, follow));
                 if !own.insert((k, vertex(k)), &chosen(k), follow, kept) {
                     own.memory.put_off.push(k);
                 }

@@ -6,62 +6,16 @@
 //! items alone. So the choice takes a cavity only if nothing of its closure was written since
 //! (R27): then it is what a search would find, as are the aim and the way to it.
 
-use super::keys::Keys;
+use super::found::Own;
 use super::source::{Rounds, Stage};
 use super::way::{WayEnd, walk_way};
 use crate::protocol::{Rules, Standing};
 use crate::refining::domain::DomainMesh;
-use crate::refining::news::{Bits, bits};
-use ltbw_core::topology::{TetId, VertexId};
-use ltbw_domain::refine::{Aim, Carrier, way_start};
-use rustc_hash::FxHashMap;
-use std::ops::Range;
+use crate::refining::news::bits;
+use ltbw_domain::refine::{Aim, way_start};
 
 /// New tetrahedra that are looked at in one step, while others are waited for.
 const FEW: usize = 32;
-
-/// The cavities found ahead.
-#[derive(Debug, Default)]
-pub(super) struct Ahead {
-    /// The tetrahedra whose cavities are to be found, and their vertices.
-    pub(super) next: Vec<(TetId, [VertexId; 4])>,
-    found: FxHashMap<TetId, Found>,
-    cavities: Vec<TetId>,
-}
-
-/// The point of a tetrahedron, and its cavity as of a look.
-#[derive(Debug)]
-struct Found {
-    v: [VertexId; 4],
-    to: Bits,
-    carrier: Carrier,
-    look: u32,
-    cavity: Range<usize>,
-}
-
-impl Ahead {
-    /// Forgets what was found.
-    pub(super) fn clear(&mut self) {
-        self.next.clear();
-        self.found.clear();
-        self.cavities.clear();
-    }
-
-    /// The point of a tetrahedron with these vertices, and its cavity, if both are as a search
-    /// would find them now.
-    fn of<C: Rules>(
-        &self,
-        mesh: &DomainMesh<'_>,
-        keys: &Keys,
-        (t, v): (TetId, [VertexId; 4]),
-    ) -> Option<(Bits, Carrier, &[TetId])> {
-        let found = self.found.get(&t).filter(|found| found.v == v)?;
-        let cavity = &self.cavities[found.cavity.clone()];
-        // R27.
-        let stands = !C::CHECKS_AHEAD || keys.are_unchanged(mesh, cavity, found.look);
-        stands.then_some((found.to, found.carrier, cavity))
-    }
-}
 
 impl<C: Rules> Rounds<C> {
     /// Is there something to do ahead while others are waited for?
@@ -88,7 +42,7 @@ impl<C: Rules> Rounds<C> {
     }
 
     /// Finds the cavity of a tetrahedron's point, if nothing of its closure is another worker's.
-    fn find_ahead(&mut self, mesh: &mut DomainMesh<'_>, (t, v): (TetId, [VertexId; 4])) {
+    fn find_ahead(&mut self, mesh: &mut DomainMesh<'_>, (t, v): Own) {
         let tets = mesh.inner.tets();
         if !tets.is_live(t) || tets.vertices(t) != v {
             return;
@@ -98,39 +52,18 @@ impl<C: Rules> Rounds<C> {
         let (start, to) = (bits(&way_start(points)), bits(&point));
         let WayEnd::At(seed) = walk_way(mesh, (t, None), &start, &to, may) else { return };
         let Some(cavity) = mesh.cavity_of(seed, &point) else { return };
-        let first = self.ahead.cavities.len();
-        self.ahead.cavities.extend(cavity.tets());
-        let cavity = first..self.ahead.cavities.len();
-        let look = self.keys.look();
-        self.ahead.found.insert(t, Found { v, to, carrier, look, cavity });
+        self.ahead.enter((t, v), (to, carrier), self.keys.look(), cavity.tets());
     }
 
     /// Enters the aim and the cavity of the first probe for a tetrahedron as they were found ahead;
     /// `false` if they were not, or do not hold any more.
-    pub(super) fn is_found(
-        &mut self,
-        mesh: &mut DomainMesh<'_>,
-        k: u32,
-        own: (TetId, [VertexId; 4]),
-    ) -> bool {
+    pub(super) fn take_found(&mut self, mesh: &mut DomainMesh<'_>, k: u32, own: Own) -> bool {
         let found = self.ahead.of::<C>(mesh, &self.keys, own);
         let Some((to, carrier, cavity)) = found else { return false };
-        debug_assert!(!C::CHECKS_AHEAD || is_cavity(mesh, &to, cavity));
         mesh.count_steps(cavity.len() as u64 / 2);
         self.served.enter_found(self.id(k), cavity);
-        self.figures.ahead += 1;
         let probe = &mut self.probes[k as usize];
-        (probe.to, probe.carrier, probe.open) = (to, carrier, 1);
+        (probe.to, probe.carrier, probe.open, probe.is_ahead) = (to, carrier, 1, true);
         true
     }
-}
-
-/// Is this what a search would find?
-fn is_cavity(mesh: &mut DomainMesh<'_>, to: &Bits, tets: &[TetId]) -> bool {
-    let sorted = |mut tets: Vec<TetId>| {
-        tets.sort_unstable();
-        tets
-    };
-    let searched = mesh.cavity_of(tets[0], &to.map(f64::from_bits));
-    searched.map(|cavity| sorted(cavity.tets().collect())) == Some(sorted(tets.to_vec()))
 }

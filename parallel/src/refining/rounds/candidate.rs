@@ -72,6 +72,8 @@ pub(super) struct Probe {
     pub(super) open: u32,
     /// Its closure was searched.
     pub(super) was_searched: bool,
+    /// Its cavity was found ahead.
+    pub(super) is_ahead: bool,
     /// The news of others about its closure.
     pub(super) told: Option<Box<Told>>,
     /// Its closure, as far as it is known. This worker's own part is added where it matters.
@@ -97,6 +99,7 @@ impl Probe {
             may: false,
             open: 0,
             was_searched: false,
+            is_ahead: false,
             told: None,
             closure: None,
             outcome: Outcome::Open,

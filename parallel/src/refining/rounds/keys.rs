@@ -10,11 +10,12 @@
 //!
 //! Witnesses are remembered from round to round, as by the engine with one mesh (`sift`).
 
+use super::ranked::{RankedHere, places_of, rank_of};
 use crate::protocol::{BlockId, Directory, Handle, Name, Rules, Submesh, WorkerId};
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{Point, expect, prefetch};
-use ltbw_domain::refine::{Bad, Rank, Ranked, sift, witness};
+use ltbw_domain::refine::{Bad, Rank, Ranked, sift};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
@@ -70,7 +71,7 @@ pub(super) struct Keys {
     /// Looks so far, of which a round may have several.
     look: u32,
     bad: Vec<Bad>,
-    /// Entries that are gone: those before were sifted ahead.
+    /// Entries to be forgotten: those before were sifted ahead, though some may be old by now.
     hole: Range<usize>,
     /// Does the mesh note which interface faces change?
     is_watching: bool,
@@ -92,21 +93,6 @@ const SIFTED: usize = 256;
 
 /// A tetrahedron is among those touched.
 const TOUCHED: u8 = 1 << 7;
-
-/// The places by which a tetrahedron with these corners is ranked.
-#[inline(always)]
-fn places_of<C: Rules>(mesh: &DomainMesh<'_>, corners: [VertexId; 4]) -> [Point; 4] {
-    // R22.
-    match C::RANKS_BY_PLACE {
-        true => corners.map(|v| mesh.point(v)),
-        false => corners.map(|v| [f64::from(v.number()), 0.0, 0.0]),
-    }
-}
-
-/// The rank of a tetrahedron with these corners.
-fn rank_of<C: Rules>(mesh: &DomainMesh<'_>, corners: [VertexId; 4]) -> Rank {
-    Rank::of_tet(places_of::<C>(mesh, corners))
-}
 
 impl Keys {
     /// Takes memory for about this many tetrahedra. A hint.
@@ -262,8 +248,7 @@ impl Keys {
 
     /// The rank of a tetrahedron over its bounds.
     pub(super) fn rank<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId) -> Option<Rank> {
-        let is_over = self.keys[t.index()] != 0;
-        is_over.then(|| rank_of::<C>(mesh, mesh.inner.tets().vertices(t)))
+        self.ranked::<C>(mesh).rank(t)
     }
 
     /// The tetrahedron over its bounds in slot `t`.
@@ -443,7 +428,7 @@ impl Keys {
 
     /// The tetrahedra here, by their ranks.
     fn ranked<'k, 'c, C: Rules>(&'k self, mesh: &'k DomainMesh<'c>) -> RankedHere<'k, 'c, C> {
-        RankedHere { keys: self, mesh, rules: PhantomData }
+        RankedHere { keys: &self.keys, stamps: &self.stamps, mesh, rules: PhantomData }
     }
 
     /// Has it or a neighbour an interface face? Of most neither has.
@@ -470,54 +455,5 @@ impl Keys {
             tets.neighbours(n).into_iter().for_each(|face| meet(self.heard(mesh, 0, tet_of(face))));
         }
         best.is_some_and(|best| self.rank::<C>(mesh, t).is_some_and(|own| best < own))
-    }
-}
-
-/// A worker's tetrahedra by their ranks. Others' count for nothing.
-struct RankedHere<'k, 'c, C> {
-    keys: &'k Keys,
-    mesh: &'k DomainMesh<'c>,
-    rules: PhantomData<C>,
-}
-
-impl<C: Rules> RankedHere<'_, '_, C> {
-    /// Does one tetrahedron come before another one with the same key?
-    #[cold]
-    #[inline(never)]
-    fn is_first_by_place(&self, one: TetId, other: TetId) -> bool {
-        self.keys.rank::<C>(self.mesh, one) < self.keys.rank::<C>(self.mesh, other)
-    }
-}
-
-impl<C: Rules> Ranked for RankedHere<'_, '_, C> {
-    #[inline(always)]
-    fn stamp(&self, t: TetId) -> u32 {
-        self.keys.stamps[t.index()]
-    }
-
-    #[inline(always)]
-    fn neighbours(&self, t: TetId) -> [TetId; 4] {
-        self.mesh.inner.tets().neighbours(t).map(tet_of)
-    }
-
-    #[inline(always)]
-    fn prefetch(&self, t: TetId) {
-        self.mesh.inner.tets().topology().prefetch(t);
-        prefetch(self.keys.keys.as_ptr().wrapping_add(t.index()));
-    }
-
-    #[inline(always)]
-    fn one_before(&self, t: TetId) -> Option<[TetId; 2]> {
-        let (keys, key) = (&self.keys.keys, self.keys.keys[t.index()]);
-        // The slot of a far face has no key, or while points are inserted one of before: a witness
-        // that `start` forgets.
-        let is_before = |&one: &TetId| {
-            let other = keys[one.index()];
-            // R26.
-            (other > key && (C::BREAKS_TIES || !Rank::is_tie(other, key)))
-                || other == key && one != t && self.is_first_by_place(one, t)
-        };
-        let around = |way: TetId| self.mesh.inner.tets().is_live(way).then(|| self.neighbours(way));
-        witness(t, self.neighbours(t), around, is_before)
     }
 }

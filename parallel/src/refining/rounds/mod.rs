@@ -19,10 +19,10 @@
 //! | `source` | what a worker knows and is told |
 //! | `stages` | the stages of a round |
 //! | `tree` | barriers with sums |
-//! | `keys` | which tetrahedra come before all around them |
+//! | `keys`, `ranked` | which tetrahedra come before all around them |
 //! | `candidate` | probes and candidates as values |
 //! | `probe` | the home's side of the choice: probes and what comes of them |
-//! | `ahead` | cavities found while others are waited for |
+//! | `ahead`, `found` | cavities found while others are waited for |
 //! | `decide` | who is chosen |
 //! | `serve` | the owner's side |
 //! | `reserved` | who has reserved what |
@@ -31,8 +31,10 @@
 mod ahead;
 mod candidate;
 mod decide;
+mod found;
 mod keys;
 mod probe;
+mod ranked;
 mod reserved;
 mod serve;
 mod source;

@@ -34,7 +34,7 @@ impl<C: Rules> Rounds<C> {
         let &Probe { ref what, attempt, .. } = &self.probes[k as usize];
         if let &What::Tet(t, v) = what
             && attempt == 0
-            && self.is_found(mesh, k, (t, v))
+            && self.take_found(mesh, k, (t, v))
         {
             let nothing = (PartEnd::Found, WireClosure::default(), Vec::new());
             return self.take_part(mesh, directory, self.me, k, nothing);

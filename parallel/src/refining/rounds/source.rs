@@ -1,7 +1,7 @@
 //! One worker's part in the rounds: what it knows, what it is told, and the points that it gives.
 
-use super::ahead::Ahead;
 use super::candidate::{ChosenPoint, Probe, Spare};
+use super::found::Ahead;
 use super::keys::{Keys, KeysTold};
 use super::serve::Served;
 use super::tree::Tree;
@@ -116,7 +116,7 @@ pub struct Rounds<C = Correct> {
     pub(super) foremost: Option<i64>,
     /// Does it split boundary items?
     pub(super) has_boundary: bool,
-    /// What was found for the next choice.
+    /// Cavities found for the next choice.
     pub(super) ahead: Ahead,
     pub(super) served: Served,
     pub(super) probes: Vec<Probe>,
@@ -270,6 +270,11 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
+    /// Are there many new tetrahedra to look at? One that waits for others looks at few at a time.
+    fn has_many_created(&self) -> bool {
+        self.created.len() >= LOOK && !self.tree.has_put()
+    }
+
     /// The number of a point among those chosen in this round; others have numbers beyond.
     fn number(&self, point: &DomainPoint) -> usize {
         point.name().wrapping_sub(self.first) as usize
@@ -342,7 +347,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             Stage::Looking => true,
             Stage::Exchanging(_) if self.awaited.is_empty() => true,
             Stage::Choosing if !self.to_launch.is_empty() => true,
-            Stage::Inserting if self.created.len() >= LOOK => true,
+            Stage::Inserting if self.has_many_created() => true,
             _ if !self.tree.has_put() && self.is_ready_for_barrier(standing) => true,
             _ => self.looks_ahead(standing),
         }
@@ -357,7 +362,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             Stage::Exchanging(second) if self.awaited.is_empty() => {
                 self.end_exchange(mesh, directory, second);
             }
-            Stage::Inserting if self.created.len() >= LOOK => self.look_at_created(mesh, LOOK),
+            Stage::Inserting if self.has_many_created() => self.look_at_created(mesh, LOOK),
             Stage::Choosing if !self.to_launch.is_empty() => {
                 for _ in 0..TOGETHER {
                     let Some(k) = self.to_launch.pop_front() else { break };

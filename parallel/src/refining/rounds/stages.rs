@@ -46,7 +46,7 @@ fn along_curve(places: impl Iterator<Item = Point>) -> impl Iterator<Item = usiz
 }
 
 impl<C: Rules> Rounds<C> {
-    /// Looks at some of the tetrahedra made since the last look, at most so many.
+    /// Looks at some of the tetrahedra made since the last look, `most` of them at most.
     pub(super) fn look_at_created(&mut self, mesh: &mut DomainMesh<'_>, most: usize) {
         let first = self.created.len().saturating_sub(most);
         self.keys.look_at::<C>(mesh, &self.created[first..]);
@@ -254,8 +254,10 @@ impl<C: Rules> Rounds<C> {
     /// If all is decided, insertion begins.
     pub(super) fn end_decisions(&mut self) {
         if self.stage == Stage::Deciding && self.open == 0 {
-            self.figures.searches +=
-                self.probes.iter().filter(|probe| probe.was_searched).count() as u64;
+            for probe in self.probes.iter().filter(|probe| probe.was_searched) {
+                self.figures.searches += 1;
+                self.figures.ahead += u64::from(probe.is_ahead);
+            }
             self.starts.clear();
             self.starts.extend(self.chosen.iter().map(|own| own.start));
             if self.foremost.is_some() {

@@ -37,7 +37,7 @@ impl Rounds<'_, '_> {
         let (boundary, tets) = order.split_at(inner);
         let mut count = 0;
         for (list, before) in [(boundary, 0), (tets, boundary.len())] {
-            if count < before {
+            if count < before || before > 0 && look(self.own.state.mesh.num_vertices()) {
                 break;
             }
             let is_wide = class != Class::Slivers && list.len() >= MANY;

@@ -92,8 +92,8 @@ impl Update<'_> {
         }
     }
 
-    /// Finds those of some tetrahedra that are over their bounds, and gives their slots keys. The
-    /// first vertex of each is free, so none lies between the triangles of a patch.
+    /// Finds those of some tetrahedra that are over their bounds, and gives their slots keys. None
+    /// lies between the triangles of a patch: points that change one go in no lane.
     fn find_bad(
         &self,
         tets: &[TetId],
@@ -259,14 +259,13 @@ impl Rounds<'_, '_> {
         inserted.next_number += count as u32;
         let looks = kept.iter().map(|own| own.looks).max().unwrap_or(0);
         (self.looks, self.batch) = (self.looks + looks, self.batch + looks);
-        let thin = &mut inserted.thin.tets;
+        let (thin, mut missed) = (&mut inserted.thin.tets, Vec::new());
         for own in kept {
             own.looks = 0;
             self.bad.append(&mut own.bad);
             thin.append(&mut own.thin);
             self.created.append(&mut own.created);
-            let missed = std::mem::take(&mut own.missed).into_iter();
-            missed.for_each(|item| state.miss(item, &mut self.nothing));
+            missed.append(&mut own.missed);
         }
         let vertex = |k: usize| VertexId::at(first.index() + k);
         let mut others = put_off.iter().peekable();
@@ -275,6 +274,7 @@ impl Rounds<'_, '_> {
                 self.take_boundary(own, vertex(k));
             }
         }
+        missed.into_iter().for_each(|item| self.own.state.miss(item, &mut self.nothing));
         for k in put_off {
             self.insert_one(stage[k], Some(vertex(k)))?;
         }
@@ -285,6 +285,7 @@ impl Rounds<'_, '_> {
     /// Brings tables up to date after the insertion of a boundary candidate's point.
     fn take_boundary(&mut self, k: usize, v: VertexId) {
         let Candidate { item, ref filling, .. } = self.candidates[k];
+        debug_assert!(filling.lost.is_empty());
         self.own.state.enter_filling(v, filling);
         self.pending.remove(&item);
         self.own.record.limits.remove(&item);
