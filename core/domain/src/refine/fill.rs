@@ -141,7 +141,7 @@ impl Inserted {
         state.enter_filling(p, filling);
         let star: Vec<_> = self.created.iter().map(|&t| (t, state.vertices(t))).collect();
         let mut missed = Vec::new();
-        filling.mark(&star, |t, bits| state.marks.mark(t, bits), &mut missed);
+        filling.mark(&star, |t, bits| state.marks.set(t, bits), &mut missed);
         for &item in filling.lost.iter().chain(&missed) {
             state.miss(item, work);
         }

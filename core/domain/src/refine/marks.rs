@@ -89,12 +89,8 @@ impl Marks {
         self.words.prefetch(t);
     }
 
-    pub(crate) fn set(&mut self, t: TetId, bits: Word) {
-        self.mark(t, bits);
-    }
-
     /// Adds bits to those of a slot, which is the caller's.
-    pub(crate) fn mark(&self, t: TetId, bits: Word) {
+    pub(crate) fn set(&self, t: TetId, bits: Word) {
         self.words.set(t, self.of(t) | bits);
     }
 

@@ -61,7 +61,7 @@ impl<C: Rules> Rounds<C> {
         let found = self.ahead.of::<C>(mesh, &self.keys, own);
         let Some((to, carrier, cavity)) = found else { return false };
         mesh.count_steps(cavity.len() as u64 / 2);
-        self.served.enter_found(self.id(k), cavity);
+        self.served.enter_found(self.id(k), cavity.iter().copied());
         let probe = &mut self.probes[k as usize];
         (probe.to, probe.carrier, probe.open, probe.is_ahead) = (to, carrier, 1, true);
         true

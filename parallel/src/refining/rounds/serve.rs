@@ -145,15 +145,12 @@ impl Served {
             return false;
         }
         let Some(cavity) = mesh.cavity_of(seed, &point(&own.to)) else { return false };
-        let first = self.cavities.len();
-        self.cavities.extend(cavity.tets());
-        let inside = first..self.cavities.len();
-        self.own_part(own.probe.number).inside = inside;
+        self.enter_found(own.probe, cavity.tets());
         true
     }
 
-    /// Enters the whole cavity of an own probe, found before.
-    pub(super) fn enter_found(&mut self, probe: ProbeId, cavity: &[TetId]) {
+    /// Enters the whole cavity of an own probe.
+    pub(super) fn enter_found(&mut self, probe: ProbeId, cavity: impl Iterator<Item = TetId>) {
         let first = self.cavities.len();
         self.cavities.extend(cavity);
         let inside = first..self.cavities.len();

@@ -163,7 +163,7 @@ impl Follow for Update<'_> {
         if place.carrier != Carrier::Free {
             own.star.clear();
             own.star.extend(star.iter().filter_map(|&t| Some((t, view.tet(t)?.vertices()))));
-            filling.mark(&own.star, |t, bits| self.marks.mark(t, bits), &mut own.missed);
+            filling.mark(&own.star, |t, bits| self.marks.set(t, bits), &mut own.missed);
         }
         let written = self.written + own.looks;
         for &t in star {
