@@ -35,21 +35,6 @@ pub struct Closure {
     /// the point. One with fewer than two corners on the boundary (of a
     /// boundary item: with none) may have none here.
     pub tets: Vec<([u32; 4], bool)>,
-    /// Of the first of these, which are all that are in conflict: the places here of those beyond
-    /// their faces, by the slot opposite. Then others need corners only beyond faces that may be
-    /// subfaces, those of three corners on the boundary, and may have none at all else. Of none, if
-    /// that is not known.
-    pub beyond: Vec<[u32; 4]>,
-}
-
-impl Closure {
-    /// Forgets all, but for the memory.
-    pub fn clear(&mut self) {
-        let Self { corners, tets, beyond } = self;
-        corners.clear();
-        tets.clear();
-        beyond.clear();
-    }
 }
 
 /// A boundary item by its corners, which are sorted: two of a subsegment, three of a subface.
@@ -80,12 +65,38 @@ impl ItemPlace {
     }
 }
 
+/// The leading part of a candidate's place in the order of a round, which nearly always decides:
+/// the smaller one comes first.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Lead {
+    class: u8,
+    key: Reverse<u64>,
+}
+
+impl Lead {
+    /// That of a tetrahedron with this key.
+    pub fn of_tet(key: u64) -> Self {
+        Self { class: 2, key: Reverse(key) }
+    }
+
+    /// The number by which candidates of one kind are compared before their places: the larger one
+    /// comes first. It is not 0.
+    pub fn key(&self) -> u64 {
+        self.key.0
+    }
+
+    /// Is it that of a boundary item?
+    pub fn is_boundary(&self) -> bool {
+        self.class < 2
+    }
+}
+
 /// The place of a candidate in the order of a round: the smaller one comes first.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Rank {
-    class: u8,
-    key: Reverse<u64>,
+    lead: Lead,
     place: [OrderKey; 4],
 }
 
@@ -93,7 +104,7 @@ impl Rank {
     /// The rank of a tetrahedron.
     pub fn of_tet(corners: [Point; 4]) -> Self {
         let place = sorted(corners).map(|p| order_key(&p));
-        Self { class: 2, key: Reverse(key_of_tet(corners)), place }
+        Self { lead: Lead::of_tet(key_of_tet(corners)), place }
     }
 
     /// The number of the rank of a tetrahedron with these corners.
@@ -102,20 +113,19 @@ impl Rank {
         key_of_tet(corners)
     }
 
-    /// The number by which ranks of one kind are compared before their places: the larger one comes
-    /// first. It is not 0.
+    /// Its leading part.
+    pub fn lead(&self) -> Lead {
+        self.lead
+    }
+
+    /// The key of the leading part.
     pub fn key(&self) -> u64 {
-        self.key.0
+        self.lead.key()
     }
 
     /// Are two keys of tetrahedra of about one size, so that a hash of their corners decides?
     pub fn is_tie(one: u64, other: u64) -> bool {
         one >> SIZE == other >> SIZE
-    }
-
-    /// Is it that of a boundary item?
-    pub fn is_boundary(&self) -> bool {
-        self.class < 2
     }
 }
 
@@ -160,13 +170,13 @@ impl BoundaryItem {
             true => key(distance2(a, b), &[*a, *b]),
             false => key(circumcircle(a, b, c).1, &[*a, *b, *c]),
         };
-        Rank { class: class as u8, key: Reverse(key), place: [x, y, z, [0; 3]] }
+        let lead = Lead { class: class as u8, key: Reverse(key) };
+        Rank { lead, place: [x, y, z, [0; 3]] }
     }
 
     /// Where in an order it is split before others: subsegments first, then the largest key.
     pub(super) fn urgency(&self) -> impl Ord + use<> {
-        let Rank { class, key, .. } = self.rank();
-        (class, key, self.place())
+        (self.rank().lead, self.place())
     }
 }
 

@@ -34,7 +34,7 @@
 //! | `rounds` | refinement in rounds: one mesh whatever the order of insertion |
 //! | `again`, `relief` | what was refused: asked again; a point with which fewer are over |
 //! | `region` | inside, outside, regions |
-//! | `choice`, `aims`, `survey` | the choice of a round by values: items, points, verdicts |
+//! | `choice`, `aims`, `survey`, `surveyed` | the choice of a round by values: items, points, verdicts |
 //! | `complex` | boundary, bounds and points as values, for engines on many processors |
 //! | `background` | sizing by a background mesh, or at input vertices |
 //! | `excuse` | what is over its bounds at the end, and why |
@@ -88,6 +88,7 @@ mod split;
 mod state;
 mod surface;
 mod survey;
+mod surveyed;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -110,7 +111,9 @@ pub use background::{Background, BackgroundError};
 pub use bounds::{SizeField, largest_tolerance, usual_tolerance};
 pub use carrier::Carrier;
 #[doc(hidden)]
-pub use choice::{Aim, BoundaryItem, Closure, Corner, ItemPlace, NOWHERE, Rank, Rival, Ruling};
+pub use choice::{
+    Aim, BoundaryItem, Closure, Corner, ItemPlace, Lead, NOWHERE, Rank, Rival, Ruling,
+};
 pub use complex::{Complex, ComplexError, Start};
 pub use excuse::Excused;
 pub use item::{Item, Queues, Work};
@@ -124,7 +127,9 @@ pub use run::Refiner;
 #[doc(hidden)]
 pub use run::{Asked, Delegated, Handed, Parted};
 #[doc(hidden)]
-pub use survey::Survey;
+pub use survey::{Survey, Watch};
+#[doc(hidden)]
+pub use surveyed::{Collected, Surveyed};
 pub use whole::MeshError;
 
 /// Why there is no mesh of a domain.

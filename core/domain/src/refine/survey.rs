@@ -2,21 +2,22 @@
 //! alone: for engines whose mesh is on many processors.
 
 use super::carrier::Carrier;
-use super::choice::{BoundaryItem, Closure, Corner, NOWHERE, Rival, Ruling};
+use super::choice::{BoundaryItem, Corner, NOWHERE, Rival, Ruling};
 use super::complex::Complex;
 use super::measure::{in_diametral_ball, in_equatorial_ball};
 use super::state::FACE;
-use super::table::{Map, edge, sides, triangle};
+use super::surveyed::{Surveyed, sorted_face};
+use super::table::{edge, sides};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, coplanar_orient};
 
 /// A marked face of a cavity.
 #[derive(Debug)]
-struct Face {
+struct Face<T> {
     key: [u32; 3],
     facet: u32,
     /// A tetrahedron of the cavity that has it, and the one beyond, if that is in the closure.
-    sides: [Option<usize>; 2],
+    sides: [Option<T>; 2],
     is_inner: bool,
 }
 
@@ -31,17 +32,11 @@ struct Edge {
 /// A closure with what is boundary in it.
 #[doc(hidden)]
 #[derive(Debug)]
-pub struct Survey<'c> {
+pub struct Survey<'c, R: Surveyed> {
     complex: &'c Complex<'c>,
-    closure: &'c Closure,
-    faces: Vec<Face>,
+    closure: &'c R,
+    faces: Vec<Face<R::Tet>>,
     edges: Vec<Edge>,
-    /// The tetrahedra at each face that matters, if the closure does not tell.
-    at_face: Map<[u32; 3], [Option<usize>; 2]>,
-}
-
-fn triple([a, b, c]: [u32; 3]) -> [u32; 3] {
-    triangle(a, b, c)
 }
 
 /// The slots at the ends of each edge of a tetrahedron, and the other two.
@@ -54,93 +49,65 @@ const EDGES: [([usize; 2], [usize; 2]); 6] = [
     ([2, 3], [0, 1]),
 ];
 
-impl<'c> Survey<'c> {
+impl<'c, R: Surveyed> Survey<'c, R> {
     /// Finds what is boundary in a closure.
-    pub fn of(complex: &'c Complex<'c>, closure: &'c Closure) -> Self {
-        let (faces, edges, at_face) = (Vec::new(), Vec::new(), Map::default());
-        let mut own = Self { complex, closure, faces, edges, at_face };
-        let all = || closure.tets.iter().enumerate();
-        let is_bound = |v: u32| closure.corners[v as usize].carrier != Carrier::Free;
-        let may = |v: &u32| *v != NOWHERE && is_bound(*v);
-        let is_near = |tet: &[u32; 4]| tet.iter().filter(|v| may(v)).count() > 1;
-        let near = || all().filter(|(_, (tet, is_in))| *is_in && is_near(tet)).map(|(k, _)| k);
-        if near().next().is_none() {
-            return own;
-        }
-        if closure.beyond.is_empty() {
-            own.at_face.reserve(3 * closure.tets.len());
-        }
-        let unknown = all().filter(|_| closure.beyond.is_empty());
-        for (k, (tet, _)) in unknown.filter(|(_, (tet, _))| is_near(tet)) {
-            // A face that is marked, or has a marked edge, has two such corners.
-            let is_on =
-                |face: &[usize; 3]| face.iter().filter(|&&slot| may(&tet[slot])).count() > 1;
-            for face in FACE.into_iter().filter(is_on) {
-                let entry = own.at_face.entry(triple(face.map(|slot| tet[slot]))).or_default();
-                entry[usize::from(entry[0].is_some())] = Some(k);
+    pub fn of(complex: &'c Complex<'c>, closure: &'c R) -> Self {
+        let mut own = Self { complex, closure, faces: Vec::new(), edges: Vec::new() };
+        for t in closure.cavity() {
+            let v = closure.vertices(t);
+            let is_on = v.map(|v| closure.is_bound(v));
+            let count = is_on.iter().filter(|on| **on).count();
+            // Three corners of a subface are on the boundary, and two of a subsegment.
+            if count > 2 {
+                own.note_faces(t, v, is_on);
             }
-        }
-        for k in near() {
-            own.note_faces(k);
-            own.note_edges(k);
+            if count > 1 {
+                own.note_edges(t, v, is_on);
+            }
         }
         own
     }
 
     fn carrier(&self, v: u32) -> Carrier {
-        self.closure.corners[v as usize].carrier
+        self.closure.corner(v).carrier
     }
 
-    fn point(&self, v: u32) -> &Point {
-        &self.closure.corners[v as usize].point
+    fn point(&self, v: u32) -> Point {
+        self.closure.corner(v).point
     }
 
-    fn is_in(&self, tet: Option<usize>) -> bool {
-        tet.is_some_and(|k| self.closure.tets[k].1)
+    fn is_in(&self, t: Option<R::Tet>) -> bool {
+        t.is_some_and(|t| self.closure.is_in(t))
     }
 
-    /// The tetrahedron beyond face `slot` of one of the closure, if that is there, too.
-    fn beyond(&self, k: usize, slot: usize) -> Option<usize> {
-        if let Some(beyond) = self.closure.beyond.get(k) {
-            return (beyond[slot] != NOWHERE).then_some(beyond[slot] as usize);
-        }
-        let tet = &self.closure.tets[k].0;
-        let at = self.at_face.get(&triple(FACE[slot].map(|slot| tet[slot])))?;
-        at.iter().flatten().copied().find(|other| *other != k)
-    }
-
-    fn note_faces(&mut self, k: usize) {
-        let tet = self.closure.tets[k].0;
+    fn note_faces(&mut self, t: R::Tet, v: [u32; 4], is_on: [bool; 4]) {
         for (slot, face) in FACE.into_iter().enumerate() {
-            let corners = face.map(|slot| tet[slot]);
-            if corners.iter().any(|&v| v == NOWHERE || self.carrier(v) == Carrier::Free) {
+            if face.iter().any(|&slot| !is_on[slot]) {
                 continue;
             }
-            let beyond = self.beyond(k, slot);
+            let corners = face.map(|slot| v[slot]);
+            let known = corners.map(|v| self.closure.corner(v)).map(|own| (own.carrier, own.point));
+            let Some(facet) = self.complex.facet(known) else { continue };
+            let beyond = self.closure.beyond(t, slot);
             let is_inner = self.is_in(beyond);
             // An inner face is met from both sides.
-            if is_inner && beyond < Some(k) {
-                continue;
-            }
-            let known = corners.map(|v| (self.carrier(v), *self.point(v)));
-            if let Some(facet) = self.complex.facet(known) {
-                let sides = [Some(k), beyond];
-                self.faces.push(Face { key: triple(corners), facet, sides, is_inner });
+            if !is_inner || beyond > Some(t) {
+                let sides = [Some(t), beyond];
+                self.faces.push(Face { key: sorted_face(corners), facet, sides, is_inner });
             }
         }
     }
 
-    fn note_edges(&mut self, k: usize) {
-        let tet = self.closure.tets[k].0;
+    fn note_edges(&mut self, t: R::Tet, v: [u32; 4], is_on: [bool; 4]) {
         for ([i, j], beside) in EDGES {
-            let ends = [tet[i], tet[j]];
-            if ends.contains(&NOWHERE) {
+            if !(is_on[i] && is_on[j]) {
                 continue;
             }
+            let ends = [v[i], v[j]];
             let Some(segment) = self.complex.segment(ends.map(|v| self.carrier(v))) else {
                 continue;
             };
-            let is_inner = beside.into_iter().all(|slot| self.is_in(self.beyond(k, slot)));
+            let is_inner = beside.into_iter().all(|slot| self.is_in(self.closure.beyond(t, slot)));
             let key = edge(ends[0], ends[1]);
             match self.edges.iter_mut().find(|edge| edge.key == key) {
                 Some(edge) => edge.is_inner &= is_inner,
@@ -155,18 +122,18 @@ impl<'c> Survey<'c> {
     }
 
     fn subface(&self, key: [u32; 3], of: u32) -> BoundaryItem {
-        BoundaryItem::new(key.iter().map(|&v| self.closure.corners[v as usize]).collect(), of)
+        BoundaryItem::new(key.iter().map(|&v| self.closure.corner(v)).collect(), of)
     }
 
     fn subsegment(&self, edge: &Edge) -> BoundaryItem {
-        let corners = edge.key.iter().map(|&v| self.closure.corners[v as usize]);
+        let corners = edge.key.iter().map(|&v| self.closure.corner(v));
         BoundaryItem::new(corners.collect(), edge.segment)
     }
 
     /// The subsegments whose closed balls hold `p`.
     fn hit_segments(&self, p: &Point) -> Vec<BoundaryItem> {
         let is_hit = |edge: &&Edge| {
-            let [a, b] = edge.key.map(|v| *self.point(v));
+            let [a, b] = edge.key.map(|v| self.point(v));
             in_diametral_ball(&a, &b, p)
         };
         sorted_items(self.edges.iter().filter(is_hit).map(|edge| self.subsegment(edge)).collect())
@@ -174,8 +141,8 @@ impl<'c> Survey<'c> {
 
     /// The subfaces whose closed balls hold `p`, which is in none of their planes.
     fn hit_subfaces(&self, p: &Point) -> Vec<BoundaryItem> {
-        let is_hit = |face: &&Face| {
-            let [a, b, c] = face.key.map(|v| *self.point(v));
+        let is_hit = |face: &&Face<_>| {
+            let [a, b, c] = face.key.map(|v| self.point(v));
             in_equatorial_ball(&a, &b, &c, p)
         };
         let hits = self.faces.iter().filter(is_hit);
@@ -184,7 +151,7 @@ impl<'c> Survey<'c> {
 
     /// The items that go with the cavity, but for some.
     fn losses(&self, removed: &[[u32; 3]], split: Option<[u32; 2]>) -> Vec<BoundaryItem> {
-        let is_lost = |face: &&Face| face.is_inner && !removed.contains(&face.key);
+        let is_lost = |face: &&Face<_>| face.is_inner && !removed.contains(&face.key);
         let faces = self.faces.iter().filter(is_lost);
         let edges = self.edges.iter().filter(|edge| edge.is_inner && Some(edge.key) != split);
         let faces = faces.map(|face| self.subface(face.key, face.facet));
@@ -198,11 +165,11 @@ impl<'c> Survey<'c> {
         if hits.is_empty() { self.losses(&[], None) } else { hits }
     }
 
-    /// The corners of the closure that are those of an item.
+    /// The vertices of the cavity that are the corners of an item.
     fn own(&self, item: &BoundaryItem) -> Option<Vec<u32>> {
+        let all = || self.closure.cavity().flat_map(|t| self.closure.vertices(t));
         let place = |corner: &Corner| {
-            let found = self.closure.corners.iter().position(|c| c.point == corner.point);
-            found.map(|k| k as u32)
+            all().find(|&v| self.closure.is_bound(v) && self.point(v) == corner.point)
         };
         item.corners().iter().map(place).collect()
     }
@@ -212,7 +179,7 @@ impl<'c> Survey<'c> {
         let Some(own) = self.own(item) else { return Ruling::Useless };
         match own[..] {
             [a, b] => self.rule_on_segment(edge(a, b), item, p),
-            [a, b, c] => self.rule_on_subface(triple([a, b, c]), item.of(), p),
+            [a, b, c] => self.rule_on_subface(sorted_face([a, b, c]), item.of(), p),
             _ => Ruling::Useless,
         }
     }
@@ -295,7 +262,7 @@ impl<'c> Survey<'c> {
                 if split == Some(edge(a, b)) || is_shared && !self.is_segment([a, b]) {
                     continue;
                 }
-                if self.turn([a, b], p) != self.turn([a, b], self.point(opposite)) {
+                if self.turn([a, b], p) != self.turn([a, b], &self.point(opposite)) {
                     return None;
                 }
             }
@@ -304,7 +271,7 @@ impl<'c> Survey<'c> {
     }
 
     fn turn(&self, [a, b]: [u32; 2], p: &Point) -> Sign {
-        coplanar_orient(self.point(a), self.point(b), p)
+        coplanar_orient(&self.point(a), &self.point(b), p)
     }
 
     /// The subsegment of facet `f` between its subface and a point `p` of its plane that the
@@ -313,10 +280,10 @@ impl<'c> Survey<'c> {
         let nearest = |found: Vec<BoundaryItem>| found.into_iter().min_by_key(BoundaryItem::place);
         let is_beyond = |&([a, b], opposite): &([u32; 2], u32)| {
             self.is_segment([a, b])
-                && self.turn([a, b], p) != self.turn([a, b], self.point(opposite))
+                && self.turn([a, b], p) != self.turn([a, b], &self.point(opposite))
         };
         let item = |([a, b], _): ([u32; 2], u32)| {
-            let ends = [a, b].map(|v| self.closure.corners[v as usize]);
+            let ends = [a, b].map(|v| self.closure.corner(v));
             let of = self.complex.segment(ends.map(|end| end.carrier))?;
             Some(BoundaryItem::new(ends.to_vec(), of))
         };
@@ -327,11 +294,11 @@ impl<'c> Survey<'c> {
         let separates = |edge: &&Edge| {
             let [x, y] = edge.key;
             let mine = self.turn([x, y], p);
-            let theirs = own.map(|v| self.turn([x, y], self.point(v)));
+            let theirs = own.map(|v| self.turn([x, y], &self.point(v)));
             let is_between = !mine.is_zero() && theirs.contains(&-mine) && !theirs.contains(&mine);
             let crosses = own.iter().any(|&v| {
                 let [left, right] =
-                    [x, y].map(|end| coplanar_orient(self.point(v), p, self.point(end)));
+                    [x, y].map(|end| coplanar_orient(&self.point(v), p, &self.point(end)));
                 !left.is_zero() && left == -right
             });
             self.complex.facets_of(edge.segment).contains(&f) && is_between && crosses
@@ -339,75 +306,105 @@ impl<'c> Survey<'c> {
         nearest(self.edges.iter().filter(separates).map(|edge| self.subsegment(edge)).collect())
     }
 
-    /// Does a point inside wait for candidates before it? `rivals`: of the closure's tetrahedra.
-    pub fn yields_in_tet(&self, rivals: &[Rival]) -> bool {
-        if !self.is_marked() {
-            return false;
-        }
-        let is_beside = rivals.iter().any(|rival| rival.is_there && rival.is_boundary);
-        is_beside || self.loses_face(rivals, Carrier::Free) || self.loses_edge(rivals, None)
+    /// What makes a point inside wait for candidates before it: nothing, if nothing of its cavity
+    /// is marked.
+    pub fn watch_in_tet(&self) -> Option<Watch<R::Tet>> {
+        let mut watch = Watch { any: Vec::new(), own: Vec::new(), anywhere: Anywhere::Boundary };
+        self.watch_faces(Carrier::Free, &mut watch.any);
+        self.watch_edges(None, &mut watch.any);
+        self.is_marked().then_some(watch)
     }
 
     /// The same of a point of the boundary on `carrier` that splits an item.
-    pub fn yields_at_item(&self, item: &BoundaryItem, carrier: Carrier, rivals: &[Rival]) -> bool {
-        if rivals.iter().any(|rival| rival.is_there && rival.is_apart) {
-            return true;
-        }
-        let own = self.own(item).unwrap_or_default();
-        if let [a, b, c] = own[..] {
-            let has = |tet: &[u32; 4]| [a, b, c].iter().all(|v| tet.contains(v));
-            let at = self.closure.tets.iter().zip(rivals);
-            let mut at = at.filter(|((tet, is_in), _)| *is_in && has(tet));
-            if at.all(|(_, rival)| rival.is_there) {
-                return true;
+    pub fn watch_at_item(&self, item: &BoundaryItem, carrier: Carrier) -> Watch<R::Tet> {
+        let own = match self.own(item).unwrap_or_default()[..] {
+            [a, b, c] => {
+                let has = |v: [u32; 4]| [a, b, c].iter().all(|own| v.contains(own));
+                self.closure.cavity().filter(|&t| has(self.closure.vertices(t))).collect()
             }
-        }
+            _ => Vec::new(),
+        };
         let split = match carrier {
             Carrier::Segment(s, _) => Some(s),
             _ => None,
         };
-        self.loses_face(rivals, carrier) || self.loses_edge(rivals, split)
+        let mut watch = Watch { any: Vec::new(), own, anywhere: Anywhere::Apart };
+        self.watch_faces(carrier, &mut watch.any);
+        self.watch_edges(split, &mut watch.any);
+        watch
     }
 
     /// Rule (b).
-    fn loses_face(&self, rivals: &[Rival], carrier: Carrier) -> bool {
-        let has_rival = |side: Option<usize>| side.is_some_and(|k| rivals[k].is_there);
-        self.faces.iter().any(|face| {
-            let [one, other] = face.sides;
+    fn watch_faces(&self, carrier: Carrier, any: &mut Vec<R::Tet>) {
+        for face in &self.faces {
+            let is_lost = || {
+                if carrier != Carrier::Free {
+                    return !self.complex.lies_on(carrier, face.facet);
+                }
+                let [a, b, c] = face.key.map(|v| self.point(v));
+                let apexes = face.sides.into_iter().flatten().filter_map(|t| {
+                    self.closure.vertices(t).into_iter().find(|v| !face.key.contains(v))
+                });
+                apexes
+                    .filter(|v| *v != NOWHERE)
+                    .any(|apex| in_equatorial_ball(&a, &b, &c, &self.point(apex)))
+            };
             // From either side that is in the cavity.
-            if !(has_rival(other) || face.is_inner && has_rival(one)) {
-                return false;
+            let [one, other] = face.sides;
+            if is_lost() {
+                any.extend(other.into_iter().chain(one.filter(|_| face.is_inner)));
             }
-            if carrier != Carrier::Free {
-                return !self.complex.lies_on(carrier, face.facet);
-            }
-            let [a, b, c] = face.key.map(|v| *self.point(v));
-            let apexes = face.sides.into_iter().flatten().filter_map(|k| {
-                let tet = self.closure.tets[k].0;
-                tet.into_iter().find(|v| !face.key.contains(v))
-            });
-            apexes
-                .filter(|v| *v != NOWHERE)
-                .any(|apex| in_equatorial_ball(&a, &b, &c, self.point(apex)))
-        })
+        }
     }
 
     /// Rule (c), but for edges of segment `split`.
-    fn loses_edge(&self, rivals: &[Rival], split: Option<u32>) -> bool {
+    fn watch_edges(&self, split: Option<u32>, any: &mut Vec<R::Tet>) {
         let others = self.edges.iter().filter(|edge| Some(edge.segment) != split);
         let keys: Vec<[u32; 2]> = others.map(|edge| edge.key).collect();
         if keys.is_empty() {
-            return false;
+            return;
         }
-        let cavity = self.closure.tets.iter().enumerate().filter(|(_, (_, is_in))| *is_in);
-        let mut all = cavity.flat_map(|(k, (tet, _))| EDGES.map(move |own| (k, tet, own)));
-        all.any(|(k, tet, ([i, j], beside))| {
-            keys.contains(&edge(tet[i], tet[j]))
-                && (rivals[k].is_there
-                    || beside.into_iter().any(|slot| {
-                        self.beyond(k, slot).is_some_and(|other| rivals[other].is_there)
-                    }))
-        })
+        for t in self.closure.cavity() {
+            let v = self.closure.vertices(t);
+            for ([i, j], beside) in EDGES {
+                if keys.contains(&edge(v[i], v[j])) {
+                    any.push(t);
+                    any.extend(beside.into_iter().filter_map(|s| self.closure.beyond(t, s)));
+                }
+            }
+        }
+    }
+}
+
+/// What makes a point wait for candidates before it: these have tetrahedra of its closure.
+#[doc(hidden)]
+#[derive(Clone, Debug, PartialEq)]
+pub struct Watch<T> {
+    /// It waits if one of these has a rival.
+    any: Vec<T>,
+    /// It waits if all of these have, unless there are none: the tetrahedra at its own subface.
+    own: Vec<T>,
+    anywhere: Anywhere,
+}
+
+/// The rivals for which a point waits wherever they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Anywhere {
+    Boundary,
+    Apart,
+}
+
+impl<T: Copy> Watch<T> {
+    /// Does the point wait, if the tetrahedra of its closure, which are these, have these rivals?
+    pub fn yields(&self, all: impl IntoIterator<Item = T>, rival: impl Fn(T) -> Rival) -> bool {
+        let matters = |own: Rival| match self.anywhere {
+            Anywhere::Boundary => own.is_boundary,
+            Anywhere::Apart => own.is_apart,
+        };
+        let has = |&t: &T| rival(t).is_there;
+        self.any.iter().any(has)
+            || !self.own.is_empty() && self.own.iter().all(has)
+            || all.into_iter().map(&rival).any(|own| own.is_there && matters(own))
     }
 }
 

@@ -18,20 +18,13 @@ pub(super) enum AtOnce {
     Patched,
 }
 
-/// The additions of a domain to a slot.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Slot {
-    /// The region of its tetrahedron, 0 of a ghost.
-    pub(super) region: u32,
-    /// The round in which that was made.
-    since: u32,
-}
-
 /// The slots of a submesh.
 #[derive(Debug, Default)]
 pub(super) struct Slots {
-    pub(super) all: Vec<Slot>,
-    round: u32,
+    /// The regions of their tetrahedra, 0 of ghosts.
+    pub(super) regions: Vec<u32>,
+    /// A bit for each: was it written in this round? All are in the cache.
+    written: Vec<u64>,
     /// The cavity that the choice has found for a point, by its name.
     found: RefCell<(VertexName, Vec<TetId>)>,
 }
@@ -39,20 +32,27 @@ pub(super) struct Slots {
 impl Slots {
     /// The region of a tetrahedron.
     pub(super) fn region(&self, t: TetId) -> u32 {
-        self.all.get(t.index()).copied().unwrap_or_default().region
+        self.regions.get(t.index()).copied().unwrap_or_default()
     }
 
     /// Notes the region of a tetrahedron that is new.
     pub(super) fn put(&mut self, t: TetId, region: u32) {
-        if self.all.len() <= t.index() {
-            self.all.resize(t.index() + 1, Slot::default());
+        if self.regions.len() <= t.index() {
+            self.regions.resize(t.index() + 1, 0);
+            self.written.resize(t.index() / 64 + 1, 0);
         }
-        self.all[t.index()] = Slot { region, since: self.round };
+        self.regions[t.index()] = region;
+        self.written[t.index() / 64] |= 1 << (t.index() % 64);
+    }
+
+    /// Was a slot written in this round, or is it new?
+    fn is_written(&self, t: TetId) -> bool {
+        self.written.get(t.index() / 64).is_none_or(|word| word >> (t.index() % 64) & 1 == 1)
     }
 
     /// A round begins: cavities are found from now on.
     pub(super) fn begin_round(&mut self) {
-        self.round += 1;
+        self.written.fill(0);
         self.found.get_mut().1.clear();
     }
 
@@ -75,7 +75,7 @@ pub(super) fn insert_chosen(
 ) -> Insert<TetId> {
     star.clear();
     let own = |t: TetId| slots.region(t);
-    let changed = |t: TetId| slots.all.get(t.index()).is_none_or(|own| own.since == slots.round);
+    let changed = |t: TetId| slots.is_written(t);
     let known = slots.found.borrow();
     let is_known = known.0 == point.name() && !known.1.is_empty();
     let again = is_known.then_some((&known.1[..], &changed));

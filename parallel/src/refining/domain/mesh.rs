@@ -84,14 +84,14 @@ impl<'c> DomainMesh<'c> {
     /// Takes memory for about this many tetrahedra. A hint.
     pub(crate) fn expect_tets(&mut self, tets: usize) {
         self.inner.expect_tets(tets);
-        expect(&mut self.slots.all, tets);
+        expect(&mut self.slots.regions, tets);
         self.carriers.expect_tets(tets);
     }
 
     /// Asks the processor to fetch a tetrahedron, and its region.
     pub(crate) fn prefetch(&self, t: TetId) {
         self.inner.tets().prefetch(t);
-        prefetch(self.slots.all.as_ptr().wrapping_add(t.index()));
+        prefetch(self.slots.regions.as_ptr().wrapping_add(t.index()));
     }
 
     /// The worker whose submesh it is.

@@ -1,10 +1,11 @@
 //! Probes and candidates as values.
 
+use super::reserved::LazyRank;
 use crate::protocol::{Name, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
-use crate::refining::news::{Bits, WireClosure};
+use crate::refining::news::{Bits, ProbeId, Proposal, WireClosure};
 use ltbw_core::topology::{TetId, VertexId};
-use ltbw_domain::refine::{BoundaryItem, Carrier, Closure, NOWHERE, Rank, Rival};
+use ltbw_domain::refine::{BoundaryItem, Carrier, Closure, Lead, NOWHERE, Rank, Rival, Watch};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::ops::Range;
 
@@ -44,6 +45,30 @@ pub(super) enum Outcome {
     Asks(Box<BoundaryItem>, Option<f64>),
 }
 
+/// A probe, and the point that it is about.
+#[derive(Clone, Debug)]
+pub(super) struct Seeker {
+    pub(super) probe: ProbeId,
+    pub(super) to: Bits,
+    pub(super) carrier: Carrier,
+    pub(super) rank: LazyRank,
+}
+
+impl Seeker {
+    /// The same as another worker is told; `of_tet` tells a rank.
+    pub(super) fn proposal(&self, of_tet: impl Fn([VertexId; 4]) -> Rank) -> Proposal {
+        let Self { probe, to, carrier, .. } = *self;
+        Proposal { probe, to, carrier, rank: self.rank.whole(of_tet) }
+    }
+}
+
+impl From<Proposal> for Seeker {
+    fn from(own: Proposal) -> Self {
+        let Proposal { probe, to, carrier, rank } = own;
+        Self { probe, to, carrier, rank: LazyRank::told(rank) }
+    }
+}
+
 /// The news of others about a probe's closure.
 #[derive(Debug, Default)]
 pub(super) struct Told {
@@ -51,89 +76,20 @@ pub(super) struct Told {
     pub(super) known: FxHashSet<Name>,
     /// The other workers that have a part.
     pub(super) owners: Vec<WorkerId>,
+    /// The closure, as far as it is known. This worker's own part is added where it matters.
+    pub(super) closure: Closure,
     index: FxHashMap<Bits, u32>,
     /// Per owner, the places in the closure of what it has told of, in that order.
     pub(super) places: FxHashMap<WorkerId, Vec<u32>>,
-}
-
-/// The memory of closures of rounds before.
-pub(super) type Spare = Vec<Box<Closure>>;
-
-/// A probe of this worker.
-#[derive(Debug)]
-pub(super) struct Probe {
-    pub(super) what: What,
-    pub(super) rank: Rank,
-    pub(super) attempt: usize,
-    pub(super) to: Bits,
-    pub(super) carrier: Carrier,
-    pub(super) may: bool,
-    /// Answers that are still to come.
-    pub(super) open: u32,
-    /// Its closure was searched.
-    pub(super) was_searched: bool,
-    /// Its cavity was found ahead.
-    pub(super) is_ahead: bool,
-    /// The news of others about its closure.
-    pub(super) told: Option<Box<Told>>,
-    /// Its closure, as far as it is known. This worker's own part is added where it matters.
-    closure: Option<Box<Closure>>,
-    pub(super) outcome: Outcome,
-    /// Does a rival matter that has not its tetrahedron?
-    pub(super) has_boundary: bool,
-    /// The tetrahedron to begin at, and its vertices, as they were.
-    pub(super) start: Option<(TetId, [VertexId; 4])>,
     /// Owners that are to tell of rivals.
     pub(super) due: u32,
     pub(super) rivals: Vec<Rival>,
 }
 
-impl Probe {
-    pub(super) fn new(what: What, rank: Rank, attempt: usize) -> Self {
-        Self {
-            what,
-            rank,
-            attempt,
-            to: [0; 3],
-            carrier: Carrier::Free,
-            may: false,
-            open: 0,
-            was_searched: false,
-            is_ahead: false,
-            told: None,
-            closure: None,
-            outcome: Outcome::Open,
-            has_boundary: false,
-            start: None,
-            due: 0,
-            rivals: Vec::new(),
-        }
-    }
-
-    /// Its closure, as far as it is known.
-    pub(super) fn closure(&self) -> &Closure {
-        static NOTHING: Closure =
-            Closure { corners: Vec::new(), tets: Vec::new(), beyond: Vec::new() };
-        self.closure.as_deref().unwrap_or(&NOTHING)
-    }
-
-    /// The closure to write to; its memory is one of `spare` if it has none.
-    pub(super) fn closure_in(&mut self, spare: &mut Spare) -> &mut Closure {
-        self.closure.get_or_insert_with(|| spare.pop().unwrap_or_default())
-    }
-
-    /// The memory of its closure, forgotten.
-    pub(super) fn into_spare(self) -> Option<Box<Closure>> {
-        let mut closure = self.closure?;
-        closure.clear();
-        Some(closure)
-    }
-
-    /// Adds what an owner has found, in memory of `spare` if it has no closure.
-    pub(super) fn add(&mut self, owner: WorkerId, found: &WireClosure, spare: &mut Spare) {
-        let Self { closure, told, .. } = self;
-        let closure = closure.get_or_insert_with(|| spare.pop().unwrap_or_default());
-        let Told { index, places, .. } = &mut **told.get_or_insert_default();
+impl Told {
+    /// Adds what an owner has found.
+    pub(super) fn add(&mut self, owner: WorkerId, found: &WireClosure) {
+        let Self { closure, index, places, .. } = self;
         let numbers: Vec<u32> = found
             .corners
             .iter()
@@ -150,6 +106,80 @@ impl Probe {
             let v = v.map(|k| if k == NOWHERE { k } else { numbers[k as usize] });
             closure.tets.push((v, *is_in));
         }
+    }
+
+    /// Adds the rivals that an owner has found, in the order in which it has told of its part.
+    pub(super) fn add_rivals(&mut self, owner: WorkerId, rivals: impl IntoIterator<Item = Rival>) {
+        self.rivals.resize(self.closure.tets.len(), Rival::default());
+        let places = self.places.get(&owner).into_iter().flatten();
+        for (&place, rival) in places.zip(rivals) {
+            self.rivals[place as usize] = rival;
+        }
+    }
+}
+
+/// What makes a candidate wait for others before it.
+#[derive(Debug)]
+pub(super) enum Waits {
+    /// All of its closure is here, and listed there if rivals anywhere in it matter.
+    Here(Watch<TetId>, Range<usize>),
+    /// Others have told of it.
+    Told(Watch<usize>),
+}
+
+/// A probe of this worker.
+#[derive(Debug)]
+pub(super) struct Probe {
+    pub(super) what: What,
+    pub(super) lead: Lead,
+    pub(super) attempt: usize,
+    pub(super) to: Bits,
+    pub(super) carrier: Carrier,
+    pub(super) may: bool,
+    /// Answers that are still to come.
+    pub(super) open: u32,
+    /// Its closure was searched.
+    pub(super) was_searched: bool,
+    /// Its cavity was found ahead.
+    pub(super) is_ahead: bool,
+    /// The news of others about its closure.
+    pub(super) told: Option<Box<Told>>,
+    pub(super) outcome: Outcome,
+    pub(super) waits: Option<Box<Waits>>,
+    /// The tetrahedron that a boundary item's point begins at, and its vertices, as they were.
+    pub(super) start: Option<(TetId, [VertexId; 4])>,
+}
+
+impl Probe {
+    pub(super) fn new(what: What, lead: Lead, attempt: usize) -> Self {
+        Self {
+            what,
+            lead,
+            attempt,
+            to: [0; 3],
+            carrier: Carrier::Free,
+            may: false,
+            open: 0,
+            was_searched: false,
+            is_ahead: false,
+            told: None,
+            outcome: Outcome::Open,
+            waits: None,
+            start: None,
+        }
+    }
+
+    /// Its rank.
+    pub(super) fn rank(&self) -> LazyRank {
+        match &self.what {
+            What::Tet(_, v) => LazyRank::of_tet(self.lead, *v),
+            What::Item(item) => LazyRank::told(item.rank()),
+        }
+    }
+
+    /// Owners that are to tell of rivals.
+    pub(super) fn due(&self) -> u32 {
+        self.told.as_ref().map_or(0, |told| told.due)
     }
 }
 

@@ -1,21 +1,21 @@
 //! The end of the choice: each home decides alone for its own candidates, from the rivals that the
 //! owners of their closures tell of.
 
-use super::candidate::{ChosenPoint, Outcome, What};
+use super::candidate::{ChosenPoint, Outcome, Waits, What};
 use super::source::{Pending, Rounds, Stage};
 use crate::mesh::{WireVertex, made};
 use crate::protocol::{Rules, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{DomainNews, WireItem, point};
 use ltbw_core::topology::TetId;
-use ltbw_domain::refine::{BoundaryItem, Rival, Survey};
+use ltbw_domain::refine::{BoundaryItem, Rival};
 
 impl<C: Rules> Rounds<C> {
     /// All cavities are reserved: rivals are told of, and the points chosen that wait for none.
     pub(super) fn begin_to_decide(&mut self, mesh: &mut DomainMesh<'_>) {
         self.stage = Stage::Deciding;
-        for probe in self.served.reserve_others() {
-            let rivals = self.served.rivals(probe);
+        for probe in self.served.reserve_others::<C>(mesh) {
+            let rivals = self.served.rivals::<C>(mesh, probe);
             let byte = |rival: &Rival| {
                 u8::from(rival.is_there)
                     | u8::from(rival.is_boundary) << 1
@@ -29,7 +29,7 @@ impl<C: Rules> Rounds<C> {
         }
         self.open = self.probes.len();
         for k in 0..self.probes.len() as u32 {
-            if self.probes[k as usize].due == 0 {
+            if self.is_due(k) {
                 self.decide(mesh, k);
             }
         }
@@ -37,23 +37,19 @@ impl<C: Rules> Rounds<C> {
 
     /// An owner tells of the rivals in its part.
     pub(super) fn take_rivals(&mut self, from: WorkerId, k: u32, rivals: &[u8]) {
-        let probe = &mut self.probes[k as usize];
-        probe.due -= 1;
-        probe.rivals.resize(probe.closure().tets.len(), Rival::default());
-        let places = probe.told.as_ref().and_then(|told| told.places.get(&from));
-        let places = places.into_iter().flatten();
-        for (&place, byte) in places.zip(rivals) {
-            probe.rivals[place as usize] = Rival {
-                is_there: byte & 1 != 0,
-                is_boundary: byte & 2 != 0,
-                is_apart: byte & 4 != 0,
-            };
-        }
+        let Some(told) = &mut self.probes[k as usize].told else { return };
+        told.due -= 1;
+        let rival = |byte: &u8| Rival {
+            is_there: byte & 1 != 0,
+            is_boundary: byte & 2 != 0,
+            is_apart: byte & 4 != 0,
+        };
+        told.add_rivals(from, rivals.iter().map(rival));
     }
 
     /// Has a probe all that its decision takes?
     pub(super) fn is_due(&self, k: u32) -> bool {
-        self.probes[k as usize].due == 0
+        self.probes[k as usize].due() == 0
     }
 
     /// Decides what becomes of a probe.
@@ -61,10 +57,9 @@ impl<C: Rules> Rounds<C> {
         self.open -= 1;
         let (me, id) = (self.me, self.id(k));
         let probe = &mut self.probes[k as usize];
-        let rank = probe.rank;
         // One that is killed waits for what becomes of its place.
         if let What::Tet(t, _) = probe.what
-            && self.served.has_rival::<C>(t, rank)
+            && self.served.has_rival::<C>(mesh, (id, t), &probe.rank())
         {
             return;
         }
@@ -73,31 +68,26 @@ impl<C: Rules> Rounds<C> {
             Outcome::Asks(item, limit) => return self.ask_for(mesh, k, *item, limit),
             Outcome::Fits(removed) => removed,
         };
-        if probe.has_boundary {
-            let own = self.served.rivals(id);
-            match &probe.told {
-                None => probe.rivals = own,
-                Some(told) => {
-                    probe.rivals.resize(probe.closure().tets.len(), Rival::default());
-                    let places = told.places.get(&me).into_iter().flatten();
-                    for (&place, rival) in places.zip(own) {
-                        probe.rivals[place as usize] = rival;
-                    }
+        if let Some(waits) = probe.waits.take() {
+            let yields = match (&*waits, &mut probe.told) {
+                (Waits::Here(watch, all), _) => {
+                    let all = self.served.cavity_at(all).iter().copied();
+                    watch.yields(all, |t| self.served.rival::<C>(mesh, id, t))
                 }
-            }
-            // Without a rival nobody yields.
-            if probe.rivals.iter().any(|rival| rival.is_there) {
-                let survey = Survey::of(&mesh.complex, probe.closure());
-                let yields = match &probe.what {
-                    What::Tet(..) => survey.yields_in_tet(&probe.rivals),
-                    What::Item(item) => survey.yields_at_item(item, probe.carrier, &probe.rivals),
-                };
-                if yields {
-                    return;
+                (Waits::Told(watch), Some(told)) => {
+                    told.add_rivals(me, self.served.rivals::<C>(mesh, id));
+                    watch.yields(0..told.rivals.len(), |place| told.rivals[place])
                 }
+                (Waits::Told(_), None) => false,
+            };
+            if yields {
+                return;
             }
         }
-        let start = probe.start;
+        let start = match probe.what {
+            What::Tet(t, v) => Some((t, v)),
+            What::Item(_) => probe.start,
+        };
         let class = match &probe.what {
             What::Item(item) if item.is_segment() => 0,
             What::Item(_) => 1,

@@ -10,12 +10,12 @@
 //!
 //! Witnesses are remembered from round to round, as by the engine with one mesh (`sift`).
 
-use super::ranked::{RankedHere, places_of, rank_of};
+use super::ranked::{RankedHere, places_of};
 use crate::protocol::{BlockId, Directory, Handle, Name, Rules, Submesh, WorkerId};
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{Point, expect, prefetch};
-use ltbw_domain::refine::{Bad, Rank, Ranked, sift};
+use ltbw_domain::refine::{Bad, Lead, Rank, Ranked, sift};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
@@ -48,7 +48,7 @@ struct Far {
 pub(super) struct Foremost {
     pub(super) t: TetId,
     pub(super) v: [VertexId; 4],
-    pub(super) rank: Rank,
+    pub(super) lead: Lead,
     /// The first of its vertices.
     pub(super) at: Point,
 }
@@ -379,8 +379,8 @@ impl Keys {
             if !self.is_beaten_from_afar::<C>(mesh, t) {
                 // All that is read of it is in the cache now.
                 let v = mesh.inner.tets().vertices(t);
-                let (rank, at) = (rank_of::<C>(mesh, v), mesh.point(v[0]));
-                all[usize::from(is_inner)].push(Foremost { t, v, rank, at });
+                let (lead, at) = (Lead::of_tet(self.keys[t.index()]), mesh.point(v[0]));
+                all[usize::from(is_inner)].push(Foremost { t, v, lead, at });
             }
         });
         bad.truncate(kept);

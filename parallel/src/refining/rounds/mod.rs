@@ -23,6 +23,7 @@
 //! | `candidate` | probes and candidates as values |
 //! | `probe` | the home's side of the choice: probes and what comes of them |
 //! | `ahead`, `found` | cavities found while others are waited for |
+//! | `here` | closures that are all one worker's |
 //! | `decide` | who is chosen |
 //! | `serve` | the owner's side |
 //! | `reserved` | who has reserved what |
@@ -32,6 +33,7 @@ mod ahead;
 mod candidate;
 mod decide;
 mod found;
+mod here;
 mod keys;
 mod probe;
 mod ranked;

@@ -1,30 +1,34 @@
 //! The home's side of the choice: probes, what comes of them, and who is chosen.
 
-use super::candidate::{Outcome, Probe, What};
+use super::candidate::{Outcome, Probe, Seeker, Waits, What};
+use super::here::Here;
+use super::ranked::rank_of;
 use super::serve::{corner, describe, is_near};
 use super::source::Rounds;
 use super::way::{WayEnd, walk_way};
 use crate::protocol::{Directory, Handle, Rules, Submesh, Walk, WorkerId};
 use crate::refining::domain::DomainMesh;
-use crate::refining::news::{
-    Bits, DomainNews, PartEnd, ProbeId, Proposal, WireClosure, bits, point,
-};
+use crate::refining::news::{Bits, DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
 use ltbw_core::topology::{TetId, tet_of};
-use ltbw_domain::refine::{Aim, BoundaryItem, Carrier, NOWHERE, Rank, Ruling, Survey, way_start};
+use ltbw_domain::refine::{
+    Aim, BoundaryItem, Carrier, Closure, Collected, Lead, NOWHERE, Ruling, Survey, Surveyed, Watch,
+    way_start,
+};
 
 impl<C: Rules> Rounds<C> {
     pub(super) fn id(&self, number: u32) -> ProbeId {
         ProbeId { home: self.me, number }
     }
 
-    fn proposal(&self, number: u32) -> Proposal {
-        let Probe { to, carrier, rank, .. } = self.probes[number as usize];
-        Proposal { probe: self.id(number), to, carrier, rank }
+    fn seeker(&self, number: u32) -> Seeker {
+        let probe = &self.probes[number as usize];
+        let Probe { to, carrier, .. } = *probe;
+        Seeker { probe: self.id(number), to, carrier, rank: probe.rank() }
     }
 
     /// A new probe, to be launched.
-    pub(super) fn add_probe(&mut self, what: What, rank: Rank, attempt: usize) -> u32 {
-        self.probes.push(Probe::new(what, rank, attempt));
+    pub(super) fn add_probe(&mut self, what: What, lead: Lead, attempt: usize) -> u32 {
+        self.probes.push(Probe::new(what, lead, attempt));
         self.open += 1;
         self.probes.len() as u32 - 1
     }
@@ -49,7 +53,7 @@ impl<C: Rules> Rounds<C> {
                 let probe = &mut self.probes[k as usize];
                 (probe.to, probe.carrier, probe.may) = (bits(&point), carrier, may);
                 probe.open = 1;
-                let own = self.proposal(k);
+                let own = &self.seeker(k);
                 match &self.probes[k as usize].what {
                     &What::Tet(t, v) => {
                         let start = way_start(v.map(|v| mesh.point(v)));
@@ -93,10 +97,10 @@ impl<C: Rules> Rounds<C> {
 
     /// The next attempt for what a probe is for.
     fn retry(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
-        let Probe { ref what, rank, attempt, .. } = self.probes[k as usize];
+        let Probe { ref what, lead, attempt, .. } = self.probes[k as usize];
         let what = what.clone();
         self.conclude(k, Outcome::Dropped);
-        let next = self.add_probe(what, rank, attempt + 1);
+        let next = self.add_probe(what, lead, attempt + 1);
         self.launch(mesh, directory, next);
     }
 
@@ -121,7 +125,7 @@ impl<C: Rules> Rounds<C> {
         &mut self,
         mesh: &mut DomainMesh<'_>,
         directory: &Directory,
-        own: Proposal,
+        own: &Seeker,
         at: (TetId, Option<usize>),
         (start, may): (Bits, bool),
     ) {
@@ -129,6 +133,7 @@ impl<C: Rules> Rounds<C> {
             WayEnd::At(t) => self.serve(mesh, directory, own, &[t]),
             WayEnd::Far(at) => {
                 let owner = directory.owner(at.block);
+                let own = own.proposal(|v| rank_of::<C>(mesh, v));
                 self.send(owner, DomainNews::Way { own, at, start, may });
             }
             WayEnd::Not(end) => {
@@ -142,7 +147,7 @@ impl<C: Rules> Rounds<C> {
         &mut self,
         mesh: &mut DomainMesh<'_>,
         directory: &Directory,
-        own: Proposal,
+        own: &Seeker,
         at: Option<TetId>,
     ) {
         // Along a curve the last one is near.
@@ -158,10 +163,12 @@ impl<C: Rules> Rounds<C> {
             }
             Walk::Exits(at) => {
                 let owner = directory.owner(at.block);
+                let own = own.proposal(|v| rank_of::<C>(mesh, v));
                 self.send(owner, DomainNews::Seek { own, at: Some(at) });
             }
             Walk::NoTets => {
                 let next = WorkerId::new((self.me.number() + 1) % self.workers);
+                let own = own.proposal(|v| rank_of::<C>(mesh, v));
                 self.send(next, DomainNews::Seek { own, at: None });
             }
         }
@@ -172,7 +179,7 @@ impl<C: Rules> Rounds<C> {
         &mut self,
         mesh: &mut DomainMesh<'_>,
         directory: &Directory,
-        own: Proposal,
+        own: &Seeker,
         seeds: &[TetId],
     ) {
         let probe = own.probe;
@@ -181,12 +188,12 @@ impl<C: Rules> Rounds<C> {
             && self.probes.get(probe.number as usize).is_some_and(|own| own.told.is_none());
         if let [seed] = *seeds
             && is_first
-            && self.served.search_here(mesh, &own, seed)
+            && self.served.search_here(mesh, own, seed)
         {
             let nothing = (PartEnd::Found, WireClosure::default(), Vec::new());
             return self.take_part(mesh, directory, self.me, probe.number, nothing);
         }
-        let (before, foreign) = self.served.search(mesh, &own, seeds.iter().copied());
+        let (before, foreign) = self.served.search(mesh, own, seeds.iter().copied());
         let found = match self.served.part(probe) {
             // The home knows its own.
             Some(part) if probe.home != self.me => {
@@ -235,7 +242,7 @@ impl<C: Rules> Rounds<C> {
             if !told.owners.contains(&from) {
                 told.owners.push(from);
             }
-            probe.add(from, &found, &mut self.spare);
+            told.add(from, &found);
         }
         let mut seeds: Vec<(WorkerId, Vec<Handle>)> = Vec::new();
         for handle in foreign {
@@ -253,109 +260,127 @@ impl<C: Rules> Rounds<C> {
         }
         let probe = &mut self.probes[k as usize];
         probe.open += seeds.len() as u32;
-        let own = self.proposal(k);
+        if seeds.is_empty() {
+            return self.judge_if_known(mesh, directory, k);
+        }
+        let own = &self.seeker(k);
         for (owner, seeds) in seeds {
             if owner == self.me {
                 let here: Vec<TetId> =
                     seeds.iter().filter_map(|handle| mesh.resolve(handle.name)).collect();
                 self.serve(mesh, directory, own, &here);
             } else {
+                let own = own.proposal(|v| rank_of::<C>(mesh, v));
                 self.send(owner, DomainNews::Search { own, seeds });
             }
         }
-        let probe = &self.probes[k as usize];
-        if probe.open == 0 && probe.outcome == Outcome::Open {
-            self.judge(mesh, directory, k);
-        }
+        self.judge_if_known(mesh, directory, k);
     }
 
     /// Does a tetrahedron's probe ask for an item by what is known of its closure so far? (A
     /// known-bad variant stops there.)
     fn asks_already(&self, mesh: &DomainMesh<'_>, k: u32) -> bool {
         let own = &self.probes[k as usize];
-        let survey = Survey::of(&mesh.complex, own.closure());
-        matches!(own.what, What::Tet(..)) && !survey.rule_on_tet(&point(&own.to)).is_empty()
+        let (What::Tet(..), Some(told)) = (&own.what, &own.told) else { return false };
+        let closure = Collected::of(&told.closure);
+        !Survey::of(&mesh.complex, &closure).rule_on_tet(&point(&own.to)).is_empty()
+    }
+
+    /// Judges a probe of whose closure all is known.
+    fn judge_if_known(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
+        let probe = &self.probes[k as usize];
+        if probe.open == 0 && probe.outcome == Outcome::Open {
+            self.judge(mesh, directory, k);
+        }
+    }
+
+    /// Adds this worker's part to a closure of which others have told, unless nothing of it can be
+    /// boundary. Returns whether it may be.
+    fn complete(&mut self, mesh: &DomainMesh<'_>, k: u32) -> bool {
+        let (me, id) = (self.me, self.id(k));
+        let Probe { ref what, carrier, ref mut told, .. } = self.probes[k as usize];
+        let Some(told) = told else { return false };
+        let Closure { corners, tets } = &told.closure;
+        let is_on = |v: &&u32| **v != NOWHERE && corners[**v as usize].carrier != Carrier::Free;
+        let is_near = matches!(what, What::Item(_))
+            || self.served.cavity(id).any(|t| is_near(mesh, t))
+            || tets.iter().any(|(v, is_in)| *is_in && v.iter().filter(is_on).count() > 1);
+        if is_near {
+            let all = self.served.part(id).map_or(&[][..], |part| &part.order);
+            told.add(me, &describe(mesh, all, carrier));
+        }
+        is_near
+    }
+
+    /// The verdict on a probe whose closure is all here, and what makes it wait then.
+    fn rule_here(&mut self, mesh: &DomainMesh<'_>, k: u32) -> (Verdict, Option<Waits>) {
+        let (id, probe) = (self.id(k), &self.probes[k as usize]);
+        let here = Here { mesh, cavity: self.served.cavity_at(&self.served.inside(id)) };
+        let survey = Survey::of(&mesh.complex, &here);
+        let (verdict, watch) = probe.rule(mesh, &survey);
+        // Without candidates of the boundary it does not matter who else is near.
+        let all = match &watch {
+            Some(_) if self.has_boundary => self.served.list_closure(mesh, id),
+            _ => 0..0,
+        };
+        (verdict, watch.map(|watch| Waits::Here(watch, all)))
+    }
+
+    /// The same of one of whose closure others have told.
+    fn rule_told(&mut self, mesh: &DomainMesh<'_>, k: u32) -> (Verdict, Option<Waits>) {
+        let may_be_boundary = self.complete(mesh, k);
+        let probe = &self.probes[k as usize];
+        let Some(told) = probe.told.as_ref().filter(|_| may_be_boundary) else {
+            return (Verdict::Is(Outcome::Fits(Vec::new())), None);
+        };
+        let closure = Collected::of(&told.closure);
+        let (verdict, watch) = probe.rule(mesh, &Survey::of(&mesh.complex, &closure));
+        (verdict, watch.map(Waits::Told))
     }
 
     /// All of a probe's closure is known: the verdict.
     fn judge(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
         let id = self.id(k);
-        let probe = &mut self.probes[k as usize];
-        let is_item = matches!(probe.what, What::Item(_));
-        let is_near = is_item
-            || self.served.cavity(id).any(|t| is_near(mesh, t))
-            || probe.closure().tets.iter().any(|(v, is_in)| {
-                let corners = &probe.closure().corners;
-                let is_on =
-                    |v: &&u32| **v != NOWHERE && corners[**v as usize].carrier != Carrier::Free;
-                *is_in && v.iter().filter(is_on).count() > 1
-            });
-        if is_near {
-            let carrier = probe.carrier;
-            match &probe.told {
-                None => {
-                    let closure = probe.closure_in(&mut self.spare);
-                    self.served.describe_here(mesh, (id, carrier), closure);
-                }
-                Some(_) => {
-                    self.served.complete(mesh, id);
-                    let all = self.served.part(id).map_or(&[][..], |part| &part.order);
-                    let found = describe(mesh, all, carrier);
-                    probe.add(self.me, &found, &mut self.spare);
-                }
-            }
-        }
-        let p = point(&probe.to);
-        let outcome = if is_near {
-            let survey = Survey::of(&mesh.complex, probe.closure());
-            let has_boundary = is_item || survey.is_marked();
-            let outcome = match &probe.what {
-                What::Tet(..) => match survey.rule_on_tet(&p).first() {
-                    Some(first) => Some(probe.what.asks(mesh, *first)),
-                    None => Some(Outcome::Fits(Vec::new())),
-                },
-                What::Item(item) => match survey.rule_on_item(item, &p) {
-                    Ruling::Fill(removed) => Some(Outcome::Fits(removed)),
-                    Ruling::Defer(first) => Some(Outcome::Asks(Box::new(first[0]), None)),
-                    Ruling::Useless => None,
-                    Ruling::Refuse => return self.give_up(k),
-                },
-            };
-            probe.has_boundary = has_boundary;
-            outcome
-        } else {
-            Some(Outcome::Fits(Vec::new()))
+        let (verdict, waits) = match self.probes[k as usize].told {
+            None => self.rule_here(mesh, k),
+            Some(_) => self.rule_told(mesh, k),
         };
+        let probe = &mut self.probes[k as usize];
         let has_own = match probe.what {
             What::Tet(t, _) => self.served.cavity(id).any(|other| other == t),
             What::Item(_) => true,
         };
-        let outcome = match outcome {
-            Some(Outcome::Fits(_)) if !has_own => None,
-            other => other,
+        let outcome = match verdict {
+            Verdict::Refuse => return self.give_up(k),
+            Verdict::Is(Outcome::Fits(_)) if !has_own => None,
+            Verdict::Is(outcome) => Some(outcome),
+            Verdict::Useless => None,
         };
         let Some(outcome) = outcome else {
             self.drop_parts(k);
             return self.retry(mesh, directory, k);
         };
+        let is_item = matches!(probe.what, What::Item(_));
         let fits = matches!(outcome, Outcome::Fits(_));
         if fits {
-            let of_item = || self.served.cavity(id).next();
-            let tets = mesh.inner.tets();
-            self.probes[k as usize].start = match self.probes[k as usize].what {
-                What::Tet(t, v) => Some((t, v)),
-                What::Item(_) => of_item().map(|t| (t, tets.vertices(t))),
-            };
+            self.fits += 1;
+            if is_item {
+                let tets = mesh.inner.tets();
+                probe.start = self.served.cavity(id).next().map(|t| (t, tets.vertices(t)));
+            }
         }
         if !fits && is_item {
             // A boundary item that waits for others is in nobody's way. (R23.)
             self.drop_parts(k);
-        } else if fits && self.probes[k as usize].has_boundary && C::HEARS_OF_RIVALS {
-            self.want_rivals(k);
+        } else if fits && let Some(waits) = waits {
+            probe.waits = Some(Box::new(waits));
+            if C::HEARS_OF_RIVALS {
+                self.want_rivals(k);
+            }
         }
         // Its tetrahedra are in the cache.
-        let Probe { rank, carrier, .. } = self.probes[k as usize];
-        self.served.reserve_own(id, (rank, carrier));
+        let probe = &self.probes[k as usize];
+        self.served.reserve_own::<C>(mesh, id, (probe.rank(), probe.carrier));
         self.conclude(k, outcome);
     }
 
@@ -379,10 +404,50 @@ impl<C: Rules> Rounds<C> {
     /// All owners of a probe's parts are to tell of rivals.
     fn want_rivals(&mut self, k: u32) {
         let (id, others) = (self.id(k), self.others(k));
-        self.probes[k as usize].due = others.len() as u32;
+        if let Some(told) = &mut self.probes[k as usize].told {
+            told.due = others.len() as u32;
+        }
         for owner in others {
             self.counts.notes += 1;
             self.send(owner, DomainNews::WantRivals(id));
+        }
+    }
+}
+
+/// The verdict on a probe's point.
+enum Verdict {
+    Is(Outcome),
+    /// It does not do what it was made for; another one may.
+    Useless,
+    /// It cannot be.
+    Refuse,
+}
+
+impl Probe {
+    /// The verdict on its point by a survey of its closure, and what makes it wait for others.
+    fn rule<R: Surveyed>(
+        &self,
+        mesh: &DomainMesh<'_>,
+        survey: &Survey<'_, R>,
+    ) -> (Verdict, Option<Watch<R::Tet>>) {
+        let p = point(&self.to);
+        match &self.what {
+            What::Tet(..) if !survey.is_marked() => (Verdict::Is(Outcome::Fits(Vec::new())), None),
+            What::Tet(..) => match survey.rule_on_tet(&p).first() {
+                Some(first) => (Verdict::Is(self.what.asks(mesh, *first)), None),
+                None => (Verdict::Is(Outcome::Fits(Vec::new())), survey.watch_in_tet()),
+            },
+            What::Item(item) => match survey.rule_on_item(item, &p) {
+                Ruling::Fill(removed) => {
+                    let watch = survey.watch_at_item(item, self.carrier);
+                    (Verdict::Is(Outcome::Fits(removed)), Some(watch))
+                }
+                Ruling::Defer(first) => {
+                    (Verdict::Is(Outcome::Asks(Box::new(first[0]), None)), None)
+                }
+                Ruling::Useless => (Verdict::Useless, None),
+                Ruling::Refuse => (Verdict::Refuse, None),
+            },
         }
     }
 }

@@ -1,13 +1,14 @@
 //! The owner's side of the choice: searches, reservations, and what rivals there are.
 
-use super::reserved::{Holders, Marks};
-use crate::protocol::{Correct, Handle, Rules, WorkerId};
+use super::candidate::Seeker;
+use super::ranked::rank_of;
+use super::reserved::{Holders, LazyRank, Marks};
+use crate::protocol::{Handle, Rules, WorkerId};
 use crate::refining::domain::DomainMesh;
-use crate::refining::news::{INFINITE_CORNER, ProbeId, Proposal, WireClosure, WireCorner, point};
-use ltbw_core::cavity::OTHERS;
+use crate::refining::news::{INFINITE_CORNER, ProbeId, WireClosure, WireCorner, point};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use ltbw_core::{expect, prefetch};
-use ltbw_domain::refine::{Carrier, Closure, Corner, NOWHERE, Rank, Rival};
+use ltbw_domain::refine::{Carrier, Corner, Rank, Rival};
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
@@ -23,7 +24,7 @@ pub(super) struct Part {
     /// If all of the closure is here: the cavity in the list of those.
     inside: Range<usize>,
     /// The tetrahedra looked at, in the order in which the home was told, and whether each is in
-    /// conflict; none, as long as nobody asks, if all of the closure is here.
+    /// conflict; none if all of the closure is here.
     pub(super) order: Vec<(TetId, bool)>,
 }
 
@@ -43,7 +44,7 @@ pub(super) struct Served {
     /// The parts of own probes, by their numbers.
     own: Vec<Option<Part>>,
     /// The parts of others' probes, with the ranks and the carriers of these.
-    others: FxHashMap<ProbeId, (Part, (Rank, Carrier))>,
+    others: FxHashMap<ProbeId, (Part, (LazyRank, Carrier))>,
     /// By slot: the number in `holders` of the foremost candidate with it in its cavity.
     reserved: Marks,
     holders: Holders,
@@ -53,8 +54,6 @@ pub(super) struct Served {
     spare: Vec<Vec<(TetId, bool)>>,
     /// Scratch: tetrahedra that a search has seen.
     seen: Marks,
-    /// Scratch: the numbers of vertices in a closure.
-    places: Marks,
 }
 
 impl Served {
@@ -115,10 +114,10 @@ impl Served {
     }
 
     /// The part of a probe, made if there is none.
-    fn enter(&mut self, own: &Proposal) -> &mut Part {
+    fn enter(&mut self, own: &Seeker) -> &mut Part {
         let ProbeId { home, number } = own.probe;
         if home != self.me {
-            let new = || (Part::default(), (own.rank, own.carrier));
+            let new = || (Part::default(), (own.rank.clone(), own.carrier));
             return &mut self.others.entry(own.probe).or_insert_with(new).0;
         }
         self.own_part(number)
@@ -138,7 +137,7 @@ impl Served {
     pub(super) fn search_here(
         &mut self,
         mesh: &mut DomainMesh<'_>,
-        own: &Proposal,
+        own: &Seeker,
         seed: TetId,
     ) -> bool {
         if self.part(own.probe).is_some() {
@@ -157,42 +156,17 @@ impl Served {
         self.own_part(probe.number).inside = inside;
     }
 
-    /// Adds the tetrahedra around a cavity that is all here. Returns whether there was one, of
-    /// which the places are marked as seen then.
-    pub(super) fn complete(&mut self, mesh: &DomainMesh<'_>, probe: ProbeId) -> bool {
-        let tets = mesh.inner.tets();
-        let lacks_ring = |part: &&Part| part.order.is_empty() && !part.inside.is_empty();
-        let Some(part) = self.part(probe).filter(lacks_ring) else { return false };
-        let (inside, mut order) = (part.inside.clone(), self.spare.pop().unwrap_or_default());
-        let cavity = &self.cavities[inside];
-        self.seen.clear(tets.topology().slots());
-        order.clear();
-        order.reserve(3 * cavity.len() + 2);
-        for (place, &t) in cavity.iter().enumerate() {
-            self.seen.mark(t.index(), place as u32);
-            order.push((t, true));
-        }
-        for &t in cavity {
-            for u in tets.neighbours(t).map(tet_of) {
-                if self.seen.mark(u.index(), order.len() as u32) {
-                    order.push((u, false));
-                }
-            }
-        }
-        self.part_mut(probe).into_iter().for_each(|part| part.order = std::mem::take(&mut order));
-        true
-    }
-
     /// Looks at tetrahedra, and from those in conflict on. Returns the number of those known
     /// before, and the far neighbours of new ones in conflict.
     pub(super) fn search(
         &mut self,
         mesh: &mut DomainMesh<'_>,
-        own: &Proposal,
+        own: &Seeker,
         seeds: impl Iterator<Item = TetId>,
     ) -> (usize, Vec<Handle>) {
         let p = &point(&own.to);
-        self.complete(mesh, own.probe);
+        // One that is known to be all here is looked at again.
+        let again: Vec<TetId> = self.cavity_at(&self.inside(own.probe)).to_vec();
         self.seen.clear(mesh.inner.tets().topology().slots());
         let mut seen = std::mem::take(&mut self.seen);
         let mut memory = self.spare.pop().unwrap_or_default();
@@ -201,15 +175,13 @@ impl Served {
         if part.order.capacity() == 0 {
             std::mem::swap(&mut part.order, &mut memory);
         }
-        if !part.order.is_empty() {
-            part.inside = 0..0;
-        }
+        part.inside = 0..0;
         let before = part.order.len();
         for (t, _) in &part.order {
             seen.mark(t.index(), 0);
         }
         let mut foreign = Vec::new();
-        let mut stack: Vec<TetId> = seeds.collect();
+        let mut stack: Vec<TetId> = seeds.chain(again).collect();
         // Ends: each is looked at once.
         while let Some(t) = stack.pop() {
             if !seen.mark(t.index(), 0) {
@@ -249,110 +221,88 @@ impl Served {
     }
 
     /// The verdict on an own probe has fallen: reserves the cavity in its part, unless void.
-    pub(super) fn reserve_own(&mut self, probe: ProbeId, whose: (Rank, Carrier)) {
+    pub(super) fn reserve_own<C: Rules>(
+        &mut self,
+        mesh: &DomainMesh<'_>,
+        probe: ProbeId,
+        whose: (LazyRank, Carrier),
+    ) {
         let Self { own, reserved, holders, cavities, .. } = self;
         if let Some(Some(part)) = own.get_mut(probe.number as usize) {
-            reserve((part, whose), cavities, reserved, holders);
+            reserve((part, whose), cavities, (reserved, holders), |v| rank_of::<C>(mesh, v));
         }
     }
 
     /// All probes have ended: reserves the cavities of others'. Returns those whose homes want to
     /// hear of rivals.
-    pub(super) fn reserve_others(&mut self) -> Vec<ProbeId> {
+    pub(super) fn reserve_others<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> Vec<ProbeId> {
         let Self { others, reserved, holders, .. } = self;
-        let all = others.values_mut();
-        all.for_each(|(part, whose)| reserve((part, *whose), &[], reserved, holders));
+        for (part, whose) in others.values_mut() {
+            reserve((part, whose.clone()), &[], (reserved, holders), |v| rank_of::<C>(mesh, v));
+        }
         let wanted = others.iter().filter(|(_, (part, _))| part.is_wanted);
         let mut wanted: Vec<ProbeId> = wanted.map(|(&probe, _)| probe).collect();
         wanted.sort_unstable();
         wanted
     }
 
-    /// The number of the holder of a tetrahedron.
-    fn holder(&self, t: TetId) -> Option<u32> {
-        self.reserved.get(t.index())
+    /// The number of the holder of a tetrahedron that comes before a probe with this rank, if such
+    /// a one has it.
+    fn before<C: Rules>(
+        &self,
+        mesh: &DomainMesh<'_>,
+        t: TetId,
+        (own, rank): (Option<u32>, &LazyRank),
+    ) -> Option<u32> {
+        let holder = self.reserved.get(t.index())?;
+        let of_tet = |v| rank_of::<C>(mesh, v);
+        (Some(holder) != own && self.holders.is_before(holder, rank, of_tet)).then_some(holder)
     }
 
-    /// Is a candidate before this one in the way of its own tetrahedron?
-    pub(super) fn has_rival<C: Rules>(&self, t: TetId, rank: Rank) -> bool {
-        // R26.
-        let counts = |own: u32| {
-            let key = self.holders.leads[own as usize].1.0;
-            C::BREAKS_TIES || !Rank::is_tie(key, rank.key())
+    /// Is a candidate before an own probe with this rank in the way of its tetrahedron?
+    pub(super) fn has_rival<C: Rules>(
+        &self,
+        mesh: &DomainMesh<'_>,
+        (probe, t): (ProbeId, TetId),
+        rank: &LazyRank,
+    ) -> bool {
+        let own = self.part(probe).and_then(|part| part.holder);
+        let counts = |other: u32| {
+            let key = self.holders.leads[other as usize].key();
+            // R26.
+            C::BREAKS_TIES || !Rank::is_tie(key, rank.lead.key())
         };
-        self.holder(t).is_some_and(|own| self.holders.is_before(own, &rank) && counts(own))
+        self.before::<C>(mesh, t, (own, rank)).is_some_and(counts)
+    }
+
+    /// The rival of a probe that a tetrahedron has.
+    pub(super) fn rival<C: Rules>(&self, mesh: &DomainMesh<'_>, probe: ProbeId, t: TetId) -> Rival {
+        let Some(own) = self.part(probe).and_then(|part| part.holder) else {
+            return Rival::default();
+        };
+        let (rank, carrier) = &self.holders.all[own as usize];
+        let other = self.before::<C>(mesh, t, (Some(own), rank));
+        let Some(other) = other else { return Rival::default() };
+        let (_, at) = &self.holders.all[other as usize];
+        let is_boundary = self.holders.leads[other as usize].is_boundary();
+        Rival { is_there: true, is_boundary, is_apart: !is_same(*at, *carrier) }
     }
 
     /// The rivals in a probe's part of its closure, in the order in which its home was told.
-    pub(super) fn rivals(&self, probe: ProbeId) -> Vec<Rival> {
-        let Some(part) = self.part(probe) else { return Vec::new() };
-        let Some(own) = part.holder else { return Vec::new() };
-        let (rank, carrier) = self.holders.all[own as usize];
-        let rival = |(t, _): &(TetId, bool)| match self.holder(*t) {
-            Some(number) if self.holders.is_before(number, &rank) => {
-                let (other, at) = self.holders.all[number as usize];
-                let is_apart = !is_same(at, carrier);
-                Rival { is_there: true, is_boundary: other.is_boundary(), is_apart }
-            }
-            _ => Rival::default(),
-        };
-        part.order.iter().map(rival).collect()
+    pub(super) fn rivals<C: Rules>(&self, mesh: &DomainMesh<'_>, probe: ProbeId) -> Vec<Rival> {
+        let order = self.part(probe).map_or(&[][..], |part| &part.order);
+        order.iter().map(|&(t, _)| self.rival::<C>(mesh, probe, t)).collect()
     }
 
-    /// Adds a probe's part to a closure that has nothing yet.
-    pub(super) fn describe_here(
-        &mut self,
-        mesh: &DomainMesh<'_>,
-        (probe, carrier): (ProbeId, Carrier),
-        closure: &mut Closure,
-    ) {
-        let is_whole = self.complete(mesh, probe);
-        let tets = mesh.inner.tets();
-        self.places.clear(mesh.inner.num_vertices() + 1);
-        let mut places = std::mem::take(&mut self.places);
-        let order = self.part(probe).map_or(&[][..], |part| &part.order);
-        let Closure { corners, tets: told, beyond } = closure;
-        let mut describe = |v: [VertexId; 4], corners: &mut Vec<Corner>| {
-            v.map(|v| match v {
-                INFINITE => NOWHERE,
-                v => {
-                    let next = corners.len() as u32;
-                    if places.mark(v.index(), next) {
-                        corners.push(corner(mesh, v));
-                    }
-                    places.get(v.index()).unwrap_or(next)
-                }
-            })
-        };
-        if !is_whole {
-            told.extend(order.iter().map(|&(t, is_in)| {
-                let corners = told_of(mesh, t, carrier).map(|v| describe(v, corners));
-                (corners.unwrap_or([NOWHERE; 4]), is_in)
-            }));
-            self.places = places;
-            return;
+    /// Lists the closure of an own probe that is all here, some tetrahedra of it more than once.
+    pub(super) fn list_closure(&mut self, mesh: &DomainMesh<'_>, probe: ProbeId) -> Range<usize> {
+        let (inside, first) = (self.inside(probe), self.cavities.len());
+        for k in inside {
+            let t = self.cavities[k];
+            self.cavities.push(t);
+            self.cavities.extend(mesh.inner.tets().neighbours(t).map(tet_of));
         }
-        let inside = order.partition_point(|own| own.1);
-        told.resize(order.len(), ([NOWHERE; 4], false));
-        beyond.resize(inside, [NOWHERE; 4]);
-        for (k, &(t, _)) in order[..inside].iter().enumerate() {
-            told[k].1 = true;
-            let Some(v) = told_of(mesh, t, carrier) else { continue };
-            let v = describe(v, corners);
-            told[k].0 = v;
-            let around = tets.neighbours(t).map(|face| self.seen.get(tet_of(face).index()));
-            let around = around.map(|place| place.unwrap_or(NOWHERE));
-            beyond[k] = around;
-            let is_on = v.map(|v| v != NOWHERE && corners[v as usize].carrier != Carrier::Free);
-            for (face, place) in OTHERS.into_iter().zip(around) {
-                let is_ring = (inside..order.len()).contains(&(place as usize));
-                if is_ring && face.iter().all(|&slot| is_on[slot]) {
-                    let ring = order[place as usize].0;
-                    told[place as usize].0 = describe(tets.vertices(ring), corners);
-                }
-            }
-        }
-        self.places = places;
+        first..self.cavities.len()
     }
 }
 
@@ -360,36 +310,43 @@ impl Served {
 /// candidate before them kills: the rule alone, for ports.
 #[doc(hidden)]
 pub fn unkilled(candidates: &[(Rank, TetId, Vec<TetId>)]) -> Vec<usize> {
-    let mut served = Served::default();
+    let (mut reserved, mut holders) = (Marks::default(), Holders::default());
     let slots = candidates.iter().flat_map(|(_, own, cavity)| cavity.iter().chain([own]));
-    served.reserved.clear(slots.map(|t| t.index() + 1).max().unwrap_or(0));
-    for (rank, _, cavity) in candidates {
+    reserved.clear(slots.map(|t| t.index() + 1).max().unwrap_or(0));
+    let ranks: Vec<LazyRank> = candidates.iter().map(|own| LazyRank::told(own.0)).collect();
+    // All ranks are told.
+    let of_tet = |_| candidates[0].0;
+    for ((_, _, cavity), rank) in candidates.iter().zip(&ranks) {
         let order = cavity.iter().map(|&t| (t, true)).collect();
-        let (mut part, whose) = (Part { order, ..Part::default() }, (*rank, Carrier::Free));
-        reserve((&mut part, whose), &[], &mut served.reserved, &mut served.holders);
+        let (mut part, whose) = (Part { order, ..Part::default() }, (rank.clone(), Carrier::Free));
+        reserve((&mut part, whose), &[], (&mut reserved, &mut holders), of_tet);
     }
-    let dies = |k: usize| served.has_rival::<Correct>(candidates[k].1, candidates[k].0);
-    (0..candidates.len()).filter(|&k| !dies(k)).collect()
+    let dies = |&k: &usize| {
+        let holder = reserved.get(candidates[k].1.index());
+        holder.is_some_and(|other| holders.is_before(other, &ranks[k], of_tet))
+    };
+    (0..candidates.len()).filter(|k| !dies(k)).collect()
 }
 
 /// Reserves the cavity in a part, unless that is void, where no candidate before it has.
 fn reserve(
-    (part, (rank, carrier)): (&mut Part, (Rank, Carrier)),
+    (part, (rank, carrier)): (&mut Part, (LazyRank, Carrier)),
     cavities: &[TetId],
-    reserved: &mut Marks,
-    holders: &mut Holders,
+    (reserved, holders): (&mut Marks, &mut Holders),
+    of_tet: impl Fn([VertexId; 4]) -> Rank,
 ) {
     if part.is_void {
         return;
     }
-    let number = holders.push(rank, carrier);
+    let number = holders.next();
     part.holder = Some(number);
     for t in part.cavity(cavities) {
         let other = reserved.get(t.index());
-        if other.is_none_or(|other| holders.compare(other, &rank).is_gt()) {
+        if other.is_none_or(|other| !holders.is_before(other, &rank, &of_tet)) {
             reserved.set(t.index(), number);
         }
     }
+    holders.push(rank, carrier);
 }
 
 /// Are two boundary points on one segment, or in one facet?

@@ -1,6 +1,6 @@
 //! One worker's part in the rounds: what it knows, what it is told, and the points that it gives.
 
-use super::candidate::{ChosenPoint, Probe, Spare};
+use super::candidate::{ChosenPoint, Probe};
 use super::found::Ahead;
 use super::keys::{Keys, KeysTold};
 use super::serve::Served;
@@ -120,14 +120,14 @@ pub struct Rounds<C = Correct> {
     pub(super) ahead: Ahead,
     pub(super) served: Served,
     pub(super) probes: Vec<Probe>,
-    /// The memory of closures of rounds before.
-    pub(super) spare: Spare,
     /// Probes to launch.
     pub(super) to_launch: VecDeque<u32>,
     /// Where the last probe for a boundary item has ended here.
     pub(super) near: Option<TetId>,
     /// Probes under way, or to be decided.
     pub(super) open: usize,
+    /// Probes whose points may be inserted, unless others are in their way.
+    pub(super) fits: i64,
     pub(super) chosen: VecDeque<ChosenPoint>,
     /// The tetrahedra that points chosen in this round begin at, by their names from `first` on.
     pub(super) starts: Vec<Start>,
@@ -188,10 +188,10 @@ impl<C: Rules> Rounds<C> {
             ahead: Ahead::default(),
             served: Served::new(me),
             probes: Vec::new(),
-            spare: Vec::new(),
             to_launch: VecDeque::new(),
             near: None,
             open: 0,
+            fits: 0,
             chosen: VecDeque::new(),
             starts: Vec::new(),
             first: 0,
@@ -406,17 +406,17 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
             DomainNews::Way { own, at, start, may } => {
                 if let Some(t) = mesh.resolve(at.name) {
                     let entry = (t, Some(usize::from(at.face)));
-                    self.go(mesh, directory, own, entry, (start, may));
+                    self.go(mesh, directory, &own.into(), entry, (start, may));
                 }
             }
             DomainNews::Seek { own, at } => {
                 let at = at.and_then(|at| mesh.resolve(at.name));
-                self.seek(mesh, directory, own, at);
+                self.seek(mesh, directory, &own.into(), at);
             }
             DomainNews::Search { own, seeds } => {
                 let seeds: Vec<TetId> =
                     seeds.iter().filter_map(|handle| mesh.resolve(handle.name)).collect();
-                self.serve(mesh, directory, own, &seeds);
+                self.serve(mesh, directory, &own.into(), &seeds);
             }
             DomainNews::Part { number, end, found, foreign } => {
                 self.take_part(mesh, directory, from, number, (end, found, foreign));

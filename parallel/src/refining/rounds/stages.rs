@@ -15,7 +15,7 @@
 //! sends any more once he has said so, one wave with equal counts will do; operations lead to
 //! others, so it takes two waves that are equal.
 
-use super::candidate::{Outcome, Probe, What};
+use super::candidate::What;
 use super::keys::{Foremost, KeysTold};
 use super::source::{Ending, Rounds, Stage};
 use super::tree::{SENT, Step, TAKEN, is_quiet};
@@ -60,7 +60,7 @@ impl<C: Rules> Rounds<C> {
         self.keys.start(mesh);
         mesh.count_steps(self.keys.news() as u64 / 8);
         self.served.clear(mesh);
-        self.spare.extend(self.probes.drain(..).filter_map(Probe::into_spare));
+        self.probes.clear();
         self.begin_exchange(mesh, directory, 0);
     }
 
@@ -129,8 +129,7 @@ impl<C: Rules> Rounds<C> {
                 sums[CANCELLED] = i64::from(self.is_cancelled);
             }
             Stage::Choosing => {
-                let fits = |probe: &&Probe| matches!(probe.outcome, Outcome::Fits(_));
-                sums[CANDIDATES] = self.probes.iter().filter(fits).count() as i64;
+                sums[CANDIDATES] = self.fits;
                 sums[FOREMOST] = self.foremost.unwrap_or(0);
                 sums[OPEN] = self.counts.notes;
                 sums[IRREGULAR] = i64::from(self.is_irregular);
@@ -221,6 +220,7 @@ impl<C: Rules> Rounds<C> {
             return self.end(Ending::Circles);
         }
         self.stage = Stage::Choosing;
+        self.fits = 0;
         mesh.begin_round();
         let ready: Vec<BoundaryItem> = self
             .pending
@@ -231,7 +231,7 @@ impl<C: Rules> Rounds<C> {
         // Along a curve, so that what is near is looked at, and inserted, together.
         for k in along_curve(ready.iter().map(|item| item.corners()[0].point)) {
             let item = ready[k];
-            let k = self.add_probe(What::Item(Box::new(item)), item.rank(), 0);
+            let k = self.add_probe(What::Item(Box::new(item)), item.rank().lead(), 0);
             self.to_launch.push_back(k);
         }
         self.has_boundary = has_boundary;
@@ -244,8 +244,8 @@ impl<C: Rules> Rounds<C> {
         // Candidates at interface faces come first: others are waited for there.
         for list in foremost {
             for k in along_curve(list.iter().map(|own| own.at)) {
-                let Foremost { t, v, rank, .. } = list[k];
-                let k = self.add_probe(What::Tet(t, v), rank, 0);
+                let Foremost { t, v, lead, .. } = list[k];
+                let k = self.add_probe(What::Tet(t, v), lead, 0);
                 self.to_launch.push_back(k);
             }
         }

@@ -1,0 +1,42 @@
+//! A closure that is all one worker's, as a survey reads it.
+
+use super::serve::corner;
+use crate::refining::domain::DomainMesh;
+use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
+use ltbw_domain::refine::{Corner, NOWHERE, Surveyed};
+
+/// A cavity, and the tetrahedra around it.
+#[derive(Debug)]
+pub(super) struct Here<'m, 'c> {
+    pub(super) mesh: &'m DomainMesh<'c>,
+    pub(super) cavity: &'m [TetId],
+}
+
+impl Surveyed for Here<'_, '_> {
+    type Tet = TetId;
+
+    fn cavity(&self) -> impl Iterator<Item = TetId> {
+        self.cavity.iter().copied()
+    }
+
+    fn is_in(&self, t: TetId) -> bool {
+        self.cavity.contains(&t)
+    }
+
+    fn vertices(&self, t: TetId) -> [u32; 4] {
+        let v = self.mesh.inner.tets().vertices(t);
+        v.map(|v| if v == INFINITE { NOWHERE } else { v.number() })
+    }
+
+    fn is_bound(&self, v: u32) -> bool {
+        v != NOWHERE && self.mesh.is_bound(VertexId::new(v))
+    }
+
+    fn corner(&self, v: u32) -> Corner {
+        corner(self.mesh, VertexId::new(v))
+    }
+
+    fn beyond(&self, t: TetId, slot: usize) -> Option<TetId> {
+        Some(tet_of(self.mesh.inner.tets().neighbours(t)[slot]))
+    }
+}
