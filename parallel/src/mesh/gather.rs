@@ -1,11 +1,13 @@
 //! The end of a parallel run: submeshes put together to one mesh.
 
-use super::{LocalMesh, SharedInput, VertexName, given};
+use super::name::{count_of, maker_of};
+use super::{LocalMesh, SharedInput, VertexName, given, made};
 use crate::protocol::{Handle, Name, SubmeshError, WorkerId};
 use ltbw_core::submesh::{AssembleError, Assembly, Numbers, assemble};
 use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId};
 use ltbw_core::{Mesh, Vertex};
 use ltbw_exact::Point;
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 /// The result of a run.
@@ -48,8 +50,13 @@ pub enum GatherError {
 /// The vertices that were made on the way. They have the numbers after those given, in the order
 /// of their names: the order of their makers, and of each one's making.
 struct MadeVertices {
-    numbers: FxHashMap<VertexName, VertexId>,
+    /// Ascending.
+    names: Vec<VertexName>,
     points: Vec<Point>,
+    /// By maker: the place of its first one.
+    firsts: Vec<usize>,
+    /// The number of the first one of all.
+    number: VertexId,
 }
 
 impl MadeVertices {
@@ -61,20 +68,27 @@ impl MadeVertices {
             let made = named.filter(|&(_, name)| given(name).is_none());
             all.extend(made.map(|(v, name)| (name, mesh.tets.point(v))));
         }
-        all.sort_unstable_by_key(|&(name, _)| name);
+        all.par_sort_unstable_by_key(|&(name, _)| name);
         all.dedup_by_key(|&mut (name, _)| name);
-        let first = given_ones as u32 + 1;
-        let numbers = (first..)
-            .map(VertexId::new)
-            .zip(&all)
-            .map(|(number, &(name, _))| (name, number))
-            .collect();
-        Self { numbers, points: all.into_iter().map(|(_, p)| p).collect() }
+        let (names, points): (Vec<VertexName>, Vec<Point>) = all.into_iter().unzip();
+        let makers = (0..meshes.len() as u32).map(|by| made(WorkerId::new(by), 0));
+        let firsts = makers.map(|least| names.partition_point(|&name| name < least)).collect();
+        Self { names, points, firsts, number: VertexId::new(given_ones as u32 + 1) }
     }
 
     /// The number of a vertex in the whole mesh.
     fn number(&self, name: VertexName) -> Option<VertexId> {
-        given(name).map(VertexId::new).or_else(|| self.numbers.get(&name).copied())
+        if let Some(place) = given(name) {
+            return Some(VertexId::new(place));
+        }
+        let first = maker_of(name).and_then(|by| self.firsts.get(by.number() as usize));
+        // Most makers have counted without gaps.
+        let guess = first.map(|first| first + (count_of(name) as usize).saturating_sub(1));
+        let place = match guess.filter(|&guess| self.names.get(guess) == Some(&name)) {
+            Some(place) => place,
+            None => self.names.binary_search(&name).ok()?,
+        };
+        Some(VertexId::new(self.number.number() + place as u32))
     }
 }
 

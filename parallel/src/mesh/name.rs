@@ -32,6 +32,12 @@ pub(super) fn made_by(by: WorkerId, name: VertexName) -> Option<u32> {
     u32::try_from(name.wrapping_sub(made(by, 0))).ok()
 }
 
+/// The worker that has made a vertex.
+pub(super) fn maker_of(name: VertexName) -> Option<WorkerId> {
+    let by = (name >> 32).checked_sub(1)?;
+    u32::try_from(by).ok().map(WorkerId::new)
+}
+
 /// The lower half of a name, for messages.
 pub(super) fn count_of(name: VertexName) -> u32 {
     name as u32

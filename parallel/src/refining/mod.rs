@@ -18,6 +18,7 @@
 
 mod bad_tets;
 mod domain;
+mod flags;
 mod news;
 mod rounds;
 mod shape;

@@ -1,6 +1,7 @@
 //! The carriers of a submesh's vertices.
 
 use crate::mesh::TETS_PER_VERTEX;
+use crate::refining::flags::Flags;
 use ltbw_core::expect;
 use ltbw_core::topology::VertexId;
 use ltbw_domain::refine::Carrier;
@@ -9,14 +10,14 @@ use ltbw_domain::refine::Carrier;
 #[derive(Debug)]
 pub(super) struct Carriers {
     all: Vec<Carrier>,
-    /// By vertex number a bit: is the vertex on the boundary? All are in the cache.
-    bound: Vec<u64>,
+    /// The vertices on the boundary.
+    bound: Flags,
 }
 
 impl Carriers {
     /// The carriers of the vertices from number 1 on; the vertex at infinity is free.
     pub(super) fn of(all: impl Iterator<Item = Carrier>) -> Self {
-        let mut own = Self { all: vec![Carrier::Free], bound: vec![0] };
+        let mut own = Self { all: vec![Carrier::Free], bound: Flags::default() };
         (1..).zip(all).for_each(|(v, carrier)| own.set(VertexId::at(v), carrier));
         own
     }
@@ -33,22 +34,16 @@ impl Carriers {
 
     /// Is a vertex on the boundary?
     pub(super) fn is_bound(&self, v: VertexId) -> bool {
-        let word = self.bound.get(v.index() / 64).copied().unwrap_or_default();
-        word >> (v.index() % 64) & 1 == 1
+        self.bound.has(v.index())
     }
 
     /// Enters the carrier of a vertex.
     pub(super) fn set(&mut self, v: VertexId, carrier: Carrier) {
         if self.all.len() <= v.index() {
             self.all.resize(v.index() + 1, Carrier::Free);
-            self.bound.resize(v.index() / 64 + 1, 0);
         }
         self.all[v.index()] = carrier;
-        let bit = 1 << (v.index() % 64);
-        match carrier {
-            Carrier::Free => self.bound[v.index() / 64] &= !bit,
-            _ => self.bound[v.index() / 64] |= bit,
-        }
+        self.bound.set(v.index(), carrier != Carrier::Free);
     }
 }
 

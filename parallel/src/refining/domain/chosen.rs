@@ -5,6 +5,7 @@ use super::carriers::Carriers;
 use super::values::DomainPoint;
 use crate::mesh::{LocalMesh, VertexName};
 use crate::protocol::{Directory, Insert, Submesh};
+use crate::refining::flags::Flags;
 use ltbw_core::topology::{INFINITE, TetId, slot_of, tet_of};
 use std::cell::RefCell;
 
@@ -23,8 +24,8 @@ pub(super) enum AtOnce {
 pub(super) struct Slots {
     /// The regions of their tetrahedra, 0 of ghosts.
     pub(super) regions: Vec<u32>,
-    /// A bit for each: was it written in this round? All are in the cache.
-    written: Vec<u64>,
+    /// Those that were written in this round.
+    written: Flags,
     /// The cavity that the choice has found for a point, by its name.
     found: RefCell<(VertexName, Vec<TetId>)>,
 }
@@ -39,20 +40,14 @@ impl Slots {
     pub(super) fn put(&mut self, t: TetId, region: u32) {
         if self.regions.len() <= t.index() {
             self.regions.resize(t.index() + 1, 0);
-            self.written.resize(t.index() / 64 + 1, 0);
         }
         self.regions[t.index()] = region;
-        self.written[t.index() / 64] |= 1 << (t.index() % 64);
-    }
-
-    /// Was a slot written in this round, or is it new?
-    fn is_written(&self, t: TetId) -> bool {
-        self.written.get(t.index() / 64).is_none_or(|word| word >> (t.index() % 64) & 1 == 1)
+        self.written.set(t.index(), true);
     }
 
     /// A round begins: cavities are found from now on.
     pub(super) fn begin_round(&mut self) {
-        self.written.fill(0);
+        self.written.clear();
         self.found.get_mut().1.clear();
     }
 
@@ -75,7 +70,7 @@ pub(super) fn insert_chosen(
 ) -> Insert<TetId> {
     star.clear();
     let own = |t: TetId| slots.region(t);
-    let changed = |t: TetId| slots.is_written(t);
+    let changed = |t: TetId| slots.written.has(t.index());
     let known = slots.found.borrow();
     let is_known = known.0 == point.name() && !known.1.is_empty();
     let again = is_known.then_some((&known.1[..], &changed));

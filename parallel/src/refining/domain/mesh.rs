@@ -104,6 +104,13 @@ impl<'c> DomainMesh<'c> {
         self.slots.region(t)
     }
 
+    /// The regions of all slots, which this submesh has no more.
+    pub(crate) fn take_regions(&mut self) -> Vec<u32> {
+        let mut regions = std::mem::take(&mut self.slots.regions);
+        regions.resize(self.inner.tets().topology().slots(), 0);
+        regions
+    }
+
     /// A round begins: its choice finds cavities in the mesh as it is.
     pub(crate) fn begin_round(&mut self) {
         self.slots.begin_round();

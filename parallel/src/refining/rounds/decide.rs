@@ -71,7 +71,9 @@ impl<C: Rules> Rounds<C> {
         if let Some(waits) = probe.waits.take() {
             let yields = match (&*waits, &mut probe.told) {
                 (Waits::Here(watch, all), _) => {
+                    // What is of the boundary, or comes before it, is boundary items'.
                     let all = self.served.cavity_at(all).iter().copied();
+                    let all = all.filter(|&t| self.served.may_be_boundary(t));
                     watch.yields(all, |t| self.served.rival::<C>(mesh, id, t))
                 }
                 (Waits::Told(watch), Some(told)) => {

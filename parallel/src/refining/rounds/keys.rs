@@ -13,6 +13,7 @@
 use super::ranked::{RankedHere, places_of};
 use crate::protocol::{BlockId, Directory, Handle, Name, Rules, Submesh, WorkerId};
 use crate::refining::domain::DomainMesh;
+use crate::refining::flags::Flags;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{Point, expect, prefetch};
 use ltbw_domain::refine::{Bad, Lead, Rank, Ranked, sift};
@@ -84,15 +85,15 @@ pub(super) struct Keys {
     changed: Vec<u32>,
     /// Tetrahedra at interface faces around which something has changed in this round.
     touched: Vec<TetId>,
-    /// By slot: the number of interface faces of its tetrahedron, and [`TOUCHED`].
-    beside: Vec<u8>,
+    /// By slot: the number of interface faces of its tetrahedron.
+    counts: Vec<u8>,
+    /// Slots whose tetrahedra have such faces, and those of `touched`.
+    beside: Flags,
+    is_touched: Flags,
 }
 
 /// Entries that are sifted ahead in one step.
 const SIFTED: usize = 256;
-
-/// A tetrahedron is among those touched.
-const TOUCHED: u8 = 1 << 7;
 
 impl Keys {
     /// Takes memory for about this many tetrahedra. A hint.
@@ -106,7 +107,7 @@ impl Keys {
         let slots = mesh.inner.tets().topology().slots();
         self.keys.resize(slots, 0);
         self.stamps.resize(slots, 0);
-        self.beside.resize(slots, 0);
+        self.counts.resize(slots, 0);
     }
 
     /// Looks at new tetrahedra.
@@ -135,8 +136,8 @@ impl Keys {
         if !self.blocks.is_empty() {
             for &t in tets.iter().filter(|&&t| all.is_live(t)) {
                 for n in all.neighbours(t).map(tet_of) {
-                    // Most are at no interface face, and of the others most are noted already.
-                    if (1..TOUCHED).contains(&self.beside[n.index()]) {
+                    // Most are at no interface face.
+                    if self.is_beside(n) {
                         self.touch(n);
                     }
                 }
@@ -177,14 +178,14 @@ impl Keys {
         for &place in &changed {
             self.far[place as usize] = Far::default();
             if let Some(old) = self.interface[place as usize].take() {
-                self.beside[old.t.index()] -= 1;
+                self.count_faces(old.t, |count| count - 1);
                 self.touch(old.t);
                 self.count(old.beyond.block, |count| count - 1);
             }
             if let Some((far, face, beyond)) = tets.far_at(place) {
                 let (t, slot) = (tet_of(face), slot_of(face));
                 self.interface[place as usize] = Some(Interface { t, slot, beyond });
-                self.beside[t.index()] += 1;
+                self.count_faces(t, |count| count + 1);
                 self.count(beyond.block, |count| count + 1);
                 self.touch(t);
                 self.forget(far);
@@ -199,16 +200,22 @@ impl Keys {
 
     /// Notes that something has changed around a tetrahedron at an interface face.
     fn touch(&mut self, t: TetId) {
-        let own = &mut self.beside[t.index()];
-        if *own & TOUCHED == 0 {
-            *own |= TOUCHED;
+        if !self.is_touched.has(t.index()) {
+            self.is_touched.set(t.index(), true);
             self.touched.push(t);
         }
     }
 
     /// Has the tetrahedron in a slot an interface face?
     fn is_beside(&self, t: TetId) -> bool {
-        self.beside[t.index()] & !TOUCHED > 0
+        self.beside.has(t.index())
+    }
+
+    /// Changes the number of interface faces of a tetrahedron.
+    fn count_faces(&mut self, t: TetId, change: impl Fn(u8) -> u8) {
+        let count = &mut self.counts[t.index()];
+        *count = change(*count);
+        self.beside.set(t.index(), *count > 0);
     }
 
     /// Changes the number of interface faces to a block.
@@ -323,7 +330,7 @@ impl Keys {
             return news;
         }
         let mut touched = std::mem::take(&mut self.touched);
-        touched.iter().for_each(|t| self.beside[t.index()] &= !TOUCHED);
+        touched.iter().for_each(|t| self.is_touched.set(t.index(), false));
         let tets = mesh.inner.tets();
         for &t in &touched {
             let places = tets.neighbours(t).map(|face| tets.far_place(tet_of(face)));

@@ -50,7 +50,7 @@ pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};
 
 use super::RefineError;
 use super::domain::{DomainMesh, prepare};
-use crate::mesh::{Layout, SharedInput, VertexName, gather, given};
+use crate::mesh::{Layout, LocalMesh, SharedInput, VertexName, gather, given};
 use crate::metrics::Summary;
 use crate::protocol::{Config, Correct, Rules, Worker, WorkerId};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
@@ -262,14 +262,13 @@ fn left_by<C: Rules>(
     let before_all = [figures.searches, figures.ahead];
     let mut sums = before_all;
     for worker in workers {
-        let (mesh, source, _) = worker.into_parts();
-        let topology = mesh.inner.tets().topology();
+        let (mut mesh, source, _) = worker.into_parts();
         firsts.push(regions.len());
-        regions.extend(TetId::below(topology.slots() as u32).map(|t| mesh.region(t)));
-        let mut is_used = vec![false; mesh.inner.num_vertices() + 1];
-        for (_, v) in mesh.inner.tets().tets() {
-            v.into_iter().for_each(|v| is_used[v.index()] = true);
+        match regions.is_empty() {
+            true => regions = mesh.take_regions(),
+            false => regions.extend(mesh.take_regions()),
         }
+        let is_used = used_vertices(&mesh.inner);
         let used = VertexId::below(is_used.len() as u32).filter(|v| is_used[v.index()]);
         let named = used.filter(|&v| v != INFINITE).map(|v| (mesh.inner.name(v), mesh.carrier(v)));
         made.extend(named.filter(|&(name, _)| given(name).is_none()));
@@ -301,4 +300,25 @@ fn left_by<C: Rules>(
         ..before
     };
     Ok((Handed { carriers, regions, asked, candidates, stats, mesh }, ending, firsts))
+}
+
+/// Which vertices tetrahedra of a submesh have, by number.
+fn used_vertices(mesh: &LocalMesh) -> Vec<bool> {
+    let tets = mesh.tets();
+    let slots = tets.topology().slots() as u32;
+    let size = slots.div_ceil(rayon::current_num_threads() as u32).max(1);
+    let of_share = |share: u32| {
+        let mut is_used = vec![false; mesh.num_vertices() + 1];
+        let own = (share * size..slots.min((share + 1) * size)).map(TetId::new);
+        for t in own.filter(|&t| tets.is_live(t)) {
+            tets.vertices(t).into_iter().for_each(|v| is_used[v.index()] = true);
+        }
+        is_used
+    };
+    let join = |mut one: Vec<bool>, other: Vec<bool>| {
+        one.iter_mut().zip(other).for_each(|(own, other)| *own |= other);
+        one
+    };
+    let shares = (0..slots.div_ceil(size)).into_par_iter();
+    shares.map(of_share).reduce_with(join).unwrap_or_else(|| vec![false])
 }

@@ -5,6 +5,7 @@ use super::ranked::rank_of;
 use super::reserved::{Holders, LazyRank, Marks};
 use crate::protocol::{Handle, Rules, WorkerId};
 use crate::refining::domain::DomainMesh;
+use crate::refining::flags::Flags;
 use crate::refining::news::{INFINITE_CORNER, ProbeId, WireClosure, WireCorner, point};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use ltbw_core::{expect, prefetch};
@@ -48,6 +49,8 @@ pub(super) struct Served {
     /// By slot: the number in `holders` of the foremost candidate with it in its cavity.
     reserved: Marks,
     holders: Holders,
+    /// Slots that boundary items have reserved.
+    by_boundary: Flags,
     /// The cavities of own probes whose closures are all here.
     cavities: Vec<TetId>,
     /// The memory of parts of rounds before.
@@ -80,6 +83,7 @@ impl Served {
         let orders = ended.map(|part| part.order);
         self.spare.extend(orders.filter(|order| order.capacity() > 0));
         self.holders.clear();
+        self.by_boundary.clear();
         self.cavities.clear();
         self.reserved.clear(mesh.inner.tets().topology().slots());
     }
@@ -151,7 +155,11 @@ impl Served {
     /// Enters the whole cavity of an own probe.
     pub(super) fn enter_found(&mut self, probe: ProbeId, cavity: impl Iterator<Item = TetId>) {
         let first = self.cavities.len();
-        self.cavities.extend(cavity);
+        // What is reserved of it is asked for when the verdict has fallen.
+        let fetched = cavity.inspect(|&t| {
+            prefetch(self.reserved.all.as_ptr().wrapping_add(t.index()));
+        });
+        self.cavities.extend(fetched);
         let inside = first..self.cavities.len();
         self.own_part(probe.number).inside = inside;
     }
@@ -227,18 +235,22 @@ impl Served {
         probe: ProbeId,
         whose: (LazyRank, Carrier),
     ) {
-        let Self { own, reserved, holders, cavities, .. } = self;
+        let Self { own, reserved, holders, by_boundary, cavities, .. } = self;
         if let Some(Some(part)) = own.get_mut(probe.number as usize) {
-            reserve((part, whose), cavities, (reserved, holders), |v| rank_of::<C>(mesh, v));
+            reserve((part, whose), cavities, (reserved, holders, by_boundary), |v| {
+                rank_of::<C>(mesh, v)
+            });
         }
     }
 
     /// All probes have ended: reserves the cavities of others'. Returns those whose homes want to
     /// hear of rivals.
     pub(super) fn reserve_others<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> Vec<ProbeId> {
-        let Self { others, reserved, holders, .. } = self;
+        let Self { others, reserved, holders, by_boundary, .. } = self;
         for (part, whose) in others.values_mut() {
-            reserve((part, whose.clone()), &[], (reserved, holders), |v| rank_of::<C>(mesh, v));
+            reserve((part, whose.clone()), &[], (reserved, holders, by_boundary), |v| {
+                rank_of::<C>(mesh, v)
+            });
         }
         let wanted = others.iter().filter(|(_, (part, _))| part.is_wanted);
         let mut wanted: Vec<ProbeId> = wanted.map(|(&probe, _)| probe).collect();
@@ -288,6 +300,11 @@ impl Served {
         Rival { is_there: true, is_boundary, is_apart: !is_same(*at, *carrier) }
     }
 
+    /// Has a boundary item reserved a tetrahedron? Another candidate may have it by now.
+    pub(super) fn may_be_boundary(&self, t: TetId) -> bool {
+        self.by_boundary.has(t.index())
+    }
+
     /// The rivals in a probe's part of its closure, in the order in which its home was told.
     pub(super) fn rivals<C: Rules>(&self, mesh: &DomainMesh<'_>, probe: ProbeId) -> Vec<Rival> {
         let order = self.part(probe).map_or(&[][..], |part| &part.order);
@@ -319,7 +336,12 @@ pub fn unkilled(candidates: &[(Rank, TetId, Vec<TetId>)]) -> Vec<usize> {
     for ((_, _, cavity), rank) in candidates.iter().zip(&ranks) {
         let order = cavity.iter().map(|&t| (t, true)).collect();
         let (mut part, whose) = (Part { order, ..Part::default() }, (rank.clone(), Carrier::Free));
-        reserve((&mut part, whose), &[], (&mut reserved, &mut holders), of_tet);
+        reserve(
+            (&mut part, whose),
+            &[],
+            (&mut reserved, &mut holders, &mut Flags::default()),
+            of_tet,
+        );
     }
     let dies = |&k: &usize| {
         let holder = reserved.get(candidates[k].1.index());
@@ -332,7 +354,7 @@ pub fn unkilled(candidates: &[(Rank, TetId, Vec<TetId>)]) -> Vec<usize> {
 fn reserve(
     (part, (rank, carrier)): (&mut Part, (LazyRank, Carrier)),
     cavities: &[TetId],
-    (reserved, holders): (&mut Marks, &mut Holders),
+    (reserved, holders, by_boundary): (&mut Marks, &mut Holders, &mut Flags),
     of_tet: impl Fn([VertexId; 4]) -> Rank,
 ) {
     if part.is_void {
@@ -344,6 +366,9 @@ fn reserve(
         let other = reserved.get(t.index());
         if other.is_none_or(|other| !holders.is_before(other, &rank, &of_tet)) {
             reserved.set(t.index(), number);
+            if rank.lead.is_boundary() {
+                by_boundary.set(t.index(), true);
+            }
         }
     }
     holders.push(rank, carrier);

@@ -259,10 +259,12 @@ impl State {
         self.marks = Marks::new(self.mesh.topology().slots());
         (self.segments, self.subfaces) = Default::default();
         let this = &*self;
+        // A byte for each vertex is in the cache, unlike its carrier.
+        let is_on: Vec<bool> = this.carriers.iter().map(|own| *own != Carrier::Free).collect();
         let enter = |mut found: Vec<_>, (t, tet): (TetId, &Tet)| {
             let v = tet.vertices();
             let region = if v[3] == INFINITE { 0 } else { regions[t.index()] };
-            let bits = this.named(complex, v, |item, of| found.push((item, of, t)));
+            let bits = this.named(complex, (v, &is_on), |item, of| found.push((item, of, t)));
             this.marks.enter(t, region, bits);
             found
         };
@@ -288,16 +290,16 @@ impl State {
         found
     }
 
-    /// Tells the boundary items of a tetrahedron, each with its segment or facet. Returns its
-    /// marks.
+    /// Tells the boundary items of a tetrahedron, each with its segment or facet, where `is_on`
+    /// says which vertices are on the boundary: the one at infinity is not. Returns its marks.
     fn named(
         &self,
         complex: &Complex<'_>,
-        v: [VertexId; 4],
+        (v, is_on): ([VertexId; 4], &[bool]),
         mut tell: impl FnMut(Item, u32),
     ) -> Word {
         let carrier = |v: VertexId| self.carriers[v.index()];
-        let is_on = v.map(|v| v != INFINITE && carrier(v) != Carrier::Free);
+        let is_on = v.map(|v| is_on[v.index()]);
         let mut bits = 0;
         if is_on.iter().filter(|on| **on).count() < 2 {
             return bits;
