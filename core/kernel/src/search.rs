@@ -8,11 +8,11 @@ use crate::cavity::Conflict;
 use crate::geometry::SharedConflict;
 use crate::mesh::Mesh;
 use crate::query::set::Marks;
-use crate::topology::{TetId, tet_of};
+use crate::topology::{TetId, Topology, tet_of};
 use ltbw_exact::Point;
 
 /// One searcher's memory, and the cavity that it has found last.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Search {
     tets: Vec<TetId>,
     set: Marks,
@@ -24,9 +24,21 @@ impl Search {
     /// Finds the cavity of a point in kernel coordinates, which is no vertex, from `start`, which
     /// has to be in conflict with it. Ends: each tetrahedron enters once.
     pub fn find(&mut self, mesh: &Mesh, p: &Point, start: TetId) {
-        let Self { tets, set, stats } = self;
-        let topology = mesh.topology();
-        let mut conflict = SharedConflict::new(&mesh.geometry, p, stats);
+        let mut stats = self.stats;
+        let mut conflict = SharedConflict::new(&mesh.geometry, p, &mut stats);
+        stats.insphere_calls += self.find_by(mesh.topology(), &mut conflict, start);
+        self.stats = stats;
+    }
+
+    /// The same with any test of conflicts. Returns the number of tests.
+    #[inline(always)]
+    pub(crate) fn find_by(
+        &mut self,
+        topology: &Topology,
+        conflict: &mut impl Conflict,
+        start: TetId,
+    ) -> u64 {
+        let Self { tets, set, .. } = self;
         tets.clear();
         set.clear();
         tets.push(start);
@@ -56,7 +68,7 @@ impl Search {
             }
             boundary += (open & !inside).count_ones();
         }
-        stats.insphere_calls += tets.len() as u64 + u64::from(boundary) - 1;
+        tets.len() as u64 + u64::from(boundary) - 1
     }
 
     /// The tetrahedra of the cavity.

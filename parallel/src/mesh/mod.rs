@@ -51,6 +51,7 @@ use crate::protocol::{
     SubmeshError, Ticket, Walk, WorkerId,
 };
 use around::finite;
+use ltbw_core::search::Search;
 use ltbw_core::submesh::{self as kernel, MeshParams};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use name::NOWHERE;
@@ -83,6 +84,7 @@ pub struct LocalMesh {
     reported: (u64, u64, u64),
     scratch: fill::Scratch,
     closure: kernel::Closure,
+    search: Search,
     /// New tetrahedra of a patch or of a block, and the vertices of a patch.
     star: Vec<TetId>,
     rim: Vec<VertexId>,
@@ -136,6 +138,7 @@ impl LocalMesh {
             reported: (0, 0, 0),
             scratch: fill::Scratch::default(),
             closure: kernel::Closure::default(),
+            search: Search::default(),
             star: Vec::new(),
             rim: Vec::new(),
         }

@@ -95,8 +95,8 @@ impl LocalMesh {
 
     /// The cavity of a point, from a tetrahedron in conflict with it on, if its whole closure is
     /// here and unlocked.
-    pub(crate) fn cavity_of(&mut self, seed: TetId, p: &Point) -> Option<&Cavity> {
-        self.tets.cavity_of(seed, p)
+    pub(crate) fn cavity_of(&mut self, seed: TetId, p: &Point) -> Option<&[TetId]> {
+        self.tets.search(seed, p, &mut self.search).then(|| self.search.tets())
     }
 
     /// Looks for a tetrahedron in conflict with a point, from one here on.

@@ -54,14 +54,14 @@ impl<'c, R: Surveyed> Survey<'c, R> {
     pub fn of(complex: &'c Complex<'c>, closure: &'c R) -> Self {
         let mut own = Self { complex, closure, faces: Vec::new(), edges: Vec::new() };
         for t in closure.cavity() {
-            let v = closure.vertices(t);
-            let is_on = v.map(|v| closure.is_bound(v));
-            let count = is_on.iter().filter(|on| **on).count();
+            let is_on = closure.bound(t);
+            let count: u8 = is_on.iter().map(|&on| u8::from(on)).sum();
             // Three corners of a subface are on the boundary, and two of a subsegment.
-            if count > 2 {
-                own.note_faces(t, v, is_on);
-            }
             if count > 1 {
+                let v = closure.vertices(t);
+                if count > 2 {
+                    own.note_faces(t, v, is_on);
+                }
                 own.note_edges(t, v, is_on);
             }
         }
@@ -167,10 +167,11 @@ impl<'c, R: Surveyed> Survey<'c, R> {
 
     /// The vertices of the cavity that are the corners of an item.
     fn own(&self, item: &BoundaryItem) -> Option<Vec<u32>> {
-        let all = || self.closure.cavity().flat_map(|t| self.closure.vertices(t));
-        let place = |corner: &Corner| {
-            all().find(|&v| self.closure.is_bound(v) && self.point(v) == corner.point)
+        let all = || {
+            let of_tet = |t| self.closure.vertices(t).into_iter().zip(self.closure.bound(t));
+            self.closure.cavity().flat_map(of_tet).filter(|own| own.1).map(|own| own.0)
         };
+        let place = |corner: &Corner| all().find(|&v| self.point(v) == corner.point);
         item.corners().iter().map(place).collect()
     }
 

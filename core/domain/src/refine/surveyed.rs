@@ -20,8 +20,8 @@ pub trait Surveyed {
     /// The vertices of a tetrahedron, positively oriented.
     fn vertices(&self, t: Self::Tet) -> [u32; 4];
 
-    /// Is a vertex on the boundary? [`NOWHERE`] is not.
-    fn is_bound(&self, v: u32) -> bool;
+    /// Which vertices of a tetrahedron are on the boundary? [`NOWHERE`] is not.
+    fn bound(&self, t: Self::Tet) -> [bool; 4];
 
     /// A vertex, which is not [`NOWHERE`].
     fn corner(&self, v: u32) -> Corner;
@@ -45,7 +45,7 @@ impl<'c> Collected<'c> {
     pub fn of(closure: &'c Closure) -> Self {
         let mut own = Self { closure, at_face: Map::default() };
         for (k, (tet, _)) in closure.tets.iter().enumerate() {
-            let bound = tet.map(|v| own.is_bound(v));
+            let bound = own.bound(k);
             // A face that is marked, or has a marked edge, has two corners on the boundary.
             let is_on = |face: &[usize; 3]| face.iter().filter(|&&slot| bound[slot]).count() > 1;
             for face in FACE.into_iter().filter(is_on) {
@@ -72,8 +72,9 @@ impl Surveyed for Collected<'_> {
         self.closure.tets[t].0
     }
 
-    fn is_bound(&self, v: u32) -> bool {
-        v != NOWHERE && self.closure.corners[v as usize].carrier != Carrier::Free
+    fn bound(&self, t: usize) -> [bool; 4] {
+        let carrier = |v: u32| self.closure.corners[v as usize].carrier;
+        self.vertices(t).map(|v| v != NOWHERE && carrier(v) != Carrier::Free)
     }
 
     fn corner(&self, v: u32) -> Corner {

@@ -3,6 +3,7 @@
 use super::access::{Met, SubmeshConflict};
 use super::{Insert, Owns, Submesh, untag};
 use crate::cavity::{AdmitAll, Cavity, Setback};
+use crate::search::Search;
 use crate::sphere::Sphere;
 use crate::topology::{TetId, Topology, VertexId, tet_of};
 use crate::transaction::{OpenCavity, Opens};
@@ -68,7 +69,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         Insert::Done
     }
 
-    /// The same for a point of which `found` is what [`Submesh::cavity_of`] has found earlier (it
+    /// The same for a point of which `found` is what [`Submesh::search`] has found earlier (it
     /// may be nothing); `changed` says of a slot whether a tetrahedron was written to it since
     /// then. `false` if it is not inserted so, though it may be from its seed on: where much has
     /// changed, at ghosts, and where something may be in the way. The submesh is as before then.
@@ -86,8 +87,10 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         found.iter().for_each(|&t| self.expect_slot(t));
         assert!(self.is_vertex(v), "there is no finite vertex {v}");
         let stats = self.geometry.stats;
-        let search = || self.cavity_of(seed, p).map(|cavity| cavity.tets().collect());
-        let now: Option<BTreeSet<TetId>> = cfg!(debug_assertions).then(search).flatten();
+        let mut search = Search::default();
+        let is_found = cfg!(debug_assertions) && self.search(seed, p, &mut search);
+        let now: Option<BTreeSet<TetId>> =
+            is_found.then(|| search.tets().iter().copied().collect());
         self.geometry.stats = stats;
         self.blocked = None;
         let Self { topology, geometry, cavity, locks, .. } = self;
@@ -115,21 +118,23 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         true
     }
 
-    /// The cavity of `p`, from `seed` on, if nothing is in the way of its filling: no far face, no
-    /// locked tetrahedron. Nothing changes. `seed` must be in conflict with `p`.
+    /// Searches the cavity of `p`, from `seed` on, which must be in conflict with it. `false` if
+    /// something is in the way of its filling: a far face, or a locked tetrahedron.
     ///
     /// # Panics
     /// If `seed` is no tetrahedron.
-    pub fn cavity_of(&mut self, seed: TetId, p: &Point) -> Option<&Cavity> {
+    pub fn search(&mut self, seed: TetId, p: &Point, search: &mut Search) -> bool {
         self.expect_live(seed);
-        self.blocked = None;
         if self.is_locked(seed) {
-            return None;
+            return false;
         }
-        // The guard is dropped at once: nothing is filled here.
-        let (_, met) = self.begin_at::<true>(seed, p, None).ok()?;
-        self.geometry.stats.insphere_calls += self.cavity.tests() as u64;
-        (met.locked.is_none() && !met.blocked).then_some(&self.cavity)
+        let Self { topology, geometry, locks, .. } = self;
+        let (inner, met) = (geometry.conflict_of(p), Met::default());
+        let mut conflict = SubmeshConflict { inner, locks, met, holder: None };
+        let tests = search.find_by(topology, &mut conflict, seed);
+        let Met { blocked, locked, .. } = conflict.met;
+        geometry.stats.insphere_calls += tests;
+        locked.is_none() && !blocked
     }
 
     /// Finds the cavity of `p` from `seed` on, and what is in its way.
@@ -140,23 +145,12 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         p: &Point,
         holder: Option<H>,
     ) -> Result<(OpenCavity<'_, Self>, Met), Setback> {
-        self.begin_at::<false>(seed, p, holder)
-    }
-
-    /// The same; `FAR`: at a place where nothing was done lately.
-    #[inline(always)]
-    fn begin_at<const FAR: bool>(
-        &mut self,
-        seed: TetId,
-        p: &Point,
-        holder: Option<H>,
-    ) -> Result<(OpenCavity<'_, Self>, Met), Setback> {
         let Self { topology, geometry, cavity, locks, .. } = self;
         let tagged = locks.is_tagged(geometry.sphere(seed));
         let met = Met { tagged, ..Met::default() };
         let inner = geometry.conflict_of(p);
         let mut conflict = SubmeshConflict { inner, locks, met, holder };
-        cavity.expand::<_, _, FAR>(topology, seed, &mut conflict, &mut AdmitAll)?;
+        cavity.expand::<_, _, false>(topology, seed, &mut conflict, &mut AdmitAll)?;
         let met = conflict.met;
         Ok((OpenCavity::new(self), met))
     }

@@ -15,7 +15,6 @@ use crate::protocol::{
     SubmeshError, Ticket, Walk, WorkerId,
 };
 use crate::refining::news::DomainNews;
-use ltbw_core::cavity::Cavity;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_core::{expect, prefetch};
 use ltbw_domain::refine::{Carrier, Complex};
@@ -141,7 +140,7 @@ impl<'c> DomainMesh<'c> {
 
     /// The cavity of a point, from a tetrahedron in conflict with it on, if its whole closure is
     /// here and unlocked.
-    pub(crate) fn cavity_of(&mut self, seed: TetId, p: &Point) -> Option<&Cavity> {
+    pub(crate) fn cavity_of(&mut self, seed: TetId, p: &Point) -> Option<&[TetId]> {
         self.inner.cavity_of(seed, p)
     }
 

@@ -52,7 +52,7 @@ impl<C: Rules> Rounds<C> {
         let (start, to) = (bits(&way_start(points)), bits(&point));
         let WayEnd::At(seed) = walk_way(mesh, (t, None), &start, &to, may) else { return };
         let Some(cavity) = mesh.cavity_of(seed, &point) else { return };
-        self.ahead.enter((t, v), (to, carrier), self.keys.look(), cavity.tets());
+        self.ahead.enter((t, v), (to, carrier), self.keys.look(), cavity);
     }
 
     /// Enters the aim and the cavity of the first probe for a tetrahedron as they were found ahead;
@@ -61,7 +61,7 @@ impl<C: Rules> Rounds<C> {
         let found = self.ahead.of::<C>(mesh, &self.keys, own);
         let Some((to, carrier, cavity)) = found else { return false };
         mesh.count_steps(cavity.len() as u64 / 2);
-        self.served.enter_found(self.id(k), cavity.iter().copied());
+        self.served.enter_found(self.id(k), cavity);
         let probe = &mut self.probes[k as usize];
         (probe.to, probe.carrier, probe.open, probe.is_ahead) = (to, carrier, 1, true);
         true

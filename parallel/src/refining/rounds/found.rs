@@ -45,10 +45,10 @@ impl Ahead {
         (t, v): Own,
         (to, carrier): (Bits, Carrier),
         look: u32,
-        cavity: impl Iterator<Item = TetId>,
+        cavity: &[TetId],
     ) {
         let first = self.cavities.len();
-        self.cavities.extend(cavity);
+        self.cavities.extend_from_slice(cavity);
         let cavity = first..self.cavities.len();
         self.found.insert(t, Found { v, to, carrier, look, cavity });
     }

@@ -28,8 +28,8 @@ impl Surveyed for Here<'_, '_> {
         v.map(|v| if v == INFINITE { NOWHERE } else { v.number() })
     }
 
-    fn is_bound(&self, v: u32) -> bool {
-        v != NOWHERE && self.mesh.is_bound(VertexId::new(v))
+    fn bound(&self, t: TetId) -> [bool; 4] {
+        self.mesh.inner.tets().vertices(t).map(|v| self.mesh.is_bound(v))
     }
 
     fn corner(&self, v: u32) -> Corner {

@@ -148,18 +148,16 @@ impl Served {
             return false;
         }
         let Some(cavity) = mesh.cavity_of(seed, &point(&own.to)) else { return false };
-        self.enter_found(own.probe, cavity.tets());
+        self.enter_found(own.probe, cavity);
         true
     }
 
     /// Enters the whole cavity of an own probe.
-    pub(super) fn enter_found(&mut self, probe: ProbeId, cavity: impl Iterator<Item = TetId>) {
+    pub(super) fn enter_found(&mut self, probe: ProbeId, cavity: &[TetId]) {
         let first = self.cavities.len();
         // What is reserved of it is asked for when the verdict has fallen.
-        let fetched = cavity.inspect(|&t| {
-            prefetch(self.reserved.all.as_ptr().wrapping_add(t.index()));
-        });
-        self.cavities.extend(fetched);
+        cavity.iter().for_each(|&t| self.prefetch(t));
+        self.cavities.extend_from_slice(cavity);
         let inside = first..self.cavities.len();
         self.own_part(probe.number).inside = inside;
     }
