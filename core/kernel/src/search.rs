@@ -12,11 +12,11 @@ use crate::topology::{TetId, Topology, tet_of};
 use ltbw_exact::Point;
 
 /// One searcher's memory, and the cavity that it has found last.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Search {
     tets: Vec<TetId>,
     set: Marks,
-    /// Predicate calls so far.
+    /// Predicate calls of [`Search::find`] so far.
     pub stats: PredicateStats,
 }
 
@@ -32,37 +32,30 @@ impl Search {
 
     /// The same with any test of conflicts. Returns the number of tests.
     #[inline(always)]
-    pub(crate) fn find_by(
-        &mut self,
-        topology: &Topology,
-        conflict: &mut impl Conflict,
-        start: TetId,
-    ) -> u64 {
+    pub(crate) fn find_by<C: Conflict>(&mut self, all: &Topology, by: &mut C, t: TetId) -> u64 {
         let Self { tets, set, .. } = self;
         tets.clear();
         set.clear();
-        tets.push(start);
-        set.insert(start);
+        tets.push(t);
+        set.insert(t);
         let (mut next, mut boundary) = (0, 0);
         while let Some(&t) = tets.get(next) {
             next += 1;
-            let n = topology.tet(t).neighbours().map(tet_of);
-            let mut open = 0;
-            for (slot, &other) in n.iter().enumerate() {
-                open |= u32::from(!set.contains(other)) << slot;
-            }
-            let (mut inside, outside) = conflict.by_sphere(n);
+            let n = all.tet(t).neighbours().map(tet_of);
+            let is_open = n.map(|other| u32::from(!set.contains(other)));
+            let open = is_open[0] | is_open[1] << 1 | is_open[2] << 2 | is_open[3] << 3;
+            let (mut inside, outside) = by.by_sphere(n);
             let unknown = !(inside | outside) & open;
             if unknown != 0 {
-                inside |= conflict.by_points(topology, n, unknown);
+                inside |= by.by_points(all, n, unknown);
             }
             for (slot, &other) in n.iter().enumerate() {
                 if inside & open & 1 << slot != 0 {
                     tets.push(other);
                     set.insert(other);
-                    for face in topology.tet(other).neighbours() {
-                        conflict.prefetch(tet_of(face));
-                        topology.prefetch(tet_of(face));
+                    for face in all.tet(other).neighbours() {
+                        by.prefetch(tet_of(face));
+                        all.prefetch(tet_of(face));
                     }
                 }
             }

@@ -1,5 +1,6 @@
 //! Submeshes that are told nonsense: they stay inside their arrays.
 
+use ltbw_core::search::Search;
 use ltbw_core::submesh::{Closure, MeshParams, Submesh};
 use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, TetId, VertexId};
 use ltbw_core::{Mode, Point, Random};
@@ -24,7 +25,7 @@ fn mesh(points: &[Point]) -> Tets {
 /// end, and no index is out of range (debug builds test every one).
 #[test]
 fn walks_and_closures_stay_inside_whatever_the_links_are() {
-    let (mut walks, mut closures) = (0, 0);
+    let (mut walks, mut closures, mut search) = (0, 0, Search::default());
     for seed in 0..200 {
         let points = generate(PointKind::Uniform, POINTS, seed);
         let (mut mesh, mut random) = (mesh(&points), Random::new(seed));
@@ -72,6 +73,7 @@ fn walks_and_closures_stay_inside_whatever_the_links_are() {
             mesh.walk(v, &p, start);
             walks += 1;
             let seed = live[below(live.len()) as usize];
+            mesh.search(seed, &p, &mut search);
             if mesh.holder(seed).is_none() {
                 let mut closure = Closure::default();
                 if mesh.lock_closure(seed, &p, u32::MAX, &mut closure) {
@@ -116,6 +118,7 @@ fn numbers_of_nothing_are_refused() {
         refused("tag", &mut |mesh| mesh.tag(u, 1));
         refused("remove", &mut |mesh| _ = mesh.remove(u));
         refused("conflict", &mut |mesh| _ = mesh.in_conflict(u, &p));
+        refused("search", &mut |mesh| _ = mesh.search(u, &p, &mut Search::default()));
         refused("sphere", &mut |mesh| mesh.cache_sphere(u));
         refused("closure", &mut |mesh| _ = mesh.lock_closure(u, &p, 1, &mut Closure::default()));
         let beyond = face(u.min(TetId::at(MAX_TETS)), 0);

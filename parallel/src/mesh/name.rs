@@ -38,7 +38,7 @@ pub(super) fn maker_of(name: VertexName) -> Option<WorkerId> {
     u32::try_from(by).ok().map(WorkerId::new)
 }
 
-/// The lower half of a name, for messages.
+/// The lower half of a name: the counter.
 pub(super) fn count_of(name: VertexName) -> u32 {
     name as u32
 }

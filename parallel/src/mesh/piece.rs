@@ -93,6 +93,7 @@ mod tests {
     use crate::protocol::{Found, Name, Neighbour, Source, Submesh, Walk, WorkerId};
     use ltbw_exact::PointSet;
     use ltbw_generate::{PointKind, generate};
+    use std::collections::BTreeSet;
 
     const MINE: Ticket = Ticket { clock: 1, worker: WorkerId::new(0), sequence: 1 };
     const OTHER: Ticket = Ticket { clock: 0, worker: WorkerId::new(1), sequence: 1 };
@@ -227,12 +228,23 @@ mod tests {
                     let closure = at_once(&mut mesh, seed, &point).expect("nothing is locked");
                     assert_eq!(closure, expected);
                     open(&mut mesh, &expected.held);
+                    // A search that locks nothing finds the same, if all of it is here.
+                    let search = |mesh: &mut LocalMesh| {
+                        let found = mesh.cavity_of(seed, &point.point())?;
+                        Some(Vec::from_iter(found.iter().copied().collect::<BTreeSet<_>>()))
+                    };
+                    let whole = expected.foreign.is_empty().then_some(&expected.tets);
+                    assert_eq!(search(&mut mesh).as_ref(), whole);
 
                     // Not one is locked if another operation has one of them ...
+                    mesh.lock(seed, OTHER, true);
+                    assert_eq!(search(&mut mesh), None);
+                    mesh.set_holder(seed, None);
                     let last = expected.held.iter().copied().rfind(|&t| t != seed);
                     if let Some(t) = last {
                         mesh.lock(t, OTHER, false);
                         assert_eq!(at_once(&mut mesh, seed, &point), None);
+                        assert_eq!(search(&mut mesh), None);
                         assert_eq!(mesh.tets.locked().collect::<Vec<_>>(), [t]);
                         mesh.set_holder(t, None);
                     }

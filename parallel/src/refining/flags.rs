@@ -20,6 +20,15 @@ impl Flags {
         *word = if is { *word | bit } else { *word & !bit };
     }
 
+    /// The flags of two together.
+    pub(super) fn join(mut self, mut other: Self) -> Self {
+        if self.words.len() < other.words.len() {
+            std::mem::swap(&mut self, &mut other);
+        }
+        self.words.iter_mut().zip(other.words).for_each(|(own, other)| *own |= other);
+        self
+    }
+
     /// Unsets all.
     pub(super) fn clear(&mut self) {
         self.words.fill(0);
@@ -41,6 +50,10 @@ mod tests {
             [false, false, false, true, false, false]
         );
         own.set(64, true);
+        let mut other = Flags::default();
+        other.set(1, true);
+        let both = other.join(own.clone());
+        assert_eq!([1, 2, 64, 130].map(|k| both.has(k)), [true, false, true, true]);
         own.clear();
         assert_eq!([64, 130].map(|k| own.has(k)), [false; 2]);
     }

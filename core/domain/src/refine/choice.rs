@@ -69,12 +69,12 @@ impl ItemPlace {
 /// the smaller one comes first.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Lead {
+pub struct RankLead {
     class: u8,
     key: Reverse<u64>,
 }
 
-impl Lead {
+impl RankLead {
     /// That of a tetrahedron with this key.
     pub fn of_tet(key: u64) -> Self {
         Self { class: 2, key: Reverse(key) }
@@ -96,7 +96,7 @@ impl Lead {
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Rank {
-    lead: Lead,
+    lead: RankLead,
     place: [OrderKey; 4],
 }
 
@@ -104,7 +104,7 @@ impl Rank {
     /// The rank of a tetrahedron.
     pub fn of_tet(corners: [Point; 4]) -> Self {
         let place = sorted(corners).map(|p| order_key(&p));
-        Self { lead: Lead::of_tet(key_of_tet(corners)), place }
+        Self { lead: RankLead::of_tet(key_of_tet(corners)), place }
     }
 
     /// The number of the rank of a tetrahedron with these corners.
@@ -114,7 +114,7 @@ impl Rank {
     }
 
     /// Its leading part.
-    pub fn lead(&self) -> Lead {
+    pub fn lead(&self) -> RankLead {
         self.lead
     }
 
@@ -170,7 +170,7 @@ impl BoundaryItem {
             true => key(distance2(a, b), &[*a, *b]),
             false => key(circumcircle(a, b, c).1, &[*a, *b, *c]),
         };
-        let lead = Lead { class: class as u8, key: Reverse(key) };
+        let lead = RankLead { class: class as u8, key: Reverse(key) };
         Rank { lead, place: [x, y, z, [0; 3]] }
     }
 

@@ -34,7 +34,7 @@
 //! | `rounds` | refinement in rounds: one mesh whatever the order of insertion |
 //! | `again`, `relief` | what was refused: asked again; a point with which fewer are over |
 //! | `region` | inside, outside, regions |
-//! | `choice`, `aims`, `survey`, `surveyed` | the choice of a round by values: items, points, verdicts |
+//! | `choice`, `aims`, `survey`, `surveyed` | the choice of a round by values: points, verdicts |
 //! | `complex` | boundary, bounds and points as values, for engines on many processors |
 //! | `background` | sizing by a background mesh, or at input vertices |
 //! | `excuse` | what is over its bounds at the end, and why |
@@ -112,7 +112,7 @@ pub use bounds::{SizeField, largest_tolerance, usual_tolerance};
 pub use carrier::Carrier;
 #[doc(hidden)]
 pub use choice::{
-    Aim, BoundaryItem, Closure, Corner, ItemPlace, Lead, NOWHERE, Rank, Rival, Ruling,
+    Aim, BoundaryItem, Closure, Corner, ItemPlace, NOWHERE, Rank, RankLead, Rival, Ruling,
 };
 pub use complex::{Complex, ComplexError, Start};
 pub use excuse::Excused;

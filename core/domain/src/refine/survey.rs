@@ -116,11 +116,6 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         }
     }
 
-    /// Is anything of the cavity marked?
-    pub fn is_marked(&self) -> bool {
-        !(self.faces.is_empty() && self.edges.is_empty())
-    }
-
     fn subface(&self, key: [u32; 3], of: u32) -> BoundaryItem {
         BoundaryItem::new(key.iter().map(|&v| self.closure.corner(v)).collect(), of)
     }
@@ -307,13 +302,15 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         nearest(self.edges.iter().filter(separates).map(|edge| self.subsegment(edge)).collect())
     }
 
-    /// What makes a point inside wait for candidates before it: nothing, if nothing of its cavity
-    /// is marked.
+    /// The watch of a point inside; none if no part of its cavity is marked.
     pub fn watch_in_tet(&self) -> Option<Watch<R::Tet>> {
+        if self.faces.is_empty() && self.edges.is_empty() {
+            return None;
+        }
         let mut watch = Watch { any: Vec::new(), own: Vec::new(), anywhere: Anywhere::Boundary };
         self.watch_faces(Carrier::Free, &mut watch.any);
         self.watch_edges(None, &mut watch.any);
-        self.is_marked().then_some(watch)
+        Some(watch)
     }
 
     /// The same of a point of the boundary on `carrier` that splits an item.
@@ -377,7 +374,7 @@ impl<'c, R: Surveyed> Survey<'c, R> {
     }
 }
 
-/// What makes a point wait for candidates before it: these have tetrahedra of its closure.
+/// The tetrahedra at which candidates that come before a point make it wait.
 #[doc(hidden)]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Watch<T> {
@@ -396,6 +393,17 @@ enum Anywhere {
 }
 
 impl<T: Copy> Watch<T> {
+    /// The same of tetrahedra with other names, in the order of these.
+    pub fn named<U: Ord>(&self, name: impl Fn(T) -> U) -> Watch<U> {
+        let named = |all: &[T]| {
+            let mut all: Vec<U> = all.iter().copied().map(&name).collect();
+            all.sort_unstable();
+            all.dedup();
+            all
+        };
+        Watch { any: named(&self.any), own: named(&self.own), anywhere: self.anywhere }
+    }
+
     /// Does the point wait, if the tetrahedra of its closure, which are these, have these rivals?
     pub fn yields(&self, all: impl IntoIterator<Item = T>, rival: impl Fn(T) -> Rival) -> bool {
         let matters = |own: Rival| match self.anywhere {

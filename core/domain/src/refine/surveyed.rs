@@ -17,7 +17,8 @@ pub trait Surveyed {
     /// Is a tetrahedron in conflict with the point?
     fn is_in(&self, t: Self::Tet) -> bool;
 
-    /// The vertices of a tetrahedron, positively oriented.
+    /// The vertices of a tetrahedron, positively oriented; [`NOWHERE`] is the one at infinity, or
+    /// one that is not told.
     fn vertices(&self, t: Self::Tet) -> [u32; 4];
 
     /// Which vertices of a tetrahedron are on the boundary? [`NOWHERE`] is not.

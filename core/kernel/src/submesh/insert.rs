@@ -87,10 +87,10 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         found.iter().for_each(|&t| self.expect_slot(t));
         assert!(self.is_vertex(v), "there is no finite vertex {v}");
         let stats = self.geometry.stats;
-        let mut search = Search::default();
-        let is_found = cfg!(debug_assertions) && self.search(seed, p, &mut search);
-        let now: Option<BTreeSet<TetId>> =
-            is_found.then(|| search.tets().iter().copied().collect());
+        let search = |by: &mut Search| {
+            self.search(seed, p, by).then(|| BTreeSet::from_iter(by.tets().to_vec()))
+        };
+        let now = cfg!(debug_assertions).then(Search::default).as_mut().and_then(search);
         self.geometry.stats = stats;
         self.blocked = None;
         let Self { topology, geometry, cavity, locks, .. } = self;
@@ -147,8 +147,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
     ) -> Result<(OpenCavity<'_, Self>, Met), Setback> {
         let Self { topology, geometry, cavity, locks, .. } = self;
         let tagged = locks.is_tagged(geometry.sphere(seed));
-        let met = Met { tagged, ..Met::default() };
-        let inner = geometry.conflict_of(p);
+        let (inner, met) = (geometry.conflict_of(p), Met { tagged, ..Met::default() });
         let mut conflict = SubmeshConflict { inner, locks, met, holder };
         cavity.expand::<_, _, false>(topology, seed, &mut conflict, &mut AdmitAll)?;
         let met = conflict.met;

@@ -24,7 +24,7 @@ pub(super) enum AtOnce {
 pub(super) struct Slots {
     /// The regions of their tetrahedra, 0 of ghosts.
     pub(super) regions: Vec<u32>,
-    /// Those that were written in this round.
+    /// The slots that were written in this round.
     written: Flags,
     /// The cavity that the choice has found for a point, by its name.
     found: RefCell<(VertexName, Vec<TetId>)>,

@@ -5,7 +5,7 @@ use crate::protocol::{Name, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{Bits, ProbeId, Proposal, WireClosure};
 use ltbw_core::topology::{TetId, VertexId};
-use ltbw_domain::refine::{BoundaryItem, Carrier, Closure, Lead, NOWHERE, Rank, Rival, Watch};
+use ltbw_domain::refine::{BoundaryItem, Carrier, Closure, NOWHERE, Rank, RankLead, Rival, Watch};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::ops::Range;
 
@@ -118,7 +118,7 @@ impl Told {
     }
 }
 
-/// What makes a candidate wait for others before it.
+/// The tetrahedra at which others before a candidate make it wait.
 #[derive(Debug)]
 pub(super) enum Waits {
     /// All of its closure is here, and listed there if rivals anywhere in it matter.
@@ -131,7 +131,7 @@ pub(super) enum Waits {
 #[derive(Debug)]
 pub(super) struct Probe {
     pub(super) what: What,
-    pub(super) lead: Lead,
+    pub(super) lead: RankLead,
     pub(super) attempt: usize,
     pub(super) to: Bits,
     pub(super) carrier: Carrier,
@@ -151,7 +151,7 @@ pub(super) struct Probe {
 }
 
 impl Probe {
-    pub(super) fn new(what: What, lead: Lead, attempt: usize) -> Self {
+    pub(super) fn new(what: What, lead: RankLead, attempt: usize) -> Self {
         Self {
             what,
             lead,

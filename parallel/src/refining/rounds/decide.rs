@@ -71,10 +71,11 @@ impl<C: Rules> Rounds<C> {
         if let Some(waits) = probe.waits.take() {
             let yields = match (&*waits, &mut probe.told) {
                 (Waits::Here(watch, all), _) => {
-                    // What is of the boundary, or comes before it, is boundary items'.
+                    // Rivals that matter anywhere are boundary items: to a tetrahedron by the
+                    // rule, to an item since nothing else comes before it.
                     let all = self.served.cavity_at(all).iter().copied();
-                    let all = all.filter(|&t| self.served.may_be_boundary(t));
-                    watch.yields(all, |t| self.served.rival::<C>(mesh, id, t))
+                    let all = all.filter(|&t| self.served.reserved.may_be_boundary(t));
+                    watch.yields(all, self.served.rival::<C>(mesh, id))
                 }
                 (Waits::Told(watch), Some(told)) => {
                     told.add_rivals(me, self.served.rivals::<C>(mesh, id));

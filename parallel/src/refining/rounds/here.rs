@@ -4,12 +4,23 @@ use super::serve::corner;
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
 use ltbw_domain::refine::{Corner, NOWHERE, Surveyed};
+use std::collections::BTreeSet;
 
 /// A cavity, and the tetrahedra around it.
 #[derive(Debug)]
 pub(super) struct Here<'m, 'c> {
     pub(super) mesh: &'m DomainMesh<'c>,
     pub(super) cavity: &'m [TetId],
+}
+
+impl Here<'_, '_> {
+    /// The closure, each tetrahedron once, and whether it is in conflict.
+    pub(super) fn listed(&self) -> Vec<(TetId, bool)> {
+        let around = self.cavity.iter().flat_map(|&t| self.mesh.inner.tets().neighbours(t));
+        let ring: BTreeSet<TetId> = around.map(tet_of).filter(|&t| !self.is_in(t)).collect();
+        let inside = self.cavity.iter().map(|&t| (t, true));
+        inside.chain(ring.into_iter().map(|t| (t, false))).collect()
+    }
 }
 
 impl Surveyed for Here<'_, '_> {

@@ -16,7 +16,7 @@ use crate::refining::domain::DomainMesh;
 use crate::refining::flags::Flags;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{Point, expect, prefetch};
-use ltbw_domain::refine::{Bad, Lead, Rank, Ranked, sift};
+use ltbw_domain::refine::{Bad, Rank, RankLead, Ranked, sift};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
@@ -49,7 +49,7 @@ struct Far {
 pub(super) struct Foremost {
     pub(super) t: TetId,
     pub(super) v: [VertexId; 4],
-    pub(super) lead: Lead,
+    pub(super) lead: RankLead,
     /// The first of its vertices.
     pub(super) at: Point,
 }
@@ -87,8 +87,9 @@ pub(super) struct Keys {
     touched: Vec<TetId>,
     /// By slot: the number of interface faces of its tetrahedron.
     counts: Vec<u8>,
-    /// Slots whose tetrahedra have such faces, and those of `touched`.
+    /// Slots whose tetrahedra have such faces.
     beside: Flags,
+    /// The slots in `touched`.
     is_touched: Flags,
 }
 
@@ -386,7 +387,7 @@ impl Keys {
             if !self.is_beaten_from_afar::<C>(mesh, t) {
                 // All that is read of it is in the cache now.
                 let v = mesh.inner.tets().vertices(t);
-                let (lead, at) = (Lead::of_tet(self.keys[t.index()]), mesh.point(v[0]));
+                let (lead, at) = (RankLead::of_tet(self.keys[t.index()]), mesh.point(v[0]));
                 all[usize::from(is_inner)].push(Foremost { t, v, lead, at });
             }
         });

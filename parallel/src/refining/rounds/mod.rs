@@ -44,12 +44,13 @@ mod stages;
 mod tree;
 mod way;
 
-pub use serve::unkilled;
+pub use reserved::unkilled;
 pub use source::{Ending, RoundFigures, Rounds};
 pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};
 
 use super::RefineError;
 use super::domain::{DomainMesh, prepare};
+use super::flags::Flags;
 use crate::mesh::{Layout, LocalMesh, SharedInput, VertexName, gather, given};
 use crate::metrics::Summary;
 use crate::protocol::{Config, Correct, Rules, Worker, WorkerId};
@@ -269,7 +270,8 @@ fn left_by<C: Rules>(
             false => regions.extend(mesh.take_regions()),
         }
         let is_used = used_vertices(&mesh.inner);
-        let used = VertexId::below(is_used.len() as u32).filter(|v| is_used[v.index()]);
+        let used = VertexId::below(mesh.inner.num_vertices() as u32 + 1)
+            .filter(|v| is_used.has(v.index()));
         let named = used.filter(|&v| v != INFINITE).map(|v| (mesh.inner.name(v), mesh.carrier(v)));
         made.extend(named.filter(|&(name, _)| given(name).is_none()));
         let me = mesh.me();
@@ -303,22 +305,18 @@ fn left_by<C: Rules>(
 }
 
 /// Which vertices tetrahedra of a submesh have, by number.
-fn used_vertices(mesh: &LocalMesh) -> Vec<bool> {
+fn used_vertices(mesh: &LocalMesh) -> Flags {
     let tets = mesh.tets();
     let slots = tets.topology().slots() as u32;
     let size = slots.div_ceil(rayon::current_num_threads() as u32).max(1);
     let of_share = |share: u32| {
-        let mut is_used = vec![false; mesh.num_vertices() + 1];
+        let mut is_used = Flags::default();
         let own = (share * size..slots.min((share + 1) * size)).map(TetId::new);
         for t in own.filter(|&t| tets.is_live(t)) {
-            tets.vertices(t).into_iter().for_each(|v| is_used[v.index()] = true);
+            tets.vertices(t).into_iter().for_each(|v| is_used.set(v.index(), true));
         }
         is_used
     };
-    let join = |mut one: Vec<bool>, other: Vec<bool>| {
-        one.iter_mut().zip(other).for_each(|(own, other)| *own |= other);
-        one
-    };
     let shares = (0..slots.div_ceil(size)).into_par_iter();
-    shares.map(of_share).reduce_with(join).unwrap_or_else(|| vec![false])
+    shares.map(of_share).reduce_with(Flags::join).unwrap_or_default()
 }

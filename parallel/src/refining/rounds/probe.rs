@@ -1,6 +1,6 @@
 //! The home's side of the choice: probes, what comes of them, and who is chosen.
 
-use super::candidate::{Outcome, Probe, Seeker, Waits, What};
+use super::candidate::{Outcome, Probe, Seeker, Told, Waits, What};
 use super::here::Here;
 use super::ranked::rank_of;
 use super::serve::{corner, describe, is_near};
@@ -11,9 +11,10 @@ use crate::refining::domain::DomainMesh;
 use crate::refining::news::{Bits, DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
 use ltbw_core::topology::{TetId, tet_of};
 use ltbw_domain::refine::{
-    Aim, BoundaryItem, Carrier, Closure, Collected, Lead, NOWHERE, Ruling, Survey, Surveyed, Watch,
-    way_start,
+    Aim, BoundaryItem, Carrier, Closure, Collected, ItemPlace, NOWHERE, RankLead, Ruling, Survey,
+    Surveyed, Watch, way_start,
 };
+use std::collections::BTreeSet;
 
 impl<C: Rules> Rounds<C> {
     pub(super) fn id(&self, number: u32) -> ProbeId {
@@ -27,7 +28,7 @@ impl<C: Rules> Rounds<C> {
     }
 
     /// A new probe, to be launched.
-    pub(super) fn add_probe(&mut self, what: What, lead: Lead, attempt: usize) -> u32 {
+    pub(super) fn add_probe(&mut self, what: What, lead: RankLead, attempt: usize) -> u32 {
         self.probes.push(Probe::new(what, lead, attempt));
         self.open += 1;
         self.probes.len() as u32 - 1
@@ -89,7 +90,7 @@ impl<C: Rules> Rounds<C> {
         if let Some(t) = next(0) {
             for t in tets.neighbours(t).map(tet_of) {
                 tets.prefetch(t);
-                self.served.prefetch(t);
+                self.served.reserved.prefetch(t);
             }
         }
         next(1).into_iter().for_each(|t| tets.prefetch(t));
@@ -264,14 +265,14 @@ impl<C: Rules> Rounds<C> {
             return self.judge_if_known(mesh, directory, k);
         }
         let own = &self.seeker(k);
+        let proposal = own.proposal(|v| rank_of::<C>(mesh, v));
         for (owner, seeds) in seeds {
             if owner == self.me {
                 let here: Vec<TetId> =
                     seeds.iter().filter_map(|handle| mesh.resolve(handle.name)).collect();
                 self.serve(mesh, directory, own, &here);
             } else {
-                let own = own.proposal(|v| rank_of::<C>(mesh, v));
-                self.send(owner, DomainNews::Search { own, seeds });
+                self.send(owner, DomainNews::Search { own: proposal, seeds });
             }
         }
         self.judge_if_known(mesh, directory, k);
@@ -294,12 +295,12 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
-    /// Adds this worker's part to a closure of which others have told, unless nothing of it can be
+    /// Adds this worker's part to a closure of which others have told, unless no part of it can be
     /// boundary. Returns whether it may be.
     fn complete(&mut self, mesh: &DomainMesh<'_>, k: u32) -> bool {
         let (me, id) = (self.me, self.id(k));
         let Probe { ref what, carrier, ref mut told, .. } = self.probes[k as usize];
-        let Some(told) = told else { return false };
+        let told = told.get_or_insert_default();
         let Closure { corners, tets } = &told.closure;
         let is_on = |v: &&u32| **v != NOWHERE && corners[**v as usize].carrier != Carrier::Free;
         let is_near = matches!(what, What::Item(_))
@@ -318,6 +319,7 @@ impl<C: Rules> Rounds<C> {
         let here = Here { mesh, cavity: self.served.cavity_at(&self.served.inside(id)) };
         let survey = Survey::of(&mesh.complex, &here);
         let (verdict, watch) = probe.rule(mesh, &survey);
+        debug_assert!(probe.rules_so_by_values(&here, &verdict, watch.as_ref()));
         // Without candidates of the boundary it does not matter who else is near.
         let all = match &watch {
             Some(_) if self.has_boundary => self.served.list_closure(mesh, id),
@@ -341,9 +343,9 @@ impl<C: Rules> Rounds<C> {
     /// All of a probe's closure is known: the verdict.
     fn judge(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory, k: u32) {
         let id = self.id(k);
-        let (verdict, waits) = match self.probes[k as usize].told {
-            None => self.rule_here(mesh, k),
-            Some(_) => self.rule_told(mesh, k),
+        let (verdict, waits) = match self.served.inside(id).is_empty() {
+            true => self.rule_told(mesh, k),
+            false => self.rule_here(mesh, k),
         };
         let probe = &mut self.probes[k as usize];
         let has_own = match probe.what {
@@ -370,10 +372,13 @@ impl<C: Rules> Rounds<C> {
             }
         }
         if !fits && is_item {
-            // A boundary item that waits for others is in nobody's way. (R23.)
+            // A boundary item that waits for others is in nobody's way. (R24.)
             self.drop_parts(k);
-        } else if fits && let Some(waits) = waits {
+            return self.conclude(k, outcome);
+        }
+        if fits && let Some(waits) = waits {
             probe.waits = Some(Box::new(waits));
+            // R23.
             if C::HEARS_OF_RIVALS {
                 self.want_rivals(k);
             }
@@ -415,6 +420,7 @@ impl<C: Rules> Rounds<C> {
 }
 
 /// The verdict on a probe's point.
+#[derive(Debug, PartialEq)]
 enum Verdict {
     Is(Outcome),
     /// It does not do what it was made for; another one may.
@@ -432,7 +438,6 @@ impl Probe {
     ) -> (Verdict, Option<Watch<R::Tet>>) {
         let p = point(&self.to);
         match &self.what {
-            What::Tet(..) if !survey.is_marked() => (Verdict::Is(Outcome::Fits(Vec::new())), None),
             What::Tet(..) => match survey.rule_on_tet(&p).first() {
                 Some(first) => (Verdict::Is(self.what.asks(mesh, *first)), None),
                 None => (Verdict::Is(Outcome::Fits(Vec::new())), survey.watch_in_tet()),
@@ -449,5 +454,31 @@ impl Probe {
                 Ruling::Refuse => (Verdict::Refuse, None),
             },
         }
+    }
+
+    /// Is the verdict the same if the closure is told by values?
+    fn rules_so_by_values(
+        &self,
+        here: &Here<'_, '_>,
+        verdict: &Verdict,
+        watch: Option<&Watch<TetId>>,
+    ) -> bool {
+        let order = here.listed();
+        let mut told = Told::default();
+        told.add(here.mesh.me(), &describe(here.mesh, &order, self.carrier));
+        let closure = Collected::of(&told.closure);
+        let (by_values, other) = self.rule(here.mesh, &Survey::of(&here.mesh.complex, &closure));
+        let sorted = |verdict: &Verdict| match verdict {
+            Verdict::Is(Outcome::Fits(gone)) => {
+                Some(gone.iter().map(|item| item.place()).collect())
+            }
+            _ => None::<BTreeSet<ItemPlace>>,
+        };
+        let is_same = match sorted(verdict) {
+            Some(gone) => sorted(&by_values) == Some(gone),
+            None => by_values == *verdict,
+        };
+        let watch = watch.map(|watch| watch.named(|t| t));
+        is_same && watch == other.map(|other| other.named(|place| order[place].0))
     }
 }

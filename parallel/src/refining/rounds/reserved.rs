@@ -1,7 +1,9 @@
-//! The values that say who has reserved a tetrahedron.
+//! The reservations of a round.
 
-use ltbw_core::topology::VertexId;
-use ltbw_domain::refine::{Carrier, Lead, Rank};
+use crate::refining::flags::Flags;
+use ltbw_core::topology::{TetId, VertexId};
+use ltbw_core::{expect, prefetch};
+use ltbw_domain::refine::{Carrier, Rank, RankLead, Rival};
 
 /// Values by slot that are all forgotten at once.
 #[derive(Debug, Default)]
@@ -54,7 +56,7 @@ impl Marks {
 /// A candidate's rank, of which the leading part is at hand.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LazyRank {
-    pub(super) lead: Lead,
+    pub(super) lead: RankLead,
     whole: Whole,
 }
 
@@ -67,7 +69,7 @@ enum Whole {
 
 impl LazyRank {
     /// That of a tetrahedron here with these vertices.
-    pub(super) fn of_tet(lead: Lead, v: [VertexId; 4]) -> Self {
+    pub(super) fn of_tet(lead: RankLead, v: [VertexId; 4]) -> Self {
         Self { lead, whole: Whole::OfTet(v) }
     }
 
@@ -84,33 +86,67 @@ impl LazyRank {
     }
 }
 
-/// Candidates that have reserved something, by their numbers.
+/// The tetrahedra that the candidates of a round have reserved. The foremost candidate with one in
+/// its cavity holds it.
 #[derive(Debug, Default)]
-pub(super) struct Holders {
-    /// The leading parts of their ranks, which nearly always decide.
-    pub(super) leads: Vec<Lead>,
-    pub(super) all: Vec<(LazyRank, Carrier)>,
+pub(super) struct Reservations {
+    /// By slot: the number of its holder.
+    held: Marks,
+    /// By number: the leading parts of ranks, which nearly always decide.
+    leads: Vec<RankLead>,
+    /// By number: ranks, and where the points live.
+    all: Vec<(LazyRank, Carrier)>,
+    /// Slots that boundary items have reserved. Other candidates may hold them by now.
+    by_boundary: Flags,
 }
 
-impl Holders {
-    pub(super) fn clear(&mut self) {
+impl Reservations {
+    /// Takes memory for about this many tetrahedra. A hint.
+    pub(super) fn expect_tets(&mut self, tets: usize) {
+        expect(&mut self.held.all, tets);
+    }
+
+    /// Asks the processor to fetch what is known of a tetrahedron. A hint.
+    pub(super) fn prefetch(&self, t: TetId) {
+        prefetch(self.held.all.as_ptr().wrapping_add(t.index()));
+    }
+
+    /// Forgets all; there are this many slots.
+    pub(super) fn clear(&mut self, slots: usize) {
+        self.held.clear(slots);
         self.leads.clear();
         self.all.clear();
+        self.by_boundary.clear();
     }
 
-    /// Adds one.
-    pub(super) fn push(&mut self, rank: LazyRank, carrier: Carrier) {
+    /// Reserves a candidate's cavity; returns its number. `of_tet` tells the rank of a tetrahedron.
+    pub(super) fn reserve(
+        &mut self,
+        cavity: impl Iterator<Item = TetId>,
+        (rank, carrier): (LazyRank, Carrier),
+        of_tet: impl Fn([VertexId; 4]) -> Rank,
+    ) -> u32 {
+        let (number, is_boundary) = (self.leads.len() as u32, rank.lead.is_boundary());
         self.leads.push(rank.lead);
         self.all.push((rank, carrier));
+        for t in cavity {
+            let other = self.held.get(t.index());
+            if other.is_none_or(|other| !self.is_before(other, number, &of_tet)) {
+                self.held.set(t.index(), number);
+                if is_boundary {
+                    self.by_boundary.set(t.index(), true);
+                }
+            }
+        }
+        number
     }
 
-    /// The number of the next one.
-    pub(super) fn next(&self) -> u32 {
-        self.leads.len() as u32
+    /// Does one holder come before another one?
+    fn is_before(&self, one: u32, other: u32, of_tet: impl Fn([VertexId; 4]) -> Rank) -> bool {
+        one != other && self.precedes(one, &self.all[other as usize].0, of_tet)
     }
 
-    /// Does a holder come before a candidate of this rank? `of_tet` tells that of a tetrahedron.
-    pub(super) fn is_before(
+    fn precedes(
         &self,
         number: u32,
         rank: &LazyRank,
@@ -122,6 +158,68 @@ impl Holders {
         }
         self.all[number as usize].0.whole(&of_tet) < rank.whole(&of_tet)
     }
+
+    /// The leading part of the rank of a tetrahedron's holder, if that comes before a candidate of
+    /// this rank; `own` is the number of the candidate, if it has one.
+    pub(super) fn before(
+        &self,
+        t: TetId,
+        (own, rank): (Option<u32>, &LazyRank),
+        of_tet: impl Fn([VertexId; 4]) -> Rank,
+    ) -> Option<RankLead> {
+        let holder = self.held.get(t.index()).filter(|holder| Some(*holder) != own)?;
+        self.precedes(holder, rank, of_tet).then(|| self.leads[holder as usize])
+    }
+
+    /// The rival of a holder that a tetrahedron has.
+    pub(super) fn rival(
+        &self,
+        t: TetId,
+        own: u32,
+        of_tet: impl Fn([VertexId; 4]) -> Rank,
+    ) -> Rival {
+        let Some(other) = self.held.get(t.index()) else { return Rival::default() };
+        if !self.is_before(other, own, of_tet) {
+            return Rival::default();
+        }
+        let [at, carrier] = [other, own].map(|number| self.all[number as usize].1);
+        let is_boundary = self.leads[other as usize].is_boundary();
+        Rival { is_there: true, is_boundary, is_apart: !is_same(at, carrier) }
+    }
+
+    /// May a boundary item hold a tetrahedron?
+    pub(super) fn may_be_boundary(&self, t: TetId) -> bool {
+        self.by_boundary.has(t.index())
+    }
+}
+
+/// Are two boundary points on one segment, or in one facet?
+fn is_same(a: Carrier, b: Carrier) -> bool {
+    match (a, b) {
+        (Carrier::Segment(s, _), Carrier::Segment(r, _)) => s == r,
+        (Carrier::Facet(f), Carrier::Facet(g)) => f == g,
+        _ => false,
+    }
+}
+
+/// The numbers of those candidates inside, each with its rank, its own slot and its cavity, that no
+/// candidate before them kills: the rule alone, for ports.
+#[doc(hidden)]
+pub fn unkilled(candidates: &[(Rank, TetId, Vec<TetId>)]) -> Vec<usize> {
+    let mut reservations = Reservations::default();
+    let slots = candidates.iter().flat_map(|(_, own, cavity)| cavity.iter().chain([own]));
+    reservations.clear(slots.map(|t| t.index() + 1).max().unwrap_or(0));
+    // All ranks are told: none is that of a tetrahedron here.
+    let of_tet = |_| candidates[0].0;
+    let ranks: Vec<LazyRank> = candidates.iter().map(|own| LazyRank::told(own.0)).collect();
+    for ((_, _, cavity), rank) in candidates.iter().zip(&ranks) {
+        let whose = (rank.clone(), Carrier::Free);
+        reservations.reserve(cavity.iter().copied(), whose, of_tet);
+    }
+    let dies = |&k: &usize| {
+        reservations.before(candidates[k].1, (Some(k as u32), &ranks[k]), of_tet).is_some()
+    };
+    (0..candidates.len()).filter(|k| !dies(k)).collect()
 }
 
 #[cfg(test)]

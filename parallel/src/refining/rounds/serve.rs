@@ -2,13 +2,12 @@
 
 use super::candidate::Seeker;
 use super::ranked::rank_of;
-use super::reserved::{Holders, LazyRank, Marks};
+use super::reserved::{LazyRank, Marks, Reservations};
 use crate::protocol::{Handle, Rules, WorkerId};
 use crate::refining::domain::DomainMesh;
-use crate::refining::flags::Flags;
 use crate::refining::news::{INFINITE_CORNER, ProbeId, WireClosure, WireCorner, point};
+use ltbw_core::expect;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
-use ltbw_core::{expect, prefetch};
 use ltbw_domain::refine::{Carrier, Corner, Rank, Rival};
 use rustc_hash::FxHashMap;
 use std::ops::Range;
@@ -44,13 +43,9 @@ pub(super) struct Served {
     me: WorkerId,
     /// The parts of own probes, by their numbers.
     own: Vec<Option<Part>>,
-    /// The parts of others' probes, with the ranks and the carriers of these.
-    others: FxHashMap<ProbeId, (Part, (LazyRank, Carrier))>,
-    /// By slot: the number in `holders` of the foremost candidate with it in its cavity.
-    reserved: Marks,
-    holders: Holders,
-    /// Slots that boundary items have reserved.
-    by_boundary: Flags,
+    /// The parts of others' probes, with the ranks and the carriers of these until they reserve.
+    others: FxHashMap<ProbeId, (Part, Option<(LazyRank, Carrier)>)>,
+    pub(super) reserved: Reservations,
     /// The cavities of own probes whose closures are all here.
     cavities: Vec<TetId>,
     /// The memory of parts of rounds before.
@@ -67,13 +62,8 @@ impl Served {
 
     /// Takes memory for about this many tetrahedra. A hint.
     pub(super) fn expect_tets(&mut self, tets: usize) {
-        expect(&mut self.reserved.all, tets);
+        self.reserved.expect_tets(tets);
         expect(&mut self.seen.all, tets);
-    }
-
-    /// Asks the processor to fetch what is reserved of a tetrahedron. A hint.
-    pub(super) fn prefetch(&self, t: TetId) {
-        prefetch(self.reserved.all.as_ptr().wrapping_add(t.index()));
     }
 
     /// Starts a round.
@@ -82,8 +72,6 @@ impl Served {
         let ended = self.own.drain(..).flatten().chain(others);
         let orders = ended.map(|part| part.order);
         self.spare.extend(orders.filter(|order| order.capacity() > 0));
-        self.holders.clear();
-        self.by_boundary.clear();
         self.cavities.clear();
         self.reserved.clear(mesh.inner.tets().topology().slots());
     }
@@ -121,7 +109,7 @@ impl Served {
     fn enter(&mut self, own: &Seeker) -> &mut Part {
         let ProbeId { home, number } = own.probe;
         if home != self.me {
-            let new = || (Part::default(), (own.rank.clone(), own.carrier));
+            let new = || (Part::default(), Some((own.rank.clone(), own.carrier)));
             return &mut self.others.entry(own.probe).or_insert_with(new).0;
         }
         self.own_part(number)
@@ -155,8 +143,8 @@ impl Served {
     /// Enters the whole cavity of an own probe.
     pub(super) fn enter_found(&mut self, probe: ProbeId, cavity: &[TetId]) {
         let first = self.cavities.len();
-        // What is reserved of it is asked for when the verdict has fallen.
-        cavity.iter().for_each(|&t| self.prefetch(t));
+        // Its reservations are asked for when the verdict has fallen.
+        cavity.iter().for_each(|&t| self.reserved.prefetch(t));
         self.cavities.extend_from_slice(cavity);
         let inside = first..self.cavities.len();
         self.own_part(probe.number).inside = inside;
@@ -171,8 +159,7 @@ impl Served {
         seeds: impl Iterator<Item = TetId>,
     ) -> (usize, Vec<Handle>) {
         let p = &point(&own.to);
-        // One that is known to be all here is looked at again.
-        let again: Vec<TetId> = self.cavity_at(&self.inside(own.probe)).to_vec();
+        debug_assert!(self.inside(own.probe).is_empty(), "nothing is left to look for");
         self.seen.clear(mesh.inner.tets().topology().slots());
         let mut seen = std::mem::take(&mut self.seen);
         let mut memory = self.spare.pop().unwrap_or_default();
@@ -181,13 +168,12 @@ impl Served {
         if part.order.capacity() == 0 {
             std::mem::swap(&mut part.order, &mut memory);
         }
-        part.inside = 0..0;
         let before = part.order.len();
         for (t, _) in &part.order {
             seen.mark(t.index(), 0);
         }
         let mut foreign = Vec::new();
-        let mut stack: Vec<TetId> = seeds.chain(again).collect();
+        let mut stack: Vec<TetId> = seeds.collect();
         // Ends: each is looked at once.
         while let Some(t) = stack.pop() {
             if !seen.mark(t.index(), 0) {
@@ -226,47 +212,34 @@ impl Served {
         }
     }
 
-    /// The verdict on an own probe has fallen: reserves the cavity in its part, unless void.
+    /// The verdict on an own probe has fallen: reserves the cavity in its part.
     pub(super) fn reserve_own<C: Rules>(
         &mut self,
         mesh: &DomainMesh<'_>,
         probe: ProbeId,
         whose: (LazyRank, Carrier),
     ) {
-        let Self { own, reserved, holders, by_boundary, cavities, .. } = self;
+        let Self { own, reserved, cavities, .. } = self;
         if let Some(Some(part)) = own.get_mut(probe.number as usize) {
-            reserve((part, whose), cavities, (reserved, holders, by_boundary), |v| {
-                rank_of::<C>(mesh, v)
-            });
+            let cavity = part.cavity(cavities);
+            part.holder = Some(reserved.reserve(cavity, whose, |v| rank_of::<C>(mesh, v)));
         }
     }
 
-    /// All probes have ended: reserves the cavities of others'. Returns those whose homes want to
-    /// hear of rivals.
+    /// All probes have ended: reserves the cavities of others', unless void. Returns those whose
+    /// homes want to hear of rivals.
     pub(super) fn reserve_others<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> Vec<ProbeId> {
-        let Self { others, reserved, holders, by_boundary, .. } = self;
-        for (part, whose) in others.values_mut() {
-            reserve((part, whose.clone()), &[], (reserved, holders, by_boundary), |v| {
-                rank_of::<C>(mesh, v)
-            });
+        let Self { others, reserved, .. } = self;
+        for (part, whose) in others.values_mut().filter(|(part, _)| !part.is_void) {
+            if let Some(whose) = whose.take() {
+                let cavity = part.cavity(&[]);
+                part.holder = Some(reserved.reserve(cavity, whose, |v| rank_of::<C>(mesh, v)));
+            }
         }
         let wanted = others.iter().filter(|(_, (part, _))| part.is_wanted);
         let mut wanted: Vec<ProbeId> = wanted.map(|(&probe, _)| probe).collect();
         wanted.sort_unstable();
         wanted
-    }
-
-    /// The number of the holder of a tetrahedron that comes before a probe with this rank, if such
-    /// a one has it.
-    fn before<C: Rules>(
-        &self,
-        mesh: &DomainMesh<'_>,
-        t: TetId,
-        (own, rank): (Option<u32>, &LazyRank),
-    ) -> Option<u32> {
-        let holder = self.reserved.get(t.index())?;
-        let of_tet = |v| rank_of::<C>(mesh, v);
-        (Some(holder) != own && self.holders.is_before(holder, rank, of_tet)).then_some(holder)
     }
 
     /// Is a candidate before an own probe with this rank in the way of its tetrahedron?
@@ -277,36 +250,29 @@ impl Served {
         rank: &LazyRank,
     ) -> bool {
         let own = self.part(probe).and_then(|part| part.holder);
-        let counts = |other: u32| {
-            let key = self.holders.leads[other as usize].key();
-            // R26.
-            C::BREAKS_TIES || !Rank::is_tie(key, rank.lead.key())
-        };
-        self.before::<C>(mesh, t, (own, rank)).is_some_and(counts)
+        let before = self.reserved.before(t, (own, rank), |v| rank_of::<C>(mesh, v));
+        // R26.
+        before.is_some_and(|other| C::BREAKS_TIES || !Rank::is_tie(other.key(), rank.lead.key()))
     }
 
-    /// The rival of a probe that a tetrahedron has.
-    pub(super) fn rival<C: Rules>(&self, mesh: &DomainMesh<'_>, probe: ProbeId, t: TetId) -> Rival {
-        let Some(own) = self.part(probe).and_then(|part| part.holder) else {
-            return Rival::default();
-        };
-        let (rank, carrier) = &self.holders.all[own as usize];
-        let other = self.before::<C>(mesh, t, (Some(own), rank));
-        let Some(other) = other else { return Rival::default() };
-        let (_, at) = &self.holders.all[other as usize];
-        let is_boundary = self.holders.leads[other as usize].is_boundary();
-        Rival { is_there: true, is_boundary, is_apart: !is_same(*at, *carrier) }
-    }
-
-    /// Has a boundary item reserved a tetrahedron? Another candidate may have it by now.
-    pub(super) fn may_be_boundary(&self, t: TetId) -> bool {
-        self.by_boundary.has(t.index())
+    /// Tells the rival of a probe that a tetrahedron has.
+    pub(super) fn rival<C: Rules>(
+        &self,
+        mesh: &DomainMesh<'_>,
+        probe: ProbeId,
+    ) -> impl Fn(TetId) -> Rival {
+        let own = self.part(probe).and_then(|part| part.holder);
+        move |t| match own {
+            Some(own) => self.reserved.rival(t, own, |v| rank_of::<C>(mesh, v)),
+            None => Rival::default(),
+        }
     }
 
     /// The rivals in a probe's part of its closure, in the order in which its home was told.
     pub(super) fn rivals<C: Rules>(&self, mesh: &DomainMesh<'_>, probe: ProbeId) -> Vec<Rival> {
         let order = self.part(probe).map_or(&[][..], |part| &part.order);
-        order.iter().map(|&(t, _)| self.rival::<C>(mesh, probe, t)).collect()
+        let rival = self.rival::<C>(mesh, probe);
+        order.iter().map(|&(t, _)| rival(t)).collect()
     }
 
     /// Lists the closure of an own probe that is all here, some tetrahedra of it more than once.
@@ -318,66 +284,6 @@ impl Served {
             self.cavities.extend(mesh.inner.tets().neighbours(t).map(tet_of));
         }
         first..self.cavities.len()
-    }
-}
-
-/// The numbers of those candidates inside, each with its rank, its own slot and its cavity, that no
-/// candidate before them kills: the rule alone, for ports.
-#[doc(hidden)]
-pub fn unkilled(candidates: &[(Rank, TetId, Vec<TetId>)]) -> Vec<usize> {
-    let (mut reserved, mut holders) = (Marks::default(), Holders::default());
-    let slots = candidates.iter().flat_map(|(_, own, cavity)| cavity.iter().chain([own]));
-    reserved.clear(slots.map(|t| t.index() + 1).max().unwrap_or(0));
-    let ranks: Vec<LazyRank> = candidates.iter().map(|own| LazyRank::told(own.0)).collect();
-    // All ranks are told.
-    let of_tet = |_| candidates[0].0;
-    for ((_, _, cavity), rank) in candidates.iter().zip(&ranks) {
-        let order = cavity.iter().map(|&t| (t, true)).collect();
-        let (mut part, whose) = (Part { order, ..Part::default() }, (rank.clone(), Carrier::Free));
-        reserve(
-            (&mut part, whose),
-            &[],
-            (&mut reserved, &mut holders, &mut Flags::default()),
-            of_tet,
-        );
-    }
-    let dies = |&k: &usize| {
-        let holder = reserved.get(candidates[k].1.index());
-        holder.is_some_and(|other| holders.is_before(other, &ranks[k], of_tet))
-    };
-    (0..candidates.len()).filter(|k| !dies(k)).collect()
-}
-
-/// Reserves the cavity in a part, unless that is void, where no candidate before it has.
-fn reserve(
-    (part, (rank, carrier)): (&mut Part, (LazyRank, Carrier)),
-    cavities: &[TetId],
-    (reserved, holders, by_boundary): (&mut Marks, &mut Holders, &mut Flags),
-    of_tet: impl Fn([VertexId; 4]) -> Rank,
-) {
-    if part.is_void {
-        return;
-    }
-    let number = holders.next();
-    part.holder = Some(number);
-    for t in part.cavity(cavities) {
-        let other = reserved.get(t.index());
-        if other.is_none_or(|other| !holders.is_before(other, &rank, &of_tet)) {
-            reserved.set(t.index(), number);
-            if rank.lead.is_boundary() {
-                by_boundary.set(t.index(), true);
-            }
-        }
-    }
-    holders.push(rank, carrier);
-}
-
-/// Are two boundary points on one segment, or in one facet?
-fn is_same(a: Carrier, b: Carrier) -> bool {
-    match (a, b) {
-        (Carrier::Segment(s, _), Carrier::Segment(r, _)) => s == r,
-        (Carrier::Facet(f), Carrier::Facet(g)) => f == g,
-        _ => false,
     }
 }
 
