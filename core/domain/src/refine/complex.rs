@@ -180,12 +180,13 @@ impl<'a> Complex<'a> {
     }
 
     /// Which of some tetrahedra of the domain, given with their corners and regions, are over their
-    /// bounds, in their order.
+    /// bounds, in their order. `thin` is told of those that may have tiny dihedral angles.
     pub fn over_among<'b>(
         &'b self,
         tets: impl Iterator<Item = (TetId, [Point; 4], u32)> + 'b,
+        thin: impl FnMut(TetId) + 'b,
     ) -> impl Iterator<Item = TetId> + 'b {
-        self.bounds.over_among(tets, |_| {})
+        self.bounds.over_among(tets, thin)
     }
 
     pub(super) fn bounds(&self) -> &Bounds<'a> {

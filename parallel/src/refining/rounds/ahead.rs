@@ -6,7 +6,7 @@
 //! items alone. So the choice takes a cavity only if nothing of its closure was written since
 //! (R27): then it is what a search would find, as are the aim and the way to it.
 
-use super::found::Own;
+use super::ranked::Own;
 use super::source::{Rounds, Stage};
 use super::way::{WayEnd, walk_way};
 use crate::protocol::{Rules, Standing};

@@ -1,6 +1,7 @@
 //! Cavities found for the next choice, as values.
 
 use super::keys::Keys;
+use super::ranked::Own;
 use crate::protocol::Rules;
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::Bits;
@@ -8,9 +9,6 @@ use ltbw_core::topology::{TetId, VertexId};
 use ltbw_domain::refine::Carrier;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
-
-/// A tetrahedron, and its vertices.
-pub(super) type Own = (TetId, [VertexId; 4]);
 
 /// The cavities found ahead.
 #[derive(Debug, Default)]

@@ -10,7 +10,7 @@
 //!
 //! Witnesses are remembered from round to round, as by the engine with one mesh (`sift`).
 
-use super::ranked::{RankedHere, places_of};
+use super::ranked::{Own, RankedHere, places_of};
 use crate::protocol::{BlockId, Directory, Handle, Name, Rules, Submesh, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::flags::Flags;
@@ -72,6 +72,10 @@ pub(super) struct Keys {
     /// Looks so far, of which a round may have several.
     look: u32,
     bad: Vec<Bad>,
+    /// Tetrahedra that may have tiny dihedral angles: all that are left, and others.
+    thin: Vec<Own>,
+    /// The number of those that were left when they were looked at last.
+    thin_left: usize,
     /// Entries to be forgotten: those before were sifted ahead, though some may be old by now.
     hole: Range<usize>,
     /// Does the mesh note which interface faces change?
@@ -92,6 +96,9 @@ pub(super) struct Keys {
     /// The slots in `touched`.
     is_touched: Flags,
 }
+
+/// The number of thin tetrahedra that may be gone before it is worth a look.
+const FEW: usize = 1 << 12;
 
 /// Entries that are sifted ahead in one step.
 const SIFTED: usize = 256;
@@ -126,7 +133,9 @@ impl Keys {
             let is_inside = all.is_live(t) && all.vertices(t)[3] != INFINITE && region != 0;
             is_inside.then(|| (t, all.vertices(t).map(|v| mesh.point(v)), region))
         });
-        for t in mesh.complex.over_among(inside) {
+        let mut thin = std::mem::take(&mut self.thin);
+        let mut tell = |t: TetId| thin.push((t, all.vertices(t)));
+        for t in mesh.complex.over_among(inside, &mut tell) {
             // One that is told of twice has a key already.
             if self.keys[t.index()] == 0 {
                 let places = places_of::<C>(mesh, all.vertices(t));
@@ -134,6 +143,7 @@ impl Keys {
                 self.bad.push(Bad::new(t, self.look));
             }
         }
+        self.thin = thin;
         if !self.blocks.is_empty() {
             for &t in tets.iter().filter(|&&t| all.is_live(t)) {
                 for n in all.neighbours(t).map(tet_of) {
@@ -196,7 +206,27 @@ impl Keys {
         for &t in tets.topology().free_slots() {
             self.forget(t);
         }
+        if self.thin.len() > 2 * self.thin_left + FEW {
+            self.forget_thin(mesh);
+        }
         debug_assert!(self.has_all_interface_faces(mesh));
+    }
+
+    /// Forgets thin tetrahedra that are gone.
+    fn forget_thin(&mut self, mesh: &DomainMesh<'_>) {
+        let tets = mesh.inner.tets();
+        self.thin.retain(|&(t, v)| tets.is_live(t) && tets.vertices(t) == v);
+        self.thin_left = self.thin.len();
+    }
+
+    /// The tetrahedra that may have tiny dihedral angles.
+    pub(super) fn thin(mut self, mesh: &DomainMesh<'_>) -> Vec<TetId> {
+        self.forget_thin(mesh);
+        let mut all: Vec<TetId> = self.thin.into_iter().map(|(t, _)| t).collect();
+        // Some are told of twice.
+        all.sort_unstable();
+        all.dedup();
+        all
     }
 
     /// Notes that something has changed around a tetrahedron at an interface face.

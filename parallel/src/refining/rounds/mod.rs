@@ -258,7 +258,7 @@ fn left_by<C: Rules>(
     // The mesh has all slots of one worker after those of another.
     let mut regions: Vec<u32> = Vec::new();
     let mut firsts = Vec::new();
-    let (mut meshes, mut asked) = (Vec::new(), Vec::new());
+    let (mut meshes, mut asked, mut thin) = (Vec::new(), Vec::new(), Vec::new());
     let (mut ending, mut candidates) = (Ending::Done, 0);
     let before_all = [figures.searches, figures.ahead];
     let mut sums = before_all;
@@ -275,7 +275,9 @@ fn left_by<C: Rules>(
         let named = used.filter(|&v| v != INFINITE).map(|v| (mesh.inner.name(v), mesh.carrier(v)));
         made.extend(named.filter(|&(name, _)| given(name).is_none()));
         let me = mesh.me();
-        let (pending, counted, end, own) = source.into_parts();
+        let (pending, counted, own_thin, end, own) = source.into_parts(&mesh);
+        let first = firsts[firsts.len() - 1];
+        thin.extend(own_thin.into_iter().map(|t| TetId::at(first + t.index())));
         let left = |Pending { item, first, limit, .. }| Asked { item, first, limit };
         asked.extend(pending.into_iter().map(left));
         let counts = [own.searches, own.ahead].into_iter().zip(before_all);
@@ -301,7 +303,9 @@ fn left_by<C: Rules>(
         round_points: figures.points,
         ..before
     };
-    Ok((Handed { carriers, regions, asked, candidates, stats, mesh }, ending, firsts))
+    // Workers look at all that they make, and have ended as none was over its bounds.
+    let thin = (ending == Ending::Done).then_some(thin);
+    Ok((Handed { carriers, regions, asked, candidates, thin, stats, mesh }, ending, firsts))
 }
 
 /// Which vertices tetrahedra of a submesh have, by number.

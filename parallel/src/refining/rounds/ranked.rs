@@ -7,6 +7,9 @@ use ltbw_core::{Point, prefetch};
 use ltbw_domain::refine::{Rank, Ranked, witness};
 use std::marker::PhantomData;
 
+/// A tetrahedron, and its vertices.
+pub(super) type Own = (TetId, [VertexId; 4]);
+
 /// The places by which a tetrahedron with these corners is ranked.
 #[inline(always)]
 pub(super) fn places_of<C: Rules>(mesh: &DomainMesh<'_>, corners: [VertexId; 4]) -> [Point; 4] {

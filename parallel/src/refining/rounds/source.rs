@@ -250,11 +250,15 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
-    /// The boundary items that are left, the candidates when last counted, how the rounds have
-    /// ended, and figures.
-    pub(super) fn into_parts(self) -> (Vec<Pending>, usize, Option<Ending>, RoundFigures) {
+    /// The boundary items that are left, the candidates when last counted, the tetrahedra that may
+    /// have tiny dihedral angles, how the rounds have ended, and figures.
+    pub(super) fn into_parts(
+        self,
+        mesh: &DomainMesh<'_>,
+    ) -> (Vec<Pending>, usize, Vec<TetId>, Option<Ending>, RoundFigures) {
         let candidates = usize::try_from(self.counted).unwrap_or(0);
-        (self.pending.into_values().collect(), candidates, self.ending, self.figures)
+        let (pending, thin) = (self.pending.into_values().collect(), self.keys.thin(mesh));
+        (pending, candidates, thin, self.ending, self.figures)
     }
 
     /// Asks the processor to fetch the cavities of the next points to insert. A hint: they may have

@@ -190,6 +190,8 @@ pub(crate) struct Rounds<'r, 'a> {
     asking: Asking,
     /// Slivers not yet looked at, when all else is done.
     slivers: Option<Vec<sliver::Sliver>>,
+    /// The tetrahedra that may have tiny dihedral angles, if others have looked at all.
+    handed: Option<Vec<TetId>>,
     /// Subfaces that tetrahedra were refused for in earlier rounds, and those of this one.
     blocks: Vec<block::Block>,
     new_blocks: Vec<block::Block>,
@@ -265,6 +267,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
             late: 0,
             asking: Asking::default(),
             slivers: None,
+            handed: None,
             blocks: Vec::new(),
             new_blocks: Vec::new(),
             conclusions: Vec::new(),
@@ -294,7 +297,7 @@ impl<'r, 'a> Rounds<'r, 'a> {
     /// # Errors
     /// A broken invariant.
     pub(crate) fn run(mut self, look: Look<'_>) -> Result<Finished, RefineError> {
-        self.look_at_all();
+        self.look_at_first()?;
         let mut stop = None;
         self.clock.begin();
         while let Some(next) = self.next() {

@@ -5,6 +5,7 @@ use crate::refine::RefineError;
 use crate::refine::item::Item;
 use crate::refine::limit::Limit;
 use crate::refine::outcome::RefineStats;
+use crate::refine::thin::Thin;
 use ltbw_core::topology::TetId;
 
 /// A boundary item that was to be split when others handed over.
@@ -23,6 +24,8 @@ pub(crate) struct Resumed {
     pub(crate) waiting: Vec<Waiting>,
     /// The candidates among the tetrahedra when last counted.
     pub(crate) candidates: usize,
+    /// If none is over its bounds, those that may have tiny dihedral angles.
+    pub(crate) thin: Option<Vec<TetId>>,
 }
 
 /// The items that are left to be split, and figures; or all, if something could not be split.
@@ -32,10 +35,38 @@ impl Rounds<'_, '_> {
     /// Takes over from others.
     pub(crate) fn resume(&mut self, resumed: Resumed) {
         self.counted = resumed.candidates;
+        self.handed = resumed.thin;
         for Waiting { item, first, near, limit } in resumed.waiting {
             self.pending.insert(item, Pending { first, near });
             self.own.record.limits.extend(limit.map(|limit| (item, limit)));
         }
+    }
+
+    /// Looks at all tetrahedra, unless others have.
+    ///
+    /// # Errors
+    /// In debug builds: others have not seen what there is.
+    pub(super) fn look_at_first(&mut self) -> Result<(), RefineError> {
+        let Some(thin) = self.handed.take() else {
+            self.look_at_all();
+            return Ok(());
+        };
+        let vertices = |t: TetId| self.own.state.vertices(t);
+        let mut thin: Vec<Thin> = thin.into_iter().map(|t| (t, vertices(t))).collect();
+        if cfg!(debug_assertions) {
+            self.look_at_all();
+            let mut all = std::mem::take(&mut self.own.inserted.thin.tets);
+            all.sort_unstable();
+            thin.sort_unstable();
+            if all != thin || !self.bad.is_empty() {
+                return Err(RefineError::Invariant {
+                    what: "others have looked at all tetrahedra",
+                });
+            }
+        }
+        self.make_room();
+        self.own.inserted.thin.tets = thin;
+        Ok(())
     }
 
     /// Splits circles that others have found.

@@ -129,12 +129,17 @@ impl Rounds<'_, '_> {
         self.stamps.set(t, look);
     }
 
-    /// Looks at all tetrahedra.
-    pub(super) fn look_at_all(&mut self) {
+    /// Makes room for all slots.
+    pub(super) fn make_room(&mut self) {
         let slots = self.own.state.mesh.topology().slots();
         self.keys.grow(slots);
         self.stamps.grow(slots);
         self.reserved.grow(slots);
+    }
+
+    /// Looks at all tetrahedra.
+    pub(super) fn look_at_all(&mut self) {
+        self.make_room();
         self.bad.clear();
         self.own.inserted.thin = ThinTets::default();
         let all: Vec<TetId> = self.own.state.mesh.tet_ids().collect();

@@ -66,6 +66,8 @@ pub struct Handed {
     pub asked: Vec<Asked>,
     /// Candidates among the tetrahedra in the last round that split some.
     pub candidates: usize,
+    /// If none is over its bounds, the tetrahedra that may have tiny dihedral angles.
+    pub thin: Option<Vec<TetId>>,
     /// The figures of the rounds.
     pub stats: RefineStats,
 }
@@ -170,7 +172,7 @@ impl<'a> Delegated<'a> {
 
     /// Takes the state that others hand over.
     fn take(&mut self, handed: Handed) -> Result<Resumed, RefineError> {
-        let Handed { mesh, carriers, regions, asked, candidates, stats } = handed;
+        let Handed { mesh, carriers, regions, asked, candidates, thin, stats } = handed;
         let unfit = |_| RefineError::Invariant { what: "rounds of others are of a plain domain" };
         let complex = self.run.complex().map_err(unfit)?;
         let own = &mut self.run.refinement;
@@ -187,7 +189,7 @@ impl<'a> Delegated<'a> {
         let waiting: Option<Vec<Waiting>> = asked.iter().map(waiting).collect();
         let gone = RefineError::Invariant { what: "items asked for are in the mesh" };
         self.run.stats = stats;
-        Ok(Resumed { waiting: waiting.ok_or(gone)?, candidates })
+        Ok(Resumed { waiting: waiting.ok_or(gone)?, candidates, thin })
     }
 
     fn finish_from(mut self, resumed: Option<Resumed>) -> Result<Refined, RefineError> {
