@@ -37,6 +37,14 @@ pub struct Closure {
     pub tets: Vec<([u32; 4], bool)>,
 }
 
+impl Closure {
+    /// Which corners of the tetrahedron at a place are on the boundary? [`NOWHERE`] is not.
+    pub fn bound(&self, place: usize) -> [bool; 4] {
+        let carrier = |v: u32| self.corners[v as usize].carrier;
+        self.tets[place].0.map(|v| v != NOWHERE && carrier(v) != Carrier::Free)
+    }
+}
+
 /// A boundary item by its corners, which are sorted: two of a subsegment, three of a subface.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -127,7 +127,7 @@ impl Inserted {
         for (t, v) in bounds.over_of(state, created, &mut self.thin.tets) {
             work.put(Item::Tet(t, v), bounds.excess_of(state, t));
         }
-        self.thin.forget_old(state);
+        self.thin.forget_old(|(t, v)| state.is_live(t, v));
     }
 
     /// After the filling: old boundary items that are gone or lost, and the new ones.

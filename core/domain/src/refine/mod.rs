@@ -130,6 +130,8 @@ pub use run::{Asked, Delegated, Handed, Parted};
 pub use survey::{Survey, Watch};
 #[doc(hidden)]
 pub use surveyed::{Collected, Surveyed};
+#[doc(hidden)]
+pub use thin::{Thin, ThinTets};
 pub use whole::MeshError;
 
 /// Why there is no mesh of a domain.

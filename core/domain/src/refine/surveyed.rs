@@ -1,7 +1,6 @@
 //! Closures as a survey reads them.
 
-use super::carrier::Carrier;
-use super::choice::{Closure, Corner, NOWHERE};
+use super::choice::{Closure, Corner};
 use super::state::FACE;
 use super::table::{Map, triangle};
 
@@ -17,14 +16,14 @@ pub trait Surveyed {
     /// Is a tetrahedron in conflict with the point?
     fn is_in(&self, t: Self::Tet) -> bool;
 
-    /// The vertices of a tetrahedron, positively oriented; [`NOWHERE`] is the one at infinity, or
-    /// one that is not told.
+    /// The vertices of a tetrahedron, positively oriented. The one at infinity, and one that is not
+    /// told, is [`NOWHERE`](super::NOWHERE).
     fn vertices(&self, t: Self::Tet) -> [u32; 4];
 
-    /// Which vertices of a tetrahedron are on the boundary? [`NOWHERE`] is not.
+    /// Which vertices of a tetrahedron are on the boundary? [`NOWHERE`](super::NOWHERE) is not.
     fn bound(&self, t: Self::Tet) -> [bool; 4];
 
-    /// A vertex, which is not [`NOWHERE`].
+    /// A vertex, which is not [`NOWHERE`](super::NOWHERE).
     fn corner(&self, v: u32) -> Corner;
 
     /// The tetrahedron beyond face `slot` of one in conflict, if that is in the closure, too. It
@@ -74,8 +73,7 @@ impl Surveyed for Collected<'_> {
     }
 
     fn bound(&self, t: usize) -> [bool; 4] {
-        let carrier = |v: u32| self.closure.corners[v as usize].carrier;
-        self.vertices(t).map(|v| v != NOWHERE && carrier(v) != Carrier::Free)
+        self.closure.bound(t)
     }
 
     fn corner(&self, v: u32) -> Corner {

@@ -88,7 +88,7 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         assert!(self.is_vertex(v), "there is no finite vertex {v}");
         let stats = self.geometry.stats;
         let search = |by: &mut Search| {
-            self.search(seed, p, by).then(|| BTreeSet::from_iter(by.tets().to_vec()))
+            self.search(seed, p, by).then(|| by.tets().iter().copied().collect::<BTreeSet<_>>())
         };
         let now = cfg!(debug_assertions).then(Search::default).as_mut().and_then(search);
         self.geometry.stats = stats;

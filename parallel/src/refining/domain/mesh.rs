@@ -98,6 +98,12 @@ impl<'c> DomainMesh<'c> {
         self.me
     }
 
+    /// Is there still this tetrahedron, given by its slot and vertices?
+    pub(crate) fn has(&self, (t, v): (TetId, [VertexId; 4])) -> bool {
+        let tets = self.inner.tets();
+        tets.is_live(t) && tets.vertices(t) == v
+    }
+
     /// The region of a tetrahedron.
     pub(crate) fn region(&self, t: TetId) -> u32 {
         self.slots.region(t)

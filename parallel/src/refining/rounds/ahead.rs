@@ -43,8 +43,7 @@ impl<C: Rules> Rounds<C> {
 
     /// Finds the cavity of a tetrahedron's point, if nothing of its closure is another worker's.
     fn find_ahead(&mut self, mesh: &mut DomainMesh<'_>, (t, v): Own) {
-        let tets = mesh.inner.tets();
-        if !tets.is_live(t) || tets.vertices(t) != v {
+        if !mesh.has((t, v)) {
             return;
         }
         let points = v.map(|v| mesh.point(v));

@@ -176,11 +176,6 @@ impl Probe {
             What::Item(item) => LazyRank::told(item.rank()),
         }
     }
-
-    /// Owners that are to tell of rivals.
-    pub(super) fn due(&self) -> u32 {
-        self.told.as_ref().map_or(0, |told| told.due)
-    }
 }
 
 /// A point of this worker that is to be inserted in this round.

@@ -49,7 +49,7 @@ impl<C: Rules> Rounds<C> {
 
     /// Has a probe all that its decision takes?
     pub(super) fn is_due(&self, k: u32) -> bool {
-        self.probes[k as usize].due() == 0
+        self.probes[k as usize].told.as_ref().is_none_or(|told| told.due == 0)
     }
 
     /// Decides what becomes of a probe.

@@ -10,13 +10,13 @@
 //!
 //! Witnesses are remembered from round to round, as by the engine with one mesh (`sift`).
 
-use super::ranked::{Own, RankedHere, places_of};
+use super::ranked::{RankedHere, places_of};
 use crate::protocol::{BlockId, Directory, Handle, Name, Rules, Submesh, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::flags::Flags;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{Point, expect, prefetch};
-use ltbw_domain::refine::{Bad, Rank, RankLead, Ranked, sift};
+use ltbw_domain::refine::{Bad, Rank, RankLead, Ranked, ThinTets, sift};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
@@ -72,10 +72,8 @@ pub(super) struct Keys {
     /// Looks so far, of which a round may have several.
     look: u32,
     bad: Vec<Bad>,
-    /// Tetrahedra that may have tiny dihedral angles: all that are left, and others.
-    thin: Vec<Own>,
-    /// The number of those that were left when they were looked at last.
-    thin_left: usize,
+    /// Tetrahedra that may have tiny dihedral angles.
+    thin: ThinTets,
     /// Entries to be forgotten: those before were sifted ahead, though some may be old by now.
     hole: Range<usize>,
     /// Does the mesh note which interface faces change?
@@ -96,9 +94,6 @@ pub(super) struct Keys {
     /// The slots in `touched`.
     is_touched: Flags,
 }
-
-/// The number of thin tetrahedra that may be gone before it is worth a look.
-const FEW: usize = 1 << 12;
 
 /// Entries that are sifted ahead in one step.
 const SIFTED: usize = 256;
@@ -134,8 +129,8 @@ impl Keys {
             is_inside.then(|| (t, all.vertices(t).map(|v| mesh.point(v)), region))
         });
         let mut thin = std::mem::take(&mut self.thin);
-        let mut tell = |t: TetId| thin.push((t, all.vertices(t)));
-        for t in mesh.complex.over_among(inside, &mut tell) {
+        let tell = |t: TetId| thin.tets.push((t, all.vertices(t)));
+        for t in mesh.complex.over_among(inside, tell) {
             // One that is told of twice has a key already.
             if self.keys[t.index()] == 0 {
                 let places = places_of::<C>(mesh, all.vertices(t));
@@ -206,23 +201,14 @@ impl Keys {
         for &t in tets.topology().free_slots() {
             self.forget(t);
         }
-        if self.thin.len() > 2 * self.thin_left + FEW {
-            self.forget_thin(mesh);
-        }
+        self.thin.forget_old(|own| mesh.has(own));
         debug_assert!(self.has_all_interface_faces(mesh));
     }
 
-    /// Forgets thin tetrahedra that are gone.
-    fn forget_thin(&mut self, mesh: &DomainMesh<'_>) {
-        let tets = mesh.inner.tets();
-        self.thin.retain(|&(t, v)| tets.is_live(t) && tets.vertices(t) == v);
-        self.thin_left = self.thin.len();
-    }
-
     /// The tetrahedra that may have tiny dihedral angles.
-    pub(super) fn thin(mut self, mesh: &DomainMesh<'_>) -> Vec<TetId> {
-        self.forget_thin(mesh);
-        let mut all: Vec<TetId> = self.thin.into_iter().map(|(t, _)| t).collect();
+    pub(super) fn into_thin(self, mesh: &DomainMesh<'_>) -> Vec<TetId> {
+        let left = self.thin.tets.into_iter().filter(|&own| mesh.has(own));
+        let mut all: Vec<TetId> = left.map(|(t, _)| t).collect();
         // Some are told of twice.
         all.sort_unstable();
         all.dedup();

@@ -264,7 +264,8 @@ fn left_by<C: Rules>(
     let mut sums = before_all;
     for worker in workers {
         let (mut mesh, source, _) = worker.into_parts();
-        firsts.push(regions.len());
+        let first = regions.len();
+        firsts.push(first);
         match regions.is_empty() {
             true => regions = mesh.take_regions(),
             false => regions.extend(mesh.take_regions()),
@@ -276,7 +277,6 @@ fn left_by<C: Rules>(
         made.extend(named.filter(|&(name, _)| given(name).is_none()));
         let me = mesh.me();
         let (pending, counted, own_thin, end, own) = source.into_parts(&mesh);
-        let first = firsts[firsts.len() - 1];
         thin.extend(own_thin.into_iter().map(|t| TetId::at(first + t.index())));
         let left = |Pending { item, first, limit, .. }| Asked { item, first, limit };
         asked.extend(pending.into_iter().map(left));

@@ -11,8 +11,7 @@ use crate::refining::domain::DomainMesh;
 use crate::refining::news::{Bits, DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
 use ltbw_core::topology::{TetId, tet_of};
 use ltbw_domain::refine::{
-    Aim, BoundaryItem, Carrier, Closure, Collected, ItemPlace, NOWHERE, RankLead, Ruling, Survey,
-    Surveyed, Watch, way_start,
+    Aim, BoundaryItem, Collected, ItemPlace, RankLead, Ruling, Survey, Surveyed, Watch, way_start,
 };
 use std::collections::BTreeSet;
 
@@ -301,11 +300,12 @@ impl<C: Rules> Rounds<C> {
         let (me, id) = (self.me, self.id(k));
         let Probe { ref what, carrier, ref mut told, .. } = self.probes[k as usize];
         let told = told.get_or_insert_default();
-        let Closure { corners, tets } = &told.closure;
-        let is_on = |v: &&u32| **v != NOWHERE && corners[**v as usize].carrier != Carrier::Free;
+        let closure = &told.closure;
+        let count = |place: usize| closure.bound(place).into_iter().filter(|on| *on).count();
+        let mut cavity = (0..closure.tets.len()).filter(|&place| closure.tets[place].1);
         let is_near = matches!(what, What::Item(_))
             || self.served.cavity(id).any(|t| is_near(mesh, t))
-            || tets.iter().any(|(v, is_in)| *is_in && v.iter().filter(is_on).count() > 1);
+            || cavity.any(|place| count(place) > 1);
         if is_near {
             let all = self.served.part(id).map_or(&[][..], |part| &part.order);
             told.add(me, &describe(mesh, all, carrier));

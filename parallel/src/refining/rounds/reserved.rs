@@ -43,11 +43,11 @@ impl Marks {
         self.end = self.end.max(entry + 1);
     }
 
-    /// Marks a place, if it is not; was it not?
-    pub(super) fn mark(&mut self, place: usize, value: u32) -> bool {
+    /// Marks a place with 0, if it is not marked; was it not?
+    pub(super) fn mark(&mut self, place: usize) -> bool {
         let is_new = self.all[place] < self.base;
         if is_new {
-            self.set(place, value);
+            self.set(place, 0);
         }
         is_new
     }
@@ -232,7 +232,7 @@ mod tests {
         own.clear(3);
         assert_eq!([0, 1, 2, 3].map(|k| own.get(k)), [None; 4]);
         own.set(0, 7);
-        assert!(own.mark(1, 0) && !own.mark(1, 5));
+        assert!(own.mark(1) && !own.mark(1));
         assert_eq!([0, 1, 2].map(|k| own.get(k)), [Some(7), Some(0), None]);
         own.clear(4);
         assert_eq!([0, 1, 2, 3].map(|k| own.get(k)), [None; 4]);

@@ -170,13 +170,13 @@ impl Served {
         }
         let before = part.order.len();
         for (t, _) in &part.order {
-            seen.mark(t.index(), 0);
+            seen.mark(t.index());
         }
         let mut foreign = Vec::new();
         let mut stack: Vec<TetId> = seeds.collect();
         // Ends: each is looked at once.
         while let Some(t) = stack.pop() {
-            if !seen.mark(t.index(), 0) {
+            if !seen.mark(t.index()) {
                 continue;
             }
             let is_in = mesh.conflicts(t, p);

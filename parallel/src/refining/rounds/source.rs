@@ -257,7 +257,7 @@ impl<C: Rules> Rounds<C> {
         mesh: &DomainMesh<'_>,
     ) -> (Vec<Pending>, usize, Vec<TetId>, Option<Ending>, RoundFigures) {
         let candidates = usize::try_from(self.counted).unwrap_or(0);
-        let (pending, thin) = (self.pending.into_values().collect(), self.keys.thin(mesh));
+        let (pending, thin) = (self.pending.into_values().collect(), self.keys.into_thin(mesh));
         (pending, candidates, thin, self.ending, self.figures)
     }
 
@@ -317,9 +317,8 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
     }
 
     fn item(&self, mesh: &DomainMesh<'c>, point: &DomainPoint) -> Item<TetId> {
-        let tets = mesh.inner.tets();
-        let stands = |&&(t, v): &&(TetId, _)| tets.is_live(t) && tets.vertices(t) == v;
-        let start = self.starts.get(self.number(point)).and_then(Option::as_ref).filter(stands);
+        let start = self.starts.get(self.number(point)).and_then(Option::as_ref);
+        let start = start.filter(|&&own| mesh.has(own));
         start.map_or(Item::Free, |&(t, _)| Item::At(t))
     }
 

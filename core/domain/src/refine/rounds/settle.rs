@@ -98,7 +98,7 @@ impl Rounds<'_, '_> {
     /// Ends a round.
     pub(super) fn settle(&mut self) {
         self.look_at_created();
-        self.own.inserted.thin.forget_old(&self.own.state);
+        self.own.inserted.thin.forget_old(|(t, v)| self.own.state.is_live(t, v));
         let last = self.free + self.count;
         self.check_names(|t| self.reserved.at(t) > last);
         let state = &self.own.state;
