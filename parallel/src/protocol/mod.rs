@@ -63,6 +63,7 @@ pub use news::{NoNews, Standing};
 pub use rules::{Correct, Rules};
 pub(crate) use state::{Phase, Request, Waiter, Want};
 pub use submesh::{Costs, Found, Insert, Item, Neighbour, Source, Submesh, SubmeshError, Walk};
+pub(crate) use table::Table;
 pub use termination::Token;
 pub use worker::{Action, Event, Note, Worker};
 

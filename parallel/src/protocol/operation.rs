@@ -180,7 +180,11 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             invariant!(P8, releasing, "a grant for {ticket:?} in {:?}", op.phase);
             return;
         }
-        op.parts.entry(from, Vec::new).extend(pieces);
+        let part = op.parts.entry(from, Vec::new);
+        match part.is_empty() {
+            true => *part = pieces,
+            false => part.extend(pieces),
+        }
         match op.asked.get_mut(from).map(|open| (open.checked_sub(answers), open)) {
             Some((Some(left), open)) => *open = left,
             _ => invariant!(P8, "{from} answers {answers} for {ticket:?}, which are too many"),

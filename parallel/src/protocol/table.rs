@@ -1,13 +1,15 @@
 //! A map of few entries: a sorted vector. Of equal contents there is one form, so that models can
 //! compare states.
 
+use smallvec::SmallVec;
+
 /// A map from `K` to `V`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Table<K, V>(Vec<(K, V)>);
+pub(crate) struct Table<K, V>(SmallVec<[(K, V); 2]>);
 
 impl<K, V> Default for Table<K, V> {
     fn default() -> Self {
-        Self(Vec::new())
+        Self(SmallVec::new())
     }
 }
 
@@ -70,8 +72,8 @@ impl<K: Ord + Copy, V> Table<K, V> {
         &self.0
     }
 
-    pub(crate) fn into_entries(self) -> Vec<(K, V)> {
-        self.0
+    pub(crate) fn into_entries(self) -> impl Iterator<Item = (K, V)> {
+        self.0.into_iter()
     }
 }
 
@@ -94,6 +96,6 @@ mod tests {
         *map.get_mut(&2).expect("an entry") += 7;
         assert!(table.keys().eq(map.keys().copied()) && table.values().eq(map.values()));
         assert_eq!(table.len(), map.len());
-        assert_eq!(table.into_entries(), map.into_iter().collect::<Vec<_>>());
+        assert!(table.into_entries().eq(map));
     }
 }

@@ -49,7 +49,8 @@ impl WireItem {
     }
 
     pub(crate) fn item(&self) -> BoundaryItem {
-        BoundaryItem::new(self.corners.iter().map(WireCorner::corner).collect(), self.of)
+        let corners: Vec<Corner> = self.corners.iter().map(WireCorner::corner).collect();
+        BoundaryItem::new(&corners, self.of)
     }
 }
 

@@ -47,7 +47,10 @@ fn key_of(corners: &[Point]) -> u64 {
     let corner = |&point: &Point| Corner { point, carrier: Carrier::Free };
     match corners {
         &[a, b, c, d] => Rank::key_of_tet([a, b, c, d]),
-        _ => BoundaryItem::new(corners.iter().map(corner).collect(), 0).rank().key(),
+        _ => {
+            let corners: Vec<Corner> = corners.iter().map(corner).collect();
+            BoundaryItem::new(&corners, 0).rank().key()
+        }
     }
 }
 

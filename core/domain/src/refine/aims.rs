@@ -84,7 +84,7 @@ impl Complex<'_> {
     /// The subface with these corners, if they are those of one.
     pub fn item_at(&self, corners: [Corner; 3]) -> Option<BoundaryItem> {
         let of = self.facet(corners.map(|corner| (corner.carrier, corner.point)))?;
-        Some(BoundaryItem::new(corners.to_vec(), of))
+        Some(BoundaryItem::new(&corners, of))
     }
 }
 

@@ -139,11 +139,14 @@ impl Rank {
 
 impl BoundaryItem {
     /// The item with these corners, two or three, of a segment or facet.
-    pub fn new(mut corners: Vec<Corner>, of: u32) -> Self {
-        corners.sort_unstable_by_key(|corner| order_key(&corner.point));
-        let first = corners[0];
-        let own = [0, 1, 2].map(|k| corners.get(k).copied().unwrap_or(first));
-        Self { corners: own, count: corners.len(), of }
+    pub fn new(corners: &[Corner], of: u32) -> Self {
+        let count = corners.len().min(3);
+        let mut own = [0, 1, 2].map(|k| corners[k % count]);
+        own[..count].sort_unstable_by_key(|corner| order_key(&corner.point));
+        if count == 2 {
+            own[2] = own[0];
+        }
+        Self { corners: own, count, of }
     }
 
     /// Its corners, two or three.
@@ -215,8 +218,8 @@ pub enum Aim {
 pub enum Ruling {
     /// It may be inserted, and these items go.
     Fill(Vec<BoundaryItem>),
-    /// One of these items comes first, the first of them if it may.
-    Defer(Vec<BoundaryItem>),
+    /// This item comes first.
+    Defer(BoundaryItem),
     /// It cannot be.
     Refuse,
     /// It does not do what it was made for; another one may.

@@ -10,6 +10,7 @@ use super::surveyed::{Surveyed, sorted_face};
 use super::table::{edge, sides};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, coplanar_orient};
+use smallvec::SmallVec;
 
 /// A marked face of a cavity.
 #[derive(Debug)]
@@ -35,7 +36,7 @@ struct Edge {
 pub struct Survey<'c, R: Surveyed> {
     complex: &'c Complex<'c>,
     closure: &'c R,
-    faces: Vec<Face<R::Tet>>,
+    faces: SmallVec<[Face<R::Tet>; 8]>,
     edges: Vec<Edge>,
 }
 
@@ -52,7 +53,7 @@ const EDGES: [([usize; 2], [usize; 2]); 6] = [
 impl<'c, R: Surveyed> Survey<'c, R> {
     /// Finds what is boundary in a closure.
     pub fn of(complex: &'c Complex<'c>, closure: &'c R) -> Self {
-        let mut own = Self { complex, closure, faces: Vec::new(), edges: Vec::new() };
+        let mut own = Self { complex, closure, faces: SmallVec::new(), edges: Vec::new() };
         for t in closure.cavity() {
             let is_on = closure.bound(t);
             let count: u8 = is_on.iter().map(|&on| u8::from(on)).sum();
@@ -117,47 +118,44 @@ impl<'c, R: Surveyed> Survey<'c, R> {
     }
 
     fn subface(&self, key: [u32; 3], of: u32) -> BoundaryItem {
-        BoundaryItem::new(key.iter().map(|&v| self.closure.corner(v)).collect(), of)
+        BoundaryItem::new(&key.map(|v| self.closure.corner(v)), of)
     }
 
     fn subsegment(&self, edge: &Edge) -> BoundaryItem {
-        let corners = edge.key.iter().map(|&v| self.closure.corner(v));
-        BoundaryItem::new(corners.collect(), edge.segment)
+        BoundaryItem::new(&edge.key.map(|v| self.closure.corner(v)), edge.segment)
     }
 
-    /// The subsegments whose closed balls hold `p`.
-    fn hit_segments(&self, p: &Point) -> Vec<BoundaryItem> {
+    /// Of the subsegments whose closed balls hold `p`, the one that comes first.
+    fn hit_segment(&self, p: &Point) -> Option<BoundaryItem> {
         let is_hit = |edge: &&Edge| {
             let [a, b] = edge.key.map(|v| self.point(v));
             in_diametral_ball(&a, &b, p)
         };
-        sorted_items(self.edges.iter().filter(is_hit).map(|edge| self.subsegment(edge)).collect())
+        most_urgent(self.edges.iter().filter(is_hit).map(|edge| self.subsegment(edge)))
     }
 
-    /// The subfaces whose closed balls hold `p`, which is in none of their planes.
-    fn hit_subfaces(&self, p: &Point) -> Vec<BoundaryItem> {
+    /// The same of the subfaces. `p` is in none of their planes.
+    fn hit_subface(&self, p: &Point) -> Option<BoundaryItem> {
         let is_hit = |face: &&Face<_>| {
             let [a, b, c] = face.key.map(|v| self.point(v));
             in_equatorial_ball(&a, &b, &c, p)
         };
         let hits = self.faces.iter().filter(is_hit);
-        sorted_items(hits.map(|face| self.subface(face.key, face.facet)).collect())
+        most_urgent(hits.map(|face| self.subface(face.key, face.facet)))
     }
 
-    /// The items that go with the cavity, but for some.
-    fn losses(&self, removed: &[[u32; 3]], split: Option<[u32; 2]>) -> Vec<BoundaryItem> {
+    /// The same of the items that go with the cavity, but for some.
+    fn loss(&self, removed: &[[u32; 3]], split: Option<[u32; 2]>) -> Option<BoundaryItem> {
         let is_lost = |face: &&Face<_>| face.is_inner && !removed.contains(&face.key);
         let faces = self.faces.iter().filter(is_lost);
         let edges = self.edges.iter().filter(|edge| edge.is_inner && Some(edge.key) != split);
         let faces = faces.map(|face| self.subface(face.key, face.facet));
-        sorted_items(faces.chain(edges.map(|edge| self.subsegment(edge))).collect())
+        most_urgent(faces.chain(edges.map(|edge| self.subsegment(edge))))
     }
 
-    /// The verdict on a point inside: nothing goes, or one of these items comes first.
-    pub fn rule_on_tet(&self, p: &Point) -> Vec<BoundaryItem> {
-        let hits = self.hit_segments(p);
-        let hits = if hits.is_empty() { self.hit_subfaces(p) } else { hits };
-        if hits.is_empty() { self.losses(&[], None) } else { hits }
+    /// The verdict on a point inside: nothing goes, or this item comes first.
+    pub fn rule_on_tet(&self, p: &Point) -> Option<BoundaryItem> {
+        self.hit_segment(p).or_else(|| self.hit_subface(p)).or_else(|| self.loss(&[], None))
     }
 
     /// The vertices of the cavity that are the corners of an item.
@@ -189,8 +187,7 @@ impl<'c, R: Surveyed> Survey<'c, R> {
                 None => return Ruling::Refuse,
             }
         }
-        let lost = self.losses(&removed, Some(ends));
-        if !lost.is_empty() {
+        if let Some(lost) = self.loss(&removed, Some(ends)) {
             return Ruling::Defer(lost);
         }
         let gone = self.faces.iter().filter(|face| removed.contains(&face.key));
@@ -199,20 +196,18 @@ impl<'c, R: Surveyed> Survey<'c, R> {
     }
 
     fn rule_on_subface(&self, own: [u32; 3], f: u32, p: &Point) -> Ruling {
-        let hits = self.hit_segments(p);
-        if !hits.is_empty() {
-            return Ruling::Defer(hits);
+        if let Some(hit) = self.hit_segment(p) {
+            return Ruling::Defer(hit);
         }
         let removed = self.planar_cavity(f, p, |key| *key == own, None);
         if let Some(removed) = removed.filter(|removed| removed.contains(&own)) {
-            let lost = self.losses(&removed, None);
-            return match lost.is_empty() {
-                true => Ruling::Fill(removed.iter().map(|&key| self.subface(key, f)).collect()),
-                false => Ruling::Defer(lost),
+            return match self.loss(&removed, None) {
+                None => Ruling::Fill(removed.iter().map(|&key| self.subface(key, f)).collect()),
+                Some(lost) => Ruling::Defer(lost),
             };
         }
         match self.segment_between(own, f, p) {
-            Some(segment) => Ruling::Defer(vec![segment]),
+            Some(segment) => Ruling::Defer(segment),
             None => Ruling::Useless,
         }
     }
@@ -281,7 +276,7 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         let item = |([a, b], _): ([u32; 2], u32)| {
             let ends = [a, b].map(|v| self.closure.corner(v));
             let of = self.complex.segment(ends.map(|end| end.carrier))?;
-            Some(BoundaryItem::new(ends.to_vec(), of))
+            Some(BoundaryItem::new(&ends, of))
         };
         let sides = sides(own).into_iter().filter(is_beyond).filter_map(item).collect();
         if let Some(side) = nearest(sides) {
@@ -417,10 +412,10 @@ impl<T: Copy> Watch<T> {
     }
 }
 
-/// Sorts items: that which is to be split first comes first.
-fn sorted_items(mut items: Vec<BoundaryItem>) -> Vec<BoundaryItem> {
-    if items.len() > 1 {
-        items.sort_by_cached_key(BoundaryItem::urgency);
-    }
-    items
+/// The item that is to be split before the others.
+fn most_urgent(mut items: impl Iterator<Item = BoundaryItem>) -> Option<BoundaryItem> {
+    let first = items.next()?;
+    // Of nearly all there is one.
+    let Some(second) = items.next() else { return Some(first) };
+    [first, second].into_iter().chain(items).min_by_key(BoundaryItem::urgency)
 }

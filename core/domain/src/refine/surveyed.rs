@@ -48,6 +48,9 @@ impl<'c> Collected<'c> {
             let bound = own.bound(k);
             // A face that is marked, or has a marked edge, has two corners on the boundary.
             let is_on = |face: &[usize; 3]| face.iter().filter(|&&slot| bound[slot]).count() > 1;
+            if own.at_face.is_empty() && FACE.iter().any(is_on) {
+                own.at_face.reserve(closure.tets.len());
+            }
             for face in FACE.into_iter().filter(is_on) {
                 let entry = own.at_face.entry(sorted_face(face.map(|slot| tet[slot]))).or_default();
                 entry[usize::from(entry[0].is_some())] = Some(k);

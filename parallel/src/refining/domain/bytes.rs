@@ -1,19 +1,18 @@
 //! The sizes of a domain's messages, and how checkers see its submesh.
 
 use super::mesh::DomainMesh;
-use super::values::{DomainPatch, DomainPiece, DomainPoint, MARKED, carriers_bytes};
+use super::values::{BoundVertex, DomainPatch, DomainPiece, DomainPoint, MARKED, carriers_bytes};
 use crate::check::{Inspect, Seen, Sent};
-use crate::mesh::{LocalMesh, Moving};
+use crate::mesh::{LocalMesh, Moving, WireVertex};
 use crate::metrics::SubmeshSize;
 use crate::payload::Payload;
 use crate::protocol::Name;
 use crate::refining::news::DomainNews;
 use ltbw_core::topology::TetId;
-use ltbw_domain::refine::Carrier;
 
-/// Bytes of carriers and regions, with the number of what follows.
-fn extra_bytes(carriers: &[Carrier], regions: &[u32]) -> u64 {
-    carriers_bytes(carriers) + 4 * regions.len() as u64 + 2
+/// Bytes of the carriers of vertices and of regions, with the number of what follows.
+fn extra_bytes(vertices: &[WireVertex], bound: &[BoundVertex], regions: &[u32]) -> u64 {
+    carriers_bytes(vertices.len(), bound) + 4 * regions.len() as u64 + 2
 }
 
 impl Payload for DomainMesh<'_> {
@@ -24,12 +23,14 @@ impl Payload for DomainMesh<'_> {
 
     fn piece_bytes(own: &DomainPiece) -> u64 {
         let marked = MARKED * own.marked.len() as u64;
-        LocalMesh::piece_bytes(&own.piece) + extra_bytes(&own.carriers, &own.regions) + marked
+        let extra = extra_bytes(&own.piece.vertices, &own.bound, &own.regions);
+        LocalMesh::piece_bytes(&own.piece) + extra + marked
     }
 
     fn patch_bytes(own: &DomainPatch) -> u64 {
         let first = MARKED * own.first.len() as u64;
-        LocalMesh::patch_bytes(&own.patch) + extra_bytes(&own.carriers, &own.regions) + first + 1
+        let extra = extra_bytes(&own.patch.vertices, &own.bound, &own.regions);
+        LocalMesh::patch_bytes(&own.patch) + extra + first + 1
     }
 
     fn cargo_bytes(cargo: &Vec<Moving>) -> u64 {

@@ -2,12 +2,12 @@
 //! regions and boundary items.
 
 use super::mesh::DomainMesh;
-use super::values::{DomainPiece, ItemKey, Marked, segment_key, subface_key};
-use crate::mesh::{Piece, WireVertex};
+use super::values::{DomainPiece, ItemKey, Marked, Regions, segment_key, subface_key};
+use crate::mesh::Piece;
 use ltbw_core::cavity::OTHERS;
-use ltbw_core::topology::{INFINITE, TetId, VertexId};
-use ltbw_domain::refine::Carrier;
+use ltbw_core::topology::{TetId, VertexId};
 use rustc_hash::{FxHashMap, FxHashSet};
+use smallvec::smallvec;
 
 /// The slots of the edges of a tetrahedron.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
@@ -15,11 +15,11 @@ const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 impl DomainMesh<'_> {
     /// Do vertices `v` of a tetrahedron in conflict with a point have boundary items?
     fn mark(&self, t: TetId, v: [VertexId; 4], edges: &mut FxHashSet<ItemKey>) -> Vec<Marked> {
-        let carriers = v.map(|v| self.carrier(v));
-        let is_on = [0, 1, 2, 3].map(|k| v[k] != INFINITE && carriers[k] != Carrier::Free);
+        let is_on = v.map(|v| self.is_bound(v));
         if is_on.iter().filter(|on| **on).count() < 2 {
             return Vec::new();
         }
+        let carriers = v.map(|v| self.carrier(v));
         let name = |k: usize| self.inner.name(v[k]);
         let mut found = Vec::new();
         let refused = self.refused.borrow();
@@ -44,14 +44,21 @@ impl DomainMesh<'_> {
 
     /// Adds to a piece what the boundary and the regions are there.
     pub(super) fn describe(&self, piece: Piece) -> DomainPiece {
-        let number = |vertex: &WireVertex| self.inner.number(vertex.name).unwrap_or(INFINITE);
-        let carriers = piece.vertices.iter().map(|vertex| self.carrier(number(vertex))).collect();
         let (mut marked, mut edges) = (Vec::new(), FxHashSet::default());
+        let mut on = Vec::new();
         for &t in &piece.tets {
-            marked.extend(self.mark(t, self.inner.tets().vertices(t), &mut edges));
+            let v = self.inner.tets().vertices(t);
+            if on.is_empty() && v.iter().any(|&v| self.is_bound(v)) {
+                on.reserve(4 * piece.tets.len());
+            }
+            on.extend(v.into_iter().filter(|&v| self.is_bound(v)));
+            marked.extend(self.mark(t, v, &mut edges));
         }
+        on.sort_unstable();
+        on.dedup();
+        let bound = on.into_iter().map(|v| (self.inner.name(v), self.carrier(v))).collect();
         let first = piece.tets.first().map_or(0, |&t| self.region(t));
-        let mut regions = vec![first];
+        let mut regions: Regions = smallvec![first];
         if piece.tets.iter().any(|&t| self.region(t) != first) {
             let faces = piece.tets.iter().flat_map(|&t| {
                 let names = self.inner.tets().vertices(t).map(|v| self.inner.name(v));
@@ -63,6 +70,6 @@ impl DomainMesh<'_> {
             let of = |v| faces.get(&key(v)).copied().unwrap_or_default();
             regions = piece.sides.iter().map(|side| of(side.v)).collect();
         }
-        DomainPiece { piece, carriers, regions, marked }
+        DomainPiece { piece, bound, regions, marked }
     }
 }

@@ -7,9 +7,11 @@
 
 use super::carriers::Carriers;
 use super::chosen::{AtOnce, Slots, insert_chosen};
-use super::values::{DomainPatch, DomainPiece, DomainPoint, End, ItemKey, Marked, subface_key};
+use super::values::{
+    BoundVertex, DomainPatch, DomainPiece, DomainPoint, End, ItemKey, Marked, subface_key,
+};
 use super::verdict::{self, Verdict, regions};
-use crate::mesh::{LocalMesh, Moving, Patch, VertexName, WireVertex};
+use crate::mesh::{LocalMesh, Moving, Patch, Piece, VertexName};
 use crate::protocol::{
     BlockId, Correct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Rules, Submesh,
     SubmeshError, Ticket, Walk, WorkerId,
@@ -20,6 +22,7 @@ use ltbw_core::{expect, prefetch};
 use ltbw_domain::refine::{Carrier, Complex};
 use ltbw_exact::Point;
 use rustc_hash::FxHashSet;
+use smallvec::{SmallVec, smallvec};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -42,6 +45,8 @@ pub struct DomainMesh<'c> {
     at_once: AtOnce,
     /// The regions of a star.
     star: Vec<u32>,
+    /// Scratch: pieces that the inner submesh has found.
+    pieces: Vec<Piece>,
     /// Boundary items that cannot be split, as far as this worker has tried.
     pub(super) refused: RefCell<FxHashSet<ItemKey>>,
 }
@@ -76,6 +81,7 @@ impl<'c> DomainMesh<'c> {
             end,
             at_once,
             star,
+            pieces: Vec::new(),
             refused,
         }
     }
@@ -192,17 +198,20 @@ impl<'c> DomainMesh<'c> {
     ) -> Vec<(WorkerId, DomainPatch)> {
         let patches = self.inner.fill_cavity(&point.vertex, parts, whereabouts, directory);
         let found = regions(parts);
-        let pieces = || parts.iter().flat_map(|(_, pieces)| pieces);
-        let named = |own: &DomainPiece| -> Vec<(VertexName, Carrier)> {
-            let names = own.piece.vertices.iter().map(|vertex| vertex.name);
-            names.zip(own.carriers.iter().copied()).collect()
-        };
-        let mut carriers: rustc_hash::FxHashMap<VertexName, Carrier> =
-            pieces().flat_map(named).collect();
-        carriers.insert(point.vertex.name, point.carrier);
+        let own = (point.vertex.name, point.carrier);
+        let own = Some(own).filter(|&(_, carrier)| carrier != Carrier::Free);
+        let mut bound: Vec<BoundVertex> = parts
+            .iter()
+            .flat_map(|(_, pieces)| pieces)
+            .flat_map(|own| &own.bound)
+            .copied()
+            .collect();
+        bound.extend(own);
+        bound.sort_unstable_by_key(|&(name, _)| name);
+        bound.dedup_by_key(|&mut (name, _)| name);
         let complete = |patch: Patch| {
             let regions = match &found {
-                Ok(region) => vec![*region],
+                Ok(region) => smallvec![*region],
                 Err(faces) => {
                     let name = |k: u32| patch.vertices[k as usize].name;
                     let key = |[_, a, b, c]: [u32; 4]| subface_key([a, b, c].map(name));
@@ -210,10 +219,8 @@ impl<'c> DomainMesh<'c> {
                     patch.create.iter().map(|new| of(new.v)).collect()
                 }
             };
-            let carrier = |vertex: &WireVertex| carriers.get(&vertex.name).copied();
-            let of = |vertex: &WireVertex| carrier(vertex).unwrap_or(Carrier::Free);
-            let carriers = patch.vertices.iter().map(of).collect();
-            DomainPatch { patch, carriers, regions, ..nothing() }
+            let bound = if patch.vertices.is_empty() { Vec::new() } else { bound.clone() };
+            DomainPatch { patch, bound, regions, ..nothing() }
         };
         patches.into_iter().map(|(worker, patch)| (worker, complete(patch))).collect()
     }
@@ -268,8 +275,8 @@ impl DomainMesh<'_> {
 fn nothing() -> DomainPatch {
     DomainPatch {
         patch: Patch::default(),
-        carriers: Vec::new(),
-        regions: Vec::new(),
+        bound: Vec::new(),
+        regions: SmallVec::new(),
         first: Vec::new(),
         waiter: None,
         end: None,
@@ -388,10 +395,11 @@ impl Submesh for DomainMesh<'_> {
             return true;
         }
         let Found { held, foreign, pieces } = found;
-        let mut own = Vec::new();
+        let mut own = std::mem::take(&mut self.pieces);
         let mut inner = Found { held, foreign, pieces: &mut own };
         let all = self.inner.lock_all(seed, &point.vertex, holder, &mut inner);
-        pieces.extend(own.into_iter().map(|piece| self.describe(piece)));
+        pieces.extend(own.drain(..).map(|piece| self.describe(piece)));
+        self.pieces = own;
         all
     }
 
@@ -417,15 +425,14 @@ impl Submesh for DomainMesh<'_> {
         made: &mut Vec<Name>,
         strays: &mut Vec<BlockId>,
     ) {
-        let DomainPatch { patch, carriers, regions, first, waiter, end } = patch;
-        let vertices = patch.vertices.clone();
+        let DomainPatch { patch, bound, regions, first, waiter, end } = patch;
         self.inner.apply::<C>(patch, directory, made, strays);
         (self.asked, self.waiter, self.end) = (first, waiter, end);
         if self.inner.error().is_some() {
             return;
         }
-        for (vertex, carrier) in vertices.iter().zip(carriers) {
-            if let Some(v) = self.inner.number(vertex.name).filter(|&v| v != INFINITE) {
+        for (name, carrier) in bound {
+            if let Some(v) = self.inner.number(name) {
                 self.carriers.set(v, carrier);
             }
         }

@@ -5,6 +5,7 @@ use crate::mesh::{Patch, Piece, VertexName, WireVertex};
 use crate::protocol::WorkerId;
 use ltbw_core::topology::TetId;
 use ltbw_domain::refine::Carrier;
+use smallvec::SmallVec;
 
 /// A boundary item by the names of its vertices, ascending, those of a segment after a 0; for a
 /// tetrahedron all are 0.
@@ -51,6 +52,12 @@ impl DomainPoint {
     }
 }
 
+/// A vertex on the boundary, and its carrier.
+pub(super) type BoundVertex = (VertexName, Carrier);
+
+/// Regions, of which there is nearly always one.
+pub(super) type Regions = SmallVec<[u32; 1]>;
+
 /// A boundary item at a tetrahedron in conflict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Marked {
@@ -67,10 +74,10 @@ pub(super) struct Marked {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct DomainPiece {
     pub(super) piece: Piece,
-    /// The carriers of its vertices.
-    pub(super) carriers: Vec<Carrier>,
+    /// Its vertices on the boundary.
+    pub(super) bound: Vec<BoundVertex>,
     /// The regions of the tetrahedra at its sides; one if all are equal.
-    pub(super) regions: Vec<u32>,
+    pub(super) regions: Regions,
     /// Its subsegments, each once, and its subfaces, once for each tetrahedron at them.
     pub(super) marked: Vec<Marked>,
 }
@@ -98,10 +105,10 @@ pub(super) enum End {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct DomainPatch {
     pub(super) patch: Patch,
-    /// The carriers of its vertices.
-    pub(super) carriers: Vec<Carrier>,
+    /// Its vertices on the boundary.
+    pub(super) bound: Vec<BoundVertex>,
     /// The regions of its new tetrahedra; one if all are equal.
-    pub(super) regions: Vec<u32>,
+    pub(super) regions: Regions,
     /// Boundary items of its list that go first.
     pub(super) first: Vec<Marked>,
     /// The worker that is to hear of their end.
@@ -110,14 +117,15 @@ pub struct DomainPatch {
     pub(super) end: Option<End>,
 }
 
-/// Bytes of carriers, most of which are free.
-pub(super) fn carriers_bytes(all: &[Carrier]) -> u64 {
-    let bytes = |carrier: &Carrier| match carrier {
-        Carrier::Free => 1,
-        Carrier::Corner(_) | Carrier::Facet(_) => 5,
-        Carrier::Segment(..) => 9,
+/// Bytes of the carriers of some vertices, of which these are on the boundary: the others tell that
+/// they are free.
+pub(super) fn carriers_bytes(vertices: usize, bound: &[BoundVertex]) -> u64 {
+    let bytes = |own: &BoundVertex| match own.1 {
+        Carrier::Free => 0,
+        Carrier::Corner(_) | Carrier::Facet(_) => 4,
+        Carrier::Segment(..) => 8,
     };
-    all.iter().map(bytes).sum()
+    vertices as u64 + bound.iter().map(bytes).sum::<u64>()
 }
 
 /// Bytes of a boundary item in a message: indices of its vertices, segment or facet, tetrahedron.

@@ -1,12 +1,12 @@
 //! Probes and candidates as values.
 
 use super::reserved::LazyRank;
-use crate::protocol::{Name, WorkerId};
+use crate::protocol::{Name, Table, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{Bits, ProbeId, Proposal, WireClosure};
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_domain::refine::{BoundaryItem, Carrier, Closure, NOWHERE, Rank, RankLead, Rival, Watch};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 use std::ops::Range;
 
 /// The purpose of a probe.
@@ -73,14 +73,14 @@ impl From<Proposal> for Seeker {
 #[derive(Debug, Default)]
 pub(super) struct Told {
     /// Far tetrahedra that were asked for.
-    pub(super) known: FxHashSet<Name>,
+    pub(super) known: Table<Name, ()>,
     /// The other workers that have a part.
     pub(super) owners: Vec<WorkerId>,
     /// The closure, as far as it is known. This worker's own part is added where it matters.
     pub(super) closure: Closure,
     index: FxHashMap<Bits, u32>,
     /// Per owner, the places in the closure of what it has told of, in that order.
-    pub(super) places: FxHashMap<WorkerId, Vec<u32>>,
+    pub(super) places: Table<WorkerId, Vec<u32>>,
     /// Owners that are to tell of rivals.
     pub(super) due: u32,
     pub(super) rivals: Vec<Rival>,
@@ -90,6 +90,7 @@ impl Told {
     /// Adds what an owner has found.
     pub(super) fn add(&mut self, owner: WorkerId, found: &WireClosure) {
         let Self { closure, index, places, .. } = self;
+        index.reserve(found.corners.len());
         let numbers: Vec<u32> = found
             .corners
             .iter()
@@ -100,7 +101,9 @@ impl Told {
                 })
             })
             .collect();
-        let places = places.entry(owner).or_default();
+        let places = places.entry(owner, Vec::new);
+        places.reserve(found.tets.len());
+        closure.tets.reserve(found.tets.len());
         for (v, is_in) in &found.tets {
             places.push(closure.tets.len() as u32);
             let v = v.map(|k| if k == NOWHERE { k } else { numbers[k as usize] });
@@ -111,7 +114,7 @@ impl Told {
     /// Adds the rivals that an owner has found, in the order in which it has told of its part.
     pub(super) fn add_rivals(&mut self, owner: WorkerId, rivals: impl IntoIterator<Item = Rival>) {
         self.rivals.resize(self.closure.tets.len(), Rival::default());
-        let places = self.places.get(&owner).into_iter().flatten();
+        let places = self.places.get(owner).into_iter().flatten();
         for (&place, rival) in places.zip(rivals) {
             self.rivals[place as usize] = rival;
         }

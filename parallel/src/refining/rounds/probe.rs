@@ -6,7 +6,7 @@ use super::ranked::rank_of;
 use super::serve::{corner, describe, is_near};
 use super::source::Rounds;
 use super::way::{WayEnd, walk_way};
-use crate::protocol::{Directory, Handle, Rules, Submesh, Walk, WorkerId};
+use crate::protocol::{Directory, Handle, Rules, Submesh, Table, Walk, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{Bits, DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
 use ltbw_core::topology::{TetId, tet_of};
@@ -244,14 +244,12 @@ impl<C: Rules> Rounds<C> {
             }
             told.add(from, &found);
         }
-        let mut seeds: Vec<(WorkerId, Vec<Handle>)> = Vec::new();
+        let far = foreign.len();
+        let mut seeds: Table<WorkerId, Vec<Handle>> = Table::default();
         for handle in foreign {
-            if probe.told.get_or_insert_default().known.insert(handle.name) {
+            if probe.told.get_or_insert_default().known.insert_new(handle.name, || ()) {
                 let owner = directory.owner(handle.block);
-                match seeds.iter_mut().find(|(other, _)| *other == owner) {
-                    Some((_, list)) => list.push(handle),
-                    None => seeds.push((owner, vec![handle])),
-                }
+                seeds.entry(owner, || Vec::with_capacity(far)).push(handle);
             }
         }
         // R25.
@@ -260,12 +258,12 @@ impl<C: Rules> Rounds<C> {
         }
         let probe = &mut self.probes[k as usize];
         probe.open += seeds.len() as u32;
-        if seeds.is_empty() {
+        if seeds.len() == 0 {
             return self.judge_if_known(mesh, directory, k);
         }
         let own = &self.seeker(k);
         let proposal = own.proposal(|v| rank_of::<C>(mesh, v));
-        for (owner, seeds) in seeds {
+        for (owner, seeds) in seeds.into_entries() {
             if owner == self.me {
                 let here: Vec<TetId> =
                     seeds.iter().filter_map(|handle| mesh.resolve(handle.name)).collect();
@@ -283,7 +281,7 @@ impl<C: Rules> Rounds<C> {
         let own = &self.probes[k as usize];
         let (What::Tet(..), Some(told)) = (&own.what, &own.told) else { return false };
         let closure = Collected::of(&told.closure);
-        !Survey::of(&mesh.complex, &closure).rule_on_tet(&point(&own.to)).is_empty()
+        Survey::of(&mesh.complex, &closure).rule_on_tet(&point(&own.to)).is_some()
     }
 
     /// Judges a probe of whose closure all is known.
@@ -317,8 +315,7 @@ impl<C: Rules> Rounds<C> {
     fn rule_here(&mut self, mesh: &DomainMesh<'_>, k: u32) -> (Verdict, Option<Waits>) {
         let (id, probe) = (self.id(k), &self.probes[k as usize]);
         let here = Here { mesh, cavity: self.served.cavity_at(&self.served.inside(id)) };
-        let survey = Survey::of(&mesh.complex, &here);
-        let (verdict, watch) = probe.rule(mesh, &survey);
+        let (verdict, watch) = probe.rule(mesh, &Survey::of(&mesh.complex, &here));
         debug_assert!(probe.rules_so_by_values(&here, &verdict, watch.as_ref()));
         // Without candidates of the boundary it does not matter who else is near.
         let all = match &watch {
@@ -438,8 +435,8 @@ impl Probe {
     ) -> (Verdict, Option<Watch<R::Tet>>) {
         let p = point(&self.to);
         match &self.what {
-            What::Tet(..) => match survey.rule_on_tet(&p).first() {
-                Some(first) => (Verdict::Is(self.what.asks(mesh, *first)), None),
+            What::Tet(..) => match survey.rule_on_tet(&p) {
+                Some(first) => (Verdict::Is(self.what.asks(mesh, first)), None),
                 None => (Verdict::Is(Outcome::Fits(Vec::new())), survey.watch_in_tet()),
             },
             What::Item(item) => match survey.rule_on_item(item, &p) {
@@ -447,9 +444,7 @@ impl Probe {
                     let watch = survey.watch_at_item(item, self.carrier);
                     (Verdict::Is(Outcome::Fits(removed)), Some(watch))
                 }
-                Ruling::Defer(first) => {
-                    (Verdict::Is(Outcome::Asks(Box::new(first[0]), None)), None)
-                }
+                Ruling::Defer(first) => (Verdict::Is(Outcome::Asks(Box::new(first), None)), None),
                 Ruling::Useless => (Verdict::Useless, None),
                 Ruling::Refuse => (Verdict::Refuse, None),
             },

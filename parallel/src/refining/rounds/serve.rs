@@ -50,8 +50,9 @@ pub(super) struct Served {
     cavities: Vec<TetId>,
     /// The memory of parts of rounds before.
     spare: Vec<Vec<(TetId, bool)>>,
-    /// Scratch: tetrahedra that a search has seen.
+    /// Scratch: tetrahedra that a search has seen, and those that it has to look at.
     seen: Marks,
+    stack: Vec<TetId>,
 }
 
 impl Served {
@@ -162,6 +163,7 @@ impl Served {
         debug_assert!(self.inside(own.probe).is_empty(), "nothing is left to look for");
         self.seen.clear(mesh.inner.tets().topology().slots());
         let mut seen = std::mem::take(&mut self.seen);
+        let mut stack = std::mem::take(&mut self.stack);
         let mut memory = self.spare.pop().unwrap_or_default();
         memory.clear();
         let part = self.enter(own);
@@ -173,7 +175,7 @@ impl Served {
             seen.mark(t.index());
         }
         let mut foreign = Vec::new();
-        let mut stack: Vec<TetId> = seeds.collect();
+        stack.extend(seeds);
         // Ends: each is looked at once.
         while let Some(t) = stack.pop() {
             if !seen.mark(t.index()) {
@@ -191,7 +193,7 @@ impl Served {
                 }
             }
         }
-        self.seen = seen;
+        (self.seen, self.stack) = (seen, stack);
         if memory.capacity() > 0 {
             self.spare.push(memory);
         }
@@ -322,7 +324,7 @@ pub(super) fn describe(
     tets: &[(TetId, bool)],
     carrier: Carrier,
 ) -> WireClosure {
-    let mut found = WireClosure::default();
+    let mut found = WireClosure { corners: Vec::new(), tets: Vec::with_capacity(tets.len()) };
     let mut places: FxHashMap<VertexId, u32> = FxHashMap::default();
     for &(t, is_in) in tets {
         let v = told_of(mesh, t, carrier).unwrap_or([INFINITE; 4]).map(|v| match v {

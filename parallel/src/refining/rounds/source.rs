@@ -468,7 +468,8 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
         if to == self.me || self.out.iter().all(|(other, _)| *other != to) {
             return Some((to, first));
         }
-        let mut all = vec![first];
+        let mut all = Vec::with_capacity(1 + self.out.len());
+        all.push(first);
         let mut rest = VecDeque::new();
         for (other, news) in self.out.drain(..) {
             if other == to {

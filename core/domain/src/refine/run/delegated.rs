@@ -211,10 +211,10 @@ impl State {
             |&v: &VertexId| Corner { point: self.at(v), carrier: self.carriers[v.index()] };
         let named = |item: Item| match item {
             Item::Segment(s) => {
-                Some(BoundaryItem::new(s.iter().map(corner).collect(), *self.segments.get(&s)?))
+                Some(BoundaryItem::new(&s.each_ref().map(corner), *self.segments.get(&s)?))
             }
             Item::Subface(s) => {
-                Some(BoundaryItem::new(s.iter().map(corner).collect(), *self.subfaces.get(&s)?))
+                Some(BoundaryItem::new(&s.each_ref().map(corner), *self.subfaces.get(&s)?))
             }
             Item::Tet(..) => None,
         };
