@@ -91,6 +91,15 @@ pub struct WireClosure {
     pub(crate) tets: Vec<([u32; 4], bool)>,
 }
 
+/// What stands at common faces, which the receiver knows by these tetrahedra and faces of his own.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum KeysTold {
+    /// In the first exchange of a round: the ranks of the sender's tetrahedra over their bounds.
+    Ranks(Vec<(Name, u8, Rank)>),
+    /// In the second: comes a tetrahedron around the sender's before the receiver's?
+    Behind(Vec<(Name, u8, bool)>),
+}
+
 /// Sums that all workers get of what each of them says: counts, or flags.
 pub(crate) const SUMS: usize = 10;
 
@@ -100,13 +109,12 @@ pub type Sums = [i64; SUMS];
 /// News of a domain.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum DomainNews {
-    /// The sender's keys at the faces that it has in common with the receiver, who knows them by
-    /// these tetrahedra and faces of his own.
+    /// What stands at the faces that the sender has in common with the receiver.
     Keys {
         /// The exchange: two in a round.
         exchange: u32,
         /// Faces of which the receiver knows this already are left out.
-        keys: Vec<(Name, u8, Option<Rank>)>,
+        keys: KeysTold,
     },
     /// The sums of the sender and those below it in the tree.
     Up(Sums),
@@ -207,10 +215,8 @@ impl DomainNews {
     /// Bytes beside the header, as a compact encoding would have them.
     pub(crate) fn bytes(&self) -> u64 {
         match self {
-            Self::Keys { keys, .. } => {
-                let ranks = keys.iter().filter(|(.., rank)| rank.is_some()).count();
-                8 + keys.len() as u64 * 10 + ranks as u64 * RANK
-            }
+            Self::Keys { keys: KeysTold::Ranks(all), .. } => 8 + all.len() as u64 * (9 + RANK),
+            Self::Keys { keys: KeysTold::Behind(all), .. } => 8 + all.len() as u64 * 9,
             Self::Up(_) | Self::Down(_) => 4 * SUMS as u64,
             Self::Way { .. } => PROPOSAL + HANDLE + POINT + 1,
             Self::Seek { at, .. } => PROPOSAL + 1 + at.map_or(0, |_| HANDLE),

@@ -2,7 +2,7 @@
 //!
 //! The tetrahedra around one are its face neighbours and the face neighbours of these. Where they
 //! are another worker's, two exchanges tell: first the ranks of the tetrahedra at interface faces,
-//! then the best rank around each of these.
+//! then whether one around them comes before the one beyond, whose rank is known by now.
 //!
 //! Only what has changed is looked at and told: interface faces that are new, or have another
 //! tetrahedron beyond them, and tetrahedra at interface faces that have a new one beside them. Both
@@ -14,17 +14,15 @@ use super::ranked::{RankedHere, places_of};
 use crate::protocol::{BlockId, Directory, Handle, Name, Rules, Submesh, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::flags::Flags;
+use crate::refining::news::KeysTold;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{Point, expect, prefetch};
 use ltbw_domain::refine::{Bad, Rank, RankLead, Ranked, ThinTets, sift};
-use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-/// Tetrahedra by name, their interface faces, and ranks that another worker tells of these.
-pub(super) type KeysTold = Vec<(Name, u8, Option<Rank>)>;
-/// The news for each worker at an interface face: its tetrahedron and face, and a rank.
+/// The news for each worker at an interface face.
 pub(super) type Told = BTreeMap<WorkerId, KeysTold>;
 
 /// An interface face, as seen from here.
@@ -38,10 +36,12 @@ struct Interface {
 /// All that is known of the far face at a place.
 #[derive(Clone, Copy, Debug, Default)]
 struct Far {
-    /// Told by the worker beyond: the rank of its tetrahedron, and the best one around that.
-    heard: [Option<Rank>; 2],
-    /// The best one around the tetrahedron here, as that worker was told last, if it was.
-    told: Option<Option<One>>,
+    /// Told by the worker beyond: the rank of its tetrahedron, if that is over its bounds.
+    rank: Option<Rank>,
+    /// The same: one around its tetrahedron comes before the one here.
+    is_beaten: bool,
+    /// The same, the other way round, as that worker was told last.
+    told: bool,
 }
 
 /// A tetrahedron that comes before all around it.
@@ -52,14 +52,6 @@ pub(super) struct Foremost {
     pub(super) lead: RankLead,
     /// The first of its vertices.
     pub(super) at: Point,
-}
-
-/// A tetrahedron over its bounds at or near an interface face: one here, as of a look, or another
-/// worker's.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum One {
-    Here(TetId, u32),
-    There(Rank),
 }
 
 /// The tetrahedra over their bounds.
@@ -93,7 +85,14 @@ pub(super) struct Keys {
     beside: Flags,
     /// The slots in `touched`.
     is_touched: Flags,
+    /// The memory of news that others have told: about as much is told them.
+    spare: Vec<Vec<(Name, u8, Rank)>>,
+    /// The same of the foremost ones of rounds before.
+    foremost: [Vec<Foremost>; 2],
 }
+
+/// News at most whose memory is kept.
+pub(super) const SPARE: usize = 32;
 
 /// Entries that are sifted ahead in one step.
 const SIFTED: usize = 256;
@@ -275,127 +274,127 @@ impl Keys {
         self.ranked::<C>(mesh).rank(t)
     }
 
-    /// The tetrahedron over its bounds in slot `t`.
-    fn one_at(&self, t: TetId) -> Option<One> {
-        (self.keys[t.index()] != 0).then(|| One::Here(t, self.stamps[t.index()]))
+    /// The rank that another worker has told of what is beyond the far face in slot `t`.
+    fn heard(&self, mesh: &DomainMesh<'_>, t: TetId) -> Option<&Rank> {
+        self.far.get(mesh.inner.tets().far_place(t)? as usize)?.rank.as_ref()
     }
 
-    /// The same, or the one beyond the far face in slot `t`.
-    fn one_beside(&self, mesh: &DomainMesh<'_>, t: TetId) -> Option<One> {
-        self.one_at(t).or_else(|| self.heard(mesh, 0, t).map(One::There))
-    }
-
-    /// The rank that an exchange has told of what is beyond the far face in slot `t`.
-    fn heard(&self, mesh: &DomainMesh<'_>, exchange: usize, t: TetId) -> Option<Rank> {
-        self.far.get(mesh.inner.tets().far_place(t)? as usize)?.heard[exchange]
-    }
-
-    fn rank_of_one<C: Rules>(&self, mesh: &DomainMesh<'_>, one: One) -> Option<Rank> {
-        match one {
-            One::Here(t, _) => self.rank::<C>(mesh, t),
-            One::There(rank) => Some(rank),
+    /// Comes the tetrahedron in slot `t`, or the one beyond the far face there, before this rank?
+    fn is_before<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId, rank: &Rank) -> bool {
+        match self.keys[t.index()] {
+            0 => self.heard(mesh, t).is_some_and(|other| other < rank),
+            key if key != rank.key() => key > rank.key(),
+            _ => self.rank::<C>(mesh, t).is_some_and(|other| other < *rank),
         }
     }
 
-    /// The one that comes before others.
-    fn best<C: Rules>(&self, mesh: &DomainMesh<'_>, all: impl Iterator<Item = One>) -> Option<One> {
-        let key = |one: &One| match one {
-            One::Here(t, _) => self.keys[t.index()],
-            One::There(rank) => rank.key(),
-        };
-        all.reduce(|one, other| {
-            let is_after = match key(&other).cmp(&key(&one)) {
-                Ordering::Equal => {
-                    self.rank_of_one::<C>(mesh, other) >= self.rank_of_one::<C>(mesh, one)
-                }
-                order => order == Ordering::Less,
-            };
-            if is_after { one } else { other }
-        })
+    /// Comes one around the tetrahedron here before the one beyond its interface face?
+    fn beats<C: Rules>(&self, mesh: &DomainMesh<'_>, own: &Interface, beyond: &Rank) -> bool {
+        let around = mesh.inner.tets().neighbours(own.t).into_iter().enumerate();
+        let mut others = around.filter(|&(slot, _)| slot != own.slot);
+        others.any(|(_, face)| self.is_before::<C>(mesh, tet_of(face), beyond))
     }
 
-    /// The best one around tetrahedron `t`, but for what is beyond face `slot`.
-    fn best_around<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId, slot: usize) -> Option<One> {
-        let around = mesh.inner.tets().neighbours(t).into_iter().enumerate();
-        let others = around.filter(|&(k, _)| k != slot).map(|(_, face)| tet_of(face));
-        self.best::<C>(mesh, others.filter_map(|t| self.one_beside(mesh, t)))
-    }
-
-    /// The news for others in an exchange, an entry for each worker that has a tetrahedron beside
-    /// one of this worker.
-    pub(super) fn told<C: Rules>(
+    /// The ranks for others, an entry for each worker that has a tetrahedron beside one of this
+    /// worker.
+    pub(super) fn ranks_told<C: Rules>(
         &mut self,
         mesh: &DomainMesh<'_>,
         directory: &Directory,
-        exchange: usize,
+    ) -> Told {
+        let mut news = BTreeMap::new();
+        for &block in self.blocks.keys() {
+            let memory = || self.spare.pop().unwrap_or_default();
+            news.entry(directory.owner(block)).or_insert_with(memory);
+        }
+        for place in &self.changed {
+            // Of one that is new nobody has heard: that it has no rank need not be told.
+            if let Some(Interface { t, beyond, .. }) = self.interface[*place as usize]
+                && let Some(rank) = self.rank::<C>(mesh, t)
+            {
+                let told = news.entry(directory.owner(beyond.block)).or_default();
+                told.push((beyond.name, beyond.face, rank));
+            }
+        }
+        news.into_iter().map(|(to, ranks)| (to, KeysTold::Ranks(ranks))).collect()
+    }
+
+    /// What is behind the interface faces, for others, an entry for each of them again.
+    pub(super) fn behind_told<C: Rules>(
+        &mut self,
+        mesh: &DomainMesh<'_>,
+        directory: &Directory,
     ) -> Told {
         let owners = self.blocks.keys().map(|&block| (directory.owner(block), Vec::new()));
-        let mut news: Told = owners.collect();
-        let mut tell = |beyond: Handle, rank: Option<Rank>| {
-            let told = news.entry(directory.owner(beyond.block)).or_default();
-            told.push((beyond.name, beyond.face, rank));
-        };
-        if exchange == 0 {
-            for place in &self.changed {
-                // Of one that is new nobody has heard: that it has no rank need not be told.
-                if let Some(own) = self.interface[*place as usize]
-                    && let Some(rank) = self.rank::<C>(mesh, own.t)
-                {
-                    tell(own.beyond, Some(rank));
-                }
-            }
-            return news;
-        }
+        let mut news: BTreeMap<_, Vec<_>> = owners.collect();
         let mut touched = std::mem::take(&mut self.touched);
         touched.iter().for_each(|t| self.is_touched.set(t.index(), false));
         let tets = mesh.inner.tets();
         for &t in &touched {
             let places = tets.neighbours(t).map(|face| tets.far_place(tet_of(face)));
-            for place in places.into_iter().flatten() {
-                let Some(Some(own)) = self.interface.get(place as usize) else { continue };
-                // One that is gone has the links that it had, to slots of others now.
-                if own.t != t {
+            for place in places.into_iter().flatten().map(|place| place as usize) {
+                // Within its bounds the one beyond is no candidate.
+                let Some(beyond) = self.far.get(place).and_then(|far| far.rank.as_ref()) else {
                     continue;
-                }
-                let (beyond, best) = (own.beyond, self.best_around::<C>(mesh, t, own.slot));
-                if self.far[place as usize].told.replace(best) != Some(best) {
-                    tell(beyond, best.and_then(|one| self.rank_of_one::<C>(mesh, one)));
+                };
+                // One that is gone has the links that it had, to slots of others now.
+                let Some(own) = self.interface[place].filter(|own| own.t == t) else { continue };
+                let beats = self.beats::<C>(mesh, &own, beyond);
+                if std::mem::replace(&mut self.far[place].told, beats) != beats {
+                    let told = news.entry(directory.owner(own.beyond.block)).or_default();
+                    told.push((own.beyond.name, own.beyond.face, beats));
                 }
             }
         }
         touched.clear();
         self.touched = touched;
         debug_assert!(self.has_told_all::<C>(mesh));
-        news
+        news.into_iter().map(|(to, behind)| (to, KeysTold::Behind(behind))).collect()
     }
 
-    /// Do all others know what is around the tetrahedra here?
+    /// Do all others know what is behind the interface faces?
     fn has_told_all<C: Rules>(&self, mesh: &DomainMesh<'_>) -> bool {
-        self.interface.iter().zip(&self.far).all(|(own, far)| {
-            own.is_none_or(|own| far.told == Some(self.best_around::<C>(mesh, own.t, own.slot)))
+        self.interface.iter().zip(&self.far).all(|(own, far)| match (own, &far.rank) {
+            (Some(own), Some(beyond)) => far.told == self.beats::<C>(mesh, own, beyond),
+            _ => true,
         })
     }
 
+    /// The far face at a face of a tetrahedron here, and that tetrahedron.
+    fn far_at(&mut self, mesh: &DomainMesh<'_>, at: (Name, u8)) -> Option<(TetId, &mut Far)> {
+        let (t, tets) = (mesh.resolve(at.0)?, mesh.inner.tets());
+        let there = tet_of(*tets.neighbours(t).get(usize::from(at.1))?);
+        Some((t, self.far.get_mut(tets.far_place(there)? as usize)?))
+    }
+
     /// Takes what another worker tells.
-    pub(super) fn hear(&mut self, mesh: &DomainMesh<'_>, exchange: usize, keys: KeysTold) {
-        let tets = mesh.inner.tets();
-        for (name, face, rank) in keys {
-            let Some(t) = mesh.resolve(name) else { continue };
-            let there = tets.neighbours(t).get(usize::from(face)).map(|&beyond| tet_of(beyond));
-            let place = there.and_then(|there| tets.far_place(there));
-            let far = place.and_then(|place| self.far.get_mut(place as usize));
-            if let Some(far) = far {
-                far.heard[exchange] = rank;
-                if exchange == 0 {
+    pub(super) fn hear(&mut self, mesh: &DomainMesh<'_>, keys: KeysTold) {
+        match keys {
+            KeysTold::Ranks(mut ranks) => {
+                for (name, face, rank) in ranks.drain(..) {
+                    let Some((t, far)) = self.far_at(mesh, (name, face)) else { continue };
+                    far.rank = Some(rank);
                     self.touch(t);
+                }
+                if self.spare.len() < SPARE {
+                    self.spare.push(ranks);
+                }
+            }
+            KeysTold::Behind(behind) => {
+                for (name, face, is_beaten) in behind {
+                    if let Some((_, far)) = self.far_at(mesh, (name, face)) {
+                        far.is_beaten = is_beaten;
+                    }
                 }
             }
         }
     }
 
     /// The tetrahedra that come before all around them: those at interface faces, and the others.
+    /// `take_back` is given the lists when they are done with.
     pub(super) fn foremost<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> [Vec<Foremost>; 2] {
-        let mut all: [Vec<Foremost>; 2] = Default::default();
+        let mut all = std::mem::take(&mut self.foremost);
+        all.iter_mut().for_each(Vec::clear);
         let mut bad = std::mem::take(&mut self.bad);
         bad.drain(std::mem::take(&mut self.hole));
         let kept = sift(&mut bad, self.look, &self.ranked::<C>(mesh), |t| {
@@ -410,6 +409,11 @@ impl Keys {
         bad.truncate(kept);
         self.bad = bad;
         all
+    }
+
+    /// Takes the memory of these lists back.
+    pub(super) fn take_back(&mut self, foremost: [Vec<Foremost>; 2]) {
+        self.foremost = foremost;
     }
 
     /// Were all entries sifted since the foremost were found?
@@ -468,16 +472,13 @@ impl Keys {
         if !self.is_by_interface(mesh, t) {
             return false;
         }
-        let mut best = None::<Rank>;
-        let mut meet = |rank: Option<Rank>| best = [best, rank].into_iter().flatten().min();
-        for n in around {
-            if tets.far_place(n).is_some() {
-                meet(self.heard(mesh, 0, n));
-                meet(self.heard(mesh, 1, n));
-                continue;
+        let Some(own) = self.rank::<C>(mesh, t) else { return false };
+        around.into_iter().any(|n| match tets.far_place(n).map(|place| &self.far[place as usize]) {
+            Some(far) => far.is_beaten || far.rank.is_some_and(|other| other < own),
+            None => {
+                let mut faces = tets.neighbours(n).into_iter().map(tet_of);
+                faces.any(|u| self.heard(mesh, u).is_some_and(|other| *other < own))
             }
-            tets.neighbours(n).into_iter().for_each(|face| meet(self.heard(mesh, 0, tet_of(face))));
-        }
-        best.is_some_and(|best| self.rank::<C>(mesh, t).is_some_and(|own| best < own))
+        })
     }
 }

@@ -2,7 +2,7 @@
 
 use super::candidate::{ChosenPoint, Probe};
 use super::found::Ahead;
-use super::keys::{Keys, KeysTold};
+use super::keys::{Keys, SPARE};
 use super::serve::Served;
 use super::tree::Tree;
 use crate::balance::Workload;
@@ -11,7 +11,7 @@ use crate::protocol::{
     BlockId, Correct, Directory, Item, Rules, Source, Standing, Submesh, WorkerId,
 };
 use crate::refining::domain::{DomainMesh, DomainPoint};
-use crate::refining::news::{DomainNews, Sums};
+use crate::refining::news::{DomainNews, KeysTold, Sums};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_domain::refine::{Asked, BoundaryItem, ItemPlace};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -141,6 +141,8 @@ pub struct Rounds<C = Correct> {
     /// The points that this worker has chosen in this round, by class.
     pub(super) chosen_by_class: [i64; 3],
     pub(super) out: VecDeque<(WorkerId, DomainNews)>,
+    /// The memory of news that others have told together: about as much is told them.
+    pub(super) spare: Vec<Vec<DomainNews>>,
     /// Vertices named so far.
     pub(super) made: u32,
     pub(super) created: Vec<TetId>,
@@ -203,6 +205,7 @@ impl<C: Rules> Rounds<C> {
             counts: Counts::default(),
             chosen_by_class: [0; 3],
             out: VecDeque::new(),
+            spare: Vec::new(),
             made: 0,
             created: mesh.inner.tets().tets().map(|(t, _)| t).collect(),
             counted: 0,
@@ -395,9 +398,12 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
         news: DomainNews,
     ) {
         match news {
-            DomainNews::Several(all) => {
-                for news in all {
+            DomainNews::Several(mut all) => {
+                for news in all.drain(..) {
                     self.hear(mesh, directory, from, news);
+                }
+                if self.spare.len() < SPARE {
+                    self.spare.push(all);
                 }
             }
             DomainNews::Keys { exchange, keys } => self.take_keys(mesh, from, exchange, keys),
@@ -468,17 +474,15 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
         if to == self.me || self.out.iter().all(|(other, _)| *other != to) {
             return Some((to, first));
         }
-        let mut all = Vec::with_capacity(1 + self.out.len());
+        let mut all = self.spare.pop().unwrap_or_default();
         all.push(first);
-        let mut rest = VecDeque::new();
-        for (other, news) in self.out.drain(..) {
-            if other == to {
-                all.push(news);
-            } else {
-                rest.push_back((other, news));
+        // What is for others goes around, and is in its order again.
+        for _ in 0..self.out.len() {
+            match self.out.pop_front() {
+                Some((other, news)) if other == to => all.push(news),
+                other => self.out.extend(other),
             }
         }
-        self.out = rest;
         Some((to, DomainNews::Several(all)))
     }
 

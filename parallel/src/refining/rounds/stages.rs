@@ -16,12 +16,12 @@
 //! others, so it takes two waves that are equal.
 
 use super::candidate::What;
-use super::keys::{Foremost, KeysTold};
+use super::keys::Foremost;
 use super::source::{Ending, Rounds, Stage};
 use super::tree::{SENT, Step, TAKEN, is_quiet};
 use crate::protocol::{Directory, Rules, Standing, WorkerId};
 use crate::refining::domain::DomainMesh;
-use crate::refining::news::{DomainNews, SUMS, Sums};
+use crate::refining::news::{DomainNews, KeysTold, SUMS, Sums};
 use ltbw_core::order::{Curve, bounding_box};
 use ltbw_domain::refine::{BESIDE, BoundaryItem};
 use ltbw_exact::Point;
@@ -67,7 +67,10 @@ impl<C: Rules> Rounds<C> {
     fn begin_exchange(&mut self, mesh: &DomainMesh<'_>, directory: &Directory, second: u32) {
         self.stage = Stage::Exchanging(second);
         self.exchange += 1;
-        let told = self.keys.told::<C>(mesh, directory, second as usize);
+        let told = match second {
+            0 => self.keys.ranks_told::<C>(mesh, directory),
+            _ => self.keys.behind_told::<C>(mesh, directory),
+        };
         self.awaited = told.keys().copied().collect();
         for (to, keys) in told {
             self.send(to, DomainNews::Keys { exchange: self.exchange, keys });
@@ -86,8 +89,8 @@ impl<C: Rules> Rounds<C> {
     ) {
         match self.stage {
             // R20.
-            Stage::Exchanging(second) if exchange == self.exchange || !C::NUMBERS_EXCHANGES => {
-                self.keys.hear(mesh, second as usize, keys);
+            Stage::Exchanging(_) if exchange == self.exchange || !C::NUMBERS_EXCHANGES => {
+                self.keys.hear(mesh, keys);
                 self.awaited.remove(&from);
             }
             _ => self.early.push((from, exchange, keys)),
@@ -242,13 +245,14 @@ impl<C: Rules> Rounds<C> {
         let foremost = self.keys.foremost::<C>(mesh);
         self.foremost = Some(foremost.iter().map(Vec::len).sum::<usize>() as i64);
         // Candidates at interface faces come first: others are waited for there.
-        for list in foremost {
+        for list in &foremost {
             for k in along_curve(list.iter().map(|own| own.at)) {
                 let Foremost { t, v, lead, .. } = list[k];
                 let k = self.add_probe(What::Tet(t, v), lead, 0);
                 self.to_launch.push_back(k);
             }
         }
+        self.keys.take_back(foremost);
     }
 
     /// If all is decided, insertion begins.
@@ -285,7 +289,7 @@ impl<C: Rules> Rounds<C> {
         }
         self.chosen_by_class = [0; 3];
         self.starts.clear();
-        for (asked, waiter) in std::mem::take(&mut self.asked) {
+        for (asked, waiter) in self.asked.drain(..) {
             let place = asked.item.place();
             let own = self.pending.entry(place).or_insert(asked);
             own.limit = match (own.limit, asked.limit) {
