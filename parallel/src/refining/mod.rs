@@ -28,7 +28,9 @@ pub use domain::{
     BadItems, DomainMesh, DomainNode, DomainPatch, DomainPiece, DomainPoint, RefinedDomain,
     SimulatedDomain, Splits, simulate_domain,
 };
-pub use news::{DomainNews, PartEnd, ProbeId, Proposal, Sums, WireClosure, WireCorner, WireItem};
+pub use news::{
+    DomainNews, KeysTold, PartEnd, ProbeId, Proposal, Sums, WireClosure, WireCorner, WireItem,
+};
 pub use rounds::{
     Ending, Owners, RoundFigures, RoundNode, Rounds, SENT, SimulatedRounds, Step, TAKEN,
     ThreadedRounds, Tree, is_quiet, rounds_by, rounds_on_threads, simulate_rounds, unkilled,

@@ -5,6 +5,7 @@ use crate::mesh::VertexName;
 use crate::protocol::{Handle, Name, WorkerId};
 use ltbw_domain::refine::{BoundaryItem, Carrier, Corner, ItemPlace, NOWHERE, Rank};
 use ltbw_exact::Point;
+use smallvec::SmallVec;
 
 /// A point as bits: the protocol never sees a float.
 pub(crate) type Bits = [u64; 3];
@@ -49,7 +50,7 @@ impl WireItem {
     }
 
     pub(crate) fn item(&self) -> BoundaryItem {
-        let corners: Vec<Corner> = self.corners.iter().map(WireCorner::corner).collect();
+        let corners: SmallVec<[Corner; 3]> = self.corners.iter().map(WireCorner::corner).collect();
         BoundaryItem::new(&corners, self.of)
     }
 }
@@ -91,7 +92,7 @@ pub struct WireClosure {
     pub(crate) tets: Vec<([u32; 4], bool)>,
 }
 
-/// What stands at common faces, which the receiver knows by these tetrahedra and faces of his own.
+/// News of common faces, which the receiver knows by these tetrahedra and faces of his own.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum KeysTold {
     /// In the first exchange of a round: the ranks of the sender's tetrahedra over their bounds.
@@ -109,7 +110,7 @@ pub type Sums = [i64; SUMS];
 /// News of a domain.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum DomainNews {
-    /// What stands at the faces that the sender has in common with the receiver.
+    /// News of the faces that the sender has in common with the receiver.
     Keys {
         /// The exchange: two in a round.
         exchange: u32,

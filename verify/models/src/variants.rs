@@ -80,7 +80,7 @@ variants! {
     R18 LETS_GO: Obstinate, "point inserted though its item is gone";
     /// The sums fit by chance while a commit is under way.
     R19 AWAITS_SECOND_WAVE: OneWave, "one wave ends a round";
-    /// The keys of a second exchange are taken for those of the first.
+    /// Keys of a second exchange are taken in the first, and awaited for ever in the second.
     R20 NUMBERS_EXCHANGES: NamelessKeys, "exchanges without a number";
     /// A home decides while another one still reserves.
     R21 AWAITS_RESERVATIONS: NoBarrier, "decided before all is reserved";

@@ -237,3 +237,24 @@ pub struct Rival {
     /// The foremost of them lies on another segment or facet.
     pub is_apart: bool,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::refine::Carrier;
+
+    #[test]
+    fn items_do_not_depend_on_the_order_of_corners() {
+        let corner = |x: f64, carrier| Corner { point: [x, x * x, 0.0], carrier };
+        let [a, b, c] = [
+            corner(0.0, Carrier::Corner(7)),
+            corner(1.0, Carrier::Facet(2)),
+            corner(2.0, Carrier::Segment(3, 0)),
+        ];
+        assert_eq!(BoundaryItem::new(&[b, a], 5), BoundaryItem::new(&[a, b], 5));
+        let all = [[a, b, c], [a, c, b], [b, a, c], [b, c, a], [c, a, b], [c, b, a]];
+        let items = all.map(|corners| BoundaryItem::new(&corners, 5));
+        assert!(items.iter().all(|item| *item == items[0] && item.corners() == [a, b, c]));
+        assert!(!items[0].is_segment() && BoundaryItem::new(&[c, a], 1).corners() == [a, c]);
+    }
+}

@@ -419,3 +419,29 @@ fn most_urgent(mut items: impl Iterator<Item = BoundaryItem>) -> Option<Boundary
     let Some(second) = items.next() else { return Some(first) };
     [first, second].into_iter().chain(items).min_by_key(BoundaryItem::urgency)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_most_urgent_item_is_the_first_of_them_in_order() {
+        let corner = |x: i32, y: i32| Corner {
+            point: [f64::from(x), f64::from(y), 0.5],
+            carrier: Carrier::Facet(0),
+        };
+        // Subsegments and subfaces of some sizes, and equal ones at other places.
+        let segment = |x| BoundaryItem::new(&[corner(x, 0), corner(x + 1 + x % 3, 0)], 1);
+        let face =
+            |x| BoundaryItem::new(&[corner(x, 0), corner(x + 1, 0), corner(x, 1 + x % 2)], 2);
+        let items: Vec<BoundaryItem> = (0..6).flat_map(|x| [face(x), segment(x)]).collect();
+        for count in 0..items.len() {
+            for first in 0..items.len() - count {
+                let some = &items[first..first + count];
+                let mut sorted = some.to_vec();
+                sorted.sort_by_cached_key(BoundaryItem::urgency);
+                assert_eq!(most_urgent(some.iter().copied()), sorted.first().copied());
+            }
+        }
+    }
+}

@@ -6,7 +6,8 @@
 //!
 //! Only what has changed is looked at and told: interface faces that are new, or have another
 //! tetrahedron beyond them, and tetrahedra at interface faces that have a new one beside them. Both
-//! workers see a face change in the same round, so that what is known of it is told anew.
+//! workers see a face change in the same round, and forget what they knew of it: no rank, and that
+//! nothing behind it comes before, need not be told.
 //!
 //! Witnesses are remembered from round to round, as by the engine with one mesh (`sift`).
 
@@ -91,8 +92,15 @@ pub(super) struct Keys {
     foremost: [Vec<Foremost>; 2],
 }
 
+/// Keeps the memory of news that were heard, of a few, for the next that are told.
+pub(super) fn keep<T>(spare: &mut Vec<Vec<T>>, news: Vec<T>) {
+    if news.capacity() > 0 && spare.len() < SPARE {
+        spare.push(news);
+    }
+}
+
 /// News at most whose memory is kept.
-pub(super) const SPARE: usize = 32;
+const SPARE: usize = 32;
 
 /// Entries that are sifted ahead in one step.
 const SIFTED: usize = 256;
@@ -319,7 +327,7 @@ impl Keys {
         news.into_iter().map(|(to, ranks)| (to, KeysTold::Ranks(ranks))).collect()
     }
 
-    /// What is behind the interface faces, for others, an entry for each of them again.
+    /// The answers for others whether one behind an interface face comes first, with such entries.
     pub(super) fn behind_told<C: Rules>(
         &mut self,
         mesh: &DomainMesh<'_>,
@@ -361,7 +369,7 @@ impl Keys {
     }
 
     /// The far face at a face of a tetrahedron here, and that tetrahedron.
-    fn far_at(&mut self, mesh: &DomainMesh<'_>, at: (Name, u8)) -> Option<(TetId, &mut Far)> {
+    fn far_face(&mut self, mesh: &DomainMesh<'_>, at: (Name, u8)) -> Option<(TetId, &mut Far)> {
         let (t, tets) = (mesh.resolve(at.0)?, mesh.inner.tets());
         let there = tet_of(*tets.neighbours(t).get(usize::from(at.1))?);
         Some((t, self.far.get_mut(tets.far_place(there)? as usize)?))
@@ -372,17 +380,15 @@ impl Keys {
         match keys {
             KeysTold::Ranks(mut ranks) => {
                 for (name, face, rank) in ranks.drain(..) {
-                    let Some((t, far)) = self.far_at(mesh, (name, face)) else { continue };
+                    let Some((t, far)) = self.far_face(mesh, (name, face)) else { continue };
                     far.rank = Some(rank);
                     self.touch(t);
                 }
-                if self.spare.len() < SPARE {
-                    self.spare.push(ranks);
-                }
+                keep(&mut self.spare, ranks);
             }
             KeysTold::Behind(behind) => {
                 for (name, face, is_beaten) in behind {
-                    if let Some((_, far)) = self.far_at(mesh, (name, face)) {
+                    if let Some((_, far)) = self.far_face(mesh, (name, face)) {
                         far.is_beaten = is_beaten;
                     }
                 }
@@ -472,13 +478,23 @@ impl Keys {
         if !self.is_by_interface(mesh, t) {
             return false;
         }
-        let Some(own) = self.rank::<C>(mesh, t) else { return false };
-        around.into_iter().any(|n| match tets.far_place(n).map(|place| &self.far[place as usize]) {
-            Some(far) => far.is_beaten || far.rank.is_some_and(|other| other < own),
+        let key = self.keys[t.index()];
+        let is_before = |rank: &Rank| match rank.key() == key {
+            true => self.rank::<C>(mesh, t).is_some_and(|own| *rank < own),
+            false => rank.key() > key,
+        };
+        around.into_iter().any(|n| match tets.far_place(n) {
+            Some(place) => self
+                .far
+                .get(place as usize)
+                .is_some_and(|far| far.is_beaten || far.rank.as_ref().is_some_and(is_before)),
             None => {
                 let mut faces = tets.neighbours(n).into_iter().map(tet_of);
-                faces.any(|u| self.heard(mesh, u).is_some_and(|other| *other < own))
+                faces.any(|u| self.heard(mesh, u).is_some_and(is_before))
             }
         })
     }
 }
+
+#[cfg(all(test, not(any(loom, shuttle))))]
+mod tests;

@@ -2,7 +2,7 @@
 
 use super::candidate::{ChosenPoint, Probe};
 use super::found::Ahead;
-use super::keys::{Keys, SPARE};
+use super::keys::{Keys, keep};
 use super::serve::Served;
 use super::tree::Tree;
 use crate::balance::Workload;
@@ -402,9 +402,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
                 for news in all.drain(..) {
                     self.hear(mesh, directory, from, news);
                 }
-                if self.spare.len() < SPARE {
-                    self.spare.push(all);
-                }
+                keep(&mut self.spare, all);
             }
             DomainNews::Keys { exchange, keys } => self.take_keys(mesh, from, exchange, keys),
             DomainNews::Up(sums) => {
@@ -476,7 +474,7 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
         }
         let mut all = self.spare.pop().unwrap_or_default();
         all.push(first);
-        // What is for others goes around, and is in its order again.
+        // News for others go around, and are in their order again.
         for _ in 0..self.out.len() {
             match self.out.pop_front() {
                 Some((other, news)) if other == to => all.push(news),
