@@ -198,15 +198,11 @@ impl<'c> DomainMesh<'c> {
     ) -> Vec<(WorkerId, DomainPatch)> {
         let patches = self.inner.fill_cavity(&point.vertex, parts, whereabouts, directory);
         let found = regions(parts);
-        let own = (point.vertex.name, point.carrier);
-        let own = Some(own).filter(|&(_, carrier)| carrier != Carrier::Free);
-        let mut bound: Vec<BoundVertex> = parts
-            .iter()
-            .flat_map(|(_, pieces)| pieces)
-            .flat_map(|own| &own.bound)
-            .copied()
-            .collect();
-        bound.extend(own);
+        let pieces = parts.iter().flat_map(|(_, pieces)| pieces);
+        let mut bound: Vec<BoundVertex> = pieces.flat_map(|own| &own.bound).copied().collect();
+        if point.carrier != Carrier::Free {
+            bound.push((point.vertex.name, point.carrier));
+        }
         bound.sort_unstable_by_key(|&(name, _)| name);
         bound.dedup_by_key(|&mut (name, _)| name);
         let complete = |patch: Patch| {

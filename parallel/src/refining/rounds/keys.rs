@@ -19,6 +19,7 @@ use crate::refining::news::KeysTold;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{Point, expect, prefetch};
 use ltbw_domain::refine::{Bad, Rank, RankLead, Ranked, ThinTets, sift};
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -159,10 +160,9 @@ impl Keys {
         // They are in the cache; a witness of now may be one when the round is over.
         for k in first..self.bad.len() {
             if let Some(next) = self.bad.get(k + 2) {
-                let around = all.neighbours(next.t).map(tet_of);
-                around
-                    .into_iter()
-                    .for_each(|t| prefetch(self.keys.as_ptr().wrapping_add(t.index())));
+                for t in all.neighbours(next.t).map(tet_of) {
+                    prefetch(self.keys.as_ptr().wrapping_add(t.index()));
+                }
             }
             if let Some(witness) = self.ranked::<C>(mesh).one_before(self.bad[k].t) {
                 self.bad[k].witness = witness;
@@ -291,9 +291,14 @@ impl Keys {
     fn is_before<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId, rank: &Rank) -> bool {
         match self.keys[t.index()] {
             0 => self.heard(mesh, t).is_some_and(|other| other < rank),
-            key if key != rank.key() => key > rank.key(),
-            _ => self.rank::<C>(mesh, t).is_some_and(|other| other < *rank),
+            _ => self.compare::<C>(mesh, t, rank).is_lt(),
         }
+    }
+
+    /// The order of the rank of a tetrahedron over its bounds and another one, mostly by the keys.
+    fn compare<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId, rank: &Rank) -> Ordering {
+        let whole = || self.rank::<C>(mesh, t).map_or(Ordering::Equal, |own| own.cmp(rank));
+        rank.key().cmp(&self.keys[t.index()]).then_with(whole)
     }
 
     /// Comes one around the tetrahedron here before the one beyond its interface face?
@@ -388,9 +393,8 @@ impl Keys {
             }
             KeysTold::Behind(behind) => {
                 for (name, face, is_beaten) in behind {
-                    if let Some((_, far)) = self.far_face(mesh, (name, face)) {
-                        far.is_beaten = is_beaten;
-                    }
+                    let Some((_, far)) = self.far_face(mesh, (name, face)) else { continue };
+                    far.is_beaten = is_beaten;
                 }
             }
         }
@@ -478,11 +482,7 @@ impl Keys {
         if !self.is_by_interface(mesh, t) {
             return false;
         }
-        let key = self.keys[t.index()];
-        let is_before = |rank: &Rank| match rank.key() == key {
-            true => self.rank::<C>(mesh, t).is_some_and(|own| *rank < own),
-            false => rank.key() > key,
-        };
+        let is_before = |rank: &Rank| self.compare::<C>(mesh, t, rank).is_gt();
         around.into_iter().any(|n| match tets.far_place(n) {
             Some(place) => self
                 .far
