@@ -6,6 +6,7 @@ mod coverage;
 mod dist;
 mod fuzz;
 mod generate;
+mod lines;
 mod measure;
 mod model_check;
 mod mutants;
@@ -23,6 +24,10 @@ mod tsan;
 #[path = "../../tests/src/require.rs"]
 #[expect(unreachable_pub, reason = "it is public in the library that owns it")]
 mod require;
+// What a line of code is, tidiness decides.
+#[path = "../../tests/tests/tidy/source.rs"]
+#[expect(dead_code, reason = "tidiness uses all of it")]
+mod source;
 mod vectors;
 
 use std::process::ExitCode;
@@ -48,6 +53,8 @@ cargo xtask COMMAND
                         parts of a folder in 22, tiny ones in all
   bars                  the full-size bars: hashes equal to CGAL's, times within their limits
   generate              write what is generated from the descriptions of the predicates
+  lines [COMMIT]        lines of code by folder, without blanks, comments and tests; and how many
+                        more or fewer than at a commit
   fuzz [--seconds N] [TARGET]...
                         the canary, then every fuzz target for N seconds each (default 60), through
                         cargo-fuzz
@@ -78,6 +85,7 @@ fn main() -> ExitCode {
         "rounds" => rounds::run(rest),
         "fuzz" => fuzz::run(rest),
         "generate" => generate::run(),
+        "lines" => lines::run(rest),
         "vectors" => vectors::run(),
         "pictures" => pictures::run(),
         "prove" => prove::run(),
