@@ -52,6 +52,13 @@ pub(crate) fn print_workers(made: &Made) {
     }
     let count = |own: &WorkerStats| own.local + own.operations;
     let most = made.workers.iter().map(count).max().unwrap_or_default();
+    if most == 0 {
+        let count = made.workers.len();
+        console::people(&format!(
+            "note: one thread has refined it: the {count} workers had nothing that they may insert"
+        ));
+        return;
+    }
     let sum = |of: fn(&WorkerStats) -> u64| made.workers.iter().map(of).sum::<u64>();
     console::people(&format!(
         "workers   {}, of at most {most} points; {} points at interfaces, {} setbacks, {} messages",
