@@ -26,6 +26,9 @@ fn sphere(dir: &Path) {
     io::write_domain(dir.join("s.stl"), &single(globe(30, 30, 0.0, 1))).unwrap();
 }
 
+/// The mesh of it: fine enough that this is a little.
+const MESH: [&str; 4] = ["mesh", "s.stl", "--max-volume", "5e-5"];
+
 /// The shares that a report has, of tetrahedra and of volume.
 fn shares(report: &Value) -> [f64; 2] {
     let at = &report["refinement"]["excused_at"];
@@ -37,7 +40,7 @@ fn a_little_that_is_excused_is_a_warning() {
     let dir = tempfile::tempdir().unwrap();
     let dir = dir.path();
     sphere(dir);
-    let made = run(dir, &["mesh", "s.stl", "-o", "s.vtu", "--json", "-"], 0);
+    let made = run(dir, &[&MESH[..], &["-o", "s.vtu", "--json", "-"]].concat(), 0);
     let told = report(&made);
     assert_eq!(
         (&told["outcome"], &told["certificate"]["verdict"]),
@@ -54,19 +57,19 @@ fn a_little_that_is_excused_is_a_warning() {
     assert!(line.contains(" at (0, 0, 0.5)") || line.contains(" at (0, 0, -0.5)"), "{line}");
     assert!(!line.contains("--excused-share"), "{line}");
     // Quiet or not, it is told.
-    assert_eq!(run(dir, &["-q", "mesh", "s.stl"], 0).stderr.lines().count(), 1);
-    let strict = run(dir, &["mesh", "s.stl", "--strict", "--json", "-"], 1);
+    assert_eq!(run(dir, &[&["-q"], &MESH[..]].concat(), 0).stderr.lines().count(), 1);
+    let strict = run(dir, &[&MESH[..], &["--strict", "--json", "-"]].concat(), 1);
     assert_eq!(report(&strict)["certificate"]["verdict"], "failed");
     assert!(strict.error().starts_with("excused: "), "{}", strict.stderr);
     // The larger of both shares decides, and is what would help.
     let less = format!("{}", 0.99 * tets);
-    let stopped = run(dir, &["mesh", "s.stl", "--excused-share", &less], 1);
+    let stopped = run(dir, &[&MESH[..], &["--excused-share", &less]].concat(), 1);
     let (_, help) = stopped.error().split_once("--excused-share ").unwrap();
     let share = help.split(' ').next().unwrap();
     assert!((1.0..1.1).contains(&(share.parse::<f64>().unwrap() / tets)), "{share}");
-    let passed = run(dir, &["mesh", "s.stl", "--excused-share", share, "--json", "-"], 0);
+    let passed = run(dir, &[&MESH[..], &["--excused-share", share, "--json", "-"]].concat(), 0);
     assert_eq!(report(&passed)["certificate"]["verdict"], "excused");
-    run(dir, &["mesh", "s.stl", "--excused-share", "0"], 1);
+    run(dir, &[&MESH[..], &["--excused-share", "0"]].concat(), 1);
     // The bindings give the same words.
     for (limit, word) in [(None, "excused"), (Some(0.99 * tets), "failed"), (Some(0.0), "failed")] {
         assert_eq!(verdict(&dir.join("s.stl"), limit), word);
@@ -75,7 +78,8 @@ fn a_little_that_is_excused_is_a_warning() {
 
 /// The verdict of the bindings on their mesh of a file.
 fn verdict(path: &Path, excused_share: Option<f64>) -> String {
-    let wishes = Wishes { radius_edge: Some(2.0), excused_share, ..Wishes::default() };
+    let bounds = Wishes { radius_edge: Some(2.0), max_volume: Some(5e-5), ..Wishes::default() };
+    let wishes = Wishes { excused_share, ..bounds };
     let source = Source::File(path.to_owned());
     let (ready, reins) = (ltbw_bindings::Ready::new(source, &wishes).unwrap(), Reins::default());
     let refined = ready.refine(&wishes, None, false, &reins.progress, &reins.cancel).unwrap();
@@ -154,7 +158,7 @@ fn a_move_to_the_lattice_is_told_as_a_part_of_the_diagonal() {
     let dir = tempfile::tempdir().unwrap();
     let dir = dir.path();
     sphere(dir);
-    let made = run(dir, &["mesh", "s.stl", "--json", "-"], 0);
+    let made = run(dir, &[&MESH[..], &["--json", "-"]].concat(), 0);
     let note = made.stderr.lines().find(|line| line.contains("moved to the lattice")).unwrap();
     let part: f64 =
         note.strip_suffix(" of the diagonal").unwrap().rsplit(' ').next().unwrap().parse().unwrap();
