@@ -75,8 +75,7 @@ Examples:
 The vertices of the domain are moved to a lattice (the largest move is reported); every point of
 the mesh is then exact, and lies exactly on its facet. The mesh is of the inside alone unless
 --keep-exterior asks for more; tags are regions, 0 the exterior. What cannot be met, near small
-angles of the domain, is listed with its reason. The exit code is 1 where that is more than
---excused-share of the tetrahedra or of their volume; with --strict, where it is any.")]
+angles of the domain, is excused with its reason; the exit code is 1 where that is not a little.")]
     Mesh(MeshArgs),
     /// Check anybody's mesh: what is wrong, exactly and where
     #[command(after_long_help = "\

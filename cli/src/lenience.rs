@@ -8,12 +8,11 @@ use std::path::Path;
 /// Options of `mesh` that say when its result serves.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(crate) struct Lenience {
-    /// Let nothing pass: a repair of the input is exit code 3, a tetrahedron over a bound 1
+    /// Exit code 3 for a repair of the input, 1 for anything excused
     #[arg(long)]
     #[arg(hide_short_help = true)]
     pub(crate) strict: bool,
-    /// The share of tetrahedra, and of volume, that may be over a bound with a reason, at most
-    /// 0.05 [default: 0.01]
+    /// Largest share that may be excused, up to 0.05 [default: 0.01]
     #[arg(long, value_name = "SHARE", value_parser = share, allow_negative_numbers = true)]
     #[arg(hide_short_help = true)]
     pub(crate) excused_share: Option<f64>,

@@ -10,8 +10,9 @@ use crate::streams::Formats;
 use crate::surface::Preparation;
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
+use ltbw::metrics::Summary;
 use ltbw::protocol::{Closure, Config, Correct};
-use ltbw::refine::{RefineOutcome, Refined, Refiner};
+use ltbw::refine::{RefineOutcome, Refiner};
 use ltbw::refining::{Ending, SimulatedRounds, simulate_rounds};
 use ltbw::simulate::{Around, Options, Whole};
 use ltbw::{Point, canonical_hash};
@@ -60,7 +61,38 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
         return Err(Failure::Usage("--storm moves blocks, which no domain does".to_owned()));
     }
     let ready = ready(path)?;
-    let (engine, start) = engine(args, path, &ready)?;
+    let (told, vertices) = attempt(args, path, &ready, args.start.unwrap_or(START))?;
+    // A mesh that is made before rounds begin is begun with a share of it.
+    let told = match told {
+        None if args.start.is_none() && vertices >= LEAST => {
+            attempt(args, path, &ready, vertices / SHARE)?.0
+        }
+        told => told,
+    };
+    let told = told.ok_or_else(|| nothing_to_do(MORE))?;
+    end(args, (&told.json, &told.text), (&told.found, &told.expected))
+}
+
+/// What is told of a run, and the hashes of its mesh and of the engine's.
+struct Told {
+    json: String,
+    text: String,
+    found: String,
+    expected: String,
+}
+
+fn mesh_hash(mesh: &ltbw::Mesh) -> Result<String, Failure> {
+    Ok(mesh.hash().map_err(|error| Failure::Other(error.to_string()))?.to_string())
+}
+
+/// A run in rounds from as many vertices on, if the processors have anything to insert; and the
+/// vertices that there are in the end.
+fn attempt(
+    args: &Simulate,
+    path: &Path,
+    ready: &Prepared,
+    start: usize,
+) -> Result<(Option<Told>, usize), Failure> {
     let refiner = refiner(args).start(start);
     let options = options(args);
     let run = |processors: u32, options: &Options| {
@@ -69,29 +101,25 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
         simulate_rounds::<Correct>(&refiner, (&ready.domain, &ready.lattice), planned, options)
             .map_err(|error| failure_of(path, error))
     };
-    let of = |mesh: &ltbw::Mesh| match mesh.hash() {
-        Ok(hash) => Ok(hash.to_string()),
-        Err(error) => Err(Failure::Other(error.to_string())),
-    };
-    let expected = of(engine.mesh())?;
+    let stage = Stage::begin("refine");
+    let failed = |error| Failure::Refine { path: path.to_owned(), error };
+    let engine = refiner.refine(&ready.domain, &ready.lattice).map_err(failed)?;
+    drop(stage);
+    let vertices = engine.mesh().num_vertices();
+    if engine.outcome == RefineOutcome::Unrecovered || engine.stats.round_points == 0 {
+        return Ok((None, vertices));
+    }
+    let expected = mesh_hash(engine.mesh())?;
     drop(engine);
-
-    let SimulatedRounds { refined, summary, events, ending, figures } =
-        run(args.processors, &options)?;
-    let found = of(refined.mesh())?;
-    // The comparison is of the whole mesh.
-    let inside = refined.inside();
-    let hash = hash_of(&inside.points, &inside.tets)?;
-    let summary = match (summary, &ending) {
-        (Some(summary), Ok(_)) => summary,
+    let made = run(args.processors, &options)?;
+    let found = mesh_hash(made.refined.mesh())?;
+    let summary = match (&made.summary, &made.ending) {
         (_, Err(why)) => {
             return Err(Failure::Usage(format!("{}: one processor refines {why}", show(path))));
         }
-        (None, Ok(_)) => return Err(nothing_to_do(MORE)),
+        (Some(summary), Ok(_)) if made.figures.points > 0 && summary.operations() > 0 => summary,
+        _ => return Ok((None, vertices)),
     };
-    if figures.points == 0 || summary.operations() == 0 {
-        return Err(nothing_to_do(MORE));
-    }
     let alone = match args.processors {
         1 => summary.clone(),
         _ => {
@@ -99,6 +127,21 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
             alone.ok_or_else(|| Failure::Other("one processor had no rounds".to_owned()))?
         }
     };
+    let (json, text) = tell((args, path, &options), &made, (summary, &alone), start)?;
+    Ok((Some(Told { json, text, found, expected }), vertices))
+}
+
+/// The report and the tables of a run.
+fn tell(
+    (args, path, options): (&Simulate, &Path, &Options),
+    made: &SimulatedRounds,
+    (summary, alone): (&Summary, &Summary),
+    start: usize,
+) -> Result<(String, String), Failure> {
+    let SimulatedRounds { refined, events, ending, figures, .. } = made;
+    // The comparison is of the whole mesh.
+    let inside = refined.inside();
+    let hash = hash_of(&inside.points, &inside.tets)?;
     let vertices = refined.mesh().num_vertices();
     let by_all = figures.points as usize;
     let [rounds, segments, facets, inside] = figures.rounds;
@@ -110,7 +153,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
         vertices: vertices as u64,
         times: figures.ended,
     };
-    let whole = Whole::of(&summary, &alone, &around, &options);
+    let whole = Whole::of(summary, alone, &around, options);
     let alone = alone.makespan;
     let text = format!(
         "{}: {by_all} points in {rounds} rounds ({segments} on segments, {facets} on facets, \
@@ -134,46 +177,21 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
             String::new()
         },
         figures.barriers,
-        match &ending {
+        match ending {
             Ok(Ending::Done) | Err(_) => {
                 "one processor put the mesh together, and split the last slivers".to_owned()
             }
             Ok(other) => format!("one processor did what was left ({other:?})").to_lowercase(),
         },
-        tables(&summary, &told(Doing::Rounds, alone, whole)),
+        tables(summary, &told(Doing::Rounds, alone, whole)),
         cost_model(&options.costs),
     );
-    let settings = Run { args, layout: &layout, config: &config, options: &options };
-    let made = Made { mesh: refined.mesh(), duplicates: 0, summary: &summary, events };
+    let settings = Run { args, layout: &layout, config: &config, options };
+    let made = Made { mesh: refined.mesh(), duplicates: 0, summary, events: *events };
     let report = Report::new(settings, &made, (alone, whole), &hash, vertices).from(start);
     let report = report.in_rounds(rounds as usize);
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
-    end(args, (&json, &text), (&found, &expected))
-}
-
-/// The mesh of the engine with one mesh, and the vertices from which on it went in rounds: those
-/// that are asked for, else those of `mesh`; of a mesh that is made before it has as many, a share.
-fn engine(args: &Simulate, path: &Path, ready: &Prepared) -> Result<(Refined, usize), Failure> {
-    let _stage = Stage::begin("refine");
-    let refine = |start: usize| {
-        let refined = refiner(args).start(start).refine(&ready.domain, &ready.lattice);
-        let refined = refined.map_err(|error| Failure::Refine { path: path.to_owned(), error })?;
-        Ok((refined, start))
-    };
-    let made = refine(args.start.unwrap_or(START))?;
-    let is_idle = |refined: &Refined| {
-        refined.outcome == RefineOutcome::Unrecovered || refined.stats.round_points == 0
-    };
-    let vertices = made.0.mesh().num_vertices();
-    let made = match is_idle(&made.0) && args.start.is_none() && vertices >= LEAST {
-        true => refine(vertices / SHARE)?,
-        false => made,
-    };
-    if is_idle(&made.0) {
-        let text = format!("{}: no round was needed: {MORE}", show(path));
-        return Err(Failure::Usage(text));
-    }
-    Ok(made)
+    Ok((json, text))
 }
 
 /// The domain of a file; where there is none, that of the kind of this name.
