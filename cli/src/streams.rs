@@ -15,6 +15,9 @@ use std::cell::OnceCell;
 use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
+/// Bytes at the front of a file that tell the hash of its mesh.
+const HEAD: u64 = 4096;
+
 /// The formats of what has no extension.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(crate) struct Streams {
@@ -264,10 +267,19 @@ impl Source {
 
     /// The hash that it says its mesh has, if it says one.
     pub(crate) fn carried_hash(&self) -> Result<Option<String>, Failure> {
-        match self.format {
-            Format::Vtu | Format::Msh => Ok(io::carried_hash(self.format, self.bytes()?)),
-            _ => Ok(None),
+        if !matches!(self.format, Format::Vtu | Format::Msh) {
+            return Ok(None);
         }
+        if self.stdin || self.bytes.get().is_some() {
+            return Ok(io::carried_hash(self.format, self.bytes()?));
+        }
+        // It stands at the front.
+        let mut head = Vec::new();
+        let read = std::fs::File::open(&self.name).and_then(|file| {
+            file.take(HEAD).read_to_end(&mut head)?;
+            Ok(io::carried_hash(self.format, &head))
+        });
+        read.map_err(|source| Failure::Read(IoError::Read { path: self.name.clone(), source }))
     }
 
     /// The files of which it was read.

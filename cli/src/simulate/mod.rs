@@ -157,6 +157,10 @@ fn options_alone(options: &Options) -> Options {
 /// The layout of the points, and the configuration of the workers.
 fn layout(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
     let mut layout = Layout::for_high_latency(points, processors);
+    // Few points are not all for the start.
+    if layout.sample >= points {
+        layout.sample = points / domain::SHARE;
+    }
     let mut config = Config { rule: args.rule, closure: args.closure, ..Config::new(processors) };
     if let Some(window) = args.window {
         config.window = window as usize;
