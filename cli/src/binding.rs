@@ -1,5 +1,5 @@
-//! What a certificate is bound to: the mesh by its hash, the input by that of the bytes read, and
-//! the options by their texts.
+//! Certificates bound to the mesh by its hash, to the input by that of the bytes read, and to the
+//! options by their texts.
 
 use crate::outcome::Failure;
 use ltbw::io::{self, IoError};

@@ -74,7 +74,8 @@ pub(crate) fn text(
     }
     let help = if help.is_empty() { String::new() } else { format!(". {}", help.join("; ")) };
     format!(
-        "{} tetrahedra over a bound, {}, {:.2e} % of all and {:.2e} % of their volume: {}{more}{help}",
+        "{} tetrahedra over a bound, {}, {:.2e} % of all and {:.2e} % of their volume: \
+         {}{more}{help}",
         refined.excuses.len(),
         places.join(", "),
         100.0 * share.tets,

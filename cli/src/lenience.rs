@@ -1,4 +1,4 @@
-//! What is let pass: excused tetrahedra, if they are few, and repairs of the input.
+//! The things that are let pass: excused tetrahedra, if they are few, and repairs of the input.
 
 use crate::outcome::Failure;
 use ltbw::domain::Prepared;

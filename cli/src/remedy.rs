@@ -18,7 +18,7 @@ pub(crate) fn vertices(reason: &Reason) -> Vec<u32> {
     }
 }
 
-/// What would help at these places, an option each.
+/// Options that would help at these places.
 pub(crate) fn remedies(
     (refined, ready): (&Refined, &Prepared),
     places: &[Excused],
@@ -38,7 +38,7 @@ pub(crate) fn remedies(
     let options = [
         ("--flat-tolerance", flat, "takes facets there for one"),
         ("--repair", weld, "welds vertices there"),
-        ("--radius-edge", shape, "is met at the angles there"),
+        ("--radius-edge", shape, "suits the angles there"),
     ];
     let option = |(name, value, does): (&str, Option<f64>, &str)| {
         value.map(|value| format!("{name} {value} {does}"))

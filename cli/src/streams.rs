@@ -262,7 +262,7 @@ impl Source {
         if self.is_open {
             return io::parse_mesh(&self.name, self.format, self.bytes()?).map_err(Failure::Read);
         }
-        io::read_mesh_by(&self.name, &mut |path| self.reads.load_first(path)).map_err(Failure::Read)
+        io::read_mesh_file(&self.name).map_err(Failure::Read)
     }
 
     /// The hash that it says its mesh has, if it says one.
@@ -282,7 +282,7 @@ impl Source {
         read.map_err(|source| Failure::Read(IoError::Read { path: self.name.clone(), source }))
     }
 
-    /// The files of which it was read.
+    /// The files of which points or a domain were read.
     pub(crate) fn reads(&self) -> &Reads {
         &self.reads
     }

@@ -145,7 +145,7 @@ fn a_report_that_was_changed_is_found() {
         let told = run(dir, &args, 1);
         assert!(told.stderr.contains(word), "{place}: {}", told.stderr);
     }
-    // What certifies nothing is no input for it.
+    // A report that certifies nothing is no input for it.
     run(dir, &["mesh", "d.poly", "--check", "off", "--json", "u.json"], 0);
     run(dir, &["check", "m.vtu", "--plc", "d.poly", "--json", "c.json"], 0);
     std::fs::write(dir.join("n.json"), "{}").unwrap();

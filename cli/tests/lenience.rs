@@ -1,4 +1,4 @@
-//! What is let pass: a little that is excused, with a warning; nothing with `--strict`.
+//! A little that is excused is let pass, with a warning; with `--strict` nothing is.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 #[allow(dead_code, reason = "shared with the other tests, which use all of it")]

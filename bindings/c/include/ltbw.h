@@ -222,8 +222,8 @@ typedef struct ltbw_wishes {
   int32_t frame;
   /*
    The share of tetrahedra, and of their volume, that may be excused from a bound in a mesh
-   whose certificate does not say `failed`, at most 0.05. 0: 0.01, as the program does; below 0:
-   none.
+   whose certificate does not say `failed`, at most 0.05. 0: 0.01, as the program does; below
+   0: none.
    */
   double excused_share;
 } ltbw_wishes;

@@ -82,8 +82,8 @@ pub struct Wishes {
     /// (`ltbw_mesh_offset` tells). 1: its own. 2: those from the middle.
     pub frame: i32,
     /// The share of tetrahedra, and of their volume, that may be excused from a bound in a mesh
-    /// whose certificate does not say `failed`, at most 0.05. 0: 0.01, as the program does; below 0:
-    /// none.
+    /// whose certificate does not say `failed`, at most 0.05. 0: 0.01, as the program does; below
+    /// 0: none.
     pub excused_share: f64,
 }
 

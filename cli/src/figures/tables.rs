@@ -4,7 +4,7 @@ use ltbw::metrics::{Cavities, CavityTimes, Polls, Summary, Times, WorkerFigures,
 use ltbw::simulate::{CostModel, Whole};
 use std::fmt::Write;
 
-/// What the processors do in a run.
+/// The work of the processors in a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Doing {
     /// They insert given points.
@@ -25,7 +25,7 @@ impl Doing {
     }
 }
 
-/// What is known of a run beside its figures.
+/// Other knowledge of a run than its figures.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Run {
     pub(crate) doing: Doing,

@@ -19,7 +19,7 @@ use ltbw::{Point, canonical_hash};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use std::path::Path;
 
-/// What makes more work.
+/// Changes that make more work.
 pub(super) const MORE: &str = "a smaller --max-volume or --start makes some";
 /// The part of a mesh that is made before many processors go on.
 pub(super) const SHARE: usize = 4;
@@ -73,7 +73,7 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
     end(args, (&told.json, &told.text), (&told.found, &told.expected))
 }
 
-/// What is told of a run, and the hashes of its mesh and of the engine's.
+/// The report and the tables of a run, and the hashes of its mesh and of the engine's.
 struct Told {
     json: String,
     text: String,

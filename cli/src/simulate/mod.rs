@@ -144,7 +144,7 @@ fn failure_of(path: &Path, error: RefineError) -> Failure {
     }
 }
 
-/// What is told of a simulated run beside its figures.
+/// Other knowledge of a simulated run than its figures.
 fn told(doing: Doing, alone: u64, whole: Option<Whole>) -> figures::Run {
     figures::Run { doing, alone: Some(alone), whole, clock: None }
 }

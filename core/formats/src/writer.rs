@@ -55,8 +55,8 @@ impl<'a> MeshWriter<'a> {
     }
 
     /// The canonical hash of the mesh, which `.vtu` and `.msh` files carry:
-    /// [`carried_hash`](crate::carried_hash) finds it. Of a mesh that is written with its exterior it
-    /// may be the hash of the inside.
+    /// [`carried_hash`](crate::carried_hash) finds it. It may be that of the inside, of a mesh that
+    /// is written with its exterior.
     pub fn hash(self, hash: &'a str) -> Self {
         Self { hash: Some(hash), ..self }
     }

@@ -113,8 +113,8 @@ pub struct CavityTimes {
 }
 
 impl CavityTimes {
-    /// Latency tolerance (A + I) / (A + I + S); none if no cavity was ever active: then there was no
-    /// latency to tolerate.
+    /// Latency tolerance (A + I) / (A + I + S); none if no cavity was ever active: then there was
+    /// no latency to tolerate.
     pub fn lt(&self) -> Option<f64> {
         let all = self.local_active + self.interface_active + self.set_back;
         (all > 0).then(|| 1.0 - share(self.set_back, all))
