@@ -1,5 +1,6 @@
 //! The command line and its help.
 
+use crate::lenience::Lenience;
 use crate::numbers::whole;
 use crate::progress::Show;
 use crate::simulate::Simulate;
@@ -74,7 +75,7 @@ Examples:
 The vertices of the domain are moved to a lattice (the largest move is reported); every point of
 the mesh is then exact, and lies exactly on its facet. The mesh is of the inside alone unless
 --keep-exterior asks for more; tags are regions, 0 the exterior. What cannot be met, near small
-angles of the domain, is listed with its reason, and the exit code is 1.")]
+angles of the domain, is excused with its reason; the exit code is 1 where that is not a little.")]
     Mesh(MeshArgs),
     /// Check anybody's mesh: what is wrong, exactly and where
     #[command(after_long_help = "\
@@ -82,6 +83,7 @@ Examples:
   ltbw check mesh.vtu                      verdict and first defects, on stderr
   ltbw check mesh.vtu --plc domain.poly    does it conform to the domain?
   ltbw check mesh.ele --json cert.json     the certificate ltbw.cert/1, with every defect's place
+  ltbw check mesh.vtu --certificate r.json --input domain.poly    is it what r.json certifies?
   ltbw check domain.stl                    a domain: .poly .smesh .off .obj .stl .ply .vtk
 
 Levels: structure (indices, duplicates), topology (faces, closed hull), orientation, Delaunay
@@ -291,6 +293,8 @@ pub(crate) struct MeshArgs {
     pub(crate) write_unrecovered: bool,
     #[command(flatten)]
     pub(crate) preparation: Preparation,
+    #[command(flatten)]
+    pub(crate) lenience: Lenience,
     /// Write a page: the mesh to turn and cut, histograms, report
     #[arg(long, value_name = "HTML|-")]
     pub(crate) page: Option<PathBuf>,
@@ -342,6 +346,12 @@ pub(crate) struct Check {
     /// With --plc: no volume may exceed this
     #[arg(long, value_name = "A", requires = "plc")]
     pub(crate) max_volume: Option<f64>,
+    /// Compare the mesh with the one that this report of `mesh` or `delaunay` certifies
+    #[arg(long, value_name = "REPORT", conflicts_with_all = ["plc", "json"])]
+    pub(crate) certificate: Option<PathBuf>,
+    /// With --certificate: compare the input, too, and further files for --sizes and --background
+    #[arg(long, value_name = "FILE", requires = "certificate")]
+    pub(crate) input: Vec<PathBuf>,
 }
 
 /// `ltbw convert`.

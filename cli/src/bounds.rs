@@ -1,10 +1,12 @@
 //! The demands on a mesh of a domain: bounds of the command line, TetGen's switches, sizes.
 
 use crate::args::MeshArgs;
+use crate::binding::{Binding, Chosen, Reads, Role, read_beside};
 use crate::outcome::Failure;
 use ltbw::domain::Prepared;
 use ltbw::refine::{Background, Refiner};
 use ltbw::{Point, io};
+use std::path::Path;
 
 /// The bounds asked for.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -32,18 +34,24 @@ impl Asked {
 /// The edge length at a place of the prepared domain.
 pub(crate) type Field = Box<dyn Fn(Point) -> f64 + Sync>;
 
-/// The sizing field of the command line, if it asks for one.
-pub(crate) fn field(args: &MeshArgs, ready: &Prepared) -> Result<Option<Field>, Failure> {
+/// The sizing field of the command line, if it asks for one; the files that it is read from go to
+/// `reads`.
+pub(crate) fn field(
+    args: &MeshArgs,
+    ready: &Prepared,
+    reads: &Reads,
+) -> Result<Option<Field>, Failure> {
     let constant = args.size.unwrap_or(f64::INFINITY);
     let Some(path) = &args.sizes else {
         return Ok(args.size.map(|_| -> Field { Box::new(move |_| constant) }));
     };
-    let sizes = io::read_sizes(path).map_err(Failure::Read)?;
+    let sizes = read_beside(reads, Role::Sizes, path, |path, load| io::read_sizes_by(path, load))?;
     let failed = |error| Failure::Sizes { path: path.clone(), error };
     let background = match &args.background {
         Some(mesh) => {
-            let mesh = io::read_mesh(mesh).map_err(Failure::Read)?;
-            Background::new(&mesh, &sizes).map_err(failed)?
+            let read = |path: &Path, load: &mut io::Load<'_>| io::read_mesh_by(path, load);
+            let file = read_beside(reads, Role::Background, mesh, read)?;
+            Background::new(&file.mesh, &sizes).map_err(failed)?
         }
         None => Background::at_vertices(ready, &sizes).map_err(failed)?,
     };
@@ -85,6 +93,29 @@ pub(crate) fn asked(args: &MeshArgs) -> Result<Asked, Failure> {
         }
     }
     Ok(asked)
+}
+
+/// The input and the options of `mesh` that the mesh and its judgement depend on.
+pub(crate) fn binding(
+    args: &MeshArgs,
+    asked: Asked,
+    flat_tolerance: f64,
+    reads: &Reads,
+) -> Binding {
+    let preparation = &args.preparation;
+    let options = Chosen::default()
+        .number("radius_edge", asked.radius_edge)
+        .number("max_volume", asked.max_volume)
+        .number("size", asked.size)
+        .with("max_points", args.max_points)
+        .number("flat_tolerance", Some(flat_tolerance))
+        .number("repair", preparation.repair)
+        .flag("exact_input", preparation.exact_input)
+        .flag("local_frame", preparation.local_frame)
+        .flag("own_frame", preparation.own_frame)
+        .flag("strict", args.lenience.strict)
+        .number("excused_share", Some(args.lenience.share()));
+    Binding { inputs: reads.list(), options }
 }
 
 #[cfg(test)]

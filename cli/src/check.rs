@@ -1,6 +1,7 @@
 //! The glue to the checker: `check`, and the check of our own output.
 
 use crate::args::{Check, Depth};
+use crate::certificate;
 use crate::conform;
 use crate::console;
 use crate::domain;
@@ -23,7 +24,14 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     let formats = args.streams.resolve(&inputs, &[])?;
     let source = formats.input(&args.mesh)?;
     if source.is_domain()? {
+        if args.certificate.is_some() {
+            let text = format!("{}: --certificate is about a mesh", source.show());
+            return Err(Failure::Usage(text));
+        }
         return domain::check(args, &source);
+    }
+    if let Some(report) = &args.certificate {
+        return certificate::check(args, &source, report);
     }
     if let Some(plc) = &args.plc {
         return conform::check(args, &source, plc, formats);

@@ -9,7 +9,7 @@ use crate::plc::plc_of;
 use crate::progress::Stage;
 use crate::streams::{Formats, Source};
 use ltbw::domain::Prepared;
-use ltbw::refine::Refined;
+use ltbw::refine::{Refined, Verdict};
 use ltbw::{TetMesh, io};
 use ltbw_verify as verify;
 use serde_json::{Value, json};
@@ -58,14 +58,15 @@ pub(crate) fn check(
     let complex = plc_of(&ready.domain, flat_tolerance);
     let mut found = verify::conforms(&mesh, &complex, tags, &limits, &options);
     let same = same_volume(&ready, &found);
+    let word = if found.passed() && same { Verdict::Passed } else { Verdict::Failed };
     drop(stage);
     if let Some(path) = &args.json {
-        let text = serde_json::to_string_pretty(&certificate(&found, same))
+        let text = serde_json::to_string_pretty(&certificate(&found, same, word))
             .map_err(|e| Failure::Other(e.to_string()))?;
         write_json(path, &(text + "\n"))?;
     }
     print(&mut found);
-    if found.passed() && same {
+    if word == Verdict::Passed {
         console::people(&format!("checked   {}", summary(&found)));
         return Ok(Exit::Done);
     }
@@ -98,7 +99,7 @@ pub(crate) fn check_own(
 }
 
 /// The tetrahedra whose tag is not 0, or without tags the attribute, if some of them are not 0.
-fn without_exterior(mesh: &TetMesh) -> TetMesh {
+pub(crate) fn without_exterior(mesh: &TetMesh) -> TetMesh {
     let tags = mesh.tet_tags.as_ref();
     let attributes = mesh.tet_attributes.as_ref().filter(|_| tags.is_none());
     let is_outside = |t: usize| {
@@ -164,7 +165,7 @@ pub(crate) fn summary(found: &Conformity) -> String {
 const LISTED: usize = 100;
 
 /// The certificate of conformity as JSON.
-pub(crate) fn certificate(found: &Conformity, same_volume: bool) -> Value {
+pub(crate) fn certificate(found: &Conformity, same_volume: bool, verdict: Verdict) -> Value {
     let mut listed: BTreeMap<ConformityDefect, usize> = BTreeMap::new();
     let mut is_listed = |breach: ConformityDefect| {
         let count = listed.entry(breach).or_default();
@@ -180,7 +181,8 @@ pub(crate) fn certificate(found: &Conformity, same_volume: bool) -> Value {
     json!({
         "schema": "ltbw.conformity/1",
         "checker": concat!("ltbw-verify ", env!("CARGO_PKG_VERSION")),
-        "passed": found.passed() && same_volume,
+        "passed": verdict == Verdict::Passed,
+        "verdict": verdict.name(),
         "volume": found.volume.as_ref().map(ToString::to_string),
         "volume_is_the_domains": same_volume,
         "patches": found.patches,

@@ -1,6 +1,7 @@
 //! `demo`: the paper's model problem, meshed and checked in seconds, and a page to look at.
 
 use crate::args::{Demo, Depth};
+use crate::binding::{Binding, Chosen};
 use crate::bounds::Asked;
 use crate::console::{self, Stop};
 use crate::json::{distinct, is_stdout};
@@ -9,6 +10,7 @@ use crate::outcome::{Exit, Failure, show};
 use crate::streams::Formats;
 use ltbw::domain::PrepareOptions;
 use ltbw::io;
+use ltbw::refine::ExcusedShare;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use std::path::Path;
 use std::time::Instant;
@@ -34,11 +36,16 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         .map_err(|e| Failure::Other(e.to_string()))?;
     let failed = |error| Failure::Domain { path: name.to_owned(), error };
     let ready = domain.prepare(&PrepareOptions::default()).map_err(failed)?;
+    let options = Chosen::default()
+        .with("domain", Some(DomainKind::CubeOctahedron.name()))
+        .number("radius_edge", Some(RADIUS_EDGE))
+        .number("max_volume", Some(MAX_VOLUME));
     let job = Job {
         command: "demo",
         name,
         asked: Asked { radius_edge: Some(RADIUS_EDGE), max_volume: Some(MAX_VOLUME), size: None },
         field: None,
+        binding: Binding { inputs: Vec::new(), options },
         workers: None,
         max_points: None,
         flat_tolerance: 0.0,
@@ -53,6 +60,7 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         page: Some(&page),
         trace: None,
         check: Depth::Full,
+        excused_share: ExcusedShare::USUAL,
         stop: &stop,
         start,
     };

@@ -180,8 +180,11 @@ fn print_lattice(snapped: &Snapped) {
     let moves = match &snapped.largest {
         None => "all vertices are on it".to_owned(),
         Some(m) => format!(
-            "{} vertices move, the farthest is vertex {}, by {:.3e}",
-            snapped.moved, m.vertex, m.distance
+            "{} vertices move, the farthest is vertex {}, by {:.3e}, {:.1e} of the diagonal",
+            snapped.moved,
+            m.vertex,
+            m.distance,
+            m.distance / snapped.domain.diagonal()
         ),
     };
     console::people(&format!("lattice   step 2^{}{lost}: {moves}", lattice.exponent()));

@@ -1,6 +1,9 @@
 //! The tetrahedra that are excused: in the report and for people, by corner and segment.
 
-use ltbw::refine::{Excused, Reason, Refined};
+use crate::remedy::{remedies, rounded_up, vertices};
+use ltbw::Point;
+use ltbw::domain::Prepared;
+use ltbw::refine::{Excused, ExcusedShare, Reason, Refined};
 use serde_json::{Value, json};
 
 /// Corners and segments that the report lists.
@@ -20,31 +23,33 @@ fn sums(all: &[Excused]) -> [(usize, usize, f64); 3] {
     [sum(all, Reason::is_corner), sum(all, Reason::is_segment), sum(all, elsewhere)]
 }
 
-/// The part of the mesh's volume that the excused fill.
-fn share(refined: &Refined, all: &[Excused]) -> f64 {
-    let volume: f64 = all.iter().map(|e| e.volume).sum();
-    if volume > 0.0 { volume / refined.volume() } else { 0.0 }
-}
-
 /// The excused for the report.
 pub(crate) fn json(refined: &Refined) -> Value {
-    let all = refined.excused();
+    let (all, share) = (refined.excused(), refined.excused_share());
     let of = |(places, tets, volume)| json!({ "places": places, "tets": tets, "volume": volume });
-    let each =
-        |e: &Excused| json!({ "reason": e.reason.to_string(), "tets": e.tets, "volume": e.volume });
+    let each = |e: &Excused| {
+        let reason = e.reason.to_string();
+        json!({ "reason": reason, "tets": e.tets, "volume": e.volume, "at": e.at })
+    };
     let [corners, segments, elsewhere] = sums(&all).map(of);
     json!({
         "corners": corners,
         "segments": segments,
         "elsewhere": elsewhere,
-        "share": share(refined, &all),
+        "share": share.volume,
+        "share_of_tets": share.tets,
         "by_reason": all.iter().take(LISTED).map(each).collect::<Vec<_>>(),
     })
 }
 
-/// The excused for people: how many where, and the first reasons.
-pub(crate) fn text(refined: &Refined) -> String {
-    let all = refined.excused();
+/// The excused for people: how many where, the first reasons with their places, and what would help
+/// where the share is over `limit`.
+pub(crate) fn text(
+    (refined, ready): (&Refined, &Prepared),
+    radius_edge: Option<f64>,
+    limit: f64,
+) -> String {
+    let (all, share) = (refined.excused(), refined.excused_share());
     let [corners, segments, elsewhere] = sums(&all);
     let told = |(places, tets, volume): (usize, usize, f64), name: &str| {
         let place = match places {
@@ -57,15 +62,46 @@ pub(crate) fn text(refined: &Refined) -> String {
     };
     let places = [told(corners, "corner"), told(segments, "segment"), told(elsewhere, "")];
     let places: Vec<String> = places.into_iter().flatten().collect();
-    let percent = 100.0 * share(refined, &all);
+    let first = &all[..all.len().min(SHOWN)];
     let reasons: Vec<String> =
-        all.iter().take(SHOWN).map(|e| format!("{} for {}", e.tets, e.reason)).collect();
-    let more = all.len().saturating_sub(SHOWN);
+        first.iter().map(|e| format!("{} for {}{}", e.tets, e.reason, place(ready, e))).collect();
+    let more = all.len() - first.len();
     let more = if more > 0 { format!(", and {more} more reasons") } else { String::new() };
+    let mut help = remedies((refined, ready), first, radius_edge);
+    let least = rounded_up(share.largest());
+    if !share.is_within(limit) && least <= ExcusedShare::LARGEST {
+        help.push(format!("--excused-share {least} lets it pass"));
+    }
+    let help = if help.is_empty() { String::new() } else { format!(". {}", help.join("; ")) };
     format!(
-        "{} tetrahedra over a bound, {}, {percent:.2e} % of all volume: {}{more}",
+        "{} tetrahedra over a bound, {}, {:.2e} % of all and {:.2e} % of their volume: \
+         {}{more}{help}",
         refined.excuses.len(),
         places.join(", "),
+        100.0 * share.tets,
+        100.0 * share.volume,
         reasons.join(", ")
     )
+}
+
+/// The place of excused tetrahedra, in the coordinates of the input: that of the corners that are
+/// the reason, else that of the largest of them.
+fn place(ready: &Prepared, excused: &Excused) -> String {
+    let offset = ready.lattice.offset();
+    let told = |p: Point| {
+        let [x, y, z] = [0, 1, 2].map(|k| short(p[k] + offset[k]));
+        format!("({x}, {y}, {z})")
+    };
+    let corners = vertices(&excused.reason);
+    let corners = corners.iter().filter_map(|&v| ready.domain.vertices.get(v as usize));
+    let corners: Vec<String> = corners.map(|p| told(*p)).collect();
+    match corners.is_empty() {
+        true => format!(" near {}", told(excused.at)),
+        false => format!(" at {}", corners.join(" ")),
+    }
+}
+
+/// A coordinate with six digits.
+fn short(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
 }

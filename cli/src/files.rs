@@ -75,7 +75,9 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
         if to.holds_mesh() {
             let note = attributes_note(&file.mesh, to).map(str::to_owned);
             notes(&output.name, &Vec::from_iter(note));
-            formats.write_mesh(output.path, file.writer().options(options))?;
+            let (writer, carried) = (file.writer().options(options), source.carried_hash()?);
+            let writer = carried.as_deref().map_or(writer, |hash| writer.hash(hash));
+            formats.write_mesh(output.path, writer)?;
             let (points, tets) = (file.mesh.points.len(), file.mesh.tets.len());
             console::people(&format!(
                 "wrote     {}: {points} points, {tets} tetrahedra",

@@ -32,7 +32,9 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod binding;
 mod bounds;
+mod certificate;
 mod check;
 mod conform;
 mod console;
@@ -46,6 +48,7 @@ mod help;
 mod install;
 mod json;
 mod kit;
+mod lenience;
 mod lists;
 mod mesh;
 mod numbers;
@@ -56,6 +59,7 @@ mod pieces;
 mod plc;
 mod progress;
 mod refusal;
+mod remedy;
 mod report;
 mod rounds;
 mod run;

@@ -1,7 +1,8 @@
 //! `mesh`: read a domain, prepare it, refine, hash, check, write, report.
 
 use crate::args::{Depth, MeshArgs};
-use crate::bounds::{Asked, Field, asked, field};
+use crate::binding::Binding;
+use crate::bounds::{Asked, Field, asked, binding, field};
 use crate::conform::{certificate, check_own, print, same_volume, summary};
 use crate::console::{self, Stop};
 use crate::excused;
@@ -23,7 +24,7 @@ use crate::workers::{Made, print_workers, refine};
 use ltbw::domain::Prepared;
 use ltbw::io::{self, MeshWriter};
 use ltbw::quality::{self, Quality};
-use ltbw::refine::{RefineOutcome, Refined};
+use ltbw::refine::{RefineOutcome, Refined, Verdict};
 use ltbw::{TetMesh, canonical_hash};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -42,6 +43,8 @@ pub(crate) struct Job<'a> {
     pub(crate) asked: Asked,
     /// Wanted edge lengths.
     pub(crate) field: Option<Field>,
+    /// Input and options, to which the certificate is bound.
+    pub(crate) binding: Binding,
     /// The workers that refine it without a common mesh.
     pub(crate) workers: Option<u32>,
     /// The most points to insert.
@@ -66,6 +69,8 @@ pub(crate) struct Job<'a> {
     pub(crate) trace: Option<&'a Path>,
     /// Whether to check.
     pub(crate) check: Depth,
+    /// The share of tetrahedra, and of volume, that may be excused.
+    pub(crate) excused_share: f64,
     /// Cancels the refinement.
     pub(crate) stop: &'a Stop,
     /// When the program started.
@@ -109,12 +114,15 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     let stop = Stop::on_signal()?;
     let stage = Stage::begin("prepare");
     let (ready, flat_tolerance) = args.preparation.prepare(&source)?;
+    args.lenience.admit(&source.name, &ready)?;
     drop(stage);
+    let field = field(args, &ready, source.reads())?;
     let job = Job {
         command: "mesh",
         name: &source.name,
         asked,
-        field: field(args, &ready)?,
+        field,
+        binding: binding(args, asked, flat_tolerance, source.reads()),
         workers,
         max_points: args.max_points,
         flat_tolerance,
@@ -129,6 +137,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         page: args.page.as_deref(),
         trace: args.trace.as_deref(),
         check: args.check,
+        excused_share: args.lenience.share(),
         stop: &stop,
         start,
     };
@@ -182,9 +191,14 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
         let mut found = check_own(&inside, ready, job.asked, &refined, excused.len());
         drop(stage);
         let same = same_volume(ready, &found);
-        report.certificate = Some(certificate(&found, same));
+        let explained = is_explained(&found, &inside, &excused) && same;
+        let share = refined.excused_share();
+        let word = Verdict::of(found.passed() && same, explained, &share, job.excused_share);
+        let mut own = certificate(&found, same, word);
+        job.binding.bind(&mut own, report.mesh.hash.as_deref().unwrap_or_default());
+        report.certificate = Some(own);
         report.seconds.check = clock.elapsed().as_secs_f64();
-        if !(is_explained(&found, &inside, &excused) && same) {
+        if !explained {
             print(&mut found);
             if let Err(failure) = finish(&mut report, job) {
                 console::people(&format!("note: {failure}"));
@@ -211,7 +225,7 @@ pub(crate) fn mesh_domain(ready: &Prepared, job: &Job<'_>) -> Result<Exit, Failu
         write_text(path, &crate::picture::histograms::svg(quality))?;
     }
     finish(&mut report, job)?;
-    Ok(ending(&refined))
+    Ok(ending(job, &refined, ready))
 }
 
 /// Ends the work on a domain whose boundary could not be recovered.
@@ -247,21 +261,21 @@ fn refined(job: &Job<'_>, ready: &Prepared) -> Result<(Refined, Made), Failure> 
     refine((&refiner, ready), job.workers, (job.stop, job.name))
 }
 
-fn ending(refined: &Refined) -> Exit {
-    let exit = match refined.outcome {
+/// Tells in a last line what is over a bound, if anything is.
+fn ending(job: &Job<'_>, refined: &Refined, ready: &Prepared) -> Exit {
+    let is_little = refined.excused_share().is_within(job.excused_share);
+    let (exit, word) = match refined.outcome {
         RefineOutcome::Met => return Exit::Done,
-        RefineOutcome::Excused | RefineOutcome::Unrecovered => Exit::Defect,
-        RefineOutcome::Budget => Exit::Stopped,
+        RefineOutcome::Excused if is_little => (Exit::Done, "excused, and little enough"),
+        RefineOutcome::Excused | RefineOutcome::Unrecovered => (Exit::Defect, "excused"),
+        RefineOutcome::Budget => (Exit::Stopped, "budget used up"),
         RefineOutcome::Cancelled => {
             console::people("ltbw: cancelled: the mesh is Delaunay, but need not meet the bounds");
             return Exit::Stopped;
         }
     };
-    console::people(&format!(
-        "ltbw: {}: {}",
-        if exit == Exit::Stopped { "budget used up" } else { "excused" },
-        excused::text(refined)
-    ));
+    let text = excused::text((refined, ready), job.asked.radius_edge, job.excused_share);
+    console::people(&format!("ltbw: {word}: {text}"));
     exit
 }
 
@@ -278,11 +292,12 @@ fn print_domain(job: &Job<'_>, ready: &Prepared) {
     if let Some(m) = &ready.largest {
         console::people(&format!(
             "note: {} vertices moved to the lattice of step 2^{}, \
-             the farthest (vertex {}) by {:.3e}",
+             the farthest (vertex {}) by {:.3e}, {:.1e} of the diagonal",
             ready.moved,
             lattice.exponent(),
             m.vertex,
-            m.distance
+            m.distance,
+            m.distance / domain.diagonal()
         ));
     }
     // Whatever has a corner at the origin loses one.
@@ -398,6 +413,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
             "lost_bits": ready.lattice.lost_bits(),
             "moved": ready.moved,
             "largest_move": ready.largest.map(|m| m.distance),
+            "largest_move_of_diagonal": ready.largest.map(|m| m.distance / ready.domain.diagonal()),
         },
         "repairs": repairs_json(ready),
         "flat_tolerance": stats.flat_tolerance,
@@ -426,8 +442,10 @@ fn write(
     };
     if !job.outputs.is_empty() {
         let values = quality::arrays(&mesh.points, &mesh.tets);
+        let writer = MeshWriter::new(mesh).values(&values);
+        let writer = report.mesh.hash.as_deref().map_or(writer, |hash| writer.hash(hash));
         for path in job.outputs {
-            job.formats.write_mesh(path, MeshWriter::new(mesh).values(&values))?;
+            job.formats.write_mesh(path, writer)?;
             let note = attributes_note(mesh, job.formats.of_output(path)?);
             let path = &name_of(path);
             note.iter().for_each(|n| console::people(&format!("note: {}: {n}", show(path))));

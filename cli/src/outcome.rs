@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 /// The exit codes of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Exit {
-    /// Done and checked.
+    /// Done and checked; what is excused is little.
     Done = 0,
-    /// `check` found a defect in the file that it was given; or a mesh was made, but a bound is
-    /// not met everywhere (the report says where and why).
+    /// `check` found a defect in the file that it was given; or a mesh was made, but more of it
+    /// than may be is over a bound (the report says where and why).
     Defect = 1,
     /// The command line makes no sense.
     Usage = 2,
@@ -50,6 +50,22 @@ pub(crate) enum Failure {
         path: PathBuf,
         /// Why.
         error: PrepareError,
+    },
+    /// A report that certifies nothing.
+    #[error("{}: {why}", show(path))]
+    Report {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
+    /// The domain was repaired, and `--strict` asks for one that need not be.
+    #[error("{}: --strict: {notes}", show(path))]
+    Repaired {
+        /// The input file.
+        path: PathBuf,
+        /// The repairs.
+        notes: String,
     },
     /// The domain has no mesh.
     #[error("{}: {error}", show(path))]
@@ -102,6 +118,8 @@ impl Failure {
             Failure::Read(_)
             | Failure::Points { .. }
             | Failure::Domain { .. }
+            | Failure::Report { .. }
+            | Failure::Repaired { .. }
             | Failure::Refine { .. }
             | Failure::Sizes { .. }
             | Failure::Build { .. } => Exit::Input,

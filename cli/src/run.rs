@@ -1,9 +1,10 @@
 //! `delaunay`: read, order, insert, hash, check, write, report.
 
 use crate::args::{Delaunay, Depth};
+use crate::binding::{Binding, Chosen};
 use crate::check::check_own;
 use crate::console::{self, Stop};
-use crate::figures::{Figures, SPANS, tables, write_trace};
+use crate::figures::{Doing, Figures, Run, SPANS, tables, write_trace};
 use crate::json::{distinct, file_writable, keep_input, write_text};
 use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
@@ -48,6 +49,8 @@ pub(crate) struct Job<'a> {
     pub(crate) page: Option<&'a Path>,
     /// Other demands on them.
     pub(crate) parallel: ParallelJob<'a>,
+    /// Input and options, to which the certificate is bound.
+    pub(crate) binding: Binding,
 }
 
 /// The demands on the parallel kernel.
@@ -109,6 +112,7 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
             tables: args.tables,
             trace: args.trace.as_deref(),
         },
+        binding: Binding { inputs: source.reads().list(), options: Chosen::default() },
     };
     mesh_points(file, &job)
 }
@@ -153,7 +157,9 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     }
     print_mesh(&name, &report);
     if let Some(summary) = summary.filter(|_| job.parallel.tables) {
-        console::people(tables(&summary, None).trim_end());
+        let clock = Some((report.seconds.insert * 1e9) as u64);
+        let run = Run { doing: Doing::Insertion, alone: None, whole: None, clock };
+        console::people(tables(&summary, &run).trim_end());
     }
     let timeline = match (job.page, &trace, &report.parallel) {
         (Some(_), Some(trace), Some(figures)) => {
@@ -188,7 +194,10 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         drop(stage);
         report.seconds.check = clock.elapsed().as_secs_f64();
         if let Some(checked) = checked {
-            report.certificate = checked.certificate;
+            report.certificate = checked.certificate.map(|mut own| {
+                job.binding.bind(&mut own, &hash);
+                own
+            });
             if !checked.passed {
                 // A defect of ours is graver than a report that could not be written.
                 if let Err(failure) = finish(&mut report, job) {
@@ -311,7 +320,9 @@ fn write_outputs(
             io::write_parts(path, &parts).map_err(Failure::Write)?;
             io::part_files(path, parts.len())
         } else {
-            job.formats.write_mesh(path, MeshWriter::new(mesh))?;
+            let writer = MeshWriter::new(mesh);
+            let writer = report.mesh.hash.as_deref().map_or(writer, |hash| writer.hash(hash));
+            job.formats.write_mesh(path, writer)?;
             vec![name_of(path)]
         };
         for path in files {

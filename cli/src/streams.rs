@@ -3,6 +3,7 @@
 //! The format of a file without a known extension is named in the same way. Where stdout carries a
 //! file nothing else goes there.
 
+use crate::binding::{Reads, Role};
 use crate::console;
 pub(crate) use crate::json::name_of;
 use crate::json::{file_writable, is_stdout};
@@ -13,6 +14,9 @@ use ltbw::{Domain, TetMesh};
 use std::cell::OnceCell;
 use std::io::{BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
+
+/// Bytes at the front of a file that tell the hash of its mesh.
+const HEAD: u64 = 4096;
 
 /// The formats of what has no extension.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -89,7 +93,8 @@ impl Formats {
         };
         // A `.vtk` file tells in its header whether it is a mesh.
         let is_open = is_open(path) || format == Format::Vtk;
-        Ok(Source { name, format, stdin, is_open, bytes: OnceCell::new() })
+        let (bytes, reads) = (OnceCell::new(), Reads::default());
+        Ok(Source { name, format, stdin, is_open, bytes, reads })
     }
 
     /// The format of an output.
@@ -226,6 +231,7 @@ pub(crate) struct Source {
     stdin: bool,
     is_open: bool,
     bytes: OnceCell<Vec<u8>>,
+    reads: Reads,
 }
 
 impl Source {
@@ -239,7 +245,8 @@ impl Source {
         if self.is_open {
             return io::parse_points(&self.name, self.format, self.bytes()?).map_err(Failure::Read);
         }
-        io::read_points(&self.name).map_err(Failure::Read)
+        io::read_points_by(&self.name, &mut |path| self.reads.load_first(path))
+            .map_err(Failure::Read)
     }
 
     /// Is it a domain? A `.vtk` file tells it in its header.
@@ -258,12 +265,35 @@ impl Source {
         io::read_mesh_file(&self.name).map_err(Failure::Read)
     }
 
+    /// The hash that it says its mesh has, if it says one.
+    pub(crate) fn carried_hash(&self) -> Result<Option<String>, Failure> {
+        if !matches!(self.format, Format::Vtu | Format::Msh) {
+            return Ok(None);
+        }
+        if self.stdin || self.bytes.get().is_some() {
+            return Ok(io::carried_hash(self.format, self.bytes()?));
+        }
+        // It stands at the front.
+        let mut head = Vec::new();
+        let read = std::fs::File::open(&self.name).and_then(|file| {
+            file.take(HEAD).read_to_end(&mut head)?;
+            Ok(io::carried_hash(self.format, &head))
+        });
+        read.map_err(|source| Failure::Read(IoError::Read { path: self.name.clone(), source }))
+    }
+
+    /// The files of which points or a domain were read.
+    pub(crate) fn reads(&self) -> &Reads {
+        &self.reads
+    }
+
     /// The domain in it.
     pub(crate) fn domain(&self) -> Result<DomainFile, Failure> {
         if self.is_open {
             return io::parse_domain(&self.name, self.format, self.bytes()?).map_err(Failure::Read);
         }
-        io::read_domain(&self.name).map_err(Failure::Read)
+        io::read_domain_by(&self.name, &mut |path| self.reads.load_first(path))
+            .map_err(Failure::Read)
     }
 
     /// All of it, which is read once.
@@ -280,6 +310,7 @@ impl Source {
             io::read_bytes(&self.name)
         };
         let bytes = bytes.map_err(Failure::Read)?;
+        self.reads.add(Role::Input, &self.name, &bytes);
         Ok(self.bytes.get_or_init(|| bytes))
     }
 }

@@ -7,7 +7,7 @@ use crate::outcome::{Failure, show};
 use crate::streams::Source;
 use ltbw::domain::{Domain, DomainReport, Facet, Frame, PrepareError, PrepareOptions, Prepared};
 use ltbw::io;
-use ltbw::refine::{RefineStats, largest_tolerance, usual_tolerance};
+use ltbw::refine::{Given, RefineStats, largest_tolerance};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -98,7 +98,8 @@ impl Preparation {
     pub(crate) fn prepare(&self, source: &Source) -> Result<(Prepared, f64), Failure> {
         let file = source.domain()?;
         file.notes.iter().for_each(|n| console::people(&format!("note: {}: {n}", source.show())));
-        let result = file.domain.prepare(&self.options(file.oriented));
+        let options = self.options(file.oriented);
+        let result = file.domain.prepare(&options);
         let report = result.as_ref().err().and_then(PrepareError::report);
         print_troubles(report);
         self.told(&file.domain, report)?;
@@ -110,16 +111,14 @@ impl Preparation {
         let failed = |error| Failure::Domain { path: source.name.clone(), error };
         let ready = result.map_err(failed)?;
         self.note_repairs(&ready);
-        let flat = self.flat(source, &file.domain, &ready)?;
+        let usual = file.flat_tolerance(&ready, &options);
+        let flat = self.flat(&ready, usual)?;
         Ok((ready, flat))
     }
 
     /// The tolerance within which facets are taken for coplanar.
-    fn flat(&self, source: &Source, read: &Domain, ready: &Prepared) -> Result<f64, Failure> {
-        let Some(flat) = self.flat_tolerance else {
-            let is_exact = self.exact_input || !source.format.holds_surface();
-            return Ok(if is_exact { 0.0 } else { usual_tolerance(read, &ready.domain) });
-        };
+    fn flat(&self, ready: &Prepared, usual: f64) -> Result<f64, Failure> {
+        let flat = self.flat_tolerance.unwrap_or(usual);
         let limit = largest_tolerance(&ready.domain);
         if flat > limit {
             return Err(Failure::Usage(format!(

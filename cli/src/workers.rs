@@ -16,7 +16,7 @@ pub(crate) struct Made {
     /// The workers that have its tetrahedra.
     pub(crate) owners: Owners,
     /// Why one thread has refined all.
-    pub(crate) alone: Option<ComplexError>,
+    pub(crate) alone: Option<String>,
 }
 
 /// Refines a prepared domain on as many workers, if that is asked for.
@@ -38,7 +38,12 @@ pub(crate) fn refine(
     })?;
     // A run that was stopped before has its own reason, and is told of that.
     let is_whole = matches!(run.refined.outcome, RefineOutcome::Met | RefineOutcome::Excused);
-    let alone = run.ending.err().filter(|_| is_whole && run.workers.is_empty());
+    let is_idle = run.workers.iter().all(|own| own.local + own.operations == 0);
+    let why = |ending: Result<_, ComplexError>| match ending {
+        Err(why) => why.to_string(),
+        Ok(_) => "nothing was left that workers may insert".to_owned(),
+    };
+    let alone = (is_whole && is_idle).then(|| why(run.ending));
     Ok((run.refined, Made { workers: run.workers, owners: run.owners, alone }))
 }
 

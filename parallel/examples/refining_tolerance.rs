@@ -5,6 +5,7 @@
 //! and to a ratio of 2 on that many processors, with latencies from 1 to 300 µs.
 
 use ltbw::mesh::{Layout, Ownership};
+use ltbw::metrics::tolerance;
 use ltbw::protocol::{Config, Correct};
 use ltbw::refining::{Bounds, simulate_refined};
 use ltbw::simulate::{Network, Options};
@@ -36,12 +37,12 @@ fn main() -> Result<(), Failure> {
     for latency in [1_000, 10_000, 100_000, 300_000] {
         let s = run(processors, latency)?.summary;
         println!(
-            "{:>4} µs {:>7} {:>9.4} {:>7.4} {:>10.4} {:>9.1} % {:>6.2} % {:>5.1} % {:>7}",
+            "{:>4} µs {:>7} {:>9} {:>7} {:>10} {:>9.1} % {:>6.2} % {:>5.1} % {:>7}",
             latency / 1000,
             s.operations(),
-            s.worst_lt(),
-            s.lt(),
-            s.lt_strict(),
+            tolerance(s.worst_lt()),
+            tolerance(s.lt()),
+            tolerance(s.lt_strict()),
             100.0 * s.efficiency(alone.makespan),
             100.0 * s.setback_share(),
             100.0 * s.cavities.share_active(),

@@ -25,7 +25,7 @@
 //! | to | take |
 //! |---|---|
 //! | mesh points, on any number of threads | [`Builder`]; it gives a [`Built`] with a [`Mesh`] |
-//! | mesh a domain to bounds of size and shape | [`Refiner::mesh`], of a [`Domain`]: [`Refined`] |
+//! | mesh a [`Domain`] or an [`io::DomainFile`] to bounds | [`Refiner::mesh`]: [`Refined`] |
 //! | walk, locate, ask for neighbours and Voronoi cells | [`Mesh::queries`], [`query`] |
 //! | read and write files | [`io`] |
 //! | see and stop long work | [`Observer`], [`Progress`], [`CancelToken`], [`Budget`] |

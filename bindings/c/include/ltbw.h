@@ -56,7 +56,8 @@ typedef enum ltbw_outcome {
    */
   LTBW_MET = 1,
   /*
-   Some tetrahedra are over a bound, each with a reason: input angles are too small.
+   Some tetrahedra are over a bound, each with a reason: input angles are too small. `verdict`
+   in the certificate says `excused` where they are few, `failed` where they are not.
    */
   LTBW_EXCUSED = 2,
   /*
@@ -219,6 +220,12 @@ typedef struct ltbw_wishes {
    (`ltbw_mesh_offset` tells). 1: its own. 2: those from the middle.
    */
   int32_t frame;
+  /*
+   The share of tetrahedra, and of their volume, that may be excused from a bound in a mesh
+   whose certificate does not say `failed`, at most 0.05. 0: 0.01, as the program does; below
+   0: none.
+   */
+  double excused_share;
 } ltbw_wishes;
 
 #ifdef __cplusplus

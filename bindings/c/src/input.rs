@@ -81,6 +81,10 @@ pub struct Wishes {
     /// two bits of them or more: then those from the middle of the domain, which are finer
     /// (`ltbw_mesh_offset` tells). 1: its own. 2: those from the middle.
     pub frame: i32,
+    /// The share of tetrahedra, and of their volume, that may be excused from a bound in a mesh
+    /// whose certificate does not say `failed`, at most 0.05. 0: 0.01, as the program does; below
+    /// 0: none.
+    pub excused_share: f64,
 }
 
 /// The values at a pointer.
@@ -225,6 +229,8 @@ impl Wishes {
                 exact_input: given.exact_input != 0,
                 frame: frame(given.frame)?,
                 unchecked: given.unchecked != 0,
+                excused_share: positive(given.excused_share)
+                    .map(|share| if share < 0.0 { 0.0 } else { share }),
             },
             edge_length,
             size: given.size,

@@ -17,7 +17,8 @@ pub enum Outcome {
     LTBW_COMPLETE = 0,
     /// The mesh of a domain meets every bound.
     LTBW_MET = 1,
-    /// Some tetrahedra are over a bound, each with a reason: input angles are too small.
+    /// Some tetrahedra are over a bound, each with a reason: input angles are too small. `verdict`
+    /// in the certificate says `excused` where they are few, `failed` where they are not.
     LTBW_EXCUSED = 2,
     /// The budget of points was used up first.
     LTBW_BUDGET = 3,

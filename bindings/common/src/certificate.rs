@@ -4,6 +4,7 @@ use crate::failure::{Class, Failure};
 use crate::wishes::Wishes;
 use crate::work::in_own_pool;
 use ltbw::domain::{Domain, Prepared};
+use ltbw::refine::{ExcusedShare, Verdict};
 use ltbw::{Point, TetMesh};
 use ltbw_verify::{self as verify, Conformity, ConformityDefect, Limits, Plc, PlcFacet, Report};
 use serde_json::{Value, json};
@@ -108,7 +109,18 @@ pub(crate) fn of_domain(
         verify::Options { vertex_order: order.for_checker(), ..verify::Options::default() };
     let (found, same) = conformity(ready, mesh, wishes, flat_tolerance, &options);
     let passed = same && found.passed();
-    (passed, json_of(&found, passed).to_string())
+    let verdict = if passed { Verdict::Passed } else { Verdict::Failed };
+    (passed, json_of(&found, verdict).to_string())
+}
+
+/// The excused tetrahedra of a mesh.
+pub(crate) struct Excused {
+    /// Their corners.
+    pub(crate) tets: HashSet<[u32; 4]>,
+    /// Their share of the mesh.
+    pub(crate) share: ExcusedShare,
+    /// The share that may be.
+    pub(crate) limit: f64,
 }
 
 /// The certificate of a domain's own mesh.
@@ -120,15 +132,18 @@ pub(crate) fn own(
     mesh: &TetMesh,
     wishes: &Wishes,
     flat_tolerance: f64,
-    excused: &HashSet<[u32; 4]>,
+    excused: &Excused,
 ) -> Result<String, Failure> {
     let options = verify::Options::default();
     // A tetrahedron that is not listed cannot be told to be excused.
-    let max_defects = options.max_defects.max(excused.len());
+    let max_defects = options.max_defects.max(excused.tets.len());
     let options = verify::Options { max_defects, ..options };
     let (found, same) = conformity(ready, mesh, wishes, flat_tolerance, &options);
-    let text = json_of(&found, same && found.passed()).to_string();
-    if same && is_explained(&found, &mesh.tets, excused) {
+    let explained = same && is_explained(&found, &mesh.tets, &excused.tets);
+    let passed = same && found.passed();
+    let verdict = Verdict::of(passed, explained, &excused.share, excused.limit);
+    let text = json_of(&found, verdict).to_string();
+    if explained {
         return Ok(text);
     }
     let message = format!("a defect of ltbw: the mesh is not what was asked for: {text}");
@@ -148,7 +163,7 @@ fn is_explained(found: &Conformity, tets: &[[u32; 4]], excused: &HashSet<[u32; 4
 }
 
 /// A certificate of conformity.
-fn json_of(found: &Conformity, passed: bool) -> Value {
+fn json_of(found: &Conformity, verdict: Verdict) -> Value {
     let counts: Vec<Value> = found
         .counts
         .iter()
@@ -156,7 +171,8 @@ fn json_of(found: &Conformity, passed: bool) -> Value {
         .collect();
     json!({
         "schema": "ltbw.conformity/1",
-        "passed": passed,
+        "passed": verdict == Verdict::Passed,
+        "verdict": verdict.name(),
         "volume": found.volume.as_ref().map(ToString::to_string),
         "tets": found.tets,
         "subfaces": found.subfaces,

@@ -2,14 +2,14 @@
 
 use crate::Field;
 use crate::body::Body;
-use crate::certificate::{self, Order};
+use crate::certificate::{self, Excused, Order};
 use crate::failure::{Class, Failure};
 use crate::result::{Meshed, Outcome};
 use crate::wishes::Wishes;
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
-use ltbw::refine::{Background, RefineOutcome, Refined, Refiner, usual_tolerance};
-use ltbw::{CancelToken, Observer, Point, TetMesh, io};
-use std::collections::HashSet;
+use ltbw::io::{self, DomainFile};
+use ltbw::refine::{Background, ExcusedShare, Given, RefineOutcome, Refined, Refiner};
+use ltbw::{CancelToken, Observer, Point, TetMesh};
 use std::path::PathBuf;
 
 /// Where the domain comes from.
@@ -31,13 +31,10 @@ pub enum Source {
 }
 
 impl Source {
-    /// The domain, whether its facets are an oriented surface, and notes on the file.
-    fn read(self) -> Result<(Domain, bool, Vec<String>), Failure> {
+    /// The domain as a file would have it: arrays are an oriented surface.
+    fn read(self) -> Result<DomainFile, Failure> {
         let (vertices, corners, starts, markers) = match self {
-            Self::File(path) => {
-                let file = io::read_domain(&path)?;
-                return Ok((file.domain, file.oriented, file.notes));
-            }
+            Self::File(path) => return Ok(io::read_domain(&path)?),
             Self::Arrays { vertices, corners, starts, markers } => {
                 (vertices, corners, starts, markers)
             }
@@ -55,7 +52,8 @@ impl Source {
             };
             facets.push(Facet::polygon(&polygon, markers.get(f).copied().unwrap_or(0)));
         }
-        Ok((Domain { vertices, facets, ..Domain::default() }, true, Vec::new()))
+        let domain = Domain { vertices, facets, ..Domain::default() };
+        Ok(DomainFile { domain, oriented: true, notes: Vec::new() })
     }
 }
 
@@ -64,6 +62,7 @@ impl Source {
 pub struct Ready {
     prepared: Prepared,
     flat_tolerance: f64,
+    excused_share: f64,
     notes: Vec<String>,
 }
 
@@ -73,27 +72,28 @@ impl Ready {
     /// # Errors
     /// Why it cannot be meshed.
     pub fn new(source: Source, wishes: &Wishes) -> Result<Self, Failure> {
-        let (mut domain, oriented, mut notes) = source.read()?;
-        domain.holes.extend(wishes.holes.iter().flatten());
-        domain.regions.extend(&wishes.regions);
-        let prepared = domain.prepare(&PrepareOptions {
+        let mut file = source.read()?;
+        file.domain.holes.extend(wishes.holes.iter().flatten());
+        file.domain.regions.extend(&wishes.regions);
+        let options = PrepareOptions {
             exact_input: wishes.exact_input,
             repair: wishes.repair,
             // Holes that are given say what is void.
-            oriented: oriented && wishes.holes.is_none(),
+            oriented: file.oriented && wishes.holes.is_none(),
             frame: wishes.frame,
-        })?;
+        };
+        let excused_share =
+            ExcusedShare::limit(wishes.excused_share.unwrap_or(ExcusedShare::USUAL))?;
+        let prepared = file.domain.prepare(&options)?;
+        let usual = || file.flat_tolerance(&prepared, &options);
+        let flat_tolerance = wishes.flat_tolerance.unwrap_or_else(usual);
+        let mut notes = file.notes;
         notes.extend(prepared.repairs.notes());
         let offset = prepared.lattice.offset();
         if offset != [0.0; 3] {
             notes.push(format!("coordinates are relative to {offset:?}"));
         }
-        let flat_tolerance = match wishes.flat_tolerance {
-            Some(given) => given,
-            None if oriented && !wishes.exact_input => usual_tolerance(&domain, &prepared.domain),
-            None => 0.0,
-        };
-        Ok(Self { prepared, flat_tolerance, notes })
+        Ok(Self { prepared, flat_tolerance, excused_share, notes })
     }
 
     /// The place that its coordinates are relative to.
@@ -174,8 +174,11 @@ impl Ready {
             RefineOutcome::Unrecovered => return Err(unrecovered(&refined)),
         };
         let flat_tolerance = refined.stats.flat_tolerance;
-        let excused: HashSet<[u32; 4]> =
-            refined.excuses.iter().filter_map(|e| refined.tet(e.tet)).collect();
+        let excused = Excused {
+            tets: refined.excuses.iter().filter_map(|e| refined.tet(e.tet)).collect(),
+            share: refined.excused_share(),
+            limit: self.excused_share,
+        };
         let mut meshed = Meshed::new(Body::Domain(Box::new(refined)), outcome);
         if !wishes.unchecked && outcome != Outcome::Cancelled {
             let plain = meshed.plain();

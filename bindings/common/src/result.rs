@@ -215,7 +215,13 @@ impl Meshed {
             Some(_) => quality::arrays(&mesh.points, &mesh.tets),
             None => Vec::new(),
         };
-        Ok(io::MeshWriter::new(&mesh).values(&values).cancel(cancel).write(path)?)
+        let writer = io::MeshWriter::new(&mesh).values(&values).cancel(cancel);
+        // Other formats carry none.
+        let hash = match io::Format::from_path(path)? {
+            io::Format::Vtu | io::Format::Msh => Some(self.hash()?),
+            _ => None,
+        };
+        Ok(hash.as_deref().map_or(writer, |hash| writer.hash(hash)).write(path)?)
     }
 
     /// The certificate as JSON: of points `ltbw.cert/1`, made anew; of a domain the one that came

@@ -27,4 +27,7 @@ pub struct Wishes {
     pub exact_input: bool,
     /// Leave the mesh unchecked.
     pub unchecked: bool,
+    /// The share of tetrahedra, and of volume, that may be excused in a mesh that serves, at most
+    /// 0.05. `None`: what is usual, as the program does.
+    pub excused_share: Option<f64>,
 }

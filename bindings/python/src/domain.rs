@@ -54,6 +54,7 @@ pub(crate) struct Asked {
     exact_input: bool,
     own_frame: Option<bool>,
     check: bool,
+    excused_share: Option<f64>,
     threads: u32,
 }
 
@@ -79,6 +80,7 @@ impl Asked {
                 Some(false) => Frame::Local,
             },
             unchecked: !self.check,
+            excused_share: self.excused_share,
         }
     }
 }

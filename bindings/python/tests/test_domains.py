@@ -280,3 +280,41 @@ def test_anybodys_mesh_is_checked_against_its_domain(cube):
     for wrong in ({"max_volume": 1}, {"plc": cube, "all_points": True}):
         with pytest.raises(ltbw.InputError):
             ltbw.check(points, tets, **wrong)
+
+
+def test_a_certificate_has_three_words():
+    # Around the poles of a sphere angles are too small for the bound.
+    rows, columns = 30, 30
+    angles = np.pi * np.arange(1, rows - 1) / (rows - 1)
+    around = 2 * np.pi * np.arange(columns) / columns
+    rings = [
+        [np.sin(a) * np.cos(b) / 2, np.sin(a) * np.sin(b) / 2, np.cos(a) / 2]
+        for a in angles
+        for b in around
+    ]
+    vertices = np.array([[0, 0, 0.5], *rings, [0, 0, -0.5]], np.float32)
+    south = len(vertices) - 1
+
+    def at(row, column):
+        return 1 + row * columns + column % columns
+
+    faces = []
+    for i in range(columns):
+        faces += [[0, at(0, i), at(0, i + 1)], [south, at(rows - 3, i + 1), at(rows - 3, i)]]
+        for row in range(1, rows - 2):
+            (a, b), (c, d) = (at(row - 1, i), at(row - 1, i + 1)), (at(row, i), at(row, i + 1))
+            faces += [[a, c, d], [a, d, b]]
+    sphere = (vertices, faces)
+    mesh = ltbw.tetrahedralize(sphere, max_volume=5e-5)
+    assert mesh.outcome == "excused" and 0 < len(mesh.excuses) < 0.01 * len(mesh.simplices)
+    assert mesh.certificate and mesh.certificate.verdict == "excused"
+    assert repr(mesh.certificate) == "<ltbw.Certificate excused>" and not mesh.certificate.passed
+    strict = ltbw.tetrahedralize(sphere, max_volume=5e-5, excused_share=0)
+    assert strict.hash == mesh.hash and strict.outcome == "excused"
+    assert not strict.certificate and strict.certificate.verdict == "failed"
+    for share in (0.051, -0.01, float("nan")):
+        with pytest.raises(ltbw.InputError) as caught:
+            ltbw.tetrahedralize(sphere, excused_share=share)
+        assert caught.value.code == "refine.bound"
+    cube = ltbw.check(np.eye(4, 3), [[0, 1, 2, 3]], any_order=True)
+    assert cube and cube.verdict == "passed"

@@ -3,7 +3,7 @@
 
 mod tables;
 
-pub(crate) use tables::{cost_model, tables};
+pub(crate) use tables::{Doing, Run, cost_model, tables};
 
 use crate::console;
 use crate::json::{name_of, write_json};
@@ -19,8 +19,8 @@ pub(crate) const SPANS: usize = 200_000;
 /// The figures of a run; times are in nanoseconds. `docs/protocol.md` defines them.
 #[derive(Debug, Serialize)]
 pub(crate) struct Figures {
-    lt: f64,
-    lt_strict: f64,
+    lt: Option<f64>,
+    lt_strict: Option<f64>,
     worst: Worst,
     setbacks: u64,
     operations: u64,
@@ -44,15 +44,15 @@ pub(crate) struct Figures {
 #[derive(Debug, Serialize)]
 struct Worst {
     worker: u32,
-    lt: f64,
-    lt_strict: f64,
+    lt: Option<f64>,
+    lt_strict: Option<f64>,
 }
 
 /// A worker's figures.
 #[derive(Debug, Serialize)]
 struct Worker {
-    lt: f64,
-    lt_strict: f64,
+    lt: Option<f64>,
+    lt_strict: Option<f64>,
     #[serde(flatten)]
     figures: WorkerFigures,
 }

@@ -1,13 +1,46 @@
 //! The figures of a parallel run as the paper's tables, beside the paper's own.
 
-use ltbw::metrics::{Cavities, CavityTimes, Polls, Summary, Times, WorkerFigures};
-use ltbw::simulate::CostModel;
+use ltbw::metrics::{Cavities, CavityTimes, Polls, Summary, Times, WorkerFigures, tolerance};
+use ltbw::simulate::{CostModel, Whole};
 use std::fmt::Write;
 
-/// The tables of a run; `alone` is how long one processor takes for it, if that is known.
-pub(crate) fn tables(summary: &Summary, alone: Option<u64>) -> String {
+/// The work of the processors in a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Doing {
+    /// They insert given points.
+    Insertion,
+    /// They refine a domain in rounds.
+    Rounds,
+    /// They refine a domain as the paper does.
+    Async,
+}
+
+impl Doing {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Insertion => "Insertion of points; the paper's runs refine a mesh.",
+            Self::Rounds => "Refinement in rounds; the paper's runs refine without.",
+            Self::Async => "Refinement without rounds, as the paper's.",
+        }
+    }
+}
+
+/// Other knowledge of a run than its figures.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Run {
+    pub(crate) doing: Doing,
+    /// The time of one processor for what the kernel does.
+    pub(crate) alone: Option<u64>,
+    /// The time of the whole, and of one processor for it, with the parts of it.
+    pub(crate) whole: Option<Whole>,
+    /// The time of the whole on the clock, where there is one.
+    pub(crate) clock: Option<u64>,
+}
+
+/// The tables of a run.
+pub(crate) fn tables(summary: &Summary, run: &Run) -> String {
     let mut text = String::new();
-    headline(&mut text, summary, alone);
+    headline(&mut text, summary, run);
     table_iii(&mut text, summary);
     table_iv(&mut text, summary);
     table_v(&mut text, summary);
@@ -24,39 +57,60 @@ macro_rules! line {
     };
 }
 
+/// A row of the headline: a figure of this run, and the paper's two.
+fn headline_row(text: &mut String, name: &str, ours: &str, paper: [&str; 2]) {
+    line!(text, "{name:<44}{ours:>12}{:>10}{:>8}", paper[0], paper[1]);
+}
+
 /// The paper's figures are those of cube-in-cube with 8 and 16 million tetrahedra, where
 /// nothing else is said.
-fn headline(text: &mut String, s: &Summary, alone: Option<u64>) {
+fn headline(text: &mut String, s: &Summary, run: &Run) {
     line!(
         text,
-        "Insertion of points; the paper's runs refine a mesh. Paper: cube-in-cube, 8M and 16M"
+        "{} Paper: cube-in-cube, 8M and 16M tetrahedra,\n32 processors.\n",
+        run.doing.text()
     );
-    line!(text, "tetrahedra, 32 processors.\n");
     line!(text, "{:<44}{:>12}{:>10}{:>8}", "", "this run", "paper 8M", "16M");
-    let row = |text: &mut String, name: &str, ours: String, paper: [&str; 2]| {
-        line!(text, "{name:<44}{ours:>12}{:>10}{:>8}", paper[0], paper[1]);
-    };
-    if let Some((worst, _)) = s.extremes_of_tolerance() {
-        let name = format!("latency tolerance LT, worst worker ({})", worst.worker);
-        row(text, &name, format!("{:.4}", worst.lt()), ["0.96", "0.94"]);
+    let mut row = |name: &str, ours: String, paper| headline_row(text, name, &ours, paper);
+    let worst = s.extremes_of_tolerance().map(|(worst, _)| worst.worker.to_string());
+    let name = format!("latency tolerance LT, worst worker ({})", worst.unwrap_or("-".to_owned()));
+    row(&name, tolerance(s.worst_lt()), ["0.96", "0.94"]);
+    row("LT, all workers", tolerance(s.lt()), ["-"; 2]);
+    let strict = "LT strict (idle time counted), worst worker";
+    row(strict, tolerance(s.worst_lt_strict()), ["-"; 2]);
+    row("LT strict, all workers", tolerance(s.lt_strict()), ["-"; 2]);
+    times(text, s, run);
+    let mut row = |name: &str, ours: String| headline_row(text, name, &ours, ["-"; 2]);
+    row("insertions (operations)", s.operations().to_string());
+    row("setbacks", s.setbacks().to_string());
+    row("setbacks per operation", percent(s.setback_share()));
+    row("most setbacks of one operation", s.worst_setbacks().to_string());
+    row("messages per interface cavity", format!("{:.1}", s.messages_per_interface_cavity()));
+}
+
+/// The time of the kernel, and that of the whole, which the paper's is.
+fn times(text: &mut String, s: &Summary, run: &Run) {
+    let mut row = |name: &str, ours: String, paper| headline_row(text, name, &ours, paper);
+    row("makespan, kernel", seconds(s.makespan), ["-"; 2]);
+    if let Some(alone) = run.alone {
+        row("time of one processor, kernel", seconds(alone), ["-"; 2]);
+        row("speed-up over one processor, kernel", gain(alone, s.makespan), ["-"; 2]);
+        row("efficiency, kernel", percent(s.efficiency(alone)), ["-"; 2]);
     }
-    row(text, "LT, all workers", format!("{:.4}", s.lt()), ["-"; 2]);
-    let strict = format!("{:.4}", s.worst_lt_strict());
-    row(text, "LT strict (idle time counted), worst worker", strict, ["-"; 2]);
-    row(text, "LT strict, all workers", format!("{:.4}", s.lt_strict()), ["-"; 2]);
-    if let Some(alone) = alone {
-        row(text, "efficiency", percent(s.efficiency(alone)), ["-"; 2]);
-        let gain = alone as f64 / s.makespan.max(1) as f64;
-        row(text, "speed-up over one processor", format!("{gain:.2}"), ["-"; 2]);
-        row(text, "time of one processor", seconds(alone), ["-"; 2]);
-    }
-    row(text, "makespan", seconds(s.makespan), ["201 s", "388 s"]);
-    row(text, "insertions (operations)", s.operations().to_string(), ["-"; 2]);
-    row(text, "setbacks", s.setbacks().to_string(), ["-"; 2]);
-    row(text, "setbacks per operation", percent(s.setback_share()), ["-"; 2]);
-    row(text, "most setbacks of one operation", s.worst_setbacks().to_string(), ["-"; 2]);
-    let each = format!("{:.1}", s.messages_per_interface_cavity());
-    row(text, "messages per interface cavity", each, ["-"; 2]);
+    let whole = run.whole.map(|whole| whole.makespan).or(run.clock);
+    row("makespan, whole", whole.map_or("-".to_owned(), seconds), ["201 s", "388 s"]);
+    let Some(whole) = run.whole else { return };
+    row("  start and end, on one processor", seconds(whole.start), ["-"; 2]);
+    row("  distribution of the mesh at the start", seconds(whole.distribution), ["-"; 2]);
+    row("  gathering of the mesh", seconds(whole.gathering), ["-"; 2]);
+    row("time of one processor, whole", seconds(whole.one_processor), ["-"; 2]);
+    row("speed-up over one processor, whole", gain(whole.one_processor, whole.makespan), ["-"; 2]);
+    row("efficiency, whole", percent(whole.efficiency), ["-"; 2]);
+}
+
+/// The speed-up from one time to another.
+fn gain(alone: u64, together: u64) -> String {
+    format!("{:.2}", alone as f64 / together.max(1) as f64)
 }
 
 fn table_iii(text: &mut String, s: &Summary) {
@@ -111,13 +165,15 @@ fn table_v(text: &mut String, s: &Summary) {
         columns(text, &[name, &a, &b, &c], paper);
     };
     row(text, "M, in cavities that succeeded", |t| t.0.successful, ["107.37 s", "235.45 s"]);
+    row(text, "A, of it local, a cavity active", |t| t.0.local_active, ["54.78 s", "107.40 s"]);
+    let name = "I, of it interface, one active";
+    row(text, name, |t| t.0.interface_active, ["41.43 s", "42.39 s"]);
     let active: Part = |t| t.0.local_active + t.0.interface_active;
-    row(text, "A + I, while a cavity is active", active, ["54.78 s", "107.40 s"]);
-    row(text, "I, of it in interface cavities", |t| t.0.interface_active, ["41.43 s", "42.39 s"]);
+    row(text, "A + I", active, ["96.21 s", "149.79 s"]);
     row(text, "S, in cavities that were set back", |t| t.0.set_back, ["4.18 s", "9.98 s"]);
     row(text, "idle while a cavity is active", |t| t.1.idle_active, ["-"; 2]);
     row(text, "time with a cavity active", |t| t.1.active, ["-"; 2]);
-    let lt = own.map(|(cavities, _)| format!("{:.4}", cavities.lt()));
+    let lt = own.map(|(cavities, _)| tolerance(cavities.lt()));
     columns(text, &["LT = (A + I) / (A + I + S)", &lt[0], &lt[1], &lt[2]], ["0.96", "0.94"]);
 }
 
@@ -129,31 +185,43 @@ fn table_vi(text: &mut String, s: &Summary) {
         "\nTable VI: polls of the workers with the least and the most useful ones, by time"
     );
     let of = |w: &WorkerFigures| w.worker.to_string();
-    columns(text, &["worker", &of(least), &of(most), "all"], ["least 8M", "most 8M"]);
+    let head = ["least 8M", "most 8M", "least 16M", "most 16M"];
+    columns(text, &["worker", &of(least), &of(most), "all"], head);
+    let run = seconds(s.makespan);
+    let paper = ["201.30 s", "201.30 s", "388.26 s", "388.35 s"];
+    columns(text, &["run time, kernel", &run, &run, &run], paper);
     let own = [least.polls, most.polls, s.polls];
-    let row = |text: &mut String, name: &str, f: fn(&Polls) -> String, paper: [&str; 2]| {
+    let row = |text: &mut String, name: &str, f: fn(&Polls) -> String, paper: [&str; 4]| {
         let [a, b, c] = own.map(|p| f(&p));
         columns(text, &[name, &a, &b, &c], paper);
     };
-    row(text, "polls", |p| p.total.to_string(), ["861388", "157744"]);
-    row(text, "that found a message", |p| p.useful.to_string(), ["43292", "50546"]);
-    row(text, "their time", |p| seconds(p.total_time), ["58.63 s", "57.75 s"]);
-    row(text, "of it useful", |p| seconds(p.useful_time), ["30.11 s", "53.95 s"]);
+    let paper = ["861388", "157744", "1330290", "289530"];
+    row(text, "polls", |p| p.total.to_string(), paper);
+    let paper = ["43292", "50546", "71205", "91451"];
+    row(text, "that found a message", |p| p.useful.to_string(), paper);
+    let paper = ["58.63 s", "57.75 s", "93.15 s", "102.30 s"];
+    row(text, "their time", |p| seconds(p.total_time), paper);
+    let paper = ["30.11 s", "53.95 s", "51.19 s", "94.10 s"];
+    row(text, "of it useful", |p| seconds(p.useful_time), paper);
     let vain = |a: u64, b: u64| percent((a - b) as f64 / s.makespan.max(1) as f64);
     let [a, b] = [least, most].map(|w| vain(w.polls.total_time, w.polls.useful_time));
-    columns(text, &["in vain, of the run's time", &a, &b, "-"], ["14.2 %", "1.9 %"]);
+    let paper = ["14.2 %", "1.9 %", "10.8 %", "2.1 %"];
+    columns(text, &["in vain, of the run's time", &a, &b, "-"], paper);
     let received = s.workers.iter().map(|w| w.received).sum::<u64>().to_string();
     let [a, b] = [least, most].map(|w| w.received.to_string());
-    columns(text, &["messages taken", &a, &b, &received], ["200684", "380254"]);
+    let paper = ["200684", "380254", "343375", "643776"];
+    columns(text, &["messages taken", &a, &b, &received], paper);
     let [a, b] = [least, most].map(|w| seconds(w.times.idle_at_end));
     let all = seconds(s.times.idle_at_end);
-    columns(text, &["idle after the last insertion", &a, &b, &all], ["33.95 s", "2.51 s"]);
+    let paper = ["33.95 s", "2.51 s", "49.38 s", "4.93 s"];
+    columns(text, &["idle after the last insertion", &a, &b, &all], paper);
 }
 
-/// A name, three figures of this run, two of the paper.
-fn columns(text: &mut String, own: &[&str; 4], paper: [&str; 2]) {
+/// A name, three figures of this run, and some of the paper.
+fn columns<const N: usize>(text: &mut String, own: &[&str; 4], paper: [&str; N]) {
     let [name, a, b, c] = own;
-    line!(text, "  {name:<34}{a:>13}{b:>13}{c:>14}{:>12}{:>12}", paper[0], paper[1]);
+    let paper = paper.map(|figure| format!("{figure:>12}")).concat();
+    line!(text, "  {name:<34}{a:>13}{b:>13}{c:>14}{paper}");
 }
 
 fn messages(text: &mut String, s: &Summary) {
@@ -201,9 +269,9 @@ fn workers(text: &mut String, s: &Summary) {
         let kind = |n: u64| percent(n as f64 / all);
         line!(
             text,
-            "  {:>6} {:>7.4} {:>8} {:>8} {:>8} {:>8}  {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
+            "  {:>6} {:>7} {:>8} {:>8} {:>8} {:>8}  {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
             w.worker,
-            w.lt(),
+            tolerance(w.lt()),
             share(|t| t.meshing),
             share(|t| t.communication + t.polling),
             share(|t| t.balancing),

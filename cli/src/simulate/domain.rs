@@ -1,8 +1,8 @@
 //! `simulate --domain`: a domain refined in rounds by simulated processors.
 
 use super::report::{Made, Report};
-use super::{Run, Simulate, end, layout, options, options_alone};
-use crate::figures::{cost_model, tables};
+use super::{Run, Simulate, end, failure_of, layout, nothing_to_do, options, options_alone, told};
+use crate::figures::{Doing, cost_model, tables};
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
 use crate::rounds::START;
@@ -10,13 +10,21 @@ use crate::streams::Formats;
 use crate::surface::Preparation;
 use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
+use ltbw::metrics::Summary;
 use ltbw::protocol::{Closure, Config, Correct};
 use ltbw::refine::{RefineOutcome, Refiner};
 use ltbw::refining::{Ending, SimulatedRounds, simulate_rounds};
-use ltbw::simulate::Options;
+use ltbw::simulate::{Around, Options, Whole};
 use ltbw::{Point, canonical_hash};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use std::path::Path;
+
+/// Changes that make more work.
+pub(super) const MORE: &str = "a smaller --max-volume or --start makes some";
+/// The part of a mesh that is made before many processors go on.
+pub(super) const SHARE: usize = 4;
+/// Vertices of the smallest mesh of which a part is made by many.
+const LEAST: usize = 1024;
 
 /// The bounds that the arguments ask for.
 pub(super) fn refiner(args: &Simulate) -> Refiner<'static> {
@@ -53,51 +61,100 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
         return Err(Failure::Usage("--storm moves blocks, which no domain does".to_owned()));
     }
     let ready = ready(path)?;
-    let refiner = refiner(args).start(args.start.unwrap_or(START));
+    let (told, vertices) = attempt(args, path, &ready, args.start.unwrap_or(START))?;
+    // A mesh that is made before rounds begin is begun with a share of it.
+    let told = match told {
+        None if args.start.is_none() && vertices >= LEAST => {
+            attempt(args, path, &ready, vertices / SHARE)?.0
+        }
+        told => told,
+    };
+    let told = told.ok_or_else(|| nothing_to_do(MORE))?;
+    end(args, (&told.json, &told.text), (&told.found, &told.expected))
+}
+
+/// The report and the tables of a run, and the hashes of its mesh and of the engine's.
+struct Told {
+    json: String,
+    text: String,
+    found: String,
+    expected: String,
+}
+
+fn mesh_hash(mesh: &ltbw::Mesh) -> Result<String, Failure> {
+    Ok(mesh.hash().map_err(|error| Failure::Other(error.to_string()))?.to_string())
+}
+
+/// A run in rounds from as many vertices on, if the processors have anything to insert; and the
+/// vertices that there are in the end.
+fn attempt(
+    args: &Simulate,
+    path: &Path,
+    ready: &Prepared,
+    start: usize,
+) -> Result<(Option<Told>, usize), Failure> {
+    let refiner = refiner(args).start(start);
     let options = options(args);
     let run = |processors: u32, options: &Options| {
         let planned = |points| planned_run(args, points, processors);
         let _stage = Stage::begin("simulate");
         simulate_rounds::<Correct>(&refiner, (&ready.domain, &ready.lattice), planned, options)
-            .map_err(|error| Failure::Other(format!("{}: {error}", show(path))))
+            .map_err(|error| failure_of(path, error))
     };
     let stage = Stage::begin("refine");
     let failed = |error| Failure::Refine { path: path.to_owned(), error };
     let engine = refiner.refine(&ready.domain, &ready.lattice).map_err(failed)?;
     drop(stage);
+    let vertices = engine.mesh().num_vertices();
     if engine.outcome == RefineOutcome::Unrecovered || engine.stats.round_points == 0 {
-        let text = "no round was needed: a smaller --max-volume or --start makes some";
-        return Err(Failure::Usage(format!("{}: {text}", show(path))));
+        return Ok((None, vertices));
     }
-    let of = |mesh: &ltbw::Mesh| match mesh.hash() {
-        Ok(hash) => Ok(hash.to_string()),
-        Err(error) => Err(Failure::Other(error.to_string())),
-    };
-    let expected = of(engine.mesh())?;
+    let expected = mesh_hash(engine.mesh())?;
     drop(engine);
-
-    let SimulatedRounds { refined, summary, events, ending, figures } =
-        run(args.processors, &options)?;
-    let whole = of(refined.mesh())?;
-    // The comparison is of the whole mesh.
-    let inside = refined.inside();
-    let hash = hash_of(&inside.points, &inside.tets)?;
-    let summary = match (summary, &ending) {
-        (Some(summary), Ok(_)) => summary,
+    let made = run(args.processors, &options)?;
+    let found = mesh_hash(made.refined.mesh())?;
+    let summary = match (&made.summary, &made.ending) {
         (_, Err(why)) => {
             return Err(Failure::Usage(format!("{}: one processor refines {why}", show(path))));
         }
-        (None, Ok(_)) => return Err(Failure::Other("a run without rounds".to_owned())),
+        (Some(summary), Ok(_)) if made.figures.points > 0 && summary.operations() > 0 => summary,
+        _ => return Ok((None, vertices)),
     };
     let alone = match args.processors {
-        1 => summary.makespan,
-        _ => run(1, &options_alone(&options))?.summary.map_or(0, |summary| summary.makespan),
+        1 => summary.clone(),
+        _ => {
+            let alone = run(1, &options_alone(&options))?.summary;
+            alone.ok_or_else(|| Failure::Other("one processor had no rounds".to_owned()))?
+        }
     };
+    let (json, text) = tell((args, path, &options), &made, (summary, &alone), start)?;
+    Ok((Some(Told { json, text, found, expected }), vertices))
+}
+
+/// The report and the tables of a run.
+fn tell(
+    (args, path, options): (&Simulate, &Path, &Options),
+    made: &SimulatedRounds,
+    (summary, alone): (&Summary, &Summary),
+    start: usize,
+) -> Result<(String, String), Failure> {
+    let SimulatedRounds { refined, events, ending, figures, .. } = made;
+    // The comparison is of the whole mesh.
+    let inside = refined.inside();
+    let hash = hash_of(&inside.points, &inside.tets)?;
     let vertices = refined.mesh().num_vertices();
     let by_all = figures.points as usize;
     let [rounds, segments, facets, inside] = figures.rounds;
     let after = vertices - refined.stats.round_points as usize;
     let (layout, config) = planned(args, after, args.processors);
+    let around = Around {
+        points: (vertices - by_all) as u64,
+        started: after as u64,
+        vertices: vertices as u64,
+        times: figures.ended,
+    };
+    let whole = Whole::of(summary, alone, &around, options);
+    let alone = alone.makespan;
     let text = format!(
         "{}: {by_all} points in {rounds} rounds ({segments} on segments, {facets} on facets, \
          {inside} inside; the widest of {} points, {:.2} searches a point, {:.0} % of them made \
@@ -120,20 +177,21 @@ pub(super) fn simulate(args: &Simulate, path: &Path) -> Result<Exit, Failure> {
             String::new()
         },
         figures.barriers,
-        match &ending {
+        match ending {
             Ok(Ending::Done) | Err(_) => {
                 "one processor put the mesh together, and split the last slivers".to_owned()
             }
             Ok(other) => format!("one processor did what was left ({other:?})").to_lowercase(),
         },
-        tables(&summary, Some(alone)),
+        tables(summary, &told(Doing::Rounds, alone, whole)),
         cost_model(&options.costs),
     );
-    let settings = Run { args, layout: &layout, config: &config, options: &options };
-    let made = Made { mesh: refined.mesh(), duplicates: 0, summary: &summary, events };
-    let report = Report::new(settings, &made, alone, &hash, vertices).in_rounds(rounds as usize);
+    let settings = Run { args, layout: &layout, config: &config, options };
+    let made = Made { mesh: refined.mesh(), duplicates: 0, summary, events: *events };
+    let report = Report::new(settings, &made, (alone, whole), &hash, vertices).from(start);
+    let report = report.in_rounds(rounds as usize);
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
-    end(args, (&json, &text), (&whole, &expected))
+    Ok((json, text))
 }
 
 /// The domain of a file; where there is none, that of the kind of this name.

@@ -10,7 +10,7 @@ use args::Mode;
 pub(crate) use args::Simulate;
 
 use crate::console;
-use crate::figures::{SPANS, cost_model, tables, write_trace};
+use crate::figures::{self, Doing, SPANS, cost_model, tables, write_trace};
 use crate::json::{distinct, file_writable, write_json};
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
@@ -18,8 +18,12 @@ use crate::streams::on_stdout;
 use ltbw::PointSet;
 use ltbw::build::Builder;
 use ltbw::mesh::{Layout, Ownership};
+use ltbw::metrics::Summary;
 use ltbw::protocol::{Closure, Config, WorkerId};
-use ltbw::simulate::{MeshError, Meshed, Network, Options, RandomMigrations, simulate_mesh};
+use ltbw::refining::RefineError;
+use ltbw::simulate::{
+    Around, MeshError, Meshed, Network, Options, RandomMigrations, Whole, simulate_mesh,
+};
 use ltbw_generate::generate;
 use report::{Made, Report, Run};
 use std::path::{Path, PathBuf};
@@ -55,9 +59,19 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     let options = options(args);
     let mut meshed = mesh(&set, &layout, config, &options, &name)?;
     let hash = meshed.gathered.mesh.hash().map_err(|e| Failure::Other(e.to_string()))?.to_string();
+    if meshed.summary.operations() == 0 {
+        return Err(nothing_to_do(
+            "all points are in the mesh at the start: more --points make work",
+        ));
+    }
     let alone = alone(&set, &layout, config, &options, &name, &meshed)?;
+    let started = layout.sample.min(set.len()) as u64;
+    let vertices = meshed.gathered.mesh.num_vertices() as u64;
+    let around = Around { points: started, started, vertices, times: 1 };
+    let whole = Whole::of(&meshed.summary, &alone, &around, &options);
+    let alone = alone.makespan;
     let run = Run { args, layout: &layout, config: &config, options: &options };
-    let report = Report::new(run, &Made::of(&meshed), alone, &hash, set.len());
+    let report = Report::new(run, &Made::of(&meshed), (alone, whole), &hash, set.len());
     let json = report.to_json().map_err(|e| Failure::Other(e.to_string()))?;
     let trace = meshed.trace.take();
     let text = format!(
@@ -70,7 +84,7 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
         options.network.latency,
         options.network.distribution.name(),
         args.seed,
-        tables(&meshed.summary, Some(alone)),
+        tables(&meshed.summary, &told(Doing::Insertion, alone, whole)),
         cost_model(&options.costs),
     );
     if let (Some(path), Some(trace)) = (&args.page, &trace) {
@@ -115,6 +129,26 @@ fn end(
     Ok(Exit::OwnDefect)
 }
 
+/// Why a run that inserts nothing is refused: figures of nothing would claim all.
+fn nothing_to_do(what_to_change: &str) -> Failure {
+    Failure::Usage(format!("the processors have nothing to insert: {what_to_change}"))
+}
+
+/// A failure of a simulated refinement; what the options cannot be is one of usage.
+fn failure_of(path: &Path, error: RefineError) -> Failure {
+    match error {
+        RefineError::Ageless => Failure::Usage(format!("--rule paper --mode async: {error}")),
+        RefineError::Domain(error) => Failure::Refine { path: path.to_owned(), error },
+        RefineError::Complex(error) => Failure::Usage(format!("{}: {error}", show(path))),
+        error => Failure::Other(format!("{}: {error}", show(path))),
+    }
+}
+
+/// Other knowledge of a simulated run than its figures.
+fn told(doing: Doing, alone: u64, whole: Option<Whole>) -> figures::Run {
+    figures::Run { doing, alone: Some(alone), whole, clock: None }
+}
+
 /// The options of a run of one processor.
 fn options_alone(options: &Options) -> Options {
     Options { slow: Vec::new(), storm: None, spans: 0, costs: options.costs, ..Options::default() }
@@ -123,6 +157,10 @@ fn options_alone(options: &Options) -> Options {
 /// The layout of the points, and the configuration of the workers.
 fn layout(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
     let mut layout = Layout::for_high_latency(points, processors);
+    // Few points are not all for the start.
+    if layout.sample >= points {
+        layout.sample = points / domain::SHARE;
+    }
     let mut config = Config { rule: args.rule, closure: args.closure, ..Config::new(processors) };
     if let Some(window) = args.window {
         config.window = window as usize;
@@ -179,7 +217,7 @@ fn mesh(
     })
 }
 
-/// The time that one processor takes for the same work.
+/// The figures of one processor that does the same work.
 fn alone(
     set: &PointSet,
     layout: &Layout,
@@ -187,12 +225,12 @@ fn alone(
     options: &Options,
     name: &Path,
     meshed: &Meshed,
-) -> Result<u64, Failure> {
+) -> Result<Summary, Failure> {
     if layout.workers == 1 {
-        return Ok(meshed.summary.makespan);
+        return Ok(meshed.summary.clone());
     }
     // One alone has nothing to lock, and nobody to own anything else.
     let one = Layout { workers: 1, ownership: Ownership::default(), ..*layout };
     let config = Config { workers: 1, closure: Closure::default(), ..config };
-    Ok(mesh(set, &one, config, &options_alone(options), name)?.summary.makespan)
+    Ok(mesh(set, &one, config, &options_alone(options), name)?.summary)
 }

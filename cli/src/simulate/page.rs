@@ -6,7 +6,7 @@ use crate::outcome::Failure;
 use crate::page::{Page, timeline};
 use crate::picture::curve;
 use ltbw::PointSet;
-use ltbw::metrics::{Summary, Trace};
+use ltbw::metrics::{Summary, Trace, tolerance};
 use ltbw::simulate::Options;
 use std::path::Path;
 
@@ -35,10 +35,10 @@ impl Run<'_> {
         let plural = if workers == 1 { "" } else { "s" };
         let title = format!("{} on {workers} processor{plural}", self.name.display());
         let facts = [
-            ("latency tolerance LT, worst processor", format!("{:.4}", s.worst_lt())),
-            ("LT, all processors", format!("{:.4}", s.lt())),
-            ("LT strict (idle time counted), all", format!("{:.4}", s.lt_strict())),
-            ("efficiency", format!("{:.4}", s.efficiency(self.alone))),
+            ("latency tolerance LT, worst processor", tolerance(s.worst_lt())),
+            ("LT, all processors", tolerance(s.lt())),
+            ("LT strict (idle time counted), all", tolerance(s.lt_strict())),
+            ("efficiency, kernel", format!("{:.4}", s.efficiency(self.alone))),
             ("insertions", s.operations().to_string()),
             ("setbacks", s.setbacks().to_string()),
         ];
@@ -60,8 +60,8 @@ impl Run<'_> {
         latencies.sort_unstable();
         latencies.dedup();
         let (plan, config) = layout(self.args, self.set.len(), self.args.processors);
-        let (mut tolerant, mut strict) = (Vec::new(), Vec::new());
-        for &latency in &latencies {
+        let (mut settings, mut tolerant, mut strict) = (Vec::new(), Vec::new(), Vec::new());
+        for latency in latencies {
             let mut options = Options { spans: 0, ..self.options.clone() };
             options.network.latency = latency;
             let other;
@@ -71,10 +71,13 @@ impl Run<'_> {
                 other = mesh(self.set, &plan, config, &options, self.name)?.summary;
                 &other
             };
-            tolerant.push(summary.lt());
-            strict.push(summary.lt_strict());
+            // Without an interface cavity there is none.
+            if let (Some(lt), Some(lt_strict)) = (summary.lt(), summary.lt_strict()) {
+                settings.push(time(latency));
+                tolerant.push(lt);
+                strict.push(lt_strict);
+            }
         }
-        let settings: Vec<String> = latencies.iter().map(|&l| time(l)).collect();
         Ok(curve::svg("LT over latency (thin: LT strict)", &settings, &tolerant, &strict))
     }
 

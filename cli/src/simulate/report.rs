@@ -7,7 +7,7 @@ use ltbw::Mesh;
 use ltbw::mesh::Layout;
 use ltbw::metrics::Summary;
 use ltbw::protocol::Config;
-use ltbw::simulate::{CostModel, Meshed, Options};
+use ltbw::simulate::{CostModel, Meshed, Options, Whole};
 use serde::Serialize;
 
 /// The options of the run.
@@ -52,9 +52,12 @@ struct Simulation {
     figures: Figures,
     efficiency: f64,
     one_processor: u64,
+    whole: Option<Whole>,
     events: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     rounds: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    start: Option<usize>,
     cost_model: CostModel,
     settings: Settings,
 }
@@ -102,7 +105,7 @@ impl Report {
     pub(super) fn new(
         run: Run<'_>,
         made: &Made<'_>,
-        one_processor: u64,
+        (one_processor, whole): (u64, Option<Whole>),
         hash: &str,
         points: usize,
     ) -> Self {
@@ -125,8 +128,10 @@ impl Report {
                 figures: Figures::of(s),
                 efficiency: s.efficiency(one_processor),
                 one_processor,
+                whole,
                 events,
                 rounds: None,
+                start: None,
                 cost_model: run.options.costs,
                 settings: Settings::new(run),
             },
@@ -137,6 +142,12 @@ impl Report {
     /// The same of a run in rounds.
     pub(super) fn in_rounds(mut self, rounds: usize) -> Self {
         self.simulation.rounds = Some(rounds);
+        self
+    }
+
+    /// The same of a run that began with a mesh of as many vertices.
+    pub(super) fn from(mut self, start: usize) -> Self {
+        self.simulation.start = Some(start);
         self
     }
 

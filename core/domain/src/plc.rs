@@ -1,5 +1,6 @@
 //! [`Domain`]: a piecewise linear complex (PLC) as plain data, and the check of its structure.
 
+use crate::vector::distance2;
 use crate::{DomainError, Element};
 use ltbw_exact::Point;
 use ltbw_exact::points::MAX_POINTS;
@@ -173,6 +174,13 @@ impl Domain {
         Some(self.vertices.iter().fold((first, first), |(low, high), p| {
             ([0, 1, 2].map(|k| low[k].min(p[k])), [0, 1, 2].map(|k| high[k].max(p[k])))
         }))
+    }
+
+    /// The diagonal of the box of the vertices, rounded; 0 without vertices.
+    #[must_use]
+    pub fn diagonal(&self) -> f64 {
+        let (low, high) = self.bounds().unwrap_or_default();
+        distance2(&low, &high).sqrt()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Reading and writing domains, whatever their format.
 
 use super::atomic_file::{self, AtomicFile};
-use super::{DomainFile, Format, IoError, WriteOptions, load, parse_domain, parse_error};
+use super::{DomainFile, Format, IoError, Load, WriteOptions, load, parse_domain, parse_error};
 use super::{poly, streams, tetgen, wrong_kind};
 use ltbw_domain::Domain;
 use std::path::{Path, PathBuf};
@@ -9,6 +9,11 @@ use std::path::{Path, PathBuf};
 /// Reads a domain file: `.poly`, `.smesh` (with its `.node` if it holds no points itself), `.off`,
 /// `.obj`, `.stl`, `.ply` or `.vtk`.
 pub fn read_domain(path: impl AsRef<Path>) -> Result<DomainFile, IoError> {
+    read_domain_by(path, &mut load)
+}
+
+/// Reads a domain file as [`read_domain`] does, with bytes that `load` gives.
+pub fn read_domain_by(path: impl AsRef<Path>, load: &mut Load<'_>) -> Result<DomainFile, IoError> {
     let path = path.as_ref();
     let format = domain_format(path)?;
     let bytes = load(path)?;

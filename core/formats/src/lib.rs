@@ -36,6 +36,7 @@
 #![forbid(unsafe_code)]
 
 mod atomic_file;
+mod carried;
 pub mod csv;
 mod domain;
 mod error;
@@ -63,13 +64,15 @@ mod writer;
 pub mod xyz;
 
 use atomic_file::AtomicFile;
+pub use carried::carried_hash;
 pub use domain::{
-    check_domain_writable, domain_files, not_kept, read_domain, write_domain, write_domain_with,
+    check_domain_writable, domain_files, not_kept, read_domain, read_domain_by, write_domain,
+    write_domain_with,
 };
 pub use error::{DataError, IoError, ParseError, Place, Reason};
 pub use format::{Encoding, Format, MshVersion, WriteOptions};
 use ltbw_core::{BoundaryFace, TetMesh};
-use ltbw_domain::Domain;
+use ltbw_domain::{Domain, refine::Given};
 use ltbw_exact::Point;
 pub use parts::{check_parts_writable, is_parts, part_files, write_parts};
 use std::path::{Path, PathBuf};
@@ -123,9 +126,24 @@ pub struct DomainFile {
     pub notes: Vec<String>,
 }
 
+impl Given for DomainFile {
+    fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    fn is_surface(&self) -> bool {
+        self.oriented
+    }
+}
+
 /// Reads a point file: `.npy`, `.npz`, `.xyz`, `.txt`, `.csv`, `.node`, `.ply`, `.off`, `.obj` or
 /// `.stl`.
 pub fn read_points(path: impl AsRef<Path>) -> Result<PointFile, IoError> {
+    read_points_by(path, &mut load)
+}
+
+/// Reads a point file as [`read_points`] does, with bytes that `load` gives.
+pub fn read_points_by(path: impl AsRef<Path>, load: &mut Load<'_>) -> Result<PointFile, IoError> {
     let path = path.as_ref();
     let format = Format::from_path(path)?;
     if !format.holds_points() {
@@ -143,9 +161,18 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<TetMesh, IoError> {
 
 /// Reads a mesh file as [`read_mesh`] does, and tells what in it was not read.
 pub fn read_mesh_file(path: impl AsRef<Path>) -> Result<MeshFile, IoError> {
+    read_mesh_by(path, &mut load)
+}
+
+/// A way to the bytes of a file: [`read_bytes`], or one that looks at them, too. A file of several
+/// is asked for one after the other.
+pub type Load<'a> = dyn FnMut(&Path) -> Result<Vec<u8>, IoError> + 'a;
+
+/// Reads a mesh file as [`read_mesh_file`] does, with bytes that `load` gives.
+pub fn read_mesh_by(path: impl AsRef<Path>, load: &mut Load<'_>) -> Result<MeshFile, IoError> {
     let path = path.as_ref();
     match Format::from_path(path)? {
-        Format::Node | Format::Ele => read_pair(path),
+        Format::Node | Format::Ele => read_pair(path, load),
         format if format.holds_mesh() => parse_mesh(path, format, &load(path)?),
         format => Err(wrong_kind(path, format, "a mesh is")),
     }
@@ -153,11 +180,16 @@ pub fn read_mesh_file(path: impl AsRef<Path>) -> Result<MeshFile, IoError> {
 
 /// Reads edge lengths at points: an `.mtr` file, whatever its extension.
 pub fn read_sizes(path: impl AsRef<Path>) -> Result<Vec<f64>, IoError> {
+    read_sizes_by(path, &mut load)
+}
+
+/// Reads edge lengths as [`read_sizes`] does, with bytes that `load` gives.
+pub fn read_sizes_by(path: impl AsRef<Path>, load: &mut Load<'_>) -> Result<Vec<f64>, IoError> {
     let path = path.as_ref();
     tetgen::read_mtr(&load(path)?).map_err(|error| parse_error(path, error))
 }
 
-fn read_pair(path: &Path) -> Result<MeshFile, IoError> {
+fn read_pair(path: &Path, load: &mut Load<'_>) -> Result<MeshFile, IoError> {
     let (node_path, ele_path) = pair(path);
     let face_path = face_path(path);
     let node = tetgen::parse_node(&load(&node_path)?).map_err(|e| parse_error(&node_path, e))?;

@@ -31,6 +31,7 @@ pub struct MeshWriter<'a> {
     mesh: &'a TetMesh,
     values: &'a [(&'static str, Vec<f64>)],
     names: &'a [GroupName],
+    hash: Option<&'a str>,
     options: WriteOptions,
     cancel: Option<&'a CancelToken>,
 }
@@ -38,7 +39,8 @@ pub struct MeshWriter<'a> {
 impl<'a> MeshWriter<'a> {
     /// A mesh with nothing but its own tags and faces, and the default [`WriteOptions`].
     pub fn new(mesh: &'a TetMesh) -> Self {
-        Self { mesh, values: &[], names: &[], options: WriteOptions::default(), cancel: None }
+        let options = WriteOptions::default();
+        Self { mesh, values: &[], names: &[], hash: None, options, cancel: None }
     }
 
     /// Names of figures, each with a value for every tetrahedron, as
@@ -50,6 +52,13 @@ impl<'a> MeshWriter<'a> {
     /// Names of regions and of markers.
     pub fn names(self, names: &'a [GroupName]) -> Self {
         Self { names, ..self }
+    }
+
+    /// The canonical hash of the mesh, which `.vtu` and `.msh` files carry:
+    /// [`carried_hash`](crate::carried_hash) finds it. It may be that of the inside, of a mesh that
+    /// is written with its exterior.
+    pub fn hash(self, hash: &'a str) -> Self {
+        Self { hash: Some(hash), ..self }
     }
 
     /// A choice where the format leaves one.
@@ -124,14 +133,12 @@ impl<'a> MeshWriter<'a> {
 
     /// Writes a mesh for which [`MeshWriter::ready`] had no complaint, in a format of one file.
     fn put(&self, out: &mut dyn Write, format: Format) -> std::io::Result<()> {
-        let Self { mesh, values, names, options, .. } = *self;
+        let Self { mesh, values, names, hash, options, .. } = *self;
         match format {
-            Format::Msh => {
-                msh::write_named(out, mesh, names, options.msh_version, options.encoding)
-            }
+            Format::Msh => msh::write_hashed(out, mesh, (names, hash), options),
             Format::Medit => medit::write(out, mesh),
             Format::Vtk => vtk::write_with(out, mesh, values, options.encoding),
-            _ => vtu::write_with(out, mesh, values, options.encoding),
+            _ => vtu::write_hashed(out, mesh, (values, hash), options.encoding),
         }
     }
 

@@ -113,15 +113,17 @@ pub struct CavityTimes {
 }
 
 impl CavityTimes {
-    /// Latency tolerance (A + I) / (A + I + S); 1 if no cavity was ever active.
-    pub fn lt(&self) -> f64 {
-        let useful = self.local_active + self.interface_active;
-        1.0 - share(self.set_back, useful + self.set_back)
+    /// Latency tolerance (A + I) / (A + I + S); none if no cavity was ever active: then there was
+    /// no latency to tolerate.
+    pub fn lt(&self) -> Option<f64> {
+        let all = self.local_active + self.interface_active + self.set_back;
+        (all > 0).then(|| 1.0 - share(self.set_back, all))
     }
 
     /// LT strict: 1 − (idle while a cavity is active + S) / (time with a cavity active).
-    pub(super) fn lt_strict(&self, times: &Times) -> f64 {
-        1.0 - share(times.idle_active + self.set_back, times.active)
+    pub(super) fn lt_strict(&self, times: &Times) -> Option<f64> {
+        let lost = times.idle_active + self.set_back;
+        (times.active > 0).then(|| 1.0 - share(lost, times.active))
     }
 
     pub(super) fn add(&mut self, other: &Self) {
@@ -221,13 +223,13 @@ impl WorkerFigures {
         (self.tets, self.interface_faces) = (next.tets, next.interface_faces);
     }
 
-    /// Latency tolerance of this worker (Table V).
-    pub fn lt(&self) -> f64 {
+    /// Latency tolerance of this worker (Table V), if it had an interface cavity.
+    pub fn lt(&self) -> Option<f64> {
         self.cavity_times.lt()
     }
 
     /// LT strict of this worker: idle time counts, too.
-    pub fn lt_strict(&self) -> f64 {
+    pub fn lt_strict(&self) -> Option<f64> {
         self.cavity_times.lt_strict(&self.times)
     }
 }

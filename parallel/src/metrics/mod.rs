@@ -43,7 +43,7 @@ pub use collector::{Cause, Collector, Step};
 pub use figures::{Cavities, CavityTimes, Messages, Polls, Times, WorkerFigures};
 pub use flow::Flow;
 pub use span::{Span, SpanKind};
-pub use summary::Summary;
+pub use summary::{Summary, tolerance};
 pub use trace::Trace;
 
 /// Time in nanoseconds since a run's start.

@@ -34,16 +34,21 @@ impl std::fmt::Display for Summary {
         writeln!(f, "{} points inserted, {} setbacks", self.operations(), self.setbacks())?;
         write!(
             f,
-            "latency tolerance {:.4}, with idle time {:.4}, of the worst worker {:.4}, {:.4}; \
+            "latency tolerance {}, with idle time {}, of the worst worker {}, {}; \
              {} messages of {} bytes",
-            self.lt(),
-            self.lt_strict(),
-            self.worst_lt(),
-            self.worst_lt_strict(),
+            tolerance(self.lt()),
+            tolerance(self.lt_strict()),
+            tolerance(self.worst_lt()),
+            tolerance(self.worst_lt_strict()),
             self.all_messages().count,
             self.all_messages().bytes
         )
     }
+}
+
+/// A latency tolerance for people; `-` where there was nothing to tolerate.
+pub fn tolerance(lt: Option<f64>) -> String {
+    lt.map_or("-".to_owned(), |lt| format!("{lt:.4}"))
 }
 
 impl Summary {
@@ -131,46 +136,49 @@ impl Summary {
         self.workers.iter().map(|w| w.worst_setbacks).max().unwrap_or(0)
     }
 
-    /// Latency tolerance of all workers together.
-    pub fn lt(&self) -> f64 {
+    /// Latency tolerance of all workers together; none without an interface cavity.
+    pub fn lt(&self) -> Option<f64> {
         self.cavity_times.lt()
     }
 
     /// LT strict of all workers together.
-    pub fn lt_strict(&self) -> f64 {
+    pub fn lt_strict(&self) -> Option<f64> {
         self.cavity_times.lt_strict(&self.times)
     }
 
     /// The workers that tolerate latency worst and best, by LT: those of Tables IV and V. The first
-    /// of equal ones; none only in a run without workers.
+    /// of equal ones; none in a run without interface cavities.
     pub fn extremes_of_tolerance(&self) -> Option<(&WorkerFigures, &WorkerFigures)> {
         self.extremes(WorkerFigures::lt)
     }
 
-    /// The lowest LT of any worker; 1 if there is none.
-    pub fn worst_lt(&self) -> f64 {
-        self.extremes_of_tolerance().map_or(1.0, |(worst, _)| worst.lt())
+    /// The lowest LT of any worker; none without an interface cavity.
+    pub fn worst_lt(&self) -> Option<f64> {
+        self.extremes_of_tolerance().and_then(|(worst, _)| worst.lt())
     }
 
     /// The lowest LT strict of any worker, which may be another one than that with the lowest LT.
-    pub fn worst_lt_strict(&self) -> f64 {
-        self.extremes(WorkerFigures::lt_strict).map_or(1.0, |(worst, _)| worst.lt_strict())
+    pub fn worst_lt_strict(&self) -> Option<f64> {
+        self.extremes(WorkerFigures::lt_strict).and_then(|(worst, _)| worst.lt_strict())
     }
 
     /// The workers with the smallest and the largest share of useful polling, by time: those of
     /// Table VI.
     pub fn extremes_of_polling(&self) -> Option<(&WorkerFigures, &WorkerFigures)> {
-        self.extremes(|worker| worker.polls.useful_share())
+        self.extremes(|worker| Some(worker.polls.useful_share()))
     }
 
     fn extremes(
         &self,
-        by: impl Fn(&WorkerFigures) -> f64,
+        by: impl Fn(&WorkerFigures) -> Option<f64>,
     ) -> Option<(&WorkerFigures, &WorkerFigures)> {
-        let order = |a: &&WorkerFigures, b: &&WorkerFigures| by(a).total_cmp(&by(b));
-        let least = self.workers.iter().min_by(order)?;
+        let known = || self.workers.iter().filter_map(|worker| Some((by(worker)?, worker)));
+        let order = |a: &(f64, &WorkerFigures), b: &(f64, &WorkerFigures)| a.0.total_cmp(&b.0);
+        let (_, least) = known().min_by(order)?;
         // The last of equal ones is what `max_by` gives.
-        Some((least, self.workers.iter().rev().max_by(order)?))
+        let all: Vec<_> = known().collect();
+        let &(_, most) = all.iter().rev().max_by(|a, b| order(a, b))?;
+        Some((least, most))
     }
 
     /// Share of the processors' time that one processor would have needed for the whole run:

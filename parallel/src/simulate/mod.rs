@@ -20,6 +20,7 @@ mod mesh;
 mod network;
 mod options;
 mod processor;
+mod whole;
 
 pub use crate::payload::Payload;
 pub use cost::CostModel;
@@ -28,3 +29,4 @@ pub use error::SimulationError;
 pub use mesh::{MeshError, Meshed, simulate_as, simulate_mesh};
 pub use network::{Bursts, Distribution, Network};
 pub use options::{Options, RandomMigrations};
+pub use whole::{Around, Whole};

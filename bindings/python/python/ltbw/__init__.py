@@ -96,6 +96,7 @@ def tetrahedralize(
     progress=None,
     threads=1,
     check=True,
+    excused_share=0.01,
 ):
     """A conforming Delaunay mesh of a polyhedral domain, with bounds that are met exactly.
 
@@ -141,12 +142,16 @@ def tetrahedralize(
         Threads for sorting and checking.
     check : bool
         Check the mesh against the domain, by independent code: :attr:`Mesh.certificate`.
+    excused_share : float
+        The certificate is true if at most this share of the tetrahedra, and of their volume, is
+        excused from a bound; at most 0.05.
 
     Returns
     -------
     Mesh
         Its ``outcome`` is ``"met"``, or ``"excused"`` where input angles are too small for the
-        bounds: ``excuses`` lists these tetrahedra.
+        bounds: ``excuses`` lists these tetrahedra, and the certificate says ``excused``, or
+        ``failed`` where they are more than ``excused_share``.
 
     Raises
     ------
@@ -176,6 +181,7 @@ def tetrahedralize(
         exact_input=_input.truth(exact_input, "exact_input"),
         own_frame=_input.frame(frame),
         check=_input.truth(check, "check"),
+        excused_share=_input.number(excused_share, "excused_share", "excused_share.type"),
         threads=_threads(threads),
     )
     source, progress = _input.surface(surface), _input.function(progress, "progress")

@@ -22,6 +22,7 @@ class InternalError(Error, RuntimeError): ...
 class Certificate:
     report: dict[str, Any]
     passed: bool
+    verdict: Literal["passed", "excused", "failed"]
     defects: list[Any]
     def __bool__(self) -> bool: ...
     @property
@@ -78,6 +79,7 @@ def tetrahedralize(
     progress: Progress | None = ...,
     threads: int = ...,
     check: bool = ...,
+    excused_share: float = ...,
 ) -> Mesh: ...
 def check(
     points: ArrayLike,

@@ -227,6 +227,7 @@ def wishes(**given):
         "exact_input": False,
         "own_frame": None,
         "check": True,
+        "excused_share": None,
         "threads": 1,
     }
     return {**usual, **given}

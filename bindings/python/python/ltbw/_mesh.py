@@ -13,13 +13,17 @@ from ._errors import InputError
 class Certificate:
     """The findings of the independent checker.
 
-    ``passed`` tells whether nothing is wrong; ``defects`` are the first defects or breaches, as
-    dicts; ``report`` is all of it (schemas ``ltbw.cert/1`` and ``ltbw.conformity/1``).
+    ``verdict`` is ``"passed"``: nothing is wrong; ``"excused"``: it is over its bounds only where
+    that has a reason, on no more than ``excused_share`` of :func:`tetrahedralize`; or ``"failed"``.
+    A certificate is true for the first two. ``passed`` tells whether nothing is wrong; ``defects``
+    are the first defects or breaches, as dicts; ``report`` is all of it (schemas ``ltbw.cert/1``
+    and ``ltbw.conformity/1``).
     """
 
     def __init__(self, text):
         self.report = json.loads(text)
         self.passed = self.report["passed"]
+        self.verdict = self.report.get("verdict", "passed" if self.passed else "failed")
         self.defects = self.report.get("defects", []) + self.report.get("breaches", [])
 
     @property
@@ -28,10 +32,10 @@ class Certificate:
         return self.report.get("mesh", {}).get("hash")
 
     def __bool__(self):
-        return self.passed
+        return self.verdict != "failed"
 
     def __repr__(self):
-        return f"<ltbw.Certificate {'passed' if self.passed else 'FAILED'}>"
+        return f"<ltbw.Certificate {self.verdict}>"
 
 
 def check(

@@ -7,7 +7,6 @@ use super::measure::{RatioBound, Shape, VolumeBound, has_large_dihedrals};
 use super::state::State;
 use super::thin::Thin;
 use crate::prepare::LARGEST_TOLERANCE;
-use crate::vector::distance2;
 use crate::{Domain, Lattice};
 use ltbw_core::topology::{INFINITE, TetId};
 use ltbw_core::{FourCorners, test_bounds};
@@ -16,25 +15,20 @@ use ltbw_exact::Point;
 /// The largest tolerance within which facets of a domain may be taken for coplanar: 2^-10 of the
 /// diagonal.
 pub fn largest_tolerance(domain: &Domain) -> f64 {
-    LARGEST_TOLERANCE * diagonal(domain)
+    LARGEST_TOLERANCE * domain.diagonal()
 }
 
 /// The tolerance within which the triangles of a surface are usually taken for coplanar: 2^-22 of
 /// the diagonal, or two steps of the largest coordinate where all numbers are single-precision;
 /// `read` is the surface as its file has it, `ready` as it is to be meshed.
 pub fn usual_tolerance(read: &Domain, ready: &Domain) -> f64 {
-    let own = diagonal(read) / f64::from(1u32 << 22);
+    let own = read.diagonal() / f64::from(1u32 << 22);
     let numbers = || read.vertices.iter().flatten();
     let largest = numbers().fold(0.0, |most: f64, c| most.max(c.abs())) as f32;
     let is_single = numbers().all(|&c| f64::from(c as f32) == c) && largest < f32::MAX;
     let steps = 2.0 * (f64::from(largest.next_up()) - f64::from(largest));
     // Far from the origin single-precision steps are no small lengths.
     if is_single { own.max(steps) } else { own }.min(largest_tolerance(ready))
-}
-
-fn diagonal(domain: &Domain) -> f64 {
-    let (low, high) = domain.bounds().unwrap_or_default();
-    distance2(&low, &high).sqrt()
 }
 
 /// A tolerance within which facets may be taken for coplanar.

@@ -13,6 +13,7 @@ use super::record::Record;
 use super::state::State;
 use super::table::{Map, Set};
 use ltbw_core::topology::TetId;
+use ltbw_exact::Point;
 
 impl State {
     /// The excuses of the tetrahedra over their bounds, in the order of `order`, which has all;
@@ -83,6 +84,8 @@ pub struct Excused {
     pub tets: usize,
     /// The volume that they fill, rounded, in the coordinates of the domain.
     pub volume: f64,
+    /// The middle of the largest of them, in the same coordinates.
+    pub at: Point,
 }
 
 /// A sum of rounded numbers with what rounding took off it, so that millions of them lose nothing.
@@ -109,16 +112,22 @@ impl Refined {
     /// The excuses counted by reason, in the order of reasons: corner by corner, then segment by
     /// segment.
     pub fn excused(&self) -> Vec<Excused> {
-        let mut all: Map<Reason, (usize, Sum)> = Map::default();
-        for excuse in &self.excuses {
-            let entry = all.entry(excuse.reason).or_default();
-            entry.0 += 1;
-            entry.1.add(self.volume_of(excuse.tet));
+        let mut all: Map<Reason, (usize, Sum, (f64, TetId))> = Map::default();
+        for &Excuse { tet, reason } in &self.excuses {
+            let volume = self.volume_of(tet);
+            let (tets, sum, largest) =
+                all.entry(reason).or_insert((0, Sum::default(), (-1.0, tet)));
+            *tets += 1;
+            sum.add(volume);
+            // Of equal ones the first, which is the same for any number of threads.
+            if volume > largest.0 {
+                *largest = (volume, tet);
+            }
         }
-        let excused = |(reason, (tets, sum)): (Reason, (usize, Sum))| Excused {
-            reason,
-            tets,
-            volume: sum.value(),
+        let middle = |t: TetId| self.place(&Item::Tet(t, self.state.vertices(t))).1;
+        let excused = |(reason, (tets, sum, (_, largest)))| {
+            let (volume, at) = (Sum::value(sum), middle(largest));
+            Excused { reason, tets, volume, at }
         };
         let mut list: Vec<Excused> = all.into_iter().map(excused).collect();
         list.sort_unstable_by_key(|excused| excused.reason);

@@ -37,7 +37,7 @@
 //! | `choice`, `aims`, `survey`, `surveyed` | the choice of a round by values: points, verdicts |
 //! | `complex` | boundary, bounds and points as values, for engines on many processors |
 //! | `background` | sizing by a background mesh, or at input vertices |
-//! | `excuse` | what is over its bounds at the end, and why |
+//! | `excuse`, `share` | what is over its bounds at the end, and why; whether that is much |
 //! | `number` | numbers of vertices, and orders, that are functions of the mesh alone |
 //! | `output` | the mesh and its boundary as plain arrays |
 
@@ -82,6 +82,7 @@ mod relief;
 mod rounds;
 mod run;
 mod seed;
+mod share;
 mod sharp;
 mod sliver;
 mod split;
@@ -126,13 +127,14 @@ pub use rounds::{InsertOrder, RoundTimes};
 pub use run::Refiner;
 #[doc(hidden)]
 pub use run::{Asked, Delegated, Handed, Parted};
+pub use share::{ExcusedShare, Verdict};
 #[doc(hidden)]
 pub use survey::{Survey, Watch};
 #[doc(hidden)]
 pub use surveyed::{Collected, Surveyed};
 #[doc(hidden)]
 pub use thin::{Thin, ThinTets};
-pub use whole::MeshError;
+pub use whole::{Given, MeshError};
 
 /// Why there is no mesh of a domain.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -63,7 +63,7 @@ pub struct Refiner<'a> {
     max_volume: Option<f64>,
     field: Option<&'a SizeField<'a>>,
     floor: Option<f64>,
-    flat_tolerance: f64,
+    flat_tolerance: Option<f64>,
     max_points: Option<u64>,
     cancel: Option<&'a CancelToken>,
     observer: Option<&'a dyn Observer>,
@@ -92,7 +92,7 @@ impl Default for Refiner<'_> {
             max_volume: None,
             field: None,
             floor: None,
-            flat_tolerance: 0.0,
+            flat_tolerance: None,
             max_points: None,
             cancel: None,
             observer: None,
@@ -159,7 +159,8 @@ impl<'a> Refiner<'a> {
     }
 
     /// Sets the distance within which neighbouring facets are one plane, in the coordinates of the
-    /// domain: at most 2^-10 of the diagonal of its box. By default 0: facets are what they are.
+    /// domain: at most 2^-10 of the diagonal of its box. By default 0, facets are what they are;
+    /// but [`Refiner::mesh`] takes what is usual for a surface.
     ///
     /// Facets of one polygon that are coplanar within the tolerance make a *patch*. The edges
     /// inside a patch need not be in the mesh; its vertices and its outline are, exactly, and new
@@ -169,7 +170,13 @@ impl<'a> Refiner<'a> {
     /// If the patches cannot be brought into the mesh, the tolerance is 0 after all:
     /// [`RefineStats::flat_tolerance`] says so.
     pub fn flat_tolerance(mut self, length: f64) -> Self {
-        self.flat_tolerance = length;
+        self.flat_tolerance = Some(length);
+        self
+    }
+
+    /// Sets it where nothing was set.
+    pub(super) fn or_flat_tolerance(mut self, length: f64) -> Self {
+        self.flat_tolerance = self.flat_tolerance.or(Some(length));
         self
     }
 
@@ -234,12 +241,13 @@ impl<'a> Refiner<'a> {
         lattice: &Lattice,
     ) -> Result<(Run<'a>, Vec<RegionInfo>), RefineError> {
         check_limits(self.radius_edge, self.max_volume, lattice)?;
-        check_tolerance(self.flat_tolerance, domain)?;
+        let tolerance = self.flat_tolerance.unwrap_or(0.0);
+        check_tolerance(tolerance, domain)?;
         let clock = Instant::now();
         let (mut without, mut given_up) = (Set::default(), 0);
         let mut done = None;
-        for _ in 0..if self.flat_tolerance > 0.0 { DISSOLVED } else { 0 } {
-            match self.recovered_within(domain, lattice, self.flat_tolerance, &without)? {
+        for _ in 0..if tolerance > 0.0 { DISSOLVED } else { 0 } {
+            match self.recovered_within(domain, lattice, tolerance, &without)? {
                 Ok(found) => done = Some(found),
                 Err(Unfound { dissolve, .. }) if !dissolve.is_empty() => {
                     given_up += dissolve.len();

@@ -14,7 +14,7 @@
 //! are physical groups, each with an entity of its own, if all are positive and below 2^31 (what
 //! Gmsh allows), else a view `region`. Boundary triangles come last, each different marker as a
 //! surface and a physical group; a marker that can be no group (0, say) has a free one, named
-//! `marker 0`.
+//! `marker 0`. The hash of the mesh, where it is given, is a section `$Comments`.
 //! Source: the Gmsh reference manual, "MSH file format" and "Legacy formats".
 
 mod parts;
@@ -30,7 +30,7 @@ use super::text::{capacity, count};
 use super::{GroupName, MeshFile};
 use parts::Parts;
 use source::{Form, Source};
-pub(super) use write::check;
+pub(super) use write::{check, write_hashed};
 pub use write::{write, write_named};
 
 /// Reads a `.msh` file.
@@ -64,6 +64,8 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
             (b"PhysicalNames", _) => names(&mut source, &mut parts)?,
             (b"NodeData", _) => data(&mut source, &mut parts, "NodeData")?,
             (b"ElementData", _) => data(&mut source, &mut parts, "ElementData")?,
+            // Words for people, and the hash of the mesh (`carried`).
+            (b"Comments", _) => source.skip_section(name)?,
             (other, _) => {
                 source.skip_section(other)?;
                 parts.notes.push(format!("section ${} is not read", excerpt(other)));

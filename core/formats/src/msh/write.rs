@@ -4,7 +4,7 @@ use super::MshVersion;
 use super::parts::{TETRAHEDRON, TRIANGLE};
 use crate::error::DataError;
 use crate::text::{push_integer, push_point, write_rows};
-use crate::{Encoding, GroupName, check_float_tags};
+use crate::{Encoding, GroupName, WriteOptions, carried, check_float_tags};
 use ltbw_core::{BoundaryFace, TetMesh};
 use std::io::{Error, ErrorKind, Result, Write};
 
@@ -229,6 +229,17 @@ pub fn write_named(
     version: MshVersion,
     encoding: Encoding,
 ) -> Result<()> {
+    write_hashed(out, mesh, (names, None), WriteOptions { msh_version: version, encoding })
+}
+
+/// The same with the hash of the mesh, which stands in a section that readers pass over.
+pub(crate) fn write_hashed(
+    out: &mut dyn Write,
+    mesh: &TetMesh,
+    (names, hash): (&[GroupName], Option<&str>),
+    options: WriteOptions,
+) -> Result<()> {
+    let WriteOptions { msh_version: version, encoding } = options;
     check(mesh).map_err(|e| Error::new(ErrorKind::InvalidInput, e))?;
     let faces = mesh.faces.as_slice();
     if i32::try_from(mesh.points.len().max(mesh.tets.len() + faces.len())).is_err() {
@@ -249,6 +260,9 @@ pub fn write_named(
         // Tells the byte order.
         sink.row(|row| row.int(1))?;
         sink.end("MeshFormat")?;
+    }
+    if let Some(hash) = hash {
+        sink.line(&format!("$Comments\n{}\n$EndComments", carried::line(hash)))?;
     }
     let surfaces = Surfaces::new(faces, names);
     surfaces.write_names(sink, names)?;

@@ -3,11 +3,12 @@
 //! Written: one piece, `Float64` points, `Int64` arrays named `tag` (points) and `region` (cells)
 //! where there are tags, and `attribute` where regions have attributes; boundary triangles behind
 //! the tetrahedra, with the array `marker` of cells; figures of tetrahedra on request; arrays are
-//! appended raw, or text. Read: any number of pieces; arrays as text, inline in base64, or appended
-//! raw or in base64; uncompressed or compressed by zlib, LZ4 or LZMA; either byte order. Tetrahedra
-//! (VTK type 10) become the mesh; triangles (type 5) that are faces of tetrahedra are boundary
-//! triangles, with their `marker`; other cells of dimension 0 to 2 and other arrays are not read,
-//! and a note says so; other cells are refused.
+//! appended raw, or text; the hash of the mesh in a comment, where it is given. Read: any number
+//! of pieces; arrays as text, inline in base64, or appended raw or in base64; uncompressed or
+//! compressed by zlib, LZ4 or LZMA; either byte order. Tetrahedra (VTK type 10) become the mesh;
+//! triangles (type 5) that are faces of tetrahedra are boundary triangles, with their `marker`;
+//! other cells of dimension 0 to 2 and other arrays are not read, and a note says so; other cells
+//! are refused.
 //! Source: the VTK file formats page of the VTK documentation.
 
 mod array;
@@ -24,8 +25,8 @@ use array::{Layout, Stream};
 pub(crate) use cells::Grid;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
-pub(crate) use write::write_part;
 pub use write::{write, write_with};
+pub(crate) use write::{write_hashed, write_part};
 
 /// VTK's number for a tetrahedron.
 const TETRAHEDRON: i64 = 10;

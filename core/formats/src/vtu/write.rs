@@ -4,8 +4,8 @@
 //! so a triangle has those of its tetrahedron, and looks like it; tetrahedra have the marker 0.
 
 use super::{TETRAHEDRON, TRIANGLE};
-use crate::Encoding;
 use crate::text::{push_float, push_integer, push_point, write_rows};
+use crate::{Encoding, carried};
 use ltbw_core::TetMesh;
 use std::io::Write;
 
@@ -51,7 +51,7 @@ pub(crate) fn write_part(out: &mut dyn Write, mesh: &TetMesh, worker: i32) -> st
         bytes: 4 * cells,
         row: Box::new(move |_, row| row.extend(worker.to_le_bytes())),
     });
-    write_arrays(out, mesh.points.len(), cells, &arrays, Encoding::Binary)
+    write_arrays(out, (mesh.points.len(), cells), &arrays, (Encoding::Binary, None))
 }
 
 /// Writes a `.vtu` file as [`write()`] does, with arrays of figures: names, each with a value for
@@ -65,20 +65,30 @@ pub fn write_with(
     values: &[(&'static str, Vec<f64>)],
     encoding: Encoding,
 ) -> std::io::Result<()> {
+    write_hashed(out, mesh, (values, None), encoding)
+}
+
+/// The same with the hash of the mesh, in a comment.
+pub(crate) fn write_hashed(
+    out: &mut dyn Write,
+    mesh: &TetMesh,
+    (values, hash): (&[(&'static str, Vec<f64>)], Option<&str>),
+    encoding: Encoding,
+) -> std::io::Result<()> {
     let mut arrays = geometry(mesh, encoding);
     arrays.extend(data(mesh, values, encoding));
-    let cells = mesh.tets.len() + mesh.faces.len();
-    write_arrays(out, mesh.points.len(), cells, &arrays, encoding)
+    let sizes = (mesh.points.len(), mesh.tets.len() + mesh.faces.len());
+    write_arrays(out, sizes, &arrays, (encoding, hash))
 }
 
 /// Writes a grid of one piece.
 fn write_arrays(
     out: &mut dyn Write,
-    points: usize,
-    cells: usize,
+    (points, cells): (usize, usize),
     arrays: &[Array<'_>],
-    encoding: Encoding,
+    (encoding, hash): (Encoding, Option<&str>),
 ) -> std::io::Result<()> {
+    let comment = hash.map(|hash| format!("<!-- {} -->\n", carried::line(hash)));
     let header = match encoding {
         Encoding::Binary => " header_type=\"UInt64\"",
         Encoding::Ascii => "",
@@ -86,8 +96,10 @@ fn write_arrays(
     write!(
         out,
         "<?xml version=\"1.0\"?>\n\
-         <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\"{header}>\n\
-         <UnstructuredGrid>\n<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n"
+         <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" \
+         byte_order=\"LittleEndian\"{header}>\n{}\
+         <UnstructuredGrid>\n<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n",
+        comment.unwrap_or_default()
     )?;
     let mut offset = 0;
     for (k, array) in arrays.iter().enumerate() {
