@@ -125,7 +125,7 @@ pub(crate) fn own(
     let options = verify::Options::default();
     // A tetrahedron that is not listed cannot be told to be excused.
     let max_defects = options.max_defects.max(excused.len());
-    let options = verify::Options { max_defects, ..options };
+    let options = verify::Options { max_defects, numbered_regions: true, ..options };
     let (found, same) = conformity(ready, mesh, wishes, flat_tolerance, &options);
     let text = json_of(&found, same && found.passed()).to_string();
     if same && is_explained(&found, &mesh.tets, excused) {
