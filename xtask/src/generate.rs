@@ -66,7 +66,7 @@ pub(crate) fn compare(
     Ok(files.len())
 }
 
-/// What is in the tree.
+/// The text in the tree.
 pub(crate) fn checked_in(path: &Path) -> std::io::Result<String> {
     fs::read_to_string(root().join(path))
 }

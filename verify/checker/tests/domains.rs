@@ -9,7 +9,7 @@ fn facets(all: &[[u32; 3]]) -> Vec<PlcFacet> {
     all.iter().map(|f| PlcFacet { polygons: vec![f.to_vec()], ..PlcFacet::default() }).collect()
 }
 
-/// What the checker counts.
+/// The checker's counts.
 fn counted(found: &Conformity) -> Vec<(ConformityDefect, u64)> {
     assert_eq!(found.mesh_defect_count, 0, "{:?}", found.mesh_defects);
     found.counts.iter().map(|(&breach, &count)| (breach, count)).collect()
@@ -97,7 +97,7 @@ impl Cells {
         Self { plc, points, tets, cells }
     }
 
-    /// What the checker counts where the tetrahedra of each cell have its tag.
+    /// The checker's counts where the tetrahedra of each cell have its tag.
     fn with_tags(&self, of: [i64; 3], numbered: bool) -> Vec<(ConformityDefect, u64)> {
         let tags: Vec<i64> = self.cells.iter().map(|&cell| of[cell]).collect();
         let options = Options {
