@@ -163,7 +163,8 @@ fn planted(
         text = text.replacen(edit.right, &both, 1);
     }
     if is_root {
-        text.push_str(SWITCH);
+        // Planted code need not be neat.
+        text = format!("#![allow(warnings)]\n{text}{SWITCH}");
     }
     Ok(Some(text))
 }
