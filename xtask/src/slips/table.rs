@@ -233,7 +233,7 @@ pub(super) const SLIPS: &[Slip] = &[
         edits: &[Edit {
             file: "verify/checker/src/hull.rs",
             right: "mesh.in_sphere(t, q, &mut part.tally)",
-            wrong: "-1",
+            wrong: "match mesh.in_sphere(t, q, &mut part.tally) { 1 => -1, other => other }",
         }],
         target: "--test defects",
         test: "",
