@@ -94,7 +94,8 @@ pub(crate) fn check_own(
     let plc = plc_of(&ready.domain, refined.stats.flat_tolerance);
     let tags = inside.tet_tags.as_deref();
     let options = verify::Options::default();
-    let options = verify::Options { max_defects: options.max_defects.max(excuses), ..options };
+    let max_defects = options.max_defects.max(excuses);
+    let options = verify::Options { max_defects, numbered_regions: true, ..options };
     verify::conforms(&mesh, &plc, tags, &limits, &options)
 }
 

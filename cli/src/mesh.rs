@@ -106,7 +106,8 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     distinct(&written)?;
     // A `.poly` may have its points in a `.node`.
     let mut inputs = io::domain_files(&args.domain);
-    inputs.extend([&args.sizes, &args.background].into_iter().flatten().cloned());
+    inputs.extend(args.sizes.clone());
+    inputs.extend(args.background.iter().flat_map(io::mesh_files));
     for input in inputs {
         written.iter().try_for_each(|path| keep_input(&input, path))?;
     }

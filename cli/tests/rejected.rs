@@ -130,6 +130,38 @@ fn the_input_is_not_overwritten() {
     assert_eq!(names(dir.path()), ["m.ele", "m.node", "p.node"]);
 }
 
+/// Sizes and the mesh that they are about are inputs, too, and so are all files of that mesh.
+#[test]
+fn sizes_and_the_background_mesh_are_not_overwritten() {
+    let dir = tempfile::tempdir().unwrap();
+    assert_eq!(ltbw(dir.path(), &["generate", "l-block", "-o", "d.poly"]).code, 0);
+    assert_eq!(ltbw(dir.path(), &["mesh", "d.poly", "-o", "b.ele", "-o", "b.vtu"]).code, 0);
+    std::fs::write(dir.path().join("s.mtr"), "1 1\n0.5\n").unwrap();
+    let before: Vec<(String, Vec<u8>)> = names(dir.path())
+        .into_iter()
+        .map(|name| (name.clone(), std::fs::read(dir.path().join(name)).unwrap()))
+        .collect();
+    let cases: [(&[&str], &str); 6] = [
+        (&["--json", "s.mtr"], "s.mtr"),
+        (&["--background", "b.vtu", "-o", "a.vtu", "--json", "./s.mtr"], "./s.mtr"),
+        (&["--background", "b.vtu", "-o", "b.vtu"], "b.vtu"),
+        (&["--background", "b.ele", "--json", "b.ele"], "b.ele"),
+        (&["--background", "b.ele", "--json", "b.node"], "b.node"),
+        (&["--background", "b.node", "-o", "b.ele"], "b.node"),
+    ];
+    for (args, output) in cases {
+        let args = [&["mesh", "d.poly", "--sizes", "s.mtr"], args].concat();
+        let run = ltbw(dir.path(), &args);
+        assert_eq!(run.code, 2, "{args:?}: {}", run.stderr);
+        assert_eq!(run.error(), format!("{output}: this would overwrite the input"));
+    }
+    let after = names(dir.path());
+    assert_eq!(after.len(), before.len(), "{after:?}");
+    for (name, bytes) in before {
+        assert!(std::fs::read(dir.path().join(&name)).unwrap() == bytes, "{name}");
+    }
+}
+
 /// Two names of one file that is not there yet are one output, too.
 #[cfg(unix)]
 #[test]

@@ -54,6 +54,7 @@ fn check(name: &str, ready: &Prepared, volume: f64, run: &SimulatedDomain) {
     };
     let view = ltbw_verify::Mesh::new(&own.points, &tets);
     let options = ltbw_verify::Options::default();
+    let options = ltbw_verify::Options { numbered_regions: true, ..options };
     let found = conforms(&view, &plc_of(&ready.domain), Some(&tags), &limits, &options);
     assert_eq!(found.mesh_defect_count, 0, "{name}: {:?}", found.mesh_defects.first());
     assert!(found.counts.is_empty(), "{name}: {:?} {:?}", found.counts, found.findings.first());

@@ -7,14 +7,17 @@ use ltbw::threads::{Parallel, RunError};
 use ltbw::{BuildError, Builder, CancelToken, Outcome, Phase, PointSet, Progress, invariants};
 use ltbw_generate::{PointKind, generate};
 use std::fs;
+use std::io::Write;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
-/// Longer than any of these tests takes, on a slow machine, too.
-const PATIENCE: Duration = Duration::from_secs(600);
+/// Longer than any of these tests takes, on a slow machine, too, and than the runtime's own
+/// watchdog waits (120 s), which tells the state of each worker.
+const PATIENCE: Duration = Duration::from_secs(400);
 
-/// A watch over one test: a run that hangs fails, and shows what its threads do.
+/// A watch over one test: a run that hangs in a step, where no worker hears of anything, fails,
+/// too, and shows what its threads do.
 struct Watch(#[allow(dead_code, reason = "is dropped at the end of the test")] Sender<()>);
 
 impl Watch {
@@ -27,10 +30,12 @@ impl Watch {
         let test = thread::current().name().unwrap_or("a test").to_owned();
         thread::spawn(move || {
             if receiver.recv_timeout(patience) == Err(RecvTimeoutError::Timeout) {
-                eprintln!("{test} hangs; its threads, with their clock ticks:");
-                eprint!("{}", threads());
+                // Not by `eprintln`, which a test keeps to itself until it ends.
+                let mut out = std::io::stderr();
+                let _ = writeln!(out, "{test} hangs; its threads, with their clock ticks:");
+                let _ = write!(out, "{}", threads());
                 thread::sleep(Duration::from_secs(1));
-                eprint!("a second later:\n{}", threads());
+                let _ = write!(out, "a second later:\n{}", threads());
                 end();
             }
         });

@@ -23,7 +23,8 @@ fn refine_and_judge(ready: &Prepared, volume: Option<f64>, ratio: f64) -> (Refin
         region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
     };
     let (view, plc) = (Mesh::new(&mesh.points, &mesh.tets), plc_of(&ready.domain));
-    let found = conforms(&view, &plc, mesh.tet_tags.as_deref(), &limits, &Options::default());
+    let options = Options { numbered_regions: true, ..Options::default() };
+    let found = conforms(&view, &plc, mesh.tet_tags.as_deref(), &limits, &options);
     (refined, found)
 }
 

@@ -54,7 +54,8 @@ fn one_mesh(
     let view = Mesh::new(&mesh.points, &mesh.tets);
     let flat_tolerance = first.stats.flat_tolerance;
     let plc = Plc { flat_tolerance, ..plc_of(&ready.domain) };
-    let found = conforms(&view, &plc, mesh.tet_tags.as_deref(), &limits, &Options::default());
+    let options = Options { numbered_regions: true, ..Options::default() };
+    let found = conforms(&view, &plc, mesh.tet_tags.as_deref(), &limits, &options);
     assert!(first.lost.is_empty(), "{name}: {:?}", first.lost.first());
     assert_eq!(found.mesh_defect_count, 0, "{name}: {:?}", found.mesh_defects.first());
     let bounds = |b: &ConformityDefect| matches!(b, ConformityDefect::RatioExceeded);

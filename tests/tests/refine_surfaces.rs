@@ -125,7 +125,8 @@ fn certified_within(
     };
     let limits = Limits { radius_edge: Some(2.0), max_volume: volume, ..Limits::default() };
     let view = Mesh::new(&mesh.points, &mesh.tets);
-    let found = conforms(&view, &plc, mesh.tet_tags.as_deref(), &limits, &Options::default());
+    let options = Options { numbered_regions: true, ..Options::default() };
+    let found = conforms(&view, &plc, mesh.tet_tags.as_deref(), &limits, &options);
     assert_eq!(found.mesh_defect_count, 0, "{name}: {:?}", found.mesh_defects.first());
     let bounds = |b: &ConformityDefect| {
         matches!(b, ConformityDefect::RatioExceeded | ConformityDefect::VolumeExceeded)

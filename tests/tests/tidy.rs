@@ -32,7 +32,7 @@ const LONG_FILES: &[&str] = &[];
 /// whoever ports the protocol. Folders, the file that neither reads, the number.
 const SIZES: &[(&[&str], &str, usize)] = &[
     (&["core/exact", "core/kernel"], "", 7_500),
-    (&["parallel/src/protocol"], "parallel/src/protocol/variants.rs", 1_820),
+    (&["parallel/src/protocol"], "parallel/src/protocol/variants.rs", 1_830),
 ];
 
 static TREE: LazyLock<Tree> = LazyLock::new(|| {

@@ -17,6 +17,7 @@ mod prove;
 mod python;
 mod rounds;
 mod shell;
+mod slips;
 mod terminal;
 mod tsan;
 
@@ -73,6 +74,8 @@ cargo xtask COMMAND
   mutants [predicates|filters|kernel|checker]... [--shard K/N] [-- ARG...]
                         does a test fail for every change that cargo-mutants makes? (predicates
                         if no group is named; ARGs go to cargo-mutants)
+  slips [N]...          plants slips behind a switch, in a copy of the tree, and shows which
+                        assertion sees each: minutes
 
 A missing tool is said aloud; with LTBW_REQUIRE=all (or the tool's name) it is a failure.";
 
@@ -97,6 +100,7 @@ fn main() -> ExitCode {
         "c" => c::run(),
         "coverage" => coverage::run(rest),
         "mutants" => mutants::run(rest),
+        "slips" => slips::run(rest),
         "help" | "--help" | "-h" => {
             println!("{HELP}");
             Ok(())

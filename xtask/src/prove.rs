@@ -1,10 +1,13 @@
 //! `prove`: the proofs of `verify/proofs`.
 //!
-//! Coq checks every file; then the assumptions of every theorem are printed and compared with the
-//! axioms that the real numbers of Coq's library bring. Constants that are a step too low must be
-//! refused. Gappa, if it is there, gives a second opinion on the constants. A copy in the target
-//! folder is what runs, so that nothing is left in the tree.
+//! First all that is generated is compared with its description: the proofs are about the constants
+//! and terms that are compiled, or nothing is proved. Then Coq checks every file, and the
+//! assumptions of every theorem are printed and compared with the axioms that the real numbers of
+//! Coq's library bring. Constants that are a step too low must be refused. Gappa, if it is there,
+//! gives a second opinion on the constants. A copy in the target folder is what runs, so that
+//! nothing is left in the tree.
 
+use crate::generate;
 use crate::predicates::coq::lowered;
 use crate::predicates::{gappa, spheres};
 use crate::require;
@@ -55,6 +58,8 @@ const OPEN: &[&str] = &[
 
 /// Checks all proofs.
 pub(crate) fn run() -> Result<(), String> {
+    let files = generate::compare(&generate::files()?, generate::checked_in)?;
+    println!("generated: {files} files are what their descriptions say");
     let build = target().join("proofs");
     copy(&root().join("verify/proofs"), &build)
         .map_err(|error| format!("verify/proofs: {error}"))?;

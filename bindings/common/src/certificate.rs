@@ -137,7 +137,7 @@ pub(crate) fn own(
     let options = verify::Options::default();
     // A tetrahedron that is not listed cannot be told to be excused.
     let max_defects = options.max_defects.max(excused.tets.len());
-    let options = verify::Options { max_defects, ..options };
+    let options = verify::Options { max_defects, numbered_regions: true, ..options };
     let (found, same) = conformity(ready, mesh, wishes, flat_tolerance, &options);
     let explained = same && is_explained(&found, &mesh.tets, &excused.tets);
     let passed = same && found.passed();

@@ -116,7 +116,8 @@ fn defects(args: &Simulate, ready: &Prepared, refined: &RefinedDomain) -> Vec<St
     };
     let mesh = verify::Mesh::new(&refined.points, &tets);
     let plc = plc_of(&ready.domain, 0.0);
-    let found = verify::conforms(&mesh, &plc, Some(&tags), &limits, &verify::Options::default());
+    let options = verify::Options { numbered_regions: true, ..verify::Options::default() };
+    let found = verify::conforms(&mesh, &plc, Some(&tags), &limits, &options);
     let mesh = found.mesh_defects.iter().map(|defect| format!("{defect:?}"));
     mesh.chain(found.counts.iter().map(|count| format!("{count:?}"))).collect()
 }

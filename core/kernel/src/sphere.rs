@@ -227,3 +227,6 @@ impl SphereBuilder {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

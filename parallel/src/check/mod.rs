@@ -1,17 +1,21 @@
-//! `check_p1` to `check_p11`: the invariants of `docs/protocol.md` between two steps, over all
+//! `check_p1` to `check_p12`: the invariants of `docs/protocol.md` between two steps, over all
 //! workers and all messages under way.
 //!
 //! Models, interleavings and simulations call [`Between::check`]; it costs time in proportion to
 //! the whole mesh. What a state cannot show, that a name is never given again and that an attempt
 //! is one above the last, is in [`History`].
 
+mod history;
+mod news;
 mod view;
 
+pub use history::History;
+pub use news::{NewsNumbers, count_news};
 pub use view::RequestView;
 
 use crate::protocol::{
-    Attempt, BlockId, Broken, Invariant, Message, Name, Neighbour, Note, Phase, Request, Rule,
-    Rules, Source, Submesh, Ticket, Waiter, Want, Worker, WorkerId,
+    BlockId, Broken, Invariant, Message, Name, Neighbour, Phase, Request, Rule, Rules, Source,
+    Submesh, Ticket, Waiter, Want, Worker, WorkerId,
 };
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
@@ -51,6 +55,12 @@ pub trait Inspect: Submesh {
 
     /// The tetrahedra that change their owner.
     fn carried(cargo: &Self::Cargo) -> Vec<Sent>;
+
+    /// The kinds of news that a message brings: those that barriers wait for.
+    fn kinds(news: &Self::News) -> Vec<&'static str> {
+        let _ = news;
+        Vec::new()
+    }
 }
 
 /// The whole system between two steps.
@@ -70,7 +80,8 @@ pub struct Between<'a, S: Submesh, Q, C> {
     counts: bool,
 }
 
-type Check = Result<(), Broken>;
+/// The first broken invariant, if there is one.
+pub type Check = Result<(), Broken>;
 
 /// Fails with `what` unless `holds`.
 fn require(invariant: Invariant, holds: bool, what: impl FnOnce() -> String) -> Check {
@@ -131,6 +142,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
             Self::check_p9,
             Self::check_p10,
             Self::check_p11,
+            Self::check_p12,
         ];
         checks.into_iter().try_for_each(|check| check(self))
     }
@@ -432,57 +444,25 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
             })
         })
     }
-}
-
-/// The history so far, for properties that no single state shows.
-#[derive(Clone, Debug, Default)]
-pub struct History {
-    /// The tetrahedron that each name was given to.
-    names: HashMap<Name, Vec<u64>>,
-    /// The name of each tetrahedron.
-    tets: HashMap<Vec<u64>, Name>,
-    attempts: BTreeMap<Ticket, Attempt>,
-}
-
-impl History {
-    /// P2 over time: a name is of one tetrahedron, a tetrahedron of one name.
-    ///
-    /// # Errors
-    /// P2.
-    pub fn look<S: Inspect, Q: Source<S>, C: Rules>(
-        &mut self,
-        between: &Between<'_, S, Q, C>,
-    ) -> Check {
-        let here = between.tets().map(|(_, tet)| (tet.name, &tet.vertices));
-        let sent = between.sent.iter().map(|(name, vertices)| (*name, vertices));
-        for (name, vertices) in here.chain(sent) {
-            let Some(name) = name else { continue };
-            let first = self.names.entry(name).or_insert_with(|| vertices.clone());
-            require(Invariant::P2, first == vertices, || {
-                format!("{name:?} was {first:?} and is {vertices:?}")
-            })?;
-            let one = *self.tets.entry(vertices.clone()).or_insert(name);
-            require(Invariant::P2, one == name, || {
-                format!("{vertices:?} is {one:?} and {name:?}")
-            })?;
+    fn check_p12(&self) -> Check {
+        let mut numbers = NewsNumbers::default();
+        for (_, _, message) in &self.under_way {
+            count_news(message, &mut numbers, 1);
         }
-        Ok(())
+        self.workers.iter().try_for_each(|worker| check_news(worker, &numbers))
     }
+}
 
-    /// P8 over time: an attempt is one above the last one of its operation.
-    ///
-    /// # Errors
-    /// P8.
-    pub fn note(&mut self, note: Note) -> Check {
-        let (ticket, now, is_new) = match note {
-            Note::SetBack { ticket, attempt } => (ticket, attempt, true),
-            Note::Committed { ticket, setbacks, .. } => (ticket, setbacks, false),
-            _ => return Ok(()),
-        };
-        let last = self.attempts.entry(ticket).or_default();
-        let before = std::mem::replace(last, now);
-        require(Invariant::P8, now == if is_new { before.next() } else { before }, || {
-            format!("attempt {now} of {ticket:?} comes after {before}")
-        })
-    }
+/// P12 for one worker; `numbers` of news are under way.
+///
+/// # Errors
+/// P12.
+pub fn check_news<S: Submesh, Q: Source<S>, C: Rules>(
+    worker: &Worker<S, Q, C>,
+    numbers: &NewsNumbers,
+) -> Check {
+    let late = numbers.late::<S, Q>(worker.source());
+    require(Invariant::P12, late.is_none(), || {
+        format!("worker {}: {late:?} under way behind a barrier", worker.id())
+    })
 }

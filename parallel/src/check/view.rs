@@ -30,7 +30,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         format!(
             "worker {}: {}{}",
             self.id(),
-            if self.source().is_empty() { "no points left" } else { "points left" },
+            self.source().describe(),
             ops.chain(requests).chain(absent).collect::<String>()
         )
     }

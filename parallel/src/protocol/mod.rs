@@ -34,7 +34,7 @@
 //! | `directory`, `table` | who owns which block; a small map |
 //! | `news` | what sources tell each other |
 //! | `rules` | R1 to R27, as constants |
-//! | `invariant` | P1 to P11, as assertions that hold in releases |
+//! | `invariant` | P1 to P12, as assertions that hold in releases |
 //! | `submesh` | what is needed of a mesh and of a supply of points |
 //! | `variants` | the steps of the paper's conflict rule and closure |
 

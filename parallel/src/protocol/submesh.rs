@@ -303,6 +303,18 @@ pub trait Source<S: Submesh> {
         None
     }
 
+    /// The kinds of news of which none may be under way, to anybody, while this source is as it is:
+    /// it has passed the barrier before which they are taken, and nobody sends the next ones before
+    /// it has said its word (P12).
+    fn excluded(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// Its state, for people who look at a run that makes no progress.
+    fn describe(&self) -> String {
+        if self.is_empty() { "no points left" } else { "points left" }.to_owned()
+    }
+
     /// Drops all points: the run is cancelled. A block that moves away afterwards takes none along.
     fn clear(&mut self);
 }

@@ -189,6 +189,21 @@ pub enum DomainNews {
     Several(Vec<DomainNews>),
 }
 
+/// The kinds of news that barriers wait for, in the order in which a round has them.
+pub(crate) const NEWS_KINDS: [&str; 11] = [
+    "Keys",
+    "Way",
+    "Seek",
+    "Search",
+    "Part",
+    "Void",
+    "WantRivals",
+    "Rivals",
+    "Ask",
+    "Gone",
+    "Release",
+];
+
 /// Bytes of some corners, most of which are free.
 fn corners_bytes(all: &[WireCorner]) -> u64 {
     let bytes = |corner: &WireCorner| match corner.carrier {
@@ -239,6 +254,28 @@ impl DomainNews {
             Self::Ended(_) => 3 * 8,
             Self::Several(all) => all.iter().map(|news| 1 + news.bytes()).sum(),
         }
+    }
+}
+
+impl DomainNews {
+    /// The kinds of all that it tells, of [`NEWS_KINDS`].
+    pub(crate) fn kinds(&self) -> Vec<&'static str> {
+        let kind = match self {
+            Self::Keys { .. } => 0,
+            Self::Way { .. } => 1,
+            Self::Seek { .. } => 2,
+            Self::Search { .. } => 3,
+            Self::Part { .. } => 4,
+            Self::Void(_) => 5,
+            Self::WantRivals(_) => 6,
+            Self::Rivals { .. } => 7,
+            Self::Ask { .. } => 8,
+            Self::Gone(_) => 9,
+            Self::Release(_) => 10,
+            Self::Several(all) => return all.iter().flat_map(Self::kinds).collect(),
+            Self::Up(_) | Self::Down(_) | Self::Ended(_) => return Vec::new(),
+        };
+        vec![NEWS_KINDS[kind]]
     }
 }
 

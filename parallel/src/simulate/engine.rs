@@ -1,20 +1,19 @@
 //! The simulator's loop.
 
 use super::error::SimulationError;
+use super::event::{Entry, What};
 use super::network::Links;
 use super::options::Options;
 use super::processor::{Asking, Envelope, Next, Processor};
 use crate::WorkerError;
 use crate::balance::{Balancer, Workload};
-use crate::check::{Between, History, Inspect};
+use crate::check::{Between, Check, History, Inspect, NewsNumbers, check_news, count_news};
 use crate::metrics::{Cause, Collector, Nanos, Step, SubmeshSize, Summary, Trace};
 use crate::payload::{LOAD_BYTES, Payload, bytes};
 use crate::protocol::{
-    Action, Broken, Event, Message, Note, Rules, Source, Submesh, Ticket, Worker, WorkerId,
-    message_of,
+    Action, Broken, Event, Message, Note, Rules, Source, Submesh, Worker, WorkerId, message_of,
 };
 use ltbw_core::Random;
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -56,58 +55,12 @@ where
     engine.finish()
 }
 
-/// An event at a point of virtual time.
-enum What<S: Submesh> {
-    /// A message arrives.
-    Arrive(WorkerId, Envelope<S>),
-    /// A processor has ended its step.
-    Free(WorkerId),
-    /// A backoff is over.
-    Retry(WorkerId, Ticket),
-    /// A worker may ask for a block.
-    Ask(WorkerId),
-    /// A random block moves.
-    RandomMigrations,
-    /// All workers are told to start no more points.
-    Cancel,
-}
-
 /// Why a worker has failed, if it has.
 fn failure_of<S: Submesh, Q: Source<S>, C: Rules>(
     worker: &Worker<S, Q, C>,
 ) -> Option<SimulationError> {
     let submesh = |error| WorkerError::Submesh { worker: worker.id(), error }.into();
     worker.error().map(submesh)
-}
-
-struct Entry<S: Submesh> {
-    time: Nanos,
-    sequence: u64,
-    what: What<S>,
-}
-
-impl<S: Submesh> Entry<S> {
-    /// The earliest one is the greatest; `sequence` makes the order total.
-    fn key(&self) -> (std::cmp::Reverse<Nanos>, std::cmp::Reverse<u64>) {
-        (std::cmp::Reverse(self.time), std::cmp::Reverse(self.sequence))
-    }
-}
-
-impl<S: Submesh> PartialEq for Entry<S> {
-    fn eq(&self, other: &Self) -> bool {
-        self.key() == other.key()
-    }
-}
-impl<S: Submesh> Eq for Entry<S> {}
-impl<S: Submesh> PartialOrd for Entry<S> {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl<S: Submesh> Ord for Entry<S> {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.key().cmp(&other.key())
-    }
 }
 
 struct Engine<'a, S: Submesh, Q, C> {
@@ -127,6 +80,8 @@ struct Engine<'a, S: Submesh, Q, C> {
     failed: Option<SimulationError>,
     actions: Vec<Action<S>>,
     history: History,
+    /// News under way.
+    news: NewsNumbers,
 }
 
 impl<'a, S, Q, C> Engine<'a, S, Q, C>
@@ -175,6 +130,7 @@ where
             failed: None,
             actions: Vec::new(),
             history: History::default(),
+            news: NewsNumbers::default(),
         };
         engine.failed = engine.processors.iter().find_map(|p| failure_of(&p.worker));
         for id in WorkerId::below(count as u32) {
@@ -231,11 +187,14 @@ where
         let workers = self.processors.iter().map(|processor| &processor.worker);
         let between = Between::new(workers, flying.chain(waiting));
         let checked = between.check().and_then(|()| self.history.look(&between));
-        checked.map_err(|Broken { invariant, what }| SimulationError::Inconsistent {
-            time: self.now,
-            invariant,
-            what,
-        })
+        self.consistent(checked)
+    }
+
+    fn consistent(&self, checked: Check) -> Result<(), SimulationError> {
+        let time = self.now;
+        let error =
+            |Broken { invariant, what }| SimulationError::Inconsistent { time, invariant, what };
+        checked.map_err(error)
     }
 
     fn check_progress(&mut self) -> Result<(), SimulationError> {
@@ -345,6 +304,9 @@ where
     fn step(&mut self, id: WorkerId, event: Event<S>, begin: Nanos, receiving: Nanos) {
         let mut actions = std::mem::take(&mut self.actions);
         let cause = Cause::of(&event);
+        if let Event::Message { message, .. } = &event {
+            count_news(message, &mut self.news, -1);
+        }
         let processor = &mut self.processors[id.index()];
         // A worker that has panicked is not looked at again: the run ends.
         let step = AssertUnwindSafe(|| processor.worker.step(event, &mut actions));
@@ -352,13 +314,14 @@ where
             self.failed = Some(WorkerError::of_panic(id, message_of(&*panic)).into());
             return;
         }
-        self.failed = failure_of(&processor.worker);
+        let failed = failure_of(&processor.worker);
         let (work, walk) = processor.work_time(&self.options.costs);
         let worked = begin + receiving + work;
         let load = processor.worker.source().left();
         let mut end = worked;
         for action in &actions {
             if let Action::Send { message, .. } = action {
+                count_news(message, &mut self.news, 1);
                 let bytes = bytes::<S>(message);
                 end += processor.time(self.options.costs.sending(bytes));
                 processor.collector.sent(message.kind(), bytes);
@@ -367,6 +330,8 @@ where
         let step = Step { begin, end, communication: receiving + (end - worked), walk };
         processor.collector.step(cause, step, &actions);
         processor.is_busy = true;
+        let checked = check_news(&processor.worker, &self.news);
+        self.failed = failed.or_else(|| self.consistent(checked).err());
         self.carry_out(id, worked, load, &mut actions);
         self.at(end, What::Free(id));
         actions.clear();

@@ -16,6 +16,7 @@
 mod cost;
 mod engine;
 mod error;
+mod event;
 mod mesh;
 mod network;
 mod options;

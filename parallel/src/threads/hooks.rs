@@ -2,6 +2,7 @@
 //! they are wanted.
 
 use super::WorkerStats;
+use super::watchdog::Watched;
 use super::worker_loop::RuntimeHooks;
 use crate::metrics::{Cause, Collector, Nanos, Step, SubmeshSize};
 use crate::payload::{LOAD_BYTES, Payload, bytes};
@@ -40,6 +41,8 @@ pub(super) struct ThreadHooks<'a> {
     tally: Option<&'a Tally>,
     /// Points done that the tally does not have yet.
     uncounted: u64,
+    /// Its part of the watchdog, if there is one.
+    watched: Option<Watched<'a>>,
 }
 
 /// Takes the time of everything.
@@ -71,7 +74,7 @@ impl<'a> ThreadHooks<'a> {
         let random = Random::new(worker.number().into());
         let stats = WorkerStats::default();
         let polls = if crowded { 0 } else { POLLS };
-        let (tally, uncounted) = (None, 0);
+        let (tally, uncounted, watched) = (None, 0, None);
         Self {
             start,
             cancel,
@@ -83,12 +86,19 @@ impl<'a> ThreadHooks<'a> {
             meter,
             tally,
             uncounted,
+            watched,
         }
     }
 
     /// Adds the points done to `tally`.
     pub(super) fn counted(mut self, tally: Option<&'a Tally>) -> Self {
         self.tally = tally;
+        self
+    }
+
+    /// Tells a watchdog what it does.
+    pub(super) fn watched(mut self, watched: Option<Watched<'a>>) -> Self {
+        self.watched = watched;
         self
     }
 
@@ -143,7 +153,14 @@ impl<S: Payload> RuntimeHooks<S> for ThreadHooks<'_> {
     }
 
     fn poll_interval(&self) -> Option<Duration> {
-        self.cancel.filter(|_| !self.has_cancelled).map(|_| POLL_INTERVAL)
+        let watched = self.watched.as_ref().map(Watched::poll_interval);
+        self.cancel.filter(|_| !self.has_cancelled).map(|_| POLL_INTERVAL).or(watched)
+    }
+
+    fn turns(&mut self, idle: bool, describe: impl FnOnce() -> String) {
+        if let Some(watched) = &mut self.watched {
+            watched.turns(idle, describe);
+        }
     }
 
     fn polls_before_sleep(&self) -> u32 {
@@ -167,12 +184,14 @@ impl<S: Payload> RuntimeHooks<S> for ThreadHooks<'_> {
     }
 
     fn begins(&mut self, event: &Event<S>) {
+        self.watched.iter_mut().for_each(Watched::begins);
         if let Some(meter) = &mut self.meter {
             meter.cause = Cause::of(event);
         }
     }
 
     fn ended(&mut self, actions: &[Action<S>]) {
+        let before = self.uncounted;
         for action in actions {
             match action {
                 Action::Send { message, .. } => {
@@ -191,6 +210,9 @@ impl<S: Payload> RuntimeHooks<S> for ThreadHooks<'_> {
                 }
                 Action::Backoff { .. } => {}
             }
+        }
+        if let Some(watched) = &mut self.watched {
+            watched.ended(actions, self.uncounted - before);
         }
         self.count(BATCH);
         if let Some(meter) = &mut self.meter {

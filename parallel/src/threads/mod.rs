@@ -6,6 +6,7 @@
 mod distributed;
 mod hooks;
 mod teller;
+mod watchdog;
 mod worker_loop;
 
 pub use distributed::Distributed;
@@ -329,7 +330,7 @@ impl<'a> Parallel<'a> {
     {
         let clock = Instant::now();
         let teller = Teller::new(Listener::default(), 0, 0);
-        let hooks = |id| self.hooks(id, clock).counted(teller.tally());
+        let hooks = |id| self.hooks(id, clock).counted(teller.tally()).watched(teller.watch(id));
         let ends = self.run_with_hooks(nodes, &teller, hooks)?;
         let ended = ends.into_iter().map(|(node, hooks)| {
             let (figures, _) = hooks.finish(node.mesh());
@@ -369,7 +370,7 @@ impl<'a> Parallel<'a> {
         let teller = Teller::new(self.listener, started, total);
         let start_seconds = clock.elapsed().as_secs_f64();
         let clock = Instant::now();
-        let hooks = |id| self.hooks(id, clock).counted(teller.tally());
+        let hooks = |id| self.hooks(id, clock).counted(teller.tally()).watched(teller.watch(id));
         let ends = self.run_with_hooks(nodes, &teller, hooks)?;
         let insert_seconds = clock.elapsed().as_secs_f64();
         let cancelled = ends.iter().any(|(node, _)| node.has_dropped_points());

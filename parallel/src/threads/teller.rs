@@ -2,6 +2,8 @@
 //!
 //! So the observer is called from one thread, by time, and no worker waits for it.
 
+use super::watchdog::{Watchdog, Watched};
+use crate::protocol::WorkerId;
 use crate::sync::Tally;
 use ltbw_core::{Observer, Phase, Progress};
 use std::fmt;
@@ -36,6 +38,7 @@ pub(super) struct Teller<'a> {
     listener: Listener<'a>,
     total: u64,
     tally: Tally,
+    watchdog: Option<Watchdog>,
 }
 
 /// A worker's word that it has ended, be it in a panic.
@@ -54,7 +57,12 @@ impl Drop for Leave<'_> {
 impl<'a> Teller<'a> {
     /// The teller of a run that has `done` points of `total`.
     pub(super) fn new(listener: Listener<'a>, done: u64, total: u64) -> Self {
-        Self { listener, total, tally: Tally::new(done) }
+        Self { listener, total, tally: Tally::new(done), watchdog: Watchdog::new() }
+    }
+
+    /// A worker's part of the watchdog, if there is one.
+    pub(super) fn watch(&self, worker: WorkerId) -> Option<Watched<'_>> {
+        self.watchdog.as_ref().map(|watchdog| watchdog.watch(worker))
     }
 
     /// The tally for the workers, if anybody wants to know.

@@ -1,24 +1,16 @@
 //! Runs that fail: by a panic of a worker, by a broken invariant, and by a message that is lost.
 
+use super::watchdog::Watchdog;
 use super::*;
 use crate::mailbox::Endpoint;
 use crate::metrics::Nanos;
 use crate::protocol::{Action, Attempt, BlockId, Event, Invariant, Message};
 use ltbw_generate::{PointKind, generate};
 
-/// A watch that fails after some steps, or if the run has no end by some time: a run that hangs is
-/// a failure, and says what the worker did last.
+/// A watch that fails after some steps.
 struct Bomb<'a> {
     inner: ThreadHooks<'a>,
     steps: u32,
-    until: Instant,
-    last: Vec<String>,
-}
-
-impl<'a> Bomb<'a> {
-    fn new(inner: ThreadHooks<'a>, steps: u32, time: Duration) -> Self {
-        Self { inner, steps, until: Instant::now() + time, last: Vec::new() }
-    }
 }
 
 impl RuntimeHooks<LocalMesh> for Bomb<'_> {
@@ -37,30 +29,18 @@ impl RuntimeHooks<LocalMesh> for Bomb<'_> {
     }
 
     fn order(&mut self, may_move: impl Fn(BlockId) -> bool) -> Option<Event<LocalMesh>> {
-        assert!(Instant::now() < self.until, "no end; last: {}", self.last.join(", "));
         self.inner.order(may_move)
     }
 
     fn poll_interval(&self) -> Option<Duration> {
-        Some(
-            RuntimeHooks::<LocalMesh>::poll_interval(&self.inner)
-                .unwrap_or(Duration::from_millis(20)),
-        )
+        RuntimeHooks::<LocalMesh>::poll_interval(&self.inner)
     }
 
     fn polled(&mut self, found: usize) {
         RuntimeHooks::<LocalMesh>::polled(&mut self.inner, found);
     }
 
-    fn ended(&mut self, actions: &[Action<LocalMesh>]) {
-        self.last.extend(actions.iter().map(|action| match action {
-            Action::Send { to, message } => {
-                format!("{} of {:?} to {to}", message.kind(), message.ticket())
-            }
-            Action::Backoff { ticket, .. } => format!("backoff of {ticket:?}"),
-            Action::Note(note) => format!("{note:?}"),
-        }));
-        self.last.drain(..self.last.len().saturating_sub(8));
+    fn ended(&mut self, _: &[Action<LocalMesh>]) {
         self.steps = self.steps.checked_sub(1).expect("planted");
     }
 }
@@ -163,7 +143,7 @@ fn a_worker_that_fails_ends_the_run_by_name() {
         let clock = Instant::now();
         let hooks = |id| {
             let steps = if id == WorkerId::new(victim) { 100 } else { u32::MAX };
-            Bomb::new(kernel.hooks(id, clock), steps, Duration::from_secs(60))
+            Bomb { inner: kernel.hooks(id, clock), steps }
         };
         let ways = connect(3).into_iter();
         let ways = ways.map(|way| Delayed::new(way, kernel.latency)).collect();
@@ -174,15 +154,29 @@ fn a_worker_that_fails_ends_the_run_by_name() {
     }
 }
 
+/// A message is lost: the state of each worker is told, and what each did last.
 #[test]
-fn a_run_that_hangs_fails_and_says_what_was_last() {
+fn a_run_that_hangs_fails_and_tells_the_state_of_each_worker() {
     let set = PointSet::new(generate(PointKind::Uniform, 2000, 1)).expect("finite points");
     let (kernel, clock) = (Parallel::new(3), Instant::now());
+    let watchdog = Watchdog::with(Duration::from_secs(2));
     let ways = connect(3).into_iter().map(|inner| Faulty { inner, loses: true, done: false });
-    let hooks = |id| Bomb::new(kernel.hooks(id, clock), u32::MAX, Duration::from_secs(2));
+    let hooks = |id| kernel.hooks(id, clock).watched(Some(watchdog.watch(id)));
     let error = run_all(kernel.loops(nodes(&set, 3), ways.collect(), hooks), &silent()).map(drop);
     let Err(RunError::Worker(WorkerError::Failed { message, .. })) = error else {
         panic!("{error:?}")
     };
-    assert!(message.starts_with("no end; last: ") && message.contains("Ticket"), "{message}");
+    assert!(message.starts_with("the run hangs: no point done for "), "{message}");
+    for worker in 0..3 {
+        assert!(message.contains(&format!("\nworker {worker}: ")), "{message}");
+    }
+    assert!(message.contains("  operation Ticket") && message.contains("last: "), "{message}");
+    // The other workers are not in a step that does not end.
+    assert!(message.contains("asleep after "), "{message}");
+}
+
+/// Debug builds watch all runs.
+#[test]
+fn every_run_of_a_test_is_watched() {
+    assert!(silent().watch(WorkerId::default()).is_some());
 }

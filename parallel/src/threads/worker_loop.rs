@@ -44,6 +44,12 @@ pub trait RuntimeHooks<S: Submesh> {
         0
     }
 
+    /// A turn of the loop begins, or an `idle` worker is about to sleep; `describe` tells its
+    /// state.
+    fn turns(&mut self, idle: bool, describe: impl FnOnce() -> String) {
+        let _ = (idle, describe);
+    }
+
     /// A look for messages begins.
     fn polls(&mut self) {}
 
@@ -137,6 +143,7 @@ where
             if let Some(worker) = self.way.failed() {
                 return Err(Broken::Elsewhere(worker));
             }
+            self.hooks.turns(false, || self.node.describe());
             let heard = self.receive();
             self.handle_order();
             let worked = self.work();
@@ -248,6 +255,7 @@ where
 
     fn sleep(&mut self) {
         self.hooks.sleeps();
+        self.hooks.turns(true, || self.node.describe());
         let due = self.resting.iter().map(|&(due, _)| due).chain(self.asks).min();
         let rest = due.and_then(|due| self.hooks.until(due));
         self.way.wait(rest.into_iter().chain(self.hooks.poll_interval()).min());

@@ -11,7 +11,7 @@ mod ending;
 mod rounds;
 
 use crate::families::Rng;
-use ltbw::check::{Between, History, Inspect};
+use ltbw::check::{Between, History, Inspect, NewsNumbers, check_news, count_news};
 use ltbw::mesh::{Gathered, Layout, LocalMesh};
 use ltbw::protocol::{
     Action, BlockId, Closure, Config, Event, Message, Note, Rule, Source, Submesh, SubmeshError,
@@ -220,6 +220,8 @@ struct World<S: Submesh, Q> {
     /// Turns after which a run counts as hanging.
     limit: usize,
     history: History,
+    /// News under way.
+    news: NewsNumbers,
     /// The invariants are checked each time this number of turns have passed.
     check_every: usize,
 }
@@ -242,6 +244,7 @@ impl<S: Submesh + Inspect, Q: Source<S>> World<S, Q> {
             figures: Figures::default(),
             limit: TURNS_PER_POINT * (points + 100),
             history: History::default(),
+            news: NewsNumbers::default(),
             // A check looks at the whole mesh.
             check_every: if points <= 50 { 1 } else { 2 * points },
         }
@@ -328,6 +331,10 @@ impl<S: Submesh + Inspect, Q: Source<S>> World<S, Q> {
             }
         };
         self.carry_out(w, out, chooser);
+        let checked = self.nodes.iter().try_for_each(|node| check_news(node, &self.news));
+        if let Err(broken) = checked {
+            panic!("{broken}\n{}", self.describe());
+        }
         if self.figures.turns.is_multiple_of(self.check_every) {
             self.check_invariants();
         }
@@ -345,6 +352,7 @@ impl<S: Submesh + Inspect, Q: Source<S>> World<S, Q> {
             self.channels.remove(&(from, to));
         }
         if let Some(message) = message {
+            count_news(&message, &mut self.news, -1);
             let message = (self.way)(message);
             self.nodes[to].step(Event::Message { from: WorkerId::at(from), message }, out);
         }
@@ -371,6 +379,7 @@ impl<S: Submesh + Inspect, Q: Source<S>> World<S, Q> {
             }
             match action {
                 Action::Send { to, message } => {
+                    count_news(&message, &mut self.news, 1);
                     self.channels.entry((w, to.index())).or_default().push_back(message);
                 }
                 Action::Backoff { ticket, attempt } => {

@@ -66,7 +66,7 @@ pub enum VertexOrder {
     Any,
 }
 
-/// Options of [`check`](crate::check).
+/// Options of [`check`](crate::check) and [`conforms`](crate::conforms).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
     /// The depth of the check.
@@ -78,6 +78,10 @@ pub struct Options {
     pub all_points: bool,
     /// Defects listed per kind; all of them are counted.
     pub max_defects: usize,
+    /// Of a mesh of a domain: demand that tags are the regions' numbers. The tetrahedra that the
+    /// seed of the domain's first region is in have tag 1, those of the next region the next
+    /// number, and those that no seed is in have higher ones. Without it tags may be any names.
+    pub numbered_regions: bool,
 }
 
 impl Default for Options {
@@ -87,6 +91,7 @@ impl Default for Options {
             vertex_order: VertexOrder::Oriented,
             all_points: false,
             max_defects: 100,
+            numbered_regions: false,
         }
     }
 }

@@ -11,6 +11,7 @@ const ALL: Options = Options {
     vertex_order: VertexOrder::Oriented,
     all_points: true,
     max_defects: 10,
+    numbered_regions: false,
 };
 
 fn report(mesh: &Owned) -> Report {

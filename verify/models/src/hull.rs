@@ -11,7 +11,6 @@
 //!     /  cavity   \           /           \
 //!    / ring   ring \         / ring   ring \
 //! ```
-//!
 //! The lifting map makes a Delaunay triangulation the same thing two dimensions higher. Blocks,
 //! names, handles, patches and cargo are as in the real submesh. Nothing here panics: what should
 //! not happen sets [`Hull::broken`], which the models' safety property looks at.
@@ -316,6 +315,10 @@ impl<C: Variant> Inspect for Hull<C> {
 
     fn carried(cargo: &Vec<Piece>) -> Vec<Sent> {
         sent(cargo)
+    }
+
+    fn kinds(told: &Told) -> Vec<&'static str> {
+        told.kind().into_iter().collect()
     }
 }
 

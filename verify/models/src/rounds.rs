@@ -59,6 +59,15 @@ impl Rounds {
         !self.is_over && self.stage == Stage::Choosing && !self.tree.has_put()
     }
 
+    /// P12: questions and answers belong to the choice. (A worker that has said at the end of its
+    /// insertion that it is ready may be left behind by those that choose again.)
+    pub(crate) fn excluded(&self) -> &'static [&'static str] {
+        match self.is_over || self.inserts() && !self.tree.has_put() {
+            true => &["Ask", "Answer"],
+            false => &[],
+        }
+    }
+
     /// The sums that it adds at a barrier, if it is at one; `points` are left to it.
     fn sums(&self, standing: Standing, points: usize) -> Option<Sums> {
         let mut sums = Sums::default();

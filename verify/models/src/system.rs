@@ -300,7 +300,7 @@ fn has_operations<C: Variant>(state: &State<C>) -> bool {
 }
 
 /// The fault that a broken invariant is.
-const NAMES: [&str; 11] = [
+const NAMES: [&str; 12] = [
     "P1 is broken",
     "P2 is broken",
     "P3 is broken",
@@ -312,6 +312,7 @@ const NAMES: [&str; 11] = [
     "P9 is broken",
     "P10 is broken",
     "P11 is broken",
+    "P12 is broken",
 ];
 
 /// The fault of a step that has panicked.

@@ -14,3 +14,14 @@ pub enum Told {
     /// The sums of all.
     Down(Sums),
 }
+
+impl Told {
+    /// The name of those that the barriers wait for.
+    pub fn kind(&self) -> Option<&'static str> {
+        match self {
+            Self::Ask => Some("Ask"),
+            Self::Answer => Some("Answer"),
+            Self::Up(_) | Self::Down(_) => None,
+        }
+    }
+}

@@ -79,6 +79,10 @@ impl<C: Variant> Source<Hull<C>> for Points {
     fn tell(&mut self) -> Option<(WorkerId, Told)> {
         self.rounds.as_mut()?.tell()
     }
+
+    fn excluded(&self) -> &'static [&'static str] {
+        self.rounds.as_ref().map_or(&[], Rounds::excluded)
+    }
 }
 
 impl Workload for Points {

@@ -72,8 +72,11 @@ pub(super) fn advise(addresses: Range<usize>, advice: Advice) {
         let end = addresses.end & !(page - 1);
         if end > start {
             // SAFETY: start..end lies in the array's own allocation and is page-aligned.
-            // MADV_HUGEPAGE changes no content; after MADV_DONTNEED anonymous memory reads as
-            // zero, a value of what [`forget_memory`] has to itself. A failure is harmless.
+            // MADV_HUGEPAGE changes no content. After MADV_DONTNEED anonymous private memory reads
+            // as zero, a value of what [`forget_memory`] has to itself. Whether it is such memory
+            // is the global allocator's to say, not this crate's: in shared memory, or a file,
+            // entries keep their values or have the file's, numbers as well, and nobody reads them
+            // again. A failure is harmless.
             unsafe {
                 libc::madvise(start as *mut libc::c_void, end - start, advice);
             }

@@ -68,4 +68,8 @@ impl Inspect for DomainMesh<'_> {
     fn carried(cargo: &Vec<Moving>) -> Vec<Sent> {
         LocalMesh::carried(cargo)
     }
+
+    fn kinds(news: &DomainNews) -> Vec<&'static str> {
+        news.kinds()
+    }
 }

@@ -19,6 +19,7 @@
 //! | `source` | what a worker knows and is told |
 //! | `stages` | the stages of a round |
 //! | `tree` | barriers with sums |
+//! | `under_way` | which messages a barrier waits for |
 //! | `keys`, `ranked` | which tetrahedra come before all around them |
 //! | `candidate` | probes and candidates as values |
 //! | `probe` | the home's side of the choice: probes and what comes of them |
@@ -42,6 +43,7 @@ mod serve;
 mod source;
 mod stages;
 mod tree;
+mod under_way;
 mod way;
 
 pub use reserved::unkilled;
@@ -51,9 +53,10 @@ pub use tree::{SENT, Step, TAKEN, Tree, is_quiet};
 use super::RefineError;
 use super::domain::{DomainMesh, prepare};
 use super::flags::Flags;
+use crate::balance::Workload;
 use crate::mesh::{Layout, LocalMesh, SharedInput, VertexName, gather, given};
 use crate::metrics::Summary;
-use crate::protocol::{Config, Correct, Rules, Worker, WorkerId};
+use crate::protocol::{BlockId, Config, Correct, Rules, Worker, WorkerId};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
 use crate::threads::{Parallel, RunError, WorkerStats};
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
@@ -323,4 +326,14 @@ fn used_vertices(mesh: &LocalMesh) -> Flags {
     };
     let shares = (0..slots.div_ceil(size)).into_par_iter();
     shares.map(of_share).reduce_with(Flags::join).unwrap_or_default()
+}
+
+impl<C> Workload for Rounds<C> {
+    fn left(&self) -> u64 {
+        self.chosen.len() as u64
+    }
+
+    fn in_block(&self, _: BlockId) -> u64 {
+        0
+    }
 }

@@ -5,7 +5,8 @@ use super::found::Ahead;
 use super::keys::{Keys, keep};
 use super::serve::Served;
 use super::tree::Tree;
-use crate::balance::Workload;
+use super::under_way::Counts;
+pub(super) use super::under_way::Stage;
 use crate::mesh::VertexName;
 use crate::protocol::{
     BlockId, Correct, Directory, Item, Rules, Source, Standing, Submesh, WorkerId,
@@ -16,25 +17,6 @@ use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_domain::refine::{Asked, BoundaryItem, ItemPlace};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::marker::PhantomData;
-
-/// The stages of a round.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stage {
-    /// New tetrahedra are to be looked at.
-    Looking,
-    /// The workers beside have to tell their keys, for the first or second time.
-    Exchanging(u32),
-    /// Waiting at the barrier at which all is counted.
-    Counting,
-    /// Probing.
-    Choosing,
-    /// Waiting for rivals.
-    Deciding,
-    /// Inserting.
-    Inserting,
-    /// No round follows.
-    Over,
-}
 
 /// Why no round follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,14 +42,6 @@ pub(super) struct Pending {
     pub(super) limit: Option<f64>,
     /// A slot that was near it, where the walk to its point starts.
     pub(super) near: Option<TetId>,
-}
-
-/// Messages that barriers count, sent less taken.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Counts {
-    pub(super) notes: i64,
-    pub(super) asks: i64,
-    pub(super) releases: i64,
 }
 
 /// The figures of the rounds, of one worker or of all.
@@ -259,9 +233,8 @@ impl<C: Rules> Rounds<C> {
         self,
         mesh: &DomainMesh<'_>,
     ) -> (Vec<Pending>, usize, Vec<TetId>, Option<Ending>, RoundFigures) {
-        let candidates = usize::try_from(self.counted).unwrap_or(0);
         let (pending, thin) = (self.pending.into_values().collect(), self.keys.into_thin(mesh));
-        (pending, candidates, thin, self.ending, self.figures)
+        (pending, usize::try_from(self.counted).unwrap_or(0), thin, self.ending, self.figures)
     }
 
     /// Asks the processor to fetch the cavities of the next points to insert. A hint: they may have
@@ -484,17 +457,15 @@ impl<'c, C: Rules> Source<DomainMesh<'c>> for Rounds<C> {
         Some((to, DomainNews::Several(all)))
     }
 
+    fn excluded(&self) -> &'static [&'static str] {
+        self.stage.excludes(!self.tree.has_put() && self.passed.is_none())
+    }
+
+    fn describe(&self) -> String {
+        self.progress()
+    }
+
     fn clear(&mut self) {
         self.is_cancelled = true;
-    }
-}
-
-impl<C> Workload for Rounds<C> {
-    fn left(&self) -> u64 {
-        self.chosen.len() as u64
-    }
-
-    fn in_block(&self, _: BlockId) -> u64 {
-        0
     }
 }

@@ -329,9 +329,30 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
+    /// Where it is, and what it waits for.
+    pub(super) fn progress(&self) -> String {
+        let (waves, has_put) = (self.figures.barriers, self.tree.has_put());
+        format!(
+            "{:?} after {} exchanges and {waves} barriers, {}; awaits keys of {:?}; \
+             {} probes open, {} to launch, {} points to give, {} items, {:?}",
+            self.stage,
+            self.exchange,
+            if has_put { "waits at a barrier" } else { "at no barrier" },
+            self.awaited,
+            self.open,
+            self.to_launch.len(),
+            self.chosen.len(),
+            self.pending.len(),
+            self.counts,
+        )
+    }
+
     pub(super) fn end(&mut self, ending: Ending) {
         self.ending = Some(ending);
         self.stage = Stage::Over;
         self.to_launch.clear();
     }
 }
+
+#[cfg(all(test, not(any(loom, shuttle))))]
+mod tests;

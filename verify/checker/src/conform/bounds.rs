@@ -100,4 +100,91 @@ mod tests {
         let corners = [[2, 0, 0], [0, 0, 0], [0, 4, 0], [0, 0, 4]];
         assert!(!ratio_exceeds(corners, 1.5) && ratio_exceeds(corners, 1.5f64.next_down()));
     }
+
+    /// Is the ratio above `bound`? By Crelle's formula: with P, Q, S the products of the squares of
+    /// opposite edges, 16 D² R² = 2 (PQ + QS + SP) - P² - Q² - S².
+    fn exceeds_by_edges(corners: [Whole; 4], bound: f64) -> bool {
+        let square = |i: usize, j: usize| -> BigInt {
+            (0..3).map(|k| BigInt::from(corners[i][k] - corners[j][k]).pow(2)).sum()
+        };
+        let pairs = [[(0, 1), (2, 3)], [(0, 2), (1, 3)], [(0, 3), (1, 2)]];
+        let shortest = pairs.iter().flatten().map(|&(i, j)| square(i, j)).min();
+        let [p, q, s] = pairs.map(|pair| pair.map(|(i, j)| square(i, j)).into_iter().product());
+        let all: [&BigInt; 3] = [&p, &q, &s];
+        let squares: BigInt = all.iter().map(|&x| x * x).sum();
+        let left: BigInt = 2 * (&p * &q + &q * &s + &s * &p) - squares;
+        let six = six_volumes(corners);
+        let (mantissa, exponent) = parts(bound);
+        let right = 16 * &mantissa * &mantissa * shortest.expect("edges") * &six * &six;
+        exceeds(&left, -2 * exponent, &right)
+    }
+
+    /// The answer of doubles alone.
+    fn exceeds_in_doubles([a, b, c, d]: [Whole; 4], bound: f64) -> bool {
+        let rows = [a, b, c].map(|p| [0, 1, 2].map(|k| (p[k] - d[k]) as f64));
+        let (left, right) = sides(rows, 4.0 * bound * bound);
+        left > right
+    }
+
+    #[test]
+    fn the_ratio_is_compared_in_integers_where_doubles_are_wrong() {
+        let mut state = 88_172_645_463_325_252u64;
+        let mut next = |bits: u32| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            i128::from(state >> (64 - bits))
+        };
+        let mut wrong = [0; 2];
+        for round in 0..240 {
+            let bits = [8, 20, 33, 45][round % 4];
+            let corners = [0; 4].map(|_| [0; 3].map(|_| next(bits)));
+            let six = six_volumes(corners);
+            if six == BigInt::ZERO {
+                continue;
+            }
+            // The double at the ratio, by bisection; then its neighbours.
+            let (mut low, mut high) = (0.5f64, 2f64.powi(60));
+            while low.next_up() < high {
+                let middle = f64::from_bits(low.to_bits().midpoint(high.to_bits()));
+                let end = if exceeds_by_edges(corners, middle) { &mut low } else { &mut high };
+                *end = middle;
+            }
+            for (is_above, bound) in [(true, low), (false, high)] {
+                assert_eq!(ratio_exceeds(corners, bound), is_above, "{corners:?}, {bound}");
+                wrong[usize::from(is_above)] +=
+                    usize::from(exceeds_in_doubles(corners, bound) != is_above);
+            }
+        }
+        // Else these cases would say nothing.
+        assert!(wrong.iter().all(|&n| n > 20), "doubles are wrong in {wrong:?} cases");
+    }
+
+    /// Three orthogonal edges 2a, 2b, 2c with a² + b² + c² = d²: the circumradius is d.
+    #[test]
+    fn the_ratio_is_exact_at_equality_whatever_doubles_make_of_the_coordinates() {
+        let mut wrong = 0;
+        for [a, b, c, d] in [
+            [1i128, 2, 2, 3],
+            [2, 3, 6, 7],
+            [1, 4, 8, 9],
+            [4, 4, 7, 9],
+            [2, 6, 9, 11],
+            [8, 9, 12, 17],
+        ] {
+            for factor in (0..40).map(|k| (k << 45) + 12_345 * k + 1) {
+                let ratio = d as f64 / (2 * a) as f64;
+                let [a, b, c] = [a, b, c].map(|edge: i128| 2 * edge * factor);
+                let corners = [[0, 0, 0], [a, 0, 0], [0, b, 0], [0, 0, c]];
+                for (bound, is_above) in
+                    [(ratio, false), (ratio.next_down(), true), (ratio.next_up(), false)]
+                {
+                    assert_eq!(ratio_exceeds(corners, bound), is_above, "{corners:?}, {bound}");
+                    assert_eq!(exceeds_by_edges(corners, bound), is_above);
+                    wrong += usize::from(exceeds_in_doubles(corners, bound) != is_above);
+                }
+            }
+        }
+        assert!(wrong > 20, "doubles are wrong in {wrong} cases");
+    }
 }

@@ -39,6 +39,9 @@ pub enum ConformityDefect {
     HullFaceOffFacet,
     /// Two tetrahedra that no facet separates have different tags. `ids`: both.
     TagsDiffer,
+    /// The tag of a tetrahedron is not the number that the seeds of the regions give it, though
+    /// they are to give it one. `ids`: the tetrahedron.
+    TagNotOfSeed,
     /// A tetrahedron holds the point of a hole. `ids`: the hole, the tetrahedron.
     HoleMeshed,
     /// No tetrahedron holds the seed of a region. `ids`: the region.
@@ -61,6 +64,7 @@ impl ConformityDefect {
             Self::PatchFolded => "this face turns over in the projection of its patch",
             Self::HullFaceOffFacet => "this face of one tetrahedron is on no facet",
             Self::TagsDiffer => "no facet separates them, but their tags differ",
+            Self::TagNotOfSeed => "the tag is not the number of the region whose seed is there",
             Self::HoleMeshed => "this hole's point is in this tetrahedron",
             Self::RegionNotMeshed => "no tetrahedron holds the seed of this region",
             Self::RatioExceeded => "circumradius to shortest edge is above the bound",

@@ -13,7 +13,8 @@
 //!    a sound mesh do not overlap, so equal area leaves no gap;
 //! 5. every face of only one tetrahedron lies on a facet;
 //! 6. tetrahedra that no facet separates have one tag; no tetrahedron holds the point of a hole;
-//!    every region's seed is in one;
+//!    every region's seed is in one. If tags are to be the numbers of regions, what is around the
+//!    seeds has theirs, and nothing else has;
 //! 7. every tetrahedron meets the bounds, exactly: circumradius to shortest edge, and volume.
 //!
 //! The volume is summed exactly and given as a fraction, to be compared with the domain's own.
@@ -24,6 +25,7 @@ mod finding;
 mod flat;
 mod patch;
 mod place;
+mod regions;
 mod slab;
 mod whole;
 
@@ -93,6 +95,7 @@ pub fn conforms(
     run.hull(&faces, &on_facets);
     let cells = run.cells(&faces, &on_facets, tags);
     let seeds = run.seeds();
+    run.numbers(&cells, &seeds, tags.filter(|_| options.numbered_regions));
     run.volume(&units, &points);
     run.bounds(&units, &points, limits, (&cells, &seeds), &on_patches);
     run.out

@@ -1,0 +1,204 @@
+//! Barriers, and messages of one kind that are late; items that several workers ask for.
+
+use super::super::source::Pending;
+use super::super::under_way::Counts;
+use super::super::{Ending, RoundNode, rounds_by};
+use super::*;
+use crate::check::{NewsNumbers, check_news, count_news};
+use crate::mesh::Layout;
+use crate::protocol::{Action, Config, Correct, Event, Message, Source};
+use crate::refining::news::{NEWS_KINDS, WireItem};
+use ltbw_core::MeshHash;
+use ltbw_domain::refine::{Carrier, Corner, Refined, Refiner};
+use ltbw_domain::{PrepareOptions, Prepared};
+use ltbw_generate::{DomainKind, Shape, generate_domain};
+use std::collections::{BTreeMap, VecDeque};
+
+/// Waves after which a message that is late comes.
+const WAVES: u64 = 3;
+
+/// Workers, and a network on which messages of one kind are late, with those behind them.
+struct Late<'c> {
+    nodes: Vec<RoundNode<'c, Correct>>,
+    channels: BTreeMap<(usize, usize), VecDeque<Message<DomainMesh<'c>>>>,
+    news: NewsNumbers,
+    kind: &'static str,
+    /// Barriers that worker 0 had passed when nothing was late, or late messages came last.
+    mark: u64,
+    /// Late messages that came when the others had passed barriers without them.
+    late: usize,
+    /// Messages of the kind, between two workers.
+    sent: i64,
+}
+
+impl<'c> Late<'c> {
+    fn new(nodes: Vec<RoundNode<'c, Correct>>, kind: &'static str) -> Self {
+        let (channels, news) = (BTreeMap::new(), NewsNumbers::default());
+        Self { nodes, channels, news, kind, mark: 0, late: 0, sent: 0 }
+    }
+
+    /// Is the next message of this channel late?
+    fn is_held(&self, channel: (usize, usize)) -> bool {
+        self.channels[&channel].front().is_some_and(|message| {
+            let mut numbers = NewsNumbers::default();
+            count_news(message, &mut numbers, 1);
+            numbers.of(self.kind) > 0
+        })
+    }
+
+    fn step(&mut self, k: usize, event: Event<DomainMesh<'c>>) {
+        let mut actions = Vec::new();
+        self.nodes[k].step(event, &mut actions);
+        for action in actions {
+            if let Action::Send { to, message } = action {
+                let before = self.news.of(self.kind);
+                count_news(&message, &mut self.news, 1);
+                self.sent += self.news.of(self.kind) - before;
+                self.channels.entry((k, to.index())).or_default().push_back(message);
+            }
+        }
+        for node in &self.nodes {
+            let checked = check_news(node, &self.news);
+            assert!(checked.is_ok(), "late {}: {checked:?}", self.kind);
+        }
+        // Barriers wait for what is counted: all that is under way is.
+        let counted = |of: fn(&Counts) -> i64| -> i64 {
+            self.nodes.iter().map(|node| of(&node.source().counts)).sum()
+        };
+        let under_way = |kinds: [&str; 2]| kinds.map(|kind| self.news.of(kind)).iter().sum();
+        let counts = [counted(|c| c.notes), counted(|c| c.asks), counted(|c| c.releases)];
+        let all = [["Void", "WantRivals"], ["Ask", "Gone"], ["Release", ""]];
+        assert_eq!(counts, all.map(under_way), "notes, asks, releases; late {}", self.kind);
+    }
+
+    fn deliver(&mut self, (from, to): (usize, usize)) {
+        let queue = self.channels.entry((from, to)).or_default();
+        let Some(message) = queue.pop_front() else { return };
+        if queue.is_empty() {
+            self.channels.remove(&(from, to));
+        }
+        count_news(&message, &mut self.news, -1);
+        self.step(to, Event::Message { from: WorkerId::at(from), message });
+    }
+
+    /// Runs workers to their end: what is not late in turn.
+    fn run(&mut self) {
+        while self.nodes.iter().any(|node| !node.is_stopped()) {
+            let mut has_stepped = false;
+            for k in 0..self.nodes.len() {
+                if self.nodes[k].has_work() {
+                    has_stepped = true;
+                    self.step(k, Event::Work);
+                }
+            }
+            let all: Vec<(usize, usize)> = self.channels.keys().copied().collect();
+            let (held, others): (Vec<_>, Vec<_>) =
+                all.into_iter().partition(|&channel| self.is_held(channel));
+            has_stepped |= !others.is_empty();
+            others.into_iter().for_each(|channel| self.deliver(channel));
+            let waves = self.nodes[0].source().figures.barriers;
+            if held.is_empty() {
+                self.mark = waves;
+            }
+            if !has_stepped || waves >= self.mark + WAVES {
+                assert!(has_stepped || !held.is_empty(), "nothing can happen any more");
+                self.late += held.len() * usize::from(has_stepped);
+                self.mark = waves;
+                held.into_iter().for_each(|channel| self.deliver(channel));
+            }
+        }
+    }
+}
+
+fn prepared(kind: DomainKind) -> Prepared {
+    let domain = generate_domain(kind, &Shape::default()).expect("a shape");
+    domain.prepare(&PrepareOptions::default()).expect("a sound domain")
+}
+
+fn hash(refined: &Refined) -> MeshHash {
+    refined.mesh().hash().expect("a hash")
+}
+
+/// P12 holds, and the mesh is the engine's, whatever kind of message is as late as can be: behind
+/// several waves of the barrier that waits for it.
+#[test]
+fn no_message_is_behind_the_barrier_that_waits_for_it_however_late() {
+    let ready = prepared(DomainKind::Gear);
+    let refiner = Refiner::new().max_volume(1e-3).start(1);
+    let engine = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+    let layout = |points| (Layout::new(points, 5), Config::new(5));
+    let kinds = NEWS_KINDS;
+    let counted = ["Void", "WantRivals", "Ask", "Gone", "Release"];
+    assert!(counted.iter().all(|kind| kinds.contains(kind)));
+    let mut all_late = 0;
+    for kind in kinds {
+        let (mut late, mut sent) = (0, 0);
+        let run = rounds_by(&refiner, (&ready.domain, &ready.lattice), layout, |nodes| {
+            let mut network = Late::new(nodes, kind);
+            network.run();
+            late += network.late;
+            sent += network.sent;
+            Ok(network.nodes)
+        });
+        let (refined, ending) = run.expect("a mesh");
+        assert_eq!(ending.ok(), Some(Ending::Done), "late {kind}");
+        assert_eq!(hash(&refined), hash(&engine), "late {kind}");
+        println!("{kind}: {late} of {sent} came behind {WAVES} waves");
+        // Others are awaited by somebody who does not speak before.
+        if counted.contains(&kind) {
+            assert!(sent > 0, "no {kind} went from one worker to another");
+            all_late += late;
+        }
+    }
+    assert!(all_late > 10, "{all_late}");
+}
+
+/// Several workers ask for one item, for edges of different lengths: the smallest limit holds, in
+/// whatever order they are heard, and beside a limit that the item has already.
+#[test]
+fn of_several_limits_for_one_item_the_smallest_holds() {
+    let ready = prepared(DomainKind::CubeOctahedron);
+    let refiner = Refiner::new().max_volume(1e-2).start(1);
+    let layout = |points| (Layout::new(points, 3), Config::new(3));
+    let corner = |x, k| Corner { point: [x, 0.0, 0.0], carrier: Carrier::Corner(k) };
+    let item = BoundaryItem::new(&[corner(0.0, 0), corner(4.0, 1)], 0);
+    let [first, second] =
+        [1, 2].map(|k| BoundaryItem::new(&[corner(0.0, 0), corner(9.0, k)], k).place());
+    let orders = [[0.5, 0.25, 0.75], [0.75, 0.5, 0.25], [0.25, 0.75, 0.5]];
+    let mut asked = 0;
+    let run = rounds_by(&refiner, (&ready.domain, &ready.lattice), layout, |mut nodes| {
+        for (limits, is_pending) in orders.into_iter().flat_map(|all| [(all, false), (all, true)]) {
+            let directory = nodes[0].directory().clone();
+            let mesh = nodes[0].mesh_mut();
+            let place = (WorkerId::default(), 3, 1);
+            let mut source = Rounds::<Correct>::new(place, (0, u64::MAX), mesh);
+            let [own, others @ ..] = limits;
+            if is_pending {
+                let own = Pending { item, first: None, limit: Some(own), near: None };
+                source.pending.insert(item.place(), own);
+            } else {
+                source
+                    .asked
+                    .push((Pending { item, first: None, limit: Some(own), near: None }, None));
+            }
+            for (from, limit, waiter) in
+                [(1, Some(others[0]), first), (2, None, second), (2, Some(others[1]), second)]
+            {
+                let (item, limit) = (WireItem::new(&item), limit.map(f64::to_bits));
+                let news = DomainNews::Ask { item, limit, waiter: Some(waiter) };
+                source.hear(mesh, &directory, WorkerId::new(from), news);
+            }
+            source.settle(&[0; SUMS]);
+            let kept = &source.pending[&item.place()];
+            assert_eq!(kept.limit, Some(0.25), "{limits:?}, {is_pending}");
+            let waiters = &source.waiters[&item.place()];
+            let expected = [(1, first), (2, second), (2, second)];
+            assert_eq!(waiters[..], expected.map(|(w, place)| (WorkerId::new(w), place)));
+            asked += 1;
+        }
+        let mut network = Late::new(nodes, "");
+        network.run();
+        Ok(network.nodes)
+    });
+    assert!(run.is_ok() && asked >= 6, "{asked}");
+}

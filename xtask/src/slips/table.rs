@@ -1,0 +1,317 @@
+//! The slips: 22 that a reader planted in one day, of every part of the code. The first suites
+//! missed five of them; the tests named here see each.
+
+/// A slip.
+pub(super) struct Slip {
+    pub(super) number: u32,
+    pub(super) what: &'static str,
+    pub(super) edits: &'static [Edit],
+    /// The test program that sees it, as cargo's arguments, the test, and the file that has it.
+    pub(super) target: &'static str,
+    pub(super) test: &'static str,
+    pub(super) at: &'static str,
+    /// It changes no verdict: the test passes.
+    pub(super) is_equivalent: bool,
+}
+
+/// A change: text that a file has once, and what stands there in its place. Both are expressions,
+/// or statements in the place of statements.
+pub(super) struct Edit {
+    pub(super) file: &'static str,
+    pub(super) right: &'static str,
+    pub(super) wrong: &'static str,
+}
+
+/// The packages with slips, and their folders.
+pub(super) const PACKAGES: &[(&str, &str)] = &[
+    ("ltbw-core", "core/kernel"),
+    ("ltbw-domain", "core/domain"),
+    ("ltbw-formats", "core/formats"),
+    ("ltbw", "parallel"),
+    ("ltbw-verify", "verify/checker"),
+    ("ltbw-cli", "cli"),
+];
+
+const ROUNDS: &str = "--test refining_rounds";
+const ROUNDS_AT: &str = "parallel/tests/refining_rounds.rs";
+const ALL_KINDS: &str = "all_kinds_of_domains_have_the_engines_mesh";
+
+/// A slip that a test sees.
+const fn seen(
+    number: u32,
+    what: &'static str,
+    edits: &'static [Edit],
+    (target, test, at): (&'static str, &'static str, &'static str),
+) -> Slip {
+    Slip { number, what, edits, target, test, at, is_equivalent: false }
+}
+
+pub(super) const SLIPS: &[Slip] = &[
+    seen(
+        1,
+        "the new tetrahedron is asked whether it is beside another worker's, not its neighbour",
+        &[Edit {
+            file: "parallel/src/refining/rounds/keys.rs",
+            right: "self.is_beside(n)",
+            wrong: "self.is_beside(t)",
+        }],
+        (
+            "--lib",
+            "exchanges_tell_what_stands_beyond_every_interface_face",
+            "parallel/src/refining/rounds/keys/tests.rs",
+        ),
+    ),
+    seen(
+        2,
+        "tetrahedra join a boundary round at < instead of <=",
+        &[Edit {
+            file: "parallel/src/refining/rounds/stages.rs",
+            right: "sums[READY] * BESIDE as i64 <= self.counted",
+            wrong: "(sums[READY] * BESIDE as i64) < self.counted",
+        }],
+        (ROUNDS, ALL_KINDS, ROUNDS_AT),
+    ),
+    seen(
+        3,
+        "the budget is one point too small",
+        &[Edit {
+            file: "parallel/src/refining/rounds/stages.rs",
+            right: "self.total + sums[CANDIDATES] > self.most",
+            wrong: "self.total + sums[CANDIDATES] >= self.most",
+        }],
+        (ROUNDS, "a_budget_leaves_the_engines_partial_mesh", ROUNDS_AT),
+    ),
+    seen(
+        4,
+        "a cavity found ahead is kept though its ring has changed",
+        &[Edit {
+            file: "parallel/src/refining/rounds/keys.rs",
+            right: "stands(t) && tets.neighbours(t).map(tet_of).into_iter().all(stands)",
+            wrong: "stands(t)",
+        }],
+        (ROUNDS, "cavities_are_found_while_others_are_waited_for", ROUNDS_AT),
+    ),
+    seen(
+        5,
+        "of two limits for one item the larger holds",
+        &[Edit {
+            file: "parallel/src/refining/rounds/stages.rs",
+            right: "Some(a.min(b))",
+            wrong: "Some(a.max(b))",
+        }],
+        (
+            "--lib",
+            "of_several_limits_for_one_item_the_smallest_holds",
+            "parallel/src/refining/rounds/stages/tests.rs",
+        ),
+    ),
+    seen(
+        6,
+        "whether a rival is apart is read from the wrong bit",
+        &[Edit {
+            file: "parallel/src/refining/rounds/decide.rs",
+            right: "byte & 4 != 0",
+            wrong: "byte & 2 != 0",
+        }],
+        (ROUNDS, ALL_KINDS, ROUNDS_AT),
+    ),
+    seen(
+        7,
+        "the old rank of a far slot is not forgotten",
+        &[Edit {
+            file: "parallel/src/refining/rounds/keys.rs",
+            right: "self.forget(far)",
+            wrong: "",
+        }],
+        (ROUNDS, ALL_KINDS, ROUNDS_AT),
+    ),
+    seen(
+        8,
+        "a boundary item marks only slots that nobody held",
+        &[Edit {
+            file: "parallel/src/refining/rounds/reserved.rs",
+            right: "self.by_boundary.set(t.index(), true)",
+            wrong: "if other.is_none() { self.by_boundary.set(t.index(), true) }",
+        }],
+        (ROUNDS, ALL_KINDS, ROUNDS_AT),
+    ),
+    seen(
+        9,
+        "a ring tetrahedron gets the block of the own worker, not of its own",
+        &[Edit {
+            file: "parallel/src/mesh/fill.rs",
+            right: "fixed.block_of(worker)",
+            wrong: "fixed.block_of(self.me)",
+        }],
+        ("--test closure", "", "parallel/tests/closure.rs"),
+    ),
+    seen(
+        10,
+        "a ring tetrahedron that has a name gets a second one",
+        &[Edit {
+            file: "parallel/src/mesh/fill.rs",
+            right: "boundary[k].ring_name.is_none()",
+            wrong: "true",
+        }],
+        ("--test closure", "", "parallel/tests/closure.rs"),
+    ),
+    seen(
+        11,
+        "a point too many is left in the count after a move",
+        &[Edit {
+            file: "parallel/src/mesh/point_queue.rs",
+            right: "self.left -= taken.len()",
+            wrong: "self.left -= taken.len().saturating_sub(1)",
+        }],
+        ("--lib", "a_block_moves_with_its_points", "parallel/src/mesh/point_queue/tests.rs"),
+    ),
+    seen(
+        12,
+        "a change of a witness is not looked at",
+        &[Edit {
+            file: "core/domain/src/refine/rounds/sift.rs",
+            right: "changed(own, other) | is_alone",
+            wrong: "is_alone",
+        }],
+        (ROUNDS, ALL_KINDS, ROUNDS_AT),
+    ),
+    seen(
+        13,
+        "cached spheres are asked of points up to four frames away",
+        &[Edit {
+            file: "core/kernel/src/sphere.rs",
+            right: "q.iter().all(|c| c.abs() <= 1.0)",
+            wrong: "q.iter().all(|c| c.abs() <= 4.0)",
+        }],
+        ("--lib", "beyond_the_frame_no_sphere_decides", "core/kernel/src/sphere/tests.rs"),
+    ),
+    seen(
+        14,
+        "the vector path has a quarter of the proved tolerance",
+        &[Edit {
+            file: "core/kernel/src/sphere/simd.rs",
+            right: "_mm_set1_ps(TOLERANCE)",
+            wrong: "_mm_set1_ps(TOLERANCE / 4.0)",
+        }],
+        (
+            "--lib",
+            "within_the_tolerance_nothing_is_decided_and_just_beyond_it_all_is",
+            "core/kernel/src/sphere/tests.rs",
+        ),
+    ),
+    seen(
+        15,
+        "the checker's ratio test never goes to integers",
+        &[Edit {
+            file: "verify/checker/src/conform/bounds.rs",
+            right: "(left - right).abs() > error",
+            wrong: "true",
+        }],
+        (
+            "--lib",
+            "the_ratio_is_compared_in_integers_where_doubles_are_wrong",
+            "verify/checker/src/conform/bounds.rs",
+        ),
+    ),
+    seen(
+        16,
+        "free segments are not looked for",
+        &[Edit {
+            file: "verify/checker/src/conform/mod.rs",
+            right: "self.plc.segments.iter().for_each(|&ends| want(ends, &everything))",
+            wrong: "",
+        }],
+        (
+            "--test domains",
+            "a_free_segment_must_be_a_chain_of_edges",
+            "verify/checker/tests/domains.rs",
+        ),
+    ),
+    Slip {
+        number: 17,
+        what: "of coplanar hull facets the circle is not tested",
+        edits: &[Edit {
+            file: "verify/checker/src/hull.rs",
+            right: "mesh.in_sphere(t, q, &mut part.tally)",
+            wrong: "match mesh.in_sphere(t, q, &mut part.tally) { 1 => -1, other => other }",
+        }],
+        target: "--test defects",
+        test: "",
+        at: "verify/checker/tests/defects.rs",
+        is_equivalent: true,
+    },
+    seen(
+        18,
+        "-0.0 is not 0.0 in the hash",
+        &[Edit {
+            file: "core/kernel/src/hash.rs",
+            right: "points[v as usize].map(|c| c + 0.0)",
+            wrong: "points[v as usize]",
+        }],
+        ("--test hash", "", "core/kernel/tests/hash.rs"),
+    ),
+    seen(
+        19,
+        "a symbolic link is replaced, not followed",
+        &[Edit {
+            file: "core/formats/src/atomic_file.rs",
+            right: "std::fs::canonicalize(path)",
+            wrong: "Ok(path.to_owned())",
+        }],
+        ("--lib", "a_link_is_followed_and_modes_are_ordinary", "core/formats/src/atomic_file.rs"),
+    ),
+    seen(
+        20,
+        "sizes and the background mesh may be overwritten by an output",
+        &[
+            Edit { file: "cli/src/mesh.rs", right: "inputs.extend(args.sizes.clone())", wrong: "" },
+            Edit {
+                file: "cli/src/mesh.rs",
+                right: "inputs.extend(args.background.iter().flat_map(io::mesh_files))",
+                wrong: "",
+            },
+        ],
+        (
+            "--test rejected",
+            "sizes_and_the_background_mesh_are_not_overwritten",
+            "cli/tests/rejected.rs",
+        ),
+    ),
+    seen(
+        21,
+        "the tags of regions 2 and 3 are swapped",
+        &[Edit {
+            file: "core/domain/src/refine/output.rs",
+            right: "i64::from(self.region(t))",
+            wrong: "match self.region(t) { 2 => 3, 3 => 2, own => i64::from(own) }",
+        }],
+        (
+            "--test refined_regions",
+            "tetrahedra_have_the_tags_of_the_seeds_in_them",
+            "core/domain/tests/refined_regions.rs",
+        ),
+    ),
+    seen(
+        22,
+        "Gone is counted by neither side, and no barrier waits for it",
+        &[
+            Edit {
+                file: "parallel/src/refining/rounds/decide.rs",
+                right: "self.counts.asks += 1;
+        self.send(self.keeper(mesh, item), DomainNews::Gone(item.place()));",
+                wrong: "self.send(self.keeper(mesh, item), DomainNews::Gone(item.place()));",
+            },
+            Edit {
+                file: "parallel/src/refining/rounds/source.rs",
+                right: "self.counts.asks -= 1;
+                self.gone.push(place);",
+                wrong: "self.gone.push(place);",
+            },
+        ],
+        (
+            "--lib",
+            "no_message_is_behind_the_barrier_that_waits_for_it_however_late",
+            "parallel/src/refining/rounds/stages/tests.rs",
+        ),
+    ),
+];
