@@ -3,6 +3,7 @@
 use crate::args::{Convert, Generate, Kind};
 use crate::console;
 use crate::json::file_writable;
+use crate::orient::orientation;
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
 use crate::streams::{Formats, attributes_note, name_of};
@@ -38,6 +39,10 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
     let from_domain = source.is_domain()?;
     // A `.vtk` file holds the one or the other.
     let from_mesh = from.holds_mesh() && !(from == Format::Vtk && from_domain);
+    if args.orient && !(from_mesh && to.holds_mesh()) {
+        let text = "--orient is about tetrahedra: it takes a mesh to a mesh";
+        return Err(Failure::Usage(text.to_owned()));
+    }
     if from_domain && to.holds_domain() && (from, to) != (Format::Ply, Format::Ply) {
         let file = source.domain()?;
         // A surface file without faces is a point cloud.
@@ -66,8 +71,9 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
         );
         Err(Failure::Usage(text))
     } else {
-        let file = source.mesh()?;
+        let mut file = source.mesh()?;
         notes(input, &file.notes);
+        notes(input, &orientation(&mut file.mesh, args.orient));
         if !file.names.is_empty() && !to.holds_names() {
             let text = "names of groups are not kept: this format has no place for them";
             notes(&output.name, &[text.to_owned()]);
