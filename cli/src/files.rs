@@ -39,10 +39,7 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
     let from_domain = source.is_domain()?;
     // A `.vtk` file holds the one or the other.
     let from_mesh = from.holds_mesh() && !(from == Format::Vtk && from_domain);
-    if args.orient && !(from_mesh && to.holds_mesh()) {
-        let text = "--orient is about tetrahedra: it takes a mesh to a mesh";
-        return Err(Failure::Usage(text.to_owned()));
-    }
+    orientable(args, from_mesh && to.holds_mesh())?;
     if from_domain && to.holds_domain() && (from, to) != (Format::Ply, Format::Ply) {
         let file = source.domain()?;
         // A surface file without faces is a point cloud.
@@ -99,6 +96,12 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
         let file = PointFile { points: mesh.points, point_tags, notes: Vec::new() };
         write_points(output, &file, options)
     }
+}
+
+/// Refuses `--orient` where there are no tetrahedra.
+fn orientable(args: &Convert, is_mesh: bool) -> Result<(), Failure> {
+    let text = "--orient is about tetrahedra: it takes a mesh to a mesh";
+    (is_mesh || !args.orient).then_some(()).ok_or_else(|| Failure::Usage(text.to_owned()))
 }
 
 /// A domain from one format into another.

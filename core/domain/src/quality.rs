@@ -51,8 +51,8 @@ pub struct Quality {
     pub small: [u64; 2],
 }
 
-/// Dihedral angles, in degrees, below which tetrahedra are counted: those that spoil a solution, and
-/// those that slow it down.
+/// Dihedral angles, in degrees, below which tetrahedra are counted: those that spoil a solution,
+/// and those that slow it down.
 pub const SMALL_ANGLES: [f64; 2] = [1.0, 5.0];
 
 /// The measures of one tetrahedron.

@@ -41,8 +41,8 @@ pub fn check(mesh: &Mesh, options: &Options) -> Report {
 /// vertices, and what else keeps the mesh from being Delaunay, convex or canonical. With `delaunay`
 /// all of these but the last are defects, too.
 ///
-/// Cost: that of [`check`], and O(n log n) for `n` tetrahedra, if the mesh is not convex and Delaunay;
-/// the module `elements` says when it is more.
+/// Cost: that of [`check`], and O(n log n) for `n` tetrahedra, if the mesh is not convex and
+/// Delaunay; the module `elements` says when it is more.
 ///
 /// ```
 /// use ltbw_verify::{Kind, Mesh, Options, check_elements};

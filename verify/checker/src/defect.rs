@@ -157,9 +157,9 @@ kinds! {
     Overlap, Overlap, "overlap", "both have inner points in common";
     /// A vertex lies inside an edge or a face of a tetrahedron that does not have it. `tets`: that
     /// tetrahedron; `vertices`: the vertex, then the two of the edge or the three of the face.
-    HangingVertex, Overlap, "hanging_node", "the first lies inside this edge or face of a tetrahedron";
-    /// Two edges meet in a point that is inside both. `tets`: one at each edge; `vertices`: the two of
-    /// each.
+    HangingVertex, Overlap, "hanging_node", "the first is inside this edge or face of a cell";
+    /// Two edges meet in a point that is inside both. `tets`: one at each edge; `vertices`: the two
+    /// of each.
     CrossingEdges, Overlap, "crossing_edges", "these two edges cross without a common vertex";
 }
 

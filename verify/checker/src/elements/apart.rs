@@ -1,8 +1,8 @@
 //! Do two tetrahedra overlap? Exactly, by the planes that may come between them.
 //!
 //! Two convex polytopes P and Q whose interiors do not meet are separated by a plane, and one
-//! such plane is parallel to a face of P or of Q, or to an edge of each: 0 is not inside P - Q, hence
-//! beyond the plane of one of its faces, and the faces of P - Q are made of a face of one and a
+//! such plane is parallel to a face of P or of Q, or to an edge of each: 0 is not inside P - Q,
+//! hence beyond the plane of one of its faces, and the faces of P - Q are made of a face of one and a
 //! vertex of the other, or of an edge of each.
 
 use crate::mesh::{OUTWARD, Point};

@@ -13,17 +13,17 @@
 //!
 //! *If two tetrahedra overlap, there are a free face f of a tetrahedron t and another one u such
 //! that t and u overlap, and u has points at an inner point of f, on that side of it on which t
-//! is.* Let m(x) be the number of tetrahedra with x inside, and let m > 1 at some x. Go from x along
-//! a line that meets no edge, until m ≤ 1; let p be that place. The tetrahedra that the line leaves
-//! at p are more than those it enters there. A pair of joined faces is left and entered, so that
+//! is.* Let m(x) be the number of tetrahedra with x inside, and let m > 1 at some x. Go from x
+//! along a line that meets no edge, until m ≤ 1; let p be that place. The tetrahedra that the line
+//! leaves at p are more than those it enters there. A pair of joined faces is left and entered, so that
 //! some tetrahedron t is left through a free face f. Just before p two tetrahedra at least are
 //! there, so another one, u, is there, too.
 //!
 //! Hence free faces are compared with all tetrahedra: of a mesh of n tetrahedra with a smooth
 //! boundary, about n^(2/3) faces with those near them.
 //!
-//! *If nothing overlaps, a vertex that hangs is a vertex of a free face, and hangs in a free face or
-//! its edge.* If all faces at the vertex v are joined, its tetrahedra cover all around v (walk
+//! *If nothing overlaps, a vertex that hangs is a vertex of a free face, and hangs in a free face
+//! or its edge.* If all faces at the vertex v are joined, its tetrahedra cover all around v (walk
 //! around it: the number of them changes at free faces alone), and one that v hangs in overlaps one
 //! of them. If the face or all faces at the edge in which v hangs are joined, the tetrahedra at it
 //! cover all around v, and one that has v overlaps one of them. In the same way, edges that cross
