@@ -2,8 +2,8 @@
 //!
 //! Two convex polytopes P and Q whose interiors do not meet are separated by a plane, and one
 //! such plane is parallel to a face of P or of Q, or to an edge of each: 0 is not inside P - Q,
-//! hence beyond the plane of one of its faces, and the faces of P - Q are made of a face of one and a
-//! vertex of the other, or of an edge of each.
+//! hence beyond the plane of one of its faces, and the faces of P - Q are made of a face of one
+//! and a vertex of the other, or of an edge of each.
 
 use crate::mesh::{OUTWARD, Point};
 use crate::predicates::{Tally, orient3d, triple};

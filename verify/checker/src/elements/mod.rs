@@ -15,8 +15,8 @@
 //! that t and u overlap, and u has points at an inner point of f, on that side of it on which t
 //! is.* Let m(x) be the number of tetrahedra with x inside, and let m > 1 at some x. Go from x
 //! along a line that meets no edge, until m ≤ 1; let p be that place. The tetrahedra that the line
-//! leaves at p are more than those it enters there. A pair of joined faces is left and entered, so that
-//! some tetrahedron t is left through a free face f. Just before p two tetrahedra at least are
+//! leaves at p are more than those it enters there. A pair of joined faces is left and entered, so
+//! that some tetrahedron t is left through a free face f. Just before p two tetrahedra at least are
 //! there, so another one, u, is there, too.
 //!
 //! Hence free faces are compared with all tetrahedra: of a mesh of n tetrahedra with a smooth
