@@ -81,13 +81,16 @@ angles of the domain, is excused with its reason; the exit code is 1 where that 
     #[command(after_long_help = "\
 Examples:
   ltbw check mesh.vtu                      verdict and first defects, on stderr
+  ltbw check mesh.vtu --delaunay           is it Delaunay and convex, too?
   ltbw check mesh.vtu --plc domain.poly    does it conform to the domain?
   ltbw check mesh.ele --json cert.json     the certificate ltbw.cert/1, with every defect's place
   ltbw check mesh.vtu --certificate r.json --input domain.poly    is it what r.json certifies?
   ltbw check domain.stl                    a domain: .poly .smesh .off .obj .stl .ply .vtk
 
-Levels: structure (indices, duplicates), topology (faces, closed hull), orientation, Delaunay
-(local test of every interior face, convex hull), canonical (which of several Delaunay meshes).
+A mesh is judged as one for finite elements, of a body of any shape. Defects: structure (indices,
+cells twice), topology (faces of three cells), orientation (flat, inverted), overlap (cells that
+overlap, vertices that hang in an edge or face, edges that cross). Information: quality, pieces,
+pinched edges and vertices, vertices at one place (cracks), Delaunay, convexity.
 Of a domain: duplicate and unused vertices, facets that are degenerate, not planar, overlap or
 cross, T-junctions, leaks, orientation, holes and regions outside; and once more after its
 vertices are moved to the lattice on which it is meshed. Every test is exact.")]
@@ -99,6 +102,7 @@ Examples:
   ltbw convert mesh.vtu mesh.mesh
   ltbw convert mesh.vtu points.xyz      the points of a mesh
   ltbw convert mesh.vtu mesh.msh --msh2 --ascii     for programs that read no newer Gmsh files
+  ltbw convert mesh.vtk mesh.vtu --orient           no inverted tetrahedra
 
 Points: .npy .xyz .txt .csv .node .ply, and read only .npz, .off .obj .stl (their vertices).
 Domains: .poly .smesh .off .obj .stl .ply .vtk.
@@ -337,6 +341,9 @@ pub(crate) struct Check {
     pub(crate) streams: Streams,
     #[command(flatten)]
     pub(crate) preparation: Preparation,
+    /// The mesh has to be Delaunay and convex, too: the triangulation of a point set
+    #[arg(long, conflicts_with = "plc")]
+    pub(crate) delaunay: bool,
     /// Check that the mesh conforms to this domain
     #[arg(long, value_name = "DOMAIN")]
     pub(crate) plc: Option<PathBuf>,
@@ -369,6 +376,9 @@ pub(crate) struct Convert {
     /// Write .msh in version 2.2 instead of 4.1
     #[arg(long)]
     pub(crate) msh2: bool,
+    /// Turn negatively oriented tetrahedra to positive: some of them or all
+    #[arg(long)]
+    pub(crate) orient: bool,
     #[command(flatten)]
     pub(crate) streams: Streams,
 }

@@ -5,13 +5,16 @@ use crate::certificate;
 use crate::conform;
 use crate::console;
 use crate::domain;
+use crate::elements;
 use crate::json::{check_report, is_stdout, write_json};
 use crate::outcome::{Exit, Failure};
 use crate::progress::Stage;
-use ltbw::{TetMesh, io};
+use ltbw::TetMesh;
+use ltbw::io::{self, IoError, Reason};
+use ltbw::quality::Quality;
 use ltbw_verify as verify;
 use std::path::Path;
-use verify::{Level, Outcome, VertexOrder};
+use verify::{Outcome, VertexOrder};
 
 /// Defects that people are shown; the certificate lists more.
 const SHOWN: usize = 10;
@@ -28,6 +31,9 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
             let text = format!("{}: --certificate is about a mesh", source.show());
             return Err(Failure::Usage(text));
         }
+        if args.delaunay {
+            return Err(Failure::Usage("--delaunay is about meshes".to_owned()));
+        }
         return domain::check(args, &source);
     }
     if let Some(report) = &args.certificate {
@@ -40,7 +46,14 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
         check_report(json, &io::mesh_files(&args.mesh), None)?;
     }
     let stage = Stage::begin("read");
-    let file = source.mesh()?;
+    let file = match source.mesh() {
+        // The reader has looked at the indices, and knows the line.
+        Err(failure) if names_no_point(&failure) => {
+            console::people(&format!("ltbw: {failure}"));
+            return Ok(Exit::Defect);
+        }
+        file => file?,
+    };
     drop(stage);
     let name = source.show();
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
@@ -48,23 +61,14 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
     let order = if args.any_order { VertexOrder::Any } else { VertexOrder::Oriented };
     let options = verify::Options { vertex_order: order, ..verify::Options::default() };
     let stage = Stage::begin("check");
-    let report = verify::check(&verify::Mesh::new(points, tets), &options);
+    let report = verify::check_elements(&verify::Mesh::new(points, tets), &options, args.delaunay);
+    let quality = Quality::of(points, tets);
     drop(stage);
     if let Some(path) = &args.json {
-        let text = report.certificate().to_json().map_err(|e| Failure::Other(e.to_string()))?;
-        write_json(path, &(text + "\n"))?;
+        let text = elements::json(&report, quality.as_ref());
+        write_json(path, &(text.map_err(|e| Failure::Other(e.to_string()))? + "\n"))?;
     }
-    let counts = &report.counts;
-    console::people(&format!(
-        "mesh      {name}: {} vertices, {} tetrahedra, {} hull faces",
-        counts.vertices, counts.tets, counts.hull_facets
-    ));
-    if counts.unused_points > 0 {
-        console::people(&format!("note: {} points are in no tetrahedron", counts.unused_points));
-    }
-    if report.mirrored {
-        console::people("note: all tetrahedra are negatively oriented, which was allowed for");
-    }
+    elements::tell(&report, &file.mesh, quality.as_ref());
     print_defects(&report, Some(args.any_order));
     if is_of_a_domain(&report) {
         console::people(
@@ -72,17 +76,25 @@ pub(crate) fn check(args: &Check) -> Result<Exit, Failure> {
              domain",
         );
     }
-    if report.passed() {
-        console::people(&format!("checked   {}", summary(&report)));
-        if let verify::Hash::Value(hash) = &report.hash
-            && !args.json.as_deref().is_some_and(is_stdout)
-        {
+    if !report.passed() {
+        console::people(&format!("ltbw: {name}: {}", verdict(&report)));
+        return Ok(Exit::Defect);
+    }
+    console::people(&format!("checked   {}", summary(&report)));
+    match &report.hash {
+        verify::Hash::Value(hash) if !args.json.as_deref().is_some_and(is_stdout) => {
             console::data(&format!("ltbw.mesh/1 {hash}\n"))?;
         }
-        return Ok(Exit::Done);
+        verify::Hash::None(why) => console::people(&format!("note: no hash: {why}")),
+        _ => {}
     }
-    console::people(&format!("ltbw: {name}: {}", verdict(&report)));
-    Ok(Exit::Defect)
+    Ok(Exit::Done)
+}
+
+/// Does a cell of the file name a point that is not there?
+fn names_no_point(failure: &Failure) -> bool {
+    let Failure::Read(IoError::Parse { error, .. }) = failure else { return false };
+    matches!(error.reason, Reason::Index { .. })
 }
 
 /// Is all that is wrong what makes a mesh of a domain differ from that of its points?
@@ -96,21 +108,14 @@ fn is_of_a_domain(report: &verify::Report) -> bool {
 fn verdict(report: &verify::Report) -> String {
     let counts: Vec<String> =
         report.defect_counts.iter().map(|(kind, n)| format!("{n} {kind}")).collect();
-    let only_ties = report.defect_counts.keys().all(|k| k.level() == Level::Canonical);
-    let comment = match counts.is_empty() {
-        true => "nothing to check",
-        false if only_ties => " (a Delaunay mesh, but not the canonical one)",
-        false => "",
-    };
-    format!("defects: {}{comment}", counts.join(", "))
+    format!("defects: {}", counts.join(", "))
 }
 
 /// The levels that passed, and how much arithmetic had to be exact.
 fn summary(report: &verify::Report) -> String {
     let passed = report.levels.iter().filter(|l| l.outcome == Outcome::Passed);
-    let names: Vec<&str> = passed.map(|l| l.level.name()).collect();
-    let (filter, exact) =
-        report.levels.iter().fold((0, 0), |(f, e), l| (f + l.filter, e + l.exact));
+    let names: Vec<&str> = passed.clone().map(|l| l.level.name()).collect();
+    let (filter, exact) = passed.fold((0, 0), |(f, e), l| (f + l.filter, e + l.exact));
     format!("{}: no defect ({filter} tests by filter, {exact} exactly)", names.join(", "))
 }
 
@@ -123,7 +128,10 @@ fn print_defects(report: &verify::Report, any_order: Option<bool>) {
         console::people(&format!("          and {more} more (--json lists them)"));
     }
     if any_order == Some(false) && report.counts.negative_tets > 0 && !report.mirrored {
-        console::people("note: if the order of vertices means nothing in this file: --any-order");
+        console::people(
+            "note: if the order of vertices means nothing in this file: --any-order; `ltbw convert \
+             --orient` turns negative tetrahedra",
+        );
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::args::{Convert, Generate, Kind};
 use crate::console;
 use crate::json::file_writable;
+use crate::orient::orientation;
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
 use crate::streams::{Formats, attributes_note, name_of};
@@ -38,6 +39,7 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
     let from_domain = source.is_domain()?;
     // A `.vtk` file holds the one or the other.
     let from_mesh = from.holds_mesh() && !(from == Format::Vtk && from_domain);
+    orientable(args, from_mesh && to.holds_mesh())?;
     if from_domain && to.holds_domain() && (from, to) != (Format::Ply, Format::Ply) {
         let file = source.domain()?;
         // A surface file without faces is a point cloud.
@@ -66,8 +68,9 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
         );
         Err(Failure::Usage(text))
     } else {
-        let file = source.mesh()?;
+        let mut file = source.mesh()?;
         notes(input, &file.notes);
+        notes(input, &orientation(&mut file.mesh, args.orient));
         if !file.names.is_empty() && !to.holds_names() {
             let text = "names of groups are not kept: this format has no place for them";
             notes(&output.name, &[text.to_owned()]);
@@ -95,6 +98,12 @@ pub(crate) fn convert(args: &Convert) -> Result<Exit, Failure> {
         let file = PointFile { points: mesh.points, point_tags, notes: Vec::new() };
         write_points(output, &file, options)
     }
+}
+
+/// Refuses `--orient` where there are no tetrahedra.
+fn orientable(args: &Convert, is_mesh: bool) -> Result<(), Failure> {
+    let text = "--orient is about tetrahedra: it takes a mesh to a mesh";
+    (is_mesh || !args.orient).then_some(()).ok_or_else(|| Failure::Usage(text.to_owned()))
 }
 
 /// A domain from one format into another.

@@ -8,6 +8,8 @@
 //! | `run` | `delaunay`: read, build, check, hash, write, report |
 //! | `mesh` | `mesh`: read, prepare, refine, check, write, report |
 //! | `check` | `check`, and the check of our own output |
+//! | `elements` | what `check` tells of a mesh beside its defects |
+//! | `orient` | the orientation of tetrahedra in `convert` |
 //! | `bounds` | what a mesh of a domain is asked for: bounds and sizes |
 //! | `page` | a page of HTML about a mesh |
 //! | `conform` | `check --plc` |
@@ -40,6 +42,7 @@ mod conform;
 mod console;
 mod demo;
 mod domain;
+mod elements;
 mod excused;
 mod explained;
 mod figures;
@@ -52,6 +55,7 @@ mod lenience;
 mod lists;
 mod mesh;
 mod numbers;
+mod orient;
 mod outcome;
 mod page;
 mod picture;

@@ -14,6 +14,7 @@ use crate::pieces::parts_of;
 use crate::progress::{Progress, Stage};
 use crate::report::{
     Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, end, quality_json,
+    quality_line,
 };
 use crate::rounds;
 use crate::run::set_threads;
@@ -326,13 +327,7 @@ fn print_mesh(refined: &Refined, inside: &TetMesh, quality: Option<&Quality>) {
         stats.segment_points, stats.facet_points, stats.free_points
     ));
     rounds::line(stats).iter().for_each(|line| console::people(line));
-    if let Some(quality) = quality {
-        let (d, r) = (&quality.dihedral, &quality.radius_edge);
-        console::people(&format!(
-            "quality   dihedral {:.2} to {:.2} degrees, radius-edge at most {:.4}",
-            d.least.value, d.largest.value, r.largest.value
-        ));
-    }
+    quality.into_iter().for_each(|quality| console::people(&quality_line(quality)));
 }
 
 fn report_of(

@@ -4,7 +4,7 @@
 use crate::console;
 use crate::json::write_json;
 use crate::outcome::{Failure, seconds};
-use ltbw::quality::{Extreme, Histogram, Quality};
+use ltbw::quality::{Extreme, Histogram, Quality, SMALL_ANGLES};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -151,12 +151,23 @@ pub(crate) fn quality_json(quality: &Quality) -> Value {
             "largest": extreme(h.largest),
         })
     };
+    let small = |(below, tets): (&f64, u64)| json!({ "below": below, "tets": tets });
     json!({
         "dihedral": histogram(&quality.dihedral),
         "radius_edge": histogram(&quality.radius_edge),
         "volume": histogram(&quality.volume),
         "edge": histogram(&quality.edge),
+        "small_dihedral": SMALL_ANGLES.iter().zip(quality.small).map(small).collect::<Vec<_>>(),
     })
+}
+
+/// The least and the largest dihedral angle and the worst ratio, in a line.
+pub(crate) fn quality_line(quality: &Quality) -> String {
+    let (d, r) = (&quality.dihedral, &quality.radius_edge);
+    format!(
+        "quality   dihedral {:.2} to {:.2} degrees, radius-edge at most {:.4}",
+        d.least.value, d.largest.value, r.largest.value
+    )
 }
 
 /// The most memory that this process held so far, in bytes, where the system tells.

@@ -90,6 +90,9 @@ fn a_mesh_of_a_domain_is_recognised() {
         assert_eq!(ltbw(dir.path(), args).code, 0);
     }
     let run = ltbw(dir.path(), &["check", "d.vtu"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("not convex"), "{}", run.stderr);
+    let run = ltbw(dir.path(), &["check", "d.vtu", "--delaunay"]);
     assert_eq!(run.code, 1);
     assert!(run.stderr.contains("--plc DOMAIN checks it against the domain"), "{}", run.stderr);
     assert_eq!(ltbw(dir.path(), &["check", "d.vtu", "--plc", "d.poly"]).code, 0);

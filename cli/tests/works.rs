@@ -153,16 +153,22 @@ fn check_finds_what_is_wrong() {
     let node = "5 3\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n4 .4 .4 .4\n";
     std::fs::write(dir.path().join("a.node"), node).unwrap();
     std::fs::write(dir.path().join("a.ele"), "2 4\n0 0 1 2 3\n1 1 2 3 4\n").unwrap();
-    let run = ltbw(dir.path(), &["check", "a.ele", "--json", "-"]);
+    let run = ltbw(dir.path(), &["check", "a.ele"]);
+    assert_eq!(run.code, 0, "sound, though not Delaunay: {}", run.stderr);
+    assert!(run.stderr.contains("shape     not Delaunay at 1 faces, convex"), "{}", run.stderr);
+    let run = ltbw(dir.path(), &["check", "a.ele", "--delaunay", "--json", "-"]);
     assert_eq!(run.code, 1, "{}", run.stderr);
     assert!(run.error().starts_with("a.ele: defects: "), "{}", run.stderr);
     let certificate = json(&run.stdout);
     assert_eq!(certificate["schema"], "ltbw.cert/1");
-    assert_eq!(certificate["passed"], false);
+    assert_eq!(
+        (&certificate["passed"], &certificate["judged_as"]),
+        (&false.into(), &"elements".into())
+    );
     assert!(!certificate["defects"].as_array().unwrap().is_empty());
     std::fs::write(dir.path().join("a.ele"), "1 4\n0 0 1 2 9\n").unwrap();
     let run = ltbw(dir.path(), &["check", "a.ele"]);
-    assert_eq!(run.code, 3);
+    assert_eq!(run.code, 1);
     assert_eq!(
         run.error(),
         "a.ele: line 2: tetrahedron 0 names point 9, but points are numbered 0 to 4"

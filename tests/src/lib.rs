@@ -6,12 +6,14 @@
 //! | [`oracle`] | the predicates by `rug`, and brute-force Delaunay of a few points |
 //! | [`epsilon`] | the perturbation by its definition: polynomials in ε |
 //! | [`small_world`] | all meshes of all subsets of a few points, by definition |
+//! | [`overlap`] | whether two tetrahedra overlap, by `rug` |
 //! | [`families`] | the input families of the bars, deterministic by seed |
 //! | [`domains`] | random domains |
 //! | [`five_points`] | five points at a time, for the predicates |
 //! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash; two refined domains |
 //! | [`parts`] | the surfaces of `cargo xtask parts` |
 //! | [`plant`] | defects planted into sound meshes, for the checker to find |
+//! | [`solids`] | sound meshes of bodies of every shape |
 //! | [`fuzz`] | the bodies of the fuzz targets, so that `cargo test` replays their corpora |
 //! | [`interleave`] | the parallel kernel, one event at a time in a chosen order |
 //! | [`require`] | what is skipped when a tool is missing, and when that is a failure |
@@ -26,10 +28,12 @@ pub mod five_points;
 pub mod fuzz;
 pub mod interleave;
 pub mod oracle;
+pub mod overlap;
 pub mod parts;
 pub mod plant;
 pub mod require;
 pub mod small_world;
+pub mod solids;
 
 /// Number of random cases: `LTBW_CASES` if it is set, else `default`.
 ///

@@ -102,7 +102,7 @@ impl fmt::Display for Histogram {
 impl fmt::Display for Quality {
     /// A line for each quantity, with its extremes.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { tets, dihedral, radius_edge, volume, edge } = self;
+        let Self { tets, dihedral, radius_edge, volume, edge, small: _ } = self;
         let tets =
             if *tets == 1 { "1 tetrahedron".to_owned() } else { format!("{tets} tetrahedra") };
         write!(f, "{tets}\n{dihedral}\n{radius_edge}\n{volume}\n{edge}")

@@ -47,7 +47,13 @@ pub struct Quality {
     pub volume: Histogram,
     /// Edge lengths, six for each tetrahedron.
     pub edge: Histogram,
+    /// For each of [`SMALL_ANGLES`], the tetrahedra with a smaller dihedral angle.
+    pub small: [u64; 2],
 }
+
+/// Dihedral angles, in degrees, below which tetrahedra are counted: those that spoil a solution,
+/// and those that slow it down.
+pub const SMALL_ANGLES: [f64; 2] = [1.0, 5.0];
 
 /// The measures of one tetrahedron.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -237,6 +243,7 @@ impl Quality {
             radius_edge: Histogram::new("circumradius / shortest edge", 0.6, 2.1, 30),
             volume: Histogram::new("volume", 0.0, largest, 30),
             edge: Histogram::new("edge length", 0.0, edge, 30),
+            small: [0; 2],
         };
         let share = |(k, list): (usize, &[[u32; 4]])| {
             let mut own = none.clone();
@@ -256,6 +263,8 @@ impl Quality {
         tet.edges.into_iter().for_each(|length| self.edge.add(length, t));
         self.radius_edge.add(tet.radius_edge, t);
         self.volume.add(tet.volume, t);
+        let least = tet.dihedral.into_iter().fold(f64::INFINITY, f64::min);
+        self.small.iter_mut().zip(SMALL_ANGLES).for_each(|(n, a)| *n += u64::from(least < a));
     }
 
     fn merge(&mut self, later: &Self) {
@@ -263,6 +272,7 @@ impl Quality {
         self.edge.merge(&later.edge);
         self.radius_edge.merge(&later.radius_edge);
         self.volume.merge(&later.volume);
+        self.small.iter_mut().zip(later.small).for_each(|(own, more)| *own += more);
     }
 
     /// The four histograms.
@@ -324,6 +334,12 @@ mod tests {
         );
         assert_eq!((all.volume.largest.tet, all.volume.least.tet), (0, 1));
         assert!(all.text().contains("70-75"));
+        // A flat one, and slivers of some 0.5 and 4 degrees.
+        let slivers = [0.0, 0.005, 0.04]
+            .map(|h| vec![[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, h], [0.0, 1.0, h]]);
+        let tets: Vec<[u32; 4]> = (0..3).map(|t| [0, 1, 2, 3].map(|k| 4 * t + k)).collect();
+        let small = Quality::of(&slivers.concat(), &tets).expect("three tetrahedra").small;
+        assert_eq!(small, [2, 3]);
         assert!(
             Quality::of(&points, &[]).is_none() && Quality::of(&points, &[[0, 1, 2, 9]]).is_none()
         );

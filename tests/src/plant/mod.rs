@@ -8,6 +8,7 @@
 
 mod flips;
 mod lists;
+pub mod overlaps;
 mod places;
 
 use crate::oracle;

@@ -3,11 +3,12 @@
 use crate::adjacency_proof::{self, Proof};
 use crate::chunks::Partial;
 use crate::defect::{Findings, Kind, Level};
+use crate::elements::{self, Verdict, verdict};
 use crate::faces::{self, Faces};
 use crate::geometry::{self, Oriented};
 use crate::hash;
 use crate::mesh::{Depth, Mesh, Options};
-use crate::report::{Counts, Hash, LevelReport, Outcome, Report};
+use crate::report::{Counts, Hash, Information, LevelReport, Outcome, Report};
 use crate::structure::{self, Sound};
 use crate::topology::{self, Hull};
 use crate::{hull, predicates::Tally};
@@ -27,27 +28,83 @@ use crate::{hull, predicates::Tally};
 /// assert_eq!(report.counts.hull_facets, 4);
 /// ```
 pub fn check(mesh: &Mesh, options: &Options) -> Report {
-    let mut run = Run::new(mesh, options);
+    Run::new(mesh, options, Asked::Canonical).check()
+}
+
+/// Judges a mesh as a finite element mesh of any body; never panics, whatever the mesh. Runs on the
+/// current rayon pool; the report does not depend on the number of threads.
+///
+/// *Defects*: what [`check`] finds at the level structure, but for two vertices at one place; faces
+/// of three tetrahedra, wrong claims; flat and inverted tetrahedra; and at the level *overlap*
+/// tetrahedra that overlap, hanging vertices and edges that cross. *Information*
+/// ([`Report::information`]): two vertices at one place (a crack), pieces, pinched edges and
+/// vertices, and what else keeps the mesh from being Delaunay, convex or canonical. With `delaunay`
+/// all of these but the last are defects, too.
+///
+/// Cost: that of [`check`], and O(n log n) for `n` tetrahedra, if the mesh is not convex and
+/// Delaunay; the module `elements` says when it is more.
+///
+/// ```
+/// use ltbw_verify::{Kind, Mesh, Options, check_elements};
+///
+/// // Two tetrahedra that share an edge and nothing else, and one that is in the second.
+/// let points = [
+///     [0.0, 0.0, 0.0], [0.0, 0.0, 4.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0],
+///     [-4.0, 0.0, 0.0], [-4.0, -4.0, 0.0],
+///     [-2.0, -1.0, 0.5], [-1.5, -1.0, 0.5], [-2.0, -0.5, 0.5], [-2.0, -1.0, 1.0],
+/// ];
+/// let tets = [[0, 2, 3, 1], [0, 4, 5, 1], [6, 7, 8, 9]];
+/// let report = check_elements(&Mesh::new(&points, &tets[..2]), &Options::default(), false);
+/// assert!(report.passed());
+/// assert_eq!(report.information.expect("always told").count(Kind::HullEdge), 1);
+/// let report = check_elements(&Mesh::new(&points, &tets), &Options::default(), false);
+/// assert_eq!(report.defects[0].tets, [1, 2]);
+/// assert_eq!(report.count(Kind::Overlap), 1);
+/// ```
+pub fn check_elements(mesh: &Mesh, options: &Options, delaunay: bool) -> Report {
+    let asked = if delaunay { Asked::DelaunayElements } else { Asked::Elements };
+    Run::new(mesh, options, asked).check()
+}
+
+/// The exact orientation of every tetrahedron: 1, -1, or 0 for a flat one and for one that names a
+/// point twice, or one that is not there or not finite. Never panics, whatever the mesh.
+pub fn signs(mesh: &Mesh) -> Vec<i8> {
     if !structure::fits(mesh) {
-        run.findings.add(Kind::TooLarge, &[], &[]);
-        return run.report(&Counts::default(), Hash::None(Kind::TooLarge.text().to_owned()));
+        return vec![0; mesh.tets.len()];
     }
-    let sound = structure::check(mesh, options, &mut run.findings);
-    if run.findings.count(Level::Structure) > 0 {
-        return run.level_by_level(sound, None);
+    let sound = structure::check(mesh, &Options::default(), &mut Findings::new(0));
+    let (oriented, _) = geometry::signs(mesh, &sound.tet);
+    (0..mesh.tets.len()).map(|t| oriented.sign(t)).collect()
+}
+
+/// What a mesh is asked to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Asked {
+    /// The Delaunay mesh of its vertices, the canonical one.
+    Canonical,
+    /// A finite element mesh.
+    Elements,
+    /// One that is Delaunay and convex.
+    DelaunayElements,
+}
+
+impl Asked {
+    /// The levels of the report, in order.
+    fn levels(self) -> &'static [Level] {
+        match self {
+            Self::Canonical => &Level::ALL,
+            _ => &Level::ELEMENTS,
+        }
     }
-    let hash = || match options.depth {
-        Depth::Fast => Hash::Skipped,
-        Depth::Full => Hash::Value(hash::of_sorted(mesh.points, mesh.tets, &sound.vertices)),
-    };
-    if mesh.neighbours.is_none() {
-        return run.level_by_level(sound, None);
-    }
-    // The hash is in part sequential: the proof fills the gaps.
-    let (proof, hash) = rayon::join(|| adjacency_proof::prove(mesh, options, run.is_full()), hash);
-    match proof {
-        Some(proof) => run.proved(&sound, proof, hash),
-        None => run.level_by_level(sound, Some(hash)),
+
+    /// Whether a level is more than information.
+    fn includes(self, level: Level) -> bool {
+        match level {
+            Level::Delaunay => self != Self::Elements,
+            Level::Canonical => self == Self::Canonical,
+            Level::Overlap => self != Self::Canonical,
+            _ => true,
+        }
     }
 }
 
@@ -55,17 +112,41 @@ pub fn check(mesh: &Mesh, options: &Options) -> Report {
 struct Run<'a> {
     mesh: &'a Mesh<'a>,
     options: &'a Options,
+    asked: Asked,
     findings: Findings,
     /// Per level: tests, tests that could not be posed, and whether the level was run.
-    levels: [(Tally, u64, bool); 5],
+    levels: [(Tally, u64, bool); 6],
     volume: f64,
     mirrored: bool,
 }
 
 impl<'a> Run<'a> {
-    fn new(mesh: &'a Mesh<'a>, options: &'a Options) -> Self {
-        let findings = Findings::new(options.max_defects);
-        Self { mesh, options, findings, levels: Default::default(), volume: 0.0, mirrored: false }
+    fn new(mesh: &'a Mesh<'a>, options: &'a Options, asked: Asked) -> Self {
+        let (findings, levels) = (Findings::new(options.max_defects), Default::default());
+        Self { mesh, options, asked, findings, levels, volume: 0.0, mirrored: false }
+    }
+
+    fn check(mut self) -> Report {
+        let (mesh, options) = (self.mesh, self.options);
+        if !structure::fits(mesh) {
+            self.findings.add(Kind::TooLarge, &[], &[]);
+            return self.report(&Counts::default(), Hash::None(Kind::TooLarge.text().to_owned()));
+        }
+        let sound = structure::check(mesh, options, &mut self.findings);
+        if self.findings.count(Level::Structure) > 0 || mesh.neighbours.is_none() {
+            return self.level_by_level(sound, None);
+        }
+        let hash = || match options.depth {
+            Depth::Fast => Hash::Skipped,
+            Depth::Full => Hash::Value(hash::of_sorted(mesh.points, mesh.tets, &sound.vertices)),
+        };
+        // The hash is in part sequential: the proof fills the gaps.
+        let prove = || adjacency_proof::prove(mesh, options, self.is_full());
+        let (proof, hash) = rayon::join(prove, hash);
+        match proof {
+            Some(proof) => self.proved(&sound, proof, hash),
+            None => self.level_by_level(sound, Some(hash)),
+        }
     }
 
     fn is_full(&self) -> bool {
@@ -93,6 +174,8 @@ impl<'a> Run<'a> {
         self.tally(Level::Delaunay, delaunay);
         self.tally(Level::Canonical, canonical);
         Level::ALL[..4].iter().for_each(|&level| self.done(level));
+        // A tiling, says the theorem.
+        self.done(Level::Overlap);
         if self.is_full() {
             self.done(Level::Canonical);
         }
@@ -136,6 +219,9 @@ impl<'a> Run<'a> {
         self.volume = oriented.volume;
 
         self.delaunay(&oriented, &faces, &hull);
+        if self.asked != Asked::Canonical {
+            self.overlap(&oriented, &faces);
+        }
         let counts = Counts {
             points: mesh.points.len() as u64,
             vertices: sound.vertices.len() as u64,
@@ -201,29 +287,52 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn report(self, counts: &Counts, hash: Hash) -> Report {
+    /// Runs the level *overlap*. Nothing overlaps in what the theorem says to be a tiling.
+    fn overlap(&mut self, oriented: &Oriented, faces: &Faces) {
+        let is_tiling = Level::ALL[..4]
+            .iter()
+            .all(|&level| self.findings.count(level) == 0 && self.levels[level as usize].1 == 0);
+        if !is_tiling {
+            let part = elements::contacts(oriented, faces, self.options.max_defects);
+            self.take(Level::Overlap, part);
+        }
+        self.done(Level::Overlap);
+    }
+
+    /// Takes out of the findings what is no defect of a finite element mesh.
+    fn information(&mut self) -> Information {
+        let delaunay = self.asked == Asked::DelaunayElements;
+        let of = |wanted: Verdict| move |kind| verdict(kind, delaunay) == wanted;
+        drop(self.findings.take(of(Verdict::Implied)));
+        let told = self.findings.take(of(Verdict::Information));
+        Information { listed: told.defects(self.mesh.points), counts: told.counts }
+    }
+
+    fn report(mut self, counts: &Counts, hash: Hash) -> Report {
+        let information = (self.asked != Asked::Canonical).then(|| self.information());
         let mut sane = true;
-        let levels = Level::ALL.map(|level| {
+        let of_level = |&level: &Level| {
             let (tally, untested, ran) = self.levels[level as usize];
             let defects = self.findings.count(level);
             let outcome = match () {
                 () if defects > 0 => Outcome::Failed,
-                () if !ran => Outcome::Skipped,
+                () if !ran || !self.asked.includes(level) => Outcome::Skipped,
                 () if untested > 0 || !sane => Outcome::Incomplete,
                 () => Outcome::Passed,
             };
             sane &= outcome == Outcome::Passed;
             let Tally { filter, exact } = tally;
             LevelReport { level, outcome, filter, exact, untested, defects }
-        });
+        };
         Report {
-            levels: levels.to_vec(),
+            levels: self.asked.levels().iter().map(of_level).collect(),
             defects: self.findings.defects(self.mesh.points),
             defect_counts: self.findings.counts,
             counts: *counts,
             volume: self.volume,
             mirrored: self.mirrored,
             hash,
+            information,
         }
     }
 }

@@ -20,12 +20,25 @@ pub enum Level {
     Delaunay,
     /// The symbolic perturbation decides every tie as the canonical mesh has it.
     Canonical,
+    /// Tetrahedra meet in whole faces, edges and vertices alone: asked of finite element meshes
+    /// ([`check_elements`](crate::check_elements)), where it comes before Delaunay.
+    Overlap,
 }
 
 impl Level {
-    /// All levels, in order.
+    /// The levels of [`check`](crate::check), in order.
     pub const ALL: [Self; 5] =
         [Self::Structure, Self::Topology, Self::Orientation, Self::Delaunay, Self::Canonical];
+
+    /// The levels of [`check_elements`](crate::check_elements), in order.
+    pub const ELEMENTS: [Self; 6] = [
+        Self::Structure,
+        Self::Topology,
+        Self::Orientation,
+        Self::Overlap,
+        Self::Delaunay,
+        Self::Canonical,
+    ];
 
     /// The name used in certificates.
     pub fn name(self) -> &'static str {
@@ -35,6 +48,7 @@ impl Level {
             Self::Orientation => "orientation",
             Self::Delaunay => "delaunay",
             Self::Canonical => "canonical",
+            Self::Overlap => "overlap",
         }
     }
 }
@@ -139,6 +153,14 @@ kinds! {
     /// Four points of the hull on one circle, and the canonical mesh has the other diagonal.
     /// `tets`: the owners of both facets; `vertices`: the edge and the two other vertices.
     HullNotCanonical, Canonical, "hull_not_canonical", "the canonical mesh has the other diagonal";
+    /// Two tetrahedra have inner points in common. `tets`: both; `vertices`: the four of the first.
+    Overlap, Overlap, "overlap", "both have inner points in common";
+    /// A vertex lies inside an edge or a face of a tetrahedron that does not have it. `tets`: that
+    /// tetrahedron; `vertices`: the vertex, then the two of the edge or the three of the face.
+    HangingVertex, Overlap, "hanging_node", "the first is inside this edge or face of a cell";
+    /// Two edges meet in a point that is inside both. `tets`: one at each edge; `vertices`: the two
+    /// of each.
+    CrossingEdges, Overlap, "crossing_edges", "these two edges cross without a common vertex";
 }
 
 impl fmt::Display for Kind {
@@ -230,6 +252,14 @@ impl Findings {
             let room = self.limit.saturating_sub(mine.len());
             mine.extend(list.into_iter().take(room));
         }
+    }
+
+    /// Takes out the findings of some kinds.
+    pub(crate) fn take(&mut self, is_wanted: impl Fn(Kind) -> bool) -> Self {
+        let mut taken = Self::new(self.limit);
+        taken.counts = self.counts.extract_if(.., |kind, _| is_wanted(*kind)).collect();
+        taken.listed = self.listed.extract_if(.., |kind, _| is_wanted(*kind)).collect();
+        taken
     }
 
     /// Number of defects of `level`, listed or not.

@@ -57,10 +57,16 @@ pub(crate) fn det_lifted<T: Number>([a, b, c, d]: &[[T; 3]; 4]) -> T {
     first.plus(&lift(a).times(&bcd).minus(&lift(b).times(&cda)))
 }
 
+/// The difference of two points, first less second, as computed.
+#[inline(always)]
+pub(crate) fn difference([p, q]: [&Point; 2]) -> [f64; 3] {
+    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
+}
+
 /// Differences of `N` points to `origin`, as computed.
 #[inline(always)]
 pub(crate) fn differences<const N: usize>(points: [&Point; N], origin: &Point) -> [[f64; 3]; N] {
-    points.map(|p| [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]])
+    points.map(|p| difference([p, origin]))
 }
 
 /// The largest absolute difference on each axis.

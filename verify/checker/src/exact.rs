@@ -7,7 +7,7 @@
 //!   2^-142 ≤ |c| < 2^200. Outside it is silently wrong.
 //! * *Big integers.* Every f64 is an integer times a power of two: exact, at any exponents.
 
-use crate::determinant::{det_lifted, det3, differences, extents, in_range};
+use crate::determinant::{det_lifted, det3, difference, extents, in_range};
 use crate::mesh::Point;
 use num_bigint::{BigInt, Sign};
 use robust::Coord3D;
@@ -40,18 +40,25 @@ fn is_exact(a: f64, b: f64, d: f64) -> bool {
     (a - a_virtual) + (b_virtual - b) == 0.0
 }
 
-/// The differences of `points` to `origin` as integers in their common power of two, and the
-/// number of bits that they need, when the differences are exact and need at most `limit` bits.
+/// The differences of `points` to `origin` as [`whole_rows`].
 fn integers<const N: usize>(
     points: [&Point; N],
     origin: &Point,
     limit: i32,
 ) -> Option<([[i64; 3]; N], i32)> {
-    let rows = differences(points, origin);
+    whole_rows(points.map(|p| [p, origin]), limit)
+}
+
+/// The differences of pairs of points, first less second, as integers in their common power of two,
+/// and the number of bits that they need, when the differences are exact and need at most `limit`
+/// bits.
+fn whole_rows<const N: usize>(pairs: [[&Point; 2]; N], limit: i32) -> Option<([[i64; 3]; N], i32)> {
+    let rows = pairs.map(difference);
     // Zero extents do no harm here; the others must allow scaling by 2^-low below.
     let m = extents(&rows).map(|m| if m == 0.0 { 1.0 } else { m });
-    let exact = |(p, row): (&&Point, &[f64; 3])| (0..3).all(|k| is_exact(p[k], origin[k], row[k]));
-    if !in_range(m) || !points.iter().zip(&rows).all(exact) {
+    let exact =
+        |([p, q], row): (&[&Point; 2], &[f64; 3])| (0..3).all(|k| is_exact(p[k], q[k], row[k]));
+    if !in_range(m) || !pairs.iter().zip(&rows).all(exact) {
         return None;
     }
     let (mut low, mut high) = (i32::MAX, i32::MIN);
@@ -132,6 +139,15 @@ pub(crate) fn orient3d([a, b, c, d]: [&Point; 4]) -> i8 {
     }
 }
 
+/// Exact twin of [`crate::predicates::triple`].
+pub(crate) fn triple(vectors: [[&Point; 2]; 3]) -> i8 {
+    match whole_rows(vectors, 41) {
+        Some((rows, ..=20)) => det3(&rows).signum() as i8,
+        Some((rows, _)) => det3(&rows.map(|r| r.map(i128::from))).signum() as i8,
+        None => triple_big(vectors),
+    }
+}
+
 /// Exact twin of [`crate::predicates::insphere`].
 ///
 /// With integers of b bits the determinant and all its partial sums are below 72 · 2^5b: i64 up
@@ -150,6 +166,12 @@ pub(crate) fn insphere([a, b, c, d, e]: [&Point; 5]) -> i8 {
 /// [`orient3d`] by big integers alone.
 pub(crate) fn orient3d_big([a, b, c, d]: [&Point; 4]) -> i8 {
     big_sign(&det3(&big_differences([b, c, d], a)))
+}
+
+/// [`triple`] by big integers alone.
+pub(crate) fn triple_big(vectors: [[&Point; 2]; 3]) -> i8 {
+    let low = lowest_bit(vectors.as_flattened());
+    big_sign(&det3(&vectors.map(|[p, q]| [0, 1, 2].map(|k| big(p[k], low) - big(q[k], low)))))
 }
 
 /// [`insphere`] by big integers alone.
@@ -173,6 +195,13 @@ mod tests {
         let expected = orient3d_big(p);
         assert_eq!(orient3d(p), expected, "exact {p:?}");
         assert_eq!(predicates::orient3d(p, &mut Tally::default()), expected, "fast {p:?}");
+        expected
+    }
+
+    fn triple_all_ways(v: [[&Point; 2]; 3]) -> i8 {
+        let expected = triple_big(v);
+        assert_eq!(triple(v), expected, "exact {v:?}");
+        assert_eq!(predicates::triple(v, &mut Tally::default()), expected, "fast {v:?}");
         expected
     }
 
@@ -269,6 +298,20 @@ mod tests {
             let on = [0, 1, 2].map(|k| p[1][k] + (p[2][k] - p[0][k]));
             prop_assume!(on.iter().all(|c| c.is_finite()));
             orient_all_ways([&p[0], &p[1], &p[2], &on]);
+        }
+
+        #[test]
+        fn triple_products_agree(p in points::<6>()) {
+            let [a, b, c, d, e, f] = [0, 1, 2, 3, 4, 5].map(|i| &p[i]);
+            let sign = triple_all_ways([[a, b], [c, d], [e, f]]);
+            prop_assert_eq!(triple_all_ways([[c, d], [a, b], [e, f]]), -sign);
+            prop_assert_eq!(triple_all_ways([[b, a], [c, d], [e, f]]), -sign);
+            // Of four points it is their orientation.
+            prop_assert_eq!(
+                triple_all_ways([[b, a], [c, a], [d, a]]),
+                orient_all_ways([a, b, c, d])
+            );
+            prop_assert_eq!(triple_all_ways([[a, b], [c, d], [a, b]]), 0);
         }
 
         #[test]

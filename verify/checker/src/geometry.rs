@@ -135,7 +135,11 @@ pub(crate) fn orientation(
 /// Whether two neighbours lie in space on the same side of their face; `None` if one is flat.
 /// Both are turned to positive, so they lie on opposite sides exactly if their outward faces
 /// turn opposite ways.
-fn fold(mesh: &Oriented, (t, i): (usize, usize), (u, j): (usize, usize)) -> Option<bool> {
+pub(crate) fn fold(
+    mesh: &Oriented,
+    (t, i): (usize, usize),
+    (u, j): (usize, usize),
+) -> Option<bool> {
     if mesh.sign(t) == 0 || mesh.sign(u) == 0 {
         return None;
     }

@@ -110,6 +110,7 @@ mod conform;
 mod defect;
 mod determinant;
 mod display;
+mod elements;
 mod exact;
 mod faces;
 mod geometry;
@@ -124,14 +125,14 @@ mod structure;
 mod sync;
 mod topology;
 
-pub use check::check;
+pub use check::{check, check_elements, signs};
 pub use conform::{
     Conformity, ConformityDefect, Finding, Fraction, Limits, Plc, PlcFacet, conforms,
 };
 pub use defect::{Defect, Kind, Level};
 pub use hash::{HashError, canonical_hash};
 pub use mesh::{Depth, Mesh, NO_NEIGHBOUR, Options, Point, VertexOrder};
-pub use report::{Certificate, Counts, Hash, LevelReport, Outcome, Report};
+pub use report::{Certificate, Counts, Hash, Information, LevelReport, Outcome, Report};
 
 /// Examples of the README, as tests.
 #[cfg(doctest)]

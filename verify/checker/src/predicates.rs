@@ -17,7 +17,7 @@
 //! (2^-190, 2^200) an underflow costs at most 2^-1074 times the remaining factors, below
 //! 2^-300 of the bound; and nothing overflows. Outside this range the exact stage decides.
 
-use crate::determinant::{det3, differences, extents, in_range};
+use crate::determinant::{det3, difference, differences, extents, in_range};
 use crate::exact;
 use crate::mesh::Point;
 
@@ -63,6 +63,23 @@ pub(crate) fn orient3d([a, b, c, d]: [&Point; 4], tally: &mut Tally) -> i8 {
     }
     tally.exact += 1;
     exact::orient3d([a, b, c, d])
+}
+
+/// Exact sign of the determinant of three vectors, each the difference of two points, first less
+/// second. The coordinates must be finite. [`orient3d`] is the case of one common second point, and
+/// its bound holds: the same operations on differences of the same error.
+#[inline]
+pub(crate) fn triple(vectors: [[&Point; 2]; 3], tally: &mut Tally) -> i8 {
+    let rows = vectors.map(difference);
+    let m = extents(&rows);
+    if in_range(m)
+        && let Some(sign) = sign_beyond(det3(&rows), ORIENT_BOUND * m[0] * m[1] * m[2])
+    {
+        tally.filter += 1;
+        return sign;
+    }
+    tally.exact += 1;
+    exact::triple(vectors)
 }
 
 /// The sphere through four points, made once for any number of tests.

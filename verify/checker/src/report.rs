@@ -97,7 +97,40 @@ pub struct Report {
     pub mirrored: bool,
     /// The canonical hash.
     pub hash: Hash,
+    /// The findings of [`check_elements`](crate::check_elements) that are no defects of a finite
+    /// element mesh, as `defects` and `defect_counts` have those that are; `None` from
+    /// [`check`](crate::check).
+    pub information: Option<Information>,
 }
+
+/// Findings that are no defects.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[non_exhaustive]
+pub struct Information {
+    /// Number of findings of each kind, listed or not.
+    #[serde(rename = "information_counts")]
+    pub counts: BTreeMap<Kind, u64>,
+    /// Listed findings, by kind, in the order of the mesh.
+    #[serde(rename = "information")]
+    pub listed: Vec<Defect>,
+}
+
+impl Information {
+    /// Number of findings of a kind.
+    pub fn count(&self, kind: Kind) -> u64 {
+        self.counts.get(&kind).copied().unwrap_or(0)
+    }
+}
+
+/// The level that [`check`](crate::check) does not ask for.
+const NOT_ASKED: LevelReport = LevelReport {
+    level: Level::Overlap,
+    outcome: Outcome::Skipped,
+    filter: 0,
+    exact: 0,
+    untested: 0,
+    defects: 0,
+};
 
 impl Report {
     /// Whether every level that was asked for passed.
@@ -106,9 +139,9 @@ impl Report {
             && self.level(Level::Structure).outcome == Outcome::Passed
     }
 
-    /// The report of a level.
+    /// The report of a level; one that says "skipped" if there is none.
     pub fn level(&self, level: Level) -> &LevelReport {
-        &self.levels[level as usize]
+        self.levels.iter().find(|report| report.level == level).unwrap_or(&NOT_ASKED)
     }
 
     /// Number of defects of a kind.
@@ -138,6 +171,8 @@ impl Report {
             levels: &self.levels,
             defect_counts: &self.defect_counts,
             defects: &self.defects,
+            judged_as: self.information.as_ref().map(|_| "elements"),
+            information: self.information.as_ref(),
         }
     }
 }
@@ -153,6 +188,10 @@ pub struct Certificate<'a> {
     levels: &'a [LevelReport],
     defect_counts: &'a BTreeMap<Kind, u64>,
     defects: &'a [Defect],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    judged_as: Option<&'static str>,
+    #[serde(flatten)]
+    information: Option<&'a Information>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]

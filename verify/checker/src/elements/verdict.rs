@@ -1,0 +1,39 @@
+//! What each kind of finding means for a finite element mesh.
+
+use crate::defect::{Kind, Level};
+
+/// What a finding means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// The mesh is wrong.
+    Defect,
+    /// People may want to know it.
+    Information,
+    /// Another finding says it: an overlap, an inverted tetrahedron.
+    Implied,
+}
+
+/// What a finding of this kind means, if the mesh is asked to be Delaunay and convex, or is not.
+pub(crate) fn verdict(kind: Kind, delaunay: bool) -> Verdict {
+    match kind {
+        Kind::SameSide | Kind::FoldedFace => Verdict::Implied,
+        _ if kind.level() == Level::Canonical => Verdict::Information,
+        // What a body of any shape may have, but no convex one that is tiled face to face.
+        Kind::EqualVertices
+        | Kind::HullEdge
+        | Kind::Disconnected
+        | Kind::HullDisconnected
+        | Kind::HullEuler
+        | Kind::Euler
+        | Kind::VertexLink
+        | Kind::NotDelaunay
+        | Kind::ConcaveHull
+        | Kind::HullTurnedAway
+        | Kind::HullWoundTwice
+            if !delaunay =>
+        {
+            Verdict::Information
+        }
+        _ => Verdict::Defect,
+    }
+}
