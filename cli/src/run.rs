@@ -4,7 +4,7 @@ use crate::args::{Delaunay, Depth};
 use crate::check::check_own;
 use crate::console::{self, Stop};
 use crate::figures::{Figures, SPANS, tables, write_trace};
-use crate::json::{distinct, file_writable, keep_input, write_text};
+use crate::json::{distinct, file_writable, keep_input, without_pairs, write_text};
 use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{self, Page, Scene};
@@ -66,9 +66,10 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let start = Instant::now();
     set_threads(args.threads)?;
     let workers = args.threads.map_or(1, u32::from);
+    let outputs = without_pairs(&args.output);
     let (parts, whole): (Vec<_>, Vec<_>) =
-        args.output.iter().cloned().partition(|path| io::is_parts(path));
-    let formats = args.streams.resolve(&[&args.points], &args.output)?;
+        outputs.iter().cloned().partition(|path| io::is_parts(path));
+    let formats = args.streams.resolve(&[&args.points], &outputs)?;
     formats.meshes_writable(&whole)?;
     for path in &parts {
         io::check_parts_writable(path, workers as usize).map_err(Failure::Write)?;
@@ -94,7 +95,7 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let job = Job {
         command: "delaunay",
         name: &source.name,
-        outputs: &args.output,
+        outputs: &outputs,
         formats,
         json: args.json.as_deref(),
         check: args.check,

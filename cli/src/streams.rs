@@ -39,7 +39,7 @@ fn is_stdin(path: &Path) -> bool {
 
 /// Is the format left open by this path?
 fn is_open(path: &Path) -> bool {
-    is_stdin(path) || is_stdout(path) || Format::from_path(path).is_err() && !io::is_parts(path)
+    is_stdin(path) || is_stdout(path) || Format::from_path(path).is_err()
 }
 
 impl Streams {

@@ -19,7 +19,7 @@
 //! | `.mesh` | mesh (Medit, ASCII) | references | [`medit`] |
 //! | `.vtu` | mesh (VTK, text or binary) | arrays `tag`, `region`, `attribute` | [`vtu`] |
 //! | `.vtk` | mesh, or a surface (VTK's legacy files) | the same | [`vtk`] |
-//! | `.pvtu` | mesh in parts, `.vtu` files beside it (written) | array `tag` | [`write_parts`] |
+//! | `.pvtu` | mesh in parts, `.vtu` files beside it | the same | [`pvtu`], [`write_parts`] |
 //!
 //! Readers take any bytes and never panic: each is a fuzz target. A count in a header is a claim
 //! to verify, never an amount of memory to reserve. Text carries floats in the shortest form that
@@ -37,6 +37,7 @@
 
 mod atomic_file;
 pub mod csv;
+mod curved;
 mod domain;
 mod error;
 mod faces;
@@ -50,6 +51,7 @@ pub mod off;
 mod parts;
 pub mod ply;
 pub mod poly;
+pub mod pvtu;
 mod scalar;
 pub mod stl;
 mod streams;
@@ -135,7 +137,7 @@ pub fn read_points(path: impl AsRef<Path>) -> Result<PointFile, IoError> {
 }
 
 /// Reads a mesh file: `.vtu`, `.vtk`, `.msh`, `.mesh`, or the pair `.ele` and `.node` (named by
-/// either) with the `.face` file beside it, if there is one.
+/// either) with the `.face` file beside it, if there is one; or `.pvtu` with its pieces.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<TetMesh, IoError> {
     let path = path.as_ref();
     read_mesh_file(path).map(|f| f.mesh)
@@ -146,6 +148,7 @@ pub fn read_mesh_file(path: impl AsRef<Path>) -> Result<MeshFile, IoError> {
     let path = path.as_ref();
     match Format::from_path(path)? {
         Format::Node | Format::Ele => read_pair(path),
+        Format::Pvtu => pvtu::read(path),
         format if format.holds_mesh() => parse_mesh(path, format, &load(path)?),
         format => Err(wrong_kind(path, format, "a mesh is")),
     }
@@ -221,7 +224,9 @@ pub fn write_mesh_with(
 /// The format of `path`, if points (or else meshes) can be written in it.
 fn writable(path: &Path, points: bool) -> Result<Format, IoError> {
     let format = Format::from_path(path)?;
-    let holds = if points { format.holds_points() } else { format.holds_mesh() };
+    // Parts are written by [`write_parts`].
+    let whole = format.holds_mesh() && format != Format::Pvtu;
+    let holds = if points { format.holds_points() } else { whole };
     if !holds {
         Err(wrong_kind(path, format, if points { "points are" } else { "a mesh is" }))
     } else if format.is_read_only() {
@@ -266,14 +271,19 @@ pub fn check_bytes_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
     atomic_file::check(path)
 }
 
-/// The files that [`read_mesh`] may read for `path`, and [`write_mesh`] write: itself, or the
-/// `.node`, `.ele` and `.face` files that it names.
+/// The files that [`read_mesh`] may read for `path`, and [`write_mesh`] write: itself, with the
+/// pieces that it lists, or the `.node`, `.ele` and `.face` files that it names.
 pub fn mesh_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
     let path = path.as_ref();
     match Format::from_path(path) {
         Ok(Format::Node | Format::Ele) => {
             let (node, ele) = pair(path);
             vec![node, ele, face_path(path)]
+        }
+        Ok(Format::Pvtu) => {
+            // A list that cannot be read names no other file.
+            let pieces = load(path).ok().and_then(|list| pvtu::piece_files(path, &list).ok());
+            std::iter::once(path.to_owned()).chain(pieces.unwrap_or_default()).collect()
         }
         _ => vec![path.to_owned()],
     }
@@ -356,6 +366,7 @@ fn check_mesh(mesh: &TetMesh) -> Result<(), DataError> {
 
 fn wrong_kind(path: &Path, format: Format, wanted: &'static str) -> IoError {
     let holds = match (format.holds_mesh(), format.holds_points(), format.holds_domain()) {
+        _ if format == Format::Pvtu => "a mesh in parts",
         (_, true, true) => "a surface or points",
         (_, true, false) => "points",
         (true, ..) => "a mesh",

@@ -6,7 +6,7 @@
 //! appended raw, or text. Read: any number of pieces; arrays as text, inline in base64, or appended
 //! raw or in base64; uncompressed or compressed by zlib, LZ4 or LZMA; either byte order. Tetrahedra
 //! (VTK type 10) become the mesh; triangles (type 5) that are faces of tetrahedra are boundary
-//! triangles, with their `marker`; other cells of dimension 0 to 2 and other arrays are not read,
+//! triangles, with their `marker`; of those of higher order the corners are read; other cells of dimension 0 to 2 and other arrays are not read,
 //! and a note says so; other cells are refused.
 //! Source: the VTK file formats page of the VTK documentation.
 
@@ -17,11 +17,10 @@ mod write;
 
 use super::MeshFile;
 use super::error::{ParseError, Reason, excerpt, one_line};
-use super::faces::owned;
 use super::scalar::Scalar;
 use super::text::{Tokens, count, float, integer};
 use array::{Layout, Stream};
-pub(crate) use cells::Grid;
+pub(crate) use cells::{Grid, append};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 pub(crate) use write::write_part;
@@ -178,14 +177,8 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     if state.other_arrays {
         notes.push(OTHER_ARRAYS.into());
     }
-    let grid = state.grid;
-    if grid.other_cells {
-        notes.push("cells that are neither tetrahedra nor triangles are not read".into());
-    }
-    let (faces, note) = owned(&grid.mesh, &grid.triangles);
-    let mut mesh = grid.mesh;
-    mesh.faces = faces;
-    notes.extend(note);
+    let (mesh, more) = state.grid.finish();
+    notes.extend(more);
     Ok(MeshFile { mesh, notes, names: Vec::new() })
 }
 
@@ -225,12 +218,12 @@ fn appended(bytes: &[u8]) -> Result<Appended<'_>, Reason> {
 }
 
 /// The complaint of the XML parser, cut to a line.
-fn malformed(error: &dyn std::error::Error) -> Reason {
+pub(crate) fn malformed(error: &dyn std::error::Error) -> Reason {
     Reason::Syntax(format!("not well-formed XML: {}", one_line(&error.to_string(), 120)))
 }
 
 /// The value of an attribute, if the element has it.
-fn attribute(element: &BytesStart<'_>, name: &str) -> Result<Option<String>, Reason> {
+pub(crate) fn attribute(element: &BytesStart<'_>, name: &str) -> Result<Option<String>, Reason> {
     match element.try_get_attribute(name) {
         Ok(Some(a)) => Ok(Some(a.value.trim().to_owned())),
         Ok(None) => Ok(None),
