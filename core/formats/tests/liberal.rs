@@ -302,8 +302,8 @@ fn strips_of_a_vtk_surface_come_behind_its_polygons() {
     };
     let facets = [polygon].into_iter().chain(faces.iter().enumerate().skip(8).map(strip)).collect();
     assert_eq!(triangles(&found), triangles(&Domain { facets, ..Domain::default() }));
-    let error = vtk::read_domain(text.replace("10 10", "10 99").as_bytes()).unwrap_err();
-    assert!(error.to_string().contains("strip 1 names point 99"), "{error}");
+    let error = vtk::read_domain(text.replace("10 10 5", "10 99 5").as_bytes()).unwrap_err();
+    assert!(error.to_string().contains("strip 0 names point 99"), "{error}");
 }
 
 /// Text that a shell or an editor has saved in two bytes a character.
