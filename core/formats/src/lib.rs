@@ -66,14 +66,16 @@ pub mod xyz;
 
 use atomic_file::AtomicFile;
 pub use domain::{
-    check_domain_writable, domain_files, not_kept, read_domain, write_domain, write_domain_with,
+    check_domain_writable, domain_files, not_kept, read_domain, write_domain, write_domain_until,
+    write_domain_with,
 };
 pub use error::{DataError, IoError, ParseError, Place, Reason};
 pub use format::{Encoding, Format, MshVersion, WriteOptions};
-use ltbw_core::{BoundaryFace, TetMesh};
+use ltbw_core::{BoundaryFace, CancelToken, TetMesh};
 use ltbw_domain::Domain;
 use ltbw_exact::Point;
 pub use parts::{check_parts_writable, is_parts, part_files, write_parts};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 pub use streams::{
     check_domain_stream, check_mesh_stream, check_points_stream, parse_domain, parse_mesh,
@@ -199,10 +201,25 @@ pub fn write_points_with(
     file: &PointFile,
     options: WriteOptions,
 ) -> Result<(), IoError> {
+    write_points_until(path, file, options, &CancelToken::new())
+}
+
+/// Writes points as [`write_points_with`] does, until the token says otherwise: the file does not
+/// get its name then.
+///
+/// # Errors
+/// As [`write_points_with`], and [`IoError::Cancelled`].
+pub fn write_points_until(
+    path: impl AsRef<Path>,
+    file: &PointFile,
+    options: WriteOptions,
+    cancel: &CancelToken,
+) -> Result<(), IoError> {
     let path = path.as_ref();
     let format = writable(path, true)?;
     streams::points_ready(path, format, file)?;
-    AtomicFile::write(path, |out| streams::put_points(out, format, file, options))?.publish()
+    let fill = |out: &mut dyn Write| streams::put_points(out, format, file, options);
+    AtomicFile::write_until(path, (Some(cancel), 0), fill)?.publish_unless(cancel)
 }
 
 /// Writes a mesh with its tags and boundary faces, with the default [`WriteOptions`]: `.vtu`,

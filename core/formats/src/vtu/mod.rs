@@ -32,6 +32,11 @@ const TETRAHEDRON: i64 = 10;
 /// And for a triangle.
 const TRIANGLE: i64 = 5;
 
+/// How much larger than the file the data may be that is compressed in it: as large as Deflate can
+/// make it, or, in a small file, this many bytes. LZMA could do seven times as much.
+const LARGEST_RATIO: u64 = 1032;
+const SMALL: u64 = 64 << 20;
+
 /// The note on arrays that are not read.
 pub(crate) const OTHER_ARRAYS: &str =
     "arrays other than `tag` of points, `region`, `attribute` and `marker` of cells are not read";
@@ -118,6 +123,8 @@ struct State<'a> {
     wanted: Option<(Wanted, Storage)>,
     grid: Grid,
     other_arrays: bool,
+    /// Bytes that compressed data may still become.
+    room: u64,
 }
 
 /// Reads a `.vtu` file.
@@ -141,6 +148,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         wanted: None,
         grid: Grid::default(),
         other_arrays: false,
+        room: (bytes.len() as u64).saturating_mul(LARGEST_RATIO).saturating_add(SMALL),
     };
     let mut finished = false;
     // Every event but the last consumes at least a byte.
@@ -379,7 +387,7 @@ impl State<'_> {
         from: &mut Stream<'_>,
     ) -> Result<(), Reason> {
         let (Some(layout), Some(piece)) = (self.layout, &mut self.piece) else { return Ok(()) };
-        let data = layout.decode(from)?;
+        let data = layout.decode(from, &mut self.room)?;
         let values = data.chunks_exact(scalar.bytes);
         if !values.remainder().is_empty() {
             return Err(Reason::Syntax(format!("an array of {} bytes", data.len())));
