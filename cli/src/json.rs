@@ -90,7 +90,7 @@ pub(crate) fn write_json(path: &Path, text: &str) -> Result<(), Failure> {
     if is_stdout(path) {
         console::data(text)
     } else {
-        io::write_bytes(path, text.as_bytes()).map_err(Failure::Write)
+        console::writing(|_| io::write_bytes(path, text.as_bytes()))
     }
 }
 

@@ -15,7 +15,6 @@ use crate::report::{
     Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, end, quality_json,
 };
 use crate::rounds;
-use crate::run::set_threads;
 use crate::streams::{Formats, attributes_note, name_of, on_stdout};
 use crate::surface::{print_patches, repairs_json};
 use crate::unrecovered;
@@ -75,7 +74,6 @@ pub(crate) struct Job<'a> {
 /// `ltbw mesh`.
 pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     let start = Instant::now();
-    set_threads(args.threads)?;
     let asked = asked(args)?;
     args.preparation.check(&[&args.domain])?;
     let workers = args.workers.map(u32::from);

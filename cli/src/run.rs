@@ -64,7 +64,6 @@ pub(crate) struct ParallelJob<'a> {
 /// `ltbw delaunay`.
 pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let start = Instant::now();
-    set_threads(args.threads)?;
     let workers = args.threads.map_or(1, u32::from);
     let outputs = without_pairs(&args.output);
     let (parts, whole): (Vec<_>, Vec<_>) =
@@ -114,15 +113,6 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     mesh_points(file, &job)
 }
 
-/// Sets the number of threads of rayon's global pool.
-pub(crate) fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
-    let Some(threads) = threads else { return Ok(()) };
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(usize::from(threads))
-        .build_global()
-        .map_err(|e| Failure::Other(format!("cannot start {threads} threads: {e}")))
-}
-
 /// Meshes points: builds, hashes, checks, writes and reports.
 pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
     let name = show(job.name);
@@ -143,6 +133,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         Err(RunError::Build(error)) => {
             return Err(Failure::Build { path: job.name.to_owned(), error });
         }
+        Err(error @ RunError::Threads { .. }) => return Err(Failure::Machine(error.to_string())),
         Err(error) => return Err(Failure::Other(error.to_string())),
     };
     let mut report = report_of(&built, count, job);
