@@ -35,8 +35,8 @@ impl AtomicFile {
         Self::write_until(path, (None, 0), fill)
     }
 
-    /// Writes a file as [`AtomicFile::write`] does, until the token says otherwise. `memory` is what
-    /// `fill` takes, in bytes, beside the buffers of every writer.
+    /// Writes a file as [`AtomicFile::write`] does, until the token says otherwise. `memory` is
+    /// what `fill` takes, in bytes, beside the buffers of every writer.
     pub(super) fn write_until(
         path: &Path,
         (cancel, memory): (Option<&CancelToken>, usize),

@@ -4,11 +4,11 @@
 //! (four corners numbered from 1, reference) are read; a reference is a tag. References that
 //! are all 0 mean no tags, unless the comment `# references are tags` stands before the section,
 //! which we write where it is needed. Triangles that are faces of
-//! tetrahedra are boundary triangles, their references the markers. Of `TetrahedraP2`, `TrianglesP2`
-//! and those of higher order the corners are read, which come first; a note says so. Sections of
+//! tetrahedra are boundary triangles, their references the markers. Of `TetrahedraP2`,
+//! `TrianglesP2` and those of higher order the corners are read, which come first; a note says so. Sections of
 //! edges, corners and the like are not read; a note says which. Other volume cells are refused. A
-//! file ends with `End`; without it, which other programs allow, there must be tetrahedra, and a note
-//! says that sections may be missing.
+//! file ends with `End`; without it, which other programs allow, there must be tetrahedra, and
+//! a note says that sections may be missing.
 //! Source: P. Frey, "MEDIT: an interactive mesh visualization software", INRIA RT-0253, 2001.
 
 use super::MeshFile;

@@ -83,8 +83,8 @@ impl Surface {
         }
     }
 
-    /// Adds the triangles of a strip: each has a corner more than the last two of the one before, and
-    /// all are turned as the first is.
+    /// Adds the triangles of a strip: each has a corner more than the last two of the one before,
+    /// and all are turned as the first is.
     pub(super) fn strip(&mut self, corners: &[u32], marker: i32) {
         for (k, &[a, b, c]) in corners.array_windows().enumerate() {
             self.triangle(if k % 2 == 0 { [a, b, c] } else { [b, a, c] }, marker);

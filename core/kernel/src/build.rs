@@ -231,8 +231,8 @@ impl<'a> Builder<'a> {
     /// [`Built::outcome`] says why.
     ///
     /// # Errors
-    /// [`BuildError`] says why there is no first tetrahedron. Memory is asked for before the work, as
-    /// much as uniform points need; where a limit refuses more later on, the process is aborted.
+    /// [`BuildError`] says why there is no first tetrahedron. Memory is asked for before the work,
+    /// as much as uniform points need; where a limit refuses more later on, the process is aborted.
     pub fn build(&self, set: &PointSet) -> Result<Built, BuildError> {
         let clock = Instant::now();
         let points = set.kernel_points();

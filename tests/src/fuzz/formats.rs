@@ -1,7 +1,8 @@
 //! `formats`: bytes to a file of any format.
 //!
 //! The first byte chooses the reader, the others are the file. For several (`.node`, `.ele` and
-//! `.face`; `.node` and `.poly`; `.pvtu` and its pieces) they are the one, a line `%`, and the next.
+//! `.face`; `.node` and `.poly`; `.pvtu` and its pieces) they are the one, a line `%`, and the
+//! next.
 
 use ltbw::domain::Domain;
 use ltbw::io::{DomainFile, Encoding, Format, MeshFile, MshVersion, ParseError, PointFile};

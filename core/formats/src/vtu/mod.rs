@@ -6,8 +6,8 @@
 //! appended raw, or text. Read: any number of pieces; arrays as text, inline in base64, or appended
 //! raw or in base64; uncompressed or compressed by zlib, LZ4 or LZMA; either byte order. Tetrahedra
 //! (VTK type 10) become the mesh; triangles (type 5) that are faces of tetrahedra are boundary
-//! triangles, with their `marker`; of those of higher order the corners are read; other cells of dimension 0 to 2 and other arrays are not read,
-//! and a note says so; other cells are refused.
+//! triangles, with their `marker`; of those of higher order the corners are read; other cells
+//! of dimension 0 to 2 and other arrays are not read, and a note says so; other cells are refused.
 //! Source: the VTK file formats page of the VTK documentation.
 
 mod array;
