@@ -2,6 +2,7 @@
 
 use crate::args::MeshArgs;
 use crate::binding::{Binding, Chosen, Reads, Role, read_beside};
+use crate::console;
 use crate::outcome::Failure;
 use ltbw::domain::Prepared;
 use ltbw::refine::{Background, Refiner};
@@ -63,14 +64,58 @@ pub(crate) fn field(
     Ok(Some(Box::new(move |p| background.at([0, 1, 2].map(|k| p[k] + offset[k])).min(constant))))
 }
 
-/// The bounds of the command line; TetGen's switches as far as they mean something here.
+/// What a switch of TetGen that is no bound asks for, and who does it here.
+fn passed_over(letter: char) -> Option<&'static str> {
+    Some(match letter {
+        'p' => "a domain is what `ltbw mesh` takes",
+        'A' => "regions are always told apart",
+        'C' => "every mesh is checked; --check says how deeply",
+        'z' => "files are numbered as their formats ask for it",
+        'Q' => "--quiet is for less output",
+        'V' => "--json has all figures",
+        'n' => "neighbours are not written",
+        'f' | 'e' | 'v' => "only boundary faces are written, with the mesh",
+        'k' => "-o FILE.vtk writes for VTK",
+        _ => return None,
+    })
+}
+
+/// What a switch of TetGen asks for that a mesh here would not be.
+fn refused(letter: char) -> &'static str {
+    match letter {
+        'Y' => "the boundary is split where the mesh must be Delaunay",
+        'i' => "no points are added from a file",
+        'm' => "edge lengths are given by --sizes FILE",
+        'r' => "a mesh is not refined again",
+        'w' => "weighted meshes are not made",
+        'O' => "a mesh is exactly Delaunay, and not optimised",
+        'R' => "a mesh is not coarsened",
+        _ => "there is no such switch",
+    }
+}
+
+/// The bounds of the command line; TetGen's switches as far as they mean something here. A note
+/// tells each that means nothing.
 pub(crate) fn asked(args: &MeshArgs) -> Result<Asked, Failure> {
     let Some(switches) = &args.tetgen_switches else {
         let radius_edge = args.radius_edge.or(Some(2.0));
         return Ok(Asked { radius_edge, max_volume: args.max_volume, size: args.size });
     };
+    let (asked, over) = switched(switches, args.size)?;
+    for (letter, why) in over {
+        console::people(&format!("note: --tetgen-switches: `{letter}` is passed over: {why}"));
+    }
+    Ok(asked)
+}
+
+/// Switches that are passed over, and why.
+type PassedOver = Vec<(char, &'static str)>;
+
+/// The bounds that TetGen's switches ask for, and those that are passed over, each once.
+fn switched(switches: &str, size: Option<f64>) -> Result<(Asked, PassedOver), Failure> {
+    let mut over = PassedOver::new();
     let bad = |why: String| Failure::Usage(format!("--tetgen-switches {switches}: {why}"));
-    let mut asked = Asked { size: args.size, ..Asked::default() };
+    let mut asked = Asked { size, ..Asked::default() };
     let mut rest = switches.trim_start_matches('-');
     while let Some(letter) = rest.chars().next() {
         rest = &rest[letter.len_utf8()..];
@@ -85,14 +130,19 @@ pub(crate) fn asked(args: &MeshArgs) -> Result<Asked, Failure> {
             'q' => asked.radius_edge = Some(value()?),
             'a' if number.is_empty() => {}
             'a' => asked.max_volume = Some(value()?),
-            'p' | 'A' | 'Q' | 'V' | 'C' | 'z' | 'n' | 'f' | 'e' | 'k' => {}
-            other => return Err(bad(format!("there is nothing like `{other}`"))),
+            other => match passed_over(other) {
+                Some(why) if over.iter().all(|&(letter, _)| letter != other) => {
+                    over.push((other, why));
+                }
+                Some(_) => {}
+                None => return Err(bad(format!("`{other}`: {}", refused(other)))),
+            },
         }
         if matches!(letter, 'q' | 'a') {
             rest = after;
         }
     }
-    Ok(asked)
+    Ok((asked, over))
 }
 
 /// The input and the options of `mesh` that the mesh and its judgement depend on.
@@ -145,6 +195,14 @@ mod tests {
         for (switches, expected) in cases {
             let found = asked_by(&["--tetgen-switches", switches]).expect("bounds");
             assert_eq!(found, expected, "{switches}");
+        }
+        let (_, over) = switched("-VVpQvkefnzCAq1.2", None).expect("bounds");
+        let letters: String = over.iter().map(|&(letter, _)| letter).collect();
+        assert_eq!(letters, "VpQvkefnzCA");
+        for letter in "YimrwOR".chars() {
+            let error = switched(&format!("pq{letter}"), None).expect_err("no bound").to_string();
+            let named = format!("`{letter}`: ");
+            assert!(error.contains(&named) && !error.contains("no such"), "{error}");
         }
         for switches in ["pq1.4X", "pqa1..2", "ö"] {
             assert!(asked_by(&["--tetgen-switches", switches]).is_err(), "{switches}");

@@ -1,8 +1,9 @@
 //! Output to stdout and to stderr, and Ctrl-C.
 //!
-//! A closed pipe (`ltbw … | head`) is no error of ours: its reader has what it wanted. Data that
-//! stdout cannot take for any other reason, such as a full disk, is an output that could not be
-//! written. Lines for people are dropped if stderr takes none: there is nobody to tell.
+//! Data that stdout cannot take, for a full disk or because their reader is gone, are an output
+//! that could not be written. A pipe that is closed on help (`ltbw help | head`) is no error: its
+//! reader has what it wanted. Lines for people are dropped if stderr takes none: there is nobody to
+//! tell.
 
 use crate::outcome::{Exit, Failure};
 use crate::progress;
@@ -10,7 +11,7 @@ use crate::sync::Flag;
 use ltbw::CancelToken;
 use ltbw::io::IoError;
 use std::io::{ErrorKind, Write};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// With `--quiet` people get errors and outcomes alone.
 static QUIET: Flag = Flag::new();
@@ -37,12 +38,35 @@ pub(crate) fn data(text: &str) -> Result<(), Failure> {
 
 /// Prints data to stdout with `print`, and makes sure that it got there.
 pub(crate) fn data_with(print: impl FnOnce() -> std::io::Result<()>) -> Result<(), Failure> {
-    match print().and_then(|()| std::io::stdout().flush()) {
-        Err(source) if source.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::Write(IoError::Write { path: "stdout".into(), source }))
-        }
-        _ => Ok(()),
-    }
+    let printed = print().and_then(|()| std::io::stdout().flush());
+    printed.map_err(|source| Failure::Write(IoError::Write { path: "stdout".into(), source }))
+}
+
+/// Prints help to stdout with `print`, as far as somebody reads it.
+pub(crate) fn help_with(print: impl FnOnce() -> std::io::Result<()>) -> Result<(), Failure> {
+    data_with(|| match print().and_then(|()| std::io::stdout().flush()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        printed => printed,
+    })
+}
+
+/// The token that ends the writing of a file, while one is written.
+static WRITING: Mutex<Option<CancelToken>> = Mutex::new(None);
+
+fn writing_now() -> MutexGuard<'static, Option<CancelToken>> {
+    WRITING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Writes a file with `write`. Meanwhile a signal that would end the program ends the writing
+/// first, which leaves nothing behind.
+pub(crate) fn writing<T>(
+    write: impl FnOnce(&CancelToken) -> Result<T, IoError>,
+) -> Result<T, Failure> {
+    let token = CancelToken::new();
+    *writing_now() = Some(token.clone());
+    let written = write(&token);
+    *writing_now() = None;
+    written.map_err(Failure::Write)
 }
 
 /// Ctrl-C (or a termination signal) during a build: before the last point is inserted the first one
@@ -63,7 +87,7 @@ impl Stop {
         let before = Flag::default();
         on_signal(move || {
             if before.set() {
-                end_now();
+                end_now("stopped");
             }
             people(if inserted.is_set() {
                 "all points are meshed; finishing (Ctrl-C again: end at once)"
@@ -87,17 +111,24 @@ impl Stop {
 }
 
 /// From now on Ctrl-C ends the program at once, with the exit code for it: for commands that have
-/// no partial result.
+/// no partial result. A file that is being written is given up first.
 pub(crate) fn end_on_signal() -> Result<(), Failure> {
-    on_signal(end_now)
+    on_signal(|| {
+        // As long as this is held no file is begun.
+        let writing = writing_now();
+        match &*writing {
+            Some(token) => token.cancel(),
+            None => end_now("cancelled; nothing was written"),
+        }
+    })
 }
 
 fn on_signal(handler: impl FnMut() + Send + 'static) -> Result<(), Failure> {
-    ctrlc::set_handler(handler).map_err(|e| Failure::Other(format!("cannot catch Ctrl-C: {e}")))
+    ctrlc::set_handler(handler).map_err(|e| Failure::Machine(format!("cannot catch Ctrl-C: {e}")))
 }
 
 #[expect(clippy::exit, reason = "runs on the signal thread, which cannot return from main")]
-fn end_now() {
-    people("ltbw: stopped");
+fn end_now(why: &str) {
+    people(&format!("ltbw: {why}"));
     std::process::exit(Exit::Stopped as i32);
 }

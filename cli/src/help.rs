@@ -12,7 +12,7 @@ const PROGRAM: &str = "ltbw";
 const FEW: usize = 6;
 
 /// All exit codes, in words.
-const EXITS: [&str; 7] = [
+const EXITS: [&str; 8] = [
     "done and checked (a little may be over a bound: a warning says where)",
     "`check` found a defect in the file it was given; too much is over a bound",
     "usage: the command line makes no sense",
@@ -20,14 +20,15 @@ const EXITS: [&str; 7] = [
     "cancelled (Ctrl-C), or the budget of points was used up; the mesh so far was written",
     "the checker found a defect in our own output; nothing was written",
     "an output could not be written; nothing is left under its name",
+    "the machine lacks memory or threads; nothing was written",
 ];
 
 /// The exit codes that a command has, and what they mean for it where that is not what they mean
 /// for all.
 fn exits(command: &str) -> &'static [(usize, &'static str)] {
     match command {
-        PROGRAM => &[(0, ""), (1, ""), (2, ""), (3, ""), (4, ""), (5, ""), (6, "")],
-        "delaunay" => &[(0, ""), (2, ""), (3, ""), (4, ""), (5, ""), (6, "")],
+        PROGRAM => &[(0, ""), (1, ""), (2, ""), (3, ""), (4, ""), (5, ""), (6, ""), (7, "")],
+        "delaunay" => &[(0, ""), (2, ""), (3, ""), (4, ""), (5, ""), (6, ""), (7, "")],
         "mesh" | "demo" => &[
             (0, ""),
             (1, "more is over a bound than may be: the report says where and why"),
@@ -36,6 +37,7 @@ fn exits(command: &str) -> &'static [(usize, &'static str)] {
             (4, ""),
             (5, ""),
             (6, ""),
+            (7, ""),
         ],
         "check" => &[
             (0, "no defect"),
@@ -44,8 +46,23 @@ fn exits(command: &str) -> &'static [(usize, &'static str)] {
             (3, "the file cannot be read"),
             (4, "stopped (Ctrl-C)"),
             (6, ""),
+            (7, ""),
         ],
-        "convert" => &[(0, "done"), (2, ""), (3, ""), (4, "stopped (Ctrl-C)"), (6, "")],
+        "convert" => &[
+            (0, "done"),
+            (2, ""),
+            (3, ""),
+            (4, "cancelled (Ctrl-C); nothing was written"),
+            (6, ""),
+            (7, ""),
+        ],
+        "generate" => &[
+            (0, "done"),
+            (2, ""),
+            (4, "cancelled (Ctrl-C); nothing was written"),
+            (6, ""),
+            (7, ""),
+        ],
         "simulate" => &[
             (0, "done, with the sequential kernel's mesh"),
             (2, ""),
@@ -53,6 +70,7 @@ fn exits(command: &str) -> &'static [(usize, &'static str)] {
             (4, "stopped (Ctrl-C)"),
             (5, "another mesh than the sequential kernel's"),
             (6, ""),
+            (7, ""),
         ],
         "run" => &[(0, "no wrong answer"), (1, "a wrong answer"), (2, ""), (6, "")],
         _ => &[(0, "done"), (2, ""), (6, "")],
@@ -228,7 +246,7 @@ mod tests {
             assert!(long.lines().count() <= 90, "{path}: {}\n{long}", long.lines().count());
             assert!(long.lines().all(|line| line.chars().count() <= 100), "{long}");
             let codes = long.split("Exit codes:\n").nth(1).unwrap_or_default().lines().count();
-            assert_eq!(codes == 7, ["ltbw", "ltbw mesh", "ltbw demo"].contains(&&*path), "{path}");
+            assert_eq!(codes == 8, ["ltbw", "ltbw mesh", "ltbw demo"].contains(&&*path), "{path}");
             assert!(codes > 0 || path == "ltbw vectors", "{path}");
         }
     }

@@ -46,6 +46,14 @@ pub(crate) fn keep_input(input: &Path, output: &Path) -> Result<(), Failure> {
     Err(Failure::Usage(format!("{}: this would overwrite the input", show(output))))
 }
 
+/// The outputs without a `.node` that is written beside an `.ele` among them: one mesh.
+pub(crate) fn without_pairs(outputs: &[PathBuf]) -> Vec<PathBuf> {
+    let is = |path: &Path, extension| path.extension().is_some_and(|e| e == extension);
+    let named =
+        |output: &&PathBuf| !is(output, "node") || !outputs.contains(&output.with_extension("ele"));
+    outputs.iter().filter(named).cloned().collect()
+}
+
 /// Refuses to write two outputs to one place.
 pub(crate) fn distinct(outputs: &[PathBuf]) -> Result<(), Failure> {
     let mut places = HashSet::new();
@@ -82,7 +90,7 @@ pub(crate) fn write_json(path: &Path, text: &str) -> Result<(), Failure> {
     if is_stdout(path) {
         console::data(text)
     } else {
-        io::write_bytes(path, text.as_bytes()).map_err(Failure::Write)
+        console::writing(|_| io::write_bytes(path, text.as_bytes()))
     }
 }
 

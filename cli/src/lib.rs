@@ -15,6 +15,7 @@
 //! | `conform` | `check --plc` |
 //! | `surface` | how a domain is prepared: repairs, and the surface of what is wrong |
 //! | `domain` | `check` of a domain |
+//! | `machine` | what the machine lacks: memory, threads |
 //! | `lists` | a mesh as the lists that the checker takes |
 //! | `files` | `convert` and `generate` |
 //! | `streams` | stdin and stdout in place of files |
@@ -53,6 +54,7 @@ mod json;
 mod kit;
 mod lenience;
 mod lists;
+mod machine;
 mod mesh;
 mod numbers;
 mod orient;
@@ -96,13 +98,16 @@ pub fn parse(words: &[OsString]) -> Result<(), Refusal> {
 /// Runs the program on the command line of this process.
 pub fn main() -> ExitCode {
     let words: Vec<OsString> = std::env::args_os().collect();
-    let result = match Args::try_parse_from(&words) {
+    let result = machine::watch().and_then(|()| match Args::try_parse_from(&words) {
         Ok(args) => dispatch(args),
         Err(error) => refusal::explain(&error, &words),
-    };
+    });
     let exit = result.unwrap_or_else(|failure| {
-        console::people(&format!("ltbw: {failure}"));
-        failure.exit()
+        let exit = failure.exit();
+        let is_early = exit == Exit::Machine && !matches!(failure, Failure::Write(_));
+        let end = if is_early { "; nothing was written" } else { "" };
+        console::people(&format!("ltbw: {failure}{end}"));
+        exit
     });
     ExitCode::from(exit as u8)
 }
@@ -115,6 +120,12 @@ fn dispatch(args: Args) -> Result<Exit, Failure> {
     });
     if args.quiet {
         console::be_quiet();
+    }
+    match &args.command {
+        Command::Delaunay(asked) => machine::start_threads(asked.threads)?,
+        Command::Mesh(asked) => machine::start_threads(asked.threads)?,
+        Command::Completions { .. } | Command::Man { .. } | Command::Vectors(_) => {}
+        _ => machine::start_threads(None)?,
     }
     match args.command {
         Command::Delaunay(delaunay) => run::delaunay(&delaunay),

@@ -7,7 +7,7 @@ use crate::conform::{certificate, check_own, print, same_volume, summary};
 use crate::console::{self, Stop};
 use crate::excused;
 use crate::explained::{excused, is_explained};
-use crate::json::{distinct, file_writable, keep_input, write_text};
+use crate::json::{distinct, file_writable, keep_input, without_pairs, write_text};
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{Page, Scene};
 use crate::pieces::parts_of;
@@ -17,7 +17,6 @@ use crate::report::{
     quality_line,
 };
 use crate::rounds;
-use crate::run::set_threads;
 use crate::streams::{Formats, attributes_note, name_of, on_stdout};
 use crate::surface::{print_patches, repairs_json};
 use crate::unrecovered;
@@ -81,12 +80,11 @@ pub(crate) struct Job<'a> {
 /// `ltbw mesh`.
 pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     let start = Instant::now();
-    set_threads(args.threads)?;
     let asked = asked(args)?;
     args.preparation.check(&[&args.domain])?;
     let workers = args.workers.map(u32::from);
     let (in_parts, whole): (Vec<PathBuf>, Vec<PathBuf>) =
-        args.output.iter().cloned().partition(|path| io::is_parts(path));
+        without_pairs(&args.output).into_iter().partition(|path| io::is_parts(path));
     let formats = args.streams.resolve(&[&args.domain], &whole)?;
     formats.meshes_writable(&whole)?;
     let parts = workers.unwrap_or(1) as usize;

@@ -4,6 +4,7 @@ use ltbw::domain::PrepareError;
 use ltbw::io::IoError;
 use ltbw::refine::{BackgroundError, RefineError};
 use ltbw::{BuildError, PointError};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// The exit codes of the program.
@@ -24,6 +25,8 @@ pub(crate) enum Exit {
     OwnDefect = 5,
     /// An output could not be written; nothing is left under its name.
     Output = 6,
+    /// The machine lacks memory or threads; nothing was written.
+    Machine = 7,
 }
 
 /// Why a command failed. Prints as one line.
@@ -94,7 +97,10 @@ pub(crate) enum Failure {
     /// An output file could not be written.
     #[error(transparent)]
     Write(IoError),
-    /// Something that must not happen, for example no memory for threads.
+    /// The machine lacks memory or threads.
+    #[error("{0}")]
+    Machine(String),
+    /// Something that must not happen.
     #[error("{0}")]
     Other(String),
 }
@@ -103,6 +109,18 @@ impl Failure {
     /// The exit code of this failure.
     pub(crate) fn exit(&self) -> Exit {
         match self {
+            Failure::Machine(_)
+            | Failure::Build { error: BuildError::Memory(_), .. }
+            | Failure::Refine { error: RefineError::Build(BuildError::Memory(_)), .. } => {
+                Exit::Machine
+            }
+            Failure::Read(IoError::Read { source, .. })
+            | Failure::Write(IoError::Write { source, .. })
+                if source.kind() == ErrorKind::OutOfMemory =>
+            {
+                Exit::Machine
+            }
+            Failure::Write(IoError::Cancelled { .. }) => Exit::Stopped,
             Failure::Usage(_) => Exit::Usage,
             Failure::Write(
                 IoError::UnknownFormat { .. }

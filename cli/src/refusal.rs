@@ -5,6 +5,7 @@ use crate::help;
 use crate::outcome::{Exit, Failure};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::ffi::OsString;
+use std::io::{Write, stdout};
 
 /// A command line that is no command: what to say.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,8 +61,8 @@ pub(crate) fn explain(error: &clap::Error, words: &[OsString]) -> Result<Exit, F
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
             let is_help = error.kind() == ErrorKind::DisplayHelp;
             match help::long(words).filter(|_| is_help) {
-                Some(text) => console::data(&text)?,
-                None => console::data_with(|| error.print())?,
+                Some(text) => console::help_with(|| stdout().write_all(text.as_bytes()))?,
+                None => console::help_with(|| error.print())?,
             }
             Ok(Exit::Done)
         }

@@ -5,7 +5,7 @@ use crate::binding::{Binding, Chosen};
 use crate::check::check_own;
 use crate::console::{self, Stop};
 use crate::figures::{Doing, Figures, Run, SPANS, tables, write_trace};
-use crate::json::{distinct, file_writable, keep_input, write_text};
+use crate::json::{distinct, file_writable, keep_input, without_pairs, write_text};
 use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
 use crate::page::{self, Page, Scene};
@@ -67,11 +67,11 @@ pub(crate) struct ParallelJob<'a> {
 /// `ltbw delaunay`.
 pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let start = Instant::now();
-    set_threads(args.threads)?;
     let workers = args.threads.map_or(1, u32::from);
+    let outputs = without_pairs(&args.output);
     let (parts, whole): (Vec<_>, Vec<_>) =
-        args.output.iter().cloned().partition(|path| io::is_parts(path));
-    let formats = args.streams.resolve(&[&args.points], &args.output)?;
+        outputs.iter().cloned().partition(|path| io::is_parts(path));
+    let formats = args.streams.resolve(&[&args.points], &outputs)?;
     formats.meshes_writable(&whole)?;
     for path in &parts {
         io::check_parts_writable(path, workers as usize).map_err(Failure::Write)?;
@@ -97,7 +97,7 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let job = Job {
         command: "delaunay",
         name: &source.name,
-        outputs: &args.output,
+        outputs: &outputs,
         formats,
         json: args.json.as_deref(),
         check: args.check,
@@ -115,15 +115,6 @@ pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
         binding: Binding { inputs: source.reads().list(), options: Chosen::default() },
     };
     mesh_points(file, &job)
-}
-
-/// Sets the number of threads of rayon's global pool.
-pub(crate) fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
-    let Some(threads) = threads else { return Ok(()) };
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(usize::from(threads))
-        .build_global()
-        .map_err(|e| Failure::Other(format!("cannot start {threads} threads: {e}")))
 }
 
 /// Meshes points: builds, hashes, checks, writes and reports.
@@ -146,6 +137,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         Err(RunError::Build(error)) => {
             return Err(Failure::Build { path: job.name.to_owned(), error });
         }
+        Err(error @ RunError::Threads { .. }) => return Err(Failure::Machine(error.to_string())),
         Err(error) => return Err(Failure::Other(error.to_string())),
     };
     let mut report = report_of(&built, count, job);

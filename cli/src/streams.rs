@@ -43,7 +43,7 @@ fn is_stdin(path: &Path) -> bool {
 
 /// Is the format left open by this path?
 fn is_open(path: &Path) -> bool {
-    is_stdin(path) || is_stdout(path) || Format::from_path(path).is_err() && !io::is_parts(path)
+    is_stdin(path) || is_stdout(path) || Format::from_path(path).is_err()
 }
 
 impl Streams {
@@ -144,7 +144,7 @@ impl Formats {
     /// Writes a mesh to a file or to stdout.
     pub(crate) fn write_mesh(self, path: &Path, mesh: MeshWriter<'_>) -> Result<(), Failure> {
         if !is_open(path) {
-            return mesh.write(path).map_err(Failure::Write);
+            return console::writing(|token| mesh.cancel(token).write(path));
         }
         let (name, format) = (name_of(path), self.of_output(path)?);
         write(path, |out| mesh.write_to(out, &name, format))
@@ -158,7 +158,7 @@ impl Formats {
         options: WriteOptions,
     ) -> Result<(), Failure> {
         if !is_open(path) {
-            return io::write_points_with(path, file, options).map_err(Failure::Write);
+            return console::writing(|token| io::write_points_until(path, file, options, token));
         }
         let (name, format) = (name_of(path), self.of_output(path)?);
         write(path, |out| io::write_points_to(out, &name, format, file, options))
@@ -172,7 +172,7 @@ impl Formats {
         options: WriteOptions,
     ) -> Result<(), Failure> {
         if !is_open(path) {
-            return io::write_domain_with(path, domain, options).map_err(Failure::Write);
+            return console::writing(|token| io::write_domain_until(path, domain, options, token));
         }
         let (name, format) = (name_of(path), self.of_output(path)?);
         write(path, |out| io::write_domain_to(out, &name, format, domain, options))
@@ -204,7 +204,7 @@ fn write(
     if !is_stdout(path) {
         let mut bytes = Vec::new();
         fill(&mut bytes).map_err(Failure::Write)?;
-        return io::write_bytes(path, &bytes).map_err(Failure::Write);
+        return console::writing(|_| io::write_bytes(path, &bytes));
     }
     let mut refused = None;
     console::data_with(|| {

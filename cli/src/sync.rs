@@ -1,5 +1,7 @@
 //! The only module of this crate with atomics.
 
+#[cfg(unix)]
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
@@ -21,6 +23,29 @@ impl Flag {
     /// Is it set?
     pub(crate) fn is_set(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// A flag that is set at first and taken back once, for signal handlers. It publishes nothing else.
+#[cfg(unix)]
+#[derive(Debug, Clone)]
+pub(crate) struct Still(Arc<AtomicBool>);
+
+#[cfg(unix)]
+impl Still {
+    /// A flag that is set.
+    pub(crate) fn new() -> Self {
+        Self(Arc::new(AtomicBool::new(true)))
+    }
+
+    /// Takes it back.
+    pub(crate) fn end(&self) {
+        self.0.store(false, Ordering::Relaxed);
+    }
+
+    /// The flag, as a signal handler looks at it.
+    pub(crate) fn shared(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.0)
     }
 }
 

@@ -114,7 +114,7 @@ impl Executor {
         let to = child.stdin.take();
         let Some(out) = child.stdout.take() else { return Err(failed(&"no stdout")) };
         let (sender, from) = channel();
-        std::thread::spawn(move || {
+        let listener = std::thread::Builder::new().spawn(move || {
             // Ends with the program's output, or when nobody listens any more.
             for line in BufReader::new(out).lines().map_while(Result::ok) {
                 if sender.send(line).is_err() {
@@ -122,6 +122,7 @@ impl Executor {
                 }
             }
         });
+        listener.map_err(|e| Failure::Machine(format!("cannot start a thread: {e}")))?;
         Ok(Self { child, to, from, patience: Duration::from_secs(seconds) })
     }
 

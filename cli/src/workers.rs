@@ -5,7 +5,7 @@ use crate::outcome::{Failure, show};
 use ltbw::domain::Prepared;
 use ltbw::refine::{ComplexError, RefineOutcome, Refined, Refiner};
 use ltbw::refining::{Owners, RefineError, rounds_on_threads};
-use ltbw::threads::{Parallel, WorkerStats};
+use ltbw::threads::{Parallel, RunError, WorkerStats};
 use std::path::Path;
 
 /// The part of workers in a refinement; of none if there were none.
@@ -34,6 +34,8 @@ pub(crate) fn refine(
     let whole = (&ready.domain, &ready.lattice);
     let run = rounds_on_threads(refiner, whole, &parallel).map_err(|error| match error {
         RefineError::Domain(error) => failed(error),
+        RefineError::Build(error) => Failure::Build { path: name.to_owned(), error },
+        RefineError::Run(error @ RunError::Threads { .. }) => Failure::Machine(error.to_string()),
         error => Failure::Other(format!("{}: {error}", show(name))),
     })?;
     // A run that was stopped before has its own reason, and is told of that.

@@ -93,7 +93,7 @@ fn lanes(points: usize) -> Result<u32, Failure> {
                     mesh.begin(*p, from, &mut AdmitAll).map_err(|_| "a point is a vertex")?;
                 cavities.push(open.tets().collect::<Vec<TetId>>());
             }
-            let slots = mesh.make_room_for(list.len(), many);
+            let slots = mesh.make_room_for(list.len(), many)?;
             let follow = Written((0..slots).map(|_| AtomicBool::new(false)).collect());
             let chosen = |k: usize| Chosen {
                 p: list[k],

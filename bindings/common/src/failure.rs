@@ -79,6 +79,7 @@ impl From<BuildError> for Failure {
             BuildError::Collinear { .. } => (Class::Input, "points.collinear"),
             BuildError::Coplanar { .. } => (Class::Input, "points.coplanar"),
             BuildError::Cancelled => (Class::Cancelled, "cancelled"),
+            BuildError::Memory(_) => (Class::Internal, "memory"),
             _ => (Class::Input, "points"),
         };
         Self::new(class, code, &error)
@@ -89,6 +90,7 @@ impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         match error {
             RunError::Build(error) => error.into(),
+            RunError::Threads { .. } => Self::new(Class::Internal, "threads.start", &error),
             RunError::Settings(text) => Self::new(Class::Input, "threads.settings", text),
             other => Self::new(Class::Internal, "threads.failed", &other),
         }

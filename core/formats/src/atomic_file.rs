@@ -15,6 +15,10 @@ use tempfile::{NamedTempFile, TempPath};
 /// Links that are followed one after the other: as many as Linux follows.
 const LINKS: usize = 40;
 
+/// Bytes that every writer takes for its buffers, and a thread for rows of text.
+const BUFFERS: usize = 4 << 20;
+const ROWS: usize = 12 << 20;
+
 /// A file written in full under a temporary name.
 pub(super) struct AtomicFile {
     file: TempPath,
@@ -28,16 +32,20 @@ impl AtomicFile {
         path: &Path,
         fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<Self, IoError> {
-        Self::write_until(path, None, fill)
+        Self::write_until(path, (None, 0), fill)
     }
 
-    /// Writes a file as [`AtomicFile::write`] does, until the token says otherwise.
+    /// Writes a file as [`AtomicFile::write`] does, until the token says otherwise. `memory` is
+    /// what `fill` takes, in bytes, beside the buffers of every writer.
     pub(super) fn write_until(
         path: &Path,
-        cancel: Option<&CancelToken>,
+        (cancel, memory): (Option<&CancelToken>, usize),
         fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<Self, IoError> {
-        Self::try_write(path, cancel, fill).map_err(|e| match cancel {
+        let memory = memory
+            .saturating_add(BUFFERS)
+            .saturating_add(rayon::current_num_threads().max(1) * ROWS);
+        Self::try_write(path, (cancel, memory), fill).map_err(|e| match cancel {
             Some(token) if token.is_cancelled() => IoError::Cancelled { path: path.to_owned() },
             _ => write_error(path, e),
         })
@@ -45,16 +53,26 @@ impl AtomicFile {
 
     fn try_write(
         path: &Path,
-        cancel: Option<&CancelToken>,
+        (cancel, memory): (Option<&CancelToken>, usize),
         fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> std::io::Result<Self> {
         let target = target(path)?;
+        // Memory that is lacking must not end the program while there is a temporary file.
+        ltbw_core::ask(memory).map_err(|e| Error::new(ErrorKind::OutOfMemory, e))?;
         let (file, temp_path) = temporary(&target)?.into_parts();
         let mut out = BufWriter::with_capacity(1 << 20, Cancellable { file, cancel });
         fill(&mut out)?;
         let file = out.into_inner().map_err(|e| e.into_error())?.file;
         file.sync_all()?;
         Ok(Self { file: temp_path, path: path.to_owned(), target })
+    }
+
+    /// Gives the file its final name, unless the token was set meanwhile.
+    pub(super) fn publish_unless(self, cancel: &CancelToken) -> Result<(), IoError> {
+        match cancel.is_cancelled() {
+            true => Err(IoError::Cancelled { path: self.path }),
+            false => self.publish(),
+        }
     }
 
     /// Gives the file its final name, replacing what had it.
@@ -196,7 +214,7 @@ mod tests {
         let path = dir.path().join("a.xyz");
         std::fs::write(&path, "old").unwrap();
         let (token, mut taken) = (CancelToken::new(), 0);
-        let result = AtomicFile::write_until(&path, Some(&token), |out| {
+        let result = AtomicFile::write_until(&path, (Some(&token), 0), |out| {
             for k in 0..100 {
                 if k == 3 {
                     token.cancel();

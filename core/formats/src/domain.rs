@@ -3,6 +3,7 @@
 use super::atomic_file::{self, AtomicFile};
 use super::{DomainFile, Format, IoError, Load, WriteOptions, load, parse_domain, parse_error};
 use super::{poly, streams, tetgen, wrong_kind};
+use ltbw_core::CancelToken;
 use ltbw_domain::Domain;
 use std::path::{Path, PathBuf};
 
@@ -54,13 +55,29 @@ pub fn write_domain_with(
     domain: &Domain,
     options: WriteOptions,
 ) -> Result<(), IoError> {
+    write_domain_until(path, domain, options, &CancelToken::new())
+}
+
+/// Writes a domain as [`write_domain_with`] does, until the token says otherwise: the file does not
+/// get its name then.
+///
+/// # Errors
+/// As [`write_domain_with`], and [`IoError::Cancelled`].
+pub fn write_domain_until(
+    path: impl AsRef<Path>,
+    domain: &Domain,
+    options: WriteOptions,
+    cancel: &CancelToken,
+) -> Result<(), IoError> {
     let path = path.as_ref();
     let format = domain_format(path)?;
     let faces = streams::domain_ready(path, format, domain)?;
-    AtomicFile::write(path, |out| {
+    // A list of the faces, and of their corners.
+    let memory = 64 * domain.facets.len();
+    AtomicFile::write_until(path, (Some(cancel), memory), |out| {
         streams::put_domain(out, format, domain, faces.as_ref(), options)
     })?
-    .publish()
+    .publish_unless(cancel)
 }
 
 fn domain_format(path: &Path) -> Result<Format, IoError> {

@@ -12,7 +12,7 @@ pub enum IoError {
     #[error(
         "{}: unknown extension; points: .npy .xyz .txt .csv .node .ply (read only: .npz .off .obj \
          .stl); domains: .poly .smesh .off .obj .stl .ply .vtk; \
-         meshes: .vtu .vtk .msh .mesh .ele",
+         meshes: .vtu .vtk .msh .mesh .ele .pvtu",
         show(path)
     )]
     UnknownFormat {
@@ -193,8 +193,12 @@ impl ParseError {
         Self { place, reason }
     }
 
-    /// An error in a text file: the line is that of the byte at `offset`.
+    /// An error in a text file: the line is that of the byte at `offset`. Text in UTF-16 makes no
+    /// sense to any reader, and that is the reason then.
     pub(super) fn at(bytes: &[u8], offset: usize, reason: Reason) -> Self {
+        if is_utf16(bytes) {
+            return Self { place: Place::Line(1), reason: Reason::Utf16 };
+        }
         let before = &bytes[..offset.min(bytes.len())];
         let line = before.iter().filter(|&&b| b == b'\n').count() as u64 + 1;
         Self { place: Place::Line(line), reason }
@@ -304,12 +308,29 @@ pub enum Reason {
     /// More points than 32-bit indices can name.
     #[error("{0} points are more than 32-bit indices can name")]
     TooManyPoints(u64),
+    /// Text of two bytes a character, as some editors and shells save it.
+    #[error("the text is UTF-16; save the file as UTF-8")]
+    Utf16,
     /// The file breaks the rules of its format.
     #[error("{0}")]
     Syntax(String),
     /// A valid part of the format that this reader does not read.
     #[error("not supported: {0}")]
     Unsupported(String),
+}
+
+/// Are these bytes text in UTF-16? It begins with a byte order mark, or with two characters of
+/// which one byte each is 0.
+pub(super) fn is_utf16(bytes: &[u8]) -> bool {
+    match bytes {
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => true,
+        &[a, b, c, d, ..] => {
+            let is_text = |c: u8| c.is_ascii_graphic() || c.is_ascii_whitespace();
+            (b, d) == (0, 0) && is_text(a) && is_text(c)
+                || (a, c) == (0, 0) && is_text(b) && is_text(d)
+        }
+        _ => false,
+    }
 }
 
 /// A path as it can stand inside a one-line message.

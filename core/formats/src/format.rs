@@ -39,13 +39,15 @@ pub enum Format {
     Msh,
     /// VTK unstructured grid.
     Vtu,
+    /// VTK unstructured grid in pieces, `.vtu` files beside the list of them.
+    Pvtu,
     /// VTK legacy file: an unstructured grid, or a surface.
     Vtk,
 }
 
 impl Format {
     /// Every format.
-    pub const ALL: [Format; 17] = [
+    pub const ALL: [Format; 18] = [
         Format::Npy,
         Format::Npz,
         Format::Xyz,
@@ -62,6 +64,7 @@ impl Format {
         Format::Medit,
         Format::Msh,
         Format::Vtu,
+        Format::Pvtu,
         Format::Vtk,
     ];
 
@@ -93,6 +96,7 @@ impl Format {
             Format::Medit => "mesh",
             Format::Msh => "msh",
             Format::Vtu => "vtu",
+            Format::Pvtu => "pvtu",
             Format::Vtk => "vtk",
         }
     }
@@ -110,7 +114,13 @@ impl Format {
     pub fn holds_mesh(self) -> bool {
         matches!(
             self,
-            Format::Node | Format::Ele | Format::Medit | Format::Msh | Format::Vtu | Format::Vtk
+            Format::Node
+                | Format::Ele
+                | Format::Medit
+                | Format::Msh
+                | Format::Vtu
+                | Format::Pvtu
+                | Format::Vtk
         )
     }
 
@@ -137,7 +147,7 @@ impl Format {
 
     /// Whether attributes of regions survive in this format.
     pub fn holds_attributes(self) -> bool {
-        matches!(self, Format::Node | Format::Ele | Format::Vtu | Format::Vtk)
+        matches!(self, Format::Node | Format::Ele | Format::Vtu | Format::Pvtu | Format::Vtk)
     }
 
     /// Whether point tags survive in this format.

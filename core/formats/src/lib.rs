@@ -19,7 +19,7 @@
 //! | `.mesh` | mesh (Medit, ASCII) | references | [`medit`] |
 //! | `.vtu` | mesh (VTK, text or binary) | arrays `tag`, `region`, `attribute` | [`vtu`] |
 //! | `.vtk` | mesh, or a surface (VTK's legacy files) | the same | [`vtk`] |
-//! | `.pvtu` | mesh in parts, `.vtu` files beside it (written) | array `tag` | [`write_parts`] |
+//! | `.pvtu` | mesh in parts, `.vtu` files beside it | the same | [`pvtu`], [`write_parts`] |
 //!
 //! Readers take any bytes and never panic: each is a fuzz target. A count in a header is a claim
 //! to verify, never an amount of memory to reserve. Text carries floats in the shortest form that
@@ -38,6 +38,7 @@
 mod atomic_file;
 mod carried;
 pub mod csv;
+mod curved;
 mod domain;
 mod error;
 mod faces;
@@ -51,6 +52,7 @@ pub mod off;
 mod parts;
 pub mod ply;
 pub mod poly;
+pub mod pvtu;
 mod scalar;
 pub mod stl;
 mod streams;
@@ -67,14 +69,15 @@ use atomic_file::AtomicFile;
 pub use carried::carried_hash;
 pub use domain::{
     check_domain_writable, domain_files, not_kept, read_domain, read_domain_by, write_domain,
-    write_domain_with,
+    write_domain_until, write_domain_with,
 };
 pub use error::{DataError, IoError, ParseError, Place, Reason};
 pub use format::{Encoding, Format, MshVersion, WriteOptions};
-use ltbw_core::{BoundaryFace, TetMesh};
+use ltbw_core::{BoundaryFace, CancelToken, TetMesh};
 use ltbw_domain::{Domain, refine::Given};
 use ltbw_exact::Point;
 pub use parts::{check_parts_writable, is_parts, part_files, write_parts};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 pub use streams::{
     check_domain_stream, check_mesh_stream, check_points_stream, parse_domain, parse_mesh,
@@ -153,7 +156,7 @@ pub fn read_points_by(path: impl AsRef<Path>, load: &mut Load<'_>) -> Result<Poi
 }
 
 /// Reads a mesh file: `.vtu`, `.vtk`, `.msh`, `.mesh`, or the pair `.ele` and `.node` (named by
-/// either) with the `.face` file beside it, if there is one.
+/// either) with the `.face` file beside it, if there is one; or `.pvtu` with its pieces.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<TetMesh, IoError> {
     let path = path.as_ref();
     read_mesh_file(path).map(|f| f.mesh)
@@ -173,6 +176,7 @@ pub fn read_mesh_by(path: impl AsRef<Path>, load: &mut Load<'_>) -> Result<MeshF
     let path = path.as_ref();
     match Format::from_path(path)? {
         Format::Node | Format::Ele => read_pair(path, load),
+        Format::Pvtu => pvtu::read(path, load),
         format if format.holds_mesh() => parse_mesh(path, format, &load(path)?),
         format => Err(wrong_kind(path, format, "a mesh is")),
     }
@@ -228,10 +232,25 @@ pub fn write_points_with(
     file: &PointFile,
     options: WriteOptions,
 ) -> Result<(), IoError> {
+    write_points_until(path, file, options, &CancelToken::new())
+}
+
+/// Writes points as [`write_points_with`] does, until the token says otherwise: the file does not
+/// get its name then.
+///
+/// # Errors
+/// As [`write_points_with`], and [`IoError::Cancelled`].
+pub fn write_points_until(
+    path: impl AsRef<Path>,
+    file: &PointFile,
+    options: WriteOptions,
+    cancel: &CancelToken,
+) -> Result<(), IoError> {
     let path = path.as_ref();
     let format = writable(path, true)?;
     streams::points_ready(path, format, file)?;
-    AtomicFile::write(path, |out| streams::put_points(out, format, file, options))?.publish()
+    let fill = |out: &mut dyn Write| streams::put_points(out, format, file, options);
+    AtomicFile::write_until(path, (Some(cancel), 0), fill)?.publish_unless(cancel)
 }
 
 /// Writes a mesh with its tags and boundary faces, with the default [`WriteOptions`]: `.vtu`,
@@ -253,7 +272,9 @@ pub fn write_mesh_with(
 /// The format of `path`, if points (or else meshes) can be written in it.
 fn writable(path: &Path, points: bool) -> Result<Format, IoError> {
     let format = Format::from_path(path)?;
-    let holds = if points { format.holds_points() } else { format.holds_mesh() };
+    // Parts are written by [`write_parts`].
+    let whole = format.holds_mesh() && format != Format::Pvtu;
+    let holds = if points { format.holds_points() } else { whole };
     if !holds {
         Err(wrong_kind(path, format, if points { "points are" } else { "a mesh is" }))
     } else if format.is_read_only() {
@@ -298,14 +319,19 @@ pub fn check_bytes_writable(path: impl AsRef<Path>) -> Result<(), IoError> {
     atomic_file::check(path)
 }
 
-/// The files that [`read_mesh`] may read for `path`, and [`write_mesh`] write: itself, or the
-/// `.node`, `.ele` and `.face` files that it names.
+/// The files that [`read_mesh`] may read for `path`, and [`write_mesh`] write: itself, with the
+/// pieces that it lists, or the `.node`, `.ele` and `.face` files that it names.
 pub fn mesh_files(path: impl AsRef<Path>) -> Vec<PathBuf> {
     let path = path.as_ref();
     match Format::from_path(path) {
         Ok(Format::Node | Format::Ele) => {
             let (node, ele) = pair(path);
             vec![node, ele, face_path(path)]
+        }
+        Ok(Format::Pvtu) => {
+            // A list that cannot be read names no other file.
+            let pieces = load(path).ok().and_then(|list| pvtu::piece_files(path, &list).ok());
+            std::iter::once(path.to_owned()).chain(pieces.unwrap_or_default()).collect()
         }
         _ => vec![path.to_owned()],
     }
@@ -388,6 +414,7 @@ fn check_mesh(mesh: &TetMesh) -> Result<(), DataError> {
 
 fn wrong_kind(path: &Path, format: Format, wanted: &'static str) -> IoError {
     let holds = match (format.holds_mesh(), format.holds_points(), format.holds_domain()) {
+        _ if format == Format::Pvtu => "a mesh in parts",
         (_, true, true) => "a surface or points",
         (_, true, false) => "points",
         (true, ..) => "a mesh",

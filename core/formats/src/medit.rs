@@ -4,12 +4,15 @@
 //! (four corners numbered from 1, reference) are read; a reference is a tag. References that
 //! are all 0 mean no tags, unless the comment `# references are tags` stands before the section,
 //! which we write where it is needed. Triangles that are faces of
-//! tetrahedra are boundary triangles, their references the markers. Sections of edges, corners and
-//! the like are not read; a note says which. Other volume cells are refused. A file ends with
-//! `End`.
+//! tetrahedra are boundary triangles, their references the markers. Of `TetrahedraP2`,
+//! `TrianglesP2` and those of higher order the corners are read, which come first; a note says so. Sections of
+//! edges, corners and the like are not read; a note says which. Other volume cells are refused. A
+//! file ends with `End`; without it, which other programs allow, there must be tetrahedra, and
+//! a note says that sections may be missing.
 //! Source: P. Frey, "MEDIT: an interactive mesh visualization software", INRIA RT-0253, 2001.
 
 use super::MeshFile;
+use super::curved::Curved;
 use super::error::{ParseError, Reason, excerpt};
 use super::faces::owned;
 use super::text::{Tokens, capacity, count, float, integer, push_integer, push_point, write_rows};
@@ -20,82 +23,151 @@ use std::io::Write;
 /// The comment before a section whose references are tags although all are 0.
 const MARK: &[u8] = b"# references are tags";
 
+/// The sections of a file that are read.
+#[derive(Default)]
+struct Sections<'a> {
+    /// Keywords of those that are there.
+    seen: Vec<&'a [u8]>,
+    vertices: Option<(Vec<Point>, Vec<i64>)>,
+    tets: Vec<Section<4>>,
+    triangles: Vec<Section<3>>,
+    /// Tags although all are 0, of vertices and of tetrahedra.
+    marked: [bool; 2],
+    curved: Curved,
+    notes: Vec<String>,
+}
+
+/// A section of tetrahedra or triangles: where it starts, and their corners and references.
+struct Section<const N: usize> {
+    at: usize,
+    corners: Vec<[i64; N]>,
+    references: Vec<i64>,
+}
+
 /// Reads a `.mesh` file.
 pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let mut tokens = Tokens::new(bytes);
-    let mut vertices: Option<(Vec<Point>, Vec<i64>)> = None;
-    let mut tetrahedra: Option<(Vec<[i64; 4]>, Vec<i64>)> = None;
-    let mut triangles: Option<(Vec<[i64; 3]>, Vec<i64>, usize)> = None;
-    let mut section = 0;
-    let mut marked = [false; 2];
-    let mut notes = Vec::new();
+    let mut sections = Sections::default();
     // Every turn consumes at least a keyword.
     loop {
         let before = tokens.position();
         let Some(keyword) = tokens.next() else {
-            return Err(tokens.error(Reason::Syntax("the file ends without `End`".into())));
+            // The counts of the sections hold; which others there were nobody knows.
+            if sections.tets.is_empty() {
+                return Err(tokens.error(Reason::Syntax("the file ends without `End`".into())));
+            }
+            sections.notes.push("there is no `End`: sections may be missing".to_owned());
+            break;
         };
+        if keyword == b"End" {
+            if tokens.next().is_some() {
+                return Err(tokens.error(Reason::Surplus("section")));
+            }
+            break;
+        }
         let between = &bytes[before..tokens.position() - keyword.len()];
         let mark = between.split(|&b| b == b'\n').any(|line| line.trim_ascii() == MARK);
-        match keyword {
-            b"MeshVersionFormatted" => drop(number(&mut tokens, keyword, count)?),
-            b"Dimension" => {
-                let dimension = number(&mut tokens, keyword, count)?;
+        sections.read(keyword, mark, &mut tokens)?;
+    }
+    let at_end = tokens.position();
+    sections.mesh().map_err(|(at, reason)| {
+        ParseError::at(bytes, at.unwrap_or(at_end.saturating_sub(1)), reason)
+    })
+}
+
+/// The dimension and the number of nodes of the simplices in a section, by its keyword.
+fn simplices(keyword: &[u8]) -> Option<(u8, usize)> {
+    Some(match keyword {
+        b"Triangles" => (2, 3),
+        b"TrianglesP2" => (2, 6),
+        b"TrianglesP3" => (2, 10),
+        b"TrianglesP4" => (2, 15),
+        b"Tetrahedra" => (3, 4),
+        b"TetrahedraP2" => (3, 10),
+        b"TetrahedraP3" => (3, 20),
+        b"TetrahedraP4" => (3, 35),
+        _ => return None,
+    })
+}
+
+/// Does a section hold volume cells of another kind, of any order?
+fn is_other_volume(keyword: &[u8]) -> bool {
+    [&b"Hexahedra"[..], b"Prisms", b"Pyramids"].iter().any(|word| {
+        // `HexahedraQ2` is cells, `HexahedraQ2Ordering` is not.
+        keyword.strip_prefix(*word).is_some_and(|order| matches!(order, [] | [b'P' | b'Q', _]))
+    })
+}
+
+impl<'a> Sections<'a> {
+    /// Reads the section behind a keyword.
+    fn read(
+        &mut self,
+        keyword: &'a [u8],
+        mark: bool,
+        tokens: &mut Tokens<'_>,
+    ) -> Result<(), ParseError> {
+        let kind = simplices(keyword);
+        if self.seen.contains(&keyword) || is_other_volume(keyword) {
+            let text = format!("this section `{}`", excerpt(keyword));
+            return Err(tokens.error(Reason::Unsupported(text)));
+        }
+        if kind.is_some() || keyword == b"Vertices" {
+            self.seen.push(keyword);
+        }
+        match (keyword, kind) {
+            (b"MeshVersionFormatted", _) => drop(number(tokens, keyword, count)?),
+            (b"Dimension", _) => {
+                let dimension = number(tokens, keyword, count)?;
                 if dimension != 3 {
                     let text = format!("points in {dimension} dimensions");
                     return Err(tokens.error(Reason::Unsupported(text)));
                 }
             }
-            b"Vertices" if vertices.is_none() => {
-                marked[0] = mark;
-                vertices = Some(read_vertices(&mut tokens)?);
+            (b"Vertices", _) => {
+                self.marked[0] = mark;
+                self.vertices = Some(read_vertices(tokens)?);
             }
-            b"Tetrahedra" if tetrahedra.is_none() => {
-                section = tokens.position();
-                marked[1] = mark;
-                tetrahedra = Some(read_simplices(&mut tokens, keyword, "tetrahedra")?);
+            (_, Some((3, nodes))) => {
+                self.marked[1] |= mark;
+                let section = read_simplices(tokens, keyword, nodes)?;
+                self.curved.tets += if nodes > 4 { section.corners.len() } else { 0 };
+                self.tets.push(section);
             }
-            b"Triangles" if triangles.is_none() => {
-                let at = tokens.position();
-                let (corners, markers) = read_simplices(&mut tokens, keyword, "triangles")?;
-                triangles = Some((corners, markers, at));
+            (_, Some((_, nodes))) => {
+                let section = read_simplices(tokens, keyword, nodes)?;
+                self.curved.triangles += if nodes > 3 { section.corners.len() } else { 0 };
+                self.triangles.push(section);
             }
-            b"Hexahedra" | b"Prisms" | b"Pyramids" | b"Vertices" | b"Tetrahedra" | b"Triangles" => {
-                let text = format!("this section `{}`", excerpt(keyword));
-                return Err(tokens.error(Reason::Unsupported(text)));
-            }
-            b"End" => break,
             _ if keyword[0].is_ascii_alphabetic() => {
-                notes.push(format!("section {} is not read", excerpt(keyword)));
-                skip_numbers(&mut tokens);
+                self.notes.push(format!("section {} is not read", excerpt(keyword)));
+                skip_numbers(tokens);
             }
             _ => {
                 let text = format!("`{}` where a keyword was expected", excerpt(keyword));
                 return Err(tokens.error(Reason::Syntax(text)));
             }
         }
+        Ok(())
     }
-    if tokens.next().is_some() {
-        return Err(tokens.error(Reason::Surplus("section")));
+
+    /// The mesh that the sections make; errors have the place of theirs.
+    fn mesh(self) -> Result<MeshFile, (Option<usize>, Reason)> {
+        let Self { vertices, tets, triangles, marked, curved, mut notes, .. } = self;
+        let missing = || (None, Reason::Syntax("there is no section `Vertices`".into()));
+        let (points, point_tags) = vertices.ok_or_else(missing)?;
+        notes.dedup();
+        notes.extend(curved.note());
+        let (tets, tet_tags) = number_from_0(tets, points.len())?;
+        let (corners, markers) = number_from_0(triangles, points.len())?;
+        let triangles: Vec<([u32; 3], i64)> = corners.into_iter().zip(markers).collect();
+        let tags = |t: Vec<i64>, mark: bool| (mark || t.iter().any(|&r| r != 0)).then_some(t);
+        let (point_tags, tet_tags) = (tags(point_tags, marked[0]), tags(tet_tags, marked[1]));
+        let mut mesh = TetMesh { points, tets, point_tags, tet_tags, ..TetMesh::default() };
+        let note;
+        (mesh.faces, note) = owned(&mesh, &triangles);
+        notes.extend(note);
+        Ok(MeshFile { mesh, notes, names: Vec::new() })
     }
-    notes.dedup();
-    let Some((points, point_tags)) = vertices else {
-        return Err(tokens.error(Reason::Syntax("there is no section `Vertices`".into())));
-    };
-    let (corners, tet_tags) = tetrahedra.unwrap_or_default();
-    let tets =
-        number_from_0(&corners, points.len()).map_err(|r| ParseError::at(bytes, section, r))?;
-    let (corners, markers, section) = triangles.unwrap_or_default();
-    let triangles =
-        number_from_0(&corners, points.len()).map_err(|r| ParseError::at(bytes, section, r))?;
-    let triangles: Vec<([u32; 3], i64)> = triangles.into_iter().zip(markers).collect();
-    let tags = |t: Vec<i64>, mark: bool| (mark || t.iter().any(|&r| r != 0)).then_some(t);
-    let (point_tags, tet_tags) = (tags(point_tags, marked[0]), tags(tet_tags, marked[1]));
-    let mut mesh = TetMesh { points, tets, point_tags, tet_tags, ..TetMesh::default() };
-    let note;
-    (mesh.faces, note) = owned(&mesh, &triangles);
-    notes.extend(note);
-    Ok(MeshFile { mesh, notes, names: Vec::new() })
 }
 
 /// The number that must follow inside the section `keyword`.
@@ -148,45 +220,55 @@ fn read_vertices(tokens: &mut Tokens<'_>) -> Result<(Vec<Point>, Vec<i64>), Pars
     Ok((points, tags))
 }
 
-/// Corners and references of tetrahedra or triangles.
-type Simplices<const N: usize> = (Vec<[i64; N]>, Vec<i64>);
-
+/// Reads a section of simplices of so many nodes each, of which the first are the corners.
 fn read_simplices<const N: usize>(
     tokens: &mut Tokens<'_>,
     keyword: &[u8],
-    what: &'static str,
-) -> Result<Simplices<N>, ParseError> {
+    nodes: usize,
+) -> Result<Section<N>, ParseError> {
+    let at = Tokens::position(tokens);
     let announced = number(tokens, keyword, count)?;
-    let reserve = capacity(announced, tokens.remaining(), 10);
-    let (mut tets, mut tags) = (Vec::with_capacity(reserve), Vec::with_capacity(reserve));
+    let what = if N == 4 { "tetrahedra" } else { "triangles" };
+    let reserve = capacity(announced, tokens.remaining(), 2 * nodes + 2);
+    let (mut all, mut references) = (Vec::with_capacity(reserve), Vec::with_capacity(reserve));
     for found in 0..announced {
         truncated(tokens, what, announced, found)?;
-        let mut tet = [0; N];
-        for corner in &mut tet {
-            *corner = number(tokens, keyword, integer)?;
+        let mut corners = [0; N];
+        for node in 0..nodes {
+            let index = number(tokens, keyword, integer)?;
+            if let Some(corner) = corners.get_mut(node) {
+                *corner = index;
+            }
         }
-        tets.push(tet);
-        tags.push(number(tokens, keyword, integer)?);
+        all.push(corners);
+        references.push(number(tokens, keyword, integer)?);
     }
-    Ok((tets, tags))
+    Ok(Section { at, corners: all, references })
 }
 
-/// Corners numbered from 1 as indices from 0, all below `points`.
+/// The simplices of sections: corners numbered from 1 as indices from 0, all below `points`, and
+/// references. An error has the place of its section.
+#[expect(clippy::type_complexity, reason = "two lists, or a place and a reason")]
 fn number_from_0<const N: usize>(
-    corners: &[[i64; N]],
+    sections: Vec<Section<N>>,
     points: usize,
-) -> Result<Vec<[u32; N]>, Reason> {
-    let last = u32::try_from(points).map_err(|_| Reason::TooManyPoints(points as u64))?;
-    let mut tets = Vec::with_capacity(corners.len());
-    for (row, tet) in corners.iter().enumerate() {
-        if let Some(&index) = tet.iter().find(|&&v| v < 1 || v > i64::from(last)) {
-            let (number, last) = (row as u64 + 1, i64::from(last));
-            let what = if N == 4 { "tetrahedron" } else { "triangle" };
-            return Err(Reason::Index { what, number, index, first: 1, last });
+) -> Result<(Vec<[u32; N]>, Vec<i64>), (Option<usize>, Reason)> {
+    let last = u32::try_from(points).map_err(|_| (None, Reason::TooManyPoints(points as u64)))?;
+    let (mut simplices, mut references) = (Vec::new(), Vec::new());
+    for section in sections {
+        simplices.reserve_exact(section.corners.len());
+        for (row, corners) in section.corners.iter().enumerate() {
+            if let Some(&index) = corners.iter().find(|&&v| v < 1 || v > i64::from(last)) {
+                let (number, last) = (row as u64 + 1, i64::from(last));
+                let what = if N == 4 { "tetrahedron" } else { "triangle" };
+                let reason = Reason::Index { what, number, index, first: 1, last };
+                return Err((Some(section.at), reason));
+            }
+            simplices.push(corners.map(|v| (v - 1) as u32));
         }
-        tets.push(tet.map(|v| (v - 1) as u32));
+        references.extend(section.references);
     }
-    Ok(tets)
+    Ok((simplices, references))
 }
 
 /// Writes a `.mesh` file; the references of triangles are the markers of their facets.

@@ -2,8 +2,8 @@
 //!
 //! Read: the text form with the headers `OFF`, `COFF`, `NOFF`, `STOFF` and their combinations. As
 //! points: the vertices; faces, colours and normals are not read, and a note says so. As a
-//! domain: vertices and faces of any number of corners. The binary form and points of four or n
-//! dimensions are refused.
+//! domain: vertices and faces of any number of corners, which may go on in the next lines. The
+//! binary form and points of four or n dimensions are refused.
 //! Source: the Geomview manual, "OFF Files".
 
 use super::error::{ParseError, Reason, excerpt};
@@ -24,6 +24,9 @@ pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
     Ok(file)
 }
 
+/// Corners of a face for which memory is reserved before they are there.
+const CORNERS: u64 = 16;
+
 /// Reads an `.off` file as a surface. Colours are not read; a note says so.
 pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
     let (file, announced, mut lines) = vertices(bytes)?;
@@ -38,14 +41,25 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
         let at = |r| ParseError::at(bytes, line.offset, r);
         let mut fields = line.fields();
         let wanted = count(fields.next().unwrap_or_default()).map_err(at)?;
-        let mut corners = Corners::new(capacity(wanted, line.text.len(), 2));
+        let mut corners = Corners::new(wanted.min(CORNERS) as usize);
+        let mut goes_on = false;
         for k in 0..wanted {
             let (expected, k) = (wanted.saturating_add(1), k + 1);
             let short = || Reason::TooFewValues { expected: expected as usize, found: k as usize };
-            let token = fields.next().ok_or_else(short).map_err(at)?;
+            let mut token = fields.next();
+            if token.is_none() {
+                fields = lines.next().ok_or_else(short).map_err(at)?.fields();
+                (token, goes_on) = (fields.next(), true);
+            }
+            let token = token.ok_or_else(short).map_err(at)?;
             corners.push(token, 0, surface.points(), found).map_err(at)?;
         }
-        more |= fields.next().is_some();
+        let rest = fields.next().is_some();
+        // What follows would be a face, to which this one lacks a corner.
+        if goes_on && rest {
+            return Err(at(Reason::Syntax(format!("face {found} ends in the midst of a line"))));
+        }
+        more |= rest;
         surface.face(corners).map_err(at)?;
     }
     if let Some(line) = lines.next() {
@@ -145,6 +159,26 @@ fn vertices_and_faces(line: Line<'_>) -> Result<[u64; 2], Reason> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn faces_may_go_on_in_the_next_lines() {
+        let head = "OFF\n5 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n";
+        let domain = |faces: &str| read_domain(format!("{head}{faces}").as_bytes());
+        for faces in
+            ["4 0 1 2 3\n3 0 1 4", "4\n0 1\n2 3\n3 0 1 # c\n4", "4 0\n\n1 2 3\n3 0 1 4 255 0"]
+        {
+            let found = domain(faces).expect(faces).domain;
+            let polygons: Vec<_> = found.facets.iter().map(|f| f.polygons.concat()).collect();
+            assert_eq!(polygons, [vec![0, 1, 2, 3], vec![0, 1, 4]], "{faces}");
+        }
+        let says = |faces: &str| domain(faces).expect_err(faces).to_string();
+        // A corner too few takes what would be the next face.
+        assert_eq!(says("4 0 1 2\n3 0 1 4\n"), "line 8: face 0 ends in the midst of a line");
+        assert_eq!(says("4 0 1 2 3\n3 0 1"), "line 9: expected 4 values, found 3");
+        assert_eq!(says("4 0 1\n"), "line 8: expected 5 values, found 3");
+        let far = says("4 0 1\n2 9\n3 0 1 4");
+        assert!(far.starts_with("line 8: face 0 names point 9"), "{far}");
+    }
 
     #[test]
     fn headers_and_faces() {

@@ -4,7 +4,9 @@
 //! `vertex` with the properties `x`, `y` and `z` of any number type is the points; a property
 //! `tag` whose values are whole numbers is their tags. Other elements and properties are not read;
 //! a note says so. For a domain (in `faces.rs`) the element `face` with the list `vertex_indices`
-//! or `vertex_index` is read as well, and an integer property `marker`. Written: properties of type
+//! or `vertex_index` is read as well, and an integer property `marker`; and so are the elements
+//! `tristrips` and `trifans`, whose lists hold strips or fans of triangles with -1 between them.
+//! Written: properties of type
 //! `double`; tags as `int` where they fit, else as `double` (the format has no integers of 64
 //! bits).
 //! Source: G. Turk, "The PLY Polygon File Format", 1994.
@@ -39,11 +41,22 @@ struct Property {
     scalar: Scalar,
 }
 
+/// The things that an element lists.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Rows {
+    Vertices,
+    Faces,
+    /// Strips of triangles.
+    Strips,
+    /// Fans of triangles.
+    Fans,
+    Others,
+}
+
 /// An element: a table with a row for each of its things.
 #[derive(Debug)]
 struct Element {
-    vertex: bool,
-    face: bool,
+    holds: Rows,
     rows: u64,
     properties: Vec<Property>,
 }
@@ -67,7 +80,7 @@ pub fn read(bytes: &[u8]) -> Result<PointFile, ParseError> {
     };
     // The vertices are looked for behind what precedes them; what follows them is not read.
     for (k, element) in header.elements.iter().enumerate() {
-        if element.vertex {
+        if element.holds == Rows::Vertices {
             let mut file = vertices(&mut body, element)?;
             if k + 1 == header.elements.len() {
                 body.finish()?;
@@ -129,8 +142,13 @@ fn header(bytes: &[u8]) -> Result<Header, ParseError> {
                 });
             }
             [b"element", name, rows] => elements.push(Element {
-                vertex: *name == b"vertex",
-                face: *name == b"face",
+                holds: match *name {
+                    b"vertex" => Rows::Vertices,
+                    b"face" => Rows::Faces,
+                    b"tristrips" => Rows::Strips,
+                    b"trifans" => Rows::Fans,
+                    _ => Rows::Others,
+                },
                 rows: count(rows).map_err(at)?,
                 properties: Vec::new(),
             }),
@@ -140,7 +158,7 @@ fn header(bytes: &[u8]) -> Result<Header, ParseError> {
                 };
                 let property = property(words, big_endian).map_err(at)?;
                 let twice = element.properties.iter().any(|p| p.role == property.role);
-                if element.vertex && twice && property.role != Role::Other {
+                if element.holds == Rows::Vertices && twice && property.role != Role::Other {
                     return Err(at(Reason::Syntax("the same property twice".into())));
                 }
                 element.properties.push(property);
@@ -169,7 +187,7 @@ fn finished(header: Header, ascii: Option<bool>) -> Result<Header, ParseError> {
     if header.elements.iter().any(|e| e.properties.is_empty() && e.rows > 0) {
         return Err(wrong("an element has no properties"));
     }
-    for vertex in header.elements.iter().filter(|e| e.vertex) {
+    for vertex in header.elements.iter().filter(|e| e.holds == Rows::Vertices) {
         let has = |role| vertex.properties.iter().any(|p| p.role == role);
         if !(0..3).all(|k| has(Role::Axis(k))) {
             return Err(wrong("vertices need the properties x, y and z"));
@@ -240,9 +258,22 @@ impl Body<'_> {
 
     /// An error at the number that was read last.
     fn error(&self, reason: Reason) -> ParseError {
+        self.error_at(self.position(), reason)
+    }
+
+    /// The offset behind the number that was read last.
+    fn position(&self) -> usize {
         match self {
-            Body::Text(tokens) => tokens.error(reason),
-            Body::Binary { next, .. } => ParseError::new(Place::Byte(*next as u64), reason),
+            Body::Text(tokens) => tokens.position(),
+            Body::Binary { next, .. } => *next,
+        }
+    }
+
+    /// An error at the number in front of an offset.
+    fn error_at(&self, offset: usize, reason: Reason) -> ParseError {
+        match self {
+            Body::Text(tokens) => ParseError::at(tokens.bytes, offset.saturating_sub(1), reason),
+            Body::Binary { .. } => ParseError::new(Place::Byte(offset as u64), reason),
         }
     }
 

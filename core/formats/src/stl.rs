@@ -4,11 +4,12 @@
 //! triangles; points that are equal (`-0.0` and `0.0` are) are read once, in the order of their
 //! first appearance. Normals are not read: the order of the corners says as much. As points, the
 //! triangles are not read either; a note says so. A file is binary if its length is the one that
-//! the count in its header asks for, or if it does not start with `solid`. Written: text, in which
-//! coordinates keep their 64 bits (the binary form has 32).
+//! the count in its header asks for, or if it does not start with `solid`. In text, keywords are of
+//! either case, and those of two words may stand apart (`end solid`) or together (`outerloop`).
+//! Written: text, in which coordinates keep their 64 bits (the binary form has 32).
 //! Source: 3D Systems, "StereoLithography Interface Specification", 1988.
 
-use super::error::{ParseError, Place, Reason, excerpt};
+use super::error::{ParseError, Place, Reason, excerpt, is_utf16};
 use super::surface::{Corners, Surface};
 use super::text::{Lines, capacity, point, push_point, write_rows};
 use super::{DomainFile, Point, PointFile};
@@ -44,15 +45,18 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
 fn triangles(bytes: &[u8]) -> Result<Distinct, ParseError> {
     let count = bytes.get(80..HEADER).map(|c| u32::from_le_bytes([c[0], c[1], c[2], c[3]]));
     let length = count.map(|c| HEADER as u64 + TRIANGLE as u64 * u64::from(c));
-    let text = bytes.trim_ascii_start().starts_with(b"solid");
+    let front = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
+    let text = front.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     match (count, length) {
-        (Some(count), Some(length)) if length == bytes.len() as u64 || !text => {
+        (Some(count), Some(length))
+            if length == bytes.len() as u64 || !(text || is_utf16(bytes)) =>
+        {
             read_binary(&bytes[HEADER..], count)
         }
         _ if text => read_text(bytes),
         _ => {
             let reason = Reason::Syntax("neither a text nor a binary STL file".into());
-            Err(ParseError::new(Place::Header, reason))
+            Err(ParseError::at(bytes, 0, reason))
         }
     }
 }
@@ -122,7 +126,7 @@ fn read_text(bytes: &[u8]) -> Result<Distinct, ParseError> {
     for line in Lines::new(bytes) {
         let at = |reason| ParseError::at(bytes, line.offset, reason);
         let mut fields = line.fields();
-        let word = fields.next().unwrap_or_default().to_ascii_lowercase();
+        let word = keyword(&mut fields);
         match word.as_slice() {
             b"solid" if !inside => inside = true,
             b"endsolid" if inside => inside = false,
@@ -133,7 +137,7 @@ fn read_text(bytes: &[u8]) -> Result<Distinct, ParseError> {
                 }
                 corners += 1;
             }
-            b"facet" | b"outer" | b"endloop" if inside => {}
+            b"facet" | b"outer" | b"outerloop" | b"endloop" if inside => {}
             b"endfacet" if inside && corners == 3 => corners = 0,
             b"endfacet" if inside => {
                 return Err(at(Reason::Syntax(format!("a facet of {corners} vertices"))));
@@ -153,6 +157,15 @@ fn read_text(bytes: &[u8]) -> Result<Distinct, ParseError> {
         return Err(ParseError::at(bytes, bytes.len(), reason));
     }
     Ok(distinct)
+}
+
+/// The first word of a line in lower case; `end` with the word behind it.
+fn keyword<'a>(fields: &mut (impl Iterator<Item = &'a [u8]> + Clone)) -> Vec<u8> {
+    let mut word = fields.next().unwrap_or_default().to_ascii_lowercase();
+    if word == b"end" {
+        word.extend(fields.next().unwrap_or_default().to_ascii_lowercase());
+    }
+    word
 }
 
 /// Writes a surface of triangles as text.
@@ -219,10 +232,28 @@ mod tests {
     }
 
     #[test]
+    fn keywords_may_be_written_in_other_ways() {
+        let facet =
+            "facet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet";
+        for (open, text) in [
+            ("solid", facet.replace("endfacet", "end facet") + "\nend solid"),
+            ("SOLID x", facet.to_uppercase().replace("ENDLOOP", "END LOOP") + "\nEND SOLID x"),
+            ("\u{feff}solid", facet.replace("outer loop", "outerloop") + "\nendsolid"),
+            ("solid a", format!("{facet}\nendsolid a\nsolid b\nend solid b\n")),
+        ] {
+            let found = read_domain(format!("{open}\n{text}").as_bytes()).expect(open).domain;
+            assert_eq!(found.vertices.len(), 3, "{open}");
+            assert_eq!(found.facets[0].polygons, [[0, 1, 2]], "{open}");
+        }
+        let error = read(b"solid\nend\n").expect_err("no keyword").to_string();
+        assert_eq!(error, "line 2: unexpected `end`");
+    }
+
+    #[test]
     fn malformed() {
         let says = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
         let one = [[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, f32::INFINITY]];
-        assert_eq!(says(b""), "header: neither a text nor a binary STL file");
+        assert_eq!(says(b""), "line 1: neither a text nor a binary STL file");
         assert_eq!(
             says(&binary(b"x", u32::MAX, &one)),
             "end of file: the file announces 4294967295 triangles, but ends after 1"

@@ -53,7 +53,7 @@ pub fn parse_mesh(
         Format::Vtk => vtk::read,
         Format::Msh => msh::read,
         Format::Medit => medit::read,
-        Format::Node | Format::Ele => return Err(several(name, format)),
+        Format::Node | Format::Ele | Format::Pvtu => return Err(several(name, format)),
         format => return Err(wrong_kind(name, format, "a mesh is")),
     };
     parse(bytes).map_err(|error| parse_error(name, error))
@@ -141,7 +141,7 @@ pub fn check_points_stream(name: impl AsRef<Path>, format: Format) -> Result<(),
 pub fn check_mesh_stream(name: impl AsRef<Path>, format: Format) -> Result<(), IoError> {
     let name = name.as_ref();
     match format {
-        Format::Node | Format::Ele => Err(several(name, format)),
+        Format::Node | Format::Ele | Format::Pvtu => Err(several(name, format)),
         _ if !format.holds_mesh() => Err(wrong_kind(name, format, "a mesh is")),
         _ => Ok(()),
     }

@@ -83,6 +83,28 @@ impl Surface {
         }
     }
 
+    /// Adds the triangles of a strip: each has a corner more than the last two of the one before,
+    /// and all are turned as the first is.
+    pub(super) fn strip(&mut self, corners: &[u32], marker: i32) {
+        for (k, &[a, b, c]) in corners.array_windows().enumerate() {
+            self.triangle(if k % 2 == 0 { [a, b, c] } else { [b, a, c] }, marker);
+        }
+    }
+
+    /// Adds the triangles of a fan, which have its first corner in common.
+    pub(super) fn fan(&mut self, corners: &[u32], marker: i32) {
+        let Some((&hub, rim)) = corners.split_first() else { return };
+        rim.array_windows().for_each(|&[b, c]| self.triangle([hub, b, c], marker));
+    }
+
+    /// Adds a triangle of a strip or fan; one that names a vertex twice is only there to turn a
+    /// strip, or to lead it on.
+    fn triangle(&mut self, [a, b, c]: [u32; 3], marker: i32) {
+        if a != b && b != c && c != a {
+            self.0.facets.push(Facet::polygon(&[a, b, c], marker));
+        }
+    }
+
     pub(super) fn finish(self, notes: Vec<String>) -> DomainFile {
         DomainFile { domain: self.0, oriented: true, notes }
     }

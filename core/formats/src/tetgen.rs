@@ -9,6 +9,7 @@
 //! numbers from 0, and attributes where the mesh has them, else tags.
 //! Source: the TetGen manual, "File formats".
 
+use super::curved::Curved;
 use super::error::{ParseError, Reason};
 use super::faces::owned;
 use super::text::{
@@ -198,9 +199,8 @@ pub fn parse_ele(bytes: &[u8], node: NodeFile) -> Result<MeshFile, ParseError> {
     if attributes > 1 {
         notes.push("attributes of tetrahedra before the last are not read".into());
     }
-    if corners == 10 {
-        notes.push("corners after the fourth of quadratic tetrahedra are not read".into());
-    }
+    let curved = Curved { tets: if corners == 10 { tets.len() } else { 0 }, triangles: 0 };
+    notes.extend(curved.note());
     let mesh = TetMesh { points, tets, point_tags, tet_tags, tet_attributes, ..TetMesh::default() };
     Ok(MeshFile { mesh, notes, names: Vec::new() })
 }
@@ -268,10 +268,8 @@ pub fn parse_face(bytes: &[u8], mut file: MeshFile, first: u8) -> Result<MeshFil
     if let Some(line) = lines.next() {
         return Err(ParseError::at(bytes, line.offset, Reason::Surplus("triangle")));
     }
-    if corners == 6 {
-        let text = "corners after the third of quadratic triangles are not read";
-        file.notes.push(text.to_owned());
-    }
+    let curved = Curved { tets: 0, triangles: if corners == 6 { triangles.len() } else { 0 } };
+    file.notes.extend(curved.note());
     if tets > 0 {
         file.notes.push("tetrahedra of triangles are not read".to_owned());
     }

@@ -83,7 +83,8 @@ impl<'a> MeshWriter<'a> {
         match format {
             Format::Node | Format::Ele => self.write_pair(path),
             _ => {
-                let file = AtomicFile::write_until(path, self.cancel, |out| self.put(out, format))?;
+                let file =
+                    AtomicFile::write_until(path, self.needs(), |out| self.put(out, format))?;
                 self.still(path)?;
                 file.publish()
             }
@@ -105,6 +106,13 @@ impl<'a> MeshWriter<'a> {
         check_mesh_stream(name, format)?;
         self.ready(name, format)?;
         self.put(out, format).map_err(|source| write_error(name, source))
+    }
+
+    /// The token that ends the writing, and the memory that the lists of a format take: of each
+    /// tetrahedron, point and face about as much as the mesh itself has.
+    fn needs(&self) -> (Option<&'a CancelToken>, usize) {
+        let TetMesh { points, tets, faces, .. } = self.mesh;
+        (self.cancel, 32 * (points.len() + tets.len()) + 48 * faces.len())
     }
 
     /// Was the writing not cancelled?
@@ -146,7 +154,7 @@ impl<'a> MeshWriter<'a> {
     fn write_pair(&self, path: &Path) -> Result<(), IoError> {
         let mesh = self.mesh;
         let aside = |path: &Path, fill: &dyn Fn(&mut dyn Write) -> std::io::Result<()>| {
-            AtomicFile::write_until(path, self.cancel, fill)
+            AtomicFile::write_until(path, self.needs(), fill)
         };
         let (node_path, ele_path) = pair(path);
         let ele = aside(&ele_path, &|out| tetgen::write_ele(out, mesh))?;

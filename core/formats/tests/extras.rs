@@ -180,7 +180,7 @@ fn faces_beside_tetrahedra_are_read_in_every_form() {
     assert_eq!(io::read_mesh_file(&path).expect("no faces").mesh.faces, []);
     let face = |corners, marker| BoundaryFace { corners, marker, tet: 0 };
     let beyond = "tetrahedra of triangles are not read";
-    let quadratic = "corners after the third of quadratic triangles are not read";
+    let quadratic = "of 1 triangles of higher order the corners alone are read";
     let lost = "1 triangles that are faces of no tetrahedron are not read";
     for (text, expected, notes) in [
         ("2 1 # a comment\n1 1 3 2 -5\n2 2 3 4 9\n", boundary(), vec![]),

@@ -217,6 +217,34 @@ pub fn expect<T>(array: &mut Vec<T>, capacity: usize) {
     }
 }
 
+/// The system refuses memory that is going to be needed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the machine lacks memory: {bytes} bytes more are refused")]
+pub struct NoMemory {
+    /// What was asked for.
+    pub bytes: usize,
+}
+
+/// Asks the system whether it would give so many bytes more; they are not used, and given back.
+/// Where memory is promised beyond what there is, as most systems do without a limit, the answer
+/// is yes.
+///
+/// # Errors
+/// [`NoMemory`] if it would not.
+pub fn ask(bytes: usize) -> Result<(), NoMemory> {
+    let mut room: Vec<u8> = Vec::new();
+    let given = room.try_reserve_exact(bytes);
+    // Memory that nobody looks at need not be asked for.
+    std::hint::black_box(&room);
+    given.map_err(|_| NoMemory { bytes })
+}
+
+/// Asks the system whether a mesh of so many vertices and tetrahedra finds room.
+pub(crate) fn ask_for(vertices: usize, tets: usize) -> Result<(), NoMemory> {
+    // Corners, neighbours and spheres of tetrahedra; coordinates and numbers of vertices.
+    ask(tets.saturating_mul(48).saturating_add(vertices.saturating_mul(32)))
+}
+
 /// Asks the processor to fetch what is at an address into its cache. A hint: nothing depends on it.
 #[inline(always)]
 pub fn prefetch<T>(entry: *const T) {
@@ -246,6 +274,14 @@ mod tests {
             for (k, s) in array.all().iter().enumerate() {
                 assert_eq!(*s, [k as f32, 1.0, 2.0, if k < 10 { 3.0 } else { 4.0 }]);
             }
+        }
+    }
+
+    #[test]
+    fn memory_that_there_cannot_be_is_refused() {
+        assert_eq!((ask(0), ask(1 << 20)), (Ok(()), Ok(())));
+        for bytes in [usize::MAX, usize::MAX / 2] {
+            assert_eq!(ask(bytes), Err(NoMemory { bytes }));
         }
     }
 

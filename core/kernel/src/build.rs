@@ -1,6 +1,7 @@
 //! Building a mesh of a point set: order, first tetrahedron, insertion of the rest.
 
 use crate::PredicateStats;
+use crate::arena::{NoMemory, ask_for};
 use crate::cavity::{Admission, AdmitAll, Setback};
 use crate::geometry::Geometry;
 use crate::mesh::{Mesh, Placed, Vertex};
@@ -131,6 +132,9 @@ pub enum BuildError {
     /// Cancelled before there was a first tetrahedron.
     #[error("cancelled before the first tetrahedron")]
     Cancelled,
+    /// The system refuses the memory that the mesh is going to need.
+    #[error(transparent)]
+    Memory(#[from] NoMemory),
 }
 
 /// Figures of one build.
@@ -227,7 +231,8 @@ impl<'a> Builder<'a> {
     /// [`Built::outcome`] says why.
     ///
     /// # Errors
-    /// [`BuildError`] says why there is no first tetrahedron.
+    /// [`BuildError`] says why there is no first tetrahedron. Memory is asked for before the work,
+    /// as much as uniform points need; where a limit refuses more later on, the process is aborted.
     pub fn build(&self, set: &PointSet) -> Result<Built, BuildError> {
         let clock = Instant::now();
         let points = set.kernel_points();
@@ -242,6 +247,7 @@ impl<'a> Builder<'a> {
         let wide = set.mode() == Mode::Wide;
         // Uniform points have 6.77 tetrahedra each. Pages that stay unused cost nothing.
         let tets = (7 * points.len() + 64).min(MAX_TETS);
+        ask_for(points.len(), tets)?;
         let geometry = Geometry::new(low, high, wide, points.len(), tets);
         let mut mesh = Mesh::start(geometry, set.mode(), corners, tets);
         mesh.next_number = set.len() as Vertex;

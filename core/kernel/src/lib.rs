@@ -68,8 +68,9 @@ pub mod transaction;
 #[doc(hidden)]
 pub mod undo;
 
+pub use arena::NoMemory;
 #[doc(hidden)]
-pub use arena::{expect, prefetch};
+pub use arena::{ask, expect, prefetch};
 pub use build::{
     Budget, BuildError, Builder, Built, Observer, Order, Outcome, Phase, Progress, Stats,
 };

@@ -4,21 +4,23 @@
 //! work (the paper's queues QR before QL before LB) and sleeps when there is neither.
 
 mod distributed;
+mod failure;
 mod hooks;
 mod teller;
 mod watchdog;
 mod worker_loop;
 
 pub use distributed::Distributed;
+pub use failure::RunError;
 #[doc(hidden)]
 pub use worker_loop::{Broken, Ended, Loop, RuntimeHooks};
 
 use crate::WorkerError;
 use crate::balance::{Balance, Workload};
 use crate::mailbox::connect;
-use crate::mesh::{GatherError, LocalMesh, PointQueue, Prepared, SharedInput};
 #[doc(inline)]
 pub use crate::mesh::{Layout, Ownership};
+use crate::mesh::{LocalMesh, PointQueue, Prepared, SharedInput};
 use crate::metrics::{Collector, SubmeshSize, Summary, Trace};
 use crate::payload::Payload;
 #[doc(inline)]
@@ -26,7 +28,7 @@ pub use crate::protocol::{Closure, Config, Rule};
 use crate::protocol::{Correct, Note, Source, Submesh, Worker, WorkerId, message_of};
 use crate::transport::{Delayed, Mail, Transport};
 use hooks::ThreadHooks;
-use ltbw_core::{BuildError, CancelToken, Mesh, Observer, Outcome, Phase, Vertex};
+use ltbw_core::{CancelToken, Mesh, Observer, Outcome, Phase, Vertex};
 use ltbw_exact::PointSet;
 use std::time::{Duration, Instant};
 pub(crate) use teller::PAUSE;
@@ -47,24 +49,6 @@ impl<S> Travels for S where
 const BACKOFF: Duration = Duration::from_micros(20);
 
 type Node<S = LocalMesh, Q = PointQueue> = Worker<S, Q>;
-
-/// Why there is no mesh.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RunError {
-    /// There is no first tetrahedron.
-    #[error(transparent)]
-    Build(#[from] BuildError),
-    /// A worker has failed.
-    #[error(transparent)]
-    Worker(#[from] WorkerError),
-    /// The settings contradict each other.
-    #[error("{0}")]
-    Settings(String),
-    /// The submeshes could not be put together.
-    #[error(transparent)]
-    Gather(#[from] GatherError),
-}
 
 /// Figures of one worker.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -462,18 +446,28 @@ where
     T: Transport<Mail<S>> + Send,
     W: RuntimeHooks<S> + Send,
 {
-    let results: Vec<_> = std::thread::scope(|scope| {
+    let wanted = loops.len();
+    let (results, refused): (Vec<_>, _) = std::thread::scope(|scope| {
         let spawn = |worker: Loop<S, Q, _, T, W>| {
             let leave = teller.leave();
-            scope.spawn(move || {
+            std::thread::Builder::new().spawn_scoped(scope, move || {
                 let _leave = leave;
                 worker.run()
             })
         };
-        let threads: Vec<_> = loops.into_iter().map(spawn).collect();
+        // Loops that have no thread are dropped, and take their ways along as well.
+        let threads: std::io::Result<Vec<_>> = loops.into_iter().map(spawn).collect();
+        let (threads, refused) = match threads {
+            Ok(threads) => (threads, None),
+            Err(error) => (Vec::new(), Some(error)),
+        };
         teller.tell_until(threads.len() as u32);
-        threads.into_iter().map(std::thread::ScopedJoinHandle::join).collect()
+        let ends = threads.into_iter().map(std::thread::ScopedJoinHandle::join);
+        (ends.collect(), refused)
     });
+    if let Some(error) = refused {
+        return Err(RunError::Threads { threads: wanted, reason: error.to_string() });
+    }
     let mut ends = Vec::with_capacity(results.len());
     let (mut panics, mut errors) = (Vec::new(), Vec::new());
     for (worker, result) in results.into_iter().enumerate() {

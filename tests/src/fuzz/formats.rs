@@ -1,11 +1,13 @@
 //! `formats`: bytes to a file of any format.
 //!
 //! The first byte chooses the reader, the others are the file. For several (`.node`, `.ele` and
-//! `.face`; `.node` and `.poly`) they are the one, a line `%`, and the next.
+//! `.face`; `.node` and `.poly`; `.pvtu` and its pieces) they are the one, a line `%`, and the
+//! next.
 
 use ltbw::domain::Domain;
 use ltbw::io::{DomainFile, Encoding, Format, MeshFile, MshVersion, ParseError, PointFile};
-use ltbw::io::{csv, medit, msh, npy, npz, obj, off, ply, poly, stl, tetgen, txt, vtk, vtu, xyz};
+use ltbw::io::{csv, medit, msh, npy, npz, obj, off, ply, poly, pvtu, stl, tetgen, txt};
+use ltbw::io::{vtk, vtu, xyz};
 use ltbw::{BoundaryFace, Point, TetMesh};
 
 /// A reader.
@@ -26,13 +28,14 @@ const POINTS: [(Format, Read<PointFile>); 10] = [
 ];
 
 /// The readers of meshes, which follow.
-const MESHES: [(Format, Read<MeshFile>); 6] = [
+const MESHES: [(Format, Read<MeshFile>); 7] = [
     (Format::Medit, medit::read),
     (Format::Msh, msh::read),
     (Format::Vtu, vtu::read),
     (Format::Ele, tetrahedra),
     (Format::Node, pair),
     (Format::Vtk, vtk::read),
+    (Format::Pvtu, pieces),
 ];
 
 /// The readers of domains, the last.
@@ -72,6 +75,18 @@ fn halves(bytes: &[u8]) -> (&[u8], &[u8]) {
 fn pair(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     let (node, others) = halves(bytes);
     beside(node, others)
+}
+
+/// A list of pieces, and the pieces in their order, as far as there are any.
+fn pieces(bytes: &[u8]) -> Result<MeshFile, ParseError> {
+    let (list, mut rest) = halves(bytes);
+    let mut whole = pvtu::Join::default();
+    for _ in pvtu::sources(list)? {
+        let (piece, others) = halves(rest);
+        whole.add(vtu::read(piece)?)?;
+        rest = others;
+    }
+    Ok(whole.finish())
 }
 
 fn node_and_poly(bytes: &[u8]) -> Result<DomainFile, ParseError> {

@@ -4,8 +4,9 @@
 //! file; tetrahedra come in the order of their numbers. Regions are the physical groups of the
 //! volumes (0: in none), or the geometrical entities where there is no group and more than one
 //! entity. A view `tag` at the nodes and a view `region` in the elements are tags, too, if they
-//! are integers everywhere; the view comes before the groups. Triangles of three nodes
-//! that are faces of tetrahedra are boundary triangles, with their physical group as marker. Other
+//! are integers everywhere; the view comes before the groups. Triangles
+//! that are faces of tetrahedra are boundary triangles, with their physical group as marker. Of
+//! tetrahedra and triangles of higher order the corners are read, and a note says so. Other
 //! elements of dimension 0 to 2, names of groups of points and curves, other views and other
 //! sections are not read, and a note says so; other volume elements are refused. Names of groups of
 //! surfaces and volumes are kept for a file of the same format, also of groups in which nothing is.

@@ -1,6 +1,7 @@
 //! The common parts of the two versions of `.msh`: nodes and tetrahedra under numbers of the
 //! file, and how they become a mesh.
 
+use crate::curved::Curved;
 use crate::error::Reason;
 use crate::faces::owned;
 use crate::scalar::exact_integer;
@@ -9,27 +10,40 @@ use ltbw_core::TetMesh;
 use ltbw_exact::Point;
 use std::collections::HashMap;
 
-/// The dimension of the cells of an element type and their number of nodes, by Gmsh's number for
-/// the type. Source: the Gmsh reference manual, "MSH file format".
-pub(super) fn element_type(number: i64) -> Option<(u8, u64)> {
+/// The cells of an element type, as far as they matter here.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Shape {
+    /// Of dimension 0 to 2, and no triangles.
+    Other,
+    Triangle,
+    Tetrahedron,
+}
+
+/// The cells of an element type and their number of nodes, of which the corners are the first, by
+/// Gmsh's number for the type. Source: the Gmsh reference manual, "MSH file format".
+pub(super) fn element_type(number: i64) -> Option<(Shape, u64)> {
     Some(match number {
-        15 => (0, 1),
-        1 => (1, 2),
-        8 => (1, 3),
-        26 => (1, 4),
-        27 => (1, 5),
-        28 => (1, 6),
-        TRIANGLE => (2, 3),
-        3 => (2, 4),
-        9 => (2, 6),
-        10 => (2, 9),
-        16 => (2, 8),
-        20 => (2, 9),
-        21 => (2, 10),
-        22 => (2, 12),
-        23 | 24 => (2, 15),
-        25 => (2, 21),
-        TETRAHEDRON => (3, 4),
+        15 => (Shape::Other, 1),
+        1 => (Shape::Other, 2),
+        8 => (Shape::Other, 3),
+        26 => (Shape::Other, 4),
+        27 => (Shape::Other, 5),
+        28 => (Shape::Other, 6),
+        TRIANGLE => (Shape::Triangle, 3),
+        9 => (Shape::Triangle, 6),
+        20 => (Shape::Triangle, 9),
+        21 => (Shape::Triangle, 10),
+        22 => (Shape::Triangle, 12),
+        23 | 24 => (Shape::Triangle, 15),
+        25 => (Shape::Triangle, 21),
+        3 => (Shape::Other, 4),
+        10 => (Shape::Other, 9),
+        16 => (Shape::Other, 8),
+        TETRAHEDRON => (Shape::Tetrahedron, 4),
+        11 => (Shape::Tetrahedron, 10),
+        29 => (Shape::Tetrahedron, 20),
+        30 => (Shape::Tetrahedron, 35),
+        31 => (Shape::Tetrahedron, 56),
         _ => return None,
     })
 }
@@ -123,6 +137,7 @@ pub(super) struct Parts {
     pub(super) regions: Option<Vec<(u64, f64)>>,
     pub(super) other_elements: bool,
     pub(super) several_groups: bool,
+    pub(super) curved: Curved,
     pub(super) notes: Vec<String>,
 }
 
@@ -159,6 +174,7 @@ impl Parts {
         if self.several_groups {
             notes.push("of several physical groups of an entity only the first is read".to_owned());
         }
+        notes.extend(self.curved.note());
         let point_tags = tags.and_then(|values| {
             let tags = whole(&values, nodes.points.len(), |n| nodes.index(n).map(|i| i as usize));
             if tags.is_none() {

@@ -159,6 +159,20 @@ impl<'a> Source<'a> {
         value.map_err(|r| self.error(r))
     }
 
+    /// The first `N` of `count` numbers, which are no fewer, that `read` reads.
+    pub(super) fn first<const N: usize>(
+        &mut self,
+        count: u64,
+        read: fn(&mut Self) -> Result<u64, ParseError>,
+    ) -> Result<[u64; N], ParseError> {
+        let mut numbers = [0; N];
+        for number in &mut numbers {
+            *number = read(self)?;
+        }
+        self.skip(count - N as u64, read)?;
+        Ok(numbers)
+    }
+
     /// Reads `count` numbers with `read` and forgets them.
     pub(super) fn skip<T>(
         &mut self,

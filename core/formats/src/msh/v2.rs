@@ -1,6 +1,6 @@
 //! The sections of version 2.2.
 
-use super::parts::{Nodes, Parts, TETRAHEDRON, TRIANGLE, Tet, Triangle, element_type};
+use super::parts::{Nodes, Parts, Shape, Tet, Triangle, element_type};
 use super::source::Source;
 use crate::error::{ParseError, Reason};
 use crate::text::{capacity, count};
@@ -47,7 +47,7 @@ pub(super) fn elements(source: &mut Source<'_>, parts: &mut Parts) -> Result<(),
         } else {
             (None, source.int()?, source.small_size()?, source.small_size()?)
         };
-        let Some((dimension, corners)) = element_type(kind) else {
+        let Some((shape, nodes)) = element_type(kind) else {
             let text = format!("elements of type {kind}");
             return Err(source.error(Reason::Unsupported(text)));
         };
@@ -67,28 +67,25 @@ pub(super) fn elements(source: &mut Source<'_>, parts: &mut Parts) -> Result<(),
                     *group = tag;
                 }
             }
-            if kind == TRIANGLE {
-                let mut nodes = [0; 3];
-                for node in &mut nodes {
-                    *node = source.small_size()?;
-                }
-                let corners = parts.corners(number, nodes).map_err(|r| source.error(r))?;
-                parts.triangles.push(Triangle { number, corners, physical: groups[0] });
-                continue;
-            }
-            if kind != TETRAHEDRON {
-                debug_assert!(dimension < 3);
-                parts.other_elements = true;
-                source.skip(corners, Source::small_size)?;
-                continue;
-            }
-            let mut nodes = [0; 4];
-            for node in &mut nodes {
-                *node = source.small_size()?;
-            }
-            let corners = parts.corners(number, nodes).map_err(|r| source.error(r))?;
             let [physical, entity] = groups;
-            tets.push(Tet { number, corners, physical, entity });
+            match shape {
+                Shape::Other => {
+                    parts.other_elements = true;
+                    source.skip(nodes, Source::small_size)?;
+                }
+                Shape::Triangle => {
+                    parts.curved.triangles += usize::from(nodes > 3);
+                    let corners = source.first(nodes, Source::small_size)?;
+                    let corners = parts.corners(number, corners).map_err(|r| source.error(r))?;
+                    parts.triangles.push(Triangle { number, corners, physical });
+                }
+                Shape::Tetrahedron => {
+                    parts.curved.tets += usize::from(nodes > 4);
+                    let corners = source.first(nodes, Source::small_size)?;
+                    let corners = parts.corners(number, corners).map_err(|r| source.error(r))?;
+                    tets.push(Tet { number, corners, physical, entity });
+                }
+            }
         }
         found += row;
     }

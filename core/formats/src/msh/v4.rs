@@ -1,6 +1,6 @@
 //! The sections of version 4.1.
 
-use super::parts::{Nodes, Parts, TETRAHEDRON, TRIANGLE, Tet, Triangle, element_type};
+use super::parts::{Nodes, Parts, Shape, Tet, Triangle, element_type};
 use super::source::Source;
 use crate::error::{ParseError, Reason};
 use crate::text::capacity;
@@ -103,36 +103,37 @@ pub(super) fn elements(
         let entity = source.int()?;
         let kind = source.int()?;
         let count = source.size()?;
-        let Some((_, corners)) = element_type(kind) else {
+        let Some((shape, nodes)) = element_type(kind) else {
             return Err(source.error(Reason::Unsupported(format!("elements of type {kind}"))));
         };
-        let groups = if kind == TRIANGLE { &volumes.surfaces } else { &volumes.groups };
+        let groups = match shape {
+            Shape::Triangle => &volumes.surfaces,
+            _ => &volumes.groups,
+        };
         let (physical, more) = groups.get(&entity).copied().unwrap_or_default();
         // At most as many turns as there are bytes.
         for _ in 0..count {
             let number = source.size()?;
-            if kind == TRIANGLE {
-                let mut nodes = [0; 3];
-                for node in &mut nodes {
-                    *node = source.size()?;
+            match shape {
+                Shape::Other => {
+                    parts.other_elements = true;
+                    source.skip(nodes, Source::size)?;
                 }
-                let corners = parts.corners(number, nodes).map_err(|r| source.error(r))?;
-                parts.several_groups |= more;
-                parts.triangles.push(Triangle { number, corners, physical });
-                continue;
+                Shape::Triangle => {
+                    parts.several_groups |= more;
+                    parts.curved.triangles += usize::from(nodes > 3);
+                    let corners = source.first(nodes, Source::size)?;
+                    let corners = parts.corners(number, corners).map_err(|r| source.error(r))?;
+                    parts.triangles.push(Triangle { number, corners, physical });
+                }
+                Shape::Tetrahedron => {
+                    parts.several_groups |= more;
+                    parts.curved.tets += usize::from(nodes > 4);
+                    let corners = source.first(nodes, Source::size)?;
+                    let corners = parts.corners(number, corners).map_err(|r| source.error(r))?;
+                    tets.push(Tet { number, corners, physical, entity });
+                }
             }
-            if kind != TETRAHEDRON {
-                parts.other_elements = true;
-                source.skip(corners, Source::size)?;
-                continue;
-            }
-            let mut nodes = [0; 4];
-            for node in &mut nodes {
-                *node = source.size()?;
-            }
-            let corners = parts.corners(number, nodes).map_err(|r| source.error(r))?;
-            parts.several_groups |= more;
-            tets.push(Tet { number, corners, physical, entity });
         }
         found = found.saturating_add(count);
     }

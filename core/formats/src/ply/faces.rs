@@ -4,8 +4,8 @@ use super::super::surface::{Corners, Surface};
 use super::super::text::{capacity, push_integer, push_point, write_rows};
 use super::super::{DomainFile, Encoding, Point};
 use super::{
-    Body, Element, Header, ParseError, Place, Reason, Role, Tokens, body_error, header, skip_rows,
-    vertices,
+    Body, Element, Header, ParseError, Place, Reason, Role, Rows, Tokens, body_error, header,
+    skip_rows, vertices,
 };
 use crate::scalar::exact_integer;
 use std::io::Write;
@@ -18,62 +18,104 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
     } else {
         Body::Binary { bytes, next: body }
     };
-    let (mut file, mut polygons, mut markers) = (None, Vec::new(), Vec::new());
+    let (mut file, mut lists) = (None, Vec::new());
     let (mut others, mut seen) = (false, false);
     for element in &elements {
-        if element.vertex && file.is_none() {
-            file = Some(vertices(&mut body, element)?);
-        } else if element.face && !seen {
-            (polygons, markers) = faces(&mut body, element)?;
-            seen = true;
-        } else {
-            skip_rows(&mut body, element)?;
-            others = true;
+        match element.holds {
+            Rows::Vertices if file.is_none() => file = Some(vertices(&mut body, element)?),
+            Rows::Faces if !seen => {
+                lists.push((Rows::Faces, faces(&mut body, element)?));
+                seen = true;
+            }
+            holds @ (Rows::Strips | Rows::Fans) => {
+                lists.push((holds, faces(&mut body, element)?));
+            }
+            _ => {
+                skip_rows(&mut body, element)?;
+                others = true;
+            }
         }
     }
     body.finish()?;
     let missing = |text: &str| ParseError::new(Place::Header, Reason::Syntax(text.to_owned()));
     let file = file.ok_or_else(|| missing("there is no element `vertex`"))?;
     let mut surface = Surface::new(file.points);
-    surface.reserve(polygons.len());
-    let (first, last) = (0, surface.points() as i64 - 1);
-    for (f, corners) in polygons.into_iter().enumerate() {
-        let at = |reason| ParseError::new(Place::Face(f as u64), reason);
-        let number = f as u64;
-        if let Some(&index) = corners.iter().find(|&&v| v < first || v > last) {
-            return Err(at(Reason::Index { what: "face", number, index, first, last }));
+    surface.reserve(lists.iter().map(|(_, faces)| faces.corners.len()).sum());
+    for (holds, faces) in lists {
+        for (row, corners) in faces.corners.iter().enumerate() {
+            let marker = faces.markers.get(row).copied().unwrap_or(0);
+            let added = match holds {
+                Rows::Faces => corners_of(corners, surface.points(), ("face", row))
+                    .and_then(|c| surface.marked_face(Corners::from(&c[..]), marker)),
+                _ => corners.split(|&v| v == BREAK).try_for_each(|part| {
+                    let what = if holds == Rows::Fans { "fan" } else { "strip" };
+                    let part = corners_of(part, surface.points(), (what, row))?;
+                    match holds {
+                        Rows::Fans => surface.fan(&part, marker),
+                        _ => surface.strip(&part, marker),
+                    }
+                    Ok(())
+                }),
+            };
+            added.map_err(|reason| match faces.ends.get(row) {
+                Some(&end) => body.error_at(end, reason),
+                None => ParseError::new(Place::Face(row as u64), reason),
+            })?;
         }
-        let corners: Vec<u32> = corners.into_iter().map(|v| v as u32).collect();
-        let marker = markers.get(f).copied().unwrap_or(0);
-        surface.marked_face(Corners::from(&corners[..]), marker).map_err(at)?;
     }
     let mut notes = file.notes;
     if others {
-        notes.push("elements other than `vertex` and `face` are not read".to_owned());
+        notes.push("elements other than vertices and faces are not read".to_owned());
     }
     Ok(surface.finish(notes))
 }
 
-/// The corners of all faces as the file has them, and their markers if it has any.
-type Faces = (Vec<Vec<i64>>, Vec<i32>);
+/// What stands between the strips or fans of a list.
+const BREAK: i64 = -1;
 
-/// Reads the element `face`.
+/// Corners as indices of `points` vertices, of the row `number` of an element.
+fn corners_of(
+    corners: &[i64],
+    points: usize,
+    (what, number): (&'static str, usize),
+) -> Result<Vec<u32>, Reason> {
+    let (number, first, last) = (number as u64, 0, points as i64 - 1);
+    match corners.iter().find(|&&v| v < first || v > last) {
+        Some(&index) => Err(Reason::Index { what, number, index, first, last }),
+        None => Ok(corners.iter().map(|&v| v as u32).collect()),
+    }
+}
+
+/// The rows of an element of faces, as the file has them.
+#[derive(Default)]
+struct Faces {
+    corners: Vec<Vec<i64>>,
+    /// Markers, if the element has any.
+    markers: Vec<i32>,
+    /// Where each row ends; of faces, which are many, this is not kept.
+    ends: Vec<usize>,
+}
+
+/// Reads an element of faces, strips or fans.
 fn faces(body: &mut Body<'_>, element: &Element) -> Result<Faces, ParseError> {
     if !element.properties.iter().any(|p| p.role == Role::Corners) {
         let text = "faces need the list `vertex_indices`";
         return Err(ParseError::new(Place::Header, Reason::Syntax(text.into())));
     }
-    let reserve = capacity(element.rows, body.remaining(), 7);
-    let (mut polygons, mut markers) = (Vec::with_capacity(reserve), Vec::new());
+    let mut faces = Faces::default();
+    faces.corners.reserve_exact(capacity(element.rows, body.remaining(), 7));
     for found in 0..element.rows {
         let announced = element.rows;
         let early = Reason::Truncated { what: "faces", announced, found };
         let (corners, marker) =
             face(body, element).map_err(|r| body.error(body_error(r, &early)))?;
-        polygons.push(corners);
-        markers.extend(marker);
+        faces.corners.push(corners);
+        faces.markers.extend(marker);
+        if element.holds != Rows::Faces {
+            faces.ends.push(body.position());
+        }
     }
-    Ok((polygons, markers))
+    Ok(faces)
 }
 
 /// One face; its errors are `None` where the file ends.

@@ -2,16 +2,16 @@
 //!
 //! Read: an `UNSTRUCTURED_GRID` as a mesh, by the rules of `.vtu`: tetrahedra, triangles that are
 //! their faces, integer arrays `tag` of points, `region` and `marker` of cells, and `attribute`;
-//! and `POLYDATA` as a surface, the polygons with an integer array `marker`. Other datasets and
-//! triangle strips are refused; other cells and arrays are not read, and a note says so. Written:
-//! version 5.1.
+//! and `POLYDATA` as a surface, the polygons and triangle strips with an integer array `marker`. An
+//! integer array `cell_scalars`, as TetGen writes it, is the regions if there is no `region`. Other
+//! datasets are refused; other cells and arrays are not read, and a note says so. Written: version
+//! 5.1.
 //! Source: "VTK File Formats", the chapter on simple legacy formats.
 
 mod source;
 mod write;
 
 use super::error::{ParseError, Place, Reason, excerpt};
-use super::faces::owned;
 use super::surface::{Corners, Surface};
 use super::text::count;
 use super::vtu::{Grid, OTHER_ARRAYS, Piece};
@@ -28,6 +28,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         return Err(ParseError::new(Place::Header, Reason::Unsupported(text.into())));
     }
     let mut notes = Vec::new();
+    let other_arrays = parts.other_arrays || parts.regions.is_some() && parts.scalars.is_some();
     let mut grid = Grid::default();
     let cells = parts.cells.unwrap_or_default();
     let piece = Piece {
@@ -38,22 +39,17 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         offsets: cells.offsets,
         types: parts.types,
         tags: parts.tags,
-        regions: parts.regions,
+        regions: parts.regions.or(parts.scalars),
         markers: parts.markers,
         attributes: parts.attributes,
         ..Piece::default()
     };
     grid.add(piece).map_err(|r| ParseError::new(Place::End, r))?;
-    if parts.other_arrays {
+    if other_arrays {
         notes.push(OTHER_ARRAYS.to_owned());
     }
-    if grid.other_cells {
-        notes.push("cells that are neither tetrahedra nor triangles are not read".to_owned());
-    }
-    let (faces, note) = owned(&grid.mesh, &grid.triangles);
-    let mut mesh = grid.mesh;
-    mesh.faces = faces;
-    notes.extend(note);
+    let (mesh, more) = grid.finish();
+    notes.extend(more);
     Ok(MeshFile { mesh, notes, names: Vec::new() })
 }
 
@@ -67,39 +63,29 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
     }
     let points = parts.points.len();
     u32::try_from(points).map_err(|_| at_end(Reason::TooManyPoints(points as u64)))?;
-    let polygons = parts.cells.unwrap_or_default();
+    let (polygons, strips) = (parts.cells.unwrap_or_default(), parts.strips.unwrap_or_default());
+    let faces = polygons.offsets.len() + strips.offsets.len();
     let mut surface = Surface::new(parts.points);
-    surface.reserve(polygons.offsets.len());
+    surface.reserve(faces);
     // Data of cells begin with those of vertices and lines.
     let markers = parts.markers.as_ref().and_then(|m| m.get(parts.before..));
-    let markers = markers.filter(|m| m.len() >= polygons.offsets.len());
+    let markers = markers.filter(|m| m.len() >= faces);
     if parts.markers.is_some() && markers.is_none() {
         return Err(at_end(Reason::Syntax("not every polygon has a `marker`".into())));
     }
-    let mut start = 0;
-    for (face, &end) in polygons.offsets.iter().enumerate() {
-        let number = face as u64;
-        let end = usize::try_from(end).unwrap_or(0);
-        let wrong = || Reason::Syntax(format!("polygon {face} has offsets out of order"));
-        let list = polygons.connectivity.get(start..end).ok_or_else(wrong).map_err(at_end)?;
-        start = end;
-        let mut corners = Corners::new(list.len());
-        for &index in list {
-            let last = points as i64 - 1;
-            if index < 0 || index > last {
-                let what = "face";
-                return Err(at_end(Reason::Index { what, number, index, first: 0, last }));
-            }
-            corners.add(index as usize);
-        }
+    let lists = polygons.lists("polygon", points).chain(strips.lists("strip", points));
+    for (face, corners) in lists.enumerate() {
+        let corners = corners.map_err(at_end)?;
         let marker = markers.map_or(0, |m| m[face]);
         let marker =
             i32::try_from(marker).map_err(|_| at_end(Reason::NotAnInteger(marker.to_string())))?;
-        surface.marked_face(corners, marker).map_err(at_end)?;
+        if face < polygons.offsets.len() {
+            surface.marked_face(Corners::from(&corners[..]), marker).map_err(at_end)?;
+        } else {
+            surface.strip(&corners, marker);
+        }
     }
-    if start < polygons.connectivity.len() {
-        return Err(at_end(Reason::Surplus("polygon")));
-    }
+    polygons.finished("polygon").and_then(|()| strips.finished("strip")).map_err(at_end)?;
     let mut notes = Vec::new();
     if parts.before > 0 {
         notes.push("vertices and lines are not read".to_owned());
@@ -128,6 +114,38 @@ struct Cells {
     connectivity: Vec<i64>,
 }
 
+impl Cells {
+    /// The corners of each cell, which are some of `points` points; cells are called `what`.
+    fn lists(
+        &self,
+        what: &'static str,
+        points: usize,
+    ) -> impl Iterator<Item = Result<Vec<u32>, Reason>> {
+        let mut start = 0;
+        self.offsets.iter().enumerate().map(move |(cell, &end)| {
+            let end = usize::try_from(end).unwrap_or(0);
+            let wrong = || Reason::Syntax(format!("{what} {cell} has offsets out of order"));
+            let list = self.connectivity.get(start..end).ok_or_else(wrong)?;
+            start = end;
+            let last = points as i64 - 1;
+            let number = cell as u64;
+            let index = |&index: &i64| match index {
+                index if index < 0 || index > last => {
+                    Err(Reason::Index { what, number, index, first: 0, last })
+                }
+                index => Ok(index as u32),
+            };
+            list.iter().map(index).collect()
+        })
+    }
+
+    /// Checks that no corners are left behind those of the last cell.
+    fn finished(&self, what: &'static str) -> Result<(), Reason> {
+        let end = self.offsets.last().map_or(0, |&end| usize::try_from(end).unwrap_or(0));
+        if end < self.connectivity.len() { Err(Reason::Surplus(what)) } else { Ok(()) }
+    }
+}
+
 /// Everything that is read from a file.
 #[derive(Default)]
 struct Parts {
@@ -136,12 +154,16 @@ struct Parts {
     /// The cells of a grid, or the polygons of a surface.
     cells: Option<Cells>,
     types: Vec<i64>,
+    /// The triangle strips of a surface, which come behind its polygons.
+    strips: Option<Cells>,
     /// Cells of a surface that come before its polygons.
     before: usize,
     tags: Option<Vec<i64>>,
     regions: Option<Vec<i64>>,
     markers: Option<Vec<i64>>,
     attributes: Option<Vec<f64>>,
+    /// TetGen's array of regions.
+    scalars: Option<Vec<i64>>,
     other_arrays: bool,
 }
 
@@ -191,11 +213,9 @@ fn parts(bytes: &[u8]) -> Result<Parts, ParseError> {
                 let sizes = [number(1)?, number(2)?];
                 parts.before += cells(&mut source, version, sizes)?.offsets.len();
             }
-            (b"TRIANGLE_STRIPS", true) => {
+            (b"TRIANGLE_STRIPS", true) if parts.strips.is_none() => {
                 let sizes = [number(1)?, number(2)?];
-                if !cells(&mut source, version, sizes)?.offsets.is_empty() {
-                    return Err(source.error(Reason::Unsupported("triangle strips".into())));
-                }
+                parts.strips = Some(cells(&mut source, version, sizes)?);
             }
             (b"CELL_TYPES", false) if parts.types.is_empty() => {
                 parts.types = source.integers(Type::INT, number(1)?)?;
@@ -368,6 +388,7 @@ fn array(
         (About::Points, b"tag") => Some(&mut parts.tags),
         (About::Cells, b"region") => Some(&mut parts.regions),
         (About::Cells, b"marker") => Some(&mut parts.markers),
+        (About::Cells, b"cell_scalars") if !parts.is_surface => Some(&mut parts.scalars),
         _ => None,
     };
     match list {

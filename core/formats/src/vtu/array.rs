@@ -66,9 +66,15 @@ impl Layout {
     }
 
     /// The data of the array that starts at the front of `stream`.
-    pub(super) fn decode<'a>(self, stream: &mut Stream<'a>) -> Result<Cow<'a, [u8]>, Reason> {
+    ///
+    /// `room` is the number of bytes that compressed data of the file may still become.
+    pub(super) fn decode<'a>(
+        self,
+        stream: &mut Stream<'a>,
+        room: &mut u64,
+    ) -> Result<Cow<'a, [u8]>, Reason> {
         if let Some(compressor) = self.compressor {
-            return self.unpack(compressor, stream).map(Cow::Owned);
+            return self.unpack(compressor, stream, room).map(Cow::Owned);
         }
         let [length] = self.numbers(stream)?;
         stream.take(length)
@@ -83,7 +89,12 @@ impl Layout {
         Ok(numbers)
     }
 
-    fn unpack(self, from: Compressor, stream: &mut Stream<'_>) -> Result<Vec<u8>, Reason> {
+    fn unpack(
+        self,
+        from: Compressor,
+        stream: &mut Stream<'_>,
+        room: &mut u64,
+    ) -> Result<Vec<u8>, Reason> {
         let [blocks] = self.numbers(stream)?;
         if blocks == 0 {
             return Ok(Vec::new());
@@ -97,6 +108,10 @@ impl Layout {
             let packed = stream.take(self.header.word(raw))?;
             let is_last = k as u64 + 1 == blocks;
             let size = if is_last && last > 0 { last } else { size };
+            *room = room.checked_sub(size).ok_or_else(|| {
+                let text = format!("block {k} of an array announces {size} bytes, far too many");
+                Reason::Syntax(text)
+            })?;
             from.unpack(&packed, size, &mut out).map_err(|complaint| {
                 Reason::Syntax(format!("block {k} of an array {complaint}"))
             })?;
@@ -228,7 +243,8 @@ mod tests {
     fn counts_are_claims() {
         let huge = [&[0xff; 8][..], &[1, 2, 3]].concat();
         fn decode(layout: Layout, bytes: &[u8]) -> Result<(), Reason> {
-            layout.decode(&mut Stream::Raw(bytes)).map(|_| ())
+            let mut room = u64::MAX;
+            layout.decode(&mut Stream::Raw(bytes), &mut room).map(|_| ())
         }
         let reason = decode(plain("UInt64"), &huge).unwrap_err();
         assert_eq!(
@@ -264,11 +280,18 @@ mod tests {
             [header, blocks.concat()].concat()
         };
         let layout = Layout::new("BigEndian", "", "vtkZLibDataCompressor").expect("known names");
-        let decode = |bytes: &[u8]| layout.decode(&mut Stream::Raw(bytes)).map(Cow::into_owned);
+        let within = |bytes: &[u8], mut room: u64| {
+            layout.decode(&mut Stream::Raw(bytes), &mut room).map(Cow::into_owned)
+        };
+        let decode = |bytes: &[u8]| within(bytes, u64::MAX);
         assert_eq!(decode(&array(4, 1)), Ok(b"abcdefghi".to_vec()));
         for (size, last) in [(4, 0), (4, 2), (3, 1), (5, 1)] {
             assert!(decode(&array(size, last)).is_err(), "{size} {last}");
         }
+        // All blocks of a file share what they may become.
+        assert!(within(&array(4, 1), 9).is_ok());
+        let text = "block 2 of an array announces 1 bytes, far too many";
+        assert_eq!(within(&array(4, 1), 8), Err(Reason::Syntax(text.into())));
     }
 
     #[test]

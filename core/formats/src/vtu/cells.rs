@@ -1,15 +1,18 @@
 //! The pieces of a grid, compared with what they announce and appended to the mesh.
 
 use super::{Piece, Reason, TETRAHEDRON, TRIANGLE};
+use crate::curved::Curved;
+use crate::faces::owned;
 use ltbw_core::TetMesh;
 
 /// The mesh that the pieces make.
 #[derive(Default)]
 pub(crate) struct Grid {
-    pub(crate) mesh: TetMesh,
+    mesh: TetMesh,
     /// Triangles with their markers.
-    pub(crate) triangles: Vec<([u32; 3], i64)>,
-    pub(crate) other_cells: bool,
+    triangles: Vec<([u32; 3], i64)>,
+    other_cells: bool,
+    curved: Curved,
     pieces: usize,
 }
 
@@ -52,6 +55,20 @@ impl Grid {
         Ok(())
     }
 
+    /// The mesh with its boundary triangles, and notes on what was not read.
+    pub(crate) fn finish(self) -> (TetMesh, Vec<String>) {
+        let Self { mut mesh, triangles, other_cells, curved, .. } = self;
+        let mut notes = Vec::new();
+        if other_cells {
+            notes.push("cells that are neither tetrahedra nor triangles are not read".to_owned());
+        }
+        notes.extend(curved.note());
+        let note;
+        (mesh.faces, note) = owned(&mesh, &triangles);
+        notes.extend(note);
+        (mesh, notes)
+    }
+
     /// Appends the tetrahedra of a piece whose points start at `base`; returns which cells they
     /// are.
     fn add_cells(&mut self, piece: &Piece, base: u32) -> Result<Vec<usize>, Reason> {
@@ -66,18 +83,21 @@ impl Grid {
                 ))
             })?;
             start = end;
+            let curved = usize::from(!matches!(kind, TETRAHEDRON | TRIANGLE));
             match kind {
-                TETRAHEDRON => {
-                    self.mesh.tets.push(simplex(cell, corners, piece.points, base)?);
+                TETRAHEDRON | 24 | 71 => {
+                    self.curved.tets += curved;
+                    self.mesh.tets.push(simplex((cell, kind), corners, piece.points, base)?);
                     kept.push(cell);
                 }
-                TRIANGLE => {
+                TRIANGLE | 22 | 34 | 69 => {
+                    self.curved.triangles += curved;
                     let marker = piece.markers.as_ref().map_or(0, |markers| markers[cell]);
-                    let corners = simplex(cell, corners, piece.points, base)?;
+                    let corners = simplex((cell, kind), corners, piece.points, base)?;
                     self.triangles.push((corners, marker));
                 }
-                // Vertices, lines, polygons, and their quadratic kinds.
-                0..=9 | 21..=23 => self.other_cells = true,
+                // Vertices, lines, polygons, and those of higher order.
+                0..=9 | 21 | 23 | 28 | 30 | 35 | 36 | 68 | 70 => self.other_cells = true,
                 _ => return Err(Reason::Unsupported(format!("cell {cell} of VTK type {kind}"))),
             }
         }
@@ -88,15 +108,28 @@ impl Grid {
     }
 }
 
-/// The corners of a cell of `points` points, shifted by `base`.
+/// The corners of a cell of this VTK type in a piece of `points` points, shifted by `base`. In
+/// cells of higher order other points follow them.
 fn simplex<const N: usize>(
-    cell: usize,
+    (cell, kind): (usize, i64),
     corners: &[i64],
     points: u64,
     base: u32,
 ) -> Result<[u32; N], Reason> {
-    let wrong = || Reason::Syntax(format!("cell {cell} has {} corners, not {N}", corners.len()));
-    let corners: &[i64; N] = corners.try_into().map_err(|_| wrong())?;
+    let wanted = if kind == 24 {
+        10
+    } else if kind == 22 {
+        6
+    } else {
+        N
+    };
+    let is_whole = match kind {
+        TETRAHEDRON | TRIANGLE | 22 | 24 => corners.len() == wanted,
+        _ => corners.len() >= wanted,
+    };
+    let wrong =
+        || Reason::Syntax(format!("cell {cell} has {} corners, not {wanted}", corners.len()));
+    let corners = corners.first_chunk::<N>().filter(|_| is_whole).ok_or_else(wrong)?;
     let last = points as i64 - 1;
     match corners.iter().find(|&&v| v < 0 || v > last) {
         Some(&index) => {
@@ -118,7 +151,11 @@ fn same(what: &'static str, announced: u64, found: usize) -> Result<(), Reason> 
 }
 
 /// Appends the tags of a piece; either all pieces have them or none.
-fn append<T>(all: &mut Option<Vec<T>>, piece: Option<Vec<T>>, first: bool) -> Result<(), Reason> {
+pub(crate) fn append<T>(
+    all: &mut Option<Vec<T>>,
+    piece: Option<Vec<T>>,
+    first: bool,
+) -> Result<(), Reason> {
     match (all.as_mut(), piece) {
         (Some(all), Some(piece)) => all.extend(piece),
         (None, piece) if first => *all = piece,

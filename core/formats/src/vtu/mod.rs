@@ -7,8 +7,8 @@
 //! of pieces; arrays as text, inline in base64, or appended raw or in base64; uncompressed or
 //! compressed by zlib, LZ4 or LZMA; either byte order. Tetrahedra (VTK type 10) become the mesh;
 //! triangles (type 5) that are faces of tetrahedra are boundary triangles, with their `marker`;
-//! other cells of dimension 0 to 2 and other arrays are not read, and a note says so; other cells
-//! are refused.
+//! of those of higher order the corners are read; other cells of dimension 0 to 2 and other arrays
+//! are not read, and a note says so; other cells are refused.
 //! Source: the VTK file formats page of the VTK documentation.
 
 mod array;
@@ -18,11 +18,10 @@ mod write;
 
 use super::MeshFile;
 use super::error::{ParseError, Reason, excerpt, one_line};
-use super::faces::owned;
 use super::scalar::Scalar;
 use super::text::{Tokens, count, float, integer};
 use array::{Layout, Stream};
-pub(crate) use cells::Grid;
+pub(crate) use cells::{Grid, append};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::reader::Reader;
 pub use write::{write, write_with};
@@ -33,6 +32,11 @@ const TETRAHEDRON: i64 = 10;
 
 /// And for a triangle.
 const TRIANGLE: i64 = 5;
+
+/// How much larger than the file the data may be that is compressed in it: as large as Deflate can
+/// make it, or, in a small file, this many bytes. LZMA could do seven times as much.
+const LARGEST_RATIO: u64 = 1032;
+const SMALL: u64 = 64 << 20;
 
 /// The note on arrays that are not read.
 pub(crate) const OTHER_ARRAYS: &str =
@@ -120,6 +124,8 @@ struct State<'a> {
     wanted: Option<(Wanted, Storage)>,
     grid: Grid,
     other_arrays: bool,
+    /// Bytes that compressed data may still become.
+    room: u64,
 }
 
 /// Reads a `.vtu` file.
@@ -143,6 +149,7 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         wanted: None,
         grid: Grid::default(),
         other_arrays: false,
+        room: (bytes.len() as u64).saturating_mul(LARGEST_RATIO).saturating_add(SMALL),
     };
     let mut finished = false;
     // Every event but the last consumes at least a byte.
@@ -179,14 +186,8 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     if state.other_arrays {
         notes.push(OTHER_ARRAYS.into());
     }
-    let grid = state.grid;
-    if grid.other_cells {
-        notes.push("cells that are neither tetrahedra nor triangles are not read".into());
-    }
-    let (faces, note) = owned(&grid.mesh, &grid.triangles);
-    let mut mesh = grid.mesh;
-    mesh.faces = faces;
-    notes.extend(note);
+    let (mesh, more) = state.grid.finish();
+    notes.extend(more);
     Ok(MeshFile { mesh, notes, names: Vec::new() })
 }
 
@@ -226,12 +227,12 @@ fn appended(bytes: &[u8]) -> Result<Appended<'_>, Reason> {
 }
 
 /// The complaint of the XML parser, cut to a line.
-fn malformed(error: &dyn std::error::Error) -> Reason {
+pub(crate) fn malformed(error: &dyn std::error::Error) -> Reason {
     Reason::Syntax(format!("not well-formed XML: {}", one_line(&error.to_string(), 120)))
 }
 
 /// The value of an attribute, if the element has it.
-fn attribute(element: &BytesStart<'_>, name: &str) -> Result<Option<String>, Reason> {
+pub(crate) fn attribute(element: &BytesStart<'_>, name: &str) -> Result<Option<String>, Reason> {
     match element.try_get_attribute(name) {
         Ok(Some(a)) => Ok(Some(a.value.trim().to_owned())),
         Ok(None) => Ok(None),
@@ -387,7 +388,7 @@ impl State<'_> {
         from: &mut Stream<'_>,
     ) -> Result<(), Reason> {
         let (Some(layout), Some(piece)) = (self.layout, &mut self.piece) else { return Ok(()) };
-        let data = layout.decode(from)?;
+        let data = layout.decode(from, &mut self.room)?;
         let values = data.chunks_exact(scalar.bytes);
         if !values.remainder().is_empty() {
             return Err(Reason::Syntax(format!("an array of {} bytes", data.len())));

@@ -12,6 +12,7 @@
 #![allow(unsafe_code)]
 
 use super::Mesh;
+use crate::arena::{NoMemory, ask_for};
 use crate::cavity::{Cavity, Role, Setback};
 use crate::geometry::Geometry;
 use crate::sync::Claims;
@@ -198,14 +199,20 @@ fn side_by_side<T: Send>(things: impl Iterator<Item = T>, f: impl Fn(usize, T) +
 impl Mesh {
     /// Makes room for `count` points that are to be inserted in `lanes` lanes; returns the number
     /// of slots from then on.
+    ///
+    /// # Errors
+    /// [`NoMemory`]: arrays that have to grow are moved, and there is no room for both.
     #[doc(hidden)]
-    pub fn make_room_for(&mut self, count: usize, lanes: usize) -> usize {
+    pub fn make_room_for(&mut self, count: usize, lanes: usize) -> Result<usize, NoMemory> {
         let free = count.saturating_mul(SPARE).saturating_add(MARGIN * lanes);
         let slots = self.topology.slots_with(free);
+        if slots > self.topology.slots() {
+            ask_for(count, slots)?;
+        }
         let Self { topology, geometry, .. } = self;
         // Memory that nobody has touched takes its time.
         rayon::join(|| topology.make_free(free), || geometry.reserve_spheres(slots));
-        slots
+        Ok(slots)
     }
 
     /// Inserts `count` points, of which `chosen` tells the k-th, with public numbers from `number`
@@ -356,7 +363,7 @@ mod tests {
         let chosen = |k: usize| Chosen { p: points[k], cavity: &found[k], is_fixed: false };
         let (follow, mut kept) = (Written::default(), vec![[0; 2]; many]);
         let number = mesh.num_vertices() as Vertex;
-        mesh.make_room_for(points.len(), many);
+        mesh.make_room_for(points.len(), many).expect("memory");
         let (first, put_off) =
             mesh.fill_in_lanes(lanes, number, (points.len(), &chosen), &follow, &mut kept);
         let filled = kept.iter().map(|own| own[1]).sum::<usize>();
@@ -415,7 +422,7 @@ mod tests {
             let is_other = |&k: &usize| (1..found[k].len()).contains(&common(k));
             let all = [0, (1..rest.len()).find(is_other).expect("a cavity beside the first one")];
             let chosen = |k: usize| Chosen { p: rest[all[k]], cavity: &found[all[k]], is_fixed };
-            mesh.make_room_for(2, 1);
+            mesh.make_room_for(2, 1).expect("memory");
             let (mut lanes, follow) = (Lanes::default(), Written::default());
             let (first, put_off) =
                 mesh.fill_in_lanes(&mut lanes, 300, (2, &chosen), &follow, &mut [[0; 2]]);
@@ -473,7 +480,7 @@ mod tests {
         let twice: Vec<TetId> = found.iter().chain(&found).copied().collect();
         for cavity in [&twice, &found] {
             let chosen = |_: usize| Chosen { p: points[2300], cavity, is_fixed: false };
-            small.make_room_for(1, 4);
+            small.make_room_for(1, 4).expect("memory");
             _ = small.fill_in_lanes(&mut lanes, 300, (1, &chosen), &follow, &mut [[0; 2]; 4]);
             follow = Written::default();
         }

@@ -11,6 +11,7 @@ use crate::refine::key::key_of_tet;
 use crate::refine::marks::{Marks, Word};
 use crate::refine::thin::Thin;
 use crate::sync::{Keys, Words};
+use ltbw_core::BuildError;
 use ltbw_core::mesh::lanes::{Chosen, Follow, Lanes, View};
 use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, tet_of};
 
@@ -222,7 +223,7 @@ impl Rounds<'_, '_> {
         let many = self.threads.min(count / FEW).clamp(1, Lanes::MOST);
         let Self { own, candidates, cavities, reserved, keys, stamps, lanes, .. } = self;
         let (state, inserted) = (&mut own.state, &mut own.inserted);
-        let slots = state.mesh.make_room_for(count, many);
+        let slots = state.mesh.make_room_for(count, many).map_err(BuildError::from)?;
         let words = || [&mut *reserved, &mut *stamps].into_iter().for_each(|own| own.grow(slots));
         rayon::join(|| rayon::join(|| keys.grow(slots), || state.marks.grow(slots)), words);
         let (candidates, cavities) = (&*candidates, &*cavities);
