@@ -71,6 +71,7 @@ mod near;
 mod number;
 mod outcome;
 mod output;
+mod parts;
 mod patch;
 #[cfg(test)]
 mod patch_tests;
@@ -79,6 +80,7 @@ mod record;
 mod recover;
 mod region;
 mod relief;
+mod ring;
 mod rounds;
 mod run;
 mod seed;
