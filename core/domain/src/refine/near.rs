@@ -92,7 +92,7 @@ impl<'p> Polygons<'p> {
         let facets = || (0..).zip(&plc.facets);
         let all: Vec<(u32, &Vec<u32>)> =
             facets().flat_map(|(f, facet)| own(facet).map(move |polygon| (f, polygon))).collect();
-        let boxed = |(k, (f, polygon)): (u32, &(u32, &'p Vec<u32>))| {
+        let lying = |(k, (f, polygon)): (u32, &(u32, &'p Vec<u32>))| {
             let facet = &plc.facets[*f as usize];
             let (n, [axis, x, y]) = (facet.plane.normal(), axes_of(facet));
             let first = at(plc, *facet.corners.first()?);
@@ -110,7 +110,7 @@ impl<'p> Polygons<'p> {
             });
             boxed(ends, k)
         };
-        let tree = RTree::bulk_load((0..).zip(&all).filter_map(boxed).collect());
+        let tree = RTree::bulk_load((0..).zip(&all).filter_map(lying).collect());
         let envelope = |facet: &Facet| {
             boxed(facet.corners.iter().map(|&v| at(plc, v)), 0).map(|b| b.envelope())
         };
