@@ -41,28 +41,37 @@ pub(super) fn find(complex: &Complex<'_>, pieces: &[Piece], findings: &mut Findi
     }
 }
 
-/// The contacts between the pieces of a list, those of one facet left out: they are a
-/// triangulation.
-fn contacts_in(complex: &Complex<'_>, pieces: &[Piece], list: &[u32]) -> Vec<Found> {
+/// Each piece of a list with those of higher numbers that are not of its facet: the pieces of a
+/// facet, which follow each other, are a triangulation.
+fn with_others<'a>(
+    complex: &'a Complex<'_>,
+    list: &'a [u32],
+) -> impl Iterator<Item = (u32, &'a [u32])> {
     let facet = |n: &u32| complex.facet_of.get(*n as usize);
-    let (mut found, mut end) = (Vec::new(), 0);
-    for group in list.chunk_by(|a, b| facet(a).is_some() && facet(a) == facet(b)) {
+    let mut end = 0;
+    let groups = list.chunk_by(move |a, b| facet(a).is_some() && facet(a) == facet(b));
+    groups.flat_map(move |group| {
         end += group.len();
-        for &n in group {
-            let before = found.len();
-            for &other in &list[end..] {
-                let (a, b) = (&pieces[n as usize], &pieces[other as usize]);
-                if (0..3).any(|k| a.low[k] > b.high[k] || b.low[k] > a.high[k]) {
-                    continue;
-                }
-                found.extend(contact(complex, n, other).map(|contact| (n, other, contact)));
-                if found.len() - before >= ENOUGH_AT_ONE {
-                    break;
-                }
-            }
-        }
-    }
-    found
+        let others = &list[end..];
+        group.iter().map(move |&n| (n, others))
+    })
+}
+
+/// Those of `others` whose boxes meet that of a piece.
+fn near<'a>(pieces: &'a [Piece], n: u32, others: &'a [u32]) -> impl Iterator<Item = u32> + 'a {
+    let a = &pieces[n as usize];
+    let meets = |b: &Piece| (0..3).all(|k| a.low[k] <= b.high[k] && b.low[k] <= a.high[k]);
+    others.iter().copied().filter(move |&other| meets(&pieces[other as usize]))
+}
+
+/// The contacts between the pieces of a list.
+fn contacts_in(complex: &Complex<'_>, pieces: &[Piece], list: &[u32]) -> Vec<Found> {
+    let of = |(n, others): (u32, &[u32])| {
+        let contacts = near(pieces, n, others)
+            .filter_map(|other| contact(complex, n, other).map(|contact| (n, other, contact)));
+        contacts.take(ENOUGH_AT_ONE).collect::<Vec<Found>>()
+    };
+    with_others(complex, list).flat_map(of).collect()
 }
 
 /// The contact of two pieces, if there is one.

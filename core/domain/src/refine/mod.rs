@@ -57,6 +57,7 @@ mod excuse;
 mod facet;
 mod fill;
 mod flat;
+mod heed;
 mod item;
 mod joint;
 mod journal;

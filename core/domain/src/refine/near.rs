@@ -8,6 +8,8 @@
 //!
 //! Distances are computed in `f64`: they choose how hard to try, never what is true of the result.
 
+use super::RefineError;
+use super::heed::Heed;
 use super::plc::{Facet, Plc};
 use super::recover::dominant;
 use super::ring::Ring;
@@ -175,15 +177,19 @@ impl Pair {
 
 /// The pairs of features of a complex that are wide and nearer to each other than `limit`, in steps
 /// of the grid, and do not meet.
-pub(crate) fn pairs(plc: &Plc, limit: f64) -> Vec<Pair> {
-    counted_pairs(plc, limit).0
+///
+/// # Errors
+/// [`RefineError::Cancelled`].
+pub(crate) fn pairs(plc: &Plc, limit: f64, heed: Heed<'_>) -> Result<Vec<Pair>, RefineError> {
+    Ok(counted_pairs(plc, limit, heed)?.0)
 }
 
 /// The same, and the number of polygons and segments that were looked at.
-fn counted_pairs(plc: &Plc, limit: f64) -> (Vec<Pair>, u64) {
+fn counted_pairs(plc: &Plc, limit: f64, heed: Heed<'_>) -> Result<(Vec<Pair>, u64), RefineError> {
     let (mut found, mut steps) = (Vec::new(), 0);
     let polygons = Polygons::new(plc);
     for corner in 0..plc.corners.len() as u32 {
+        heed.ask()?;
         steps += polygons.near_corner(corner, limit, &mut found);
     }
     let segment = |(s, segment): (u32, &super::plc::Segment)| {
@@ -191,6 +197,7 @@ fn counted_pairs(plc: &Plc, limit: f64) -> (Vec<Pair>, u64) {
     };
     let segments = RTree::bulk_load((0..).zip(&plc.segments).filter_map(segment).collect());
     for one in &segments {
+        heed.ask()?;
         for other in segments.locate_in_envelope_intersecting(grown(&one.envelope(), FAR * limit)) {
             steps += 1;
             let (s, r) = (one.data, other.data);
@@ -205,7 +212,7 @@ fn counted_pairs(plc: &Plc, limit: f64) -> (Vec<Pair>, u64) {
         }
     }
     found.sort_unstable_by_key(Pair::key);
-    (found, steps)
+    Ok((found, steps))
 }
 
 /// The distance of a point from a facet's plane.
@@ -254,6 +261,10 @@ mod tests {
         Plc::new(&snapped.domain, &snapped.lattice).expect("a complex")
     }
 
+    fn pairs_of(plc: &Plc) -> Vec<Pair> {
+        pairs(plc, 1e-5 * ONE, Heed::default()).expect("nobody cancels")
+    }
+
     /// The number of steps of the grid in a length of 1, where the largest coordinate is 1.
     const ONE: f64 = (1 << 26) as f64;
 
@@ -265,7 +276,7 @@ mod tests {
         for (height, near) in [(1e-6, true), (1e-4, true), (1e-3, false)] {
             let vertices = [&square[..], &at(height)].concat();
             let plc = complex(&vertices, &[&[0, 1, 2, 3], &[4, 5, 6]]);
-            let pairs = pairs(&plc, 1e-5 * ONE);
+            let pairs = pairs_of(&plc);
             assert_eq!(pairs.contains(&Pair::CornerFacet(4, 0)), near, "{pairs:?}");
             // Two sides of the triangle cross the square's side x = 0, at the height.
             let crossing = pairs.iter().filter(|p| matches!(p, Pair::Segments(..))).count();
@@ -289,7 +300,7 @@ mod tests {
             corner(0.0, 1.0, 2.0),
         ];
         let plc = complex(&vertices, &[&[0, 1, 2], &[3, 4, 5], &[6, 7, 8]]);
-        assert_eq!(pairs(&plc, 1e-5 * ONE), []);
+        assert_eq!(pairs_of(&plc), []);
     }
 
     #[test]
@@ -298,7 +309,7 @@ mod tests {
         for (x, near) in [(0.1, true), (0.6, false)] {
             let vertices = [strip(0.0, 0.0), strip(1e-6, x)].concat();
             let plc = complex(&vertices, &[&[0, 1, 2], &[3, 4, 5]]);
-            let pairs = pairs(&plc, 1e-5 * ONE);
+            let pairs = pairs_of(&plc);
             assert_eq!(pairs.iter().any(|p| matches!(p, Pair::Segments(..))), near, "{pairs:?}");
         }
     }

@@ -73,12 +73,6 @@ impl<'f> Parts<'f> {
         });
         part.map(|part| &self.facet.parts[part])
     }
-
-    /// The steps of all searches so far.
-    #[cfg(test)]
-    pub(crate) fn steps(&self) -> u64 {
-        self.rings.iter().map(|(_, ring)| ring.steps()).sum()
-    }
 }
 
 /// The marker of a facet, or its parts if they have several.

@@ -7,6 +7,7 @@
 //! Those of its triangles that lie in the facet's polygons are its subfaces.
 
 use super::RefineError;
+use super::heed::Heed;
 use super::item::{Item, Work};
 use super::marks::{ENDS, face_bit};
 use super::parts::Parts;
@@ -22,13 +23,22 @@ const APEX: f64 = (1u64 << 52) as f64;
 impl State {
     /// Enters all segments; marks those that the mesh has, puts those that it lacks. `kernel` is
     /// the kernel vertex of each corner.
-    pub(crate) fn enter_segments<W: Work>(&mut self, kernel: &[VertexId], work: &mut W) {
+    ///
+    /// # Errors
+    /// [`RefineError::Cancelled`].
+    pub(crate) fn enter_segments<W: Work>(
+        &mut self,
+        kernel: &[VertexId],
+        work: &mut W,
+        heed: Heed<'_>,
+    ) -> Result<(), RefineError> {
         for (s, segment) in (0..).zip(&self.plc.segments) {
             let [a, b] = segment.ends.map(|c| kernel[c as usize]);
             self.segments.insert(edge(a, b), s);
         }
         let mut found: Set<[VertexId; 2]> = Set::default();
-        for t in self.mesh.tet_ids().collect::<Vec<TetId>>() {
+        for (k, t) in self.mesh.tet_ids().collect::<Vec<TetId>>().into_iter().enumerate() {
+            heed.ask_at(k)?;
             let v = self.vertices(t);
             for (k, [i, j]) in ENDS.into_iter().enumerate() {
                 let key = edge(v[i], v[j]);
@@ -46,6 +56,7 @@ impl State {
                 self.miss(Item::Segment(key), work);
             }
         }
+        heed.ask()
     }
 
     /// Ghosts carry marks like all others: a wall may border on one.
@@ -66,8 +77,12 @@ impl State {
     /// lacks.
     ///
     /// # Errors
-    /// A facet that has no triangulation.
-    pub(crate) fn enter_subfaces<W: Work>(&mut self, work: &mut W) -> Result<(), RefineError> {
+    /// A facet that has no triangulation; [`RefineError::Cancelled`].
+    pub(crate) fn enter_subfaces<W: Work>(
+        &mut self,
+        work: &mut W,
+        heed: Heed<'_>,
+    ) -> Result<(), RefineError> {
         let mut on: Vec<Vec<VertexId>> = vec![Vec::new(); self.plc.facets.len()];
         for (v, &carrier) in (0..).map(VertexId::new).zip(&self.carriers).skip(1) {
             for f in self.facets_of(carrier) {
@@ -76,6 +91,7 @@ impl State {
         }
         self.at_edge = Some(Map::default());
         for (f, vertices) in (0..).zip(on) {
+            heed.ask()?;
             // The layers of patches are found when the rest is there.
             if self.is_patch(f) {
                 continue;
@@ -86,7 +102,8 @@ impl State {
         }
         let mut present: Set<[VertexId; 3]> = Set::default();
         let all: Vec<TetId> = self.mesh.topology().iter().map(|(t, _)| t).collect();
-        for t in all {
+        for (k, t) in all.into_iter().enumerate() {
+            heed.ask_at(k)?;
             let v = self.vertices(t);
             for (slot, face) in FACE.into_iter().enumerate() {
                 let [a, b, c] = face.map(|k| v[k]);
