@@ -6,7 +6,7 @@ use crate::triangulate::{self, Problem, Triangulated, edges};
 use crate::{DefectKind, Domain, Element, Facet};
 use ltbw_exact::Point;
 use rayon::prelude::*;
-use rstar::{AABB, RTree, RTreeObject};
+use rstar::{AABB, RTreeObject};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
@@ -16,8 +16,8 @@ use std::collections::HashMap;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
     pub(super) number: u32,
-    low: Point,
-    high: Point,
+    pub(super) low: Point,
+    pub(super) high: Point,
 }
 
 impl RTreeObject for Piece {
@@ -231,20 +231,20 @@ impl<'a> Complex<'a> {
         sides.into_iter().all(|(side, drawn)| drawn || (side != [a, b] && side != [b, a]))
     }
 
-    /// A piece with its box.
-    pub(super) fn piece(&self, number: u32) -> Piece {
+    /// The corners of a piece, and how many it has; the first one again where it has fewer.
+    pub(super) fn corners(&self, number: u32) -> ([&Point; 3], usize) {
         let at = |v: u32| &self.points[v as usize];
         match self.shape(number) {
-            Shape::Triangle(t) => Piece::of(number, &t.map(at)),
-            Shape::Edge(e) => Piece::of(number, &e.map(at)),
-            Shape::Vertex(v) => Piece::of(number, &[at(v)]),
+            Shape::Triangle(t) => (t.map(at), 3),
+            Shape::Edge([a, b]) => ([a, b, a].map(at), 2),
+            Shape::Vertex(v) => ([at(v); 3], 1),
         }
     }
 
-    /// The index over all pieces.
-    pub(super) fn index(&self) -> RTree<Piece> {
-        let pieces = (0..self.count() as u32).into_par_iter().map(|n| self.piece(n));
-        RTree::bulk_load(pieces.collect())
+    /// All pieces with their boxes.
+    pub(super) fn pieces(&self) -> Vec<Piece> {
+        let piece = |n: u32| Piece::of(n, &self.corners(n).0);
+        (0..self.count() as u32).into_par_iter().map(piece).collect()
     }
 }
 

@@ -8,7 +8,7 @@ use ltbw_exact::Point;
 use ltbw_exact::predicates::{PLANES, Sign, collinear, orient2d, orient3d};
 
 /// The kind of contact of two pieces that must not touch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Contact {
     /// They cross.
     Crossing,

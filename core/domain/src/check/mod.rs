@@ -2,7 +2,7 @@
 //!
 //! 1. Vertices: duplicates, unused ones. Facets by themselves: no area, crossing edges, corners
 //!    out of the plane, hole points (`complex.rs`).
-//! 2. Every two pieces whose boxes meet: do they touch otherwise than in what both name
+//! 2. Every two pieces that may meet (`parting.rs`): do they touch otherwise than in what both name
 //!    (`pairs.rs`, `contact.rs`)?
 //! 3. If all that is sound, the surface divides space into cells, which are found exactly
 //!    (`cells.rs`): gaps through which the outside leaks in, seeds in no cell, orientation,
@@ -19,6 +19,7 @@ mod complex;
 mod contact;
 mod exact;
 mod pairs;
+mod parting;
 mod rays;
 mod seeds;
 #[cfg(test)]
@@ -31,6 +32,7 @@ use complex::Complex;
 pub(crate) use complex::same_place;
 pub use exact::Volume;
 use ltbw_exact::Point;
+use rstar::RTree;
 use std::collections::BTreeMap;
 
 /// The options of a check.
@@ -166,8 +168,9 @@ impl Domain {
         let (defects, counts, errors) = Default::default();
         let mut findings = Findings { defects, counts, listed: options.listed, errors };
         let complex = Complex::new(self, &mut findings);
-        let index = complex.index();
-        pairs::find(&complex, &index, &mut findings);
+        let pieces = complex.pieces();
+        pairs::find(&complex, &pieces, &mut findings);
+        let index = RTree::bulk_load(pieces);
         let unsound = [
             DefectKind::Degenerate,
             DefectKind::Overlap,

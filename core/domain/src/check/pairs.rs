@@ -1,89 +1,104 @@
-//! Every two pieces whose boxes meet, and the contacts between them.
+//! Every two pieces that may meet, and the contacts between them.
 
 use super::Findings;
 use super::complex::{Complex, Piece, Shape};
 use super::contact::{Contact, Contacts, shared_side};
+use super::parting;
 use crate::{DefectKind, Element};
 use rayon::prelude::*;
-use rstar::RTree;
-use rstar::RTreeObject;
 use std::collections::HashSet;
 
 /// The number of contacts after which no more are looked for: the domain is beyond repair, and a
 /// heap of overlapping triangles would have quadratically many.
 const ENOUGH: usize = 20_000;
 
-/// The most contacts that are looked for at one piece.
+/// The most contacts that are looked for at one piece in one list.
 const ENOUGH_AT_ONE: usize = 64;
 
-/// Pieces that are looked at between two looks at how many contacts there are.
-const WAVE: u32 = 1 << 14;
+/// Lists of pieces that are looked at between two looks at how many contacts there are.
+const WAVE: usize = 1 << 12;
+
+/// A contact of two pieces, the lower number first.
+type Found = (u32, u32, Contact);
 
 /// Finds the contacts between pieces and reports each once for every pair of elements.
-pub(super) fn find(complex: &Complex<'_>, index: &RTree<Piece>, findings: &mut Findings) {
+pub(super) fn find(complex: &Complex<'_>, pieces: &[Piece], findings: &mut Findings) {
+    let parted = parting::part(complex, pieces);
+    let mut found: Vec<Found> = Vec::new();
+    for wave in parted.lists.chunks(WAVE) {
+        let more = wave.par_iter().flat_map_iter(|list| contacts_in(complex, pieces, list));
+        found.extend(more.collect::<Vec<Found>>());
+        if found.len() > ENOUGH {
+            break;
+        }
+    }
+    // Two pieces may be together in several lists.
+    found.sort_unstable();
+    found.dedup();
     let mut seen: HashSet<(Element, Element, DefectKind)> = HashSet::new();
-    let count = complex.count() as u32;
-    for start in (0..count).step_by(WAVE as usize) {
-        let end = count.min(start.saturating_add(WAVE));
-        let found: Vec<(u32, u32, Contact)> = (start..end)
-            .into_par_iter()
-            .flat_map_iter(|n| contacts_of(complex, index, n).into_iter().take(ENOUGH_AT_ONE))
-            .collect();
-        for (one, other, contact) in found {
-            report(complex, one, other, contact, &mut seen, findings);
-        }
-        if seen.len() > ENOUGH {
-            return;
-        }
+    for (one, other, contact) in found {
+        report(complex, one, other, contact, &mut seen, findings);
     }
 }
 
-/// The contacts of a piece with those of higher numbers.
-fn contacts_of(
-    complex: &Complex<'_>,
-    index: &RTree<Piece>,
-    number: u32,
-) -> Vec<(u32, u32, Contact)> {
+/// Each piece of a list with those of higher numbers that are not of its facet: the pieces of a
+/// facet, which follow each other, are a triangulation.
+fn with_others<'a>(
+    complex: &'a Complex<'_>,
+    list: &'a [u32],
+) -> impl Iterator<Item = (u32, &'a [u32])> {
+    let facet = |n: &u32| complex.facet_of.get(*n as usize);
+    let mut end = 0;
+    let groups = list.chunk_by(move |a, b| facet(a).is_some() && facet(a) == facet(b));
+    groups.flat_map(move |group| {
+        end += group.len();
+        let others = &list[end..];
+        group.iter().map(move |&n| (n, others))
+    })
+}
+
+/// Those of `others` whose boxes meet that of a piece.
+fn near<'a>(pieces: &'a [Piece], n: u32, others: &'a [u32]) -> impl Iterator<Item = u32> + 'a {
+    let a = &pieces[n as usize];
+    let meets = |b: &Piece| (0..3).all(|k| a.low[k] <= b.high[k] && b.low[k] <= a.high[k]);
+    others.iter().copied().filter(move |&other| meets(&pieces[other as usize]))
+}
+
+/// The contacts between the pieces of a list.
+fn contacts_in(complex: &Complex<'_>, pieces: &[Piece], list: &[u32]) -> Vec<Found> {
+    let of = |(n, others): (u32, &[u32])| {
+        let contacts = near(pieces, n, others)
+            .filter_map(|other| contact(complex, n, other).map(|contact| (n, other, contact)));
+        contacts.take(ENOUGH_AT_ONE).collect::<Vec<Found>>()
+    };
+    with_others(complex, list).flat_map(of).collect()
+}
+
+/// The contact of two pieces, if there is one.
+fn contact(complex: &Complex<'_>, number: u32, other: u32) -> Option<Contact> {
     let contacts = Contacts { points: complex.points };
-    let piece = complex.piece(number);
-    let mut found = Vec::new();
-    for other in index.locate_in_envelope_intersecting(piece.envelope()) {
-        let other = other.number;
-        if other <= number {
-            continue;
-        }
-        // The pieces of a facet are a triangulation.
-        let (a, b) = (complex.element(number), complex.element(other));
-        if a == b && matches!(a, Element::Facet(_)) {
-            continue;
-        }
-        let contact = match (complex.shape(number), complex.shape(other)) {
-            (Shape::Triangle(t), Shape::Triangle(u)) => contacts.triangles(t, u).or_else(|| {
-                let shared = shared_side(t, u)?;
-                let drawn = complex.draws(number, shared) && complex.draws(other, shared);
-                (!drawn).then_some(Contact::Crossing)
-            }),
-            // An edge along a side that a facet does not draw lies inside the facet.
-            (Shape::Triangle(t), Shape::Edge(e)) if e.iter().all(|v| t.contains(v)) => {
-                (!complex.draws(number, e)).then_some(Contact::Crossing)
-            }
-            (Shape::Triangle(t), Shape::Edge(e)) => contacts.edge_on_triangle(e, t),
-            (Shape::Triangle(t), Shape::Vertex(v)) => contacts.vertex_on_triangle(v, t),
-            (Shape::Edge(e), Shape::Edge(f)) => contacts.edges(e, f),
-            (Shape::Edge(e), Shape::Vertex(v)) => {
-                contacts.on_edge(e, v).then_some(Contact::Touch(v))
-            }
-            // The rest are vertices, which are distinct, or in the other order.
-            _ => None,
-        };
-        if let Some(contact) = contact {
-            found.push((number, other, contact));
-            if found.len() >= ENOUGH_AT_ONE {
-                break;
-            }
-        }
+    // The pieces of a facet are a triangulation.
+    let (a, b) = (complex.element(number), complex.element(other));
+    if a == b && matches!(a, Element::Facet(_)) {
+        return None;
     }
-    found
+    match (complex.shape(number), complex.shape(other)) {
+        (Shape::Triangle(t), Shape::Triangle(u)) => contacts.triangles(t, u).or_else(|| {
+            let shared = shared_side(t, u)?;
+            let drawn = complex.draws(number, shared) && complex.draws(other, shared);
+            (!drawn).then_some(Contact::Crossing)
+        }),
+        // An edge along a side that a facet does not draw lies inside the facet.
+        (Shape::Triangle(t), Shape::Edge(e)) if e.iter().all(|v| t.contains(v)) => {
+            (!complex.draws(number, e)).then_some(Contact::Crossing)
+        }
+        (Shape::Triangle(t), Shape::Edge(e)) => contacts.edge_on_triangle(e, t),
+        (Shape::Triangle(t), Shape::Vertex(v)) => contacts.vertex_on_triangle(v, t),
+        (Shape::Edge(e), Shape::Edge(f)) => contacts.edges(e, f),
+        (Shape::Edge(e), Shape::Vertex(v)) => contacts.on_edge(e, v).then_some(Contact::Touch(v)),
+        // The rest are vertices, which are distinct, or in the other order.
+        _ => None,
+    }
 }
 
 fn report(

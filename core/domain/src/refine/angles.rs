@@ -18,7 +18,9 @@
 //!
 //! Angles are computed in `f64`: they choose how hard to try, never what is true of the result.
 
+use super::RefineError;
 use super::carrier::Carrier;
+use super::heed::Heed;
 use super::near::{self, Pair};
 use super::outcome::Reason;
 use super::plc::Plc;
@@ -94,10 +96,14 @@ pub(crate) fn is_sharp(a: &Point, b: &Point) -> bool {
 impl Angles {
     /// Looks at all segments and corners, and at features nearer to each other than `limit` steps
     /// of the grid.
-    pub(crate) fn of(plc: &Plc, limit: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`RefineError::Cancelled`].
+    pub(crate) fn of(plc: &Plc, limit: f64, heed: Heed<'_>) -> Result<Self, RefineError> {
         let mut angles = Self::default();
         let inward = inward_directions(plc);
         for (s, segment) in (0..).zip(&plc.segments) {
+            heed.ask_at(s as usize)?;
             let none = Vec::new();
             for (k, &f) in segment.facets.iter().enumerate() {
                 for &g in &segment.facets[..k] {
@@ -115,12 +121,15 @@ impl Angles {
             }
         }
         for corner in 0..plc.corners.len() as u32 {
+            heed.ask()?;
             angles.look_at_corner(plc, corner);
         }
         // Features near each other add to the same lists.
         angles.has_small = !angles.is_empty();
-        near::pairs(plc, limit).into_iter().for_each(|pair| angles.relate_near(plc, pair));
-        angles
+        for pair in near::pairs(plc, limit, heed)? {
+            angles.relate_near(plc, pair);
+        }
+        Ok(angles)
     }
 
     /// Relates two features that are near each other, and what they are part of.

@@ -15,7 +15,9 @@
 //! All decisions are exact, and the order of the input does not matter: the checker of meshes finds
 //! the same patches by itself.
 
+use super::RefineError;
 use super::carrier::Grid;
+use super::heed::Heed;
 use super::table::{Map, Set, edge};
 use crate::Domain;
 use num_bigint::BigInt;
@@ -93,7 +95,15 @@ impl Tolerance {
 
 /// The patches of the facets of a domain with these corners, within a tolerance in steps, and the
 /// number of times that one ends where it would fold over itself.
-pub(crate) fn patches(corners: &[Grid], domain: &Domain, tolerance: f64) -> (Vec<Group>, usize) {
+///
+/// # Errors
+/// [`RefineError::Cancelled`].
+pub(crate) fn patches(
+    corners: &[Grid],
+    domain: &Domain,
+    tolerance: f64,
+    heed: Heed<'_>,
+) -> Result<(Vec<Group>, usize), RefineError> {
     let (polygons, uses) = polygons_of(corners, domain);
     let tolerance = Tolerance::new(tolerance);
     let open = open_facets(domain, &uses);
@@ -109,6 +119,7 @@ pub(crate) fn patches(corners: &[Grid], domain: &Domain, tolerance: f64) -> (Vec
         if !free[first] {
             continue;
         }
+        heed.ask()?;
         let search = Search { corners, domain, uses: &uses, polygons: &polygons, free: &free };
         let mut base = Base::of(&polygons[first], corners);
         let mut list = search.spread(first, &base, &tolerance);
@@ -132,7 +143,7 @@ pub(crate) fn patches(corners: &[Grid], domain: &Domain, tolerance: f64) -> (Vec
             groups.push(Group { polygons, axis: base.axis });
         }
     }
-    (groups, folds)
+    Ok((groups, folds))
 }
 
 /// The plane of a patch.

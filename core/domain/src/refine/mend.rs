@@ -16,9 +16,10 @@ const ROUNDS: u32 = 256;
 impl Run<'_> {
     /// Splits what is missing until every subsegment, then every subface is there.
     pub(super) fn recover(&mut self, kernel: &[VertexId]) -> Result<(), RefineError> {
-        self.refinement.state.enter_segments(kernel, &mut self.work);
+        let heed = self.heed();
+        self.refinement.state.enter_segments(kernel, &mut self.work, heed)?;
         self.drain_boundary()?;
-        self.refinement.state.enter_subfaces(&mut self.work)?;
+        self.refinement.state.enter_subfaces(&mut self.work, heed)?;
         self.drain_boundary()?;
         self.refinement.state.at_edge = None;
         Ok(())
@@ -29,6 +30,7 @@ impl Run<'_> {
     pub(super) fn recover_patches(&mut self) -> Result<Result<Found, Vec<u32>>, RefineError> {
         for _ in 0..ROUNDS {
             self.drain_boundary()?;
+            self.look()?;
             let state = &self.refinement.state;
             if !state.is_complete() || self.stop.is_some() {
                 return Ok(Err(Vec::new()));

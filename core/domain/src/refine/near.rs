@@ -8,11 +8,16 @@
 //!
 //! Distances are computed in `f64`: they choose how hard to try, never what is true of the result.
 
+use super::RefineError;
+use super::heed::Heed;
 use super::plc::{Facet, Plc};
+use super::recover::dominant;
+use super::ring::Ring;
 use crate::vector::{cross, distance2, dot, minus};
 use ltbw_exact::Point;
 use rstar::primitives::GeomWithData;
-use rstar::{AABB, RTree, RTreeObject};
+use rstar::{AABB, Envelope, RTree, RTreeObject};
+use std::cell::OnceCell;
 
 /// The least ratio of the features' width to their distance.
 const WIDE: f64 = 256.0;
@@ -63,77 +68,158 @@ fn at(plc: &Plc, corner: u32) -> Point {
     plc.corners[corner as usize].map(|c| c as f64)
 }
 
-/// The pairs of features of a complex that are wide and nearer to each other than `limit`, in steps
-/// of the grid, and do not meet.
-pub(crate) fn pairs(plc: &Plc, limit: f64) -> Vec<Pair> {
-    let facet = |(f, facet): (u32, &Facet)| boxed(facet.corners.iter().map(|&v| at(plc, v)), f);
-    let facets = RTree::bulk_load((0..).zip(&plc.facets).filter_map(facet).collect());
-    let segment = |(s, segment): (u32, &super::plc::Segment)| {
-        boxed(segment.ends.iter().map(|&v| at(plc, v)), s)
-    };
-    let segments = RTree::bulk_load((0..).zip(&plc.segments).filter_map(segment).collect());
-    let mut found = Vec::new();
-    for corner in 0..plc.corners.len() as u32 {
-        near_corner(plc, &facets, corner, limit, &mut found);
-    }
-    for one in &segments {
-        for other in segments.locate_in_envelope_intersecting(grown(&one.envelope(), FAR * limit)) {
-            let (s, r) = (one.data, other.data);
-            let wide = side(&one.envelope()).min(side(&other.envelope()));
-            let distance = segment_distance(plc, s, r);
-            if s < r && distance.is_some_and(|d| is_small(d, limit, wide)) {
-                found.push(Pair::Segments(s, r));
-            }
-        }
-    }
-    found.sort_unstable_by_key(|pair| match *pair {
-        Pair::CornerFacet(v, f) => (0, v, f),
-        Pair::Segments(s, r) => (1, s, r),
-    });
-    found
+/// The facets of a complex by their polygons.
+struct Polygons<'p> {
+    plc: &'p Plc,
+    /// Facet and corners of each.
+    all: Vec<(u32, &'p Vec<u32>)>,
+    /// Where each lies in its facet's plane.
+    tree: RTree<Boxed>,
+    /// The box of each facet.
+    boxes: Vec<Option<AABB<Point>>>,
+    /// Outlines in the projection along the largest entry of the facet's normal, of those that were
+    /// asked for.
+    rings: Vec<OnceCell<Ring>>,
 }
 
-/// The facets near a corner that is not on them.
-fn near_corner(plc: &Plc, facets: &RTree<Boxed>, corner: u32, limit: f64, found: &mut Vec<Pair>) {
-    let (p, own) = (at(plc, corner), &plc.facets_at[corner as usize]);
-    for facet in facets.locate_in_envelope_intersecting(grown(&AABB::from_point(p), FAR * limit)) {
-        let g = facet.data;
-        if own.binary_search(&g).is_ok() {
-            continue;
-        }
+/// The axis along which a facet is projected, and the two others.
+fn axes_of(facet: &Facet) -> [usize; 3] {
+    let axis = dominant(&facet.plane.normal());
+    [axis, (axis + 1) % 3, (axis + 2) % 3]
+}
+
+impl<'p> Polygons<'p> {
+    fn new(plc: &'p Plc) -> Self {
+        let own = |facet: &'p Facet| facet.parts.iter().flat_map(|part| &part.polygons);
+        let facets = || (0..).zip(&plc.facets);
+        let all: Vec<(u32, &Vec<u32>)> =
+            facets().flat_map(|(f, facet)| own(facet).map(move |polygon| (f, polygon))).collect();
+        let lying = |(k, (f, polygon)): (u32, &(u32, &'p Vec<u32>))| {
+            let facet = &plc.facets[*f as usize];
+            let (n, [axis, x, y]) = (facet.plane.normal(), axes_of(facet));
+            let first = at(plc, *facet.corners.first()?);
+            // Corners of a patch are beside its plane: what is over the polygon is between those of
+            // the plane that are over them, and a step more for rounding.
+            let ends = polygon.iter().flat_map(|&v| {
+                let p = at(plc, v);
+                let level =
+                    first[axis] - (n[x] * (p[x] - first[x]) + n[y] * (p[y] - first[y])) / n[axis];
+                [-1.0, 1.0].map(|step| {
+                    let mut end = p;
+                    end[axis] = level + step;
+                    end
+                })
+            });
+            boxed(ends, k)
+        };
+        let tree = RTree::bulk_load((0..).zip(&all).filter_map(lying).collect());
+        let envelope = |facet: &Facet| {
+            boxed(facet.corners.iter().map(|&v| at(plc, v)), 0).map(|b| b.envelope())
+        };
+        let rings = all.iter().map(|_| OnceCell::new()).collect();
+        Self { plc, all, tree, boxes: plc.facets.iter().map(envelope).collect(), rings }
+    }
+
+    /// Is a point over a polygon of facet `f`, in the projection?
+    fn is_over(&self, k: u32, corner: u32) -> bool {
+        let (f, polygon) = self.all[k as usize];
+        let [_, x, y] = axes_of(&self.plc.facets[f as usize]);
+        let flat = |v: u32| [x, y].map(|axis| self.plc.corners[v as usize][axis]);
+        let ring = || Ring::new(polygon.iter().map(|&v| flat(v)).collect());
+        self.rings[k as usize].get_or_init(ring).encloses(flat(corner))
+    }
+
+    /// The facets near a corner that is not on them (holes are not looked at); returns the number
+    /// of polygons that were looked at.
+    fn near_corner(&self, corner: u32, limit: f64, found: &mut Vec<Pair>) -> u64 {
+        let mut facets = Vec::new();
+        let (plc, p) = (self.plc, at(self.plc, corner));
+        let own = &plc.facets_at[corner as usize];
         // The width at the corner is that of its widest segment.
         let lengths = plc.segments_at[corner as usize].iter().map(|&s| {
             let [a, b] = plc.segments[s as usize].ends.map(|v| at(plc, v));
             distance2(&a, &b).sqrt()
         });
-        let wide = lengths.fold(0.0, f64::max).min(side(&facet.envelope()));
-        let distance = corner_distance(plc, &p, &plc.facets[g as usize]);
-        if distance.is_some_and(|d| is_small(d, limit, wide)) {
-            found.push(Pair::CornerFacet(corner, g));
+        let width = lengths.fold(0.0, f64::max);
+        let reach = grown(&AABB::from_point(p), FAR * limit);
+        // The distance along an axis is less than twice that from the plane.
+        let near = grown(&AABB::from_point(p), 2.0 * FAR * limit);
+        let mut steps = 0;
+        for polygon in self.tree.locate_in_envelope_intersecting(near) {
+            steps += 1;
+            let g = self.all[polygon.data as usize].0;
+            let facet = &plc.facets[g as usize];
+            let Some(bounds) = self.boxes[g as usize] else { continue };
+            if own.binary_search(&g).is_ok() || !reach.intersects(&bounds) {
+                continue;
+            }
+            let distance = plane_distance(plc, &p, facet);
+            let is_near = distance.is_some_and(|d| is_small(d, limit, width.min(side(&bounds))));
+            if is_near && self.is_over(polygon.data, corner) {
+                facets.push(g);
+            }
+        }
+        facets.sort_unstable();
+        facets.dedup();
+        found.extend(facets.into_iter().map(|g| Pair::CornerFacet(corner, g)));
+        steps
+    }
+}
+
+impl Pair {
+    fn key(&self) -> (u32, u32, u32) {
+        match *self {
+            Pair::CornerFacet(v, f) => (0, v, f),
+            Pair::Segments(s, r) => (1, s, r),
         }
     }
 }
 
-/// The distance of a point from a facet's plane, if it lies over the facet (holes are not looked
-/// at).
-fn corner_distance(plc: &Plc, p: &Point, facet: &Facet) -> Option<f64> {
-    let n = facet.plane.normal();
-    let first = at(plc, *facet.corners.first()?);
-    let distance = dot(&n, &minus(p, &first)).abs() / dot(&n, &n).sqrt();
-    let larger = |a: usize, b: usize| if n[b].abs() > n[a].abs() { b } else { a };
-    let axis = larger(larger(0, 1), 2);
-    let (x, y) = ((axis + 1) % 3, (axis + 2) % 3);
-    let over = |polygon: &Vec<u32>| {
-        let mut inside = false;
-        for (k, &v) in polygon.iter().enumerate() {
-            let (a, b) = (at(plc, v), at(plc, polygon[(k + 1) % polygon.len()]));
-            if (a[y] > p[y]) != (b[y] > p[y]) {
-                inside ^= p[x] < a[x] + (p[y] - a[y]) / (b[y] - a[y]) * (b[x] - a[x]);
+/// The pairs of features of a complex that are wide and nearer to each other than `limit`, in steps
+/// of the grid, and do not meet.
+///
+/// # Errors
+/// [`RefineError::Cancelled`].
+pub(crate) fn pairs(plc: &Plc, limit: f64, heed: Heed<'_>) -> Result<Vec<Pair>, RefineError> {
+    Ok(counted_pairs(plc, limit, heed)?.0)
+}
+
+/// The same, and the number of polygons and segments that were looked at.
+fn counted_pairs(plc: &Plc, limit: f64, heed: Heed<'_>) -> Result<(Vec<Pair>, u64), RefineError> {
+    let (mut found, mut steps) = (Vec::new(), 0);
+    let polygons = Polygons::new(plc);
+    for corner in 0..plc.corners.len() as u32 {
+        heed.ask()?;
+        steps += polygons.near_corner(corner, limit, &mut found);
+    }
+    let segment = |(s, segment): (u32, &super::plc::Segment)| {
+        boxed(segment.ends.iter().map(|&v| at(plc, v)), s)
+    };
+    let segments = RTree::bulk_load((0..).zip(&plc.segments).filter_map(segment).collect());
+    for one in &segments {
+        heed.ask()?;
+        for other in segments.locate_in_envelope_intersecting(grown(&one.envelope(), FAR * limit)) {
+            steps += 1;
+            let (s, r) = (one.data, other.data);
+            if s >= r {
+                continue;
+            }
+            let wide = side(&one.envelope()).min(side(&other.envelope()));
+            let distance = segment_distance(plc, s, r);
+            if distance.is_some_and(|d| is_small(d, limit, wide)) {
+                found.push(Pair::Segments(s, r));
             }
         }
-        inside
-    };
-    facet.parts.iter().flat_map(|part| &part.polygons).any(over).then_some(distance)
+    }
+    found.sort_unstable_by_key(Pair::key);
+    Ok((found, steps))
+}
+
+/// The distance of a point from a facet's plane.
+fn plane_distance(plc: &Plc, p: &Point, facet: &Facet) -> Option<f64> {
+    let n = facet.plane.normal();
+    let first = at(plc, *facet.corners.first()?);
+    Some(dot(&n, &minus(p, &first)).abs() / dot(&n, &n).sqrt())
 }
 
 /// The distance of two segments that have no corner in common, if it is between points inside both.
@@ -175,6 +261,10 @@ mod tests {
         Plc::new(&snapped.domain, &snapped.lattice).expect("a complex")
     }
 
+    fn pairs_of(plc: &Plc) -> Vec<Pair> {
+        pairs(plc, 1e-5 * ONE, Heed::default()).expect("nobody cancels")
+    }
+
     /// The number of steps of the grid in a length of 1, where the largest coordinate is 1.
     const ONE: f64 = (1 << 26) as f64;
 
@@ -186,7 +276,7 @@ mod tests {
         for (height, near) in [(1e-6, true), (1e-4, true), (1e-3, false)] {
             let vertices = [&square[..], &at(height)].concat();
             let plc = complex(&vertices, &[&[0, 1, 2, 3], &[4, 5, 6]]);
-            let pairs = pairs(&plc, 1e-5 * ONE);
+            let pairs = pairs_of(&plc);
             assert_eq!(pairs.contains(&Pair::CornerFacet(4, 0)), near, "{pairs:?}");
             // Two sides of the triangle cross the square's side x = 0, at the height.
             let crossing = pairs.iter().filter(|p| matches!(p, Pair::Segments(..))).count();
@@ -210,7 +300,7 @@ mod tests {
             corner(0.0, 1.0, 2.0),
         ];
         let plc = complex(&vertices, &[&[0, 1, 2], &[3, 4, 5], &[6, 7, 8]]);
-        assert_eq!(pairs(&plc, 1e-5 * ONE), []);
+        assert_eq!(pairs_of(&plc), []);
     }
 
     #[test]
@@ -219,7 +309,7 @@ mod tests {
         for (x, near) in [(0.1, true), (0.6, false)] {
             let vertices = [strip(0.0, 0.0), strip(1e-6, x)].concat();
             let plc = complex(&vertices, &[&[0, 1, 2], &[3, 4, 5]]);
-            let pairs = pairs(&plc, 1e-5 * ONE);
+            let pairs = pairs_of(&plc);
             assert_eq!(pairs.iter().any(|p| matches!(p, Pair::Segments(..))), near, "{pairs:?}");
         }
     }

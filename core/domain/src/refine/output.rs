@@ -5,6 +5,7 @@ use super::item::Item;
 use super::marks::face_bit;
 use super::number::{from_smallest, in_order};
 use super::outcome::{Excuse, Reason, RefineOutcome, RefineStats};
+use super::parts::Markers;
 use super::region::RegionInfo;
 use super::rounds::RoundTimes;
 use super::state::State;
@@ -152,6 +153,7 @@ impl Refined {
 
     fn faces(&self, exterior: bool) -> Vec<BoundaryFace> {
         let (state, topology) = (&self.state, self.state.mesh.topology());
+        let markers = Markers::new(&state.plc);
         let mut faces = Vec::new();
         let mut place = 0;
         let kept = |t| exterior || self.region(t) != 0;
@@ -168,7 +170,8 @@ impl Refined {
                 }
                 let corners = OTHERS[slot].map(|k| tet.vertices()[k]);
                 let [a, b, c] = corners;
-                let marker = state.marker(triangle(a, b, c));
+                let facet = state.subfaces.get(&triangle(a, b, c));
+                let marker = facet.map_or(0, |&f| markers.of(f, corners.map(|v| state.at(v))));
                 let corners = from_smallest(corners.map(|v| state.mesh.numbers()[v.index()]));
                 faces.push(BoundaryFace { corners, marker: i64::from(marker), tet: place });
             }

@@ -1,6 +1,7 @@
 //! Tests of patches: spheres by latitude and longitude, prisms of rounded triangles.
 
 use super::carrier::Carrier;
+use super::heed::Heed;
 use super::item::Work;
 use super::marks::face_bit;
 use super::measure::Shape;
@@ -64,7 +65,7 @@ fn seeds_part_the_mesh_and_keep_every_patch_covered() {
     let refiner = Refiner::new().flat_tolerance(5e-7);
     let (mut run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
     let before: Vec<[VertexId; 3]> = run.refinement.state.subfaces.keys().copied().collect();
-    run.refinement.seed(u64::MAX, &mut run.work, &mut ltbw_core::cavity::AdmitAll);
+    run.refinement.seed(u64::MAX, Heed::default(), &mut run.work, &mut ltbw_core::cavity::AdmitAll);
     let state = &run.refinement.state;
     check_labels(state);
     let points = run.refinement.inserted.points;
@@ -125,7 +126,8 @@ fn patches_end_where_they_would_fold() {
     let options = PrepareOptions { oriented: true, ..PrepareOptions::default() };
     let ready = domain.prepare(&options).expect("sound");
     let found = |tolerance: f64| {
-        let plc = Plc::within(&ready.domain, &ready.lattice, tolerance, &Set::default());
+        let plc =
+            Plc::within(&ready.domain, &ready.lattice, tolerance, &Set::default(), Heed::default());
         let plc = plc.expect("a complex");
         (plc.folds, plc.facets.iter().filter(|facet| facet.patch.is_some()).count())
     };

@@ -7,6 +7,7 @@
 use super::RefineError;
 use super::carrier::{Carrier, Grid, Line, Plane, corner_point};
 use super::flat::{self, Polygon};
+use super::heed::Heed;
 use super::patch::Patch;
 use super::table::{Map, Set, edge};
 use crate::{Domain, Element, Lattice};
@@ -93,9 +94,12 @@ impl Plc {
     pub(super) fn first_mesh(
         &self,
         lattice: &Lattice,
+        heed: Heed<'_>,
     ) -> Result<(Mesh, Vec<VertexId>), RefineError> {
         let points: Vec<Point> = self.corners.iter().map(corner_point).collect();
-        let mut mesh = Builder::new().build(&PointSet::new(points)?)?.mesh;
+        let builder = heed.0.map_or(Builder::new(), |token| Builder::new().cancel(token));
+        let mut mesh = builder.build(&PointSet::new(points)?)?.mesh;
+        heed.ask()?;
         if let Some(&(second, first)) = mesh.duplicates().first() {
             return Err(RefineError::DuplicateVertex { first, second });
         }
@@ -123,7 +127,7 @@ impl Plc {
     /// Polygons that are degenerate or that are not planar and cannot be divided.
     #[cfg(test)]
     pub(crate) fn new(domain: &Domain, lattice: &Lattice) -> Result<Self, RefineError> {
-        Self::within(domain, lattice, 0.0, &Set::default())
+        Self::within(domain, lattice, 0.0, &Set::default(), Heed::default())
     }
 
     /// The same; polygons that are coplanar within `tolerance` make one facet.
@@ -135,6 +139,7 @@ impl Plc {
         lattice: &Lattice,
         tolerance: f64,
         without: &Set<u32>,
+        heed: Heed<'_>,
     ) -> Result<Self, RefineError> {
         let mut plc = Self::default();
         for (v, p) in (0..).zip(&domain.vertices) {
@@ -143,8 +148,9 @@ impl Plc {
         }
         let mut groups: Map<PlaneKey, u32> = Map::default();
         let scale = |p: &Point| p.map(|c| c / lattice.fine_step());
-        let in_patch = plc.join_patches(domain, tolerance / lattice.step(), without)?;
+        let in_patch = plc.join_patches(domain, tolerance / lattice.step(), without, heed)?;
         for (f, facet) in (0..).zip(&domain.facets).filter(|(f, _)| !in_patch.contains(f)) {
+            heed.ask_at(f as usize)?;
             let holes: Vec<Point> = facet.holes.iter().map(scale).collect();
             for polygons in plc.planar_pieces(f, &facet.polygons)? {
                 let (key, plane) = plc.plane_of(f, &polygons)?;
@@ -169,12 +175,13 @@ impl Plc {
         domain: &Domain,
         tolerance: f64,
         without: &Set<u32>,
+        heed: Heed<'_>,
     ) -> Result<Set<u32>, RefineError> {
         let mut taken = Set::default();
         if tolerance <= 0.0 {
             return Ok(taken);
         }
-        let (groups, folds) = flat::patches(&self.corners, domain, tolerance);
+        let (groups, folds) = flat::patches(&self.corners, domain, tolerance, heed)?;
         self.folds = folds;
         for group in groups.into_iter().filter(|group| !without.contains(&group.polygons[0].facet))
         {

@@ -7,10 +7,10 @@
 //! Those of its triangles that lie in the facet's polygons are its subfaces.
 
 use super::RefineError;
-use super::carrier::UNIT;
+use super::heed::Heed;
 use super::item::{Item, Work};
 use super::marks::{ENDS, face_bit};
-use super::plc::{Facet, Part};
+use super::parts::Parts;
 use super::state::{FACE, State};
 use super::table::{Map, Set, edge, triangle};
 use ltbw_core::Builder;
@@ -23,13 +23,22 @@ const APEX: f64 = (1u64 << 52) as f64;
 impl State {
     /// Enters all segments; marks those that the mesh has, puts those that it lacks. `kernel` is
     /// the kernel vertex of each corner.
-    pub(crate) fn enter_segments<W: Work>(&mut self, kernel: &[VertexId], work: &mut W) {
+    ///
+    /// # Errors
+    /// [`RefineError::Cancelled`].
+    pub(crate) fn enter_segments<W: Work>(
+        &mut self,
+        kernel: &[VertexId],
+        work: &mut W,
+        heed: Heed<'_>,
+    ) -> Result<(), RefineError> {
         for (s, segment) in (0..).zip(&self.plc.segments) {
             let [a, b] = segment.ends.map(|c| kernel[c as usize]);
             self.segments.insert(edge(a, b), s);
         }
         let mut found: Set<[VertexId; 2]> = Set::default();
-        for t in self.mesh.tet_ids().collect::<Vec<TetId>>() {
+        for (k, t) in self.mesh.tet_ids().collect::<Vec<TetId>>().into_iter().enumerate() {
+            heed.ask_at(k)?;
             let v = self.vertices(t);
             for (k, [i, j]) in ENDS.into_iter().enumerate() {
                 let key = edge(v[i], v[j]);
@@ -47,6 +56,7 @@ impl State {
                 self.miss(Item::Segment(key), work);
             }
         }
+        heed.ask()
     }
 
     /// Ghosts carry marks like all others: a wall may border on one.
@@ -67,8 +77,12 @@ impl State {
     /// lacks.
     ///
     /// # Errors
-    /// A facet that has no triangulation.
-    pub(crate) fn enter_subfaces<W: Work>(&mut self, work: &mut W) -> Result<(), RefineError> {
+    /// A facet that has no triangulation; [`RefineError::Cancelled`].
+    pub(crate) fn enter_subfaces<W: Work>(
+        &mut self,
+        work: &mut W,
+        heed: Heed<'_>,
+    ) -> Result<(), RefineError> {
         let mut on: Vec<Vec<VertexId>> = vec![Vec::new(); self.plc.facets.len()];
         for (v, &carrier) in (0..).map(VertexId::new).zip(&self.carriers).skip(1) {
             for f in self.facets_of(carrier) {
@@ -77,6 +91,7 @@ impl State {
         }
         self.at_edge = Some(Map::default());
         for (f, vertices) in (0..).zip(on) {
+            heed.ask()?;
             // The layers of patches are found when the rest is there.
             if self.is_patch(f) {
                 continue;
@@ -87,7 +102,8 @@ impl State {
         }
         let mut present: Set<[VertexId; 3]> = Set::default();
         let all: Vec<TetId> = self.mesh.topology().iter().map(|(t, _)| t).collect();
-        for t in all {
+        for (k, t) in all.into_iter().enumerate() {
+            heed.ask_at(k)?;
             let v = self.vertices(t);
             for (slot, face) in FACE.into_iter().enumerate() {
                 let [a, b, c] = face.map(|k| v[k]);
@@ -136,13 +152,14 @@ impl State {
                 triangle(a, b, c)
             })
             .collect();
+        let parts = Parts::new(facet, &self.plc.corners);
         let mut inside = vec![None; triangles.len()];
         for first in 0..triangles.len() {
             if inside[first].is_some() {
                 continue;
             }
             // A component between subsegments is in the facet as a whole, or not at all.
-            let verdict = Some(self.part_of(facet, axis, keys[first]).is_some());
+            let verdict = Some(parts.at_centroid(keys[first].map(|v| self.at(v))).is_some());
             let mut stack = vec![first];
             inside[first] = verdict;
             while let Some(k) = stack.pop() {
@@ -161,60 +178,6 @@ impl State {
         }
         Ok(keys.into_iter().zip(inside).filter(|(_, i)| *i == Some(true)).map(|(k, _)| k).collect())
     }
-
-    /// The part that the centroid of a triangle is in, and not in a hole of it; `None` if it is in
-    /// no part of the facet.
-    fn part_of<'f>(
-        &self,
-        facet: &'f Facet,
-        axis: usize,
-        corners: [VertexId; 3],
-    ) -> Option<&'f Part> {
-        let p = corners.map(|v| self.at(v));
-        let axes = [(axis + 1) % 3, (axis + 2) % 3];
-        // Three times the centroid, whole.
-        let centre = axes.map(|k| (0..3).map(|i| p[i][k] as i128).sum::<i128>());
-        facet.parts.iter().find(|part| {
-            let own = self.enclosing(part, axes, centre);
-            own.contains(&true)
-                && !part.holes.iter().any(|hole| {
-                    let hole = axes.map(|k| (3.0 * hole[k]).round() as i128);
-                    self.enclosing(part, axes, hole) == own
-                })
-        })
-    }
-
-    /// The marker of a subface: that of the polygons which it is part of.
-    pub(crate) fn marker(&self, subface: [VertexId; 3]) -> i32 {
-        let Some(&f) = self.subfaces.get(&subface) else { return 0 };
-        let facet = &self.plc.facets[f as usize];
-        let first = facet.parts.first().map_or(0, |p| p.marker);
-        if facet.parts.iter().all(|p| p.marker == first) {
-            return first;
-        }
-        let part = self.part_of(facet, dominant(&facet.plane.normal()), subface);
-        part.map_or(first, |p| p.marker)
-    }
-
-    /// Which polygons of a part enclose a point, given three times its coordinates: those whose
-    /// outline a ray from it crosses an odd number of times.
-    fn enclosing(&self, part: &Part, axes: [usize; 2], [x, y]: [i128; 2]) -> Vec<bool> {
-        let at = |v: u32| axes.map(|k| 3 * i128::from(self.plc.corners[v as usize][k] * UNIT));
-        let encloses = |polygon: &Vec<u32>| {
-            let mut inside = false;
-            for (k, &a) in polygon.iter().enumerate() {
-                let ([ax, ay], [bx, by]) = (at(a), at(polygon[(k + 1) % polygon.len()]));
-                if (ay > y) != (by > y) {
-                    // Strictly to the right of x, so that of two polygons along one edge just one
-                    // has a point of it. Coordinates are below 2^56.
-                    let side = (bx - ax) * (y - ay) - (x - ax) * (by - ay);
-                    inside ^= if by > ay { side > 0 } else { side < 0 };
-                }
-            }
-            inside
-        };
-        part.polygons.iter().map(encloses).collect()
-    }
 }
 
 /// The slots other than two.
@@ -224,7 +187,7 @@ fn two_others(a: usize, b: usize) -> [usize; 2] {
 }
 
 /// The axis of the largest entry.
-fn dominant(n: &Point) -> usize {
+pub(super) fn dominant(n: &Point) -> usize {
     let larger = |a: usize, b: usize| if n[b].abs() > n[a].abs() { b } else { a };
     larger(larger(0, 1), 2)
 }

@@ -11,6 +11,7 @@ pub use delegated::{Asked, Delegated, Handed, Parted};
 use super::RefineError;
 use super::bounds::{Bounds, SizeField, check_limits, check_tolerance};
 use super::carrier::{Carrier, UNIT};
+use super::heed::Heed;
 use super::item::{Item, Queues, Work};
 use super::measure::{RatioBound, VolumeBound};
 use super::outcome::{Reason, RefineStats};
@@ -31,7 +32,7 @@ use ltbw_core::mesh::Vertex;
 use ltbw_core::topology::TetId;
 use std::time::Instant;
 
-/// Transactions between two looks at the cancel token and the observer.
+/// Transactions between two words to the observer.
 const CHECK_EVERY: u64 = 1024;
 
 /// The vertices from which on it refines in rounds: fewer are too few for wide ones.
@@ -277,13 +278,14 @@ impl<'a> Refiner<'a> {
         tolerance: f64,
         without: &Set<u32>,
     ) -> Result<Result<(Run<'a>, Vec<RegionInfo>), Unfound>, RefineError> {
-        let plc = Plc::within(domain, lattice, tolerance, without)?;
+        let heed = Heed(self.cancel);
+        let plc = Plc::within(domain, lattice, tolerance, without, heed)?;
         let patches = plc.facets.iter().filter(|facet| facet.patch.is_some()).count();
         let all = Unfound { patches, dissolve: Vec::new() };
         if tolerance > 0.0 && patches == 0 {
             return Ok(Err(all));
         }
-        let (mut mesh, kernel) = plc.first_mesh(lattice)?;
+        let (mut mesh, kernel) = plc.first_mesh(lattice, heed)?;
         let expected = self.expected_tets(domain);
         mesh.expect_tets(expected);
         let patches_folded = plc.folds;
@@ -292,7 +294,7 @@ impl<'a> Refiner<'a> {
         let next_number = plc.corners.len() as Vertex;
         let floor = self.floor_in_steps(domain, lattice);
         let near = NEAR * floor / UNIT as f64;
-        let mut state = State::new(mesh, plc, carriers, near);
+        let mut state = State::new(mesh, plc, carriers, near, heed)?;
         state.expect_tets(expected);
         let mut run = Run {
             refiner: *self,
@@ -320,6 +322,7 @@ impl<'a> Refiner<'a> {
         };
         let mut regions = vec![RegionInfo::default()];
         if run.refinement.state.is_complete() {
+            heed.ask()?;
             let state = &mut run.refinement.state;
             match state.flood(&domain.holes, &domain.regions, found.as_ref())? {
                 Some(all) => regions = all,
@@ -369,7 +372,7 @@ pub(super) struct Run<'a> {
     rounds: Vec<RoundTimes>,
 }
 
-impl Run<'_> {
+impl<'a> Run<'a> {
     /// Splits tetrahedra until none is over its bounds, boundary items first; or until there are
     /// this many vertices and no boundary item waits.
     pub(super) fn refine(&mut self, vertices: usize) -> Result<(), RefineError> {
@@ -425,7 +428,8 @@ impl Run<'_> {
     /// One transaction.
     pub(super) fn step(&mut self, item: Item) -> Result<(), RefineError> {
         self.steps += 1;
-        if self.steps.is_multiple_of(CHECK_EVERY) {
+        // One cavity may be nearly the whole mesh: the token is asked before each.
+        if self.steps.is_multiple_of(CHECK_EVERY) || self.heed().is_cancelled() {
             self.look()?;
         }
         let stats = &mut self.stats;
@@ -446,13 +450,17 @@ impl Run<'_> {
         Ok(())
     }
 
+    pub(super) fn heed(&self) -> Heed<'a> {
+        Heed(self.refiner.cancel)
+    }
+
     /// Tells the observer, asks the token.
     #[cold]
     pub(super) fn look(&mut self) -> Result<(), RefineError> {
         let is_whole = self.refinement.bounds.is_some();
         let phase = if is_whole { Phase::Refine } else { Phase::Recover };
         self.refiner.tell(phase, self.refinement.state.mesh.num_vertices());
-        if self.refiner.cancel.is_some_and(CancelToken::is_cancelled) {
+        if self.heed().is_cancelled() {
             if self.refinement.bounds.is_none() {
                 return Err(RefineError::Cancelled);
             }

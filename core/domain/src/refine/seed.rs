@@ -5,6 +5,7 @@
 //! inserted first, part the mesh: each such cavity is a fraction of the one before it.
 
 use super::carrier::{Carrier, free_point};
+use super::heed::Heed;
 use super::item::{Item, Work};
 use super::measure::Shape;
 use super::split::{Proposal, Refinement, TOLERANCE};
@@ -33,6 +34,7 @@ impl Refinement<'_> {
     pub(crate) fn seed<W: Work, A: Admission>(
         &mut self,
         most: u64,
+        heed: Heed<'_>,
         work: &mut W,
         admission: &mut A,
     ) {
@@ -43,7 +45,8 @@ impl Refinement<'_> {
         let mut inserted = 0;
         // Each round takes a candidate; new ones come with points only, whose number is limited.
         while let Some((_, v, t)) = heap.pop() {
-            if small == TRIES || inserted == most {
+            // One cavity may be nearly the whole mesh: the token is asked before each.
+            if small == TRIES || inserted == most || heed.is_cancelled() {
                 return;
             }
             if !self.state.is_live(t, v) {

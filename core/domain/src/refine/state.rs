@@ -4,9 +4,11 @@
 //! it or not; the marks are on those that the mesh has. Every simplex that an insertion creates has
 //! the new point, so an item that the mesh has lost never comes back: it has to be split.
 
+use super::RefineError;
 use super::angles::Angles;
 use super::carrier::Carrier;
 use super::encroachment::EncroachmentIndex;
+use super::heed::Heed;
 use super::item::{Item, Work};
 use super::journal::Journal;
 use super::marks::Marks;
@@ -115,11 +117,20 @@ pub(crate) struct Place {
 impl State {
     /// The state before anything of the boundary is entered; features nearer to each other than
     /// `near` steps of the grid are not refined towards each other.
-    pub(crate) fn new(mesh: Mesh, plc: Plc, carriers: Vec<Carrier>, near: f64) -> Self {
+    ///
+    /// # Errors
+    /// [`RefineError::Cancelled`].
+    pub(crate) fn new(
+        mesh: Mesh,
+        plc: Plc,
+        carriers: Vec<Carrier>,
+        near: f64,
+        heed: Heed<'_>,
+    ) -> Result<Self, RefineError> {
         let marks = Marks::new(mesh.topology().slots());
-        Self {
+        Ok(Self {
             mesh,
-            angles: Angles::of(&plc, near),
+            angles: Angles::of(&plc, near, heed)?,
             plc,
             marks,
             carriers,
@@ -133,7 +144,7 @@ impl State {
             touched: Touched::default(),
             by_place: false,
             expected: 0,
-        }
+        })
     }
 
     /// Takes memory for what comes with about this many tetrahedra. A hint.

@@ -1,10 +1,11 @@
 //! A facet of the domain and the faces of the mesh that tile it, in the plane.
 
+use super::outline::{Flat, signed_area};
+use super::slab::{big_dot, cross, minus};
+use super::tree::{Shape, Tree, bounds};
 use super::whole::{Whole, twice_area};
 use num_bigint::BigInt;
-
-/// A point of the facet's plane: two of its coordinates, times three.
-type Flat = [i128; 2];
+use std::collections::HashSet;
 
 /// A facet projected along the largest axis of its normal.
 #[derive(Debug)]
@@ -28,8 +29,7 @@ impl FlatFacet {
         let second = corners.find(|&v| at(v) != at(first))?;
         let normal = |v: u32| {
             let [o, a, b] = [first, second, v].map(&at);
-            let (p, q) = ([0, 1, 2].map(|k| a[k] - o[k]), [0, 1, 2].map(|k| b[k] - o[k]));
-            [(1, 2), (2, 0), (0, 1)].map(|(i, j)| p[i] * q[j] - p[j] * q[i])
+            cross(&minus(&a, &o), &minus(&b, &o))
         };
         let third = corners.find(|&v| normal(v) != [0; 3])?;
         let n = normal(third).map(i128::unsigned_abs);
@@ -48,80 +48,92 @@ impl FlatFacet {
 
     /// The plane: its normal without common divisors, the first entry that is not zero positive,
     /// and its scalar product with the plane's points.
-    pub(crate) fn plane(&self, corners: &[Whole]) -> ([BigInt; 3], BigInt) {
-        let [o, a, b] = self.frame.map(|v| corners[v as usize].map(BigInt::from));
-        let (p, q) = ([0, 1, 2].map(|k| &a[k] - &o[k]), [0, 1, 2].map(|k| &b[k] - &o[k]));
-        let n = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &p[i] * &q[j] - &p[j] * &q[i]);
-        let mut divisor = BigInt::ZERO;
+    pub(crate) fn plane(&self, corners: &[Whole]) -> ([i128; 3], BigInt) {
+        let [o, a, b] = self.frame.map(|v| corners[v as usize]);
+        // Differences are below 2^62, so entries of the normal are below 2^125.
+        let n = cross(&minus(&a, &o), &minus(&b, &o));
+        let mut divisor = 0u128;
         for c in &n {
-            let (mut x, mut y) = (divisor, c.clone());
+            let (mut x, mut y) = (divisor, c.unsigned_abs());
             // Euclid: ends because the remainders shrink.
-            while y != BigInt::ZERO {
-                (x, y) = (y.clone(), x % y);
+            while y != 0 {
+                (x, y) = (y, x % y);
             }
             divisor = x;
         }
-        let negative = n.iter().find(|c| **c != BigInt::ZERO).is_some_and(|c| *c < BigInt::ZERO);
-        if negative != (divisor < BigInt::ZERO) {
-            divisor = -divisor;
-        }
         // The corners are not collinear, so the divisor is not zero.
-        let n = n.map(|c| c / &divisor);
-        let level = n.iter().zip(&o).map(|(x, y)| x * y).sum();
-        (n, level)
+        let sign = n.iter().find(|c| **c != 0).map_or(1, |c| c.signum());
+        let n = n.map(|c| c / (divisor as i128 * sign));
+        (n, big_dot(&n, &o))
     }
 
-    /// Is the centroid of a triangle in the facet?
-    pub(crate) fn holds_centroid(&self, corners: [Whole; 3]) -> bool {
-        let centre = self.axes.map(|k| corners.iter().map(|p| p[k]).sum());
-        self.is_inside(&self.enclosing(centre))
+    /// The polygons, each with what changes inside it: 1 if the facet begins at its outline, -1 if it
+    /// ends there, 0 if neither. Polygons may be nested but must not cross.
+    pub(crate) fn weighted(&self) -> impl Iterator<Item = (&[Flat], i8)> {
+        let weights = match (self.polygons.len(), self.holes.len()) {
+            (1, 0) => vec![1],
+            _ => self.weights(),
+        };
+        self.polygons.iter().map(Vec::as_slice).zip(weights)
     }
 
-    /// Which polygons enclose a point strictly (of a point on an outline: one of two neighbours).
-    fn enclosing(&self, p: Flat) -> Vec<bool> {
-        self.polygons.iter().map(|polygon| encloses(polygon, p)).collect()
-    }
-
-    /// Does a piece of the plane that these polygons enclose belong to the facet? Not the outside,
-    /// nor the piece of a hole point.
-    fn is_inside(&self, enclosing: &[bool]) -> bool {
-        enclosing.contains(&true)
-            && !self.holes.iter().any(|&hole| self.enclosing(hole) == enclosing)
-    }
-
-    /// Twice the area of the projection, in the units of [`FlatFacet::area_of`]. Polygons may be
-    /// nested but must not cross: then each counts with what changes at its outline.
-    pub(crate) fn area(&self) -> BigInt {
-        let mut sum = BigInt::ZERO;
-        for (k, polygon) in self.polygons.iter().enumerate() {
-            let mut outside = vec![false; self.polygons.len()];
-            for (l, other) in self.polygons.iter().enumerate() {
-                // A corner on the other's outline says nothing: ask one that is off it.
-                let off = polygon.iter().find(|q| !is_on_outline(other, **q));
-                outside[l] = l != k && off.is_some_and(|q| encloses(other, *q));
-            }
-            let mut inside = outside.clone();
-            inside[k] = true;
-            let change = i8::from(self.is_inside(&inside)) - i8::from(self.is_inside(&outside));
-            let area: BigInt =
-                (2..polygon.len()).map(|i| big_area(polygon[0], polygon[i - 1], polygon[i])).sum();
-            let area = if area < BigInt::ZERO { -area } else { area };
-            sum += area * change;
+    /// The weights of many polygons. Cost: n log n, and what pairs of polygons cost of which one is
+    /// in the box of the other.
+    fn weights(&self) -> Vec<i8> {
+        let flat = |p: &Flat| [p[0], p[1], 0];
+        let firsts = self.polygons.iter().map(|polygon| polygon.first().map_or([0; 3], flat));
+        let points: Vec<Whole> = firsts.chain(self.holes.iter().map(flat)).collect();
+        let tree = Tree::new(&points, (0..points.len() as u32).collect());
+        // Per polygon, and then per hole: the polygons that it is in.
+        let mut around: Vec<Vec<u32>> = vec![Vec::new(); points.len()];
+        for (l, outer) in (0u32..).zip(&self.polygons) {
+            tree.search(&Shape::within(bounds(outer.iter().map(flat))), |i| {
+                let is_inside = match self.polygons.get(i as usize) {
+                    _ if i == l => false,
+                    // A corner on the other's outline says nothing: ask one that is off it.
+                    Some(own) => {
+                        let off = own.iter().find(|q| !is_on_outline(outer, **q));
+                        off.is_some_and(|q| encloses(outer, *q))
+                    }
+                    None => encloses(outer, self.holes[i as usize - self.polygons.len()]),
+                };
+                around[i as usize].extend(is_inside.then_some(l));
+            });
         }
-        sum
+        let (around, holes) = around.split_at(self.polygons.len());
+        let holes: HashSet<&Vec<u32>> = holes.iter().collect();
+        // A piece of the plane, by the polygons around it: not the outside, nor one of a hole.
+        let is_facet = |piece: &Vec<u32>| i8::from(!piece.is_empty() && !holes.contains(piece));
+        (0u32..)
+            .zip(around)
+            .map(|(k, outside)| {
+                let place = outside.partition_point(|&l| l < k);
+                let inside = [&outside[..place], &[k], &outside[place..]].concat();
+                is_facet(&inside) - is_facet(outside)
+            })
+            .collect()
+    }
+
+    /// Twice the area of the projection, in the units of [`FlatFacet::area_of`].
+    pub(crate) fn area(&self) -> BigInt {
+        let area = |(polygon, weight): (&[Flat], i8)| {
+            let area = signed_area(polygon);
+            (if area < BigInt::ZERO { -area } else { area }) * weight
+        };
+        self.weighted().map(area).sum()
     }
 
     /// Twice the area of a triangle's projection, in the same units.
     pub(crate) fn area_of(&self, corners: [Whole; 3]) -> BigInt {
         let [a, b, c] = corners.map(|p| self.axes.map(|k| 3 * p[k]));
-        let area = big_area(a, b, c);
-        if area < BigInt::ZERO { -area } else { area }
+        // Three times a coordinate is below 2^62, so products fit.
+        BigInt::from(twice_area(a, b, c).abs())
     }
-}
 
-/// Twice the signed area; three times a coordinate is below 2^63, so products fit.
-fn big_area(a: Flat, b: Flat, c: Flat) -> BigInt {
-    BigInt::from(twice_area(a, b, c))
+    /// Three times the centroid of a triangle, in the projection.
+    pub(crate) fn centroid(&self, corners: [Whole; 3]) -> Flat {
+        self.axes.map(|k| corners.iter().map(|p| p[k]).sum())
+    }
 }
 
 /// Does a ray from `p` cross the outline an odd number of times?
@@ -146,6 +158,7 @@ pub(super) fn is_on_outline(polygon: &[Flat], p: Flat) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::outline::Outline;
     use super::*;
 
     #[test]
@@ -165,9 +178,11 @@ mod tests {
         assert_eq!(area(&[[6, 6, 5]]), BigInt::from(144 - 16));
         assert_eq!(area(&[[3, 3, 5], [6, 6, 5]]), BigInt::from(144 - 64));
         let facet = FlatFacet::new(&polygons, &[[3, 3, 5]], at).expect("a plane");
-        assert!(facet.holds_centroid([[0, 0, 5], [2, 0, 5], [0, 2, 5]]));
-        assert!(!facet.holds_centroid([[2, 2, 5], [4, 2, 5], [2, 4, 5]]));
-        assert!(facet.holds_centroid([[4, 4, 5], [8, 4, 5], [4, 8, 5]]));
+        let outline = Outline::new(facet.weighted());
+        let holds = |t: [Whole; 3]| outline.weight_at(facet.centroid(t), &mut 0) > 0;
+        assert!(holds([[0, 0, 5], [2, 0, 5], [0, 2, 5]]));
+        assert!(!holds([[2, 2, 5], [4, 2, 5], [2, 4, 5]]));
+        assert!(holds([[4, 4, 5], [8, 4, 5], [4, 8, 5]]));
         assert_eq!(facet.area_of([[0, 0, 5], [2, 0, 5], [0, 2, 5]]), BigInt::from(9 * 4));
         assert!(FlatFacet::new(&[vec![0, 1]], &[], at).is_none());
     }

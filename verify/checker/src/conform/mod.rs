@@ -23,10 +23,14 @@ mod bounds;
 mod facet;
 mod finding;
 mod flat;
+mod incidence;
+mod outline;
 mod patch;
 mod place;
 mod regions;
 mod slab;
+mod tiles;
+mod tree;
 mod whole;
 
 use crate::chunks::pieces;
@@ -34,13 +38,13 @@ use crate::defect::{Findings, Level};
 use crate::faces::{self, Faces};
 use crate::geometry;
 use crate::mesh::{Mesh, Options, Point, face};
-use crate::predicates::{Tally, orient3d};
 use crate::structure;
 use facet::FlatFacet;
 pub use finding::{Conformity, ConformityDefect, Finding, Limits};
 use num_bigint::BigInt;
-use place::{along, groups, holds};
+use place::{groups, holds};
 use std::collections::{HashMap, HashSet};
+use tree::{Shape, Tree, bounds};
 pub use whole::Fraction;
 use whole::{Units, Whole, six_volumes};
 
@@ -94,7 +98,7 @@ pub fn conforms(
     let (on_facets, on_patches) = run.boundary(&units, &points, &faces, tags);
     run.hull(&faces, &on_facets);
     let cells = run.cells(&faces, &on_facets, tags);
-    let seeds = run.seeds();
+    let seeds = run.seeds(&units, &points);
     run.numbers(&cells, &seeds, tags.filter(|_| options.numbered_regions));
     run.volume(&units, &points);
     run.bounds(&units, &points, limits, (&cells, &seeds), &on_patches);
@@ -181,7 +185,9 @@ impl Run<'_> {
             self.add(ConformityDefect::TooFine, &[]);
             Vec::new()
         });
-        let on = self.vertices_on(&facets, &corners, points, &used);
+        let order = (0..points.len() as u32).filter(|&v| used[v as usize]);
+        let tree = Tree::new(points, order.collect());
+        let on = self.vertices_on(&facets, &corners, &tree);
         let mut flat = facets;
         for &f in patches.iter().flat_map(|patch| &patch.facets) {
             flat[f as usize] = None;
@@ -190,194 +196,10 @@ impl Run<'_> {
         for patch in &patches {
             patch.facets.iter().for_each(|&f| groups[f as usize] = patch.facets[0]);
         }
-        let outline = self.edges(&corners, points, &on, &groups);
+        let outline = self.edges(&corners, points, &tree, &groups);
         let mut codes = self.tiles(&flat, points, faces, &on, &groups);
         let on = self.patches(&patches, units, points, faces, &on, &outline, tags, &mut codes);
         (codes, on)
-    }
-
-    /// Per vertex of the mesh the facets in whose plane and box it lies, ascending.
-    fn vertices_on(
-        &self,
-        facets: &[Option<FlatFacet>],
-        corners: &[Whole],
-        points: &[Whole],
-        used: &[bool],
-    ) -> Vec<Vec<u32>> {
-        // By the first coordinate, so that a facet looks at a slab only.
-        let mut order: Vec<u32> = (0..points.len() as u32).filter(|&v| used[v as usize]).collect();
-        let orders = [0, 1, 2].map(|axis| {
-            order.sort_unstable_by_key(|&v| points[v as usize][axis]);
-            order.clone()
-        });
-        let parts = pieces(facets.len(), |range| {
-            let mut pairs = Vec::new();
-            for f in range {
-                let Some(flat) = &facets[f] else { continue };
-                let all = self.plc.facets[f].polygons.iter().flatten();
-                let all: Vec<Whole> = all.map(|&v| corners[v as usize]).collect();
-                let ends = [0, 1, 2].map(|k| {
-                    let low = all.iter().map(|p| p[k]).min().unwrap_or(0);
-                    (low, all.iter().map(|p| p[k]).max().unwrap_or(0))
-                });
-                let slab = (0..3)
-                    .map(|k| {
-                        let list = &orders[k];
-                        let start = list.partition_point(|&v| points[v as usize][k] < ends[k].0);
-                        let end = list.partition_point(|&v| points[v as usize][k] <= ends[k].1);
-                        &list[start..end]
-                    })
-                    .min_by_key(|slab| slab.len());
-                let [a, b, c] = flat.frame.map(|v| &self.plc.vertices[v as usize]);
-                for &v in slab.unwrap_or_default() {
-                    let p = &points[v as usize];
-                    let inside = (0..3).all(|k| ends[k].0 <= p[k] && p[k] <= ends[k].1);
-                    let at = &self.mesh.points[v as usize];
-                    if inside && orient3d([a, b, c, at], &mut Tally::default()) == 0 {
-                        pairs.push((v, f as u32));
-                    }
-                }
-            }
-            pairs
-        });
-        let mut on = vec![Vec::new(); points.len()];
-        for (v, f) in parts.into_iter().flatten() {
-            on[v as usize].push(f);
-        }
-        on
-    }
-
-    /// The edges inside the facets of one plane: of exactly two polygons there, and nothing else.
-    fn continued(&self, groups: &[u32]) -> HashSet<[u32; 2]> {
-        let mut uses: HashMap<[u32; 2], Vec<Option<u32>>> = HashMap::new();
-        for (f, facet) in self.plc.facets.iter().enumerate() {
-            for polygon in &facet.polygons {
-                let group = (polygon.len() > 2).then_some(groups[f]);
-                for (k, &a) in polygon.iter().enumerate() {
-                    let key = edge(a, polygon[(k + 1) % polygon.len()]);
-                    uses.entry(key).or_default().push(group);
-                }
-            }
-        }
-        for &[a, b] in &self.plc.segments {
-            uses.entry(edge(a, b)).or_default().push(None);
-        }
-        let inner = |uses: &[Option<u32>]| matches!(uses, [Some(a), Some(b)] if a == b);
-        uses.into_iter().filter(|(_, u)| inner(u)).map(|(edge, _)| edge).collect()
-    }
-
-    /// Every edge of a polygon and every segment is a chain of edges of the mesh. Returns these.
-    fn edges(
-        &mut self,
-        corners: &[Whole],
-        points: &[Whole],
-        on: &[Vec<u32>],
-        groups: &[u32],
-    ) -> HashSet<[u32; 2]> {
-        let continued = self.continued(groups);
-        let mut by_facet: Vec<Vec<u32>> = vec![Vec::new(); self.plc.facets.len()];
-        for (v, facets) in (0u32..).zip(on) {
-            facets.iter().for_each(|&f| by_facet[f as usize].push(v));
-        }
-        let everything: Vec<u32> = match self.plc.segments.is_empty() {
-            true => Vec::new(),
-            false => (0..points.len() as u32).collect(),
-        };
-        let mut wanted: HashMap<[u32; 2], Vec<[u32; 2]>> = HashMap::new();
-        let mut want = |ends: [u32; 2], candidates: &[u32]| {
-            let [a, b] = ends.map(|v| corners[v as usize]);
-            let mut chain: Vec<(i128, u32)> = candidates
-                .iter()
-                .filter_map(|&v| Some((along(a, b, points[v as usize])?, v)))
-                .collect();
-            chain.sort_unstable();
-            for pair in chain.windows(2) {
-                wanted.entry(edge(pair[0].1, pair[1].1)).or_default().push(ends);
-            }
-        };
-        for (f, facet) in self.plc.facets.iter().enumerate() {
-            for polygon in &facet.polygons {
-                for (k, &a) in polygon.iter().enumerate() {
-                    let b = polygon[(k + 1) % polygon.len()];
-                    if !continued.contains(&edge(a, b)) {
-                        want([a, b], &by_facet[f]);
-                    }
-                }
-            }
-        }
-        self.plc.segments.iter().for_each(|&ends| want(ends, &everything));
-        let chains = wanted.keys().copied().collect();
-        for tet in self.mesh.tets {
-            for (i, j) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
-                wanted.remove(&edge(tet[i], tet[j]));
-            }
-        }
-        let mut broken: Vec<[u32; 2]> = wanted.into_values().flatten().collect();
-        broken.sort_unstable();
-        broken.dedup();
-        broken.iter().for_each(|ends| self.add(ConformityDefect::SegmentBroken, ends));
-        chains
-    }
-
-    /// The faces on the facets of each plane have their area. Returns their codes, from both sides.
-    fn tiles(
-        &mut self,
-        facets: &[Option<FlatFacet>],
-        points: &[Whole],
-        faces: &Faces,
-        on: &[Vec<u32>],
-        groups: &[u32],
-    ) -> HashSet<u32> {
-        // A face may cross from one facet of its plane to the next: by groups, then.
-        let on: Vec<Vec<u32>> = on
-            .iter()
-            .map(|facets| {
-                let mut planes: Vec<u32> = facets.iter().map(|&f| groups[f as usize]).collect();
-                planes.sort_unstable();
-                planes.dedup();
-                planes
-            })
-            .collect();
-        let mut members: Vec<Vec<u32>> = vec![Vec::new(); facets.len()];
-        (0u32..).zip(groups).for_each(|(f, &g)| members[g as usize].push(f));
-        let mut areas: Vec<BigInt> = vec![BigInt::ZERO; facets.len()];
-        let mut codes = HashSet::new();
-        for (t, tet) in self.mesh.tets.iter().enumerate() {
-            for i in 0..4 {
-                let corners = face(tet, i);
-                let other = faces.other(t, i);
-                // An interior face is looked at from one side.
-                let twice = other.is_some_and(|(u, _)| u < t);
-                if twice || corners.iter().any(|&v| on[v as usize].is_empty()) {
-                    continue;
-                }
-                let [a, b, c] = corners.map(|v| &on[v as usize]);
-                let places = corners.map(|v| points[v as usize]);
-                let mut found = false;
-                for &g in a.iter().filter(|g| b.contains(g) && c.contains(g)) {
-                    let mut flats =
-                        members[g as usize].iter().filter_map(|&f| facets[f as usize].as_ref());
-                    if let Some(flat) = flats.find(|flat| flat.holds_centroid(places)) {
-                        areas[g as usize] += flat.area_of(places);
-                        found = true;
-                    }
-                }
-                if found {
-                    self.out.subfaces += 1;
-                    codes.insert((4 * t + i) as u32);
-                    codes.extend(other.map(|(u, j)| (4 * u + j) as u32));
-                }
-            }
-        }
-        for (list, area) in members.iter().zip(areas) {
-            let flats = list.iter().filter_map(|&f| facets[f as usize].as_ref());
-            if let Some(&first) = list.first()
-                && flats.map(FlatFacet::area).sum::<BigInt>() != area
-            {
-                self.add(ConformityDefect::FacetNotTiled, &[first]);
-            }
-        }
-        codes
     }
 
     /// Every face of one tetrahedron is on a facet.
@@ -423,22 +245,34 @@ impl Run<'_> {
     }
 
     /// Locates the points of holes and the seeds of regions; returns a tetrahedron per region.
-    fn seeds(&mut self) -> Vec<Option<usize>> {
+    fn seeds(&mut self, units: &Units, points: &[Whole]) -> Vec<Option<usize>> {
         let (mesh, plc) = (self.mesh, self.plc);
-        let find = |p: &Point| {
-            let parts = pieces(mesh.tets.len(), |mut range| range.find(|&t| holds(mesh, t, p)));
-            parts.into_iter().flatten().next()
-        };
-        for (k, p) in (0u32..).zip(&plc.holes) {
-            if let Some(t) = find(p) {
-                self.add(ConformityDefect::HoleMeshed, &[k, t as u32]);
+        let all: Vec<&Point> = plc.holes.iter().chain(&plc.regions).collect();
+        // Rounded likewise, so that what is in a box stays in it.
+        let places: Vec<Whole> = all.iter().map(|p| units.whole(p)).collect();
+        let tree = Tree::new(&places, (0..all.len() as u32).collect());
+        let parts = pieces(mesh.tets.len(), |range| {
+            let mut found = Vec::new();
+            for t in range {
+                let own = bounds(mesh.tets[t].iter().map(|&v| points[v as usize]));
+                tree.search(&Shape::within(own), |k| {
+                    found.extend(holds(mesh, t, all[k as usize]).then_some((k as usize, t)));
+                });
             }
+            found
+        });
+        let mut seeds = vec![None; all.len()];
+        for (k, t) in parts.into_iter().flatten() {
+            seeds[k].get_or_insert(t);
         }
-        let seeds: Vec<Option<usize>> = plc.regions.iter().map(find).collect();
-        for (k, _) in (0u32..).zip(&seeds).filter(|(_, seed)| seed.is_none()) {
+        let regions = seeds.split_off(plc.holes.len());
+        for (k, t) in (0u32..).zip(seeds).filter_map(|(k, t)| Some((k, t?))) {
+            self.add(ConformityDefect::HoleMeshed, &[k, t as u32]);
+        }
+        for (k, _) in (0u32..).zip(&regions).filter(|(_, seed)| seed.is_none()) {
             self.add(ConformityDefect::RegionNotMeshed, &[k]);
         }
-        seeds
+        regions
     }
 
     /// The exact volume.

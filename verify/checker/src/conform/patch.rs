@@ -4,6 +4,7 @@
 //! corners in the slab, all turn the same way in the projection, have the polygons' area, and form
 //! a surface whose edges are of two of them, but for those of the patch's outline.
 
+use super::outline::{Flat, Outline, signed_area};
 use super::slab::{Slab, big_dot, minus};
 use super::whole::{Units, Whole, twice_area};
 use super::{ConformityDefect, Run, edge};
@@ -11,8 +12,6 @@ use crate::faces::Faces;
 use crate::mesh::face;
 use num_bigint::BigInt;
 use std::collections::{HashMap, HashSet};
-
-type Flat = [i128; 2];
 
 /// A patch.
 #[derive(Debug)]
@@ -24,12 +23,10 @@ pub(crate) struct Patch {
     normal: [i128; 3],
     /// The corner in its plane, in units of the mesh.
     origin: Whole,
-    /// Polygons in the projection, in thirds of units of the mesh.
-    outlines: Vec<Vec<Flat>>,
-    /// Polygons by columns of the projection, for faster search.
-    columns: Vec<Vec<u32>>,
-    low: i128,
-    width: i128,
+    /// The polygons in the projection, in thirds of units of the mesh.
+    outline: Outline,
+    /// Twice their area there, in ninths of square units.
+    area: BigInt,
 }
 
 impl Patch {
@@ -41,21 +38,17 @@ impl Patch {
         corners: &[Whole],
     ) -> Self {
         let axes = [(axis + 1) % 3, (axis + 2) % 3];
-        let outlines: Vec<Vec<Flat>> = rings
-            .iter()
-            .map(|ring| ring.iter().map(|&v| axes.map(|k| 3 * corners[v as usize][k])).collect())
-            .collect();
-        let all = || outlines.iter().flatten().map(|p| p[0]);
-        let (low, high) = (all().min().unwrap_or(0), all().max().unwrap_or(0));
-        let count = outlines.len().clamp(1, 4096);
-        let width = (high - low) / count as i128 + 1;
-        let mut columns = vec![Vec::new(); count];
-        for (k, outline) in (0u32..).zip(&outlines) {
-            let ends = || outline.iter().map(|p| ((p[0] - low) / width) as usize);
-            let (from, to) = (ends().min().unwrap_or(0), ends().max().unwrap_or(0));
-            columns[from..=to].iter_mut().for_each(|column| column.push(k));
-        }
-        Self { facets, axis, normal, origin, outlines, columns, low, width }
+        let flat = |ring: &&Vec<u32>| -> Vec<Flat> {
+            ring.iter().map(|&v| axes.map(|k| 3 * corners[v as usize][k])).collect()
+        };
+        let rings: Vec<Vec<Flat>> = rings.iter().map(flat).collect();
+        let outline = Outline::new(rings.iter().map(|ring| (&ring[..], 1)));
+        let area = |ring: &Vec<Flat>| {
+            let area = signed_area(ring);
+            if area < BigInt::ZERO { -area } else { area }
+        };
+        let area = rings.iter().map(area).sum();
+        Self { facets, axis, normal, origin, outline, area }
     }
 
     fn flat(&self, p: &Whole) -> Flat {
@@ -63,28 +56,10 @@ impl Patch {
     }
 
     /// Is the centroid of a triangle in a polygon, in the projection?
-    fn holds_centroid(&self, corners: &[Whole; 3]) -> bool {
+    fn holds_centroid(&self, corners: &[Whole; 3], steps: &mut u64) -> bool {
         let flats = corners.map(|p| self.flat(&p));
         let centre = [0, 1].map(|k| flats.iter().map(|p| p[k] / 3).sum::<i128>());
-        let column = (centre[0] - self.low).div_euclid(self.width);
-        let column = usize::try_from(column).ok().and_then(|k| self.columns.get(k));
-        column.is_some_and(|list| {
-            list.iter().any(|&k| {
-                let ring = &self.outlines[k as usize];
-                super::facet::is_on_outline(ring, centre) || super::facet::encloses(ring, centre)
-            })
-        })
-    }
-
-    /// Twice the area of the polygons in the projection, in ninths of square units.
-    fn area(&self) -> BigInt {
-        let area = |ring: &Vec<Flat>| {
-            let sum: BigInt = (2..ring.len())
-                .map(|k| BigInt::from(twice_area(ring[0], ring[k - 1], ring[k])))
-                .sum();
-            if sum < BigInt::ZERO { -sum } else { sum }
-        };
-        self.outlines.iter().map(area).sum()
+        self.outline.weight_at(centre, steps) > 0
     }
 
     /// Is a point within the tolerance of the plane?
@@ -97,7 +72,7 @@ impl Patch {
 
     /// An upper bound of the area in the plane, in square units.
     fn plane_area(&self) -> f64 {
-        let projected = big_to_f64(&self.area()) / 18.0;
+        let projected = big_to_f64(&self.area) / 18.0;
         let n = self.normal.map(|c| c as f64);
         let length = n.iter().map(|c| c * c).sum::<f64>().sqrt();
         projected * length / n[self.axis].abs() * (1.0 + 1e-9)
@@ -172,7 +147,7 @@ impl Run<'_> {
                 let places = corners.map(|v| points[v as usize]);
                 for &k in a.iter().filter(|k| b.contains(k) && c.contains(k)) {
                     let patch = &patches[k as usize];
-                    if !patch.holds_centroid(&places) {
+                    if !patch.holds_centroid(&places, &mut self.out.steps) {
                         continue;
                     }
                     let [p, q, r] = places.map(|p| patch.flat(&p));
@@ -199,7 +174,7 @@ impl Run<'_> {
                 self.add(ConformityDefect::PatchFolded, &ids);
             }
             let mut odd = tile.edges.iter().filter(|(_, count)| **count % 2 == 1);
-            if tile.area != patch.area() || odd.any(|(e, _)| !outline.contains(e)) {
+            if tile.area != patch.area || odd.any(|(e, _)| !outline.contains(e)) {
                 self.add(ConformityDefect::FacetNotTiled, &patch.facets[..1]);
             }
             within += patch.plane_area() * 2.0;

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 /// Per facet the first one of its plane.
 pub(super) fn groups(facets: &[Option<FlatFacet>], corners: &[Whole]) -> Vec<u32> {
-    let mut planes: HashMap<([BigInt; 3], BigInt), u32> = HashMap::new();
+    let mut planes: HashMap<([i128; 3], BigInt), u32> = HashMap::new();
     let group = |(f, flat): (u32, &Option<FlatFacet>)| match flat {
         Some(flat) => *planes.entry(flat.plane(corners)).or_insert(f),
         None => f,

@@ -31,6 +31,11 @@ pub(crate) fn minus(a: &Whole, b: &Whole) -> Whole {
     [0, 1, 2].map(|k| a[k] - b[k])
 }
 
+/// Entries below 2^62 have products that fit.
+pub(crate) fn cross(a: &Whole, b: &Whole) -> Whole {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i] * b[j] - a[j] * b[i])
+}
+
 pub(crate) fn dot(a: &Whole, b: &Whole) -> i128 {
     (0..3).map(|k| a[k] * b[k]).sum()
 }

@@ -6,7 +6,7 @@
 use super::batch::Prober;
 use super::conflict::is_same;
 use super::probe::Probe;
-use super::{Candidate, Rounds};
+use super::{CHECK_EVERY, Candidate, Look, Rounds};
 use crate::refine::carrier::Carrier;
 use crate::refine::item::Item;
 use crate::refine::key::sorted;
@@ -66,11 +66,18 @@ struct Batch {
 }
 
 impl Rounds<'_, '_> {
-    /// Probes boundary items, each with a slot near it, and takes those that may be split now.
-    pub(super) fn probe_boundary(&mut self, items: &[(Item, TetId)]) {
+    /// Probes boundary items, each with a slot near it, and takes those that may be split now;
+    /// `true` if the work is cancelled.
+    pub(super) fn probe_boundary(&mut self, items: &[(Item, TetId)], heed: Look<'_>) -> bool {
+        let vertices = self.own.state.mesh.num_vertices();
         if self.in_waves {
-            items.iter().for_each(|&own| self.probe_open(own));
-            return;
+            for (done, &own) in items.iter().enumerate() {
+                if done % CHECK_EVERY == CHECK_EVERY - 1 && heed(vertices) {
+                    return true;
+                }
+                self.probe_open(own);
+            }
+            return false;
         }
         let mut own = std::mem::take(&mut self.prober);
         let this = &*self;
@@ -83,11 +90,24 @@ impl Rounds<'_, '_> {
             batch.stats = std::mem::take(&mut prober.search.stats);
             batch
         };
-        let batches: Vec<Batch> = match self.threads > 1 && items.len() >= 2 * BATCH {
-            true => items.par_chunks(BATCH).map_init(Prober::default, look).collect(),
-            false => vec![look(&mut own, items)],
-        };
+        let (mut batches, mut cancelled): (Vec<Batch>, _) = (Vec::new(), false);
+        for items in items.chunks(CHECK_EVERY * self.threads) {
+            cancelled = !batches.is_empty() && heed(vertices);
+            if cancelled {
+                break;
+            }
+            match self.threads > 1 && items.len() >= 2 * BATCH {
+                true => {
+                    let looked = items.par_chunks(BATCH).map_init(Prober::default, look);
+                    batches.extend(looked.collect::<Vec<Batch>>());
+                }
+                false => batches.push(look(&mut own, items)),
+            }
+        }
         self.prober = own;
+        if cancelled {
+            return true;
+        }
         for batch in batches {
             self.own.state.mesh.add_stats(batch.stats);
             for (item, near, looked) in batch.all {
@@ -109,6 +129,7 @@ impl Rounds<'_, '_> {
                 self.chosen.push(k);
             }
         }
+        false
     }
 
     /// The place that is proposed for a boundary item at this attempt.

@@ -46,8 +46,7 @@ impl Rounds<'_, '_> {
                 let tets = if joined { self.leaders.len() } else { 0 };
                 self.forget_reserved(ready.len() + tets);
                 self.boundary = ready.len() as u32;
-                self.probe_boundary(&ready);
-                joined && self.choose_tets(look)
+                self.probe_boundary(&ready, look) || joined && self.choose_tets(look)
             }
         }
     }

@@ -29,7 +29,8 @@ impl<'a> Refiner<'a> {
     ) -> Result<(Complex<'a>, Start), ComplexError> {
         let (mut run, regions) = self.recovered(domain, lattice)?;
         let most = run.most;
-        run.refinement.seed(most, &mut run.work, &mut AdmitAll);
+        let heed = run.heed();
+        run.refinement.seed(most, heed, &mut run.work, &mut AdmitAll);
         run.refine(vertices)?;
         run.part_circles()?;
         let start = Start::of(&run.refinement.state, regions, most);

@@ -95,7 +95,12 @@ impl<'a> Refiner<'a> {
     ) -> Result<Delegated<'a>, RefineError> {
         let (mut run, regions) = self.recovered(domain, lattice)?;
         let clock = Instant::now();
-        run.refinement.seed(run.most, &mut run.work, &mut AdmitAll);
+        let heed = run.heed();
+        run.refinement.seed(run.most, heed, &mut run.work, &mut AdmitAll);
+        // What is over its bounds then is put off, not refused.
+        if heed.is_cancelled() {
+            run.look()?;
+        }
         let patched = run.refinement.state.plc.has_patches();
         let usual = if patched { START_WITH_PATCHES } else { START };
         run.refine(self.start.unwrap_or(usual))?;
