@@ -91,6 +91,8 @@ pub(crate) struct State {
     pub(crate) expected: usize,
     /// Are lists of items in the order of their coordinates?
     pub(crate) by_place: bool,
+    /// The fine step in the coordinates of the mesh.
+    pub(crate) fine_step: f64,
 }
 
 impl Opens for State {
@@ -113,9 +115,15 @@ pub(crate) struct Place {
 }
 
 impl State {
-    /// The state before anything of the boundary is entered; features nearer to each other than
-    /// `near` steps of the grid are not refined towards each other.
-    pub(crate) fn new(mesh: Mesh, plc: Plc, carriers: Vec<Carrier>, near: f64) -> Self {
+    /// The state before anything of the boundary is entered, with fine steps of this length;
+    /// features nearer to each other than `near` steps of the grid are not refined towards each
+    /// other.
+    pub(crate) fn new(
+        mesh: Mesh,
+        plc: Plc,
+        carriers: Vec<Carrier>,
+        (near, fine_step): (f64, f64),
+    ) -> Self {
         let marks = Marks::new(mesh.topology().slots());
         Self {
             mesh,
@@ -133,6 +141,7 @@ impl State {
             touched: Touched::default(),
             by_place: false,
             expected: 0,
+            fine_step,
         }
     }
 
