@@ -52,7 +52,7 @@ impl Refinement<'_> {
         let before = self.inserted.points;
         let mut own = Queues::default();
         own.put(item, 1.0);
-        let mut failed = None;
+        let (mut failed, mut is_drained) = (None, false);
         self.record.waits.clear();
         for _ in 0..MOST[usize::from(is_opposite)].min(self.joint_most) {
             self.record.joint_transactions += 1;
@@ -60,7 +60,10 @@ impl Refinement<'_> {
                 true => own.next_by_place(|item| self.state.place_of(item)),
                 false => own.next_boundary(),
             };
-            let Some(next) = next else { break };
+            let Some(next) = next else {
+                is_drained = true;
+                break;
+            };
             match self.rule(next, &mut own, admission) {
                 Step::Inserted | Step::Gone => self.state.encroachment.remove(next),
                 Step::Deferred => {}
@@ -72,7 +75,9 @@ impl Refinement<'_> {
         }
         let Some(mut journal) = self.state.journal.take() else { return Step::Gone };
         self.record.restore_limits(std::mem::take(&mut journal.limits));
-        let complete = failed.is_none() && self.state.is_complete();
+        // A step that ends early without a point has come to nothing: it must not be tried for ever.
+        let is_step = is_drained || !journal.insertions.is_empty();
+        let complete = failed.is_none() && is_step && self.state.is_complete();
         let live = journal.created.iter().filter(|&&(t, v)| self.state.is_live(t, v));
         let live: Vec<TetId> = live.map(|&(t, _)| t).collect();
         if complete && self.state.relabel(&journal) && self.state.is_labelled(live) {
