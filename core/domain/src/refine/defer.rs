@@ -29,9 +29,7 @@ impl Refinement<'_> {
             let mut limit = limit;
             if let Some(refusal) = self.record.refused.get(&first) {
                 if !refusal.allows(limit) {
-                    if refusal.reason != Reason::Rounding {
-                        reason = refusal.reason;
-                    }
+                    reason = reason.after(refusal.reason);
                     continue;
                 }
                 limit = limit.map(|limit| refusal.again(limit));
@@ -48,7 +46,7 @@ impl Refinement<'_> {
                 match self.split_jointly(first, work, admission) {
                     Step::Refused(why) => {
                         let why = match why {
-                            Reason::Interlocked => self.state.reason_in_circle(first),
+                            Reason::Interlocked { .. } => self.state.reason_in_circle(first),
                             why => why,
                         };
                         self.record.refused.insert(first, Refusal::final_for(why));
@@ -65,7 +63,10 @@ impl Refinement<'_> {
                 self.record.waits.insert(item, first);
             }
             if let Some(limit) = limit {
-                self.record.limits.insert(first, limit);
+                let before = self.record.limits.insert(first, limit);
+                if let Some(journal) = &mut self.state.journal {
+                    journal.limits.push((first, before));
+                }
             }
             self.state.enter(first);
             work.put_behind(item, first);

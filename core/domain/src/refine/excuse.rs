@@ -4,18 +4,41 @@
 use super::RefineError;
 use super::bounds::Bounds;
 use super::item::Item;
-use super::key::sorted;
+use super::key::{order_key, sorted};
 use super::measure::Shape;
 use super::number::in_order;
-use super::outcome::{Excuse, Reason};
+use super::outcome::{Excuse, Reason, Spot};
 use super::output::Refined;
 use super::record::Record;
 use super::state::State;
 use super::table::{Map, Set};
-use ltbw_core::topology::TetId;
+use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::Point;
 
 impl State {
+    /// The middle of a boundary item, in the coordinates of the mesh.
+    fn spot(&self, item: Item) -> Spot {
+        let corners: &[VertexId] = match &item {
+            Item::Segment(s) => s,
+            Item::Subface(s) => s,
+            Item::Tet(_, v) => v,
+        };
+        let mut points: Vec<Point> = corners.iter().map(|&v| self.at(v)).collect();
+        points.sort_unstable_by_key(order_key);
+        let step = self.fine_step / points.len() as f64;
+        Spot::new([0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() * step))
+    }
+
+    /// The reason that a boundary item and others displace each other.
+    pub(crate) fn interlocked(&self, item: Item) -> Reason {
+        Reason::Interlocked { at: self.spot(item) }
+    }
+
+    /// The reason that no point splits a boundary item.
+    pub(crate) fn unserved(&self, item: Item) -> Reason {
+        Reason::Unserved { at: self.spot(item) }
+    }
+
     /// The excuses of the tetrahedra over their bounds, in the order of `order`, which has all;
     /// `over` lists them if they are known. What was not refused is over for the reason `stop`.
     pub(crate) fn excuses(

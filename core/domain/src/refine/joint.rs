@@ -16,31 +16,54 @@ use super::state::State;
 use ltbw_core::cavity::Admission;
 use ltbw_core::topology::TetId;
 
-/// The most transactions of a joint step.
-const MOST: usize = 256;
+/// The most transactions of a joint step, and of one whose subfaces are split opposite to its
+/// points.
+const MOST: [usize; 2] = [256, 1024];
 
 impl Refinement<'_> {
-    /// Splits `item` and all that is lost by it; the mesh is as before if that cannot be done.
+    /// Splits `item` and all that is lost by it; the mesh is as before if that cannot be done. If it
+    /// cannot be done with subfaces split near their centres it is tried once more, with their
+    /// points opposite to those that took them.
     pub(crate) fn split_jointly<W: Work, A: Admission>(
         &mut self,
         item: Item,
         work: &mut W,
         admission: &mut A,
     ) -> Step {
+        let mut step = Step::Gone;
+        for is_opposite in [false, true] {
+            step = self.step_jointly(item, is_opposite, work, admission);
+            if !matches!(step, Step::Refused(Reason::Interlocked { .. })) {
+                break;
+            }
+        }
+        step
+    }
+
+    fn step_jointly<W: Work, A: Admission>(
+        &mut self,
+        item: Item,
+        is_opposite: bool,
+        work: &mut W,
+        admission: &mut A,
+    ) -> Step {
         let limit = self.record.limits.get(&item).map(|limit| limit.times(TIP_SHARE));
-        self.state.journal = Some(Journal { limit, ..Journal::default() });
+        self.state.journal = Some(Journal { limit, is_opposite, ..Journal::default() });
         let before = self.inserted.points;
         let mut own = Queues::default();
         own.put(item, 1.0);
-        let mut failed = None;
+        let (mut failed, mut is_drained) = (None, false);
         self.record.waits.clear();
-        for _ in 0..MOST {
+        for _ in 0..MOST[usize::from(is_opposite)].min(self.joint_most) {
             self.record.joint_transactions += 1;
             let next = match self.state.by_place {
                 true => own.next_by_place(|item| self.state.place_of(item)),
                 false => own.next_boundary(),
             };
-            let Some(next) = next else { break };
+            let Some(next) = next else {
+                is_drained = true;
+                break;
+            };
             match self.rule(next, &mut own, admission) {
                 Step::Inserted | Step::Gone => self.state.encroachment.remove(next),
                 Step::Deferred => {}
@@ -50,8 +73,11 @@ impl Refinement<'_> {
                 }
             }
         }
-        let Some(journal) = self.state.journal.take() else { return Step::Gone };
-        let complete = failed.is_none() && self.state.is_complete();
+        let Some(mut journal) = self.state.journal.take() else { return Step::Gone };
+        self.record.restore_limits(std::mem::take(&mut journal.limits));
+        // A step that ends early without a point has come to nothing: it must not be tried for ever.
+        let is_step = is_drained || !journal.insertions.is_empty();
+        let complete = failed.is_none() && is_step && self.state.is_complete();
         let live = journal.created.iter().filter(|&&(t, v)| self.state.is_live(t, v));
         let live: Vec<TetId> = live.map(|&(t, _)| t).collect();
         if complete && self.state.relabel(&journal) && self.state.is_labelled(live) {
@@ -73,7 +99,8 @@ impl Refinement<'_> {
         self.record.waits.clear();
         self.state.take_back(journal);
         match failed {
-            Some(Step::Refused(Reason::Rounding)) | None => Step::Refused(Reason::Interlocked),
+            Some(Step::Refused(reason)) if !reason.is_vague() => Step::Refused(reason),
+            Some(Step::Refused(_)) | None => Step::Refused(self.state.interlocked(item)),
             Some(step) => step,
         }
     }

@@ -13,6 +13,10 @@ use ltbw_exact::Point;
 pub(crate) struct Journal {
     /// The edges that may be made near small angles.
     pub(crate) limit: Option<Limit>,
+    /// Are subfaces split opposite to its points?
+    pub(crate) is_opposite: bool,
+    /// Limits that were set, each as it was before.
+    pub(crate) limits: Vec<(Item, Option<Limit>)>,
     /// The points inserted, and where they live.
     pub(crate) points: Vec<(Point, Carrier)>,
     /// The insertions, each with the marks of its cavity.

@@ -121,7 +121,7 @@ pub use choice::{
 pub use complex::{Complex, ComplexError, Start};
 pub use excuse::Excused;
 pub use item::{Item, Queues, Work};
-pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats};
+pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats, Spot};
 pub use output::Refined;
 pub use region::RegionInfo;
 #[doc(hidden)]

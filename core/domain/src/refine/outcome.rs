@@ -1,6 +1,38 @@
 //! The outcome of a refinement.
 
 use ltbw_core::topology::TetId;
+use ltbw_exact::Point;
+
+/// A place, in the coordinates of the mesh, where something that the refinement has made could not
+/// be split. Places are in the order of x, y, z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Spot([u64; 3]);
+
+/// The sign of a number among its bits.
+const SIGN: u64 = 1 << 63;
+
+impl Spot {
+    /// The spot at a point.
+    pub fn new(p: Point) -> Self {
+        // Bits in the order of numbers; -0 is 0.
+        Self(p.map(|c| match (c + 0.0).to_bits() {
+            bits if bits & SIGN == 0 => bits | SIGN,
+            bits => !bits,
+        }))
+    }
+
+    /// The point.
+    pub fn point(self) -> Point {
+        self.0.map(|bits| f64::from_bits(if bits & SIGN == 0 { !bits } else { bits ^ SIGN }))
+    }
+}
+
+impl std::fmt::Display for Spot {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [x, y, z] = self.point();
+        write!(f, "({x}, {y}, {z})")
+    }
+}
 
 /// Why something could not be split. Ids are those of the domain's complex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -29,16 +61,25 @@ pub enum Reason {
         /// The corners of the other.
         second: [u32; 2],
     },
-    /// Its point would take another item of the boundary out of the mesh, and the other's point
-    /// this one, or so on in a circle.
-    Interlocked,
+    /// The point of the boundary item here would take another one out of the mesh, and the other's
+    /// point this one, or so on in a circle; and they could not be split together.
+    Interlocked {
+        /// The middle of the item.
+        at: Spot,
+    },
+    /// No point of the lattice near the ideal one splits the boundary item here.
+    Unserved {
+        /// The middle of the item.
+        at: Spot,
+    },
     /// Splitting it would make an edge shorter than the floor.
     Floor,
     /// The budget was exhausted first.
     Budget,
     /// The work was cancelled first.
     Cancelled,
-    /// No point of the lattice near the ideal one does what it has to.
+    /// No point of the lattice near the ideal one splits the tetrahedron itself. It is never the
+    /// reason of what waits for something that was refused: that has the same reason as this.
     Rounding,
 }
 
@@ -52,6 +93,26 @@ impl Reason {
     pub fn is_segment(&self) -> bool {
         matches!(self, Self::SmallDihedral { .. } | Self::NearSegments { .. })
     }
+
+    /// The place of the boundary item that it is about, if it is about one that was made: in the
+    /// coordinates of the mesh.
+    pub fn at(&self) -> Option<Point> {
+        match self {
+            Self::Interlocked { at } | Self::Unserved { at } => Some(at.point()),
+            _ => None,
+        }
+    }
+
+    /// Is it only that no point was found?
+    pub(crate) fn is_vague(&self) -> bool {
+        matches!(self, Self::Rounding | Self::Unserved { .. })
+    }
+
+    /// The reason of what follows from a refusal for the reason `root`, if nothing else says more
+    /// than this one.
+    pub(crate) fn after(self, root: Self) -> Self {
+        if root.is_vague() && self != Self::Rounding { self } else { root }
+    }
 }
 
 impl std::fmt::Display for Reason {
@@ -63,7 +124,10 @@ impl std::fmt::Display for Reason {
             Self::NearSegments { first: [a, b], second: [c, d] } => {
                 write!(f, "segments {a}-{b} and {c}-{d} too near to each other")
             }
-            Self::Interlocked => write!(f, "boundary items that displace each other"),
+            Self::Interlocked { at } => {
+                write!(f, "boundary items that displace each other at {at}")
+            }
+            Self::Unserved { at } => write!(f, "no point for the boundary item at {at}"),
             Self::Floor => write!(f, "floor of edge lengths"),
             Self::Budget => write!(f, "budget"),
             Self::Cancelled => write!(f, "cancelled"),
@@ -144,4 +208,38 @@ pub struct RefineStats {
     pub start_seconds: f64,
     /// Seconds for the splitting of tetrahedra.
     pub refine_seconds: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Reason, Spot};
+
+    #[test]
+    fn spots_are_in_the_order_of_their_points() {
+        let all = [f64::NEG_INFINITY, -3.0, -5e-324, 0.0, 1e-300, 0.5, 1.0, f64::MAX];
+        for (k, &x) in all.iter().enumerate() {
+            assert_eq!(Spot::new([x, -x, 1.0]).point(), [x, 0.0 - x, 1.0]);
+            for &y in &all[k + 1..] {
+                assert!(Spot::new([x; 3]) < Spot::new([y, x, x]), "{x} {y}");
+                assert!(Spot::new([1.0, 2.0, x]) < Spot::new([1.0, 2.0, y]), "{x} {y}");
+            }
+        }
+        assert_eq!(Spot::new([-0.0; 3]), Spot::new([0.0; 3]));
+    }
+
+    #[test]
+    fn what_follows_from_a_refusal_has_its_reason() {
+        let at = |x: f64| Spot::new([x, 0.25, -1.0]);
+        let (unserved, locked) =
+            (Reason::Unserved { at: at(1.0) }, Reason::Interlocked { at: at(2.0) });
+        let named = Reason::SmallFaceAngle { corner: 3 };
+        assert_eq!(Reason::Rounding.after(unserved), unserved);
+        assert_eq!(Reason::Rounding.after(locked), locked);
+        assert_eq!(named.after(unserved), named);
+        assert_eq!(named.after(locked), locked);
+        assert_eq!(unserved.after(Reason::Unserved { at: at(7.0) }), unserved);
+        assert_eq!(locked.at(), Some([2.0, 0.25, -1.0]));
+        let text = "boundary items that displace each other at (2, 0.25, -1)";
+        assert_eq!(locked.to_string(), text);
+    }
 }

@@ -60,6 +60,17 @@ impl Record {
         self.refused.get(item).filter(|r| !r.allows(limit)).map(|r| r.reason)
     }
 
+    /// Restores limits, given in the order in which others were set in their place: those of a
+    /// joint step end with it.
+    pub(crate) fn restore_limits(&mut self, before: Vec<(Item, Option<Limit>)>) {
+        for (item, limit) in before.into_iter().rev() {
+            match limit {
+                Some(limit) => self.limits.insert(item, limit),
+                None => self.limits.remove(&item),
+            };
+        }
+    }
+
     /// The refused tetrahedra that are over their bounds.
     pub(crate) fn refused_over<'r>(
         &'r self,

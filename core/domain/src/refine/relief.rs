@@ -23,7 +23,6 @@ use super::facet::Seed;
 use super::item::{Item, Queues, Work};
 use super::key::sorted;
 use super::measure::{Shape, circumcircle, has_small_dihedral};
-use super::outcome::Reason;
 use super::record::Refusal;
 use super::sliver::in_unit_ball;
 use super::split::{Refinement, TOLERANCE};
@@ -232,7 +231,7 @@ impl Refinement<'_> {
         let judge = Judge::on_open(open.owner(), &self.record);
         let Some(filling) = judge.filling_beside(item, place, target) else { return false };
         let mut refusal = target.refusal;
-        if refusal.reason == Reason::Rounding {
+        if refusal.reason.is_vague() {
             // A reason that has a place, of what was over its bounds there before, says more.
             let refused =
                 open.owner().mesh.cavity().tets().filter_map(|t| {

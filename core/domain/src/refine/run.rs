@@ -70,6 +70,7 @@ pub struct Refiner<'a> {
     observer: Option<&'a dyn Observer>,
     order: InsertOrder,
     start: Option<usize>,
+    joint_most: usize,
     one_thread: bool,
 }
 
@@ -99,6 +100,7 @@ impl Default for Refiner<'_> {
             observer: None,
             order: InsertOrder::default(),
             start: None,
+            joint_most: usize::MAX,
             one_thread: false,
         }
     }
@@ -216,6 +218,14 @@ impl<'a> Refiner<'a> {
         self
     }
 
+    /// Sets the most transactions of a joint step: with one nothing is split jointly, for tests of
+    /// what follows from that.
+    #[doc(hidden)]
+    pub fn joint_most(mut self, count: usize) -> Self {
+        self.joint_most = count;
+        self
+    }
+
     /// Refines a domain whose vertices are on the lattice.
     ///
     /// It has to be one that the geometric check finds no error in: [`Domain::prepare`] makes such
@@ -294,11 +304,12 @@ impl<'a> Refiner<'a> {
         let next_number = plc.corners.len() as Vertex;
         let floor = self.floor_in_steps(domain, lattice);
         let near = NEAR * floor / UNIT as f64;
-        let mut state = State::new(mesh, plc, carriers, near, heed)?;
+        let lengths = (near, lattice.fine_step());
+        let mut state = State::new(mesh, plc, carriers, lengths, heed)?;
         state.expect_tets(expected);
         let mut run = Run {
             refiner: *self,
-            refinement: Refinement::new(state, next_number, floor),
+            refinement: Refinement::new(state, next_number, (floor, self.joint_most)),
             work: Queues::default(),
             stats: RefineStats { flat_tolerance: tolerance, ..stats },
             steps: 0,

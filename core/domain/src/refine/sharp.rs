@@ -109,7 +109,7 @@ impl State {
             }
             _ => None,
         };
-        reason.unwrap_or(Reason::Interlocked)
+        reason.unwrap_or_else(|| self.interlocked(item))
     }
 
     /// The corner at which a tetrahedron is on a tip for this bound on its shape.

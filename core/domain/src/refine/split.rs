@@ -71,12 +71,14 @@ pub(crate) struct Refinement<'a> {
     pub(crate) inserted: Inserted,
     /// Shortest edge that may be made, in fine steps.
     pub(crate) floor: f64,
+    /// The most transactions of a joint step, if they are fewer than usual.
+    pub(crate) joint_most: usize,
 }
 
 impl<'a> Refinement<'a> {
-    pub(crate) fn new(state: State, next_number: u32, floor: f64) -> Self {
+    pub(crate) fn new(state: State, next_number: u32, (floor, joint_most): (f64, usize)) -> Self {
         let inserted = Inserted::from(next_number);
-        Self { state, bounds: None, record: Record::default(), inserted, floor }
+        Self { state, bounds: None, record: Record::default(), inserted, floor, joint_most }
     }
 
     /// Carries out the rule for an item.
@@ -159,7 +161,7 @@ impl<'a> Refinement<'a> {
                 self.defer(item, first, limit, work, admission)
             }
             Proposal::Refused(reason) => Step::Refused(reason),
-            Proposal::Useless => Step::Refused(Reason::Rounding),
+            Proposal::Useless => Step::Refused(self.state.unserved(item)),
             Proposal::SetBack(setback) => Step::SetBack(setback),
         }
     }
@@ -186,8 +188,8 @@ impl<'a> Refinement<'a> {
             return Step::Refused(Reason::Floor);
         }
         let (centre, radius) = aim(points, &centre, square);
-        let turned = self.state.turned(corners, f);
-        if let Some(step) = self.split_subface_at(corners, f, turned, work, admission) {
+        let across = self.state.turned(corners, f).or_else(|| self.state.opposite(corners, f));
+        if let Some(step) = self.split_subface_at(corners, f, across, work, admission) {
             return step;
         }
         for tolerance in [radius * TOLERANCE, 1.0] {
@@ -211,7 +213,7 @@ impl<'a> Refinement<'a> {
             }
         }
         let reason = self.state.angles.reason_of_facet(f);
-        Step::Refused(reason.unwrap_or(Reason::Rounding))
+        Step::Refused(reason.unwrap_or_else(|| self.state.unserved(item)))
     }
 
     /// Splits a subface at a place other than its circumcentre, if there is one and it serves.

@@ -93,6 +93,8 @@ pub(crate) struct State {
     pub(crate) expected: usize,
     /// Are lists of items in the order of their coordinates?
     pub(crate) by_place: bool,
+    /// The fine step in the coordinates of the mesh.
+    pub(crate) fine_step: f64,
 }
 
 impl Opens for State {
@@ -115,8 +117,9 @@ pub(crate) struct Place {
 }
 
 impl State {
-    /// The state before anything of the boundary is entered; features nearer to each other than
-    /// `near` steps of the grid are not refined towards each other.
+    /// The state before anything of the boundary is entered, with fine steps of this length;
+    /// features nearer to each other than `near` steps of the grid are not refined towards each
+    /// other.
     ///
     /// # Errors
     /// [`RefineError::Cancelled`].
@@ -124,7 +127,7 @@ impl State {
         mesh: Mesh,
         plc: Plc,
         carriers: Vec<Carrier>,
-        near: f64,
+        (near, fine_step): (f64, f64),
         heed: Heed<'_>,
     ) -> Result<Self, RefineError> {
         let marks = Marks::new(mesh.topology().slots());
@@ -144,6 +147,7 @@ impl State {
             touched: Touched::default(),
             by_place: false,
             expected: 0,
+            fine_step,
         })
     }
 

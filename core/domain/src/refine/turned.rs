@@ -1,4 +1,4 @@
-//! Points of one facet turned about a segment into the plane of another one.
+//! Points of one facet across from those of another one: turned about a segment, or straight.
 //!
 //! Facets at a small dihedral angle θ are nearer to each other than their subfaces are wide: what
 //! splits one takes the other's subfaces out of the mesh. If that is split at the place that lies
@@ -38,6 +38,24 @@ impl State {
         };
         let target = journal.points.iter().rev().find_map(turned)?;
         self.place_at(f, &target, 1.0)
+    }
+
+    /// The place at which a subface of facet `f` that a joint step has lost is split, if that is to
+    /// be opposite to the points of others: straight across from the last one in its ball.
+    ///
+    /// Where facets are side by side the points of one are then those of the next, and what one has
+    /// for subfaces is in the mesh together with what the next has: a circle through three of its
+    /// vertices that is empty in its own plane is the largest circle of its ball, which has a
+    /// smaller one in the plane beside it.
+    pub(crate) fn opposite(&self, corners: [VertexId; 3], f: u32) -> Option<Place> {
+        let journal = self.journal.as_ref().filter(|journal| journal.is_opposite)?;
+        let [a, b, c] = sorted(corners.map(|v| self.at(v)));
+        let (centre, square) = circumcircle(&a, &b, &c);
+        let is_across = |(p, carrier): &&(Point, Carrier)| {
+            !self.lies_on(*carrier, f) && distance2(p, &centre) < INSIDE * square
+        };
+        let (target, _) = journal.points.iter().rev().find(is_across)?;
+        self.place_at(f, target, 1.0)
     }
 
     /// A point of facet `g`, turned about the segment at which it meets facet `f` at a small angle

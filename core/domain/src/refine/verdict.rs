@@ -92,12 +92,12 @@ impl<'s> Judge<'s> {
         for f in state.facets_of(place.carrier).into_iter().filter(|&f| state.is_planned(f)) {
             match state.plan(self.touched, f, &place.p, Seed::Along(ends)) {
                 Some(change) => changes.push(change),
-                None => return Verdict::Refuse(reason.unwrap_or(Reason::Rounding)),
+                None => return Verdict::Refuse(reason.unwrap_or_else(|| state.unserved(item))),
             }
         }
         match state.plan_patches(self.touched, &place.p, place.carrier, Some(ends), &changes) {
             Some(patches) => changes.extend(patches),
-            None => return Verdict::Refuse(reason.unwrap_or(Reason::Rounding)),
+            None => return Verdict::Refuse(reason.unwrap_or_else(|| state.unserved(item))),
         }
         let lost = state.losses_in(self.touched, Some(ends), &changes);
         self.spare(item, place, Filling { split: Some((ends, s)), changes, lost })

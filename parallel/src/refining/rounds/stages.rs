@@ -177,18 +177,7 @@ impl<C: Rules> Rounds<C> {
             // Something was still under way: once more.
             _ if sums[OPEN] != 0 => {}
             Stage::Counting => self.decide_what(mesh, &sums),
-            Stage::Choosing => {
-                if self.is_done(&sums) {
-                    self.end(Ending::Done);
-                } else if sums[IRREGULAR] > 0 {
-                    self.end(Ending::Irregular);
-                } else if self.total + sums[CANDIDATES] > self.most {
-                    self.end(Ending::Budget);
-                } else {
-                    self.begin_to_decide(mesh);
-                    self.end_decisions();
-                }
-            }
+            Stage::Choosing => self.end_choice(mesh, &sums),
             Stage::Inserting => {
                 if is_quiet::<C>(before, &sums) {
                     self.settle(&sums);
@@ -201,11 +190,28 @@ impl<C: Rules> Rounds<C> {
         }
     }
 
-    /// All know how many foremost tetrahedra there are in this round: is nothing left?
-    fn is_done(&mut self, sums: &Sums) -> bool {
+    /// All reservations are known: the round is decided on, unless it is not to be carried out.
+    /// One that is not counts no candidates, for the engine chooses it once more.
+    fn end_choice(&mut self, mesh: &mut DomainMesh<'_>, sums: &Sums) {
+        let is_done = self.is_done(sums);
+        if sums[IRREGULAR] > 0 {
+            return self.end(Ending::Irregular);
+        }
+        if !is_done && self.total + sums[CANDIDATES] > self.most {
+            return self.end(Ending::Budget);
+        }
         if self.foremost.is_some() {
             self.counted = sums[FOREMOST];
         }
+        if is_done {
+            return self.end(Ending::Done);
+        }
+        self.begin_to_decide(mesh);
+        self.end_decisions();
+    }
+
+    /// All know how many foremost tetrahedra there are in this round: is nothing left?
+    fn is_done(&self, sums: &Sums) -> bool {
         !self.has_boundary && sums[FOREMOST] == 0
     }
 

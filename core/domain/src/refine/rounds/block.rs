@@ -16,6 +16,7 @@ use crate::refine::outcome::Reason;
 use crate::refine::split::TOLERANCE;
 use crate::refine::state::{FACE, Touched};
 use crate::refine::table::triangle;
+use crate::refine::thin::Thin;
 use crate::refine::walk::Way;
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_exact::Point;
@@ -27,8 +28,9 @@ const MOST: [usize; 2] = [4, 64];
 #[derive(Debug)]
 pub(super) struct Block {
     corners: [VertexId; 3],
-    /// The tetrahedra on both sides of it.
-    sides: [TetId; 2],
+    /// The tetrahedra on both sides of it, with their vertices: others may have the subface, too,
+    /// and one of their slots.
+    sides: [Thin; 2],
 }
 
 impl Rounds<'_, '_> {
@@ -62,6 +64,7 @@ impl Rounds<'_, '_> {
                     && sides[0] < sides[1]
                     && self.own.record.bars(&Item::Subface(corners), limit).is_some()
                 {
+                    let sides = sides.map(|t| (t, self.own.state.vertices(t)));
                     found.push(Block { corners, sides });
                 }
             }
@@ -85,11 +88,7 @@ impl Rounds<'_, '_> {
         let Self { blocks, own, .. } = self;
         let (state, record) = (&own.state, &own.record);
         blocks.retain(|block| {
-            let stays = |&t: &TetId| {
-                let v = state.vertices(t);
-                block.corners.iter().all(|c| v.contains(c))
-            };
-            block.sides.iter().all(stays)
+            block.sides.iter().all(|&(t, v)| state.is_live(t, v))
                 && state.subfaces.contains_key(&block.corners)
                 && record.refused.contains_key(&Item::Subface(block.corners))
         });
@@ -124,7 +123,7 @@ impl Rounds<'_, '_> {
     /// of the mesh that others were refused for.
     pub(super) fn blocked(&self, p: &Point, own: &Foremost) -> Option<Reason> {
         let mesh = &self.own.state.mesh;
-        let is_lost = |block: &&Block| block.sides.iter().all(|&t| mesh.in_conflict(t, p));
+        let is_lost = |block: &&Block| block.sides.iter().all(|&(t, _)| mesh.in_conflict(t, p));
         let lost: Vec<Item> =
             self.blocks.iter().filter(is_lost).map(|b| Item::Subface(b.corners)).collect();
         if lost.is_empty() {
@@ -132,8 +131,11 @@ impl Rounds<'_, '_> {
         }
         // It may be split for a shorter edge than those before allowed.
         let limit = self.limit(own.t, &own.shape);
-        let bars = |item: &Item| self.own.record.bars(item, limit).is_some();
-        lost.iter().any(bars).then(|| self.own.state.reason_near(own.corners))
+        let root = lost.iter().find_map(|item| self.own.record.bars(item, limit))?;
+        match self.own.state.reason_near(own.corners) {
+            Reason::Rounding => Some(root),
+            named => Some(named),
+        }
     }
 }
 
@@ -179,7 +181,8 @@ mod tests {
         let [a, b, c] = corners;
         let corners = triangle(a, b, c);
         let own = rounds.foremost_at(t, 1);
-        rounds.blocks.push(Block { corners, sides: [t, other] });
+        let sides = [t, other].map(|t| (t, rounds.own.state.vertices(t)));
+        rounds.blocks.push(Block { corners, sides });
         let limit = rounds.limit(t, &own.shape).expect("bounds");
         for (factor, is_barred) in [(0.5, true), (1.0, true), (2.0, false)] {
             let refusal = Refusal { reason: Reason::Floor, limit: Some(limit.times(factor)) };

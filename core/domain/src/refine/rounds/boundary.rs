@@ -145,7 +145,7 @@ impl Rounds<'_, '_> {
         let state = &self.own.state;
         let Some(&s) = state.segments.get(&ends) else { return Proposed::Gone };
         if attempt > 0 {
-            return Proposed::Refused(Reason::Rounding);
+            return Proposed::Refused(state.unserved(Item::Segment(ends)));
         }
         let Some(t) = state.split_parameter(ends, s) else {
             return Proposed::Refused(Reason::Floor);
@@ -171,7 +171,8 @@ impl Rounds<'_, '_> {
         let tolerances: [f64; PLACES] = [radius * TOLERANCE, 1.0];
         let Some(&tolerance) = tolerances.get(attempt) else {
             let reason = state.angles.reason_of_facet(f);
-            return Proposed::Refused(reason.unwrap_or(Reason::Rounding));
+            let unserved = || state.unserved(Item::Subface(corners));
+            return Proposed::Refused(reason.unwrap_or_else(unserved));
         };
         match state.place_on(f, &centre, tolerance) {
             Some((p, is_on)) => {
@@ -223,7 +224,7 @@ impl Rounds<'_, '_> {
             let is_marked = touched.is_marked;
             return Looked::Found(Found { place, cavity, is_marked, verdict });
         }
-        Looked::Refused(Reason::Rounding)
+        Looked::Refused(state.unserved(item))
     }
 
     /// Makes an item that may be split a candidate; `list` has its cavity.

@@ -199,8 +199,7 @@ impl Rounds<'_, '_> {
         for item in items {
             match self.own.record.bars(item, limit) {
                 None => return Ok(*item),
-                Some(why) if why != Reason::Rounding => reason = why,
-                Some(_) => {}
+                Some(why) => reason = reason.after(why),
             }
         }
         Err(reason)

@@ -181,9 +181,7 @@ impl Rounds<'_, '_> {
         }
         let (state, record) = (&self.own.state, &mut self.own.record);
         let before = record.refused.len();
-        record
-            .refused
-            .retain(|item, own| own.reason != Reason::Rounding || matches!(item, Item::Tet(..)));
+        record.refused.retain(|item, own| !own.reason.is_vague() || matches!(item, Item::Tet(..)));
         if record.refused.len() == before {
             return false;
         }
