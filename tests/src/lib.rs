@@ -7,7 +7,8 @@
 //! | [`epsilon`] | the perturbation by its definition: polynomials in ε |
 //! | [`small_world`] | all meshes of all subsets of a few points, by definition |
 //! | [`families`] | the input families of the bars, deterministic by seed |
-//! | [`domains`] | random domains |
+//! | [`domains`], [`layered`] | random domains |
+//! | [`excuses`] | the counter of excuses: angles of a domain, what its mesh leaves over a bound |
 //! | [`five_points`] | five points at a time, for the predicates |
 //! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash; two refined domains |
 //! | [`parts`] | the surfaces of `cargo xtask parts` |
@@ -21,10 +22,12 @@ pub mod cgal;
 pub mod compare;
 pub mod domains;
 pub mod epsilon;
+pub mod excuses;
 pub mod families;
 pub mod five_points;
 pub mod fuzz;
 pub mod interleave;
+pub mod layered;
 pub mod oracle;
 pub mod parts;
 pub mod plant;
