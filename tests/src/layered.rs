@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn stacks_are_of_every_kind_and_have_their_volume() {
         let mut kinds = BTreeSet::new();
-        for seed in 0..200 {
+        for seed in 0..600 {
             let stack = Stack::random(seed, 1);
             let ready = prepared(&stack.domain());
             assert_eq!(ready.moved, 0, "{stack}: off its lattice");

@@ -155,7 +155,11 @@ pub fn judge(
     let plc = Plc { flat_tolerance: tolerance, ..plc_of(domain) };
     let options = Options { max_defects: usize::MAX, ..Options::default() };
     let view = Mesh::new(&mesh.points, &mesh.tets);
-    let found = conforms(&view, &plc, mesh.tet_tags.as_deref(), limits, &options);
+    let found = match mesh.tets.is_empty() {
+        // There is nothing to test.
+        true => Conformity::default(),
+        false => conforms(&view, &plc, mesh.tet_tags.as_deref(), limits, &options),
+    };
     let count = Count::of(Features::of(domain, tolerance), mesh, &found)?;
     Ok((found, count))
 }
