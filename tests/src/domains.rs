@@ -86,7 +86,7 @@ pub fn random_domain(seed: u64) -> (&'static str, Domain) {
             ("voxels", generate_domain(DomainKind::Voxels, &shape).expect("voxels"))
         }
         // Thinner layers, which take many more tetrahedra, are in the test of stacks.
-        3 => ("stack", Stack::random(seed, 6).domain()),
+        3 => ("stack", Stack::random(seed, 1_500.0).domain()),
         4 => ("honeycomb", random_honeycomb(seed).1),
         _ => ("laminate", random_laminate(seed).1),
     }

@@ -8,6 +8,9 @@ use ltbw_generate::layers::{Drill, honeycomb, laminate, stack};
 /// The steps of the lattice of thicknesses in a unit.
 const STEPS: u64 = 64;
 
+/// The draws of a stack.
+const TRIES: usize = 1000;
+
 /// The bases of stacks and laminates.
 const BASES: [[f64; 2]; 4] = [[3.0, 2.0], [1.0, 1.0], [4.0, 1.0], [2.0, 2.0]];
 
@@ -25,14 +28,25 @@ pub struct Stack {
 }
 
 impl Stack {
-    /// The stack of a seed, with layers of at least `least` steps of 1/64, and at most 1.
+    /// The stack of a seed, with layers of 1/64 to 1, in turn any, most of them thin, all of one
+    /// thickness. Cubes as high as its layers would number at most `most`, if that is more than
+    /// some hundreds: the tetrahedra of a bound on shapes are some more.
     #[must_use]
-    pub fn random(seed: u64, least: u64) -> Self {
+    pub fn random(seed: u64, most: f64) -> Self {
         let mut random = Random::new(seed ^ 0x57ac);
         let base = BASES[random.below(4) as usize];
         let regions = random.below(2) == 1;
         let layers = 2 + random.below(7);
-        Self { seed, base, thicknesses: thicknesses(&mut random, layers, least), regions }
+        // Each of the draws is likely to do; halves always do.
+        let mut draws = (0..TRIES).map(|_| match seed % 3 {
+            0 => thicknesses(&mut random, layers, 1),
+            1 => (0..layers).map(|_| thin(&mut random)).collect(),
+            _ => vec![thin(&mut random); layers as usize],
+        });
+        let cubes = |all: &Vec<f64>| all.iter().map(|t| base[0] * base[1] / (t * t)).sum::<f64>();
+        let found = draws.find(|all| cubes(all) <= most);
+        let thicknesses = found.unwrap_or_else(|| vec![0.5; layers as usize]);
+        Self { seed, base, thicknesses, regions }
     }
 
     /// The domain.
@@ -55,6 +69,12 @@ impl std::fmt::Display for Stack {
         self.thicknesses.iter().try_for_each(|t| write!(f, " {}", t * STEPS as f64))?;
         write!(f, " 64ths, with{} regions", if self.regions { "" } else { "out" })
     }
+}
+
+/// A thickness of 1 to 64 steps, every power of two as likely as the next.
+fn thin(random: &mut Random) -> f64 {
+    let power = 1 << random.below(7);
+    (power + random.below(power)).min(STEPS) as f64 / STEPS as f64
 }
 
 /// Thicknesses of `least` to 64 steps.
@@ -114,9 +134,9 @@ mod tests {
 
     #[test]
     fn stacks_are_of_every_kind_and_have_their_volume() {
-        let mut kinds = BTreeSet::new();
+        let (mut kinds, mut thinnest) = (BTreeSet::new(), 0);
         for seed in 0..600 {
-            let stack = Stack::random(seed, 1);
+            let stack = Stack::random(seed, 1e5);
             let ready = prepared(&stack.domain());
             assert_eq!(ready.moved, 0, "{stack}: off its lattice");
             let own = ready.report.volume().expect("a volume").to_f64();
@@ -124,9 +144,14 @@ mod tests {
             let cells = ready.report.cells.as_ref().map(Vec::len);
             assert_eq!(cells, Some(stack.thicknesses.len()), "{stack}");
             assert!(stack.thicknesses.iter().all(|&t| (1.0 / 64.0..=1.0).contains(&t)));
+            thinnest += u32::from(stack.thicknesses.contains(&(1.0 / 64.0)));
             kinds.insert((stack.base.map(|c| c as u64), stack.thicknesses.len(), stack.regions));
+            let few = Stack::random(seed, 1500.0);
+            let cubes = few.thicknesses.iter().map(|t| few.base[0] * few.base[1] / (t * t));
+            assert!(cubes.sum::<f64>() <= 1500.0, "{few}");
         }
         assert_eq!(kinds.len(), 4 * 7 * 2, "bases, layers, with and without regions");
+        assert!(thinnest > 100, "{thinnest}");
     }
 
     #[test]

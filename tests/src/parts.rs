@@ -62,7 +62,7 @@ pub fn generated() -> Result<Vec<Named>, ShapeError> {
     }
     for seed in 0..2 * SEEDS {
         // Of thinner ones the bar on tetrahedra means nothing.
-        add(format!("stack-{seed}.poly"), Stack::random(seed, 8).domain());
+        add(format!("stack-{seed}.poly"), Stack::random(seed, 1_500.0).domain());
         add(format!("honeycomb-{seed}.poly"), random_honeycomb(seed).1);
         add(format!("laminate-{seed}.poly"), random_laminate(seed).1);
     }

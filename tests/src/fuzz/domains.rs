@@ -41,7 +41,7 @@ pub fn domain(bytes: &[u8]) -> Domain {
     let (cells, _) = u.take_rest().as_chunks::<4>();
     let (points, parts) = cells.split_at(cells.len().min(usize::from(count % 12)));
     let mut domain = match solid / 32 {
-        1 => Stack::random(style.into(), 1 + u64::from(size % 32)).domain(),
+        1 => Stack::random(style.into(), f64::from(size) * 10.0).domain(),
         2 => random_honeycomb(style.into()).1,
         3 => random_laminate(style.into()).1,
         _ => Domain::default(),
