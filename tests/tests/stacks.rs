@@ -2,8 +2,8 @@
 //! and one mesh comes of any number of threads or workers.
 //!
 //! 60 by default, none of them very large, most with ratio 2 alone or a 3,000th of the volume, every
-//! tenth with a 30,000th; `LTBW_CASES` for more, and then each with all bounds (`cargo xtask stacks
-//! [COUNT]`, 1,000).
+//! tenth with a 30,000th; `LTBW_CASES` for more, and then each with all bounds
+//! (`cargo xtask stacks [COUNT]`, 1,000).
 
 use ltbw::domain::Prepared;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
@@ -17,7 +17,7 @@ use ltbw_tests::layered::Stack;
 /// The stacks of a usual run.
 const USUAL: u32 = 60;
 
-/// What is asked for beside a circumradius of at most twice the shortest edge: a volume of at most
+/// The bound beside that of a circumradius of at most twice the shortest edge: a volume of at most
 /// this part of the stack's, if any.
 type Parts = Option<f64>;
 

@@ -224,7 +224,7 @@ impl Extruded<'_> {
             if beside[0].is_some() { corners.collect() } else { corners.rev().collect() }
         };
         let mut facet = Facet::polygon(&ring(cell), WALL + 1 + level as i32);
-        // What is the same in the hole as around it needs no hole.
+        // A plug of the plate's own materials needs no hole.
         for &plug in cell.plugs.iter().filter(|&&plug| self.beside(plug, level) != beside) {
             let [x, y] = self.plan.cells[plug].middle;
             facet.polygons.push(ring(&self.plan.cells[plug]));

@@ -88,7 +88,7 @@ impl Features {
         }
     }
 
-    /// What meets at a corner alone.
+    /// Features that meet at a corner alone.
     fn look_at_corner(&mut self, corner: &Corner, normals: &[Point], needles: &mut BTreeSet<u32>) {
         let within = |group: u32, direction: &Point| {
             let cones = corner.cones.iter().filter(|(_, of)| *of == group);
@@ -122,7 +122,7 @@ impl Features {
     }
 }
 
-/// What meets at a vertex.
+/// Segments and facets at a vertex.
 #[derive(Default)]
 struct Corner {
     /// Directions of the segments, with the facets that have them as sides.

@@ -32,7 +32,7 @@ fn unit(p: &Point) -> Point {
     p.map(|c| c / length)
 }
 
-/// How the features of a domain meet.
+/// The way in which the features of a domain meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Meeting {
     /// At no small angle: nothing is excused.
@@ -56,7 +56,7 @@ impl Meeting {
 }
 
 impl Features {
-    /// How they meet.
+    /// The way in which they meet.
     #[must_use]
     pub fn meeting(&self) -> Meeting {
         let others = self.segments.min(self.segment_facet).min(self.facets);
@@ -75,7 +75,7 @@ pub struct Count {
     pub features: Features,
     /// Tetrahedra of the mesh.
     pub tets: usize,
-    /// Those of them that are over a bound.
+    /// Tetrahedra that are over a bound.
     pub over: usize,
     /// The part of the volume that these fill; 1 of a mesh without tetrahedra.
     pub share: f64,

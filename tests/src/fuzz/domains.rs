@@ -4,7 +4,7 @@
 //! vertices ([`snap`]), which solid there is to begin with, layers by the style's seed or one that
 //! is made awkward (`spoil`); the others are polygons, segments, holes and regions.
 //!
-//! What can be meshed is, and the counter of excuses judges the mesh.
+//! A domain that can be meshed is, and the counter of excuses judges the mesh.
 
 use crate::excuses::{judge_refined, limits};
 use crate::families::snap;
