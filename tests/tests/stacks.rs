@@ -1,8 +1,8 @@
 //! Stacks of thin layers: all angles are right ones, so nothing excuses a bound that is not met,
 //! and one mesh comes of any number of threads or workers.
 //!
-//! 60 by default, none of them very large, most with ratio 2 alone or a 3,000th of the volume, every
-//! tenth with a 30,000th; `LTBW_CASES` for more, and then each with all bounds
+//! 60 by default, none of them very large, most with ratio 2 alone or a 3,000th of the volume,
+//! every tenth with a 30,000th; `LTBW_CASES` for more, and then each with all bounds
 //! (`cargo xtask stacks [COUNT]`, 1,000).
 
 use ltbw::domain::Prepared;
