@@ -1,5 +1,6 @@
 //! Random domains, the same on every machine, and domains as refinement and the checker take them.
 
+use crate::layered::{Stack, random_honeycomb, random_laminate};
 use ltbw::domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw_generate::{DomainKind, Shape, generate_domain, surfaces};
 use ltbw_verify::Plc;
@@ -69,21 +70,25 @@ pub fn plc_of(domain: &Domain) -> Plc {
     ltbw_cli::plc_of(domain, 0.0)
 }
 
-/// A random domain and the kind of it: a box with a turned box hole, a star-shaped polyhedron, or a
-/// union of cubes, in turn.
+/// A random domain and the kind of it: a box with a turned box hole, a star-shaped polyhedron, a
+/// union of cubes, a stack of layers, a honeycomb, or a laminate with holes, in turn.
 ///
 /// # Panics
 /// If the library does not know the kind: it does.
 #[must_use]
 pub fn random_domain(seed: u64) -> (&'static str, Domain) {
     let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ (seed + 1).wrapping_mul(0x2545_f491_4f6c_dd1d));
-    match seed % 3 {
+    match seed % 6 {
         0 => ("turned hole", box_with_turned_hole(&mut random)),
         1 => ("star", star(&mut random)),
-        _ => {
+        2 => {
             let shape = Shape { seed, count: Some(8), ..Shape::default() };
             ("voxels", generate_domain(DomainKind::Voxels, &shape).expect("voxels"))
         }
+        // Thinner layers, which take many more tetrahedra, are in the test of stacks.
+        3 => ("stack", Stack::random(seed, 1_500.0).domain()),
+        4 => ("honeycomb", random_honeycomb(seed).1),
+        _ => ("laminate", random_laminate(seed).1),
     }
 }
 

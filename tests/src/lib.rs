@@ -8,7 +8,8 @@
 //! | [`small_world`] | all meshes of all subsets of a few points, by definition |
 //! | [`overlap`] | whether two tetrahedra overlap, by `rug` |
 //! | [`families`] | the input families of the bars, deterministic by seed |
-//! | [`domains`] | random domains |
+//! | [`domains`], [`layered`] | random domains |
+//! | [`excuses`] | the counter of excuses: angles of a domain, what its mesh leaves over a bound |
 //! | [`five_points`] | five points at a time, for the predicates |
 //! | [`compare`] | our mesh against CGAL's: tetrahedra, hull facets, hash; two refined domains |
 //! | [`parts`] | the surfaces of `cargo xtask parts` |
@@ -23,10 +24,12 @@ pub mod cgal;
 pub mod compare;
 pub mod domains;
 pub mod epsilon;
+pub mod excuses;
 pub mod families;
 pub mod five_points;
 pub mod fuzz;
 pub mod interleave;
+pub mod layered;
 pub mod oracle;
 pub mod overlap;
 pub mod parts;

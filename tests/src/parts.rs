@@ -1,11 +1,16 @@
-//! The surfaces of `cargo xtask parts`: files of a folder, a set by formula, and their twins.
+//! The surfaces of `cargo xtask parts`: files of a folder, a set by formula, and their twins; what
+//! their meshes leave over a bound.
 
-use ltbw::domain::Domain;
+use crate::excuses::{Count, judge, limits};
+use crate::layered::{Stack, random_honeycomb, random_laminate};
+use ltbw::TetMesh;
+use ltbw::domain::{Domain, PrepareOptions};
 use ltbw::io::{self, Format, IoError};
 use ltbw_generate::surfaces::{
     book, globe, map_points, plate, prism, shell, single, torus, turned,
 };
 use ltbw_generate::{DomainKind, Shape, ShapeError, generate_domain};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The amounts of noise of noisy globes.
@@ -19,7 +24,8 @@ const SEEDS: u64 = 4;
 /// coordinates are 32-bit floats, `.off` and `.poly` where they are doubles.
 pub type Named = (String, Domain);
 
-/// The surfaces by formula: prisms, globes, tori, a book, plates, shells and wedges.
+/// The surfaces by formula: prisms, globes, tori, a book, plates, shells and wedges; and domains of
+/// layers that have their facets in common.
 ///
 /// # Errors
 /// None for the shapes that are asked for here.
@@ -54,6 +60,12 @@ pub fn generated() -> Result<Vec<Named>, ShapeError> {
         let shape = Shape { angle: Some(angle), ..Shape::default() };
         add(format!("wedge-{angle}.off"), generate_domain(DomainKind::Wedge, &shape)?);
     }
+    for seed in 0..2 * SEEDS {
+        // Of thinner ones the bar on tetrahedra means nothing.
+        add(format!("stack-{seed}.poly"), Stack::random(seed, 1_500.0).domain());
+        add(format!("honeycomb-{seed}.poly"), random_honeycomb(seed).1);
+        add(format!("laminate-{seed}.poly"), random_laminate(seed).1);
+    }
     Ok(all)
 }
 
@@ -82,6 +94,29 @@ pub fn twin_file(original: &Path, twin: &str, domain: &Domain, oriented: bool) -
     };
     let name = original.file_name().unwrap_or_default().to_string_lossy();
     format!("{name}~{twin}.{extension}")
+}
+
+/// Counts what the mesh of a part, if it has one, leaves over a bound on circumradius to shortest
+/// edge; `tolerance` is the one that its patches are flat within. A part whose boundary is not
+/// recovered has no mesh.
+///
+/// # Errors
+/// Why there is nothing to judge, in one line.
+pub fn count(
+    part: &Path,
+    mesh: Option<&Path>,
+    tolerance: f64,
+    radius_edge: f64,
+) -> Result<Count, String> {
+    let file = io::read_domain(part).map_err(|error| error.to_string())?;
+    let options = PrepareOptions { oriented: file.oriented, ..PrepareOptions::default() };
+    let ready = file.domain.prepare(&options).map_err(|error| error.to_string())?;
+    let mesh = match mesh {
+        Some(path) => io::read_mesh_file(path).map_err(|error| error.to_string())?.mesh,
+        None => TetMesh::default(),
+    };
+    let bounds = limits(&ready.domain, Some(radius_edge), None);
+    judge(&ready.domain, tolerance, &mesh, &bounds).map(|(_, count)| count)
 }
 
 /// Gives `judge` the name of a surface, the surface, and whether its facets are oriented: small
@@ -114,6 +149,30 @@ pub fn for_each_surface(mut judge: impl FnMut(&str, &Domain, bool) -> bool) {
         parts += usize::from(judge(&path.display().to_string(), &file.domain, file.oriented));
     }
     assert!(parts > 0, "no part");
+}
+
+/// The entry of a part in the file `expected.tsv` of its folder.
+#[derive(Debug, Clone)]
+pub struct Expected {
+    /// TetGen's tetrahedra, or why there are none.
+    pub tets: String,
+    /// TetGen's seconds, where it ends.
+    pub seconds: String,
+    /// Our outcome.
+    pub ours: String,
+}
+
+/// The entries of a folder, by name; none without that file.
+#[must_use]
+pub fn expected(folder: Option<&Path>) -> BTreeMap<String, Expected> {
+    let text = folder.and_then(|f| std::fs::read_to_string(f.join("expected.tsv")).ok());
+    let line = |line: &str| {
+        let mut words = line.split('\t').map(str::to_owned);
+        let mut word = || words.next();
+        let (name, tets, seconds, ours) = (word()?, word()?, word()?, word()?);
+        Some((name, Expected { tets, seconds, ours }))
+    };
+    text.unwrap_or_default().lines().skip(1).filter_map(line).collect()
 }
 
 /// The files of a folder that hold domains, by name.

@@ -7,6 +7,7 @@ use ltbw::refine::{RefineOutcome, Refined, Refiner};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use ltbw_tests::cases;
 use ltbw_tests::domains::{plc_of, prepared, random_domain};
+use ltbw_tests::excuses::{judge_refined, limits};
 use ltbw_verify::{Conformity, ConformityDefect, Limits, Mesh, Options, Plc, conforms};
 
 /// Refines, and has the result checked against domain and bounds.
@@ -16,15 +17,9 @@ fn refine_and_judge(ready: &Prepared, volume: Option<f64>, ratio: f64) -> (Refin
         refiner = refiner.max_volume(volume);
     }
     let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
-    let mesh = refined.inside();
-    let limits = Limits {
-        radius_edge: Some(ratio),
-        max_volume: volume,
-        region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
-    };
-    let (view, plc) = (Mesh::new(&mesh.points, &mesh.tets), plc_of(&ready.domain));
-    let options = Options { numbered_regions: true, ..Options::default() };
-    let found = conforms(&view, &plc, mesh.tet_tags.as_deref(), &limits, &options);
+    let bounds = limits(&ready.domain, Some(ratio), volume);
+    let (found, count) = judge_refined(ready, &refined, &bounds).expect("a sound mesh");
+    assert!(!count.is_broken(), "{count}");
     (refined, found)
 }
 
@@ -151,7 +146,8 @@ fn random_domains_are_certified() {
         assert_eq!(found.volume.expect("a volume").to_string(), own, "{name} {seed}");
         if name == "voxels" {
             // No angle of these is below the theory's limits. (The faces of a turned box are not
-            // planar on the lattice: the diagonals that divide them make small angles.)
+            // planar on the lattice: the diagonals that divide them make small angles. Layers
+            // leave what the counter of excuses allows.)
             assert_eq!(refined.outcome, RefineOutcome::Met, "{name} {seed}");
         }
         met += u64::from(refined.outcome == RefineOutcome::Met);

@@ -18,6 +18,7 @@ mod python;
 mod rounds;
 mod shell;
 mod slips;
+mod stacks;
 mod terminal;
 mod tsan;
 
@@ -49,9 +50,12 @@ cargo xtask COMMAND
   parts [DIR] [--twins] [--only TEXT]
                         surfaces of a folder (by default a set by formula) through `ltbw mesh`
                         beside TetGen (the Python package tetgen), and their twins: turned, scaled,
-                        shifted; fails if a run breaks a bar that none may break
+                        shifted; fails if a run breaks a bar that none may break, or leaves more
+                        over a bound than the angles of the domain excuse
   rounds [DIR]          refinement in rounds: 500 random domains in five orders, named ones and the
                         parts of a folder in 22, tiny ones in all
+  stacks [COUNT]        random stacks of thin layers (1,000): bounds met, one mesh for 1, 2 and 5
+                        threads and for 1 and 3 workers
   bars                  the full-size bars: hashes equal to CGAL's, times within their limits
   generate              write what is generated from the descriptions of the predicates
   lines [COMMIT]        lines of code by folder, without blanks, comments and tests; and how many
@@ -86,6 +90,7 @@ fn main() -> ExitCode {
         "bench" | "bars" => measure::run(command, rest),
         "parts" => parts::run(rest),
         "rounds" => rounds::run(rest),
+        "stacks" => stacks::run(rest),
         "fuzz" => fuzz::run(rest),
         "generate" => generate::run(),
         "lines" => lines::run(rest),

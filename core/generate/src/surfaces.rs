@@ -12,7 +12,7 @@ use ltbw_domain::{Domain, Facet};
 use ltbw_exact::Point;
 
 /// A point on the unit circle, `part` of `parts` around it.
-fn around(part: u32, parts: u32) -> [f64; 2] {
+pub(super) fn around(part: u32, parts: u32) -> [f64; 2] {
     let degrees = 360.0 * f64::from(part % parts) / f64::from(parts);
     // The series is for angles up to 180 degrees.
     let (sine, cosine) = sine_cosine(if degrees > 180.0 { degrees - 360.0 } else { degrees });

@@ -8,8 +8,11 @@
 
 use ltbw::domain::{CheckOptions, Domain};
 use ltbw::io;
+use ltbw_tests::excuses::{Count, Meeting};
 use ltbw_tests::median;
-use ltbw_tests::parts::{files, generated, twin_file, twins, write_triangles};
+use ltbw_tests::parts::{
+    Expected, count, expected, files, generated, twin_file, twins, write_triangles,
+};
 use ltbw_tests::require::skip;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -25,6 +28,8 @@ const SECONDS_MORE: f64 = 0.1;
 /// The most tetrahedra: for each facet of the input, and in addition for the whole mesh.
 const TETS_EACH: usize = 128;
 const TETS_MORE: usize = 1000;
+/// The bound that is asked for: circumradius to shortest edge.
+const RATIO: f64 = 2.0;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -56,6 +61,8 @@ struct Ran {
     certified: bool,
     /// Its own message, in one line.
     message: String,
+    /// The angles of the domain, and what is left over the bound; or why that is not known.
+    count: Option<Result<Count, String>>,
 }
 
 /// A line of the table.
@@ -115,34 +122,12 @@ fn python() -> Option<String> {
     probe.status().is_ok_and(|status| status.success()).then_some(python)
 }
 
-/// The entry of a part in the file `expected.tsv` of the folder.
-struct Expected {
-    /// TetGen's tetrahedra, or why there are none.
-    tets: String,
-    /// TetGen's seconds, where it ends.
-    seconds: String,
-    ours: String,
-}
-
-impl Expected {
-    /// TetGen's run, as far as it is told.
-    fn theirs(&self) -> Ran {
-        let tets = self.tets.parse().ok();
-        let outcome = if tets.is_none() { self.tets.clone() } else { String::new() };
-        let seconds = self.seconds.parse().unwrap_or_default();
-        Ran { tets, outcome, seconds, ..Ran::default() }
-    }
-}
-
-fn expected(folder: Option<&Path>) -> BTreeMap<String, Expected> {
-    let text = folder.and_then(|f| std::fs::read_to_string(f.join("expected.tsv")).ok());
-    let line = |line: &str| {
-        let mut words = line.split('\t').map(str::to_owned);
-        let mut word = || words.next();
-        let (name, tets, seconds, ours) = (word()?, word()?, word()?, word()?);
-        Some((name, Expected { tets, seconds, ours }))
-    };
-    text.unwrap_or_default().lines().skip(1).filter_map(line).collect()
+/// TetGen's run of a part, as far as it is told.
+fn theirs(known: &Expected) -> Ran {
+    let tets = known.tets.parse().ok();
+    let outcome = if tets.is_none() { known.tets.clone() } else { String::new() };
+    let seconds = known.seconds.parse().unwrap_or_default();
+    Ran { tets, outcome, seconds, ..Ran::default() }
 }
 
 /// The parts: names and files.
@@ -184,8 +169,8 @@ fn measure(plan: &Plan) -> Result<bool, Failure> {
     let expected = expected(plan.folder.as_deref());
     println!(
         "| part | exit | outcome | tets | TetGen, tets | ratio | s | TetGen, s | us/tet | \
-         certified |\n\
-         |---|--:|---|--:|--:|--:|--:|--:|--:|---|"
+         certified | angles | % over |\n\
+         |---|--:|---|--:|--:|--:|--:|--:|--:|---|---|--:|"
     );
     let mut rows = Vec::new();
     for (name, path) in parts(plan)? {
@@ -216,7 +201,7 @@ fn part(
 ) -> Result<Row, Failure> {
     let ours = ours(plan, path)?;
     let file = io::read_domain(path).ok();
-    let known = expected.get(name).map(Expected::theirs);
+    let known = expected.get(name).map(theirs);
     let theirs = match (&plan.python, &file) {
         // Parts that TetGen does not mesh, or crashes on, need not be waited for.
         (_, _) if known.as_ref().is_some_and(|known| known.tets.is_none()) => known,
@@ -248,10 +233,17 @@ fn broken(ran: &Ran, facets: usize, bounded: bool) -> Vec<&'static str> {
         (ran.code.is_none(), "no end within 60 s, or killed"),
         (ran.tets.is_some() && ran.seconds > each, "more than 30 us per tetrahedron + 0.1 s"),
         (tets > TETS_EACH * facets + TETS_MORE, "more than 128 x the facets + 1000 tetrahedra"),
+        (counted(ran, Count::is_broken), "more over the bound than angles excuse"),
+        (matches!(ran.count, Some(Err(_))), "a mesh that is not judged"),
     ]
     .into_iter()
     .filter_map(|(is_broken, text)| is_broken.then_some(text))
     .collect()
+}
+
+/// Is it so of what was counted?
+fn counted(ran: &Ran, is_so: impl Fn(&Count) -> bool) -> bool {
+    matches!(&ran.count, Some(Ok(count)) if is_so(count))
 }
 
 /// Runs a command within the limit: its exit code, processor seconds, and what it wrote to stderr.
@@ -293,14 +285,15 @@ fn children_seconds() -> Option<f64> {
 
 /// Our program on a part.
 fn ours(plan: &Plan, path: &Path) -> Result<Ran, Failure> {
-    let json = plan.work.join("report.json");
+    let [json, mesh] = ["report.json", "mesh.vtu"].map(|name| plan.work.join(name));
     // The output of an earlier run would be taken for this one's.
-    if json.exists() {
-        std::fs::remove_file(&json)?;
+    for file in [&json, &mesh].into_iter().filter(|file| file.exists()) {
+        std::fs::remove_file(file)?;
     }
     let mut command = Command::new(&plan.program);
-    command.arg("mesh").arg(path).args(["--radius-edge", "2", "--threads", "1", "--json"]);
-    let (code, seconds, text) = run(plan, command.arg(&json).stdout(Stdio::null()))?;
+    command.arg("mesh").arg(path).args(["--radius-edge", &RATIO.to_string(), "--threads", "1"]);
+    command.arg("-o").arg(&mesh).arg("--json").arg(&json);
+    let (code, seconds, text) = run(plan, command.stdout(Stdio::null()))?;
     let message = text.lines().rev().find_map(|line| line.strip_prefix("ltbw: "));
     let message = message.unwrap_or_default().to_owned();
     let report: Option<Value> =
@@ -317,6 +310,11 @@ fn ours(plan: &Plan, path: &Path) -> Result<Ran, Failure> {
         // A mesh is certified if nothing is wrong with it but for tetrahedra that are excused.
         let complete = ["met", "excused"].iter().any(|o| report["outcome"] == *o);
         ran.certified = complete && report["certificate"].is_object() && code != Some(5);
+        let tolerance = report["refinement"]["flat_tolerance"].as_f64().unwrap_or(0.0);
+        let written = Some(&*mesh).filter(|mesh| mesh.exists());
+        if code != Some(5) {
+            ran.count = Some(count(path, written, tolerance, RATIO));
+        }
     }
     Ok(ran)
 }
@@ -375,7 +373,7 @@ fn tetgen(plan: &Plan, python: &str, domain: &Domain) -> Result<Ran, Failure> {
     };
     let message = text.lines().last().unwrap_or_default().to_owned();
     let (tets, seconds) = numbers.map_or((None, 0.0), |(t, s)| (Some(t), s));
-    Ok(Ran { code, outcome, tets, seconds, certified: false, message })
+    Ok(Ran { code, outcome, tets, seconds, message, ..Ran::default() })
 }
 
 fn ratio(row: &Row) -> Option<f64> {
@@ -394,8 +392,9 @@ fn line(row: &Row) -> String {
     let number = |n: Option<f64>, digits: usize| n.map_or_else(dash, |n| format!("{n:.digits$}"));
     let tets = |ran: &Ran| ran.tets.map_or_else(|| ran.outcome.clone(), |n| n.to_string());
     let theirs = row.theirs.as_ref();
+    let count = row.ours.count.as_ref().and_then(|count| count.as_ref().ok());
     format!(
-        "| {} | {} | {} | {} | {} | {} | {:.2} | {} | {} | {} |{}",
+        "| {} | {} | {} | {} | {} | {} | {:.2} | {} | {} | {} | {} | {} |{}",
         row.name,
         row.ours.code.map_or_else(dash, |code| code.to_string()),
         row.ours.outcome,
@@ -406,6 +405,8 @@ fn line(row: &Row) -> String {
         number(theirs.filter(|t| t.tets.is_some()).map(|t| t.seconds), 2),
         number(each(row), 1),
         if row.ours.certified { "yes" } else { "no" },
+        count.map_or_else(dash, |count| count.features.meeting().name().to_owned()),
+        number(count.map(|count| 100.0 * count.share), 3),
         if row.broken.is_empty() { "" } else { " BROKEN" },
     )
 }
@@ -434,6 +435,13 @@ fn medians(rows: &[Row]) {
     println!("exit codes: 0: {}, 1: {}, 3: {}, 5: {}", with(0), with(1), with(3), with(5));
     let certified = rows.iter().filter(|row| row.ours.certified).count();
     println!("certified: {certified} of {}", rows.len());
+    for meeting in [Meeting::Wide, Meeting::Needles, Meeting::Sharp] {
+        let counts = rows.iter().filter_map(|row| row.ours.count.as_ref()?.as_ref().ok());
+        let own = counts.filter(|count| count.features.meeting() == meeting);
+        let shares: Vec<f64> = own.map(|count| 100.0 * count.share).collect();
+        let most = shares.iter().copied().fold(0.0, f64::max);
+        println!("{} angles: {} parts, at most {most:.3} % over", meeting.name(), shares.len());
+    }
 }
 
 /// Tells where a part is not what `expected.tsv` says.
@@ -451,7 +459,8 @@ fn unexpected(rows: &[Row], expected: &BTreeMap<String, Expected>) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Ran, broken, refusal};
+    use super::{Count, Ran, broken, refusal};
+    use ltbw_tests::excuses::Features;
 
     fn ran(code: Option<i32>, tets: usize, seconds: f64, message: &str) -> Ran {
         let (message, tets) = (message.to_owned(), Some(tets));
@@ -468,6 +477,16 @@ mod tests {
         let text = "a.stl: the facets enclose no region: all is hole";
         assert_eq!(broken(&ran(Some(3), 0, 0.0, text), 8, true).len(), 1);
         assert_eq!(broken(&ran(Some(3), 0, 0.0, text), 8, false), Vec::<&str>::new());
+        let count = |facets: f64, share: f64| {
+            let right =
+                Features { segments: 90.0, segment_facet: 90.0, facets, plane: 90.0, needles: 0 };
+            let count = Count { features: right, tets: 2000, over: 9, share };
+            let ran = Ran { count: Some(Ok(count)), ..ran(Some(1), 2000, 0.1, "") };
+            broken(&ran, 8, true).len()
+        };
+        assert_eq!([count(90.0, 1e-3), count(90.0, 2e-3), count(19.0, 2e-3)], [0, 1, 0]);
+        let none = Ran { count: Some(Err("a defect".to_owned())), ..ran(Some(1), 2000, 0.1, "") };
+        assert_eq!(broken(&none, 8, true), ["a mesh that is not judged"]);
     }
 
     #[test]

@@ -1,13 +1,24 @@
 //! `domains`: bytes to a small domain, checked and prepared.
 //!
 //! The bytes: 4 of style and 4 of plan, then cells of 4 bytes. The plan says how many of them are
-//! vertices ([`snap`]), which solid there is to begin with, and how it is made awkward (`spoil`);
-//! the others are polygons, segments, holes and regions.
+//! vertices ([`snap`]), which solid there is to begin with, layers by the style's seed or one that
+//! is made awkward (`spoil`); the others are polygons, segments, holes and regions.
+//!
+//! A domain that can be meshed is, and the counter of excuses judges the mesh.
 
+use crate::excuses::{judge_refined, limits};
 use crate::families::snap;
+use crate::layered::{Stack, random_honeycomb, random_laminate};
 use arbitrary::Unstructured;
 use ltbw::Point;
-use ltbw::domain::{CheckOptions, DefectKind, Domain, DomainReport, Facet, PrepareOptions, Region};
+use ltbw::domain::{
+    CheckOptions, DefectKind, Domain, DomainReport, Facet, PrepareOptions, Prepared, Region,
+};
+use ltbw::refine::{RefineError, RefineOutcome, Refiner};
+
+/// The most points of a mesh: many domains have details that would take more than there is time
+/// for.
+const POINTS: u64 = 2_000;
 
 /// Corners of a tetrahedron and of a cube, in numbers of vertices, outward for the points of
 /// [`corners`].
@@ -29,11 +40,20 @@ pub fn domain(bytes: &[u8]) -> Domain {
     let [count, solid, size, void]: [u8; 4] = u.arbitrary().unwrap_or_default();
     let (cells, _) = u.take_rest().as_chunks::<4>();
     let (points, parts) = cells.split_at(cells.len().min(usize::from(count % 12)));
-    let mut domain = Domain::default();
+    let mut domain = match solid / 32 {
+        1 => Stack::random(style.into(), f64::from(size) * 10.0).domain(),
+        2 => random_honeycomb(style.into()).1,
+        3 => random_laminate(style.into()).1,
+        _ => Domain::default(),
+    };
     if solid % 4 != 0 {
+        let first = domain.vertices.len() as u32;
         domain.vertices.extend(corners(f64::from(size % 9 + 1)));
         let faces = if solid % 4 == 1 { TETRAHEDRON } else { CUBE };
-        domain.facets.extend(faces.iter().map(|corners| Facet::polygon(corners, 1)));
+        domain.facets.extend(faces.iter().map(|face| {
+            let corners: Vec<u32> = face.iter().map(|v| first + v).collect();
+            Facet::polygon(&corners, 1)
+        }));
     }
     if solid % 4 == 3 {
         // A smaller box inside, turned round.
@@ -118,7 +138,8 @@ fn told_otherwise(domain: &Domain) -> Domain {
 ///
 /// # Panics
 /// If the check panics or its verdict depends on the order of things, if a prepared domain is not
-/// one, or if the reason for a refusal is not one line.
+/// one or has a mesh that leaves too much over its bound, or if the reason for a refusal is not one
+/// line.
 pub fn domains(bytes: &[u8]) {
     let domain = domain(bytes);
     for oriented in [false, true] {
@@ -144,7 +165,26 @@ fn tolerance(domain: &Domain) -> f64 {
     (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max) / 2048.0
 }
 
-/// Prepares a domain; what is prepared stays as it is if that is done again.
+/// Refines a prepared domain with a budget.
+///
+/// # Panics
+/// If the mesh is not sound, or more of it is over the bound than the angles of the domain excuse.
+fn refine(domain: &Domain, ready: &Prepared) {
+    let refiner = Refiner::new().one_thread().max_points(POINTS);
+    let refined = match refiner.refine(&ready.domain, &ready.lattice) {
+        Ok(refined) => refined,
+        Err(error @ RefineError::Invariant { .. }) => panic!("{error}: {domain:?}"),
+        Err(error) => return one_line(&error.to_string()),
+    };
+    if matches!(refined.outcome, RefineOutcome::Met | RefineOutcome::Excused) {
+        let bounds = limits(&ready.domain, Some(2.0), None);
+        let judged = judge_refined(ready, &refined, &bounds);
+        let (_, count) = judged.unwrap_or_else(|defect| panic!("{defect}: {domain:?}"));
+        assert!(!count.is_broken(), "{count}: {domain:?}");
+    }
+}
+
+/// Prepares a domain; what is prepared stays as it is if that is done again, and can be meshed.
 fn prepare(domain: &Domain, options: &PrepareOptions) {
     match domain.prepare(options) {
         Err(error) => one_line(&error.to_string()),
@@ -156,6 +196,7 @@ fn prepare(domain: &Domain, options: &PrepareOptions) {
             assert_eq!(again.moved, 0, "{domain:?}");
             let volumes = [&prepared.report, &again.report].map(DomainReport::volume);
             assert_eq!(volumes[0], volumes[1], "{domain:?}");
+            refine(domain, &prepared);
         }
     }
 }
@@ -183,7 +224,8 @@ mod tests {
         let touching = [[0, 2 + 4 * 4, 3, 0], [0, 2 + 4 * 5, 3, 0]];
         let needle = [[0, 2 + 4 * 2, 3, 12], [0, 2 + 4 * 3, 3, 12], [0, 2 + 4, 3, 4]];
         let plain = [[0, 1, 0, 0], [0, 2, 3, 0], [0, 3, 7, 0x24]];
-        for solid in plain.into_iter().chain(touching).chain(needle) {
+        let layers = [[0, 32, 12, 0], [0, 64, 0, 0], [0, 96, 0, 0]];
+        for solid in plain.into_iter().chain(touching).chain(needle).chain(layers) {
             let bytes = [[0; 4], solid].concat();
             let prepared = domain(&bytes).prepare(&Default::default());
             assert!(prepared.is_ok(), "{solid:?}: {:?}", prepared.err());

@@ -8,7 +8,7 @@
 //! | [`triangulate`] | one mesh for all orders, refusals and queries; equal to CGAL's; certified |
 //! | [`formats`] | a reader reads or says why not, and what it read can be written and read back |
 //! | [`checker`] | the checker passes a sound mesh and finds every planted defect |
-//! | [`domains`] | the check of a domain ends, in any order of facets; a prepared one passes |
+//! | [`domains`] | the check of a domain ends in any order; what is prepared and meshed is judged |
 //! | [`protocol`] | the parallel kernel ends at rest with the one mesh, in any order of events |
 //! | [`cli`] | the command line is understood, or refused in one line with exit code 2 |
 //! | [`canary`] | **fails on purpose**: its predicate has a planted bug, which must be found |

@@ -1,0 +1,19 @@
+//! `stacks`: random stacks of thin layers, whose angles excuse nothing: bounds met, and one mesh
+//! for 1, 2 and 5 threads and for 1 and 3 workers that share none.
+
+use crate::shell::{self, cargo};
+
+/// The stacks of a run without a number.
+const STACKS: &str = "1000";
+
+/// Runs the tests of stacks with as many stacks as are asked for.
+pub(crate) fn run(args: &[String]) -> Result<(), String> {
+    let count = match args {
+        [] => STACKS,
+        [count] if count.parse::<u32>().is_ok_and(|count| count > 0) => count,
+        _ => return Err("usage: stacks [COUNT]".to_owned()),
+    };
+    let mut command = cargo();
+    command.args(["test", "--release", "-p", "ltbw-tests", "--test", "stacks"]);
+    shell::run(command.args(["--", "--nocapture"]).env("LTBW_CASES", count))
+}
