@@ -74,16 +74,18 @@ impl Ready {
     /// Why it cannot be meshed.
     pub fn new(source: Source, wishes: &Wishes) -> Result<Self, Failure> {
         let (mut domain, oriented, mut notes) = source.read()?;
-        domain.holes.extend(wishes.holes.iter().flatten());
         domain.regions.extend(&wishes.regions);
-        let prepared = domain.prepare(&PrepareOptions {
+        let mut options = PrepareOptions {
             exact_input: wishes.exact_input,
             repair: wishes.repair,
-            // Holes that are given say what is void.
-            oriented: oriented && wishes.holes.is_none(),
             frame: wishes.frame,
-        })?;
-        notes.extend(prepared.repairs.notes());
+            oriented,
+            nested_voids: false,
+            strict: false,
+        };
+        wishes.holes.apply(&mut domain, &mut options);
+        let prepared = domain.prepare(&options)?;
+        notes.extend(prepared.notes());
         let offset = prepared.lattice.offset();
         if offset != [0.0; 3] {
             notes.push(format!("coordinates are relative to {offset:?}"));

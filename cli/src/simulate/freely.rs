@@ -98,7 +98,7 @@ fn defects(args: &Simulate, ready: &Prepared, refined: &RefinedDomain) -> Vec<St
         _ => verify::Limits::default(),
     };
     let mesh = verify::Mesh::new(&refined.points, &tets);
-    let plc = plc_of(&ready.domain, 0.0);
+    let plc = plc_of(ready.judged(), 0.0);
     let found = verify::conforms(&mesh, &plc, Some(&tags), &limits, &verify::Options::default());
     let mesh = found.mesh_defects.iter().map(|defect| format!("{defect:?}"));
     mesh.chain(found.counts.iter().map(|count| format!("{count:?}"))).collect()

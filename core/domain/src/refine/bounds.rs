@@ -23,7 +23,8 @@ pub fn largest_tolerance(domain: &Domain) -> f64 {
 /// the diagonal, or two steps of the largest coordinate where all numbers are single-precision;
 /// `read` is the surface as its file has it, `ready` as it is to be meshed.
 pub fn usual_tolerance(read: &Domain, ready: &Domain) -> f64 {
-    let own = diagonal(read) / f64::from(1u32 << 22);
+    let (read, _) = read.near();
+    let own = diagonal(&read) / f64::from(1u32 << 22);
     let numbers = || read.vertices.iter().flatten();
     let largest = numbers().fold(0.0, |most: f64, c| most.max(c.abs())) as f32;
     let is_single = numbers().all(|&c| f64::from(c as f32) == c) && largest < f32::MAX;
