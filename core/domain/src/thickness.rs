@@ -58,7 +58,7 @@ mod tests {
                 if let Some(found) = found {
                     assert!(found.extent > size && found.extent < 1.5 * size);
                     let (low, high) =
-                        (0.5 * part * size - 1e-14 * size, (2.0 * part + 1e-14) * size);
+                        (0.25 * part * size - 1e-14 * size, (8.0 * part + 1e-14) * size);
                     let thickness = found.thickness;
                     assert!(low <= thickness && thickness <= high, "{thickness} {part}");
                 }
