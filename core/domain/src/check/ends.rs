@@ -1,10 +1,11 @@
 //! Open edges in the exterior: a gap through which the outside leaks in, or the end of a sheet?
 //!
-//! Nothing but the place of the edges can tell. They are taken together where they meet in a
-//! vertex. A set whose facets lie in one plane is the rim of a flat sheet. Otherwise it is a gap if
+//! Nothing but the place of the edges can tell. Those of one sheet are taken together where
+//! they meet in a vertex. A set whose facets lie in one plane is the rim of a flat sheet. Otherwise it is a gap if
 //! it has no end, so that it runs around something; or if one more facet would close it: its
 //! vertices lie in one plane, and an edge joins its two ends. The rest are ends of bent sheets.
 
+use super::cells::{Sets, edges};
 use super::complex::Complex;
 use super::contact::sides_of;
 use ltbw_exact::predicates::{collinear, orient3d};
@@ -19,7 +20,8 @@ pub(super) fn gaps(complex: &Complex<'_>, open: &[Open]) -> Vec<bool> {
         return Vec::new();
     }
     let mut sets: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    for (i, set) in connected(open).into_iter().enumerate() {
+    let sheets = sheets(complex);
+    for (i, set) in connected(open, &sheets).into_iter().enumerate() {
         sets.entry(set).or_default().push(i);
     }
     let sorted = |[a, b]: [u32; 2]| [a.min(b), a.max(b)];
@@ -34,11 +36,23 @@ pub(super) fn gaps(complex: &Complex<'_>, open: &[Open]) -> Vec<bool> {
     found
 }
 
-/// For each edge the number of its set.
-fn connected(open: &[Open]) -> Vec<u32> {
-    let mut at: HashMap<u32, Vec<u32>> = HashMap::new();
-    for (i, (edge, _)) in (0..).zip(open) {
-        edge.iter().for_each(|&v| at.entry(v).or_default().push(i));
+/// For each triangle the sheet that it is of: triangles that edges of two of them connect.
+fn sheets(complex: &Complex<'_>) -> Vec<u32> {
+    let mut sets = Sets::new(complex.triangles.len());
+    for group in edges(complex).chunk_by(|a, b| a.0 == b.0) {
+        if let [one, other] = group {
+            sets.unite(one.1, other.1);
+        }
+    }
+    (0..complex.triangles.len() as u32).map(|t| sets.find(t)).collect()
+}
+
+/// For each edge the number of its set: edges of one sheet that meet in vertices.
+fn connected(open: &[Open], sheets: &[u32]) -> Vec<u32> {
+    let key = |v: u32, t: u32| (v, sheets[t as usize]);
+    let mut at: HashMap<(u32, u32), Vec<u32>> = HashMap::new();
+    for (i, &(edge, t)) in (0..).zip(open) {
+        edge.iter().for_each(|&v| at.entry(key(v, t)).or_default().push(i));
     }
     let mut set = vec![u32::MAX; open.len()];
     for first in 0..open.len() as u32 {
@@ -47,7 +61,8 @@ fn connected(open: &[Open]) -> Vec<u32> {
         while let Some(i) = stack.pop() {
             if set[i as usize] == u32::MAX {
                 set[i as usize] = first;
-                stack.extend(open[i as usize].0.iter().flat_map(|v| &at[v]));
+                let (edge, t) = open[i as usize];
+                stack.extend(edge.iter().flat_map(|&v| &at[&key(v, t)]));
             }
         }
     }
