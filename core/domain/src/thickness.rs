@@ -30,6 +30,9 @@ impl Thickness {
         let c = farthest(&|p| dot(&across(p), &across(p)))?;
         let (normal, extent) = (across(c), distance2(a, b).sqrt());
         let length = dot(&normal, &normal).sqrt();
+        if length == 0.0 {
+            return None;
+        }
         let heights = || points.iter().map(|p| dot(&minus(p, a), &normal) / length);
         let low = heights().fold(f64::INFINITY, f64::min);
         let thickness = heights().fold(f64::NEG_INFINITY, f64::max) - low;
