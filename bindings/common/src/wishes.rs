@@ -11,7 +11,7 @@ pub struct Wishes {
     pub radius_edge: Option<f64>,
     /// The most points to insert.
     pub max_points: Option<u64>,
-    /// What is void.
+    /// The rule that says what is void.
     pub holes: Holes,
     /// Regions with properties of their own.
     pub regions: Vec<Region>,

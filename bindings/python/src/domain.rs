@@ -38,7 +38,7 @@ impl Given<'_> {
     }
 }
 
-/// What is void: what points are in, or bodies inside others, or nothing.
+/// The voids: what points are in, or bodies inside others, or none.
 #[derive(FromPyObject)]
 pub(crate) enum Void {
     Auto(bool),

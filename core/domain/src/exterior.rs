@@ -1,5 +1,5 @@
-//! What is no part of a domain: facets, segments and vertices with nothing but exterior around
-//! them. The check finds them ([`Exterior`]); preparation leaves them out.
+//! Facets, segments and vertices with nothing but exterior around them are no part of a domain.
+//! The check finds them ([`Exterior`]); preparation leaves them out.
 //!
 //! A facet that is exterior on both sides in some pieces only (a wall that goes on beyond the body)
 //! is cut into its triangles first, which the mesh cannot tell from the facet: triangles of one

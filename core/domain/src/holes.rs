@@ -1,20 +1,20 @@
-//! [`Holes`]: what users say of voids, beside what a file says.
+//! [`Holes`]: voids as users give them, beside what a file says.
 
 use crate::{Domain, PrepareOptions};
 use ltbw_exact::Point;
 use std::str::FromStr;
 
-/// What is void in a domain.
+/// The rule that says what is void in a domain.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum Holes {
-    /// What the file says: hole points, or the orientation of a surface.
+    /// The file's own: hole points, or the orientation of a surface.
     #[default]
     Given,
     /// Nothing.
     None,
     /// Bodies inside others, and what hole points of the file are in.
     Auto,
-    /// What these points are in, and hole points of the file.
+    /// The cells that these points are in, and hole points of the file.
     At(Vec<Point>),
 }
 

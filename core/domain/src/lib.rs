@@ -36,6 +36,7 @@ pub mod plc;
 pub mod prepare;
 pub mod quality;
 pub mod refine;
+mod renumber;
 pub mod repair;
 mod sync;
 pub mod thickness;

@@ -8,6 +8,7 @@
 
 use crate::check::same_place;
 use crate::exterior::{LEFT_OUT, Settled};
+use crate::renumber::{in_numbers_of_input, rename};
 use crate::repair::{Repairs, Surface, weld};
 use crate::{CheckOptions, Domain, DomainError, DomainReport, Facet, Lattice, Move, Snapped};
 use crate::{DefectKind, Element, TroubleKind, triangulate};
@@ -81,7 +82,7 @@ impl Prepared {
         self.whole.as_ref().unwrap_or(&self.domain)
     }
 
-    /// What was repaired, left out or guessed, a line for each kind.
+    /// A line for each kind of what was repaired, left out or guessed.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.repairs.notes();
@@ -104,7 +105,7 @@ impl Prepared {
     }
 }
 
-/// What is said of bodies inside others that are taken for regions.
+/// The note on bodies inside others that are taken for regions.
 fn nested(report: &DomainReport) -> Option<String> {
     let (bodies, them) = match report.count(DefectKind::Nested) {
         0 => return None,
@@ -154,7 +155,7 @@ pub enum PrepareError {
     /// Something would be repaired, left out or guessed, and that was to be refused.
     #[error("not repaired, as it is to be strict: {}", .notes.join("; "))]
     Strict {
-        /// What, a line for each kind.
+        /// A line for each kind.
         notes: Vec<String>,
     },
     /// It bounds nothing that is not a hole.
@@ -230,43 +231,6 @@ fn summary(report: &DomainReport) -> String {
 
 fn distance(p: &Point, q: &Point) -> f64 {
     (0..3).map(|k| (p[k] - q[k]) * (p[k] - q[k])).sum::<f64>().sqrt()
-}
-
-/// Gives the elements of a report the numbers that they have in the input.
-fn in_numbers_of_input(report: &mut DomainReport, vertex_map: &[u32], facet_map: &[u32]) {
-    let kept = || (0..).zip(vertex_map).filter(|&(_, &number)| number != LEFT_OUT);
-    let count = kept().map(|(_, &v)| v as usize + 1).max().unwrap_or(0);
-    let mut vertices = vec![u32::MAX; count];
-    for (v, &number) in kept() {
-        let first = &mut vertices[number as usize];
-        *first = v.min(*first);
-    }
-    let vertex = |v: u32| vertices.get(v as usize).copied().unwrap_or(v);
-    let facet = |f: u32| facet_map.get(f as usize).copied().unwrap_or(f);
-    rename(report, &vertex, &facet);
-}
-
-/// Gives the elements of a report other numbers.
-fn rename(report: &mut DomainReport, vertex: &dyn Fn(u32) -> u32, facet: &dyn Fn(u32) -> u32) {
-    let rename = |element: &mut Element| match element {
-        Element::Vertex(v) => *v = vertex(*v),
-        Element::Edge(ends) => *ends = ends.map(vertex),
-        Element::Facet(f)
-        | Element::Polygon { facet: f, .. }
-        | Element::FacetHole { facet: f, .. } => {
-            *f = facet(*f);
-        }
-        Element::Segment(_) | Element::Hole(_) | Element::Region(_) => {}
-    };
-    let firsts = report.troubles.iter_mut().filter_map(|t| t.first.as_mut());
-    let defects = report.defects.iter_mut().chain(firsts);
-    defects.flat_map(|d| &mut d.elements).for_each(rename);
-    for trouble in &mut report.troubles {
-        trouble.facets.iter_mut().for_each(|f| *f = facet(*f));
-        trouble.facets.sort_unstable();
-        trouble.facets.dedup();
-    }
-    report.inward.iter_mut().for_each(|f| *f = facet(*f));
 }
 
 /// A report of what is left, in which a surface that is open because its facets were there from

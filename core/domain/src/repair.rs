@@ -132,7 +132,7 @@ impl Repairs {
         notes
     }
 
-    /// What was left out, a line for each kind.
+    /// A line for each kind of what was left out.
     fn left_out(&self) -> Vec<String> {
         let facets = |facets: &[u32], why: &str| {
             let first = facets.first()?;

@@ -6,7 +6,7 @@ use ltbw_exact::Point;
 /// The largest part of their extent that nearly flat points are thick.
 const FLAT: f64 = 1.0 / (1 << 20) as f64;
 
-/// How far points reach.
+/// The reach of points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Thickness {
     /// Across the plane through three of them that are far from each other.

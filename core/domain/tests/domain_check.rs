@@ -241,8 +241,8 @@ fn shells_in_shells_are_voids_and_islands() {
     assert!(plain.passed(), "{:?}", plain.defects);
     assert_eq!(plain.volume().unwrap().to_string(), "44");
 
-    // A shell the wrong way round is a body, with a void in it and a body in that. Where shells in shells are voids its facets are
-    // named, as one finding, and turning them round helps.
+    // A shell the wrong way round is a body, with a body in it and a void in that. Where shells in
+    // shells are voids its facets are named, as one finding, and turning them round helps.
     (6..12).for_each(|f| domain.facets[f].polygons[0].reverse());
     let report = check(&domain, true);
     assert_eq!((report.count(DefectKind::Nested), report.voids.len()), (2, 1));

@@ -1,4 +1,4 @@
-//! What has nothing but exterior around it is left out; bodies in bodies; and refusals of both.
+//! Items with nothing but exterior around them are left out; bodies in bodies; and refusals.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 mod common;
@@ -14,7 +14,7 @@ use ltbw_exact::Point;
 fn prepared(domain: &Domain, oriented: bool) -> Prepared {
     let options = PrepareOptions { oriented, ..PrepareOptions::default() };
     let prepared = domain.prepare(&options).unwrap();
-    // What is left has nothing to leave out, and is the same once more.
+    // The rest has nothing to leave out, and is the same once more.
     assert!(prepared.report.exterior.is_empty());
     let again = prepared.domain.prepare(&PrepareOptions::default()).unwrap();
     assert_eq!((&again.domain, &again.whole), (&prepared.domain, &None));

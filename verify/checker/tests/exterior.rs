@@ -1,4 +1,4 @@
-//! What has nothing but exterior around it is not asked for in a mesh, and excuses nothing else.
+//! Items with nothing but exterior around them are not asked for, and excuse nothing else.
 
 use ltbw_verify::{
     Conformity, ConformityDefect, Limits, Mesh, Options, Plc, PlcFacet, VertexOrder, conforms,

@@ -1,9 +1,10 @@
 //! Open edges in the exterior: a gap through which the outside leaks in, or the end of a sheet?
 //!
-//! Nothing but the place of the edges can tell. Those of one sheet are taken together where
-//! they meet in a vertex. A set whose facets lie in one plane is the rim of a flat sheet. Otherwise it is a gap if
-//! it has no end, so that it runs around something; or if one more facet would close it: its
-//! vertices lie in one plane, and an edge joins its two ends. The rest are ends of bent sheets.
+//! Nothing but the place of the edges can tell. Those of one sheet are taken together where they
+//! meet in a vertex. A set whose facets lie in one plane is the rim of a flat sheet. Otherwise it
+//! is a gap if it has no end, so that it runs around something; or if one more facet would close
+//! it: its vertices lie in one plane, and an edge joins its two ends. The rest are ends of bent
+//! sheets.
 
 use super::cells::{Sets, edges};
 use super::complex::Complex;

@@ -6,7 +6,7 @@ use super::{Cell, CheckOptions, Findings};
 use crate::{DefectKind, Element};
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
-/// How a step over facets between two cells counts, from the first to the second.
+/// The count of a step over facets between two cells, from the first to the second.
 type Steps = BTreeMap<[u32; 2], i64>;
 
 /// A cell, the one from which it is reached, and how the step counts.
@@ -37,10 +37,10 @@ impl Question<'_> {
         })
     }
 
-    /// For each cell whether it is inside by the orientation of facets: what a shell in the exterior
-    /// bounds is, and what one inside bounds unless it is turned the other way than that around it.
-    /// Between two cells the most of the triangles say how they are turned. `None` if what winds
-    /// around a cell depends on the way to it. Reports each body inside another.
+    /// For each cell whether it is inside by the orientation of facets: what a shell in the
+    /// exterior bounds is, and what one inside bounds unless it is turned the other way than that
+    /// around it. Between two cells the most of the triangles say how they are turned. `None` if
+    /// what winds around a cell depends on the way to it. Reports each body inside another.
     fn by_orientation(&self, findings: &mut Findings) -> Option<Vec<bool>> {
         let (mut plain, mut inner) = (Steps::new(), Steps::new());
         for (pair, is_inner, front_is_second) in self.steps() {
@@ -58,7 +58,7 @@ impl Question<'_> {
         }
         let steps = plain.into_iter().chain(inner).map(|(pair, sum)| (pair, sum.signum()));
         let (_, reached) = self.spread(steps, |own, step| own + step)?;
-        // How what is inside is turned, and 0 for the exterior.
+        // The way that what is inside is turned, and 0 for the exterior.
         let mut turned = vec![0; self.cells.count as usize];
         let mut nested = HashSet::new();
         for (cell, from, step) in reached {

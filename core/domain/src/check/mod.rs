@@ -85,7 +85,7 @@ pub struct DomainReport {
     pub voids: Vec<Point>,
     /// The facets that point inwards, of an oriented surface.
     pub inward: Vec<u32>,
-    /// What has nothing but exterior around it; empty if defects leave that open.
+    /// The items with nothing but exterior around them; none if defects leave that open.
     pub exterior: Exterior,
     /// The meaning of the errors for the surface, by kind.
     pub troubles: Vec<Trouble>,

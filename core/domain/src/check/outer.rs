@@ -1,4 +1,4 @@
-//! What has nothing but exterior around it.
+//! The items with nothing but exterior around them.
 
 use super::cells::{self, OUTSIDE, Sets};
 use super::contact::sides_of;
@@ -15,7 +15,7 @@ use std::collections::HashMap;
 pub struct Exterior {
     /// Facets. Also those that were given from either side, with nothing between.
     pub facets: Vec<u32>,
-    /// Those of them that have an edge of one facet only: they end in the exterior.
+    /// The facets of these that have an edge of one facet only: they end in the exterior.
     pub ends: Vec<u32>,
     /// Facets of which a part is such.
     pub partly: Vec<u32>,
@@ -49,7 +49,7 @@ impl Question<'_> {
         self.inner.binary_search(&self.complex.facet_of[t]).is_ok()
     }
 
-    /// What has nothing but exterior around it.
+    /// The items with nothing but exterior around them.
     pub(super) fn exterior(&self, found: &[Cell]) -> Exterior {
         let (domain, complex) = (self.domain, self.complex);
         let idle: Vec<bool> =

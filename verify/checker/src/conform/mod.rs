@@ -84,7 +84,7 @@ pub fn conforms(
 struct Run<'a> {
     mesh: &'a Mesh<'a>,
     plc: &'a Plc,
-    /// What was left out of it.
+    /// The items that were left out of it.
     exterior: Exterior,
     limit: usize,
     out: Conformity,

@@ -1,7 +1,8 @@
 //! The cells between pieces.
 
 use super::super::whole::Whole;
-use super::cast::{Hit, Hom, cast};
+use super::cast::{Hit, cast};
+use super::hom::Hom;
 use super::pieces::{Piece, undirected};
 use num_bigint::{BigInt, Sign};
 use std::cmp::Ordering;

@@ -4,8 +4,8 @@
 //! 1. Each facet is taken apart into pieces, as its polygons divide its plane (`pieces.rs`).
 //! 2. Every piece has two sides. Around an edge, sides that see each other are in one cell; a piece
 //!    that is alone at an edge has both of its sides in one (`cells.rs`).
-//! 3. Shells (pieces that edges connect) are put into each other by segments from far outside, along
-//!    which cells follow each other (`cast.rs`); so are points of holes, and vertices.
+//! 3. Shells (pieces that edges connect) are put into each other by segments from far outside,
+//!    along which cells follow each other (`cast.rs`); so are points of holes, and vertices.
 //! 4. The cell of the outside and those of holes are the exterior.
 //!
 //! That is right for a domain whose facets meet in common vertices and edges only. Where an open
@@ -13,17 +13,18 @@
 
 mod cast;
 mod cells;
+mod hom;
 mod pieces;
 
 use super::whole::{Units, Whole};
 use super::{Plc, edge};
 use crate::mesh::Mesh;
-use cast::Hom;
 use cells::Cells;
+use hom::Hom;
 use pieces::Piece;
 use std::collections::{HashMap, HashSet};
 
-/// What a mesh need not have: whether each facet, segment and vertex is such.
+/// The items that a mesh need not have: whether each facet, segment and vertex is such.
 #[derive(Debug, Default)]
 pub(super) struct Exterior {
     facets: Vec<bool>,

@@ -7,7 +7,7 @@
 use super::super::facet::FlatFacet;
 use super::super::whole::{Units, Whole, twice_area};
 use super::super::{Plc, PlcFacet, edge};
-use super::cast::Hom;
+use super::hom::Hom;
 use num_bigint::{BigInt, Sign};
 use std::cmp::Ordering;
 use std::collections::HashMap;
