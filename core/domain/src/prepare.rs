@@ -11,7 +11,7 @@ use crate::exterior::{LEFT_OUT, Settled};
 use crate::renumber::{in_numbers_of_input, rename};
 use crate::repair::{Repairs, Surface, weld};
 use crate::{CheckOptions, Domain, DomainError, DomainReport, Facet, Lattice, Move, Snapped};
-use crate::{DefectKind, Element, TroubleKind, triangulate};
+use crate::{DefectKind, TroubleKind, triangulate};
 use ltbw_exact::Point;
 
 /// The coordinates in which a domain is meshed.

@@ -29,6 +29,9 @@ pub(super) struct Piece {
     pub(super) bounds: [[i128; 2]; 3],
 }
 
+/// Directed edges.
+type Rim = Vec<[u32; 2]>;
+
 /// A facet in projection.
 struct Flat<'a> {
     facet: u32,
@@ -140,7 +143,7 @@ impl<'a> Flat<'a> {
             .into_iter()
             .map(|cycle| (self.area(&cycle), cycle))
             .partition(|(area, _)| area.sign() == Sign::Plus);
-        let mut faces: Vec<(BigInt, Vec<[u32; 2]>, Vec<[u32; 2]>)> =
+        let mut faces: Vec<(BigInt, Rim, Rim)> =
             faces.into_iter().map(|(area, cycle)| (area, cycle, Vec::new())).collect();
         // From the smallest on: the first face around the rim of a part is the one it lies in.
         faces.sort_by(|p, q| p.0.cmp(&q.0));
@@ -191,8 +194,8 @@ impl<'a> Flat<'a> {
         };
         let mut done = vec![false; around.len()];
         let mut cycles = Vec::new();
-        for first in 0..around.len() {
-            let (mut half, mut cycle) = (around[first], Vec::new());
+        for &first in &around {
+            let (mut half, mut cycle) = (first, Vec::new());
             // Every half-edge is in one walk.
             while !std::mem::replace(&mut done[place[&half]], true) {
                 cycle.push(half);
