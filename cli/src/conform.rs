@@ -55,7 +55,7 @@ pub(crate) fn check(
     let options = verify::Options { vertex_order: order, ..verify::Options::default() };
     let mesh = verify::Mesh::new(&inside.points, &inside.tets);
     let tags = inside.tet_tags.as_deref();
-    let complex = plc_of(&ready.domain, flat_tolerance);
+    let complex = plc_of(ready.judged(), flat_tolerance);
     let mut found = verify::conforms(&mesh, &complex, tags, &limits, &options);
     let same = same_volume(&ready, &found);
     let word = if found.passed() && same { Verdict::Passed } else { Verdict::Failed };
@@ -91,7 +91,7 @@ pub(crate) fn check_own(
         region_volumes: ready.domain.regions.iter().map(|r| r.max_volume).collect(),
     };
     let mesh = verify::Mesh::new(&inside.points, &inside.tets);
-    let plc = plc_of(&ready.domain, refined.stats.flat_tolerance);
+    let plc = plc_of(ready.judged(), refined.stats.flat_tolerance);
     let tags = inside.tet_tags.as_deref();
     let options = verify::Options::default();
     let max_defects = options.max_defects.max(excuses);

@@ -11,7 +11,7 @@ use ltbw::domain::{
     CheckOptions, Domain, DomainDefect, DomainReport, Element, PrepareError, PrepareOptions,
     Severity, Snapped,
 };
-use ltbw::io::{self, DomainFile};
+use ltbw::io;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -71,18 +71,19 @@ pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
         check_report(json, &io::domain_files(&args.mesh), other)?;
     }
     let stage = Stage::begin("read");
-    let file = source.domain()?;
+    let mut file = source.domain()?;
     drop(stage);
     let name = source.show();
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
     let failed = |error: PrepareError| Failure::Domain { path: source.name.clone(), error };
-    let options = CheckOptions { oriented: file.oriented, ..CheckOptions::default() };
+    let options = args.preparation.options(&mut file);
+    let PrepareOptions { oriented, nested_voids, .. } = options;
+    let checks = CheckOptions { oriented, nested_voids, ..CheckOptions::default() };
     let stage = Stage::begin("check");
-    let report = file.domain.check(&options).map_err(|e| failed(e.into()))?;
+    let report = file.domain.check(&checks).map_err(|e| failed(e.into()))?;
     drop(stage);
     print_domain(&name, &file.domain, &report);
     print_defects(&report);
-    let options = args.preparation.options(file.oriented);
     let stage = Stage::begin("prepare");
     let snapped = file.domain.snap_by(&PrepareOptions { exact_input: false, ..options });
     let snapped = snapped.map_err(failed)?;
@@ -92,7 +93,8 @@ pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
         snapped.clone().exact().map_err(|e| failed(e.into()))?;
     }
     let stage = Stage::begin("check");
-    let after = after_snapping(&file.domain, &report, &snapped, &options).map_err(failed)?;
+    let lenient = PrepareOptions { strict: false, ..options };
+    let after = after_snapping(&file.domain, &report, &snapped, &lenient).map_err(failed)?;
     drop(stage);
     let passed = report.passed() && after.is_none();
     if let Some(path) = &args.json {
@@ -100,6 +102,11 @@ pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
         let text =
             serde_json::to_string_pretty(&text).map_err(|e| Failure::Other(e.to_string()))?;
         write_json(path, &(text + "\n"))?;
+    }
+    if args.preparation.strict
+        && let Err(error @ PrepareError::Strict { .. }) = file.domain.prepare(&options)
+    {
+        return Err(failed(error));
     }
     if passed {
         args.preparation.told(&file.domain, None)?;
@@ -113,7 +120,7 @@ pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
     let counted = if report.passed() { after.as_ref().unwrap_or(&report) } else { &report };
     print_troubles(Some(counted));
     args.preparation.told(&file.domain, Some(counted))?;
-    tell_repairs(args, &file);
+    tell_repairs(&file.domain, &options);
     let counts: Vec<String> = counted
         .counts
         .iter()
@@ -125,9 +132,9 @@ pub(crate) fn check(args: &Check, source: &Source) -> Result<Exit, Failure> {
 }
 
 /// Tells what `mesh` would repair of a domain with defects, and whether that is enough.
-fn tell_repairs(args: &Check, file: &DomainFile) {
-    if let Ok(ready) = file.domain.prepare(&args.preparation.options(file.oriented)) {
-        ready.repairs.notes().iter().for_each(|n| console::people(&format!("repair    {n}")));
+fn tell_repairs(domain: &Domain, options: &PrepareOptions) {
+    if let Ok(ready) = domain.prepare(options) {
+        ready.notes().iter().for_each(|n| console::people(&format!("repair    {n}")));
         console::people("note: `ltbw mesh` repairs this on its way");
     }
 }

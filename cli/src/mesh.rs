@@ -22,6 +22,7 @@ use crate::surface::{print_patches, repairs_json};
 use crate::unrecovered;
 use crate::workers::{Made, print_workers, refine};
 use ltbw::domain::Prepared;
+use ltbw::domain::exterior::LEFT_OUT;
 use ltbw::io::{self, MeshWriter};
 use ltbw::quality::{self, Quality};
 use ltbw::refine::{RefineOutcome, Refined, Verdict};
@@ -337,11 +338,17 @@ fn report_of(
 ) -> Report {
     let points = ready.vertex_map.len();
     let distinct = ready.domain.vertices.len();
+    let left_out = ready.vertex_map.iter().filter(|&&v| v == LEFT_OUT).count();
     let p = refined.mesh().predicate_stats();
     Report {
         schema: Report::SCHEMA,
         command: job.command,
-        input: Input { points, distinct, duplicates: points - distinct, duplicate_of: Vec::new() },
+        input: Input {
+            points,
+            distinct,
+            duplicates: points - distinct - left_out,
+            duplicate_of: Vec::new(),
+        },
         mesh: MeshPart {
             vertices: refined.mesh().num_vertices(),
             tets: refined.num_tets(),

@@ -14,10 +14,11 @@ use crate::progress::{Progress, Stage};
 use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, end};
 use crate::streams::{Formats, name_of, on_stdout};
 use ltbw::balance::Balance;
+use ltbw::domain::Thickness;
 use ltbw::io::{self, MeshWriter, PointFile};
 use ltbw::quality::Quality;
 use ltbw::threads::RunError;
-use ltbw::{BuildError, Builder, Built, Outcome, PointSet, TetMesh};
+use ltbw::{BuildError, Builder, Built, Outcome, Point, PointSet, TetMesh};
 use ltbw_verify as verify;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -148,6 +149,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         job.stop.inserted();
     }
     print_mesh(&name, &report);
+    print_thickness(set.points());
     if let Some(summary) = summary.filter(|_| job.parallel.tables) {
         let clock = Some((report.seconds.insert * 1e9) as u64);
         let run = Run { doing: Doing::Insertion, alone: None, whole: None, clock };
@@ -232,6 +234,17 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         report.outcome, report.mesh.vertices
     ));
     Ok(Exit::Stopped)
+}
+
+/// Tells that points are nearly in one plane: their tetrahedra are as flat.
+fn print_thickness(points: &[Point]) {
+    if let Some(Thickness { thickness, extent }) = Thickness::of_flat(points) {
+        console::people(&format!(
+            "note: the points are nearly in one plane: thickness {thickness:.3e}, {:.1e} of their \
+             extent; the tetrahedra are as flat",
+            thickness / extent
+        ));
+    }
 }
 
 /// Builds the mesh, on as many threads as the job has workers.

@@ -5,8 +5,10 @@ use crate::console;
 use crate::json::keep_input;
 use crate::outcome::{Failure, show};
 use crate::streams::Source;
-use ltbw::domain::{Domain, DomainReport, Facet, Frame, PrepareError, PrepareOptions, Prepared};
-use ltbw::io;
+use ltbw::domain::{
+    Domain, DomainReport, Facet, Frame, Holes, PrepareError, PrepareOptions, Prepared,
+};
+use ltbw::io::{self, DomainFile};
 use ltbw::refine::{Given, RefineStats, largest_tolerance};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -43,6 +45,17 @@ pub(crate) struct Preparation {
     #[arg(long, conflicts_with = "local_frame")]
     #[arg(hide_short_help = true)]
     pub(crate) own_frame: bool,
+    /// Say what is void: `none`, `auto` (bodies inside others), or points in voids
+    ///
+    /// Without it the file says it: by its hole points; or in a surface by its orientation, so that
+    /// a body inside another is a void if its facets point the other way, and else a region of its
+    /// own. Points are added to those of the file, and orientation means nothing then.
+    #[arg(long, value_name = "none|auto|X,Y,Z;...", allow_hyphen_values = true)]
+    #[arg(hide_short_help = true)]
+    pub(crate) holes: Option<Holes>,
+    /// Refuse input that would be repaired, of which something would be left out or guessed
+    #[arg(long)]
+    pub(crate) strict: bool,
     /// Write the facets that keep the domain from being meshed: .ply .poly (with the kind as their
     /// marker) .off .obj .stl
     #[arg(long, value_name = "FILE")]
@@ -79,9 +92,9 @@ impl Preparation {
         Ok(())
     }
 
-    /// The options for the library.
-    pub(crate) fn options(&self, oriented: bool) -> PrepareOptions {
-        PrepareOptions {
+    /// The options for the library; the domain gets the holes that are asked for.
+    pub(crate) fn options(&self, file: &mut DomainFile) -> PrepareOptions {
+        let mut options = PrepareOptions {
             exact_input: self.exact_input,
             repair: self.repair.unwrap_or(0.0),
             frame: match (self.local_frame, self.own_frame) {
@@ -89,16 +102,20 @@ impl Preparation {
                 (_, true) => Frame::Own,
                 _ => Frame::Auto,
             },
-            oriented,
-        }
+            oriented: file.oriented,
+            nested_voids: false,
+            strict: self.strict,
+        };
+        self.holes.iter().for_each(|holes| holes.apply(&mut file.domain, &mut options));
+        options
     }
 
     /// Reads and prepares a domain; tells what was repaired. With the tolerance within which
     /// facets are taken for coplanar.
     pub(crate) fn prepare(&self, source: &Source) -> Result<(Prepared, f64), Failure> {
-        let file = source.domain()?;
+        let mut file = source.domain()?;
         file.notes.iter().for_each(|n| console::people(&format!("note: {}: {n}", source.show())));
-        let options = self.options(file.oriented);
+        let options = self.options(&mut file);
         let result = file.domain.prepare(&options);
         let report = result.as_ref().err().and_then(PrepareError::report);
         print_troubles(report);
@@ -129,7 +146,7 @@ impl Preparation {
     }
 
     fn note_repairs(&self, ready: &Prepared) {
-        ready.repairs.notes().iter().for_each(|n| console::people(&format!("note: {n}")));
+        ready.notes().iter().for_each(|n| console::people(&format!("note: {n}")));
         if let Some(tolerance) = self.repair.filter(|_| !ready.repairs.used_tolerance()) {
             console::people(&format!("note: --repair {tolerance:e} changed nothing"));
         }
@@ -236,5 +253,11 @@ pub(crate) fn repairs_json(ready: &Prepared) -> Value {
         "inner_facets": r.inner.len(),
         "spliced_vertices": r.spliced,
         "seam_vertices": r.seams,
+        "flap_facets": r.flaps.len(),
+        "ending_facets": r.ends.len(),
+        "exterior_facets": r.exterior.len(),
+        "exterior_segments": r.exterior_segments,
+        "exterior_vertices": r.exterior_vertices,
+        "exterior_holes": r.exterior_holes,
     })
 }

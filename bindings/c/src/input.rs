@@ -3,7 +3,7 @@
 use crate::error::null;
 use crate::run::Run;
 use kernel::Point;
-use ltbw_bindings::{Class, Failure, Frame, Reins, Source};
+use ltbw_bindings::{Class, Failure, Frame, Holes, Reins, Source};
 use std::ffi::{CStr, c_char, c_void};
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -201,9 +201,9 @@ impl Wishes {
         };
         let positive = |value: f64| (value != 0.0).then_some(value);
         let holes = match given.holes.is_null() {
-            true => None,
+            true => Holes::Given,
             // SAFETY: as the caller promises.
-            false => Some(unsafe { points(given.holes, given.hole_count, "holes") }?),
+            false => Holes::At(unsafe { points(given.holes, given.hole_count, "holes") }?),
         };
         // SAFETY: as the caller promises.
         let regions = unsafe { values(given.regions, given.region_count, "regions") }?;

@@ -83,7 +83,7 @@ fn conformity(
     let Wishes { radius_edge, max_volume, .. } = *wishes;
     let region_volumes = ready.domain.regions.iter().map(|r| r.max_volume).collect();
     let limits = Limits { radius_edge, max_volume, region_volumes };
-    let (plc, tags) = (plc_of(&ready.domain, flat_tolerance), mesh.tet_tags.as_deref());
+    let (plc, tags) = (plc_of(ready.judged(), flat_tolerance), mesh.tet_tags.as_deref());
     let given = verify::Mesh::new(&mesh.points, &mesh.tets);
     let found = verify::conforms(&given, &plc, tags, &limits, options);
     // Patches within a tolerance change the volume by as much as they say.

@@ -73,22 +73,23 @@ impl Ready {
     /// Why it cannot be meshed.
     pub fn new(source: Source, wishes: &Wishes) -> Result<Self, Failure> {
         let mut file = source.read()?;
-        file.domain.holes.extend(wishes.holes.iter().flatten());
         file.domain.regions.extend(&wishes.regions);
-        let options = PrepareOptions {
+        let mut options = PrepareOptions {
             exact_input: wishes.exact_input,
             repair: wishes.repair,
-            // Holes that are given say what is void.
-            oriented: file.oriented && wishes.holes.is_none(),
             frame: wishes.frame,
+            oriented: file.oriented,
+            nested_voids: false,
+            strict: false,
         };
+        wishes.holes.apply(&mut file.domain, &mut options);
         let excused_share =
             ExcusedShare::limit(wishes.excused_share.unwrap_or(ExcusedShare::USUAL))?;
         let prepared = file.domain.prepare(&options)?;
         let usual = || file.flat_tolerance(&prepared, &options);
         let flat_tolerance = wishes.flat_tolerance.unwrap_or_else(usual);
         let mut notes = file.notes;
-        notes.extend(prepared.repairs.notes());
+        notes.extend(prepared.notes());
         let offset = prepared.lattice.offset();
         if offset != [0.0; 3] {
             notes.push(format!("coordinates are relative to {offset:?}"));

@@ -36,7 +36,7 @@ pub use sync::Progress;
 pub use wishes::Wishes;
 pub use work::{PATIENCE, Reins, in_own_pool, in_pool, unpanicked};
 
-pub use ltbw::domain::Frame;
+pub use ltbw::domain::{Frame, Holes};
 
 /// An edge length as a function of the place, in the coordinates of the prepared domain.
 pub type Field<'a> = dyn Fn(ltbw::Point) -> f64 + Sync + 'a;

@@ -1,7 +1,6 @@
 //! Demands on the mesh of a domain.
 
-use ltbw::Point;
-use ltbw::domain::{Frame, Region};
+use ltbw::domain::{Frame, Holes, Region};
 
 /// Bounds and options.
 #[derive(Clone, Debug, Default)]
@@ -12,8 +11,8 @@ pub struct Wishes {
     pub radius_edge: Option<f64>,
     /// The most points to insert.
     pub max_points: Option<u64>,
-    /// A point in each void. `None`: the orientation of the surface tells.
-    pub holes: Option<Vec<Point>>,
+    /// The rule that says what is void.
+    pub holes: Holes,
     /// Regions with properties of their own.
     pub regions: Vec<Region>,
     /// The distance within which vertices are welded and seams closed.

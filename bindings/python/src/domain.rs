@@ -8,7 +8,7 @@ use crate::supervise::supervised;
 use ltbw::Point;
 use ltbw::domain::Region;
 use ltbw::refine::Refined;
-use ltbw_bindings::{Class, Frame, Ready, Reins, Source, Wishes, in_pool, unpanicked};
+use ltbw_bindings::{Class, Frame, Holes, Ready, Reins, Source, Wishes, in_pool, unpanicked};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
@@ -38,6 +38,13 @@ impl Given<'_> {
     }
 }
 
+/// The voids: what points are in, or bodies inside others, or none.
+#[derive(FromPyObject)]
+pub(crate) enum Void {
+    Auto(bool),
+    Points(Vec<Point>),
+}
+
 /// Bounds and options, by the names that Python gives them.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -46,7 +53,7 @@ pub(crate) struct Asked {
     radius_edge: Option<f64>,
     size: Option<Size>,
     max_points: Option<u64>,
-    holes: Option<Vec<Point>>,
+    holes: Option<Void>,
     /// A point inside, an attribute, the largest volume.
     regions: Vec<(Point, f64, Option<f64>)>,
     repair: f64,
@@ -69,7 +76,12 @@ impl Asked {
             max_volume: self.max_volume,
             radius_edge: self.radius_edge,
             max_points: self.max_points,
-            holes: self.holes.clone(),
+            holes: match &self.holes {
+                None => Holes::Given,
+                Some(Void::Points(points)) => Holes::At(points.clone()),
+                Some(Void::Auto(true)) => Holes::Auto,
+                Some(Void::Auto(false)) => Holes::None,
+            },
             regions: self.regions.iter().map(region).collect(),
             repair: self.repair,
             flat_tolerance: self.flat_tolerance,

@@ -115,7 +115,7 @@ fn defects(args: &Simulate, ready: &Prepared, refined: &RefinedDomain) -> Vec<St
         _ => verify::Limits::default(),
     };
     let mesh = verify::Mesh::new(&refined.points, &tets);
-    let plc = plc_of(&ready.domain, 0.0);
+    let plc = plc_of(ready.judged(), 0.0);
     let options = verify::Options { numbered_regions: true, ..verify::Options::default() };
     let found = verify::conforms(&mesh, &plc, Some(&tags), &limits, &options);
     let mesh = found.mesh_defects.iter().map(|defect| format!("{defect:?}"));

@@ -198,14 +198,20 @@ pub enum DefectKind {
     Leak,
     /// A facet edge inside the domain that no other facet has: a sheet that ends there.
     Dangling,
-    /// A facet of an oriented surface that points inwards.
+    /// A body of an oriented surface that has facets that point inwards.
     Orientation,
+    /// A body of an oriented surface inside another that is turned likewise: a region of its own.
+    Nested,
     /// More than two facets meet at an edge.
     NonManifold,
     /// A hole or region point lies on a facet.
     SeedOnFacet,
     /// A hole or region point, or that of a facet's hole, lies outside.
     SeedOutside,
+    /// A facet that ends in the exterior: it is no part of the domain.
+    EndsOutside,
+    /// Another facet with nothing but exterior around it.
+    Exterior,
     /// A connected part of the surface is so small or thin, against the domain, that what lies
     /// around it could not be found: the domain is not understood.
     Unresolved,
@@ -213,7 +219,7 @@ pub enum DefectKind {
 
 impl DefectKind {
     /// Every kind.
-    pub const ALL: [DefectKind; 14] = [
+    pub const ALL: [DefectKind; 17] = [
         DefectKind::DuplicateVertex,
         DefectKind::UnusedVertex,
         DefectKind::Degenerate,
@@ -224,9 +230,12 @@ impl DefectKind {
         DefectKind::Leak,
         DefectKind::Dangling,
         DefectKind::Orientation,
+        DefectKind::Nested,
         DefectKind::NonManifold,
         DefectKind::SeedOnFacet,
         DefectKind::SeedOutside,
+        DefectKind::EndsOutside,
+        DefectKind::Exterior,
         DefectKind::Unresolved,
     ];
 
@@ -244,9 +253,12 @@ impl DefectKind {
             DefectKind::Leak => "domain.leak",
             DefectKind::Dangling => "domain.dangling",
             DefectKind::Orientation => "domain.orientation",
+            DefectKind::Nested => "domain.nested",
             DefectKind::NonManifold => "domain.non-manifold",
             DefectKind::SeedOnFacet => "domain.seed-on-facet",
             DefectKind::SeedOutside => "domain.seed-outside",
+            DefectKind::EndsOutside => "domain.ends-outside",
+            DefectKind::Exterior => "domain.exterior",
             DefectKind::Unresolved => "domain.unresolved",
         }
     }
@@ -255,11 +267,15 @@ impl DefectKind {
     #[must_use]
     pub fn severity(self) -> Severity {
         match self {
-            DefectKind::NonManifold | DefectKind::Dangling => Severity::Info,
+            DefectKind::NonManifold
+            | DefectKind::Dangling
+            | DefectKind::Nested
+            | DefectKind::Exterior => Severity::Info,
             DefectKind::DuplicateVertex
             | DefectKind::UnusedVertex
             | DefectKind::NonPlanar
-            | DefectKind::Orientation => Severity::Warning,
+            | DefectKind::Orientation
+            | DefectKind::EndsOutside => Severity::Warning,
             _ => Severity::Error,
         }
     }
@@ -277,10 +293,13 @@ impl DefectKind {
             DefectKind::TJunction => "a vertex inside an edge or facet that does not name it",
             DefectKind::Leak => "an edge with a facet on one side only",
             DefectKind::Dangling => "an edge inside where a facet ends",
-            DefectKind::Orientation => "a facet that points inwards",
+            DefectKind::Orientation => "a body with facets that point inwards",
+            DefectKind::Nested => "a body inside another, turned likewise: a region",
             DefectKind::NonManifold => "an edge of more than two facets",
             DefectKind::SeedOnFacet => "a hole or region point on a facet",
             DefectKind::SeedOutside => "a hole or region point outside",
+            DefectKind::EndsOutside => "a facet that ends in the exterior",
+            DefectKind::Exterior => "a facet with nothing but exterior around it",
             DefectKind::Unresolved => "a part of the surface too small to be placed",
         }
     }

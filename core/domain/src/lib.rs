@@ -15,34 +15,43 @@
 //! | [`lattice`] | [`Lattice`]: the grid on which input vertices live, and snapping to it |
 //! | [`check`] | the exact check: [`DomainReport`], cells, volumes |
 //! | [`repair`] | what is welded, dropped and closed before the check: [`Repairs`] |
+//! | [`exterior`] | what is no part of a domain is left out |
+//! | [`holes`] | what users say of voids: [`Holes`] |
 //! | [`prepare`] | all steps to a domain that can be meshed: [`Prepared`] |
 //! | [`triangulate`] | triangles of a facet, exactly |
 //! | [`defect`] | [`DomainError`], [`DomainDefect`]: what is wrong, with ids and coordinates |
 //! | [`refine`] | conforming Delaunay refinement |
 //! | [`quality`] | histograms and extremes of angles, ratios, volumes, edges |
+//! | [`thickness`] | the thickness of points that are nearly in one plane: [`Thickness`] |
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 pub mod check;
 pub mod defect;
 mod display;
+pub mod exterior;
+pub mod holes;
 pub mod lattice;
 pub mod plc;
 pub mod prepare;
 pub mod quality;
 pub mod refine;
+mod renumber;
 pub mod repair;
 mod sync;
+pub mod thickness;
 pub mod triangulate;
 #[doc(hidden)]
 pub mod vector;
 
-pub use check::{Cell, CheckOptions, DomainReport, Trouble, TroubleKind, Volume};
+pub use check::{Cell, CheckOptions, DomainReport, Exterior, Trouble, TroubleKind, Volume};
 pub use defect::{DefectKind, DomainDefect, DomainError, Element, Severity};
+pub use holes::Holes;
 pub use lattice::{Lattice, Move, Snapped};
 pub use plc::{Domain, Facet, Region};
 pub use prepare::{Frame, PrepareError, PrepareOptions, Prepared};
 pub use repair::Repairs;
+pub use thickness::Thickness;
 pub use triangulate::{Problem, Triangulated};
 
 /// Examples of the README, as tests.

@@ -1,15 +1,17 @@
 //! From what a file says to what refinement takes.
 //!
 //! Snap to the lattice, merge equal vertices, drop facets that say nothing (`repair.rs`), cut
-//! facets that are not planar into triangles, check exactly, and put a hole point into every void
-//! of an oriented surface. What the check of the
-//! snapped domain refuses is checked once more as it was, to tell whether the domain itself is
-//! wrong or has features below the lattice.
+//! facets that are not planar into triangles, check exactly, leave out what has nothing but
+//! exterior around it (`exterior.rs`), and put a hole point into every void of an oriented surface.
+//! What the check of the snapped domain refuses is checked once more as it was, to tell whether the
+//! domain itself is wrong or has features below the lattice.
 
 use crate::check::same_place;
+use crate::exterior::{LEFT_OUT, Settled};
+use crate::renumber::{in_numbers_of_input, rename};
 use crate::repair::{Repairs, Surface, weld};
 use crate::{CheckOptions, Domain, DomainError, DomainReport, Facet, Lattice, Move, Snapped};
-use crate::{DefectKind, Element, TroubleKind, triangulate};
+use crate::{DefectKind, TroubleKind, triangulate};
 use ltbw_exact::Point;
 
 /// The coordinates in which a domain is meshed.
@@ -43,6 +45,10 @@ pub struct PrepareOptions {
     pub repair: f64,
     /// The facets are an oriented surface: see [`CheckOptions::oriented`].
     pub oriented: bool,
+    /// A body inside another is a void: see [`CheckOptions::nested_voids`].
+    pub nested_voids: bool,
+    /// Refuse a domain of which something would be repaired, left out or guessed.
+    pub strict: bool,
 }
 
 /// A domain that can be meshed.
@@ -56,7 +62,7 @@ pub struct Prepared {
     pub moved: usize,
     /// The farthest move, if any vertex moved, with the number of the vertex in the input.
     pub largest: Option<Move>,
-    /// For each vertex of the input its number in the domain.
+    /// For each vertex of the input its number in the domain; [`LEFT_OUT`] if it is no part of it.
     pub vertex_map: Vec<u32>,
     /// For each facet of the domain the facet of the input that it is part of.
     pub facet_map: Vec<u32>,
@@ -64,6 +70,57 @@ pub struct Prepared {
     pub report: DomainReport,
     /// The welded, dropped and closed items.
     pub repairs: Repairs,
+    /// The domain with what has nothing but exterior around it, for a judge who finds that out by
+    /// himself; `None` if there is no such thing.
+    pub whole: Option<Domain>,
+}
+
+impl Prepared {
+    /// The domain that a judge of the mesh is to be given: [`Prepared::whole`], or the domain.
+    #[must_use]
+    pub fn judged(&self) -> &Domain {
+        self.whole.as_ref().unwrap_or(&self.domain)
+    }
+
+    /// A line for each kind of what was repaired, left out or guessed.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = self.repairs.notes();
+        notes.extend(nested(&self.report));
+        notes
+    }
+
+    /// Gives vertices, in a domain that is a part of the input, their numbers in the input, which
+    /// has `count` of them.
+    fn renumbered(&mut self, numbers: &[u32], count: usize) {
+        let mut map = vec![LEFT_OUT; count];
+        for (&number, &own) in numbers.iter().zip(&self.vertex_map) {
+            map[number as usize] = own;
+        }
+        self.vertex_map = map;
+        self.repairs.exterior_vertices += count - numbers.len();
+        if let Some(largest) = &mut self.largest {
+            largest.vertex = numbers[largest.vertex as usize];
+        }
+    }
+}
+
+/// The note on bodies inside others that are taken for regions.
+fn nested(report: &DomainReport) -> Option<String> {
+    let (bodies, them) = match report.count(DefectKind::Nested) {
+        0 => return None,
+        1 => {
+            ("1 body lies inside another and is turned likewise: a region".to_owned(), "it a void")
+        }
+        n => {
+            (format!("{n} bodies lie inside others and are turned likewise: regions"), "them voids")
+        }
+    };
+    Some(format!("{bodies} of their own (holes `auto` makes {them})").replacen(
+        "a region of their own",
+        "a region of its own",
+        1,
+    ))
 }
 
 /// Why a domain cannot be meshed.
@@ -95,6 +152,12 @@ pub enum PrepareError {
         /// The step of the lattice.
         step: f64,
     },
+    /// Something would be repaired, left out or guessed, and that was to be refused.
+    #[error("not repaired, as it is to be strict: {}", .notes.join("; "))]
+    Strict {
+        /// A line for each kind.
+        notes: Vec<String>,
+    },
     /// It bounds nothing that is not a hole.
     #[error("there is nothing to mesh: all that the facets bound are holes")]
     NothingInside,
@@ -112,6 +175,7 @@ impl PrepareError {
             PrepareError::Tolerance { .. } => "domain.tolerance",
             PrepareError::Defects(_) => "domain.defects",
             PrepareError::BelowLattice { .. } => "domain.below-lattice",
+            PrepareError::Strict { .. } => "domain.strict",
             PrepareError::NothingInside => "domain.nothing-inside",
             PrepareError::Undecided => "domain.undecided",
         }
@@ -126,6 +190,21 @@ impl PrepareError {
             }
             _ => None,
         }
+    }
+
+    /// Gives vertices, in a domain that is a part of the input, their numbers in the input.
+    fn renumbered(mut self, numbers: &[u32]) -> Self {
+        match &mut self {
+            PrepareError::Defects(report) | PrepareError::BelowLattice { report, .. } => {
+                let number = |v: u32| numbers.get(v as usize).copied().unwrap_or(v);
+                rename(report, &number, &|f| f);
+            }
+            PrepareError::Domain(DomainError::OffLattice { vertex, .. }) => {
+                *vertex = numbers[*vertex as usize];
+            }
+            _ => {}
+        }
+        self
     }
 }
 
@@ -154,37 +233,6 @@ fn distance(p: &Point, q: &Point) -> f64 {
     (0..3).map(|k| (p[k] - q[k]) * (p[k] - q[k])).sum::<f64>().sqrt()
 }
 
-/// Gives the elements of a report the numbers that they have in the input.
-fn in_numbers_of_input(report: &mut DomainReport, vertex_map: &[u32], facet_map: &[u32]) {
-    let count = vertex_map.iter().max().map_or(0, |&v| v as usize + 1);
-    let mut vertices = vec![u32::MAX; count];
-    for (v, &number) in (0..).zip(vertex_map) {
-        let first = &mut vertices[number as usize];
-        *first = v.min(*first);
-    }
-    let vertex = |v: u32| vertices.get(v as usize).copied().unwrap_or(v);
-    let facet = |f: u32| facet_map.get(f as usize).copied().unwrap_or(f);
-    let rename = |element: &mut Element| match element {
-        Element::Vertex(v) => *v = vertex(*v),
-        Element::Edge(ends) => *ends = ends.map(vertex),
-        Element::Facet(f)
-        | Element::Polygon { facet: f, .. }
-        | Element::FacetHole { facet: f, .. } => {
-            *f = facet(*f);
-        }
-        Element::Segment(_) | Element::Hole(_) | Element::Region(_) => {}
-    };
-    let firsts = report.troubles.iter_mut().filter_map(|t| t.first.as_mut());
-    let defects = report.defects.iter_mut().chain(firsts);
-    defects.flat_map(|d| &mut d.elements).for_each(rename);
-    for trouble in &mut report.troubles {
-        trouble.facets.iter_mut().for_each(|f| *f = facet(*f));
-        trouble.facets.sort_unstable();
-        trouble.facets.dedup();
-    }
-    report.inward.iter_mut().for_each(|f| *f = facet(*f));
-}
-
 /// A report of what is left, in which a surface that is open because its facets were there from
 /// either side is called doubled, as the report of the input does.
 fn with_doubled(mut left: DomainReport, before: &DomainReport, repairs: &Repairs) -> DomainReport {
@@ -204,24 +252,41 @@ impl Domain {
     /// # Errors
     /// Why it cannot be meshed.
     pub fn prepare(&self, options: &PrepareOptions) -> Result<Prepared, PrepareError> {
-        let snapped = self.snap_by(options)?;
-        let Snapped { domain, lattice, moved, largest } = snapped;
+        self.check_structure()?;
+        let (near, numbers) = self.near();
+        let mut prepared = near.prepare_near(options);
+        if let Some(numbers) = numbers {
+            prepared = prepared.map_err(|error| error.renumbered(&numbers));
+            if let Ok(prepared) = &mut prepared {
+                prepared.renumbered(&numbers, self.vertices.len());
+            }
+        }
+        let prepared = prepared?;
+        let notes = if options.strict { prepared.notes() } else { Vec::new() };
+        if notes.is_empty() { Ok(prepared) } else { Err(PrepareError::Strict { notes }) }
+    }
+
+    /// [`Domain::prepare`] but for what the lattice must not reach out for, and for strictness.
+    fn prepare_near(&self, options: &PrepareOptions) -> Result<Prepared, PrepareError> {
+        let Snapped { domain, lattice, moved, largest } = self.snap_near(options)?;
         let mut repairs = Repairs::default();
-        let (domain, vertex_map) = self.weld_snapped(domain, &lattice, options, &mut repairs);
+        let (domain, mut vertex_map) = self.weld_snapped(domain, &lattice, options, &mut repairs);
         let mut surface = Surface::new(domain);
         surface.clean(&mut repairs);
         if options.repair > 0.0 {
             surface.close_seams(options.repair, &mut repairs);
         }
         surface.flatten();
-        let inner = surface.inner_facets();
-        let Surface { mut domain, origin: facet_map, .. } = surface;
-        let checks = CheckOptions { oriented: options.oriented, ..CheckOptions::default() };
-        if domain.facets.is_empty() {
-            // All of them were dropped: the check tells why.
-            return Err(PrepareError::Defects(Box::new(self.check(&checks)?)));
+        let PrepareOptions { oriented, nested_voids, .. } = *options;
+        let checks = CheckOptions { oriented, nested_voids, ..CheckOptions::default() };
+        if surface.domain.facets.is_empty() {
+            return Err(self.nothing_left(options, &checks)?);
         }
-        let mut report = domain.check_with(&checks, &inner)?;
+        let Settled { mut report, whole, left } = surface.settle(&checks, &mut repairs)?;
+        if let Some(left) = left {
+            vertex_map.iter_mut().for_each(|number| *number = left[*number as usize]);
+        }
+        let Surface { mut domain, origin: facet_map, .. } = surface;
         if !report.is_meshable() {
             in_numbers_of_input(&mut report, &vertex_map, &facet_map);
             return Err(self.refusal(report, moved, &lattice, &repairs, &checks)?);
@@ -231,19 +296,56 @@ impl Domain {
             return Err(PrepareError::NothingInside);
         }
         let empty = cells.iter().filter(|cell| !cell.filled && cell.holes.is_empty());
-        if options.oriented && empty.count() != report.voids.len() {
+        if empty.count() != report.voids.len() {
             return Err(PrepareError::Undecided);
         }
         domain.holes.append(&mut report.voids);
-        Ok(Prepared { domain, lattice, moved, largest, vertex_map, facet_map, report, repairs })
+        Ok(Prepared {
+            domain,
+            lattice,
+            moved,
+            largest,
+            vertex_map,
+            facet_map,
+            report,
+            repairs,
+            whole,
+        })
     }
 
-    /// The domain on its lattice, in the frame that is asked for.
+    /// Why no facet is left: they have no area, as they are or on the lattice.
+    fn nothing_left(
+        &self,
+        options: &PrepareOptions,
+        checks: &CheckOptions,
+    ) -> Result<PrepareError, PrepareError> {
+        let Snapped { domain, lattice, moved, .. } = self.snap_near(options)?;
+        let mut none = Repairs::default();
+        let (domain, vertex_map) = self.weld_snapped(domain, &lattice, options, &mut none);
+        let mut report = domain.check(checks)?;
+        in_numbers_of_input(&mut report, &vertex_map, &[]);
+        Ok(self.refusal(report, moved, &lattice, &Repairs::default(), checks)?)
+    }
+
+    /// The domain on its lattice, in the frame that is asked for, without vertices that nothing
+    /// names beyond all that is named.
     ///
     /// # Errors
     /// Those of [`Domain::snap`] and [`Lattice::local`]; [`PrepareError::Tolerance`]; a vertex off
     /// the lattice, if that is refused.
     pub fn snap_by(&self, options: &PrepareOptions) -> Result<Snapped, PrepareError> {
+        self.check_structure()?;
+        let (near, numbers) = self.near();
+        let snapped = near.snap_near(options);
+        let Some(numbers) = numbers else { return snapped };
+        let mut snapped = snapped.map_err(|error| error.renumbered(&numbers))?;
+        if let Some(largest) = &mut snapped.largest {
+            largest.vertex = numbers[largest.vertex as usize];
+        }
+        Ok(snapped)
+    }
+
+    fn snap_near(&self, options: &PrepareOptions) -> Result<Snapped, PrepareError> {
         let own = self.snap()?;
         let (low, high) = self.bounds().unwrap_or_default();
         let side = |k: usize| high[k] - low[k];
@@ -301,7 +403,7 @@ impl Domain {
         let step = lattice.step();
         Ok(if moved > 0 && before.is_meshable() {
             PrepareError::BelowLattice { report: Box::new(report), step }
-        } else if repairs.is_empty() {
+        } else if repairs.is_empty() && !before.is_meshable() {
             PrepareError::Defects(Box::new(before))
         } else {
             // Repaired items are no reason any more.

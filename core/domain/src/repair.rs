@@ -12,13 +12,13 @@
 
 use crate::check::same_place;
 use crate::vector::{distance2, dot, minus};
-use crate::{Domain, Facet};
+use crate::{CheckOptions, Domain, DomainError, DomainReport, Facet};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::collinear;
 use rayon::prelude::*;
 use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree};
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Near vertices that are looked at for each vertex.
 const NEIGHBOURS: usize = 64;
@@ -49,6 +49,19 @@ pub struct Repairs {
     pub inner: Vec<u32>,
     /// Vertices that were put into open edges near them, within the tolerance.
     pub seams: usize,
+    /// Facets that were left out, both of each pair, because they were given from either side with
+    /// nothing between.
+    pub flaps: Vec<u32>,
+    /// Facets that were left out because they end in the exterior.
+    pub ends: Vec<u32>,
+    /// Other facets that were left out because there is nothing but exterior around them.
+    pub exterior: Vec<u32>,
+    /// Segments that were left out for the same reason.
+    pub exterior_segments: usize,
+    /// Vertices outside that were left out because nothing names them, or nothing that was kept.
+    pub exterior_vertices: usize,
+    /// Hole points that are outside without these facets.
+    pub exterior_holes: usize,
 }
 
 impl Repairs {
@@ -115,7 +128,32 @@ impl Repairs {
             let vertices = count(self.seams, "vertex", "vertices");
             notes.push(format!("{vertices} put into open edges near them: seams closed"));
         }
+        notes.extend(self.left_out());
         notes
+    }
+
+    /// A line for each kind of what was left out.
+    fn left_out(&self) -> Vec<String> {
+        let facets = |facets: &[u32], why: &str| {
+            let first = facets.first()?;
+            let s = if facets.len() == 1 { "" } else { "s" };
+            Some(format!("{} facet{s} left out: {why} (first: facet {first})", facets.len()))
+        };
+        let others = |count: usize, [one, many]: [&str; 2], why: &str| {
+            let name = if count == 1 { one } else { many };
+            (count > 0).then(|| format!("{count} {name} left out: {why}"))
+        };
+        let around = "nothing but exterior around";
+        let unused = "outside, and of nothing that is kept";
+        let notes = [
+            facets(&self.flaps, "given from either side, and nothing between"),
+            facets(&self.ends, "ends in the exterior"),
+            facets(&self.exterior, around),
+            others(self.exterior_segments, ["segment", "segments"], around),
+            others(self.exterior_vertices, ["vertex", "vertices"], unused),
+            others(self.exterior_holes, ["hole point", "hole points"], "outside without these"),
+        ];
+        notes.into_iter().flatten().collect()
     }
 }
 
@@ -216,17 +254,26 @@ impl<'a> Clusters<'a> {
     }
 }
 
-/// A surface while it is repaired: for each facet the one of the input, and whether it is inner.
+/// A surface while it is repaired: for each facet the one of the input, and if it is an inner one
+/// that which was given from the other side.
 pub(crate) struct Surface {
     pub(crate) domain: Domain,
     pub(crate) origin: Vec<u32>,
-    pub(crate) inner: Vec<bool>,
+    pub(crate) inner: Vec<Option<u32>>,
 }
 
 impl Surface {
     pub(crate) fn new(domain: Domain) -> Self {
         let count = domain.facets.len() as u32;
-        Self { origin: (0..count).collect(), inner: vec![false; count as usize], domain }
+        Self { origin: (0..count).collect(), inner: vec![None; count as usize], domain }
+    }
+
+    /// The check of the surface.
+    ///
+    /// # Errors
+    /// Those of [`Domain::check`].
+    pub(crate) fn check(&self, options: &CheckOptions) -> Result<DomainReport, DomainError> {
+        self.domain.check_with(options, &self.inner_facets())
     }
 
     /// Drops facets without area and doubled ones.
@@ -295,28 +342,48 @@ impl Surface {
         }
     }
 
-    /// Keeps one of equal facets.
+    /// Keeps one of equal facets. If as many are turned either way it is an inner one; otherwise it
+    /// is turned as most are, and nothing lies between the pairs of others.
     fn drop_doubled(&mut self, repairs: &mut Repairs) {
         let mut first: HashMap<Vec<u32>, (usize, bool)> = HashMap::new();
-        let mut keep = vec![true; self.domain.facets.len()];
+        let mut more: BTreeMap<usize, Vec<(usize, bool)>> = BTreeMap::new();
         for (f, facet) in self.domain.facets.iter().enumerate() {
             let Some(polygon) = simple(facet) else { continue };
             let (key, turned) = canonical(polygon);
-            let &mut (other, other_turned) = first.entry(key).or_insert((f, turned));
-            if other == f {
-                continue;
+            let own = (f, turned);
+            let &mut one = first.entry(key).or_insert(own);
+            if one != own {
+                more.entry(one.0).or_insert_with(|| vec![one]).push(own);
             }
-            keep[f] = false;
-            if turned == other_turned {
-                repairs.doubled.push(self.origin[f]);
-            } else {
-                repairs.inner.push(self.origin[f]);
-                self.inner[other] = true;
-            }
+        }
+        let mut keep = vec![true; self.domain.facets.len()];
+        for equal in more.into_values() {
+            self.keep_one(&equal, &mut keep, repairs);
+        }
+        for list in [&mut repairs.doubled, &mut repairs.inner, &mut repairs.flaps] {
+            list.sort_unstable();
         }
         if keep.contains(&false) {
             self.retain(&keep);
         }
+    }
+
+    /// Keeps one of these equal facets, ascending, each with the way that it is turned.
+    fn keep_one(&mut self, equal: &[(usize, bool)], keep: &mut [bool], repairs: &mut Repairs) {
+        let turned = equal.iter().filter(|(_, turned)| *turned).count();
+        let is_inner = 2 * turned == equal.len();
+        let way = if is_inner { equal[0].1 } else { 2 * turned > equal.len() };
+        let (same, other): (Vec<_>, Vec<_>) = equal.iter().partition(|(_, turned)| *turned == way);
+        let origin = |list: &[(usize, bool)]| -> Vec<u32> {
+            list.iter().map(|&(f, _)| self.origin[f]).collect()
+        };
+        let pairs = if is_inner { 0 } else { other.len() };
+        repairs.flaps.extend(origin(&same[1..=pairs]));
+        repairs.doubled.extend(origin(&same[1 + pairs..]));
+        if is_inner { &mut repairs.inner } else { &mut repairs.flaps }.extend(origin(&other));
+        let partner = is_inner.then(|| self.origin[other[0].0]);
+        equal.iter().for_each(|&(f, _)| keep[f] = f == same[0].0);
+        self.inner[same[0].0] = partner.or(self.inner[same[0].0]);
     }
 
     /// Puts ends of open edges into open edges within the tolerance.
@@ -367,8 +434,8 @@ impl Surface {
     }
 
     /// The facets that are inner.
-    pub(crate) fn inner_facets(&self) -> Vec<u32> {
-        (0..).zip(&self.inner).filter(|&(_, &inner)| inner).map(|(f, _)| f).collect()
+    fn inner_facets(&self) -> Vec<u32> {
+        (0..).zip(&self.inner).filter(|(_, inner)| inner.is_some()).map(|(f, _)| f).collect()
     }
 }
 

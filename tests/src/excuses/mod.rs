@@ -153,7 +153,7 @@ pub fn judge(
     limits: &Limits,
 ) -> Result<(Conformity, Count), String> {
     let plc = Plc { flat_tolerance: tolerance, ..plc_of(domain) };
-    let options = Options { max_defects: usize::MAX, ..Options::default() };
+    let options = Options { max_defects: usize::MAX, numbered_regions: true, ..Options::default() };
     let view = Mesh::new(&mesh.points, &mesh.tets);
     let found = match mesh.tets.is_empty() {
         // There is nothing to test.

@@ -117,9 +117,11 @@ def tetrahedralize(
         same answer for the same place, and may raise: its exception comes back as it is.
     regions : sequence of (point, attribute) or (point, attribute, max_volume)
         A point in each region with properties of its own.
-    holes : array_like of shape (h, 3), optional
-        A point in each void. Without it the surface's orientation says what is void; with it
-        (even empty) nothing is but what has a point.
+    holes : "none", "auto", or array_like of shape (h, 3), optional
+        What is void. Without it the file's hole points and the surface's orientation say that: a
+        body inside another is a void if its faces point the other way, else a region of its own.
+        "none": nothing. "auto": bodies inside others, however turned. Points: what has one (and
+        of a file what has one of its own); orientation means nothing then, even if there are none.
     max_points : int, optional
         The most points to insert; a mesh that needs more has the outcome ``"budget"``.
     repair : float
@@ -175,7 +177,7 @@ def tetrahedralize(
         max_points=None
         if max_points is None
         else _input.whole(max_points, "max_points", "max_points.count", 0, 2**63),
-        holes=None if holes is None else _input.coordinates(holes, "holes").tolist(),
+        holes=_input.holes(holes),
         regions=_regions(regions),
         repair=_input.number(repair, "repair", "repair.type"),
         exact_input=_input.truth(exact_input, "exact_input"),

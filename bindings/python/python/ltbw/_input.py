@@ -203,6 +203,17 @@ def bounds(max_volume, radius_edge, flat_tolerance):
     }
 
 
+def holes(given):
+    """What is void, as the native half takes it: None, whether bodies inside others are, points."""
+    if given is None:
+        return None
+    if isinstance(given, str):
+        if given in ("none", "auto"):
+            return given == "auto"
+        raise InputError(f"holes: 'none', 'auto' or points, not {given!r}", "holes.name")
+    return coordinates(given, "holes").tolist()
+
+
 FRAMES = {"auto": None, "own": True, "local": False}
 
 

@@ -210,6 +210,12 @@ impl<'a> Bodies<'a> {
     }
 }
 
+/// For each facet the least one of its body.
+pub(super) fn bodies_of(domain: &Domain) -> Vec<u32> {
+    let mut bodies = Bodies::new(domain);
+    (0..domain.facets.len() as u32).map(|f| bodies.find(f)).collect()
+}
+
 /// The two elements by which a finding is counted.
 pub(super) fn counted(kind: DefectKind, elements: &[Element]) -> Option<Counted> {
     if kind.severity() < Severity::Error {

@@ -33,7 +33,7 @@ pub(crate) const OUTSIDE: u32 = 0;
 const TRIES: usize = 64;
 
 /// An edge of a triangle: the edge as one number, and the triangle with the place of the edge.
-type Side = (u64, u32, u8);
+pub(super) type Side = (u64, u32, u8);
 
 /// The cells of a complex.
 #[derive(Debug, Clone)]
@@ -47,14 +47,14 @@ pub(crate) struct Cells {
 }
 
 /// Sets that are united.
-struct Sets(Vec<u32>);
+pub(super) struct Sets(Vec<u32>);
 
 impl Sets {
-    fn new(count: usize) -> Self {
+    pub(super) fn new(count: usize) -> Self {
         Self((0..count as u32).collect())
     }
 
-    fn find(&mut self, mut x: u32) -> u32 {
+    pub(super) fn find(&mut self, mut x: u32) -> u32 {
         // Halves the path: every turn goes to an element nearer to the root.
         while self.0[x as usize] != x {
             self.0[x as usize] = self.0[self.0[x as usize] as usize];
@@ -63,7 +63,7 @@ impl Sets {
         x
     }
 
-    fn unite(&mut self, x: u32, y: u32) {
+    pub(super) fn unite(&mut self, x: u32, y: u32) {
         let (x, y) = (self.find(x), self.find(y));
         // The smaller number is the root.
         self.0[x.max(y) as usize] = x.min(y);
@@ -71,7 +71,7 @@ impl Sets {
 }
 
 /// The edges of all triangles, equal ones beside each other.
-fn edges(complex: &Complex<'_>) -> Vec<Side> {
+pub(super) fn edges(complex: &Complex<'_>) -> Vec<Side> {
     let mut sides: Vec<Side> = (0..complex.triangles.len() as u32)
         .into_par_iter()
         .flat_map_iter(|t| {

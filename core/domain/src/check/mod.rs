@@ -7,6 +7,8 @@
 //! 3. If all that is sound, the surface divides space into cells, which are found exactly
 //!    (`cells.rs`): gaps through which the outside leaks in, seeds in no cell, orientation,
 //!    volumes. A part of the surface too small for any segment that is tried is a finding, too.
+//!    What has nothing but exterior around it is told apart (`outer.rs`), gaps from ends of sheets
+//!    (`ends.rs`), bodies in bodies from voids (`filling.rs`).
 //! 4. Errors are summed up by what they mean for the bodies of the surface (`bodies.rs`).
 //!
 //! Every decision is made by exact predicates; floating point only chooses where to look, with
@@ -17,7 +19,10 @@ mod bodies;
 mod cells;
 mod complex;
 mod contact;
+mod ends;
 mod exact;
+mod filling;
+mod outer;
 mod pairs;
 mod parting;
 mod rays;
@@ -32,23 +37,27 @@ use complex::Complex;
 pub(crate) use complex::same_place;
 pub use exact::Volume;
 use ltbw_exact::Point;
+pub use outer::Exterior;
 use rstar::RTree;
 use std::collections::BTreeMap;
 
 /// The options of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CheckOptions {
-    /// The facets are an oriented surface: their orientation is checked, every open edge is a
-    /// leak, and a shell inside a shell bounds a void. Otherwise holes are where the hole points
-    /// are, and sheets may stand free inside.
+    /// The facets are an oriented surface: their orientation is checked, every open edge inside is
+    /// a leak, and a body inside another is a void if it is turned the other way, a region if it is
+    /// turned likewise. Otherwise holes are where the hole points are, and sheets may stand free
+    /// inside.
     pub oriented: bool,
+    /// A body inside another is a void however it is turned, and one in that void a body.
+    pub nested_voids: bool,
     /// The most defects of each kind that are listed; all are counted.
     pub listed: usize,
 }
 
 impl Default for CheckOptions {
     fn default() -> Self {
-        Self { oriented: false, listed: 1000 }
+        Self { oriented: false, nested_voids: false, listed: 1000 }
     }
 }
 
@@ -74,10 +83,12 @@ pub struct DomainReport {
     pub counts: BTreeMap<DefectKind, u64>,
     /// The bounded cells; `None` if other defects leave it open what they are.
     pub cells: Option<Vec<Cell>>,
-    /// A point inside each cell that is a void of an oriented surface.
+    /// A point inside each cell that is a void by orientation or nesting.
     pub voids: Vec<Point>,
     /// The facets that point inwards, of an oriented surface.
     pub inward: Vec<u32>,
+    /// The items with nothing but exterior around them; none if defects leave that open.
+    pub exterior: Exterior,
     /// The meaning of the errors for the surface, by kind.
     pub troubles: Vec<Trouble>,
     /// The number of bodies: sets of facets that edges connect. 0 if there are no errors.
@@ -183,6 +194,7 @@ impl Domain {
             cells: None,
             voids: Vec::new(),
             inward: Vec::new(),
+            exterior: Exterior::default(),
             troubles: Vec::new(),
             bodies: 0,
         };

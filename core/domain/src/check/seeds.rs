@@ -5,20 +5,21 @@ use super::complex::{Complex, Piece, Shape};
 use super::contact::Contacts;
 use super::exact::Volume;
 use super::rays::cast;
-use super::{Cell, CheckOptions, DomainReport, Findings};
+use super::{Cell, CheckOptions, DomainReport, Findings, bodies, ends};
 use crate::{DefectKind, Domain, Element};
 use ltbw_core::Random;
 use ltbw_exact::Point;
 use rstar::{AABB, RTree};
+use std::collections::HashSet;
 
 /// Everything that is asked.
 pub(super) struct Question<'a> {
-    domain: &'a Domain,
-    complex: &'a Complex<'a>,
-    index: &'a RTree<Piece>,
-    cells: Cells,
+    pub(super) domain: &'a Domain,
+    pub(super) complex: &'a Complex<'a>,
+    pub(super) index: &'a RTree<Piece>,
+    pub(super) cells: Cells,
     /// Facets between two bodies, ascending.
-    inner: &'a [u32],
+    pub(super) inner: &'a [u32],
 }
 
 impl<'a> Question<'a> {
@@ -41,39 +42,53 @@ impl Question<'_> {
         findings: &mut Findings,
         report: &mut DomainReport,
     ) {
-        let closed = self.open_edges(options, findings);
         let mut found = self.volumes();
-        let depth = if options.oriented { self.depth() } else { None };
-        if let Some(odd) = &depth {
-            for (cell, odd) in found.iter_mut().zip(&odd[1..]) {
-                cell.filled = *odd;
-            }
-        }
+        self.fill(options, &mut found, findings);
         self.seeds(&mut found, findings);
+        let closed = self.open_edges(options, &found, findings);
         if closed && options.oriented {
             report.inward = self.inward(&found, findings);
+        }
+        if closed && (options.oriented || options.nested_voids) {
             report.voids = self.voids(&found);
+        }
+        if closed && found.iter().any(|cell| cell.filled) {
+            report.exterior = self.exterior(&found);
+            self.tell_exterior(&report.exterior, findings);
         }
         report.cells = Some(found);
     }
 
-    fn at(&self, v: u32) -> Point {
+    pub(super) fn at(&self, v: u32) -> Point {
         self.complex.points[v as usize]
     }
 
-    /// Reports edges of one facet only; is there none of them outside?
-    fn open_edges(&self, options: &CheckOptions, findings: &mut Findings) -> bool {
-        let mut closed = true;
+    /// Reports edges of one facet only; is there none of them that keeps the domain from being
+    /// meshed? Those where a facet ends in the exterior do not.
+    fn open_edges(&self, options: &CheckOptions, found: &[Cell], findings: &mut Findings) -> bool {
+        let (mut closed, mut outer) = (true, Vec::new());
         for &(edge, t) in &self.cells.open {
             // Both sides of this triangle are in one cell.
-            let inside = self.cells.beside(t as usize)[0] != OUTSIDE;
-            let kind = if inside && !options.oriented {
-                DefectKind::Dangling
-            } else {
+            let cell = self.cells.beside(t as usize)[0];
+            let inside = self.is_filled(found, cell);
+            if inside && self.is_inner(t as usize) {
+                // There is nothing between the two facets that were here.
+                continue;
+            }
+            if inside && options.oriented {
                 closed = false;
-                DefectKind::Leak
-            };
-            cells::leak(self.complex, edge, t, kind, findings);
+                cells::leak(self.complex, edge, t, DefectKind::Leak, findings);
+            } else if cell != OUTSIDE && !options.oriented {
+                cells::leak(self.complex, edge, t, DefectKind::Dangling, findings);
+            } else {
+                outer.push((edge, t));
+            }
+        }
+        let is_body = found.iter().any(|cell| cell.filled);
+        let gaps = if is_body { ends::gaps(self.complex, &outer) } else { vec![true; outer.len()] };
+        for ((edge, t), _) in outer.into_iter().zip(gaps).filter(|(_, gap)| *gap) {
+            closed = false;
+            cells::leak(self.complex, edge, t, DefectKind::Leak, findings);
         }
         closed
     }
@@ -98,42 +113,6 @@ impl Question<'_> {
                 regions: Vec::new(),
             })
             .collect()
-    }
-
-    /// For each cell whether the number of facets between it and the outside is odd, inner facets
-    /// not counted; `None` if that depends on the way.
-    fn depth(&self) -> Option<Vec<bool>> {
-        let count = self.cells.count as usize;
-        let turns = |t: usize| self.inner.binary_search(&self.complex.facet_of[t]).is_err();
-        let mut pairs: Vec<([u32; 2], bool)> = (0..self.complex.triangles.len())
-            .map(|t| (self.cells.beside(t), turns(t)))
-            .map(|([a, b], turns)| ([a.min(b), a.max(b)], turns))
-            .collect();
-        pairs.sort_unstable();
-        pairs.dedup();
-        let mut neighbours: Vec<Vec<(u32, bool)>> = vec![Vec::new(); count];
-        for ([a, b], turns) in pairs {
-            neighbours[a as usize].push((b, turns));
-            neighbours[b as usize].push((a, turns));
-        }
-        let mut odd: Vec<Option<bool>> = vec![None; count];
-        odd[OUTSIDE as usize] = Some(false);
-        let mut stack = vec![OUTSIDE];
-        // Every cell is pushed once.
-        while let Some(cell) = stack.pop() {
-            let own = odd[cell as usize]?;
-            for &(next, turns) in &neighbours[cell as usize] {
-                match odd[next as usize] {
-                    Some(other) if other == own ^ turns => {}
-                    Some(_) => return None,
-                    None => {
-                        odd[next as usize] = Some(own ^ turns);
-                        stack.push(next);
-                    }
-                }
-            }
-        }
-        odd.into_iter().collect()
     }
 
     /// Finds the cells of the hole points, and then of the region points.
@@ -183,25 +162,35 @@ impl Question<'_> {
         }
     }
 
-    fn is_filled(&self, found: &[Cell], cell: u32) -> bool {
+    pub(super) fn is_filled(&self, found: &[Cell], cell: u32) -> bool {
         cell != OUTSIDE && found[cell as usize - 1].filled
     }
 
-    /// The facets that point into what is filled, if others do not, or if the rule is clear.
+    /// The facets that point into what is filled. Each body that has such is reported once.
     fn inward(&self, found: &[Cell], findings: &mut Findings) -> Vec<u32> {
-        let mut inward: Vec<u32> = Vec::new();
+        // A facet, and a triangle of it.
+        let mut inward: Vec<(u32, usize)> = Vec::new();
         for t in 0..self.complex.triangles.len() {
             let [front, back] = self.cells.beside(t).map(|cell| self.is_filled(found, cell));
             let facet = self.complex.facet_of[t];
             // Between two filled cells both orientations are right. The triangles of a facet
             // follow each other.
-            if front && !back && inward.last() != Some(&facet) {
-                inward.push(facet);
+            if front && !back && inward.last().is_none_or(|&(last, _)| last != facet) {
+                inward.push((facet, t));
+            }
+        }
+        if inward.is_empty() {
+            return Vec::new();
+        }
+        let bodies = bodies::bodies_of(self.domain);
+        let mut told = HashSet::new();
+        for &(facet, t) in &inward {
+            if told.insert(bodies[facet as usize]) {
                 let corners = self.complex.triangles[t].map(|v| self.at(v)).to_vec();
                 findings.add(DefectKind::Orientation, vec![Element::Facet(facet)], corners);
             }
         }
-        inward
+        inward.into_iter().map(|(facet, _)| facet).collect()
     }
 
     /// A point inside each bounded cell that is not filled and has no hole point.

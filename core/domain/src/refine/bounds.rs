@@ -22,6 +22,7 @@ pub fn largest_tolerance(domain: &Domain) -> f64 {
 /// the diagonal, or two steps of the largest coordinate where all numbers are single-precision;
 /// `read` is the surface as its file has it, `ready` as it is to be meshed.
 pub fn usual_tolerance(read: &Domain, ready: &Domain) -> f64 {
+    let (read, _) = read.near();
     let own = read.diagonal() / f64::from(1u32 << 22);
     let numbers = || read.vertices.iter().flatten();
     let largest = numbers().fold(0.0, |most: f64, c| most.max(c.abs())) as f32;

@@ -4,7 +4,8 @@
 //!
 //! 1. the mesh is sound: structure, positive orientation, no fold, every interior face locally
 //!    Delaunay (the tests of [`crate::check`]; the hull of a domain need not be convex);
-//! 2. every vertex of the domain is a vertex of the mesh;
+//! 2. every vertex of the domain is a vertex of the mesh. Here and below, what has nothing but
+//!    exterior around it is no part of the domain (`exterior`);
 //! 3. every edge of every facet, and every segment, is a chain of edges of the mesh. Where two
 //!    polygons of one plane meet along an edge and nothing else does, the facet simply continues:
 //!    such an edge need not be there. Facets of one plane are looked at together;
@@ -20,6 +21,7 @@
 //! The volume is summed exactly and given as a fraction, to be compared with the domain's own.
 
 mod bounds;
+mod exterior;
 mod facet;
 mod finding;
 mod flat;
@@ -27,6 +29,7 @@ mod incidence;
 mod outline;
 mod patch;
 mod place;
+mod plc;
 mod regions;
 mod slab;
 mod tiles;
@@ -39,42 +42,16 @@ use crate::faces::{self, Faces};
 use crate::geometry;
 use crate::mesh::{Mesh, Options, Point, face};
 use crate::structure;
+use exterior::Exterior;
 use facet::FlatFacet;
 pub use finding::{Conformity, ConformityDefect, Finding, Limits};
 use num_bigint::BigInt;
 use place::{groups, holds};
+pub use plc::{Plc, PlcFacet};
 use std::collections::{HashMap, HashSet};
 use tree::{Shape, Tree, bounds};
 pub use whole::Fraction;
 use whole::{Units, Whole, six_volumes};
-
-/// A facet of a domain: polygons in one plane, and points in its holes.
-#[derive(Debug, Clone, Default)]
-pub struct PlcFacet {
-    /// Corners of each polygon; polygons may be nested but must not cross. Two corners: a segment.
-    pub polygons: Vec<Vec<u32>>,
-    /// A point in each hole.
-    pub holes: Vec<Point>,
-    /// Facets of different markers are in different patches.
-    pub marker: i32,
-}
-
-/// A domain (a piecewise linear complex) in the coordinates of the mesh.
-#[derive(Debug, Clone, Default)]
-pub struct Plc {
-    /// Its vertices.
-    pub vertices: Vec<Point>,
-    /// Its facets.
-    pub facets: Vec<PlcFacet>,
-    /// Segments that stand free.
-    pub segments: Vec<[u32; 2]>,
-    /// A point in each hole.
-    pub holes: Vec<Point>,
-    /// A point in each region.
-    pub regions: Vec<Point>,
-    /// The distance within which facets may be taken for coplanar (`flat`); 0: not at all.
-    pub flat_tolerance: f64,
-}
 
 /// Checks a mesh against the domain that it is to be a mesh of. `tags` are the regions of the
 /// tetrahedra, if they are known. Never panics, whatever the mesh and the domain.
@@ -85,7 +62,9 @@ pub fn conforms(
     limits: &Limits,
     options: &Options,
 ) -> Conformity {
-    let mut run = Run { mesh, plc, limit: options.max_defects, out: Conformity::default() };
+    let left: Plc;
+    let (limit, exterior) = (options.max_defects, Exterior::default());
+    let mut run = Run { mesh, plc, exterior, limit, out: Conformity::default() };
     let Some(faces) = run.soundness(options) else { return run.out };
     let named = plc.facets.iter().flat_map(|f| &f.polygons).flatten().copied();
     let named = named.chain(plc.segments.iter().flatten().copied());
@@ -95,6 +74,10 @@ pub fn conforms(
         return run.out;
     };
     let points: Vec<Whole> = mesh.points.iter().map(|p| units.whole(p)).collect();
+    if let Some(exterior) = Exterior::find(plc, &units, mesh, &points) {
+        left = exterior.left(plc);
+        (run.plc, run.exterior) = (&left, exterior);
+    }
     let (on_facets, on_patches) = run.boundary(&units, &points, &faces, tags);
     run.hull(&faces, &on_facets);
     let cells = run.cells(&faces, &on_facets, tags);
@@ -108,6 +91,8 @@ pub fn conforms(
 struct Run<'a> {
     mesh: &'a Mesh<'a>,
     plc: &'a Plc,
+    /// The items that were left out of it.
+    exterior: Exterior,
     limit: usize,
     out: Conformity,
 }
@@ -168,7 +153,7 @@ impl Run<'_> {
         let place: HashMap<Whole, u32> =
             (0u32..).zip(points).filter(|(v, _)| used[*v as usize]).map(|(v, p)| (*p, v)).collect();
         for (v, p) in (0u32..).zip(&corners) {
-            if !place.contains_key(p) {
+            if !place.contains_key(p) && !self.exterior.has_vertex(v as usize) {
                 self.add(ConformityDefect::VertexMissing, &[v]);
             }
         }
@@ -176,7 +161,7 @@ impl Run<'_> {
         for (f, facet) in (0u32..).zip(&self.plc.facets) {
             let holes: Vec<Whole> = facet.holes.iter().map(|p| units.whole(p)).collect();
             let flat = FlatFacet::new(&facet.polygons, &holes, |v| corners[v as usize]);
-            if flat.is_none() {
+            if flat.is_none() && !self.exterior.has_facet(f as usize) {
                 self.add(ConformityDefect::FacetDegenerate, &[f]);
             }
             facets.push(flat);
