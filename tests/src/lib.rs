@@ -7,6 +7,7 @@
 //! | [`epsilon`] | the perturbation by its definition: polynomials in ε |
 //! | [`small_world`] | all meshes of all subsets of a few points, by definition |
 //! | [`overlap`] | whether two tetrahedra overlap, by `rug` |
+//! | [`overlaps`] | overlaps planted into sound meshes |
 //! | [`families`] | the input families of the bars, deterministic by seed |
 //! | [`domains`] | random domains |
 //! | [`five_points`] | five points at a time, for the predicates |
@@ -29,6 +30,7 @@ pub mod fuzz;
 pub mod interleave;
 pub mod oracle;
 pub mod overlap;
+pub mod overlaps;
 pub mod parts;
 pub mod plant;
 pub mod require;

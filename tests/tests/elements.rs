@@ -4,7 +4,7 @@
 use ltbw::Point;
 use ltbw_tests::families::Rng;
 use ltbw_tests::overlap::overlap;
-use ltbw_tests::plant::overlaps::{OVERLAPS, is_overlapping};
+use ltbw_tests::overlaps::{OVERLAPS, is_overlapping};
 use ltbw_tests::solids::{Solid, solids};
 use ltbw_verify::{Kind, Level, Mesh, Options, Outcome, Report, check_elements};
 

@@ -8,7 +8,6 @@
 
 mod flips;
 mod lists;
-pub mod overlaps;
 mod places;
 
 use crate::oracle;
@@ -235,8 +234,8 @@ pub fn try_plant(mesh: &Subject, plant: Plant, choice: usize) -> Result<bool, St
     Ok(true)
 }
 
-/// Plants a defect and asks the judge of finite element meshes. `Ok(false)` where the plant does not
-/// grow, or leaves a mesh that is not Delaunay, convex or canonical, and no more.
+/// Plants a defect and asks the judge of finite element meshes. `Ok(false)` where the plant does
+/// not grow, or leaves a mesh that is not Delaunay, convex or canonical, and no more.
 ///
 /// # Errors
 /// Which defect was overlooked, or which information is missing.
