@@ -1,4 +1,4 @@
-//! What `check` tells of a mesh beside its defects: quality, pieces, shape.
+//! Information of `check` on a mesh beside its defects: quality, pieces, shape.
 
 use crate::console;
 use crate::report::{quality_json, quality_line};

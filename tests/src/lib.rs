@@ -7,6 +7,7 @@
 //! | [`epsilon`] | the perturbation by its definition: polynomials in ε |
 //! | [`small_world`] | all meshes of all subsets of a few points, by definition |
 //! | [`overlap`] | whether two tetrahedra overlap, by `rug` |
+//! | [`overlaps`] | overlaps planted into sound meshes |
 //! | [`families`] | the input families of the bars, deterministic by seed |
 //! | [`domains`], [`layered`] | random domains |
 //! | [`excuses`] | the counter of excuses: angles of a domain, what its mesh leaves over a bound |
@@ -32,6 +33,7 @@ pub mod interleave;
 pub mod layered;
 pub mod oracle;
 pub mod overlap;
+pub mod overlaps;
 pub mod parts;
 pub mod plant;
 pub mod require;

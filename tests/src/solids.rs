@@ -125,7 +125,7 @@ fn cubes() -> Vec<(&'static str, Solid)> {
         ("pieces", Solid::cubes(3, |[x, _, z]| x != 1 && z == 0)),
         ("concave", Solid::cubes(2, |at| sum(at) < 3)),
         ("crack", block.split(half(2))),
-        ("crack that ends", block.split_where(half(2), |p| p[0] > 0.0)),
+        ("crack that ends", block.split_where(half(2), |p| p[0] > 1.0)),
         ("ring in two parts", ring.split(half(0))),
         (
             "materials",

@@ -4,7 +4,7 @@
 use ltbw::Point;
 use ltbw_tests::families::Rng;
 use ltbw_tests::overlap::overlap;
-use ltbw_tests::plant::overlaps::{OVERLAPS, is_overlapping};
+use ltbw_tests::overlaps::{OVERLAPS, is_overlapping};
 use ltbw_tests::solids::{Solid, solids};
 use ltbw_verify::{Kind, Level, Mesh, Options, Outcome, Report, check_elements};
 
@@ -25,12 +25,11 @@ fn sound_meshes_pass() {
         concave += usize::from(told.count(Kind::ConcaveHull) > 0);
         // Which of these are told is known by the name.
         let has = |kind: Kind| told.count(kind) > 0;
-        let pinched = ["pinched edge", "all pinched"];
-        assert_eq!(
-            has(Kind::HullEdge),
-            pinched.iter().any(|word| name.starts_with(word)) || name == "voxels",
-            "{name}"
-        );
+        // Voxels, and parts taken at random, may touch in an edge or not.
+        if !name.starts_with("voxels") && !name.contains("at random") {
+            let pinched = ["pinched edge", "all pinched"].iter().any(|word| name.starts_with(word));
+            assert_eq!(has(Kind::HullEdge), pinched, "{name}");
+        }
         let doubled = ["apart", "crack", "one cell", "materials", "parts", "touch"];
         let is_doubled = doubled.iter().any(|word| name.contains(word));
         assert_eq!(has(Kind::EqualVertices), is_doubled, "{name}");
@@ -121,4 +120,52 @@ fn heaps_of_cells_are_judged_as_pair_by_pair() {
     }
     println!("{overlapping} heaps overlap, {apart} do not");
     assert!(overlapping > 500 && apart > 200);
+}
+
+/// Two boxes with one corner in common each, meshed on their own.
+fn boxes(low: [f64; 3], mesh: impl Fn(Point) -> Point) -> Solid {
+    let (name, block) = &solids()[0];
+    assert!(name.starts_with("block"));
+    let mut both = block.clone();
+    let first = both.points.len() as u32;
+    both.points.extend(block.points.iter().map(|&p| {
+        let p = mesh(p);
+        [0, 1, 2].map(|k| p[k] + low[k])
+    }));
+    both.tets.extend(block.tets.iter().map(|tet| tet.map(|v| v + first)));
+    both
+}
+
+#[test]
+fn vertices_that_hang_and_edges_that_cross_are_found() {
+    let kinds = |solid: &Solid| {
+        let report = judged(solid);
+        [Kind::Overlap, Kind::HangingVertex, Kind::CrossingEdges].map(|kind| report.count(kind))
+    };
+    // On top of each other: in line, shifted by half a cube, twice as fine, mirrored.
+    assert_eq!(kinds(&boxes([0.0, 0.0, 2.0], |p| p)), [0; 3]);
+    let [overlaps, hanging, _] = kinds(&boxes([0.5, 0.0, 2.0], |p| p));
+    assert!(overlaps == 0 && hanging > 0);
+    let [overlaps, hanging, _] = kinds(&boxes([0.0, 0.0, 2.0], |p| p.map(|c| c / 2.0)));
+    assert!(overlaps == 0 && hanging > 0);
+    // The diagonals of the other box run the other way: no vertex hangs.
+    let turned = |[x, y, z]: Point| [2.0 - y, x, z];
+    assert_eq!(kinds(&boxes([0.0, 0.0, 2.0], turned)), [0, 0, 4]);
+    // A corner inside a face, and edges that cross in one point.
+    assert_eq!(kinds(&boxes([0.25, 0.5, 2.0], |[x, y, z]| [x + z, y - z / 2.0, z]))[0], 0);
+    // A vertex of an edge that all its tetrahedra but one are cut at.
+    let mut cut = solids()[0].1.clone();
+    let [a, b, c, d] = cut.tets[0];
+    let middle = [0, 1, 2].map(|k| {
+        let [p, q] = [a, b].map(|v| cut.points[v as usize][k]);
+        (p + q) / 2.0
+    });
+    cut.points.push(middle);
+    let m = cut.points.len() as u32 - 1;
+    cut.tets[0] = [a, m, c, d];
+    cut.tets.push([m, b, c, d]);
+    let report = judged(&cut);
+    assert_eq!((report.count(Kind::HangingVertex), report.count(Kind::Overlap)), (1, 0));
+    let hanging = report.defects.iter().find(|defect| defect.kind == Kind::HangingVertex);
+    assert_eq!(hanging.expect("listed").vertices[0], m);
 }

@@ -4,7 +4,7 @@
 
 use ltbw::{Builder, Point, PointSet};
 use ltbw_tests::families::{Rng, Size, all, grid, scaled, snapped, spheres, uniform, wide};
-use ltbw_tests::plant::{PLANTS, Subject, try_plant};
+use ltbw_tests::plant::{PLANTS, Subject, try_plant, try_plant_elements};
 
 /// Places tried for each plant on each mesh, until it has grown at [`ENOUGH`] places.
 const TRIES: usize = 60;
@@ -78,5 +78,27 @@ fn every_place_of_a_small_mesh() {
                 }
             }
         }
+    }
+}
+
+/// The judge of finite element meshes finds them, too, but for flips, which leave a sound mesh.
+#[test]
+fn the_judge_of_elements_finds_what_is_wrong_in_any_body() {
+    let mut rng = Rng::new(8);
+    let mut planted = [0u32; PLANTS.len()];
+    for (name, mesh) in &subjects() {
+        for (plant, count) in PLANTS.into_iter().zip(&mut planted) {
+            for _ in 0..4 {
+                match try_plant_elements(mesh, plant, rng.below(1 << 32) as usize) {
+                    Ok(found) => *count += u32::from(found),
+                    Err(why) => panic!("{name}: {why}"),
+                }
+            }
+        }
+    }
+    for (plant, count) in PLANTS.iter().zip(planted) {
+        println!("{}: {count} planted, all found", plant.name);
+        let is_sound = plant.name.starts_with("flip ") || plant.name == "missing tetrahedron";
+        assert_eq!(count < 40, is_sound, "{} grew {count} times", plant.name);
     }
 }

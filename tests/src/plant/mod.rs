@@ -8,13 +8,12 @@
 
 mod flips;
 mod lists;
-pub mod overlaps;
 mod places;
 
 use crate::oracle;
 use ltbw::topology::TetId;
 use ltbw::{Mesh, Point, Sign};
-use ltbw_verify::{Depth, Kind, Level, NO_NEIGHBOUR, Options, Report, check};
+use ltbw_verify::{Depth, Kind, Level, NO_NEIGHBOUR, Options, Report, check, check_elements};
 use std::collections::HashMap;
 
 /// A mesh as plain lists, with the claims that the checker verifies.
@@ -233,4 +232,41 @@ pub fn try_plant(mesh: &Subject, plant: Plant, choice: usize) -> Result<bool, St
         }
     }
     Ok(true)
+}
+
+/// Plants a defect and asks the judge of finite element meshes. `Ok(false)` where the plant does
+/// not grow, or leaves a mesh that is not Delaunay, convex or canonical, and no more.
+///
+/// # Errors
+/// Which defect was overlooked, or which information is missing.
+pub fn try_plant_elements(mesh: &Subject, plant: Plant, choice: usize) -> Result<bool, String> {
+    let mut spoilt = mesh.clone();
+    let Some(expected) = (plant.spoil)(&mut spoilt, choice) else {
+        return Ok(false);
+    };
+    let view = ltbw_verify::Mesh::new(&spoilt.points, &spoilt.tets);
+    let view = view.with_neighbours(&spoilt.neighbours).with_hull(&spoilt.hull);
+    let report = check_elements(&view, &Options::default(), false);
+    let told = report.information.clone().unwrap_or_default();
+    let ask = || format!("{} {choice}: {report} {:?}", plant.name, told.counts);
+    let is_told = match plant.name {
+        // Sound finite element meshes: what is unusual about them is told.
+        "forgotten point" => report.passed() && report.counts.unused_points == 1,
+        // In a wide mesh it may lie in the first one.
+        "second body" => {
+            let apart = report.passed() || report.count(Kind::Overlap) > 0;
+            apart && report.counts.components == 2
+        }
+        "missing tetrahedron" if !spoilt.tets.is_empty() => return report_of_shape(&report, ask),
+        _ if expected.levels == [Level::Delaunay] || expected.kinds == TIES => {
+            return report_of_shape(&report, ask);
+        }
+        _ => !report.passed(),
+    };
+    if is_told { Ok(true) } else { Err(format!("overlooked: {}", ask())) }
+}
+
+/// No defect is told of a mesh that only is not Delaunay, convex or canonical.
+fn report_of_shape(report: &Report, ask: impl Fn() -> String) -> Result<bool, String> {
+    if report.passed() { Ok(false) } else { Err(format!("accused in vain: {}", ask())) }
 }

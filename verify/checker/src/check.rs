@@ -77,7 +77,7 @@ pub fn signs(mesh: &Mesh) -> Vec<i8> {
     (0..mesh.tets.len()).map(|t| oriented.sign(t)).collect()
 }
 
-/// What a mesh is asked to be.
+/// The demands on a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Asked {
     /// The Delaunay mesh of its vertices, the canonical one.

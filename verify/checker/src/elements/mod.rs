@@ -161,8 +161,10 @@ fn places(mesh: &Oriented, free: &[Item]) -> Vec<u32> {
     first
 }
 
-/// What `parts` gives of each face, each thing once. Of many vertices at one place the first one
-/// stands for all: else each of them would be compared with all that is there.
+/// The things that `parts` gives of each face, each once.
+///
+/// Of many vertices at one place the first one stands for all: else each of them would be compared
+/// with all that is there.
 fn distinct(free: &[Item], places: &[u32], parts: impl Fn([u32; 3]) -> [[u32; 4]; 3]) -> Vec<Item> {
     let of_face = |f: &Item| {
         let [a, b, c, _] = f.corners.map(|v| places[v as usize]);

@@ -1,4 +1,4 @@
-//! Who may meet whom: all pairs of things, but for those that a plane separates.
+//! Pairs of things that may meet: all, but for those that a plane separates.
 //!
 //! The things of two lists are divided by a plane, those that it cuts going to both sides; pairs
 //! on different sides are separated and never looked at. Each side is divided again, until few

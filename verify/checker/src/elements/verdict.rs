@@ -1,8 +1,8 @@
-//! What each kind of finding means for a finite element mesh.
+//! The meaning of each kind of finding for a finite element mesh.
 
 use crate::defect::{Kind, Level};
 
-/// What a finding means.
+/// The meaning of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Verdict {
     /// The mesh is wrong.
@@ -13,12 +13,12 @@ pub(crate) enum Verdict {
     Implied,
 }
 
-/// What a finding of this kind means, if the mesh is asked to be Delaunay and convex, or is not.
+/// The meaning of a finding of this kind, if the mesh is asked to be Delaunay and convex, or not.
 pub(crate) fn verdict(kind: Kind, delaunay: bool) -> Verdict {
     match kind {
         Kind::SameSide | Kind::FoldedFace => Verdict::Implied,
         _ if kind.level() == Level::Canonical => Verdict::Information,
-        // What a body of any shape may have, but no convex one that is tiled face to face.
+        // A body of any shape may have these, but no convex one that is tiled face to face.
         Kind::EqualVertices
         | Kind::HullEdge
         | Kind::Disconnected
