@@ -163,8 +163,9 @@ pub(crate) fn binding(
         .flag("exact_input", preparation.exact_input)
         .flag("local_frame", preparation.local_frame)
         .flag("own_frame", preparation.own_frame)
-        .flag("strict", args.lenience.strict)
-        .number("excused_share", Some(args.lenience.share()));
+        .with("holes", preparation.holes.as_ref())
+        .flag("strict", preparation.strict)
+        .number("excused_share", Some(args.lenience.share(preparation.strict)));
     Binding { inputs: reads.list(), options }
 }
 

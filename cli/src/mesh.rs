@@ -115,7 +115,6 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
     let stop = Stop::on_signal()?;
     let stage = Stage::begin("prepare");
     let (ready, flat_tolerance) = args.preparation.prepare(&source)?;
-    args.lenience.admit(&source.name, &ready)?;
     drop(stage);
     let field = field(args, &ready, source.reads())?;
     let job = Job {
@@ -138,7 +137,7 @@ pub(crate) fn mesh(args: &MeshArgs) -> Result<Exit, Failure> {
         page: args.page.as_deref(),
         trace: args.trace.as_deref(),
         check: args.check,
-        excused_share: args.lenience.share(),
+        excused_share: args.lenience.share(args.preparation.strict),
         stop: &stop,
         start,
     };

@@ -62,14 +62,6 @@ pub(crate) enum Failure {
         /// Why.
         why: String,
     },
-    /// The domain was repaired, and `--strict` asks for one that need not be.
-    #[error("{}: --strict: {notes}", show(path))]
-    Repaired {
-        /// The input file.
-        path: PathBuf,
-        /// The repairs.
-        notes: String,
-    },
     /// The domain has no mesh.
     #[error("{}: {error}", show(path))]
     Refine {
@@ -137,7 +129,6 @@ impl Failure {
             | Failure::Points { .. }
             | Failure::Domain { .. }
             | Failure::Report { .. }
-            | Failure::Repaired { .. }
             | Failure::Refine { .. }
             | Failure::Sizes { .. }
             | Failure::Build { .. } => Exit::Input,

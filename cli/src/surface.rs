@@ -54,6 +54,7 @@ pub(crate) struct Preparation {
     #[arg(hide_short_help = true)]
     pub(crate) holes: Option<Holes>,
     /// Refuse input that would be repaired, of which something would be left out or guessed
+    /// (exit code 3); `mesh` lets nothing be excused (exit code 1)
     #[arg(long)]
     pub(crate) strict: bool,
     /// Write the facets that keep the domain from being meshed: .ply .poly (with the kind as their

@@ -145,7 +145,7 @@ fn a_strict_run_takes_the_input_as_it_is_or_not_at_all() {
         let lenient = run(dir, &["mesh", "c.off"], 0);
         assert!(lenient.stderr.contains(word), "{what}: {}", lenient.stderr);
         let strict = run(dir, &["mesh", "c.off", "--strict", "-o", "c.vtu"], 3);
-        assert!(strict.error().starts_with("c.off: --strict: "), "{what}: {}", strict.stderr);
+        assert!(strict.error().starts_with("c.off: not repaired"), "{what}: {}", strict.stderr);
         assert!(strict.error().contains(word), "{what}: {}", strict.stderr);
         assert!(!dir.join("c.vtu").exists(), "{what}");
     }

@@ -2,6 +2,7 @@
 
 use crate::{Domain, PrepareOptions};
 use ltbw_exact::Point;
+use std::fmt;
 use std::str::FromStr;
 
 /// The rule that says what is void in a domain.
@@ -31,6 +32,20 @@ impl Holes {
             Holes::At(points) => {
                 domain.holes.extend(points);
                 options.oriented = false;
+            }
+        }
+    }
+}
+
+impl fmt::Display for Holes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let point = |[x, y, z]: &Point| format!("{x},{y},{z}");
+        match self {
+            Holes::Given => f.write_str("given"),
+            Holes::None => f.write_str("none"),
+            Holes::Auto => f.write_str("auto"),
+            Holes::At(points) => {
+                f.write_str(&points.iter().map(point).collect::<Vec<_>>().join(";"))
             }
         }
     }
