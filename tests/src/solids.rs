@@ -140,8 +140,11 @@ fn cubes() -> Vec<(&'static str, Solid)> {
     ]
 }
 
+/// A motion: the new place of each point.
+type Placing = fn(Point) -> Point;
+
 /// Places to put a body.
-fn places() -> Vec<(&'static str, fn(Point) -> Point)> {
+fn places() -> Vec<(&'static str, Placing)> {
     vec![
         ("", |p| p),
         ("turned", |[x, y, z]| {

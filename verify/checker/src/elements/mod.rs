@@ -70,7 +70,7 @@ fn free_faces(mesh: &Oriented, faces: &Faces) -> Vec<Item> {
         for t in range.filter(|&t| mesh.sign(t) != 0) {
             for i in 0..4 {
                 let other = faces.other(t, i);
-                if !other.is_some_and(|u| fold(mesh, (t, i), u) == Some(false)) {
+                if other.is_none_or(|u| fold(mesh, (t, i), u) != Some(false)) {
                     let [a, b, c] = mesh.outward(t, i);
                     let apex = Some(mesh.mesh.tets[t][i]);
                     free.push(Item { corners: [a, b, c, a], owner: t as u32, apex });

@@ -48,9 +48,9 @@ fn grid(
         for (k, order) in orders.into_iter().enumerate().filter(|_| is_there(at)) {
             let mut corner = at;
             let mut tet = [0; 4];
-            for step in 0..4 {
+            for (step, vertex) in tet.iter_mut().enumerate() {
                 let count = mesh.points.len() as u32;
-                tet[step] = *number.entry(corner).or_insert_with(|| {
+                *vertex = *number.entry(corner).or_insert_with(|| {
                     mesh.points.push(place(corner.map(|i| i as f64)));
                     count
                 });
