@@ -64,7 +64,7 @@ pub(crate) fn field(
     Ok(Some(Box::new(move |p| background.at([0, 1, 2].map(|k| p[k] + offset[k])).min(constant))))
 }
 
-/// What a switch of TetGen that is no bound asks for, and who does it here.
+/// The thing that a switch of TetGen which is no bound asks for, and who does it here.
 fn passed_over(letter: char) -> Option<&'static str> {
     Some(match letter {
         'p' => "a domain is what `ltbw mesh` takes",
@@ -80,7 +80,7 @@ fn passed_over(letter: char) -> Option<&'static str> {
     })
 }
 
-/// What a switch of TetGen asks for that a mesh here would not be.
+/// The property that a switch of TetGen asks for, and a mesh here would not have.
 fn refused(letter: char) -> &'static str {
     match letter {
         'Y' => "the boundary is split where the mesh must be Delaunay",

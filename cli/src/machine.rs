@@ -1,4 +1,4 @@
-//! What the machine lacks: memory, threads, room in a file.
+//! The things that a machine may lack: memory, threads, room in a file.
 //!
 //! Memory is asked for before the work where it is known how much that takes. Where an allocation
 //! fails all the same, Rust's standard library says so and aborts; here that ends the program with
@@ -35,7 +35,7 @@ pub(crate) fn watch() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Starts the threads that sort, check and write: so many, or one for each core.
+/// Starts the threads that sort, check and write: the given number of them, or one for each core.
 pub(crate) fn start_threads(threads: Option<u16>) -> Result<(), Failure> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from));
     builder.build_global().map_err(|e| {

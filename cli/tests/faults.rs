@@ -1,4 +1,4 @@
-//! What the machine lacks, and signals: an exit code of the table, and no file left behind.
+//! A machine that lacks something, and signals: an exit code of the table, and no file left behind.
 //!
 //! Limits are those of the shell (`ulimit`), and of `prlimit` for another user's threads.
 #![cfg(target_os = "linux")]

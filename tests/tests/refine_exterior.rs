@@ -25,7 +25,7 @@ impl Random {
 
 /// A random star-shaped body about the origin, its triangles outwards.
 fn body(seed: u64) -> Domain {
-    let (kind, mut domain) = random_domain(3 * seed + 1);
+    let (kind, mut domain) = random_domain(6 * seed + 1);
     assert_eq!(kind, "star");
     let vertices = &domain.vertices;
     for ring in domain.facets.iter_mut().flat_map(|f| &mut f.polygons) {
@@ -74,10 +74,11 @@ fn domain(seed: u64) -> (Domain, bool, usize, f64) {
     let (own, mut random) = (body(seed), Random(seed));
     let (mut domain, mut cells, mut volume) = (own.clone(), 1, 1.0);
     // Flaps are of oriented surfaces, hole points of others.
-    let oriented = seed % 2 == 0;
+    let oriented = seed.is_multiple_of(2);
     stand(&mut domain, &mut random, 1 + random_count(seed), oriented);
     for _ in 0..random.below(4) {
-        let far = [0; 3].map(|_| random.between(2.0, 9.0) * if seed % 3 == 0 { 1.0 } else { -1.0 });
+        let far = [0; 3]
+            .map(|_| random.between(2.0, 9.0) * if seed.is_multiple_of(3) { 1.0 } else { -1.0 });
         domain.vertices.push(far);
     }
     if random.below(2) == 0 {

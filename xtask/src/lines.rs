@@ -11,7 +11,7 @@ use std::ops::AddAssign;
 /// Folders that tell what refinement is, wherever they stand.
 const REFINEMENT: [&str; 2] = ["refine", "refining"];
 
-/// What one file, or one folder, has.
+/// The lines that one file, or one folder, has.
 #[derive(Clone, Copy, Default, PartialEq, Eq, Debug)]
 struct Count {
     files: usize,
@@ -90,7 +90,7 @@ fn at(commit: &str) -> Result<Vec<(String, String)>, String> {
     rust.map(|name| Ok((name.to_owned(), git(&["show", &format!("{commit}:{name}")])?))).collect()
 }
 
-/// What git prints.
+/// The text that git prints.
 fn git(args: &[&str]) -> Result<String, String> {
     let output = command("git").args(args).output().map_err(|error| format!("git: {error}"))?;
     if !output.status.success() {
@@ -141,7 +141,7 @@ fn percent(part: usize, whole: usize) -> String {
     (100 * part).checked_div(whole).map_or_else(|| "-".to_owned(), |share| format!("{share} %"))
 }
 
-/// How much larger `now` is than `was`.
+/// The excess of `now` over `was`.
 fn difference(now: usize, was: usize) -> i64 {
     i64::try_from(now).unwrap_or(i64::MAX) - i64::try_from(was).unwrap_or(i64::MAX)
 }
@@ -152,7 +152,8 @@ mod tests {
 
     #[test]
     fn code_comments_and_tests_are_told_apart() {
-        let text = "//! A page.\n\nfn f() {\n    // why\n    g(); // how\n}\n\n#[cfg(test)]\nmod tests {\n    fn h() {}\n}\n";
+        let text = "//! A page.\n\nfn f() {\n    // why\n    g(); // how\n}\n\n#[cfg(test)]\n\
+                    mod tests {\n    fn h() {}\n}\n";
         let count = Count::of("core/refine/src/f.rs", text);
         assert_eq!(count, Count { files: 1, all: 11, code: 3, comments: 2 });
         for path in ["core/refine/tests/f.rs", "core/refine/src/tests.rs", "tests/src/f.rs"] {

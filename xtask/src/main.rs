@@ -26,7 +26,7 @@ mod tsan;
 #[path = "../../tests/src/require.rs"]
 #[expect(unreachable_pub, reason = "it is public in the library that owns it")]
 mod require;
-// What a line of code is, tidiness decides.
+// Tidiness decides what a line of code is.
 #[path = "../../tests/tests/tidy/source.rs"]
 #[expect(dead_code, reason = "tidiness uses all of it")]
 mod source;

@@ -5,9 +5,9 @@
 //! are all 0 mean no tags, unless the comment `# references are tags` stands before the section,
 //! which we write where it is needed. Triangles that are faces of
 //! tetrahedra are boundary triangles, their references the markers. Of `TetrahedraP2`,
-//! `TrianglesP2` and those of higher order the corners are read, which come first; a note says so. Sections of
-//! edges, corners and the like are not read; a note says which. Other volume cells are refused. A
-//! file ends with `End`; without it, which other programs allow, there must be tetrahedra, and
+//! `TrianglesP2` and those of higher order the corners are read, which come first, with a note.
+//! Sections of edges, corners and the like are not read; a note says which. Other volume cells
+//! are refused. A file ends with `End`; without it, which other programs allow, there must be tetrahedra, and
 //! a note says that sections may be missing.
 //! Source: P. Frey, "MEDIT: an interactive mesh visualization software", INRIA RT-0253, 2001.
 
@@ -220,7 +220,7 @@ fn read_vertices(tokens: &mut Tokens<'_>) -> Result<(Vec<Point>, Vec<i64>), Pars
     Ok((points, tags))
 }
 
-/// Reads a section of simplices of so many nodes each, of which the first are the corners.
+/// Reads a section of simplices of `nodes` nodes each, of which the first are the corners.
 fn read_simplices<const N: usize>(
     tokens: &mut Tokens<'_>,
     keyword: &[u8],

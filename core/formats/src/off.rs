@@ -55,7 +55,7 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
             corners.push(token, 0, surface.points(), found).map_err(at)?;
         }
         let rest = fields.next().is_some();
-        // What follows would be a face, to which this one lacks a corner.
+        // The next number would begin a face, to which this one lacks a corner.
         if goes_on && rest {
             return Err(at(Reason::Syntax(format!("face {found} ends in the midst of a line"))));
         }

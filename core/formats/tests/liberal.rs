@@ -1,4 +1,4 @@
-//! What other programs write and users bring: strips, cells of second order, missing ends, pieces,
+//! Files that other programs write and users bring: strips, cells of second order, no ends, pieces,
 //! TetGen's arrays, text in UTF-16.
 
 use ltbw_core::{BoundaryFace, TetMesh};
@@ -56,7 +56,7 @@ impl Curved {
         })
     }
 
-    /// What is to be read: the corners, all points, regions and the marker of the triangle.
+    /// The things to be read: the corners, all points, regions and the marker of the triangle.
     fn expect(&self, name: &str, file: &MeshFile) {
         let mesh = &file.mesh;
         assert_eq!(mesh.points, self.points, "{name}");

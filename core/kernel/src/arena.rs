@@ -221,11 +221,11 @@ pub fn expect<T>(array: &mut Vec<T>, capacity: usize) {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the machine lacks memory: {bytes} bytes more are refused")]
 pub struct NoMemory {
-    /// What was asked for.
+    /// The bytes that were asked for.
     pub bytes: usize,
 }
 
-/// Asks the system whether it would give so many bytes more; they are not used, and given back.
+/// Asks the system whether it would give this number of bytes more; they are given back unused.
 /// Where memory is promised beyond what there is, as most systems do without a limit, the answer
 /// is yes.
 ///
@@ -239,7 +239,7 @@ pub fn ask(bytes: usize) -> Result<(), NoMemory> {
     given.map_err(|_| NoMemory { bytes })
 }
 
-/// Asks the system whether a mesh of so many vertices and tetrahedra finds room.
+/// Asks the system whether a mesh of this number of vertices and tetrahedra finds room.
 pub(crate) fn ask_for(vertices: usize, tets: usize) -> Result<(), NoMemory> {
     // Corners, neighbours and spheres of tetrahedra; coordinates and numbers of vertices.
     ask(tets.saturating_mul(48).saturating_add(vertices.saturating_mul(32)))

@@ -57,7 +57,7 @@ fn with_others<'a>(
     })
 }
 
-/// Those of `others` whose boxes meet that of a piece.
+/// The members of `others` whose boxes meet that of a piece.
 fn near<'a>(pieces: &'a [Piece], n: u32, others: &'a [u32]) -> impl Iterator<Item = u32> + 'a {
     let a = &pieces[n as usize];
     let meets = |b: &Piece| (0..3).all(|k| a.low[k] <= b.high[k] && b.low[k] <= a.high[k]);

@@ -4,7 +4,7 @@
 //! A piece is in a box if it may meet it, not only if its own box does: long thin triangles, of
 //! which a facet with many corners has many, lie across each other's boxes. Of the three ways to
 //! halve a box the one with the fewest pairs of pieces in its halves is taken. Boxes are compared
-//! exactly; triangles and boxes with a slack far above all rounding, so that no two pieces that meet
+//! exactly; triangles and boxes with a slack far above all rounding: no two pieces that meet
 //! are parted. Cost: about n log n, unless many pieces of different facets meet in one point.
 
 use super::complex::{Complex, Piece};

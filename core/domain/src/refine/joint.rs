@@ -21,7 +21,7 @@ use ltbw_core::topology::TetId;
 const MOST: [usize; 2] = [256, 1024];
 
 impl Refinement<'_> {
-    /// Splits `item` and all that is lost by it; the mesh is as before if that cannot be done. If it
+    /// Splits `item` and all that is lost by it; the mesh is as before if that fails. If it
     /// cannot be done with subfaces split near their centres it is tried once more, with their
     /// points opposite to those that took them.
     pub(crate) fn split_jointly<W: Work, A: Admission>(
@@ -75,7 +75,7 @@ impl Refinement<'_> {
         }
         let Some(mut journal) = self.state.journal.take() else { return Step::Gone };
         self.record.restore_limits(std::mem::take(&mut journal.limits));
-        // A step that ends early without a point has come to nothing: it must not be tried for ever.
+        // A step that ends early without a point has come to nothing: not to be tried for ever.
         let is_step = is_drained || !journal.insertions.is_empty();
         let complete = failed.is_none() && is_step && self.state.is_complete();
         let live = journal.created.iter().filter(|&&(t, v)| self.state.is_live(t, v));

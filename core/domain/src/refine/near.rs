@@ -11,9 +11,8 @@
 use super::RefineError;
 use super::heed::Heed;
 use super::plc::{Facet, Plc};
-use super::recover::dominant;
 use super::ring::Ring;
-use crate::vector::{cross, distance2, dot, minus};
+use crate::vector::{cross, distance2, dominant, dot, minus};
 use ltbw_exact::Point;
 use rstar::primitives::GeomWithData;
 use rstar::{AABB, Envelope, RTree, RTreeObject};

@@ -2,8 +2,8 @@
 
 use super::carrier::{Grid, UNIT};
 use super::plc::{Facet, Part, Plc};
-use super::recover::dominant;
 use super::ring::{Flat, Ring};
+use crate::vector::dominant;
 use ltbw_exact::Point;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};

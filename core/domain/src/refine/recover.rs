@@ -13,6 +13,7 @@ use super::marks::{ENDS, face_bit};
 use super::parts::Parts;
 use super::state::{FACE, State};
 use super::table::{Map, Set, edge, triangle};
+use crate::vector::dominant;
 use ltbw_core::Builder;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::{Point, PointSet};
@@ -184,10 +185,4 @@ impl State {
 fn two_others(a: usize, b: usize) -> [usize; 2] {
     let mut rest = (0..4).filter(|&k| k != a && k != b);
     [rest.next().unwrap_or(0), rest.next().unwrap_or(0)]
-}
-
-/// The axis of the largest entry.
-pub(super) fn dominant(n: &Point) -> usize {
-    let larger = |a: usize, b: usize| if n[b].abs() > n[a].abs() { b } else { a };
-    larger(larger(0, 1), 2)
 }

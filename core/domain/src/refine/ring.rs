@@ -1,7 +1,7 @@
 //! The outline of a polygon, as a tree of pieces with boxes: is a point inside it?
 //!
 //! A ray to the right crosses a piece that is wholly to the right of its start as often, up to an
-//! even number, as it passes between the piece's ends: only pieces whose box has the start in it are
+//! even number, as it passes between the piece's ends: only pieces whose box has the start are
 //! looked into. Along a comb these are few. All is exact.
 
 use std::cell::Cell;
@@ -17,7 +17,7 @@ const FEW: usize = 8;
 pub(crate) struct Ring {
     /// The corners, and the first one again.
     corners: Vec<Flat>,
-    /// Lowest and highest corner of each piece. Piece k is divided into 2k + 1 and 2k + 2, each with
+    /// Lowest and highest corner of each piece. Piece k is cut into 2k + 1 and 2k + 2, each with
     /// half of the edges.
     boxes: Vec<[Flat; 2]>,
     /// Pieces and edges that were looked at so far.

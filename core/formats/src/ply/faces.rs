@@ -70,7 +70,7 @@ pub fn read_domain(bytes: &[u8]) -> Result<DomainFile, ParseError> {
     Ok(surface.finish(notes))
 }
 
-/// What stands between the strips or fans of a list.
+/// The number that stands between the strips or fans of a list.
 const BREAK: i64 = -1;
 
 /// Corners as indices of `points` vertices, of the row `number` of an element.

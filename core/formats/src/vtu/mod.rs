@@ -33,7 +33,7 @@ const TETRAHEDRON: i64 = 10;
 /// And for a triangle.
 const TRIANGLE: i64 = 5;
 
-/// How much larger than the file the data may be that is compressed in it: as large as Deflate can
+/// The ratio by which data may be larger than the file it is compressed in: as large as Deflate can
 /// make it, or, in a small file, this many bytes. LZMA could do seven times as much.
 const LARGEST_RATIO: u64 = 1032;
 const SMALL: u64 = 64 << 20;

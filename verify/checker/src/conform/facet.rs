@@ -67,7 +67,7 @@ impl FlatFacet {
         (n, big_dot(&n, &o))
     }
 
-    /// The polygons, each with what changes inside it: 1 if the facet begins at its outline, -1 if it
+    /// The polygons, each with its change inside: 1 if the facet begins at its outline, -1 if it
     /// ends there, 0 if neither. Polygons may be nested but must not cross.
     pub(crate) fn weighted(&self) -> impl Iterator<Item = (&[Flat], i8)> {
         let weights = match (self.polygons.len(), self.holes.len()) {

@@ -112,7 +112,7 @@ pub struct Conformity {
     pub patches: u64,
     /// The volume is that of the domain within this much, by its patches.
     pub volume_within: f64,
-    /// Steps of the searches for what lies on facets and edges: a measure of their cost that does not
+    /// Steps of the searches on facets and edges: a measure of their cost that does not
     /// depend on the machine.
     #[doc(hidden)]
     pub steps: u64,

@@ -1,6 +1,6 @@
 //! The vertices of a mesh in a tree of boxes, and the shapes that are looked for in it.
 //!
-//! A search visits the boxes that a shape may meet. Boxes are compared exactly; planes and lines are
+//! A search visits the boxes that a shape may meet. Boxes are compared exactly; planes, lines are
 //! compared in f64 with a slack far above all rounding, so that no box that they meet is passed
 //! over. What is found is to be tested exactly by whoever asks.
 
@@ -27,7 +27,7 @@ fn overlap(a: &Bounds, b: &Bounds) -> bool {
     (0..3).all(|k| a[0][k] <= b[1][k] && b[0][k] <= a[1][k])
 }
 
-/// What is looked for: all points in a box that are on a plane or on a line, and some others.
+/// The aim of a search: all points in a box that are on a plane or on a line, and some others.
 #[derive(Debug)]
 pub(crate) struct Shape {
     bounds: Bounds,

@@ -97,7 +97,7 @@ impl<'a> Refiner<'a> {
         let clock = Instant::now();
         let heed = run.heed();
         run.refinement.seed(run.most, heed, &mut run.work, &mut AdmitAll);
-        // What is over its bounds then is put off, not refused.
+        // A tetrahedron that is over its bounds then is put off, not refused.
         if heed.is_cancelled() {
             run.look()?;
         }
