@@ -200,14 +200,19 @@ impl<C: Rules> Rounds<C> {
         if !is_done && self.total + sums[CANDIDATES] > self.most {
             return self.end(Ending::Budget);
         }
-        if self.foremost.is_some() {
-            self.counted = sums[FOREMOST];
-        }
+        self.count(sums);
         if is_done {
             return self.end(Ending::Done);
         }
         self.begin_to_decide(mesh);
         self.end_decisions();
+    }
+
+    /// All know how many candidates this round has among the tetrahedra, if it looked for them.
+    fn count(&mut self, sums: &Sums) {
+        if self.foremost.is_some() {
+            self.counted = sums[FOREMOST];
+        }
     }
 
     /// All know how many foremost tetrahedra there are in this round: is nothing left?
@@ -317,8 +322,11 @@ impl<C: Rules> Rounds<C> {
         self.release();
         self.stage = Stage::Looking;
         // R21: one that has not waited for the others is told now.
-        if !C::AWAITS_RESERVATIONS && self.is_done(sums) {
-            return self.end(Ending::Done);
+        if !C::AWAITS_RESERVATIONS {
+            self.count(sums);
+            if self.is_done(sums) {
+                return self.end(Ending::Done);
+            }
         }
         // Every round inserts a point or asks for something.
         if all == 0 && sums[NEWS] == 0 {
