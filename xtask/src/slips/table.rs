@@ -217,9 +217,9 @@ pub(super) const SLIPS: &[Slip] = &[
         16,
         "free segments are not looked for",
         &[Edit {
-            file: "verify/checker/src/conform/mod.rs",
-            right: "self.plc.segments.iter().for_each(|&ends| want(ends, &everything))",
-            wrong: "",
+            file: "verify/checker/src/conform/incidence.rs",
+            right: "sides.chain(segments).collect()",
+            wrong: "sides.collect()",
         }],
         (
             "--test domains",
