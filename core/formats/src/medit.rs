@@ -7,8 +7,8 @@
 //! tetrahedra are boundary triangles, their references the markers. Of `TetrahedraP2`,
 //! `TrianglesP2` and those of higher order the corners are read, which come first, with a note.
 //! Sections of edges, corners and the like are not read; a note says which. Other volume cells
-//! are refused. A file ends with `End`; without it, which other programs allow, there must be tetrahedra, and
-//! a note says that sections may be missing.
+//! are refused. A file ends with `End`; without it, which other programs allow, there must be
+//! tetrahedra, and a note says that sections may be missing.
 //! Source: P. Frey, "MEDIT: an interactive mesh visualization software", INRIA RT-0253, 2001.
 
 use super::MeshFile;
