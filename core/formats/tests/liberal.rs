@@ -196,7 +196,7 @@ fn medit_files_may_lack_their_end() {
 fn triangles(domain: &Domain) -> Vec<(Vec<u32>, i32)> {
     let turned = |facet: &ltbw_domain::Facet| {
         let mut corners = facet.polygons.concat();
-        let least = (0..corners.len()).min_by_key(|&k| corners[k]).unwrap();
+        let least = (0..corners.len()).min_by_key(|&k| corners[k]).expect("a corner");
         corners.rotate_left(least);
         (corners, facet.marker)
     };
@@ -359,7 +359,7 @@ fn whole() -> TetMesh {
 fn piece(mesh: &TetMesh, tet: usize) -> TetMesh {
     let mut used = mesh.tets[tet];
     used.sort_unstable();
-    let place = |v: u32| used.iter().position(|&u| u == v).unwrap() as u32;
+    let place = |v: u32| used.iter().position(|&u| u == v).expect("used") as u32;
     let faces = mesh.faces.iter().filter(|face| face.tet == tet);
     TetMesh {
         points: used.iter().map(|&v| mesh.points[v as usize]).collect(),

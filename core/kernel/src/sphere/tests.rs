@@ -173,5 +173,6 @@ fn radius_and_flatness_are_refused_from_their_bounds_on() {
     }
     // Twice the determinant exceeds 2^-15 times the radius, which is √½ or hardly more.
     let bound = FLATNESS * (0.5 + high * high / 4.0).sqrt() / 2.0;
-    assert!((high / bound - 1.0).abs() < 1e-12 && FLATNESS == 2f64.powi(-15), "{high} {bound}");
+    assert!((high / bound - 1.0).abs() < 1e-12, "{high} {bound}");
+    assert_eq!(FLATNESS.to_bits(), 2f64.powi(-15).to_bits());
 }
