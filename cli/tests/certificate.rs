@@ -1,11 +1,8 @@
 //! Certificates are bound to the mesh, to the input and to the options, and `check --certificate`
 //! finds what is another.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 #[allow(dead_code, reason = "shared with the other tests, which use all of it")]
-mod common;
-
-use common::{Run, ltbw, program};
+use crate::common::{Run, ltbw, program};
 use ltbw::io::{Format, carried_hash};
 use serde_json::{Value, json};
 use std::io::Write;

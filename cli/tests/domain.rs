@@ -1,9 +1,6 @@
 //! `generate` and `check` of domains, and `convert` between their formats.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-
-use common::{Run, ltbw};
+use crate::common::{Run, ltbw};
 use serde_json::Value;
 use std::path::Path;
 

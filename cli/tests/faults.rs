@@ -2,11 +2,8 @@
 //!
 //! Limits are those of the shell (`ulimit`), and of `prlimit` for another user's threads.
 #![cfg(target_os = "linux")]
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-
-use common::{Run, ltbw, names, program};
+use crate::common::{Run, ltbw, names, program};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};

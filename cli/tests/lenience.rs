@@ -1,10 +1,7 @@
 //! A little that is excused is let pass, with a warning; with `--strict` nothing is.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 #[allow(dead_code, reason = "shared with the other tests, which use all of it")]
-mod common;
-
-use common::{Run, ltbw};
+use crate::common::{Run, ltbw};
 use ltbw::io;
 use ltbw_bindings::{Class, Reins, Source, Wishes};
 use ltbw_generate::surfaces::{globe, prism, single};

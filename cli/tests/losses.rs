@@ -1,9 +1,6 @@
 //! Conversion keeps what the other format has a place for, and names on stderr what it has not.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-
-use common::ltbw;
+use crate::common::ltbw;
 use std::collections::HashSet;
 use std::path::Path;
 

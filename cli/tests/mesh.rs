@@ -1,9 +1,6 @@
 //! `ltbw mesh` and `ltbw check --plc`, from file to file.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-
-use common::{ltbw, names};
+use crate::common::{ltbw, names};
 use std::path::Path;
 
 fn model(dir: &Path) {

@@ -1,11 +1,8 @@
 //! Obstacles for a newcomer: outputs that overwrite each other, folders that take no file, a
 //! mesh of a domain taken for one of its points, numbers written in other ways. Others of the kind:
 //! pipes in `streams.rs`, losses in `losses.rs`, the conformance kit in `vectors.rs`.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-
-use common::{ltbw, names};
+use crate::common::{ltbw, names};
 
 #[test]
 fn no_output_replaces_another() {

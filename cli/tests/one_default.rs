@@ -1,11 +1,8 @@
 //! One tolerance for surfaces where nobody asks for one: library, program and bindings make one
 //! mesh of a file.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 #[allow(dead_code, reason = "shared with the other tests, which use all of it")]
-mod common;
-
-use common::ltbw;
+use crate::common::ltbw;
 use ltbw::io;
 use ltbw::refine::{Refined, Refiner};
 use ltbw_bindings::{Reins, Source, Wishes};

@@ -1,13 +1,8 @@
 //! Pages in a browser: Chromium without a window. `LTBW_CHROMIUM` names another program than
 //! `chromium`.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-#[path = "../../tests/src/require.rs"]
-#[expect(unreachable_pub, reason = "it is public in the library that owns it")]
-mod require;
-
-use common::ltbw;
+use crate::common::ltbw;
+use crate::require;
 use ltbw::io;
 use ltbw::quality::TetQuality;
 use std::path::Path;

@@ -1,9 +1,6 @@
 //! The parallel kernel on the command line: threads, meshes in parts, the simulator.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-
-use common::{ltbw, names};
+use crate::common::{ltbw, names};
 use ltbw::io::read_mesh;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};

@@ -2,10 +2,7 @@
 //!
 //! Python is `$LTBW_PYTHON` or `python3`, with the packages meshio, pyvista, gmsh and numpy.
 
-#[path = "../../tests/src/require.rs"]
-#[expect(unreachable_pub, reason = "it is public in the library that owns it")]
-mod require;
-
+use crate::require;
 use std::path::Path;
 use std::process::Command;
 

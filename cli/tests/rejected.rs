@@ -1,9 +1,6 @@
 //! Refusals of the program: bad input, bad usage, outputs that cannot be written.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-
-use common::{Run, ltbw, names, program};
+use crate::common::{Run, ltbw, names, program};
 
 /// Runs `delaunay` on a file with this content, with an output that must not appear.
 fn reject(name: &str, content: &[u8]) -> String {

@@ -1,9 +1,6 @@
 //! `--repair`, `--write-defects`, frames, and what a refusal says of a surface.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-
-use common::{Run, ltbw, names};
+use crate::common::{Run, ltbw, names};
 use serde_json::Value;
 use std::path::Path;
 

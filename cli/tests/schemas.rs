@@ -1,13 +1,9 @@
 //! All JSON that the program writes names its schema and is as `docs/schema` has it: nothing is
 //! missing, and no field is written that its schema does not have.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 #[allow(dead_code, reason = "shared with the other tests, which use all of it")]
-mod common;
-mod schema;
-
-use common::ltbw;
-use schema::{all, faults, validate};
+use crate::common::ltbw;
+use crate::schema::{all, faults, validate};
 use serde_json::{Value, json};
 use std::path::Path;
 

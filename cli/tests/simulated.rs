@@ -1,11 +1,8 @@
 //! Figures of simulated processors claim no more than was done: nothing about nothing, the whole
 //! beside the kernel, and the paper's figures as the paper has them.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 #[allow(dead_code, reason = "shared with the other tests, which use all of it")]
-mod common;
-
-use common::{Run, ltbw};
+use crate::common::{Run, ltbw};
 use serde_json::Value;
 use std::path::Path;
 

@@ -1,9 +1,6 @@
 //! stdin and stdout in place of files: `-` and `--format`.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-
-use common::{Run, ltbw, names, program};
+use crate::common::{Run, ltbw, names, program};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Output, Stdio};

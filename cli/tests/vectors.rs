@@ -1,12 +1,7 @@
 //! `ltbw vectors run`: levels and flags of a right executor, of wrong ones, and of none.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-#[path = "../../tests/src/require.rs"]
-#[expect(unreachable_pub, reason = "it is public in the library that owns it")]
-mod require;
-
-use common::{Run, ltbw};
+use crate::common::{Run, ltbw};
+use crate::require;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

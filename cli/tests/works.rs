@@ -1,9 +1,6 @@
 //! The work of the program: mesh, check, convert, generate, demo, and stop on Ctrl-C.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-
-use common::{Run, ltbw, names, program};
+use crate::common::{Run, ltbw, names, program};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::Path;

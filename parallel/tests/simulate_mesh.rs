@@ -117,7 +117,8 @@ fn the_sequential_mesh_on_any_processors() {
 
 /// The bar's sizes: 2,000 to 200,000 points on 2 to 1024 processors, blocks moving in each run.
 /// All of them, some five seconds a seed:
-/// `LTBW_CASES=1000 cargo test --release -p ltbw --test simulate_mesh -- --ignored --nocapture`.
+/// `LTBW_CASES=1000 cargo test --release -p ltbw --test parallel simulate_mesh:: -- --ignored
+/// --nocapture`.
 #[test]
 #[ignore = "more than an hour for all thousand seeds"]
 fn large_sets_on_any_processors() {

@@ -78,43 +78,63 @@ fn has_test(sources: &str, name: &str) -> bool {
     sources.contains(&format!("fn {name}")) || sources.contains(&format!("mod {name}"))
 }
 
+/// The text of a module of the tests of a package, and the rest of the name that begins with it.
+fn module<'a>(folder: &Path, name: &'a str) -> (String, &'a str) {
+    let (module, rest) = name.split_once("::").unwrap_or_else(|| panic!("{name}: no module"));
+    let tests = folder.join("tests");
+    let main = fs::read_to_string(tests.join("main.rs")).expect("the list of modules");
+    // A filter is a part of a name: another module that ends so would run, too.
+    let of = |line: &str| Some(line.strip_prefix("mod ")?.strip_suffix(';')?.ends_with(module));
+    let count = main.lines().filter(|line| of(line) == Some(true)).count();
+    assert!(count == 1, "{count} modules end with {module}");
+    let path = tests.join(format!("{module}.rs"));
+    (fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path:?}: {e}")), rest)
+}
+
+/// The number of tests in a text that are not ignored.
+fn count_tests(text: &str) -> usize {
+    let count = |start: &str| text.lines().filter(|l| l.trim().starts_with(start)).count();
+    count("#[test]") - count("#[ignore")
+}
+
 /// Checks `cargo test` with its arguments; returns how many tests it runs, where that is known.
 fn check_test(args: &[&str]) -> Option<usize> {
-    let (mut package, mut programs, mut lib, mut filter) = (None, Vec::new(), false, None);
+    let (mut package, mut program, mut lib, mut filters) = (None, None, false, Vec::new());
     let mut args = args.iter().copied();
     while let Some(arg) = args.next() {
         match arg {
             "-p" => package = args.next(),
-            "--test" => programs.extend(args.next()),
+            "--test" => program = args.next(),
             "--lib" => lib = true,
-            "--release" => {}
-            "--" => break,
+            "--release" | "--" | "--nocapture" | "--include-ignored" => {}
             name => {
-                assert!(!name.starts_with('-') && filter.is_none(), "what is {name}?");
-                filter = Some(name);
+                assert!(!name.starts_with('-'), "what is {name}?");
+                filters.push(name);
             }
         }
     }
     let folder = folder(package.expect("a package"));
+    if let Some(program) = program.filter(|_| !lib) {
+        let manifest = fs::read_to_string(folder.join("Cargo.toml")).expect("a manifest");
+        let target = format!("name = \"{program}\"\npath = \"tests/main.rs\"");
+        assert!(manifest.contains(&target), "no test program {program}");
+        assert!(!filters.is_empty(), "which module?");
+        return filters.iter().try_fold(0, |sum, filter| {
+            let (text, rest) = module(&folder, filter);
+            assert!(rest.is_empty() || has_test(&text, rest), "no test {filter}");
+            let is_one = text.contains(&format!("fn {rest}("));
+            let count = if rest.is_empty() { Some(count_tests(&text)) } else { None };
+            Some(sum + count.or(is_one.then_some(1))?)
+        });
+    }
     // A command without library and test program runs all of the package.
-    let source = lib || programs.is_empty();
-    let mut text = if source { sources(&folder.join("src")) } else { String::new() };
-    for program in &programs {
-        let path = folder.join("tests").join(format!("{program}.rs"));
-        text.push_str(&fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path:?}: {e}")));
-    }
-    assert!(!text.is_empty(), "no tests");
-    match filter {
-        Some(name) => {
-            assert!(has_test(&text, name), "no test {name}");
-            text.contains(&format!("fn {name}(")).then_some(1)
-        }
-        None if source => None,
-        None => {
-            let count = |start: &str| text.lines().filter(|l| l.trim().starts_with(start)).count();
-            Some(count("#[test]") - count("#[ignore"))
-        }
-    }
+    let text = sources(&folder.join("src"));
+    let &[name] = filters.as_slice() else {
+        assert!(filters.is_empty() && !text.is_empty(), "no tests");
+        return None;
+    };
+    assert!(has_test(&text, name), "no test {name}");
+    text.contains(&format!("fn {name}(")).then_some(1)
 }
 
 /// Checks one command; returns how many tests it runs, where that is known.

@@ -1,6 +1,7 @@
 //! Random degenerate sets of 5 to 60 snapped points on 2 to 8 workers, all equal to CGAL: 300 of
 //! them, or `LTBW_CASES` (10,000 for the full bar):
-//! `LTBW_CASES=10000 cargo test --release -p ltbw-tests --test parallel_cgal -- --nocapture`
+//! `LTBW_CASES=10000 cargo test --release -p ltbw-tests --test workspace parallel_cgal:: --
+//! --nocapture`
 //!
 //! Events happen in a random order, of which the simulator's virtual time, in every fifth case, is
 //! one.

@@ -2,9 +2,9 @@
 //!
 //! `cargo test` builds the moderate sets (some 20,000 points) once on each of some numbers of
 //! threads; both full bars are
-//! `LTBW_CASES=20 cargo test --release -p ltbw-tests --test parallel_families -- --include-ignored
-//! --nocapture`: the moderate sets on 1 to 16 threads, 20 times, and the full ones (a million
-//! points where the family says so) on 1, 2, 4 and 16 threads, 3 times.
+//! `LTBW_CASES=20 cargo test --release -p ltbw-tests --test workspace parallel_families:: --
+//! --include-ignored --nocapture`: the moderate sets on 1 to 16 threads, 20 times, and the full
+//! ones (a million points where the family says so) on 1, 2, 4 and 16 threads, 3 times.
 //! `LTBW_FAMILIES=uniform,grid` asks for some families alone, so that a long run can be done in
 //! pieces.
 

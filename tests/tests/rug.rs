@@ -2,7 +2,7 @@
 //! window: 200,000 calls, or `LTBW_CASES` (the full bar is 50 million, in release):
 //!
 //! ```text
-//! LTBW_CASES=50000000 cargo test --release -p ltbw-tests --test rug -- --nocapture
+//! LTBW_CASES=50000000 cargo test --release -p ltbw-tests --test workspace rug:: -- --nocapture
 //! ```
 
 use ltbw::Point;

@@ -45,6 +45,22 @@ fn long_files(tree: &Tree) -> Vec<&str> {
     tree.rust("").filter(|(_, text)| is_long(text)).map(|(file, _)| file).collect()
 }
 
+/// Files of tests that no program of tests has as a module: nothing would run them, and nobody
+/// would be told.
+fn left_out(tree: &Tree) -> Vec<&str> {
+    let is_left_out = |path: &str| {
+        let (folder, file) = path.rsplit_once("/tests/")?;
+        let main = tree.0.get(&format!("{folder}/tests/main.rs"))?;
+        let module = format!("mod {};", file.strip_suffix(".rs")?);
+        // A program of its own has its name in the manifest.
+        let program = format!("name = \"{}\"", file.strip_suffix(".rs")?);
+        let manifest = tree.0.get(&format!("{folder}/Cargo.toml"))?;
+        let is_own = file.contains('/') || file == "main.rs" || manifest.contains(&program);
+        Some(!is_own && !main.lines().any(|line| line == module))
+    };
+    tree.rust("").map(|(path, _)| path).filter(|path| is_left_out(path) == Some(true)).collect()
+}
+
 /// The lines of code of `folders`, tests and the file `but` left out.
 fn size(tree: &Tree, folders: &[&str], but: &str) -> usize {
     let inside = |file: &str| folders.iter().any(|folder| file.starts_with(&format!("{folder}/")));
@@ -133,6 +149,11 @@ fn files_are_short() {
 }
 
 #[test]
+fn all_files_of_tests_are_run() {
+    assert_eq!(left_out(&TREE), [""; 0], "files that no tests/main.rs names");
+}
+
+#[test]
 fn what_is_read_as_a_whole_is_small() {
     for &(folders, but, most) in SIZES {
         let size = size(&TREE, folders, but);
@@ -171,6 +192,20 @@ fn long_files_and_lines_are_found() {
     assert_eq!(long_files(&tree(&"\n".repeat(LINES + 1))), ["cli/src/lib.rs"]);
     assert_eq!(long_lines(&tree(&"ä".repeat(COLUMNS))), [""; 0]);
     assert_eq!(long_lines(&tree(&format!("\n{}", "ä".repeat(COLUMNS + 1)))), ["cli/src/lib.rs:2"]);
+}
+
+#[test]
+fn files_of_tests_that_nobody_names_are_found() {
+    let tree = Tree::of(&[
+        ("cli/Cargo.toml", "name = \"alone\""),
+        ("cli/tests/main.rs", "mod a;"),
+        ("cli/tests/a.rs", ""),
+        ("cli/tests/a/part.rs", ""),
+        ("cli/tests/alone.rs", ""),
+        ("cli/tests/b.rs", ""),
+        ("core/tests/c.rs", ""),
+    ]);
+    assert_eq!(left_out(&tree), ["cli/tests/b.rs"]);
 }
 
 #[test]

@@ -20,8 +20,8 @@ const PACKAGES: [&str; 6] =
 const TESTS: [&[&str]; 4] = [
     &["-p", "ltbw-exact", "-p", "ltbw-core", "-p", "ltbw-domain", "--all-features"],
     &["-p", "ltbw-formats", "-p", "ltbw-generate", "-p", "ltbw-verify", "--all-features"],
-    &["-p", "ltbw", "--all-features", "--test", "threads"],
-    &["-p", "ltbw-tests", "--test", "interleaved", "--test", "refine", "--test", "refine_bad"],
+    &["-p", "ltbw", "--all-features", "--test", "parallel", "threads::"],
+    &["-p", "ltbw-tests", "--test", "workspace", "--", "interleaved::", "refine::", "refine_bad::"],
 ];
 /// Debian's tools, if they are there; else cargo-llvm-cov looks for rustup's. Their version must
 /// not be older than the format of the profiles, which has been the same since LLVM 19.

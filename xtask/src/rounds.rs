@@ -16,7 +16,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
         _ => return Err("usage: rounds [DIR]".to_owned()),
     };
     for (test, cases) in
-        [("refine_rounds", "500"), ("refine_workers", "200"), ("refine_cgal", "100")]
+        [("refine_rounds::", "500"), ("refine_workers::", "200"), ("refine_cgal::", "100")]
     {
         let mut command = cargo();
         command.args([
@@ -25,6 +25,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
             "-p",
             "ltbw-tests",
             "--test",
+            "workspace",
             test,
             "--",
             "--nocapture",

@@ -85,8 +85,26 @@ fn in_tree(tree: &Path) -> Command {
 /// features are.
 fn targets(slips: &[&Slip]) -> Vec<&'static str> {
     let packages = PACKAGES.iter().flat_map(|(package, _)| ["-p", package]);
-    let programs: BTreeSet<&str> = slips.iter().map(|slip| slip.target).collect();
-    packages.chain(programs.into_iter().flat_map(|program| program.split(' '))).collect()
+    let programs: BTreeSet<_> = slips.iter().map(|slip| program(slip)).collect();
+    packages.chain(programs.into_iter().flatten()).collect()
+}
+
+/// The test program of a slip: a crate's integration tests are one, with the name of its folder.
+fn program(slip: &Slip) -> Vec<&'static str> {
+    match slip.at.split_once("/tests/") {
+        Some((folder, _)) if slip.target != "--lib" => {
+            vec!["--test", folder.rsplit('/').next().unwrap_or(folder)]
+        }
+        _ => vec!["--lib"],
+    }
+}
+
+/// The name of a slip's test in its program, where each file is a module.
+fn filter(slip: &Slip) -> String {
+    match slip.target.strip_prefix("--test ") {
+        Some(module) => format!("{module}::{}", slip.test),
+        None => slip.test.to_owned(),
+    }
 }
 
 /// Runs a slip's test. Returns the assertion that fails, if one does.
@@ -97,7 +115,7 @@ fn test(tree: &Path, slip: &Slip, is_planted: bool) -> Result<Option<String>, St
     if is_planted {
         cargo.env("LTBW_SLIP", slip.number.to_string());
     }
-    cargo.args(["test", "--quiet"]).args(targets(&[slip])).args(["--", slip.test]);
+    cargo.args(["test", "--quiet"]).args(targets(&[slip])).args(["--", &filter(slip)]);
     let output = cargo.output().map_err(|error| format!("{cargo:?}: {error}"))?;
     if output.status.success() {
         return Ok(None);

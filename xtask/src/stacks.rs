@@ -14,6 +14,6 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
         _ => return Err("usage: stacks [COUNT]".to_owned()),
     };
     let mut command = cargo();
-    command.args(["test", "--release", "-p", "ltbw-tests", "--test", "stacks"]);
-    shell::run(command.args(["--", "--nocapture"]).env("LTBW_CASES", count))
+    command.args(["test", "--release", "-p", "ltbw-tests", "--test", "workspace"]);
+    shell::run(command.args(["stacks::", "--", "--nocapture"]).env("LTBW_CASES", count))
 }

@@ -1,9 +1,6 @@
 //! The exact check of domains.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-
-use common::{BOX, check, cubes};
+use crate::common::{BOX, check, cubes};
 use ltbw_domain::{
     CheckOptions, DefectKind, Domain, Element, Facet, PrepareError, PrepareOptions, Region,
     Severity,

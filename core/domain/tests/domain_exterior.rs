@@ -1,9 +1,6 @@
 //! Items with nothing but exterior around them are left out; bodies in bodies; and refusals.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-
-use common::{check, cubes};
+use crate::common::{check, cubes};
 use ltbw_domain::exterior::LEFT_OUT;
 use ltbw_domain::{
     CheckOptions, DefectKind, Domain, Facet, Frame, Holes, PrepareError, PrepareOptions, Prepared,

@@ -1,5 +1,4 @@
 //! Snapping domains to their lattice.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 use ltbw_domain::{Domain, DomainError, Facet, Lattice, Region};
 use ltbw_exact::Point;

@@ -1,5 +1,4 @@
 //! The model domains, and triangles of facets.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 use ltbw_domain::{CheckOptions, Domain, Facet, PrepareOptions, Problem, Region};
 use ltbw_exact::Point;

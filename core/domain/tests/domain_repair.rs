@@ -1,5 +1,4 @@
 //! The repairs before a domain is meshed, and what a refusal says of the surface.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 use ltbw_domain::{
     CheckOptions, Domain, Facet, Frame, PrepareError, PrepareOptions, Prepared, TroubleKind,

@@ -1,9 +1,6 @@
 //! The exact check of domains: segments, sheets and hole points beside facets.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-mod common;
-
-use common::{check, cubes};
+use crate::common::{check, cubes};
 use ltbw_domain::{CheckOptions, DefectKind, Domain, Element, Facet, Severity};
 use std::collections::BTreeMap;
 

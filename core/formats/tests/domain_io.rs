@@ -1,5 +1,4 @@
 //! Reading and writing domains.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 use ltbw_domain::{Domain, Facet};
 use ltbw_formats as io;

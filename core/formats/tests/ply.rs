@@ -7,8 +7,7 @@ use ltbw_formats::{
 use proptest::prelude::*;
 use std::path::Path;
 
-mod strategies;
-use strategies::{bits, float_tags, meshes};
+use crate::strategies::{bits, float_tags, meshes};
 
 const ENCODINGS: [Encoding; 2] = [Encoding::Binary, Encoding::Ascii];
 

@@ -1,5 +1,4 @@
 //! `.vtk`: VTK's legacy files of all versions, text and binary, as meshes and as surfaces.
-#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 use ltbw_core::{BoundaryFace, TetMesh};
 use ltbw_domain::{Domain, Facet};
@@ -7,8 +6,7 @@ use ltbw_formats::{self as io, Encoding, Format, WriteOptions, vtk};
 use proptest::prelude::*;
 
 #[allow(dead_code, reason = "shared with other tests")]
-mod strategies;
-use strategies::{bits, meshes};
+use crate::strategies::{bits, meshes};
 
 /// A tetrahedron, a triangle of it, a line, and data of all kinds, as version `version`.
 fn text(version: &str) -> String {

@@ -1,8 +1,6 @@
 //! Every kind of defect, planted into a good mesh and found with its ids.
 
-mod common;
-
-use common::{GENERAL, Owned, adjacency, cube, delaunay, kinds, volume6};
+use crate::common::{GENERAL, Owned, adjacency, cube, delaunay, kinds, volume6};
 use ltbw_verify::{Depth, Kind, Level, Mesh, Options, Outcome, Report, VertexOrder, check};
 
 /// The report, which an adjacency must not change.

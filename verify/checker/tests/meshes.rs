@@ -1,8 +1,6 @@
 //! Good meshes pass, whatever their scale; any other set of tetrahedra does not; Qhull's grid.
 
-mod common;
-
-use common::{IntPoint, Owned, delaunay, kinds, parse};
+use crate::common::{self, IntPoint, Owned, delaunay, kinds, parse};
 use ltbw_verify::{Kind, Level, Mesh, Options, Outcome, Report, VertexOrder, check};
 use proptest::prelude::*;
 

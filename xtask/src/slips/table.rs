@@ -248,7 +248,7 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "points[v as usize].map(|c| c + 0.0)",
             wrong: "points[v as usize]",
         }],
-        ("--test hash", "", "core/kernel/tests/hash.rs"),
+        ("--test canonical_hash", "", "core/kernel/tests/canonical_hash.rs"),
     ),
     seen(
         19,

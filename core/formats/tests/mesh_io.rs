@@ -9,8 +9,7 @@ use ltbw_formats::{
 use proptest::prelude::*;
 use std::path::Path;
 
-mod strategies;
-use strategies::{bits, float_tags, meshes, points};
+use crate::strategies::{bits, float_tags, meshes, points};
 
 type ReadPoints = fn(&[u8]) -> Result<PointFile, ParseError>;
 

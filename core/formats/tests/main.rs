@@ -1,0 +1,15 @@
+//! The tests of the crate: one program, a module a subject.
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+mod carried;
+mod domain_io;
+mod extras;
+mod io_refusals;
+mod liberal;
+mod mesh_io;
+mod msh;
+mod ply;
+mod strategies;
+mod texts;
+mod vtk;
+mod vtu;

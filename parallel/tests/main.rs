@@ -1,0 +1,15 @@
+//! The tests of the crate: one program, a module a subject.
+
+mod builder;
+mod closure;
+mod examples;
+mod foreign;
+mod home;
+mod limit;
+mod ownership;
+mod refining;
+mod refining_domains;
+mod refining_rounds;
+mod simulate_mesh;
+mod threads;
+mod vertices;

@@ -1,0 +1,30 @@
+//! The tests of the workspace: one program, a module a subject.
+
+mod assurance;
+mod corpus;
+mod elements;
+mod family_predicates;
+mod golden;
+mod interleaved;
+mod parallel_cgal;
+mod parallel_families;
+mod planted;
+mod proptest_cgal;
+mod published;
+mod readme;
+mod reference;
+mod refine;
+mod refine_bad;
+mod refine_cgal;
+mod refine_exterior;
+mod refine_rounds;
+mod refine_surfaces;
+mod refine_workers;
+mod regressions;
+mod rug;
+mod rules;
+mod small_meshes;
+mod small_predicates;
+mod stacks;
+mod tidy;
+mod ties;

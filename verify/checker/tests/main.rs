@@ -1,0 +1,10 @@
+//! The tests of the crate: one program, a module a subject.
+
+mod common;
+mod defects;
+mod domains;
+mod exterior;
+mod growth;
+mod meshes;
+mod patches;
+mod words;
