@@ -7,7 +7,6 @@ mod foreign;
 mod home;
 mod limit;
 mod ownership;
-mod refining;
 mod refining_domains;
 mod refining_rounds;
 mod simulate_mesh;

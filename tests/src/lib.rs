@@ -17,12 +17,14 @@
 //! | [`plant`] | defects planted into sound meshes, for the checker to find |
 //! | [`solids`] | sound meshes of bodies of every shape |
 //! | [`fuzz`] | the bodies of the fuzz targets, so that `cargo test` replays their corpora |
+//! | [`corpora`] | these corpora, an archive a target |
 //! | [`interleave`] | the parallel kernel, one event at a time in a chosen order |
 //! | [`require`] | what is skipped when a tool is missing, and when that is a failure |
 #![forbid(unsafe_code)]
 
 pub mod cgal;
 pub mod compare;
+pub mod corpora;
 pub mod domains;
 pub mod epsilon;
 pub mod excuses;

@@ -1,5 +1,6 @@
 //! Replays the committed corpora of the fuzz targets: what the fuzzer once reached stays reached.
 
+use ltbw_tests::corpora;
 use ltbw_tests::fuzz::{TARGETS, canary};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,23 +9,10 @@ fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz").join(name)
 }
 
-/// The contents of a target's corpus, by file name.
-fn corpus(target: &str) -> Vec<(String, Vec<u8>)> {
-    let entries = fs::read_dir(folder("corpus").join(target)).expect("the corpus is committed");
-    let read = |path: PathBuf| {
-        let name = path.file_name().expect("a file has a name").to_string_lossy().into_owned();
-        (name, fs::read(&path).expect("a corpus file can be read"))
-    };
-    let mut files: Vec<_> =
-        entries.map(|entry| read(entry.expect("a folder can be read").path())).collect();
-    files.sort();
-    files
-}
-
 #[test]
 fn the_corpora_pass() {
     for (name, run) in TARGETS {
-        let files = corpus(name);
+        let files = corpora::read(&corpora::archive(name)).expect("the corpus is committed");
         assert!(files.len() >= 11, "the corpus of {name} holds {} files", files.len());
         for (file, bytes) in files {
             let passed = std::panic::catch_unwind(|| run(&bytes));

@@ -83,29 +83,27 @@ fn by_pkg_config(package: &Path, dist: &Path, own_target: &Path) -> Result<(), S
 /// Runs cargo in the package.
 fn in_package(arguments: &[&str]) -> Result<(), String> {
     let mut cargo = command(&cargo().get_program().to_string_lossy());
-    cargo.current_dir(root().join("bindings/c")).env("CARGO_TARGET_DIR", target().join("c"));
-    shell::quick_bindings(&mut cargo);
+    cargo.current_dir(root().join("bindings/c")).env("CARGO_TARGET_DIR", shell::bindings());
     shell::run(cargo.args(arguments))
 }
 
 /// Builds the libraries; the folder of what users install.
 pub(crate) fn build() -> Result<PathBuf, String> {
-    let own_target = target().join("c");
-    let dist = own_target.join("dist");
+    let dist = target().join("c/dist");
     in_package(&["build", "--quiet", "--release"])?;
     let failed = |error| format!("{}: {error}", dist.display());
-    install(&root().join("bindings/c"), &own_target, &dist).map_err(failed)?;
+    install(&root().join("bindings/c"), &dist).map_err(failed)?;
     Ok(dist)
 }
 
 /// Puts header, libraries and the pkg-config file where users would have them.
-fn install(package: &Path, own_target: &Path, dist: &Path) -> std::io::Result<()> {
+fn install(package: &Path, dist: &Path) -> std::io::Result<()> {
     let (include, lib) = (dist.join("include"), dist.join("lib"));
     fs::create_dir_all(&include)?;
     fs::create_dir_all(lib.join("pkgconfig"))?;
     fs::copy(package.join("include/ltbw.h"), include.join("ltbw.h"))?;
     for name in ["libltbw.so", "libltbw.a"] {
-        fs::copy(own_target.join("release").join(name), lib.join(name))?;
+        fs::copy(shell::bindings().join("release").join(name), lib.join(name))?;
     }
     let text = fs::read_to_string(package.join("ltbw.pc.in"))?;
     let text = text.replace("@PREFIX@", &dist.to_string_lossy());

@@ -8,7 +8,7 @@
 //! it the fuzzers run the same compiler as the tests.
 
 use crate::require;
-use crate::shell::{self, cargo, command, root, rust_files, target as target_folder, works};
+use crate::shell::{self, cargo, command, rust_files, target as target_folder, works};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -21,7 +21,7 @@ const CANARY_SECONDS: u32 = 60;
 /// The canary's last words when it dies as it should: `FOUND` of `tests/src/fuzz/canary.rs`.
 const CANARY_FOUND: &str = "the canary's planted bug was found";
 
-const USAGE: &str = "usage: fuzz [--seconds N] [TARGET]...";
+const USAGE: &str = "usage: fuzz [--renew] [--seconds N] [TARGET]...";
 
 /// The result of a run of one target, from libFuzzer's output.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -36,9 +36,10 @@ struct Run {
 }
 
 /// Runs the canary and all targets, or those that `args` name; `args` may hold `--seconds N` (for
-/// each target, default 60).
+/// each target, default 60). With `--renew`, the committed corpora take in what was found, as few
+/// inputs as cover the same.
 pub(crate) fn run(args: &[String]) -> Result<(), String> {
-    let (seconds, named) = parse(args)?;
+    let Wishes { seconds, is_renewal, named } = parse(args)?;
     if !works(cargo().args(["fuzz", "--version"])) {
         let reason = "cargo-fuzz is not installed (cargo install cargo-fuzz)";
         return require::skip("fuzz", "fuzz", reason);
@@ -60,6 +61,9 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
         let Run { runs, per_second, edges, new_units, passed } = run;
         let outcome = if passed { "" } else { "  FOUND A BUG" };
         println!("{target:<12} {runs:>10} {per_second:>8} {edges:>7} {new_units:>6}{outcome}");
+        if is_renewal && passed {
+            fuzzer.renew(target)?;
+        }
         if !passed {
             findings.push(format!("{target}: {}\n{}", log.display(), last_lines(&log)));
         }
@@ -70,20 +74,30 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     }
 }
 
-fn parse(args: &[String]) -> Result<(u32, Vec<String>), String> {
-    let (mut seconds, mut named) = (60, Vec::new());
+/// What the arguments ask for.
+#[derive(Debug, PartialEq, Eq)]
+struct Wishes {
+    seconds: u32,
+    is_renewal: bool,
+    named: Vec<String>,
+}
+
+fn parse(args: &[String]) -> Result<Wishes, String> {
+    let (mut seconds, mut is_renewal, mut named) = (60, false, Vec::new());
     let mut rest = args.iter();
     while let Some(arg) = rest.next() {
         if arg == "--seconds" {
             let n = rest.next().ok_or(USAGE)?;
             seconds = n.parse().map_err(|_| format!("--seconds takes a whole number, not {n}"))?;
+        } else if arg == "--renew" {
+            is_renewal = true;
         } else if arg.starts_with('-') {
             return Err(USAGE.to_string());
         } else {
             named.push(arg.clone());
         }
     }
-    Ok((seconds, named))
+    Ok(Wishes { seconds, is_renewal, named })
 }
 
 /// The fuzzers of this machine.
@@ -114,8 +128,29 @@ impl Fuzzer {
     fn fuzz(&self, target: &str, seconds: u32) -> Result<(Run, PathBuf), String> {
         let found = self.fresh("corpus", target, false)?;
         let artifacts = self.fresh("artifacts", target, false)?;
-        let committed = root().join("fuzz/corpus").join(target);
-        self.libfuzzer(target, seconds, &[&found, &committed], &artifacts)
+        let committed = self.committed(target)?;
+        let time = format!("-max_total_time={seconds}");
+        self.libfuzzer(target, &time, &[&found, &committed], &artifacts)
+    }
+
+    /// The committed corpus as files.
+    fn committed(&self, target: &str) -> Result<PathBuf, String> {
+        let folder = self.fresh("committed", target, true)?;
+        shell::run(&mut corpus("unpack", target, &folder))?;
+        Ok(folder)
+    }
+
+    /// Commits the fewest inputs that cover what the committed ones and those found cover.
+    fn renew(&self, target: &str) -> Result<(), String> {
+        let found = self.fresh("corpus", target, false)?;
+        let artifacts = self.fresh("artifacts", target, false)?;
+        let [committed, merged] = [self.committed(target)?, self.fresh("merged", target, true)?];
+        let corpora = [merged.as_path(), &committed, &found];
+        let (run, log) = self.libfuzzer(target, "-merge=1", &corpora, &artifacts)?;
+        if !run.passed {
+            return Err(format!("{target}: no merge\n{}", last_lines(&log)));
+        }
+        shell::run(&mut corpus("pack", target, &merged))
     }
 
     /// The canary, from nothing.
@@ -123,7 +158,8 @@ impl Fuzzer {
         let start = Instant::now();
         let empty = self.fresh("corpus", CANARY, true)?;
         let artifacts = self.fresh("artifacts", CANARY, true)?;
-        let (run, log) = self.libfuzzer(CANARY, CANARY_SECONDS, &[&empty], &artifacts)?;
+        let time = format!("-max_total_time={CANARY_SECONDS}");
+        let (run, log) = self.libfuzzer(CANARY, &time, &[&empty], &artifacts)?;
         let said = fs::read_to_string(&log).map_err(|e| format!("{}: {e}", log.display()))?;
         if run.passed || !said.contains(CANARY_FOUND) {
             let why = format!("the canary lives after {CANARY_SECONDS} s: fuzzing is broken");
@@ -136,7 +172,7 @@ impl Fuzzer {
     fn libfuzzer(
         &self,
         target: &str,
-        seconds: u32,
+        task: &str,
         corpora: &[&Path],
         artifacts: &Path,
     ) -> Result<(Run, PathBuf), String> {
@@ -150,7 +186,7 @@ impl Fuzzer {
             // Small meshes: a second thread would cost more than it does.
             .env("RAYON_NUM_THREADS", "1")
             .args(corpora)
-            .arg(format!("-max_total_time={seconds}"))
+            .arg(task)
             .arg(format!("-artifact_prefix={}/", artifacts.display()))
             // Memory grows with what the corpus reaches, not with one input; a hang is a finding.
             .args(["-rss_limit_mb=4096", "-timeout=60", "-print_final_stats=1"])
@@ -194,6 +230,14 @@ impl Run {
     }
 }
 
+/// The program that packs and unpacks committed corpora.
+fn corpus(task: &str, target: &str, folder: &Path) -> Command {
+    let mut command = cargo();
+    command.args(["run", "--quiet", "-p", "ltbw-tests", "--bin", "corpus", "--", task, target]);
+    command.arg(folder);
+    command
+}
+
 /// The end of a log, for a failure's message.
 fn last_lines(log: &Path) -> String {
     let text = fs::read(log).unwrap_or_default();
@@ -215,7 +259,7 @@ pub(crate) fn host() -> Result<String, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Run, parse};
+    use super::{Run, Wishes, parse};
 
     #[test]
     fn statistics_are_read_from_the_log() {
@@ -230,8 +274,13 @@ mod tests {
     #[test]
     fn arguments() {
         let words = |text: &str| text.split(' ').map(str::to_string).collect::<Vec<_>>();
-        assert_eq!(parse(&[]), Ok((60, vec![])));
-        assert_eq!(parse(&words("--seconds 7 cli")), Ok((7, vec!["cli".to_string()])));
+        let of = |seconds, is_renewal, named: &[&str]| {
+            let named = named.iter().map(ToString::to_string).collect();
+            Ok(Wishes { seconds, is_renewal, named })
+        };
+        assert_eq!(parse(&[]), of(60, false, &[]));
+        assert_eq!(parse(&words("--seconds 7 cli")), of(7, false, &["cli"]));
+        assert_eq!(parse(&words("--renew cli")), of(60, true, &["cli"]));
         assert!(parse(&words("--seconds")).is_err() && parse(&words("--seconds x")).is_err());
         assert!(parse(&words("--fast")).is_err());
     }

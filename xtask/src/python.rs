@@ -46,8 +46,7 @@ pub(crate) fn bench(arguments: &[String]) -> Result<(), String> {
 fn in_package(program: &str) -> Command {
     let mut command = command(program);
     command.current_dir(root().join("bindings/python"));
-    command.env("CARGO_TARGET_DIR", target().join("python"));
-    shell::quick_bindings(&mut command);
+    command.env("CARGO_TARGET_DIR", shell::bindings());
     command
 }
 

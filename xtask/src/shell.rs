@@ -42,13 +42,9 @@ pub(crate) fn cargo() -> Command {
     command(&std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_string()))
 }
 
-/// Has `command` build bindings fast rather than well, if `LTBW_QUICK_BINDINGS` is set: without
-/// link-time optimisation, in many units.
-pub(crate) fn quick_bindings(command: &mut Command) {
-    if std::env::var_os("LTBW_QUICK_BINDINGS").is_some() {
-        command.env("CARGO_PROFILE_RELEASE_LTO", "off");
-        command.env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
-    }
+/// The target folder of the bindings: their workspaces build the same crates, once.
+pub(crate) fn bindings() -> PathBuf {
+    target().join("bindings")
 }
 
 /// Runs `command` with our own output; anything but success is an error.

@@ -8,7 +8,7 @@ use ltbw_core::build::independent;
 use ltbw_core::order::{Curve, hilbert};
 use ltbw_core::submesh::MeshParams;
 use ltbw_core::topology::{FaceId, INFINITE, MAX_TETS, Tet, TetId, VertexId, slot_of, tet_of};
-use ltbw_core::{BuildError, Builder, CancelToken, Mesh, Outcome, PredicateStats, Vertex};
+use ltbw_core::{BuildError, Builder, CancelToken, Mesh, PredicateStats, Vertex};
 use ltbw_exact::{Mode, Point, PointSet};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -128,29 +128,26 @@ impl Layout {
         only: Option<&[u32]>,
         cancel: Option<&CancelToken>,
     ) -> Result<Prepared, BuildError> {
-        self.prepare_with(set, only, None, [cancel, None])
+        self.prepare_with(set, only, None, cancel)
     }
 
     /// As [`Layout::distribute`], with all points in the mesh that is distributed; if there is a
-    /// curve with weights of places, it is cut into blocks of about equal weight. `cancel` may end
-    /// it at any time.
+    /// curve with weights of places, it is cut into blocks of about equal weight.
     pub(crate) fn prepare_all(
         &self,
         set: &PointSet,
         cut: Option<(Curve, &[(Point, u64)])>,
-        cancel: Option<&CancelToken>,
     ) -> Result<Prepared, BuildError> {
         let whole = Self { sample: set.len(), ..*self };
-        whole.prepare_with(set, None, cut, [cancel; 2])
+        whole.prepare_with(set, None, cut, None)
     }
 
-    /// A coarse mesh that is cancelled by the second token is none.
     fn prepare_with(
         &self,
         set: &PointSet,
         only: Option<&[u32]>,
         cut: Option<(Curve, &[(Point, u64)])>,
-        [cancel, whole]: [Option<&CancelToken>; 2],
+        cancel: Option<&CancelToken>,
     ) -> Result<Prepared, BuildError> {
         let kernel = set.kernel_points();
         let order = match only {
@@ -181,7 +178,7 @@ impl Layout {
             BlockId::below(blocks.len() as u32).map(|block| self.owner_of(block)).collect();
         // The one is sequential, the other mostly waits for memory.
         let (coarse, mut workers) = rayon::join(
-            || coarse_mesh(&points, &sample, whole),
+            || coarse_mesh(&points, &sample),
             || self.submeshes(&params, &blocks, &points),
         );
         let coarse = coarse?;
@@ -328,23 +325,12 @@ pub struct SharedInput {
     pub predicates: PredicateStats,
 }
 
-fn coarse_mesh(
-    points: &[Point],
-    sample: &[u32],
-    cancel: Option<&CancelToken>,
-) -> Result<Mesh, BuildError> {
+fn coarse_mesh(points: &[Point], sample: &[u32]) -> Result<Mesh, BuildError> {
     let chosen: Vec<Point> = sample.iter().map(|&rank| points[rank as usize]).collect();
     // Kernel coordinates are finite, and no more than the input's.
     let distinct = chosen.len();
     let set = PointSet::new(chosen).map_err(|_| BuildError::TooFewPoints { distinct })?;
-    let built = match cancel {
-        Some(token) => Builder::new().cancel(token).build(&set)?,
-        None => Builder::new().build(&set)?,
-    };
-    match built.outcome {
-        Outcome::Cancelled => Err(BuildError::Cancelled),
-        _ => Ok(built.mesh),
-    }
+    Ok(Builder::new().build(&set)?.mesh)
 }
 
 /// Gives every tetrahedron of the coarse mesh to the owner of its block.

@@ -238,11 +238,6 @@ impl<'a> Parallel<'a> {
         self
     }
 
-    /// The token that cancels the run.
-    pub(crate) fn token(&self) -> Option<&'a CancelToken> {
-        self.cancel
-    }
-
     /// Sets the observer of progress. It is called from the calling thread alone: ten times a
     /// second at most while points are inserted, and once as the other phases begin. No worker
     /// waits for it.
@@ -344,9 +339,9 @@ impl<'a> Parallel<'a> {
 
     /// Runs workers to their end. `started` and `total` are numbers of points to tell of; the start
     /// began at `clock`.
-    pub(crate) fn run_nodes<Q: Source<LocalMesh> + Workload + Send>(
+    fn run_nodes(
         &self,
-        nodes: Vec<Node<LocalMesh, Q>>,
+        nodes: Vec<Node>,
         common: SharedInput,
         [started, total]: [u64; 2],
         clock: Instant,

@@ -149,7 +149,7 @@ pub(super) fn prepare<'c, Q: Source<DomainMesh<'c>>, C: Rules>(
     let weights = (layout.workers > 1)
         .then(|| start.weights(&complex, PLACES.saturating_mul(layout.workers as usize)));
     let cut = weights.as_ref().map(|weights| (curve_for(start, weights, layout), &weights[..]));
-    let Prepared { workers, mut common, .. } = layout.prepare_all(&set, cut, None)?;
+    let Prepared { workers, mut common, .. } = layout.prepare_all(&set, cut)?;
     common.mode = start.mode;
     let config = Config { workers: layout.workers, ..config };
     let complex = Arc::new(complex);
