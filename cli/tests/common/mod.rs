@@ -59,6 +59,7 @@ pub(crate) fn names(dir: &Path) -> Vec<String> {
 }
 
 /// A domain whose points are in a file of their own: `e.poly` and `e.node`, from `d.poly`.
+#[allow(dead_code, reason = "not every test asks")]
 pub(crate) fn points_apart(dir: &Path) {
     let whole = std::fs::read_to_string(dir.join("d.poly")).unwrap();
     let mut lines = whole.lines().skip_while(|line| line.starts_with('#'));

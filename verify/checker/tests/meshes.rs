@@ -18,18 +18,16 @@ fn report(mesh: &Owned) -> Report {
     check(&Mesh::new(&mesh.points, &mesh.tets), &ALL)
 }
 
-/// Some points of a small grid, its corners among them: most hull facets have coplanar neighbours.
+/// Points on two sides of a box, its corners among them: most hull facets have coplanar neighbours.
 fn boxed(seed: u64) -> Vec<IntPoint> {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
     let mut below = |n: u64| {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (state >> 33) % n
     };
-    let size = 2 + below(3) as i64;
-    let mut points: Vec<IntPoint> =
-        common::cube().iter().map(|corner| corner.map(|c| size * c)).collect();
-    while points.len() < 12 {
-        let p = [0; 3].map(|_| below(size as u64 + 1) as i64);
+    let mut points: Vec<IntPoint> = common::cube().iter().map(|p| p.map(|c| 6 * c)).collect();
+    while points.len() < 13 {
+        let p = [below(7), below(7), below(2) * 6].map(|c| c as i64);
         if !points.contains(&p) {
             points.push(p);
         }
@@ -69,7 +67,7 @@ fn wrong_circles(points: &[IntPoint], tets: &[[u32; 4]]) -> usize {
 /// Delaunay mesh of other points.
 #[test]
 fn no_verdict_rests_on_the_circles_of_coplanar_hull_facets_alone() {
-    let stretches = [[1, 1, 1], [2, 3, 2], [1, 2, 3], [3, 2, 2], [5, 4, 4], [4, 5, 6]];
+    let stretches = [[1, 1, 1], [1, 3, 1], [4, 1, 1], [1, 2, 5], [3, 1, 2], [1, 1, 6]];
     let options = Options { max_defects: usize::MAX, ..ALL };
     let (mut failed, mut wrong, mut passed) = (0, 0, 0);
     for seed in 0..120 {
@@ -90,7 +88,7 @@ fn no_verdict_rests_on_the_circles_of_coplanar_hull_facets_alone() {
         (failed, wrong) = (failed + usize::from(circles > 0 || own > 0), wrong + own);
         passed += usize::from(r.passed());
     }
-    assert!(failed > 40 && wrong > 100 && passed > 10, "{failed}, {wrong}, {passed}");
+    assert!(failed > 40 && wrong > 60 && passed > 20, "{failed}, {wrong}, {passed}");
 }
 
 #[test]
@@ -102,7 +100,7 @@ fn the_38_flat_tetrahedra_of_qhull() {
     assert_eq!(r.count(Kind::FlatTet), 38);
     let volume = |t: u32| {
         let corner = |v: u32| mesh.points[v as usize].map(|c| c as i64);
-        common::volume6(mesh.tets[t as usize].map(corner))
+        volume6(mesh.tets[t as usize].map(corner))
     };
     let flat: Vec<u32> = (0..200).filter(|&t| volume(t) == 0).collect();
     let named: Vec<u32> =
