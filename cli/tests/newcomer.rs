@@ -2,7 +2,7 @@
 //! mesh of a domain taken for one of its points, numbers written in other ways. Others of the kind:
 //! pipes in `streams.rs`, losses in `losses.rs`, the conformance kit in `vectors.rs`.
 
-use crate::common::{ltbw, names};
+use crate::common::{ltbw, names, points_apart};
 
 #[test]
 fn no_output_replaces_another() {
@@ -43,14 +43,8 @@ fn points_of_a_domain_are_not_overwritten() {
         let run = ltbw(dir.path(), &["mesh", "d.poly", "-o", "d.ele"]);
         assert_eq!(run.code, 0, "{}", run.stderr);
     }
-    let whole = std::fs::read_to_string(dir.path().join("d.poly")).unwrap();
-    let mut lines = whole.lines().skip_while(|line| line.starts_with('#'));
-    let count: usize = lines.next().unwrap().split(' ').next().unwrap().parse().unwrap();
-    let points: Vec<&str> = lines.by_ref().take(count).collect();
-    let facets: Vec<&str> = lines.collect();
-    let node = format!("{count} 3 0 0\n{}\n", points.join("\n"));
-    std::fs::write(dir.path().join("e.node"), &node).unwrap();
-    std::fs::write(dir.path().join("e.poly"), format!("0 3 0 0\n{}\n", facets.join("\n"))).unwrap();
+    points_apart(dir.path());
+    let node = std::fs::read_to_string(dir.path().join("e.node")).unwrap();
     let run = ltbw(dir.path(), &["mesh", "e.poly", "-o", "e.ele"]);
     assert_eq!(run.code, 2, "{}", run.stderr);
     assert_eq!(run.error(), "e.node: this would overwrite the input");

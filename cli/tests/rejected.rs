@@ -1,6 +1,6 @@
 //! Refusals of the program: bad input, bad usage, outputs that cannot be written.
 
-use crate::common::{Run, ltbw, names, program};
+use crate::common::{Run, ltbw, names, points_apart, program};
 
 /// Runs `delaunay` on a file with this content, with an output that must not appear.
 fn reject(name: &str, content: &[u8]) -> String {
@@ -155,6 +155,51 @@ fn sizes_and_the_background_mesh_are_not_overwritten() {
     assert_eq!(after.len(), before.len(), "{after:?}");
     for (name, bytes) in before {
         assert!(std::fs::read(dir.path().join(&name)).unwrap() == bytes, "{name}");
+    }
+}
+
+/// Every file that a command reads, by every option that names an output.
+#[test]
+fn no_output_is_any_file_that_is_read() {
+    let dir = tempfile::tempdir().unwrap();
+    let done = |args: &[&str]| assert_eq!(ltbw(dir.path(), args).code, 0, "{args:?}");
+    done(&["generate", "l-block", "-o", "d.poly"]);
+    points_apart(dir.path());
+    done(&["generate", "uniform", "50", "-o", "p.node"]);
+    done(&["mesh", "e.poly", "-o", "b.ele"]);
+    done(&["mesh", "e.poly", "--workers", "2", "-o", "m.pvtu"]);
+    std::fs::write(dir.path().join("s.mtr"), "1 1\n0.5\n").unwrap();
+    let read = |name: &String| std::fs::read(dir.path().join(name)).unwrap();
+    let before: Vec<(String, Vec<u8>)> =
+        names(dir.path()).into_iter().map(|name| (name.clone(), read(&name))).collect();
+    let mesh: &[&str] = &["mesh", "e.poly", "--sizes", "s.mtr", "--background", "b.ele"];
+    let commands: [(&[&str], &[&str], &[&str]); 7] = [
+        (
+            mesh,
+            &["e.poly", "e.node", "s.mtr", "b.ele", "b.node"],
+            &["--json", "--trace", "--page", "--histogram"],
+        ),
+        (mesh, &["e.poly"], &["--write-defects"]),
+        (&["delaunay", "p.node", "--threads", "2"], &["p.node"], &["--json", "--trace", "--page"]),
+        (&["check", "m.pvtu"], &["m.pvtu", "m_0.vtu", "m_1.vtu"], &["--json"]),
+        (&["check", "e.poly"], &["e.poly", "e.node"], &["--json"]),
+        (
+            &["check", "b.ele", "--plc", "e.poly"],
+            &["b.ele", "b.node", "e.poly", "e.node"],
+            &["--json"],
+        ),
+        (&["simulate", "--domain", "e.poly"], &["e.poly", "e.node"], &["--json"]),
+    ];
+    for (command, inputs, options) in commands {
+        for (input, option) in inputs.iter().flat_map(|i| options.iter().map(move |o| (i, o))) {
+            let run = ltbw(dir.path(), &[command, &[option, input]].concat());
+            assert_eq!(run.code, 2, "{command:?} {option} {input}: {}", run.stderr);
+            assert_eq!(run.error(), format!("{input}: this would overwrite the input"));
+        }
+    }
+    assert_eq!(names(dir.path()).len(), before.len());
+    for (name, bytes) in &before {
+        assert!(read(name) == *bytes, "{name}");
     }
 }
 

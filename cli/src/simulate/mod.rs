@@ -11,12 +11,13 @@ pub(crate) use args::Simulate;
 
 use crate::console;
 use crate::figures::{self, Doing, SPANS, cost_model, tables, write_trace};
-use crate::json::{distinct, file_writable, write_json};
+use crate::json::{distinct, file_writable, keep_input, write_json};
 use crate::outcome::{Exit, Failure, show};
 use crate::progress::Stage;
 use crate::streams::on_stdout;
 use ltbw::PointSet;
 use ltbw::build::Builder;
+use ltbw::io;
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::metrics::Summary;
 use ltbw::protocol::{Closure, Config, WorkerId};
@@ -41,6 +42,9 @@ pub(crate) fn simulate(args: &Simulate) -> Result<Exit, Failure> {
     let written: Vec<PathBuf> = args.json.iter().chain(pages).cloned().collect();
     distinct(&written)?;
     if let Some(path) = &args.domain {
+        for input in io::domain_files(path) {
+            written.iter().try_for_each(|output| keep_input(&input, output))?;
+        }
         return match args.mode {
             Mode::Rounds => domain::simulate(args, path),
             Mode::Async => freely::simulate(args, path),

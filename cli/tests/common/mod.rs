@@ -57,3 +57,16 @@ pub(crate) fn names(dir: &Path) -> Vec<String> {
     names.sort();
     names
 }
+
+/// A domain whose points are in a file of their own: `e.poly` and `e.node`, from `d.poly`.
+#[allow(dead_code, reason = "not every test asks")]
+pub(crate) fn points_apart(dir: &Path) {
+    let whole = std::fs::read_to_string(dir.join("d.poly")).unwrap();
+    let mut lines = whole.lines().skip_while(|line| line.starts_with('#'));
+    let count: usize = lines.next().unwrap().split(' ').next().unwrap().parse().unwrap();
+    let points: Vec<&str> = lines.by_ref().take(count).collect();
+    let facets: Vec<&str> = lines.collect();
+    let node = format!("{count} 3 0 0\n{}\n", points.join("\n"));
+    std::fs::write(dir.join("e.node"), node).unwrap();
+    std::fs::write(dir.join("e.poly"), format!("0 3 0 0\n{}\n", facets.join("\n"))).unwrap();
+}

@@ -90,6 +90,9 @@ pub struct LocalMesh {
     rim: Vec<VertexId>,
 }
 
+/// The number of a worker's last name for a tetrahedron.
+const LAST_NAME: u32 = u32::MAX >> 1;
+
 /// Ownership that is no function of a tetrahedron's vertices: all that a worker has belongs to its
 /// first block.
 #[derive(Clone, Copy, Debug)]
@@ -233,9 +236,19 @@ impl LocalMesh {
         SubmeshError::NoRoom { limit: self.tets.max_tets() }
     }
 
+    /// A name that was never given. Those of a step are fewer than there are beyond the last.
     fn fresh_name(&mut self) -> Name {
         self.named += 1;
+        if self.named > LAST_NAME {
+            self.error.get_or_insert(SubmeshError::NoNames { limit: LAST_NAME });
+        }
         Name { by: self.me, number: self.named }
+    }
+
+    /// Goes on as if it had given nearly all names.
+    #[cfg(test)]
+    pub(crate) fn use_up_names(&mut self, left: u32) {
+        self.named = LAST_NAME - left;
     }
 
     fn set_name(&mut self, t: TetId, name: Name) {

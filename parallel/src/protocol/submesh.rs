@@ -28,6 +28,12 @@ pub enum SubmeshError {
         /// The most that it may have.
         limit: usize,
     },
+    /// The worker has given as many tetrahedra names as there are.
+    #[error("a worker has named {limit} tetrahedra, and there are no more names")]
+    NoNames {
+        /// The number of names.
+        limit: u32,
+    },
     /// A message names something by a number that is none here: the worker that sent it does not
     /// obey the protocol.
     #[error("a message names {what} {number}, which is not there")]

@@ -3,7 +3,7 @@
 
 use crate::mesh::VertexName;
 use crate::protocol::{Handle, Name, WorkerId};
-use ltbw_domain::refine::{BoundaryItem, Carrier, Corner, ItemPlace, NOWHERE, Rank};
+use ltbw_domain::refine::{BoundaryItem, Carrier, Corner, ItemPlace, NOWHERE, Rank, Rival};
 use ltbw_exact::Point;
 use smallvec::SmallVec;
 
@@ -92,6 +92,16 @@ pub struct WireClosure {
     pub(crate) tets: Vec<([u32; 4], bool)>,
 }
 
+/// A rival in a message: bits 1, 2, 4 for there, of the boundary, apart.
+pub(crate) fn rival_byte(rival: &Rival) -> u8 {
+    u8::from(rival.is_there) | u8::from(rival.is_boundary) << 1 | u8::from(rival.is_apart) << 2
+}
+
+/// The rival of such a byte.
+pub(crate) fn rival(byte: u8) -> Rival {
+    Rival { is_there: byte & 1 != 0, is_boundary: byte & 2 != 0, is_apart: byte & 4 != 0 }
+}
+
 /// News of common faces, which the receiver knows by these tetrahedra and faces of his own.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum KeysTold {
@@ -113,7 +123,7 @@ pub enum DomainNews {
     /// News of the faces that the sender has in common with the receiver.
     Keys {
         /// The exchange: two in a round.
-        exchange: u32,
+        exchange: u64,
         /// Faces of which the receiver knows this already are left out.
         keys: KeysTold,
     },
@@ -161,8 +171,7 @@ pub enum DomainNews {
     Void(ProbeId),
     /// The home of the probe wants to hear of its rivals.
     WantRivals(ProbeId),
-    /// The rivals in the sender's part of a closure, in the order in which it has told of it: bits
-    /// 1, 2, 4 for there, of the boundary, apart.
+    /// The rivals in the sender's part of a closure, in the order in which it has told of it.
     Rivals {
         /// The number of the probe.
         number: u32,
@@ -281,3 +290,17 @@ impl DomainNews {
 
 /// The vertex at infinity in a closure.
 pub(crate) const INFINITE_CORNER: u32 = NOWHERE;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rivals_come_as_they_are_sent() {
+        for bits in 0..8_u8 {
+            let [is_there, is_boundary, is_apart] = [0, 1, 2].map(|k| bits >> k & 1 == 1);
+            let sent = Rival { is_there, is_boundary, is_apart };
+            assert_eq!(rival(rival_byte(&sent)), sent);
+        }
+    }
+}

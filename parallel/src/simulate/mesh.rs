@@ -77,3 +77,37 @@ pub fn simulate_as<C: Rules>(
     let gathered = gather(meshes, prepared.common)?;
     Ok(Meshed { gathered, summary, events, trace })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::WorkerError;
+    use crate::mesh::LocalMesh;
+    use crate::protocol::SubmeshError;
+    use ltbw_generate::{PointKind, generate};
+
+    /// A run whose workers have few names left ends with an error that says so.
+    #[test]
+    fn a_run_ends_where_names_do() {
+        let set = PointSet::new(generate(PointKind::Uniform, 400, 1)).expect("finite points");
+        let run = |left: Option<u32>| {
+            let layout = Layout { sample: 10, ..Layout::new(set.len(), 3) };
+            let workers = layout.distribute(&set).expect("a start").workers;
+            let node = |(directory, mut mesh, field): (_, LocalMesh, _)| {
+                left.into_iter().for_each(|left| mesh.use_up_names(left));
+                Worker::<_, _, Correct>::new(Config::new(3), directory, mesh, field)
+            };
+            simulate(workers.into_iter().map(node).collect(), &Options::default()).map(|_| ())
+        };
+        assert_eq!(run(None), Ok(()));
+        for left in [0, 1, 50] {
+            let end = run(Some(left));
+            let error = SubmeshError::NoNames { limit: u32::MAX >> 1 };
+            let is = |end: &SimulationError| {
+                matches!(end, SimulationError::Worker(WorkerError::Submesh { error: own, .. })
+                    if *own == error)
+            };
+            assert!(end.as_ref().is_err_and(is), "{left} left: {end:?}");
+        }
+    }
+}

@@ -4,6 +4,15 @@
 //! the other. Facets in one plane are allowed; then the four vertices lie on one face of the
 //! hull, and the perturbation decides the diagonal if they are cocircular.
 //!
+//! That the fourth vertex is in the circle of the facet of the other three changes no verdict: the
+//! level fails without this test, too, which names the place on the hull. For let the facets abc
+//! and bcd be coplanar, on two sides of bc, and t1 to tk the tetrahedra around bc between them,
+//! with the spheres S1 to Sk. The powers of a point to Si and S(i+1) are equal on the plane of
+//! their common face, which goes through bc; if the apex of t(i+1) is not inside Si, then beyond
+//! the face the power to Si is the larger one, or equal. The faces turn by less than π from a to d,
+//! so that d is beyond each of them, and its power to S1 is at least that to Sk, which is 0. So d
+//! is inside S1 only if an apex is inside the sphere beside it.
+//!
 //! *Globally*: a closed surface can be convex at each of its edges and yet wind around twice (a
 //! fan of tetrahedra that goes around an axis twice). Let O be the centre of the first
 //! tetrahedron and Q the centre of the first hull facet. Two tests exclude it (Mehlhorn et al.,

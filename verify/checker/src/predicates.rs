@@ -50,19 +50,25 @@ pub(crate) fn sign_beyond(det: f64, bound: f64) -> Option<i8> {
     }
 }
 
-/// Exact sign of det(b-a, c-a, d-a). The coordinates must be finite.
-#[inline]
-pub(crate) fn orient3d([a, b, c, d]: [&Point; 4], tally: &mut Tally) -> i8 {
-    let rows = differences([b, c, d], a);
-    let m = extents(&rows);
+/// The sign of a determinant of three differences, computed as `det`: by the filter, with their
+/// largest absolute coordinates `m`, or `exact`.
+#[inline(always)]
+fn sign3(det: f64, m: [f64; 3], tally: &mut Tally, exact: impl FnOnce() -> i8) -> i8 {
     if in_range(m)
-        && let Some(sign) = sign_beyond(det3(&rows), ORIENT_BOUND * m[0] * m[1] * m[2])
+        && let Some(sign) = sign_beyond(det, ORIENT_BOUND * m[0] * m[1] * m[2])
     {
         tally.filter += 1;
         return sign;
     }
     tally.exact += 1;
-    exact::orient3d([a, b, c, d])
+    exact()
+}
+
+/// Exact sign of det(b-a, c-a, d-a). The coordinates must be finite.
+#[inline]
+pub(crate) fn orient3d([a, b, c, d]: [&Point; 4], tally: &mut Tally) -> i8 {
+    let rows = differences([b, c, d], a);
+    sign3(det3(&rows), extents(&rows), tally, || exact::orient3d([a, b, c, d]))
 }
 
 /// Exact sign of the determinant of three vectors, each the difference of two points, first less
@@ -71,15 +77,7 @@ pub(crate) fn orient3d([a, b, c, d]: [&Point; 4], tally: &mut Tally) -> i8 {
 #[inline]
 pub(crate) fn triple(vectors: [[&Point; 2]; 3], tally: &mut Tally) -> i8 {
     let rows = vectors.map(difference);
-    let m = extents(&rows);
-    if in_range(m)
-        && let Some(sign) = sign_beyond(det3(&rows), ORIENT_BOUND * m[0] * m[1] * m[2])
-    {
-        tally.filter += 1;
-        return sign;
-    }
-    tally.exact += 1;
-    exact::triple(vectors)
+    sign3(det3(&rows), extents(&rows), tally, || exact::triple(vectors))
 }
 
 /// The sphere through four points, made once for any number of tests.
@@ -120,15 +118,7 @@ impl<'a> Sphere<'a> {
     /// The exact sign of the tetrahedron: [`orient3d`] of the corners.
     #[inline]
     pub(crate) fn orientation(&self, tally: &mut Tally) -> i8 {
-        let m = self.extents;
-        if in_range(m)
-            && let Some(sign) = sign_beyond(self.det, ORIENT_BOUND * m[0] * m[1] * m[2])
-        {
-            tally.filter += 1;
-            return sign;
-        }
-        tally.exact += 1;
-        exact::orient3d(self.corners)
+        sign3(self.det, self.extents, tally, || exact::orient3d(self.corners))
     }
 
     /// The exact in-sphere sign: positive when `e`, whose coordinates must be finite, lies

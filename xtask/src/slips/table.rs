@@ -32,10 +32,6 @@ pub(super) const PACKAGES: &[(&str, &str)] = &[
     ("ltbw-cli", "cli"),
 ];
 
-const ROUNDS: &str = "--test refining_rounds";
-const ROUNDS_AT: &str = "parallel/tests/refining_rounds.rs";
-const ALL_KINDS: &str = "all_kinds_of_domains_have_the_engines_mesh";
-
 /// A slip that a test sees.
 const fn seen(
     number: u32,
@@ -65,11 +61,15 @@ pub(super) const SLIPS: &[Slip] = &[
         2,
         "tetrahedra join a boundary round at < instead of <=",
         &[Edit {
-            file: "parallel/src/refining/rounds/stages.rs",
-            right: "sums[READY] * BESIDE as i64 <= self.counted",
-            wrong: "(sums[READY] * BESIDE as i64) < self.counted",
+            file: "core/domain/src/refine/rounds/choose.rs",
+            right: "items * BESIDE <= counted",
+            wrong: "items * BESIDE < counted",
         }],
-        (ROUNDS, ALL_KINDS, ROUNDS_AT),
+        (
+            "--lib",
+            "tetrahedra_join_boundary_items_from_the_exact_number_on",
+            "core/domain/src/refine/rounds/choose.rs",
+        ),
     ),
     seen(
         3,
@@ -79,7 +79,11 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "self.total + sums[CANDIDATES] > self.most",
             wrong: "self.total + sums[CANDIDATES] >= self.most",
         }],
-        (ROUNDS, "a_budget_leaves_the_engines_partial_mesh", ROUNDS_AT),
+        (
+            "--lib",
+            "a_budget_is_used_up_to_the_last_point",
+            "parallel/src/refining/rounds/stages/tests.rs",
+        ),
     ),
     seen(
         4,
@@ -89,7 +93,11 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "stands(t) && tets.neighbours(t).map(tet_of).into_iter().all(stands)",
             wrong: "stands(t)",
         }],
-        (ROUNDS, "cavities_are_found_while_others_are_waited_for", ROUNDS_AT),
+        (
+            "--lib",
+            "a_cavity_has_changed_if_its_ring_has",
+            "parallel/src/refining/rounds/keys/tests.rs",
+        ),
     ),
     seen(
         5,
@@ -109,11 +117,11 @@ pub(super) const SLIPS: &[Slip] = &[
         6,
         "whether a rival is apart is read from the wrong bit",
         &[Edit {
-            file: "parallel/src/refining/rounds/decide.rs",
+            file: "parallel/src/refining/news.rs",
             right: "byte & 4 != 0",
             wrong: "byte & 2 != 0",
         }],
-        (ROUNDS, ALL_KINDS, ROUNDS_AT),
+        ("--lib", "rivals_come_as_they_are_sent", "parallel/src/refining/news.rs"),
     ),
     seen(
         7,
@@ -123,7 +131,11 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "self.forget(far)",
             wrong: "",
         }],
-        (ROUNDS, ALL_KINDS, ROUNDS_AT),
+        (
+            "--lib",
+            "exchanges_tell_what_stands_beyond_every_interface_face",
+            "parallel/src/refining/rounds/keys/tests.rs",
+        ),
     ),
     seen(
         8,
@@ -133,7 +145,11 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "self.by_boundary.set(t.index(), true)",
             wrong: "if other.is_none() { self.by_boundary.set(t.index(), true) }",
         }],
-        (ROUNDS, ALL_KINDS, ROUNDS_AT),
+        (
+            "--lib",
+            "boundary_items_are_known_wherever_they_hold",
+            "parallel/src/refining/rounds/reserved.rs",
+        ),
     ),
     seen(
         9,
@@ -173,7 +189,11 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "changed(own, other) | is_alone",
             wrong: "is_alone",
         }],
-        (ROUNDS, ALL_KINDS, ROUNDS_AT),
+        (
+            "--lib",
+            "a_witness_holds_until_something_on_the_way_there_changes",
+            "core/domain/src/refine/rounds/sift.rs",
+        ),
     ),
     seen(
         13,
@@ -235,9 +255,9 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "mesh.in_sphere(t, q, &mut part.tally)",
             wrong: "match mesh.in_sphere(t, q, &mut part.tally) { 1 => -1, other => other }",
         }],
-        target: "--test defects",
-        test: "",
-        at: "verify/checker/tests/defects.rs",
+        target: "--test meshes",
+        test: "no_verdict_rests_on_the_circles_of_coplanar_hull_facets_alone",
+        at: "verify/checker/tests/meshes.rs",
         is_equivalent: true,
     },
     seen(

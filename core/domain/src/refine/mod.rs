@@ -125,7 +125,7 @@ pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats, Spot};
 pub use output::Refined;
 pub use region::RegionInfo;
 #[doc(hidden)]
-pub use rounds::{BESIDE, Bad, Ranked, sift, witness};
+pub use rounds::{Bad, Ranked, are_joined, sift, witness};
 pub use rounds::{InsertOrder, RoundTimes};
 pub use run::Refiner;
 #[doc(hidden)]

@@ -21,8 +21,8 @@ use super::plc::Plc;
 use super::record::Refusal;
 use super::region::RegionInfo;
 use super::rounds::{InsertOrder, Resumed, RoundTimes, Rounds};
-use super::split::{Refinement, Step};
-use super::state::State;
+use super::split::{Ends, Refinement, Step};
+use super::state::{Lengths, State};
 use super::table::Set;
 use crate::{Domain, Lattice};
 use ltbw_core::CancelToken;
@@ -304,12 +304,13 @@ impl<'a> Refiner<'a> {
         let next_number = plc.corners.len() as Vertex;
         let floor = self.floor_in_steps(domain, lattice);
         let near = NEAR * floor / UNIT as f64;
-        let lengths = (near, lattice.fine_step());
+        let lengths = Lengths { near, fine_step: lattice.fine_step() };
         let mut state = State::new(mesh, plc, carriers, lengths, heed)?;
         state.expect_tets(expected);
+        let ends = Ends { floor, joint_most: self.joint_most };
         let mut run = Run {
             refiner: *self,
-            refinement: Refinement::new(state, next_number, (floor, self.joint_most)),
+            refinement: Refinement::new(state, next_number, ends),
             work: Queues::default(),
             stats: RefineStats { flat_tolerance: tolerance, ..stats },
             steps: 0,

@@ -62,6 +62,15 @@ pub(crate) fn aim(corners: [Point; 3], centre: &Point, square: f64) -> (Point, f
     (target, radius.sqrt())
 }
 
+/// The ends of proposals.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ends {
+    /// Shortest edge that may be made, in fine steps.
+    pub(crate) floor: f64,
+    /// The most transactions of a joint step, if they are fewer than usual.
+    pub(crate) joint_most: usize,
+}
+
 /// The refinement: state, bounds, and what came of earlier proposals.
 pub(crate) struct Refinement<'a> {
     pub(crate) state: State,
@@ -69,15 +78,14 @@ pub(crate) struct Refinement<'a> {
     pub(crate) bounds: Option<Bounds<'a>>,
     pub(crate) record: Record,
     pub(crate) inserted: Inserted,
-    /// Shortest edge that may be made, in fine steps.
+    /// The ends of proposals.
     pub(crate) floor: f64,
-    /// The most transactions of a joint step, if they are fewer than usual.
     pub(crate) joint_most: usize,
 }
 
 impl<'a> Refinement<'a> {
-    pub(crate) fn new(state: State, next_number: u32, (floor, joint_most): (f64, usize)) -> Self {
-        let inserted = Inserted::from(next_number);
+    pub(crate) fn new(state: State, next_number: u32, ends: Ends) -> Self {
+        let (inserted, Ends { floor, joint_most }) = (Inserted::from(next_number), ends);
         Self { state, bounds: None, record: Record::default(), inserted, floor, joint_most }
     }
 

@@ -116,10 +116,17 @@ pub(crate) struct Place {
     pub(crate) from: TetId,
 }
 
+/// The lengths that a refinement knows from its start.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lengths {
+    /// Features nearer to each other are not refined towards each other: in steps of the grid.
+    pub(crate) near: f64,
+    /// The fine step in the coordinates of the mesh.
+    pub(crate) fine_step: f64,
+}
+
 impl State {
-    /// The state before anything of the boundary is entered, with fine steps of this length;
-    /// features nearer to each other than `near` steps of the grid are not refined towards each
-    /// other.
+    /// The state before anything of the boundary is entered.
     ///
     /// # Errors
     /// [`RefineError::Cancelled`].
@@ -127,9 +134,10 @@ impl State {
         mesh: Mesh,
         plc: Plc,
         carriers: Vec<Carrier>,
-        (near, fine_step): (f64, f64),
+        lengths: Lengths,
         heed: Heed<'_>,
     ) -> Result<Self, RefineError> {
+        let Lengths { near, fine_step } = lengths;
         let marks = Marks::new(mesh.topology().slots());
         Ok(Self {
             mesh,

@@ -6,9 +6,9 @@ use super::source::{Pending, Rounds, Stage};
 use crate::mesh::{WireVertex, made};
 use crate::protocol::{Rules, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
-use crate::refining::news::{DomainNews, WireItem, point};
+use crate::refining::news::{DomainNews, WireItem, point, rival, rival_byte};
 use ltbw_core::topology::TetId;
-use ltbw_domain::refine::{BoundaryItem, Rival};
+use ltbw_domain::refine::BoundaryItem;
 
 impl<C: Rules> Rounds<C> {
     /// All cavities are reserved: rivals are told of, and the points chosen that wait for none.
@@ -16,13 +16,8 @@ impl<C: Rules> Rounds<C> {
         self.stage = Stage::Deciding;
         for probe in self.served.reserve_others::<C>(mesh) {
             let rivals = self.served.rivals::<C>(mesh, probe);
-            let byte = |rival: &Rival| {
-                u8::from(rival.is_there)
-                    | u8::from(rival.is_boundary) << 1
-                    | u8::from(rival.is_apart) << 2
-            };
             let rivals = match rivals.iter().any(|rival| rival.is_there) {
-                true => rivals.iter().map(byte).collect(),
+                true => rivals.iter().map(rival_byte).collect(),
                 false => Vec::new(),
             };
             self.send(probe.home, DomainNews::Rivals { number: probe.number, rivals });
@@ -39,12 +34,7 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn take_rivals(&mut self, from: WorkerId, k: u32, rivals: &[u8]) {
         let Some(told) = &mut self.probes[k as usize].told else { return };
         told.due -= 1;
-        let rival = |byte: &u8| Rival {
-            is_there: byte & 1 != 0,
-            is_boundary: byte & 2 != 0,
-            is_apart: byte & 4 != 0,
-        };
-        told.add_rivals(from, rivals.iter().map(rival));
+        told.add_rivals(from, rivals.iter().copied().map(rival));
     }
 
     /// Has a probe all that its decision takes?

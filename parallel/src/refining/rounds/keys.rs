@@ -11,11 +11,12 @@
 //!
 //! Witnesses are remembered from round to round, as by the engine with one mesh (`sift`).
 
+mod told;
+
 use super::ranked::{RankedHere, places_of};
-use crate::protocol::{BlockId, Directory, Handle, Name, Rules, Submesh, WorkerId};
+use crate::protocol::{BlockId, Handle, Name, Rules};
 use crate::refining::domain::DomainMesh;
 use crate::refining::flags::Flags;
-use crate::refining::news::KeysTold;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{Point, expect, prefetch};
 use ltbw_domain::refine::{Bad, Rank, RankLead, Ranked, ThinTets, sift};
@@ -23,9 +24,6 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
 use std::ops::Range;
-
-/// The news for each worker at an interface face.
-pub(super) type Told = BTreeMap<WorkerId, KeysTold>;
 
 /// An interface face, as seen from here.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +61,7 @@ pub(super) struct Keys {
     keys: Vec<u64>,
     /// By slot: the look at which its tetrahedron was new, or had gone.
     stamps: Vec<u32>,
-    /// Looks so far, of which a round may have several.
+    /// Looks since they were counted anew, of which a round may have several.
     look: u32,
     bad: Vec<Bad>,
     /// Tetrahedra that may have tiny dihedral angles.
@@ -105,6 +103,9 @@ const SPARE: usize = 32;
 
 /// Entries that are sifted ahead in one step.
 const SIFTED: usize = 256;
+
+/// Looks after which they are counted anew. A round has fewer.
+const LAST_LOOK: u32 = if cfg!(test) { 8 } else { u32::MAX >> 1 };
 
 impl Keys {
     /// Takes memory for about this many tetrahedra. A hint.
@@ -222,6 +223,20 @@ impl Keys {
         all
     }
 
+    /// Forgets all looks, and what they have found, if there were that many: `true` then.
+    pub(super) fn count_looks_anew(&mut self) -> bool {
+        if self.look <= LAST_LOOK {
+            return false;
+        }
+        self.bad.drain(std::mem::take(&mut self.hole));
+        // Nothing tells those that are gone any more.
+        self.bad.retain(|own| own.is_there(self.stamps[own.t.index()]));
+        self.bad.iter_mut().for_each(|own| *own = Bad::new(own.t, 0));
+        self.stamps.fill(0);
+        self.look = 0;
+        true
+    }
+
     /// Notes that something has changed around a tetrahedron at an interface face.
     fn touch(&mut self, t: TetId) {
         if !self.is_touched.has(t.index()) {
@@ -306,98 +321,6 @@ impl Keys {
         let around = mesh.inner.tets().neighbours(own.t).into_iter().enumerate();
         let mut others = around.filter(|&(slot, _)| slot != own.slot);
         others.any(|(_, face)| self.is_before::<C>(mesh, tet_of(face), beyond))
-    }
-
-    /// The ranks for others, an entry for each worker that has a tetrahedron beside one of this
-    /// worker.
-    pub(super) fn ranks_told<C: Rules>(
-        &mut self,
-        mesh: &DomainMesh<'_>,
-        directory: &Directory,
-    ) -> Told {
-        let mut news = BTreeMap::new();
-        for &block in self.blocks.keys() {
-            let memory = || self.spare.pop().unwrap_or_default();
-            news.entry(directory.owner(block)).or_insert_with(memory);
-        }
-        for place in &self.changed {
-            // Of one that is new nobody has heard: that it has no rank need not be told.
-            if let Some(Interface { t, beyond, .. }) = self.interface[*place as usize]
-                && let Some(rank) = self.rank::<C>(mesh, t)
-            {
-                let told = news.entry(directory.owner(beyond.block)).or_default();
-                told.push((beyond.name, beyond.face, rank));
-            }
-        }
-        news.into_iter().map(|(to, ranks)| (to, KeysTold::Ranks(ranks))).collect()
-    }
-
-    /// The answers for others whether one behind an interface face comes first, with such entries.
-    pub(super) fn behind_told<C: Rules>(
-        &mut self,
-        mesh: &DomainMesh<'_>,
-        directory: &Directory,
-    ) -> Told {
-        let owners = self.blocks.keys().map(|&block| (directory.owner(block), Vec::new()));
-        let mut news: BTreeMap<_, Vec<_>> = owners.collect();
-        let mut touched = std::mem::take(&mut self.touched);
-        touched.iter().for_each(|t| self.is_touched.set(t.index(), false));
-        let tets = mesh.inner.tets();
-        for &t in &touched {
-            let places = tets.neighbours(t).map(|face| tets.far_place(tet_of(face)));
-            for place in places.into_iter().flatten().map(|place| place as usize) {
-                // Within its bounds the one beyond is no candidate.
-                let Some(beyond) = self.far.get(place).and_then(|far| far.rank.as_ref()) else {
-                    continue;
-                };
-                // One that is gone has the links that it had, to slots of others now.
-                let Some(own) = self.interface[place].filter(|own| own.t == t) else { continue };
-                let beats = self.beats::<C>(mesh, &own, beyond);
-                if std::mem::replace(&mut self.far[place].told, beats) != beats {
-                    let told = news.entry(directory.owner(own.beyond.block)).or_default();
-                    told.push((own.beyond.name, own.beyond.face, beats));
-                }
-            }
-        }
-        touched.clear();
-        self.touched = touched;
-        debug_assert!(self.has_told_all::<C>(mesh));
-        news.into_iter().map(|(to, behind)| (to, KeysTold::Behind(behind))).collect()
-    }
-
-    /// Do all others know what is behind the interface faces?
-    fn has_told_all<C: Rules>(&self, mesh: &DomainMesh<'_>) -> bool {
-        self.interface.iter().zip(&self.far).all(|(own, far)| match (own, &far.rank) {
-            (Some(own), Some(beyond)) => far.told == self.beats::<C>(mesh, own, beyond),
-            _ => true,
-        })
-    }
-
-    /// The far face at a face of a tetrahedron here, and that tetrahedron.
-    fn far_face(&mut self, mesh: &DomainMesh<'_>, at: (Name, u8)) -> Option<(TetId, &mut Far)> {
-        let (t, tets) = (mesh.resolve(at.0)?, mesh.inner.tets());
-        let there = tet_of(*tets.neighbours(t).get(usize::from(at.1))?);
-        Some((t, self.far.get_mut(tets.far_place(there)? as usize)?))
-    }
-
-    /// Takes what another worker tells.
-    pub(super) fn hear(&mut self, mesh: &DomainMesh<'_>, keys: KeysTold) {
-        match keys {
-            KeysTold::Ranks(mut ranks) => {
-                for (name, face, rank) in ranks.drain(..) {
-                    let Some((t, far)) = self.far_face(mesh, (name, face)) else { continue };
-                    far.rank = Some(rank);
-                    self.touch(t);
-                }
-                keep(&mut self.spare, ranks);
-            }
-            KeysTold::Behind(behind) => {
-                for (name, face, is_beaten) in behind {
-                    let Some((_, far)) = self.far_face(mesh, (name, face)) else { continue };
-                    far.is_beaten = is_beaten;
-                }
-            }
-        }
     }
 
     /// The tetrahedra that come before all around them: those at interface faces, and the others.

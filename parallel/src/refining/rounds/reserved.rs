@@ -225,6 +225,32 @@ pub fn unkilled(candidates: &[(Rank, TetId, Vec<TetId>)]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ltbw_domain::refine::{BoundaryItem, Corner};
+
+    /// A boundary item takes slots that a tetrahedron's candidate holds, and that nobody does.
+    #[test]
+    fn boundary_items_are_known_wherever_they_hold() {
+        let corner = |x, k| Corner { point: [x, 0.0, 0.0], carrier: Carrier::Corner(k) };
+        let item = BoundaryItem::new(&[corner(0.0, 0), corner(4.0, 1)], 0).rank();
+        let tet = Rank::of_tet([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        let of_tet = |_| tet;
+        let reserve = |all: &mut Reservations, slots: [u32; 2], rank| {
+            let whose = (LazyRank::told(rank), Carrier::Free);
+            all.reserve(slots.into_iter().map(TetId::new), whose, of_tet)
+        };
+        for first in [item, tet] {
+            let mut all = Reservations::default();
+            all.clear(4);
+            let second = if first == item { tet } else { item };
+            let slots = |rank| if rank == item { [1, 2] } else { [0, 1] };
+            let numbers = [first, second].map(|rank| (rank, reserve(&mut all, slots(rank), rank)));
+            let known = [0, 1, 2, 3].map(|t| all.may_be_boundary(TetId::new(t)));
+            assert_eq!(known, [false, true, true, false], "the item is first: {}", first == item);
+            let own = numbers.iter().find(|own| own.0 == tet).expect("the tetrahedron's").1;
+            let rival = all.rival(TetId::new(1), own, of_tet);
+            assert!(rival.is_there && rival.is_boundary && rival.is_apart);
+        }
+    }
 
     #[test]
     fn marks_are_forgotten_at_once() {

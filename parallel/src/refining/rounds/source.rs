@@ -80,10 +80,10 @@ pub struct Rounds<C = Correct> {
     pub(super) tree: Tree,
     pub(super) stage: Stage,
     /// Exchanges so far.
-    pub(super) exchange: u32,
+    pub(super) exchange: u64,
     pub(super) keys: Keys,
     /// Keys of later exchanges.
-    pub(super) early: Vec<(WorkerId, u32, KeysTold)>,
+    pub(super) early: Vec<(WorkerId, u64, KeysTold)>,
     /// Workers beside that have still to tell.
     pub(super) awaited: BTreeSet<WorkerId>,
     /// The number of tetrahedra that come before all around them, if this round splits such.
@@ -117,7 +117,7 @@ pub struct Rounds<C = Correct> {
     pub(super) out: VecDeque<(WorkerId, DomainNews)>,
     /// The memory of news that others have told together: about as much is told them.
     pub(super) spare: Vec<Vec<DomainNews>>,
-    /// Vertices named so far.
+    /// Vertices named so far: no mesh has as many as there are names.
     pub(super) made: u32,
     pub(super) created: Vec<TetId>,
     /// The candidates among the tetrahedra when last counted.

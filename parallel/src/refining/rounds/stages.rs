@@ -23,7 +23,7 @@ use crate::protocol::{Directory, Rules, Standing, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{DomainNews, KeysTold, SUMS, Sums};
 use ltbw_core::order::{Curve, bounding_box};
-use ltbw_domain::refine::{BESIDE, BoundaryItem};
+use ltbw_domain::refine::{BoundaryItem, are_joined};
 use ltbw_exact::Point;
 
 // The places of sums.
@@ -58,6 +58,10 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn look(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory) {
         self.look_at_created(mesh, usize::MAX);
         self.keys.start(mesh);
+        if self.keys.count_looks_anew() {
+            // They are as of looks of before.
+            self.ahead.clear();
+        }
         mesh.count_steps(self.keys.news() as u64 / 8);
         self.served.clear(mesh);
         self.probes.clear();
@@ -84,7 +88,7 @@ impl<C: Rules> Rounds<C> {
         &mut self,
         mesh: &DomainMesh<'_>,
         from: WorkerId,
-        exchange: u32,
+        exchange: u64,
         keys: KeysTold,
     ) {
         match self.stage {
@@ -224,7 +228,7 @@ impl<C: Rules> Rounds<C> {
     fn decide_what(&mut self, mesh: &mut DomainMesh<'_>, sums: &Sums) {
         let has_boundary = sums[READY] > 0;
         let has_tets = match has_boundary {
-            true => sums[READY] * BESIDE as i64 <= self.counted,
+            true => are_joined(sums[READY] as usize, self.counted as usize),
             false => true,
         };
         if sums[CANCELLED] > 0 {

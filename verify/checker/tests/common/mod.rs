@@ -47,6 +47,12 @@ fn lifted(p: &[IntPoint; 5], lift: impl Fn(usize) -> i128) -> i128 {
     determinant(&(0..5).map(row).collect::<Vec<_>>())
 }
 
+/// Whether the fifth point is inside the sphere of the four others.
+pub(crate) fn is_inside(p: &[IntPoint; 5]) -> bool {
+    let square = |i: usize| p[i].iter().map(|&c| i128::from(c) * i128::from(c)).sum();
+    -lifted(p, square).signum() * volume6([p[0], p[1], p[2], p[3]]).signum() > 0
+}
+
 /// Whether the fifth point is inside the perturbed sphere of the four others.
 fn conflicts(p: &[IntPoint; 5]) -> bool {
     let square = |i: usize| p[i].iter().map(|&c| i128::from(c) * i128::from(c)).sum();

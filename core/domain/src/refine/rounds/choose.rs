@@ -20,9 +20,16 @@ use std::cmp::Reverse;
 const SMALL: usize = 64;
 /// Tetrahedra are split in one round with boundary items where they were at least this number for
 /// each of these, when last counted.
-pub const BESIDE: usize = if cfg!(test) { 1 } else { 32 };
+const BESIDE: usize = if cfg!(test) { 1 } else { 32 };
 /// Candidates that are worth more than one thread.
 const MANY: usize = if cfg!(test) { 4 } else { 512 };
+
+/// Are tetrahedra split in one round with this number of boundary items? `counted` of them came
+/// before all around them when last counted.
+#[doc(hidden)]
+pub fn are_joined(items: usize, counted: usize) -> bool {
+    items * BESIDE <= counted
+}
 
 impl Rounds<'_, '_> {
     /// Chooses the candidates of a class that are to be inserted; `true` if the work is cancelled.
@@ -39,7 +46,7 @@ impl Rounds<'_, '_> {
             Class::Boundary => {
                 let ready = self.ready();
                 // At patches points are alone in their closures.
-                let joined = !self.in_waves && ready.len() * BESIDE <= self.counted;
+                let joined = !self.in_waves && are_joined(ready.len(), self.counted);
                 if joined {
                     self.find_foremost();
                 }
@@ -224,5 +231,19 @@ impl Rounds<'_, '_> {
         // Only what is marked can be lost.
         let is_lost = |own: &Candidate| self.loses_jointly(own) || self.is_beside_boundary(own);
         !(is_killed || own.is_marked && is_lost(own) || self.is_crowded(own))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Workers and the engine ask this alike: at the edge another answer is another mesh.
+    #[test]
+    fn tetrahedra_join_boundary_items_from_the_exact_number_on() {
+        for items in [1, 2, 1000] {
+            assert!(are_joined(items, items * BESIDE), "{items}");
+            assert!(!are_joined(items, items * BESIDE - 1), "{items}");
+        }
     }
 }

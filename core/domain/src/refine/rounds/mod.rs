@@ -23,7 +23,8 @@ mod sift;
 mod sliver;
 mod times;
 
-pub use choose::BESIDE;
+#[doc(hidden)]
+pub use choose::are_joined;
 pub(crate) use resume::{Resumed, Waiting};
 #[doc(hidden)]
 pub use sift::{Bad, Ranked, sift, witness};
@@ -140,8 +141,11 @@ type Finished = (Option<Reason>, RefineStats, Vec<TetId>, Vec<RoundTimes>);
 /// Says whether the work is cancelled; is told the number of vertices.
 type Look<'l> = &'l dyn Fn(usize) -> bool;
 
-/// The largest entry of [`Rounds::reserved`] for a candidate.
-const LAST: u32 = u32::MAX >> 1;
+/// The largest entry of [`Rounds::reserved`] for a candidate. A round adds less than that.
+const LAST: u32 = if cfg!(test) { 1 << 10 } else { u32::MAX >> 1 };
+
+/// Looks at new tetrahedra after which they are counted anew. A round has fewer.
+const LAST_LOOK: u32 = if cfg!(test) { 8 } else { u32::MAX >> 1 };
 
 /// A refinement in rounds.
 pub(crate) struct Rounds<'r, 'a> {
@@ -153,7 +157,7 @@ pub(crate) struct Rounds<'r, 'a> {
     keys: Keys,
     /// Per slot: the look from which on it has had this key.
     stamps: Words,
-    /// The number of looks at new tetrahedra.
+    /// The number of looks at new tetrahedra, since they were counted anew.
     looks: u32,
     /// The tetrahedra whose key is not 0, and others that are gone since.
     bad: Vec<Bad>,

@@ -1,7 +1,7 @@
 //! After the insertions: which tetrahedra are over their bounds, with which keys.
 
-use super::Rounds;
 use super::sift::Bad;
+use super::{LAST_LOOK, Rounds};
 use crate::refine::RefineError;
 use crate::refine::item::Item;
 use crate::refine::key::{key_of_tet, order_key};
@@ -111,6 +111,18 @@ impl Rounds<'_, '_> {
             Item::Subface(s) => state.subfaces.contains_key(s),
             Item::Tet(..) => false,
         });
+        if self.looks > LAST_LOOK {
+            self.count_looks_anew();
+        }
+    }
+
+    /// Forgets all looks, and what they have found: those that are gone are dropped before, as
+    /// nothing tells them any more.
+    fn count_looks_anew(&mut self) {
+        self.bad.retain(|own| own.is_there(self.stamps.at(own.t)));
+        self.bad.iter_mut().for_each(|own| *own = Bad::new(own.t, 0));
+        self.stamps.clear();
+        self.looks = 0;
     }
 
     /// In debug builds: are marks and tables what the carriers tell, at some tetrahedra?

@@ -24,6 +24,11 @@ impl Bad {
     pub fn new(t: TetId, look: u32) -> Self {
         Self { t, witness: [t; 2], look }
     }
+
+    /// Is its tetrahedron there, if its slot was written last at the look `stamp`?
+    pub fn is_there(&self, stamp: u32) -> bool {
+        stamp <= self.look
+    }
 }
 
 /// A mesh whose tetrahedra over their bounds are sifted.
@@ -97,4 +102,72 @@ pub fn witness(
     let beside = neighbours.into_iter().find(&is_before).map(|other| [t, other]);
     let beyond = |way: TetId| around(way)?.into_iter().find(&is_before).map(|other| [way, other]);
     beside.or_else(|| neighbours.into_iter().find_map(beyond))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::RefCell;
+
+    /// Tetrahedra in a row: 1 is on the way from 0 to 2, which comes before 0 as long as it is said
+    /// to.
+    struct Row {
+        stamps: [u32; 4],
+        has_witness: bool,
+        asked: RefCell<Vec<TetId>>,
+    }
+
+    impl Ranked for Row {
+        fn stamp(&self, t: TetId) -> u32 {
+            self.stamps[t.index()]
+        }
+
+        fn neighbours(&self, t: TetId) -> [TetId; 4] {
+            [t; 4]
+        }
+
+        fn prefetch(&self, _: TetId) {}
+
+        fn one_before(&self, t: TetId) -> Option<[TetId; 2]> {
+            self.asked.borrow_mut().push(t);
+            self.has_witness.then_some([TetId::new(1), TetId::new(2)])
+        }
+    }
+
+    /// Sifts the entry of tetrahedron 0, which had its witness at look 5, at look 7. Returns whether
+    /// it is there, whether it was looked at, and whether it is foremost.
+    fn sifted(stamps: [u32; 4], has_witness: bool) -> [bool; 3] {
+        let row = Row { stamps, has_witness, asked: RefCell::default() };
+        let witness = [1, 2].map(TetId::new);
+        let mut bad = [Bad { t: TetId::new(0), witness, look: 5 }];
+        let mut foremost = Vec::new();
+        let kept = sift(&mut bad, 7, &row, |t| foremost.push(t));
+        let is_asked = !row.asked.borrow().is_empty();
+        assert!(!is_asked || !has_witness || bad[0].look == 7, "what was found holds from now on");
+        [kept == 1, is_asked, !foremost.is_empty()]
+    }
+
+    #[test]
+    fn a_witness_holds_until_something_on_the_way_there_changes() {
+        assert_eq!(sifted([5, 5, 5, 7], false), [true, false, false]);
+        // The tetrahedron on the way, and the witness itself.
+        for stamps in [[5, 6, 5, 5], [5, 5, 6, 5], [5, 7, 7, 5]] {
+            assert_eq!(sifted(stamps, false), [true, true, true], "{stamps:?}");
+            assert_eq!(sifted(stamps, true), [true, true, false], "{stamps:?}");
+        }
+        for stamps in [[6, 5, 5, 5], [6, 6, 6, 5]] {
+            assert_eq!(sifted(stamps, false), [false; 3], "{stamps:?}");
+        }
+    }
+
+    #[test]
+    fn one_without_a_witness_is_looked_at_every_time() {
+        let row = Row { stamps: [1; 4], has_witness: false, asked: RefCell::default() };
+        let mut bad = [Bad::new(TetId::new(3), 1)];
+        for look in 2..4 {
+            let mut foremost = Vec::new();
+            assert_eq!(sift(&mut bad, look, &row, |t| foremost.push(t)), 1);
+            assert_eq!(foremost, [TetId::new(3)]);
+        }
+    }
 }

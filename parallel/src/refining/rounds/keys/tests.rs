@@ -2,7 +2,7 @@ use super::super::source::Stage;
 use super::super::{Ending, RoundNode, rounds_by};
 use super::*;
 use crate::mesh::Layout;
-use crate::protocol::{Action, Config, Correct, Event};
+use crate::protocol::{Action, Config, Correct, Event, Submesh, WorkerId};
 use ltbw_domain::PrepareOptions;
 use ltbw_domain::refine::Refiner;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
@@ -14,6 +14,13 @@ fn compare(nodes: &[RoundNode<'_, Correct>]) -> [usize; 3] {
     let mut figures = [0; 3];
     for node in nodes {
         let (mesh, keys) = (node.mesh(), &node.source().keys);
+        let tets = mesh.inner.tets();
+        let far_slots = (0..keys.interface.len() as u32).filter_map(|k| tets.far_at(k));
+        for slot in
+            far_slots.map(|(slot, ..)| slot).chain(tets.topology().free_slots().iter().copied())
+        {
+            assert_eq!(keys.keys[slot.index()], 0, "nothing here has the key of slot {slot}");
+        }
         for (own, far) in keys.interface.iter().zip(&keys.far) {
             let Some(own) = own else { continue };
             let other = &nodes[node.directory().owner(own.beyond.block).number() as usize];
@@ -90,4 +97,34 @@ fn exchanges_tell_what_stands_beyond_every_interface_face() {
         let [faces, ranked, beaten] = figures;
         assert!(faces > ranked && ranked > beaten && beaten > 100, "{kind:?}: {figures:?}");
     }
+}
+
+/// What was found ahead holds as long as neither its cavity nor the ring around it is written.
+#[test]
+fn a_cavity_has_changed_if_its_ring_has() {
+    let domain = generate_domain(DomainKind::LBlock, &Shape::default()).expect("a shape");
+    let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+    let refiner = Refiner::new().max_volume(1e-2).start(1);
+    let layout = |points| (Layout::new(points, 2), Config::new(2));
+    let mut looked_at = 0;
+    let run = rounds_by(&refiner, (&ready.domain, &ready.lattice), layout, |nodes| {
+        let mesh = nodes[0].mesh();
+        let tets = mesh.inner.tets();
+        let mut keys = Keys::default();
+        keys.look_at::<Correct>(mesh, &[]);
+        let look = keys.look();
+        for (t, _) in tets.tets() {
+            let ring = tets.neighbours(t).map(tet_of);
+            assert!(keys.are_unchanged(mesh, &[t], look));
+            for written in ring.into_iter().chain([t]) {
+                keys.stamps[written.index()] = look + 1;
+                assert!(!keys.are_unchanged(mesh, &[t], look), "{written} beside {t}");
+                assert!(keys.are_unchanged(mesh, &[t], look + 1));
+                keys.stamps[written.index()] = look;
+            }
+            looked_at += 1;
+        }
+        Ok(run(nodes, &mut [0; 3]))
+    });
+    assert!(run.is_ok() && looked_at > 10, "{looked_at}");
 }

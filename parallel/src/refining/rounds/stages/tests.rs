@@ -153,6 +153,30 @@ fn no_message_is_behind_the_barrier_that_waits_for_it_however_late() {
     assert!(all_late > 10, "{all_late}");
 }
 
+/// A round that uses the budget up is carried out, one of a point more is not.
+#[test]
+fn a_budget_is_used_up_to_the_last_point() {
+    let ready = prepared(DomainKind::CubeOctahedron);
+    let refiner = Refiner::new().max_volume(1e-2).start(1);
+    let layout = |points| (Layout::new(points, 2), Config::new(2));
+    let mut sums = [0; SUMS];
+    (sums[CANDIDATES], sums[FOREMOST]) = (3, 3);
+    let run = rounds_by(&refiner, (&ready.domain, &ready.lattice), layout, |mut nodes| {
+        for (most, ending) in [(9, None), (8, None), (7, Some(Ending::Budget))] {
+            let mesh = nodes[0].mesh_mut();
+            let place = (WorkerId::default(), 2, 1);
+            let mut source = Rounds::<Correct>::new(place, (5, most), mesh);
+            source.stage = Stage::Choosing;
+            source.end_choice(mesh, &sums);
+            assert_eq!(source.ending, ending, "5 points, 3 candidates, {most} at most");
+        }
+        let mut network = Late::new(nodes, "");
+        network.run();
+        Ok(network.nodes)
+    });
+    assert!(run.is_ok());
+}
+
 /// Several workers ask for one item, for edges of different lengths: the smallest limit holds, in
 /// whatever order they are heard, and beside a limit that the item has already.
 #[test]
