@@ -20,6 +20,7 @@ impl Run<'_> {
         regions: Vec<RegionInfo>,
         lattice: Lattice,
     ) -> Result<Refined, RefineError> {
+        let heed = self.heed();
         let Refinement { mut state, bounds, record, inserted, .. } = self.refinement;
         let (points, rounds) = (inserted.points, self.rounds);
         let stats = RefineStats {
@@ -37,13 +38,13 @@ impl Run<'_> {
             // At the end whatever is over its bounds was refused.
             let refused = || record.refused_over(bounds, &state).map(|(t, _)| t).collect();
             let over = self.over.or_else(|| self.stop.is_none().then(refused));
-            let cancel = self.refiner.cancel;
-            // A sizing function of a work that is cancelled may answer anything.
+            // A sizing function of a work that is cancelled is not asked, or may answer anything.
             let sound = match &over {
+                _ if heed.is_cancelled() => Ok(()),
                 Some(over) => state.check_field(bounds, &order, over),
                 None => bounds.check_sizes(&state, &order),
             };
-            sound.or_else(|error| cancel.filter(|c| c.is_cancelled()).map(drop).ok_or(error))?;
+            sound.or_else(|error| heed.is_cancelled().then_some(()).ok_or(error))?;
             excuses = state.excuses(bounds, &record, &order, over, self.stop);
         }
         let segments = state.missing_segments.iter().map(|&s| Item::Segment(s));
