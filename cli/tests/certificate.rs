@@ -2,24 +2,17 @@
 //! finds what is another.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-#[allow(dead_code, reason = "shared with the other tests, which use all of it")]
 mod common;
 
-use common::{Run, ltbw, program};
+use common::{program, read_json, run};
 use ltbw::io::{Format, carried_hash};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
 use std::process::Stdio;
 
-fn run(dir: &Path, args: &[&str], code: i32) -> Run {
-    let run = ltbw(dir, args);
-    assert_eq!(run.code, code, "{args:?}: {}", run.stderr);
-    run
-}
-
 fn read(dir: &Path, name: &str) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(dir.join(name)).unwrap()).unwrap()
+    read_json(dir.join(name))
 }
 
 /// SHA-256 as another program has it.

@@ -3,18 +3,11 @@
 
 mod common;
 
-use common::{Run, ltbw};
+use common::{Run, run};
 use serde_json::Value;
-use std::path::Path;
-
-fn run(dir: &Path, args: &[&str], code: i32) -> Run {
-    let run = ltbw(dir, args);
-    assert_eq!(run.code, code, "{args:?}: {}", run.stderr);
-    run
-}
 
 fn json(run: &Run) -> Value {
-    serde_json::from_str(&run.stdout).unwrap()
+    common::json(&run.stdout)
 }
 
 #[test]

@@ -1,24 +1,17 @@
 //! A little that is excused is let pass, with a warning; with `--strict` nothing is.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
-#[allow(dead_code, reason = "shared with the other tests, which use all of it")]
 mod common;
 
-use common::{Run, ltbw};
+use common::{Run, json, ltbw, run};
 use ltbw::io;
 use ltbw_bindings::{Class, Reins, Source, Wishes};
 use ltbw_generate::surfaces::{globe, prism, single};
 use serde_json::Value;
 use std::path::Path;
 
-fn run(dir: &Path, args: &[&str], code: i32) -> Run {
-    let run = ltbw(dir, args);
-    assert_eq!(run.code, code, "{args:?}: {}", run.stderr);
-    run
-}
-
 fn report(run: &Run) -> Value {
-    serde_json::from_str(&run.stdout).unwrap()
+    json(&run.stdout)
 }
 
 /// A sphere by latitude and longitude: around its poles angles are too small for the bound.
@@ -84,7 +77,7 @@ fn verdict(path: &Path, excused_share: Option<f64>) -> String {
     let (ready, reins) = (ltbw_bindings::Ready::new(source, &wishes).unwrap(), Reins::default());
     let refined = ready.refine(&wishes, None, false, &reins.progress, &reins.cancel).unwrap();
     let text = ready.finish(&wishes, refined).unwrap().certificate.unwrap();
-    let certificate: Value = serde_json::from_str(&text).unwrap();
+    let certificate = json(&text);
     assert_eq!(certificate["passed"], false);
     certificate["verdict"].as_str().unwrap().to_owned()
 }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{ltbw, names};
+use common::{ltbw, names, read_json as json};
 use ltbw::io::read_mesh;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,10 +20,6 @@ const FIGURES: [&str; 8] = [
     "messages",
     "polls",
 ];
-
-fn json(path: &Path) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
 
 fn points(dir: &Path, count: &str) {
     let run = ltbw(dir, &["generate", "uniform", count, "-o", "p.npy"]);

@@ -3,15 +3,11 @@
 
 mod common;
 
-use common::{Run, ltbw, names, program};
+use common::{Run, json, ltbw, names, program};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::Stdio;
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"))
-}
 
 /// The hash that a run printed to stdout.
 fn hash(run: &Run) -> &str {

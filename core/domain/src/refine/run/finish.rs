@@ -33,8 +33,12 @@ impl Run<'_> {
         state.number_vertices(state.plc.corners.len() as Vertex);
         let order = state.tets_in_order(inserted.next_number);
         let mut excuses = Vec::new();
-        if let Some(bounds) = &bounds {
+        if bounds.is_some() {
             state.settle_all_dust();
+        }
+        // Of a mesh that is half done nearly all may be over a bound: nobody waits for the list.
+        let wanted = bounds.as_ref().filter(|_| self.stop != Some(Reason::Cancelled));
+        if let Some(bounds) = wanted {
             // At the end whatever is over its bounds was refused.
             let refused = || record.refused_over(bounds, &state).map(|(t, _)| t).collect();
             let over = self.over.or_else(|| self.stop.is_none().then(refused));
