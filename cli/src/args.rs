@@ -106,7 +106,7 @@ Examples:
 
 Points: .npy .xyz .txt .csv .node .ply, and read only .npz, .off .obj .stl (their vertices).
 Domains: .poly .smesh .off .obj .stl .ply .vtk.
-Meshes: .vtu .vtk .msh (4.1 and 2.2) .mesh .ele (with .node).
+Meshes: .vtu .vtk .msh (4.1 and 2.2) .mesh .ele (with .node), and read only .pvtu (with its parts).
 Coordinates survive bit for bit; tags survive where the format has a place for them.")]
     Convert(Convert),
     /// Generate a test point set or a model domain, the same on every machine
@@ -327,8 +327,8 @@ pub(crate) struct MeshArgs {
 /// `ltbw check`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Check {
-    /// The mesh: .vtu .vtk .msh .mesh .ele (with .node); or the domain: .poly .smesh .off .obj .stl
-    /// .ply .vtk
+    /// The mesh: .vtu .pvtu .vtk .msh .mesh .ele (with .node); or the domain: .poly .smesh .off
+    /// .obj .stl .ply .vtk
     pub(crate) mesh: PathBuf,
     /// Write the certificate as JSON (ltbw.cert/1; with --plc ltbw.conformity/1; of a domain
     /// ltbw.domain/1), `-` for stdout

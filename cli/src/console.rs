@@ -69,25 +69,29 @@ pub(crate) fn writing<T>(
     written.map_err(Failure::Write)
 }
 
-/// Ctrl-C (or a termination signal) during a build: before the last point is inserted the first one
-/// stops the insertion, after that it changes nothing, and the second one ends the program at once.
-/// Output files are renamed into place only when complete, so that neither leaves a broken file
-/// under a final name.
-#[derive(Debug)]
+/// Ctrl-C (or a termination signal) during a build. Before there is a mesh that is worth writing it
+/// ends the program at once; until the last point is inserted the first one stops the insertion,
+/// after that it changes nothing, and the second one ends the program. Output files are renamed
+/// into place only when complete, and one that is being written is given up first.
+#[derive(Debug, Default)]
 pub(crate) struct Stop {
     token: CancelToken,
+    begun: Arc<Flag>,
     inserted: Arc<Flag>,
 }
 
 impl Stop {
     /// Listens to signals from now on.
     pub(crate) fn on_signal() -> Result<Self, Failure> {
-        let stop = Self { token: CancelToken::new(), inserted: Arc::default() };
-        let (token, inserted) = (stop.token.clone(), Arc::clone(&stop.inserted));
-        let before = Flag::default();
+        let stop = Self::default();
+        let (begun, inserted) = (Arc::clone(&stop.begun), Arc::clone(&stop.inserted));
+        let (token, before) = (stop.token.clone(), Flag::default());
         on_signal(move || {
+            if !begun.is_set() {
+                return give_up(NOTHING_WRITTEN);
+            }
             if before.set() {
-                end_now("stopped");
+                return give_up("stopped");
             }
             people(if inserted.is_set() {
                 "all points are meshed; finishing (Ctrl-C again: end at once)"
@@ -104,6 +108,11 @@ impl Stop {
         &self.token
     }
 
+    /// The flag to be set when there is a mesh that is written if the work is stopped.
+    pub(crate) fn begun(&self) -> &Flag {
+        &self.begun
+    }
+
     /// All points are inserted: what is left to do is done, whatever comes.
     pub(crate) fn inserted(&self) {
         self.inserted.set();
@@ -113,14 +122,20 @@ impl Stop {
 /// From now on Ctrl-C ends the program at once, with the exit code for it: for commands that have
 /// no partial result. A file that is being written is given up first.
 pub(crate) fn end_on_signal() -> Result<(), Failure> {
-    on_signal(|| {
-        // As long as this is held no file is begun.
-        let writing = writing_now();
-        match &*writing {
-            Some(token) => token.cancel(),
-            None => end_now("cancelled; nothing was written"),
-        }
-    })
+    on_signal(|| give_up(NOTHING_WRITTEN))
+}
+
+/// The last words where no output was written.
+const NOTHING_WRITTEN: &str = "cancelled; nothing was written";
+
+/// Ends the program with these words, or the writing of a file, which ends the program then.
+fn give_up(why: &str) {
+    // As long as this is held no file is begun.
+    let writing = writing_now();
+    match &*writing {
+        Some(token) => token.cancel(),
+        None => end_now(why),
+    }
 }
 
 fn on_signal(handler: impl FnMut() + Send + 'static) -> Result<(), Failure> {

@@ -97,22 +97,9 @@ fn measures(quality: &Quality, mesh: &TetMesh) -> Vec<String> {
 
 /// Is a sound mesh Delaunay, and convex?
 fn shape(information: &Information) -> String {
-    let convex = [
-        Kind::EqualVertices,
-        Kind::HullEdge,
-        Kind::Disconnected,
-        Kind::HullDisconnected,
-        Kind::HullEuler,
-        Kind::Euler,
-        Kind::VertexLink,
-        Kind::ConcaveHull,
-        Kind::HullTurnedAway,
-        Kind::HullWoundTwice,
-    ];
-    let ties = [Kind::NotCanonical, Kind::HullNotCanonical];
     let sum = |kinds: &[Kind]| kinds.iter().map(|&kind| information.count(kind)).sum::<u64>();
     let concave = information.count(Kind::ConcaveHull);
-    let is_convex = sum(&convex) == 0;
+    let is_convex = sum(&Kind::SHAPE) == 0;
     let delaunay = match information.count(Kind::NotDelaunay) {
         0 => "Delaunay".to_owned(),
         faces => format!("not Delaunay at {faces} faces"),
@@ -122,7 +109,7 @@ fn shape(information: &Information) -> String {
         0 => "not convex".to_owned(),
         edges => format!("not convex at {edges} edges"),
     };
-    let tied = match sum(&ties) {
+    let tied = match sum(&[Kind::NotCanonical, Kind::HullNotCanonical]) {
         ties if ties > 0 && is_convex && delaunay == "Delaunay" => {
             format!(" (not the canonical Delaunay mesh of its vertices: {ties} ties)")
         }

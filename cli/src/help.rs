@@ -17,7 +17,7 @@ const EXITS: [&str; 8] = [
     "`check` found a defect in the file it was given; too much is over a bound",
     "usage: the command line makes no sense",
     "input rejected: one line on stderr names the file, the place and the reason",
-    "cancelled (Ctrl-C), or the budget of points was used up; the mesh so far was written",
+    "cancelled (Ctrl-C), or the budget of points was used up; the mesh so far, if any, was written",
     "the checker found a defect in our own output; nothing was written",
     "an output could not be written; nothing is left under its name",
     "the machine lacks memory or threads; nothing was written",

@@ -249,7 +249,7 @@ fn finish_unrecovered(
 }
 
 fn refined(job: &Job<'_>, ready: &Prepared) -> Result<(Refined, Made), Failure> {
-    let progress = Progress::begin("recover");
+    let progress = Progress::begin("recover", job.stop.begun());
     let mut refiner = job.asked.refiner().observer(&progress).cancel(job.stop.token());
     refiner = refiner.flat_tolerance(job.flat_tolerance);
     if let Some(field) = &job.field {
@@ -456,7 +456,7 @@ fn write(
         let owners = made.owners.of(refined, job.keep_exterior);
         let parts = parts_of(mesh, &owners, job.workers.unwrap_or(1) as usize);
         for path in job.in_parts {
-            io::write_parts(path, &parts).map_err(Failure::Write)?;
+            console::writing(|token| io::write_parts_until(path, &parts, token))?;
             io::part_files(path, parts.len()).iter().for_each(|path| tell(path));
         }
     }

@@ -19,7 +19,7 @@ pub(crate) enum Exit {
     Usage = 2,
     /// The input was rejected.
     Input = 3,
-    /// Cancelled, or the budget of points was used up; the mesh so far was written.
+    /// Cancelled, or the budget of points was used up; the mesh so far, if any, was written.
     Stopped = 4,
     /// The checker found a defect in our own output; nothing was written.
     OwnDefect = 5,

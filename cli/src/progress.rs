@@ -167,23 +167,29 @@ impl Drop for Stage {
 
 /// Stages that follow each other, as the kernel names them; most count their points.
 #[derive(Debug)]
-pub(crate) struct Progress {
+pub(crate) struct Progress<'a> {
     start: Instant,
     due: Due,
     stage: Mutex<(&'static str, Option<Stage>)>,
+    begun: &'a Flag,
 }
 
-impl Progress {
-    /// Begins a stage whose points are counted once there are some.
-    pub(crate) fn begin(name: &'static str) -> Self {
+impl<'a> Progress<'a> {
+    /// Begins a stage whose points are counted once there are some; `begun` is set when there is a
+    /// mesh that is worth writing.
+    pub(crate) fn begin(name: &'static str, begun: &'a Flag) -> Self {
         let stage = Mutex::new((name, Some(Stage::begin(name))));
-        Self { start: Instant::now(), due: Due::default(), stage }
+        Self { start: Instant::now(), due: Due::default(), stage, begun }
     }
 }
 
-impl Observer for Progress {
+impl Observer for Progress<'_> {
     fn progress(&self, progress: ltbw::Progress) {
         let ltbw::Progress { phase, done, total } = progress;
+        // Points are put in order first, and a domain's boundary is recovered first.
+        if matches!(phase, ltbw::Phase::Insert | ltbw::Phase::Refine) {
+            self.begun.set();
+        }
         let mut stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
         if stage.0 != name(phase) {
             // The one before ends first: on a terminal both would be on one line.
@@ -205,7 +211,7 @@ impl Observer for Progress {
 
 #[cfg(test)]
 mod tests {
-    use super::{PATIENCE, Progress, Stage, patience, template};
+    use super::{Flag, PATIENCE, Progress, Stage, patience, template};
     use ltbw::{Observer as _, Phase};
     use std::sync::Arc;
     use std::time::Duration;
@@ -236,7 +242,8 @@ mod tests {
 
     #[test]
     fn points_are_shown_as_they_are_counted() {
-        let progress = Progress::begin("insert");
+        let begun = Flag::default();
+        let progress = Progress::begin("insert", &begun);
         let shown = || {
             let stage = progress.stage.lock().expect("the stage");
             (stage.0, stage.1.as_ref().expect("a stage").shown.counts.get())

@@ -238,18 +238,14 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
 
 /// Tells that points are nearly in one plane: their tetrahedra are as flat.
 fn print_thickness(points: &[Point]) {
-    if let Some(Thickness { thickness, extent }) = Thickness::of_flat(points) {
-        console::people(&format!(
-            "note: the points are nearly in one plane: thickness {thickness:.3e}, {:.1e} of their \
-             extent; the tetrahedra are as flat",
-            thickness / extent
-        ));
+    if let Some(thickness) = Thickness::of_flat(points) {
+        console::people(&format!("note: {thickness}"));
     }
 }
 
 /// Builds the mesh, on as many threads as the job has workers.
 fn build(set: &PointSet, job: &Job<'_>) -> Result<Built, RunError> {
-    let progress = Progress::begin("order");
+    let progress = Progress::begin("order", job.stop.begun());
     let mut builder = Builder::new().threads(job.workers);
     builder = builder.observer(&progress).cancel(job.stop.token());
     if job.parallel.balance {
@@ -322,7 +318,7 @@ fn write_outputs(
         let files = if io::is_parts(path) {
             let part = |tets: &Vec<[u32; 4]>| part_of(mesh, tets.clone(), Vec::new());
             let parts: Vec<TetMesh> = parts.iter().map(part).collect();
-            io::write_parts(path, &parts).map_err(Failure::Write)?;
+            console::writing(|token| io::write_parts_until(path, &parts, token))?;
             io::part_files(path, parts.len())
         } else {
             let writer = MeshWriter::new(mesh);

@@ -8,7 +8,7 @@ use crate::streams::Source;
 use ltbw::domain::{
     Domain, DomainReport, Facet, Frame, Holes, PrepareError, PrepareOptions, Prepared,
 };
-use ltbw::io::{self, DomainFile};
+use ltbw::io::{self, DomainFile, WriteOptions};
 use ltbw::refine::{Given, RefineStats, largest_tolerance};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -165,7 +165,8 @@ impl Preparation {
             console::people(&format!("note: no defects of facets: {} was not written", show(path)));
             return Ok(());
         }
-        io::write_domain(path, &surface).map_err(Failure::Write)?;
+        let options = WriteOptions::default();
+        console::writing(|token| io::write_domain_until(path, &surface, options, token))?;
         let count = surface.facets.len();
         console::people(&format!("wrote     {}: {count} facets with defects", show(path)));
         Ok(())

@@ -1,22 +1,15 @@
 //! Certificates are bound to the mesh, to the input and to the options, and `check --certificate`
 //! finds what is another.
 
-#[allow(dead_code, reason = "shared with the other tests, which use all of it")]
-use crate::common::{Run, ltbw, program};
+use crate::common::{program, read_json, run};
 use ltbw::io::{Format, carried_hash};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
 use std::process::Stdio;
 
-fn run(dir: &Path, args: &[&str], code: i32) -> Run {
-    let run = ltbw(dir, args);
-    assert_eq!(run.code, code, "{args:?}: {}", run.stderr);
-    run
-}
-
 fn read(dir: &Path, name: &str) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(dir.join(name)).unwrap()).unwrap()
+    read_json(dir.join(name))
 }
 
 /// SHA-256 as another program has it.

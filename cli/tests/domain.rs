@@ -1,17 +1,12 @@
 //! `generate` and `check` of domains, and `convert` between their formats.
 
-use crate::common::{Run, ltbw};
-use serde_json::Value;
-use std::path::Path;
+mod common;
 
-fn run(dir: &Path, args: &[&str], code: i32) -> Run {
-    let run = ltbw(dir, args);
-    assert_eq!(run.code, code, "{args:?}: {}", run.stderr);
-    run
-}
+use common::{Run, run};
+use serde_json::Value;
 
 fn json(run: &Run) -> Value {
-    serde_json::from_str(&run.stdout).unwrap()
+    common::json(&run.stdout)
 }
 
 #[test]

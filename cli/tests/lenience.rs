@@ -1,21 +1,14 @@
 //! A little that is excused is let pass, with a warning; with `--strict` nothing is.
 
-#[allow(dead_code, reason = "shared with the other tests, which use all of it")]
-use crate::common::{Run, ltbw};
+use crate::common::{Run, json, ltbw, run};
 use ltbw::io;
 use ltbw_bindings::{Class, Reins, Source, Wishes};
 use ltbw_generate::surfaces::{globe, prism, single};
 use serde_json::Value;
 use std::path::Path;
 
-fn run(dir: &Path, args: &[&str], code: i32) -> Run {
-    let run = ltbw(dir, args);
-    assert_eq!(run.code, code, "{args:?}: {}", run.stderr);
-    run
-}
-
 fn report(run: &Run) -> Value {
-    serde_json::from_str(&run.stdout).unwrap()
+    json(&run.stdout)
 }
 
 /// A sphere by latitude and longitude: around its poles angles are too small for the bound.
@@ -81,7 +74,7 @@ fn verdict(path: &Path, excused_share: Option<f64>) -> String {
     let (ready, reins) = (ltbw_bindings::Ready::new(source, &wishes).unwrap(), Reins::default());
     let refined = ready.refine(&wishes, None, false, &reins.progress, &reins.cancel).unwrap();
     let text = ready.finish(&wishes, refined).unwrap().certificate.unwrap();
-    let certificate: Value = serde_json::from_str(&text).unwrap();
+    let certificate = json(&text);
     assert_eq!(certificate["passed"], false);
     certificate["verdict"].as_str().unwrap().to_owned()
 }
@@ -128,26 +121,57 @@ fn a_strict_run_takes_the_input_as_it_is_or_not_at_all() {
     let dir = dir.path();
     let cube = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n";
     let sides = "4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n";
+    let off = |vertices: &str, facets: &str| {
+        let counts = [cube, vertices, sides, facets].map(|lines| lines.lines().count());
+        let [vertex_count, facet_count] = [counts[0] + counts[1], counts[2] + counts[3]];
+        format!("OFF\n{vertex_count} {facet_count} 0\n{cube}{vertices}{sides}{facets}")
+    };
+    let corner = |scale: f64, v: u32| [v, v >> 1, v >> 2].map(|bit| scale * f64::from(bit & 1));
+    let inner: String = (0..8)
+        .map(|v| corner(0.5, v).map(|c| c + 0.25))
+        .map(|[x, y, z]| format!("{x} {y} {z}\n"))
+        .collect();
+    let moved = |line: &str| {
+        let corners = line.split(' ').skip(1).map(|v| 8 + v.parse::<u32>().unwrap());
+        format!("4 {}\n", corners.map(|v| v.to_string()).collect::<Vec<_>>().join(" "))
+    };
+    let nested: String = sides.lines().map(moved).collect();
+    let away = "2 2 2\n3 2 2\n2 3 2\n";
+    let welded = off("1e-12 0 0\n", "").replacen("4 0", "4 8", 1);
     let cases = [
-        ("a facet given twice", format!("OFF\n8 7 0\n{cube}{sides}4 0 2 3 1\n"), "given before"),
-        ("a facet without area", format!("OFF\n8 7 0\n{cube}{sides}3 0 1 0\n"), "without area"),
-        (
-            "a corner twice, less than a step apart",
-            format!("OFF\n9 6 0\n{cube}1e-12 0 0\n{}", sides.replacen("4 0", "4 8", 1)),
-            "welded to others",
-        ),
+        ("a facet given twice", off("", "4 0 2 3 1\n"), "given before"),
+        ("a facet without area", off("", "3 0 1 0\n"), "without area"),
+        ("a corner twice, less than a step apart", welded, "welded to others"),
+        ("a vertex of nothing", off("2 2 2\n", ""), "1 vertex left out"),
+        ("a facet away from the body", off(away, "3 8 9 10\n"), "1 facet left out"),
+        ("a facet that ends outside", off("2 0 0\n", "3 0 1 8\n"), "ends in the exterior"),
+        ("a flap", off("2 0 0.5\n", "3 1 5 8\n3 5 1 8\n"), "given from either side"),
+        ("an inner facet", off("", "4 0 1 7 6\n4 6 7 1 0\n"), "given once from either side"),
+        ("a body in a body, turned likewise", off(&inner, &nested), "1 body lies inside another"),
     ];
+    let strict_or_not = |name: &str, what: &str, word: &str| {
+        let lenient = run(dir, &["mesh", name], 0);
+        assert!(lenient.stderr.contains(word), "{what}: {}", lenient.stderr);
+        for args in [&["mesh", name, "-o", "c.vtu"][..], &["check", name, "--json", "c.json"]] {
+            let strict = run(dir, &[args, &["--strict"]].concat(), 3);
+            let refused = strict.error().strip_prefix(&format!("{name}: not repaired"));
+            assert!(refused.unwrap().contains(word), "{what}: {}", strict.stderr);
+            assert!(!dir.join("c.vtu").exists(), "{what}");
+        }
+    };
     for (what, text, word) in cases {
         std::fs::write(dir.join("c.off"), text).unwrap();
-        let lenient = run(dir, &["mesh", "c.off"], 0);
-        assert!(lenient.stderr.contains(word), "{what}: {}", lenient.stderr);
-        let strict = run(dir, &["mesh", "c.off", "--strict", "-o", "c.vtu"], 3);
-        assert!(strict.error().starts_with("c.off: not repaired"), "{what}: {}", strict.stderr);
-        assert!(strict.error().contains(word), "{what}: {}", strict.stderr);
-        assert!(!dir.join("c.vtu").exists(), "{what}");
+        strict_or_not("c.off", what, word);
     }
-    std::fs::write(dir.join("c.off"), format!("OFF\n8 6 0\n{cube}{sides}")).unwrap();
+    std::fs::write(dir.join("c.off"), off("", "")).unwrap();
     run(dir, &["mesh", "c.off", "--strict"], 0);
+    // A hole point in the exterior.
+    run(dir, &["convert", "c.off", "c.poly"], 0);
+    run(dir, &["mesh", "c.poly", "--strict"], 0);
+    let text = std::fs::read_to_string(dir.join("c.poly")).unwrap();
+    let (before, holes) = text.trim_end().rsplit_once("\n0\n").unwrap();
+    std::fs::write(dir.join("c.poly"), format!("{before}\n1\n1 5 5 5\n{holes}")).unwrap();
+    strict_or_not("c.poly", "a hole outside", "1 hole point left out");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The parallel kernel on the command line: threads, meshes in parts, the simulator.
 
-use crate::common::{ltbw, names};
+use crate::common::{ltbw, names, read_json as json};
 use ltbw::io::read_mesh;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,10 +17,6 @@ const FIGURES: [&str; 8] = [
     "messages",
     "polls",
 ];
-
-fn json(path: &Path) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
 
 fn points(dir: &Path, count: &str) {
     let run = ltbw(dir, &["generate", "uniform", count, "-o", "p.npy"]);

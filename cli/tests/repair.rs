@@ -1,14 +1,8 @@
 //! `--repair`, `--write-defects`, frames, and what a refusal says of a surface.
 
-use crate::common::{Run, ltbw, names};
+use crate::common::{ltbw, names, run};
 use serde_json::Value;
 use std::path::Path;
-
-fn run(dir: &Path, args: &[&str], code: i32) -> Run {
-    let run = ltbw(dir, args);
-    assert_eq!(run.code, code, "{args:?}: {}", run.stderr);
-    run
-}
 
 /// A cube as `.off`, its lid in two halves with a seam `gap` away from the walls' upper edges.
 fn seam(dir: &Path, name: &str, gap: f64) {

@@ -1,22 +1,13 @@
 //! Figures of simulated processors claim no more than was done: nothing about nothing, the whole
 //! beside the kernel, and the paper's figures as the paper has them.
 
-#[allow(dead_code, reason = "shared with the other tests, which use all of it")]
-use crate::common::{Run, ltbw};
+use crate::common::{Run, read_json, run};
 use serde_json::Value;
 use std::path::Path;
 
-fn run(dir: &Path, args: &[&str], code: i32) -> Run {
-    let run = ltbw(dir, args);
-    assert_eq!(run.code, code, "{args:?}: {}", run.stderr);
-    run
-}
-
 fn simulation(dir: &Path, args: &[&str]) -> (Value, Run) {
     let run = run(dir, &[&["simulate", "--json", "a.json"], args].concat(), 0);
-    let text = std::fs::read_to_string(dir.join("a.json")).unwrap();
-    let report: Value = serde_json::from_str(&text).unwrap();
-    (report["simulation"].clone(), run)
+    (read_json(dir.join("a.json"))["simulation"].clone(), run)
 }
 
 /// The figures in a row of a table.

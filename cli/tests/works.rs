@@ -1,14 +1,10 @@
 //! The work of the program: mesh, check, convert, generate, demo, and stop on Ctrl-C.
 
-use crate::common::{Run, ltbw, names, program};
+use crate::common::{Run, json, ltbw, names, program};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::Stdio;
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"))
-}
 
 /// The hash that a run printed to stdout.
 fn hash(run: &Run) -> &str {
@@ -227,62 +223,4 @@ fn the_demo_meshes_the_model_problem_and_shows_it() {
         let run = ltbw(dir.path(), &args);
         assert_eq!(run.code, 0, "{command}: {}", run.stderr);
     }
-}
-
-/// Ctrl-C ends a long build with exit 4 and a file that is whole, or none.
-#[cfg(unix)]
-#[test]
-fn ctrl_c_stops_with_a_valid_partial_mesh() {
-    let dir = tempfile::tempdir().unwrap();
-    let args = ["generate", "uniform", "3000000", "-o", "big.npy"];
-    assert_eq!(ltbw(dir.path(), &args).code, 0);
-    let child = program(dir.path(), &["delaunay", "big.npy", "-o", "a.vtu", "--json", "r.json"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // Long enough to be inserting, far too short to be done.
-    std::thread::sleep(std::time::Duration::from_millis(2000));
-    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(kill.unwrap().success());
-    let run = Run::of(child.wait_with_output().unwrap());
-    assert_eq!(run.code, 4, "{}", run.stderr);
-    let report = json(&std::fs::read_to_string(dir.path().join("r.json")).unwrap());
-    assert_eq!(report["outcome"], "cancelled");
-    assert_eq!(report["certificate"], Value::Null);
-    assert!(!run.stderr.contains("checked   "), "{}", run.stderr);
-    let meshed = report["mesh"]["vertices"].as_u64().unwrap();
-    assert!(meshed < 3_000_000, "{meshed}");
-    if meshed > 0 {
-        let check = ltbw(dir.path(), &["check", "a.vtu"]);
-        assert_eq!(check.code, 0, "{}", check.stderr);
-        assert_eq!(hash(&check), report["mesh"]["hash"]);
-        assert_eq!(names(dir.path()), ["a.vtu", "big.npy", "r.json"]);
-    } else {
-        assert_eq!(names(dir.path()), ["big.npy", "r.json"]);
-    }
-}
-
-/// After the last insertion Ctrl-C changes nothing: the mesh is complete, is checked, and the
-/// words, the report and the exit code all say so.
-#[cfg(unix)]
-#[test]
-fn ctrl_c_after_the_insertion_finishes_a_complete_mesh() {
-    let dir = tempfile::tempdir().unwrap();
-    assert_eq!(ltbw(dir.path(), &["generate", "uniform", "300000", "-o", "p.npy"]).code, 0);
-    let args = ["delaunay", "p.npy", "--json", "r.json", "--check", "full", "--threads", "1"];
-    let mut child =
-        program(dir.path(), &args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
-    assert!(lines.any(|line| line.starts_with("mesh  ")), "the mesh is not announced");
-    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(kill.unwrap().success());
-    let rest: Vec<String> = lines.collect();
-    assert_eq!(child.wait().unwrap().code(), Some(0), "{rest:?}");
-    let says = |start: &str| rest.iter().any(|line| line.starts_with(start));
-    assert!(says("all points are meshed; finishing"), "{rest:?}");
-    assert!(says("checked   ") && !says("ltbw: "), "{rest:?}");
-    let report = json(&std::fs::read_to_string(dir.path().join("r.json")).unwrap());
-    assert_eq!(report["outcome"], "complete");
-    assert_eq!(report["certificate"]["passed"], true);
 }

@@ -1,4 +1,4 @@
-//! `c`: the C interface of `bindings/c`: lints, header, both examples compiled and run under
+//! `c`: the C interface of `bindings/c`: lints, tests, header, both examples compiled and run under
 //! valgrind, one also by the pkg-config file, the conformance kit through the library. What users
 //! install goes to `target/c/dist`.
 
@@ -27,7 +27,7 @@ pub(crate) fn run() -> Result<(), String> {
     let own_target = target().join("c");
     in_package(&["fmt", "--check"])?;
     in_package(&["clippy", "--quiet", "--release", "--all-targets", "--", "-D", "warnings"])?;
-    in_package(&["test", "--quiet", "--release", "--test", "header"])?;
+    in_package(&["test", "--quiet", "--release", "--tests"])?;
     let dist = build()?;
     for tool in ["cc", "c++", "valgrind"] {
         if !shell::works(command(tool).arg("--version")) {

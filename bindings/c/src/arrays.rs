@@ -1,15 +1,33 @@
 //! Arrays of a mesh: made when they are first asked for, kept until it is freed.
 
-use crate::error::text;
+use crate::error::{failed, null, text};
 use crate::handle::Mesh;
+use ltbw_bindings::{Failure, Meshed, unpanicked};
 use std::ffi::{CString, c_char};
 use std::sync::{OnceLock, PoisonError};
 
-/// An array of the mesh, made once; a panic on the way makes none.
-fn array<'m, T>(mesh: &'m Mesh, place: &'m OnceLock<T>, make: impl FnOnce() -> T) -> Option<&'m T> {
-    let _making = mesh.making.lock().unwrap_or_else(PoisonError::into_inner);
-    let made = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| place.get_or_init(make)));
-    made.ok()
+/// What a mesh keeps, made once. A failure or a panic on the way makes none, and is told as the
+/// thread's last failure; so is a mesh that is null.
+///
+/// # Safety
+/// The mesh is null or one of this library.
+unsafe fn kept<'m, T: 'm>(
+    mesh: *const Mesh,
+    place: impl FnOnce(&'m Mesh) -> &'m OnceLock<T>,
+    make: impl FnOnce(&'m Meshed) -> Result<T, Failure>,
+) -> Option<&'m T> {
+    // SAFETY: as the caller promises.
+    let mesh = unsafe { mesh.as_ref() }.ok_or_else(|| null("mesh"));
+    let kept = mesh.and_then(|mesh| {
+        let place = place(mesh);
+        let _making = mesh.making.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(there) = place.get() {
+            return Ok(there);
+        }
+        let made = unpanicked(|| make(&mesh.meshed))?;
+        Ok(place.get_or_init(|| made))
+    });
+    kept.map_err(|failure| failed(&failure)).ok()
 }
 
 /// Hands out an array and its length.
@@ -31,8 +49,7 @@ unsafe fn hand_out<T>(array: Option<&[T]>, count: *mut usize) -> *const T {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ltbw_mesh_points(mesh: *const Mesh, count: *mut usize) -> *const f64 {
     // SAFETY: as the caller promises.
-    let mesh = unsafe { mesh.as_ref() };
-    let rows = mesh.and_then(|m| array(m, &m.arrays.points, || m.meshed.points()));
+    let rows = unsafe { kept(mesh, |m| &m.arrays.points, |m| Ok(m.points())) };
     // SAFETY: as the caller promises.
     unsafe { hand_out(rows.map(Vec::as_slice), count) }.cast()
 }
@@ -44,8 +61,7 @@ pub unsafe extern "C" fn ltbw_mesh_points(mesh: *const Mesh, count: *mut usize) 
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ltbw_mesh_tets(mesh: *const Mesh, count: *mut usize) -> *const u32 {
     // SAFETY: as the caller promises.
-    let mesh = unsafe { mesh.as_ref() };
-    let rows = mesh.and_then(|m| array(m, &m.arrays.tets, || m.meshed.tets()));
+    let rows = unsafe { kept(mesh, |m| &m.arrays.tets, |m| Ok(m.tets())) };
     // SAFETY: as the caller promises.
     unsafe { hand_out(rows.map(Vec::as_slice), count) }.cast()
 }
@@ -58,8 +74,7 @@ pub unsafe extern "C" fn ltbw_mesh_tets(mesh: *const Mesh, count: *mut usize) ->
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ltbw_mesh_neighbours(mesh: *const Mesh, count: *mut usize) -> *const u32 {
     // SAFETY: as the caller promises.
-    let mesh = unsafe { mesh.as_ref() };
-    let rows = mesh.and_then(|m| array(m, &m.arrays.neighbours, || m.meshed.neighbours()));
+    let rows = unsafe { kept(mesh, |m| &m.arrays.neighbours, |m| Ok(m.neighbours())) };
     // SAFETY: as the caller promises.
     unsafe { hand_out(rows.map(Vec::as_slice), count) }.cast()
 }
@@ -71,17 +86,22 @@ pub unsafe extern "C" fn ltbw_mesh_neighbours(mesh: *const Mesh, count: *mut usi
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ltbw_mesh_hull(mesh: *const Mesh, count: *mut usize) -> *const u32 {
     // SAFETY: as the caller promises.
-    let mesh = unsafe { mesh.as_ref() };
-    let rows = mesh.and_then(|m| array(m, &m.arrays.hull, || m.meshed.hull()));
+    let rows = unsafe { kept(mesh, |m| &m.arrays.hull, |m| Ok(m.hull())) };
     // SAFETY: as the caller promises.
     unsafe { hand_out(rows.map(Vec::as_slice), count) }.cast()
 }
 
-fn boundary(mesh: &Mesh) -> Option<&(Vec<[u32; 3]>, Vec<i64>)> {
-    array(mesh, &mesh.arrays.boundary, || {
-        let faces = mesh.meshed.boundary();
-        (faces.iter().map(|f| f.corners).collect(), faces.iter().map(|f| f.marker).collect())
-    })
+/// Boundary triangles and their markers.
+///
+/// # Safety
+/// As [`kept`].
+unsafe fn boundary<'m>(mesh: *const Mesh) -> Option<&'m (Vec<[u32; 3]>, Vec<i64>)> {
+    let make = |m: &Meshed| {
+        let faces = m.boundary();
+        Ok((faces.iter().map(|f| f.corners).collect(), faces.iter().map(|f| f.marker).collect()))
+    };
+    // SAFETY: as the caller promises.
+    unsafe { kept(mesh, |m| &m.arrays.boundary, make) }
 }
 
 /// Boundary triangles of a domain, three corners each, counterclockwise from outside.
@@ -91,7 +111,7 @@ fn boundary(mesh: &Mesh) -> Option<&(Vec<[u32; 3]>, Vec<i64>)> {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ltbw_mesh_boundary(mesh: *const Mesh, count: *mut usize) -> *const u32 {
     // SAFETY: as the caller promises.
-    let rows = unsafe { mesh.as_ref() }.and_then(boundary);
+    let rows = unsafe { boundary(mesh) };
     // SAFETY: as the caller promises.
     unsafe { hand_out(rows.map(|(rows, _)| rows.as_slice()), count) }.cast()
 }
@@ -106,7 +126,7 @@ pub unsafe extern "C" fn ltbw_mesh_boundary_markers(
     count: *mut usize,
 ) -> *const i64 {
     // SAFETY: as the caller promises.
-    let rows = unsafe { mesh.as_ref() }.and_then(boundary);
+    let rows = unsafe { boundary(mesh) };
     // SAFETY: as the caller promises.
     unsafe { hand_out(rows.map(|(_, markers)| markers.as_slice()), count) }
 }
@@ -118,17 +138,22 @@ pub unsafe extern "C" fn ltbw_mesh_boundary_markers(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ltbw_mesh_regions(mesh: *const Mesh, count: *mut usize) -> *const u32 {
     // SAFETY: as the caller promises.
-    let mesh = unsafe { mesh.as_ref() };
-    let rows = mesh.and_then(|m| array(m, &m.arrays.regions, || m.meshed.regions()));
+    let rows = unsafe { kept(mesh, |m| &m.arrays.regions, |m| Ok(m.regions())) };
     // SAFETY: as the caller promises.
     unsafe { hand_out(rows.map(Vec::as_slice), count) }
 }
 
-fn excuses(mesh: &Mesh) -> Option<&(Vec<u32>, Vec<CString>)> {
-    array(mesh, &mesh.arrays.excuses, || {
-        let all = mesh.meshed.excuses();
-        (all.iter().map(|e| e.0).collect(), all.iter().map(|e| text(&e.1)).collect())
-    })
+/// Tetrahedra over a bound and their reasons.
+///
+/// # Safety
+/// As [`kept`].
+unsafe fn excuses<'m>(mesh: *const Mesh) -> Option<&'m (Vec<u32>, Vec<CString>)> {
+    let make = |m: &Meshed| {
+        let all = m.excuses();
+        Ok((all.iter().map(|e| e.0).collect(), all.iter().map(|e| text(&e.1)).collect()))
+    };
+    // SAFETY: as the caller promises.
+    unsafe { kept(mesh, |m| &m.arrays.excuses, make) }
 }
 
 /// The tetrahedra over a bound.
@@ -138,7 +163,7 @@ fn excuses(mesh: &Mesh) -> Option<&(Vec<u32>, Vec<CString>)> {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ltbw_mesh_excused(mesh: *const Mesh, count: *mut usize) -> *const u32 {
     // SAFETY: as the caller promises.
-    let rows = unsafe { mesh.as_ref() }.and_then(excuses);
+    let rows = unsafe { excuses(mesh) };
     // SAFETY: as the caller promises.
     unsafe { hand_out(rows.map(|(tets, _)| tets.as_slice()), count) }
 }
@@ -150,7 +175,7 @@ pub unsafe extern "C" fn ltbw_mesh_excused(mesh: *const Mesh, count: *mut usize)
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ltbw_mesh_excuse(mesh: *const Mesh, number: usize) -> *const c_char {
     // SAFETY: as the caller promises.
-    let rows = unsafe { mesh.as_ref() }.and_then(excuses);
+    let rows = unsafe { excuses(mesh) };
     let reason = rows.and_then(|(_, reasons)| reasons.get(number));
     reason.map_or(std::ptr::null(), |reason| reason.as_ptr())
 }
@@ -162,11 +187,61 @@ pub unsafe extern "C" fn ltbw_mesh_excuse(mesh: *const Mesh, number: usize) -> *
 /// The mesh is null or one of this library.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ltbw_mesh_certificate(mesh: *const Mesh) -> *const c_char {
+    let make = |m: &Meshed| Ok(m.certify(false)?.map(|json| text(&json)));
     // SAFETY: as the caller promises.
-    let mesh = unsafe { mesh.as_ref() };
-    let made = mesh.and_then(|m| {
-        let make = || m.meshed.certify(false).ok().flatten().map(|json| text(&json));
-        array(m, &m.arrays.certificate, make)
-    });
+    let made = unsafe { kept(mesh, |m| &m.arrays.certificate, make) };
     made.and_then(Option::as_ref).map_or(std::ptr::null(), |text| text.as_ptr())
+}
+
+/// The `number`-th of the notes on how the mesh came about, of people to read: repairs of its
+/// domain, say, or points that are nearly in one plane; NULL where there is none.
+///
+/// # Safety
+/// The mesh is null or one of this library.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ltbw_mesh_note(mesh: *const Mesh, number: usize) -> *const c_char {
+    let make = |m: &Meshed| Ok(m.notes.iter().map(|note| text(note)).collect());
+    // SAFETY: as the caller promises.
+    let notes: Option<&Vec<CString>> = unsafe { kept(mesh, |m| &m.arrays.notes, make) };
+    let note = notes.and_then(|notes| notes.get(number));
+    note.map_or(std::ptr::null(), |note| note.as_ptr())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ltbw_delaunay, ltbw_last_error, ltbw_last_error_code, ltbw_mesh_free};
+    use std::ffi::CStr;
+
+    fn last() -> [String; 2] {
+        // SAFETY: both are texts that live until this thread's next failure.
+        [ltbw_last_error(), ltbw_last_error_code()]
+            .map(|text| unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned())
+    }
+
+    #[test]
+    fn what_cannot_be_made_is_told_and_made_when_it_can_be() {
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let mut mesh = std::ptr::null_mut();
+        // SAFETY: four points, and a place for the mesh, which is freed once below.
+        unsafe { ltbw_delaunay(points.as_ptr().cast(), 4, std::ptr::null(), &raw mut mesh) };
+        // SAFETY: the mesh was made by this library.
+        let panicked = unsafe { kept(mesh, |m| &m.arrays.regions, |_| panic!("halfway")) };
+        assert_eq!(panicked, None);
+        assert_eq!(last(), ["a defect of ltbw: halfway", "internal.panic"]);
+        let failing = |_: &Meshed| Err(null("nothing"));
+        // SAFETY: as above.
+        assert_eq!(unsafe { kept(mesh, |m| &m.arrays.regions, failing) }, None);
+        assert_eq!(last(), ["nothing is NULL", "argument.null"]);
+        // SAFETY: as above.
+        let made = unsafe { kept(mesh, |m| &m.arrays.regions, |m| Ok(m.regions())) };
+        assert_eq!(made, Some(&vec![1]));
+        // SAFETY: as above, and a mesh that is null is none.
+        unsafe { ltbw_mesh_free(mesh) };
+        let mut count = 7;
+        // SAFETY: the mesh is null, and `count` is a place for a number.
+        let none = unsafe { ltbw_mesh_regions(std::ptr::null(), &raw mut count) };
+        assert!(none.is_null() && count == 0);
+        assert_eq!(last(), ["mesh is NULL", "argument.null"]);
+    }
 }

@@ -20,6 +20,8 @@ pub enum Status {
     LTBW_CANCELLED = 4,
     /// A file could not be read or written.
     LTBW_FILE = 5,
+    /// The machine lacks memory or threads.
+    LTBW_MACHINE = 6,
     /// A defect of ltbw itself: please report it.
     LTBW_INTERNAL = 70,
 }
@@ -42,7 +44,7 @@ pub(crate) fn text(text: &str) -> CString {
 }
 
 /// Notes a failure; the answer is its status.
-fn failed(failure: &Failure) -> Status {
+pub(crate) fn failed(failure: &Failure) -> Status {
     let last = Last {
         message: text(&failure.message),
         code: text(failure.code),
@@ -56,6 +58,7 @@ fn failed(failure: &Failure) -> Status {
         Class::Recovery => Status::LTBW_RECOVERY,
         Class::Cancelled => Status::LTBW_CANCELLED,
         Class::File => Status::LTBW_FILE,
+        Class::Machine => Status::LTBW_MACHINE,
         Class::Internal => Status::LTBW_INTERNAL,
     }
 }

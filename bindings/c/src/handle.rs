@@ -24,4 +24,5 @@ pub(crate) struct Arrays {
     pub(crate) regions: OnceLock<Vec<u32>>,
     pub(crate) excuses: OnceLock<(Vec<u32>, Vec<CString>)>,
     pub(crate) certificate: OnceLock<Option<CString>>,
+    pub(crate) notes: OnceLock<Vec<CString>>,
 }

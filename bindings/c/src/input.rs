@@ -60,10 +60,15 @@ pub struct Wishes {
     pub context: *mut c_void,
     /// The most points to insert; 0: as many as is usual.
     pub max_points: u64,
-    /// A point in each void, three coordinates each. NULL: the surface's orientation tells.
+    /// A point in each void, three coordinates each; orientation means nothing then. NULL:
+    /// `hole_rule` says what is void.
     pub holes: *const f64,
     /// Number of holes.
     pub hole_count: usize,
+    /// What is void where `holes` is NULL. 0: hole points of a file, and what the surface's
+    /// orientation says: a body inside another is a void if its faces point the other way. 1:
+    /// nothing. 2: bodies inside others, however turned.
+    pub hole_rule: i32,
     /// Regions with properties of their own, or NULL.
     pub regions: *const Region,
     /// Number of regions.
@@ -87,7 +92,8 @@ pub struct Wishes {
     pub excused_share: f64,
 }
 
-/// The values at a pointer.
+/// The values at a pointer, which are not looked at. Null is refused, and so are more values than
+/// memory has addresses for.
 ///
 /// # Safety
 /// The pointer is null, or points to `count` values that live as long as the slice is used.
@@ -102,8 +108,21 @@ pub(crate) unsafe fn values<'a, T>(
     if pointer.is_null() {
         return Err(null(name));
     }
-    // SAFETY: it is not null, and the caller promises the rest.
+    if count > isize::MAX as usize / size_of::<T>() {
+        let text = format!("{name}: {count} of them are more than memory has places for");
+        return Err(Failure::new(Class::Input, "argument.length", text));
+    }
+    // SAFETY: it is not null, memory has as many places, and the caller promises the rest.
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
+}
+
+/// A copy of values, each changed by `each`, if there is memory for it.
+fn copied<T: Copy, U>(values: &[T], each: impl FnMut(T) -> U) -> Result<Vec<U>, Failure> {
+    let mut copy = Vec::new();
+    copy.try_reserve_exact(values.len())
+        .map_err(|error| Failure::new(Class::Machine, "memory", error))?;
+    copy.extend(values.iter().copied().map(each));
+    Ok(copy)
 }
 
 /// The points at a pointer, three coordinates each.
@@ -115,11 +134,9 @@ pub(crate) unsafe fn points(
     count: usize,
     name: &str,
 ) -> Result<Vec<Point>, Failure> {
-    let too_many = || Failure::new(Class::Input, "points.too-many", format!("{count} {name}"));
-    let numbers = count.checked_mul(3).ok_or_else(too_many)?;
-    // SAFETY: as the caller promises.
-    let flat = unsafe { values(pointer, numbers, name) }?;
-    Ok(flat.as_chunks::<3>().0.to_vec())
+    // SAFETY: as the caller promises; a point is three numbers.
+    let points = unsafe { values(pointer.cast::<Point>(), count, name) }?;
+    copied(points, |point| point)
 }
 
 /// The path at a pointer.
@@ -144,33 +161,42 @@ impl Surface {
     pub(crate) unsafe fn source(surface: *const Self) -> Result<Source, Failure> {
         // SAFETY: as the caller promises.
         let given = unsafe { surface.as_ref() }.ok_or_else(|| null("surface"))?;
-        let mut starts = Vec::with_capacity(given.face_count);
+        let faces = given.face_count;
+        if faces > 0 && given.corners.is_null() {
+            return Err(null("corners"));
+        }
         let mut length = 0_usize;
-        // SAFETY: as the caller promises.
-        let counts = match given.corner_counts.is_null() {
-            true => vec![3; given.face_count],
+        let mut start = |corners: usize| {
+            let start = length;
+            length = length.saturating_add(corners);
+            start
+        };
+        let starts = match given.corner_counts.is_null() {
+            // SAFETY: as the caller promises, three corners of each face are there.
+            true => copied(
+                unsafe { values(given.corners.cast::<[u32; 3]>(), faces, "corners") }?,
+                |face| start(face.len()),
+            )?,
             // SAFETY: as the caller promises.
             false => {
-                unsafe { values(given.corner_counts, given.face_count, "corner_counts") }?.to_vec()
+                copied(unsafe { values(given.corner_counts, faces, "corner_counts") }?, |count| {
+                    start(count as usize)
+                })?
             }
         };
-        for count in counts {
-            starts.push(length);
-            length = length.saturating_add(count as usize);
-        }
         // SAFETY: as the caller promises, the corners are as many as the counts say.
         let corners = unsafe { values(given.corners, length, "corners") }?;
         let markers = match given.markers.is_null() {
             true => &[],
             // SAFETY: as the caller promises.
-            false => unsafe { values(given.markers, given.face_count, "markers") }?,
+            false => unsafe { values(given.markers, faces, "markers") }?,
         };
         Ok(Source::Arrays {
             // SAFETY: as the caller promises.
             vertices: unsafe { points(given.vertices, given.vertex_count, "vertices") }?,
-            corners: corners.iter().map(|&v| i64::from(v)).collect(),
+            corners: copied(corners, i64::from)?,
             starts,
-            markers: markers.to_vec(),
+            markers: copied(markers, |marker| marker)?,
         })
     }
 }
@@ -200,14 +226,17 @@ impl Wishes {
             });
         };
         let positive = |value: f64| (value != 0.0).then_some(value);
-        let holes = match given.holes.is_null() {
-            true => Holes::Given,
+        let holes = match (given.holes.is_null(), given.hole_rule) {
+            (true, 0) => Holes::Given,
+            (true, 1) => Holes::None,
+            (true, 2) => Holes::Auto,
             // SAFETY: as the caller promises.
-            false => Holes::At(unsafe { points(given.holes, given.hole_count, "holes") }?),
+            (false, 0) => Holes::At(unsafe { points(given.holes, given.hole_count, "holes") }?),
+            (_, rule) => return Err(no_hole_rule(rule)),
         };
         // SAFETY: as the caller promises.
         let regions = unsafe { values(given.regions, given.region_count, "regions") }?;
-        let region = |r: &Region| kernel::Region {
+        let region = |r: Region| kernel::Region {
             seed: r.seed,
             attribute: r.attribute,
             max_volume: positive(r.max_volume),
@@ -219,7 +248,7 @@ impl Wishes {
                 radius_edge: positive(given.radius_edge),
                 max_points: (given.max_points > 0).then_some(given.max_points),
                 holes,
-                regions: regions.iter().map(region).collect(),
+                regions: copied(regions, region)?,
                 repair: given.repair,
                 flat_tolerance: match given.flat_tolerance {
                     0.0 => None,
@@ -237,6 +266,12 @@ impl Wishes {
             context: given.context,
         })
     }
+}
+
+/// Why a number is no rule of holes.
+fn no_hole_rule(rule: i32) -> Failure {
+    let text = format!("a hole rule of {rule}: it is 0, 1 or 2, and 0 beside holes");
+    Failure::new(Class::Input, "holes.rule", text)
 }
 
 /// The frame of a number.
@@ -310,3 +345,16 @@ impl Function<'_> {
 // SAFETY: the foreign functions and their contexts are used by the caller's thread alone, which
 // `asked` looks at first; all else is `Sync`.
 unsafe impl Sync for Function<'_> {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values without a size take no memory, however many they are; copies of a size would.
+    #[test]
+    fn a_copy_that_memory_does_not_hold_is_refused() {
+        let failure = copied(&[(); 1 << 44], |()| [0.0; 3]).unwrap_err();
+        assert_eq!((failure.class, failure.code), (Class::Machine, "memory"));
+        assert_eq!(copied(&[1_u32, 2], i64::from).unwrap(), [1, 2]);
+    }
+}

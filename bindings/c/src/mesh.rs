@@ -224,10 +224,10 @@ pub unsafe extern "C" fn ltbw_mesh_find(
         let mesh = unsafe { mesh.as_ref() }.ok_or_else(|| null("mesh"))?;
         // SAFETY: as the caller promises.
         let places = unsafe { points(coordinates, count, "points") }?;
-        let places = mesh.meshed.find(&places, &Reins::default().cancel)?;
         if count > 0 && found.is_null() {
             return Err(null("found"));
         }
+        let places = mesh.meshed.find(&places, &Reins::default().cancel)?;
         for (k, place) in places.into_iter().enumerate() {
             // SAFETY: `found` has room for `count` numbers, as the caller promises.
             unsafe { found.add(k).write(place) };
@@ -245,10 +245,10 @@ pub unsafe extern "C" fn ltbw_mesh_hash(mesh: *const Mesh, hash: *mut c_char) ->
     guarded(|| {
         // SAFETY: as the caller promises.
         let mesh = unsafe { mesh.as_ref() }.ok_or_else(|| null("mesh"))?;
-        let text = mesh.meshed.hash()?;
         if hash.is_null() {
             return Err(null("hash"));
         }
+        let text = mesh.meshed.hash()?;
         if text.len() != 64 {
             return Err(Failure::new(Class::Internal, "internal.hash", text));
         }

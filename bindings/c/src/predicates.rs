@@ -3,9 +3,11 @@
 //! Points are three numbers each. The answers are 1, 0 and -1; `INT32_MIN` says that an argument is
 //! NULL or not finite.
 
+use crate::error::failed;
 use crate::input::values;
 use kernel::Point;
 use kernel::predicates::{Sign, insphere, orient3d, perturb};
+use ltbw_bindings::unpanicked;
 
 /// The points at pointers, if all are there and finite.
 ///
@@ -26,10 +28,13 @@ unsafe fn read<const N: usize>(pointers: [*const f64; N]) -> Option<[Point; N]> 
     Some(read)
 }
 
-/// The answer of a predicate; a panic is no sign.
+/// The answer of a predicate; a panic is no sign, and is told.
 fn answer(sign: impl FnOnce() -> Option<Sign>) -> i32 {
-    let asked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(sign));
-    asked.ok().flatten().map_or(i32::MIN, |sign| sign as i32)
+    let asked = unpanicked(|| Ok(sign())).unwrap_or_else(|failure| {
+        failed(&failure);
+        None
+    });
+    asked.map_or(i32::MIN, |sign| sign as i32)
 }
 
 /// The orientation of a tetrahedron: positive if it is that of the origin and the three unit

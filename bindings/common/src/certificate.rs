@@ -4,6 +4,7 @@ use crate::failure::{Class, Failure};
 use crate::wishes::Wishes;
 use crate::work::in_own_pool;
 use ltbw::domain::{Domain, Prepared};
+use ltbw::quality::Quality;
 use ltbw::refine::{ExcusedShare, Verdict};
 use ltbw::{Point, TetMesh};
 use ltbw_verify::{self as verify, Conformity, ConformityDefect, Limits, Plc, PlcFacet, Report};
@@ -31,8 +32,8 @@ impl Order {
     }
 }
 
-/// Checks a mesh against all that makes it a Delaunay mesh; JSON `ltbw.cert/1`, and whether it
-/// passed.
+/// Checks anybody's mesh as one of finite elements, with `delaunay` also as the Delaunay mesh of
+/// its vertices, as the program does; JSON `ltbw.cert/1`, and its quality, if it has tetrahedra.
 ///
 /// # Errors
 /// A certificate that is no JSON.
@@ -41,12 +42,13 @@ pub fn check(
     tets: &[[u32; 4]],
     order: Order,
     all_points: bool,
-) -> Result<(bool, String), Failure> {
+    delaunay: bool,
+) -> Result<(String, Option<Quality>), Failure> {
     let vertex_order = order.for_checker();
     let options = verify::Options { vertex_order, all_points, ..verify::Options::default() };
     in_own_pool(|| {
-        let report = verify::check(&verify::Mesh::new(points, tets), &options);
-        Ok((report.passed(), json(&report)?))
+        let report = verify::check_elements(&verify::Mesh::new(points, tets), &options, delaunay);
+        Ok((json(&report)?, Quality::of(points, tets)))
     })
 }
 

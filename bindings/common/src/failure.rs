@@ -7,6 +7,7 @@ use ltbw::points::PointError;
 use ltbw::refine::{BackgroundError, RefineError};
 use ltbw::threads::RunError;
 use ltbw::{BuildError, HashError};
+use std::io::ErrorKind;
 use std::path::PathBuf;
 
 /// The class of a failure.
@@ -20,6 +21,8 @@ pub enum Class {
     Recovery,
     /// Cancelled before there was a mesh.
     Cancelled,
+    /// The machine lacks memory or threads.
+    Machine,
     /// A defect of ltbw.
     Internal,
     /// The operating system refused a file.
@@ -79,7 +82,7 @@ impl From<BuildError> for Failure {
             BuildError::Collinear { .. } => (Class::Input, "points.collinear"),
             BuildError::Coplanar { .. } => (Class::Input, "points.coplanar"),
             BuildError::Cancelled => (Class::Cancelled, "cancelled"),
-            BuildError::Memory(_) => (Class::Internal, "memory"),
+            BuildError::Memory(_) => (Class::Machine, "memory"),
             _ => (Class::Input, "points"),
         };
         Self::new(class, code, &error)
@@ -90,7 +93,7 @@ impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
         match error {
             RunError::Build(error) => error.into(),
-            RunError::Threads { .. } => Self::new(Class::Internal, "threads.start", &error),
+            RunError::Threads { .. } => Self::new(Class::Machine, "threads.start", &error),
             RunError::Settings(text) => Self::new(Class::Input, "threads.settings", text),
             other => Self::new(Class::Internal, "threads.failed", &other),
         }
@@ -106,6 +109,11 @@ impl From<HashError> for Failure {
 impl From<IoError> for Failure {
     fn from(error: IoError) -> Self {
         let (class, code) = match &error {
+            IoError::Read { source, .. } | IoError::Write { source, .. }
+                if source.kind() == ErrorKind::OutOfMemory =>
+            {
+                (Class::Machine, "memory")
+            }
             IoError::Read { .. } => (Class::File, "file.read"),
             IoError::Write { .. } => (Class::File, "file.write"),
             IoError::Cancelled { .. } => (Class::Cancelled, "cancelled"),
@@ -114,6 +122,7 @@ impl From<IoError> for Failure {
             _ => (Class::Input, "file.format"),
         };
         let file = match &error {
+            _ if class == Class::Machine => None,
             IoError::Read { path, source } | IoError::Write { path, source } => {
                 source.raw_os_error().map(|number| (number, path.clone()))
             }
@@ -179,6 +188,7 @@ impl From<BackgroundError> for Failure {
 impl From<RefineError> for Failure {
     fn from(error: RefineError) -> Self {
         let (class, code) = match &error {
+            RefineError::Build(BuildError::Memory(_)) => (Class::Machine, "memory"),
             RefineError::Bound { .. } => (Class::Input, "refine.bound"),
             RefineError::Size { .. } | RefineError::ImpureSize { .. } => {
                 (Class::Input, "refine.size")

@@ -4,6 +4,7 @@ use crate::body::Body;
 use crate::failure::Failure;
 use crate::result::{Meshed, Outcome};
 use crate::work::{Reins, in_pool};
+use ltbw::domain::Thickness;
 use ltbw::{Builder, Point, PointSet};
 
 /// The Delaunay mesh of points, by `threads` threads, at least one.
@@ -20,6 +21,9 @@ pub fn delaunay(points: Vec<Point>, threads: u32, reins: &Reins) -> Result<Meshe
             ltbw::Outcome::Cancelled => Outcome::Cancelled,
             ltbw::Outcome::Budget | ltbw::Outcome::TooManyTets => Outcome::Budget,
         };
-        Ok(Meshed::new(Body::Points { mesh: Box::new(built.mesh), set }, outcome))
+        let notes = Thickness::of_flat(set.points()).map(|flat| flat.to_string());
+        let mut meshed = Meshed::new(Body::Points { mesh: Box::new(built.mesh), set }, outcome);
+        meshed.notes.extend(notes);
+        Ok(meshed)
     })
 }

@@ -57,5 +57,5 @@ pub fn in_pool<T: Send, E: From<Failure> + Send>(
     work: impl FnOnce() -> Result<T, E> + Send,
 ) -> Result<T, E> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1) as usize).build();
-    pool.map_err(|e| Failure::new(Class::Internal, "threads.start", e))?.install(work)
+    pool.map_err(|e| Failure::new(Class::Machine, "threads.start", e))?.install(work)
 }

@@ -1,9 +1,11 @@
 //! Arrays of rows, to and from numpy: one copy on the way in, none on the way out.
+//!
+//! Arrays of a mesh are read-only: they are kept, and all who ask get the same one.
 
 use crate::failure::Failure;
 use ltbw::Point;
 use ltbw_bindings::Class;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 /// Coordinates as numpy has them: float64, C order, of shape (n, 3).
@@ -20,30 +22,30 @@ pub(crate) fn points(array: &Coordinates<'_>) -> Result<Vec<Point>, Failure> {
     }
 }
 
-/// Rows of indices as an array of int32, without a copy; indices of points are below 2^28, those of
-/// tetrahedra below 2^30.
+/// Numbers as a read-only array, without a copy. So are its views: numpy lets nobody make what
+/// another owns writeable.
+pub(crate) fn line<T: Element>(py: Python<'_>, numbers: Vec<T>) -> Bound<'_, PyArray1<T>> {
+    let array = numbers.into_pyarray(py);
+    array.readwrite().make_nonwriteable();
+    array
+}
+
+/// Rows of indices as a read-only array of int32, without a copy; indices of points are below 2^28,
+/// those of tetrahedra below 2^30.
 pub(crate) fn rows<'py, const N: usize>(
     py: Python<'py>,
     rows: Vec<[u32; N]>,
 ) -> PyResult<Bound<'py, PyArray2<i32>>> {
     let count = rows.len();
     let flat: Vec<i32> = bytemuck::cast_vec(rows.into_flattened());
-    flat.into_pyarray(py).reshape([count, N])
+    line(py, flat).reshape([count, N])
 }
 
-/// Points as an array of float64, without a copy.
+/// Points as a read-only array of float64, without a copy.
 pub(crate) fn coordinates<'py>(
     py: Python<'py>,
     points: Vec<Point>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let count = points.len();
-    points.into_flattened().into_pyarray(py).reshape([count, 3])
-}
-
-/// Numbers as an array, without a copy.
-pub(crate) fn line<'py, T: numpy::Element>(
-    py: Python<'py>,
-    numbers: Vec<T>,
-) -> Bound<'py, PyArray1<T>> {
-    numbers.into_pyarray(py)
+    line(py, points.into_flattened()).reshape([count, 3])
 }

@@ -3,10 +3,12 @@
 use crate::arrays::{Coordinates, points};
 use crate::domain::{Asked, Given};
 use crate::failure::Failure;
+use crate::kernel::measures;
 use crate::supervise::supervised;
 use ltbw_bindings::{Class, Order, Ready, Reins, in_own_pool};
 use numpy::{Element, PyReadonlyArray2};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use std::fmt::Display;
 
 /// Tetrahedra as numpy has them, of shape (m, 4): int32 as ours are, or int64.
@@ -46,19 +48,24 @@ fn rows<T: Element + Copy + Display + TryInto<u32>>(
     (0..).zip(rows).map(named).collect()
 }
 
-/// Checks a mesh against everything that makes it a Delaunay mesh; JSON `ltbw.cert/1`.
+/// Checks a mesh as one of finite elements, and whether it is Delaunay; JSON `ltbw.cert/1`, and its
+/// quality.
 #[pyfunction]
-pub(crate) fn check(
-    py: Python<'_>,
-    coordinates: Coordinates<'_>,
-    simplices: Corners<'_>,
+pub(crate) fn check<'py>(
+    py: Python<'py>,
+    coordinates: Coordinates<'py>,
+    simplices: Corners<'py>,
     any_order: bool,
     all_points: bool,
-) -> PyResult<String> {
+    delaunay: bool,
+) -> PyResult<(String, Option<Bound<'py, PyDict>>)> {
     let (points, tets) = (points(&coordinates)?, simplices.rows()?);
     let order = if any_order { Order::Any } else { Order::Oriented };
-    let check = move |_: &Reins| Ok(ltbw_bindings::check(&points, &tets, order, all_points)?);
-    Ok(supervised(py, None, check)?.1)
+    let check = move |_: &Reins| {
+        Ok(ltbw_bindings::check(&points, &tets, order, all_points, delaunay)?)
+    };
+    let (certificate, quality) = supervised(py, None, check)?;
+    Ok((certificate, quality.map(|quality| measures(py, &quality)).transpose()?))
 }
 
 /// Checks a mesh of a domain, without exterior; JSON `ltbw.conformity/1`.

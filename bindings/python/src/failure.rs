@@ -42,6 +42,7 @@ impl From<Failure> for PyErr {
             Class::Domain => "DomainError",
             Class::Recovery => "RecoveryError",
             Class::Cancelled => "Cancelled",
+            Class::Machine => "MachineError",
             Class::Internal => "InternalError",
             Class::File if failure.reason().is_some_and(|e| e.kind() == ErrorKind::NotFound) => {
                 "MissingFileError"

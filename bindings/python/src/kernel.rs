@@ -4,13 +4,34 @@ use crate::arrays::{Coordinates, coordinates, line, points, rows};
 use crate::failure::Failure;
 use crate::supervise::supervised;
 use ltbw::Point;
-use ltbw::quality::Histogram;
+use ltbw::quality::{Histogram, Quality, SMALL_ANGLES};
 use ltbw_bindings::{Meshed, Reins, in_own_pool};
-use numpy::{PyArray1, PyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// Histograms and extremes for Python.
+pub(crate) fn measures<'py>(py: Python<'py>, quality: &Quality) -> PyResult<Bound<'py, PyDict>> {
+    let all = PyDict::new(py);
+    let histogram = |h: &Histogram| {
+        let entries = PyDict::new(py);
+        entries.set_item("low", h.low)?;
+        entries.set_item("high", h.high)?;
+        entries.set_item("counts", PyList::new(py, &h.counts)?)?;
+        entries.set_item("least", (h.least.value, h.least.tet))?;
+        entries.set_item("largest", (h.largest.value, h.largest.tet))?;
+        PyResult::Ok(entries)
+    };
+    all.set_item("dihedral", histogram(&quality.dihedral)?)?;
+    all.set_item("radius_edge", histogram(&quality.radius_edge)?)?;
+    all.set_item("volume", histogram(&quality.volume)?)?;
+    all.set_item("edge", histogram(&quality.edge)?)?;
+    let small: Vec<(f64, u64)> = SMALL_ANGLES.into_iter().zip(quality.small).collect();
+    all.set_item("small_dihedral", small)?;
+    Ok(all)
+}
 
 /// A mesh; `ltbw.Mesh` gives its arrays their names.
 #[pyclass(frozen, module = "ltbw._native")]
@@ -112,27 +133,14 @@ impl Kernel {
         let mesh = Arc::clone(&self.0);
         let find = move |reins: &Reins| Ok(mesh.find(&wanted, &reins.cancel)?);
         let found = supervised(py, None, find)?;
-        Ok(line(py, bytemuck::cast_vec(found)))
+        // It is the caller's alone.
+        Ok(bytemuck::cast_vec::<u32, i32>(found).into_pyarray(py))
     }
 
     /// Histograms and extremes of dihedral angle, radius-edge ratio, volume and edge length.
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let Some(quality) = self.made(py, Meshed::quality)? else { return Ok(None) };
-        let all = PyDict::new(py);
-        let histogram = |h: &Histogram| {
-            let entries = PyDict::new(py);
-            entries.set_item("low", h.low)?;
-            entries.set_item("high", h.high)?;
-            entries.set_item("counts", PyList::new(py, &h.counts)?)?;
-            entries.set_item("least", (h.least.value, h.least.tet))?;
-            entries.set_item("largest", (h.largest.value, h.largest.tet))?;
-            PyResult::Ok(entries)
-        };
-        all.set_item("dihedral", histogram(&quality.dihedral)?)?;
-        all.set_item("radius_edge", histogram(&quality.radius_edge)?)?;
-        all.set_item("volume", histogram(&quality.volume)?)?;
-        all.set_item("edge", histogram(&quality.edge)?)?;
-        Ok(Some(all))
+        let quality = self.made(py, Meshed::quality)?;
+        quality.map(|quality| measures(py, &quality)).transpose()
     }
 
     /// Writes the mesh; the extension tells the format.

@@ -19,15 +19,17 @@ pub(crate) fn read_points(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, P
     coordinates(py, supervised(py, None, read)?)
 }
 
-/// Meshes points on `threads` threads.
+/// Meshes points on `threads` threads; with notes.
 #[pyfunction]
 pub(crate) fn delaunay(
     py: Python<'_>,
     given: Coordinates<'_>,
     threads: u32,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Kernel> {
+) -> PyResult<(Kernel, Vec<String>)> {
     let given = points(&given)?;
     let work = move |reins: &Reins| Ok(ltbw_bindings::delaunay(given, threads, reins)?);
-    Ok(Kernel::new(supervised(py, progress.as_ref(), work)?))
+    let mut meshed = supervised(py, progress.as_ref(), work)?;
+    let notes = std::mem::take(&mut meshed.notes);
+    Ok((Kernel::new(meshed), notes))
 }

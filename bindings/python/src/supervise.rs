@@ -42,7 +42,7 @@ pub(crate) fn supervised<T: Send + 'static>(
         drop(sender.send(unpanicked(|| work(&own))));
     };
     let started = std::thread::Builder::new().name("ltbw".to_owned()).spawn(carried_out);
-    started.map_err(|e| Failure::new(Class::Internal, "threads.start", e))?;
+    started.map_err(|e| Failure::new(Class::Machine, "threads.start", e))?;
     let mut waiting = receiver;
     let mut raised: Option<(PyErr, Instant)> = None;
     // Ends with the work, or some time after it was cancelled.

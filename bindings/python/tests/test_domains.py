@@ -277,7 +277,7 @@ def test_anybodys_mesh_is_checked_against_its_domain(cube):
     assert ltbw.check(points, shuffled, cube, any_order=True).passed
     with pytest.raises(ltbw.DomainError):
         ltbw.check(points, tets, (corners, faces[1:]))
-    for wrong in ({"max_volume": 1}, {"plc": cube, "all_points": True}):
+    for wrong in ({"max_volume": 1}, {"plc": cube, "all_points": True}, {"plc": cube, "delaunay": True}):
         with pytest.raises(ltbw.InputError):
             ltbw.check(points, tets, **wrong)
 

@@ -123,10 +123,85 @@ def test_certificates():
     assert ltbw.check(points, mesh.simplices, all_points=True).passed
     theirs = Delaunay(points).simplices
     assert ltbw.check(points, theirs, any_order=True).passed
-    broken = ltbw.check(points, mesh.simplices[1:])
+    for tets in (mesh.simplices, theirs):
+        assert ltbw.check(points, tets, any_order=True, delaunay=True).passed
+    broken = ltbw.check(points, mesh.simplices[1:], delaunay=True)
     assert not broken.passed and broken.defects
     assert not ltbw.check(points, [[0, 1, 2, 500], [0, 4, 2, 3]]).passed
     json.dumps(full.report)
+
+
+# Five points: two tetrahedra on both sides of a triangle, or three around the edge through it.
+PYRAMIDS = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 1], [1, 1, -1]]
+TWO, THREE = [[0, 1, 2, 3], [0, 2, 1, 4]], [[3, 4, 1, 2], [3, 4, 2, 0], [3, 4, 0, 1]]
+
+
+def test_a_mesh_is_judged_as_one_of_finite_elements(program, tmp_path):
+    assert ltbw.delaunay(PYRAMIDS).simplices.shape == (3, 4)
+    for tets, is_delaunay in ((THREE, True), (TWO, False)):
+        found = ltbw.check(PYRAMIDS, tets, any_order=True)
+        assert found.passed and not found.defects
+        assert ("not_delaunay" in found.report["information_counts"]) == (not is_delaunay)
+        assert found.quality["dihedral"]["least"][0] > 1
+        assert found.quality["small_dihedral"] == [(1.0, 0), (5.0, 0)]
+        assert ltbw.check(PYRAMIDS, tets, any_order=True, delaunay=True).passed == is_delaunay
+    # Both ways of filling the body at once.
+    doubled = ltbw.check(PYRAMIDS, TWO + THREE, any_order=True)
+    assert not doubled and doubled.defects
+    inverted = ltbw.check(PYRAMIDS, [[0, 1, 2, 3], [0, 1, 2, 4]])
+    assert not inverted and inverted.report["mesh"]["negative_tets"] == 1
+    # Without a corner it is not convex, and sound.
+    points = cloud()
+    mesh = ltbw.delaunay(points)
+    hollow = mesh.simplices[(mesh.neighbors >= 0).all(axis=1)]
+    assert ltbw.check(points, hollow) and not ltbw.check(points, hollow, delaunay=True)
+    # The program finds the same.
+    path = tmp_path / "m.vtu"
+    mesh.save(path)
+    program("check", path, "--json", tmp_path / "c.json")
+    theirs, ours = json.loads((tmp_path / "c.json").read_text()), ltbw.check(points, mesh.simplices)
+    assert theirs["passed"] and theirs["mesh"] == ours.report["mesh"]
+    assert theirs["information_counts"] == ours.report["information_counts"]
+    least = theirs["quality"]["dihedral"]["least"]
+    assert ours.quality["dihedral"]["least"] == (least["value"], least["tet"])
+
+
+def test_arrays_of_a_mesh_are_read_only(cube):
+    doubled = ltbw.delaunay(np.vstack([cloud(), cloud()[:3]]))
+    meshes = (doubled, ltbw.tetrahedralize(cube, regions=[([0.5, 0.5, 0.5], 2.0)]))
+    names = "points simplices neighbors convex_hull coplanar triangles triface_markers regions"
+    for mesh in meshes:
+        digest = ltbw.check(mesh.points, mesh.simplices).hash
+        for name in f"{names} region_attributes node elem triface".split():
+            array = getattr(mesh, name)
+            for view in (array, array[:], array.base):
+                assert not view.flags.writeable, name
+                with pytest.raises(ValueError):
+                    view.flags.writeable = True
+            if array.size:
+                with pytest.raises(ValueError, match="read-only"):
+                    array[0] = 0
+        grid, copy = mesh.grid, mesh.to_meshio()
+        for theirs, ours in (
+            (grid.points, mesh.points),
+            (grid.cell_data["region"], mesh.regions),
+            (copy.points, mesh.points),
+            (copy.cells[0].data, mesh.simplices),
+            (copy.cell_data["region"][0], mesh.regions),
+        ):
+            assert not np.shares_memory(theirs, ours)
+            theirs[0] = 7
+        assert ltbw.check(mesh.points, mesh.simplices).hash == digest
+        found = mesh.find_simplex(mesh.points)
+        found[0] = 7
+    assert len(doubled.coplanar) == 3
+
+
+def test_points_that_are_nearly_in_one_plane_are_told_of():
+    flat = cloud() * [1, 1, 1e-9]
+    (note,) = ltbw.delaunay(flat).notes
+    assert note.startswith("the points are nearly in one plane: thickness 9.")
+    assert ltbw.delaunay(cloud()).notes == []
 
 
 def test_progress_is_told_and_may_end_the_work():

@@ -1,5 +1,6 @@
 //! Running the program in a folder of its own.
 
+use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
@@ -45,6 +46,26 @@ pub(crate) fn program(dir: &Path, args: &[&str]) -> Command {
 /// Runs the program in `dir`.
 pub(crate) fn ltbw(dir: &Path, args: &[&str]) -> Run {
     Run::of(program(dir, args).output().unwrap())
+}
+
+/// Runs the program in `dir`; it ends with this code.
+#[allow(dead_code, reason = "not every test asks")]
+pub(crate) fn run(dir: &Path, args: &[&str], code: i32) -> Run {
+    let run = ltbw(dir, args);
+    assert_eq!(run.code, code, "{args:?}: {}", run.stderr);
+    run
+}
+
+/// JSON.
+#[allow(dead_code, reason = "not every test asks")]
+pub(crate) fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"))
+}
+
+/// JSON in a file.
+#[allow(dead_code, reason = "not every test asks")]
+pub(crate) fn read_json(path: impl AsRef<Path>) -> Value {
+    json(&std::fs::read_to_string(path).unwrap())
 }
 
 /// The files in a folder.

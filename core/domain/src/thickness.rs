@@ -2,6 +2,7 @@
 
 use crate::vector::{cross, distance2, dot, minus};
 use ltbw_exact::Point;
+use std::fmt;
 
 /// The largest part of their extent that nearly flat points are thick.
 const FLAT: f64 = 1.0 / (1 << 20) as f64;
@@ -37,6 +38,19 @@ impl Thickness {
         let low = heights().fold(f64::INFINITY, f64::min);
         let thickness = heights().fold(f64::NEG_INFINITY, f64::max) - low;
         (thickness <= FLAT * extent).then_some(Self { thickness, extent })
+    }
+}
+
+/// A note for people on what that means for a mesh.
+impl fmt::Display for Thickness {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { thickness, extent } = self;
+        write!(
+            f,
+            "the points are nearly in one plane: thickness {thickness:.3e}, {:.1e} of their \
+             extent; the tetrahedra are as flat",
+            thickness / extent
+        )
     }
 }
 

@@ -63,6 +63,7 @@ pub mod txt;
 pub mod vtk;
 pub mod vtu;
 mod writer;
+mod xml;
 pub mod xyz;
 
 use atomic_file::AtomicFile;
@@ -76,7 +77,7 @@ pub use format::{Encoding, Format, MshVersion, WriteOptions};
 use ltbw_core::{BoundaryFace, CancelToken, TetMesh};
 use ltbw_domain::{Domain, refine::Given};
 use ltbw_exact::Point;
-pub use parts::{check_parts_writable, is_parts, part_files, write_parts};
+pub use parts::{check_parts_writable, is_parts, part_files, write_parts, write_parts_until};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 pub use streams::{

@@ -8,7 +8,7 @@
 
 use super::atomic_file::{self, AtomicFile};
 use super::{IoError, check_mesh, data_error, vtu};
-use ltbw_core::TetMesh;
+use ltbw_core::{CancelToken, TetMesh};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -47,6 +47,19 @@ pub fn check_parts_writable(path: impl AsRef<Path>, parts: usize) -> Result<(), 
 /// # Errors
 /// [`IoError`] if a part is not a mesh, or a file cannot be written.
 pub fn write_parts(path: impl AsRef<Path>, parts: &[TetMesh]) -> Result<(), IoError> {
+    write_parts_until(path, parts, &CancelToken::new())
+}
+
+/// Writes a mesh as [`write_parts`] does, until the token says otherwise: no file gets its name
+/// then.
+///
+/// # Errors
+/// As [`write_parts`], and [`IoError::Cancelled`].
+pub fn write_parts_until(
+    path: impl AsRef<Path>,
+    parts: &[TetMesh],
+    cancel: &CancelToken,
+) -> Result<(), IoError> {
     let path = path.as_ref();
     check_parts_writable(path, parts.len())?;
     let files = part_files(path, parts.len());
@@ -54,10 +67,14 @@ pub fn write_parts(path: impl AsRef<Path>, parts: &[TetMesh]) -> Result<(), IoEr
     let mut written = Vec::new();
     for (worker, (part, name)) in (0..).zip(parts.iter().zip(names)) {
         check_mesh(part).map_err(|r| data_error(name, r))?;
-        written.push(AtomicFile::write(name, |out| vtu::write_part(out, part, worker))?);
+        let fill = |out: &mut dyn Write| vtu::write_part(out, part, worker);
+        written.push(AtomicFile::write_until(name, (Some(cancel), 0), fill)?);
     }
     let index = AtomicFile::write(&list[0], |out| write_list(out, names, parts))?;
-    written.into_iter().try_for_each(AtomicFile::publish)?;
+    // The first of them looks at the token; after it all get their names.
+    let mut written = written.into_iter();
+    written.next().map_or(Ok(()), |first| first.publish_unless(cancel))?;
+    written.try_for_each(AtomicFile::publish)?;
     index.publish()
 }
 

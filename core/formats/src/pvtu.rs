@@ -8,13 +8,13 @@
 
 use super::error::{ParseError, Place, Reason, excerpt};
 use super::text::count;
-use super::vtu::{self, append, attribute, malformed};
+use super::vtu::{self, append};
+use super::xml::{attribute, each_event, expect_kind, malformed};
 use super::{IoError, Load, MeshFile, parse_error};
 use ltbw_core::{BoundaryFace, TetMesh};
 use ltbw_exact::Point;
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
-use quick_xml::reader::Reader;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -23,28 +23,18 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// What is no list of pieces, with its line.
 pub fn sources(bytes: &[u8]) -> Result<Vec<String>, ParseError> {
-    let text = std::str::from_utf8(bytes).map_err(|e| {
-        ParseError::at(bytes, e.valid_up_to(), Reason::Syntax("not UTF-8 text".into()))
-    })?;
-    let mut reader = Reader::from_str(text);
     let (mut depth, mut found) = (0_usize, Vec::new());
     let mut seen = HashSet::new();
-    // Every event but the last consumes at least a byte.
-    loop {
-        let offset = reader.buffer_position() as usize;
+    each_event(bytes, bytes.len(), |event, offset| {
         let at = |reason| ParseError::at(bytes, offset, reason);
-        let event = reader
-            .read_event()
-            .map_err(|e| ParseError::at(bytes, reader.error_position() as usize, malformed(&e)))?;
         let (element, opens) = match event {
             Event::Start(element) => (element, 1),
             Event::Empty(element) => (element, 0),
             Event::End(_) => {
                 depth = depth.saturating_sub(1);
-                continue;
+                return Ok(());
             }
-            Event::Eof => break,
-            _ => continue,
+            _ => return Ok(()),
         };
         if let Some(source) = piece(&element, depth).map_err(at)? {
             if !seen.insert(source.clone()) {
@@ -54,7 +44,8 @@ pub fn sources(bytes: &[u8]) -> Result<Vec<String>, ParseError> {
             found.push(source);
         }
         depth += opens;
-    }
+        Ok(())
+    })?;
     if depth > 0 || found.is_empty() {
         let text = if depth > 0 { "the file ends inside an element" } else { "no piece is listed" };
         return Err(ParseError::at(bytes, bytes.len(), Reason::Syntax(text.into())));
@@ -65,17 +56,7 @@ pub fn sources(bytes: &[u8]) -> Result<Vec<String>, ParseError> {
 /// The piece that an element names, if it is one; `depth` elements are around it.
 fn piece(element: &BytesStart<'_>, depth: usize) -> Result<Option<String>, Reason> {
     match (depth, element.name().into_inner()) {
-        (0, "VTKFile") => {
-            let kind = attribute(element, "type")?.unwrap_or_default();
-            match kind.as_str() {
-                "PUnstructuredGrid" => Ok(None),
-                _ => {
-                    let text = format!("a VTK file of type `{}`", excerpt(kind.as_bytes()));
-                    Err(Reason::Unsupported(text))
-                }
-            }
-        }
-        (0, _) => Err(Reason::Syntax("not a VTK file".into())),
+        (0, _) => expect_kind(element, "PUnstructuredGrid").map(|()| None),
         (1, "PUnstructuredGrid") => match attribute(element, "GhostLevel")? {
             Some(level) if count(level.as_bytes())? > 0 => {
                 Err(Reason::Unsupported(format!("pieces with {level} layers of ghost cells")))

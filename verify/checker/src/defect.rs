@@ -163,6 +163,22 @@ kinds! {
     CrossingEdges, Overlap, "crossing_edges", "these two edges cross without a common vertex";
 }
 
+impl Kind {
+    /// Those that a body of any shape may have, but no convex one that is tiled face to face.
+    pub const SHAPE: [Self; 10] = [
+        Self::EqualVertices,
+        Self::HullEdge,
+        Self::Disconnected,
+        Self::HullDisconnected,
+        Self::HullEuler,
+        Self::Euler,
+        Self::VertexLink,
+        Self::ConcaveHull,
+        Self::HullTurnedAway,
+        Self::HullWoundTwice,
+    ];
+}
+
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())

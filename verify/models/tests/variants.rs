@@ -2,14 +2,13 @@
 //! mailbox's variants are in `tests/mailbox.rs` (loom).
 #![cfg(not(any(loom, shuttle)))]
 
-use ltbw::domain::PrepareOptions;
-use ltbw::domain::Prepared;
+use ltbw::domain::{PrepareOptions, Prepared};
 use ltbw::mesh::{Layout, Ownership};
 use ltbw::protocol::{Config, Correct};
 use ltbw::refine::Refiner;
 use ltbw::refining::{RefineError, simulate_domain};
 use ltbw::simulate::{MeshError, Network, Options, RandomMigrations, SimulationError, simulate_as};
-use ltbw::{Builder, Mesh, MeshHash, Point, PointSet};
+use ltbw::{Builder, MeshHash, PointSet};
 use ltbw_generate::{DomainKind, PointKind, Shape, generate, generate_domain};
 use ltbw_models::graph::{Graph, Limits};
 use ltbw_models::random::world;
@@ -19,7 +18,6 @@ use ltbw_models::system::System;
 use ltbw_models::variants::{self, Variant};
 use ltbw_models::world::World;
 use ltbw_models::worlds;
-use std::collections::HashMap;
 
 /// The way in which a variant shows itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -19,6 +19,7 @@ from ._errors import (
     FileError,
     InputError,
     InternalError,
+    MachineError,
     MissingFileError,
     RecoveryError,
 )
@@ -34,6 +35,7 @@ __all__ = [
     "FileError",
     "InputError",
     "InternalError",
+    "MachineError",
     "Mesh",
     "MissingFileError",
     "RecoveryError",
@@ -65,6 +67,7 @@ def delaunay(points, threads=1, *, progress=None):
     Returns
     -------
     Mesh
+        Its ``notes`` tell of points that are nearly in one plane, whose tetrahedra are as flat.
 
     Raises
     ------
@@ -77,7 +80,8 @@ def delaunay(points, threads=1, *, progress=None):
     """
     array = _input.places(points)
     progress = _input.function(progress, "progress")
-    return Mesh(_native.delaunay(array, _threads(threads), progress))
+    kernel, notes = _native.delaunay(array, _threads(threads), progress)
+    return Mesh(kernel, notes=notes)
 
 
 def tetrahedralize(

@@ -17,6 +17,7 @@ class RecoveryError(Error, RuntimeError): ...
 class FileError(Error, OSError): ...
 class MissingFileError(FileError, FileNotFoundError): ...
 class Cancelled(Error, RuntimeError): ...
+class MachineError(Error, MemoryError): ...
 class InternalError(Error, RuntimeError): ...
 
 class Certificate:
@@ -24,6 +25,7 @@ class Certificate:
     passed: bool
     verdict: Literal["passed", "excused", "failed"]
     defects: list[Any]
+    quality: dict[str, Any] | None
     def __bool__(self) -> bool: ...
     @property
     def hash(self) -> str | None: ...
@@ -45,7 +47,7 @@ class Mesh:
     region_attributes: NDArray[np.float64]
     excuses: list[tuple[int, str]]
     hash: str
-    quality: dict[str, dict[str, Any]] | None
+    quality: dict[str, Any] | None
     grid: Any
     @property
     def outcome(self) -> str: ...
@@ -70,7 +72,7 @@ def tetrahedralize(
     radius_edge: float | None = ...,
     size: float | ArrayLike | Callable[[tuple[float, float, float]], float] | None = ...,
     regions: Iterable[Region] = ...,
-    holes: ArrayLike | None = ...,
+    holes: Literal["none", "auto"] | ArrayLike | None = ...,
     max_points: int | None = ...,
     repair: float = ...,
     flat_tolerance: float | None = ...,
@@ -92,4 +94,5 @@ def check(
     frame: Frame = ...,
     any_order: bool = ...,
     all_points: bool = ...,
+    delaunay: bool = ...,
 ) -> Certificate: ...

@@ -42,5 +42,9 @@ class MissingFileError(FileError, FileNotFoundError):
     """A file, or the folder of a file to be written, is not there."""
 
 
+class MachineError(Error, MemoryError):
+    """The machine lacks memory or threads."""
+
+
 class InternalError(Error, RuntimeError):
     """A defect of ltbw itself: please report it."""

@@ -17,11 +17,13 @@ class Certificate:
     that has a reason, on no more than ``excused_share`` of :func:`tetrahedralize`; or ``"failed"``.
     A certificate is true for the first two. ``passed`` tells whether nothing is wrong; ``defects``
     are the first defects or breaches, as dicts; ``report`` is all of it (schemas ``ltbw.cert/1``
-    and ``ltbw.conformity/1``).
+    and ``ltbw.conformity/1``). ``quality``, of anybody's mesh without a domain, is like that of
+    :class:`Mesh`, else None.
     """
 
-    def __init__(self, text):
+    def __init__(self, text, quality=None):
         self.report = json.loads(text)
+        self.quality = quality
         self.passed = self.report["passed"]
         self.verdict = self.report.get("verdict", "passed" if self.passed else "failed")
         self.defects = self.report.get("defects", []) + self.report.get("breaches", [])
@@ -49,11 +51,15 @@ def check(
     frame="auto",
     any_order=False,
     all_points=False,
+    delaunay=False,
 ):
-    """Checks anybody's mesh: structure, orientation, the Delaunay property, the canonical rule.
+    """Checks anybody's mesh, as one of finite elements: points that are not there, degenerate,
+    inverted and overlapping tetrahedra, hanging nodes, faces of three tetrahedra are defects.
 
-    With a domain also conformity: every facet is a union of triangles of the mesh, which fills the
-    domain, has no exterior, and keeps the bounds.
+    Pieces, pinched edges and vertices, the Delaunay property and convexity are information in
+    ``report``. With a domain a mesh is judged as :func:`tetrahedralize` makes it: it is Delaunay,
+    and every facet is a union of triangles of the mesh, which fills the domain, has no exterior,
+    and keeps the bounds.
 
     Parameters
     ----------
@@ -72,6 +78,8 @@ def check(
         The order of a tetrahedron's corners means nothing (scipy and Qhull write such meshes).
     all_points : bool
         Every point has to be a vertex; without a domain only.
+    delaunay : bool
+        The mesh has to be Delaunay and convex; without a domain only.
 
     >>> import ltbw
     >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
@@ -82,14 +90,16 @@ def check(
     rows = _input.corners(tets, 4, "tets")
     any_order = _input.truth(any_order, "any_order")
     all_points = _input.truth(all_points, "all_points")
+    delaunay = _input.truth(delaunay, "delaunay")
     wishes = _input.bounds(max_volume, radius_edge, flat_tolerance)
     if plc is None:
         given = [name for name, value in wishes.items() if value is not None]
         if given:
             raise InputError(f"{', '.join(given)}: with a domain only", "check.bounds")
-        return Certificate(_native.check(array, rows, any_order, all_points))
-    if all_points:
-        raise InputError("all_points: without a domain only", "check.all_points")
+        return Certificate(*_native.check(array, rows, any_order, all_points, delaunay))
+    for name, asked in (("all_points", all_points), ("delaunay", delaunay)):
+        if asked:
+            raise InputError(f"{name}: without a domain only", f"check.{name}")
     surface = _input.surface(plc)
     wishes = _input.wishes(**wishes, own_frame=_input.frame(frame))
     text = _native.check_domain(array, rows, any_order, surface, wishes)
@@ -97,7 +107,8 @@ def check(
 
 
 class Mesh:
-    """A tetrahedral mesh. Arrays are made when they are first asked for, and kept.
+    """A tetrahedral mesh. Arrays are made when they are first asked for, and kept: they are
+    read-only, as they are for all who ask. ``mesh.points.copy()`` may be changed.
 
     ============================  =====================  ==========================================
     here                          elsewhere              meaning
@@ -201,7 +212,8 @@ class Mesh:
     @functools.cached_property
     def quality(self):
         """Histograms of ``dihedral`` (degrees), ``radius_edge``, ``volume``, ``edge``: each a dict with
-        ``low, high, counts`` and ``least, largest`` as (value, tetrahedron)."""
+        ``low, high, counts`` and ``least, largest`` as (value, tetrahedron); ``small_dihedral``: the
+        tetrahedra below 1 and 5 degrees, as (angle, count)."""
         return self._kernel.quality()
 
     def find_simplex(self, xi):
@@ -219,8 +231,8 @@ class Mesh:
         return self._kernel.find_simplex(flat).reshape(array.shape[:-1])
 
     def check(self, *, full=False):
-        """Checks the mesh: of points as :func:`ltbw.check` does, with the adjacency as a hint; of a
-        domain it is the certificate that came with it."""
+        """Checks the mesh: of points that it is their canonical Delaunay mesh, adjacency and hull
+        included; of a domain it is the certificate that came with it."""
         text = self._kernel.certify(bool(full))
         return self.certificate if text is None else Certificate(text)
 
@@ -230,7 +242,8 @@ class Mesh:
         self._kernel.save(os.fspath(path))
 
     def to_meshio(self, names="ltbw"):
-        """The mesh as a ``meshio.Mesh``: tetrahedra with regions, boundary with markers.
+        """The mesh as a ``meshio.Mesh`` of its own arrays: tetrahedra with regions, boundary with
+        markers.
 
         ``names`` are those of the data of cells: ``"ltbw"``: ``region`` and ``marker``; those that
         meshio's writers of other programs look for: ``"gmsh"`` (``gmsh:physical``, for
@@ -239,10 +252,10 @@ class Mesh:
         """
         import meshio
 
-        regions, cells = self.regions, [("tetra", self.simplices)]
+        regions, cells = self.regions.copy(), [("tetra", self.simplices.copy())]
         markers = self.triface_markers.astype(np.int32)
         if len(self.triangles):
-            cells.append(("triangle", self.triangles))
+            cells.append(("triangle", self.triangles.copy()))
         both = [regions, markers][: len(cells)]
         if names == "ltbw":
             none = [regions, np.zeros(len(markers), np.int32)], [0 * regions, markers]
@@ -254,18 +267,18 @@ class Mesh:
         else:
             text = f"names: 'ltbw', 'gmsh' or 'medit', not {names!r}"
             raise InputError(text, "meshio.names")
-        return meshio.Mesh(self.points, cells, cell_data=data, field_data=self._names)
+        return meshio.Mesh(self.points.copy(), cells, cell_data=data, field_data=self._names)
 
     @functools.cached_property
     def grid(self):
-        """The mesh as a ``pyvista.UnstructuredGrid``, with the array ``region``."""
+        """The mesh as a ``pyvista.UnstructuredGrid`` of its own arrays, with the array ``region``."""
         import pyvista
 
         count = len(self.simplices)
         cells = np.column_stack([np.full(count, 4, np.int64), self.simplices]).ravel()
         kinds = np.full(count, pyvista.CellType.TETRA, np.uint8)
-        grid = pyvista.UnstructuredGrid(cells, kinds, self.points)
-        grid.cell_data["region"] = self.regions
+        grid = pyvista.UnstructuredGrid(cells, kinds, self.points.copy())
+        grid.cell_data["region"] = self.regions.copy()
         return grid
 
     def __repr__(self):

@@ -26,7 +26,7 @@ const SHARE: usize = if cfg!(test) { 5 } else { 4096 };
 pub struct Refined {
     /// Its outcome.
     pub outcome: RefineOutcome,
-    /// The tetrahedra over a bound.
+    /// The tetrahedra over a bound; not looked for if the outcome is [`RefineOutcome::Cancelled`].
     pub excuses: Vec<Excuse>,
     /// Boundary items that are not in the mesh, each with the reason why it could not be split;
     /// none unless the outcome is [`RefineOutcome::Unrecovered`].

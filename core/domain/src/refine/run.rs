@@ -342,6 +342,8 @@ impl<'a> Refiner<'a> {
             }
             state.angles.bound_tips(self.radius_edge);
             run.refinement.bounds = Some(self.bounds(&regions, lattice));
+            // From here on a refinement that is cancelled has a mesh to give.
+            self.tell(Phase::Refine, run.refinement.state.mesh.num_vertices());
             run.put_all();
         }
         Ok(Ok((run, regions)))

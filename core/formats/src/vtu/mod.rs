@@ -17,9 +17,10 @@ mod cells;
 mod write;
 
 use super::MeshFile;
-use super::error::{ParseError, Reason, excerpt, one_line};
+use super::error::{ParseError, Reason, excerpt};
 use super::scalar::Scalar;
 use super::text::{Tokens, count, float, integer};
+use super::xml::{attribute, each_event, expect_kind, malformed};
 use array::{Layout, Stream};
 pub(crate) use cells::{Grid, append};
 use quick_xml::events::{BytesStart, Event};
@@ -132,14 +133,10 @@ struct State<'a> {
 pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
     // Appended data need not be text, and what is in it is no XML.
     let head = find(bytes, b"<AppendedData").unwrap_or(bytes.len());
-    let text = std::str::from_utf8(&bytes[..head]).map_err(|e| {
-        ParseError::at(bytes, e.valid_up_to(), Reason::Syntax("not UTF-8 text".into()))
-    })?;
     let appended = match head {
         h if h == bytes.len() => None,
         h => Some(appended(&bytes[h..]).map_err(|r| ParseError::at(bytes, h, r))?),
     };
-    let mut reader = Reader::from_str(text);
     let mut state = State {
         bytes,
         layout: None,
@@ -152,13 +149,8 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
         room: (bytes.len() as u64).saturating_mul(LARGEST_RATIO).saturating_add(SMALL),
     };
     let mut finished = false;
-    // Every event but the last consumes at least a byte.
-    loop {
-        let offset = reader.buffer_position() as usize;
+    each_event(bytes, head, |event, offset| {
         let at = |reason| ParseError::at(bytes, offset, reason);
-        let event = reader
-            .read_event()
-            .map_err(|e| ParseError::at(bytes, reader.error_position() as usize, malformed(&e)))?;
         match event {
             Event::Start(element) => state.start(&element, offset).map_err(at)?,
             Event::Empty(element) => {
@@ -170,10 +162,10 @@ pub fn read(bytes: &[u8]) -> Result<MeshFile, ParseError> {
             Event::CData(_) | Event::GeneralRef(_) if state.wanted.is_some() => {
                 return Err(at(Reason::Unsupported("CDATA or entities in an array".into())));
             }
-            Event::Eof => break,
             _ => {}
         }
-    }
+        Ok(())
+    })?;
     // Behind the data only the ends of two elements may follow.
     finished |= state.appended.is_some()
         && state.open.len() == 1
@@ -226,20 +218,6 @@ fn appended(bytes: &[u8]) -> Result<Appended<'_>, Reason> {
     Ok(Appended { base64, data, taken: 0 })
 }
 
-/// The complaint of the XML parser, cut to a line.
-pub(crate) fn malformed(error: &dyn std::error::Error) -> Reason {
-    Reason::Syntax(format!("not well-formed XML: {}", one_line(&error.to_string(), 120)))
-}
-
-/// The value of an attribute, if the element has it.
-pub(crate) fn attribute(element: &BytesStart<'_>, name: &str) -> Result<Option<String>, Reason> {
-    match element.try_get_attribute(name) {
-        Ok(Some(a)) => Ok(Some(a.value.trim().to_owned())),
-        Ok(None) => Ok(None),
-        Err(e) => Err(malformed(&e)),
-    }
-}
-
 /// Does an array hold integers?
 fn is_whole(element: &BytesStart<'_>) -> Result<bool, Reason> {
     let kind = attribute(element, "type")?.unwrap_or_default();
@@ -264,17 +242,12 @@ impl State<'_> {
     fn start(&mut self, element: &BytesStart<'_>, offset: usize) -> Result<(), Reason> {
         let name = element.name().into_inner();
         match (self.open.last().map(String::as_str), name) {
-            (None, "VTKFile") => {
-                let kind = attribute(element, "type")?.unwrap_or_default();
-                if kind != "UnstructuredGrid" {
-                    let text = format!("a VTK file of type `{}`", excerpt(kind.as_bytes()));
-                    return Err(Reason::Unsupported(text));
-                }
+            (None, _) => {
+                expect_kind(element, "UnstructuredGrid")?;
                 let value = |name| attribute(element, name).map(Option::unwrap_or_default);
                 let (order, header) = (value("byte_order")?, value("header_type")?);
                 self.layout = Some(Layout::new(&order, &header, &value("compressor")?)?);
             }
-            (None, _) => return Err(Reason::Syntax("not a VTK file".into())),
             (Some("UnstructuredGrid"), "Piece") => {
                 self.piece = Some(Piece {
                     offset,

@@ -18,20 +18,7 @@ pub(crate) fn verdict(kind: Kind, delaunay: bool) -> Verdict {
     match kind {
         Kind::SameSide | Kind::FoldedFace => Verdict::Implied,
         _ if kind.level() == Level::Canonical => Verdict::Information,
-        // A body of any shape may have these, but no convex one that is tiled face to face.
-        Kind::EqualVertices
-        | Kind::HullEdge
-        | Kind::Disconnected
-        | Kind::HullDisconnected
-        | Kind::HullEuler
-        | Kind::Euler
-        | Kind::VertexLink
-        | Kind::NotDelaunay
-        | Kind::ConcaveHull
-        | Kind::HullTurnedAway
-        | Kind::HullWoundTwice
-            if !delaunay =>
-        {
+        _ if !delaunay && (kind == Kind::NotDelaunay || Kind::SHAPE.contains(&kind)) => {
             Verdict::Information
         }
         _ => Verdict::Defect,

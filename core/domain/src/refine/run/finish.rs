@@ -20,6 +20,7 @@ impl Run<'_> {
         regions: Vec<RegionInfo>,
         lattice: Lattice,
     ) -> Result<Refined, RefineError> {
+        let heed = self.heed();
         let Refinement { mut state, bounds, record, inserted, .. } = self.refinement;
         let (points, rounds) = (inserted.points, self.rounds);
         let stats = RefineStats {
@@ -32,18 +33,22 @@ impl Run<'_> {
         state.number_vertices(state.plc.corners.len() as Vertex);
         let order = state.tets_in_order(inserted.next_number);
         let mut excuses = Vec::new();
-        if let Some(bounds) = &bounds {
+        if bounds.is_some() {
             state.settle_all_dust();
+        }
+        // Of a mesh that is half done nearly all may be over a bound: nobody waits for the list.
+        let wanted = bounds.as_ref().filter(|_| self.stop != Some(Reason::Cancelled));
+        if let Some(bounds) = wanted {
             // At the end whatever is over its bounds was refused.
             let refused = || record.refused_over(bounds, &state).map(|(t, _)| t).collect();
             let over = self.over.or_else(|| self.stop.is_none().then(refused));
-            let cancel = self.refiner.cancel;
-            // A sizing function of a work that is cancelled may answer anything.
+            // A sizing function of a work that is cancelled is not asked, or may answer anything.
             let sound = match &over {
+                _ if heed.is_cancelled() => Ok(()),
                 Some(over) => state.check_field(bounds, &order, over),
                 None => bounds.check_sizes(&state, &order),
             };
-            sound.or_else(|error| cancel.filter(|c| c.is_cancelled()).map(drop).ok_or(error))?;
+            sound.or_else(|error| heed.is_cancelled().then_some(()).ok_or(error))?;
             excuses = state.excuses(bounds, &record, &order, over, self.stop);
         }
         let segments = state.missing_segments.iter().map(|&s| Item::Segment(s));
