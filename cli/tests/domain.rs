@@ -1,8 +1,6 @@
 //! `generate` and `check` of domains, and `convert` between their formats.
 
-mod common;
-
-use common::{Run, run};
+use crate::common::{self, Run, run};
 use serde_json::Value;
 
 fn json(run: &Run) -> Value {

@@ -1,10 +1,8 @@
 //! The work of the program: mesh, check, convert, generate, demo, and stop on Ctrl-C.
 
-use crate::common::{Run, json, ltbw, names, program};
+use crate::common::{Run, json, ltbw, names};
 use serde_json::Value;
-use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::Stdio;
 
 /// The hash that a run printed to stdout.
 fn hash(run: &Run) -> &str {

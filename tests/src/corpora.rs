@@ -23,7 +23,8 @@ pub fn read(archive: &Path) -> Result<Vec<(String, Vec<u8>)>> {
         let mut entry = archive.by_index(k)?;
         let mut bytes = Vec::new();
         entry.read_to_end(&mut bytes)?;
-        inputs.push((entry.name().to_owned(), bytes));
+        let name = entry.name().map_err(Error::from)?.into_owned();
+        inputs.push((name, bytes));
     }
     Ok(inputs)
 }
