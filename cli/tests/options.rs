@@ -69,7 +69,8 @@ fn nested(dir: &Path, inward: bool) {
         let corner = |v: u32| format!("{} {} {}\n", side(v, 0), side(v, 1), side(v, 2));
         text.extend((0..8).map(corner));
     }
-    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let sides =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     for first in [0, 8] {
         for mut side in sides {
             if first > 0 && inward {

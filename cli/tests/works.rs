@@ -1,13 +1,11 @@
-//! The work of the program: mesh, check, convert, generate, demo, and stop on Ctrl-C.
+//! The work of the program: mesh, check, convert, generate, demo.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
 mod common;
 
-use common::{Run, json, ltbw, names, program};
+use common::{Run, json, ltbw, names};
 use serde_json::Value;
-use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::Stdio;
 
 /// The hash that a run printed to stdout.
 fn hash(run: &Run) -> &str {
