@@ -1,4 +1,4 @@
-//! The work of the program: mesh, check, convert, generate, demo, and stop on Ctrl-C.
+//! The work of the program: mesh, check, convert, generate, demo.
 
 use crate::common::{Run, json, ltbw, names};
 use serde_json::Value;

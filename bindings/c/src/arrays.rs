@@ -193,7 +193,7 @@ pub unsafe extern "C" fn ltbw_mesh_certificate(mesh: *const Mesh) -> *const c_ch
     made.and_then(Option::as_ref).map_or(std::ptr::null(), |text| text.as_ptr())
 }
 
-/// The `number`-th of the notes on how the mesh came about, of people to read: repairs of its
+/// The `number`-th of the notes on how the mesh came about, for people to read: repairs of its
 /// domain, say, or points that are nearly in one plane; NULL where there is none.
 ///
 /// # Safety

@@ -61,9 +61,8 @@ pub(crate) fn check<'py>(
 ) -> PyResult<(String, Option<Bound<'py, PyDict>>)> {
     let (points, tets) = (points(&coordinates)?, simplices.rows()?);
     let order = if any_order { Order::Any } else { Order::Oriented };
-    let check = move |_: &Reins| {
-        Ok(ltbw_bindings::check(&points, &tets, order, all_points, delaunay)?)
-    };
+    let check =
+        move |_: &Reins| Ok(ltbw_bindings::check(&points, &tets, order, all_points, delaunay)?);
     let (certificate, quality) = supervised(py, None, check)?;
     Ok((certificate, quality.map(|quality| measures(py, &quality)).transpose()?))
 }
