@@ -8,6 +8,7 @@ use crate::json::{distinct, is_stdout};
 use crate::mesh::{Job, mesh_domain};
 use crate::outcome::{Exit, Failure, show};
 use crate::streams::Formats;
+use crate::task::{Outputs, Task};
 use ltbw::domain::PrepareOptions;
 use ltbw::io;
 use ltbw::refine::ExcusedShare;
@@ -40,29 +41,30 @@ pub(crate) fn demo(args: &Demo) -> Result<Exit, Failure> {
         .with("domain", Some(DomainKind::CubeOctahedron.name()))
         .number("radius_edge", Some(RADIUS_EDGE))
         .number("max_volume", Some(MAX_VOLUME));
-    let job = Job {
+    let outputs = Outputs { whole: vec![args.out.clone()], ..Outputs::default() };
+    let task = Task {
         command: "demo",
         name,
+        outputs: &outputs,
+        json: None,
+        page: Some(&page),
+        check: Depth::Full,
+        binding: Binding { inputs: Vec::new(), options },
+        stop: &stop,
+        start,
+    };
+    let job = Job {
+        task,
         asked: Asked { radius_edge: Some(RADIUS_EDGE), max_volume: Some(MAX_VOLUME), size: None },
         field: None,
-        binding: Binding { inputs: Vec::new(), options },
         workers: None,
         max_points: None,
         flat_tolerance: 0.0,
-        in_parts: &[],
-        outputs: std::slice::from_ref(&args.out),
-        formats: Formats::default(),
-        stdout_taken: false,
         keep_exterior: false,
         write_unrecovered: false,
-        json: None,
         histogram: None,
-        page: Some(&page),
         trace: None,
-        check: Depth::Full,
         excused_share: ExcusedShare::USUAL,
-        stop: &stop,
-        start,
     };
     let exit = mesh_domain(&ready, &job)?;
     if exit == Exit::Done {

@@ -5,6 +5,7 @@
 //! | `args` | the command line and its help |
 //! | `numbers` | whole numbers on the command line |
 //! | `refusal` | what is said of a command line that is no command |
+//! | `task` | the pipeline that points and domains go through: files, report, page, end |
 //! | `run` | `delaunay`: read, build, check, hash, write, report |
 //! | `mesh` | `mesh`: read, prepare, refine, check, write, report |
 //! | `check` | `check`, and the check of our own output |
@@ -73,6 +74,7 @@ mod simulate;
 mod streams;
 mod surface;
 mod sync;
+mod task;
 mod unrecovered;
 mod vectors;
 mod workers;

@@ -5,148 +5,105 @@ use crate::binding::{Binding, Chosen};
 use crate::check::check_own;
 use crate::console::{self, Stop};
 use crate::figures::{Doing, Figures, Run, SPANS, tables, write_trace};
-use crate::json::{distinct, file_writable, keep_input, without_pairs, write_text};
 use crate::lists::lists;
 use crate::outcome::{Exit, Failure, show};
-use crate::page::{self, Page, Scene};
+use crate::page::{self, Scene};
 use crate::pieces::part_of;
 use crate::progress::{Progress, Stage};
-use crate::report::{Input, Insphere, MeshPart, Orient3d, Predicates, Report, Seconds, end};
-use crate::streams::{Formats, name_of, on_stdout};
+use crate::report::{Input, MeshPart, Predicates, Report};
+use crate::task::{Files, Judged, Task};
 use ltbw::balance::Balance;
 use ltbw::domain::Thickness;
-use ltbw::io::{self, MeshWriter, PointFile};
+use ltbw::io::PointFile;
 use ltbw::quality::Quality;
 use ltbw::threads::RunError;
 use ltbw::{BuildError, Builder, Built, Outcome, Point, PointSet, TetMesh};
 use ltbw_verify as verify;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 /// The task with a point set.
-pub(crate) struct Job<'a> {
-    /// `delaunay` or `demo`.
-    pub(crate) command: &'static str,
-    /// The name of the points in messages.
-    pub(crate) name: &'a Path,
-    /// Mesh files to write, and the formats that their names do not tell.
-    pub(crate) outputs: &'a [PathBuf],
-    pub(crate) formats: Formats,
-    /// The file of the report.
-    pub(crate) json: Option<&'a Path>,
-    /// The depth of the check.
-    pub(crate) check: Depth,
-    /// Cancels the insertion.
-    pub(crate) stop: &'a Stop,
-    /// The start of the program.
-    pub(crate) start: Instant,
+struct Job<'a> {
+    task: Task<'a>,
     /// Seconds it took to read the points.
-    pub(crate) read_seconds: f64,
+    read_seconds: f64,
     /// Workers that insert the points.
-    pub(crate) workers: u32,
-    /// An output goes to stdout, and so nothing else does.
-    pub(crate) stdout_taken: bool,
-    /// The file of the page.
-    pub(crate) page: Option<&'a Path>,
+    workers: u32,
     /// Other demands on them.
-    pub(crate) parallel: ParallelJob<'a>,
-    /// Input and options, to which the certificate is bound.
-    pub(crate) binding: Binding,
+    parallel: ParallelJob<'a>,
 }
 
 /// The demands on the parallel kernel.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct ParallelJob<'a> {
+struct ParallelJob<'a> {
     /// Blocks go to workers that run out of points.
-    pub(crate) balance: bool,
+    balance: bool,
     /// The figures are printed.
-    pub(crate) tables: bool,
+    tables: bool,
     /// The file of the timeline.
-    pub(crate) trace: Option<&'a Path>,
+    trace: Option<&'a Path>,
 }
 
 /// `ltbw delaunay`.
 pub(crate) fn delaunay(args: &Delaunay) -> Result<Exit, Failure> {
     let start = Instant::now();
     let workers = args.threads.map_or(1, u32::from);
-    let outputs = without_pairs(&args.output);
-    let (parts, whole): (Vec<_>, Vec<_>) =
-        outputs.iter().cloned().partition(|path| io::is_parts(path));
-    let formats = args.streams.resolve(&[&args.points], &outputs)?;
-    formats.meshes_writable(&whole)?;
-    for path in &parts {
-        io::check_parts_writable(path, workers as usize).map_err(Failure::Write)?;
-    }
-    args.json.as_deref().map_or(Ok(()), file_writable)?;
-    let pages = [&args.trace, &args.page].into_iter().flatten();
-    pages.clone().try_for_each(|path| file_writable(path))?;
+    let files = Files {
+        input: &args.points,
+        inputs: vec![args.points.clone()],
+        outputs: &args.output,
+        streams: &args.streams,
+        others: [&args.json, &args.trace, &args.page].into_iter().flatten().cloned().collect(),
+        parts: workers as usize,
+    };
+    let outputs = files.look()?;
     if workers < 2 && (args.trace.is_some() || args.tables || args.balance) {
         let text = "--trace, --tables and --balance are about several workers: --threads 2 or more";
         return Err(Failure::Usage(text.to_owned()));
     }
-    let written = whole.iter().flat_map(io::mesh_files);
-    let written = written.chain(parts.iter().flat_map(|p| io::part_files(p, workers as usize)));
-    let written = written.chain(args.json.clone()).chain(pages.cloned());
-    let written: Vec<PathBuf> = written.collect();
-    distinct(&written)?;
-    written.iter().try_for_each(|path| keep_input(&args.points, path))?;
-    let source = formats.input(&args.points)?;
+    let source = outputs.formats.input(&args.points)?;
     let stop = Stop::on_signal()?;
     let stage = Stage::begin("read");
     let file = source.points()?;
     drop(stage);
-    let job = Job {
+    let parallel =
+        ParallelJob { balance: args.balance, tables: args.tables, trace: args.trace.as_deref() };
+    let task = Task {
         command: "delaunay",
         name: &source.name,
         outputs: &outputs,
-        formats,
         json: args.json.as_deref(),
+        page: args.page.as_deref(),
         check: args.check,
+        binding: Binding { inputs: source.reads().list(), options: Chosen::default() },
         stop: &stop,
         start,
-        read_seconds: start.elapsed().as_secs_f64(),
-        workers,
-        stdout_taken: on_stdout(&written),
-        page: args.page.as_deref(),
-        parallel: ParallelJob {
-            balance: args.balance,
-            tables: args.tables,
-            trace: args.trace.as_deref(),
-        },
-        binding: Binding { inputs: source.reads().list(), options: Chosen::default() },
     };
-    mesh_points(file, &job)
+    mesh_points(file, &Job { task, read_seconds: start.elapsed().as_secs_f64(), workers, parallel })
 }
 
 /// Meshes points: builds, hashes, checks, writes and reports.
-pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
-    let name = show(job.name);
+fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failure> {
+    let task = &job.task;
+    let name = show(task.name);
     file.notes.iter().for_each(|n| console::people(&format!("note: {name}: {n}")));
     let point_tags = file.point_tags;
     let count = file.points.len();
     let set = PointSet::new(file.points)
-        .map_err(|error| Failure::Points { path: job.name.to_owned(), error })?;
-    let built = match build(&set, job) {
-        Ok(built) => built,
-        Err(RunError::Build(BuildError::Cancelled)) => {
-            let input = Input { points: count, ..Input::default() };
-            let mut report = empty_report(job, input, "cancelled");
-            finish(&mut report, job)?;
-            console::people("ltbw: stopped before the first tetrahedron; no mesh was written");
-            return Ok(Exit::Stopped);
-        }
-        Err(RunError::Build(error)) => {
-            return Err(Failure::Build { path: job.name.to_owned(), error });
-        }
-        Err(error @ RunError::Threads { .. }) => return Err(Failure::Machine(error.to_string())),
-        Err(error) => return Err(Failure::Other(error.to_string())),
+        .map_err(|error| Failure::Points { path: task.name.to_owned(), error })?;
+    let Some(built) = build(&set, job)? else {
+        let input = Input { points: count, ..Input::default() };
+        let mut report = task.report(input, "cancelled");
+        report.seconds.read = job.read_seconds;
+        task.finish(&mut report)?;
+        console::people("ltbw: stopped before the first tetrahedron; no mesh was written");
+        return Ok(Exit::Stopped);
     };
     let mut report = report_of(&built, count, job);
     let Built { mesh, outcome, workers, parts, summary, trace, .. } = built;
     report.workers = workers;
     report.parallel = summary.as_ref().map(Figures::of);
     if outcome == Outcome::Complete {
-        job.stop.inserted();
+        task.stop.inserted();
     }
     print_mesh(&name, &report);
     print_thickness(set.points());
@@ -155,7 +112,7 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         let run = Run { doing: Doing::Insertion, alone: None, whole: None, clock };
         console::people(tables(&summary, &run).trim_end());
     }
-    let timeline = match (job.page, &trace, &report.parallel) {
+    let timeline = match (task.page, &trace, &report.parallel) {
         (Some(_), Some(trace), Some(figures)) => {
             Some(page::timeline(trace, job.workers as usize, figures.makespan()))
         }
@@ -165,43 +122,26 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
         let _stage = Stage::begin("trace");
         write_trace(path, trace)?;
     }
-
     let clock = Instant::now();
     let stage = Stage::begin("hash");
-    let hash = mesh.hash().map_err(|e| Failure::Other(e.to_string()))?.to_string();
+    report.mesh.hash = Some(mesh.hash().map_err(|e| Failure::Other(e.to_string()))?.to_string());
     drop(stage);
     report.seconds.hash = clock.elapsed().as_secs_f64();
-    report.mesh.hash = Some(hash.clone());
+    let to_check = outcome == Outcome::Complete && task.check != Depth::Off;
     // The input's own coordinates, under the input's numbers.
     let clock = Instant::now();
-    let mut verdict = "not checked".to_owned();
-    let to_check = outcome == Outcome::Complete && job.check != Depth::Off;
-    let stage = to_check.then(|| Stage::begin("check"));
     let (tets, neighbours) =
         if to_check { lists(&mesh) } else { (mesh.tets().collect(), Vec::new()) };
     let hull: Vec<[u32; 3]> = mesh.hull_facets().collect();
     drop(mesh);
-
+    let mut judged = Judged::unseen(None);
     if to_check {
         let own = verify::Mesh::new(set.points(), &tets).with_hull(&hull);
-        let checked = check_own(&own.with_neighbours(&neighbours), &hash, job.check);
-        drop(stage);
+        let verdict = check(&own.with_neighbours(&neighbours), &mut report, task);
         report.seconds.check = clock.elapsed().as_secs_f64();
-        if let Some(checked) = checked {
-            report.certificate = checked.certificate.map(|mut own| {
-                job.binding.bind(&mut own, &hash);
-                own
-            });
-            if !checked.passed {
-                // A defect of ours is graver than a report that could not be written.
-                if let Err(failure) = finish(&mut report, job) {
-                    console::people(&format!("note: {failure}"));
-                }
-                console::people("ltbw: defect in our own output; no mesh was written");
-                return Ok(Exit::OwnDefect);
-            }
-            console::people(&format!("checked   {}", checked.summary));
-            verdict = checked.summary;
+        match verdict {
+            Some(verdict) => judged.verdict = verdict,
+            None => return Ok(task.refuse(&mut report)),
         }
     }
     report.outcome = match outcome {
@@ -211,21 +151,15 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     };
     let points = set.points().to_vec();
     let mesh = TetMesh { points, tets, point_tags, ..TetMesh::default() };
-    write_outputs(&mesh, &parts, &mut report, job)?;
-    if let Some(path) = job.page {
-        let _stage = Stage::begin("page");
+    let part = |tets: &Vec<[u32; 4]>| part_of(&mesh, tets.clone(), Vec::new());
+    task.write(&mesh, Vec::new, || parts.iter().map(part).collect(), &mut report)?;
+    if task.page.is_some() {
+        judged.quality = Quality::of(&mesh.points, &mesh.tets);
         let workers = owners(&mesh, &parts);
         let scene = Scene { mesh: &mesh, hull: &hull, workers: &workers };
-        let mut page = Page::new(&name).view(&scene);
-        if let Some(quality) = Quality::of(&mesh.points, &mesh.tets) {
-            page = page.mesh(&report, &verdict, &quality);
-        }
-        if let Some(timeline) = timeline {
-            page = page.section("Time of the workers", &timeline);
-        }
-        write_text(path, &page.html(&report.to_json().unwrap_or_default()))?;
+        task.write_page(&scene, &report, &judged, timeline.as_deref())?;
     }
-    finish(&mut report, job)?;
+    task.finish(&mut report)?;
     if outcome == Outcome::Complete {
         return Ok(Exit::Done);
     }
@@ -236,6 +170,24 @@ pub(crate) fn mesh_points(file: PointFile, job: &Job<'_>) -> Result<Exit, Failur
     Ok(Exit::Stopped)
 }
 
+/// Checks a mesh and keeps its certificate; the verdict for people, or none if it has a defect.
+fn check(own: &verify::Mesh<'_>, report: &mut Report, task: &Task<'_>) -> Option<String> {
+    let _stage = Stage::begin("check");
+    let hash = report.mesh.hash.clone().unwrap_or_default();
+    let Some(checked) = check_own(own, &hash, task.check) else {
+        return Some(Judged::unseen(None).verdict);
+    };
+    report.certificate = checked.certificate.map(|mut own| {
+        task.binding.bind(&mut own, &hash);
+        own
+    });
+    if !checked.passed {
+        return None;
+    }
+    console::people(&format!("checked   {}", checked.summary));
+    Some(checked.summary)
+}
+
 /// Tells that points are nearly in one plane: their tetrahedra are as flat.
 fn print_thickness(points: &[Point]) {
     if let Some(thickness) = Thickness::of_flat(points) {
@@ -243,24 +195,30 @@ fn print_thickness(points: &[Point]) {
     }
 }
 
-/// Builds the mesh, on as many threads as the job has workers.
-fn build(set: &PointSet, job: &Job<'_>) -> Result<Built, RunError> {
-    let progress = Progress::begin("order", job.stop.begun());
+/// Builds the mesh, on as many threads as the job has workers; none if it was stopped too early.
+fn build(set: &PointSet, job: &Job<'_>) -> Result<Option<Built>, Failure> {
+    let task = &job.task;
+    let progress = Progress::begin("order", task.stop.begun());
     let mut builder = Builder::new().threads(job.workers);
-    builder = builder.observer(&progress).cancel(job.stop.token());
+    builder = builder.observer(&progress).cancel(task.stop.token());
     if job.parallel.balance {
         builder = builder.balance(Balance::default());
     }
     // Taking the time takes some.
-    let is_traced = job.page.is_some() || job.parallel.trace.is_some();
-    if job.json.is_some() || job.parallel.tables || is_traced {
+    let is_traced = task.page.is_some() || job.parallel.trace.is_some();
+    if task.json.is_some() || job.parallel.tables || is_traced {
         builder = builder.measure(if is_traced { SPANS } else { 0 });
     }
-    let in_parts = job.outputs.iter().any(io::is_parts);
-    if in_parts || (job.page.is_some() && job.workers > 1) {
+    if !task.outputs.in_parts.is_empty() || (task.page.is_some() && job.workers > 1) {
         builder = builder.parts();
     }
-    builder.build(set)
+    match builder.build(set) {
+        Ok(built) => Ok(Some(built)),
+        Err(RunError::Build(BuildError::Cancelled)) => Ok(None),
+        Err(RunError::Build(error)) => Err(Failure::Build { path: task.name.to_owned(), error }),
+        Err(error @ RunError::Threads { .. }) => Err(Failure::Machine(error.to_string())),
+        Err(error) => Err(Failure::Other(error.to_string())),
+    }
 }
 
 /// The report of a build, without what comes after it.
@@ -272,18 +230,11 @@ fn report_of(built: &Built, points: usize, job: &Job<'_>) -> Report {
         duplicates: duplicates.len(),
         duplicate_of: duplicates.clone(),
     };
-    let mut report = empty_report(job, input, "complete");
+    let mut report = job.task.report(input, "complete");
+    report.seconds.read = job.read_seconds;
     report.seconds.order = stats.order_seconds;
     report.seconds.insert = stats.insert_seconds;
-    let p = &stats.predicates;
-    report.predicates = Predicates {
-        orient3d: Orient3d { calls: p.orient3d_calls, exact: p.orient3d_exact },
-        insphere: Insphere {
-            calls: p.insphere_calls,
-            exact: p.insphere_exact,
-            perturbed: p.insphere_perturbed,
-        },
-    };
+    report.predicates = Predicates::from(&stats.predicates);
     report.mesh = MeshPart {
         vertices: mesh.num_vertices(),
         tets: mesh.num_tets(),
@@ -306,35 +257,6 @@ fn print_mesh(name: &str, report: &Report) {
     ));
 }
 
-fn write_outputs(
-    mesh: &TetMesh,
-    parts: &[Vec<[u32; 4]>],
-    report: &mut Report,
-    job: &Job<'_>,
-) -> Result<(), Failure> {
-    let clock = Instant::now();
-    let _stage = (!job.outputs.is_empty()).then(|| Stage::begin("write"));
-    for path in job.outputs {
-        let files = if io::is_parts(path) {
-            let part = |tets: &Vec<[u32; 4]>| part_of(mesh, tets.clone(), Vec::new());
-            let parts: Vec<TetMesh> = parts.iter().map(part).collect();
-            console::writing(|token| io::write_parts_until(path, &parts, token))?;
-            io::part_files(path, parts.len())
-        } else {
-            let writer = MeshWriter::new(mesh);
-            let writer = report.mesh.hash.as_deref().map_or(writer, |hash| writer.hash(hash));
-            job.formats.write_mesh(path, writer)?;
-            vec![name_of(path)]
-        };
-        for path in files {
-            report.outputs.push(path.to_string_lossy().into_owned());
-            console::people(&format!("wrote     {}", show(&path)));
-        }
-    }
-    report.seconds.write = clock.elapsed().as_secs_f64();
-    Ok(())
-}
-
 /// The worker of each tetrahedron; none if there was one alone.
 fn owners(mesh: &TetMesh, parts: &[Vec<[u32; 4]>]) -> Vec<u32> {
     if parts.len() < 2 {
@@ -355,41 +277,4 @@ fn owners(mesh: &TetMesh, parts: &[Vec<[u32; 4]>]) -> Vec<u32> {
         found.map_or(0, |place| owners[place].1)
     };
     mesh.tets.iter().map(owner).collect()
-}
-
-fn empty_report(job: &Job<'_>, input: Input, outcome: &'static str) -> Report {
-    Report {
-        schema: Report::SCHEMA,
-        command: job.command,
-        input,
-        mesh: MeshPart::default(),
-        predicates: Predicates::default(),
-        seconds: Seconds { read: job.read_seconds, ..Seconds::default() },
-        threads: rayon::current_num_threads(),
-        peak_rss_bytes: None,
-        outcome,
-        refinement: None,
-        quality: None,
-        certificate: None,
-        outputs: Vec::new(),
-        workers: Vec::new(),
-        parallel: None,
-    }
-}
-
-/// Tells how long it took, writes the report and prints the hash.
-fn finish(report: &mut Report, job: &Job<'_>) -> Result<(), Failure> {
-    report.peak_rss_bytes = crate::report::peak_rss_bytes();
-    report.seconds.total = job.start.elapsed().as_secs_f64();
-    let s = &report.seconds;
-    let stages = [
-        ("read", s.read),
-        ("order", s.order),
-        ("insert", s.insert),
-        ("hash", s.hash),
-        ("check", s.check),
-        ("write", s.write),
-    ];
-    let hash = report.mesh.hash.as_ref().filter(|_| !job.stdout_taken);
-    end((s.total, &stages), job.json.map(|path| (path, report.to_json())), hash)
 }

@@ -1,14 +1,15 @@
 //! A domain whose boundary could not be recovered: what is missing is told, and the Delaunay mesh
 //! of all points is written only on request, without regions.
 
+use crate::args::Depth;
 use crate::console;
 use crate::outcome::{Failure, show};
-use crate::streams::{Formats, name_of};
+use crate::streams::name_of;
+use crate::task::Task;
 use ltbw::TetMesh;
 use ltbw::io::MeshWriter;
 use ltbw::refine::Refined;
 use ltbw_verify as verify;
-use std::path::PathBuf;
 
 /// Missing boundary items that people are shown.
 const SHOWN: usize = 10;
@@ -24,18 +25,15 @@ pub(crate) fn tell(refined: &Refined) {
     }
 }
 
-/// Writes the mesh, judged for structure and Delaunay alone if `check` says so; the files written,
+/// Writes the mesh, judged for structure and Delaunay alone if it is to be checked; the files written,
 /// or `None` if the mesh has a defect.
-pub(crate) fn write(
-    (outputs, formats): (&[PathBuf], Formats),
-    mesh: &TetMesh,
-    check: bool,
-) -> Result<Option<Vec<String>>, Failure> {
+pub(crate) fn write(task: &Task<'_>, mesh: &TetMesh) -> Result<Option<Vec<String>>, Failure> {
     let mut written = Vec::new();
+    let outputs = &task.outputs.whole;
     if outputs.is_empty() {
         return Ok(Some(written));
     }
-    if check {
+    if task.check != Depth::Off {
         let options = verify::Options { depth: verify::Depth::Fast, ..verify::Options::default() };
         let view = verify::Mesh::new(&mesh.points, &mesh.tets);
         if !verify::check(&view, &options).passed() {
@@ -47,7 +45,7 @@ pub(crate) fn write(
         );
     }
     for path in outputs {
-        formats.write_mesh(path, MeshWriter::new(mesh))?;
+        task.outputs.formats.write_mesh(path, MeshWriter::new(mesh))?;
         let path = &name_of(path);
         written.push(path.to_string_lossy().into_owned());
         console::people(&format!("wrote     {}, without regions", show(path)));
