@@ -1,5 +1,6 @@
 //! The house rules, held by reading the sources: which way crates and modules lean, how long files
-//! and lines are, where atomics are, which dependencies are used, which words comments do without.
+//! and lines are, where atomics are, which dependencies are used, which words comments do without,
+//! how long a page of a decision is.
 //!
 //! Each rule has a test with a planted violation beside its code in `tidy/`. An exception is listed
 //! here with its reason; one that is not needed any more fails, too.
@@ -8,6 +9,8 @@
 mod arrows;
 #[path = "tidy/manifest.rs"]
 mod manifest;
+#[path = "tidy/pages.rs"]
+mod pages;
 #[path = "tidy/source.rs"]
 mod source;
 #[path = "tidy/words.rs"]
@@ -183,6 +186,12 @@ fn pages_name_what_there_is() {
         assert!(TREE.0.contains_key(page), "{page}");
         assert_eq!(words::unknown_names(&TREE, page), [""; 0], "names that no source has");
     }
+}
+
+#[test]
+fn decisions_have_short_pages_and_a_line_of_the_index() {
+    assert!(TREE.0.contains_key("docs/decisions/README.md"), "the index of decisions");
+    assert_eq!(pages::faults(&TREE), [""; 0]);
 }
 
 #[test]

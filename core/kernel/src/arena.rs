@@ -2,7 +2,7 @@
 //! others are the vector code of spheres, `sphere/simd.rs`, and `lanes`).
 //!
 //! Its gain (1M uniform points, order + insertion, measured side by side): see
-//! `docs/decisions.md`.
+//! `docs/decisions/02-cached-spheres.md`.
 #![allow(unsafe_code)]
 
 mod memory;

@@ -6,8 +6,8 @@
 //! face neighbours, see `docs/algorithm.md`). An [`Admission`] is asked before each of them is
 //! taken and may refuse; then the mesh is as it was, bit for bit (*setback*).
 //!
-//! Cost: O(cavity) expected for cavities of up to 64 boundary vertices, O(k log k) for larger
-//! ones.
+//! Cost: O(cavity) expected. Cavities of up to 64 boundary vertices are starred by a table of
+//! directed edges, larger ones by a hash table.
 
 mod reopen;
 

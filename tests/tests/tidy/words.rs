@@ -90,19 +90,23 @@ pub(crate) fn banned(tree: &Tree) -> Vec<String> {
     all
 }
 
-/// Names in backquotes on a page that no source has: `page: name`. A name is made of identifiers,
-/// joined by `::`; anything else in backquotes is not looked at.
+/// Names on a page that no source has: `page: name`. A name is made of identifiers, joined by `::`;
+/// anything else in backquotes is not looked at, nor are words of a figure without `::`.
 pub(crate) fn unknown_names(tree: &Tree, page: &str) -> Vec<String> {
     let code = tree.rust("").flat_map(|(_, text)| tokens(&split(text).0));
     let folders = tree.0.keys().flat_map(|path| path.split(['/', '.']).map(str::to_owned));
     let known: BTreeSet<String> = code.map(|token| token.text).chain(folders).collect();
     let text = tree.0.get(page).map_or("", String::as_str);
     let outside: String = text.split("\n```").step_by(2).collect();
+    let figures = text.split("\n```").skip(1).step_by(2);
+    let is_sign = |c: char| !c.is_ascii_alphanumeric() && c != '_' && c != ':';
+    let in_figures = figures.flat_map(|figure| figure.split(is_sign));
+    let in_figures = in_figures.map(|name| name.trim_end_matches(':')).filter(|n| n.contains("::"));
     let is_word = |part: &str| {
         part.starts_with(|c: char| c.is_ascii_alphabetic())
             && part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
     };
-    let names = outside.split('`').skip(1).step_by(2);
+    let names = outside.split('`').skip(1).step_by(2).chain(in_figures);
     let names = names.filter(|name| name.split("::").all(is_word));
     let unknown = names.filter(|name| !name.split("::").all(|part| known.contains(part)));
     unknown.map(|name| format!("{page}: {name}")).collect()
@@ -110,10 +114,12 @@ pub(crate) fn unknown_names(tree: &Tree, page: &str) -> Vec<String> {
 
 #[test]
 fn a_name_that_no_source_has_is_found() {
-    let page = "`Cavity::fill` `gone` `Cavity::gone` `4 * t` `a/b.rs`\n```\n`x`\n```\n";
+    let page = "`Cavity::fill` `gone` `Cavity::gone` `4 * t` `a/b.rs`\n\
+                ```\n`x` Cavity::fill: here, Cavity::drawn\n```\n";
     let tree =
         Tree::of(&[("a.md", page), ("cli/src/lib.rs", "impl Cavity { fn fill() {} } // gone")]);
-    assert_eq!(unknown_names(&tree, "a.md"), ["a.md: gone", "a.md: Cavity::gone"]);
+    let expected = ["gone", "Cavity::gone", "Cavity::drawn"].map(|name| format!("a.md: {name}"));
+    assert_eq!(unknown_names(&tree, "a.md"), expected);
 }
 
 #[test]

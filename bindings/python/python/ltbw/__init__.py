@@ -145,7 +145,7 @@ def tetrahedralize(
     progress : callable, optional
         As for :func:`delaunay`.
     threads : int
-        Threads for sorting and checking.
+        Threads for refining, sorting and checking; with a size function one thread refines.
     check : bool
         Check the mesh against the domain, by independent code: :attr:`Mesh.certificate`.
     excused_share : float
