@@ -51,7 +51,7 @@ struct DomainPart {
     cells: Option<Vec<Value>>,
     /// The volume of all filled cells.
     volume: Option<f64>,
-    /// The same as an exact fraction.
+    /// The volume as an exact fraction.
     volume_exact: Option<String>,
 }
 

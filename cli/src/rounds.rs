@@ -29,7 +29,7 @@ pub(crate) fn json(stats: &RefineStats) -> Value {
     })
 }
 
-/// The same as a line for people.
+/// The figures of the rounds as a line for people.
 pub(crate) fn line(stats: &RefineStats) -> Option<String> {
     let [segments, facets, tets] = stats.rounds_with;
     (stats.rounds > 0).then(|| {

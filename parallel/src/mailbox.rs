@@ -88,7 +88,7 @@ pub fn connect<M>(workers: u32) -> Vec<Endpoint<M>> {
     connect_as(workers)
 }
 
-/// The same for any [`Rules`]: the models' door.
+/// Endpoints of workers under any [`Rules`], by number: the models' door.
 pub fn connect_as<M, C: Rules>(workers: u32) -> Vec<Endpoint<M, C>> {
     let inboxes = Arc::new((0..workers).map(|_| Inbox::new()).collect::<Vec<_>>());
     let endpoint = |me| Endpoint {

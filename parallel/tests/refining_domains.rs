@@ -165,7 +165,7 @@ fn regions_keep_their_own_bounds() {
     }
 }
 
-/// The same workers, options and seed give the same run; another seed gives another mesh.
+/// Equal workers, options and seeds give one run; another seed gives another mesh.
 #[test]
 fn a_run_repeats_but_timing_matters() {
     let ready = prepared(DomainKind::CubeOctahedron);

@@ -50,7 +50,7 @@ impl Solid {
         solid
     }
 
-    /// The same, with vertices of its own for each group of tetrahedra, where `is_split` says so.
+    /// This body with vertices of its own for each group of tetrahedra, where `is_split` says so.
     fn split_where(
         &self,
         group: impl Fn(&Self, usize) -> usize,
@@ -71,13 +71,13 @@ impl Solid {
         solid
     }
 
-    /// The same, with vertices of its own for each group of tetrahedra.
+    /// This body with vertices of its own for each group of tetrahedra.
     #[must_use]
     pub fn split(&self, group: impl Fn(&Self, usize) -> usize) -> Self {
         self.split_where(group, |_| true)
     }
 
-    /// The same, its points elsewhere; `None` if a tetrahedron is no longer positive.
+    /// This body with its points elsewhere; `None` if a tetrahedron is no longer positive.
     #[must_use]
     pub fn placed(&self, place: impl Fn(Point) -> Point) -> Option<Self> {
         let points = self.points.iter().map(|&p| place(p)).collect();

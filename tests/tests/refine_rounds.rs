@@ -26,7 +26,7 @@ const ORDERS: [InsertOrder; 5] = [
     InsertOrder::Random(2),
 ];
 
-/// The same, and as many by chance as `LTBW_ORDERS` asks for.
+/// These orders, and as many by chance as `LTBW_ORDERS` asks for.
 fn orders() -> Vec<InsertOrder> {
     let text = std::env::var("LTBW_ORDERS").unwrap_or_else(|_| ORDERS.len().to_string());
     let count: u64 = text.parse().expect("LTBW_ORDERS is a whole number");

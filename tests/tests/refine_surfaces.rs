@@ -95,7 +95,7 @@ fn certified(domain: &Domain, refiner: &Refiner<'_>, volume: Option<f64>, name: 
     certified_within(domain, refiner, volume, 0.0, name)
 }
 
-/// The same; `tolerance`: that of the refiner.
+/// Refines and has the mesh judged, within the tolerance of the refiner.
 fn certified_within(
     domain: &Domain,
     refiner: &Refiner<'_>,

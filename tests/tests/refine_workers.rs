@@ -45,7 +45,7 @@ impl<'a> Case<'a> {
         points
     }
 
-    /// The same on simulated processors, with latencies in nanoseconds and their laws.
+    /// Refines on simulated processors, with latencies in nanoseconds and their laws.
     fn on_processors(&self, all: &[(u32, u64, Distribution)]) {
         for &(processors, latency, distribution) in all {
             let law = distribution.name();

@@ -7,7 +7,7 @@
 //! the first four points positive. The one identity used: a determinant changes its sign with the
 //! parity of the order of its rows, so that the oracle is asked once per set.
 //!
-//! The same sets are asked again, in one order for each choice of the fifth point, on images of
+//! All sets are asked again, in one order for each choice of the fifth point, on images of
 //! the grid: moved, in steps of an ulp, and far outside the exactness window. They change neither
 //! signs nor the order by (x, y, z), but other stages of the predicates answer.
 

@@ -179,8 +179,8 @@ fn refused(build: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// The same for the constants of the cached spheres: in a folder of its own, for the proofs know
-/// the file by its name.
+/// A lowered constant of the cached spheres makes its proof fail, in a folder of its own, for the
+/// proofs know the file by its name.
 fn refused_spheres(build: &Path) -> Result<(), String> {
     let folder = build.join("wrong");
     let io = |error: std::io::Error| format!("{}: {error}", folder.display());

@@ -71,7 +71,7 @@ pub unsafe extern "C" fn ltbw_insphere(
     answer(|| read.map(|[a, b, c, d, e]| insphere(&a, &b, &c, &d, &e)))
 }
 
-/// The same of the perturbed sphere: never 0 for five different points.
+/// Positive if e is inside the perturbed sphere: never 0 for five different points.
 ///
 /// # Safety
 /// Each pointer is null or points to three numbers.

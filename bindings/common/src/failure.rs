@@ -56,7 +56,7 @@ impl Failure {
         self.file.as_ref().map(|(number, _)| std::io::Error::from_raw_os_error(*number))
     }
 
-    /// The same failure with elements at fault.
+    /// This failure with elements at fault.
     #[must_use]
     pub fn with(mut self, more: impl IntoIterator<Item = u32>) -> Self {
         self.ids.extend(more);

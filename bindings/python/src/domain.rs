@@ -24,7 +24,7 @@ pub(crate) enum Given<'py> {
 }
 
 impl Given<'_> {
-    /// The same without arrays of Python's.
+    /// This source without arrays of Python's.
     pub(crate) fn source(self) -> Result<Source, Failure> {
         Ok(match self {
             Self::File(path) => Source::File(path),

@@ -38,8 +38,8 @@ pub(super) fn planned(args: &Simulate, points: usize, processors: u32) -> (Layou
     (Layout { sample: points, max_in_flight: 0, ..layout }, config)
 }
 
-/// The same, but a run on one processor has settings of its own: it is what others are compared
-/// with.
+/// The workers of a run; one on a single processor has settings of its own: it is what others are
+/// compared with.
 pub(super) fn planned_run(args: &Simulate, points: usize, processors: u32) -> (Layout, Config) {
     let (layout, config) = planned(args, points, processors);
     if processors > 1 {

@@ -139,13 +139,13 @@ impl Report {
         }
     }
 
-    /// The same of a run in rounds.
+    /// The report of a run in rounds.
     pub(super) fn in_rounds(mut self, rounds: usize) -> Self {
         self.simulation.rounds = Some(rounds);
         self
     }
 
-    /// The same of a run that began with a mesh of as many vertices.
+    /// The report of a run that began with a mesh of as many vertices.
     pub(super) fn from(mut self, start: usize) -> Self {
         self.simulation.start = Some(start);
         self

@@ -211,7 +211,7 @@ impl Domain {
         Ok(self.snap_to(Lattice::of(self)?))
     }
 
-    /// The same in the local frame of the domain.
+    /// Moves every vertex to the nearest point of a lattice in the local frame of the domain.
     ///
     /// # Errors
     /// Those of [`Domain::check_structure`] and [`Lattice::local`].

@@ -18,7 +18,7 @@ fn corner() -> TetMesh {
     }
 }
 
-/// The same with two boundary faces.
+/// This mesh with two boundary faces.
 fn bounded() -> TetMesh {
     TetMesh { faces: boundary(), ..corner() }
 }

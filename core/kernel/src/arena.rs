@@ -71,7 +71,7 @@ impl<T> Arena<T> {
         Self::of(vec![entry; len])
     }
 
-    /// The same entries under another name, for one of several threads.
+    /// These entries under another name, for one of several threads.
     ///
     /// # Safety
     /// As long as there are aliases the array is there, but is not used itself, and no entry is

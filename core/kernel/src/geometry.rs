@@ -58,7 +58,7 @@ pub(crate) struct Geometry {
     wide: bool,
     /// A power of two of which all coordinates are multiples; zero if it is not known.
     step: f64,
-    /// The same, of all coordinates and those of the point in work.
+    /// A step of all coordinates and those of the point in work.
     step_in_work: f64,
     builder: SphereBuilder,
     pub(crate) stats: PredicateStats,
@@ -93,7 +93,7 @@ impl Geometry {
         geometry
     }
 
-    /// The same points and spheres under another name, for one of several threads; predicate calls
+    /// These points and spheres under another name, for one of several threads; predicate calls
     /// are counted from zero.
     ///
     /// # Safety
@@ -142,7 +142,7 @@ impl Geometry {
         self.spheres.prefetch(t);
     }
 
-    /// The same of a vertex.
+    /// A hint to fetch a vertex.
     #[inline(always)]
     pub(crate) fn prefetch_point(&self, v: VertexId) {
         self.points.prefetch(v);

@@ -360,7 +360,7 @@ impl Mesh {
         &self.numbers
     }
 
-    /// The same, to be changed: those of finite vertices have to stay different.
+    /// Public numbers, to be changed: those of finite vertices have to stay different.
     #[doc(hidden)]
     pub fn numbers_mut(&mut self) -> &mut [Vertex] {
         self.renumbered();

@@ -30,7 +30,7 @@ impl Search {
         self.stats = stats;
     }
 
-    /// The same with any test of conflicts. Returns the number of tests.
+    /// Finds the cavity by any test of conflicts. Returns the number of tests.
     #[inline(always)]
     pub(crate) fn find_by<C: Conflict>(&mut self, all: &Topology, by: &mut C, t: TetId) -> u64 {
         let Self { tets, set, .. } = self;

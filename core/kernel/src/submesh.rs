@@ -163,7 +163,7 @@ pub struct Submesh<H, T, F> {
     hints: [TetId; 8],
     /// The vertex inserted last.
     last: VertexId,
-    /// The same by place: vertices with near numbers are near each other.
+    /// A tetrahedron by place: vertices with near numbers are near each other.
     places: Vec<TetId>,
     /// Vertices of a place.
     grain: u32,

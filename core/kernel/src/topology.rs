@@ -271,7 +271,7 @@ impl Topology {
         self.free.extend((slots..all).rev().map(TetId::at));
     }
 
-    /// The same tetrahedra under another name, for one of several threads, with free slots of its
+    /// These tetrahedra under another name, for one of several threads, with free slots of its
     /// own and no room for others. Its ghosts are counted from zero, modulo 2^64.
     ///
     /// # Safety

@@ -120,7 +120,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
         Self { workers, under_way, seen, places, sent, names, counts: true }
     }
 
-    /// The same for workers whose counts of messages are not kept.
+    /// The look without counts of messages, for workers that do not keep them.
     pub fn without_counts(self) -> Self {
         Self { counts: false, ..self }
     }
@@ -428,7 +428,7 @@ impl<'a, S: Inspect, Q: Source<S>, C: Rules> Between<'a, S, Q, C> {
         // By kind, not by `is_basic`: a kind that workers forget to count is found.
         let counts = |message: &Message<S>| !["token", "stop"].contains(&message.kind());
         let basic = self.under_way.iter().filter(|(_, _, message)| counts(message)).count();
-        let sum: i64 = self.workers.iter().map(|worker| worker.safra.count()).sum();
+        let sum: i64 = self.workers.iter().map(|worker| worker.termination.count()).sum();
         require(Invariant::P10, !self.counts || sum == basic as i64, || {
             format!("{basic} counted messages are under way, the counts add up to {sum}")
         })?;

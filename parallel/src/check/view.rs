@@ -105,7 +105,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
     /// Forgets the message counts and colours of termination detection, for models that do not
     /// run it.
     pub fn forget_counts(&mut self) {
-        self.safra.forget();
+        self.termination.forget();
     }
 }
 

@@ -185,7 +185,7 @@ impl LocalMesh {
         self.add_vertex_in(vertex, self.blocks.of_name(vertex.name, &vertex.point()))
     }
 
-    /// The same; `block` is that of the vertex.
+    /// The number here of a vertex of `block`, a new one if it has none.
     pub(super) fn add_vertex_in(&mut self, vertex: &WireVertex, block: BlockId) -> VertexId {
         let p = vertex.point();
         let v = self.vertices.add(vertex.name, block);
@@ -225,7 +225,7 @@ impl LocalMesh {
         }
     }
 
-    /// The same for a face of a new tetrahedron, at which nothing stands.
+    /// Links a face of a new tetrahedron, at which nothing stands, to the one of `handle`.
     fn link_new_far(&mut self, face: FaceId, handle: Handle) {
         match self.names.get(&handle.name) {
             Some(&u) => self.tets.link_new(face, face_of(u, handle.face)),

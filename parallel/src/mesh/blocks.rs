@@ -60,7 +60,7 @@ impl Blocks {
         Self { starts, density: 0, cuts: Some((curve, cuts.into())) }
     }
 
-    /// The same blocks, for vertices to come, too: `points` are those given, along `curve`.
+    /// These blocks, for vertices to come, too: `points` are those given, along `curve`.
     pub(super) fn along(self, curve: Curve, points: &[Point]) -> Self {
         let last = points.len().saturating_sub(1);
         let first = |&start: &Place| points.get((start as usize - 1).min(last));
@@ -153,7 +153,8 @@ pub(super) fn prevailing([a, b, c]: [BlockId; 3], d: Option<BlockId>) -> BlockId
     }
 }
 
-/// The same, with the vertex at infinity, which has none, anywhere.
+/// The block of a tetrahedron by those of its vertices, with the vertex at infinity, which has
+/// none, anywhere.
 pub(super) fn prevailing_of(mut blocks: [Option<BlockId>; 4]) -> BlockId {
     if let Some(place) = blocks.iter().position(Option::is_none) {
         blocks.swap(place, 3);

@@ -18,6 +18,6 @@ pub struct Standing {
     pub is_passive: bool,
     /// Messages about operations sent so far.
     pub sent: u64,
-    /// The same, taken.
+    /// Messages about operations taken so far.
     pub received: u64,
 }

@@ -25,9 +25,9 @@ pub struct Token {
     pub black: bool,
 }
 
-/// The state of one worker.
+/// One worker's part in the waves that find out whether all have ended.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Safra {
+pub(crate) struct TerminationWave {
     me: WorkerId,
     workers: u32,
     count: i64,
@@ -48,7 +48,7 @@ pub(crate) enum Pass {
     Terminated,
 }
 
-impl Safra {
+impl TerminationWave {
     pub(crate) fn new(me: WorkerId, workers: u32) -> Self {
         // Worker 0 is black: the first wave proves nothing.
         let black = me.parent().is_none();
@@ -121,7 +121,7 @@ mod tests {
     use std::collections::VecDeque;
 
     /// Waves among passive workers until worker 0 knows that all is done; how many there were.
-    fn waves(all: &mut [Safra]) -> usize {
+    fn waves(all: &mut [TerminationWave]) -> usize {
         let workers = all.len() as u32;
         let mut mail: VecDeque<(WorkerId, WorkerId, Token)> = VecDeque::new();
         let mut waves = 1;
@@ -147,16 +147,16 @@ mod tests {
     #[test]
     fn the_second_wave_proves_that_nothing_is_under_way() {
         for workers in [2, 3, 16, 17, 18, 100, 300] {
-            let mut all: Vec<Safra> =
-                WorkerId::below(workers).map(|me| Safra::new(me, workers)).collect();
+            let mut all: Vec<TerminationWave> =
+                WorkerId::below(workers).map(|me| TerminationWave::new(me, workers)).collect();
             assert_eq!(waves(&mut all), 2, "{workers}");
             // A message that was taken before the first wave is no matter in the second.
-            let mut all: Vec<Safra> =
-                WorkerId::below(workers).map(|me| Safra::new(me, workers)).collect();
+            let mut all: Vec<TerminationWave> =
+                WorkerId::below(workers).map(|me| TerminationWave::new(me, workers)).collect();
             all[0].sent();
             all[1].received::<Correct>();
             assert_eq!(waves(&mut all), 2, "{workers}");
         }
-        assert_eq!(Safra::new(WorkerId::default(), 1).pass(), Pass::Terminated);
+        assert_eq!(TerminationWave::new(WorkerId::default(), 1).pass(), Pass::Terminated);
     }
 }

@@ -9,7 +9,7 @@ use super::news::Standing;
 use super::rules::{Correct, Rules};
 use super::state::{Granted, Locks, Operations, Spare, Start, Want};
 use super::submesh::{Source, Submesh, SubmeshError};
-use super::termination::{Pass, Safra, Token};
+use super::termination::{Pass, TerminationWave, Token};
 use super::{Attempt, Message, Ticket};
 use std::collections::VecDeque;
 use std::marker::PhantomData;
@@ -109,7 +109,7 @@ pub struct Worker<S: Submesh, Q, C = Correct> {
     pub(crate) operations: Operations<S>,
     pub(crate) locks: Locks<S>,
     pub(super) spare: Spare<S>,
-    pub(crate) safra: Safra,
+    pub(crate) termination: TerminationWave,
     stopped: bool,
     /// Points that arrive are dropped: it was told to start no more.
     pub(super) cancelled: bool,
@@ -131,7 +131,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             config,
             mesh,
             source,
-            safra: Safra::new(directory.me(), config.workers),
+            termination: TerminationWave::new(directory.me(), config.workers),
             directory,
             clock: 0,
             sequence: 0,
@@ -211,7 +211,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             && (self.has_thoughts()
                 || !self.operations.ready.is_empty()
                 || self.has_room() && self.source.is_ready()
-                || self.is_passive() && self.safra.may_speak())
+                || self.is_passive() && self.termination.may_speak())
     }
 
     fn has_room(&self) -> bool {
@@ -254,7 +254,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         match event {
             Event::Message { from, message } => {
                 if message.is_basic() {
-                    self.safra.received::<C>();
+                    self.termination.received::<C>();
                 }
                 self.count_taken(&message);
                 self.receive(from, message);
@@ -306,7 +306,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             Message::Stray { block, cargo } => self.stray(block, cargo),
             Message::News(news) => self.source.hear(&mut self.mesh, &self.directory, from, news),
             Message::Token(token) => {
-                let pass = self.safra.arrived(from, token);
+                let pass = self.termination.arrived(from, token);
                 self.pass(pass);
             }
             Message::Stop => self.stop(),
@@ -330,7 +330,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
         {
             self.start(Start { ticket: None, attempt: Attempt::default(), point }, None);
         } else if self.is_passive() {
-            let pass = self.safra.pass();
+            let pass = self.termination.pass();
             self.pass(pass);
         }
     }
@@ -379,7 +379,7 @@ impl<S: Submesh, Q: Source<S>, C: Rules> Worker<S, Q, C> {
             return;
         }
         if message.is_basic() {
-            self.safra.sent();
+            self.termination.sent();
         }
         self.count_sent(&message);
         self.out.push(Action::Send { to, message });

@@ -114,7 +114,7 @@ pub enum KeysTold {
 /// Sums that all workers get of what each of them says: counts, or flags.
 pub(crate) const SUMS: usize = 10;
 
-/// The same.
+/// One number for each of these sums.
 pub type Sums = [i64; SUMS];
 
 /// News of a domain.

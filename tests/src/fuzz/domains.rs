@@ -124,7 +124,7 @@ fn spoil(domain: &mut Domain, how: u8, size: f64, amount: u8) {
     }
 }
 
-/// The same domain, with its facets in the opposite order and their corners turned on by one.
+/// This domain, with its facets in the opposite order and their corners turned on by one.
 fn told_otherwise(domain: &Domain) -> Domain {
     let mut other = domain.clone();
     other.facets.reverse();

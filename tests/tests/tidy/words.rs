@@ -90,6 +90,24 @@ pub(crate) fn banned(tree: &Tree) -> Vec<String> {
     all
 }
 
+/// Doc comments that lean on the one before: each stands alone where it is read, so it says what its
+/// item is. `file:line`.
+pub(crate) fn leaning(tree: &Tree) -> Vec<String> {
+    let doc = |line: &'_ str| line.trim_start().starts_with("///");
+    let mut all = Vec::new();
+    for (file, text) in tree.rust("") {
+        let mut before = "";
+        for (line, number) in text.lines().zip(1..) {
+            let leans = line.trim_start().starts_with("/// The same ");
+            if leans && !doc(before) {
+                all.push(format!("{file}:{number}"));
+            }
+            before = line;
+        }
+    }
+    all
+}
+
 /// Names on a page that no source has: `page: name`. A name is made of identifiers, joined by `::`;
 /// anything else in backquotes is not looked at, nor are words of a figure without `::`.
 pub(crate) fn unknown_names(tree: &Tree, page: &str) -> Vec<String> {
@@ -123,14 +141,26 @@ fn a_name_that_no_source_has_is_found() {
 }
 
 #[test]
+fn doc_comments_that_lean_on_others_are_found() {
+    let text =
+        "/// The same for b.\nfn f() {}\n/// A lake.\n/// The same one.\n// The same here.\n";
+    assert_eq!(leaning(&Tree::of(&[("cli/src/lib.rs", text)])), ["cli/src/lib.rs:1"]);
+}
+
+#[test]
 fn every_banned_phrase_is_found_in_comments_and_nowhere_else() {
     for &(phrase, _) in BANNED {
         let said = format!("First. {} things.", phrase.replace("^ ", ""));
         assert!(found_in(&said).iter().any(|found| found.0 == phrase), "{phrase}");
     }
-    for fine in
-        ["All of it.", "So few; many so.", "Who is older?", "the worker who asks", "`so many`"]
-    {
+    for fine in [
+        "All of it.",
+        "It is the same.",
+        "So few; many so.",
+        "Who is older?",
+        "the worker who asks",
+        "`so many`",
+    ] {
         assert_eq!(found_in(fine), [("", ""); 0], "{fine}");
     }
     let tree = |text| Tree::of(&[("cli/src/lib.rs", text)]);

@@ -28,12 +28,12 @@ impl<'a> Mesh<'a> {
         Self { points, tets, neighbours: None, hull: None }
     }
 
-    /// The same mesh with an adjacency to check: see [`Mesh::neighbours`].
+    /// This mesh with an adjacency to check: see [`Mesh::neighbours`].
     pub fn with_neighbours(self, neighbours: &'a [[u32; 4]]) -> Self {
         Self { neighbours: Some(neighbours), ..self }
     }
 
-    /// The same mesh with hull facets to check: see [`Mesh::hull`].
+    /// This mesh with hull facets to check: see [`Mesh::hull`].
     pub fn with_hull(self, hull: &'a [[u32; 3]]) -> Self {
         Self { hull: Some(hull), ..self }
     }

@@ -58,7 +58,7 @@ fn plain(tets: impl Iterator<Item = [u32; 4]>) -> BTreeSet<[u32; 4]> {
     .collect()
 }
 
-/// The same facet, its smallest vertex first.
+/// This facet, its smallest vertex first.
 fn turned([a, b, c]: [u32; 3]) -> [u32; 3] {
     [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap_or([a, b, c])
 }

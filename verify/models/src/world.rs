@@ -163,25 +163,25 @@ impl World {
         }
     }
 
-    /// The same under another rule.
+    /// This world under another rule.
     pub fn rule(mut self, rule: Rule) -> Self {
         self.rule = rule;
         self
     }
 
-    /// The same on another network.
+    /// This world on another network.
     pub fn network(mut self, network: Network) -> Self {
         self.network = network;
         self
     }
 
-    /// The same with termination detection.
+    /// This world with termination detection.
     pub fn terminating(mut self) -> Self {
         self.termination = true;
         self
     }
 
-    /// The same with a second round of points.
+    /// This world with a second round of points.
     pub fn then(mut self, second: &[(i16, i16, u8)]) -> Self {
         let vertex = |&(x, y, block): &(i16, i16, u8)| Vertex { x, y, block };
         self.second = Some(second.iter().map(vertex).collect());
@@ -193,20 +193,20 @@ impl World {
         self.points.iter().chain(self.second.iter().flatten())
     }
 
-    /// The same with moves of blocks to workers, by their numbers.
+    /// This world with moves of blocks to workers, by their numbers.
     pub fn moving(mut self, moves: &[(u32, u32)]) -> Self {
         let ids = |&(block, to)| (BlockId::new(block), WorkerId::new(to));
         self.moves = moves.iter().map(ids).collect();
         self
     }
 
-    /// The same with cancels.
+    /// This world with cancels.
     pub fn cancelled(mut self) -> Self {
         self.cancels = true;
         self
     }
 
-    /// The same with things that must happen in it.
+    /// This world with things that must happen in it.
     pub fn shows(mut self, witnesses: &[Witness]) -> Self {
         self.witnesses = witnesses.to_vec();
         self

@@ -20,7 +20,7 @@ const fn roundoffs(whole: u64, sixteenths: u64) -> Constant {
 /// Five extents, and products of up to five differences, stay normal and finite.
 const GUARD: Guard = Guard { low: -190, high: 200, parameter_low: -600, parameter_high: 600 };
 
-/// The same for up to eight.
+/// Five extents, and products of up to eight differences, stay normal and finite.
 const REFINEMENT_GUARD: Guard =
     Guard { low: -100, high: 100, parameter_low: -20, parameter_high: 20 };
 

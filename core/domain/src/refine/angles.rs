@@ -284,12 +284,12 @@ impl Angles {
         self.of_segment.get(&s)?.first().copied()
     }
 
-    /// The same, for an item of it with the corners that `has` says.
+    /// Why facet `f` is related to any other, for an item of it with the corners that `has` says.
     pub(crate) fn reason_on_facet(&self, f: u32, has: &impl Fn(u32) -> bool) -> Option<Reason> {
         first(self.of_facet.get(&f), has)
     }
 
-    /// The same, for a subsegment with the corners that `has` says.
+    /// Why segment `s` is related, for a subsegment with the corners that `has` says.
     pub(crate) fn reason_on_segment(&self, s: u32, has: &impl Fn(u32) -> bool) -> Option<Reason> {
         first(self.of_segment.get(&s), has)
     }

@@ -229,7 +229,7 @@ impl Bounds<'_> {
         Limit { along: limit.along.filter(|_| state.angles.has_small()), ..limit }
     }
 
-    /// The same for a tetrahedron with these corners in a region, at a small angle.
+    /// The limit for a tetrahedron with these corners in a region, at a small angle.
     pub(crate) fn limit_in(&self, corners: [&Point; 4], region: u32, shape: &Shape) -> Limit {
         let own = self.volumes.get(region as usize).copied().flatten();
         let bounds = [own, self.field_bound(corners)];

@@ -129,8 +129,8 @@ impl Plane {
         self.point(i, j)
     }
 
-    /// The same for the point of the plane that `target` is projected to along an axis, which is
-    /// not in the plane.
+    /// The point of few bits near the one of the plane that `target` is projected to along an axis,
+    /// which is not in the plane.
     pub(crate) fn near_along(&self, axis: usize, target: &Point, tolerance: f64) -> Option<Point> {
         let flat = |g: &Grid| [g[(axis + 1) % 3] as f64, g[(axis + 2) % 3] as f64];
         let (o, u, v) = (flat(&self.origin), flat(&self.u), flat(&self.v));

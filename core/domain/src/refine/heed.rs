@@ -24,7 +24,7 @@ impl Heed<'_> {
         if self.is_cancelled() { Err(RefineError::Cancelled) } else { Ok(()) }
     }
 
-    /// The same, once in a number of elements of a loop of little work.
+    /// Asks once in a number of elements of a loop of little work.
     ///
     /// # Errors
     /// [`RefineError::Cancelled`].

@@ -11,7 +11,7 @@ pub(crate) struct Limit {
 }
 
 impl Limit {
-    /// The same for all edges.
+    /// One limit for all edges.
     pub(crate) fn all(least: f64) -> Self {
         Self { least, along: None }
     }

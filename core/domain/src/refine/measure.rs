@@ -69,7 +69,7 @@ pub(crate) fn equatorial_side(a: &Point, b: &Point, c: &Point, p: &Point) -> Sig
     sign_of(&(g * dot_wide(&w, &w) - x * dot_wide(&w, &u) - y * dot_wide(&w, &v)))
 }
 
-/// The same for differences of at most 19 bits behind their common trailing zeros: 162 products
+/// The sign for differences of at most 19 bits behind their common trailing zeros: 162 products
 /// of six are below 2^122.
 fn equatorial_few_bits(a: &Point, b: &Point, c: &Point, p: &Point) -> Option<Sign> {
     let [a, b, c, p] = [a, b, c, p].map(whole);
@@ -114,7 +114,7 @@ impl RatioBound {
         }
     }
 
-    /// The same in big integers: |N|² > 4B² l² D² with N = a²(b×c) + b²(c×a) + c²(a×b) and
+    /// The comparison in big integers: |N|² > 4B² l² D² with N = a²(b×c) + b²(c×a) + c²(a×b) and
     /// D = a·(b×c), a, b, c being the differences to the last corner.
     #[cold]
     pub(crate) fn exceeded_exactly(&self, [p, q, r, s]: [&Point; 4]) -> bool {
@@ -155,7 +155,7 @@ impl VolumeBound {
         }
     }
 
-    /// The same in big integers.
+    /// The comparison in big integers.
     #[cold]
     pub(crate) fn exceeded_exactly(&self, [p, q, r, s]: [&Point; 4]) -> bool {
         let (a, b, c) = (wide(p, s), wide(q, s), wide(r, s));

@@ -21,7 +21,7 @@ use std::cell::OnceCell;
 /// The least ratio of the features' width to their distance.
 const WIDE: f64 = 256.0;
 
-/// The same at up to `FAR` times the distance.
+/// The least ratio of width to distance at up to `FAR` times the distance.
 const WIDER: f64 = 512.0;
 const FAR: f64 = 32.0;
 
@@ -183,7 +183,7 @@ pub(crate) fn pairs(plc: &Plc, limit: f64, heed: Heed<'_>) -> Result<Vec<Pair>, 
     Ok(counted_pairs(plc, limit, heed)?.0)
 }
 
-/// The same, and the number of polygons and segments that were looked at.
+/// The pairs, and the number of polygons and segments that were looked at.
 fn counted_pairs(plc: &Plc, limit: f64, heed: Heed<'_>) -> Result<(Vec<Pair>, u64), RefineError> {
     let (mut found, mut steps) = (Vec::new(), 0);
     let polygons = Polygons::new(plc);

@@ -54,7 +54,7 @@ pub enum Reason {
         /// Index of the input vertex.
         corner: u32,
     },
-    /// The same of two segments.
+    /// Two segments so near to each other that tetrahedra between them would be flat or too many.
     NearSegments {
         /// The corners of the one.
         first: [u32; 2],

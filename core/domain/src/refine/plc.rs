@@ -130,7 +130,7 @@ impl Plc {
         Self::within(domain, lattice, 0.0, &Set::default(), Heed::default())
     }
 
-    /// The same; polygons that are coplanar within `tolerance` make one facet.
+    /// Takes the complex; polygons that are coplanar within `tolerance` make one facet.
     ///
     /// # Errors
     /// Those of [`Plc::new`].

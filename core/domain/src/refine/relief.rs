@@ -39,7 +39,7 @@ use ltbw_exact::Point;
 const PASSES: u64 = 8;
 /// Points tried for a tetrahedron in its ball, besides those towards its shortest edge.
 const INSIDE: usize = 32;
-/// The same for the sake of angles.
+/// Points tried for the sake of angles.
 const INSIDE_FOR_ANGLES: usize = 64;
 /// Points tried on each boundary item beside it.
 const BESIDE: usize = 8;

@@ -119,7 +119,7 @@ mod tests {
         corners
     }
 
-    /// The same by all edges.
+    /// The answer by all edges.
     fn slow(corners: &[Flat], p: Flat) -> bool {
         let edges = (0..corners.len()).map(|k| (corners[k], corners[(k + 1) % corners.len()]));
         let passes = |(a, b): (Flat, Flat)| (a[1] > p[1]) != (b[1] > p[1]) && is_right(a, b, p);

@@ -37,7 +37,7 @@ const CHECK_EVERY: u64 = 1024;
 
 /// The vertices from which on it refines in rounds: fewer are too few for wide ones.
 const START: usize = 4096;
-/// The same where there are patches: what is near them is looked at by one thread, twice a round.
+/// Those of a domain with patches: what is near them is looked at by one thread, twice a round.
 const START_WITH_PATCHES: usize = 32_768;
 
 /// Features nearer to each other than this many floors are not refined towards each other.
@@ -279,7 +279,7 @@ impl<'a> Refiner<'a> {
         Ok((run, regions))
     }
 
-    /// The same within a tolerance, without the patches that grow from some facets; an error if
+    /// The mesh within a tolerance, without the patches that grow from some facets; an error if
     /// there are none, if they cannot be brought into the mesh, or have one region on both sides.
     fn recovered_within(
         &self,

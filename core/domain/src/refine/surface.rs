@@ -97,7 +97,7 @@ impl State {
         Some(own)
     }
 
-    /// The same, with or without the rule for dust, for patches that the point is on, and others
+    /// The plan with or without the rule for dust, for patches that the point is on, and others
     /// that it takes subfaces of.
     fn plan_labels(
         &self,

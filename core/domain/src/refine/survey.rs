@@ -134,7 +134,8 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         most_urgent(self.edges.iter().filter(is_hit).map(|edge| self.subsegment(edge)))
     }
 
-    /// The same of the subfaces. `p` is in none of their planes.
+    /// Of the subfaces whose balls hold `p`, the one that comes first. `p` is in none of their
+    /// planes.
     fn hit_subface(&self, p: &Point) -> Option<BoundaryItem> {
         let is_hit = |face: &&Face<_>| {
             let [a, b, c] = face.key.map(|v| self.point(v));
@@ -144,7 +145,7 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         most_urgent(hits.map(|face| self.subface(face.key, face.facet)))
     }
 
-    /// The same of the items that go with the cavity, but for some.
+    /// Of the items that go with the cavity, but for some, the one that comes first.
     fn loss(&self, removed: &[[u32; 3]], split: Option<[u32; 2]>) -> Option<BoundaryItem> {
         let is_lost = |face: &&Face<_>| face.is_inner && !removed.contains(&face.key);
         let faces = self.faces.iter().filter(is_lost);
@@ -308,7 +309,7 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         Some(watch)
     }
 
-    /// The same of a point of the boundary on `carrier` that splits an item.
+    /// The watch of a point of the boundary on `carrier` that splits an item.
     pub fn watch_at_item(&self, item: &BoundaryItem, carrier: Carrier) -> Watch<R::Tet> {
         let own = match self.own(item).unwrap_or_default()[..] {
             [a, b, c] => {
@@ -388,7 +389,7 @@ enum Anywhere {
 }
 
 impl<T: Copy> Watch<T> {
-    /// The same of tetrahedra with other names, in the order of these.
+    /// This watch over tetrahedra with other names, in the order of these.
     pub fn named<U: Ord>(&self, name: impl Fn(T) -> U) -> Watch<U> {
         let named = |all: &[T]| {
             let mut all: Vec<U> = all.iter().copied().map(&name).collect();

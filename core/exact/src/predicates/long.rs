@@ -11,11 +11,11 @@ const LIMBS: usize = 6;
 /// Words for sums of products of two `f64`: each is a multiple of 2^-2148 below 2^2048, 4196
 /// bits; ten more for up to a thousand summands, and room for the upper limbs, which are zero.
 pub const DEGREE_2: usize = 4206_usize.div_ceil(64) + LIMBS;
-/// The same for three factors.
+/// Words for sums of products of three factors.
 pub const DEGREE_3: usize = 6304_usize.div_ceil(64) + LIMBS;
-/// The same for four factors.
+/// Words for sums of products of four factors.
 pub const DEGREE_4: usize = 8402_usize.div_ceil(64) + LIMBS;
-/// The same for five factors.
+/// Words for sums of products of five factors.
 pub const DEGREE_5: usize = 10500_usize.div_ceil(64) + LIMBS;
 
 /// A sum of products, positive and negative ones apart, so that carries are short.

@@ -11,7 +11,7 @@ use std::collections::HashMap;
 pub(super) struct Volumes {
     /// The first group of each volume that is in one, and whether it is in more.
     groups: HashMap<i64, (i64, bool)>,
-    /// The same of surfaces.
+    /// The first group of each surface that is in one, and whether it is in more.
     surfaces: HashMap<i64, (i64, bool)>,
 }
 

@@ -232,7 +232,7 @@ pub fn write_named(
     write_hashed(out, mesh, (names, None), WriteOptions { msh_version: version, encoding })
 }
 
-/// The same with the hash of the mesh, which stands in a section that readers pass over.
+/// Writes names and the hash of the mesh, which stands in a section that readers pass over.
 pub(crate) fn write_hashed(
     out: &mut dyn Write,
     mesh: &TetMesh,

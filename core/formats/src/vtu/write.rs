@@ -68,7 +68,7 @@ pub fn write_with(
     write_hashed(out, mesh, (values, None), encoding)
 }
 
-/// The same with the hash of the mesh, in a comment.
+/// Writes arrays and the hash of the mesh, in a comment.
 pub(crate) fn write_hashed(
     out: &mut dyn Write,
     mesh: &TetMesh,

@@ -156,8 +156,8 @@ impl Lane<'_> {
         true
     }
 
-    /// The same of what the next insertion goes on with: what is around the cavity, which is in the
-    /// cache by now. Its slots are asked for, as they are to be looked at.
+    /// A hint to fetch what the next insertion goes on with: what is around the cavity, which is in
+    /// the cache by now. Its slots are asked for, as they are to be looked at.
     fn fetch_around(&self, next: &Chosen<'_>, follow: &impl Follow) {
         for &t in next.cavity.iter().take_while(|&&t| self.claims.ask(t, self.own)) {
             let around = self.topology.tet(t).neighbours();
@@ -184,7 +184,7 @@ fn side_by_side<T: Send>(things: impl Iterator<Item = T>, f: impl Fn(usize, T) +
     things.into_par_iter().enumerate().for_each(|(k, thing)| f(k, thing));
 }
 
-/// The same without rayon, whose fences the thread sanitizer does not know.
+/// A version without rayon, whose fences the thread sanitizer does not know.
 #[cfg(tsan)]
 fn side_by_side<T: Send>(things: impl Iterator<Item = T>, f: impl Fn(usize, T) + Sync) {
     std::thread::scope(|scope| {

@@ -20,7 +20,7 @@ impl Mesh {
         self.begin_as::<A, false>(p, from, admission)
     }
 
-    /// The same where points are inserted anywhere: faster there.
+    /// The cavity of a point, found fast where points are inserted anywhere.
     #[doc(hidden)]
     #[inline]
     pub fn begin_anywhere<A: Admission>(
@@ -86,14 +86,14 @@ impl Mesh {
         self.topology.prefetch(t);
     }
 
-    /// The same, with its cached sphere.
+    /// A hint to fetch a tetrahedron and its cached sphere.
     #[doc(hidden)]
     #[inline(always)]
     pub fn prefetch_sphere(&self, t: TetId) {
         self.geometry.prefetch_sphere(t);
     }
 
-    /// The same of a vertex.
+    /// A hint to fetch a vertex.
     #[doc(hidden)]
     #[inline(always)]
     pub fn prefetch_point(&self, v: VertexId) {

@@ -174,7 +174,7 @@ mod x86 {
         _mm256_max_pd(_mm256_max_pd(a, b), _mm256_max_pd(c, d))
     }
 
-    /// The same operations in the same order as the plain filter, one tetrahedron a lane.
+    /// The operations of the plain filter in its order, one tetrahedron a lane.
     #[target_feature(enable = "avx2")]
     pub(super) fn filter_insphere(
         points: &Arena<Point>,

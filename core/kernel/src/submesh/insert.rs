@@ -38,8 +38,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         self.insert_seeing(v, p, seed, owns, |_, _| {})
     }
 
-    /// The same; `see` is shown the cavity before it is filled: the k-th face of its boundary
-    /// becomes one of the k-th tetrahedron of [`Submesh::made_at_once`].
+    /// Inserts, showing `see` the cavity before it is filled: the k-th face of its boundary becomes
+    /// one of the k-th tetrahedron of [`Submesh::made_at_once`].
     ///
     /// # Panics
     /// If `seed` is no tetrahedron, or `v` no finite vertex.
@@ -69,8 +69,8 @@ impl<H: Copy + Eq, T: Copy, F: Copy> Submesh<H, T, F> {
         Insert::Done
     }
 
-    /// The same for a point of which `found` is what [`Submesh::search`] has found earlier (it
-    /// may be nothing); `changed` says of a slot whether a tetrahedron was written to it since
+    /// Inserts a point of which `found` is what [`Submesh::search`] has found earlier (it may be
+    /// nothing); `changed` says of a slot whether a tetrahedron was written to it since
     /// then. `false` if it is not inserted so, though it may be from its seed on: where much has
     /// changed, at ghosts, and where something may be in the way. The submesh is as before then.
     ///

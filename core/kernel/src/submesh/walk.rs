@@ -8,7 +8,7 @@ use ltbw_exact::Point;
 
 /// Places on either side that are looked at for a start.
 const SPREAD: usize = 2;
-/// The same for other starts, when a walk has met a far face.
+/// Places that are looked at for other starts, when a walk has met a far face.
 const WIDE_SPREAD: usize = 16;
 /// The number of other starts that are tried then.
 const TRIES: usize = 4;

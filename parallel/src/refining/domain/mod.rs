@@ -64,7 +64,7 @@ pub struct RefinedDomain {
     pub started: usize,
 }
 
-/// The same on simulated processors.
+/// A domain that simulated processors have refined.
 #[derive(Debug)]
 pub struct SimulatedDomain {
     /// The mesh.

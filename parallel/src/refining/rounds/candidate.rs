@@ -55,7 +55,7 @@ pub(super) struct Seeker {
 }
 
 impl Seeker {
-    /// The same as another worker is told; `of_tet` tells a rank.
+    /// The candidate as another worker is told of it; `of_tet` tells a rank.
     pub(super) fn proposal(&self, of_tet: impl Fn([VertexId; 4]) -> Rank) -> Proposal {
         let Self { probe, to, carrier, .. } = *self;
         Proposal { probe, to, carrier, rank: self.rank.whole(of_tet) }

@@ -40,7 +40,7 @@ struct Far {
     rank: Option<Rank>,
     /// The same: one around its tetrahedron comes before the one here.
     is_beaten: bool,
-    /// The same, the other way round, as that worker was told last.
+    /// One here comes before that worker's around its tetrahedron, as it was told last.
     told: bool,
 }
 
@@ -87,7 +87,7 @@ pub(super) struct Keys {
     is_touched: Flags,
     /// The memory of news that others have told: about as much is told them.
     spare: Vec<Vec<(Name, u8, Rank)>>,
-    /// The same of the foremost ones of rounds before.
+    /// The memory of lists of the foremost ones, of rounds before.
     foremost: [Vec<Foremost>; 2],
 }
 

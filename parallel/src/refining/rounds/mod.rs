@@ -86,7 +86,7 @@ pub struct SimulatedRounds {
     pub figures: RoundFigures,
 }
 
-/// The same on threads.
+/// A domain that threads have refined in rounds.
 #[derive(Debug)]
 pub struct ThreadedRounds {
     /// The refined domain.

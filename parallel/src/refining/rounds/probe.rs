@@ -325,7 +325,7 @@ impl<C: Rules> Rounds<C> {
         (verdict, watch.map(|watch| Waits::Here(watch, all)))
     }
 
-    /// The same of one of whose closure others have told.
+    /// The verdict on a probe of whose closure others have told, and what makes it wait then.
     fn rule_told(&mut self, mesh: &DomainMesh<'_>, k: u32) -> (Verdict, Option<Waits>) {
         let may_be_boundary = self.complete(mesh, k);
         let probe = &self.probes[k as usize];
