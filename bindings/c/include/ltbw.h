@@ -38,6 +38,10 @@ typedef enum ltbw_status {
    */
   LTBW_FILE = 5,
   /*
+   The machine lacks memory or threads.
+   */
+  LTBW_MACHINE = 6,
+  /*
    A defect of ltbw itself: please report it.
    */
   LTBW_INTERNAL = 70,
@@ -182,13 +186,20 @@ typedef struct ltbw_wishes {
    */
   uint64_t max_points;
   /*
-   A point in each void, three coordinates each. NULL: the surface's orientation tells.
+   A point in each void, three coordinates each; orientation means nothing then. NULL:
+   `hole_rule` says what is void.
    */
   const double *holes;
   /*
    Number of holes.
    */
   size_t hole_count;
+  /*
+   What is void where `holes` is NULL. 0: hole points of a file, and what the surface's
+   orientation says: a body inside another is a void if its faces point the other way. 1:
+   nothing. 2: bodies inside others, however turned.
+   */
+  int32_t hole_rule;
   /*
    Regions with properties of their own, or NULL.
    */
@@ -323,6 +334,16 @@ const char *ltbw_mesh_excuse(const struct ltbw_mesh *mesh, size_t number);
  The mesh is null or one of this library.
  */
 const char *ltbw_mesh_certificate(const struct ltbw_mesh *mesh);
+
+/*
+ The `number`-th of the notes on how the mesh came about, for people to read: repairs of its
+ domain, say, or points that are nearly in one plane; NULL where there is none.
+
+ What the caller promises:
+
+ The mesh is null or one of this library.
+ */
+const char *ltbw_mesh_note(const struct ltbw_mesh *mesh, size_t number);
 
 /*
  The message of this thread's last failure; empty before the first. It lives until the next one.
