@@ -80,17 +80,18 @@ pub use ltbw_core::{
     snapshot,
 };
 #[doc(no_inline)]
-pub use ltbw_domain::{self as domain, quality, refine};
+pub use ltbw_domain::{self as domain, quality};
 #[doc(inline)]
-pub use ltbw_domain::{
-    Domain, DomainDefect, DomainError, Facet, Lattice, Region, Snapped,
-    refine::{Refined, Refiner},
-};
+pub use ltbw_domain::{Domain, DomainDefect, DomainError, Facet, Lattice, Region, Snapped};
 #[cfg(any(feature = "nalgebra", feature = "ndarray"))]
 pub use ltbw_exact::interop;
 pub use ltbw_exact::{points, predicates};
 #[doc(no_inline)]
 pub use ltbw_formats as io;
+#[doc(no_inline)]
+pub use ltbw_refine as refine;
+#[doc(inline)]
+pub use ltbw_refine::{Refined, Refiner};
 
 /// Examples of the README, as tests.
 #[cfg(doctest)]

@@ -5,10 +5,10 @@ pub use crate::threads::{Parallel, Run, RunError};
 pub use crate::{Budget, BuildError, Builder, Built, CancelToken, Inserted, Mesh, Outcome};
 pub use crate::{Phase, Progress, TetMesh, Vertex};
 #[doc(no_inline)]
-pub use ltbw_domain::refine::{MeshError, RefineOutcome, Refined, Refiner};
-#[doc(no_inline)]
 pub use ltbw_domain::{Domain, Facet, PrepareOptions, Region};
 #[doc(no_inline)]
 pub use ltbw_exact::{Point, PointError, PointSet};
 #[doc(no_inline)]
 pub use ltbw_formats as io;
+#[doc(no_inline)]
+pub use ltbw_refine::{MeshError, RefineOutcome, Refined, Refiner};

@@ -46,7 +46,8 @@ fn root() -> PathBuf {
 /// The folder of a package of the workspace.
 fn folder(package: &str) -> PathBuf {
     let name = format!("name = \"{package}\"");
-    let core = ["exact", "kernel", "domain", "formats", "generate"].map(|c| format!("core/{c}"));
+    let core =
+        ["exact", "kernel", "domain", "refine", "formats", "generate"].map(|c| format!("core/{c}"));
     let rest =
         ["parallel", "verify/checker", "verify/models", "verify/kit", "cli", "xtask", "tests"];
     let found =

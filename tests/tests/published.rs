@@ -34,6 +34,7 @@ fn published_crates_are_the_libraries_and_the_program() {
         "ltbw-exact",
         "ltbw-core",
         "ltbw-domain",
+        "ltbw-refine",
         "ltbw-formats",
         "ltbw-generate",
         "ltbw",

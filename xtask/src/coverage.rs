@@ -13,12 +13,20 @@ use std::process::Command;
 /// Percentage of lines that must be run, for each package.
 const BAR: f64 = 95.0;
 /// Folders of the packages.
-const PACKAGES: [&str; 6] =
-    ["core/exact", "core/kernel", "core/domain", "core/formats", "core/generate", "verify/checker"];
+const PACKAGES: [&str; 7] = [
+    "core/exact",
+    "core/kernel",
+    "core/domain",
+    "core/refine",
+    "core/formats",
+    "core/generate",
+    "verify/checker",
+];
 /// The tests that run: those of the packages; those of the parallel kernel, which alone uses what
 /// the kernel has for it (`submesh`); those of refinement and its checker.
-const TESTS: [&[&str]; 4] = [
+const TESTS: [&[&str]; 5] = [
     &["-p", "ltbw-exact", "-p", "ltbw-core", "-p", "ltbw-domain", "--all-features"],
+    &["-p", "ltbw-refine"],
     &["-p", "ltbw-formats", "-p", "ltbw-generate", "-p", "ltbw-verify", "--all-features"],
     &["-p", "ltbw", "--all-features", "--test", "parallel", "threads::"],
     &["-p", "ltbw-tests", "--test", "workspace", "--", "interleaved::", "refine::", "refine_bad::"],

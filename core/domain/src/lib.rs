@@ -1,5 +1,5 @@
-//! Polyhedral domains of `ltbw`: piecewise linear complexes (PLCs), their exact check, and their
-//! refinement to a conforming Delaunay mesh of guaranteed quality.
+//! Polyhedral domains of `ltbw`: piecewise linear complexes (PLCs), their repair and exact check.
+//! `ltbw-refine` makes meshes of them.
 //!
 //! A [`Domain`] is plain data in TetGen's meaning: vertices; facets, each a set of polygons in one
 //! plane with holes in them; free-standing segments; seeds of holes and of regions. It says what a
@@ -16,11 +16,11 @@
 //! | [`check`] | the exact check: [`DomainReport`], cells, volumes |
 //! | [`repair`] | what is welded, dropped and closed before the check: [`Repairs`] |
 //! | [`exterior`] | what is no part of a domain is left out |
+//! | `given` | a domain as it is given, and its usual tolerance: [`Given`] |
 //! | [`holes`] | what users say of voids: [`Holes`] |
 //! | [`prepare`] | all steps to a domain that can be meshed: [`Prepared`] |
 //! | [`triangulate`] | triangles of a facet, exactly |
 //! | [`defect`] | [`DomainError`], [`DomainDefect`]: what is wrong, with ids and coordinates |
-//! | [`refine`] | conforming Delaunay refinement |
 //! | [`quality`] | histograms and extremes of angles, ratios, volumes, edges |
 //! | [`thickness`] | the thickness of points that are nearly in one plane: [`Thickness`] |
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -30,15 +30,14 @@ pub mod check;
 pub mod defect;
 mod display;
 pub mod exterior;
+mod given;
 pub mod holes;
 pub mod lattice;
 pub mod plc;
 pub mod prepare;
 pub mod quality;
-pub mod refine;
 mod renumber;
 pub mod repair;
-mod sync;
 pub mod thickness;
 pub mod triangulate;
 #[doc(hidden)]
@@ -46,6 +45,7 @@ pub mod vector;
 
 pub use check::{Cell, CheckOptions, DomainReport, Exterior, Trouble, TroubleKind, Volume};
 pub use defect::{DefectKind, DomainDefect, DomainError, Element, Severity};
+pub use given::{Given, largest_tolerance, usual_tolerance};
 pub use holes::Holes;
 pub use lattice::{Lattice, Move, Snapped};
 pub use plc::{Domain, Facet, Region};

@@ -12,7 +12,7 @@ pub fn minus<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
 }
 
 /// The axis of the largest entry.
-pub(crate) fn dominant(n: &Point) -> usize {
+pub fn dominant(n: &Point) -> usize {
     let larger = |a: usize, b: usize| if n[b].abs() > n[a].abs() { b } else { a };
     larger(larger(0, 1), 2)
 }

@@ -8,4 +8,3 @@ mod domain_lattice;
 mod domain_models;
 mod domain_repair;
 mod domain_segments;
-mod refined_regions;

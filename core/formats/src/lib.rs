@@ -75,7 +75,7 @@ pub use domain::{
 pub use error::{DataError, IoError, ParseError, Place, Reason};
 pub use format::{Encoding, Format, MshVersion, WriteOptions};
 use ltbw_core::{BoundaryFace, CancelToken, TetMesh};
-use ltbw_domain::{Domain, refine::Given};
+use ltbw_domain::{Domain, Given};
 use ltbw_exact::Point;
 pub use parts::{check_parts_writable, is_parts, part_files, write_parts, write_parts_until};
 use std::io::Write;

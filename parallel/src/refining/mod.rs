@@ -34,10 +34,10 @@ pub enum RefineError {
     Build(#[from] BuildError),
     /// The domain has no mesh.
     #[error(transparent)]
-    Domain(#[from] ltbw_domain::refine::RefineError),
+    Domain(#[from] ltbw_refine::RefineError),
     /// The domain has no mesh to start with, or one that only the rounds can refine.
     #[error(transparent)]
-    Complex(#[from] ltbw_domain::refine::ComplexError),
+    Complex(#[from] ltbw_refine::ComplexError),
     /// Under the paper's rule operations have no age: those that wait for a boundary item would
     /// ask for its locks for ever, and the item would get none.
     #[error("the paper's rule for locks has no ages, which boundary items need")]

@@ -3,8 +3,8 @@
 
 use crate::mesh::VertexName;
 use crate::protocol::{Handle, Name, WorkerId};
-use ltbw_domain::refine::{BoundaryItem, Carrier, Corner, ItemPlace, NOWHERE, Rank, Rival};
 use ltbw_exact::Point;
+use ltbw_refine::{BoundaryItem, Carrier, Corner, ItemPlace, NOWHERE, Rank, Rival};
 use smallvec::SmallVec;
 
 /// A point as bits: the protocol never sees a float.

@@ -24,6 +24,7 @@ pub(crate) const CRATES: &[Crate] = &[
     on(0, "ltbw_exact", "core/exact"),
     on(1, "ltbw_core", "core/kernel"),
     on(2, "ltbw_domain", "core/domain"),
+    on(3, "ltbw_refine", "core/refine"),
     on(3, "ltbw_formats", "core/formats"),
     on(3, "ltbw_generate", "core/generate"),
     on(4, "ltbw", "parallel"),

@@ -26,6 +26,7 @@ pub(super) struct Edit {
 pub(super) const PACKAGES: &[(&str, &str)] = &[
     ("ltbw-core", "core/kernel"),
     ("ltbw-domain", "core/domain"),
+    ("ltbw-refine", "core/refine"),
     ("ltbw-formats", "core/formats"),
     ("ltbw", "parallel"),
     ("ltbw-verify", "verify/checker"),
@@ -61,14 +62,14 @@ pub(super) const SLIPS: &[Slip] = &[
         2,
         "tetrahedra join a boundary round at < instead of <=",
         &[Edit {
-            file: "core/domain/src/refine/rounds/choose.rs",
+            file: "core/refine/src/rounds/choose.rs",
             right: "items * BESIDE <= counted",
             wrong: "items * BESIDE < counted",
         }],
         (
             "--lib",
             "tetrahedra_join_boundary_items_from_the_exact_number_on",
-            "core/domain/src/refine/rounds/choose.rs",
+            "core/refine/src/rounds/choose.rs",
         ),
     ),
     seen(
@@ -185,14 +186,14 @@ pub(super) const SLIPS: &[Slip] = &[
         12,
         "a change of a witness is not looked at",
         &[Edit {
-            file: "core/domain/src/refine/rounds/sift.rs",
+            file: "core/refine/src/rounds/sift.rs",
             right: "changed(own, other) | is_alone",
             wrong: "is_alone",
         }],
         (
             "--lib",
             "a_witness_holds_until_something_on_the_way_there_changes",
-            "core/domain/src/refine/rounds/sift.rs",
+            "core/refine/src/rounds/sift.rs",
         ),
     ),
     seen(
@@ -301,14 +302,14 @@ pub(super) const SLIPS: &[Slip] = &[
         21,
         "the tags of regions 2 and 3 are swapped",
         &[Edit {
-            file: "core/domain/src/refine/output.rs",
+            file: "core/refine/src/output.rs",
             right: "i64::from(self.region(t))",
             wrong: "match self.region(t) { 2 => 3, 3 => 2, own => i64::from(own) }",
         }],
         (
-            "--test refined_regions",
+            "--test regions",
             "tetrahedra_have_the_tags_of_the_seeds_in_them",
-            "core/domain/tests/refined_regions.rs",
+            "core/refine/tests/regions.rs",
         ),
     ),
     seen(

@@ -4,7 +4,7 @@ use crate::mesh::TETS_PER_VERTEX;
 use crate::refining::flags::Flags;
 use ltbw_core::expect;
 use ltbw_core::topology::VertexId;
-use ltbw_domain::refine::Carrier;
+use ltbw_refine::Carrier;
 
 /// The carriers by vertex number.
 #[derive(Debug)]

@@ -19,8 +19,8 @@ use crate::protocol::{
 use crate::refining::news::DomainNews;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_core::{expect, prefetch};
-use ltbw_domain::refine::{Carrier, Complex};
 use ltbw_exact::Point;
+use ltbw_refine::{Carrier, Complex};
 use rustc_hash::FxHashSet;
 use smallvec::{SmallVec, smallvec};
 use std::cell::RefCell;

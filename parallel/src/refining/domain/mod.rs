@@ -39,9 +39,9 @@ use crate::protocol::{BlockId, Config, Rule, Rules, Source, Worker, WorkerId};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
 use ltbw_core::order::{Curve, bounding_box};
 use ltbw_core::topology::INFINITE;
-use ltbw_domain::refine::{Carrier, Complex, Refiner, Start};
 use ltbw_domain::{Domain, Lattice};
 use ltbw_exact::{Mode, Point, PointSet};
+use ltbw_refine::{Carrier, Complex, Refiner, Start};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 

@@ -4,7 +4,7 @@
 use crate::mesh::{Patch, Piece, VertexName, WireVertex};
 use crate::protocol::WorkerId;
 use ltbw_core::topology::TetId;
-use ltbw_domain::refine::Carrier;
+use ltbw_refine::Carrier;
 use smallvec::SmallVec;
 
 /// A boundary item by the names of its vertices, ascending, those of a segment after a 0; for a

@@ -3,9 +3,9 @@
 use super::values::{DomainPiece, DomainPoint, ItemKey, Marked, segment_key, subface_key};
 use crate::mesh::{Link, Side, VertexName};
 use crate::protocol::WorkerId;
-use ltbw_domain::refine::{Carrier, Complex};
 use ltbw_domain::vector::{dot, minus};
 use ltbw_exact::Point;
+use ltbw_refine::{Carrier, Complex};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Ordering;
 

@@ -12,7 +12,7 @@ use super::way::{WayEnd, walk_way};
 use crate::protocol::{Rules, Standing};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::bits;
-use ltbw_domain::refine::{Aim, way_start};
+use ltbw_refine::{Aim, way_start};
 
 /// New tetrahedra that are looked at in one step, while others are waited for.
 const FEW: usize = 32;

@@ -5,7 +5,7 @@ use crate::protocol::{Name, Table, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{Bits, ProbeId, Proposal, WireClosure};
 use ltbw_core::topology::{TetId, VertexId};
-use ltbw_domain::refine::{BoundaryItem, Carrier, Closure, NOWHERE, Rank, RankLead, Rival, Watch};
+use ltbw_refine::{BoundaryItem, Carrier, Closure, NOWHERE, Rank, RankLead, Rival, Watch};
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 

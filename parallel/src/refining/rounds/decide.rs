@@ -8,7 +8,7 @@ use crate::protocol::{Rules, WorkerId};
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{DomainNews, WireItem, point, rival, rival_byte};
 use ltbw_core::topology::TetId;
-use ltbw_domain::refine::BoundaryItem;
+use ltbw_refine::BoundaryItem;
 
 impl<C: Rules> Rounds<C> {
     /// All cavities are reserved: rivals are told of, and the points chosen that wait for none.

@@ -6,7 +6,7 @@ use crate::protocol::Rules;
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::Bits;
 use ltbw_core::topology::{TetId, VertexId};
-use ltbw_domain::refine::Carrier;
+use ltbw_refine::Carrier;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 

@@ -3,7 +3,7 @@
 use super::serve::corner;
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
-use ltbw_domain::refine::{Corner, NOWHERE, Surveyed};
+use ltbw_refine::{Corner, NOWHERE, Surveyed};
 use std::collections::BTreeSet;
 
 /// A cavity, and the tetrahedra around it.

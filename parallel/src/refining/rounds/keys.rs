@@ -19,7 +19,7 @@ use crate::refining::domain::DomainMesh;
 use crate::refining::flags::Flags;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 use ltbw_core::{Point, expect, prefetch};
-use ltbw_domain::refine::{Bad, Rank, RankLead, Ranked, ThinTets, sift};
+use ltbw_refine::{Bad, Rank, RankLead, Ranked, ThinTets, sift};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::marker::PhantomData;

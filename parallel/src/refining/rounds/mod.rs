@@ -60,10 +60,10 @@ use crate::protocol::{BlockId, Config, Correct, Rules, Worker, WorkerId};
 use crate::simulate::{MeshError, Options, Simulation, simulate};
 use crate::threads::{Parallel, RunError, WorkerStats};
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
-use ltbw_domain::refine::{
+use ltbw_domain::{Domain, Lattice};
+use ltbw_refine::{
     Asked, Carrier, ComplexError, Handed, Parted, RefineStats, Refined, Refiner, Start,
 };
-use ltbw_domain::{Domain, Lattice};
 use rayon::prelude::*;
 use source::Pending;
 

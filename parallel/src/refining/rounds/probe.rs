@@ -10,7 +10,7 @@ use crate::protocol::{Directory, Handle, Rules, Submesh, Table, Walk, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{Bits, DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
 use ltbw_core::topology::{TetId, tet_of};
-use ltbw_domain::refine::{
+use ltbw_refine::{
     Aim, BoundaryItem, Collected, ItemPlace, RankLead, Ruling, Survey, Surveyed, Watch, way_start,
 };
 use std::collections::BTreeSet;

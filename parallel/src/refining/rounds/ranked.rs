@@ -4,7 +4,7 @@ use crate::protocol::Rules;
 use crate::refining::domain::DomainMesh;
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_core::{Point, prefetch};
-use ltbw_domain::refine::{Rank, Ranked, witness};
+use ltbw_refine::{Rank, Ranked, witness};
 use std::marker::PhantomData;
 
 /// A tetrahedron, and its vertices.

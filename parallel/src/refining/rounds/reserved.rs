@@ -3,7 +3,7 @@
 use crate::refining::flags::Flags;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_core::{expect, prefetch};
-use ltbw_domain::refine::{Carrier, Rank, RankLead, Rival};
+use ltbw_refine::{Carrier, Rank, RankLead, Rival};
 
 /// Values by slot that are all forgotten at once.
 #[derive(Debug, Default)]
@@ -225,7 +225,7 @@ pub fn unkilled(candidates: &[(Rank, TetId, Vec<TetId>)]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ltbw_domain::refine::{BoundaryItem, Corner};
+    use ltbw_refine::{BoundaryItem, Corner};
 
     /// A boundary item takes slots that a tetrahedron's candidate holds, and that nobody does.
     #[test]

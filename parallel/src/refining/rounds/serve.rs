@@ -8,7 +8,7 @@ use crate::refining::domain::DomainMesh;
 use crate::refining::news::{INFINITE_CORNER, ProbeId, WireClosure, WireCorner, point};
 use ltbw_core::expect;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
-use ltbw_domain::refine::{Carrier, Corner, Rank, Rival};
+use ltbw_refine::{Carrier, Corner, Rank, Rival};
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 

@@ -14,7 +14,7 @@ use crate::protocol::{
 use crate::refining::domain::{DomainMesh, DomainPoint};
 use crate::refining::news::{DomainNews, KeysTold, Sums};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
-use ltbw_domain::refine::{Asked, BoundaryItem, ItemPlace};
+use ltbw_refine::{Asked, BoundaryItem, ItemPlace};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::marker::PhantomData;
 

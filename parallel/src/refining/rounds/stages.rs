@@ -23,8 +23,8 @@ use crate::protocol::{Directory, Rules, Standing, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{DomainNews, KeysTold, SUMS, Sums};
 use ltbw_core::order::{Curve, bounding_box};
-use ltbw_domain::refine::{BoundaryItem, are_joined};
 use ltbw_exact::Point;
+use ltbw_refine::{BoundaryItem, are_joined};
 
 // The places of sums.
 const READY: usize = 0;

@@ -6,7 +6,7 @@ use crate::refining::domain::DomainMesh;
 use crate::refining::news::{Bits, PartEnd, WireItem};
 use ltbw_core::cavity::OTHERS;
 use ltbw_core::topology::{INFINITE, TetId, slot_of, tet_of};
-use ltbw_domain::refine::{Carrier, way_out};
+use ltbw_refine::{Carrier, way_out};
 
 /// The end of a way.
 pub(super) enum WayEnd {

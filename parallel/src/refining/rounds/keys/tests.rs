@@ -4,8 +4,8 @@ use super::*;
 use crate::mesh::Layout;
 use crate::protocol::{Action, Config, Correct, Event, Submesh, WorkerId};
 use ltbw_domain::PrepareOptions;
-use ltbw_domain::refine::Refiner;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
+use ltbw_refine::Refiner;
 use std::collections::VecDeque;
 
 /// After the exchanges of a round each worker has heard of every interface face what stands beyond.

@@ -9,9 +9,9 @@ use crate::mesh::Layout;
 use crate::protocol::{Action, Config, Correct, Event, Message, Source};
 use crate::refining::news::{NEWS_KINDS, WireItem};
 use ltbw_core::MeshHash;
-use ltbw_domain::refine::{Carrier, Corner, Refined, Refiner};
 use ltbw_domain::{PrepareOptions, Prepared};
 use ltbw_generate::{DomainKind, Shape, generate_domain};
+use ltbw_refine::{Carrier, Corner, Refined, Refiner};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Waves after which a message that is late comes.

@@ -1,0 +1,218 @@
+//! Probes of tetrahedra: the cavity of a proposed point is found on the mesh at the start of the
+//! round, which nobody writes meanwhile, so that many threads may probe at once. A probe runs to
+//! its end and reserves all slots of its cavity, unless it is refused: the slots, and with them
+//! the choice, are a function of the mesh, whoever probes what and when.
+
+use super::block::Block;
+use super::foremost::Foremost;
+use super::{Asked, Candidate, Conclusion, Rounds};
+use crate::carrier::{Carrier, free_point};
+use crate::item::Item;
+use crate::outcome::Reason;
+use crate::split::TOLERANCE;
+use crate::state::{Place, Touched};
+use crate::verdict::Filling;
+use crate::walk::Way;
+use ltbw_core::PredicateStats;
+use ltbw_core::search::Search;
+use ltbw_core::topology::TetId;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Probes of a batch; fewer are not worth another thread.
+const BATCH: usize = if cfg!(test) { 3 } else { 64 };
+
+/// One thread's memory for probes.
+#[derive(Debug, Default)]
+pub(super) struct Prober {
+    pub(super) search: Search,
+    pub(super) touched: Touched,
+}
+
+/// The end of a probe that does not conclude.
+#[derive(Debug)]
+enum Probed {
+    Reserves(Reserves),
+    /// It changes a patch: the cavity has to be open.
+    AtPatch(Foremost, u32),
+}
+
+/// A probe that reserves its cavity.
+#[derive(Debug)]
+struct Reserves {
+    item: Item,
+    rank: u32,
+    place: Place,
+    /// Its tetrahedra in the list of the batch.
+    cavity: Range<usize>,
+    /// May the point be inserted, if no other one is in its way?
+    fits: bool,
+    /// Is anything of its cavity marked?
+    is_marked: bool,
+}
+
+/// The findings of some probes, in their order.
+#[derive(Debug, Default)]
+pub(super) struct Batch {
+    probed: Vec<Probed>,
+    cavities: Vec<TetId>,
+    conclusions: Vec<Conclusion>,
+    blocks: Vec<Block>,
+    searches: u64,
+    stats: PredicateStats,
+}
+
+impl Rounds<'_, '_> {
+    /// Probes leaders, given by their numbers, on all threads.
+    pub(super) fn probe_tets(&mut self, list: &[u32], ranks: &[u32]) -> Vec<Batch> {
+        let mut own = std::mem::take(&mut self.prober);
+        let this = &*self;
+        let probe = |prober: &mut Prober, list: &[u32]| {
+            let mut batch = Batch::default();
+            for (done, &k) in list.iter().enumerate() {
+                this.fetch_ahead(&list[done + 1..]);
+                this.probe_into(this.leader(k), ranks[k as usize], prober, &mut batch);
+            }
+            batch.stats = std::mem::take(&mut prober.search.stats);
+            batch
+        };
+        let batches = match self.threads > 1 && list.len() >= 2 * BATCH {
+            true => list.par_chunks(BATCH).map_init(Prober::default, probe).collect(),
+            false => vec![probe(&mut own, list)],
+        };
+        self.prober = own;
+        batches
+    }
+
+    /// Asks the processor to fetch what the next probes begin with. A hint.
+    fn fetch_ahead(&self, next: &[u32]) {
+        let mesh = &self.own.state.mesh;
+        if let Some(&k) = next.first() {
+            for t in self.neighbours(self.leader(k).t) {
+                mesh.prefetch(t);
+                mesh.prefetch_sphere(t);
+                self.own.state.marks.prefetch(t);
+            }
+        }
+        if let Some(&k) = next.get(1) {
+            mesh.prefetch(self.leader(k).t);
+        }
+    }
+
+    /// Proposes a point for a tetrahedron, the leader of a group, of this rank.
+    fn probe_into(&self, own: &Foremost, rank: u32, prober: &mut Prober, batch: &mut Batch) {
+        let (t, state) = (own.t, &self.own.state);
+        let radius = own.shape.radius();
+        if radius < self.own.floor {
+            batch.conclusions.push(Conclusion { t, rank, verdict: Err(Reason::Floor) });
+            return;
+        }
+        let Prober { search, touched } = prober;
+        for tolerance in [radius * TOLERANCE, 1.0] {
+            let Some(centre) = own.centre else { break };
+            let proposed = free_point(&centre, tolerance);
+            let p = proposed.unwrap_or(centre);
+            let from = match state.way(t, &p) {
+                Way::Arrived(from) if proposed.is_some() => from,
+                Way::Blocked(subface) => {
+                    let first = [Item::Subface(subface)];
+                    batch.conclusions.push(self.conclusion(own, rank, &first));
+                    return;
+                }
+                Way::Arrived(_) | Way::Outside => continue,
+            };
+            if let Some(reason) = self.blocked(&p, own) {
+                batch.conclusions.push(Conclusion { t, rank, verdict: Err(reason) });
+                return;
+            }
+            batch.searches += 1;
+            // The point fell together with a vertex.
+            if state.vertices(from).iter().any(|&v| state.at(v) == p) {
+                continue;
+            }
+            search.find(&state.mesh, &p, from);
+            let has = |t: TetId| search.has(t);
+            let tets = search.tets();
+            state.look_into((tets.iter().copied(), &has), &p, Carrier::Free, touched);
+            let mut first = state.hits_in(touched);
+            if first.is_empty() {
+                if touched.inner.iter().any(|&(_, f)| state.is_patch(f)) {
+                    batch.searches -= 1;
+                    batch.probed.push(Probed::AtPatch(*own, rank));
+                    return;
+                }
+                first = state.losses_in(touched, None, &[]);
+            }
+            let fits = first.is_empty();
+            if fits && !has(t) {
+                continue;
+            }
+            if !fits {
+                let conclusion = self.conclusion(own, rank, &first);
+                let is_refused = conclusion.verdict.is_err();
+                batch.conclusions.push(conclusion);
+                if is_refused {
+                    // It is in nobody's way.
+                    batch.blocks.extend(self.blocks_in(
+                        tets,
+                        touched,
+                        self.limit(own.t, &own.shape),
+                    ));
+                    return;
+                }
+            }
+            // Reserved at once, while they are in this thread's cache: the largest entry stays,
+            // whoever writes first.
+            let entry = self.free + self.count - rank;
+            tets.iter().for_each(|&t| self.reserved.raise(t, entry, self.threads == 1));
+            let start = batch.cavities.len();
+            batch.cavities.extend(tets);
+            batch.probed.push(Probed::Reserves(Reserves {
+                item: Item::Tet(t, state.vertices(t)),
+                rank,
+                place: Place { p, carrier: Carrier::Free, from },
+                cavity: start..batch.cavities.len(),
+                fits,
+                is_marked: touched.is_marked,
+            }));
+            return;
+        }
+        let mut sides = state.boundary_sides(t);
+        state.sort(&mut sides);
+        batch.conclusions.push(self.conclusion(own, rank, &sides));
+    }
+
+    /// The conclusion for a tetrahedron before which one of some items has to be split.
+    fn conclusion(&self, own: &Foremost, rank: u32, first: &[Item]) -> Conclusion {
+        let limit = self.limit(own.t, &own.shape);
+        let reason = self.own.state.reason_near(own.corners);
+        let verdict = self.first_of(first, limit, reason);
+        let verdict = verdict.map(|item| Asked { item, limit, near: own.t });
+        Conclusion { t: own.t, rank, verdict }
+    }
+
+    /// Takes over what a batch has found.
+    pub(super) fn take_batch(&mut self, batch: Batch) {
+        for probed in batch.probed {
+            let own = match probed {
+                Probed::Reserves(own) => own,
+                Probed::AtPatch(own, rank) => {
+                    self.probe_tet(&own, rank);
+                    continue;
+                }
+            };
+            let Reserves { item, rank, place, cavity, fits, is_marked } = own;
+            let start = self.cavities.len();
+            self.cavities.extend_from_slice(&batch.cavities[cavity]);
+            let cavity = start..self.cavities.len();
+            let filling = Filling::default();
+            let own =
+                Candidate { item, rank, fits, is_marked, alone: false, place, cavity, filling };
+            self.candidates.push(own);
+        }
+        self.conclusions.extend(batch.conclusions);
+        self.new_blocks.extend(batch.blocks);
+        self.stats.searches += batch.searches;
+        self.own.state.mesh.add_stats(batch.stats);
+    }
+}

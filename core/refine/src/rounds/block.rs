@@ -1,0 +1,195 @@
+//! Subfaces that bar many tetrahedra of a round.
+//!
+//! Where thousands of tetrahedra have their centres in one place, as in a ball, a few subfaces that
+//! may not be split bar the points of all of them. To open a cavity of thousands of tetrahedra for
+//! each only to find the same subfaces takes the time of its square. So a refusal leaves these
+//! subfaces behind, and from then on a tetrahedron whose point would take one of them out of the
+//! mesh is refused by two tests.
+
+use super::Rounds;
+use super::foremost::Foremost;
+use crate::carrier::free_point;
+use crate::item::Item;
+use crate::limit::Limit;
+use crate::marks::{FACES, face_bit};
+use crate::outcome::Reason;
+use crate::split::TOLERANCE;
+use crate::state::{FACE, Touched};
+use crate::table::triangle;
+use crate::thin::Thin;
+use crate::walk::Way;
+use ltbw_core::topology::{TetId, VertexId, tet_of};
+use ltbw_exact::Point;
+
+/// The most subfaces that one refusal leaves behind, and the most that are kept.
+const MOST: [usize; 2] = [4, 64];
+
+/// A subface that may not be split.
+#[derive(Debug)]
+pub(super) struct Block {
+    corners: [VertexId; 3],
+    /// The tetrahedra on both sides of it, with their vertices: others may have the subface, too,
+    /// and one of their slots.
+    sides: [Thin; 2],
+}
+
+impl Rounds<'_, '_> {
+    /// The subfaces that a refused point would take out of the mesh, of the boundary in its cavity,
+    /// if they may not be split under its limit.
+    pub(super) fn blocks_in(
+        &self,
+        tets: &[TetId],
+        touched: &Touched,
+        limit: Option<Limit>,
+    ) -> Vec<Block> {
+        if touched.inner.is_empty() {
+            return Vec::new();
+        }
+        let topology = self.own.state.mesh.topology();
+        let mut found = Vec::new();
+        for &t in tets {
+            let word = self.own.state.marks.of(t);
+            let tet = topology.at(t);
+            for slot in (0..4).filter(|&slot| word & FACES & face_bit(slot) != 0) {
+                let [a, b, c] = FACE[slot].map(|k| tet.vertices()[k]);
+                let corners = triangle(a, b, c);
+                let is_lost = touched.inner.iter().any(|&(s, _)| s == corners);
+                let sides = [t, tet_of(tet.neighbours()[slot])];
+                // Beside dust of a patch others may become subfaces in its place.
+                let is_fixed =
+                    !sides.iter().any(|&t| self.own.state.is_flat(self.own.state.vertices(t)));
+                // Each is met from both sides.
+                if is_lost
+                    && is_fixed
+                    && sides[0] < sides[1]
+                    && self.own.record.bars(&Item::Subface(corners), limit).is_some()
+                {
+                    let sides = sides.map(|t| (t, self.own.state.vertices(t)));
+                    found.push(Block { corners, sides });
+                }
+            }
+        }
+        let place = |block: &Block| self.own.state.place_of(Item::Subface(block.corners));
+        found.sort_by_cached_key(place);
+        found.truncate(MOST[0]);
+        found
+    }
+
+    /// Notes such subfaces of the last candidate, whose cavity was open.
+    pub(super) fn note_blocks(&mut self, limit: Option<Limit>) {
+        let Some(own) = self.candidates.last() else { return };
+        let tets = &self.cavities[own.cavity.clone()];
+        let found = self.blocks_in(tets, &self.own.state.touched, limit);
+        self.new_blocks.extend(found);
+    }
+
+    /// Forgets subfaces that are gone, or may be split, or have another tetrahedron beside them.
+    pub(super) fn check_blocks(&mut self) {
+        let Self { blocks, own, .. } = self;
+        let (state, record) = (&own.state, &own.record);
+        blocks.retain(|block| {
+            block.sides.iter().all(|&(t, v)| state.is_live(t, v))
+                && state.subfaces.contains_key(&block.corners)
+                && record.refused.contains_key(&Item::Subface(block.corners))
+        });
+    }
+
+    /// Adds the subfaces that were found in this round to those that are kept, and refuses those of
+    /// the foremost that they bar and that were not probed.
+    pub(super) fn refuse_blocked(&mut self) {
+        let mut found = std::mem::take(&mut self.new_blocks);
+        found.retain(|block| self.blocks.iter().all(|other| other.corners != block.corners));
+        found.sort_by_cached_key(|b| self.own.state.place_of(Item::Subface(b.corners)));
+        found.dedup_by_key(|block| block.corners);
+        found.truncate(MOST[1].saturating_sub(self.blocks.len()));
+        self.blocks.append(&mut found);
+        if self.blocks.is_empty() {
+            return;
+        }
+        let followers: Vec<Foremost> = self.followers().copied().collect();
+        for own in followers {
+            let tolerance = own.shape.radius() * TOLERANCE;
+            let point = own.centre.and_then(|centre| free_point(&centre, tolerance));
+            let arrives = |p: &Point| matches!(self.own.state.way(own.t, p), Way::Arrived(_));
+            if let Some(p) = point.filter(arrives)
+                && let Some(reason) = self.blocked(&p, &own)
+            {
+                self.refuse(Item::Tet(own.t, self.own.state.vertices(own.t)), reason);
+            }
+        }
+    }
+
+    /// The reason why a tetrahedron with the point `p` is refused, if that would take a subface out
+    /// of the mesh that others were refused for.
+    pub(super) fn blocked(&self, p: &Point, own: &Foremost) -> Option<Reason> {
+        let mesh = &self.own.state.mesh;
+        let is_lost = |block: &&Block| block.sides.iter().all(|&(t, _)| mesh.in_conflict(t, p));
+        let lost: Vec<Item> =
+            self.blocks.iter().filter(is_lost).map(|b| Item::Subface(b.corners)).collect();
+        if lost.is_empty() {
+            return None;
+        }
+        // It may be split for a shorter edge than those before allowed.
+        let limit = self.limit(own.t, &own.shape);
+        let root = lost.iter().find_map(|item| self.own.record.bars(item, limit))?;
+        match self.own.state.reason_near(own.corners) {
+            Reason::Rounding => Some(root),
+            named => Some(named),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Block;
+    use crate::Refiner;
+    use crate::item::Item;
+    use crate::marks::face_bit;
+    use crate::outcome::{Reason, RefineStats};
+    use crate::record::Refusal;
+    use crate::rounds::{InsertOrder, Rounds};
+    use crate::state::FACE;
+    use crate::table::triangle;
+    use crate::tests::ready;
+    use ltbw_core::topology::tet_of;
+    use ltbw_generate::{DomainKind, Shape};
+
+    #[test]
+    fn a_block_bars_no_tetrahedron_that_allows_shorter_edges() {
+        let ready = ready(DomainKind::TwoMaterial, &Shape::default());
+        let refiner = Refiner::new().max_volume(1e-3);
+        let (mut run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
+        let (own, stats) = (&mut run.refinement, RefineStats::default());
+        let mut rounds = Rounds::new(own, InsertOrder::Hilbert, u64::MAX, stats);
+        rounds.look_at_all();
+        rounds.find_foremost();
+        let state = &rounds.own.state;
+        let inner = rounds.bad.iter().find_map(|bad| {
+            let tet = state.mesh.topology().at(bad.t);
+            let slot = (0..4).find(|&slot| {
+                let other = tet_of(tet.neighbours()[slot]);
+                state.marks.of(bad.t) & face_bit(slot) != 0
+                    && !state.mesh.topology().at(other).is_ghost()
+            })?;
+            let corners = FACE[slot].map(|k| tet.vertices()[k]);
+            Some((bad.t, corners, tet_of(tet.neighbours()[slot])))
+        });
+        let (t, corners, other) = inner.expect("a subface between two regions");
+        // Its centroid is in the balls on both sides.
+        let points = corners.map(|v| state.at(v));
+        let p = [0, 1, 2].map(|k| points.iter().map(|p| p[k] / 3.0).sum::<f64>().round());
+        let [a, b, c] = corners;
+        let corners = triangle(a, b, c);
+        let own = rounds.foremost_at(t, 1);
+        let sides = [t, other].map(|t| (t, rounds.own.state.vertices(t)));
+        rounds.blocks.push(Block { corners, sides });
+        let limit = rounds.limit(t, &own.shape).expect("bounds");
+        for (factor, is_barred) in [(0.5, true), (1.0, true), (2.0, false)] {
+            let refusal = Refusal { reason: Reason::Floor, limit: Some(limit.times(factor)) };
+            rounds.own.record.refused.insert(Item::Subface(corners), refusal);
+            assert_eq!(rounds.blocked(&p, &own).is_some(), is_barred, "{factor}");
+        }
+        rounds.own.record.refused.insert(Item::Subface(corners), Refusal::final_for(Reason::Floor));
+        assert!(rounds.blocked(&p, &own).is_some());
+    }
+}

@@ -1,0 +1,292 @@
+//! Probes of boundary items: where each is to be split, and the verdict on that point, on the mesh
+//! at the start of the round. All threads look at them, in any order; one waits if another with a
+//! larger key is in its way, whatever becomes of that. At patches one thread looks at each in its
+//! turn, with the cavity open, and one waits for those that were taken before.
+
+use super::batch::Prober;
+use super::conflict::is_same;
+use super::probe::Probe;
+use super::{CHECK_EVERY, Candidate, Look, Rounds};
+use crate::carrier::Carrier;
+use crate::item::Item;
+use crate::key::sorted;
+use crate::measure::circumcircle;
+use crate::outcome::Reason;
+use crate::split::{TOLERANCE, aim};
+use crate::state::Place;
+use crate::verdict::{Judge, Verdict};
+use ltbw_core::PredicateStats;
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_domain::vector::distance2;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Places that are proposed for a boundary item, at most.
+const PLACES: usize = 2;
+/// Items that a thread looks at at a time; fewer are not worth another thread.
+const BATCH: usize = if cfg!(test) { 3 } else { 16 };
+/// Candidates that are worth more than one thread.
+const MANY: usize = if cfg!(test) { 4 } else { 256 };
+
+/// Where a boundary item is to be split.
+enum Proposed {
+    /// Nowhere: it is split already.
+    Gone,
+    Refused(Reason),
+    /// Nowhere this time.
+    Useless,
+    /// Here. A point for a subface is on its facet, or was moved off it: `false`.
+    At(Place, bool),
+}
+
+/// The outcome of a look at a boundary item.
+#[derive(Debug)]
+enum Looked {
+    Gone,
+    Refused(Reason),
+    Found(Found),
+}
+
+/// A point for a boundary item, with its cavity and the verdict on it.
+#[derive(Debug)]
+struct Found {
+    place: Place,
+    /// The cavity in the list of the batch.
+    cavity: Range<usize>,
+    is_marked: bool,
+    verdict: Verdict,
+}
+
+/// The looks at some boundary items, in their order.
+#[derive(Debug, Default)]
+struct Batch {
+    all: Vec<(Item, TetId, Looked)>,
+    tets: Vec<TetId>,
+    stats: PredicateStats,
+}
+
+impl Rounds<'_, '_> {
+    /// Probes boundary items, each with a slot near it, and takes those that may be split now;
+    /// `true` if the work is cancelled.
+    pub(super) fn probe_boundary(&mut self, items: &[(Item, TetId)], heed: Look<'_>) -> bool {
+        let vertices = self.own.state.mesh.num_vertices();
+        if self.in_waves {
+            for (done, &own) in items.iter().enumerate() {
+                if done % CHECK_EVERY == CHECK_EVERY - 1 && heed(vertices) {
+                    return true;
+                }
+                self.probe_open(own);
+            }
+            return false;
+        }
+        let mut own = std::mem::take(&mut self.prober);
+        let this = &*self;
+        let look = |prober: &mut Prober, items: &[(Item, TetId)]| {
+            let mut batch = Batch::default();
+            for &(item, near) in items {
+                let looked = this.look_at_item(item, near, prober, &mut batch.tets);
+                batch.all.push((item, near, looked));
+            }
+            batch.stats = std::mem::take(&mut prober.search.stats);
+            batch
+        };
+        let (mut batches, mut cancelled): (Vec<Batch>, _) = (Vec::new(), false);
+        for items in items.chunks(CHECK_EVERY * self.threads) {
+            cancelled = !batches.is_empty() && heed(vertices);
+            if cancelled {
+                break;
+            }
+            match self.threads > 1 && items.len() >= 2 * BATCH {
+                true => {
+                    let looked = items.par_chunks(BATCH).map_init(Prober::default, look);
+                    batches.extend(looked.collect::<Vec<Batch>>());
+                }
+                false => batches.push(look(&mut own, items)),
+            }
+        }
+        self.prober = own;
+        if cancelled {
+            return true;
+        }
+        for batch in batches {
+            self.own.state.mesh.add_stats(batch.stats);
+            for (item, near, looked) in batch.all {
+                self.take_looked((item, near), looked, &batch.tets);
+            }
+        }
+        let (this, count) = (&*self, self.candidates.len());
+        let judge = |k: usize| {
+            let has_way = !this.is_barred(&this.candidates[k]);
+            (has_way, has_way && this.survives(k))
+        };
+        let judged: Vec<(bool, bool)> = match this.threads > 1 && count >= MANY {
+            true => (0..count).into_par_iter().map(judge).collect(),
+            false => (0..count).map(judge).collect(),
+        };
+        for (k, (has_way, stays)) in judged.into_iter().enumerate() {
+            self.stats.barred += u64::from(!has_way);
+            if stays {
+                self.chosen.push(k);
+            }
+        }
+        false
+    }
+
+    /// The place that is proposed for a boundary item at this attempt.
+    fn proposed(&self, item: Item, near: TetId, attempt: usize) -> Proposed {
+        match item {
+            Item::Segment(ends) => self.proposed_on_segment(ends, near, attempt),
+            Item::Subface(corners) => self.proposed_on_facet(corners, near, attempt),
+            Item::Tet(..) => Proposed::Gone,
+        }
+    }
+
+    fn proposed_on_segment(&self, ends: [VertexId; 2], near: TetId, attempt: usize) -> Proposed {
+        let state = &self.own.state;
+        let Some(&s) = state.segments.get(&ends) else { return Proposed::Gone };
+        if attempt > 0 {
+            return Proposed::Refused(state.unserved(Item::Segment(ends)));
+        }
+        let Some(t) = state.split_parameter(ends, s) else {
+            return Proposed::Refused(Reason::Floor);
+        };
+        let p = state.plc.segments[s as usize].line.point(t);
+        let corners = sorted(ends.map(|v| state.at(v)));
+        let nearest = corners.iter().map(|c| distance2(c, &p)).fold(f64::INFINITY, f64::min);
+        match nearest < self.own.floor * self.own.floor {
+            true => Proposed::Refused(Reason::Floor),
+            false => Proposed::At(Place { p, carrier: Carrier::Segment(s, t), from: near }, true),
+        }
+    }
+
+    fn proposed_on_facet(&self, corners: [VertexId; 3], near: TetId, attempt: usize) -> Proposed {
+        let state = &self.own.state;
+        let Some(&f) = state.subfaces.get(&corners) else { return Proposed::Gone };
+        let points = sorted(corners.map(|v| state.at(v)));
+        let (centre, square) = circumcircle(&points[0], &points[1], &points[2]);
+        if square < self.own.floor * self.own.floor {
+            return Proposed::Refused(Reason::Floor);
+        }
+        let (centre, radius) = aim(points, &centre, square);
+        let tolerances: [f64; PLACES] = [radius * TOLERANCE, 1.0];
+        let Some(&tolerance) = tolerances.get(attempt) else {
+            let reason = state.angles.reason_of_facet(f);
+            let unserved = || state.unserved(Item::Subface(corners));
+            return Proposed::Refused(reason.unwrap_or_else(unserved));
+        };
+        match state.place_on(f, &centre, tolerance) {
+            Some((p, is_on)) => {
+                Proposed::At(Place { p, carrier: Carrier::Facet(f), from: near }, is_on)
+            }
+            None => Proposed::Useless,
+        }
+    }
+
+    /// Looks for the point of a boundary item; its cavity, and what is around it, is added to
+    /// `list`. The last attempt is refused.
+    fn look_at_item(
+        &self,
+        item: Item,
+        near: TetId,
+        prober: &mut Prober,
+        list: &mut Vec<TetId>,
+    ) -> Looked {
+        let state = &self.own.state;
+        let Prober { search, touched } = prober;
+        for attempt in 0..=PLACES {
+            let (place, is_on) = match self.proposed(item, near, attempt) {
+                Proposed::Gone => return Looked::Gone,
+                Proposed::Refused(reason) => return Looked::Refused(reason),
+                Proposed::Useless => continue,
+                Proposed::At(place, is_on) => (place, is_on),
+            };
+            let p = &place.p;
+            let Some(from) = state.holder(state.start_near(near), p) else { continue };
+            // The point fell together with a vertex.
+            let mut corners = state.vertices(from).into_iter().filter(|&v| v != INFINITE);
+            if corners.any(|v| state.at(v) == *p) {
+                continue;
+            }
+            search.find(&state.mesh, p, from);
+            let has = |t: TetId| search.has(t);
+            let tets = search.tets();
+            state.look_into((tets.iter().copied(), &has), p, place.carrier, touched);
+            let judge =
+                Judge { touched, found: Some(tets), ..Judge::on_open(state, &self.own.record) };
+            let verdict = judge.on_boundary(item, &place, is_on);
+            if matches!(verdict, Verdict::Useless) {
+                continue;
+            }
+            let start = list.len();
+            list.extend(tets);
+            let cavity = start..list.len();
+            let place = Place { from, ..place };
+            let is_marked = touched.is_marked;
+            return Looked::Found(Found { place, cavity, is_marked, verdict });
+        }
+        Looked::Refused(state.unserved(item))
+    }
+
+    /// Makes an item that may be split a candidate; `list` has its cavity.
+    fn take_looked(&mut self, (item, near): (Item, TetId), looked: Looked, list: &[TetId]) {
+        let found = match looked {
+            Looked::Gone => {
+                self.pending.remove(&item);
+                return;
+            }
+            Looked::Refused(reason) => return self.refuse(item, reason),
+            Looked::Found(found) => found,
+        };
+        let Found { place, cavity, is_marked, verdict } = found;
+        self.stats.searches += 1;
+        match verdict {
+            Verdict::Fill(filling) => {
+                let start = self.cavities.len();
+                self.cavities.extend_from_slice(&list[cavity]);
+                let cavity = start..self.cavities.len();
+                let rank = self.candidates.len() as u32;
+                let (fits, alone) = (true, false);
+                let own = Candidate { item, rank, fits, is_marked, alone, place, cavity, filling };
+                self.candidates.push(own);
+                self.reserve_last();
+            }
+            Verdict::Defer(first) => self.wait(item, first, near),
+            Verdict::Refuse(reason) => self.refuse(item, reason),
+            Verdict::Useless => {}
+        }
+    }
+
+    /// Rule (d): has a candidate's closure slots in the cavity of one before it, other than one of
+    /// the same segment or facet? Only the foremost of a slot counts: those behind that one wait.
+    fn is_barred(&self, own: &Candidate) -> bool {
+        self.has_in_closure(own, |t| {
+            let rank = || (self.free + self.count - self.reserved.at(t)) as usize;
+            self.has_rival(t, own.rank)
+                && !is_same(self.candidates[rank()].place.carrier, own.place.carrier)
+        })
+    }
+
+    /// Probes a boundary item with the cavity of its point open, and takes it if it may be split.
+    fn probe_open(&mut self, (item, near): (Item, TetId)) {
+        for attempt in 0..=PLACES {
+            let (place, is_on) = match self.proposed(item, near, attempt) {
+                Proposed::Gone => {
+                    self.pending.remove(&item);
+                    return;
+                }
+                Proposed::Refused(reason) => return self.refuse(item, reason),
+                Proposed::Useless => continue,
+                Proposed::At(place, is_on) => (place, is_on),
+            };
+            let rank = self.candidates.len() as u32;
+            let verdict = |judge: Judge<'_>| judge.on_boundary(item, &place, is_on);
+            match self.probe((item, rank), &place, verdict) {
+                Probe::Fits => return self.take_or_drop(),
+                Probe::Barred => return,
+                Probe::Defers(first) => return self.wait(item, first, near),
+                Probe::Refuses(reason) => return self.refuse(item, reason),
+                Probe::Useless => {}
+            }
+        }
+    }
+}

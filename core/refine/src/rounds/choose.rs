@@ -1,0 +1,249 @@
+//! The choice of a round: candidates, probes, and the kill rule.
+//!
+//! Boundary items come before tetrahedra. Where only few are left, the tetrahedra go on in the same
+//! round, away from them: else many rounds would have a few points each.
+//!
+//! Of tetrahedra the candidates are probed on the mesh at the start of the round, in any order, or
+//! at patches in waves: one is dropped if a candidate with a larger key has it in its cavity. Where
+//! cavities only overlap, both points are taken. A boundary item whose cavity meets that of one
+//! with a larger key waits for the next round, unless both points are on one segment, or in one
+//! facet and the cavity there has not this subface.
+
+use super::{CHECK_EVERY, Candidate, Class, LAST, Look, Rounds};
+use crate::item::Item;
+use ltbw_core::topology::TetId;
+use rayon::prelude::*;
+use std::cmp::Reverse;
+
+/// At patches each wave of probes has twice the ranks of the wave before it, the first has one, up
+/// to this number; then come all others.
+const SMALL: usize = 64;
+/// Tetrahedra are split in one round with boundary items where they were at least this number for
+/// each of these, when last counted.
+const BESIDE: usize = if cfg!(test) { 1 } else { 32 };
+/// Candidates that are worth more than one thread.
+const MANY: usize = if cfg!(test) { 4 } else { 512 };
+
+/// Are tetrahedra split in one round with this number of boundary items? `counted` of them came
+/// before all around them when last counted.
+#[doc(hidden)]
+pub fn are_joined(items: usize, counted: usize) -> bool {
+    items * BESIDE <= counted
+}
+
+impl Rounds<'_, '_> {
+    /// Chooses the candidates of a class that are to be inserted; `true` if the work is cancelled.
+    pub(super) fn choose(&mut self, class: Class, look: Look<'_>) -> bool {
+        self.candidates.clear();
+        self.chosen.clear();
+        self.cavities.clear();
+        match class {
+            Class::Slivers => self.choose_slivers(look),
+            Class::Tets => {
+                self.forget_reserved(self.leaders.len());
+                self.choose_tets(look)
+            }
+            Class::Boundary => {
+                let ready = self.ready();
+                // At patches points are alone in their closures.
+                let joined = !self.in_waves && are_joined(ready.len(), self.counted);
+                if joined {
+                    self.find_foremost();
+                }
+                let tets = if joined { self.leaders.len() } else { 0 };
+                self.forget_reserved(ready.len() + tets);
+                self.boundary = ready.len() as u32;
+                self.probe_boundary(&ready, look) || joined && self.choose_tets(look)
+            }
+        }
+    }
+
+    /// Probes the leaders among the foremost tetrahedra, then takes those that are killed by none.
+    /// Their ranks follow those of boundary items.
+    fn choose_tets(&mut self, look: Look<'_>) -> bool {
+        let (ranks, order) = self.ranks();
+        let others = self.candidates.len();
+        self.check_blocks();
+        let all = self.count as usize;
+        let (mut first, mut wave) =
+            (self.boundary as usize, if self.in_waves { 1 } else { ranks.len() });
+        while first < all {
+            let has = |k: u32| (first..first + wave).contains(&(ranks[k as usize] as usize));
+            // Of the first wave nobody knows yet whether it is killed.
+            let is_first = first == self.boundary as usize;
+            let is_alive =
+                |k: u32| is_first || !self.has_rival(self.leader(k).t, ranks[k as usize]);
+            let own = order.iter().copied().filter(|&k| has(k));
+            let list: Vec<u32> = own.filter(|&k| is_alive(k)).collect();
+            for (k, list) in list.chunks(CHECK_EVERY * self.threads).enumerate() {
+                if (first, k) != (self.boundary as usize, 0)
+                    && look(self.own.state.mesh.num_vertices())
+                {
+                    return true;
+                }
+                let batches = self.probe_tets(list, &ranks);
+                batches.into_iter().for_each(|batch| self.take_batch(batch));
+            }
+            first += wave;
+            wave = if wave < SMALL { 2 * wave } else { all };
+        }
+        if !self.alone.is_empty() {
+            self.choose_in_turns();
+            self.conclude();
+            self.refuse_blocked();
+            return false;
+        }
+        let (this, count) = (&*self, self.candidates.len());
+        let is_chosen = |k: usize| this.candidates[k].fits && this.survives(k);
+        let chosen: Vec<usize> = match this.threads > 1 && count - others >= MANY {
+            true => (others..count).into_par_iter().filter(|&k| is_chosen(k)).collect(),
+            false => (others..count).filter(|&k| is_chosen(k)).collect(),
+        };
+        self.chosen.extend(chosen);
+        self.conclude();
+        self.refuse_blocked();
+        false
+    }
+
+    /// Chooses among the candidates of a round in which some have to be alone, the foremost first:
+    /// the slots are reserved anew, by those alone that no earlier one of these has killed. Else
+    /// whole chains would wait, each one for the next.
+    pub(super) fn choose_in_turns(&mut self) {
+        let alone = std::mem::take(&mut self.alone);
+        self.forget_reserved(self.count as usize);
+        self.alone = alone;
+        let mut turns: Vec<usize> = (0..self.candidates.len()).collect();
+        turns.sort_unstable_by_key(|&k| self.candidates[k].rank);
+        for k in turns {
+            let own = &self.candidates[k];
+            // One that asks for others keeps its place free.
+            let stays = match own.item {
+                Item::Tet(t, _) if !own.fits => !self.has_rival(t, own.rank),
+                _ => self.survives(k),
+            };
+            if stays {
+                self.reserve(k);
+            }
+            if stays && self.candidates[k].fits {
+                self.chosen.push(k);
+            }
+        }
+        self.chosen.sort_unstable();
+    }
+
+    /// The pending items that wait for none, subsegments first, then by their keys, each with a
+    /// slot near it.
+    fn ready(&self) -> Vec<(Item, TetId)> {
+        let state = &self.own.state;
+        let ready = self.pending.iter().filter(|(_, pending)| self.is_ready(pending));
+        let mut items: Vec<_> = ready
+            .map(|(&item, pending)| {
+                let (key, place) = (state.key_of(item), state.place_of(item));
+                let is_subface = matches!(item, Item::Subface(_));
+                ((is_subface, Reverse(key), place), item, pending.near)
+            })
+            .collect();
+        items.sort_unstable_by_key(|own| own.0);
+        items.into_iter().map(|(_, item, near)| (item, near)).collect()
+    }
+
+    /// Starts a round of `count` ranks, in which no slot is reserved or written.
+    pub(super) fn forget_reserved(&mut self, count: usize) {
+        let count = count as u32;
+        self.free = match self.written().checked_add(count).filter(|&most| most < LAST) {
+            Some(_) => self.written(),
+            None => {
+                self.reserved.clear();
+                0
+            }
+        };
+        (self.count, self.boundary, self.batch) = (count, 0, 0);
+        self.alone.clear();
+    }
+
+    /// Takes the last candidate, whose cavity is its own from now on, where none before it has it.
+    pub(super) fn take(&mut self) {
+        self.chosen.push(self.candidates.len() - 1);
+        self.reserve_last();
+    }
+
+    /// Writes the last candidate into the slots of its cavity, where none before it is.
+    pub(super) fn reserve_last(&mut self) {
+        if let Some(k) = self.candidates.len().checked_sub(1) {
+            self.reserve(k);
+        }
+    }
+
+    pub(super) fn reserve(&mut self, k: usize) {
+        let candidate = &self.candidates[k];
+        let own = self.free + self.count - candidate.rank;
+        for &t in &self.cavities[candidate.cavity.clone()] {
+            self.reserved.raise(t, own, true);
+        }
+    }
+
+    /// Notes by its rank whether the last candidate has to be alone.
+    pub(super) fn note_alone(&mut self) {
+        if let Some(candidate) = self.candidates.last()
+            && (candidate.alone || !self.alone.is_empty())
+        {
+            self.alone.resize(self.count as usize, false);
+            self.alone[candidate.rank as usize] = candidate.alone;
+        }
+    }
+
+    /// Has a candidate's closure slots in the cavities of those before it, if one of the two has to
+    /// be alone?
+    fn is_crowded(&self, own: &Candidate) -> bool {
+        let is_met = |t: TetId| {
+            let other = self.reserved.at(t);
+            let rank = || (self.free + self.count - other) as usize;
+            self.has_rival(t, own.rank) && (own.alone || self.alone[rank()])
+        };
+        !self.alone.is_empty() && self.has_in_closure(own, is_met)
+    }
+
+    /// Has a candidate's closure a slot of this kind?
+    pub(super) fn has_in_closure(&self, own: &Candidate, is: impl Fn(TetId) -> bool) -> bool {
+        let mut cavity = self.cavities[own.cavity.clone()].iter();
+        cavity.any(|&t| is(t) || self.neighbours(t).into_iter().any(&is))
+    }
+
+    /// Has the closure of a tetrahedron's candidate slots in the cavities of boundary items?
+    fn is_beside_boundary(&self, own: &Candidate) -> bool {
+        let has = |t: TetId| self.has_rival(t, self.boundary);
+        self.boundary > 0 && matches!(own.item, Item::Tet(..)) && self.has_in_closure(own, has)
+    }
+
+    /// Does a candidate before the one of this rank have slot `t` in its cavity?
+    pub(super) fn has_rival(&self, t: TetId, rank: u32) -> bool {
+        self.reserved.at(t) > self.free + self.count - rank
+    }
+
+    /// Is a candidate killed by none before it, and loses no item together with others?
+    pub(super) fn survives(&self, k: usize) -> bool {
+        let own = &self.candidates[k];
+        let is_killed = match own.item {
+            Item::Subface(s) => self.tets_at(own, s).iter().all(|&t| self.has_rival(t, own.rank)),
+            Item::Tet(t, _) => self.has_rival(t, own.rank),
+            Item::Segment(_) => false,
+        };
+        // Only what is marked can be lost.
+        let is_lost = |own: &Candidate| self.loses_jointly(own) || self.is_beside_boundary(own);
+        !(is_killed || own.is_marked && is_lost(own) || self.is_crowded(own))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Workers and the engine ask this alike: at the edge another answer is another mesh.
+    #[test]
+    fn tetrahedra_join_boundary_items_from_the_exact_number_on() {
+        for items in [1, 2, 1000] {
+            assert!(are_joined(items, items * BESIDE), "{items}");
+            assert!(!are_joined(items, items * BESIDE - 1), "{items}");
+        }
+    }
+}

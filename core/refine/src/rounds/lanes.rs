@@ -1,0 +1,294 @@
+//! The insertion of the points of a round by several threads: each has a share of them along the
+//! curve, inserts those whose closures nobody else needs, and leaves the others.
+
+use super::sift::{Bad, witness};
+use super::{Candidate, Look, Rounds};
+use crate::RefineError;
+use crate::bounds::{Bounds, Four, bits};
+use crate::carrier::Carrier;
+use crate::item::Item;
+use crate::key::key_of_tet;
+use crate::marks::{Marks, Word};
+use crate::sync::{Keys, Words};
+use crate::thin::Thin;
+use ltbw_core::BuildError;
+use ltbw_core::mesh::lanes::{Chosen, Follow, Lanes, View};
+use ltbw_core::topology::{FaceId, INFINITE, TetId, VertexId, tet_of};
+
+/// The fewest points for a lane.
+const FEW: usize = if cfg!(test) { 2 } else { 128 };
+/// The insertions of a lane between two looks at the new tetrahedra.
+const BATCH: usize = if cfg!(test) { 3 } else { 32 };
+/// The points inserted between two looks at whether the work is cancelled.
+const STAGE: usize = if cfg!(test) { 50 } else { 1 << 16 };
+
+/// The memory of the threads that insert together.
+#[derive(Debug, Default)]
+pub(super) struct Memory {
+    lanes: Lanes,
+    kept: Vec<Kept>,
+}
+
+/// The memory of one lane, in cache lines of its own.
+#[derive(Debug, Default)]
+#[repr(align(128))]
+struct Kept {
+    /// The words of the walls of the open cavity.
+    inherited: Vec<Word>,
+    /// The slots that it has written since its last look, each once.
+    created: Vec<TetId>,
+    /// Insertions since the last look.
+    insertions: usize,
+    /// The looks of this stage.
+    looks: u32,
+    /// The tetrahedra over their bounds that it has found, and those that may have tiny dihedral
+    /// angles.
+    bad: Vec<Bad>,
+    thin: Vec<Thin>,
+    /// Scratch: a star with boundary.
+    star: Vec<(TetId, [VertexId; 4])>,
+    /// Items that should be in a star, but are not.
+    missed: Vec<Item>,
+}
+
+/// Marks, slots written, and keys, which each lane brings up to date.
+struct Update<'u> {
+    candidates: &'u [Candidate],
+    /// The candidates that are inserted.
+    stage: &'u [usize],
+    marks: &'u Marks,
+    reserved: &'u Words,
+    /// The largest entry of slots that were not written in this round.
+    last: u32,
+    /// The entry of those written up to the first look.
+    written: u32,
+    keys: &'u Keys,
+    stamps: &'u Words,
+    /// The number of looks before.
+    looks: u32,
+    /// The bounds, if tetrahedra are looked at here.
+    bounds: Option<&'u Bounds<'u>>,
+}
+
+impl Update<'_> {
+    /// Looks at the tetrahedra made since the last look, as long as they are in the cache. None was
+    /// refused before: each has a new vertex.
+    #[inline(never)]
+    fn look(&self, own: &mut Kept, view: View<'_>) {
+        let Some(bounds) = self.bounds else { return };
+        let Kept { created, bad, thin, looks, insertions, .. } = own;
+        *insertions = 0;
+        *looks += 1;
+        let (look, first) = (self.looks + *looks, bad.len());
+        for &t in &*created {
+            self.keys.set(t, 0);
+            self.stamps.set(t, look);
+        }
+        self.find_bad(created, look, (bounds, view), (bad, thin));
+        created.clear();
+        for bad in &mut bad[first..] {
+            if let Some(witness) = self.one_before(bad.t, view) {
+                bad.witness = witness;
+            }
+        }
+    }
+
+    /// Finds those of some tetrahedra that are over their bounds, and gives their slots keys. None
+    /// lies between the triangles of a patch: points that change one go in no lane.
+    fn find_bad(
+        &self,
+        tets: &[TetId],
+        look: u32,
+        (bounds, view): (&Bounds<'_>, View<'_>),
+        (bad, thin): (&mut Vec<Bad>, &mut Vec<Thin>),
+    ) {
+        let mut solid = tets.iter().filter_map(|&t| {
+            let region = self.marks.region(t);
+            let tet = view.tet(t).filter(|tet| region != 0 && !tet.is_ghost())?;
+            Some((t, tet.vertices(), region))
+        });
+        let (mut four, mut own) = (Four::default(), [(TetId::default(), [INFINITE; 4]); 4]);
+        loop {
+            four.clear();
+            for (to, (t, v, region)) in own.iter_mut().zip(solid.by_ref()) {
+                *to = (t, v);
+                four.push(v.map(|v| view.point(v)), region);
+            }
+            let looked = bounds.look_at_four(&four);
+            for k in bits(looked.0) {
+                let t = own[k].0;
+                self.keys.set(t, key_of_tet(four.corners(k)));
+                bad.push(Bad::new(t, look));
+            }
+            thin.extend(bits(looked.1).map(|k| own[k]));
+            if four.count() < own.len() {
+                return;
+            }
+        }
+    }
+
+    /// A tetrahedron around `t` that comes before it, and the neighbour on the way there, or `t`.
+    /// Only slots of this lane count, since others may be written meanwhile, within this look.
+    fn one_before(&self, t: TetId, view: View<'_>) -> Option<[TetId; 2]> {
+        let key = self.keys.at(t);
+        let neighbours = view.tet(t)?.neighbours().map(tet_of);
+        let is_before = |&other: &TetId| self.keys.at(other) > key && view.tet(other).is_some();
+        let around = |way: TetId| view.tet(way).map(|tet| tet.neighbours().map(tet_of));
+        witness(t, neighbours, around, is_before)
+    }
+}
+
+impl Follow for Update<'_> {
+    type Own = Kept;
+
+    #[inline(always)]
+    fn changed(&self, t: TetId) -> bool {
+        self.reserved.at(t) > self.last
+    }
+
+    #[inline(always)]
+    fn fetch(&self, t: TetId) {
+        self.reserved.prefetch(t);
+        self.marks.prefetch(t);
+    }
+
+    #[inline(always)]
+    fn opened(&self, own: &mut Kept, walls: impl Iterator<Item = FaceId>) {
+        self.marks.inherit(&mut own.inherited, walls);
+    }
+
+    #[inline(always)]
+    fn filled(&self, own: &mut Kept, k: usize, star: &[TetId], view: View<'_>) {
+        self.marks.pass(&own.inherited, star);
+        let Candidate { place, filling, .. } = &self.candidates[self.stage[k]];
+        if place.carrier != Carrier::Free {
+            own.star.clear();
+            own.star.extend(star.iter().filter_map(|&t| Some((t, view.tet(t)?.vertices()))));
+            filling.mark(&own.star, |t, bits| self.marks.set(t, bits), &mut own.missed);
+        }
+        let written = self.written + own.looks;
+        for &t in star {
+            if self.reserved.at(t) != written {
+                self.reserved.set(t, written);
+                own.created.push(t);
+                // These are written when the tetrahedron is looked at.
+                self.keys.prefetch(t);
+                self.stamps.prefetch(t);
+            }
+        }
+        own.insertions += 1;
+        if own.insertions == BATCH {
+            self.look(own, view);
+        }
+    }
+
+    fn ended(&self, own: &mut Kept, view: View<'_>) {
+        self.look(own, view);
+    }
+}
+
+impl Rounds<'_, '_> {
+    /// May several threads insert some of the chosen points? Not if labels at a patch change: they
+    /// are a function of the mesh as long as one point at a time changes it.
+    pub(super) fn may_use_lanes(&self, list: &[usize]) -> bool {
+        let changes = |&k: &usize| !self.candidates[k].filling.changes.is_empty();
+        let changes_patch = self.in_waves && list.iter().any(changes);
+        self.threads > 1 && self.alone.is_empty() && !changes_patch
+    }
+
+    /// Inserts candidates in lanes; returns their number, which is less than all if the work is
+    /// cancelled. A point of the boundary is put off if the changes that come with it may be
+    /// others by now.
+    ///
+    /// # Errors
+    /// There is no room for one.
+    pub(super) fn insert_in_lanes(
+        &mut self,
+        order: &[usize],
+        look: Look<'_>,
+    ) -> Result<usize, RefineError> {
+        let mut count = 0;
+        for stage in order.chunks(STAGE) {
+            if count > 0 && look(self.own.state.mesh.num_vertices()) {
+                break;
+            }
+            self.insert_stage(stage)?;
+            count += stage.len();
+        }
+        Ok(count)
+    }
+
+    fn insert_stage(&mut self, stage: &[usize]) -> Result<(), RefineError> {
+        let (count, last, written) = (stage.len(), self.free + self.count, self.written());
+        let many = self.threads.min(count / FEW).clamp(1, Lanes::MOST);
+        let Self { own, candidates, cavities, reserved, keys, stamps, lanes, .. } = self;
+        let (state, inserted) = (&mut own.state, &mut own.inserted);
+        let slots = state.mesh.make_room_for(count, many).map_err(BuildError::from)?;
+        let words = || [&mut *reserved, &mut *stamps].into_iter().for_each(|own| own.grow(slots));
+        rayon::join(|| rayon::join(|| keys.grow(slots), || state.marks.grow(slots)), words);
+        let (candidates, cavities) = (&*candidates, &*cavities);
+        let chosen = |k: usize| {
+            let Candidate { place, cavity, .. } = &candidates[stage[k]];
+            let is_fixed = place.carrier != Carrier::Free;
+            Chosen { p: place.p, cavity: &cavities[cavity.clone()], is_fixed }
+        };
+        // Tetrahedra near small angles that points cannot help are found with the whole mesh.
+        let bounds = own.bounds.as_ref().filter(|_| state.angles.is_empty());
+        let (marks, looks) = (&state.marks, self.looks);
+        let follow = Update {
+            candidates,
+            stage,
+            marks,
+            reserved,
+            last,
+            written,
+            keys,
+            stamps,
+            looks,
+            bounds,
+        };
+        let Memory { lanes, kept } = lanes;
+        kept.resize_with(kept.len().max(many), Kept::default);
+        let all = (count, &chosen);
+        let (first, put_off) =
+            state.mesh.fill_in_lanes(lanes, inserted.next_number, all, &follow, &mut kept[..many]);
+        for &k in stage {
+            let carrier = candidates[k].place.carrier;
+            state.carriers.push(carrier);
+            inserted.points.count(carrier);
+        }
+        inserted.next_number += count as u32;
+        let looks = kept.iter().map(|own| own.looks).max().unwrap_or(0);
+        (self.looks, self.batch) = (self.looks + looks, self.batch + looks);
+        let (thin, mut missed) = (&mut inserted.thin.tets, Vec::new());
+        for own in kept {
+            own.looks = 0;
+            self.bad.append(&mut own.bad);
+            thin.append(&mut own.thin);
+            self.created.append(&mut own.created);
+            missed.append(&mut own.missed);
+        }
+        let vertex = |k: usize| VertexId::at(first.index() + k);
+        let mut others = put_off.iter().peekable();
+        for (k, &own) in stage.iter().enumerate() {
+            if others.next_if_eq(&&k).is_none() && !self.is_inner(own) {
+                self.take_boundary(own, vertex(k));
+            }
+        }
+        missed.into_iter().for_each(|item| self.own.state.miss(item, &mut self.nothing));
+        for k in put_off {
+            self.insert_one(stage[k], Some(vertex(k)))?;
+        }
+        self.look_at_created();
+        Ok(())
+    }
+
+    /// Brings tables up to date after the insertion of a boundary candidate's point.
+    fn take_boundary(&mut self, k: usize, v: VertexId) {
+        let Candidate { item, ref filling, .. } = self.candidates[k];
+        debug_assert!(filling.lost.is_empty());
+        self.own.state.enter_filling(v, filling);
+        self.pending.remove(&item);
+        self.own.record.limits.remove(&item);
+    }
+}

@@ -1,0 +1,207 @@
+//! Probes: the cavity of a proposed point is opened, looked at and set back. A probe for a
+//! tetrahedron runs to its end and writes its candidate into all slots of its cavity, unless it is
+//! refused, so that the slots are a function of the mesh; of boundary items only those that are
+//! taken write theirs.
+
+use super::conflict::is_same;
+use super::foremost::Foremost;
+use super::{Asked, Candidate, Conclusion, Pending, Rounds};
+use crate::carrier::{Carrier, free_point};
+use crate::item::Item;
+use crate::limit::Limit;
+use crate::measure::Shape;
+use crate::outcome::Reason;
+use crate::split::TOLERANCE;
+use crate::state::Place;
+use crate::verdict::{Filling, Judge, Verdict};
+use crate::walk::Way;
+use ltbw_core::cavity::{AdmitAll, Role};
+use ltbw_core::mesh::At;
+use ltbw_core::topology::TetId;
+
+/// The result of a probe.
+pub(super) enum Probe {
+    /// The point may be inserted.
+    Fits,
+    /// One taken before is in its way.
+    Barred,
+    Defers(Vec<Item>),
+    Refuses(Reason),
+    /// Another point may serve.
+    Useless,
+}
+
+impl Rounds<'_, '_> {
+    /// Proposes a point for a tetrahedron near a patch, the leader of a group, of this rank: what
+    /// its labels would be, the open cavity tells.
+    pub(super) fn probe_tet(&mut self, own: &Foremost, rank: u32) {
+        let &Foremost { t, corners: v, shape, centre, .. } = own;
+        let conclude = |own: &mut Self, first: Vec<Item>| {
+            let limit = own.limit(t, &shape);
+            let reason = own.own.state.reason_near(v);
+            let verdict = own.first_of(&first, limit, reason);
+            let verdict = verdict.map(|item| Asked { item, limit, near: t });
+            let is_refused = verdict.is_err();
+            own.conclusions.push(Conclusion { t, rank, verdict });
+            (is_refused, limit)
+        };
+        let item = Item::Tet(t, self.own.state.vertices(t));
+        let radius = shape.radius();
+        if radius < self.own.floor {
+            self.conclusions.push(Conclusion { t, rank, verdict: Err(Reason::Floor) });
+            return;
+        }
+        for tolerance in [radius * TOLERANCE, 1.0] {
+            let Some(centre) = centre else { break };
+            let proposed = free_point(&centre, tolerance);
+            let p = proposed.unwrap_or(centre);
+            let from = match self.own.state.way(t, &p) {
+                Way::Arrived(from) if proposed.is_some() => from,
+                Way::Blocked(subface) => {
+                    conclude(self, vec![Item::Subface(subface)]);
+                    return;
+                }
+                Way::Arrived(_) | Way::Outside => continue,
+            };
+            if let Some(reason) = self.blocked(&p, own) {
+                self.conclusions.push(Conclusion { t, rank, verdict: Err(reason) });
+                return;
+            }
+            let place = Place { p, carrier: Carrier::Free, from };
+            match self.probe((item, rank), &place, |judge| judge.on_tet(t, &place.p)) {
+                Probe::Fits => {
+                    self.note_alone();
+                    return self.reserve_last();
+                }
+                Probe::Defers(first) => {
+                    // One that is refused is in nobody's way.
+                    match conclude(self, first) {
+                        (false, _) => self.reserve_last(),
+                        (true, limit) => self.note_blocks(limit),
+                    }
+                    return;
+                }
+                Probe::Refuses(_) | Probe::Barred | Probe::Useless => {}
+            }
+        }
+        let mut sides = self.own.state.boundary_sides(t);
+        self.own.state.sort(&mut sides);
+        conclude(self, sides);
+    }
+
+    /// Asks for the boundary items that the probed tetrahedra wait for, and refuses those that none
+    /// may be split for. One that is killed waits for what becomes of its place.
+    pub(super) fn conclude(&mut self) {
+        for Conclusion { t, rank, verdict } in std::mem::take(&mut self.conclusions) {
+            if self.has_rival(t, rank) {
+                continue;
+            }
+            match verdict {
+                Ok(asked) => self.asked.push(asked),
+                Err(reason) => self.refuse(Item::Tet(t, self.own.state.vertices(t)), reason),
+            }
+        }
+    }
+
+    /// The edges that splitting a tetrahedron may lead to.
+    pub(super) fn limit(&self, t: TetId, shape: &Shape) -> Option<Limit> {
+        let own = &self.own;
+        let parts = &own.record.parts;
+        let item = || Item::Tet(t, own.state.vertices(t));
+        let part = if parts.is_empty() { None } else { parts.get(&item()).copied() };
+        own.bounds.as_ref().map(|b| b.limit(&own.state, t, shape).times(part.unwrap_or(1.0)))
+    }
+
+    /// Opens the cavity of a place, takes the verdict and sets the cavity back. A point that serves
+    /// its item becomes a candidate.
+    pub(super) fn probe(
+        &mut self,
+        (item, rank): (Item, u32),
+        place: &Place,
+        verdict: impl FnOnce(Judge<'_>) -> Verdict,
+    ) -> Probe {
+        let Self { own, reserved, candidates, cavities, stats, free, count, .. } = self;
+        let state = &mut own.state;
+        let place = Place { from: state.start_near(place.from), ..*place };
+        let first = cavities.len();
+        stats.searches += 1;
+        let is_free = place.carrier == Carrier::Free;
+        let open = match is_free {
+            true => state.begin_and_look(&place, &mut AdmitAll),
+            // Rule (d): boundary points keep apart.
+            false => state.begin_and_look(&place, &mut |t: TetId, _: Role| {
+                let other = reserved.at(t);
+                let before = || &candidates[(*free + *count - other) as usize].place;
+                other <= *free || is_same(before().carrier, place.carrier)
+            }),
+        };
+        let open = match open {
+            Ok(open) => open,
+            Err(At::Vertex(_)) => return Probe::Useless,
+            Err(At::SetBack(_)) => {
+                stats.searches -= 1;
+                stats.barred += 1;
+                return Probe::Barred;
+            }
+        };
+        let verdict = verdict(Judge::on_open(open.owner(), &own.record));
+        let (probe, filling) = match verdict {
+            Verdict::Fill(filling) => (Probe::Fits, filling),
+            Verdict::Defer(first) if is_free => (Probe::Defers(first), Filling::default()),
+            Verdict::Defer(first) => return Probe::Defers(first),
+            Verdict::Refuse(reason) => return Probe::Refuses(reason),
+            Verdict::Useless => return Probe::Useless,
+        };
+        cavities.extend(open.tets());
+        let place = Place { from: cavities[first], ..place };
+        let cavity = first..cavities.len();
+        let (fits, is_marked) = (matches!(probe, Probe::Fits), open.owner().touched.is_marked);
+        // Labels at a patch are a function of the mesh as long as one point at a time changes it.
+        let is_patch = |f: u32| open.owner().is_patch(f);
+        let alone = filling.changes.iter().any(|change| is_patch(change.facet));
+        candidates.push(Candidate { item, rank, fits, is_marked, alone, place, cavity, filling });
+        probe
+    }
+
+    /// Takes the last candidate, unless one taken before it is in its way.
+    pub(super) fn take_or_drop(&mut self) {
+        self.note_alone();
+        if self.survives(self.candidates.len() - 1) {
+            self.take();
+        } else if let Some(last) = self.candidates.pop() {
+            self.cavities.truncate(last.cavity.start);
+        }
+    }
+
+    pub(super) fn refuse(&mut self, item: Item, reason: Reason) {
+        self.refusals.push((item, reason));
+    }
+
+    /// A boundary item waits for others, unless all of them were refused.
+    pub(super) fn wait(&mut self, item: Item, first: Vec<Item>, near: TetId) {
+        let limit = self.own.record.limits.get(&item).copied();
+        match self.first_of(&first, limit, Reason::Rounding) {
+            Ok(first) => {
+                self.asked.push(Asked { item: first, limit, near });
+                self.waits.push((item, Pending { first: Some(first), near }));
+            }
+            Err(reason) => self.refuse(item, reason),
+        }
+    }
+
+    /// The first of some items that may be split under a limit; else the reason why none may.
+    pub(super) fn first_of(
+        &self,
+        items: &[Item],
+        limit: Option<Limit>,
+        mut reason: Reason,
+    ) -> Result<Item, Reason> {
+        for item in items {
+            match self.own.record.bars(item, limit) {
+                None => return Ok(*item),
+                Some(why) => reason = reason.after(why),
+            }
+        }
+        Err(reason)
+    }
+}

@@ -1,0 +1,89 @@
+//! Rounds that take over from others, who have carried out some before.
+
+use super::{Pending, Rounds};
+use crate::RefineError;
+use crate::item::Item;
+use crate::limit::Limit;
+use crate::outcome::RefineStats;
+use crate::thin::Thin;
+use ltbw_core::topology::TetId;
+
+/// A boundary item that was to be split when others handed over.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Waiting {
+    pub(crate) item: Item,
+    pub(crate) first: Option<Item>,
+    /// A slot at it.
+    pub(crate) near: TetId,
+    pub(crate) limit: Option<Limit>,
+}
+
+/// The work that others leave to be done.
+#[derive(Debug)]
+pub(crate) struct Resumed {
+    pub(crate) waiting: Vec<Waiting>,
+    /// The candidates among the tetrahedra when last counted.
+    pub(crate) candidates: usize,
+    /// If none is over its bounds, those that may have tiny dihedral angles.
+    pub(crate) thin: Option<Vec<TetId>>,
+}
+
+/// The items that are left to be split, and figures; or all, if something could not be split.
+type Parted<R> = Result<(Vec<Waiting>, RefineStats), R>;
+
+impl Rounds<'_, '_> {
+    /// Takes over from others.
+    pub(crate) fn resume(&mut self, resumed: Resumed) {
+        self.counted = resumed.candidates;
+        self.handed = resumed.thin;
+        for Waiting { item, first, near, limit } in resumed.waiting {
+            self.pending.insert(item, Pending { first, near });
+            self.own.record.limits.extend(limit.map(|limit| (item, limit)));
+        }
+    }
+
+    /// Looks at all tetrahedra, unless others have.
+    ///
+    /// # Errors
+    /// In debug builds: others have not seen what there is.
+    pub(super) fn look_at_first(&mut self) -> Result<(), RefineError> {
+        let Some(thin) = self.handed.take() else {
+            self.look_at_all();
+            return Ok(());
+        };
+        let vertices = |t: TetId| self.own.state.vertices(t);
+        let mut thin: Vec<Thin> = thin.into_iter().map(|t| (t, vertices(t))).collect();
+        if cfg!(debug_assertions) {
+            self.look_at_all();
+            let mut all = std::mem::take(&mut self.own.inserted.thin.tets);
+            all.sort_unstable();
+            thin.sort_unstable();
+            if all != thin || !self.bad.is_empty() {
+                return Err(RefineError::Invariant {
+                    what: "others have looked at all tetrahedra",
+                });
+            }
+        }
+        self.make_room();
+        self.own.inserted.thin.tets = thin;
+        Ok(())
+    }
+
+    /// Splits circles that others have found.
+    ///
+    /// # Errors
+    /// A broken invariant.
+    pub(crate) fn part_circles(mut self) -> Result<Parted<Self>, RefineError> {
+        self.look_at_all();
+        self.split_circles()?;
+        if !self.own.record.refused.is_empty() {
+            return Ok(Err(self));
+        }
+        let limits = &self.own.record.limits;
+        let left = self.pending.iter().map(|(&item, own)| {
+            let first = own.first.filter(|first| self.pending.contains_key(first));
+            Waiting { item, first, near: own.near, limit: limits.get(&item).copied() }
+        });
+        Ok(Ok((left.collect(), self.stats)))
+    }
+}

@@ -1,0 +1,108 @@
+//! Slivers in rounds: when all bounds are met, the tetrahedra with tiny dihedral angles are
+//! candidates, each with the first point that serves it in the mesh at the start of the round.
+//!
+//! A point is inserted only where no other one is, so that its tetrahedra are those looked at, and
+//! no sliver follows from another.
+
+use super::{CHECK_EVERY, Look, Probe, Rounds};
+use crate::carrier::{Carrier, free_point};
+use crate::item::Item;
+use crate::key::sorted;
+use crate::measure::{RatioBound, Shape};
+use crate::outcome::Reason;
+use crate::sliver::{REACH, TRIES, in_unit_ball};
+use crate::split::TOLERANCE;
+use crate::state::Place;
+use crate::verdict::{Judge, Verdict};
+use crate::walk::Way;
+use ltbw_core::topology::{TetId, VertexId};
+
+/// A sliver, and the points that are left to be tried for it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sliver {
+    t: TetId,
+    v: [VertexId; 4],
+    tries: u32,
+    seed: u64,
+}
+
+impl Rounds<'_, '_> {
+    /// Is any sliver left? They are looked for once, when all bounds are met.
+    pub(super) fn has_slivers(&mut self) -> bool {
+        if self.slivers.is_none() {
+            let own = |(t, v)| Sliver { t, v, tries: TRIES, seed: 1 };
+            self.slivers = Some(self.own.slivers().into_iter().map(own).collect());
+        }
+        self.slivers.as_ref().is_some_and(|slivers| !slivers.is_empty())
+    }
+
+    fn ratio(&self) -> Option<RatioBound> {
+        self.own.bounds.as_ref().and_then(|bounds| bounds.ratio)
+    }
+
+    /// Chooses points for slivers; `true` if the work is cancelled. A sliver is looked at again as
+    /// long as others are in the way of its point.
+    pub(super) fn choose_slivers(&mut self, look: Look<'_>) -> bool {
+        let mut slivers = self.slivers.take().unwrap_or_default();
+        slivers.retain(|own| self.own.state.is_live(own.t, own.v));
+        self.forget_reserved(slivers.len());
+        let (mut rank, mut cancelled) = (0, false);
+        // Tries are no searches for points that are needed.
+        let searches = self.stats.searches;
+        slivers.retain_mut(|own| {
+            if rank as usize % CHECK_EVERY == CHECK_EVERY - 1 {
+                cancelled |= look(self.own.state.mesh.num_vertices());
+            }
+            rank += 1;
+            cancelled || self.probe_sliver(own, rank - 1)
+        });
+        self.slivers = Some(slivers);
+        self.stats.searches = searches;
+        if cancelled {
+            return true;
+        }
+        for k in 0..self.candidates.len() {
+            if self.survives(k) {
+                self.chosen.push(k);
+            }
+        }
+        false
+    }
+
+    /// Proposes points for a sliver until one serves; `false` if none does.
+    fn probe_sliver(&mut self, own: &mut Sliver, rank: u32) -> bool {
+        let Some(ratio) = self.ratio() else { return false };
+        let corners = sorted(own.v.map(|v| self.own.state.at(v)));
+        let [a, b, c, d] = &corners;
+        let shape = Shape::of([a, b, c, d]);
+        let radius = shape.radius();
+        let Some(centre) = shape.circumcentre(d) else { return false };
+        while let Some(left) = own.tries.checked_sub(1) {
+            let mut seed = own.seed;
+            let offset = in_unit_ball(&mut seed);
+            let target = [0, 1, 2].map(|k| centre[k] + REACH * radius * offset[k]);
+            if let Some(p) = free_point(&target, radius * TOLERANCE)
+                && let Way::Arrived(from) = self.own.state.way(own.t, &p)
+            {
+                let place = Place { p, carrier: Carrier::Free, from };
+                let verdict = |judge: Judge<'_>| match judge.on_tet(own.t, &place.p) {
+                    Verdict::Fill(filling) if judge.makes_no_sliver(&p, &ratio) => {
+                        Verdict::Fill(filling)
+                    }
+                    _ => Verdict::Refuse(Reason::Rounding),
+                };
+                let item = Item::Tet(own.t, own.v);
+                if let Probe::Fits = self.probe((item, rank), &place, verdict) {
+                    if let Some(candidate) = self.candidates.last_mut() {
+                        candidate.alone = true;
+                    }
+                    self.note_alone();
+                    self.reserve_last();
+                    return true;
+                }
+            }
+            (own.tries, own.seed) = (left, seed);
+        }
+        false
+    }
+}

@@ -1,0 +1,485 @@
+//! The driver: recover the boundary, find the regions, split what is over its bounds.
+
+mod budget;
+mod complex;
+mod delegated;
+mod finish;
+
+#[doc(hidden)]
+pub use delegated::{Asked, Delegated, Handed, Parted};
+
+use super::RefineError;
+use super::bounds::{Bounds, SizeField, check_limits, check_tolerance};
+use super::carrier::{Carrier, UNIT};
+use super::heed::Heed;
+use super::item::{Item, Queues, Work};
+use super::measure::{RatioBound, VolumeBound};
+use super::outcome::{Reason, RefineStats};
+use super::output::Refined;
+use super::patch::{DISSOLVED, Unfound};
+use super::plc::Plc;
+use super::record::Refusal;
+use super::region::RegionInfo;
+use super::rounds::{InsertOrder, Resumed, RoundTimes, Rounds};
+use super::split::{Ends, Refinement, Step};
+use super::state::{Lengths, State};
+use super::table::Set;
+use ltbw_core::CancelToken;
+use ltbw_core::build::{Observer, Phase, Progress};
+use ltbw_core::cavity::AdmitAll;
+use ltbw_core::mesh::Vertex;
+use ltbw_core::topology::TetId;
+use ltbw_domain::{Domain, Lattice};
+use std::time::Instant;
+
+/// Transactions between two words to the observer.
+const CHECK_EVERY: u64 = 1024;
+
+/// The vertices from which on it refines in rounds: fewer are too few for wide ones.
+const START: usize = 4096;
+/// Those of a domain with patches: what is near them is looked at by one thread, twice a round.
+const START_WITH_PATCHES: usize = 32_768;
+
+/// Features nearer to each other than this many floors are not refined towards each other.
+const NEAR: f64 = 16.0;
+
+/// Refines domains.
+///
+/// ```
+/// use ltbw_domain::{Domain, Facet};
+/// use ltbw_refine::{RefineOutcome, Refiner};
+/// let mut cube = Domain::default();
+/// cube.vertices = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(f64::from)).collect();
+/// let sides =
+///     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+/// cube.facets = sides.iter().map(|corners| Facet::polygon(corners, 0)).collect();
+/// let refined = Refiner::new().max_volume(0.01).mesh(&cube)?;
+/// assert_eq!(refined.outcome, RefineOutcome::Met);
+/// println!("{} tetrahedra", refined.num_tets());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy)]
+pub struct Refiner<'a> {
+    radius_edge: Option<f64>,
+    max_volume: Option<f64>,
+    field: Option<&'a SizeField<'a>>,
+    floor: Option<f64>,
+    flat_tolerance: Option<f64>,
+    max_points: Option<u64>,
+    cancel: Option<&'a CancelToken>,
+    observer: Option<&'a dyn Observer>,
+    order: InsertOrder,
+    start: Option<usize>,
+    joint_most: usize,
+    one_thread: bool,
+}
+
+impl std::fmt::Debug for Refiner<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Refiner")
+            .field("radius_edge", &self.radius_edge)
+            .field("max_volume", &self.max_volume)
+            .field("field", &self.field.is_some())
+            .field("floor", &self.floor)
+            .field("flat_tolerance", &self.flat_tolerance)
+            .field("max_points", &self.max_points)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Default for Refiner<'_> {
+    fn default() -> Self {
+        Self {
+            radius_edge: Some(2.0),
+            max_volume: None,
+            field: None,
+            floor: None,
+            flat_tolerance: None,
+            max_points: None,
+            cancel: None,
+            observer: None,
+            order: InsertOrder::default(),
+            start: None,
+            joint_most: usize::MAX,
+            one_thread: false,
+        }
+    }
+}
+
+impl<'a> Refiner<'a> {
+    /// Circumradius to shortest edge at most 2, no bound on volumes.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Bounds circumradius to shortest edge.
+    pub fn radius_edge(mut self, bound: f64) -> Self {
+        self.radius_edge = Some(bound);
+        self
+    }
+
+    /// Leaves circumradius to shortest edge unbounded.
+    pub fn any_shape(mut self) -> Self {
+        self.radius_edge = None;
+        self
+    }
+
+    /// Bounds volumes, in all regions that have no smaller bound of their own.
+    pub fn max_volume(mut self, bound: f64) -> Self {
+        self.max_volume = Some(bound);
+        self
+    }
+
+    /// Asks for an edge length at each place: a tetrahedron may have the volume of the regular one
+    /// with edges of the length that the field has at its centroid. The function has to give the
+    /// same answer for the same point, a positive number: an infinite one asks for nothing.
+    ///
+    /// It is asked in the coordinates of the mesh: those of the input less [`Lattice::offset`],
+    /// which is zero but for a domain that is small beside its distance from the origin. Whoever
+    /// means places of such an input adds the offset of [`Prepared::lattice`], and then calls
+    /// [`Refiner::refine`].
+    ///
+    /// [`Lattice::offset`]: ltbw_domain::Lattice::offset
+    /// [`Prepared::lattice`]: ltbw_domain::Prepared::lattice
+    pub fn sizing(mut self, field: &'a SizeField<'a>) -> Self {
+        self.field = Some(field);
+        self
+    }
+
+    /// Refines on the calling thread alone, which is then the only one that asks a sizing function.
+    /// By default all threads of the pool refine and ask. The mesh is the same.
+    pub fn one_thread(mut self) -> Self {
+        self.one_thread = true;
+        self
+    }
+
+    /// Sets the least distance between a new vertex on the boundary and the ends of what it
+    /// splits, and the least circumradius that is split; default 2^-20 of the domain's largest
+    /// side.
+    pub fn floor(mut self, length: f64) -> Self {
+        self.floor = Some(length);
+        self
+    }
+
+    /// Sets the distance within which neighbouring facets are one plane, in the coordinates of the
+    /// domain: at most 2^-10 of the diagonal of its box. By default 0, facets are what they are;
+    /// but [`Refiner::mesh`] takes what is usual for a surface.
+    ///
+    /// Facets of one polygon that are coplanar within the tolerance make a *patch*. The edges
+    /// inside a patch need not be in the mesh; its vertices and its outline are, exactly, and new
+    /// vertices lie exactly on its polygons. Only surfaces that separate have patches: facets that
+    /// edges connect to an edge of an odd number of facets stay what they are.
+    ///
+    /// If the patches cannot be brought into the mesh, the tolerance is 0 after all:
+    /// [`RefineStats::flat_tolerance`] says so.
+    pub fn flat_tolerance(mut self, length: f64) -> Self {
+        self.flat_tolerance = Some(length);
+        self
+    }
+
+    /// Sets it where nothing was set.
+    pub(super) fn or_flat_tolerance(mut self, length: f64) -> Self {
+        self.flat_tolerance = self.flat_tolerance.or(Some(length));
+        self
+    }
+
+    /// Sets the most points to insert. By default a million, 64 for each vertex of the domain and 4
+    /// for each tetrahedron of the largest allowed volume that the domain's box could hold (of a
+    /// sizing field: the least at the domain's vertices): far more than a domain takes whose
+    /// details the lattice resolves.
+    pub fn max_points(mut self, count: u64) -> Self {
+        self.max_points = Some(count);
+        self
+    }
+
+    /// Sets the token that cancels the work.
+    pub fn cancel(mut self, token: &'a CancelToken) -> Self {
+        self.cancel = Some(token);
+        self
+    }
+
+    /// Sets the observer of progress: points inserted, of an unknown number (given as 0).
+    pub fn observer(mut self, observer: &'a dyn Observer) -> Self {
+        self.observer = Some(observer);
+        self
+    }
+
+    /// Sets the order in which the points of a round are inserted: the mesh is the same for all.
+    #[doc(hidden)]
+    pub fn insert_order(mut self, order: InsertOrder) -> Self {
+        self.order = order;
+        self
+    }
+
+    /// Sets the number of vertices from which on it refines in rounds.
+    #[doc(hidden)]
+    pub fn start(mut self, vertices: usize) -> Self {
+        self.start = Some(vertices);
+        self
+    }
+
+    /// Sets the most transactions of a joint step: with one nothing is split jointly, for tests of
+    /// what follows from that.
+    #[doc(hidden)]
+    pub fn joint_most(mut self, count: usize) -> Self {
+        self.joint_most = count;
+        self
+    }
+
+    /// Refines a domain whose vertices are on the lattice.
+    ///
+    /// It has to be one that the geometric check finds no error in: [`Domain::prepare`] makes such
+    /// domains.
+    ///
+    /// # Errors
+    /// [`RefineError`] says why there is no mesh of the domain.
+    pub fn refine(&self, domain: &Domain, lattice: &Lattice) -> Result<Refined, RefineError> {
+        self.delegate(domain, lattice)?.go_on()
+    }
+
+    /// Tells the observer how many vertices there are.
+    fn tell(&self, phase: Phase, vertices: usize) {
+        if let Some(observer) = self.observer {
+            observer.progress(Progress { phase, done: vertices as u64, total: None });
+        }
+    }
+
+    /// The mesh with the boundary and the regions, and what there is to do in it. Where some of the
+    /// boundary is missing there is nothing to do, and no region but the exterior.
+    pub(super) fn recovered(
+        &self,
+        domain: &Domain,
+        lattice: &Lattice,
+    ) -> Result<(Run<'a>, Vec<RegionInfo>), RefineError> {
+        check_limits(self.radius_edge, self.max_volume, lattice)?;
+        let tolerance = self.flat_tolerance.unwrap_or(0.0);
+        check_tolerance(tolerance, domain)?;
+        let clock = Instant::now();
+        let (mut without, mut given_up) = (Set::default(), 0);
+        let mut done = None;
+        for _ in 0..if tolerance > 0.0 { DISSOLVED } else { 0 } {
+            match self.recovered_within(domain, lattice, tolerance, &without)? {
+                Ok(found) => done = Some(found),
+                Err(Unfound { dissolve, .. }) if !dissolve.is_empty() => {
+                    given_up += dissolve.len();
+                    without.extend(dissolve);
+                    continue;
+                }
+                Err(Unfound { patches, .. }) => given_up += patches,
+            }
+            break;
+        }
+        if done.is_none() {
+            done = self.recovered_within(domain, lattice, 0.0, &without)?.ok();
+        }
+        // Without patches there is nothing that may not be found.
+        let (mut run, regions) = done.ok_or(RefineError::NoInterior)?;
+        run.stats.patches_given_up = given_up;
+        run.stats.recover_seconds = clock.elapsed().as_secs_f64();
+        Ok((run, regions))
+    }
+
+    /// The mesh within a tolerance, without the patches that grow from some facets; an error if
+    /// there are none, if they cannot be brought into the mesh, or have one region on both sides.
+    fn recovered_within(
+        &self,
+        domain: &Domain,
+        lattice: &Lattice,
+        tolerance: f64,
+        without: &Set<u32>,
+    ) -> Result<Result<(Run<'a>, Vec<RegionInfo>), Unfound>, RefineError> {
+        let heed = Heed(self.cancel);
+        let plc = Plc::within(domain, lattice, tolerance, without, heed)?;
+        let patches = plc.facets.iter().filter(|facet| facet.patch.is_some()).count();
+        let all = Unfound { patches, dissolve: Vec::new() };
+        if tolerance > 0.0 && patches == 0 {
+            return Ok(Err(all));
+        }
+        let (mut mesh, kernel) = plc.first_mesh(lattice, heed)?;
+        let expected = self.expected_tets(domain);
+        mesh.expect_tets(expected);
+        let patches_folded = plc.folds;
+        let stats = RefineStats { patches, patches_folded, ..RefineStats::default() };
+        let carriers = mesh.numbers().iter().map(|&c| Carrier::Corner(c)).collect();
+        let next_number = plc.corners.len() as Vertex;
+        let floor = self.floor_in_steps(domain, lattice);
+        let near = NEAR * floor / UNIT as f64;
+        let lengths = Lengths { near, fine_step: lattice.fine_step() };
+        let mut state = State::new(mesh, plc, carriers, lengths, heed)?;
+        state.expect_tets(expected);
+        let ends = Ends { floor, joint_most: self.joint_most };
+        let mut run = Run {
+            refiner: *self,
+            refinement: Refinement::new(state, next_number, ends),
+            work: Queues::default(),
+            stats: RefineStats { flat_tolerance: tolerance, ..stats },
+            steps: 0,
+            most: self.max_points.unwrap_or_else(|| self.default_budget(domain)),
+            stop: None,
+            over: None,
+            rounds: Vec::new(),
+        };
+        run.recover(&kernel)?;
+        let found = match patches {
+            0 => None,
+            _ => match run.recover_patches()? {
+                Ok(found) => Some(found),
+                Err(unknown) => {
+                    let patch =
+                        |f: &u32| run.refinement.state.plc.facets[*f as usize].patch.as_ref();
+                    let dissolve = unknown.iter().filter_map(patch).map(|p| p.first).collect();
+                    return Ok(Err(Unfound { patches, dissolve }));
+                }
+            },
+        };
+        let mut regions = vec![RegionInfo::default()];
+        if run.refinement.state.is_complete() {
+            heed.ask()?;
+            let state = &mut run.refinement.state;
+            match state.flood(&domain.holes, &domain.regions, found.as_ref())? {
+                Some(all) => regions = all,
+                None => return Ok(Err(all)),
+            }
+            state.angles.bound_tips(self.radius_edge);
+            run.refinement.bounds = Some(self.bounds(&regions, lattice));
+            // From here on a refinement that is cancelled has a mesh to give.
+            self.tell(Phase::Refine, run.refinement.state.mesh.num_vertices());
+            run.put_all();
+        }
+        Ok(Ok((run, regions)))
+    }
+
+    fn bounds(&self, regions: &[RegionInfo], lattice: &Lattice) -> Bounds<'a> {
+        let step = lattice.fine_step();
+        let volume = |region: &RegionInfo| {
+            let own = region.max_volume.filter(|&v| v > 0.0);
+            let both = match (own, self.max_volume) {
+                (Some(a), Some(b)) => Some(a.min(b)),
+                (a, b) => a.or(b),
+            };
+            // Exact: the step is a power of two.
+            both.map(|v| VolumeBound::new(v / step / step / step))
+        };
+        Bounds {
+            ratio: self.radius_edge.map(RatioBound::new),
+            volumes: regions.iter().map(volume).collect(),
+            field: self.field,
+            fine_step: step,
+        }
+    }
+}
+
+/// One refinement under way.
+pub(super) struct Run<'a> {
+    refiner: Refiner<'a>,
+    pub(super) refinement: Refinement<'a>,
+    pub(super) work: Queues,
+    stats: RefineStats,
+    steps: u64,
+    /// The most points to insert.
+    pub(super) most: u64,
+    /// Why the work stops early.
+    pub(super) stop: Option<Reason>,
+    /// The tetrahedra that are over their bounds, if that is known.
+    over: Option<Vec<TetId>>,
+    /// The rounds on the clock.
+    rounds: Vec<RoundTimes>,
+}
+
+impl<'a> Run<'a> {
+    /// Splits tetrahedra until none is over its bounds, boundary items first; or until there are
+    /// this many vertices and no boundary item waits.
+    pub(super) fn refine(&mut self, vertices: usize) -> Result<(), RefineError> {
+        loop {
+            if let Some(item) = self.work.next_boundary() {
+                self.step(item)?;
+                continue;
+            }
+            let enough = self.refinement.state.mesh.num_vertices() >= vertices;
+            if self.stop.is_some() || enough {
+                return Ok(());
+            }
+            let Some(item) = self.work.next_tet() else { return Ok(()) };
+            if let Some((t, v)) = self.work.upcoming() {
+                self.refinement.state.fetch(t, v);
+            }
+            self.step(item)?;
+        }
+    }
+
+    /// Goes on in rounds, if there is a boundary; what was before took `start_seconds`. Others may
+    /// have carried out some of them.
+    fn rounds_from(
+        &mut self,
+        order: InsertOrder,
+        start_seconds: f64,
+        resumed: Option<Resumed>,
+    ) -> Result<(), RefineError> {
+        if self.stop.is_some() || self.refinement.bounds.is_none() {
+            return Ok(());
+        }
+        let refiner = self.refiner;
+        let tell = |vertices: usize| refiner.tell(Phase::Refine, vertices);
+        let threads = if refiner.one_thread { 1 } else { rayon::current_num_threads() };
+        let stats = RefineStats { round_threads: threads, ..self.stats };
+        let mut rounds = Rounds::new(&mut self.refinement, order, self.most, stats);
+        resumed.into_iter().for_each(|resumed| rounds.resume(resumed));
+        let (stop, stats, over, times) = rounds.run_in_pool(refiner.cancel, tell)?;
+        (self.stop, self.over, self.rounds) = (stop, Some(over), times);
+        self.stats = RefineStats { start_seconds, ..stats };
+        Ok(())
+    }
+
+    /// Puts every tetrahedron over its bounds.
+    fn put_all(&mut self) {
+        let Refinement { state, bounds, inserted, .. } = &mut self.refinement;
+        let Some(bounds) = bounds else { return };
+        for (t, v) in bounds.over_of(state, state.mesh.tet_ids(), &mut inserted.thin.tets) {
+            self.work.put(Item::Tet(t, v), bounds.excess_of(state, t));
+        }
+    }
+
+    /// One transaction.
+    pub(super) fn step(&mut self, item: Item) -> Result<(), RefineError> {
+        self.steps += 1;
+        // One cavity may be nearly the whole mesh: the token is asked before each.
+        if self.steps.is_multiple_of(CHECK_EVERY) || self.heed().is_cancelled() {
+            self.look()?;
+        }
+        let stats = &mut self.stats;
+        if self.refinement.inserted.points.total() >= self.most {
+            self.stop = self.stop.or(Some(Reason::Budget));
+        }
+        if let Some(reason) = self.stop {
+            self.refinement.record.refused.insert(item, Refusal::final_for(reason));
+            return Ok(());
+        }
+        match self.refinement.split(item, &mut self.work, &mut AdmitAll) {
+            Step::Inserted | Step::Gone => {}
+            Step::Deferred => stats.deferred += 1,
+            Step::Refused(_) => stats.refused += 1,
+            // `Open` refuses nothing: the mesh is full.
+            Step::SetBack(_) => self.stop = Some(Reason::Budget),
+        }
+        Ok(())
+    }
+
+    pub(super) fn heed(&self) -> Heed<'a> {
+        Heed(self.refiner.cancel)
+    }
+
+    /// Tells the observer, asks the token.
+    #[cold]
+    pub(super) fn look(&mut self) -> Result<(), RefineError> {
+        let is_whole = self.refinement.bounds.is_some();
+        let phase = if is_whole { Phase::Refine } else { Phase::Recover };
+        self.refiner.tell(phase, self.refinement.state.mesh.num_vertices());
+        if self.heed().is_cancelled() {
+            if self.refinement.bounds.is_none() {
+                return Err(RefineError::Cancelled);
+            }
+            self.stop = Some(Reason::Cancelled);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,139 @@
+//! A run's boundary and bounds as values, and what one engine does before others refine without
+//! rounds.
+
+use super::{Refiner, Run};
+use crate::RefineError;
+use crate::carrier::Carrier;
+use crate::complex::{Complex, ComplexError, Start};
+use crate::item::{Item, Queues};
+use crate::split::{Refinement, TOLERANCE};
+use crate::state::Place;
+use crate::table::{Map, Set};
+use crate::verdict::Verdict;
+use ltbw_core::cavity::AdmitAll;
+use ltbw_domain::{Domain, Lattice};
+
+impl<'a> Refiner<'a> {
+    /// The complex of a domain, and the mesh that the sequential engine has when there are
+    /// `vertices` vertices and no boundary item waits.
+    ///
+    /// # Errors
+    /// [`ComplexError`] if there is no mesh of the domain, or if it has patches, a sizing field, or
+    /// features at small angles.
+    #[doc(hidden)]
+    pub fn complex(
+        &self,
+        domain: &Domain,
+        lattice: &Lattice,
+        vertices: usize,
+    ) -> Result<(Complex<'a>, Start), ComplexError> {
+        let (mut run, regions) = self.recovered(domain, lattice)?;
+        let most = run.most;
+        let heed = run.heed();
+        run.refinement.seed(most, heed, &mut run.work, &mut AdmitAll);
+        run.refine(vertices)?;
+        run.part_circles()?;
+        let start = Start::of(&run.refinement.state, regions, most);
+        Ok((run.complex()?, start))
+    }
+}
+
+impl<'a> Run<'a> {
+    /// The boundary and the bounds as values.
+    ///
+    /// # Errors
+    /// [`ComplexError`] if there are patches or small angles.
+    pub(super) fn complex(&self) -> Result<Complex<'a>, ComplexError> {
+        let own = &self.refinement;
+        let no = |what| Err(ComplexError::Unsupported(what));
+        let Some(bounds) = &own.bounds else {
+            return no("some of the boundary could not be recovered");
+        };
+        if own.state.plc.facets.iter().any(|facet| facet.patch.is_some()) {
+            return no("facets that are coplanar within a tolerance");
+        }
+        if own.state.angles.relates() || !own.state.angles.is_empty() {
+            return no("features at small angles, or too near to each other");
+        }
+        Ok(Complex::of(&own.state, bounds.clone(), own.floor))
+    }
+}
+
+/// Times that the boundary items are looked through for circles.
+const LOOKS: usize = 32;
+
+impl Run<'_> {
+    /// Splits boundary items that wait for each other in a circle, until there are none: the point
+    /// of each would take the next one out of the mesh. What is left when nothing helps stays.
+    fn part_circles(&mut self) -> Result<(), RefineError> {
+        for _ in 0..LOOKS {
+            let before = self.refinement.state.mesh.num_vertices();
+            for item in self.refinement.circles(&mut self.work) {
+                self.refinement.split(item, &mut self.work, &mut AdmitAll);
+                self.refine(0)?;
+            }
+            if self.refinement.state.mesh.num_vertices() == before {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Refinement<'_> {
+    /// The boundary items that wait for themselves.
+    fn circles(&mut self, work: &mut Queues) -> Vec<Item> {
+        let segments = self.state.segments.keys().map(|&s| Item::Segment(s));
+        let subfaces = self.state.subfaces.keys().map(|&s| Item::Subface(s));
+        let all: Vec<Item> = segments.chain(subfaces).collect();
+        let mut first: Map<Item, Vec<Item>> = Map::default();
+        for item in all {
+            let waits = self.waits(item, work);
+            if !waits.is_empty() {
+                first.insert(item, waits);
+            }
+        }
+        let is_in_circle = |item: &&Item| {
+            let (mut seen, mut stack) = (Set::default(), vec![**item]);
+            while let Some(next) = stack.pop() {
+                for other in first.get(&next).into_iter().flatten() {
+                    if other == *item {
+                        return true;
+                    }
+                    if seen.insert(*other) {
+                        stack.push(*other);
+                    }
+                }
+            }
+            false
+        };
+        first.keys().filter(is_in_circle).copied().collect()
+    }
+
+    /// The boundary items that go before one, by the point proposed first.
+    fn waits(&mut self, item: Item, work: &mut Queues) -> Vec<Item> {
+        let place = |p, carrier| Place { p, carrier, from: self.state.mesh.hint() };
+        let place = match item {
+            Item::Segment(ends) => self.state.segments.get(&ends).and_then(|&s| {
+                let t = self.state.split_parameter(ends, s)?;
+                let p = self.state.plc.segments[s as usize].line.point(t);
+                Some(place(p, Carrier::Segment(s, t)))
+            }),
+            Item::Subface(corners) => self.state.subfaces.get(&corners).and_then(|&f| {
+                let points = corners.map(|v| self.state.at(v));
+                let p = self.state.plc.point_of_subface(f, points, Some(TOLERANCE))?;
+                Some(place(p, Carrier::Facet(f)))
+            }),
+            Item::Tet(..) => None,
+        };
+        let Some(place) = place else { return Vec::new() };
+        let mut found = Vec::new();
+        self.propose(&place, work, &mut AdmitAll, |judge| {
+            if let Verdict::Defer(first) = judge.on_boundary(item, &place, true) {
+                found = first;
+            }
+            Verdict::Useless
+        });
+        found
+    }
+}

@@ -1,0 +1,334 @@
+//! Rounds that others carry out, on many processors: they get the mesh at the start, and hand over
+//! what they have when they are done, or at a step that takes the whole mesh.
+
+use super::{Refiner, Run, START, START_WITH_PATCHES};
+use crate::carrier::Carrier;
+use crate::choice::{BoundaryItem, Corner, ItemPlace};
+use crate::complex::{Complex, ComplexError, Start};
+use crate::fill::Points;
+use crate::item::Item;
+use crate::limit::Limit;
+use crate::marks::{ENDS, Marks, Word, edge_bit, face_bit};
+use crate::outcome::RefineStats;
+use crate::region::RegionInfo;
+use crate::rounds::{InsertOrder, Resumed, Rounds, Waiting};
+use crate::state::{FACE, State};
+use crate::table::{Map, edge, triangle};
+use crate::{RefineError, Refined};
+use ltbw_core::build::Phase;
+use ltbw_core::cavity::AdmitAll;
+use ltbw_core::mesh::{Mesh, Vertex};
+use ltbw_core::topology::{INFINITE, Tet, TetId, VertexId};
+use ltbw_domain::{Domain, Lattice};
+use ltbw_exact::Point;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// A refinement whose rounds others carry out.
+#[doc(hidden)]
+pub struct Delegated<'a> {
+    run: Run<'a>,
+    regions: Vec<RegionInfo>,
+    lattice: Lattice,
+    clock: Instant,
+    start_seconds: f64,
+}
+
+impl std::fmt::Debug for Delegated<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Delegated").field("regions", &self.regions.len()).finish_non_exhaustive()
+    }
+}
+
+/// A boundary item that was still to be split.
+#[doc(hidden)]
+#[derive(Clone, Debug, PartialEq)]
+pub struct Asked {
+    /// The item.
+    pub item: BoundaryItem,
+    /// The one before which it is not to be tried.
+    pub first: Option<ItemPlace>,
+    /// The shortest edge that splitting it may make.
+    pub limit: Option<f64>,
+}
+
+/// The state in which others hand over.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Handed {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Where its vertices live, by kernel vertex from 1.
+    pub carriers: Vec<Carrier>,
+    /// The regions of its finite tetrahedra, by slot.
+    pub regions: Vec<u32>,
+    /// Boundary items to be split.
+    pub asked: Vec<Asked>,
+    /// Candidates among the tetrahedra in the last round that split some.
+    pub candidates: usize,
+    /// If none is over its bounds, the tetrahedra that may have tiny dihedral angles.
+    pub thin: Option<Vec<TetId>>,
+    /// The figures of the rounds.
+    pub stats: RefineStats,
+}
+
+/// A refinement after circles were split.
+#[doc(hidden)]
+#[derive(Debug)]
+pub enum Parted<'a> {
+    /// Rounds go on: with these items to be split, and the candidates when last counted.
+    Again(Box<Delegated<'a>>, Vec<Asked>, usize),
+    /// It is refined to its end.
+    Finished(Box<Refined>),
+}
+
+impl<'a> Refiner<'a> {
+    /// Refines up to where rounds begin, for others to carry these out.
+    ///
+    /// # Errors
+    /// Those of [`Refiner::refine`].
+    #[doc(hidden)]
+    pub fn delegate(
+        &self,
+        domain: &Domain,
+        lattice: &Lattice,
+    ) -> Result<Delegated<'a>, RefineError> {
+        let (mut run, regions) = self.recovered(domain, lattice)?;
+        let clock = Instant::now();
+        let heed = run.heed();
+        run.refinement.seed(run.most, heed, &mut run.work, &mut AdmitAll);
+        // A tetrahedron that is over its bounds then is put off, not refused.
+        if heed.is_cancelled() {
+            run.look()?;
+        }
+        let patched = run.refinement.state.plc.has_patches();
+        let usual = if patched { START_WITH_PATCHES } else { START };
+        run.refine(self.start.unwrap_or(usual))?;
+        let start_seconds = clock.elapsed().as_secs_f64();
+        Ok(Delegated { run, regions, lattice: *lattice, clock, start_seconds })
+    }
+}
+
+impl<'a> Delegated<'a> {
+    /// The boundary and the bounds as values, and the mesh at the start.
+    ///
+    /// # Errors
+    /// [`ComplexError`] if there are patches or small angles, or nothing to do in rounds.
+    pub fn complex(&self) -> Result<(Complex<'a>, Start), ComplexError> {
+        if self.run.stop.is_some() {
+            return Err(ComplexError::Unsupported("a run that has stopped before the rounds"));
+        }
+        let complex = self.run.complex()?;
+        let start = Start::of(&self.run.refinement.state, self.regions.clone(), self.run.most);
+        Ok((complex, start))
+    }
+
+    /// Carries out the rounds after all.
+    ///
+    /// # Errors
+    /// Those of [`Refiner::refine`].
+    pub fn go_on(self) -> Result<Refined, RefineError> {
+        self.finish_from(None)
+    }
+
+    /// Takes over, and does what is left to do.
+    ///
+    /// # Errors
+    /// Those of [`Refiner::refine`]; items that are not in the mesh.
+    pub fn finish(mut self, handed: Handed) -> Result<Refined, RefineError> {
+        let resumed = self.take(handed)?;
+        self.finish_from(Some(resumed))
+    }
+
+    /// Takes over where boundary items wait for each other in circles, and splits these. Others may
+    /// go on then, unless something could not be split: then it is refined to its end here.
+    ///
+    /// # Errors
+    /// Those of [`Delegated::finish`].
+    pub fn part_circles(mut self, handed: Handed) -> Result<Parted<'a>, RefineError> {
+        let resumed = self.take(handed)?;
+        let candidates = resumed.candidates;
+        let Run { refiner, most, stats, ref mut refinement, .. } = self.run;
+        let mut rounds = Rounds::new(refinement, refiner.order, most, stats);
+        rounds.resume(resumed);
+        match rounds.part_circles()? {
+            Ok((left, stats)) => {
+                self.run.stats = stats;
+                let state = &self.run.refinement.state;
+                let asked: Option<Vec<Asked>> =
+                    left.into_iter().map(|waiting| state.asked(waiting)).collect();
+                let asked = asked.ok_or(RefineError::Invariant { what: "items have names" })?;
+                Ok(Parted::Again(Box::new(self), asked, candidates))
+            }
+            Err(rounds) => {
+                let tell = |vertices: usize| refiner.tell(Phase::Refine, vertices);
+                let (stop, stats, over, times) = rounds.run_in_pool(refiner.cancel, tell)?;
+                (self.run.stop, self.run.over, self.run.rounds) = (stop, Some(over), times);
+                self.run.stats = RefineStats { start_seconds: self.start_seconds, ..stats };
+                Ok(Parted::Finished(Box::new(self.end()?)))
+            }
+        }
+    }
+
+    /// The figures of all rounds so far.
+    pub fn stats(&self) -> RefineStats {
+        self.run.stats
+    }
+
+    /// Takes the state that others hand over.
+    fn take(&mut self, handed: Handed) -> Result<Resumed, RefineError> {
+        let Handed { mesh, carriers, regions, asked, candidates, thin, stats } = handed;
+        let unfit = |_| RefineError::Invariant { what: "rounds of others are of a plain domain" };
+        let complex = self.run.complex().map_err(unfit)?;
+        let own = &mut self.run.refinement;
+        own.state.mesh = mesh;
+        own.state.carriers = std::iter::once(Carrier::Free).chain(carriers).collect();
+        own.inserted.points = own.state.number_all();
+        own.inserted.next_number = own.state.carriers.len() as Vertex - 1;
+        let found = own.state.enter_marks(&complex, &regions, !asked.is_empty());
+        let waiting = |asked: &Asked| {
+            let &(item, near) = found.get(&asked.item.place())?;
+            let first = asked.first.and_then(|first| Some(found.get(&first)?.0));
+            Some(Waiting { item, first, near, limit: asked.limit.map(Limit::all) })
+        };
+        let waiting: Option<Vec<Waiting>> = asked.iter().map(waiting).collect();
+        let gone = RefineError::Invariant { what: "items asked for are in the mesh" };
+        self.run.stats = stats;
+        Ok(Resumed { waiting: waiting.ok_or(gone)?, candidates, thin })
+    }
+
+    fn finish_from(mut self, resumed: Option<Resumed>) -> Result<Refined, RefineError> {
+        let order: InsertOrder = self.run.refiner.order;
+        self.run.rounds_from(order, self.start_seconds, resumed)?;
+        self.end()
+    }
+
+    fn end(mut self) -> Result<Refined, RefineError> {
+        self.run.stats.refine_seconds = self.clock.elapsed().as_secs_f64();
+        self.run.finish(self.regions, self.lattice)
+    }
+}
+
+impl State {
+    /// A boundary item to be split, by its corners.
+    fn asked(&self, waiting: Waiting) -> Option<Asked> {
+        let corner =
+            |&v: &VertexId| Corner { point: self.at(v), carrier: self.carriers[v.index()] };
+        let named = |item: Item| match item {
+            Item::Segment(s) => {
+                Some(BoundaryItem::new(&s.each_ref().map(corner), *self.segments.get(&s)?))
+            }
+            Item::Subface(s) => {
+                Some(BoundaryItem::new(&s.each_ref().map(corner), *self.subfaces.get(&s)?))
+            }
+            Item::Tet(..) => None,
+        };
+        let first = match waiting.first {
+            Some(first) => Some(named(first)?.place()),
+            None => None,
+        };
+        Some(Asked {
+            item: named(waiting.item)?,
+            first,
+            limit: waiting.limit.map(|limit| limit.least),
+        })
+    }
+
+    /// Numbers all vertices: those of the domain as there. Counts the others.
+    fn number_all(&mut self) -> Points {
+        let mut points = Points::default();
+        let mut next = self.plc.corners.len() as Vertex;
+        let carriers = std::mem::take(&mut self.carriers);
+        let numbers = self.mesh.numbers_mut();
+        for (v, carrier) in carriers.iter().enumerate().skip(1) {
+            numbers[v] = match carrier {
+                Carrier::Corner(c) => *c,
+                _ => {
+                    next += 1;
+                    points.count(*carrier);
+                    next - 1
+                }
+            };
+        }
+        self.carriers = carriers;
+        self.mesh.set_next_number(next);
+        points
+    }
+
+    /// Enters the boundary that the carriers tell, and the regions. Returns all items by place if
+    /// they are asked for, each with a tetrahedron at it.
+    fn enter_marks(
+        &mut self,
+        complex: &Complex<'_>,
+        regions: &[u32],
+        is_asked: bool,
+    ) -> Map<ItemPlace, (Item, TetId)> {
+        self.marks = Marks::new(self.mesh.topology().slots());
+        (self.segments, self.subfaces) = Default::default();
+        let this = &*self;
+        // A byte for each vertex is in the cache, unlike its carrier.
+        let is_on: Vec<bool> = this.carriers.iter().map(|own| *own != Carrier::Free).collect();
+        let enter = |mut found: Vec<_>, (t, tet): (TetId, &Tet)| {
+            let v = tet.vertices();
+            let region = if v[3] == INFINITE { 0 } else { regions[t.index()] };
+            let bits = this.named(complex, (v, &is_on), |item, of| found.push((item, of, t)));
+            this.marks.enter(t, region, bits);
+            found
+        };
+        let all = this.mesh.topology().par_iter().fold(Vec::new, enter);
+        let mut found = Map::default();
+        for (item, of, t) in all.collect::<Vec<_>>().into_iter().flatten() {
+            let corners = match &item {
+                Item::Segment(ends) => {
+                    self.segments.insert(*ends, of);
+                    &ends[..]
+                }
+                Item::Subface(corners) => {
+                    self.subfaces.insert(*corners, of);
+                    &corners[..]
+                }
+                Item::Tet(..) => continue,
+            };
+            if is_asked {
+                let points: Vec<Point> = corners.iter().map(|&v| self.at(v)).collect();
+                found.insert(ItemPlace::of(&points), (item, t));
+            }
+        }
+        found
+    }
+
+    /// Tells the boundary items of a tetrahedron, each with its segment or facet, where `is_on`
+    /// says which vertices are on the boundary: the one at infinity is not. Returns its marks.
+    fn named(
+        &self,
+        complex: &Complex<'_>,
+        (v, is_on): ([VertexId; 4], &[bool]),
+        mut tell: impl FnMut(Item, u32),
+    ) -> Word {
+        let carrier = |v: VertexId| self.carriers[v.index()];
+        let is_on = v.map(|v| is_on[v.index()]);
+        let mut bits = 0;
+        if is_on.iter().filter(|on| **on).count() < 2 {
+            return bits;
+        }
+        for [i, j] in ENDS {
+            if is_on[i]
+                && is_on[j]
+                && let Some(s) = complex.segment([v[i], v[j]].map(carrier))
+            {
+                tell(Item::Segment(edge(v[i], v[j])), s);
+                bits |= edge_bit(i, j);
+            }
+        }
+        for (slot, face) in FACE.into_iter().enumerate() {
+            let [a, b, c] = face.map(|k| v[k]);
+            if face.iter().all(|&k| is_on[k])
+                && let Some(f) = complex.facet([a, b, c].map(|v| (carrier(v), self.at(v))))
+            {
+                tell(Item::Subface(triangle(a, b, c)), f);
+                bits |= face_bit(slot);
+            }
+        }
+        bits
+    }
+}

@@ -1,0 +1,51 @@
+//! The boundary told by carriers alone, against the tables of the sequential engine.
+
+use super::super::complex::Complex;
+use super::super::marks::ENDS;
+use super::super::state::FACE;
+use super::super::table::{edge, triangle};
+use super::ready;
+use crate::Refiner;
+use ltbw_core::topology::{TetId, VertexId};
+use ltbw_generate::{DomainKind, Shape};
+
+#[test]
+fn carriers_tell_the_boundary() {
+    for kind in DomainKind::ALL {
+        let ready = ready(kind, &Shape::default());
+        for vertices in [0, 2000] {
+            let refiner = Refiner::new().max_volume(1e-4);
+            let (mut run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
+            run.refine(vertices).expect("a mesh");
+            let own = run.refinement;
+            let state = &own.state;
+            if !state.is_complete() {
+                continue;
+            }
+            let at = |v: VertexId| (state.carriers[v.index()], state.at(v));
+            let (mut edges, mut faces) = (Vec::new(), Vec::new());
+            for t in state.mesh.tet_ids().collect::<Vec<TetId>>() {
+                let v = state.vertices(t);
+                for [i, j] in ENDS {
+                    let known = state.segments.get(&edge(v[i], v[j])).copied();
+                    edges.push(([v[i], v[j]].map(at).map(|end| end.0), known));
+                }
+                for face in FACE {
+                    let [a, b, c] = face.map(|k| v[k]);
+                    let known = state.subfaces.get(&triangle(a, b, c)).copied();
+                    faces.push(([a, b, c].map(at), known));
+                }
+            }
+            let count = [&own.state.segments.len(), &own.state.subfaces.len()].map(|n| *n);
+            assert!(count[0] > 4 && count[1] > 4, "{kind:?}: {count:?}");
+            let bounds = own.bounds.expect("all is there");
+            let complex = Complex::of(&own.state, bounds, own.floor);
+            for (ends, known) in edges {
+                assert_eq!(complex.segment(ends), known, "{kind:?} {vertices}: {ends:?}");
+            }
+            for (corners, known) in faces {
+                assert_eq!(complex.facet(corners), known, "{kind:?} {vertices}: {corners:?}");
+            }
+        }
+    }
+}

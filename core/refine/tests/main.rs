@@ -1,0 +1,3 @@
+//! The tests of the crate: one program, a module a subject.
+
+mod regions;
