@@ -9,6 +9,7 @@ use ltbw::refining::{Ending, RefineError, SimulatedRounds, rounds_on_threads, si
 use ltbw::simulate::{Bursts, Network, Options};
 use ltbw::threads::Parallel;
 use ltbw::{BuildError, Builder, CancelToken, Mesh, MeshHash, Point, PointSet, invariants};
+use ltbw_generate::layers::stack;
 use ltbw_generate::{DomainKind, Shape, generate_domain};
 use std::time::Duration;
 
@@ -211,6 +212,84 @@ fn a_budget_leaves_the_engines_partial_mesh() {
         let run = simulated(&refiner, &ready, (5, 2_000));
         same(&format!("{most} points"), &run.refined, &engine);
     }
+}
+
+/// The round that a budget ends at is chosen once more by the engine, which has to know no more of
+/// it than if it had chosen it first: so each that splits boundary items beside tetrahedra is the
+/// last one in turn.
+#[test]
+fn a_round_that_is_handed_over_is_chosen_as_if_nobody_had() {
+    let mut count = 0;
+    for (kind, volume) in [(DomainKind::LBlock, 1e-3), (DomainKind::CubeOctahedron, 3e-4)] {
+        let ready = prepared(kind, &Shape::default());
+        let whole = (&ready.domain, &ready.lattice);
+        let refiner = Refiner::new().max_volume(volume).start(0);
+        let engine = refiner.refine(whole.0, whole.1).expect("a mesh");
+        let all = engine.stats.segment_points + engine.stats.facet_points + engine.stats.free_points;
+        let mut points = all - engine.rounds.iter().map(|round| round.points as u64).sum::<u64>();
+        for (k, round) in engine.rounds.iter().enumerate() {
+            points += round.points as u64;
+            if round.class != "all" {
+                continue;
+            }
+            // One too few for this round.
+            let refiner = refiner.max_points(points - 1);
+            let engine = refiner.refine(whole.0, whole.1).expect("a mesh");
+            assert_eq!(engine.outcome, RefineOutcome::Budget, "{kind:?}, round {k}");
+            for workers in [1, 3] {
+                let run = rounds_on_threads(&refiner, whole, &Parallel::new(workers));
+                let run = run.expect("a run ends");
+                assert_eq!(run.ending, Ok(Ending::Budget), "{kind:?}, round {k}");
+                same(&format!("{kind:?}, round {k}, {workers} workers"), &run.refined, &engine);
+            }
+            count += 1;
+        }
+    }
+    println!("{count} rounds");
+    assert!(count > 10, "{count} rounds");
+}
+
+/// Where circles of items stay that cannot be split together, workers hand over: one mesh, and one
+/// list of excuses, for any number of threads and of workers. None of these would stay if joint
+/// steps were not cut short here.
+#[test]
+fn circles_that_cannot_be_parted_leave_the_engines_mesh() {
+    let cases: [([f64; 2], &[u32]); 4] = [
+        ([3.0, 2.0], &[42, 6, 4]),
+        ([1.0, 1.0], &[29, 1, 3]),
+        ([2.0, 2.0], &[49; 7]),
+        ([1.0, 1.0], &[52, 54, 19, 27, 38, 22, 30, 55]),
+    ];
+    let (mut circles, mut points) = (0, 0);
+    for (base, layers) in cases {
+        let thicknesses: Vec<f64> = layers.iter().map(|&t| f64::from(t) / 64.0).collect();
+        let domain = stack(base, &thicknesses, false);
+        let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+        let volume = base[0] * base[1] * thicknesses.iter().sum::<f64>();
+        let whole = (&ready.domain, &ready.lattice);
+        for (parts, start) in [(5000.0, None), (5000.0, Some(0)), (500.0, Some(0))] {
+            let refiner = Refiner::new().max_volume(volume / parts).joint_most(1);
+            let refiner = start.map_or(refiner, |start| refiner.start(start));
+            let on_threads = |threads: usize| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                pool.expect("threads").install(|| refiner.refine(whole.0, whole.1).expect("a mesh"))
+            };
+            let engine = on_threads(1);
+            let name = format!("{base:?} {layers:?}, volume / {parts}, start {start:?}");
+            for threads in [2, 5] {
+                same(&format!("{name}: {threads} threads"), &on_threads(threads), &engine);
+            }
+            for workers in [1, 2, 3] {
+                let run = rounds_on_threads(&refiner, whole, &Parallel::new(workers));
+                let run = run.expect("a run ends");
+                same(&format!("{name}: {workers} workers"), &run.refined, &engine);
+                circles += usize::from(run.ending == Ok(Ending::Circles));
+            }
+            points += engine.stats.round_points;
+        }
+    }
+    println!("{circles} runs of workers ended at circles, {points} points by rounds");
+    assert!(circles > 20 && points > 1000, "{circles} {points}");
 }
 
 /// Cancelled at any time it is a sound mesh, and says so.
