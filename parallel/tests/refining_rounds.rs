@@ -225,7 +225,8 @@ fn a_round_that_is_handed_over_is_chosen_as_if_nobody_had() {
         let whole = (&ready.domain, &ready.lattice);
         let refiner = Refiner::new().max_volume(volume).start(0);
         let engine = refiner.refine(whole.0, whole.1).expect("a mesh");
-        let all = engine.stats.segment_points + engine.stats.facet_points + engine.stats.free_points;
+        let all =
+            engine.stats.segment_points + engine.stats.facet_points + engine.stats.free_points;
         let mut points = all - engine.rounds.iter().map(|round| round.points as u64).sum::<u64>();
         for (k, round) in engine.rounds.iter().enumerate() {
             points += round.points as u64;

@@ -6,8 +6,7 @@ pub(super) struct Slip {
     pub(super) number: u32,
     pub(super) what: &'static str,
     pub(super) edits: &'static [Edit],
-    /// The test program that sees it, as cargo's arguments, the test, and the file that has it.
-    pub(super) target: &'static str,
+    /// The test that sees it, and the file that has it.
     pub(super) test: &'static str,
     pub(super) at: &'static str,
     /// It changes no verdict: the test passes.
@@ -38,9 +37,10 @@ const fn seen(
     number: u32,
     what: &'static str,
     edits: &'static [Edit],
-    (target, test, at): (&'static str, &'static str, &'static str),
+    test: &'static str,
+    at: &'static str,
 ) -> Slip {
-    Slip { number, what, edits, target, test, at, is_equivalent: false }
+    Slip { number, what, edits, test, at, is_equivalent: false }
 }
 
 pub(super) const SLIPS: &[Slip] = &[
@@ -52,11 +52,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "self.is_beside(n)",
             wrong: "self.is_beside(t)",
         }],
-        (
-            "--lib",
-            "exchanges_tell_what_stands_beyond_every_interface_face",
-            "parallel/src/refining/rounds/keys/tests.rs",
-        ),
+        "exchanges_tell_what_stands_beyond_every_interface_face",
+        "parallel/src/refining/rounds/keys/tests.rs",
     ),
     seen(
         2,
@@ -66,11 +63,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "items * BESIDE <= counted",
             wrong: "items * BESIDE < counted",
         }],
-        (
-            "--lib",
-            "tetrahedra_join_boundary_items_from_the_exact_number_on",
-            "core/refine/src/rounds/choose.rs",
-        ),
+        "tetrahedra_join_boundary_items_from_the_exact_number_on",
+        "core/refine/src/rounds/choose.rs",
     ),
     seen(
         3,
@@ -80,11 +74,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "self.total + sums[CANDIDATES] > self.most",
             wrong: "self.total + sums[CANDIDATES] >= self.most",
         }],
-        (
-            "--lib",
-            "a_budget_is_used_up_to_the_last_point",
-            "parallel/src/refining/rounds/stages/tests.rs",
-        ),
+        "a_budget_is_used_up_to_the_last_point",
+        "parallel/src/refining/rounds/stages/tests.rs",
     ),
     seen(
         4,
@@ -94,11 +85,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "stands(t) && tets.neighbours(t).map(tet_of).into_iter().all(stands)",
             wrong: "stands(t)",
         }],
-        (
-            "--lib",
-            "a_cavity_has_changed_if_its_ring_has",
-            "parallel/src/refining/rounds/keys/tests.rs",
-        ),
+        "a_cavity_has_changed_if_its_ring_has",
+        "parallel/src/refining/rounds/keys/tests.rs",
     ),
     seen(
         5,
@@ -108,11 +96,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "Some(a.min(b))",
             wrong: "Some(a.max(b))",
         }],
-        (
-            "--lib",
-            "of_several_limits_for_one_item_the_smallest_holds",
-            "parallel/src/refining/rounds/stages/tests.rs",
-        ),
+        "of_several_limits_for_one_item_the_smallest_holds",
+        "parallel/src/refining/rounds/stages/tests.rs",
     ),
     seen(
         6,
@@ -122,7 +107,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "byte & 4 != 0",
             wrong: "byte & 2 != 0",
         }],
-        ("--lib", "rivals_come_as_they_are_sent", "parallel/src/refining/news.rs"),
+        "rivals_come_as_they_are_sent",
+        "parallel/src/refining/news.rs",
     ),
     seen(
         7,
@@ -132,11 +118,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "self.forget(far)",
             wrong: "",
         }],
-        (
-            "--lib",
-            "exchanges_tell_what_stands_beyond_every_interface_face",
-            "parallel/src/refining/rounds/keys/tests.rs",
-        ),
+        "exchanges_tell_what_stands_beyond_every_interface_face",
+        "parallel/src/refining/rounds/keys/tests.rs",
     ),
     seen(
         8,
@@ -146,11 +129,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "self.by_boundary.set(t.index(), true)",
             wrong: "if other.is_none() { self.by_boundary.set(t.index(), true) }",
         }],
-        (
-            "--lib",
-            "boundary_items_are_known_wherever_they_hold",
-            "parallel/src/refining/rounds/reserved.rs",
-        ),
+        "boundary_items_are_known_wherever_they_hold",
+        "parallel/src/refining/rounds/reserved.rs",
     ),
     seen(
         9,
@@ -160,7 +140,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "fixed.block_of(worker)",
             wrong: "fixed.block_of(self.me)",
         }],
-        ("--test closure", "", "parallel/tests/closure.rs"),
+        "",
+        "parallel/tests/closure.rs",
     ),
     seen(
         10,
@@ -170,7 +151,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "boundary[k].ring_name.is_none()",
             wrong: "true",
         }],
-        ("--test closure", "", "parallel/tests/closure.rs"),
+        "",
+        "parallel/tests/closure.rs",
     ),
     seen(
         11,
@@ -180,7 +162,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "self.left -= taken.len()",
             wrong: "self.left -= taken.len().saturating_sub(1)",
         }],
-        ("--lib", "a_block_moves_with_its_points", "parallel/src/mesh/point_queue/tests.rs"),
+        "a_block_moves_with_its_points",
+        "parallel/src/mesh/point_queue/tests.rs",
     ),
     seen(
         12,
@@ -190,11 +173,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "changed(own, other) | is_alone",
             wrong: "is_alone",
         }],
-        (
-            "--lib",
-            "a_witness_holds_until_something_on_the_way_there_changes",
-            "core/refine/src/rounds/sift.rs",
-        ),
+        "a_witness_holds_until_something_on_the_way_there_changes",
+        "core/refine/src/rounds/sift.rs",
     ),
     seen(
         13,
@@ -204,7 +184,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "q.iter().all(|c| c.abs() <= 1.0)",
             wrong: "q.iter().all(|c| c.abs() <= 4.0)",
         }],
-        ("--lib", "beyond_the_frame_no_sphere_decides", "core/kernel/src/sphere/tests.rs"),
+        "beyond_the_frame_no_sphere_decides",
+        "core/kernel/src/sphere/tests.rs",
     ),
     seen(
         14,
@@ -214,11 +195,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "_mm_set1_ps(TOLERANCE)",
             wrong: "_mm_set1_ps(TOLERANCE / 4.0)",
         }],
-        (
-            "--lib",
-            "within_the_tolerance_nothing_is_decided_and_just_beyond_it_all_is",
-            "core/kernel/src/sphere/tests.rs",
-        ),
+        "within_the_tolerance_nothing_is_decided_and_just_beyond_it_all_is",
+        "core/kernel/src/sphere/tests.rs",
     ),
     seen(
         15,
@@ -228,11 +206,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "(left - right).abs() > error",
             wrong: "true",
         }],
-        (
-            "--lib",
-            "the_ratio_is_compared_in_integers_where_doubles_are_wrong",
-            "verify/checker/src/conform/bounds.rs",
-        ),
+        "the_ratio_is_compared_in_integers_where_doubles_are_wrong",
+        "verify/checker/src/conform/bounds.rs",
     ),
     seen(
         16,
@@ -242,11 +217,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "sides.chain(segments).collect()",
             wrong: "sides.collect()",
         }],
-        (
-            "--test domains",
-            "a_free_segment_must_be_a_chain_of_edges",
-            "verify/checker/tests/domains.rs",
-        ),
+        "a_free_segment_must_be_a_chain_of_edges",
+        "verify/checker/tests/domains.rs",
     ),
     Slip {
         number: 17,
@@ -256,7 +228,6 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "mesh.in_sphere(t, q, &mut part.tally)",
             wrong: "match mesh.in_sphere(t, q, &mut part.tally) { 1 => -1, other => other }",
         }],
-        target: "--test meshes",
         test: "no_verdict_rests_on_the_circles_of_coplanar_hull_facets_alone",
         at: "verify/checker/tests/meshes.rs",
         is_equivalent: true,
@@ -269,7 +240,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "points[v as usize].map(|c| c + 0.0)",
             wrong: "points[v as usize]",
         }],
-        ("--test canonical_hash", "", "core/kernel/tests/canonical_hash.rs"),
+        "",
+        "core/kernel/tests/canonical_hash.rs",
     ),
     seen(
         19,
@@ -279,7 +251,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "std::fs::canonicalize(path)",
             wrong: "Ok(path.to_owned())",
         }],
-        ("--lib", "a_link_is_followed_and_modes_are_ordinary", "core/formats/src/atomic_file.rs"),
+        "a_link_is_followed_and_modes_are_ordinary",
+        "core/formats/src/atomic_file.rs",
     ),
     seen(
         20,
@@ -292,11 +265,8 @@ pub(super) const SLIPS: &[Slip] = &[
                 wrong: "",
             },
         ],
-        (
-            "--test rejected",
-            "sizes_and_the_background_mesh_are_not_overwritten",
-            "cli/tests/rejected.rs",
-        ),
+        "sizes_and_the_background_mesh_are_not_overwritten",
+        "cli/tests/rejected.rs",
     ),
     seen(
         21,
@@ -306,11 +276,8 @@ pub(super) const SLIPS: &[Slip] = &[
             right: "i64::from(self.region(t))",
             wrong: "match self.region(t) { 2 => 3, 3 => 2, own => i64::from(own) }",
         }],
-        (
-            "--test regions",
-            "tetrahedra_have_the_tags_of_the_seeds_in_them",
-            "core/refine/tests/regions.rs",
-        ),
+        "tetrahedra_have_the_tags_of_the_seeds_in_them",
+        "core/refine/tests/regions.rs",
     ),
     seen(
         22,
@@ -329,10 +296,7 @@ pub(super) const SLIPS: &[Slip] = &[
                 wrong: "self.gone.push(place);",
             },
         ],
-        (
-            "--lib",
-            "no_message_is_behind_the_barrier_that_waits_for_it_however_late",
-            "parallel/src/refining/rounds/stages/tests.rs",
-        ),
+        "no_message_is_behind_the_barrier_that_waits_for_it_however_late",
+        "parallel/src/refining/rounds/stages/tests.rs",
     ),
 ];
