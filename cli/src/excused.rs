@@ -74,12 +74,12 @@ pub(crate) fn text(
     }
     let help = if help.is_empty() { String::new() } else { format!(". {}", help.join("; ")) };
     format!(
-        "{} tetrahedra over a bound, {}, {:.2e} % of all and {:.2e} % of their volume: \
+        "{} tetrahedra over a bound, {}, {} % of all and {} % of their volume: \
          {}{more}{help}",
         refined.excuses.len(),
         places.join(", "),
-        100.0 * share.tets,
-        100.0 * share.volume,
+        short(100.0 * share.tets, 3),
+        short(100.0 * share.volume, 3),
         reasons.join(", ")
     )
 }
@@ -89,7 +89,7 @@ pub(crate) fn text(
 fn place(ready: &Prepared, excused: &Excused) -> String {
     let offset = ready.lattice.offset();
     let told = |p: Point| {
-        let [x, y, z] = [0, 1, 2].map(|k| short(p[k] + offset[k]));
+        let [x, y, z] = [0, 1, 2].map(|k| short(p[k] + offset[k], 6));
         format!("({x}, {y}, {z})")
     };
     let corners = vertices(&excused.reason);
@@ -101,7 +101,7 @@ fn place(ready: &Prepared, excused: &Excused) -> String {
     }
 }
 
-/// A coordinate with six digits.
-fn short(x: f64) -> f64 {
-    format!("{x:.5e}").parse().unwrap_or(x)
+/// A number with so many digits, at least one.
+fn short(x: f64, digits: usize) -> f64 {
+    format!("{x:.0$e}", digits - 1).parse().unwrap_or(x)
 }
