@@ -104,7 +104,7 @@ fn exchanges_tell_what_stands_beyond_every_interface_face() {
 fn a_cavity_has_changed_if_its_ring_has() {
     let domain = generate_domain(DomainKind::LBlock, &Shape::default()).expect("a shape");
     let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
-    let refiner = Refiner::new().max_volume(1e-2).start(1);
+    let refiner = Refiner::new().max_volume(1e-3).start(100);
     let layout = |points| (Layout::new(points, 2), Config::new(2));
     let mut looked_at = 0;
     let run = rounds_by(&refiner, (&ready.domain, &ready.lattice), layout, |nodes| {
