@@ -28,8 +28,13 @@ pub(crate) fn json(refined: &Refined) -> Value {
     let (all, share) = (refined.excused(), refined.excused_share());
     let of = |(places, tets, volume)| json!({ "places": places, "tets": tets, "volume": volume });
     let each = |e: &Excused| {
-        let reason = e.reason.to_string();
-        json!({ "reason": reason, "tets": e.tets, "volume": e.volume, "at": e.at })
+        json!({
+            "reason": e.reason.to_string(),
+            "reason_at": e.reason.at(),
+            "tets": e.tets,
+            "volume": e.volume,
+            "at": e.at,
+        })
     };
     let [corners, segments, elsewhere] = sums(&all).map(of);
     json!({
@@ -104,4 +109,37 @@ fn place(ready: &Prepared, excused: &Excused) -> String {
 /// A number with the given count of digits, at least one.
 fn short(x: f64, digits: usize) -> f64 {
     format!("{x:.0$e}", digits - 1).parse().unwrap_or(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::json;
+    use ltbw::domain::PrepareOptions;
+    use ltbw::refine::Refiner;
+    use ltbw_generate::layers::stack;
+
+    /// Items of thin layers displace each other, and here they are never split together.
+    #[test]
+    fn a_reason_tells_its_place_in_numbers() {
+        let thicknesses = [42.0, 6.0, 4.0].map(|t| t / 64.0);
+        let domain = stack([3.0, 2.0], &thicknesses, false);
+        let ready = domain.prepare(&PrepareOptions::default()).expect("a sound domain");
+        let refiner = Refiner::new().max_volume(1e-3).joint_most(1);
+        let refined = refiner.refine(&ready.domain, &ready.lattice).expect("a mesh");
+        let excused = json(&refined);
+        let all = excused["by_reason"].as_array().expect("reasons");
+        let mut places = 0;
+        for own in all {
+            let reason = own["reason"].as_str().expect("a text");
+            let Some(at) = own["reason_at"].as_array() else {
+                assert!(own["reason_at"].is_null() && !reason.contains('('), "{own}");
+                continue;
+            };
+            let at: Vec<f64> = at.iter().filter_map(|c| c.as_f64()).collect();
+            assert!(reason.ends_with(&format!("({}, {}, {})", at[0], at[1], at[2])), "{own}");
+            assert!(at.iter().zip([3.0, 2.0, 1.0]).all(|(c, most)| (0.0..=most).contains(c)));
+            places += 1;
+        }
+        assert!(places > 0, "{excused}");
+    }
 }

@@ -341,6 +341,7 @@ fn refinement_json(refined: &Refined, ready: &Prepared) -> Value {
         json!({
             "vertices": refined.tet(e.tet),
             "reason": e.reason.to_string(),
+            "reason_at": e.reason.at(),
         })
     };
     let region = |r: &ltbw::refine::RegionInfo| {

@@ -151,20 +151,13 @@ mod tests {
     use crate::state::FACE;
     use crate::table::triangle;
     use crate::tests::ready;
-    use ltbw_core::topology::tet_of;
+    use ltbw_core::topology::{TetId, VertexId, tet_of};
     use ltbw_generate::{DomainKind, Shape};
 
-    #[test]
-    fn a_block_bars_no_tetrahedron_that_allows_shorter_edges() {
-        let ready = ready(DomainKind::TwoMaterial, &Shape::default());
-        let refiner = Refiner::new().max_volume(1e-3);
-        let (mut run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
-        let (own, stats) = (&mut run.refinement, RefineStats::default());
-        let mut rounds = Rounds::new(own, InsertOrder::Hilbert, u64::MAX, stats);
-        rounds.look_at_all();
-        rounds.find_foremost();
+    /// A tetrahedron over its bounds with a subface between two regions, and the one behind it.
+    fn beside_two_regions(rounds: &Rounds<'_, '_>) -> Option<(TetId, [VertexId; 3], TetId)> {
         let state = &rounds.own.state;
-        let inner = rounds.bad.iter().find_map(|bad| {
+        rounds.bad.iter().find_map(|bad| {
             let tet = state.mesh.topology().at(bad.t);
             let slot = (0..4).find(|&slot| {
                 let other = tet_of(tet.neighbours()[slot]);
@@ -173,23 +166,66 @@ mod tests {
             })?;
             let corners = FACE[slot].map(|k| tet.vertices()[k]);
             Some((bad.t, corners, tet_of(tet.neighbours()[slot])))
+        })
+    }
+
+    /// Tells rounds before their first choice, and what [`beside_two_regions`] finds there.
+    fn with_block(tell: impl FnOnce(&mut Rounds<'_, '_>, (TetId, [VertexId; 3], TetId))) {
+        let ready = ready(DomainKind::TwoMaterial, &Shape::default());
+        let refiner = Refiner::new().max_volume(1e-3);
+        let (mut run, _) = refiner.recovered(&ready.domain, &ready.lattice).expect("a mesh");
+        let (own, stats) = (&mut run.refinement, RefineStats::default());
+        let mut rounds = Rounds::new(own, InsertOrder::Hilbert, u64::MAX, stats);
+        rounds.look_at_all();
+        rounds.find_foremost();
+        let found = beside_two_regions(&rounds).expect("a subface between two regions");
+        tell(&mut rounds, found);
+    }
+
+    #[test]
+    fn a_block_bars_no_tetrahedron_that_allows_shorter_edges() {
+        with_block(|rounds, (t, corners, other)| {
+            // Its centroid is in the balls on both sides.
+            let points = corners.map(|v| rounds.own.state.at(v));
+            let p = [0, 1, 2].map(|k| points.iter().map(|p| p[k] / 3.0).sum::<f64>().round());
+            let [a, b, c] = corners;
+            let corners = triangle(a, b, c);
+            let own = rounds.foremost_at(t, 1);
+            let sides = [t, other].map(|t| (t, rounds.own.state.vertices(t)));
+            rounds.blocks.push(Block { corners, sides });
+            let limit = rounds.limit(t, &own.shape).expect("bounds");
+            let item = Item::Subface(corners);
+            for (factor, is_barred) in [(0.5, true), (1.0, true), (2.0, false)] {
+                let refusal = Refusal { reason: Reason::Floor, limit: Some(limit.times(factor)) };
+                rounds.own.record.refused.insert(item, refusal);
+                assert_eq!(rounds.blocked(&p, &own).is_some(), is_barred, "{factor}");
+            }
+            rounds.own.record.refused.insert(item, Refusal::final_for(Reason::Floor));
+            assert!(rounds.blocked(&p, &own).is_some());
         });
-        let (t, corners, other) = inner.expect("a subface between two regions");
-        // Its centroid is in the balls on both sides.
-        let points = corners.map(|v| state.at(v));
-        let p = [0, 1, 2].map(|k| points.iter().map(|p| p[k] / 3.0).sum::<f64>().round());
-        let [a, b, c] = corners;
-        let corners = triangle(a, b, c);
-        let own = rounds.foremost_at(t, 1);
-        let sides = [t, other].map(|t| (t, rounds.own.state.vertices(t)));
-        rounds.blocks.push(Block { corners, sides });
-        let limit = rounds.limit(t, &own.shape).expect("bounds");
-        for (factor, is_barred) in [(0.5, true), (1.0, true), (2.0, false)] {
-            let refusal = Refusal { reason: Reason::Floor, limit: Some(limit.times(factor)) };
-            rounds.own.record.refused.insert(Item::Subface(corners), refusal);
-            assert_eq!(rounds.blocked(&p, &own).is_some(), is_barred, "{factor}");
-        }
-        rounds.own.record.refused.insert(Item::Subface(corners), Refusal::final_for(Reason::Floor));
-        assert!(rounds.blocked(&p, &own).is_some());
+    }
+
+    /// Which slot a tetrahedron gets depends on the order of insertion: one that has a block's
+    /// corners, too, and the slot of one of its sides, may have it in one order alone.
+    #[test]
+    fn a_block_is_forgotten_with_its_tetrahedra_whoever_has_their_slots() {
+        with_block(|rounds, (t, corners, other)| {
+            let [a, b, c] = corners;
+            let corners = triangle(a, b, c);
+            let item = Item::Subface(corners);
+            rounds.own.record.refused.insert(item, Refusal::final_for(Reason::Floor));
+            let sides = [t, other].map(|t| (t, rounds.own.state.vertices(t)));
+            rounds.blocks.push(Block { corners, sides });
+            rounds.check_blocks();
+            assert_eq!(rounds.blocks.len(), 1, "both are there");
+            // The one that was here had another apex.
+            let apex = |v: [VertexId; 4]| (0..4).find(|&k| !corners.contains(&v[k]));
+            let [mut gone, stays] = sides;
+            let [k, j] = [gone, stays].map(|(_, v)| apex(v).expect("an apex"));
+            gone.1[k] = stays.1[j];
+            rounds.blocks[0].sides = [gone, stays];
+            rounds.check_blocks();
+            assert!(rounds.blocks.is_empty(), "kept by its slot");
+        });
     }
 }
