@@ -2,7 +2,7 @@
 //!
 //! A *closure* is all that a worker has collected: the cavity of a point and the tetrahedra around
 //! it. The carriers of its corners tell which of it is boundary ([`Complex`](super::Complex)). All
-//! rules are those of the rounds (`docs/refinement.md`), which look at a closure alone.
+//! rules are those of the rounds (`docs/rounds.md`), which look at a closure alone.
 
 use super::carrier::Carrier;
 use super::key::{OrderKey, SIZE, key, key_of_tet, order_key, sorted};

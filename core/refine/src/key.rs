@@ -44,8 +44,8 @@ pub(crate) fn sorted<const N: usize>(points: [Point; N]) -> [Point; N] {
 /// The lowest bit of the size in a key.
 pub(super) const SIZE: u32 = 48;
 
-/// The key of an item: 16 leading bits of the square of its size, then 48 bits of a hash of its
-/// corners, which are sorted. The larger comes first; no key is 0.
+/// The key of an item: 16 leading bits of the square of its size, then 47 bits of a hash of its
+/// corners, which are sorted, and a 1. The larger comes first; no key is 0.
 ///
 /// The hash: from 0, for each coordinate of each corner, `h = (h ^ bits) * 0x9e3779b97f4a7c15`
 /// modulo 2^64, then `h ^= h >> 32`, where `bits` are those of the coordinate as `f64`.

@@ -5,7 +5,7 @@
 //! tetrahedron of the domain meets its bounds. All points lie on the domain's lattice, those of
 //! segments and facets exactly on their carrier; every decision is exact.
 //!
-//! The rules, their order and their termination: `docs/refinement.md`.
+//! The rules and their order: `docs/refinement.md`; their termination: `docs/why-it-ends.md`.
 //!
 //! | module | what it holds |
 //! |---|---|

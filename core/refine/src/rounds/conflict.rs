@@ -1,5 +1,5 @@
 //! Joint kills: two points of a round, each of which takes no item out of the mesh, may do so
-//! together. The rules that exclude it, as `docs/refinement.md` numbers them.
+//! together. The rules that exclude it, as `docs/rounds.md` numbers them.
 
 use super::{Candidate, Rounds};
 use crate::carrier::Carrier;

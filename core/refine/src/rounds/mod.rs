@@ -3,7 +3,7 @@
 //!
 //! The Delaunay mesh of a point set is unique here, so the mesh after a round is a function of the
 //! mesh before it. Every verdict is taken on the mesh at the start of the round, by coordinates and
-//! never by numbers or slots; insertion is unconditional. `docs/refinement.md`, *Rounds*.
+//! never by numbers or slots; insertion is unconditional. `docs/rounds.md`.
 
 mod batch;
 mod block;

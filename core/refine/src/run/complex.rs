@@ -18,8 +18,8 @@ impl<'a> Refiner<'a> {
     /// `vertices` vertices and no boundary item waits.
     ///
     /// # Errors
-    /// [`ComplexError`] if there is no mesh of the domain, or if it has patches, a sizing field, or
-    /// features at small angles.
+    /// [`ComplexError`] if there is no mesh of the domain, or if it has patches, features at small
+    /// angles, or some of its boundary missing.
     #[doc(hidden)]
     pub fn complex(
         &self,

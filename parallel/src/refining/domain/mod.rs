@@ -5,7 +5,7 @@
 //! asked for (`list`). An operation begins at the tetrahedron, or at one that has the boundary
 //! item, at its owner. When its closure is locked its home takes the *verdict* (`verdict`): the
 //! owners have told which faces and edges of the cavity are subfaces and subsegments, which the
-//! carriers of their vertices tell (`Complex` of `ltbw_domain`). A point inside a region that
+//! carriers of their vertices tell (`Complex` of `ltbw_refine`). A point inside a region that
 //! encroaches one, and a point of the boundary that would take another one out of the mesh, is
 //! not inserted: the item goes first, in the list of the owner of a tetrahedron at it, and the
 //! other is asked again afterwards. So everything that was in the mesh at the start stays in it,

@@ -2,7 +2,7 @@
 //!
 //! The sequential engine brings the boundary into the mesh and refines to where rounds begin; then
 //! workers own parts of it. In each round they choose points together, by the rules of the engine
-//! with one mesh (`docs/refinement.md`), and then insert them by the protocol, in any order. What a
+//! with one mesh (`docs/rounds.md`), and then insert them by the protocol, in any order. What a
 //! worker needs of others' parts it asks for by *probes*, which read and lock nothing; the cavity
 //! of a candidate is *reserved* where it lies; and each worker decides for its own candidates,
 //! from what is reserved in their closures. The mesh is the engine's, to the last tetrahedron.
