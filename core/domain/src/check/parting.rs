@@ -25,8 +25,8 @@ const FEW: f64 = 12.0;
 /// away. No more looks are worth it than there are others for each piece, either.
 const LOOKS: f64 = 32.0;
 
-/// The cost of a cut (see [`Halves::cost`]) below which no other one is tried: half of the pairs are
-/// left, and few pieces are in both halves.
+/// The cost of a cut (see [`Halves::cost`]) below which no other one is tried: about half of the
+/// pairs are left, and few pieces are in both halves.
 const LITTLE: f64 = 0.6;
 
 /// Cuts one in the other; a box of doubles is a point after fewer than 2^12 of them.
