@@ -37,7 +37,31 @@ const SHARP: f64 = 0.25 * (1.0 + 1e-9);
 const CROWD: usize = 512;
 
 /// The reasons why two features are related, or why one is related to any.
-type Reasons = Vec<Reason>;
+#[derive(Clone, Debug, Default)]
+struct Reasons {
+    list: Vec<Reason>,
+    /// The same, once there are many: a facet may have one for each of its corners.
+    known: Set<Reason>,
+}
+
+/// Reasons from which on it is looked up whether there is another one.
+const MANY: usize = 8;
+
+impl Reasons {
+    /// Adds a reason that is not there yet.
+    fn add(&mut self, reason: Reason) {
+        if self.list.len() == MANY {
+            self.known.extend(&self.list);
+        }
+        let is_new = match self.list.len() < MANY {
+            true => !self.list.contains(&reason),
+            false => self.known.insert(reason),
+        };
+        if is_new {
+            self.list.push(reason);
+        }
+    }
+}
 
 /// The related pairs, and per facet and segment the reasons why it is in one.
 #[derive(Clone, Debug, Default)]
@@ -62,10 +86,7 @@ pub(crate) struct Angles {
 
 /// Adds a reason that is not there yet.
 fn add<K: Eq + std::hash::Hash>(map: &mut Map<K, Reasons>, key: K, reason: Reason) {
-    let list = map.entry(key).or_default();
-    if !list.contains(&reason) {
-        list.push(reason);
-    }
+    map.entry(key).or_default().add(reason);
 }
 
 /// The first reason that counts for an item which has the corners that `has` says.
@@ -74,7 +95,7 @@ fn first(reasons: Option<&Reasons>, has: &impl Fn(u32) -> bool) -> Option<Reason
         Reason::SmallFaceAngle { corner } => has(corner),
         _ => true,
     };
-    reasons?.iter().copied().find(counts)
+    reasons?.list.iter().copied().find(counts)
 }
 
 /// Is the angle between two directions below the one whose squared cosine is `limit`?
@@ -222,7 +243,7 @@ impl Angles {
 
     /// The ends of a segment at which two facets meet at a small dihedral angle.
     pub(crate) fn hinge(&self, f: u32, g: u32) -> Option<[u32; 2]> {
-        self.facets.get(&edge(f, g))?.iter().find_map(|reason| match *reason {
+        self.facets.get(&edge(f, g))?.list.iter().find_map(|reason| match *reason {
             Reason::SmallDihedral { segment } => Some(segment),
             _ => None,
         })
@@ -252,7 +273,7 @@ impl Angles {
     /// The number of segments that are at a small angle with another one at a corner, by corner.
     pub(crate) fn needles(&self) -> Map<Reason, usize> {
         let at = |(pair, reasons): (&[u32; 2], &Reasons)| {
-            reasons.iter().flat_map(|&reason| pair.map(|s| (reason, s))).collect::<Vec<_>>()
+            reasons.list.iter().flat_map(|&reason| pair.map(|s| (reason, s))).collect::<Vec<_>>()
         };
         let mut counts: Map<Reason, usize> = Map::default();
         for (reason, _) in self.sharp.iter().flat_map(at).collect::<Set<(Reason, u32)>>() {
@@ -264,7 +285,7 @@ impl Angles {
     /// Are two segments at a small angle at a corner?
     pub(crate) fn is_tip(&self, s: u32, r: u32, corner: u32) -> bool {
         let reason = Reason::SmallFaceAngle { corner };
-        self.sharp.get(&edge(s, r)).is_some_and(|reasons| reasons.contains(&reason))
+        self.sharp.get(&edge(s, r)).is_some_and(|reasons| reasons.list.contains(&reason))
     }
 
     /// The pairs of facets at segment `s` whose dihedral angle is so small that the square of the
@@ -276,12 +297,12 @@ impl Angles {
 
     /// Why facet `f` is related to any other, if it is.
     pub(crate) fn reason_of_facet(&self, f: u32) -> Option<Reason> {
-        self.of_facet.get(&f)?.first().copied()
+        self.of_facet.get(&f)?.list.first().copied()
     }
 
     /// Why segment `s` is related to any other, if it is.
     pub(crate) fn reason_of_segment(&self, s: u32) -> Option<Reason> {
-        self.of_segment.get(&s)?.first().copied()
+        self.of_segment.get(&s)?.list.first().copied()
     }
 
     /// Why facet `f` is related to any other, for an item of it with the corners that `has` says.

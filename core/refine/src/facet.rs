@@ -15,6 +15,7 @@ use super::table::sides;
 use ltbw_core::topology::VertexId;
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, coplanar_orient, perturb};
+use std::cell::Cell;
 
 /// The change of one facet's triangulation.
 #[derive(Debug)]
@@ -47,6 +48,55 @@ pub(crate) enum Seed {
     At([VertexId; 3]),
 }
 
+/// Subfaces of a facet by their sides.
+struct Sides {
+    /// Each side with the place of a subface that has it, sorted.
+    all: Vec<([VertexId; 2], u32)>,
+    /// Sides that were looked at so far.
+    steps: Cell<u64>,
+}
+
+impl Sides {
+    fn of(subfaces: &[[VertexId; 3]]) -> Self {
+        let own = |(k, s): (u32, &[VertexId; 3])| sides(*s).map(|(side, _)| (side, k));
+        let mut all: Vec<_> = (0..).zip(subfaces).flat_map(own).collect();
+        all.sort_unstable();
+        Self { all, steps: Cell::new(0) }
+    }
+
+    /// The places of the subfaces at a side, ascending.
+    fn at(&self, side: [VertexId; 2]) -> impl Iterator<Item = usize> + '_ {
+        let first = self.all.partition_point(|(other, _)| *other < side);
+        let own = self.all[first..].iter().take_while(move |(other, _)| *other == side);
+        own.map(|&(_, k)| {
+            self.steps.set(self.steps.get() + 1);
+            k as usize
+        })
+    }
+
+    /// The places of what is reached from some subfaces without crossing what is `closed`, breadth
+    /// first.
+    fn reached(
+        &self,
+        subfaces: &[[VertexId; 3]],
+        mut list: Vec<usize>,
+        closed: impl Fn([VertexId; 2]) -> bool,
+    ) -> Vec<usize> {
+        let mut taken = vec![false; subfaces.len()];
+        list.iter().for_each(|&k| taken[k] = true);
+        // Each subface enters once.
+        let mut next = 0;
+        while let Some(&k) = list.get(next) {
+            next += 1;
+            for (side, _) in sides(subfaces[k]).into_iter().filter(|(side, _)| !closed(*side)) {
+                let others = self.at(side).filter(|&l| !std::mem::replace(&mut taken[l], true));
+                list.extend(others);
+            }
+        }
+        list
+    }
+}
+
 impl State {
     /// The change that `p`, in whose cavity the boundary is `touched`, makes to the triangulation
     /// of facet `f`; `None` if `p` does not see its whole rim, which means that it lies elsewhere.
@@ -55,34 +105,13 @@ impl State {
             touched.inner.iter().filter(|(_, g)| *g == f).map(|(s, _)| *s).collect();
         let missing = self.missing_near(f, p);
         candidates.extend(missing.into_iter().filter(|s| self.conflicts(f, *s, p, seed)));
-        let mut taken = vec![false; candidates.len()];
-        let mut list: Vec<usize> = Vec::new();
-        for (k, s) in candidates.iter().enumerate() {
-            let starts = match seed {
-                Seed::Along([a, b]) => s.contains(&a) && s.contains(&b),
-                Seed::At(target) => *s == target,
-            };
-            if starts {
-                taken[k] = true;
-                list.push(k);
-            }
-        }
-        // Breadth first; each candidate enters once.
-        let mut next = 0;
-        while let Some(&k) = list.get(next) {
-            next += 1;
-            for (side, _) in sides(candidates[k]) {
-                if self.segments.contains_key(&side) {
-                    continue;
-                }
-                for (other, s) in candidates.iter().enumerate() {
-                    if !taken[other] && s.contains(&side[0]) && s.contains(&side[1]) {
-                        taken[other] = true;
-                        list.push(other);
-                    }
-                }
-            }
-        }
+        let starts = |k: &usize| match seed {
+            Seed::Along([a, b]) => candidates[*k].contains(&a) && candidates[*k].contains(&b),
+            Seed::At(target) => candidates[*k] == target,
+        };
+        let starts = (0..candidates.len()).filter(starts).collect();
+        let closed = |side| self.segments.contains_key(&side);
+        let list = Sides::of(&candidates).reached(&candidates, starts, closed);
         let removed: Vec<[VertexId; 3]> = list.iter().map(|&k| candidates[k]).collect();
         self.rim(f, &removed, p, seed).map(|rim| Change { removed, rim, ..Change::of(f) })
     }
@@ -112,13 +141,11 @@ impl State {
         seed: Seed,
     ) -> Option<Vec<[VertexId; 2]>> {
         let mut rim = Vec::new();
-        for (k, s) in removed.iter().enumerate() {
+        let all = Sides::of(removed);
+        for s in removed {
             for (side, opposite) in sides(*s) {
                 let split = matches!(seed, Seed::Along(e) if e == side);
-                let shared = removed
-                    .iter()
-                    .enumerate()
-                    .any(|(l, r)| l != k && r.contains(&side[0]) && r.contains(&side[1]));
+                let shared = all.at(side).nth(1).is_some();
                 // Across a subsegment both subfaces may go, but the subsegment stays.
                 if split || shared && !self.segments.contains_key(&side) {
                     continue;
@@ -154,6 +181,32 @@ impl State {
             Carrier::Segment(s, _) => self.plc.segments[s as usize].facets.clone(),
             Carrier::Facet(f) => vec![f],
             Carrier::Free => Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_subface_of_a_large_fan_is_looked_at_a_few_times() {
+        for count in [1 << 8, 1 << 14] {
+            let corner = |k: u32| VertexId::new(k);
+            let fan: Vec<[VertexId; 3]> =
+                (1..=count).map(|k| [corner(0), corner(k), corner(k + 1)]).collect();
+            let middle = count / 2;
+            let all = Sides::of(&fan);
+            let closed = [corner(0), corner(middle)];
+            let reached = all.reached(&fan, vec![0], |side| side == closed);
+            // From the first one to where a side is closed.
+            assert_eq!(reached, (0..middle as usize - 1).collect::<Vec<_>>());
+            let outline = fan.iter().flat_map(|s| sides(*s));
+            assert_eq!(
+                outline.filter(|(side, _)| all.at(*side).nth(1).is_none()).count(),
+                2 + count as usize
+            );
+            assert!(all.steps.get() < 16 * u64::from(count), "{count}: {}", all.steps.get());
         }
     }
 }

@@ -170,17 +170,23 @@ impl Filling {
                 missed.push(Item::Segment(edge(a, p)));
             }
         }
-        for &[a, b] in self.changes.iter().flat_map(|change| &change.rim) {
-            let mut is_there = false;
-            for (t, v) in star {
-                let (Some(i), Some(j)) = (slot_of(v, a), slot_of(v, b)) else { continue };
-                is_there = true;
-                mark(*t, face_bit(6 - i - j));
-            }
-            if !is_there {
-                missed.push(Item::Subface(triangle(p, a, b)));
+        let rim: Vec<[VertexId; 2]> =
+            self.changes.iter().flat_map(|change| &change.rim).map(|&[a, b]| edge(a, b)).collect();
+        let mut sorted: Vec<([VertexId; 2], usize)> = rim.iter().copied().zip(0..).collect();
+        sorted.sort_unstable();
+        let mut is_there = vec![false; rim.len()];
+        for (t, v) in star.iter().filter(|_| !rim.is_empty()) {
+            for [i, j] in [[1, 2], [1, 3], [2, 3]] {
+                let key = edge(v[i], v[j]);
+                let first = sorted.partition_point(|(other, _)| *other < key);
+                for (_, k) in sorted[first..].iter().take_while(|(other, _)| *other == key) {
+                    is_there[*k] = true;
+                    mark(*t, face_bit(6 - i - j));
+                }
             }
         }
+        let missing = rim.iter().zip(is_there).filter(|(_, is_there)| !is_there);
+        missed.extend(missing.map(|(&[a, b], _)| Item::Subface(triangle(p, a, b))));
     }
 }
 

@@ -31,6 +31,12 @@ fn is_small(distance: f64, limit: f64, width: f64) -> bool {
     nearer || distance < FAR * limit && distance * WIDER < width
 }
 
+/// A distance that is not small for features of this width, even if it is rounded or from a plane
+/// and not along an axis: features far smaller than the limit are not looked for all around.
+fn farthest(limit: f64, width: f64) -> f64 {
+    (FAR * limit).min(2.0 * width / WIDE)
+}
+
 /// Two features near each other; ids are those of the complex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pair {
@@ -140,9 +146,10 @@ impl<'p> Polygons<'p> {
             distance2(&a, &b).sqrt()
         });
         let width = lengths.fold(0.0, f64::max);
-        let reach = grown(&AABB::from_point(p), FAR * limit);
+        let far = farthest(limit, width);
+        let reach = grown(&AABB::from_point(p), far);
         // The distance along an axis is less than twice that from the plane.
-        let near = grown(&AABB::from_point(p), 2.0 * FAR * limit);
+        let near = grown(&AABB::from_point(p), 2.0 * far);
         let mut steps = 0;
         for polygon in self.tree.locate_in_envelope_intersecting(near) {
             steps += 1;
@@ -197,7 +204,8 @@ fn counted_pairs(plc: &Plc, limit: f64, heed: Heed<'_>) -> Result<(Vec<Pair>, u6
     let segments = RTree::bulk_load((0..).zip(&plc.segments).filter_map(segment).collect());
     for one in &segments {
         heed.ask()?;
-        for other in segments.locate_in_envelope_intersecting(grown(&one.envelope(), FAR * limit)) {
+        let far = farthest(limit, side(&one.envelope()));
+        for other in segments.locate_in_envelope_intersecting(grown(&one.envelope(), far)) {
             steps += 1;
             let (s, r) = (one.data, other.data);
             if s >= r {
@@ -311,5 +319,27 @@ mod tests {
             let pairs = pairs_of(&plc);
             assert_eq!(pairs.iter().any(|p| matches!(p, Pair::Segments(..))), near, "{pairs:?}");
         }
+    }
+
+    #[test]
+    fn each_corner_of_many_takes_few_steps() {
+        let each = [1 << 8, 1 << 13].map(|teeth: u32| {
+            let mut vertices: Vec<Point> = Vec::new();
+            for k in 0..teeth {
+                let x = f64::from(2 * k);
+                let corners = [[x, 0.0, 0.0], [x, 1.0, 0.0], [x + 1.0, 1.0, 0.0]];
+                vertices.extend(corners);
+                vertices.push([x + 1.0, 0.0, 0.0]);
+            }
+            let end = f64::from(2 * teeth);
+            vertices.extend([[end, 0.0, 0.0], [end, -1.0, 0.0], [0.0, -1.0, 0.0]]);
+            let corners: Vec<u32> = (0..vertices.len() as u32).collect();
+            let plc = complex(&vertices, &[&corners]);
+            let (pairs, steps) =
+                counted_pairs(&plc, 1e-4 * ONE, Heed::default()).expect("nobody cancels");
+            assert_eq!(pairs, []);
+            steps as f64 / f64::from(teeth)
+        });
+        assert!(each[1] < 1.1 * each[0], "{each:?}");
     }
 }

@@ -3,6 +3,7 @@
 use super::carrier::{Grid, UNIT};
 use super::plc::{Facet, Part, Plc};
 use super::ring::{Flat, Ring};
+use super::table::Set;
 use ltbw_domain::vector::dominant;
 use ltbw_exact::Point;
 use rstar::primitives::{GeomWithData, Rectangle};
@@ -18,7 +19,7 @@ pub(crate) struct Parts<'f> {
     rings: Vec<(usize, Ring)>,
     tree: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>>,
     /// Per part the polygons around each point of a hole.
-    holes: Vec<Vec<Vec<usize>>>,
+    holes: Vec<Set<Vec<usize>>>,
 }
 
 /// Rounded; larger is never rounded to less.
@@ -69,7 +70,7 @@ impl<'f> Parts<'f> {
         let mut groups = around.chunk_by(|&a, &b| self.rings[a].0 == self.rings[b].0);
         let part = groups.find_map(|own| {
             let part = self.rings[own[0]].0;
-            (!self.holes[part].iter().any(|hole| hole == own)).then_some(part)
+            (!self.holes[part].contains(own)).then_some(part)
         });
         part.map(|part| &self.facet.parts[part])
     }

@@ -11,7 +11,7 @@ use super::facet::Change;
 use super::item::Item;
 use super::marks::{EDGES, ENDS, FACES, face_bit};
 use super::state::{FACE, State, Touched};
-use super::table::{edge, triangle};
+use super::table::{Set, edge, triangle};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_exact::Point;
 
@@ -167,18 +167,22 @@ impl State {
 
     /// Adds the pending items that `p` encroaches.
     fn touch_pending(&self, p: &Point, carrier: Carrier, touched: &mut Touched) {
+        let Touched { hit_segments, hit_subfaces, .. } = touched;
+        let segments: Set<[VertexId; 2]> = hit_segments.iter().copied().collect();
+        let subfaces: Set<[VertexId; 3]> = hit_subfaces.iter().copied().collect();
+        // The index tells of each item once.
         for item in self.encroachment.near(p) {
             match item {
                 Item::Segment(s) => {
-                    if !touched.hit_segments.contains(&s) && self.encroaches_segment(s, p) {
-                        touched.hit_segments.push(s);
+                    if !segments.contains(&s) && self.encroaches_segment(s, p) {
+                        hit_segments.push(s);
                     }
                 }
                 Item::Subface(s) => {
                     let Some(&facet) = self.subfaces.get(&s) else { continue };
-                    let known = touched.hit_subfaces.contains(&s);
+                    let known = subfaces.contains(&s);
                     if !known && self.encroaches_subface(s, facet, p, carrier) {
-                        touched.hit_subfaces.push(s);
+                        hit_subfaces.push(s);
                     }
                 }
                 Item::Tet(..) => {}
@@ -194,7 +198,8 @@ impl State {
         split: Option<[VertexId; 2]>,
         changes: &[Change],
     ) -> Vec<Item> {
-        let stays = |s: &[VertexId; 3]| !changes.iter().any(|c| c.removed.contains(s));
+        let removed: Set<&[VertexId; 3]> = changes.iter().flat_map(|c| &c.removed).collect();
+        let stays = |s: &[VertexId; 3]| !removed.contains(s);
         let inner = touched.inner.iter().map(|(s, _)| *s);
         let faces = inner.filter(stays).map(Item::Subface);
         let edges = touched.inner_edges.iter().filter(|e| Some(**e) != split);

@@ -74,6 +74,13 @@ fn contacts_in(complex: &Complex<'_>, pieces: &[Piece], list: &[u32]) -> Vec<Fou
     with_others(complex, list).flat_map(of).collect()
 }
 
+/// The number of pairs in all lists that are compared.
+#[cfg(test)]
+pub(super) fn compared(complex: &Complex<'_>, lists: &[Vec<u32>]) -> u64 {
+    let all = lists.iter().flat_map(|list| with_others(complex, list));
+    all.map(|(_, others)| others.len() as u64).sum()
+}
+
 /// The contact of two pieces, if there is one.
 fn contact(complex: &Complex<'_>, number: u32, other: u32) -> Option<Contact> {
     let contacts = Contacts { points: complex.points };

@@ -6,7 +6,7 @@
 //! planar becomes the piecewise linear surface over it, if its projection does not cross itself.
 //!
 //! Cost: triangles and convex quadrilaterals need a few orientation tests; n corners about
-//! n log n time, at worst n².
+//! n log n time, at worst n². Hole points are looked up by the boxes of the triangles.
 
 mod plane;
 
@@ -229,8 +229,9 @@ fn by_plane(
     plane.remove_outside();
     // All hole points are located before any of them removes anything.
     let mut seeds = Vec::new();
+    let index = if facet.holes.is_empty() { plane::Index::new() } else { plane.index() };
     for (h, hole) in (0..).zip(&facet.holes) {
-        match plane.locate(hole) {
+        match plane.locate(&index, hole) {
             plane::Place::Inside(t) => seeds.push(t),
             plane::Place::Outside => found.problems.push(Problem::HoleOutside(h)),
             plane::Place::OnEdge => found.problems.push(Problem::HoleOnEdge(h)),

@@ -11,9 +11,15 @@
 //!     a-----b
 //! ```
 
+#[cfg(test)]
+mod tests;
+
 use super::Problem;
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, incircle, orient2d};
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+use std::cell::Cell;
 use std::collections::{HashSet, VecDeque};
 
 /// No triangle.
@@ -41,7 +47,12 @@ pub(super) struct Plane {
     /// Forced edges, the smaller vertex first.
     forced: HashSet<[u32; 2]>,
     removed: Vec<bool>,
+    /// Triangles that were looked at so far.
+    steps: Cell<u64>,
 }
+
+/// Triangles by their boxes.
+pub(super) type Index = RTree<GeomWithData<Rectangle<[f64; 2]>, u32>>;
 
 /// The triangles at a vertex: counterclockwise until the start or the hull, then clockwise from the
 /// start until the hull.
@@ -69,6 +80,7 @@ impl Iterator for Star<'_> {
         if t == NONE {
             return None;
         }
+        self.plane.step();
         self.next = self.beside(t);
         if self.next == NONE && self.step == 1 {
             self.step = 2;
@@ -103,10 +115,16 @@ impl Plane {
             at_vertex: vec![NONE; n],
             forced: HashSet::new(),
             removed: Vec::new(),
+            steps: Cell::new(0),
         };
         plane.sweep(&order)?;
         plane.removed = vec![false; plane.corners.len()];
         Ok(plane)
+    }
+
+    /// Counts a triangle that is looked at.
+    fn step(&self) {
+        self.steps.set(self.steps.get() + 1);
     }
 
     fn turn(&self, a: u32, b: u32, c: u32) -> Sign {
@@ -361,6 +379,7 @@ impl Plane {
         };
         // Every turn goes on to the next triangle along the segment.
         for _ in 0..self.corners.len() {
+            self.step();
             let [p, q] = [1, 2].map(|k| self.corners[t as usize][(place + k) % 3]);
             if self.forced.contains(&ordered([p, q])) {
                 return Err(Problem::Crossing(edge, [p, q]));
@@ -425,9 +444,21 @@ impl Plane {
         }
     }
 
+    /// All triangles by their boxes.
+    pub(super) fn index(&self) -> Index {
+        let boxed = |(t, c): (u32, &[u32; 3])| {
+            let at = c.map(|v| self.axes.map(|k| self.points[v as usize][k]));
+            GeomWithData::new(AABB::from_points(&at).into(), t)
+        };
+        RTree::bulk_load((0..).zip(&self.corners).map(boxed).collect())
+    }
+
     /// The place of the projection of a point.
-    pub(super) fn locate(&self, p: &Point) -> Place {
-        for t in 0..self.corners.len() {
+    pub(super) fn locate(&self, index: &Index, p: &Point) -> Place {
+        let flat = self.axes.map(|k| p[k]);
+        for found in index.locate_in_envelope_intersecting(AABB::from_point(flat)) {
+            self.step();
+            let t = found.data as usize;
             let c = self.corners[t];
             let side = |k: usize| {
                 let [a, b] = [1, 2].map(|j| &self.points[c[(k + j) % 3] as usize]);
