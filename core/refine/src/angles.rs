@@ -40,7 +40,7 @@ const CROWD: usize = 512;
 #[derive(Clone, Debug, Default)]
 struct Reasons {
     list: Vec<Reason>,
-    /// The same, once there are many: a facet may have one for each of its corners.
+    /// The reasons of the list, once there are many: a facet may have one for each of its corners.
     known: Set<Reason>,
 }
 

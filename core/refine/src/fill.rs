@@ -74,7 +74,7 @@ impl Inserted {
         });
     }
 
-    /// The same with a vertex that was put off.
+    /// Fills the open cavity of a vertex that was put off.
     pub(crate) fn fill_vertex<W: Work>(
         &mut self,
         open: OpenCavity<'_, State>,

@@ -39,7 +39,7 @@ impl State {
         self.touched = touched;
     }
 
-    /// The same in a cavity that need not be open: its tetrahedra, and whether it has one.
+    /// Looks into a cavity that need not be open: its tetrahedra, and whether it has one.
     pub(crate) fn look_into(
         &self,
         (tets, has): (impl Iterator<Item = TetId>, &impl Fn(TetId) -> bool),

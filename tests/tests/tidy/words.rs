@@ -98,7 +98,8 @@ pub(crate) fn leaning(tree: &Tree) -> Vec<String> {
     for (file, text) in tree.rust("") {
         let mut before = "";
         for (line, number) in text.lines().zip(1..) {
-            let leans = line.trim_start().starts_with("/// The same ");
+            let rest = line.trim_start().strip_prefix("/// The same");
+            let leans = rest.is_some_and(|rest| !rest.starts_with(char::is_alphanumeric));
             if leans && !doc(before) {
                 all.push(format!("{file}:{number}"));
             }

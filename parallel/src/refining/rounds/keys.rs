@@ -38,7 +38,7 @@ struct Interface {
 struct Far {
     /// Told by the worker beyond: the rank of its tetrahedron, if that is over its bounds.
     rank: Option<Rank>,
-    /// The same: one around its tetrahedron comes before the one here.
+    /// One around its tetrahedron comes before the one here.
     is_beaten: bool,
     /// One here comes before that worker's around its tetrahedron, as it was told last.
     told: bool,
