@@ -137,3 +137,160 @@ impl State {
         journal.entered.into_iter().for_each(|item| self.encroachment.remove(item));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::MOST;
+    use crate::Refiner;
+    use crate::carrier::Carrier;
+    use crate::item::{Item, Queues, Work};
+    use crate::limit::Limit;
+    use crate::marks::Word;
+    use crate::outcome::Reason;
+    use crate::run::Run;
+    use crate::split::Step;
+    use crate::state::State;
+    use ltbw_core::cavity::AdmitAll;
+    use ltbw_core::invariants::check_all;
+    use ltbw_core::topology::{TetId, VertexId};
+    use ltbw_domain::{Domain, Facet, PrepareOptions, Prepared};
+
+    /// The thickness of a layer.
+    const THICKNESS: f64 = 1.0 / 16.0;
+
+    /// Layers on a unit square.
+    fn stack(layers: u32) -> Prepared {
+        let mut domain = Domain::default();
+        let mut facet = |corners: [u32; 4]| domain.facets.push(Facet::polygon(&corners, 0));
+        for k in (0..=layers).map(|k| 4 * k) {
+            facet([k, k + 1, k + 2, k + 3]);
+            for side in 0..if k > 0 { 4 } else { 0 } {
+                let next = (side + 1) % 4;
+                facet([k - 4 + side, k - 4 + next, k + next, k + side]);
+            }
+        }
+        for z in (0..=layers).map(|k| THICKNESS * f64::from(k)) {
+            let corners = [[0.0, 0.0, z], [1.0, 0.0, z], [1.0, 1.0, z], [0.0, 1.0, z]];
+            domain.vertices.extend(corners);
+        }
+        domain.prepare(&PrepareOptions::default()).expect("a sound domain")
+    }
+
+    /// A refinement of such layers after some transactions.
+    fn begun(ready: &Prepared, layers: u32, turns: usize) -> Run<'static> {
+        let refiner = Refiner::new().max_volume(THICKNESS * f64::from(layers) / 100.0);
+        let found = refiner.recovered(&ready.domain, &ready.lattice);
+        let (mut run, _) = found.expect("a mesh with its boundary");
+        for _ in 0..turns {
+            assert!(turn(&mut run), "nothing is left to do");
+        }
+        run
+    }
+
+    /// One transaction; `false` if nothing is left to do.
+    fn turn(run: &mut Run<'_>) -> bool {
+        let next = run.work.next_boundary().or_else(|| run.work.next_tet());
+        next.is_some_and(|item| run.step(item).is_ok())
+    }
+
+    /// Tries to split an item jointly.
+    fn step(run: &mut Run<'_>, item: Item, is_opposite: bool, most: usize) -> Step {
+        let own = &mut run.refinement;
+        own.joint_most = most;
+        own.step_jointly(item, is_opposite, &mut Queues::default(), &mut AdmitAll)
+    }
+
+    fn items(state: &State) -> Vec<Item> {
+        let mut all: Vec<Item> = state.segments.keys().map(|&s| Item::Segment(s)).collect();
+        all.extend(state.subfaces.keys().map(|&s| Item::Subface(s)));
+        state.sort(&mut all);
+        all
+    }
+
+    /// The tetrahedra with their marks.
+    fn picture(state: &State) -> Vec<(TetId, [VertexId; 4], Word)> {
+        let all = state.mesh.tet_ids();
+        all.map(|t| (t, state.vertices(t), state.marks.of(t))).collect()
+    }
+
+    /// The smallest stack has long segments side by side, which displace each other: no transaction
+    /// splits one alone, and they are split together.
+    #[test]
+    fn segments_side_by_side_are_split_together_or_not_at_all() {
+        let ready = stack(2);
+        let all = items(&begun(&ready, 2, 0).refinement.state);
+        let mut together = 0;
+        for item in all {
+            let Item::Segment(ends) = item else { continue };
+            let mut run = begun(&ready, 2, 0);
+            let before = picture(&run.refinement.state);
+            let alone = step(&mut run, item, false, 1);
+            if alone == Step::Inserted {
+                continue;
+            }
+            let state = &run.refinement.state;
+            let Step::Refused(Reason::Interlocked { at }) = alone else { panic!("{alone:?}") };
+            let [a, b] = ends.map(|v| state.at(v));
+            assert_eq!(at.point(), [0, 1, 2].map(|k| (a[k] + b[k]) / 2.0 * state.fine_step));
+            assert!(picture(state) == before && state.is_complete(), "it is not taken back");
+            let vertices = state.mesh.num_vertices();
+            assert_eq!(step(&mut run, item, false, usize::MAX), Step::Inserted);
+            let state = &run.refinement.state;
+            assert!(state.mesh.num_vertices() > vertices + 1 && state.is_complete());
+            check_all(&state.mesh).expect("invariants of the mesh");
+            together += 1;
+        }
+        assert!(together > 0, "each was split alone");
+    }
+
+    /// In three layers there comes an item whose circle has no end near the centres of what it
+    /// loses: all of that is taken back, limits included, and points straight across are few.
+    #[test]
+    fn what_has_no_end_near_its_centres_is_split_opposite() {
+        let ready = stack(3);
+        let mut run = begun(&ready, 3, 0);
+        // Its turns are as many as a whole refinement has.
+        let is_long = |run: &mut Run<'_>| {
+            let before = run.refinement.record.joint_transactions;
+            assert!(turn(run), "no joint step was tried twice");
+            run.refinement.record.joint_transactions > before + MOST[0]
+        };
+        let turns = (0..1000).position(|_| is_long(&mut run)).expect("a step tried twice");
+        let mut run = begun(&ready, 3, turns);
+        let mut found = 0;
+        for item in items(&run.refinement.state) {
+            run.refinement.record.limits.insert(item, Limit::all(1e9));
+            let (before, limits) =
+                (picture(&run.refinement.state), run.refinement.record.limits.clone());
+            let first = step(&mut run, item, false, usize::MAX);
+            if first == Step::Inserted {
+                run = begun(&ready, 3, turns);
+                continue;
+            }
+            for (is_opposite, most) in [(false, usize::MAX), (true, 1)] {
+                let end = step(&mut run, item, is_opposite, most);
+                assert!(matches!(end, Step::Refused(Reason::Interlocked { .. })), "{end:?}");
+                assert!(picture(&run.refinement.state) == before, "it is not taken back");
+                assert!(run.refinement.record.limits == limits, "other limits");
+            }
+            let vertices = run.refinement.state.mesh.num_vertices();
+            assert_eq!(step(&mut run, item, true, usize::MAX), Step::Inserted);
+            let state = &run.refinement.state;
+            assert!(state.is_complete());
+            check_all(&state.mesh).expect("invariants of the mesh");
+            let all = (1..state.mesh.num_vertices() + 1).map(VertexId::at);
+            for v in all.clone().skip(vertices) {
+                let p = state.at(v);
+                let is_across = |q: VertexId| state.at(q)[..2] == p[..2];
+                assert!(matches!(state.carriers[v.index()], Carrier::Facet(_)), "{p:?}");
+                assert!(
+                    all.clone().any(|q| q != v && is_across(q)),
+                    "nothing is across from {p:?}"
+                );
+            }
+            found += 1;
+            run = begun(&ready, 3, turns);
+        }
+        assert!(found > 0);
+    }
+}
