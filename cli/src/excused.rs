@@ -106,7 +106,7 @@ fn place(ready: &Prepared, excused: &Excused) -> String {
     }
 }
 
-/// A number with the given count of digits, at least one.
+/// A number with the given number of digits, at least one.
 fn short(x: f64, digits: usize) -> f64 {
     format!("{x:.0$e}", digits - 1).parse().unwrap_or(x)
 }

@@ -35,13 +35,16 @@ fn boxed(seed: u64) -> Vec<IntPoint> {
     points
 }
 
+/// A hull facet: its tetrahedron, and its corners.
+type Facet = (usize, Vec<u32>);
+
 /// The pairs of coplanar hull facets with a common edge of which the far corner of one is in the
 /// circle of the other.
 fn wrong_circles(points: &[IntPoint], tets: &[[u32; 4]]) -> usize {
     let at = |v: u32| points[v as usize];
     let neighbours = common::adjacency(tets);
     let sides = (0..tets.len()).flat_map(|t| (0..4).map(move |i| (t, i)));
-    let hull: Vec<(usize, Vec<u32>)> = sides
+    let hull: Vec<Facet> = sides
         .filter(|&(t, i)| neighbours[t][i] == u32::MAX)
         .map(|(t, i)| (t, (0..4).filter(|&k| k != i).map(|k| tets[t][k]).collect()))
         .collect();
@@ -50,7 +53,7 @@ fn wrong_circles(points: &[IntPoint], tets: &[[u32; 4]]) -> usize {
         apart.next().filter(|_| apart.next().is_none())
     };
     let pairs = hull.iter().flat_map(|own| hull.iter().map(move |other| (own, other)));
-    let is_wrong = |&((t, own), (_, other)): &(&(usize, Vec<u32>), &(usize, Vec<u32>))| {
+    let is_wrong = |&((t, own), (_, other)): &(&Facet, &Facet)| {
         let [a, b, c, d] = tets[*t].map(at);
         let is_in = |q: u32| {
             volume6([at(own[0]), at(own[1]), at(own[2]), at(q)]) == 0

@@ -134,8 +134,8 @@ mod tests {
         }
     }
 
-    /// Sifts the entry of tetrahedron 0, which had its witness at look 5, at look 7. Returns whether
-    /// it is there, whether it was looked at, and whether it is foremost.
+    /// Sifts the entry of tetrahedron 0, which had its witness at look 5, at look 7. Returns
+    /// whether it is there, whether it was looked at, and whether it is foremost.
     fn sifted(stamps: [u32; 4], has_witness: bool) -> [bool; 3] {
         let row = Row { stamps, has_witness, asked: RefCell::default() };
         let witness = [1, 2].map(TetId::new);

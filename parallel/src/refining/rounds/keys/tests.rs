@@ -99,7 +99,7 @@ fn exchanges_tell_what_stands_beyond_every_interface_face() {
     }
 }
 
-/// What was found ahead holds as long as neither its cavity nor the ring around it is written.
+/// A cavity found ahead holds as long as neither it nor the ring around it is written.
 #[test]
 fn a_cavity_has_changed_if_its_ring_has() {
     let domain = generate_domain(DomainKind::LBlock, &Shape::default()).expect("a shape");

@@ -1,5 +1,5 @@
-//! What the workers at the two sides of an interface face tell each other: ranks, and whether
-//! something behind one comes before the one beyond.
+//! The news of the workers at the two sides of an interface face: ranks, and whether something
+//! behind one comes before the one beyond.
 
 use super::{Far, Interface, Keys, keep};
 use crate::protocol::{Directory, Name, Rules, Submesh, WorkerId};
