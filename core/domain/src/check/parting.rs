@@ -411,6 +411,9 @@ mod tests {
         domain
     }
 
+    /// A domain of a size.
+    type Make = fn(u32) -> Domain;
+
     fn report(domain: &Domain) -> DomainReport {
         domain.check(&CheckOptions::default()).expect("a report")
     }
@@ -427,8 +430,7 @@ mod tests {
 
     #[test]
     fn each_piece_takes_few_steps_of_many() {
-        let makes: [(fn(u32) -> Domain, u32); 3] =
-            [(comb, 1 << 8), (plate, 1 << 4), (bipyramid, 1 << 10)];
+        let makes: [(Make, u32); 3] = [(comb, 1 << 8), (plate, 1 << 4), (bipyramid, 1 << 10)];
         for (make, size) in makes {
             let steps = [1, 2, 4].map(|times| {
                 let domain = make(size * times);
