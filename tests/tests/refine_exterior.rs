@@ -1,5 +1,5 @@
-//! Random bodies with what is no part of them: spare vertices, sheets, flaps, voids beside, and
-//! bodies inside them. Each is meshed as if only the bodies were there, and the checker, which is
+//! Random bodies with what is no part of them: spare vertices, sheets, flaps outside and inside,
+//! voids beside, and bodies inside them. Each is meshed as if only the bodies were there, and the checker, which is
 //! given all, finds that right.
 
 use ltbw::domain::{DefectKind, Domain, Facet, PrepareOptions, Prepared};
@@ -101,6 +101,17 @@ fn domain(seed: u64) -> (Domain, bool, usize, f64) {
         let first = domain.vertices.len() as u32;
         domain.vertices.extend([[0.0, 5.0, 5.0], [1.0, 5.0, 5.0], [0.0, 6.0, 5.5]]);
         domain.facets.push(Facet::polygon(&[first, first + 1, first + 2], 0));
+    }
+    if oriented && random.below(2) == 0 {
+        // In the midst of the body, without any contact.
+        let first = domain.vertices.len() as u32;
+        domain.vertices.extend([
+            [0.015625, 0.0, 0.03125],
+            [0.03125, 0.0, 0.03125],
+            [0.0, 0.03125, 0.0],
+        ]);
+        let [a, b, c] = [0, 1, 2].map(|k| first + k);
+        domain.facets.extend([[a, b, c], [c, b, a]].map(|ring| Facet::polygon(&ring, 5)));
     }
     (domain, oriented, cells, volume)
 }

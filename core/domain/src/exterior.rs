@@ -10,7 +10,7 @@ use crate::repair::{Repairs, Surface};
 use crate::triangulate::edges;
 use crate::{CheckOptions, Domain, DomainError, DomainReport, Facet};
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// The number of a vertex that is no part of the domain: see [`crate::Prepared::vertex_map`].
 pub const LEFT_OUT: u32 = u32::MAX;
@@ -76,7 +76,7 @@ impl Domain {
 pub(crate) struct Settled {
     /// The findings on what is left.
     pub(crate) report: DomainReport,
-    /// The domain with all, and a hole point in each void, if anything was left out.
+    /// The domain with all but flaps, and a hole point in each void, if anything was left out.
     pub(crate) whole: Option<Domain>,
     /// For each vertex its new number or [`LEFT_OUT`], if anything was left out.
     pub(crate) left: Option<Vec<u32>>,
@@ -100,10 +100,29 @@ impl Surface {
         if !report.is_meshable() || report.exterior.is_empty() {
             return Ok(Settled { report, whole: None, left: None });
         }
-        let mut whole = self.domain.clone();
+        let mut whole = self.without_flaps(&report.exterior);
         whole.holes.append(&mut report.voids);
         let left = self.leave_out(&report.exterior, repairs);
         Ok(Settled { report: self.check(checks)?, whole: Some(whole), left: Some(left) })
+    }
+
+    /// The domain without facets that are given from either side with nothing between, and without
+    /// vertices that these alone name. Inside a body nobody could tell them from a sheet.
+    fn without_flaps(&self, exterior: &Exterior) -> Domain {
+        let mut domain = self.domain.clone();
+        let is_flap = |f: &&u32| self.inner[**f as usize].is_some();
+        let flaps: Vec<u32> = exterior.facets.iter().filter(is_flap).copied().collect();
+        let corners = flaps.iter().flat_map(|&f| domain.facets[f as usize].polygons.concat());
+        let mut gone: BTreeSet<u32> = corners.collect();
+        gone.retain(|v| exterior.vertices.binary_search(v).is_ok());
+        without(&mut domain.facets, &flaps);
+        domain.facets.iter().flat_map(|f| f.polygons.iter().flatten()).for_each(|v| {
+            gone.remove(v);
+        });
+        domain.segments.iter().flat_map(|(ends, _)| ends).for_each(|v| {
+            gone.remove(v);
+        });
+        domain.without_vertices(&gone.into_iter().collect::<Vec<_>>()).0
     }
 
     /// Cuts facets into their triangles. Edges that such a facet draws inside itself, and its
