@@ -34,7 +34,7 @@ pub(crate) struct Files<'a> {
 /// The mesh files of a command.
 #[derive(Default)]
 pub(crate) struct Outputs {
-    /// Those of a mesh in parts, and of a whole one.
+    /// Files of a mesh in parts, and of a whole one.
     pub(crate) in_parts: Vec<PathBuf>,
     pub(crate) whole: Vec<PathBuf>,
     /// The formats that names do not tell.
@@ -194,7 +194,7 @@ impl Task<'_> {
     }
 }
 
-/// What is known of a mesh in the end.
+/// The verdict and the quality of a mesh in the end.
 pub(crate) struct Judged {
     /// The checker's verdict, for people.
     pub(crate) verdict: String,

@@ -25,8 +25,8 @@ pub(crate) fn tell(refined: &Refined) {
     }
 }
 
-/// Writes the mesh, judged for structure and Delaunay alone if it is to be checked; the files written,
-/// or `None` if the mesh has a defect.
+/// Writes the mesh, judged for structure and Delaunay alone if it is to be checked; the files
+/// written, or `None` if the mesh has a defect.
 pub(crate) fn write(task: &Task<'_>, mesh: &TetMesh) -> Result<Option<Vec<String>>, Failure> {
     let mut written = Vec::new();
     let outputs = &task.outputs.whole;

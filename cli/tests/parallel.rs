@@ -90,7 +90,7 @@ fn threads_tell_what_they_did() {
         "{}",
         run.stderr
     );
-    let report = json(&dir.path().join("r.json"));
+    let report = json(dir.path().join("r.json"));
     let parallel = &report["parallel"];
     for field in FIGURES {
         assert!(!parallel[field].is_null(), "{field}");
@@ -118,7 +118,7 @@ fn threads_tell_what_they_did() {
         .map(|w| w["local"].as_u64().unwrap() + w["operations"].as_u64().unwrap())
         .sum();
     assert_eq!(counted, inserted, "two counts of one thing");
-    let trace = json(&dir.path().join("t.json"));
+    let trace = json(dir.path().join("t.json"));
     let events = trace["traceEvents"].as_array().unwrap();
     let tracks: BTreeSet<u64> = events.iter().filter_map(|e| e["tid"].as_u64()).collect();
     assert_eq!(tracks.len(), 3, "a track for each worker");
@@ -178,7 +178,7 @@ fn the_simulator_prints_its_tables() {
     for table in ["Table III", "Table IV", "Table V", "Table VI", "Figures 5 and 7", "Cost model"] {
         assert!(run.stdout.contains(table), "{table}: {}", run.stdout);
     }
-    let report = json(&dir.path().join("a.json"));
+    let report = json(dir.path().join("a.json"));
     assert_eq!(
         (&report["schema"], &report["command"]),
         (&"ltbw.simulation/1".into(), &"simulate".into())
@@ -190,7 +190,7 @@ fn the_simulator_prints_its_tables() {
     assert_eq!(simulation["workers"].as_array().unwrap().len(), 4);
     assert!((0.0..=1.0).contains(&simulation["lt"].as_f64().unwrap()));
     assert_eq!(simulation["settings"]["latency"], 100_000);
-    arrows_have_both_ends(&json(&dir.path().join("t.json")), 4);
+    arrows_have_both_ends(&json(dir.path().join("t.json")), 4);
     // The mesh is that of the points, and one seed is one run.
     let generated = ["generate", "uniform", "2000", "--seed", "3", "-o", "p.npy"];
     assert_eq!(ltbw(dir.path(), &generated).code, 0);
@@ -198,7 +198,7 @@ fn the_simulator_prints_its_tables() {
     let hash = report["mesh"]["hash"].as_str().unwrap();
     assert!(mesh.stdout.contains(hash), "{} {hash}", mesh.stdout);
     ltbw(dir.path(), &[&args[..], &["b.json"]].concat());
-    assert_eq!(json(&dir.path().join("b.json")), report);
+    assert_eq!(json(dir.path().join("b.json")), report);
 }
 
 #[test]
@@ -217,7 +217,7 @@ fn the_simulator_inserts_the_rounds_of_a_domain() {
         // The program compares the mesh with the engine's.
         assert_eq!(run.code, 0, "{more:?}: {}", run.stderr);
         assert!(run.stdout.contains(" rounds ("), "{}", run.stdout);
-        let report = json(&dir.path().join("a.json"));
+        let report = json(dir.path().join("a.json"));
         let points = report["input"]["points"].as_u64().unwrap();
         let inserted = report["simulation"]["operations"].as_u64().unwrap();
         assert!(inserted > 300 && inserted < points, "{inserted} of {points}");
@@ -273,7 +273,7 @@ fn the_simulator_refines_a_domain_without_rounds() {
         assert_eq!(run.code, 0, "{more:?}: {}", run.stderr);
         let all = "Over their bounds: 0 tetrahedra; boundary items not split: 0";
         assert!(run.stdout.contains(all), "{}", run.stdout);
-        let report = json(&dir.path().join("a.json"));
+        let report = json(dir.path().join("a.json"));
         assert!(report["simulation"]["operations"].as_u64().unwrap() > 300, "{report}");
         hashes.push(report["mesh"]["hash"].clone());
     }
@@ -314,7 +314,7 @@ fn every_option_of_the_simulator_is_obeyed() {
     for (option, name, value) in options {
         let run = ltbw(dir.path(), &[&base[..], option].concat());
         assert_eq!(run.code, 0, "{}", run.stderr);
-        assert_eq!(json(&dir.path().join("a.json"))["simulation"]["settings"][name], value);
+        assert_eq!(json(dir.path().join("a.json"))["simulation"]["settings"][name], value);
     }
     for wrong in [
         &["--latency", "5"][..],
@@ -369,7 +369,7 @@ fn workers_refine_a_domain_to_one_mesh() {
         let all: BTreeMap<_, _> =
             whole.faces.iter().map(|face| (set(&face.corners), face.marker)).collect();
         assert!(faces == all, "the parts have other boundary triangles");
-        let report = json(&dir.path().join("r.json"));
+        let report = json(dir.path().join("r.json"));
         assert_eq!(report["workers"].as_array().unwrap().len(), count);
     }
     // A domain that one thread refines alone is in one part, others are empty, and that is said.

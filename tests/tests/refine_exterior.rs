@@ -1,6 +1,6 @@
 //! Random bodies with what is no part of them: spare vertices, sheets, flaps outside and inside,
-//! voids beside, and bodies inside them. Each is meshed as if only the bodies were there, and the checker, which is
-//! given all, finds that right.
+//! voids beside, and bodies inside them. Each is meshed as if only the bodies were there, and the
+//! checker, which is given all, finds that right.
 
 use ltbw::domain::{DefectKind, Domain, Facet, PrepareOptions, Prepared};
 use ltbw::refine::{Refined, Refiner};

@@ -74,7 +74,7 @@ pub(crate) fn run(args: &[String]) -> Result<(), String> {
     }
 }
 
-/// What the arguments ask for.
+/// The wishes of the arguments.
 #[derive(Debug, PartialEq, Eq)]
 struct Wishes {
     seconds: u32,

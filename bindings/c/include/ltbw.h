@@ -195,7 +195,7 @@ typedef struct ltbw_wishes {
    */
   size_t hole_count;
   /*
-   What is void where `holes` is NULL. 0: hole points of a file, and what the surface's
+   The rule of voids where `holes` is NULL. 0: hole points of a file, and what the surface's
    orientation says: a body inside another is a void if its faces point the other way. 1:
    nothing. 2: bodies inside others, however turned.
    */

@@ -65,7 +65,7 @@ pub struct Wishes {
     pub holes: *const f64,
     /// Number of holes.
     pub hole_count: usize,
-    /// What is void where `holes` is NULL. 0: hole points of a file, and what the surface's
+    /// The rule of voids where `holes` is NULL. 0: hole points of a file, and what the surface's
     /// orientation says: a body inside another is a void if its faces point the other way. 1:
     /// nothing. 2: bodies inside others, however turned.
     pub hole_rule: i32,

@@ -1,6 +1,6 @@
 //! Arrays of rows, to and from numpy: one copy on the way in, none on the way out.
 //!
-//! Arrays of a mesh are read-only: they are kept, and all who ask get the same one.
+//! Arrays of a mesh are read-only: they are kept, and everybody who asks gets the same one.
 
 use crate::failure::Failure;
 use ltbw::Point;

@@ -143,7 +143,7 @@ pub use surveyed::{Collected, Surveyed};
 #[doc(hidden)]
 pub use thin::{Thin, ThinTets};
 pub use whole::MeshError;
-// What a refinement is usually asked for beside bounds.
+// The tolerance of a refinement, beside its bounds.
 pub use ltbw_domain::{Given, largest_tolerance, usual_tolerance};
 
 /// Why there is no mesh of a domain.

@@ -37,7 +37,7 @@ const CHECK_EVERY: u64 = 1024;
 
 /// The vertices from which on it refines in rounds: fewer are too few for wide ones.
 const START: usize = 4096;
-/// Those of a domain with patches: what is near them is looked at by one thread, twice a round.
+/// The vertices from which on rounds begin with patches, which one thread looks at twice a round.
 const START_WITH_PATCHES: usize = 32_768;
 
 /// Features nearer to each other than this many floors are not refined towards each other.

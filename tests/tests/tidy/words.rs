@@ -90,8 +90,8 @@ pub(crate) fn banned(tree: &Tree) -> Vec<String> {
     all
 }
 
-/// Doc comments that lean on the one before: each stands alone where it is read, so it says what its
-/// item is. `file:line`.
+/// Doc comments that lean on the one before: each stands alone where it is read, so it says what
+/// its item is. `file:line`.
 pub(crate) fn leaning(tree: &Tree) -> Vec<String> {
     let doc = |line: &'_ str| line.trim_start().starts_with("///");
     let mut all = Vec::new();

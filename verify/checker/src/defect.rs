@@ -164,7 +164,7 @@ kinds! {
 }
 
 impl Kind {
-    /// Those that a body of any shape may have, but no convex one that is tiled face to face.
+    /// The kinds that a body of any shape may have, but no convex one that is tiled face to face.
     pub const SHAPE: [Self; 10] = [
         Self::EqualVertices,
         Self::HullEdge,

@@ -134,7 +134,8 @@ pub fn late_installation() -> World {
 }
 
 /// A late installation that is asked for by an operation that holds nothing at worker 1, so that
-/// the block may leave while the question waits there. The block takes a point along, so that its owner is busy.
+/// the block may leave while the question waits there. The block takes a point along, so that its
+/// owner is busy.
 pub fn late_elsewhere() -> World {
     let polygon = hexagon([0, 2, 1, 1, 0, 0]);
     let points = [(22, 13, 3), (29, 0, 3), (-22, -14, 2)];

@@ -93,9 +93,9 @@ impl Listed {
 struct Vain {
     /// The part of the pairs that is left.
     left: f64,
-    /// How often each piece is in a list, on average.
+    /// The number of lists that a piece is in, on average.
     copies: f64,
-    /// How often each piece was looked at.
+    /// The number of looks at each piece.
     looks: f64,
     /// Is the box on a cube around a vertex?
     on_cube: bool,
