@@ -6,8 +6,8 @@ use ltbw_bindings::{Failure, Meshed, unpanicked};
 use std::ffi::{CString, c_char};
 use std::sync::{OnceLock, PoisonError};
 
-/// A list that a mesh keeps, made once. A failure or a panic on the way makes none, and is told as the
-/// thread's last failure; so is a mesh that is null.
+/// A list that a mesh keeps, made once. A failure or a panic on the way makes none, and is told as
+/// the thread's last failure; so is a mesh that is null.
 ///
 /// # Safety
 /// The mesh is null or one of this library.
