@@ -18,8 +18,8 @@ pub enum MeshError {
 impl Refiner<'_> {
     /// Prepares a domain with the usual options and meshes it, within the usual tolerance if none
     /// was asked for: [`ltbw_domain::Domain::prepare`], [`Given::flat_tolerance`], then
-    /// [`Refiner::refine`]. These calls by themselves also say what was moved and repaired. A file is
-    /// given whole, for it tells whether it holds an oriented surface: the mesh is then the
+    /// [`Refiner::refine`]. These calls by themselves also say what was moved and repaired. A file
+    /// is given whole, for it tells whether it holds an oriented surface: the mesh is then the
     /// program's.
     ///
     /// # Errors
