@@ -17,6 +17,10 @@ use std::time::{Duration, Instant};
 /// other things to do.
 const PATIENCE: Duration = Duration::from_secs(120);
 
+/// Looks without a point done after which a run hangs, each a part of the patience after the one
+/// before: a machine that stands still for as long as that is one look, and no run that hangs.
+const LOOKS: u32 = 8;
+
 /// The time between two descriptions of a worker that does not rest.
 const NOTED: Duration = Duration::from_secs(1);
 
@@ -47,8 +51,12 @@ pub(super) struct Watchdog {
 pub(super) struct Watched<'w> {
     common: &'w Watchdog,
     own: Arc<Mutex<Notes>>,
-    /// Points done when they were last counted, and since when they are not more.
-    done: (u64, Instant),
+    /// Points done when they were last counted.
+    done: u64,
+    /// Since when they are not more, when that was last looked at, and how many times it was.
+    since: Instant,
+    looked: Instant,
+    looks: u32,
 }
 
 impl fmt::Debug for Watchdog {
@@ -81,7 +89,7 @@ impl Watchdog {
         let notes = Notes { worker, state, at, is_idle, steps, is_in_step, last };
         let own = Arc::new(Mutex::new(notes));
         self.notes.lock().unwrap_or_else(PoisonError::into_inner).push(Arc::clone(&own));
-        Watched { common: self, own, done: (0, at) }
+        Watched { common: self, own, done: 0, since: at, looked: at, looks: 0 }
     }
 
     /// The notes of all.
@@ -107,7 +115,7 @@ impl Watchdog {
 impl Watched<'_> {
     /// The longest sleep: then it looks whether anybody has got on.
     pub(super) fn poll_interval(&self) -> Duration {
-        self.common.patience
+        self.common.patience / LOOKS
     }
 
     /// A turn of the loop begins, or a sleep.
@@ -122,13 +130,15 @@ impl Watched<'_> {
             (own.state, own.at, own.is_idle) = (describe(), now, is_idle);
         }
         drop(own);
-        let (before, since) = self.done;
         let done = self.common.done.done();
-        if done != before {
-            self.done = (done, now);
-        } else if now.duration_since(since) >= self.common.patience {
-            let seconds = now.duration_since(since).as_secs();
-            panic!("the run hangs: no point done for {seconds} s{}", self.common.tell());
+        if done != self.done {
+            (self.done, self.since, self.looked, self.looks) = (done, now, now, 0);
+        } else if now.duration_since(self.looked) >= self.poll_interval() {
+            (self.looked, self.looks) = (now, self.looks + 1);
+            if self.looks >= LOOKS {
+                let seconds = now.duration_since(self.since).as_secs();
+                panic!("the run hangs: no point done for {seconds} s{}", self.common.tell());
+            }
         }
     }
 
