@@ -4,6 +4,7 @@
 use crate::console;
 use crate::json::write_json;
 use crate::outcome::{Failure, seconds};
+use ltbw::PredicateStats;
 use ltbw::quality::{Extreme, Histogram, Quality, SMALL_ANGLES};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -103,6 +104,19 @@ pub(crate) struct MeshPart {
 pub(crate) struct Predicates {
     pub(crate) orient3d: Orient3d,
     pub(crate) insphere: Insphere,
+}
+
+impl From<&PredicateStats> for Predicates {
+    fn from(stats: &PredicateStats) -> Self {
+        Self {
+            orient3d: Orient3d { calls: stats.orient3d_calls, exact: stats.orient3d_exact },
+            insphere: Insphere {
+                calls: stats.insphere_calls,
+                exact: stats.insphere_exact,
+                perturbed: stats.insphere_perturbed,
+            },
+        }
+    }
 }
 
 /// Calls of `orient3d`.

@@ -10,9 +10,9 @@ use crate::page::{Page, Scene};
 use crate::progress::Stage;
 use crate::report::{Input, MeshPart, Predicates, Report, Seconds, end, peak_rss_bytes};
 use crate::streams::{Formats, Streams, attributes_note, name_of, on_stdout};
+use ltbw::TetMesh;
 use ltbw::io::{self, MeshWriter};
 use ltbw::quality::Quality;
-use ltbw::{PredicateStats, TetMesh};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -206,17 +206,5 @@ impl Judged {
     /// A mesh that nobody has checked.
     pub(crate) fn unseen(quality: Option<Quality>) -> Self {
         Self { verdict: "not checked".to_owned(), quality }
-    }
-}
-
-impl From<&PredicateStats> for Predicates {
-    fn from(stats: &PredicateStats) -> Self {
-        let mut own = Self::default();
-        own.orient3d.calls = stats.orient3d_calls;
-        own.orient3d.exact = stats.orient3d_exact;
-        own.insphere.calls = stats.insphere_calls;
-        own.insphere.exact = stats.insphere_exact;
-        own.insphere.perturbed = stats.insphere_perturbed;
-        own
     }
 }

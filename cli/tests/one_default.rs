@@ -1,7 +1,6 @@
 //! One tolerance for surfaces where nobody asks for one: library, program and bindings make one
 //! mesh of a file.
 
-#[allow(dead_code, reason = "shared with the other tests, which use all of it")]
 use crate::common::ltbw;
 use ltbw::io;
 use ltbw::refine::{Refined, Refiner};

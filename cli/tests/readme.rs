@@ -1,7 +1,6 @@
 //! README.md shows what the program really prints: the demo's output, apart from its times and from
 //! how many tests the filter decided, and the commands in the list of examples.
 
-#[allow(dead_code, reason = "shared with the other tests, which use all of it")]
 use crate::common::ltbw;
 
 const README: &str = include_str!("../../README.md");

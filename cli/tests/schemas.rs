@@ -1,7 +1,6 @@
 //! All JSON that the program writes names its schema and is as `docs/schema` has it: nothing is
 //! missing, and no field is written that its schema does not have.
 
-#[allow(dead_code, reason = "shared with the other tests, which use all of it")]
 use crate::common::ltbw;
 use crate::schema::{all, faults, validate};
 use serde_json::{Value, json};

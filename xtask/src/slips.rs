@@ -89,24 +89,22 @@ fn targets(slips: &[&Slip]) -> Vec<&'static str> {
     packages.chain(programs.into_iter().flatten()).collect()
 }
 
-/// The test program of a slip: the integration tests of a crate are one, named as its folder.
-fn program(slip: &Slip) -> Vec<&'static str> {
-    match slip.at.split_once("/tests/") {
-        Some((folder, _)) if !slip.at.contains("/src/") => {
-            vec!["--test", folder.rsplit('/').next().unwrap_or(folder)]
-        }
-        _ => vec!["--lib"],
-    }
+/// The program and the module of a slip's test, if it is one of a crate's integration tests: they
+/// are one program, named as the crate's folder, and each file is a module.
+fn integration(slip: &Slip) -> Option<(&'static str, &'static str)> {
+    let (folder, file) = slip.at.split_once("/tests/")?;
+    let name = folder.rsplit('/').next().unwrap_or(folder);
+    (!folder.contains("/src/")).then(|| (name, file.trim_end_matches(".rs")))
 }
 
-/// The name of a slip's test in its program, where each file of integration tests is a module.
+/// The test program of a slip, as cargo's arguments.
+fn program(slip: &Slip) -> Vec<&'static str> {
+    integration(slip).map_or(vec!["--lib"], |(name, _)| vec!["--test", name])
+}
+
+/// The name of a slip's test in its program.
 fn filter(slip: &Slip) -> String {
-    match slip.at.rsplit_once('/') {
-        Some((folder, file)) if folder.ends_with("/tests") && !folder.contains("/src/") => {
-            format!("{}::{}", file.trim_end_matches(".rs"), slip.test)
-        }
-        _ => slip.test.to_owned(),
-    }
+    integration(slip).map_or(slip.test.to_owned(), |(_, module)| format!("{module}::{}", slip.test))
 }
 
 /// Runs a slip's test. Returns the assertion that fails, if one does.

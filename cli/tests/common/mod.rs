@@ -9,7 +9,6 @@ pub(crate) struct Run {
     /// The exit code.
     pub(crate) code: i32,
     /// Its output on stdout.
-    #[allow(dead_code, reason = "not every test asks")]
     pub(crate) stdout: String,
     /// Its output on stderr.
     pub(crate) stderr: String,
@@ -27,7 +26,6 @@ impl Run {
 
     /// The line of stderr that tells the error, without `ltbw: `; the last line, and the only
     /// one of its kind.
-    #[allow(dead_code, reason = "not every test asks")]
     pub(crate) fn error(&self) -> &str {
         let errors = self.stderr.lines().filter(|l| l.starts_with("ltbw: ")).count();
         assert_eq!(errors, 1, "{}", self.stderr);
@@ -49,7 +47,6 @@ pub(crate) fn ltbw(dir: &Path, args: &[&str]) -> Run {
 }
 
 /// Runs the program in `dir`; it ends with this code.
-#[allow(dead_code, reason = "not every test asks")]
 pub(crate) fn run(dir: &Path, args: &[&str], code: i32) -> Run {
     let run = ltbw(dir, args);
     assert_eq!(run.code, code, "{args:?}: {}", run.stderr);
@@ -57,19 +54,16 @@ pub(crate) fn run(dir: &Path, args: &[&str], code: i32) -> Run {
 }
 
 /// JSON.
-#[allow(dead_code, reason = "not every test asks")]
 pub(crate) fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"))
 }
 
 /// JSON in a file.
-#[allow(dead_code, reason = "not every test asks")]
 pub(crate) fn read_json(path: impl AsRef<Path>) -> Value {
     json(&std::fs::read_to_string(path).unwrap())
 }
 
 /// The files in a folder.
-#[allow(dead_code, reason = "not every test asks")]
 pub(crate) fn names(dir: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(dir)
         .unwrap()
@@ -80,7 +74,6 @@ pub(crate) fn names(dir: &Path) -> Vec<String> {
 }
 
 /// A domain whose points are in a file of their own: `e.poly` and `e.node`, from `d.poly`.
-#[allow(dead_code, reason = "not every test asks")]
 pub(crate) fn points_apart(dir: &Path) {
     let whole = std::fs::read_to_string(dir.join("d.poly")).unwrap();
     let mut lines = whole.lines().skip_while(|line| line.starts_with('#'));

@@ -5,7 +5,8 @@ use crate::quality::{Histogram, Quality};
 use std::fmt;
 
 /// A count and its noun.
-struct Of(u64, &'static str);
+#[derive(Clone, Copy, Debug)]
+pub struct Of(pub u64, pub &'static str);
 
 impl fmt::Display for Of {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

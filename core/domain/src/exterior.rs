@@ -43,14 +43,18 @@ impl Domain {
         (self, map)
     }
 
+    /// The vertices that facets and segments name, each as often as they do.
+    fn named(&self) -> impl Iterator<Item = u32> + '_ {
+        let corners = self.facets.iter().flat_map(|f| f.polygons.iter().flatten());
+        corners.chain(self.segments.iter().flat_map(|(ends, _)| ends)).copied()
+    }
+
     /// The domain without the vertices that nothing names and that lie beyond the box of all that
     /// is named: they are outside, and the lattice must not reach out for them. Its vertices'
     /// numbers here, if there are such. The structure has to be sound.
     pub(crate) fn near(&self) -> (Cow<'_, Self>, Option<Vec<u32>>) {
         let mut is_named = vec![false; self.vertices.len()];
-        let corners = self.facets.iter().flat_map(|f| f.polygons.iter().flatten());
-        let ends = self.segments.iter().flat_map(|(ends, _)| ends);
-        corners.chain(ends).for_each(|&v| is_named[v as usize] = true);
+        self.named().for_each(|v| is_named[v as usize] = true);
         if !(is_named.contains(&false) && is_named.contains(&true)) {
             return (Cow::Borrowed(self), None);
         }
@@ -116,12 +120,7 @@ impl Surface {
         let mut gone: BTreeSet<u32> = corners.collect();
         gone.retain(|v| exterior.vertices.binary_search(v).is_ok());
         without(&mut domain.facets, &flaps);
-        domain.facets.iter().flat_map(|f| f.polygons.iter().flatten()).for_each(|v| {
-            gone.remove(v);
-        });
-        domain.segments.iter().flat_map(|(ends, _)| ends).for_each(|v| {
-            gone.remove(v);
-        });
+        domain.named().for_each(|v| _ = gone.remove(&v));
         domain.without_vertices(&gone.into_iter().collect::<Vec<_>>()).0
     }
 

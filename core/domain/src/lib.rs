@@ -45,6 +45,8 @@ pub mod vector;
 
 pub use check::{Cell, CheckOptions, DomainReport, Exterior, Trouble, TroubleKind, Volume};
 pub use defect::{DefectKind, DomainDefect, DomainError, Element, Severity};
+#[doc(hidden)]
+pub use display::Of;
 pub use given::{Given, largest_tolerance, usual_tolerance};
 pub use holes::Holes;
 pub use lattice::{Lattice, Move, Snapped};

@@ -5,7 +5,6 @@ use ltbw_domain::{Domain, Facet};
 use ltbw_formats::{self as io, Encoding, Format, WriteOptions, vtk};
 use proptest::prelude::*;
 
-#[allow(dead_code, reason = "shared with other tests")]
 use crate::strategies::{bits, meshes};
 
 /// A tetrahedron, a triangle of it, a line, and data of all kinds, as version `version`.

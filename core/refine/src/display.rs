@@ -1,16 +1,8 @@
 //! Refinements for people: one line, or few.
 
 use crate::{RefineOutcome, RefineStats, Refined};
+use ltbw_domain::Of;
 use std::fmt;
-
-/// A count and its noun.
-struct Of(u64, &'static str);
-
-impl fmt::Display for Of {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}{}", self.0, self.1, if self.0 == 1 { "" } else { "s" })
-    }
-}
 
 impl fmt::Display for RefineOutcome {
     /// In a word: `met`.

@@ -16,6 +16,7 @@
 //! vertex in common are cut by as many others.
 
 use super::complex::{Complex, Piece, Shape};
+use crate::vector::{dot, minus};
 use ltbw_exact::Point;
 
 /// Pieces of other facets for each piece, on average, in a box that is not cut.
@@ -236,8 +237,6 @@ impl Parting<'_> {
     /// Rounded, the distance of a corner of a piece from the side opposite.
     fn clearance(&self, number: u32, p: &Point) -> f64 {
         let corners = self.complex.corners(number).0;
-        let minus = |p: &Point, q: &Point| [0, 1, 2].map(|k: usize| p[k] - q[k]);
-        let dot = |a: &Point, b: &Point| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let mut ends = corners.into_iter().filter(|q| *q != p);
         let (Some(a), b) = (ends.next(), ends.next()) else { return f64::INFINITY };
         let b = b.unwrap_or(a);

@@ -1,6 +1,5 @@
 //! Boxes, and their check, for the tests of domains.
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
-#![allow(dead_code, reason = "shared by tests that use parts of it")]
 
 use ltbw_domain::{CheckOptions, Domain, DomainReport, Facet};
 

@@ -3,8 +3,7 @@
 //! perturbed sphere. Shares nothing with the checker: the perturbed determinant is expanded as a
 //! polynomial in the perturbations, with 5 × 5 determinants of i128.
 
-// Each test program uses a part of this; a failed step here is a failed test.
-#![allow(dead_code, clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a failed step here is a failed test")]
 
 use ltbw_verify::{Kind, Report};
 
