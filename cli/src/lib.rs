@@ -97,11 +97,12 @@ pub fn parse(words: &[OsString]) -> Result<(), Refusal> {
     Args::try_parse_from(words).map(|_| ()).map_err(|error| Refusal::of(&error, words))
 }
 
-/// Runs the program on the command line of this process.
-pub fn main() -> ExitCode {
+/// Runs the program on the command line of this process. `backtraces` is what `RUST_BACKTRACE` was,
+/// if set: it is for programs that are run.
+pub fn main(backtraces: Option<OsString>) -> ExitCode {
     let words: Vec<OsString> = std::env::args_os().collect();
     let result = machine::watch().and_then(|()| match Args::try_parse_from(&words) {
-        Ok(args) => dispatch(args),
+        Ok(args) => dispatch(args, backtraces),
         Err(error) => refusal::explain(&error, &words),
     });
     let exit = result.unwrap_or_else(|failure| {
@@ -114,7 +115,7 @@ pub fn main() -> ExitCode {
     ExitCode::from(exit as u8)
 }
 
-fn dispatch(args: Args) -> Result<Exit, Failure> {
+fn dispatch(args: Args, backtraces: Option<OsString>) -> Result<Exit, Failure> {
     progress::show(match args.progress {
         // Lines of JSON are for a program, not for people.
         progress::Show::Bar if args.quiet => progress::Show::None,
@@ -139,7 +140,7 @@ fn dispatch(args: Args) -> Result<Exit, Failure> {
         Command::Demo(demo) => demo::demo(&demo),
         Command::Completions { shell } => install::completions(shell),
         Command::Man { folder } => install::manual(&folder),
-        Command::Vectors(Vectors::Run(args)) => vectors::run(&args),
+        Command::Vectors(Vectors::Run(args)) => vectors::run(&args, backtraces.as_deref()),
         Command::Vectors(Vectors::Unpack { folder }) => vectors::unpack(&folder),
     }
 }

@@ -12,6 +12,7 @@ use crate::outcome::{Exit, Failure, show};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
@@ -104,9 +105,12 @@ struct Executor {
 }
 
 impl Executor {
-    fn start(program: &Path, args: &[String], seconds: u64) -> Result<Self, Failure> {
+    /// Starts it as asked, with `RUST_BACKTRACE` as the user has it.
+    fn start(asked: &VectorsRun, backtraces: Option<&OsStr>) -> Result<Self, Failure> {
+        let program = &asked.executor;
         let mut command = Command::new(program);
-        command.args(args).stdin(Stdio::piped()).stdout(Stdio::piped());
+        command.args(&asked.arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
+        command.envs(backtraces.map(|asked| ("RUST_BACKTRACE", asked)));
         let failed = |error: &dyn std::fmt::Display| {
             Failure::Usage(format!("executor {}: {error}", show(program)))
         };
@@ -123,7 +127,7 @@ impl Executor {
             }
         });
         listener.map_err(|e| Failure::Machine(format!("cannot start a thread: {e}")))?;
-        Ok(Self { child, to, from, patience: Duration::from_secs(seconds) })
+        Ok(Self { child, to, from, patience: Duration::from_secs(asked.timeout) })
     }
 
     /// One question; an error if the program is gone or says nothing in time.
@@ -221,9 +225,9 @@ pub(crate) fn unpack(folder: &Path) -> Result<Exit, Failure> {
 }
 
 /// `ltbw vectors run`.
-pub(crate) fn run(args: &VectorsRun) -> Result<Exit, Failure> {
+pub(crate) fn run(args: &VectorsRun, backtraces: Option<&OsStr>) -> Result<Exit, Failure> {
     let kit = kit(args.kit.as_deref())?;
-    let mut executor = Executor::start(&args.executor, &args.arguments, args.timeout)?;
+    let mut executor = Executor::start(args, backtraces)?;
     let (mut wrong, mut version) = (0, String::new());
     let chosen = |folder: &str| args.folder.is_empty() || args.folder.iter().any(|f| f == folder);
     for folder in FOLDERS.into_iter().filter(|folder| chosen(folder)) {
@@ -235,7 +239,7 @@ pub(crate) fn run(args: &VectorsRun) -> Result<Exit, Failure> {
                     Ok(line) => judge(&case.expect, &line),
                     Err(why) => {
                         console::people(&format!("{}: {why}; it is started again", case.id));
-                        executor = Executor::start(&args.executor, &args.arguments, args.timeout)?;
+                        executor = Executor::start(args, backtraces)?;
                         Verdict::Wrong(why)
                     }
                 };

@@ -8,19 +8,22 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Runs the program under the limits of a shell.
+/// Runs the program under the limits of a shell, with backtraces: the standard library's printing of
+/// one for a failed allocation waits for itself. A program that hangs has the code 137.
 fn limited(dir: &Path, limits: &str, args: &[&str]) -> Run {
     let mut command = Command::new("sh");
-    let script = format!("{limits} && exec \"$@\"");
+    let script = format!("{limits} && exec timeout -s KILL 200 \"$@\"");
     command.args(["-c", &script, "sh", env!("CARGO_BIN_EXE_ltbw")]).args(args);
+    command.env("RUST_BACKTRACE", "1");
     Run::of(command.current_dir(dir).stdin(Stdio::null()).output().unwrap())
 }
 
 /// Inputs, and commands that read one and write one file, which is the last word of each.
-const COMMANDS: [&[&str]; 5] = [
+const COMMANDS: [&[&str]; 6] = [
     &["delaunay", "points.npy", "-o", "d.vtu"],
     &["delaunay", "points.npy", "--threads", "2", "-o", "e.msh"],
     &["mesh", "domain.poly", "--max-volume", "2e-4", "-o", "m.vtk"],
+    &["mesh", "domain.poly", "--max-volume", "2e-4", "--workers", "2", "-o", "w.vtk"],
     &["convert", "points.npy", "c.csv"],
     &["generate", "uniform", "1000000", "-o", "g.npy"],
 ];
@@ -97,7 +100,8 @@ fn a_lack_of_threads_has_its_code_and_leaves_nothing() {
     let as_nobody = |threads: u32, args: &[&str]| {
         let mut command = Command::new("setpriv");
         command.args(["--reuid=65533", "--regid=65533", "--clear-groups", "prlimit"]);
-        command.arg(format!("--nproc={threads}")).arg("--").arg(env!("CARGO_BIN_EXE_ltbw"));
+        command.arg(format!("--nproc={threads}")).args(["--", "timeout", "-s", "KILL", "200"]);
+        command.arg(env!("CARGO_BIN_EXE_ltbw"));
         command.args(args).current_dir(dir).stdin(Stdio::null()).output()
     };
     let able = as_nobody(1000, &["--version"]).is_ok_and(|output| output.status.success());
@@ -107,12 +111,20 @@ fn a_lack_of_threads_has_its_code_and_leaves_nothing() {
         return;
     }
     for args in COMMANDS {
-        for threads in [1, 2] {
+        // The threads of the pool, of Ctrl-C, of workers: each is refused once. One is of `timeout`.
+        let mut codes = Vec::new();
+        for threads in 2..=13 {
             let run = Run::of(as_nobody(threads, args).unwrap());
             let left = take(dir, &inputs);
+            codes.push(run.code);
+            if run.code == 0 {
+                assert_eq!(left, [*args.last().unwrap()]);
+                continue;
+            }
             assert_eq!((run.code, left.len()), (7, 0), "{args:?} {threads}: {}", run.stderr);
             assert!(run.error().ends_with("; nothing was written"), "{}", run.stderr);
         }
+        assert!(codes[1] == 7 && codes.is_sorted_by(|a, b| a >= b), "{args:?}: {codes:?}");
         let run = Run::of(as_nobody(1000, args).unwrap());
         assert_eq!(run.code, 0, "{args:?}: {}", run.stderr);
         assert_eq!(take(dir, &inputs), [*args.last().unwrap()]);

@@ -1,6 +1,6 @@
 //! Threads, progress and cancelling.
 
-use ltbw_bindings::{Failure, PATIENCE, Reins, unpanicked};
+use ltbw_bindings::{Class, Failure, PATIENCE, Reins, unpanicked};
 use std::ffi::c_void;
 
 /// Told some twenty times a second, by the calling thread: points done, of a total that is 0 where
@@ -52,16 +52,17 @@ impl Run {
         }
         std::thread::scope(|scope| {
             let reins = &reins;
-            let worker = scope.spawn(move || {
+            let worker = std::thread::Builder::new().spawn_scoped(scope, move || {
                 let result = unpanicked(|| work(reins));
                 reins.progress.end();
                 result
             });
+            let worker = worker.map_err(|e| Failure::new(Class::Machine, "threads.start", e))?;
             // Ends with the work, which looks at the token.
             while !reins.progress.wait(PATIENCE) {
                 self.tell(reins);
             }
-            let lost = || Failure::new(ltbw_bindings::Class::Internal, "internal.panic", "lost");
+            let lost = || Failure::new(Class::Internal, "internal.panic", "lost");
             worker.join().unwrap_or_else(|_| Err(lost()))
         })
     }

@@ -214,26 +214,27 @@ pub(super) fn push_integer(out: &mut Vec<u8>, value: i64) {
 }
 
 /// Writes rows `0..rows`, formatted by `row` in parallel on the current rayon pool, in order.
-/// Memory: a few megabytes for each thread.
+/// Memory: a few megabytes for each thread, taken by the calling thread before the others begin.
+/// Those ask for more only if rows are long: where little is left, threads that ask at once are
+/// refused although there is room, for each tries in passing to get a heap of its own.
 pub(super) fn write_rows(
     out: &mut dyn Write,
     rows: usize,
     row: impl Fn(usize, &mut Vec<u8>) + Sync,
 ) -> std::io::Result<()> {
     const ROWS: usize = 1 << 14;
-    let wave = ROWS * rayon::current_num_threads().max(1);
-    for start in (0..rows).step_by(wave) {
-        let end = rows.min(start + wave);
-        let starts: Vec<usize> = (start..end).step_by(ROWS).collect();
-        let blocks: Vec<Vec<u8>> = starts
-            .into_par_iter()
-            .map(|s| {
-                let mut block = Vec::with_capacity(ROWS * 32);
-                (s..end.min(s + ROWS)).for_each(|i| row(i, &mut block));
-                block
-            })
-            .collect();
-        blocks.iter().try_for_each(|b| out.write_all(b))?;
+    const LONG: usize = 96;
+    let threads = rayon::current_num_threads().max(1).min(rows.div_ceil(ROWS));
+    let room = rows.min(ROWS) * LONG;
+    let mut blocks: Vec<Vec<u8>> = (0..threads).map(|_| Vec::with_capacity(room)).collect();
+    for start in (0..rows).step_by(ROWS * threads.max(1)) {
+        let starts: Vec<usize> = (start..rows).step_by(ROWS).take(threads).collect();
+        let filled = starts.len();
+        blocks.par_iter_mut().zip(starts).for_each(|(block, s)| {
+            block.clear();
+            (s..rows.min(s + ROWS)).for_each(|i| row(i, block));
+        });
+        blocks[..filled].iter().try_for_each(|b| out.write_all(b))?;
     }
     Ok(())
 }

@@ -330,11 +330,11 @@ impl<'a> Parallel<'a> {
         W: RuntimeHooks<S> + Send,
     {
         if self.latency.is_zero() {
-            return run_all(self.loops(nodes, connect(self.workers), hooks), teller);
+            return run_all(self.loops(nodes, connect(self.workers), hooks), teller, any_thread);
         }
         let ways = connect(self.workers).into_iter();
         let ways = ways.map(|way| Delayed::new(way, self.latency)).collect();
-        run_all(self.loops(nodes, ways, hooks), teller)
+        run_all(self.loops(nodes, ways, hooks), teller, any_thread)
     }
 
     /// Runs workers to their end. `started` and `total` are numbers of points to tell of; the start
@@ -429,11 +429,40 @@ impl<'a> Parallel<'a> {
 /// A worker at its end, and its hooks.
 type End<S, Q, W> = (Node<S, Q>, W);
 
-/// Runs every loop on a thread of its own. A loop that panics takes its way along, which tells the
-/// others.
+/// A loop that has no thread yet. If it gets none, all others are told: those that have begun would
+/// wait for it.
+struct Waiting<S, Q, T, W>(Option<Loop<S, Q, Correct, T, W>>)
+where
+    S: Travels,
+    Q: Source<S> + Workload,
+    T: Transport<Mail<S>>,
+    W: RuntimeHooks<S>;
+
+impl<S, Q, T, W> Drop for Waiting<S, Q, T, W>
+where
+    S: Travels,
+    Q: Source<S> + Workload,
+    T: Transport<Mail<S>>,
+    W: RuntimeHooks<S>,
+{
+    fn drop(&mut self) {
+        if let Some(worker) = &mut self.0 {
+            worker.refuse();
+        }
+    }
+}
+
+/// A thread with nothing special about it.
+fn any_thread(_: usize) -> std::thread::Builder {
+    std::thread::Builder::new()
+}
+
+/// Runs every loop on a thread of its own, made by `thread` from its number. A loop that panics takes
+/// its way along, which tells the others.
 fn run_all<S, Q, T, W>(
     loops: Vec<Loop<S, Q, Correct, T, W>>,
     teller: &Teller<'_>,
+    thread: impl Fn(usize) -> std::thread::Builder,
 ) -> Result<Vec<End<S, Q, W>>, RunError>
 where
     S: Travels,
@@ -443,41 +472,49 @@ where
 {
     let wanted = loops.len();
     let (results, refused): (Vec<_>, _) = std::thread::scope(|scope| {
-        let spawn = |worker: Loop<S, Q, _, T, W>| {
+        let spawn = |(k, worker): (usize, Loop<S, Q, _, T, W>)| {
             let leave = teller.leave();
-            std::thread::Builder::new().spawn_scoped(scope, move || {
+            let mut waiting = Waiting(Some(worker));
+            thread(k).spawn_scoped(scope, move || {
                 let _leave = leave;
-                worker.run()
+                waiting.0.take().map(Loop::run)
             })
         };
-        // Loops that have no thread are dropped, and take their ways along as well.
-        let threads: std::io::Result<Vec<_>> = loops.into_iter().map(spawn).collect();
-        let (threads, refused) = match threads {
-            Ok(threads) => (threads, None),
-            Err(error) => (Vec::new(), Some(error)),
-        };
+        // A loop that has no thread tells those that have one; the loops after it are not begun.
+        let (mut threads, mut refused) = (Vec::with_capacity(wanted), None);
+        for started in loops.into_iter().enumerate().map(spawn) {
+            match started {
+                Ok(thread) => threads.push(thread),
+                Err(error) => refused = Some(error),
+            }
+            if refused.is_some() {
+                break;
+            }
+        }
         teller.tell_until(threads.len() as u32);
         let ends = threads.into_iter().map(std::thread::ScopedJoinHandle::join);
         (ends.collect(), refused)
     });
-    if let Some(error) = refused {
-        return Err(RunError::Threads { threads: wanted, reason: error.to_string() });
-    }
     let mut ends = Vec::with_capacity(results.len());
     let (mut panics, mut errors) = (Vec::new(), Vec::new());
     for (worker, result) in results.into_iter().enumerate() {
         let worker = WorkerId::at(worker);
         match result {
-            Ok(Ok(Ended { node, hooks, .. })) => ends.push((node, hooks)),
-            Ok(Err(Broken::Here(error))) => errors.push(WorkerError::Submesh { worker, error }),
+            Ok(Some(Ok(Ended { node, hooks, .. }))) => ends.push((node, hooks)),
+            Ok(Some(Err(Broken::Here(error)))) => {
+                errors.push(WorkerError::Submesh { worker, error });
+            }
             // It stopped because another one failed.
-            Ok(Err(Broken::Elsewhere(_))) => {}
+            Ok(None | Some(Err(Broken::Elsewhere(_)))) => {}
             Err(panic) => panics.push(WorkerError::of_panic(worker, message_of(&*panic))),
         }
     }
-    match panics.into_iter().chain(errors).next() {
-        Some(error) => Err(error.into()),
-        None => Ok(ends),
+    match (panics.into_iter().next(), refused, errors.into_iter().next()) {
+        (Some(error), ..) | (_, None, Some(error)) => Err(error.into()),
+        (_, Some(error), _) => {
+            Err(RunError::Threads { threads: wanted, reason: error.to_string() })
+        }
+        _ => Ok(ends),
     }
 }
 

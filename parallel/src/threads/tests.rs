@@ -127,7 +127,8 @@ fn a_broken_invariant_ends_the_run_by_its_number() {
     let ways =
         connect(3).into_iter().map(|inner| Faulty { inner, loses: false, done: false }).collect();
     let loops = kernel.loops(nodes(&set, 3), ways, |id| kernel.hooks(id, clock));
-    let error = run_all(loops, &silent()).map(drop).expect_err("a grant that arrives twice");
+    let error =
+        run_all(loops, &silent(), any_thread).map(drop).expect_err("a grant that arrives twice");
     let RunError::Worker(WorkerError::Broken { invariant, .. }) = &error else { panic!("{error}") };
     assert_eq!(*invariant, Invariant::P8, "{error}");
     // The process lives.
@@ -147,10 +148,29 @@ fn a_worker_that_fails_ends_the_run_by_name() {
         };
         let ways = connect(3).into_iter();
         let ways = ways.map(|way| Delayed::new(way, kernel.latency)).collect();
-        let error = run_all(kernel.loops(nodes, ways, hooks), &silent()).map(drop);
+        let error = run_all(kernel.loops(nodes, ways, hooks), &silent(), any_thread).map(drop);
         let said =
             WorkerError::Failed { worker: WorkerId::new(victim), message: "planted".to_string() };
         assert_eq!(error, Err(said.into()));
+    }
+}
+
+/// A thread that the system refuses, for no address space holds its stack: those before it have
+/// begun, and would wait for its answers.
+#[test]
+fn a_thread_that_is_refused_ends_the_run_of_those_that_have_one() {
+    let set = PointSet::new(generate(PointKind::Uniform, 2000, 1)).expect("finite points");
+    for victim in 0..3 {
+        let (kernel, clock) = (Parallel::new(3), Instant::now());
+        let watchdog = Watchdog::with(Duration::from_secs(2));
+        let hooks = |id| kernel.hooks(id, clock).watched(Some(watchdog.watch(id)));
+        let loops = kernel.loops(nodes(&set, 3), connect(3), hooks);
+        let thread = |k| match k == victim {
+            true => std::thread::Builder::new().stack_size(1 << 60),
+            false => any_thread(k),
+        };
+        let error = run_all(loops, &silent(), thread).map(drop);
+        assert!(matches!(error, Err(RunError::Threads { threads: 3, .. })), "{error:?}");
     }
 }
 
@@ -162,7 +182,8 @@ fn a_run_that_hangs_fails_and_tells_the_state_of_each_worker() {
     let watchdog = Watchdog::with(Duration::from_secs(2));
     let ways = connect(3).into_iter().map(|inner| Faulty { inner, loses: true, done: false });
     let hooks = |id| kernel.hooks(id, clock).watched(Some(watchdog.watch(id)));
-    let error = run_all(kernel.loops(nodes(&set, 3), ways.collect(), hooks), &silent()).map(drop);
+    let error = run_all(kernel.loops(nodes(&set, 3), ways.collect(), hooks), &silent(), any_thread)
+        .map(drop);
     let Err(RunError::Worker(WorkerError::Failed { message, .. })) = error else {
         panic!("{error:?}")
     };
@@ -172,7 +193,7 @@ fn a_run_that_hangs_fails_and_tells_the_state_of_each_worker() {
     }
     assert!(message.contains("  operation Ticket") && message.contains("last: "), "{message}");
     // The other workers are not in a step that does not end.
-    assert!(message.contains("asleep after "), "{message}");
+    assert!(!message.contains("in a step after "), "{message}");
 }
 
 /// Debug builds watch all runs.

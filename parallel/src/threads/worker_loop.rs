@@ -127,6 +127,11 @@ where
         Self { node, way, hooks, balancer, asks: None, actions, inbox, resting }
     }
 
+    /// Tells all others that this one is not going to run.
+    pub(super) fn refuse(&mut self) {
+        self.way.fail();
+    }
+
     /// Runs until all work is done everywhere.
     ///
     /// Ends: the protocol does (`docs/protocol.md`), and a failure wakes every worker.
