@@ -8,8 +8,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Runs the program under the limits of a shell, with backtraces: the standard library's printing of
-/// one for a failed allocation waits for itself. A program that hangs has the code 137.
+/// Runs the program under the limits of a shell, with backtraces: the standard library's printing
+/// of one for a failed allocation waits for itself. A program that hangs has the code 137.
 fn limited(dir: &Path, limits: &str, args: &[&str]) -> Run {
     let mut command = Command::new("sh");
     let script = format!("{limits} && exec timeout -s KILL 200 \"$@\"");
@@ -111,7 +111,7 @@ fn a_lack_of_threads_has_its_code_and_leaves_nothing() {
         return;
     }
     for args in COMMANDS {
-        // The threads of the pool, of Ctrl-C, of workers: each is refused once. One is of `timeout`.
+        // The threads of the pool, of Ctrl-C, of workers: each is refused once. One is `timeout`.
         let mut codes = Vec::new();
         for threads in 2..=13 {
             let run = Run::of(as_nobody(threads, args).unwrap());

@@ -1,12 +1,11 @@
-//! The points that are proposed for what is to be split, and the way to them, by values.
+//! The points that are proposed for what is to be split, by values.
 
-use super::carrier::{Carrier, free_point};
-use super::choice::{Aim, BoundaryItem, Corner};
-use super::complex::{Complex, TOLERANCES};
+use super::choice::{BoundaryItem, Corner};
+use super::complex::Complex;
 use super::key::sorted;
 use super::measure::Shape;
+use super::rules::aim::Aim;
 use super::state::FACE;
-use super::walk::{exit, middle};
 use ltbw_exact::Point;
 
 /// The part of the largest volume that tetrahedra have on average: that of the paper's problems.
@@ -18,16 +17,7 @@ impl Complex<'_> {
         let corners = sorted(corners);
         let [a, b, c, d] = &corners;
         let shape = Shape::of([a, b, c, d]);
-        let radius = shape.radius();
-        if radius < self.floor() {
-            return Aim::Refused;
-        }
-        let (Some(part), Some(centre)) = (TOLERANCES.get(attempt), shape.circumcentre(d)) else {
-            return Aim::Exhausted;
-        };
-        let proposed = free_point(&centre, part.map_or(1.0, |part| part * radius));
-        let (point, may) = (proposed.unwrap_or(centre), proposed.is_some());
-        Aim::At { point, carrier: Carrier::Free, may }
+        self.aims().tet(shape.radius(), shape.circumcentre(d), attempt)
     }
 
     /// About the number of tetrahedra that a tetrahedron of a region will be split into: its volume
@@ -54,21 +44,9 @@ impl Complex<'_> {
     pub fn aim_at_item(&self, item: &BoundaryItem, attempt: usize) -> Aim {
         if let [a, b] = item.corners() {
             let ends = [a, b].map(|end| (end.carrier, end.point));
-            let place = (attempt == 0).then(|| self.point_of_segment(item.of(), ends)).flatten();
-            return place.map_or(Aim::Refused, |(point, carrier)| Aim::At {
-                point,
-                carrier,
-                may: true,
-            });
+            return self.aims().subsegment(item.of(), ends, attempt);
         }
-        let points = item.points();
-        if attempt >= TOLERANCES.len() || !self.is_large(&points) {
-            return Aim::Refused;
-        }
-        match self.point_of_subface(item.of(), points, attempt) {
-            Some((point, carrier)) => Aim::At { point, carrier, may: true },
-            None => Aim::Skip,
-        }
+        self.aims().subface(item.of(), item.points(), attempt)
     }
 
     /// The sides of a tetrahedron that are on the boundary, the first one by coordinates first.
@@ -86,23 +64,4 @@ impl Complex<'_> {
         let of = self.facet(corners.map(|corner| (corner.carrier, corner.point)))?;
         Some(BoundaryItem::new(&corners, of))
     }
-}
-
-/// The face through which the straight way from the middle of a tetrahedron to `p` leaves another
-/// one with these corners, by the slot opposite; `None` if that holds `p`. `entry`: the slot of the
-/// face that it came in by. All points are in fine steps.
-#[doc(hidden)]
-pub fn way_out(
-    corners: [Point; 4],
-    entry: Option<usize>,
-    from: &Point,
-    p: &Point,
-) -> Option<usize> {
-    exit(&corners, entry.unwrap_or(4), from, p)
-}
-
-/// The middle of a tetrahedron, where a way begins.
-#[doc(hidden)]
-pub fn way_start(corners: [Point; 4]) -> Point {
-    middle(corners)
 }

@@ -191,27 +191,6 @@ impl BoundaryItem {
     }
 }
 
-/// The next point to propose for something.
-#[doc(hidden)]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Aim {
-    /// This one. One that may not be inserted shows only what is on the way there.
-    At {
-        /// The point.
-        point: Point,
-        /// Where it lives.
-        carrier: Carrier,
-        /// May it be inserted?
-        may: bool,
-    },
-    /// None at this attempt.
-    Skip,
-    /// No attempt is left.
-    Exhausted,
-    /// It is too small to be split.
-    Refused,
-}
-
 /// The verdict on a point.
 #[doc(hidden)]
 #[derive(Clone, Debug, PartialEq)]

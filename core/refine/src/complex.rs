@@ -5,21 +5,16 @@ use super::RefineError;
 use super::bounds::Bounds;
 use super::carrier::{Carrier, free_point, within_box};
 use super::key::sorted;
-use super::measure::{Shape, circumcircle, in_diametral_ball, in_equatorial_ball};
+use super::measure::{Shape, in_diametral_ball, in_equatorial_ball};
 use super::names::Names;
 use super::plc::Plc;
 use super::region::RegionInfo;
-use super::split::{TOLERANCE, aim};
+use super::rules::aim::{Aim, Aims};
 use super::state::State;
 use ltbw_core::Random;
 use ltbw_core::topology::{TetId, VertexId};
-use ltbw_domain::vector::distance2;
 use ltbw_exact::{Mode, Point};
 use std::cmp::Ordering;
-
-/// The distances from the ideal point that are tried, one after the other: a part of the radius, or
-/// a step.
-pub(super) const TOLERANCES: [Option<f64>; 2] = [Some(TOLERANCE), None];
 
 /// Why a domain cannot be refined by engines on many processors.
 #[doc(hidden)]
@@ -71,24 +66,6 @@ impl std::fmt::Debug for Complex<'_> {
 
 /// The most places in a tetrahedron that tell where its parts will be.
 const MOST: f64 = 64.0;
-
-impl Plc {
-    /// The point on facet `f` that splits a triangle, off by at most a part of the radius, or by a
-    /// step.
-    pub(super) fn point_of_subface(
-        &self,
-        f: u32,
-        corners: [Point; 3],
-        part: Option<f64>,
-    ) -> Option<Point> {
-        let corners = sorted(corners);
-        let [a, b, c] = &corners;
-        let (centre, square) = circumcircle(a, b, c);
-        let (centre, radius) = aim(corners, &centre, square);
-        let tolerance = part.map_or(1.0, |part| part * radius);
-        self.facets[f as usize].plane.near(&centre, tolerance)
-    }
-}
 
 impl Start {
     /// The number of tetrahedra for which one of some workers may take memory beforehand.
@@ -193,19 +170,9 @@ impl<'a> Complex<'a> {
         &self.bounds
     }
 
-    pub(super) fn floor(&self) -> f64 {
-        self.floor
-    }
-
-    /// The point that splits a subsegment of segment `s` between two places.
-    fn point_on_segment(&self, s: u32, ends: [Carrier; 2]) -> Option<(Point, Carrier)> {
-        let t = self.plc.split_parameter(ends, s)?;
-        Some((self.plc.segments[s as usize].line.point(t), Carrier::Segment(s, t)))
-    }
-
-    /// Is a subface large enough to be split?
-    pub(super) fn is_large(&self, [a, b, c]: &[Point; 3]) -> bool {
-        circumcircle(a, b, c).1 >= self.floor * self.floor
+    /// The ground of aims.
+    pub(super) fn aims(&self) -> Aims<'_> {
+        Aims { plc: &self.plc, floor: self.floor }
     }
 
     /// The circumradius of a tetrahedron, rounded.
@@ -218,38 +185,14 @@ impl<'a> Complex<'a> {
     /// the way can be found, and no point may be inserted.
     pub fn point_of_tet(&self, corners: [&Point; 4], attempt: usize) -> Option<(Point, bool)> {
         let shape = Shape::of(corners);
-        let (radius, tolerance) = (shape.radius(), TOLERANCES.get(attempt)?);
-        let centre = shape.circumcentre(corners[3]).filter(|_| radius >= self.floor)?;
-        let proposed = free_point(&centre, tolerance.map_or(1.0, |part| part * radius));
-        proposed.map(|p| (p, true)).or_else(|| {
-            let sum = |k: usize| sorted(corners.map(|p| *p)).iter().map(|p| p[k] * 0.25).sum();
-            let target = within_box(&[0, 1, 2].map(sum), &centre);
-            free_point(&target, 1.0).map(|p| (p, false))
-        })
-    }
-
-    /// The point that splits a subsegment of segment `s`, given by place and coordinates of its
-    /// ends.
-    pub fn point_of_segment(
-        &self,
-        s: u32,
-        ends: [(Carrier, Point); 2],
-    ) -> Option<(Point, Carrier)> {
-        let (p, carrier) = self.point_on_segment(s, ends.map(|(carrier, _)| carrier))?;
-        let is_far = |(_, end): (Carrier, Point)| distance2(&end, &p) >= self.floor * self.floor;
-        ends.into_iter().all(is_far).then_some((p, carrier))
-    }
-
-    /// The point that splits a subface of facet `f`, at the given attempt.
-    pub fn point_of_subface(
-        &self,
-        f: u32,
-        corners: [Point; 3],
-        attempt: usize,
-    ) -> Option<(Point, Carrier)> {
-        let part = TOLERANCES.get(attempt)?;
-        let p = self.is_large(&corners).then(|| self.plc.point_of_subface(f, corners, *part))??;
-        Some((p, Carrier::Facet(f)))
+        let aim = self.aims().tet(shape.radius(), shape.circumcentre(corners[3]), attempt);
+        let Aim::At { point, may, .. } = aim else { return None };
+        if may {
+            return Some((point, true));
+        }
+        let sum = |k: usize| sorted(corners.map(|p| *p)).iter().map(|p| p[k] * 0.25).sum();
+        let target = within_box(&[0, 1, 2].map(sum), &point);
+        free_point(&target, 1.0).map(|p| (p, false))
     }
 
     /// Is `p` in the closed ball of a subsegment?

@@ -87,6 +87,7 @@ mod region;
 mod relief;
 mod ring;
 mod rounds;
+mod rules;
 mod run;
 mod seed;
 mod share;
@@ -114,14 +115,12 @@ use ltbw_domain::Element;
 use ltbw_exact::Point;
 use ltbw_exact::points::PointError;
 
-#[doc(hidden)]
-pub use aims::{way_out, way_start};
 pub use background::{Background, BackgroundError};
 pub use bounds::SizeField;
 pub use carrier::Carrier;
 #[doc(hidden)]
 pub use choice::{
-    Aim, BoundaryItem, Closure, Corner, ItemPlace, NOWHERE, Rank, RankLead, Rival, Ruling,
+    BoundaryItem, Closure, Corner, ItemPlace, NOWHERE, Rank, RankLead, Rival, Ruling,
 };
 pub use complex::{Complex, ComplexError, Start};
 pub use excuse::Excused;
@@ -132,6 +131,10 @@ pub use region::RegionInfo;
 #[doc(hidden)]
 pub use rounds::{Bad, Ranked, are_joined, sift, witness};
 pub use rounds::{InsertOrder, RoundTimes};
+#[doc(hidden)]
+pub use rules::aim::Aim;
+#[doc(hidden)]
+pub use rules::way::{Across, Heading, Stop, View, Way, middle, walk};
 pub use run::Refiner;
 #[doc(hidden)]
 pub use run::{Asked, Delegated, Handed, Parted};

@@ -24,8 +24,9 @@ use super::item::{Item, Queues, Work};
 use super::key::sorted;
 use super::measure::{Shape, circumcircle, has_small_dihedral};
 use super::record::Refusal;
+use super::rules::aim::TOLERANCE;
 use super::sliver::in_unit_ball;
-use super::split::{Refinement, TOLERANCE};
+use super::split::Refinement;
 use super::state::{FACE, Place, State};
 use super::table::{Set, edge};
 use super::verdict::{Filling, Judge};
@@ -325,7 +326,7 @@ impl State {
                 let (low, high) = (a.min(b), a.max(b));
                 let length = (high - low) as f64;
                 let t = match k {
-                    0 => self.split_parameter(ends, s)?,
+                    0 => self.plc.split_parameter(ends.map(|v| self.carriers[v.index()]), s)?,
                     _ => {
                         let aim = low as f64 + (0.5 + 0.45 * offset[0]) * length;
                         Line::near(aim, length / 512.0, low, high)?
@@ -346,7 +347,7 @@ impl State {
                         [0, 1, 2].map(|k| x * a[k] + y * b[k] + z * c[k])
                     }
                 };
-                let (p, is_on) = self.place_on(f, &aim, target.radius * TOLERANCE)?;
+                let (p, is_on) = self.plc.place_on(f, &aim, target.radius * TOLERANCE)?;
                 is_on.then_some(Place { p, carrier: Carrier::Facet(f), from })
             }
             Item::Tet(..) => None,

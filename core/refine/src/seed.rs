@@ -4,11 +4,11 @@
 //! the whole mesh, and each point of the boundary costs as much. The centres of the largest balls,
 //! inserted first, part the mesh: each such cavity is a fraction of the one before it.
 
-use super::carrier::{Carrier, free_point};
 use super::heed::Heed;
 use super::item::{Item, Work};
 use super::measure::Shape;
-use super::split::{Proposal, Refinement, TOLERANCE};
+use super::rules::aim::Aim;
+use super::split::{Proposal, Refinement};
 use super::state::Place;
 use super::verdict::Verdict;
 use super::walk::Way;
@@ -91,13 +91,13 @@ impl Refinement<'_> {
     fn centre_of(&self, t: TetId, v: [VertexId; 4]) -> Option<Place> {
         let [a, b, c, d] = v.map(|v| self.state.at(v));
         let shape = Shape::of([&a, &b, &c, &d]);
-        let radius = shape.radius();
-        if radius < self.floor || self.record.refused.contains_key(&Item::Tet(t, v)) {
+        if self.record.refused.contains_key(&Item::Tet(t, v)) {
             return None;
         }
-        let p = free_point(&shape.circumcentre(&d)?, radius * TOLERANCE)?;
-        match self.state.way(t, &p) {
-            Way::Arrived(from) => Some(Place { p, carrier: Carrier::Free, from }),
+        let aim = self.aims().tet(shape.radius(), shape.circumcentre(&d), 0);
+        let Aim::At { point: p, carrier, may } = aim else { return None };
+        match self.state.way_to(t, &p, may) {
+            Way::Arrived(from) => Some(Place { p, carrier, from }),
             Way::Blocked(_) | Way::Outside => None,
         }
     }

@@ -5,28 +5,23 @@
 //! encroachment index alone), and ends with the point inserted; or with nothing changed and other
 //! items put before it (*deferred*); or with a reason why its item cannot be split.
 
-use super::angles::{direction, is_sharp};
 use super::bounds::Bounds;
-use super::carrier::{Carrier, Line, UNIT, free_point, within_box};
+use super::carrier::Carrier;
 use super::fill::Inserted;
 use super::item::{Item, Work};
 use super::key::{order_key, sorted};
 use super::layer::Hole;
-use super::measure::{Shape, circumcircle};
+use super::measure::Shape;
 use super::outcome::Reason;
-use super::plc::Plc;
 use super::record::{Record, Refusal};
+use super::rules::aim::{ATTEMPTS, Aim, Aims, Circle};
 use super::state::{Place, State};
 use super::verdict::{Judge, Verdict};
 use super::walk::Way;
 use ltbw_core::cavity::{Admission, Setback};
 use ltbw_core::mesh::At;
 use ltbw_core::topology::{TetId, VertexId};
-use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
-
-/// A point may be this part of the radius away from the ideal one.
-pub(crate) const TOLERANCE: f64 = 1.0 / 1000.0;
 
 /// The end of a transaction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,15 +46,6 @@ pub(crate) enum Proposal {
     /// The point did not serve.
     Useless,
     SetBack(Setback),
-}
-
-/// Where a point for a triangle is looked for, and how far from the triangle that is: its centre,
-/// which a circle of this squared radius has, or, if that is outside the box, a point on the way.
-pub(crate) fn aim(corners: [Point; 3], centre: &Point, square: f64) -> (Point, f64) {
-    let middle = [0, 1, 2].map(|k| corners.iter().map(|c| c[k] / 3.0).sum());
-    let target = within_box(&middle, centre);
-    let radius = if target == *centre { square } else { distance2(&middle, &target) };
-    (target, radius.sqrt())
 }
 
 /// The ends of proposals.
@@ -87,6 +73,27 @@ impl<'a> Refinement<'a> {
     pub(crate) fn new(state: State, next_number: u32, ends: Ends) -> Self {
         let (inserted, Ends { floor, joint_most }) = (Inserted::from(next_number), ends);
         Self { state, bounds: None, record: Record::default(), inserted, floor, joint_most }
+    }
+
+    /// The ground of aims.
+    pub(crate) fn aims(&self) -> Aims<'_> {
+        Aims { plc: &self.state.plc, floor: self.floor }
+    }
+
+    /// The aim for a boundary item, by the coordinates of its corners; `None` if it is gone.
+    pub(crate) fn aim_at(&self, item: Item, attempt: usize) -> Option<Aim> {
+        let state = &self.state;
+        match item {
+            Item::Segment(ends) => {
+                let ends_at = ends.map(|v| (state.carriers[v.index()], state.at(v)));
+                state.segments.get(&ends).map(|&s| self.aims().subsegment(s, ends_at, attempt))
+            }
+            Item::Subface(corners) => {
+                let points = sorted(corners.map(|v| state.at(v)));
+                state.subfaces.get(&corners).map(|&f| self.aims().subface(f, points, attempt))
+            }
+            Item::Tet(..) => None,
+        }
     }
 
     /// Carries out the rule for an item.
@@ -153,15 +160,10 @@ impl<'a> Refinement<'a> {
         if let Some(reason) = self.bars(&item) {
             return Step::Refused(reason);
         }
-        let Some(t) = self.state.split_parameter(ends, s) else {
+        let Some(Aim::At { point: p, carrier, .. }) = self.aim_at(item, 0) else {
             return Step::Refused(Reason::Floor);
         };
-        let p = self.state.plc.segments[s as usize].line.point(t);
-        let [a, b] = ends.map(|v| self.state.at(v));
-        if distance2(&a, &p).min(distance2(&b, &p)) < self.floor * self.floor {
-            return Step::Refused(Reason::Floor);
-        }
-        let place = Place { p, carrier: Carrier::Segment(s, t), from: self.state.mesh.hint() };
+        let place = Place { p, carrier, from: self.state.mesh.hint() };
         match self.propose(&place, work, admission, |judge| judge.on_segment(ends, s, &place)) {
             Proposal::Inserted => Step::Inserted,
             Proposal::Deferred(first) => {
@@ -190,19 +192,17 @@ impl<'a> Refinement<'a> {
         if self.state.by_place {
             points = sorted(points);
         }
-        let [a, b, c] = &points;
-        let (centre, square) = circumcircle(a, b, c);
-        if square < self.floor * self.floor {
+        if !self.aims().is_large(&points) {
             return Step::Refused(Reason::Floor);
         }
-        let (centre, radius) = aim(points, &centre, square);
         let across = self.state.turned(corners, f).or_else(|| self.state.opposite(corners, f));
         if let Some(step) = self.split_subface_at(corners, f, across, work, admission) {
             return step;
         }
-        for tolerance in [radius * TOLERANCE, 1.0] {
-            let Some((p, is_on)) = self.state.place_on(f, &centre, tolerance) else { continue };
-            let place = Place { p, carrier: Carrier::Facet(f), from: self.state.mesh.hint() };
+        for attempt in 0..ATTEMPTS {
+            let aim = self.aims().subface(f, points, attempt);
+            let Aim::At { point: p, carrier, may: is_on } = aim else { continue };
+            let place = Place { p, carrier, from: self.state.mesh.hint() };
             let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, is_on);
             match self.propose(&place, work, admission, verdict) {
                 Proposal::Inserted => return Step::Inserted,
@@ -253,16 +253,15 @@ impl<'a> Refinement<'a> {
         if let Some(segment) = hole.between {
             return self.split(Item::Segment(segment), work, admission);
         }
-        if hole.square() < self.floor * self.floor {
-            return Step::Refused(Reason::Floor);
-        }
         let corners = hole.corners.map(|v| self.state.at(v));
-        let (centre, radius) = aim(corners, &hole.centre, hole.square());
-        for tolerance in [radius * TOLERANCE, 1.0] {
-            let Some((p, is_on)) = self.state.place_on(hole.facet, &centre, tolerance) else {
-                continue;
-            };
-            let carrier = Carrier::Facet(hole.facet);
+        let circle = Circle { centre: hole.centre, square: hole.square() };
+        for attempt in 0..ATTEMPTS {
+            let (p, carrier, is_on) =
+                match self.aims().triangle(hole.facet, corners, circle, attempt) {
+                    Aim::At { point, carrier, may } => (point, carrier, may),
+                    Aim::Refused => return Step::Refused(Reason::Floor),
+                    Aim::Skip | Aim::Exhausted => continue,
+                };
             let place = Place { p, carrier, from: self.state.mesh.hint() };
             match self.propose(&place, work, admission, |judge| judge.on_hole(is_on)) {
                 Proposal::Inserted => return Step::Inserted,
@@ -293,8 +292,8 @@ impl<'a> Refinement<'a> {
         let item = Item::Tet(t, v);
         let [a, b, c, d] = v.map(|v| self.state.at(v));
         let shape = Shape::of([&a, &b, &c, &d]);
-        let radius = shape.radius();
-        if radius < self.floor {
+        let (radius, centre) = (shape.radius(), shape.circumcentre(&d));
+        if !self.aims().is_long(radius) {
             return Step::Refused(Reason::Floor);
         }
         if let Some(reason) = self.beyond_help(t, v) {
@@ -303,20 +302,18 @@ impl<'a> Refinement<'a> {
         let part = self.record.parts.get(&item).copied().unwrap_or(1.0);
         let limit =
             |own: &Self| own.bounds.as_ref().map(|b| b.limit(&own.state, t, &shape).times(part));
-        for tolerance in [radius * TOLERANCE, 1.0] {
-            let Some(centre) = shape.circumcentre(&d) else { break };
-            // A flat tetrahedron may have its centre outside the box: the way there still counts.
-            let proposed = free_point(&centre, tolerance);
-            let p = proposed.unwrap_or(centre);
-            let from = match self.state.way(t, &p) {
-                Way::Arrived(from) if proposed.is_some() => from,
+        for attempt in 0..ATTEMPTS {
+            let aim = self.aims().tet(radius, centre, attempt);
+            let Aim::At { point: p, carrier, may } = aim else { break };
+            let from = match self.state.way_to(t, &p, may) {
+                Way::Arrived(from) => from,
                 Way::Blocked(subface) => {
                     let limit = limit(self);
                     return self.defer(item, vec![Item::Subface(subface)], limit, work, admission);
                 }
-                Way::Arrived(_) | Way::Outside => continue,
+                Way::Outside => continue,
             };
-            let place = Place { p, carrier: Carrier::Free, from };
+            let place = Place { p, carrier, from };
             match self.propose(&place, work, admission, |judge| judge.on_tet(t, &place.p)) {
                 Proposal::Inserted => return Step::Inserted,
                 Proposal::Deferred(first) => {
@@ -367,25 +364,9 @@ impl<'a> Refinement<'a> {
 }
 
 impl State {
-    /// The parameter at which a subsegment of segment `s` is split; `None` if it is too short.
-    pub(crate) fn split_parameter(&self, ends: [VertexId; 2], s: u32) -> Option<i64> {
-        self.plc.split_parameter(ends.map(|v| self.carriers[v.index()]), s)
-    }
-
-    /// A point near `centre` on facet `f`, and `true`; or, if a patch has no polygon there, the
-    /// place itself, where no point may be inserted.
-    pub(crate) fn place_on(&self, f: u32, centre: &Point, tolerance: f64) -> Option<(Point, bool)> {
-        let facet = &self.plc.facets[f as usize];
-        let Some(patch) = &facet.patch else {
-            return facet.plane.near(centre, tolerance).map(|p| (p, true));
-        };
-        let on = patch.place(centre, tolerance).map(|p| (p, true));
-        on.or_else(|| free_point(centre, 1.0).map(|p| (p, false)))
-    }
-
     /// The place of a new point near `target` on facet `f`, if there is one.
     pub(crate) fn place_at(&self, f: u32, target: &Point, tolerance: f64) -> Option<Place> {
-        let (p, is_on) = self.place_on(f, target, tolerance)?;
+        let (p, is_on) = self.plc.place_on(f, target, tolerance)?;
         is_on.then(|| Place { p, carrier: Carrier::Facet(f), from: self.mesh.hint() })
     }
 
@@ -408,53 +389,5 @@ impl State {
             Carrier::Free => None,
         });
         reasons.unwrap_or(Reason::Rounding)
-    }
-}
-
-impl Plc {
-    /// The parameter at which a subsegment of segment `s` with ends on these carriers is split: its
-    /// middle, or, at a corner where another segment leaves at a small angle, a distance from it
-    /// that is a power of two, so that the points of both are equally far from the corner. `None`
-    /// if it is too short.
-    pub(crate) fn split_parameter(&self, ends: [Carrier; 2], s: u32) -> Option<i64> {
-        let [mut low, mut high] = ends.map(|end| self.parameter(end, s));
-        let sharp = ends.map(|end| self.is_sharp(end, s));
-        let flip = low > high;
-        if flip {
-            std::mem::swap(&mut low, &mut high);
-        }
-        let (sharp_low, sharp_high) =
-            if flip { (sharp[1], sharp[0]) } else { (sharp[0], sharp[1]) };
-        if sharp_low == sharp_high {
-            return Line::middle(low, high);
-        }
-        let step_length = self.segments[s as usize].line.step_length();
-        let length = (high - low) as f64 * step_length;
-        // The power of two between a third and two thirds of the length.
-        let third = length / 3.0;
-        let mut shell = f64::from_bits(third.to_bits() & 0x7ff0_0000_0000_0000);
-        while shell < third {
-            shell *= 2.0;
-        }
-        let steps = shell / step_length;
-        let t = if sharp_low { low as f64 + steps } else { high as f64 - steps };
-        Line::near(t, 1.0, low, high)
-    }
-
-    /// The parameter of a vertex on segment `s`, on which it lies.
-    pub(crate) fn parameter(&self, carrier: Carrier, s: u32) -> i64 {
-        match carrier {
-            Carrier::Segment(_, t) => t,
-            Carrier::Corner(c) if c == self.segments[s as usize].ends[1] => UNIT,
-            _ => 0,
-        }
-    }
-
-    /// Does a vertex of segment `s` lie at a corner where another segment leaves at less than 60°?
-    fn is_sharp(&self, carrier: Carrier, s: u32) -> bool {
-        let Carrier::Corner(c) = carrier else { return false };
-        let mine = direction(self, s, c);
-        let others = self.segments_at[c as usize].iter().filter(|&&other| other != s);
-        others.into_iter().any(|&other| is_sharp(&mine, &direction(self, other, c)))
     }
 }

@@ -1,58 +1,55 @@
-//! Ways through the mesh and through a facet: from what has to be split to the point proposed for
-//! it.
-//!
-//! The circumcentre of a tetrahedron may lie far beyond the boundary. All tetrahedra on a way to it
-//! that crosses only faces with the centre strictly beyond them are in its cavity, for the power of
-//! the point with respect to the circumspheres falls from one to the next. So the first subface on
-//! the way is found at the cost of the way, and the cavity, which may be far larger, is not opened.
+//! Ways through the whole mesh, and through a facet.
 
 use super::item::Item;
-use super::key::{order_key, sorted};
 use super::marks::face_bit;
+use super::rules::way::{self, Across, FACES, Heading, Stop, View, middle, walk};
 use super::state::{State, Touched};
 use super::table::{sides, triangle};
 use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, coplanar_orient, orient3d};
+use std::convert::Infallible;
 
-/// The face opposite each slot, its vertices in such an order that a point beyond it makes a
-/// negatively oriented tetrahedron with them.
-const FACES: [[usize; 3]; 4] = [[2, 1, 3], [3, 0, 2], [1, 0, 3], [0, 1, 2]];
+/// Where a way ends in a whole mesh: a subface may bar it, and nobody else has a part of it.
+pub(crate) type Way = way::Way<[VertexId; 3], Infallible>;
 
-/// Where the way to a point ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Way {
-    /// In the tetrahedron that holds the point.
-    Arrived(TetId),
-    /// At this subface, the first that it crosses.
-    Blocked([VertexId; 3]),
-    /// Outside the hull.
-    Outside,
+impl View for State {
+    type Item = [VertexId; 3];
+    type Far = Infallible;
+
+    fn most_steps(&self) -> usize {
+        self.mesh.topology().slots()
+    }
+
+    fn vertices(&self, t: TetId) -> [VertexId; 4] {
+        self.mesh.topology().at(t).vertices()
+    }
+
+    fn point(&self, v: VertexId) -> Point {
+        self.at(v)
+    }
+
+    fn barrier(&self, t: TetId, v: [VertexId; 4], slot: usize) -> Option<[VertexId; 3]> {
+        let [a, b, c] = FACES[slot].map(|k| v[k]);
+        (self.marks.of(t) & face_bit(slot) != 0).then(|| triangle(a, b, c))
+    }
+
+    fn across(&self, t: TetId, slot: usize) -> Across<Infallible> {
+        let next = self.mesh.topology().at(t).neighbours()[slot];
+        Across::Here(Stop { t: tet_of(next), entry: Some(slot_of(next)) })
+    }
 }
 
 impl State {
     /// Walks from the middle of tetrahedron `start` straight to `p`, up to the first subface.
     pub(crate) fn way(&self, start: TetId, p: &Point) -> Way {
-        let topology = self.mesh.topology();
+        self.way_to(start, p, true)
+    }
+
+    /// Walks as [`State::way`] does to a point that may be inserted, or not.
+    pub(crate) fn way_to(&self, start: TetId, p: &Point, may: bool) -> Way {
         let from = middle(self.vertices(start).map(|v| self.at(v)));
-        let (mut t, mut entry) = (start, 4);
-        // In a Delaunay mesh such a walk visits no tetrahedron twice; the bound only guards it.
-        for _ in 0..=topology.slots() {
-            let tet = topology.at(t);
-            if tet.is_ghost() {
-                return Way::Outside;
-            }
-            let v = tet.vertices();
-            let corners = v.map(|v| self.at(v));
-            let Some(slot) = exit(&corners, entry, &from, p) else { return Way::Arrived(t) };
-            if self.marks.of(t) & face_bit(slot) != 0 {
-                let [a, b, c] = FACES[slot].map(|k| v[k]);
-                return Way::Blocked(triangle(a, b, c));
-            }
-            let next = tet.neighbours()[slot];
-            (t, entry) = (tet_of(next), slot_of(next));
-        }
-        Way::Outside
+        walk(self, Stop { t: start, entry: None }, &Heading { from, to: *p, may }).0
     }
 
     /// A tetrahedron, or ghost, that holds `p`: where a walk from `start` ends that nothing bars.
@@ -144,43 +141,4 @@ impl State {
         }
         None
     }
-}
-
-/// The middle of a tetrahedron, where a way begins: a whole number of fine steps, so that the
-/// predicates stay in their window.
-pub(crate) fn middle(corners: [Point; 4]) -> Point {
-    let corners = sorted(corners);
-    [0, 1, 2].map(|k| corners.iter().map(|c| c[k] * 0.25).sum::<f64>().round())
-}
-
-/// The face through which the straight way from `from` to `p` leaves a tetrahedron that it has
-/// entered through face `entry`, by the slot opposite; `None` if the tetrahedron holds `p`.
-pub(crate) fn exit(corners: &[Point; 4], entry: usize, from: &Point, p: &Point) -> Option<usize> {
-    let at = |slot: usize| FACES[slot].map(|k| corners[k]);
-    let (mut exit, mut several) = (None, false);
-    for slot in (0..4).filter(|&slot| slot != entry) {
-        let [a, b, c] = at(slot);
-        if orient3d(&a, &b, &c, p) == Sign::Negative {
-            several |= exit.is_some();
-            exit = exit.or(Some(slot));
-        }
-    }
-    if several {
-        let beyond = |slot: &usize| {
-            let [a, b, c] = at(*slot);
-            *slot != entry && orient3d(&a, &b, &c, p) == Sign::Negative
-        };
-        let straight = (0..4).filter(beyond).filter(|&k| crosses(from, p, &at(k)));
-        // Through an edge or a vertex, and where the rounded start is outside a flat tetrahedron,
-        // the way goes as the coordinates say, not the slots.
-        let place = |k: &usize| order_key(&corners[*k]);
-        exit = straight.min_by_key(place).or_else(|| (0..4).filter(beyond).min_by_key(place));
-    }
-    exit
-}
-
-/// Does the line from `a` to `b`, which lie on different sides of a triangle's plane, meet it?
-fn crosses(a: &Point, b: &Point, [x, y, z]: &[Point; 3]) -> bool {
-    let signs = [(x, y), (y, z), (z, x)].map(|(x, y)| orient3d(a, b, x, y));
-    !(signs.contains(&Sign::Positive) && signs.contains(&Sign::Negative))
 }

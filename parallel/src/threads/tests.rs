@@ -2,6 +2,7 @@
 
 use super::watchdog::Watchdog;
 use super::*;
+use crate::WorkerError;
 use crate::mailbox::Endpoint;
 use crate::metrics::Nanos;
 use crate::protocol::{Action, Attempt, BlockId, Event, Invariant, Message};

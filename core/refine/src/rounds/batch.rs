@@ -6,10 +6,9 @@
 use super::block::Block;
 use super::foremost::Foremost;
 use super::{Asked, Candidate, Conclusion, Rounds};
-use crate::carrier::{Carrier, free_point};
 use crate::item::Item;
 use crate::outcome::Reason;
-use crate::split::TOLERANCE;
+use crate::rules::aim::{ATTEMPTS, Aim};
 use crate::state::{Place, Touched};
 use crate::verdict::Filling;
 use crate::walk::Way;
@@ -102,24 +101,23 @@ impl Rounds<'_, '_> {
     /// Proposes a point for a tetrahedron, the leader of a group, of this rank.
     fn probe_into(&self, own: &Foremost, rank: u32, prober: &mut Prober, batch: &mut Batch) {
         let (t, state) = (own.t, &self.own.state);
-        let radius = own.shape.radius();
-        if radius < self.own.floor {
+        let (aims, radius) = (self.own.aims(), own.shape.radius());
+        if !aims.is_long(radius) {
             batch.conclusions.push(Conclusion { t, rank, verdict: Err(Reason::Floor) });
             return;
         }
         let Prober { search, touched } = prober;
-        for tolerance in [radius * TOLERANCE, 1.0] {
-            let Some(centre) = own.centre else { break };
-            let proposed = free_point(&centre, tolerance);
-            let p = proposed.unwrap_or(centre);
-            let from = match state.way(t, &p) {
-                Way::Arrived(from) if proposed.is_some() => from,
+        for attempt in 0..ATTEMPTS {
+            let aim = aims.tet(radius, own.centre, attempt);
+            let Aim::At { point: p, carrier, may } = aim else { break };
+            let from = match state.way_to(t, &p, may) {
+                Way::Arrived(from) => from,
                 Way::Blocked(subface) => {
                     let first = [Item::Subface(subface)];
                     batch.conclusions.push(self.conclusion(own, rank, &first));
                     return;
                 }
-                Way::Arrived(_) | Way::Outside => continue,
+                Way::Outside => continue,
             };
             if let Some(reason) = self.blocked(&p, own) {
                 batch.conclusions.push(Conclusion { t, rank, verdict: Err(reason) });
@@ -133,7 +131,7 @@ impl Rounds<'_, '_> {
             search.find(&state.mesh, &p, from);
             let has = |t: TetId| search.has(t);
             let tets = search.tets();
-            state.look_into((tets.iter().copied(), &has), &p, Carrier::Free, touched);
+            state.look_into((tets.iter().copied(), &has), &p, carrier, touched);
             let mut first = state.hits_in(touched);
             if first.is_empty() {
                 if touched.inner.iter().any(|&(_, f)| state.is_patch(f)) {
@@ -170,7 +168,7 @@ impl Rounds<'_, '_> {
             batch.probed.push(Probed::Reserves(Reserves {
                 item: Item::Tet(t, state.vertices(t)),
                 rank,
-                place: Place { p, carrier: Carrier::Free, from },
+                place: Place { p, carrier, from },
                 cavity: start..batch.cavities.len(),
                 fits,
                 is_marked: touched.is_marked,

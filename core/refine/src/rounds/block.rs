@@ -8,12 +8,11 @@
 
 use super::Rounds;
 use super::foremost::Foremost;
-use crate::carrier::free_point;
 use crate::item::Item;
 use crate::limit::Limit;
 use crate::marks::{FACES, face_bit};
 use crate::outcome::Reason;
-use crate::split::TOLERANCE;
+use crate::rules::aim::{Aim, at_centre};
 use crate::state::{FACE, Touched};
 use crate::table::triangle;
 use crate::thin::Thin;
@@ -108,10 +107,9 @@ impl Rounds<'_, '_> {
         }
         let followers: Vec<Foremost> = self.followers().copied().collect();
         for own in followers {
-            let tolerance = own.shape.radius() * TOLERANCE;
-            let point = own.centre.and_then(|centre| free_point(&centre, tolerance));
-            let arrives = |p: &Point| matches!(self.own.state.way(own.t, p), Way::Arrived(_));
-            if let Some(p) = point.filter(arrives)
+            let aim = at_centre(own.shape.radius(), own.centre, 0);
+            if let Aim::At { point: p, may, .. } = aim
+                && let Way::Arrived(_) = self.own.state.way_to(own.t, &p, may)
                 && let Some(reason) = self.blocked(&p, &own)
             {
                 self.refuse(Item::Tet(own.t, self.own.state.vertices(own.t)), reason);

@@ -7,22 +7,16 @@ use super::batch::Prober;
 use super::conflict::is_same;
 use super::probe::Probe;
 use super::{CHECK_EVERY, Candidate, Look, Rounds};
-use crate::carrier::Carrier;
 use crate::item::Item;
-use crate::key::sorted;
-use crate::measure::circumcircle;
 use crate::outcome::Reason;
-use crate::split::{TOLERANCE, aim};
+use crate::rules::aim::{ATTEMPTS, Aim};
 use crate::state::Place;
 use crate::verdict::{Judge, Verdict};
 use ltbw_core::PredicateStats;
-use ltbw_core::topology::{INFINITE, TetId, VertexId};
-use ltbw_domain::vector::distance2;
+use ltbw_core::topology::{INFINITE, TetId};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Places that are proposed for a boundary item, at most.
-const PLACES: usize = 2;
 /// Items that a thread looks at at a time; fewer are not worth another thread.
 const BATCH: usize = if cfg!(test) { 3 } else { 16 };
 /// Candidates that are worth more than one thread.
@@ -134,51 +128,22 @@ impl Rounds<'_, '_> {
 
     /// The place that is proposed for a boundary item at this attempt.
     fn proposed(&self, item: Item, near: TetId, attempt: usize) -> Proposed {
-        match item {
-            Item::Segment(ends) => self.proposed_on_segment(ends, near, attempt),
-            Item::Subface(corners) => self.proposed_on_facet(corners, near, attempt),
-            Item::Tet(..) => Proposed::Gone,
-        }
-    }
-
-    fn proposed_on_segment(&self, ends: [VertexId; 2], near: TetId, attempt: usize) -> Proposed {
-        let state = &self.own.state;
-        let Some(&s) = state.segments.get(&ends) else { return Proposed::Gone };
-        if attempt > 0 {
-            return Proposed::Refused(state.unserved(Item::Segment(ends)));
-        }
-        let Some(t) = state.split_parameter(ends, s) else {
-            return Proposed::Refused(Reason::Floor);
-        };
-        let p = state.plc.segments[s as usize].line.point(t);
-        let corners = sorted(ends.map(|v| state.at(v)));
-        let nearest = corners.iter().map(|c| distance2(c, &p)).fold(f64::INFINITY, f64::min);
-        match nearest < self.own.floor * self.own.floor {
-            true => Proposed::Refused(Reason::Floor),
-            false => Proposed::At(Place { p, carrier: Carrier::Segment(s, t), from: near }, true),
-        }
-    }
-
-    fn proposed_on_facet(&self, corners: [VertexId; 3], near: TetId, attempt: usize) -> Proposed {
-        let state = &self.own.state;
-        let Some(&f) = state.subfaces.get(&corners) else { return Proposed::Gone };
-        let points = sorted(corners.map(|v| state.at(v)));
-        let (centre, square) = circumcircle(&points[0], &points[1], &points[2]);
-        if square < self.own.floor * self.own.floor {
-            return Proposed::Refused(Reason::Floor);
-        }
-        let (centre, radius) = aim(points, &centre, square);
-        let tolerances: [f64; PLACES] = [radius * TOLERANCE, 1.0];
-        let Some(&tolerance) = tolerances.get(attempt) else {
-            let reason = state.angles.reason_of_facet(f);
-            let unserved = || state.unserved(Item::Subface(corners));
-            return Proposed::Refused(reason.unwrap_or_else(unserved));
-        };
-        match state.place_on(f, &centre, tolerance) {
-            Some((p, is_on)) => {
-                Proposed::At(Place { p, carrier: Carrier::Facet(f), from: near }, is_on)
+        match self.own.aim_at(item, attempt) {
+            None => Proposed::Gone,
+            Some(Aim::At { point: p, carrier, may }) => {
+                Proposed::At(Place { p, carrier, from: near }, may)
             }
-            None => Proposed::Useless,
+            Some(Aim::Skip) => Proposed::Useless,
+            Some(Aim::Refused) => Proposed::Refused(Reason::Floor),
+            Some(Aim::Exhausted) => {
+                let state = &self.own.state;
+                let facet = match item {
+                    Item::Subface(corners) => state.subfaces.get(&corners),
+                    _ => None,
+                };
+                let reason = facet.and_then(|&f| state.angles.reason_of_facet(f));
+                Proposed::Refused(reason.unwrap_or_else(|| state.unserved(item)))
+            }
         }
     }
 
@@ -193,7 +158,7 @@ impl Rounds<'_, '_> {
     ) -> Looked {
         let state = &self.own.state;
         let Prober { search, touched } = prober;
-        for attempt in 0..=PLACES {
+        for attempt in 0..=ATTEMPTS {
             let (place, is_on) = match self.proposed(item, near, attempt) {
                 Proposed::Gone => return Looked::Gone,
                 Proposed::Refused(reason) => return Looked::Refused(reason),
@@ -268,7 +233,7 @@ impl Rounds<'_, '_> {
 
     /// Probes a boundary item with the cavity of its point open, and takes it if it may be split.
     fn probe_open(&mut self, (item, near): (Item, TetId)) {
-        for attempt in 0..=PLACES {
+        for attempt in 0..=ATTEMPTS {
             let (place, is_on) = match self.proposed(item, near, attempt) {
                 Proposed::Gone => {
                     self.pending.remove(&item);

@@ -6,12 +6,12 @@
 use super::conflict::is_same;
 use super::foremost::Foremost;
 use super::{Asked, Candidate, Conclusion, Pending, Rounds};
-use crate::carrier::{Carrier, free_point};
+use crate::carrier::Carrier;
 use crate::item::Item;
 use crate::limit::Limit;
 use crate::measure::Shape;
 use crate::outcome::Reason;
-use crate::split::TOLERANCE;
+use crate::rules::aim::{ATTEMPTS, Aim};
 use crate::state::Place;
 use crate::verdict::{Filling, Judge, Verdict};
 use crate::walk::Way;
@@ -47,27 +47,26 @@ impl Rounds<'_, '_> {
         };
         let item = Item::Tet(t, self.own.state.vertices(t));
         let radius = shape.radius();
-        if radius < self.own.floor {
+        if !self.own.aims().is_long(radius) {
             self.conclusions.push(Conclusion { t, rank, verdict: Err(Reason::Floor) });
             return;
         }
-        for tolerance in [radius * TOLERANCE, 1.0] {
-            let Some(centre) = centre else { break };
-            let proposed = free_point(&centre, tolerance);
-            let p = proposed.unwrap_or(centre);
-            let from = match self.own.state.way(t, &p) {
-                Way::Arrived(from) if proposed.is_some() => from,
+        for attempt in 0..ATTEMPTS {
+            let aim = self.own.aims().tet(radius, centre, attempt);
+            let Aim::At { point: p, carrier, may } = aim else { break };
+            let from = match self.own.state.way_to(t, &p, may) {
+                Way::Arrived(from) => from,
                 Way::Blocked(subface) => {
                     conclude(self, vec![Item::Subface(subface)]);
                     return;
                 }
-                Way::Arrived(_) | Way::Outside => continue,
+                Way::Outside => continue,
             };
             if let Some(reason) = self.blocked(&p, own) {
                 self.conclusions.push(Conclusion { t, rank, verdict: Err(reason) });
                 return;
             }
-            let place = Place { p, carrier: Carrier::Free, from };
+            let place = Place { p, carrier, from };
             match self.probe((item, rank), &place, |judge| judge.on_tet(t, &place.p)) {
                 Probe::Fits => {
                     self.note_alone();

@@ -3,10 +3,10 @@
 
 use super::{Refiner, Run};
 use crate::RefineError;
-use crate::carrier::Carrier;
 use crate::complex::{Complex, ComplexError, Start};
 use crate::item::{Item, Queues};
-use crate::split::{Refinement, TOLERANCE};
+use crate::rules::aim::Aim;
+use crate::split::Refinement;
 use crate::state::Place;
 use crate::table::{Map, Set};
 use crate::verdict::Verdict;
@@ -112,21 +112,10 @@ impl Refinement<'_> {
 
     /// The boundary items that go before one, by the point proposed first.
     fn waits(&mut self, item: Item, work: &mut Queues) -> Vec<Item> {
-        let place = |p, carrier| Place { p, carrier, from: self.state.mesh.hint() };
-        let place = match item {
-            Item::Segment(ends) => self.state.segments.get(&ends).and_then(|&s| {
-                let t = self.state.split_parameter(ends, s)?;
-                let p = self.state.plc.segments[s as usize].line.point(t);
-                Some(place(p, Carrier::Segment(s, t)))
-            }),
-            Item::Subface(corners) => self.state.subfaces.get(&corners).and_then(|&f| {
-                let points = corners.map(|v| self.state.at(v));
-                let p = self.state.plc.point_of_subface(f, points, Some(TOLERANCE))?;
-                Some(place(p, Carrier::Facet(f)))
-            }),
-            Item::Tet(..) => None,
-        };
-        let Some(place) = place else { return Vec::new() };
+        let aim = self.aim_at(item, 0);
+        let from = self.state.mesh.hint();
+        let Some(Aim::At { point: p, carrier, .. }) = aim else { return Vec::new() };
+        let place = Place { p, carrier, from };
         let mut found = Vec::new();
         self.propose(&place, work, &mut AdmitAll, |judge| {
             if let Verdict::Defer(first) = judge.on_boundary(item, &place, true) {

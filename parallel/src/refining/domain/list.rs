@@ -9,7 +9,7 @@ use crate::protocol::{BlockId, Directory, Item, Source, WorkerId};
 use crate::refining::news::DomainNews;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
-use ltbw_refine::Carrier;
+use ltbw_refine::{Aim, BoundaryItem, Carrier, Corner};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
@@ -137,17 +137,17 @@ impl BadItems {
             return Some(Proposed { p, carrier: Carrier::Free, from: middle(&all), may });
         }
         let is_corner = |v: &VertexId| *v != INFINITE && entry.key.contains(&mesh.inner.name(*v));
-        let corners: Vec<VertexId> = entry.corners.into_iter().filter(is_corner).collect();
-        let at = |v: VertexId| (mesh.carrier(v), mesh.point(v));
-        let (p, carrier) = match corners[..] {
-            [a, b] if entry.attempt == 0 => complex.point_of_segment(entry.of, [at(a), at(b)])?,
-            [a, b, c] => {
-                let points = [a, b, c].map(|v| mesh.point(v));
-                complex.point_of_subface(entry.of, points, usize::from(entry.attempt))?
-            }
-            _ => return None,
-        };
-        Some(Proposed { p, carrier, from: p, may: true })
+        let corner = |v: VertexId| Corner { point: mesh.point(v), carrier: mesh.carrier(v) };
+        let corners: Vec<Corner> =
+            entry.corners.into_iter().filter(is_corner).map(corner).collect();
+        if !(2..=3).contains(&corners.len()) {
+            return None;
+        }
+        let item = BoundaryItem::new(&corners, entry.of);
+        match complex.aim_at_item(&item, usize::from(entry.attempt)) {
+            Aim::At { point: p, carrier, may } => Some(Proposed { p, carrier, from: p, may }),
+            Aim::Skip | Aim::Exhausted | Aim::Refused => None,
+        }
     }
 
     /// Ends an entry that cannot be split.

@@ -12,7 +12,7 @@ use super::way::{WayEnd, walk_way};
 use crate::protocol::{Rules, Standing};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::bits;
-use ltbw_refine::{Aim, way_start};
+use ltbw_refine::{Aim, middle};
 
 /// New tetrahedra that are looked at in one step, while others are waited for.
 const FEW: usize = 32;
@@ -48,7 +48,7 @@ impl<C: Rules> Rounds<C> {
         }
         let points = v.map(|v| mesh.point(v));
         let Aim::At { point, carrier, may } = mesh.complex.aim_at_tet(points, 0) else { return };
-        let (start, to) = (bits(&way_start(points)), bits(&point));
+        let (start, to) = (bits(&middle(points)), bits(&point));
         let WayEnd::At(seed) = walk_way(mesh, (t, None), &start, &to, may) else { return };
         let Some(cavity) = mesh.cavity_of(seed, &point) else { return };
         self.ahead.enter((t, v), (to, carrier), self.keys.look(), cavity);

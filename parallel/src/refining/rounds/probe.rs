@@ -11,7 +11,7 @@ use crate::refining::domain::DomainMesh;
 use crate::refining::news::{Bits, DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
 use ltbw_core::topology::{TetId, tet_of};
 use ltbw_refine::{
-    Aim, BoundaryItem, Collected, ItemPlace, RankLead, Ruling, Survey, Surveyed, Watch, way_start,
+    Aim, BoundaryItem, Collected, ItemPlace, RankLead, Ruling, Survey, Surveyed, Watch, middle,
 };
 use std::collections::BTreeSet;
 
@@ -56,7 +56,7 @@ impl<C: Rules> Rounds<C> {
                 let own = &self.seeker(k);
                 match &self.probes[k as usize].what {
                     &What::Tet(t, v) => {
-                        let start = way_start(v.map(|v| mesh.point(v)));
+                        let start = middle(v.map(|v| mesh.point(v)));
                         self.go(mesh, directory, own, (t, None), (bits(&start), may));
                     }
                     What::Item(item) => {

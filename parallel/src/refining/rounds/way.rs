@@ -5,8 +5,9 @@ use crate::protocol::Handle;
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::{Bits, PartEnd, WireItem};
 use ltbw_core::cavity::OTHERS;
-use ltbw_core::topology::{INFINITE, TetId, slot_of, tet_of};
-use ltbw_refine::{Carrier, way_out};
+use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
+use ltbw_exact::Point;
+use ltbw_refine::{Across, BoundaryItem, Carrier, Heading, Stop, View, Way, walk};
 
 /// The end of a way.
 pub(super) enum WayEnd {
@@ -18,46 +19,55 @@ pub(super) enum WayEnd {
     Not(PartEnd),
 }
 
+impl View for DomainMesh<'_> {
+    type Item = BoundaryItem;
+    type Far = Handle;
+
+    fn most_steps(&self) -> usize {
+        self.inner.tets().topology().slots()
+    }
+
+    fn vertices(&self, t: TetId) -> [VertexId; 4] {
+        self.inner.tets().vertices(t)
+    }
+
+    fn point(&self, v: VertexId) -> Point {
+        DomainMesh::point(self, v)
+    }
+
+    fn barrier(&self, _: TetId, v: [VertexId; 4], slot: usize) -> Option<BoundaryItem> {
+        let face = OTHERS[slot].map(|k| corner(self, v[k]));
+        let is_bound = face.iter().all(|corner| corner.carrier != Carrier::Free);
+        if is_bound { self.complex.item_at(face) } else { None }
+    }
+
+    fn across(&self, t: TetId, slot: usize) -> Across<Handle> {
+        let next = self.inner.tets().neighbours(t)[slot];
+        match self.inner.tets().far(tet_of(next)) {
+            Some(handle) => Across::Far(handle),
+            None => Across::Here(Stop { t: tet_of(next), entry: Some(slot_of(next)) }),
+        }
+    }
+}
+
 /// Walks straight from `start` to `to`, from face `entry` of tetrahedron `t` on.
 pub(super) fn walk_way(
     mesh: &mut DomainMesh<'_>,
-    (mut t, mut entry): (TetId, Option<usize>),
+    (t, entry): (TetId, Option<usize>),
     start: &Bits,
     to: &Bits,
     may: bool,
 ) -> WayEnd {
-    let (from, p) = (start.map(f64::from_bits), to.map(f64::from_bits));
-    let slots = mesh.inner.tets().topology().slots();
-    // In a Delaunay mesh such a walk visits no tetrahedron twice; the bound only guards it.
-    for step in 0..=slots {
-        let tets = mesh.inner.tets();
-        let v = tets.vertices(t);
-        if v[3] == INFINITE {
-            mesh.count_steps(step as u64);
-            return WayEnd::Not(PartEnd::Outside);
-        }
-        let corners = v.map(|v| mesh.point(v));
-        let Some(slot) = way_out(corners, entry, &from, &p) else {
-            mesh.count_steps(step as u64);
-            return match corners.contains(&p) {
-                _ if !may => WayEnd::Not(PartEnd::Outside),
-                true => WayEnd::Not(PartEnd::Vertex),
-                false => WayEnd::At(t),
-            };
-        };
-        let face = OTHERS[slot].map(|k| corner(mesh, v[k]));
-        if face.iter().all(|corner| corner.carrier != Carrier::Free)
-            && let Some(item) = mesh.complex.item_at(face)
-        {
-            mesh.count_steps(step as u64);
-            return WayEnd::Not(PartEnd::Blocked(WireItem::new(&item)));
-        }
-        let next = mesh.inner.tets().neighbours(t)[slot];
-        if let Some(handle) = mesh.inner.tets().far(tet_of(next)) {
-            mesh.count_steps(step as u64);
-            return WayEnd::Far(handle);
-        }
-        (t, entry) = (tet_of(next), Some(slot_of(next)));
+    let way = Heading { from: start.map(f64::from_bits), to: to.map(f64::from_bits), may };
+    let (end, steps) = walk(mesh, Stop { t, entry }, &way);
+    mesh.count_steps(steps as u64);
+    match end {
+        Way::Arrived(t) => match mesh.inner.tets().vertices(t).map(|v| mesh.point(v)) {
+            corners if corners.contains(&way.to) => WayEnd::Not(PartEnd::Vertex),
+            _ => WayEnd::At(t),
+        },
+        Way::Blocked(item) => WayEnd::Not(PartEnd::Blocked(WireItem::new(&item))),
+        Way::Outside => WayEnd::Not(PartEnd::Outside),
+        Way::Far(handle) => WayEnd::Far(handle),
     }
-    WayEnd::Not(PartEnd::Outside)
 }
