@@ -495,7 +495,7 @@ int32_t ltbw_insphere(const double *a,
                       const double *e);
 
 /*
- The same of the perturbed sphere: never 0 for five different points.
+ Positive if e is inside the perturbed sphere: never 0 for five different points.
 
  What the caller promises:
 
