@@ -95,8 +95,8 @@ impl Refinement<'_> {
             return None;
         }
         let aim = self.aims().tet(shape.radius(), shape.circumcentre(&d), 0);
-        let Aim::At { point: p, carrier, may } = aim else { return None };
-        match self.state.way_to(t, &p, may) {
+        let Aim::At { point: p, carrier, may: true } = aim else { return None };
+        match self.state.way(t, &p) {
             Way::Arrived(from) => Some(Place { p, carrier, from }),
             Way::Blocked(_) | Way::Outside => None,
         }

@@ -82,15 +82,20 @@ impl<'a> Refinement<'a> {
 
     /// The aim for a boundary item, by the coordinates of its corners; `None` if it is gone.
     pub(crate) fn aim_at(&self, item: Item, attempt: usize) -> Option<Aim> {
+        self.aim_on(self.aims(), item, attempt)
+    }
+
+    /// The aim for a boundary item on this ground.
+    pub(crate) fn aim_on(&self, aims: Aims<'_>, item: Item, attempt: usize) -> Option<Aim> {
         let state = &self.state;
         match item {
             Item::Segment(ends) => {
                 let ends_at = ends.map(|v| (state.carriers[v.index()], state.at(v)));
-                state.segments.get(&ends).map(|&s| self.aims().subsegment(s, ends_at, attempt))
+                state.segments.get(&ends).map(|&s| aims.subsegment(s, ends_at, attempt))
             }
             Item::Subface(corners) => {
                 let points = sorted(corners.map(|v| state.at(v)));
-                state.subfaces.get(&corners).map(|&f| self.aims().subface(f, points, attempt))
+                state.subfaces.get(&corners).map(|&f| aims.subface(f, points, attempt))
             }
             Item::Tet(..) => None,
         }
@@ -189,10 +194,11 @@ impl<'a> Refinement<'a> {
             return Step::Refused(reason);
         }
         let mut points = corners.map(|v| self.state.at(v));
+        // At the start the order of the vertices is that of the mesh, which is the same each time.
         if self.state.by_place {
             points = sorted(points);
         }
-        if !self.aims().is_large(&points) {
+        if self.aims().is_small(&points) {
             return Step::Refused(Reason::Floor);
         }
         let across = self.state.turned(corners, f).or_else(|| self.state.opposite(corners, f));
@@ -293,7 +299,7 @@ impl<'a> Refinement<'a> {
         let [a, b, c, d] = v.map(|v| self.state.at(v));
         let shape = Shape::of([&a, &b, &c, &d]);
         let (radius, centre) = (shape.radius(), shape.circumcentre(&d));
-        if !self.aims().is_long(radius) {
+        if self.aims().is_short(radius) {
             return Step::Refused(Reason::Floor);
         }
         if let Some(reason) = self.beyond_help(t, v) {

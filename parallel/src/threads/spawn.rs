@@ -67,10 +67,10 @@ where
         for started in loops.into_iter().enumerate().map(spawn) {
             match started {
                 Ok(thread) => threads.push(thread),
-                Err(error) => refused = Some(error),
-            }
-            if refused.is_some() {
-                break;
+                Err(error) => {
+                    refused = Some(error);
+                    break;
+                }
             }
         }
         teller.tell_until(threads.len() as u32);

@@ -102,7 +102,7 @@ impl Rounds<'_, '_> {
     fn probe_into(&self, own: &Foremost, rank: u32, prober: &mut Prober, batch: &mut Batch) {
         let (t, state) = (own.t, &self.own.state);
         let (aims, radius) = (self.own.aims(), own.shape.radius());
-        if !aims.is_long(radius) {
+        if aims.is_short(radius) {
             batch.conclusions.push(Conclusion { t, rank, verdict: Err(Reason::Floor) });
             return;
         }

@@ -108,8 +108,8 @@ impl Rounds<'_, '_> {
         let followers: Vec<Foremost> = self.followers().copied().collect();
         for own in followers {
             let aim = at_centre(own.shape.radius(), own.centre, 0);
-            if let Aim::At { point: p, may, .. } = aim
-                && let Way::Arrived(_) = self.own.state.way_to(own.t, &p, may)
+            if let Aim::At { point: p, may: true, .. } = aim
+                && let Way::Arrived(_) = self.own.state.way(own.t, &p)
                 && let Some(reason) = self.blocked(&p, &own)
             {
                 self.refuse(Item::Tet(own.t, self.own.state.vertices(own.t)), reason);

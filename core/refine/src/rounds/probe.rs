@@ -47,7 +47,7 @@ impl Rounds<'_, '_> {
         };
         let item = Item::Tet(t, self.own.state.vertices(t));
         let radius = shape.radius();
-        if !self.own.aims().is_long(radius) {
+        if self.own.aims().is_short(radius) {
             self.conclusions.push(Conclusion { t, rank, verdict: Err(Reason::Floor) });
             return;
         }

@@ -75,15 +75,21 @@ pub(crate) fn at_centre(radius: f64, centre: Option<Point>, attempt: usize) -> A
 impl Aims<'_> {
     /// The aim for a tetrahedron with this circumradius and circumcentre.
     pub(crate) fn tet(&self, radius: f64, centre: Option<Point>, attempt: usize) -> Aim {
-        match self.is_long(radius) {
-            true => at_centre(radius, centre, attempt),
-            false => Aim::Refused,
+        match self.is_short(radius) {
+            true => Aim::Refused,
+            false => at_centre(radius, centre, attempt),
         }
     }
 
-    /// Is a tetrahedron with this circumradius large enough to be split?
-    pub(crate) fn is_long(&self, radius: f64) -> bool {
-        radius >= self.floor
+    /// Is a tetrahedron with this circumradius too small to be split? One without a circumradius
+    /// that is a number is not: its sides may be split.
+    pub(crate) fn is_short(&self, radius: f64) -> bool {
+        radius < self.floor
+    }
+
+    /// Is a squared length below the floor?
+    fn is_below(&self, square: f64) -> bool {
+        square < self.floor * self.floor
     }
 
     /// The aim for a subsegment of segment `s`, given by carrier and coordinates of its ends.
@@ -95,14 +101,15 @@ impl Aims<'_> {
             return Aim::Refused;
         };
         let point = self.plc.segments[s as usize].line.point(t);
-        let is_far = |(_, end): (Carrier, Point)| distance2(&end, &point) >= self.floor.powi(2);
-        match ends.into_iter().all(is_far) {
-            true => Aim::At { point, carrier: Carrier::Segment(s, t), may: true },
-            false => Aim::Refused,
+        let is_near = |(_, end): (Carrier, Point)| self.is_below(distance2(&end, &point));
+        match ends.into_iter().any(is_near) {
+            true => Aim::Refused,
+            false => Aim::At { point, carrier: Carrier::Segment(s, t), may: true },
         }
     }
 
-    /// The aim for a subface of facet `f`.
+    /// The aim for a subface of facet `f`. It depends on the order of the corners by rounding:
+    /// callers whose mesh is a function of places give them sorted.
     pub(crate) fn subface(&self, f: u32, corners: [Point; 3], attempt: usize) -> Aim {
         let [a, b, c] = &corners;
         let (centre, square) = circumcircle(a, b, c);
@@ -118,7 +125,7 @@ impl Aims<'_> {
         attempt: usize,
     ) -> Aim {
         let Circle { centre, square } = circle;
-        if square < self.floor.powi(2) {
+        if self.is_below(square) {
             return Aim::Refused;
         }
         // A centre outside the box: a point on the way there takes its place.
@@ -132,9 +139,9 @@ impl Aims<'_> {
         }
     }
 
-    /// Is a subface large enough to be split?
-    pub(crate) fn is_large(&self, [a, b, c]: &[Point; 3]) -> bool {
-        circumcircle(a, b, c).1 >= self.floor.powi(2)
+    /// Is a subface too small to be split?
+    pub(crate) fn is_small(&self, [a, b, c]: &[Point; 3]) -> bool {
+        self.is_below(circumcircle(a, b, c).1)
     }
 }
 
@@ -149,9 +156,7 @@ impl Plc {
         let on = patch.place(target, tolerance).map(|p| (p, true));
         on.or_else(|| free_point(target, 1.0).map(|p| (p, false)))
     }
-}
 
-impl Plc {
     /// The parameter at which a subsegment of segment `s` with ends on these carriers is split: its
     /// middle, or, at a corner where another segment leaves at a small angle, a distance from it
     /// that is a power of two, so that the points of both are equally far from the corner. `None`

@@ -5,7 +5,7 @@ use super::{Refiner, Run};
 use crate::RefineError;
 use crate::complex::{Complex, ComplexError, Start};
 use crate::item::{Item, Queues};
-use crate::rules::aim::Aim;
+use crate::rules::aim::{Aim, Aims};
 use crate::split::Refinement;
 use crate::state::Place;
 use crate::table::{Map, Set};
@@ -112,7 +112,8 @@ impl Refinement<'_> {
 
     /// The boundary items that go before one, by the point proposed first.
     fn waits(&mut self, item: Item, work: &mut Queues) -> Vec<Item> {
-        let aim = self.aim_at(item, 0);
+        // Short items wait, too, until they are refused.
+        let aim = self.aim_on(Aims { floor: 0.0, ..self.aims() }, item, 0);
         let from = self.state.mesh.hint();
         let Some(Aim::At { point: p, carrier, .. }) = aim else { return Vec::new() };
         let place = Place { p, carrier, from };
