@@ -8,11 +8,14 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+/// The command that ends a program which hangs.
+const PATIENCE: &str = "timeout --foreground -s KILL 200";
+
 /// Runs the program under the limits of a shell, with backtraces: the standard library's printing
 /// of one for a failed allocation waits for itself. A program that hangs has the code 137.
 fn limited(dir: &Path, limits: &str, args: &[&str]) -> Run {
     let mut command = Command::new("sh");
-    let script = format!("{limits} && exec timeout --foreground -s KILL 200 \"$@\"");
+    let script = format!("{limits} && exec {PATIENCE} \"$@\"");
     command.args(["-c", &script, "sh", env!("CARGO_BIN_EXE_ltbw")]).args(args);
     command.env("RUST_BACKTRACE", "1");
     Run::of(command.current_dir(dir).stdin(Stdio::null()).output().unwrap())
@@ -100,14 +103,7 @@ fn a_lack_of_threads_has_its_code_and_leaves_nothing() {
     let as_nobody = |threads: u32, args: &[&str]| {
         let mut command = Command::new("setpriv");
         command.args(["--reuid=65533", "--regid=65533", "--clear-groups", "prlimit"]);
-        command.arg(format!("--nproc={threads}")).args([
-            "--",
-            "timeout",
-            "--foreground",
-            "-s",
-            "KILL",
-            "200",
-        ]);
+        command.arg(format!("--nproc={threads}")).arg("--").args(PATIENCE.split(' '));
         command.arg(env!("CARGO_BIN_EXE_ltbw"));
         command.args(args).current_dir(dir).stdin(Stdio::null()).output()
     };

@@ -198,7 +198,8 @@ impl<'a> Refinement<'a> {
         if self.state.by_place {
             points = sorted(points);
         }
-        if self.aims().is_small(&points) {
+        let circle = Circle::of(&points);
+        if self.aims().is_below(circle.square) {
             return Step::Refused(Reason::Floor);
         }
         let across = self.state.turned(corners, f).or_else(|| self.state.opposite(corners, f));
@@ -206,7 +207,7 @@ impl<'a> Refinement<'a> {
             return step;
         }
         for attempt in 0..ATTEMPTS {
-            let aim = self.aims().subface(f, points, attempt);
+            let aim = self.aims().triangle(f, points, circle, attempt);
             let Aim::At { point: p, carrier, may: is_on } = aim else { continue };
             let place = Place { p, carrier, from: self.state.mesh.hint() };
             let verdict = |judge: Judge<'_>| judge.on_subface(corners, f, &place, is_on);

@@ -46,6 +46,15 @@ pub(crate) struct Circle {
     pub(crate) square: f64,
 }
 
+impl Circle {
+    /// The circle through three corners, whose order its rounding depends on: callers whose mesh is
+    /// a function of places give them sorted.
+    pub(crate) fn of([a, b, c]: &[Point; 3]) -> Self {
+        let (centre, square) = circumcircle(a, b, c);
+        Self { centre, square }
+    }
+}
+
 /// The ground of aims, beside the corners of what is to be split.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Aims<'p> {
@@ -88,7 +97,7 @@ impl Aims<'_> {
     }
 
     /// Is a squared length below the floor?
-    fn is_below(&self, square: f64) -> bool {
+    pub(crate) fn is_below(&self, square: f64) -> bool {
         square < self.floor * self.floor
     }
 
@@ -108,12 +117,9 @@ impl Aims<'_> {
         }
     }
 
-    /// The aim for a subface of facet `f`. It depends on the order of the corners by rounding:
-    /// callers whose mesh is a function of places give them sorted.
+    /// The aim for a subface of facet `f`.
     pub(crate) fn subface(&self, f: u32, corners: [Point; 3], attempt: usize) -> Aim {
-        let [a, b, c] = &corners;
-        let (centre, square) = circumcircle(a, b, c);
-        self.triangle(f, corners, Circle { centre, square }, attempt)
+        self.triangle(f, corners, Circle::of(&corners), attempt)
     }
 
     /// The aim for a triangle on facet `f`, or for one that it lacks, with this circle.
@@ -137,11 +143,6 @@ impl Aims<'_> {
             Some((point, may)) => Aim::At { point, carrier: Carrier::Facet(f), may },
             None => Aim::Skip,
         }
-    }
-
-    /// Is a subface too small to be split?
-    pub(crate) fn is_small(&self, [a, b, c]: &[Point; 3]) -> bool {
-        self.is_below(circumcircle(a, b, c).1)
     }
 }
 
