@@ -20,7 +20,7 @@ use crate::vector::{dot, minus};
 use ltbw_exact::Point;
 
 /// Pieces of other facets for each piece, on average, in a box that is not cut.
-const FEW: f64 = 12.0;
+const FEW: f64 = 48.0;
 
 /// The most looks at each piece of a box, in cuts one in the other, for half of its pairs to fall
 /// away. No more looks are worth it than there are others for each piece, either.
