@@ -184,11 +184,6 @@ impl BoundaryItem {
         let lead = RankLead { class: class as u8, key: Reverse(key) };
         Rank { lead, place: [x, y, z, [0; 3]] }
     }
-
-    /// Where in an order it is split before others: subsegments first, then the largest key.
-    pub(super) fn urgency(&self) -> impl Ord + use<> {
-        (self.rank().lead, self.place())
-    }
 }
 
 /// The verdict on a point.

@@ -166,6 +166,10 @@ impl<'a> Complex<'a> {
         self.bounds.over_among(tets, thin)
     }
 
+    pub(super) fn plc(&self) -> &Plc {
+        &self.plc
+    }
+
     pub(super) fn bounds(&self) -> &Bounds<'a> {
         &self.bounds
     }

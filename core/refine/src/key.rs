@@ -66,55 +66,66 @@ pub(crate) fn key_of_tet(corners: [Point; 4]) -> u64 {
     key(Shape::of([a, b, c, d]).radius2(), &corners)
 }
 
-impl State {
-    /// The place of a boundary item in an order by coordinates: segments first.
-    pub(crate) fn place_of(&self, item: Item) -> (usize, [OrderKey; 4]) {
-        let mut place = [[0; 3]; 4];
-        let mut put = |corners: &[VertexId]| {
-            for (to, &v) in place.iter_mut().zip(corners) {
-                *to = order_key(&self.at(v));
-            }
-            place[..corners.len()].sort_unstable();
-        };
-        match item {
-            Item::Segment(s) => put(&s),
-            Item::Subface(s) => put(&s),
-            Item::Tet(_, v) => put(&v),
+/// The place of an item in an order by coordinates, which `at` tells: segments first.
+pub(crate) fn place_of(item: Item, at: impl Fn(VertexId) -> Point) -> (usize, [OrderKey; 4]) {
+    let mut place = [[0; 3]; 4];
+    let mut put = |corners: &[VertexId]| {
+        for (to, &v) in place.iter_mut().zip(corners) {
+            *to = order_key(&at(v));
         }
-        let class = match item {
-            Item::Segment(_) => 0,
-            Item::Subface(_) => 1,
-            Item::Tet(..) => 2,
-        };
-        (class, place)
+        place[..corners.len()].sort_unstable();
+    };
+    match item {
+        Item::Segment(s) => put(&s),
+        Item::Subface(s) => put(&s),
+        Item::Tet(_, v) => put(&v),
+    }
+    let class = match item {
+        Item::Segment(_) => 0,
+        Item::Subface(_) => 1,
+        Item::Tet(..) => 2,
+    };
+    (class, place)
+}
+
+/// The key of an item, of whose vertices `at` tells the coordinates.
+fn key_of(item: Item, at: impl Fn(VertexId) -> Point) -> u64 {
+    match item {
+        Item::Segment(s) => {
+            let [a, b] = sorted(s.map(at));
+            key(distance2(&a, &b), &[a, b])
+        }
+        Item::Subface(s) => {
+            let corners = sorted(s.map(at));
+            let [a, b, c] = &corners;
+            key(circumcircle(a, b, c).1, &corners)
+        }
+        Item::Tet(_, v) => key_of_tet(v.map(at)),
+    }
+}
+
+/// Sorts boundary items, of whose vertices `at` tells the coordinates: segments first, and of each
+/// kind the largest key.
+///
+/// The one that is split should be large: what is encroached with it may be gone afterwards.
+pub(crate) fn sort_largest_first(items: &mut [Item], at: impl Fn(VertexId) -> Point) {
+    if items.len() > 1 {
+        items.sort_by_cached_key(|&item| {
+            let (class, place) = place_of(item, &at);
+            (class, Reverse(key_of(item, &at)), place)
+        });
+    }
+}
+
+impl State {
+    /// The place of an item in an order by coordinates: segments first.
+    pub(crate) fn place_of(&self, item: Item) -> (usize, [OrderKey; 4]) {
+        place_of(item, |v| self.at(v))
     }
 
     /// The key of an item.
     pub(crate) fn key_of(&self, item: Item) -> u64 {
-        match item {
-            Item::Segment(s) => {
-                let [a, b] = sorted(s.map(|v| self.at(v)));
-                key(distance2(&a, &b), &[a, b])
-            }
-            Item::Subface(s) => {
-                let corners = sorted(s.map(|v| self.at(v)));
-                let [a, b, c] = &corners;
-                key(circumcircle(a, b, c).1, &corners)
-            }
-            Item::Tet(_, v) => key_of_tet(v.map(|v| self.at(v))),
-        }
-    }
-
-    /// Sorts boundary items: segments first, and of each kind the largest key.
-    ///
-    /// The one that is split should be large: what is encroached with it may be gone afterwards.
-    pub(crate) fn sort_largest_first(&self, items: &mut [Item]) {
-        if items.len() > 1 {
-            items.sort_by_cached_key(|&item| {
-                let (class, place) = self.place_of(item);
-                (class, Reverse(self.key_of(item)), place)
-            });
-        }
+        key_of(item, |v| self.at(v))
     }
 
     /// Sorts boundary items by coordinates.
@@ -128,6 +139,34 @@ impl State {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{BoundaryItem, Carrier, Corner};
+
+    /// Engines without a whole mesh go by the ranks of items.
+    #[test]
+    fn items_are_sorted_as_their_ranks_tell() {
+        let at = |v: VertexId| {
+            let k = i32::try_from(v.number()).expect("a small number");
+            [k % 5, k / 5 % 2, k * k % 7].map(f64::from)
+        };
+        let vertex = VertexId::new;
+        let segments = (1..12).map(|k| Item::Segment([k, k + 1 + k % 3].map(vertex)));
+        let faces = (1..12).map(|k| Item::Subface([k, k + 1, k + 3].map(vertex)));
+        let mut items: Vec<Item> = faces.chain(segments).collect();
+        let rank = |item: &Item| {
+            let corner = |v| Corner { point: at(v), carrier: Carrier::Facet(0) };
+            let own = match item {
+                Item::Segment(s) => BoundaryItem::new(&s.map(corner), 1),
+                Item::Subface(s) => BoundaryItem::new(&s.map(corner), 2),
+                Item::Tet(..) => panic!("no tetrahedra"),
+            };
+            (own.rank().lead(), own.place())
+        };
+        let mut by_rank = items.clone();
+        by_rank.sort_by_cached_key(rank);
+        assert_ne!(items, by_rank);
+        sort_largest_first(&mut items, at);
+        assert_eq!(items, by_rank);
+    }
 
     #[test]
     fn points_are_sorted_by_all_coordinates() {

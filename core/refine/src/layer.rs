@@ -288,7 +288,7 @@ impl State {
         if v[3] == INFINITE || self.carriers[v[0].index()] == Carrier::Free {
             return false;
         }
-        let mut patches = self.facets_of(self.carriers[v[0].index()]);
+        let mut patches = self.plc.facets_of(&self.carriers[v[0].index()]).to_vec();
         patches.retain(|&f| {
             let on = |v: &VertexId| self.lies_on(self.carriers[v.index()], f);
             self.plc.facets[f as usize].patch.is_some() && v[1..].iter().all(on)

@@ -17,7 +17,7 @@
 //! | `marks` | marks of faces and edges, regions: one word per tetrahedron |
 //! | `run`, `item` | the driver; what there is to do before the first round |
 //! | `encroachment` | pending boundary items by place |
-//! | `state`, `facet` | mesh, marks and tables; how a point changes a facet |
+//! | `state`, `facet`, `plan` | mesh, marks and tables; how a point changes a facet |
 //! | `angles`, `near` | where the theory gives no guarantee: small angles, narrow gaps |
 //! | `sharp` | tetrahedra at angles too small for their bound of shape |
 //! | `dust` | flat tetrahedra of a patch go to its outer side |
@@ -25,7 +25,8 @@
 //! | `seed` | the first points where empty balls are large |
 //! | `sliver`, `thin` | flat tetrahedra that the bounds allow |
 //! | `split` | the three rules |
-//! | `touched`, `verdict` | the boundary in an open cavity, and what follows for its point |
+//! | `bounded`, `look`, `survey` | a closure, whoever has it; the boundary in its cavity |
+//! | `verdict`, `watch` | what follows for its point, alone and beside others |
 //! | `fill` | the point inserted, and marks and tables brought up to date |
 //! | `defer`, `record` | what comes first, and what came of earlier proposals |
 //! | `joint`, `journal` | several items split as one step, or none |
@@ -34,7 +35,7 @@
 //! | `rounds` | refinement in rounds: one mesh whatever the order of insertion |
 //! | `again`, `relief` | what was refused: asked again; a point with which fewer are over |
 //! | `region` | inside, outside, regions |
-//! | `choice`, `aims`, `survey`, `surveyed` | the choice of a round by values: points, verdicts |
+//! | `choice`, `aims`, `by_values`, `surveyed` | the choice of a round by values |
 //! | `complex` | boundary, bounds and points as values, for engines on many processors |
 //! | `background` | sizing by a background mesh, or at input vertices |
 //! | `excuse`, `share` | what is over its bounds at the end, and why; whether that is much |
@@ -49,7 +50,9 @@ mod aims;
 mod angles;
 mod arc;
 mod background;
+mod bounded;
 mod bounds;
+mod by_values;
 mod carrier;
 mod choice;
 mod complex;
@@ -68,6 +71,7 @@ mod journal;
 mod key;
 mod layer;
 mod limit;
+mod look;
 mod marks;
 mod measure;
 mod mend;
@@ -80,6 +84,7 @@ mod parts;
 mod patch;
 #[cfg(test)]
 mod patch_tests;
+mod plan;
 mod plc;
 mod record;
 mod recover;
@@ -104,10 +109,10 @@ mod table;
 mod tests;
 mod thin;
 mod tiles;
-mod touched;
 mod turned;
 mod verdict;
 mod walk;
+mod watch;
 mod whole;
 
 use ltbw_core::build::BuildError;
@@ -117,6 +122,8 @@ use ltbw_exact::points::PointError;
 
 pub use background::{Background, BackgroundError};
 pub use bounds::SizeField;
+#[doc(hidden)]
+pub use by_values::Survey;
 pub use carrier::Carrier;
 #[doc(hidden)]
 pub use choice::{
@@ -140,11 +147,11 @@ pub use run::Refiner;
 pub use run::{Asked, Delegated, Handed, Parted};
 pub use share::{ExcusedShare, Verdict};
 #[doc(hidden)]
-pub use survey::{Survey, Watch};
-#[doc(hidden)]
 pub use surveyed::{Collected, Surveyed};
 #[doc(hidden)]
 pub use thin::{Thin, ThinTets};
+#[doc(hidden)]
+pub use watch::Watch;
 pub use whole::MeshError;
 // The tolerance of a refinement, beside its bounds.
 pub use ltbw_domain::{Given, largest_tolerance, usual_tolerance};

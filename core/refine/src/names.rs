@@ -35,7 +35,7 @@ impl Names {
         let plc = &state.plc;
         let segments = (0..).zip(&plc.segments).map(|(s, own)| (own.ends, s)).collect();
         let mut own = Self { segments, ..Self::default() };
-        let exact = state.subfaces.iter().filter(|(_, f)| plc.is_exact(**f));
+        let exact = state.subfaces.iter().filter(|(_, f)| !plc.is_patch(**f));
         for (&corners, &f) in exact {
             let at = |v: VertexId| (state.carriers[v.index()], state.at(v));
             if let [Carrier::Corner(a), Carrier::Corner(b), Carrier::Corner(c)] =
@@ -113,11 +113,11 @@ impl Names {
         let is_other_face = |(slot, face): (usize, [usize; 3])| {
             let [a, b, c] = face.map(|k| v[k]);
             let known = state.subfaces.get(&triangle(a, b, c)).copied();
-            if face.iter().any(|&k| v[k] == INFINITE) || known.is_some_and(|f| !plc.is_exact(f)) {
+            if face.iter().any(|&k| v[k] == INFINITE) || known.is_some_and(|f| plc.is_patch(f)) {
                 return false;
             }
             let name = self.facet(plc, face.map(|k| (carrier(k), state.at(v[k]))));
-            let name = name.filter(|&f| plc.is_exact(f));
+            let name = name.filter(|&f| !plc.is_patch(f));
             name != known || name.is_some() != (word & face_bit(slot) != 0)
         };
         ENDS.into_iter().any(is_other_edge) || FACE.into_iter().enumerate().any(is_other_face)
@@ -125,11 +125,6 @@ impl Names {
 }
 
 impl Plc {
-    /// Is a facet in one plane, and no patch?
-    pub(crate) fn is_exact(&self, f: u32) -> bool {
-        self.facets[f as usize].patch.is_none()
-    }
-
     /// The side of segment `s` in the plane of facet `f`, on which it lies, that `p` of that plane
     /// is on.
     pub(crate) fn side(&self, f: u32, s: u32, p: &Point) -> Ordering {

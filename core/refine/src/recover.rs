@@ -86,7 +86,7 @@ impl State {
     ) -> Result<(), RefineError> {
         let mut on: Vec<Vec<VertexId>> = vec![Vec::new(); self.plc.facets.len()];
         for (v, &carrier) in (0..).map(VertexId::new).zip(&self.carriers).skip(1) {
-            for f in self.facets_of(carrier) {
+            for &f in self.plc.facets_of(&carrier) {
                 on[f as usize].push(v);
             }
         }

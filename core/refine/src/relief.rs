@@ -17,6 +17,7 @@
 //! shallow fold between four vertices on one circle, with both its triangles for sides: any point
 //! in the ball and below the fold divides them, but lies in the balls of these triangles.
 
+use super::bounded::{Bounded, InMesh};
 use super::bounds::Bounds;
 use super::carrier::{Carrier, Line, free_point};
 use super::facet::Seed;
@@ -224,12 +225,13 @@ impl Refinement<'_> {
         let Ok(mut open) = self.state.begin(place, &mut AdmitAll) else { return false };
         let opened = open.owner().mesh.cavity().tets().count();
         *left = left.saturating_sub(opened);
-        let judge = Judge::on_open(open.owner(), &self.record);
-        if !judge.relieves(target, place, bounds) {
+        if !open.owner().relieves(target, place, bounds) {
             return false;
         }
-        open.owner_mut().touch(&place.p, place.carrier);
-        let judge = Judge::on_open(open.owner(), &self.record);
+        open.owner_mut().look(place);
+        let state = open.owner();
+        let closure = InMesh::open(state);
+        let judge = Judge::new(&closure, &state.survey, &self.record);
         let Some(filling) = judge.filling_beside(item, place, target) else { return false };
         let mut refusal = target.refusal;
         if refusal.reason.is_vague() {
@@ -355,12 +357,12 @@ impl State {
     }
 }
 
-impl Judge<'_> {
+impl State {
     /// Has the open cavity the target, and makes the point fewer of what the target asks for? For
     /// the sake of bounds those over their bounds count, and once more those with tiny angles of
     /// these before, of all afterwards. And is none of the point's far worse?
     fn relieves(&self, target: &Target, place: &Place, bounds: &Bounds<'_>) -> bool {
-        let state = self.state;
+        let state = self;
         let topology = state.mesh.topology();
         if !topology.at(target.t).is_marked() {
             return false;
@@ -384,7 +386,7 @@ impl Judge<'_> {
                 worst = worst.max(Shape::of([&a, &b, &c, &d]).ratio_over(&ratio));
             }
         }
-        let patches = state.facets_of(place.carrier);
+        let patches = state.plc.facets_of(&place.carrier);
         let mut after = Tally::default();
         // Dust that a point inside takes is inside then, too.
         let region = state.marks.region(target.t);
@@ -418,7 +420,9 @@ impl Judge<'_> {
         }
         after.is_better(&before, target.goal)
     }
+}
 
+impl Judge<'_> {
     /// The changes of the boundary with a point on `item`, or inside, that takes no other item out
     /// of the mesh.
     fn filling_beside(
@@ -427,27 +431,23 @@ impl Judge<'_> {
         place: &Place,
         target: &Target,
     ) -> Option<Filling> {
-        let state = self.state;
         let (mut changes, mut split) = (Vec::new(), None);
         if let Some(item) = item {
             let seed = match item {
                 Item::Segment(ends) => {
-                    split = Some((ends, *state.segments.get(&ends)?));
+                    split = Some((ends, self.closure.segment(ends)?));
                     Seed::Along(ends)
                 }
                 Item::Subface(corners) => Seed::At(corners),
                 Item::Tet(..) => return None,
             };
-            for f in state.facets_of(place.carrier).into_iter().filter(|&f| state.is_planned(f)) {
-                changes.push(state.plan(self.touched, f, &place.p, seed)?);
-            }
+            changes = self.planned(place, seed)?;
         }
         let ends = split.map(|(ends, _)| ends);
-        let patches = state.plan_patches(self.touched, &place.p, place.carrier, ends, &changes)?;
-        changes.extend(patches);
+        let changes = self.with_patches(place, ends, changes)?;
         let refused = |hit: &Item| Some(*hit) == item || self.record.refused.contains_key(hit);
-        let may = target.may_encroach || state.hits_in(self.touched).iter().all(refused);
-        let is_kept = may && state.losses_in(self.touched, ends, &changes).is_empty();
+        let may = target.may_encroach || self.hits().iter().all(refused);
+        let is_kept = may && self.losses(ends, &changes).is_empty();
         is_kept.then_some(Filling { split, changes, lost: Vec::new() })
     }
 }

@@ -55,10 +55,10 @@ impl Refinement<'_> {
             let Some(place) = self.centre_of(t, v) else { continue };
             let mut size = 0;
             let verdict = self.propose(&place, work, admission, |judge| {
-                size = judge.state.mesh.cavity().tets().count();
+                size = judge.closure.state.mesh.cavity().tets().count();
                 match size < LARGE {
                     true => Verdict::Useless,
-                    false => judge.on_tet(t, &place.p),
+                    false => judge.on_tet(t, &place),
                 }
             });
             match verdict {

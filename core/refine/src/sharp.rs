@@ -95,7 +95,7 @@ impl State {
                 return true;
             }
         }
-        let others = self.facets_of(carrier);
+        let others = self.plc.facets_of(&carrier);
         let across = |f: u32, g: u32| !facets.contains(&g) && self.angles.hinge(f, g).is_some();
         facets.iter().any(|&f| !self.lies_on(carrier, f) && others.iter().any(|&g| across(f, g)))
     }

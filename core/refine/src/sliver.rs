@@ -43,11 +43,12 @@ impl Refinement<'_> {
 impl Judge<'_> {
     /// Would the tetrahedra of the point of the open cavity meet the bound, without tiny angles?
     pub(crate) fn makes_no_sliver(&self, p: &Point, ratio: &RatioBound) -> bool {
-        self.state.mesh.cavity().faces().all(|face| {
+        let state = self.closure.state;
+        state.mesh.cavity().faces().all(|face| {
             if face.contains(&INFINITE) {
                 return false;
             }
-            let [a, b, c] = face.map(|v| self.state.at(v));
+            let [a, b, c] = face.map(|v| state.at(v));
             // The angles are rounded, in an order that is the same for all orders of the face.
             let [d, e, f] = &sorted([a, b, c]);
             !has_small_dihedral([d, e, f, p]) && !ratio.exceeded([&a, &b, &c, p])

@@ -5,6 +5,7 @@
 //! encroachment index alone), and ends with the point inserted; or with nothing changed and other
 //! items put before it (*deferred*); or with a reason why its item cannot be split.
 
+use super::bounded::InMesh;
 use super::bounds::Bounds;
 use super::carrier::Carrier;
 use super::fill::Inserted;
@@ -321,7 +322,7 @@ impl<'a> Refinement<'a> {
                 Way::Outside => continue,
             };
             let place = Place { p, carrier, from };
-            match self.propose(&place, work, admission, |judge| judge.on_tet(t, &place.p)) {
+            match self.propose(&place, work, admission, |judge| judge.on_tet(t, &place)) {
                 Proposal::Inserted => return Step::Inserted,
                 Proposal::Deferred(first) => {
                     let limit = limit(self);
@@ -356,8 +357,10 @@ impl<'a> Refinement<'a> {
             Err(At::SetBack(setback)) => return Proposal::SetBack(setback),
         };
         let recovers = self.bounds.is_none();
-        let judge = Judge { recovers, ..Judge::on_open(open.owner(), &self.record) };
-        match verdict(judge) {
+        let state = open.owner();
+        let closure = InMesh::open(state);
+        let judge = Judge::new(&closure, &state.survey, &self.record);
+        match verdict(Judge { recovers, ..judge }) {
             Verdict::Fill(filling) => {
                 self.inserted.fill(open, place, &filling, self.bounds.as_ref(), work);
                 self.record.waits.clear();
@@ -365,7 +368,7 @@ impl<'a> Refinement<'a> {
             }
             Verdict::Defer(first) => Proposal::Deferred(first),
             Verdict::Refuse(reason) => Proposal::Refused(reason),
-            Verdict::Useless => Proposal::Useless,
+            Verdict::Useless | Verdict::AtPatch => Proposal::Useless,
         }
     }
 }

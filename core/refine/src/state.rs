@@ -12,9 +12,10 @@ use super::heed::Heed;
 use super::item::{Item, Work};
 use super::journal::Journal;
 use super::marks::Marks;
-use super::measure::{circumcircle, in_diametral_ball, in_equatorial_ball};
+use super::measure::circumcircle;
 use super::outcome::Reason;
 use super::plc::Plc;
+use super::survey::Survey;
 use super::table::{Map, Set, sides};
 use ltbw_core::cavity::{Admission, AdmitAll, Cavity};
 use ltbw_core::mesh::{At, Mesh};
@@ -25,46 +26,6 @@ use ltbw_exact::Point;
 
 /// Vertices of the face opposite each slot.
 pub(crate) const FACE: [[usize; 3]; 4] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
-
-/// The boundary items in the open cavity, and those that its point would encroach.
-#[derive(Debug, Default)]
-pub(crate) struct Touched {
-    /// Is anything of the cavity marked?
-    pub(crate) is_marked: bool,
-    /// Subfaces inside the cavity (both tetrahedra are in it), with their facets.
-    pub(crate) inner: Vec<([VertexId; 3], u32)>,
-    /// Subsegments of the cavity's boundary.
-    pub(crate) rim: Vec<[VertexId; 2]>,
-    /// Subsegments inside the cavity: all tetrahedra around them are in it.
-    pub(crate) inner_edges: Vec<[VertexId; 2]>,
-    /// Subsegments, then subfaces, whose closed balls hold the point.
-    pub(crate) hit_segments: Vec<[VertexId; 2]>,
-    pub(crate) hit_subfaces: Vec<[VertexId; 3]>,
-}
-
-impl Touched {
-    /// The items that the point encroaches: the subsegments, or, if there are none, the subfaces.
-    pub(crate) fn hits(&self) -> Vec<Item> {
-        match self.hit_segments.is_empty() {
-            true => self.hit_subfaces.iter().map(|&s| Item::Subface(s)).collect(),
-            false => self.hit_segments.iter().map(|&s| Item::Segment(s)).collect(),
-        }
-    }
-
-    /// The subsegments of the cavity.
-    pub(crate) fn edges(&self) -> impl Iterator<Item = [VertexId; 2]> + '_ {
-        self.rim.iter().chain(&self.inner_edges).copied()
-    }
-
-    pub(crate) fn clear(&mut self) {
-        self.is_marked = false;
-        self.inner.clear();
-        self.rim.clear();
-        self.inner_edges.clear();
-        self.hit_segments.clear();
-        self.hit_subfaces.clear();
-    }
-}
 
 /// Mesh, marks and tables.
 #[derive(Debug)]
@@ -88,7 +49,8 @@ pub(crate) struct State {
     pub(crate) encroachment: EncroachmentIndex,
     /// The changes of a joint step, while there is one.
     pub(crate) journal: Option<Journal>,
-    pub(crate) touched: Touched,
+    /// The boundary in the open cavity.
+    pub(crate) survey: Survey<TetId>,
     /// The tetrahedra for which memory was taken beforehand.
     pub(crate) expected: usize,
     /// Are lists of items in the order of their coordinates?
@@ -152,7 +114,7 @@ impl State {
             at_edge: None,
             encroachment: EncroachmentIndex::default(),
             journal: None,
-            touched: Touched::default(),
+            survey: Survey::default(),
             by_place: false,
             expected: 0,
             fine_step,
@@ -213,7 +175,7 @@ impl State {
         admission: &mut A,
     ) -> Result<OpenCavity<'_, Self>, At> {
         let mut open = self.begin(place, admission)?;
-        open.owner_mut().touch(&place.p, place.carrier);
+        open.owner_mut().look(place);
         Ok(open)
     }
 
@@ -261,23 +223,6 @@ impl State {
             Item::Subface(s) => s.iter().any(is),
             Item::Tet(..) => false,
         }
-    }
-
-    /// Is `p` in the closed ball of a subsegment?
-    pub(crate) fn encroaches_segment(&self, [a, b]: [VertexId; 2], p: &Point) -> bool {
-        in_diametral_ball(&self.at(a), &self.at(b), p)
-    }
-
-    /// Is `p`, which lives on `carrier`, off the facet of a subface and in its closed ball?
-    pub(crate) fn encroaches_subface(
-        &self,
-        [a, b, c]: [VertexId; 3],
-        facet: u32,
-        p: &Point,
-        carrier: Carrier,
-    ) -> bool {
-        !self.lies_on(carrier, facet)
-            && in_equatorial_ball(&self.at(a), &self.at(b), &self.at(c), p)
     }
 
     /// The ball of a boundary item, rounded.

@@ -17,11 +17,11 @@
 //! below. That is no loss: the other faces of the dust become the subfaces, under the same
 //! condition, and the new tetrahedra on them belong to the inner side.
 
-use super::carrier::Carrier;
 use super::facet::Change;
 use super::marks::face_bit;
 use super::patch::Sides;
-use super::state::{FACE, State, Touched};
+use super::state::{FACE, Place, State};
+use super::survey::{Face, Survey};
 use super::table::{Map, edge, sides, triangle};
 use super::tiles::is_above;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
@@ -56,25 +56,24 @@ impl State {
     /// that it divides.
     ///
     /// While the boundary is recovered there are no changes: layers are looked for afterwards.
-    pub(crate) fn plan_patches(
+    pub(crate) fn plan_patches<T: Copy + Ord>(
         &self,
-        touched: &Touched,
-        p: &Point,
-        carrier: Carrier,
+        survey: &Survey<T>,
+        place: &Place,
         split: Option<[VertexId; 2]>,
         others: &[Change],
     ) -> Option<Vec<Change>> {
         if self.journal.is_some() {
             return Some(Vec::new());
         }
-        let mut patches = self.facets_of(carrier);
-        patches.retain(|&f| self.is_patch(f));
+        let facets = self.plc.facets_of(&place.carrier).iter();
+        let patches: Vec<u32> = facets.copied().filter(|&f| self.is_patch(f)).collect();
         if patches.iter().any(|&f| self.sides_of(f).is_none()) {
             return Some(Vec::new());
         }
         let stays = |s: &[VertexId; 3]| !others.iter().any(|c| c.removed.contains(s));
-        let foreign = |(s, f): &&([VertexId; 3], u32)| !patches.contains(f) && stays(s);
-        let mut lost: Vec<u32> = touched.inner.iter().filter(foreign).map(|x| x.1).collect();
+        let foreign = |face: &&Face<T>| !patches.contains(&face.facet) && stays(&face.key);
+        let mut lost: Vec<u32> = survey.inner().filter(foreign).map(|face| face.facet).collect();
         lost.sort_unstable();
         lost.dedup();
         if patches.is_empty() && lost.is_empty() {
@@ -82,7 +81,7 @@ impl State {
         }
         if lost.iter().all(|&f| self.sides_of(f).is_some()) {
             let places = [&patches[..], &lost];
-            let plan = |dust: bool| self.plan_labels(touched, p, places, split, others, dust);
+            let plan = |dust: bool| self.plan_labels(survey, &place.p, places, split, others, dust);
             let planned = plan(true).or_else(|| plan(false));
             if planned.is_some() || lost.is_empty() {
                 return planned;
@@ -91,17 +90,17 @@ impl State {
         // A point that takes something else out of the mesh has to wait: no labels would fit.
         let mut own: Vec<Change> = patches.iter().map(|&f| Change::of(f)).collect();
         for change in &mut own {
-            let inner = touched.inner.iter().filter(|(_, f)| *f == change.facet);
-            change.removed.extend(inner.map(|(s, _)| *s));
+            let inner = survey.inner().filter(|face| face.facet == change.facet);
+            change.removed.extend(inner.map(|face| face.key));
         }
         Some(own)
     }
 
     /// The plan with or without the rule for dust, for patches that the point is on, and others
     /// that it takes subfaces of.
-    fn plan_labels(
+    fn plan_labels<T: Copy + Ord>(
         &self,
-        touched: &Touched,
+        survey: &Survey<T>,
         p: &Point,
         [patches, lost]: [&[u32]; 2],
         split: Option<[VertexId; 2]>,
@@ -112,9 +111,9 @@ impl State {
         let all = || patches.iter().chain(lost);
         let mut changes: Vec<Change> = all().map(|&f| Change::of(f)).collect();
         let place = |f: u32| all().position(|&g| g == f);
-        for &(s, f) in &touched.inner {
-            if let Some(k) = place(f) {
-                changes[k].removed.push(s);
+        for face in survey.inner() {
+            if let Some(k) = place(face.facet) {
+                changes[k].removed.push(face.key);
             }
         }
         for (i, wall) in walls.iter().enumerate() {

@@ -91,6 +91,6 @@ impl Surveyed for Collected<'_> {
 }
 
 /// The key of a face with these corners.
-pub(super) fn sorted_face([a, b, c]: [u32; 3]) -> [u32; 3] {
+fn sorted_face([a, b, c]: [u32; 3]) -> [u32; 3] {
     triangle(a, b, c)
 }

@@ -60,7 +60,7 @@ fn check_conforming(state: &State) {
     assert!(state.segments.keys().all(|s| present.contains(s)), "a subsegment is missing");
     let mut on: Vec<Vec<VertexId>> = vec![Vec::new(); state.plc.facets.len()];
     for (v, &carrier) in (0..).map(VertexId::new).zip(&state.carriers).skip(1) {
-        state.facets_of(carrier).iter().for_each(|&f| on[f as usize].push(v));
+        state.plc.facets_of(&carrier).iter().for_each(|&f| on[f as usize].push(v));
     }
     let mut total = 0;
     for (f, vertices) in (0..).zip(&on) {

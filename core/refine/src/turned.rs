@@ -33,7 +33,7 @@ impl State {
             if self.lies_on(*carrier, f) {
                 return None;
             }
-            let found = self.facets_of(*carrier).into_iter().find_map(|g| self.turn_into(p, g, f));
+            let found = self.plc.facets_of(carrier).iter().find_map(|&g| self.turn_into(p, g, f));
             found.filter(|p| distance2(p, &centre) < INSIDE * square)
         };
         let target = journal.points.iter().rev().find_map(turned)?;

@@ -1,14 +1,18 @@
-//! Verdicts on proposed points: read-only looks at the state with the point's cavity open.
+//! Verdicts on proposed points, by a survey of the closure and the record alone: for a mesh that is
+//! all here, the cavity open or found, and for a closure of which values are known.
 
+use super::bounded::{Bounded, InMesh};
 use super::carrier::Carrier;
 use super::facet::{Change, Seed};
 use super::item::Item;
+use super::key::{place_of, sort_largest_first};
 use super::limit::Limit;
 use super::marks::face_bit;
 use super::outcome::Reason;
 use super::record::Record;
-use super::state::{FACE, Place, State, Touched};
-use super::table::triangle;
+use super::state::{FACE, Place, State};
+use super::survey::Survey;
+use super::table::{Set, sides, triangle};
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
@@ -47,25 +51,23 @@ pub(crate) enum Verdict {
     Refuse(Reason),
     /// It does not do what it was made for; another one may.
     Useless,
+    /// It changes a patch: its cavity has to be open.
+    AtPatch,
 }
 
 /// The grounds of a verdict.
-pub(crate) struct Judge<'s> {
-    pub(crate) state: &'s State,
+pub(crate) struct Judge<'s, B: Bounded = InMesh<'s>> {
+    pub(crate) closure: &'s B,
+    pub(crate) survey: &'s Survey<B::Tet>,
     pub(crate) record: &'s Record,
     /// Is the boundary still being recovered?
     pub(crate) recovers: bool,
-    /// The boundary in the cavity of the point.
-    pub(crate) touched: &'s Touched,
-    /// The tetrahedra of this cavity, if it is not open.
-    pub(crate) found: Option<&'s [TetId]>,
 }
 
-impl<'s> Judge<'s> {
-    /// The grounds of a verdict on the point whose cavity is open in the state, when nothing is
-    /// missing.
-    pub(crate) fn on_open(state: &'s State, record: &'s Record) -> Self {
-        Self { state, record, recovers: false, touched: &state.touched, found: None }
+impl<'s, B: Bounded> Judge<'s, B> {
+    /// The grounds of a verdict when nothing is missing.
+    pub(crate) fn new(closure: &'s B, survey: &'s Survey<B::Tet>, record: &'s Record) -> Self {
+        Self { closure, survey, record, recovers: false }
     }
 
     /// On a point that is to split a boundary item; one of a facet is on it if it `is_on`.
@@ -81,25 +83,22 @@ impl<'s> Judge<'s> {
 
     /// On a point that is to split a subsegment of segment `s`.
     pub(crate) fn on_segment(&self, ends: [VertexId; 2], s: u32, place: &Place) -> Verdict {
-        let (state, item) = (self.state, Item::Segment(ends));
-        let has = |corner: u32| state.has_corner(item, corner);
-        let reason = state.angles.reason_on_segment(s, &has);
+        let item = Item::Segment(ends);
+        let angles = self.closure.state().map(|state| (state, &state.angles));
+        let reason = angles.and_then(|(state, angles)| {
+            angles.reason_on_segment(s, &|corner| state.has_corner(item, corner))
+        });
         if let Some(reason) = reason.filter(|_| self.is_too_near(item, place)) {
             return Verdict::Refuse(reason);
         }
-        let reason = state.angles.reason_of_segment(s);
-        let mut changes = Vec::new();
-        for f in state.facets_of(place.carrier).into_iter().filter(|&f| state.is_planned(f)) {
-            match state.plan(self.touched, f, &place.p, Seed::Along(ends)) {
-                Some(change) => changes.push(change),
-                None => return Verdict::Refuse(reason.unwrap_or_else(|| state.unserved(item))),
-            }
-        }
-        match state.plan_patches(self.touched, &place.p, place.carrier, Some(ends), &changes) {
-            Some(patches) => changes.extend(patches),
-            None => return Verdict::Refuse(reason.unwrap_or_else(|| state.unserved(item))),
-        }
-        let lost = state.losses_in(self.touched, Some(ends), &changes);
+        let refuse = || {
+            let reason = angles.and_then(|(_, angles)| angles.reason_of_segment(s));
+            Verdict::Refuse(reason.unwrap_or_else(|| self.unserved(item)))
+        };
+        let seed = Seed::Along(ends);
+        let Some(changes) = self.planned(place, seed) else { return refuse() };
+        let Some(changes) = self.with_patches(place, Some(ends), changes) else { return refuse() };
+        let lost = self.losses(Some(ends), &changes);
         self.spare(item, place, Filling { split: Some((ends, s)), changes, lost })
     }
 
@@ -111,33 +110,33 @@ impl<'s> Judge<'s> {
         place: &Place,
         is_on: bool,
     ) -> Verdict {
-        let (state, item) = (self.state, Item::Subface(corners));
-        let has = |corner: u32| state.has_corner(item, corner);
-        let reason = state.angles.reason_on_facet(f, &has);
+        let item = Item::Subface(corners);
+        let reason = self.closure.state().and_then(|state| {
+            state.angles.reason_on_facet(f, &|corner| state.has_corner(item, corner))
+        });
         if let Some(reason) = reason.filter(|_| self.is_too_near(item, place)) {
             return Verdict::Refuse(reason);
         }
-        if !self.touched.hit_segments.is_empty() {
-            return Verdict::Defer(state.hits_in(self.touched));
+        if !self.survey.hit_segments.is_empty() {
+            return Verdict::Defer(self.hits());
         }
-        let changes = match state.is_planned(f) {
+        let changes = match self.is_planned(f) {
             _ if !is_on => None,
-            true => state.plan(self.touched, f, &place.p, Seed::At(corners)).map(|change| {
-                let mut changes = vec![change];
-                let patches =
-                    state.plan_patches(self.touched, &place.p, place.carrier, None, &changes);
+            true => self.planned(place, Seed::At(corners)).map(|mut changes| {
+                // A patch that would be torn is not changed.
+                let patches = self.patches(place, None, &changes);
                 changes.extend(patches.into_iter().flatten());
                 changes
             }),
-            false => state.plan_patches(self.touched, &place.p, place.carrier, None, &[]),
+            false => self.with_patches(place, None, Vec::new()),
         };
         if let Some(changes) = changes
             && changes.iter().any(|change| change.removed.contains(&corners))
         {
-            let lost = state.losses_in(self.touched, None, &changes);
+            let lost = self.losses(None, &changes);
             return self.spare(item, place, Filling { split: None, changes, lost });
         }
-        match state.segment_between(self.touched, corners, f, &place.p) {
+        match self.segment_between(corners, f, &place.p) {
             Some(segment) => Verdict::Defer(vec![Item::Segment(segment)]),
             None => Verdict::Useless,
         }
@@ -145,13 +144,13 @@ impl<'s> Judge<'s> {
 
     /// On a point in a hole of a patch, if it `is_on` the patch.
     pub(crate) fn on_hole(&self, is_on: bool) -> Verdict {
-        let hits = &self.touched.hit_segments;
+        let hits = &self.survey.hit_segments;
         if !hits.is_empty() {
             return Verdict::Defer(hits.iter().map(|&s| Item::Segment(s)).collect());
         }
         match is_on {
             true => {
-                let lost = self.state.losses_in(self.touched, None, &[]);
+                let lost = self.losses(None, &[]);
                 Verdict::Fill(Filling { lost, ..Filling::default() })
             }
             false => Verdict::Useless,
@@ -159,37 +158,111 @@ impl<'s> Judge<'s> {
     }
 
     /// On a point that is to split tetrahedron `t`.
-    pub(crate) fn on_tet(&self, t: TetId, p: &Point) -> Verdict {
-        let state = self.state;
-        let mut first = state.hits_in(self.touched);
+    pub(crate) fn on_tet(&self, t: B::Tet, place: &Place) -> Verdict {
+        match self.on_free(place) {
+            Verdict::Fill(_) if !self.closure.is_in(t) => Verdict::Useless,
+            verdict => verdict,
+        }
+    }
+
+    /// On a point inside, whatever it is to split.
+    pub(crate) fn on_free(&self, place: &Place) -> Verdict {
+        let mut first = self.hits();
         let mut changes = Vec::new();
         if first.is_empty() {
-            let patches = state.plan_patches(self.touched, p, Carrier::Free, None, &[]);
-            changes = patches.unwrap_or_default();
-            first = state.losses_in(self.touched, None, &changes);
+            if !self.closure.is_open() && self.survey.inner().any(|face| self.is_patch(face.facet))
+            {
+                return Verdict::AtPatch;
+            }
+            changes = self.patches(place, None, &[]).unwrap_or_default();
+            first = self.losses(None, &changes);
         }
         match first.is_empty() {
             false => Verdict::Defer(first),
-            true if state.mesh.topology().at(t).is_marked() => {
-                Verdict::Fill(Filling { changes, ..Filling::default() })
-            }
-            true => Verdict::Useless,
+            true => Verdict::Fill(Filling { changes, ..Filling::default() }),
         }
+    }
+
+    /// The items that the point encroaches.
+    pub(crate) fn hits(&self) -> Vec<Item> {
+        self.in_order(self.survey.hits())
+    }
+
+    /// The boundary items that the point would take out of the mesh, of those in its cavity, but
+    /// for those that it splits: the subsegment `split`, and what `changes` remove.
+    pub(crate) fn losses(&self, split: Option<[VertexId; 2]>, changes: &[Change]) -> Vec<Item> {
+        let removed: Set<&[VertexId; 3]> = changes.iter().flat_map(|c| &c.removed).collect();
+        let faces = self.survey.inner().filter(|face| !removed.contains(&face.key));
+        let edges = self.survey.edges.iter();
+        let edges = edges.filter(|edge| edge.is_inner && Some(edge.key) != split);
+        let faces = faces.map(|face| Item::Subface(face.key));
+        self.in_order(faces.chain(edges.map(|edge| Item::Segment(edge.key))).collect())
+    }
+
+    /// Items, the largest first where that is the order.
+    fn in_order(&self, mut items: Vec<Item>) -> Vec<Item> {
+        if self.closure.state().is_none_or(|state| state.by_place) {
+            sort_largest_first(&mut items, |v| self.closure.at(v));
+        }
+        items
+    }
+
+    /// The subsegment of facet `f` between its subface `s` and a point `p` of its plane, that `s`
+    /// does not see.
+    fn segment_between(&self, s: [VertexId; 3], f: u32, p: &Point) -> Option<[VertexId; 2]> {
+        let state = self.closure.state();
+        if let Some(state) = state.filter(|state| state.at_edge.is_some()) {
+            return state.segment_on_way(s, f, p);
+        }
+        let place = |&side: &[VertexId; 2]| place_of(Item::Segment(side), |v| self.closure.at(v));
+        // A missing subface is in no cavity, but its own sides may be what is between.
+        let beyond = |&(side, opposite): &([VertexId; 2], VertexId)| {
+            let [a, b] = side.map(|v| self.closure.at(v));
+            let inner = self.turn(f, [&a, &b, &self.closure.at(opposite)]);
+            self.closure.segment(side).is_some() && self.turn(f, [&a, &b, p]) != inner
+        };
+        let own = sides(s).into_iter().filter(beyond).map(|(side, _)| side);
+        if let Some(side) = own.min_by_key(place) {
+            return Some(side);
+        }
+        // The cavity is star-shaped from `p` and has the subface: what is between them is in it.
+        let separates = |[x, y]: [VertexId; 2]| {
+            let [x, y] = [x, y].map(|v| self.closure.at(v));
+            let corners = s.map(|v| self.closure.at(v));
+            let mine = self.turn(f, [&x, &y, p]);
+            let theirs = corners.map(|v| self.turn(f, [&x, &y, &v]));
+            let between = !mine.is_zero() && theirs.contains(&-mine) && !theirs.contains(&mine);
+            let crosses = corners.iter().any(|v| {
+                let [left, right] = [x, y].map(|end| self.turn(f, [v, p, &end]));
+                !left.is_zero() && left == -right
+            });
+            between && crosses
+        };
+        let plc = self.closure.plc();
+        let on_facet = |segment: u32| plc.segments[segment as usize].facets.contains(&f);
+        let edges = self.survey.edges.iter().filter(|edge| on_facet(edge.segment));
+        edges.map(|edge| edge.key).filter(|&key| separates(key)).min_by_key(place)
+    }
+
+    /// The reason why an item cannot be split that no point serves.
+    fn unserved(&self, item: Item) -> Reason {
+        self.closure.state().map_or(Reason::Rounding, |state| state.unserved(item))
     }
 
     /// Would the point make an edge shorter than what `item` is limited to? The vertex nearest to a
     /// new point is always on the rim of its cavity, as are all of the cavity.
     fn is_too_near(&self, item: Item, place: &Place) -> bool {
         let p = &place.p;
-        let Some(limit) = self.limit_of(item) else { return false };
-        let is_slack = self.state.by_place && self.record.limits.contains_key(&item);
-        let slack = if is_slack { SLACK } else { 1.0 };
-        let is_near = |v: VertexId, least: f64| {
-            v != INFINITE && distance2(&self.state.at(v), p) < least * least
+        let (Some(state), Some(limit)) = (self.closure.state(), self.limit_of(item)) else {
+            return false;
         };
+        let is_slack = state.by_place && self.record.limits.contains_key(&item);
+        let slack = if is_slack { SLACK } else { 1.0 };
+        let is_near =
+            |v: VertexId, least: f64| v != INFINITE && distance2(&state.at(v), p) < least * least;
         let is_tip = || match item {
             Item::Segment(ends) => {
-                self.state.tip_side(ends, p).is_some_and(|side| side < TIP_SIDE * limit.least)
+                state.tip_side(ends, p).is_some_and(|side| side < TIP_SIDE * limit.least)
             }
             _ => false,
         };
@@ -197,21 +270,19 @@ impl<'s> Judge<'s> {
             return false;
         }
         let Some(along) = limit.along else { return true };
-        let facets = self.state.facets_of(place.carrier);
-        self.any_around(|v| is_near(v, slack * along) && !self.state.is_across(v, item, &facets))
+        let facets = state.plc.facets_of(&place.carrier);
+        self.any_around(|v| is_near(v, slack * along) && !state.is_across(v, item, facets))
     }
 
     /// The edges that splitting an item may make: its own limit, or that of the joint step.
     fn limit_of(&self, item: Item) -> Option<Limit> {
-        self.record.limits.get(&item).copied().or(self.state.joint_limit())
+        let joint = || self.closure.state().and_then(State::joint_limit);
+        self.record.limits.get(&item).copied().or_else(joint)
     }
 
     /// Is there such a vertex on the rim of the point's cavity?
     fn any_around(&self, is: impl FnMut(VertexId) -> bool) -> bool {
-        match self.found {
-            None => self.state.mesh.cavity().faces().flatten().any(is),
-            Some(tets) => tets.iter().flat_map(|&t| self.state.vertices(t)).any(is),
-        }
+        self.closure.cavity().flat_map(|t| self.closure.vertices(t)).any(is)
     }
 
     /// The verdict on a boundary point that takes the items `lost` out of the mesh. While the
@@ -227,19 +298,21 @@ impl<'s> Judge<'s> {
             return Verdict::Fill(filling);
         }
         let limit = self.limit_of(item);
-        let sized = limit.is_some_and(|limit| limit.along.is_some());
-        let related = |&other: &Item| {
-            let reason = self.state.relation(place.carrier, other)?;
-            let spent = self.record.joint_transactions;
-            let may = spent <= JOINT * self.state.mesh.num_vertices();
-            let together = may && self.state.go_together(item, other, reason, sized);
-            (!together).then_some(reason)
-        };
-        if let Some(reason) = lost.iter().find_map(related) {
-            return Verdict::Refuse(reason);
-        }
-        if self.state.journal.is_some() {
-            return Verdict::Fill(filling);
+        if let Some(state) = self.closure.state() {
+            let sized = limit.is_some_and(|limit| limit.along.is_some());
+            let related = |&other: &Item| {
+                let reason = state.relation(place.carrier, other)?;
+                let spent = self.record.joint_transactions;
+                let may = spent <= JOINT * state.mesh.num_vertices();
+                let together = may && state.go_together(item, other, reason, sized);
+                (!together).then_some(reason)
+            };
+            if let Some(reason) = lost.iter().find_map(related) {
+                return Verdict::Refuse(reason);
+            }
+            if state.journal.is_some() {
+                return Verdict::Fill(filling);
+            }
         }
         match lost.iter().find_map(|other| self.record.bars(other, limit)) {
             Some(reason) => Verdict::Refuse(reason),

@@ -1,9 +1,8 @@
 //! Ways through the whole mesh, and through a facet.
 
-use super::item::Item;
 use super::marks::face_bit;
 use super::rules::way::{self, Across, FACES, Heading, Stop, View, middle, walk};
-use super::state::{State, Touched};
+use super::state::State;
 use super::table::{sides, triangle};
 use ltbw_core::topology::{TetId, VertexId, slot_of, tet_of};
 use ltbw_exact::Point;
@@ -76,52 +75,14 @@ impl State {
         None
     }
 
-    /// The subsegment of facet `f` between its subface `s` and a point `p` of its plane, in whose
-    /// cavity the boundary is `touched`, that `s` does not see.
-    pub(crate) fn segment_between(
+    /// The first subsegment on a way from subface `s` of facet `f` to `p` in its plane, through the
+    /// facet's triangulation, whether the mesh has its triangles or not.
+    pub(crate) fn segment_on_way(
         &self,
-        touched: &Touched,
         s: [VertexId; 3],
         f: u32,
         p: &Point,
     ) -> Option<[VertexId; 2]> {
-        if self.at_edge.is_some() {
-            return self.segment_on_way(s, f, p);
-        }
-        // A missing subface is in no cavity, but its own sides may be what is between.
-        let beyond = |&(side, opposite): &([VertexId; 2], VertexId)| {
-            let [a, b] = side.map(|v| self.at(v));
-            let inner = self.turn_on(f, &a, &b, &self.at(opposite));
-            self.segments.contains_key(&side) && self.turn_on(f, &a, &b, p) != inner
-        };
-        let own = sides(s).into_iter().filter(beyond).map(|(side, _)| side);
-        if let Some(side) = own.min_by_key(|&side| self.place_of(Item::Segment(side))) {
-            return Some(side);
-        }
-        // The cavity is star-shaped from `p` and has the subface: what is between them is in it.
-        let side =
-            |a: VertexId, b: &Point, c: VertexId| self.turn_on(f, &self.at(a), b, &self.at(c));
-        let separates = |[x, y]: [VertexId; 2]| {
-            let (b, mine) = (self.at(y), self.turn_on(f, &self.at(x), &self.at(y), p));
-            let theirs = s.map(|v| side(x, &b, v));
-            let between = !mine.is_zero() && theirs.contains(&-mine) && !theirs.contains(&mine);
-            let crosses = s.iter().any(|&v| {
-                let [left, right] = [x, y].map(|end| side(v, p, end));
-                !left.is_zero() && left == -right
-            });
-            between && crosses
-        };
-        let on_facet = |e: &[VertexId; 2]| {
-            let segment = self.segments.get(e).map(|&of| &self.plc.segments[of as usize]);
-            segment.is_some_and(|segment| segment.facets.contains(&f))
-        };
-        let between = touched.edges().filter(|e| on_facet(e) && separates(*e));
-        between.min_by_key(|&e| self.place_of(Item::Segment(e)))
-    }
-
-    /// The first subsegment on a way from subface `s` of facet `f` to `p` in its plane, through the
-    /// facet's triangulation, whether the mesh has its triangles or not.
-    fn segment_on_way(&self, s: [VertexId; 3], f: u32, p: &Point) -> Option<[VertexId; 2]> {
         let at_edge = self.at_edge.as_ref()?;
         let (mut t, mut entry) = (s, None);
         // Every triangle is passed once in a Delaunay triangulation; the bound only guards it.

@@ -6,11 +6,13 @@
 use super::block::Block;
 use super::foremost::Foremost;
 use super::{Asked, Candidate, Conclusion, Rounds};
+use crate::bounded::InMesh;
 use crate::item::Item;
 use crate::outcome::Reason;
 use crate::rules::aim::{ATTEMPTS, Aim};
-use crate::state::{Place, Touched};
-use crate::verdict::Filling;
+use crate::state::Place;
+use crate::survey::Survey;
+use crate::verdict::{Filling, Judge, Verdict};
 use crate::walk::Way;
 use ltbw_core::PredicateStats;
 use ltbw_core::search::Search;
@@ -25,7 +27,7 @@ const BATCH: usize = if cfg!(test) { 3 } else { 64 };
 #[derive(Debug, Default)]
 pub(super) struct Prober {
     pub(super) search: Search,
-    pub(super) touched: Touched,
+    pub(super) survey: Survey<TetId>,
 }
 
 /// The end of a probe that does not conclude.
@@ -106,7 +108,7 @@ impl Rounds<'_, '_> {
             batch.conclusions.push(Conclusion { t, rank, verdict: Err(Reason::Floor) });
             return;
         }
-        let Prober { search, touched } = prober;
+        let Prober { search, survey } = prober;
         for attempt in 0..ATTEMPTS {
             let aim = aims.tet(radius, own.centre, attempt);
             let Aim::At { point: p, carrier, may } = aim else { break };
@@ -129,22 +131,20 @@ impl Rounds<'_, '_> {
                 continue;
             }
             search.find(&state.mesh, &p, from);
-            let has = |t: TetId| search.has(t);
+            let (closure, place) = (InMesh::found(state, search), Place { p, carrier, from });
+            survey.look(&closure, &p, carrier);
             let tets = search.tets();
-            state.look_into((tets.iter().copied(), &has), &p, carrier, touched);
-            let mut first = state.hits_in(touched);
-            if first.is_empty() {
-                if touched.inner.iter().any(|&(_, f)| state.is_patch(f)) {
+            let verdict = Judge::new(&closure, survey, &self.own.record).on_tet(t, &place);
+            let (fits, first) = match verdict {
+                Verdict::Fill(_) => (true, Vec::new()),
+                Verdict::Defer(first) => (false, first),
+                Verdict::Useless | Verdict::Refuse(_) => continue,
+                Verdict::AtPatch => {
                     batch.searches -= 1;
                     batch.probed.push(Probed::AtPatch(*own, rank));
                     return;
                 }
-                first = state.losses_in(touched, None, &[]);
-            }
-            let fits = first.is_empty();
-            if fits && !has(t) {
-                continue;
-            }
+            };
             if !fits {
                 let conclusion = self.conclusion(own, rank, &first);
                 let is_refused = conclusion.verdict.is_err();
@@ -153,7 +153,7 @@ impl Rounds<'_, '_> {
                     // It is in nobody's way.
                     batch.blocks.extend(self.blocks_in(
                         tets,
-                        touched,
+                        survey,
                         self.limit(own.t, &own.shape),
                     ));
                     return;
@@ -168,10 +168,10 @@ impl Rounds<'_, '_> {
             batch.probed.push(Probed::Reserves(Reserves {
                 item: Item::Tet(t, state.vertices(t)),
                 rank,
-                place: Place { p, carrier, from },
+                place,
                 cavity: start..batch.cavities.len(),
                 fits,
-                is_marked: touched.is_marked,
+                is_marked: !survey.is_bare(),
             }));
             return;
         }

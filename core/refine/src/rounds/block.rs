@@ -13,7 +13,8 @@ use crate::limit::Limit;
 use crate::marks::{FACES, face_bit};
 use crate::outcome::Reason;
 use crate::rules::aim::{Aim, at_centre};
-use crate::state::{FACE, Touched};
+use crate::state::FACE;
+use crate::survey::Survey;
 use crate::table::triangle;
 use crate::thin::Thin;
 use crate::walk::Way;
@@ -38,10 +39,10 @@ impl Rounds<'_, '_> {
     pub(super) fn blocks_in(
         &self,
         tets: &[TetId],
-        touched: &Touched,
+        survey: &Survey<TetId>,
         limit: Option<Limit>,
     ) -> Vec<Block> {
-        if touched.inner.is_empty() {
+        if survey.inner().next().is_none() {
             return Vec::new();
         }
         let topology = self.own.state.mesh.topology();
@@ -52,7 +53,7 @@ impl Rounds<'_, '_> {
             for slot in (0..4).filter(|&slot| word & FACES & face_bit(slot) != 0) {
                 let [a, b, c] = FACE[slot].map(|k| tet.vertices()[k]);
                 let corners = triangle(a, b, c);
-                let is_lost = touched.inner.iter().any(|&(s, _)| s == corners);
+                let is_lost = survey.inner().any(|face| face.key == corners);
                 let sides = [t, tet_of(tet.neighbours()[slot])];
                 // Beside dust of a patch others may become subfaces in its place.
                 let is_fixed =
@@ -78,7 +79,7 @@ impl Rounds<'_, '_> {
     pub(super) fn note_blocks(&mut self, limit: Option<Limit>) {
         let Some(own) = self.candidates.last() else { return };
         let tets = &self.cavities[own.cavity.clone()];
-        let found = self.blocks_in(tets, &self.own.state.touched, limit);
+        let found = self.blocks_in(tets, &self.own.state.survey, limit);
         self.new_blocks.extend(found);
     }
 

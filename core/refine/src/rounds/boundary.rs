@@ -7,6 +7,7 @@ use super::batch::Prober;
 use super::conflict::is_same;
 use super::probe::Probe;
 use super::{CHECK_EVERY, Candidate, Look, Rounds};
+use crate::bounded::InMesh;
 use crate::item::Item;
 use crate::outcome::Reason;
 use crate::rules::aim::{ATTEMPTS, Aim};
@@ -157,7 +158,7 @@ impl Rounds<'_, '_> {
         list: &mut Vec<TetId>,
     ) -> Looked {
         let state = &self.own.state;
-        let Prober { search, touched } = prober;
+        let Prober { search, survey } = prober;
         for attempt in 0..=ATTEMPTS {
             let (place, is_on) = match self.proposed(item, near, attempt) {
                 Proposed::Gone => return Looked::Gone,
@@ -173,20 +174,18 @@ impl Rounds<'_, '_> {
                 continue;
             }
             search.find(&state.mesh, p, from);
-            let has = |t: TetId| search.has(t);
-            let tets = search.tets();
-            state.look_into((tets.iter().copied(), &has), p, place.carrier, touched);
-            let judge =
-                Judge { touched, found: Some(tets), ..Judge::on_open(state, &self.own.record) };
+            let closure = InMesh::found(state, search);
+            survey.look(&closure, p, place.carrier);
+            let judge = Judge::new(&closure, survey, &self.own.record);
             let verdict = judge.on_boundary(item, &place, is_on);
             if matches!(verdict, Verdict::Useless) {
                 continue;
             }
             let start = list.len();
-            list.extend(tets);
+            list.extend(search.tets());
             let cavity = start..list.len();
             let place = Place { from, ..place };
-            let is_marked = touched.is_marked;
+            let is_marked = !survey.is_bare();
             return Looked::Found(Found { place, cavity, is_marked, verdict });
         }
         Looked::Refused(state.unserved(item))
@@ -217,7 +216,7 @@ impl Rounds<'_, '_> {
             }
             Verdict::Defer(first) => self.wait(item, first, near),
             Verdict::Refuse(reason) => self.refuse(item, reason),
-            Verdict::Useless => {}
+            Verdict::Useless | Verdict::AtPatch => {}
         }
     }
 

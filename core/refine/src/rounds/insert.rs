@@ -2,11 +2,12 @@
 
 use super::{CHECK_EVERY, Candidate, Class, InsertOrder, Look, Rounds};
 use crate::RefineError;
+use crate::bounded::{Bounded, InMesh};
 use crate::carrier::Carrier;
 use crate::facet::{Change, Seed};
 use crate::item::Item;
-use crate::state::{Place, State};
-use crate::verdict::Filling;
+use crate::state::Place;
+use crate::verdict::{Filling, Judge};
 use ltbw_core::order::hilbert;
 use ltbw_core::random::Random;
 use ltbw_core::topology::{TetId, VertexId};
@@ -132,9 +133,12 @@ impl Rounds<'_, '_> {
         }
         let mut filling = std::mem::take(filling);
         if !is_same && place.carrier != Carrier::Free {
-            open.owner_mut().touch(&place.p, place.carrier);
+            open.owner_mut().look(place);
+            let state = open.owner();
+            let closure = InMesh::open(state);
+            let judge = Judge::new(&closure, &state.survey, &own.record);
             let seen = RefineError::Invariant { what: "a point on a facet sees its planar cavity" };
-            filling = open.owner().filling(item, place).ok_or(seen)?;
+            filling = judge.filling(item, place).ok_or(seen)?;
         }
         match v {
             None => own.inserted.fill(open, place, &filling, None, nothing),
@@ -184,23 +188,22 @@ impl Rounds<'_, '_> {
     }
 }
 
-impl State {
+impl Judge<'_> {
     /// The changes that come with a chosen boundary point whose cavity is open: of each facet it
     /// lies on, the subfaces inside the cavity go. `None` if it does not see all of their rim.
     fn filling(&self, item: Item, place: &Place) -> Option<Filling> {
         let (split, seed) = match item {
-            Item::Segment(ends) => (Some((ends, *self.segments.get(&ends)?)), Seed::Along(ends)),
+            Item::Segment(ends) => (Some((ends, self.closure.segment(ends)?)), Seed::Along(ends)),
             Item::Subface(s) => (None, Seed::At(s)),
             Item::Tet(..) => return None,
         };
         let mut changes = Vec::new();
-        for facet in self.facets_of(place.carrier) {
-            let own = self.touched.inner.iter().filter(|(_, g)| *g == facet);
-            let removed: Vec<_> = own.map(|(s, _)| *s).collect();
+        for &facet in self.closure.plc().facets_of(&place.carrier) {
+            let removed = self.inner_of(facet);
             let rim = self.rim(facet, &removed, &place.p, seed)?;
             changes.push(Change { removed, rim, ..Change::of(facet) });
         }
-        let lost = self.losses_in(&self.touched, split.map(|(ends, _)| ends), &changes);
+        let lost = self.losses(split.map(|(ends, _)| ends), &changes);
         Some(Filling { split, changes, lost })
     }
 }

@@ -6,6 +6,7 @@
 use super::conflict::is_same;
 use super::foremost::Foremost;
 use super::{Asked, Candidate, Conclusion, Pending, Rounds};
+use crate::bounded::InMesh;
 use crate::carrier::Carrier;
 use crate::item::Item;
 use crate::limit::Limit;
@@ -67,7 +68,7 @@ impl Rounds<'_, '_> {
                 return;
             }
             let place = Place { p, carrier, from };
-            match self.probe((item, rank), &place, |judge| judge.on_tet(t, &place.p)) {
+            match self.probe((item, rank), &place, |judge| judge.on_tet(t, &place)) {
                 Probe::Fits => {
                     self.note_alone();
                     return self.reserve_last();
@@ -143,18 +144,20 @@ impl Rounds<'_, '_> {
                 return Probe::Barred;
             }
         };
-        let verdict = verdict(Judge::on_open(open.owner(), &own.record));
+        let state = open.owner();
+        let closure = InMesh::open(state);
+        let verdict = verdict(Judge::new(&closure, &state.survey, &own.record));
         let (probe, filling) = match verdict {
             Verdict::Fill(filling) => (Probe::Fits, filling),
             Verdict::Defer(first) if is_free => (Probe::Defers(first), Filling::default()),
             Verdict::Defer(first) => return Probe::Defers(first),
             Verdict::Refuse(reason) => return Probe::Refuses(reason),
-            Verdict::Useless => return Probe::Useless,
+            Verdict::Useless | Verdict::AtPatch => return Probe::Useless,
         };
         cavities.extend(open.tets());
         let place = Place { from: cavities[first], ..place };
         let cavity = first..cavities.len();
-        let (fits, is_marked) = (matches!(probe, Probe::Fits), open.owner().touched.is_marked);
+        let (fits, is_marked) = (matches!(probe, Probe::Fits), !open.owner().survey.is_bare());
         // Labels at a patch are a function of the mesh as long as one point at a time changes it.
         let is_patch = |f: u32| open.owner().is_patch(f);
         let alone = filling.changes.iter().any(|change| is_patch(change.facet));

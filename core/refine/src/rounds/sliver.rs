@@ -85,7 +85,7 @@ impl Rounds<'_, '_> {
                 && let Way::Arrived(from) = self.own.state.way(own.t, &p)
             {
                 let place = Place { p, carrier: Carrier::Free, from };
-                let verdict = |judge: Judge<'_>| match judge.on_tet(own.t, &place.p) {
+                let verdict = |judge: Judge<'_>| match judge.on_tet(own.t, &place) {
                     Verdict::Fill(filling) if judge.makes_no_sliver(&p, &ratio) => {
                         Verdict::Fill(filling)
                     }

@@ -66,8 +66,11 @@ fn the_edges_of_a_cavity_are_found_once() {
             let Ok(open) = state.begin_and_look(&place, &mut ltbw_core::cavity::AdmitAll) else {
                 continue;
             };
-            let touched = &open.owner().touched;
-            let mut found = [touched.rim.clone(), touched.inner_edges.clone()];
+            let edges = &open.owner().survey.edges;
+            let mut found = [false, true].map(|inner| {
+                let own = edges.iter().filter(|edge| edge.is_inner == inner);
+                own.map(|edge| edge.key).collect::<Vec<[VertexId; 2]>>()
+            });
             found.iter_mut().for_each(|list| list.sort_unstable());
             assert_eq!(found, slow_edges(open.owner()));
             rim += found[0].len();

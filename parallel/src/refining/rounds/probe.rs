@@ -281,7 +281,7 @@ impl<C: Rules> Rounds<C> {
         let own = &self.probes[k as usize];
         let (What::Tet(..), Some(told)) = (&own.what, &own.told) else { return false };
         let closure = Collected::of(&told.closure);
-        Survey::of(&mesh.complex, &closure).rule_on_tet(&point(&own.to)).is_some()
+        own.survey(mesh, &closure).rule_on_tet().is_some()
     }
 
     /// Judges a probe of whose closure all is known.
@@ -315,7 +315,7 @@ impl<C: Rules> Rounds<C> {
     fn rule_here(&mut self, mesh: &DomainMesh<'_>, k: u32) -> (Verdict, Option<Waits>) {
         let (id, probe) = (self.id(k), &self.probes[k as usize]);
         let here = Here { mesh, cavity: self.served.cavity_at(&self.served.inside(id)) };
-        let (verdict, watch) = probe.rule(mesh, &Survey::of(&mesh.complex, &here));
+        let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &here));
         debug_assert!(probe.rules_so_by_values(&here, &verdict, watch.as_ref()));
         // Without candidates of the boundary it does not matter who else is near.
         let all = match &watch {
@@ -333,7 +333,7 @@ impl<C: Rules> Rounds<C> {
             return (Verdict::Is(Outcome::Fits(Vec::new())), None);
         };
         let closure = Collected::of(&told.closure);
-        let (verdict, watch) = probe.rule(mesh, &Survey::of(&mesh.complex, &closure));
+        let (verdict, watch) = probe.rule(mesh, &probe.survey(mesh, &closure));
         (verdict, watch.map(Waits::Told))
     }
 
@@ -427,21 +427,25 @@ enum Verdict {
 }
 
 impl Probe {
+    /// The survey of a closure of its point.
+    fn survey<'c, R: Surveyed>(&self, mesh: &'c DomainMesh<'_>, closure: &'c R) -> Survey<'c, R> {
+        Survey::of(&mesh.complex, closure, &point(&self.to), self.carrier)
+    }
+
     /// The verdict on its point by a survey of its closure, and what makes it wait for others.
     fn rule<R: Surveyed>(
         &self,
         mesh: &DomainMesh<'_>,
         survey: &Survey<'_, R>,
     ) -> (Verdict, Option<Watch<R::Tet>>) {
-        let p = point(&self.to);
         match &self.what {
-            What::Tet(..) => match survey.rule_on_tet(&p) {
+            What::Tet(..) => match survey.rule_on_tet() {
                 Some(first) => (Verdict::Is(self.what.asks(mesh, first)), None),
                 None => (Verdict::Is(Outcome::Fits(Vec::new())), survey.watch_in_tet()),
             },
-            What::Item(item) => match survey.rule_on_item(item, &p) {
+            What::Item(item) => match survey.rule_on_item(item) {
                 Ruling::Fill(removed) => {
-                    let watch = survey.watch_at_item(item, self.carrier);
+                    let watch = survey.watch_at_item(item);
                     (Verdict::Is(Outcome::Fits(removed)), Some(watch))
                 }
                 Ruling::Defer(first) => (Verdict::Is(Outcome::Asks(Box::new(first), None)), None),
@@ -462,7 +466,7 @@ impl Probe {
         let mut told = Told::default();
         told.add(here.mesh.me(), &describe(here.mesh, &order, self.carrier));
         let closure = Collected::of(&told.closure);
-        let (by_values, other) = self.rule(here.mesh, &Survey::of(&here.mesh.complex, &closure));
+        let (by_values, other) = self.rule(here.mesh, &self.survey(here.mesh, &closure));
         let sorted = |verdict: &Verdict| match verdict {
             Verdict::Is(Outcome::Fits(gone)) => {
                 Some(gone.iter().map(|item| item.place()).collect())
