@@ -202,6 +202,11 @@ impl Cavity {
         self.tets.iter().copied()
     }
 
+    /// The list of these tetrahedra.
+    pub fn list(&self) -> &[TetId] {
+        &self.tets
+    }
+
     /// The vertices of the boundary faces that were found last; the point in
     /// front of them makes a positively oriented tetrahedron.
     pub fn faces(&self) -> impl Iterator<Item = [VertexId; 3]> + '_ {

@@ -5,9 +5,9 @@ use super::carrier::Carrier;
 use super::choice::NOWHERE;
 use super::complex::Complex;
 use super::item::Item;
-use super::marks::{ENDS, Word, edge_bit, face_bit};
+use super::marks::{ENDS, Word, edge_bit};
 use super::plc::Plc;
-use super::state::{FACE, State};
+use super::state::State;
 use super::surveyed::Surveyed;
 use ltbw_core::search::Search;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
@@ -94,9 +94,7 @@ impl Bounded for InMesh<'_> {
     }
 
     fn cavity(&self) -> impl Iterator<Item = TetId> {
-        let open = self.found.is_none().then(|| self.state.mesh.cavity().tets());
-        let found = self.found.map_or(&[][..], Search::tets);
-        found.iter().copied().chain(open.into_iter().flatten())
+        self.found.map_or_else(|| self.state.mesh.cavity().list(), Search::tets).iter().copied()
     }
 
     fn is_open(&self) -> bool {
@@ -155,6 +153,31 @@ impl Bounded for InMesh<'_> {
     }
 }
 
+/// The edges and faces between some slots of a tetrahedron, by the bits of these.
+const BETWEEN: [Word; 16] = {
+    let mut words = [0; 16];
+    let mut slots = 0;
+    while slots < 16 {
+        let mut k = 0;
+        while k < ENDS.len() {
+            let [i, j] = ENDS[k];
+            if slots >> i & 1 == 1 && slots >> j & 1 == 1 {
+                words[slots] |= edge_bit(i, j);
+            }
+            k += 1;
+        }
+        let mut slot = 0;
+        while slot < 4 {
+            if slots | 1 << slot == 15 {
+                words[slots] |= 1 << slot;
+            }
+            slot += 1;
+        }
+        slots += 1;
+    }
+    words
+};
+
 /// A closure of which values are known. A vertex has the number after the one that it has there.
 #[derive(Debug)]
 pub(crate) struct ByValues<'c, R> {
@@ -212,15 +235,21 @@ impl<R: Surveyed> Bounded for ByValues<'_, R> {
         self.closure.beyond(t, slot)
     }
 
-    /// A subface has three corners on the boundary, and a subsegment two.
+    /// The faces whose corners are on the boundary, and the subsegments.
     fn marks(&self, t: R::Tet) -> Word {
         let bound = self.closure.bound(t);
-        if bound.iter().filter(|&&on| on).count() < 2 {
+        let mut word = BETWEEN[(0..4).map(|k| usize::from(bound[k]) << k).sum::<usize>()];
+        if word == 0 {
             return 0;
         }
-        let edges = ENDS.into_iter().filter(|&[i, j]| bound[i] && bound[j]);
-        let faces = (0..4).filter(|&slot| FACE[slot].iter().all(|&k| bound[k]));
-        edges.map(|[i, j]| edge_bit(i, j)).chain(faces.map(face_bit)).sum()
+        let v = self.vertices(t);
+        for [i, j] in ENDS {
+            let bit = edge_bit(i, j);
+            if word & bit != 0 && self.segment([v[i], v[j]]).is_none() {
+                word ^= bit;
+            }
+        }
+        word
     }
 
     fn facet(&self, key: [VertexId; 3]) -> Option<u32> {

@@ -117,10 +117,11 @@ impl<T: Copy + Ord> Survey<T> {
         for item in closure.pending(p) {
             match item {
                 Item::Segment(s) if !segments.contains(&s) && in_ball(s) => hit_segments.push(s),
-                Item::Subface(s) if !subfaces.contains(&s) => {
-                    if closure.facet(s).is_some_and(|facet| off_in_ball(s, facet)) {
-                        hit_subfaces.push(s);
-                    }
+                Item::Subface(s)
+                    if !subfaces.contains(&s)
+                        && closure.facet(s).is_some_and(|facet| off_in_ball(s, facet)) =>
+                {
+                    hit_subfaces.push(s);
                 }
                 _ => {}
             }
