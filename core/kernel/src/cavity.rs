@@ -198,13 +198,8 @@ impl Cavity {
     }
 
     /// The tetrahedra of the cavity that was found last.
-    pub fn tets(&self) -> impl Iterator<Item = TetId> + '_ {
+    pub fn tets(&self) -> std::iter::Copied<std::slice::Iter<'_, TetId>> {
         self.tets.iter().copied()
-    }
-
-    /// The list of these tetrahedra.
-    pub fn list(&self) -> &[TetId] {
-        &self.tets
     }
 
     /// The vertices of the boundary faces that were found last; the point in

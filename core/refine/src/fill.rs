@@ -1,13 +1,13 @@
 //! The filling: the point is inserted, and marks, tables and work are brought up to date.
 
-use super::bounds::Bounds;
-use super::carrier::Carrier;
-use super::item::{Item, Work};
-use super::marks::{Word, edge_bit, face_bit};
-use super::state::{Place, State};
-use super::table::{edge, triangle};
-use super::thin::ThinTets;
-use super::verdict::Filling;
+use crate::complex::carrier::Carrier;
+use crate::mesh::bounds::Bounds;
+use crate::mesh::item::{Item, Work};
+use crate::mesh::marks::{Word, edge_bit, face_bit};
+use crate::mesh::state::{Place, State};
+use crate::rules::verdict::Filling;
+use crate::table::{edge, triangle};
+use crate::thin::ThinTets;
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_core::transaction::OpenCavity;
 

@@ -1,6 +1,6 @@
 //! The cancel token, asked by loops that run before there is a mesh to give.
 
-use super::RefineError;
+use crate::RefineError;
 use ltbw_core::CancelToken;
 
 /// Elements that a loop of little work goes through between two looks at the token.

@@ -7,112 +7,44 @@
 //!
 //! The rules and their order: `docs/refinement.md`; their termination: `docs/why-it-ends.md`.
 //!
-//! | module | what it holds |
+//! | folder | what it holds |
 //! |---|---|
-//! | `plc` | the complex: corners, segments, facets as maximal coplanar groups |
-//! | `flat`, `patch` | polygons coplanar within a tolerance, and their projection |
-//! | `tiles`, `layer`, `surface` | where such a patch is in the mesh; how a point changes it |
-//! | `carrier` | points of segments and facets, with whole parameters |
-//! | `measure` | closed balls and bounds: filters and exact integers |
-//! | `marks` | marks of faces and edges, regions: one word per tetrahedron |
-//! | `run`, `item` | the driver; what there is to do before the first round |
-//! | `encroachment` | pending boundary items by place |
-//! | `state`, `facet`, `plan` | mesh, marks and tables; how a point changes a facet |
-//! | `angles`, `near` | where the theory gives no guarantee: small angles, narrow gaps |
-//! | `sharp` | tetrahedra at angles too small for their bound of shape |
-//! | `dust` | flat tetrahedra of a patch go to its outer side |
-//! | `recover`, `mend` | from the mesh of the corners to one that has the boundary |
-//! | `seed` | the first points where empty balls are large |
-//! | `sliver`, `thin` | flat tetrahedra that the bounds allow |
-//! | `split` | the three rules |
-//! | `bounded`, `look`, `survey` | a closure, whoever has it; the boundary in its cavity |
-//! | `verdict`, `watch` | what follows for its point, alone and beside others |
-//! | `fill` | the point inserted, and marks and tables brought up to date |
-//! | `defer`, `record` | what comes first, and what came of earlier proposals |
-//! | `joint`, `journal` | several items split as one step, or none |
-//! | `walk` | the way to a proposed point |
-//! | `key` | orders by coordinates alone |
+//! | `complex` | the boundary of a domain, before there is a mesh |
+//! | `mesh` | the boundary in a mesh: marks, tables, surveys, bounds, orders |
+//! | `patches` | surfaces that are flat within a tolerance, in a mesh |
+//! | `rules` | the rules: point, way, closure, verdict, what keeps points apart |
+//! | `queue`, `start` | one item after the other: the boundary is recovered, the first points |
 //! | `rounds` | refinement in rounds: one mesh whatever the order of insertion |
-//! | `again`, `relief` | what was refused: asked again; a point with which fewer are over |
-//! | `region` | inside, outside, regions |
-//! | `choice`, `aims`, `by_values`, `surveyed` | the choice of a round by values |
-//! | `complex` | boundary, bounds and points as values, for engines on many processors |
-//! | `background` | sizing by a background mesh, or at input vertices |
-//! | `excuse`, `share` | what is over its bounds at the end, and why; whether that is much |
-//! | `number` | numbers of vertices, and orders, that are functions of the mesh alone |
-//! | `output` | the mesh and its boundary as plain arrays |
+//! | `late` | what was refused: asked again, relieved; flat tetrahedra |
+//! | `run` | the driver |
+//! | `output` | the mesh as plain arrays; what is over its bounds, and why |
+//!
+//! At the root: the insertion of a point (`fill`), reasons (`outcome`), tables, arrays for threads
+//! (`sync`), flat tetrahedra as they come (`thin`), a mesh written whole (`whole`).
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
-mod again;
-mod aims;
-mod angles;
-mod arc;
-mod background;
-mod bounded;
-mod bounds;
-mod by_values;
-mod carrier;
-mod choice;
 mod complex;
-mod defer;
-mod display;
-mod dust;
-mod encroachment;
-mod excuse;
-mod facet;
 mod fill;
-mod flat;
 mod heed;
-mod item;
-mod joint;
-mod journal;
-mod key;
-mod layer;
-mod limit;
-mod look;
-mod marks;
-mod measure;
-mod mend;
-mod names;
-mod near;
-mod number;
+mod late;
+mod mesh;
 mod outcome;
 mod output;
-mod parts;
-mod patch;
 #[cfg(test)]
 mod patch_tests;
-mod plan;
-mod plc;
-mod record;
-mod recover;
-mod region;
-mod relief;
-mod ring;
+mod patches;
+mod queue;
 mod rounds;
 mod rules;
 mod run;
-mod seed;
-mod share;
-mod sharp;
-mod sliver;
-mod split;
-mod state;
-mod surface;
-mod survey;
-mod surveyed;
+mod start;
 mod sync;
 mod table;
 #[cfg(test)]
 mod tests;
 mod thin;
-mod tiles;
-mod turned;
-mod verdict;
-mod walk;
-mod watch;
 mod whole;
 
 use ltbw_core::build::BuildError;
@@ -120,38 +52,38 @@ use ltbw_domain::Element;
 use ltbw_exact::Point;
 use ltbw_exact::points::PointError;
 
-pub use background::{Background, BackgroundError};
-pub use bounds::SizeField;
-#[doc(hidden)]
-pub use by_values::Survey;
-pub use carrier::Carrier;
-#[doc(hidden)]
-pub use choice::{
-    BoundaryItem, Closure, Corner, ItemPlace, NOWHERE, Rank, RankLead, Rival, Ruling,
-};
-pub use complex::{Complex, ComplexError, Start};
-pub use excuse::Excused;
-pub use item::{Item, Queues, Work};
+pub use complex::background::{Background, BackgroundError};
+pub use complex::carrier::Carrier;
+pub use mesh::bounds::SizeField;
+pub use mesh::item::{Item, Queues, Work};
+pub use mesh::region::RegionInfo;
 pub use outcome::{Excuse, Reason, RefineOutcome, RefineStats, Spot};
-pub use output::Refined;
-pub use region::RegionInfo;
+pub use output::excuse::Excused;
+pub use output::refined::Refined;
+pub use output::share::{ExcusedShare, Verdict};
 #[doc(hidden)]
 pub use rounds::{Bad, Ranked, are_joined, sift, witness};
 pub use rounds::{InsertOrder, RoundTimes};
 #[doc(hidden)]
 pub use rules::aim::Aim;
 #[doc(hidden)]
+pub use rules::by_values::Survey;
+#[doc(hidden)]
+pub use rules::choice::{
+    BoundaryItem, Closure, Corner, ItemPlace, NOWHERE, Rank, RankLead, Rival, Ruling,
+};
+pub use rules::complex::{Complex, ComplexError, Start};
+#[doc(hidden)]
+pub use rules::surveyed::{Collected, Surveyed};
+#[doc(hidden)]
+pub use rules::watch::Watch;
+#[doc(hidden)]
 pub use rules::way::{Across, Heading, Stop, View, Way, middle, walk};
 pub use run::Refiner;
 #[doc(hidden)]
 pub use run::{Asked, Delegated, Handed, Parted};
-pub use share::{ExcusedShare, Verdict};
-#[doc(hidden)]
-pub use surveyed::{Collected, Surveyed};
 #[doc(hidden)]
 pub use thin::{Thin, ThinTets};
-#[doc(hidden)]
-pub use watch::Watch;
 pub use whole::MeshError;
 // The tolerance of a refinement, beside its bounds.
 pub use ltbw_domain::{Given, largest_tolerance, usual_tolerance};

@@ -139,7 +139,7 @@ impl std::fmt::Display for Reason {
 /// A tetrahedron of the domain that is over a bound, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Excuse {
-    /// The tetrahedron, by its id in [`super::Refined::mesh`].
+    /// The tetrahedron, by its id in [`crate::Refined::mesh`].
     pub tet: TetId,
     /// Why it was not split.
     pub reason: Reason,

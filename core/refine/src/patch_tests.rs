@@ -1,16 +1,16 @@
 //! Tests of patches: spheres by latitude and longitude, prisms of rounded triangles.
 
-use super::carrier::Carrier;
-use super::heed::Heed;
-use super::item::Work;
-use super::marks::face_bit;
-use super::measure::Shape;
-use super::patch::{flat, turn};
-use super::plc::Plc;
-use super::split::Step;
-use super::state::{FACE, State};
-use super::table::{Map, Set, sides as sides_of, triangle};
 use super::*;
+use crate::complex::carrier::Carrier;
+use crate::complex::measure::Shape;
+use crate::complex::patch::{flat, turn};
+use crate::complex::plc::Plc;
+use crate::heed::Heed;
+use crate::mesh::item::Work;
+use crate::mesh::marks::face_bit;
+use crate::mesh::state::{FACE, State};
+use crate::queue::split::Step;
+use crate::table::{Map, Set, sides as sides_of, triangle};
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_domain::{Domain, Facet, PrepareOptions, Prepared};
 use ltbw_exact::Point;

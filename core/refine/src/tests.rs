@@ -9,15 +9,15 @@ mod rounds;
 mod sharp;
 mod sizes;
 
-use super::carrier::Carrier;
-use super::item::Work;
-use super::marks::ENDS;
-use super::measure::{diametral_side, equatorial_side};
-use super::split::Step;
-use super::state::{FACE, State};
-use super::table::{Set, edge};
-use super::walk::Way;
 use super::*;
+use crate::complex::carrier::{Carrier, corner_point};
+use crate::complex::measure::{diametral_side, equatorial_side};
+use crate::mesh::item::Work;
+use crate::mesh::marks::ENDS;
+use crate::mesh::state::{FACE, State};
+use crate::queue::split::Step;
+use crate::rules::walk::Way;
+use crate::table::{Set, edge};
 use ltbw_core::CancelToken;
 use ltbw_core::cavity::Role;
 use ltbw_core::invariants::check_all;
@@ -167,8 +167,8 @@ fn the_way_to_a_point_is_barred_exactly_by_the_boundary() {
 
 /// Marks say what the tables say, from every tetrahedron.
 fn check_marks(state: &State) {
-    use super::marks::face_bit;
-    use super::table::triangle;
+    use crate::mesh::marks::face_bit;
+    use crate::table::triangle;
     for (t, tet) in state.mesh.topology().iter() {
         let (word, v) = (state.marks.of(t), tet.vertices());
         for (k, [i, j]) in ENDS.into_iter().enumerate() {
@@ -395,7 +395,7 @@ fn every_point_is_on_its_carrier() {
             }
             Carrier::Facet(f) => {
                 let corners = &state.plc.facets[f as usize].corners;
-                let at = |k: usize| carrier::corner_point(&state.plc.corners[corners[k] as usize]);
+                let at = |k: usize| corner_point(&state.plc.corners[corners[k] as usize]);
                 let flat = ltbw_exact::predicates::orient3d(&at(0), &at(1), &at(2), &p);
                 assert_eq!(flat, Sign::Zero);
                 on_facets += 1;

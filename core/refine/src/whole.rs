@@ -1,6 +1,6 @@
 //! A domain in, a mesh out, in one call.
 
-use super::{RefineError, Refined, Refiner};
+use crate::{RefineError, Refined, Refiner};
 use ltbw_domain::{Given, PrepareError, PrepareOptions};
 
 /// Why there is no mesh of a domain as it was given.

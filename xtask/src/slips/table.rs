@@ -272,7 +272,7 @@ pub(super) const SLIPS: &[Slip] = &[
         21,
         "the tags of regions 2 and 3 are swapped",
         &[Edit {
-            file: "core/refine/src/output.rs",
+            file: "core/refine/src/output/refined.rs",
             right: "i64::from(self.region(t))",
             wrong: "match self.region(t) { 2 => 3, 3 => 2, own => i64::from(own) }",
         }],

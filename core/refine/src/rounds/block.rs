@@ -8,16 +8,16 @@
 
 use super::Rounds;
 use super::foremost::Foremost;
-use crate::item::Item;
-use crate::limit::Limit;
-use crate::marks::{FACES, face_bit};
+use crate::mesh::item::Item;
+use crate::mesh::limit::Limit;
+use crate::mesh::marks::{FACES, face_bit};
+use crate::mesh::state::FACE;
+use crate::mesh::survey::Survey;
 use crate::outcome::Reason;
 use crate::rules::aim::{Aim, at_centre};
-use crate::state::FACE;
-use crate::survey::Survey;
+use crate::rules::walk::Way;
 use crate::table::triangle;
 use crate::thin::Thin;
-use crate::walk::Way;
 use ltbw_core::topology::{TetId, VertexId, tet_of};
 use ltbw_exact::Point;
 
@@ -142,12 +142,12 @@ impl Rounds<'_, '_> {
 mod tests {
     use super::Block;
     use crate::Refiner;
-    use crate::item::Item;
-    use crate::marks::face_bit;
+    use crate::mesh::item::Item;
+    use crate::mesh::marks::face_bit;
+    use crate::mesh::state::FACE;
     use crate::outcome::{Reason, RefineStats};
-    use crate::record::Refusal;
     use crate::rounds::{InsertOrder, Rounds};
-    use crate::state::FACE;
+    use crate::rules::record::Refusal;
     use crate::table::triangle;
     use crate::tests::ready;
     use ltbw_core::topology::{TetId, VertexId, tet_of};

@@ -10,7 +10,7 @@
 //! facet and the cavity there has not this subface.
 
 use super::{CHECK_EVERY, Candidate, Class, LAST, Look, Rounds};
-use crate::item::Item;
+use crate::mesh::item::Item;
 use ltbw_core::topology::TetId;
 use rayon::prelude::*;
 use std::cmp::Reverse;

@@ -2,10 +2,10 @@
 //! together. The rules that exclude it, as `docs/rounds.md` numbers them.
 
 use super::{Candidate, Rounds};
-use crate::carrier::Carrier;
-use crate::marks::{EDGES, ENDS, FACES, face_bit};
-use crate::measure::in_equatorial_ball;
-use crate::state::FACE;
+use crate::complex::carrier::Carrier;
+use crate::complex::measure::in_equatorial_ball;
+use crate::mesh::marks::{EDGES, ENDS, FACES, face_bit};
+use crate::mesh::state::FACE;
 use crate::table::{edge, triangle};
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 

@@ -3,9 +3,9 @@
 
 use super::Rounds;
 use super::sift::{Bad, Ranked, sift, witness};
-use crate::item::Item;
-use crate::key::order_key;
-use crate::measure::Shape;
+use crate::complex::measure::Shape;
+use crate::mesh::item::Item;
+use crate::mesh::key::order_key;
 use crate::table::Map;
 use ltbw_core::order::hilbert;
 use ltbw_core::topology::{TetId, VertexId, tet_of};
@@ -212,7 +212,7 @@ impl Ranked for Rounds<'_, '_> {
     }
 }
 
-impl crate::state::State {
+impl crate::mesh::state::State {
     /// Which of two tetrahedra comes first?
     fn compare(&self, a: &Foremost, b: &Foremost) -> Ordering {
         let place = |own: &Foremost| own.corners.map(|v| order_key(&self.at(v)));

@@ -2,12 +2,12 @@
 
 use super::{CHECK_EVERY, Candidate, Class, InsertOrder, Look, Rounds};
 use crate::RefineError;
-use crate::bounded::{Bounded, InMesh};
-use crate::carrier::Carrier;
-use crate::facet::{Change, Seed};
-use crate::item::Item;
-use crate::state::Place;
-use crate::verdict::{Filling, Judge};
+use crate::complex::carrier::Carrier;
+use crate::mesh::facet::{Change, Seed};
+use crate::mesh::item::Item;
+use crate::mesh::state::Place;
+use crate::rules::bounded::{Bounded, InMesh};
+use crate::rules::verdict::{Filling, Judge};
 use ltbw_core::order::hilbert;
 use ltbw_core::random::Random;
 use ltbw_core::topology::{TetId, VertexId};

@@ -4,11 +4,11 @@
 use super::sift::{Bad, witness};
 use super::{Candidate, Look, Rounds};
 use crate::RefineError;
-use crate::bounds::{Bounds, Four, bits};
-use crate::carrier::Carrier;
-use crate::item::Item;
-use crate::key::key_of_tet;
-use crate::marks::{Marks, Word};
+use crate::complex::carrier::Carrier;
+use crate::mesh::bounds::{Bounds, Four, bits};
+use crate::mesh::item::Item;
+use crate::mesh::key::key_of_tet;
+use crate::mesh::marks::{Marks, Word};
 use crate::sync::{Keys, Words};
 use crate::thin::Thin;
 use ltbw_core::BuildError;

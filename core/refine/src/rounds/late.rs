@@ -3,7 +3,7 @@
 //! mesh, and rounds go on wherever it leaves something to split.
 
 use super::{Class, Next, Rounds};
-use crate::relief::Goal;
+use crate::late::relief::Goal;
 
 /// A late step.
 #[derive(Clone, Copy)]

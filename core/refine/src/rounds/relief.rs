@@ -5,8 +5,8 @@
 
 use super::{Look, Rounds};
 use crate::RefineError;
+use crate::late::relief::{Goal, Relief};
 use crate::outcome::Reason;
-use crate::relief::{Goal, Relief};
 
 impl Rounds<'_, '_> {
     /// Relieves the tetrahedra over their bounds while that makes them fewer. Returns why it

@@ -2,8 +2,8 @@
 
 use super::{Pending, Rounds};
 use crate::RefineError;
-use crate::item::Item;
-use crate::limit::Limit;
+use crate::mesh::item::Item;
+use crate::mesh::limit::Limit;
 use crate::outcome::RefineStats;
 use crate::thin::Thin;
 use ltbw_core::topology::TetId;

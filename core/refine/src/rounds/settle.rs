@@ -3,11 +3,11 @@
 use super::sift::Bad;
 use super::{LAST_LOOK, Rounds};
 use crate::RefineError;
-use crate::item::Item;
-use crate::key::{key_of_tet, order_key};
-use crate::marks::{ENDS, FACES};
+use crate::mesh::item::Item;
+use crate::mesh::key::{key_of_tet, order_key};
+use crate::mesh::marks::{ENDS, FACES};
 use crate::outcome::Reason;
-use crate::record::Refusal;
+use crate::rules::record::Refusal;
 use crate::table::{Set, edge};
 use crate::thin::{Thin, ThinTets};
 use ltbw_core::topology::{Tet, TetId};

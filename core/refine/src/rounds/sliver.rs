@@ -5,16 +5,16 @@
 //! no sliver follows from another.
 
 use super::{CHECK_EVERY, Look, Probe, Rounds};
-use crate::carrier::{Carrier, free_point};
-use crate::item::Item;
-use crate::key::sorted;
-use crate::measure::{RatioBound, Shape};
+use crate::complex::carrier::{Carrier, free_point};
+use crate::complex::measure::{RatioBound, Shape};
+use crate::late::sliver::{REACH, TRIES, in_unit_ball};
+use crate::mesh::item::Item;
+use crate::mesh::key::sorted;
+use crate::mesh::state::Place;
 use crate::outcome::Reason;
 use crate::rules::aim::TOLERANCE;
-use crate::sliver::{REACH, TRIES, in_unit_ball};
-use crate::state::Place;
-use crate::verdict::{Judge, Verdict};
-use crate::walk::Way;
+use crate::rules::verdict::{Judge, Verdict};
+use crate::rules::walk::Way;
 use ltbw_core::topology::{TetId, VertexId};
 
 /// A sliver, and the points that are left to be tried for it.

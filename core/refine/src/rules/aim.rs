@@ -4,10 +4,10 @@
 //! tetrahedron's sphere. Vertices are on a lattice, or on what they split: the first aim may be off
 //! by a part of the radius, so that its coordinates are short, the second by a step.
 
-use crate::angles::{direction, is_sharp};
-use crate::carrier::{Carrier, Line, UNIT, free_point, within_box};
-use crate::measure::circumcircle;
-use crate::plc::Plc;
+use crate::complex::angles::{direction, is_sharp};
+use crate::complex::carrier::{Carrier, Line, UNIT, free_point, within_box};
+use crate::complex::measure::circumcircle;
+use crate::complex::plc::Plc;
 use ltbw_domain::vector::distance2;
 use ltbw_exact::Point;
 

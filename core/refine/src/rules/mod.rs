@@ -1,5 +1,28 @@
 //! The rules of refinement, as functions of what can be seen of a mesh: whoever runs them, on one
 //! mesh or on a part of it, may not show here.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `aim`, `aims` | the point that is proposed |
+//! | `way`, `walk` | the way to it |
+//! | `bounded`, `look` | a closure, whoever has it; the boundary in its cavity |
+//! | `verdict`, `plan` | what follows for the point, and for the facets that it lies on |
+//! | `watch` | what keeps points of one round apart |
+//! | `record` | what came of earlier proposals |
+//! | `complex`, `choice` | boundary, points, items and ranks as values |
+//! | `by_values`, `surveyed` | verdicts for a closure of which values are known |
 
 pub(crate) mod aim;
+pub(crate) mod aims;
+pub(crate) mod bounded;
+pub(crate) mod by_values;
+pub(crate) mod choice;
+pub(crate) mod complex;
+pub(crate) mod look;
+pub(crate) mod plan;
+pub(crate) mod record;
+pub(crate) mod surveyed;
+pub(crate) mod verdict;
+pub(crate) mod walk;
+pub(crate) mod watch;
 pub(crate) mod way;

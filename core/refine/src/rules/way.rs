@@ -5,7 +5,7 @@
 //! the point with respect to the circumspheres falls from one to the next. So the first subface on
 //! the way is found at the cost of the way, and the cavity, which may be far larger, is not opened.
 
-use crate::key::{order_key, sorted};
+use crate::mesh::key::{order_key, sorted};
 use ltbw_core::topology::{INFINITE, TetId, VertexId};
 use ltbw_exact::Point;
 use ltbw_exact::predicates::{Sign, orient3d};

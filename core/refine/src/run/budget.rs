@@ -1,7 +1,7 @@
 //! The limits of a refinement that nobody has set: the floor of edge lengths, the most points.
 
 use super::Refiner;
-use crate::bounds::regular_volume;
+use crate::mesh::bounds::regular_volume;
 use ltbw_domain::{Domain, Lattice};
 use ltbw_exact::Point;
 

@@ -3,13 +3,13 @@
 
 use super::{Refiner, Run};
 use crate::RefineError;
-use crate::complex::{Complex, ComplexError, Start};
-use crate::item::{Item, Queues};
+use crate::mesh::item::{Item, Queues};
+use crate::mesh::state::Place;
+use crate::queue::split::Refinement;
 use crate::rules::aim::{Aim, Aims};
-use crate::split::Refinement;
-use crate::state::Place;
+use crate::rules::complex::{Complex, ComplexError, Start};
+use crate::rules::verdict::Verdict;
 use crate::table::{Map, Set};
-use crate::verdict::Verdict;
 use ltbw_core::cavity::AdmitAll;
 use ltbw_domain::{Domain, Lattice};
 

@@ -2,17 +2,17 @@
 //! what they have when they are done, or at a step that takes the whole mesh.
 
 use super::{Refiner, Run, START, START_WITH_PATCHES};
-use crate::carrier::Carrier;
-use crate::choice::{BoundaryItem, Corner, ItemPlace};
-use crate::complex::{Complex, ComplexError, Start};
+use crate::complex::carrier::Carrier;
 use crate::fill::Points;
-use crate::item::Item;
-use crate::limit::Limit;
-use crate::marks::{ENDS, Marks, Word, edge_bit, face_bit};
+use crate::mesh::item::Item;
+use crate::mesh::limit::Limit;
+use crate::mesh::marks::{ENDS, Marks, Word, edge_bit, face_bit};
+use crate::mesh::region::RegionInfo;
+use crate::mesh::state::{FACE, State};
 use crate::outcome::RefineStats;
-use crate::region::RegionInfo;
 use crate::rounds::{InsertOrder, Resumed, Rounds, Waiting};
-use crate::state::{FACE, State};
+use crate::rules::choice::{BoundaryItem, Corner, ItemPlace};
+use crate::rules::complex::{Complex, ComplexError, Start};
 use crate::table::{Map, edge, triangle};
 use crate::{RefineError, Refined};
 use ltbw_core::build::Phase;

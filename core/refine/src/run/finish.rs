@@ -2,11 +2,11 @@
 
 use super::Run;
 use crate::RefineError;
-use crate::item::Item;
+use crate::mesh::item::Item;
+use crate::mesh::region::RegionInfo;
 use crate::outcome::{Reason, RefineOutcome, RefineStats};
-use crate::output::Refined;
-use crate::region::RegionInfo;
-use crate::split::Refinement;
+use crate::output::refined::Refined;
+use crate::queue::split::Refinement;
 use ltbw_core::mesh::Vertex;
 use ltbw_domain::Lattice;
 

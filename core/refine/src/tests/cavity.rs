@@ -2,11 +2,11 @@
 
 use super::{model, refine};
 use crate::Refiner;
-use crate::carrier::Carrier;
-use crate::marks::ENDS;
-use crate::state::{Place, State};
+use crate::complex::carrier::Carrier;
+use crate::mesh::marks::ENDS;
+use crate::mesh::state::{Place, State};
+use crate::rules::walk::Way;
 use crate::table::{Set, edge};
-use crate::walk::Way;
 use ltbw_core::topology::{TetId, VertexId};
 
 /// The edges of the open cavity that are marked, and those of them on no wall: by lists and sets.

@@ -1,11 +1,11 @@
 //! The boundary told by carriers alone, against the tables of the sequential engine.
 
-use super::super::complex::Complex;
-use super::super::marks::ENDS;
-use super::super::state::FACE;
-use super::super::table::{edge, triangle};
 use super::ready;
 use crate::Refiner;
+use crate::mesh::marks::ENDS;
+use crate::mesh::state::FACE;
+use crate::rules::complex::Complex;
+use crate::table::{edge, triangle};
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_generate::{DomainKind, Shape};
 

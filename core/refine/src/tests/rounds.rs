@@ -2,7 +2,7 @@
 
 use super::sharp::{larger, over, relieve};
 use super::{check_conforming, check_marks, model, ready, refine};
-use crate::relief::Goal;
+use crate::late::relief::Goal;
 use crate::{InsertOrder, Reason, RefineOutcome, Refined, Refiner};
 use ltbw_core::invariants::check_all;
 use ltbw_core::mesh::Vertex;

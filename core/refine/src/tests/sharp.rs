@@ -1,9 +1,9 @@
 //! Small angles of the input: what is excused there, and what is met elsewhere.
 
 use super::{ready, refine};
-use crate::again::Asking;
-use crate::item::{Item, Work};
-use crate::relief::{Goal, Relief};
+use crate::late::again::Asking;
+use crate::late::relief::{Goal, Relief};
+use crate::mesh::item::{Item, Work};
 use crate::run::Run;
 use crate::{Reason, RefineOutcome, Refined, Refiner};
 use ltbw_core::invariants::check_all;

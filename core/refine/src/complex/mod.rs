@@ -1,0 +1,22 @@
+//! The complex: the boundary of a domain, as it is before there is a mesh.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `plc` | corners, segments, facets as maximal coplanar groups |
+//! | `flat`, `patch` | polygons coplanar within a tolerance, and their projection |
+//! | `carrier` | points of segments and facets, with whole parameters |
+//! | `measure` | closed balls and bounds: filters and exact integers |
+//! | `angles`, `near` | where the theory gives no guarantee: small angles, narrow gaps |
+//! | `parts`, `ring` | the parts of a facet; rings of corners |
+//! | `background` | sizing by a background mesh, or at input vertices |
+
+pub(crate) mod angles;
+pub(crate) mod background;
+pub(crate) mod carrier;
+pub(crate) mod flat;
+pub(crate) mod measure;
+pub(crate) mod near;
+pub(crate) mod parts;
+pub(crate) mod patch;
+pub(crate) mod plc;
+pub(crate) mod ring;

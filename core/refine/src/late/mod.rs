@@ -1,0 +1,13 @@
+//! Late steps: what was refused, and tetrahedra that the bounds allow.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `again` | what was refused is asked again |
+//! | `relief` | a point with which fewer are over |
+//! | `sharp` | angles too small for their bound of shape |
+//! | `sliver` | flat tetrahedra that the bounds allow |
+
+pub(crate) mod again;
+pub(crate) mod relief;
+pub(crate) mod sharp;
+pub(crate) mod sliver;

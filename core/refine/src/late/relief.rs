@@ -1,0 +1,453 @@
+//! Relief: when nothing else is left to do, a point is looked for with which fewer tetrahedra are
+//! over their bounds.
+//!
+//! At a small angle the circumcentre of a tetrahedron is kept away by boundary items that may not
+//! be split. Other points in its ball may serve: nearer to its shortest edge, anywhere else in the
+//! ball, or on the boundary beside it. One is inserted if fewer of its tetrahedra are over a bound
+//! than it takes out of the mesh, where those with tiny dihedral angles count twice, and it takes
+//! no other boundary item out. So there are at most twice as many points as tetrahedra were over
+//! their bounds.
+//!
+//! Items do not keep points out of their balls here: those balls are large at small angles.
+//! Tetrahedra are taken in the order of their coordinates, so that the mesh is a function of that
+//! before.
+//!
+//! Afterwards the same is done for tetrahedra with tiny dihedral angles, the points being those
+//! with which there are fewer such, and no more over their bounds than before. Most are under a
+//! shallow fold between four vertices on one circle, with both its triangles for sides: any point
+//! in the ball and below the fold divides them, but lies in the balls of these triangles.
+
+use super::sliver::in_unit_ball;
+use crate::complex::carrier::{Carrier, Line, free_point};
+use crate::complex::measure::{Shape, circumcircle, has_small_dihedral};
+use crate::mesh::bounds::Bounds;
+use crate::mesh::facet::Seed;
+use crate::mesh::item::{Item, Queues, Work};
+use crate::mesh::key::sorted;
+use crate::mesh::state::{FACE, Place, State};
+use crate::queue::split::Refinement;
+use crate::rules::aim::TOLERANCE;
+use crate::rules::bounded::{Bounded, InMesh};
+use crate::rules::record::Refusal;
+use crate::rules::verdict::{Filling, Judge};
+use crate::rules::walk::Way;
+use crate::table::{Set, edge};
+use ltbw_core::cavity::AdmitAll;
+use ltbw_core::topology::{TetId, VertexId, tet_of};
+use ltbw_domain::vector::distance2;
+use ltbw_exact::Point;
+
+/// The most times that all tetrahedra over their bounds are looked at, each time with other points.
+const PASSES: u64 = 8;
+/// Points tried for a tetrahedron in its ball, besides those towards its shortest edge.
+const INSIDE: usize = 32;
+/// Points tried for the sake of angles.
+const INSIDE_FOR_ANGLES: usize = 64;
+/// Points tried on each boundary item beside it.
+const BESIDE: usize = 8;
+/// Where they are tried on the way from the middle of the shortest edge to the circumcentre: parts
+/// of the way, and of the distance at which a triangle with the edge meets the bound.
+const WAY: [(f64, bool); 6] =
+    [(1.0, false), (0.9, true), (0.5, true), (0.25, true), (0.5, false), (0.75, false)];
+/// A new tetrahedron may miss the bound of shape by this factor, or by that of the worst that goes.
+const WORST: f64 = 32.0;
+/// Tetrahedra of cavities opened for this: for each tetrahedron of the mesh, and in addition.
+const OPENED: usize = 24;
+const OPENED_MORE: usize = 1 << 19;
+
+/// The tetrahedra of which a point is to leave fewer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Goal {
+    /// Tetrahedra over their bounds.
+    Bounds,
+    /// Tetrahedra with tiny dihedral angles, and none of those over their bounds more.
+    Angles,
+}
+
+impl Goal {
+    /// Points tried in the ball.
+    fn inside(self) -> usize {
+        match self {
+            Self::Bounds => INSIDE,
+            Self::Angles => INSIDE_FOR_ANGLES,
+        }
+    }
+}
+
+/// A tetrahedron to be relieved.
+struct Target {
+    t: TetId,
+    goal: Goal,
+    refusal: Refusal,
+    radius: f64,
+    /// May a point encroach items that are not refused? In a collar all is left as it is.
+    may_encroach: bool,
+}
+
+/// Passes over the tetrahedra of which a goal asks for fewer, while they become fewer.
+pub(crate) struct Relief {
+    goal: Goal,
+    pass: u64,
+    /// The tetrahedra of this pass that were not looked at yet.
+    tets: std::vec::IntoIter<(TetId, [VertexId; 4])>,
+    /// The number of those of this pass.
+    least: usize,
+    /// Has this pass inserted a point?
+    is_changed: bool,
+    /// Tetrahedra of cavities that may still be opened.
+    left: usize,
+    /// Tetrahedra for which an earlier relief found no point.
+    in_vain: Set<Item>,
+}
+
+impl Relief {
+    pub(crate) fn new(goal: Goal, refinement: &Refinement<'_>) -> Self {
+        let left = OPENED * refinement.state.mesh.num_tets() + OPENED_MORE;
+        let tets = Vec::new().into_iter();
+        let in_vain = match goal {
+            Goal::Bounds => refinement.record.in_vain.clone(),
+            Goal::Angles => Set::default(),
+        };
+        Self { goal, pass: 0, tets, least: usize::MAX, is_changed: true, left, in_vain }
+    }
+
+    /// Looks for a point that relieves the next tetrahedron, and inserts it; is there one? `None`
+    /// if nothing is left to do.
+    pub(crate) fn next(&mut self, refinement: &mut Refinement<'_>) -> Option<bool> {
+        if self.tets.len() == 0 {
+            self.begin_pass(refinement);
+        }
+        let (t, v) = self.tets.next().filter(|_| self.left > 0)?;
+        let is_relieved = refinement.relieve_tet(t, v, self.goal, self.pass, &mut self.left);
+        self.is_changed |= is_relieved;
+        if !is_relieved && self.goal == Goal::Bounds {
+            refinement.record.in_vain.insert(Item::Tet(t, v));
+        }
+        Some(is_relieved)
+    }
+
+    /// Finds the tetrahedra of the next pass: none after one that has not made them fewer.
+    fn begin_pass(&mut self, refinement: &mut Refinement<'_>) {
+        if self.pass == PASSES || !self.is_changed {
+            return;
+        }
+        let mut all = match self.goal {
+            Goal::Bounds => refinement.refused_tets(),
+            Goal::Angles => refinement.slivers(),
+        };
+        all.retain(|&(t, v)| !self.in_vain.contains(&Item::Tet(t, v)));
+        if all.len() < self.least {
+            (self.least, self.is_changed) = (all.len(), false);
+            self.pass += 1;
+            self.tets = all.into_iter();
+        }
+    }
+}
+
+impl Refinement<'_> {
+    /// The tetrahedra over their bounds, in the order of their coordinates. All were refused.
+    fn refused_tets(&self) -> Vec<(TetId, [VertexId; 4])> {
+        let Some(bounds) = self.bounds.as_ref().filter(|bounds| bounds.ratio.is_some()) else {
+            return Vec::new();
+        };
+        let mut all: Vec<_> = self.record.refused_over(bounds, &self.state).collect();
+        all.sort_by_cached_key(|&(t, v)| self.state.place_of(Item::Tet(t, v)));
+        all
+    }
+
+    /// Looks for a point that relieves tetrahedron `t`, in its ball, then on the boundary, and
+    /// inserts it; is there one?
+    fn relieve_tet(
+        &mut self,
+        t: TetId,
+        v: [VertexId; 4],
+        goal: Goal,
+        pass: u64,
+        left: &mut usize,
+    ) -> bool {
+        // Another point may have taken it out of the mesh, and its slot may have another one.
+        if !self.state.is_live(t, v) {
+            return false;
+        }
+        let refusal = self.record.refused.get(&Item::Tet(t, v)).copied();
+        let refusal = match goal {
+            Goal::Bounds => refusal,
+            Goal::Angles => refusal.or_else(|| Some(Refusal::final_for(self.state.reason_near(v)))),
+        };
+        let Some(refusal) = refusal else { return false };
+        let corners = sorted(v.map(|v| self.state.at(v)));
+        let [a, b, c, d] = &corners;
+        let shape = Shape::of([a, b, c, d]);
+        let Some(centre) = shape.circumcentre(d) else { return false };
+        let Some(bound) = self.bounds.as_ref().and_then(|bounds| bounds.ratio) else {
+            return false;
+        };
+        let in_collar = || self.state.collar(v, bound.value()).is_some();
+        let may_encroach = goal == Goal::Angles || !in_collar();
+        let target = Target { t, goal, refusal, radius: shape.radius(), may_encroach };
+        let tolerance = target.radius * TOLERANCE;
+        let mut seed = pass;
+        let way = towards(&corners, &centre, bound.value());
+        for k in 0..WAY.len() + goal.inside() {
+            let aim = way.get(k).copied().unwrap_or_else(|| {
+                let offset = in_unit_ball(&mut seed);
+                [0, 1, 2].map(|k| centre[k] + target.radius * offset[k])
+            });
+            let Some(p) = free_point(&aim, tolerance) else { continue };
+            let Way::Arrived(from) = self.state.way(t, &p) else { continue };
+            let place = Place { p, carrier: Carrier::Free, from };
+            if self.try_relief(&target, None, &place, left) {
+                return true;
+            }
+        }
+        for item in self.state.beside(t, &centre, tolerance) {
+            for k in 0..BESIDE {
+                let place = self.state.place_beside(item, k, &mut seed, &target);
+                let Some(place) = place else { continue };
+                if self.try_relief(&target, Some(item), &place, left) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// Inserts a point, on boundary item `item` if there is one, if it relieves its target.
+    fn try_relief(
+        &mut self,
+        target: &Target,
+        item: Option<Item>,
+        place: &Place,
+        left: &mut usize,
+    ) -> bool {
+        let Some(bounds) = self.bounds.as_ref().filter(|_| *left > 0) else { return false };
+        // The point fell together with a vertex, or the mesh is full.
+        let Ok(mut open) = self.state.begin(place, &mut AdmitAll) else { return false };
+        let opened = open.owner().mesh.cavity().tets().count();
+        *left = left.saturating_sub(opened);
+        if !open.owner().relieves(target, place, bounds) {
+            return false;
+        }
+        open.owner_mut().look(place);
+        let state = open.owner();
+        let closure = InMesh::open(state);
+        let judge = Judge::new(&closure, &state.survey, &self.record);
+        let Some(filling) = judge.filling_beside(item, place, target) else { return false };
+        let mut refusal = target.refusal;
+        if refusal.reason.is_vague() {
+            // A reason that has a place, of what was over its bounds there before, says more.
+            let refused =
+                open.owner().mesh.cavity().tets().filter_map(|t| {
+                    self.record.refused.get(&Item::Tet(t, open.owner().vertices(t)))
+                });
+            let named = refused.map(|r| r.reason).filter(|r| r.is_corner() || r.is_segment());
+            refusal.reason = named.min().unwrap_or(refusal.reason);
+        }
+        let mut work = Queues::default();
+        self.inserted.fill(open, place, &filling, Some(bounds), &mut work);
+        debug_assert!(self.state.is_complete(), "nothing may be lost");
+        while let Some(item) = work.next_tet() {
+            self.record.refused.insert(item, refusal);
+        }
+        true
+    }
+}
+
+/// Numbers of tetrahedra: over their bounds, and with tiny dihedral angles.
+#[derive(Default)]
+struct Tally {
+    over: usize,
+    thin: usize,
+}
+
+impl Tally {
+    /// Is this less than `before`?
+    fn is_better(&self, before: &Self, goal: Goal) -> bool {
+        match goal {
+            Goal::Bounds => self.over + self.thin < before.over + before.thin,
+            Goal::Angles => self.over <= before.over && self.thin < before.thin,
+        }
+    }
+}
+
+/// Points between the middle of a tetrahedron's shortest edge and its circumcentre.
+fn towards(corners: &[Point; 4], centre: &Point, bound: f64) -> [Point; WAY.len()] {
+    let pairs = (1..4).flat_map(|i| (0..i).map(move |j| [corners[i], corners[j]]));
+    let length2 = |[a, b]: &[Point; 2]| distance2(a, b);
+    let shortest = pairs.min_by(|x, y| length2(x).total_cmp(&length2(y)));
+    let [a, b] = shortest.unwrap_or([corners[0], corners[1]]);
+    let middle = [0, 1, 2].map(|k| 0.5 * (a[k] + b[k]));
+    let height = distance2(&middle, centre).sqrt();
+    let enough = distance2(&a, &b).sqrt() * (bound + (bound * bound - 0.25).max(0.0).sqrt());
+    let part = if enough < height { enough / height } else { 1.0 };
+    WAY.map(|(share, is_off)| {
+        let share = if is_off { share * part } else { share };
+        [0, 1, 2].map(|k| middle[k] + share * (centre[k] - middle[k]))
+    })
+}
+
+impl State {
+    /// The boundary items beside a tetrahedron: its sides, the subface on its way to `centre`, and
+    /// the subsegments of all these.
+    fn beside(&self, t: TetId, centre: &Point, tolerance: f64) -> Vec<Item> {
+        let mut faces = self.boundary_sides(t);
+        if let Some(p) = free_point(centre, tolerance)
+            && let Way::Blocked(subface) = self.way(t, &p)
+        {
+            faces.push(Item::Subface(subface));
+        }
+        self.sort(&mut faces);
+        faces.dedup();
+        let mut edges: Vec<[VertexId; 2]> = Vec::new();
+        let mut add = |corners: &[VertexId]| {
+            let pairs = (1..corners.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+            edges.extend(pairs.map(|(i, j)| edge(corners[i], corners[j])));
+        };
+        add(&self.vertices(t));
+        for face in &faces {
+            if let Item::Subface(corners) = face {
+                add(corners);
+            }
+        }
+        edges.retain(|e| self.segments.contains_key(e));
+        let mut segments: Vec<Item> = edges.into_iter().map(Item::Segment).collect();
+        self.sort(&mut segments);
+        segments.dedup();
+        faces.extend(segments);
+        faces
+    }
+
+    /// The `k`-th place that is tried on a boundary item: where it would be split, then anywhere.
+    fn place_beside(&self, item: Item, k: usize, seed: &mut u64, target: &Target) -> Option<Place> {
+        let offset = in_unit_ball(seed);
+        let from = target.t;
+        match item {
+            Item::Segment(ends) => {
+                let &s = self.segments.get(&ends)?;
+                let [a, b] = ends.map(|v| self.parameter(v, s));
+                let (low, high) = (a.min(b), a.max(b));
+                let length = (high - low) as f64;
+                let t = match k {
+                    0 => self.plc.split_parameter(ends.map(|v| self.carriers[v.index()]), s)?,
+                    _ => {
+                        let aim = low as f64 + (0.5 + 0.45 * offset[0]) * length;
+                        Line::near(aim, length / 512.0, low, high)?
+                    }
+                };
+                let p = self.plc.segments[s as usize].line.point(t);
+                Some(Place { p, carrier: Carrier::Segment(s, t), from })
+            }
+            Item::Subface(corners) => {
+                let &f = self.subfaces.get(&corners)?;
+                let [a, b, c] = &sorted(corners.map(|v| self.at(v)));
+                let aim = match k {
+                    0 => circumcircle(a, b, c).0,
+                    _ => {
+                        let parts = offset.map(|x| 0.5 * x + 0.501);
+                        let sum: f64 = parts.iter().sum();
+                        let [x, y, z] = parts.map(|part| part / sum);
+                        [0, 1, 2].map(|k| x * a[k] + y * b[k] + z * c[k])
+                    }
+                };
+                let (p, is_on) = self.plc.place_on(f, &aim, target.radius * TOLERANCE)?;
+                is_on.then_some(Place { p, carrier: Carrier::Facet(f), from })
+            }
+            Item::Tet(..) => None,
+        }
+    }
+}
+
+impl State {
+    /// Has the open cavity the target, and makes the point fewer of what the target asks for? For
+    /// the sake of bounds those over their bounds count, and once more those with tiny angles of
+    /// these before, of all afterwards. And is none of the point's far worse?
+    fn relieves(&self, target: &Target, place: &Place, bounds: &Bounds<'_>) -> bool {
+        let state = self;
+        let topology = state.mesh.topology();
+        if !topology.at(target.t).is_marked() {
+            return false;
+        }
+        let inside = |t: &TetId| !topology.at(*t).is_ghost() && state.marks.region(*t) != 0;
+        let tets = || state.mesh.cavity().tets().filter(inside);
+        let Some(ratio) = bounds.ratio else { return false };
+        let (mut before, mut worst) = (Tally::default(), WORST);
+        for t in tets() {
+            let is_over = bounds.is_over(state, t);
+            if !is_over && target.goal == Goal::Bounds {
+                continue;
+            }
+            // Angles and ratios are rounded, in an order that is not that of the slots.
+            let v = state.vertices(t);
+            let [a, b, c, d] = sorted(v.map(|v| state.at(v)));
+            let is_thin = has_small_dihedral([&a, &b, &c, &d]) && !state.is_flat(v);
+            before.over += usize::from(is_over);
+            before.thin += usize::from(is_thin);
+            if is_over {
+                worst = worst.max(Shape::of([&a, &b, &c, &d]).ratio_over(&ratio));
+            }
+        }
+        let patches = state.plc.facets_of(&place.carrier);
+        let mut after = Tally::default();
+        // Dust that a point inside takes is inside then, too.
+        let region = state.marks.region(target.t);
+        let is_free = place.carrier == Carrier::Free;
+        let solid = |t: &TetId| !topology.at(*t).is_ghost() && (is_free || inside(t));
+        for t in state.mesh.cavity().tets().filter(solid) {
+            let (v, n) = (state.vertices(t), topology.at(t).neighbours());
+            for slot in (0..4).filter(|&slot| !topology.at(tet_of(n[slot])).is_marked()) {
+                let face = FACE[slot].map(|k| v[k]);
+                let on = |f: u32| face.iter().all(|&v| state.lies_on(state.carriers[v.index()], f));
+                // Dust is never over a bound.
+                if patches.iter().any(|&f| state.is_patch(f) && on(f)) {
+                    continue;
+                }
+                let mut corners = v.map(|v| state.at(v));
+                corners[slot] = place.p;
+                let region = if inside(&t) { state.marks.region(t) } else { region };
+                let is_over = bounds.are_over(corners.each_ref(), region);
+                let by_place = sorted(corners);
+                after.thin += usize::from(has_small_dihedral(by_place.each_ref()));
+                if is_over {
+                    after.over += 1;
+                    if Shape::of(by_place.each_ref()).ratio_over(&ratio) > worst {
+                        return false;
+                    }
+                }
+                if !after.is_better(&before, target.goal) {
+                    return false;
+                }
+            }
+        }
+        after.is_better(&before, target.goal)
+    }
+}
+
+impl Judge<'_> {
+    /// The changes of the boundary with a point on `item`, or inside, that takes no other item out
+    /// of the mesh.
+    fn filling_beside(
+        &self,
+        item: Option<Item>,
+        place: &Place,
+        target: &Target,
+    ) -> Option<Filling> {
+        let (mut changes, mut split) = (Vec::new(), None);
+        if let Some(item) = item {
+            let seed = match item {
+                Item::Segment(ends) => {
+                    split = Some((ends, self.closure.segment(ends)?));
+                    Seed::Along(ends)
+                }
+                Item::Subface(corners) => Seed::At(corners),
+                Item::Tet(..) => return None,
+            };
+            changes = self.planned(place, seed)?;
+        }
+        let ends = split.map(|(ends, _)| ends);
+        let changes = self.with_patches(place, ends, changes)?;
+        let refused = |hit: &Item| Some(*hit) == item || self.record.refused.contains_key(hit);
+        let may = target.may_encroach || self.hits().iter().all(refused);
+        let is_kept = may && self.losses(ends, &changes).is_empty();
+        is_kept.then_some(Filling { split, changes, lost: Vec::new() })
+    }
+}

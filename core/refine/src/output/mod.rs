@@ -1,0 +1,12 @@
+//! The outcome: the mesh as plain arrays, and what is over its bounds.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `refined` | the mesh and its boundary |
+//! | `excuse`, `share` | what is over its bounds, and why; whether that is much |
+//! | `display` | texts |
+
+pub(crate) mod display;
+pub(crate) mod excuse;
+pub(crate) mod refined;
+pub(crate) mod share;

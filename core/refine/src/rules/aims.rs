@@ -1,0 +1,67 @@
+//! The points that are proposed for what is to be split, by values.
+
+use super::choice::{BoundaryItem, Corner};
+use super::complex::Complex;
+use crate::complex::measure::Shape;
+use crate::mesh::key::sorted;
+use crate::mesh::state::FACE;
+use crate::rules::aim::Aim;
+use ltbw_exact::Point;
+
+/// The part of the largest volume that tetrahedra have on average: that of the paper's problems.
+const USUAL_VOLUME: f64 = 0.55;
+
+impl Complex<'_> {
+    /// The point that splits a tetrahedron, at the given attempt.
+    pub fn aim_at_tet(&self, corners: [Point; 4], attempt: usize) -> Aim {
+        let corners = sorted(corners);
+        let [a, b, c, d] = &corners;
+        let shape = Shape::of([a, b, c, d]);
+        self.aims().tet(shape.radius(), shape.circumcentre(d), attempt)
+    }
+
+    /// About the number of tetrahedra that a tetrahedron of a region will be split into: its volume
+    /// over what theirs are on average, or one.
+    pub fn predicted(&self, corners: [Point; 4], region: u32) -> f64 {
+        if region == 0 {
+            return 0.0;
+        }
+        let [a, b, c, d] = &corners;
+        let shape = Shape::of([a, b, c, d]);
+        let bound = self.bounds().volume_at([a, b, c, d], region);
+        (shape.det.abs() / 6.0 / (USUAL_VOLUME * bound)).max(1.0)
+    }
+
+    /// The shortest edge that splitting a tetrahedron of a region may lead to.
+    pub fn limit_of_tet(&self, corners: [Point; 4], region: u32) -> f64 {
+        let corners = sorted(corners);
+        let [a, b, c, d] = &corners;
+        let all = [a, b, c, d];
+        self.bounds().limit_in(all, region, &Shape::of(all)).least
+    }
+
+    /// The point that splits a boundary item, at the given attempt.
+    pub fn aim_at_item(&self, item: &BoundaryItem, attempt: usize) -> Aim {
+        if let [a, b] = item.corners() {
+            let ends = [a, b].map(|end| (end.carrier, end.point));
+            return self.aims().subsegment(item.of(), ends, attempt);
+        }
+        self.aims().subface(item.of(), item.points(), attempt)
+    }
+
+    /// The sides of a tetrahedron that are on the boundary, the first one by coordinates first.
+    pub fn sides_of(&self, tet: [Corner; 4]) -> Vec<BoundaryItem> {
+        let mut sides: Vec<BoundaryItem> = Vec::new();
+        for face in FACE {
+            sides.extend(self.item_at(face.map(|slot| tet[slot])));
+        }
+        sides.sort_by_cached_key(BoundaryItem::place);
+        sides
+    }
+
+    /// The subface with these corners, if they are those of one.
+    pub fn item_at(&self, corners: [Corner; 3]) -> Option<BoundaryItem> {
+        let of = self.facet(corners.map(|corner| (corner.carrier, corner.point)))?;
+        Some(BoundaryItem::new(&corners, of))
+    }
+}

@@ -1,0 +1,277 @@
+//! Closures whose boundary can be told: one in a mesh, by marks and tables, and one of which values
+//! are known, by the carriers of its vertices.
+
+use super::choice::NOWHERE;
+use super::complex::Complex;
+use super::surveyed::Surveyed;
+use crate::complex::carrier::Carrier;
+use crate::complex::plc::Plc;
+use crate::mesh::item::Item;
+use crate::mesh::marks::{ENDS, Word, edge_bit};
+use crate::mesh::state::State;
+use ltbw_core::search::Search;
+use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
+use ltbw_exact::Point;
+
+/// A closure, with what of the boundary is in it.
+pub(crate) trait Bounded {
+    /// A tetrahedron of it.
+    type Tet: Copy + Ord;
+
+    /// The boundary of the domain.
+    fn plc(&self) -> &Plc;
+
+    /// The mesh that it is in, if all of that is here.
+    fn state(&self) -> Option<&State>;
+
+    /// The tetrahedra in conflict with the point.
+    fn cavity(&self) -> impl Iterator<Item = Self::Tet>;
+
+    /// Is it the open cavity of a mesh?
+    fn is_open(&self) -> bool;
+
+    /// Is a tetrahedron in conflict with the point?
+    fn is_in(&self, t: Self::Tet) -> bool;
+
+    /// The vertices of a tetrahedron, positively oriented; one that is not told is [`INFINITE`].
+    fn vertices(&self, t: Self::Tet) -> [VertexId; 4];
+
+    /// The coordinates of a vertex.
+    fn at(&self, v: VertexId) -> Point;
+
+    /// The tetrahedron beyond a face; it need not be told where fewer than two corners of the face
+    /// are on the boundary.
+    fn beyond(&self, t: Self::Tet, slot: usize) -> Option<Self::Tet>;
+
+    /// The faces and edges of a tetrahedron that may be on the boundary, as bits of its word.
+    fn marks(&self, t: Self::Tet) -> Word;
+
+    /// The facet of a subface.
+    fn facet(&self, key: [VertexId; 3]) -> Option<u32>;
+
+    /// The segment of a subsegment.
+    fn segment(&self, key: [VertexId; 2]) -> Option<u32>;
+
+    /// No walk around an edge in the cavity is longer.
+    fn most_steps(&self) -> usize;
+
+    /// Is an item of a segment or facet at a small angle with a point on `carrier`, so that the
+    /// point may not ask for it?
+    fn is_related(&self, carrier: Carrier, item: Item, of: u32) -> bool;
+
+    /// Items that wait to be split: all whose balls hold a point, and maybe others.
+    fn pending(&self, p: &Point) -> impl Iterator<Item = Item>;
+}
+
+/// A closure in a mesh that is all here: the open cavity, or what a search has found.
+#[derive(Clone, Copy)]
+pub(crate) struct InMesh<'s> {
+    pub(crate) state: &'s State,
+    pub(crate) found: Option<&'s Search>,
+}
+
+impl<'s> InMesh<'s> {
+    /// The open cavity.
+    pub(crate) fn open(state: &'s State) -> Self {
+        Self { state, found: None }
+    }
+
+    /// The cavity that a search has found.
+    pub(crate) fn found(state: &'s State, search: &'s Search) -> Self {
+        Self { state, found: Some(search) }
+    }
+}
+
+impl Bounded for InMesh<'_> {
+    type Tet = TetId;
+
+    fn plc(&self) -> &Plc {
+        &self.state.plc
+    }
+
+    fn state(&self) -> Option<&State> {
+        Some(self.state)
+    }
+
+    fn cavity(&self) -> impl Iterator<Item = TetId> {
+        match self.found {
+            None => self.state.mesh.cavity().tets(),
+            Some(search) => search.tets().iter().copied(),
+        }
+    }
+
+    fn is_open(&self) -> bool {
+        self.found.is_none()
+    }
+
+    fn is_in(&self, t: TetId) -> bool {
+        match self.found {
+            None => self.state.mesh.topology().at(t).is_marked(),
+            Some(search) => search.has(t),
+        }
+    }
+
+    fn vertices(&self, t: TetId) -> [VertexId; 4] {
+        self.state.vertices(t)
+    }
+
+    fn at(&self, v: VertexId) -> Point {
+        self.state.at(v)
+    }
+
+    fn beyond(&self, t: TetId, slot: usize) -> Option<TetId> {
+        Some(tet_of(self.state.mesh.topology().at(t).neighbours()[slot]))
+    }
+
+    fn marks(&self, t: TetId) -> Word {
+        self.state.marks.of(t)
+    }
+
+    fn facet(&self, key: [VertexId; 3]) -> Option<u32> {
+        self.state.subfaces.get(&key).copied()
+    }
+
+    fn segment(&self, key: [VertexId; 2]) -> Option<u32> {
+        self.state.segments.get(&key).copied()
+    }
+
+    fn most_steps(&self) -> usize {
+        self.state.mesh.topology().slots()
+    }
+
+    fn is_related(&self, carrier: Carrier, item: Item, of: u32) -> bool {
+        let Self { state, .. } = self;
+        let has = |corner: u32| state.has_corner(item, corner);
+        match item {
+            Item::Segment(_) => {
+                carrier != Carrier::Free
+                    && state.angles.related_segment(carrier, of, &has).is_some()
+            }
+            _ => state.angles.related(&state.plc, carrier, of, &has).is_some(),
+        }
+    }
+
+    fn pending(&self, p: &Point) -> impl Iterator<Item = Item> {
+        self.state.encroachment.near(p)
+    }
+}
+
+/// The edges and faces between some slots of a tetrahedron, by the bits of these.
+const BETWEEN: [Word; 16] = {
+    let mut words = [0; 16];
+    let mut slots = 0;
+    while slots < 16 {
+        let mut k = 0;
+        while k < ENDS.len() {
+            let [i, j] = ENDS[k];
+            if slots >> i & 1 == 1 && slots >> j & 1 == 1 {
+                words[slots] |= edge_bit(i, j);
+            }
+            k += 1;
+        }
+        let mut slot = 0;
+        while slot < 4 {
+            if slots | 1 << slot == 15 {
+                words[slots] |= 1 << slot;
+            }
+            slot += 1;
+        }
+        slots += 1;
+    }
+    words
+};
+
+/// A closure of which values are known. A vertex has the number after the one that it has there.
+#[derive(Debug)]
+pub(crate) struct ByValues<'c, R> {
+    pub(crate) complex: &'c Complex<'c>,
+    pub(crate) closure: &'c R,
+}
+
+/// The vertex of a number there.
+fn vertex(number: u32) -> VertexId {
+    match number {
+        NOWHERE => INFINITE,
+        number => VertexId::new(number + 1),
+    }
+}
+
+impl<R: Surveyed> ByValues<'_, R> {
+    /// A vertex's corner there.
+    pub(crate) fn corner(&self, v: VertexId) -> crate::Corner {
+        self.closure.corner(v.number() - 1)
+    }
+}
+
+impl<R: Surveyed> Bounded for ByValues<'_, R> {
+    type Tet = R::Tet;
+
+    fn plc(&self) -> &Plc {
+        self.complex.plc()
+    }
+
+    fn state(&self) -> Option<&State> {
+        None
+    }
+
+    fn cavity(&self) -> impl Iterator<Item = R::Tet> {
+        self.closure.cavity()
+    }
+
+    fn is_open(&self) -> bool {
+        false
+    }
+
+    fn is_in(&self, t: R::Tet) -> bool {
+        self.closure.is_in(t)
+    }
+
+    fn vertices(&self, t: R::Tet) -> [VertexId; 4] {
+        self.closure.vertices(t).map(vertex)
+    }
+
+    fn at(&self, v: VertexId) -> Point {
+        self.corner(v).point
+    }
+
+    fn beyond(&self, t: R::Tet, slot: usize) -> Option<R::Tet> {
+        self.closure.beyond(t, slot)
+    }
+
+    /// The faces whose corners are on the boundary, and the subsegments.
+    fn marks(&self, t: R::Tet) -> Word {
+        let bound = self.closure.bound(t);
+        let mut word = BETWEEN[(0..4).map(|k| usize::from(bound[k]) << k).sum::<usize>()];
+        if word == 0 {
+            return 0;
+        }
+        let v = self.vertices(t);
+        for [i, j] in ENDS {
+            let bit = edge_bit(i, j);
+            if word & bit != 0 && self.segment([v[i], v[j]]).is_none() {
+                word ^= bit;
+            }
+        }
+        word
+    }
+
+    fn facet(&self, key: [VertexId; 3]) -> Option<u32> {
+        self.complex.facet(key.map(|v| self.corner(v)).map(|own| (own.carrier, own.point)))
+    }
+
+    fn segment(&self, key: [VertexId; 2]) -> Option<u32> {
+        self.complex.segment(key.map(|v| self.corner(v).carrier))
+    }
+
+    fn most_steps(&self) -> usize {
+        self.closure.cavity().count()
+    }
+
+    fn is_related(&self, _: Carrier, _: Item, _: u32) -> bool {
+        false
+    }
+
+    fn pending(&self, _: &Point) -> impl Iterator<Item = Item> {
+        std::iter::empty()
+    }
+}

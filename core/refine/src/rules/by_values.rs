@@ -1,0 +1,110 @@
+//! Verdicts on proposed points, and the rules that keep points of one round apart, from a closure
+//! alone: for engines whose mesh is on many processors.
+
+use super::bounded::{Bounded, ByValues};
+use super::choice::{BoundaryItem, Corner, Ruling};
+use super::complex::Complex;
+use super::record::Record;
+use super::surveyed::Surveyed;
+use super::verdict::{Filling, Judge, Verdict};
+use super::watch::Watch;
+use crate::complex::carrier::Carrier;
+use crate::mesh::item::Item;
+use crate::mesh::state::Place;
+use crate::mesh::survey;
+use crate::table::{edge, triangle};
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_exact::Point;
+
+/// The closure of a point, with what is boundary in it and what the point encroaches.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Survey<'c, R: Surveyed> {
+    closure: ByValues<'c, R>,
+    found: survey::Survey<R::Tet>,
+    place: Place,
+    record: Record,
+}
+
+impl<'c, R: Surveyed> Survey<'c, R> {
+    /// The survey of the closure of `p`, which lives on `carrier`.
+    pub fn of(complex: &'c Complex<'c>, closure: &'c R, p: &Point, carrier: Carrier) -> Self {
+        let closure = ByValues { complex, closure };
+        let mut found = survey::Survey::default();
+        found.look(&closure, p, carrier);
+        let place = Place { p: *p, carrier, from: TetId::default() };
+        Self { closure, found, place, record: Record::default() }
+    }
+
+    fn judge(&self) -> Judge<'_, ByValues<'c, R>> {
+        Judge::new(&self.closure, &self.found, &self.record)
+    }
+
+    /// An item by the coordinates of its corners.
+    fn named(&self, item: Item) -> Option<BoundaryItem> {
+        match item {
+            Item::Segment(s) => {
+                let of = self.closure.segment(s)?;
+                Some(BoundaryItem::new(&s.map(|v| self.closure.corner(v)), of))
+            }
+            Item::Subface(s) => {
+                let of = self.closure.facet(s)?;
+                Some(BoundaryItem::new(&s.map(|v| self.closure.corner(v)), of))
+            }
+            Item::Tet(..) => None,
+        }
+    }
+
+    /// An item of the cavity; `None` if that does not have all of its corners.
+    fn here(&self, item: &BoundaryItem) -> Option<Item> {
+        let at = |corner: &Corner| {
+            let all = || self.closure.cavity().flat_map(|t| self.closure.vertices(t));
+            let is = |&v: &VertexId| v != INFINITE && self.closure.at(v) == corner.point;
+            all().find(is)
+        };
+        let own: Vec<VertexId> = item.corners().iter().map(at).collect::<Option<_>>()?;
+        match own[..] {
+            [a, b] => Some(Item::Segment(edge(a, b))),
+            [a, b, c] => Some(Item::Subface(triangle(a, b, c))),
+            _ => None,
+        }
+    }
+
+    /// The verdict on a point inside: nothing goes, or this item comes first.
+    pub fn rule_on_tet(&self) -> Option<BoundaryItem> {
+        match self.judge().on_free(&self.place) {
+            Verdict::Defer(first) => self.named(*first.first()?),
+            _ => None,
+        }
+    }
+
+    /// The verdict on a point of the boundary that is to split an item.
+    pub fn rule_on_item(&self, item: &BoundaryItem) -> Ruling {
+        let Some(own) = self.here(item) else { return Ruling::Useless };
+        let gone = |filling: Filling| {
+            let faces = filling.changes.iter().flat_map(|change| &change.removed);
+            let faces = faces.map(|&s| Item::Subface(s));
+            let split = filling.split.map(|(s, _)| Item::Segment(s));
+            faces.chain(split).filter_map(|item| self.named(item)).collect()
+        };
+        match self.judge().on_boundary(own, &self.place, true) {
+            Verdict::Fill(filling) => Ruling::Fill(gone(filling)),
+            Verdict::Defer(first) => match first.first().and_then(|&item| self.named(item)) {
+                Some(first) => Ruling::Defer(first),
+                None => Ruling::Useless,
+            },
+            Verdict::Refuse(_) | Verdict::AtPatch => Ruling::Refuse,
+            Verdict::Useless => Ruling::Useless,
+        }
+    }
+
+    /// The watch of a point inside; none if no part of its cavity is marked.
+    pub fn watch_in_tet(&self) -> Option<Watch<R::Tet>> {
+        self.found.watch_in_tet(&self.closure)
+    }
+
+    /// The watch of a point of the boundary that splits an item.
+    pub fn watch_at_item(&self, item: &BoundaryItem) -> Watch<R::Tet> {
+        self.found.watch_at_item(&self.closure, self.here(item), self.place.carrier)
+    }
+}

@@ -1,0 +1,211 @@
+//! The boundary of a domain, its bounds and the points that split things, as functions of values:
+//! for engines whose mesh is on many processors.
+
+use crate::RefineError;
+use crate::complex::carrier::{Carrier, free_point, within_box};
+use crate::complex::measure::{Shape, in_diametral_ball, in_equatorial_ball};
+use crate::complex::plc::Plc;
+use crate::mesh::bounds::Bounds;
+use crate::mesh::key::sorted;
+use crate::mesh::names::Names;
+use crate::mesh::region::RegionInfo;
+use crate::mesh::state::State;
+use crate::rules::aim::{Aim, Aims};
+use ltbw_core::Random;
+use ltbw_core::topology::{TetId, VertexId};
+use ltbw_exact::{Mode, Point};
+use std::cmp::Ordering;
+
+/// Why a domain cannot be refined by engines on many processors.
+#[doc(hidden)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ComplexError {
+    /// There is no mesh to start with.
+    #[error(transparent)]
+    Refine(#[from] RefineError),
+    /// The domain, or its bounds, are of a kind that only the sequential engine deals with.
+    #[error("{0}: only the rounds deal with that")]
+    Unsupported(&'static str),
+}
+
+/// A mesh to start with, all subsegments and subfaces in it. Vertices are numbered from 0.
+#[doc(hidden)]
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// The coordinates of a vertex of the mesh, as [`Mode::from_kernel`] makes them of those here.
+    pub mode: Mode,
+    /// The vertices.
+    pub points: Vec<Point>,
+    /// Where they live.
+    pub carriers: Vec<Carrier>,
+    /// The finite tetrahedra, exterior included: vertices, ascending, and region.
+    pub tets: Vec<([u32; 4], u32)>,
+    /// The regions, the exterior first.
+    pub regions: Vec<RegionInfo>,
+    /// The most points to insert.
+    pub most: u64,
+    /// The number of tetrahedra for which memory may be taken beforehand; 0 if nobody can tell.
+    pub expected: usize,
+}
+
+/// The boundary of a domain and the bounds of its mesh.
+#[doc(hidden)]
+pub struct Complex<'a> {
+    plc: Plc,
+    bounds: Bounds<'a>,
+    floor: f64,
+    names: Names,
+}
+
+impl std::fmt::Debug for Complex<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Complex").field("facets", &self.plc.facets.len()).finish_non_exhaustive()
+    }
+}
+
+/// The most places in a tetrahedron that tell where its parts will be.
+const MOST: f64 = 64.0;
+
+impl Start {
+    /// The number of tetrahedra for which one of some workers may take memory beforehand.
+    pub fn expected_of(&self, workers: u32) -> usize {
+        // Parts are of equal work, which is not quite an equal number of tetrahedra.
+        self.expected / workers.max(1) as usize / 4 * 5
+    }
+
+    /// About `places` places inside the domain, at least one in each tetrahedron, with the numbers
+    /// of tetrahedra that there will be around them, as far as these can be told: for the balance
+    /// of work.
+    pub fn weights(&self, complex: &Complex<'_>, places: usize) -> Vec<(Point, u64)> {
+        let mut random = Random::new(1);
+        let mut weights = Vec::new();
+        let corners_of = |v: &[u32; 4]| v.map(|v| self.points[v as usize]);
+        let predict = |(v, region): &([u32; 4], u32)| complex.predicted(corners_of(v), *region);
+        let all: Vec<f64> = self.tets.iter().map(predict).collect();
+        let part = (places as f64 / all.iter().sum::<f64>().max(1.0)).min(1.0);
+        for ((v, _), own) in self.tets.iter().zip(all) {
+            let corners = corners_of(v);
+            let count = (own * part).ceil().min(MOST);
+            let weight = (own / count.max(1.0) * 256.0) as u64;
+            for _ in 0..count as usize {
+                // The parts of an interval that three points cut.
+                let mut cuts = [random.unit(), random.unit(), random.unit()];
+                cuts.sort_unstable_by(f64::total_cmp);
+                let [a, b, c] = cuts;
+                let parts = [a, b - a, c - b, 1.0 - c];
+                let sum = |k: usize| (0..4).map(|v| parts[v] * corners[v][k]).sum();
+                weights.push(([0, 1, 2].map(sum), weight));
+            }
+        }
+        weights
+    }
+
+    pub(crate) fn of(state: &State, regions: Vec<RegionInfo>, most: u64) -> Self {
+        let mesh = &state.mesh;
+        let tet = |t| {
+            let mut v = state.vertices(t).map(|v| v.number() - 1);
+            v.sort_unstable();
+            (v, state.marks.region(t))
+        };
+        let all = (1..=mesh.num_vertices()).map(|v| mesh.kernel_point(VertexId::at(v)));
+        Self {
+            mode: mesh.mode(),
+            points: all.collect(),
+            carriers: state.carriers[1..].to_vec(),
+            tets: mesh.tet_ids().map(tet).collect(),
+            regions,
+            most,
+            expected: state.expected,
+        }
+    }
+}
+
+impl<'a> Complex<'a> {
+    pub(crate) fn of(state: &State, bounds: Bounds<'a>, floor: f64) -> Self {
+        Self { plc: state.plc.clone(), bounds, floor, names: Names::of(state) }
+    }
+
+    /// The segment that an edge of the mesh between two vertices is on, if it is a subsegment.
+    pub fn segment(&self, ends: [Carrier; 2]) -> Option<u32> {
+        self.names.segment(&self.plc, ends)
+    }
+
+    /// The facet that a triangle of the mesh is on, if it is a subface.
+    pub fn facet(&self, corners: [(Carrier, Point); 3]) -> Option<u32> {
+        self.names.facet(&self.plc, corners)
+    }
+
+    /// Does a vertex with this carrier lie on a facet?
+    pub fn lies_on(&self, carrier: Carrier, facet: u32) -> bool {
+        self.plc.lies_on(carrier, facet)
+    }
+
+    /// The facets that a segment is on.
+    pub fn facets_of(&self, segment: u32) -> &[u32] {
+        &self.plc.segments[segment as usize].facets
+    }
+
+    /// The turn of three points of the plane of facet `f`, as seen along an axis that is not in it.
+    pub fn turn(&self, f: u32, corners: [&Point; 3]) -> Ordering {
+        self.plc.turn(f, corners)
+    }
+
+    /// Is a tetrahedron of a region over its bounds? Its vertices are positively oriented.
+    pub fn is_over(&self, corners: [&Point; 4], region: u32) -> bool {
+        region != 0 && self.bounds.are_over(corners, region)
+    }
+
+    /// Which of some tetrahedra of the domain, given with their corners and regions, are over their
+    /// bounds, in their order. `thin` is told of those that may have tiny dihedral angles.
+    pub fn over_among<'b>(
+        &'b self,
+        tets: impl Iterator<Item = (TetId, [Point; 4], u32)> + 'b,
+        thin: impl FnMut(TetId) + 'b,
+    ) -> impl Iterator<Item = TetId> + 'b {
+        self.bounds.over_among(tets, thin)
+    }
+
+    pub(crate) fn plc(&self) -> &Plc {
+        &self.plc
+    }
+
+    pub(crate) fn bounds(&self) -> &Bounds<'a> {
+        &self.bounds
+    }
+
+    /// The ground of aims.
+    pub(crate) fn aims(&self) -> Aims<'_> {
+        Aims { plc: &self.plc, floor: self.floor }
+    }
+
+    /// The circumradius of a tetrahedron, rounded.
+    pub fn radius(&self, corners: [&Point; 4]) -> f64 {
+        Shape::of(corners).radius()
+    }
+
+    /// The point that splits a tetrahedron, at the given attempt, and `true`. Of one that is nearly
+    /// flat the centre may be outside the box: then a point on the way there, where whatever bars
+    /// the way can be found, and no point may be inserted.
+    pub fn point_of_tet(&self, corners: [&Point; 4], attempt: usize) -> Option<(Point, bool)> {
+        let shape = Shape::of(corners);
+        let aim = self.aims().tet(shape.radius(), shape.circumcentre(corners[3]), attempt);
+        let Aim::At { point, may, .. } = aim else { return None };
+        if may {
+            return Some((point, true));
+        }
+        let sum = |k: usize| sorted(corners.map(|p| *p)).iter().map(|p| p[k] * 0.25).sum();
+        let target = within_box(&[0, 1, 2].map(sum), &point);
+        free_point(&target, 1.0).map(|p| (p, false))
+    }
+
+    /// Is `p` in the closed ball of a subsegment?
+    pub fn encroaches_segment(&self, [a, b]: [&Point; 2], p: &Point) -> bool {
+        in_diametral_ball(a, b, p)
+    }
+
+    /// Is `p` in the closed ball of a subface?
+    pub fn encroaches_subface(&self, [a, b, c]: [&Point; 3], p: &Point) -> bool {
+        in_equatorial_ball(a, b, c, p)
+    }
+}
