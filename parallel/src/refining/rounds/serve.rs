@@ -5,6 +5,7 @@ use super::ranked::rank_of;
 use super::reserved::{LazyRank, Marks, Reservations};
 use crate::protocol::{Handle, Rules, WorkerId};
 use crate::refining::domain::DomainMesh;
+pub(super) use crate::refining::domain::is_near;
 use crate::refining::news::{INFINITE_CORNER, ProbeId, WireClosure, WireCorner, point};
 use ltbw_core::expect;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, tet_of};
@@ -292,22 +293,6 @@ impl Served {
 /// A corner of a tetrahedron here.
 pub(super) fn corner(mesh: &DomainMesh<'_>, v: VertexId) -> Corner {
     Corner { point: mesh.point(v), carrier: mesh.carrier(v) }
-}
-
-/// May something of a tetrahedron be boundary? A subface has three corners there, an edge of which
-/// no face is one is a subsegment or nothing.
-pub(super) fn is_near(mesh: &DomainMesh<'_>, t: TetId) -> bool {
-    let corners = mesh.inner.tets().vertices(t);
-    let is_bound = corners.map(|v| mesh.is_bound(v));
-    match is_bound.iter().filter(|is| **is).count() {
-        0 | 1 => false,
-        2 => {
-            let mut ends = corners.into_iter().zip(is_bound).filter(|own| own.1);
-            let mut end = || ends.next().map_or(Carrier::Free, |(v, _)| mesh.carrier(v));
-            mesh.complex.segment([end(), end()]).is_some()
-        }
-        _ => true,
-    }
 }
 
 /// The vertices of a tetrahedron in the closure of a point with this carrier, if they matter: if
