@@ -70,11 +70,14 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         }
     }
 
-    /// The verdict on a point inside: nothing goes, or this item comes first.
-    pub fn rule_on_tet(&self) -> Option<BoundaryItem> {
+    /// The verdict on a point inside: nothing goes, or one of these items comes first, in rounds
+    /// the first of them.
+    pub fn rule_on_tet(&self) -> Vec<BoundaryItem> {
         match self.judge().on_free(&self.place) {
-            Verdict::Defer(first) => self.named(*first.first()?),
-            _ => None,
+            Verdict::Defer(first) => {
+                first.into_iter().filter_map(|item| self.named(item)).collect()
+            }
+            _ => Vec::new(),
         }
     }
 
@@ -89,10 +92,9 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         };
         match self.judge().on_boundary(own, &self.place, true) {
             Verdict::Fill(filling) => Ruling::Fill(gone(filling)),
-            Verdict::Defer(first) => match first.first().and_then(|&item| self.named(item)) {
-                Some(first) => Ruling::Defer(first),
-                None => Ruling::Useless,
-            },
+            Verdict::Defer(first) => {
+                Ruling::Defer(first.into_iter().filter_map(|item| self.named(item)).collect())
+            }
             Verdict::Refuse(_) | Verdict::AtPatch => Ruling::Refuse,
             Verdict::Useless => Ruling::Useless,
         }

@@ -168,6 +168,12 @@ impl BoundaryItem {
         self.corners.map(|corner| corner.point)
     }
 
+    /// The mean of its corners, rounded.
+    pub fn middle(&self) -> Point {
+        let sum = |k: usize| self.corners().iter().map(|corner| corner.point[k]).sum::<f64>();
+        [0, 1, 2].map(|k| sum(k) / self.count as f64)
+    }
+
     /// Its place in an order by coordinates.
     pub fn place(&self) -> ItemPlace {
         ItemPlace::of(&self.points()[..self.count])
@@ -192,8 +198,8 @@ impl BoundaryItem {
 pub enum Ruling {
     /// It may be inserted, and these items go.
     Fill(Vec<BoundaryItem>),
-    /// This item comes first.
-    Defer(BoundaryItem),
+    /// One of these items comes first: in rounds the first of them.
+    Defer(Vec<BoundaryItem>),
     /// It cannot be.
     Refuse,
     /// It does not do what it was made for; another one may.

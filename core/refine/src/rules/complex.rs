@@ -3,7 +3,7 @@
 
 use crate::RefineError;
 use crate::complex::carrier::{Carrier, free_point, within_box};
-use crate::complex::measure::{Shape, in_diametral_ball, in_equatorial_ball};
+use crate::complex::measure::Shape;
 use crate::complex::plc::Plc;
 use crate::mesh::bounds::Bounds;
 use crate::mesh::key::sorted;
@@ -14,7 +14,6 @@ use crate::rules::aim::{Aim, Aims};
 use ltbw_core::Random;
 use ltbw_core::topology::{TetId, VertexId};
 use ltbw_exact::{Mode, Point};
-use std::cmp::Ordering;
 
 /// Why a domain cannot be refined by engines on many processors.
 #[doc(hidden)]
@@ -146,11 +145,6 @@ impl<'a> Complex<'a> {
         &self.plc.segments[segment as usize].facets
     }
 
-    /// The turn of three points of the plane of facet `f`, as seen along an axis that is not in it.
-    pub fn turn(&self, f: u32, corners: [&Point; 3]) -> Ordering {
-        self.plc.turn(f, corners)
-    }
-
     /// Is a tetrahedron of a region over its bounds? Its vertices are positively oriented.
     pub fn is_over(&self, corners: [&Point; 4], region: u32) -> bool {
         region != 0 && self.bounds.are_over(corners, region)
@@ -197,15 +191,5 @@ impl<'a> Complex<'a> {
         let sum = |k: usize| sorted(corners.map(|p| *p)).iter().map(|p| p[k] * 0.25).sum();
         let target = within_box(&[0, 1, 2].map(sum), &point);
         free_point(&target, 1.0).map(|p| (p, false))
-    }
-
-    /// Is `p` in the closed ball of a subsegment?
-    pub fn encroaches_segment(&self, [a, b]: [&Point; 2], p: &Point) -> bool {
-        in_diametral_ball(a, b, p)
-    }
-
-    /// Is `p` in the closed ball of a subface?
-    pub fn encroaches_subface(&self, [a, b, c]: [&Point; 3], p: &Point) -> bool {
-        in_equatorial_ball(a, b, c, p)
     }
 }

@@ -1,7 +1,9 @@
 //! The sizes of a domain's messages, and how checkers see its submesh.
 
 use super::mesh::DomainMesh;
-use super::values::{BoundVertex, DomainPatch, DomainPiece, DomainPoint, MARKED, carriers_bytes};
+use super::values::{
+    ASKED, BoundVertex, DomainPatch, DomainPiece, DomainPoint, KEY, NEAR, carriers_bytes,
+};
 use crate::check::{Inspect, Seen, Sent};
 use crate::mesh::{LocalMesh, Moving, WireVertex};
 use crate::metrics::SubmeshSize;
@@ -22,13 +24,13 @@ impl Payload for DomainMesh<'_> {
     }
 
     fn piece_bytes(own: &DomainPiece) -> u64 {
-        let marked = MARKED * own.marked.len() as u64;
+        let near = NEAR * own.near.len() as u64 + KEY * own.refused.len() as u64 + 1;
         let extra = extra_bytes(&own.piece.vertices, &own.bound, &own.regions);
-        LocalMesh::piece_bytes(&own.piece) + extra + marked
+        LocalMesh::piece_bytes(&own.piece) + extra + near
     }
 
     fn patch_bytes(own: &DomainPatch) -> u64 {
-        let first = MARKED * own.first.len() as u64;
+        let first = own.first.map_or(0, |_| ASKED);
         let extra = extra_bytes(&own.patch.vertices, &own.bound, &own.regions);
         LocalMesh::patch_bytes(&own.patch) + extra + first + 1
     }

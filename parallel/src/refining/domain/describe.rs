@@ -1,50 +1,71 @@
 //! The parts of cavities as they travel: what the submesh of points tells of them, with carriers,
-//! regions and boundary items.
+//! regions and the tetrahedra at which something may be boundary.
 
 use super::mesh::DomainMesh;
-use super::values::{DomainPiece, ItemKey, Marked, Regions, segment_key, subface_key};
-use crate::mesh::Piece;
+use super::values::{DomainPiece, ItemKey, NearTet, Regions, segment_key, subface_key};
+use crate::mesh::{Piece, VertexName};
 use ltbw_core::cavity::OTHERS;
-use ltbw_core::topology::{TetId, VertexId};
-use rustc_hash::{FxHashMap, FxHashSet};
+use ltbw_core::topology::{INFINITE, TetId, VertexId};
+use ltbw_refine::{Carrier, NOWHERE};
+use rustc_hash::FxHashMap;
 use smallvec::smallvec;
 
 /// The slots of the edges of a tetrahedron.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
+/// May something of a tetrahedron be boundary? A subface has three corners there, an edge of which
+/// no face is one is a subsegment or nothing.
+pub(crate) fn is_near(mesh: &DomainMesh<'_>, t: TetId) -> bool {
+    let corners = mesh.inner.tets().vertices(t);
+    let is_bound = corners.map(|v| mesh.is_bound(v));
+    match is_bound.iter().filter(|is| **is).count() {
+        0 | 1 => false,
+        2 => {
+            let mut ends = corners.into_iter().zip(is_bound).filter(|own| own.1);
+            let mut end = || ends.next().map_or(Carrier::Free, |(v, _)| mesh.carrier(v));
+            mesh.complex.segment([end(), end()]).is_some()
+        }
+        _ => true,
+    }
+}
+
 impl DomainMesh<'_> {
-    /// Do vertices `v` of a tetrahedron in conflict with a point have boundary items?
-    fn mark(&self, t: TetId, v: [VertexId; 4], edges: &mut FxHashSet<ItemKey>) -> Vec<Marked> {
-        let is_on = v.map(|v| self.is_bound(v));
-        if is_on.iter().filter(|on| **on).count() < 2 {
+    /// The tetrahedra of a piece at which something may be boundary.
+    fn near_of(&self, piece: &Piece) -> Vec<NearTet> {
+        let near: Vec<TetId> = piece.tets.iter().copied().filter(|&t| is_near(self, t)).collect();
+        if near.is_empty() {
             return Vec::new();
         }
-        let carriers = v.map(|v| self.carrier(v));
-        let name = |k: usize| self.inner.name(v[k]);
-        let mut found = Vec::new();
-        let refused = self.refused.borrow();
-        let mut add = |key: ItemKey, of: u32| {
-            found.push(Marked { key, of, tet: t, is_refused: refused.contains(&key) });
+        // A cavity has no vertex inside: each is at a side.
+        let names = piece.vertices.iter().map(|vertex| vertex.name);
+        let places: FxHashMap<VertexName, u32> = names.zip(0..).collect();
+        let place = |v: VertexId| match v {
+            INFINITE => NOWHERE,
+            v => places.get(&self.inner.name(v)).copied().unwrap_or(NOWHERE),
         };
-        for [i, j] in EDGES.into_iter().filter(|edge| edge.iter().all(|&k| is_on[k])) {
-            if let Some(s) = self.complex.segment([carriers[i], carriers[j]]) {
-                let key = segment_key([name(i), name(j)]);
-                if edges.insert(key) {
-                    add(key, s);
-                }
-            }
+        let all = near.into_iter();
+        all.map(|tet| NearTet { v: self.inner.tets().vertices(tet).map(place), tet }).collect()
+    }
+
+    /// The boundary items at some tetrahedra that cannot be split, as far as this worker has tried.
+    fn refused_at(&self, near: &[NearTet]) -> Vec<ItemKey> {
+        let refused = self.refused.borrow();
+        if refused.is_empty() {
+            return Vec::new();
         }
-        for face in OTHERS.into_iter().filter(|face| face.iter().all(|&k| is_on[k])) {
-            if let Some(f) = self.complex.facet(face.map(|k| (carriers[k], self.point(v[k])))) {
-                add(subface_key(face.map(name)), f);
-            }
-        }
+        let keys = near.iter().flat_map(|own| {
+            let names = self.inner.tets().vertices(own.tet).map(|v| self.inner.name(v));
+            let edges = EDGES.map(|edge| segment_key(edge.map(|k| names[k])));
+            edges.into_iter().chain(OTHERS.map(|face| subface_key(face.map(|k| names[k]))))
+        });
+        let mut found: Vec<ItemKey> = keys.filter(|key| refused.contains(key)).collect();
+        found.sort_unstable();
+        found.dedup();
         found
     }
 
     /// Adds to a piece what the boundary and the regions are there.
     pub(super) fn describe(&self, piece: Piece) -> DomainPiece {
-        let (mut marked, mut edges) = (Vec::new(), FxHashSet::default());
         let mut on = Vec::new();
         for &t in &piece.tets {
             let v = self.inner.tets().vertices(t);
@@ -52,10 +73,12 @@ impl DomainMesh<'_> {
                 on.reserve(4 * piece.tets.len());
             }
             on.extend(v.into_iter().filter(|&v| self.is_bound(v)));
-            marked.extend(self.mark(t, v, &mut edges));
         }
         on.sort_unstable();
         on.dedup();
+        // Only with two vertices on the boundary something may be boundary.
+        let near = if on.len() > 1 { self.near_of(&piece) } else { Vec::new() };
+        let refused = self.refused_at(&near);
         let bound = on.into_iter().map(|v| (self.inner.name(v), self.carrier(v))).collect();
         let first = piece.tets.first().map_or(0, |&t| self.region(t));
         let mut regions: Regions = smallvec![first];
@@ -70,6 +93,6 @@ impl DomainMesh<'_> {
             let of = |v| faces.get(&key(v)).copied().unwrap_or_default();
             regions = piece.sides.iter().map(|side| of(side.v)).collect();
         }
-        DomainPiece { piece, bound, regions, marked }
+        DomainPiece { piece, bound, regions, near, refused }
     }
 }

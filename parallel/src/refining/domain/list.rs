@@ -2,7 +2,7 @@
 //! asked for.
 
 use super::mesh::DomainMesh;
-use super::values::{DomainPoint, End, ItemKey, Marked};
+use super::values::{Asked, DomainPoint, End, ItemKey};
 use crate::balance::Workload;
 use crate::mesh::{VertexName, WireVertex, made};
 use crate::protocol::{BlockId, Directory, Item, Source, WorkerId};
@@ -44,7 +44,6 @@ struct Entry {
 struct Proposed {
     p: Point,
     carrier: Carrier,
-    from: Point,
     may: bool,
 }
 
@@ -128,13 +127,13 @@ impl BadItems {
         u64::from(self.made) >= self.most
     }
 
-    /// The point for an entry, if there is one, and where the nearest item is looked for.
+    /// The point for an entry, if there is one.
     fn propose(mesh: &DomainMesh<'_>, entry: &Entry) -> Option<Proposed> {
         let all = entry.corners.map(|v| mesh.point(v));
         let complex = &mesh.complex;
         if entry.is_tet() {
             let (p, may) = complex.point_of_tet(all.each_ref(), usize::from(entry.attempt))?;
-            return Some(Proposed { p, carrier: Carrier::Free, from: middle(&all), may });
+            return Some(Proposed { p, carrier: Carrier::Free, may });
         }
         let is_corner = |v: &VertexId| *v != INFINITE && entry.key.contains(&mesh.inner.name(*v));
         let corner = |v: VertexId| Corner { point: mesh.point(v), carrier: mesh.carrier(v) };
@@ -145,7 +144,7 @@ impl BadItems {
         }
         let item = BoundaryItem::new(&corners, entry.of);
         match complex.aim_at_item(&item, usize::from(entry.attempt)) {
-            Aim::At { point: p, carrier, may } => Some(Proposed { p, carrier, from: p, may }),
+            Aim::At { point: p, carrier, may } => Some(Proposed { p, carrier, may }),
             Aim::Skip | Aim::Exhausted | Aim::Refused => None,
         }
     }
@@ -184,35 +183,32 @@ impl BadItems {
         }
     }
 
-    fn ask_all(&mut self, mesh: &DomainMesh<'_>) {
-        let (asked, waiter) = mesh.asked();
-        asked.iter().for_each(|marked| self.ask(mesh, marked, waiter));
-    }
-
-    fn ask(&mut self, mesh: &DomainMesh<'_>, marked: &Marked, waiter: Option<WorkerId>) {
+    /// Enters the boundary item that the last patch has brought.
+    fn enter_asked(&mut self, mesh: &DomainMesh<'_>) {
+        let Some(Asked { key, of, tet, waiter }) = mesh.asked() else { return };
         let tets = mesh.inner.tets();
-        if !tets.is_live(marked.tet) || self.is_closed {
+        if !tets.is_live(tet) || self.is_closed {
             // It may be split already: the waiter finds out.
-            self.out.extend(waiter.map(|to| (to, DomainNews::Ended(marked.key))));
+            self.out.extend(waiter.map(|to| (to, DomainNews::Ended(key))));
             return;
         }
         if let Some(waiter) = waiter {
-            let waiters = self.waiters.entry(marked.key).or_default();
+            let waiters = self.waiters.entry(key).or_default();
             if !waiters.contains(&waiter) {
                 waiters.push(waiter);
             }
         }
-        if !self.pending.insert(marked.key) {
+        if !self.pending.insert(key) {
             return;
         }
         self.waiting.push(Entry {
-            class: if marked.key[0] == 0 { 2 } else { 1 },
+            class: if key[0] == 0 { 2 } else { 1 },
             tries: Reverse(0),
             radius: 0,
-            tet: marked.tet,
-            corners: tets.vertices(marked.tet),
-            key: marked.key,
-            of: marked.of,
+            tet,
+            corners: tets.vertices(tet),
+            key,
+            of,
             attempt: 0,
         });
     }
@@ -221,10 +217,6 @@ impl BadItems {
     fn release(&mut self) {
         self.waiting.extend(self.behind.drain().flat_map(|(_, entries)| entries));
     }
-}
-
-fn middle(corners: &[Point; 4]) -> Point {
-    [0, 1, 2].map(|k| corners.iter().map(|p| p[k] / 4.0).sum())
 }
 
 impl<'c> Source<DomainMesh<'c>> for BadItems {
@@ -268,13 +260,13 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
             }
         }
         self.waiting.extend(locked);
-        let (entry, Proposed { p, carrier, from, may }) = chosen?;
+        let (entry, Proposed { p, carrier, may }) = chosen?;
         self.made += 1;
         let name = made(self.me, self.made);
         self.under_way.insert(name, entry);
-        let (vertex, from) = (WireVertex::new(name, p), from.map(f64::to_bits));
+        let vertex = WireVertex::new(name, p);
         let (item, seed) = (entry.key, entry.tet);
-        Some(DomainPoint { vertex, carrier, item, seed, from, may, is_chosen: false })
+        Some(DomainPoint { vertex, carrier, item, seed, may, is_chosen: false })
     }
 
     fn is_empty(&self) -> bool {
@@ -320,7 +312,7 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
                 });
             }
         }
-        self.ask_all(mesh);
+        self.enter_asked(mesh);
     }
 
     /// Its tetrahedron is gone, or not in conflict with the point.
@@ -332,7 +324,7 @@ impl<'c> Source<DomainMesh<'c>> for BadItems {
 
     fn inserted(&mut self, mesh: &DomainMesh<'c>, point: &DomainPoint) {
         let Some(entry) = self.under_way.remove(&point.vertex.name) else { return };
-        self.ask_all(mesh);
+        self.enter_asked(mesh);
         match mesh.end() {
             Some(End::Inserted) => {
                 let kind = match point.carrier {

@@ -2,15 +2,16 @@
 //! regions of its tetrahedra.
 //!
 //! The verdict on a point falls at its home, when the whole closure is locked: `fill`. A point that
-//! is not to be inserted ends there, too: its patches change nothing, but for the boundary items
-//! that go first, which they bring to the owners of tetrahedra at these.
+//! is not to be inserted ends there, too: its patches change nothing, but for the boundary item
+//! that goes first, which one of them brings to the owner of a tetrahedron at it.
 
 use super::carriers::Carriers;
 use super::chosen::{AtOnce, Slots, insert_chosen};
+use super::closure::{Located, LockedClosure, LockedRuling};
+use super::regions::regions;
 use super::values::{
-    BoundVertex, DomainPatch, DomainPiece, DomainPoint, End, ItemKey, Marked, subface_key,
+    Asked, BoundVertex, DomainPatch, DomainPiece, DomainPoint, End, ItemKey, subface_key,
 };
-use super::verdict::{self, Verdict, regions};
 use crate::mesh::{LocalMesh, Moving, Patch, Piece, VertexName};
 use crate::protocol::{
     BlockId, Correct, Costs, Directory, Found, Handle, Insert, Name, Neighbour, Rules, Submesh,
@@ -36,9 +37,8 @@ pub struct DomainMesh<'c> {
     me: WorkerId,
     carriers: Carriers,
     slots: Slots,
-    /// The boundary items that go first, by the last patch, and the worker that waits for them.
-    asked: Vec<Marked>,
-    waiter: Option<WorkerId>,
+    /// The boundary item that goes first, by the last patch.
+    asked: Option<Asked>,
     /// The end of the last operation whose home is here.
     end: Option<End>,
     /// The way in which the last point was inserted, or given up, at once, if it was.
@@ -66,23 +66,19 @@ impl<'c> DomainMesh<'c> {
         for (t, v) in inner.tets().tets().filter(|(_, v)| v[3] != INFINITE) {
             slots.put(t, region(v.map(|v| inner.name(v))));
         }
-        let (asked, refused) = (Vec::new(), RefCell::default());
-        let (end, at_once, star) = (None, AtOnce::No, Vec::new());
-        let (extra, waiter) = (Costs::default(), None);
         Self {
             inner,
             complex,
-            extra,
+            extra: Costs::default(),
             me,
             carriers,
             slots,
-            asked,
-            waiter,
-            end,
-            at_once,
-            star,
+            asked: None,
+            end: None,
+            at_once: AtOnce::No,
+            star: Vec::new(),
             pieces: Vec::new(),
-            refused,
+            refused: RefCell::default(),
         }
     }
 
@@ -171,8 +167,8 @@ impl<'c> DomainMesh<'c> {
         self.extra.looks += looks;
     }
 
-    pub(super) fn asked(&self) -> (&[Marked], Option<WorkerId>) {
-        (&self.asked, self.waiter)
+    pub(super) fn asked(&self) -> Option<Asked> {
+        self.asked
     }
 
     pub(super) fn end(&self) -> Option<End> {
@@ -223,6 +219,20 @@ impl<'c> DomainMesh<'c> {
 }
 
 impl DomainMesh<'_> {
+    /// The end of a point that an item, of a segment or facet, goes before, and the patch that asks
+    /// for that.
+    fn behind(
+        &self,
+        point: &DomainPoint,
+        Located { key, of, owner, tet, .. }: Located,
+    ) -> (Vec<(WorkerId, DomainPatch)>, End) {
+        let is_here = owner == self.me;
+        // A point of the boundary asks again and again: two may wait for each other.
+        let waits = !is_here && point.carrier == Carrier::Free;
+        let first = Some(Asked { key, of, tet, waiter: waits.then_some(self.me) });
+        (vec![(owner, DomainPatch { first, ..nothing() })], End::Behind(key, is_here))
+    }
+
     /// The verdict on a point whose closure is locked, and the patches that follow.
     fn decide(
         &mut self,
@@ -234,24 +244,18 @@ impl DomainMesh<'_> {
         if point.is_chosen {
             return self.filled(point, parts, whereabouts, directory);
         }
-        let cavity = verdict::Cavity::of(&self.complex, parts);
-        let verdict = match point.carrier {
-            _ if parts.iter().all(|(_, pieces)| pieces.is_empty()) => Verdict::Useless,
-            Carrier::Free if cavity.is_bare() => Verdict::Fill,
-            _ => cavity.verdict(point),
+        let closure = LockedClosure::of(parts);
+        let ruling = match parts.iter().all(|(_, pieces)| pieces.is_empty()) {
+            true => LockedRuling::Useless,
+            false => closure.rule(&self.complex, point),
         };
-        let (mut patches, end) = match verdict {
-            Verdict::Fill if !point.may => (Vec::new(), End::Useless),
-            Verdict::Fill => (self.filled(point, parts, whereabouts, directory), End::Inserted),
-            Verdict::Defer(worker, marked) => {
-                // A point of the boundary asks again and again: two may wait for each other.
-                let waits = worker != self.me && point.carrier == Carrier::Free;
-                let waiter = waits.then_some(self.me);
-                let patch = DomainPatch { first: vec![marked], waiter, ..nothing() };
-                (vec![(worker, patch)], End::Behind(marked.key, worker == self.me))
+        let (mut patches, end) = match ruling {
+            LockedRuling::Fill if point.may => {
+                (self.filled(point, parts, whereabouts, directory), End::Inserted)
             }
-            Verdict::Bar => (Vec::new(), End::Barred),
-            Verdict::Useless => (Vec::new(), End::Useless),
+            LockedRuling::Defer(first) if first.is_refused => (Vec::new(), End::Barred),
+            LockedRuling::Defer(first) => self.behind(point, first),
+            LockedRuling::Fill | LockedRuling::Useless => (Vec::new(), End::Useless),
         };
         if end != End::Inserted {
             self.inner.forget(&point.vertex);
@@ -273,8 +277,7 @@ fn nothing() -> DomainPatch {
         patch: Patch::default(),
         bound: Vec::new(),
         regions: SmallVec::new(),
-        first: Vec::new(),
-        waiter: None,
+        first: None,
         end: None,
     }
 }
@@ -421,9 +424,9 @@ impl Submesh for DomainMesh<'_> {
         made: &mut Vec<Name>,
         strays: &mut Vec<BlockId>,
     ) {
-        let DomainPatch { patch, bound, regions, first, waiter, end } = patch;
+        let DomainPatch { patch, bound, regions, first, end } = patch;
         self.inner.apply::<C>(patch, directory, made, strays);
-        (self.asked, self.waiter, self.end) = (first, waiter, end);
+        (self.asked, self.end) = (first, end);
         if self.inner.error().is_some() {
             return;
         }

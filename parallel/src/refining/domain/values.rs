@@ -31,9 +31,6 @@ pub struct DomainPoint {
     pub(super) item: ItemKey,
     /// The tetrahedron at its home where its operation begins.
     pub(super) seed: TetId,
-    /// The bits of the middle of what it is to split: of several items in the way the nearest goes
-    /// first.
-    pub(super) from: [u64; 3],
     /// May it be inserted? Else it only finds what is in the way.
     pub(super) may: bool,
     /// The verdict has fallen: it is inserted whatever is in its cavity.
@@ -43,7 +40,7 @@ pub struct DomainPoint {
 impl DomainPoint {
     /// A point that is to be inserted in any case, from tetrahedron `seed` on if that stands.
     pub(crate) fn chosen(vertex: WireVertex, carrier: Carrier, seed: TetId) -> Self {
-        Self { vertex, carrier, item: [0; 3], seed, from: [0; 3], may: true, is_chosen: true }
+        Self { vertex, carrier, item: [0; 3], seed, may: true, is_chosen: true }
     }
 
     /// The name of the vertex that it becomes.
@@ -58,16 +55,26 @@ pub(super) type BoundVertex = (VertexName, Carrier);
 /// Regions, of which there is nearly always one.
 pub(super) type Regions = SmallVec<[u32; 1]>;
 
-/// A boundary item at a tetrahedron in conflict.
+/// A tetrahedron in conflict at which something may be boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Marked {
+pub(super) struct NearTet {
+    /// Its vertices, positively oriented, by their places among the piece's; the one at infinity is
+    /// [`NOWHERE`](ltbw_refine::NOWHERE).
+    pub(super) v: [u32; 4],
+    /// The tetrahedron, at its owner.
+    pub(super) tet: TetId,
+}
+
+/// A boundary item that goes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Asked {
     pub(super) key: ItemKey,
     /// Its segment or facet.
     pub(super) of: u32,
-    /// The tetrahedron, at its owner.
+    /// A tetrahedron at it, of the worker that is asked.
     pub(super) tet: TetId,
-    /// It cannot be split, as this owner knows.
-    pub(super) is_refused: bool,
+    /// The worker that is to hear of its end.
+    pub(super) waiter: Option<WorkerId>,
 }
 
 /// One owner's tetrahedra in conflict, with the boundary.
@@ -78,8 +85,10 @@ pub struct DomainPiece {
     pub(super) bound: Vec<BoundVertex>,
     /// The regions of the tetrahedra at its sides; one if all are equal.
     pub(super) regions: Regions,
-    /// Its subsegments, each once, and its subfaces, once for each tetrahedron at them.
-    pub(super) marked: Vec<Marked>,
+    /// Its tetrahedra at which something may be boundary.
+    pub(super) near: Vec<NearTet>,
+    /// The boundary items at these that cannot be split, as this owner knows.
+    pub(super) refused: Vec<ItemKey>,
 }
 
 impl AsRef<Piece> for DomainPiece {
@@ -101,7 +110,7 @@ pub(super) enum End {
     Barred,
 }
 
-/// The changes of one worker's submesh, and its boundary items that go first.
+/// The changes of one worker's submesh, or a boundary item of its that goes first.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct DomainPatch {
     pub(super) patch: Patch,
@@ -109,10 +118,8 @@ pub struct DomainPatch {
     pub(super) bound: Vec<BoundVertex>,
     /// The regions of its new tetrahedra; one if all are equal.
     pub(super) regions: Regions,
-    /// Boundary items of its list that go first.
-    pub(super) first: Vec<Marked>,
-    /// The worker that is to hear of their end.
-    pub(super) waiter: Option<WorkerId>,
+    /// The boundary item of its list that goes first.
+    pub(super) first: Option<Asked>,
     /// The end of the operation, for its home.
     pub(super) end: Option<End>,
 }
@@ -128,5 +135,9 @@ pub(super) fn carriers_bytes(vertices: usize, bound: &[BoundVertex]) -> u64 {
     vertices as u64 + bound.iter().map(bytes).sum::<u64>()
 }
 
-/// Bytes of a boundary item in a message: indices of its vertices, segment or facet, tetrahedron.
-pub(super) const MARKED: u64 = 3 * 2 + 4 + 4 + 1;
+/// Bytes of the indices of a boundary item's vertices in a message.
+pub(super) const KEY: u64 = 3 * 2;
+/// Bytes of a boundary item that goes first: with its segment or facet, tetrahedron and waiter.
+pub(super) const ASKED: u64 = KEY + 4 + 4 + 4;
+/// Bytes of a tetrahedron at which something may be boundary: five indices.
+pub(super) const NEAR: u64 = 4 * 2 + 2;

@@ -3,11 +3,11 @@
 use super::candidate::{Outcome, Probe, Seeker, Told, Waits, What};
 use super::here::Here;
 use super::ranked::rank_of;
-use super::serve::{corner, describe, is_near};
+use super::serve::{corner, describe};
 use super::source::Rounds;
 use super::way::{WayEnd, walk_way};
 use crate::protocol::{Directory, Handle, Rules, Submesh, Table, Walk, WorkerId};
-use crate::refining::domain::DomainMesh;
+use crate::refining::domain::{DomainMesh, is_near};
 use crate::refining::news::{Bits, DomainNews, PartEnd, ProbeId, WireClosure, bits, point};
 use ltbw_core::topology::{TetId, tet_of};
 use ltbw_refine::{
@@ -281,7 +281,7 @@ impl<C: Rules> Rounds<C> {
         let own = &self.probes[k as usize];
         let (What::Tet(..), Some(told)) = (&own.what, &own.told) else { return false };
         let closure = Collected::of(&told.closure);
-        own.survey(mesh, &closure).rule_on_tet().is_some()
+        !own.survey(mesh, &closure).rule_on_tet().is_empty()
     }
 
     /// Judges a probe of whose closure all is known.
@@ -439,8 +439,8 @@ impl Probe {
         survey: &Survey<'_, R>,
     ) -> (Verdict, Option<Watch<R::Tet>>) {
         match &self.what {
-            What::Tet(..) => match survey.rule_on_tet() {
-                Some(first) => (Verdict::Is(self.what.asks(mesh, first)), None),
+            What::Tet(..) => match survey.rule_on_tet().first() {
+                Some(&first) => (Verdict::Is(self.what.asks(mesh, first)), None),
                 None => (Verdict::Is(Outcome::Fits(Vec::new())), survey.watch_in_tet()),
             },
             What::Item(item) => match survey.rule_on_item(item) {
@@ -448,7 +448,10 @@ impl Probe {
                     let watch = survey.watch_at_item(item);
                     (Verdict::Is(Outcome::Fits(removed)), Some(watch))
                 }
-                Ruling::Defer(first) => (Verdict::Is(Outcome::Asks(Box::new(first), None)), None),
+                Ruling::Defer(first) => match first.first() {
+                    Some(&first) => (Verdict::Is(Outcome::Asks(Box::new(first), None)), None),
+                    None => (Verdict::Useless, None),
+                },
                 Ruling::Useless => (Verdict::Useless, None),
                 Ruling::Refuse => (Verdict::Refuse, None),
             },

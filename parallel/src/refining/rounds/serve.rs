@@ -294,22 +294,6 @@ pub(super) fn corner(mesh: &DomainMesh<'_>, v: VertexId) -> Corner {
     Corner { point: mesh.point(v), carrier: mesh.carrier(v) }
 }
 
-/// May something of a tetrahedron be boundary? A subface has three corners there, an edge of which
-/// no face is one is a subsegment or nothing.
-pub(super) fn is_near(mesh: &DomainMesh<'_>, t: TetId) -> bool {
-    let corners = mesh.inner.tets().vertices(t);
-    let is_bound = corners.map(|v| mesh.is_bound(v));
-    match is_bound.iter().filter(|is| **is).count() {
-        0 | 1 => false,
-        2 => {
-            let mut ends = corners.into_iter().zip(is_bound).filter(|own| own.1);
-            let mut end = || ends.next().map_or(Carrier::Free, |(v, _)| mesh.carrier(v));
-            mesh.complex.segment([end(), end()]).is_some()
-        }
-        _ => true,
-    }
-}
-
 /// The vertices of a tetrahedron in the closure of a point with this carrier, if they matter: if
 /// two are on the boundary, or of a boundary item one, as its own corners have to be found.
 fn told_of(mesh: &DomainMesh<'_>, t: TetId, carrier: Carrier) -> Option<[VertexId; 4]> {
