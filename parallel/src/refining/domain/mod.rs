@@ -4,11 +4,12 @@
 //! worker's source is the list of its own bad tetrahedra, and of boundary items that others have
 //! asked for (`list`). An operation begins at the tetrahedron, or at one that has the boundary
 //! item, at its owner. When its closure is locked its home takes the *verdict*, which is that of
-//! the rounds (`Survey` of `ltbw_refine`), over what the owners have told of the tetrahedra at which
-//! something may be boundary (`closure`); which faces and edges are, the carriers of their vertices
-//! tell. A point inside a region that encroaches one, and a point of the boundary that would take
-//! another one out of the mesh, is not inserted: the item goes first (of several the nearest), in
-//! the list of the owner of a tetrahedron at it, and the other is asked again afterwards. So everything that was in the mesh at the start stays in it, at any time.
+//! the rounds (`Survey` of `ltbw_refine`), over what the owners have told of the tetrahedra at
+//! which something may be boundary (`closure`); which faces and edges are, the carriers of their
+//! vertices tell. A point inside a region that encroaches one, and a point of the boundary that
+//! would take another one out of the mesh, is not inserted: the item goes first (of several the
+//! nearest), in the list of the owner of a tetrahedron at it, and the other is asked again
+//! afterwards. So everything that was in the mesh at the start stays in it, at any time.
 //!
 //! An item that waits for one of the same worker is asked again when that is done. A tetrahedron
 //! that waits for another worker's item hears from it when that has ended; a boundary item begins
