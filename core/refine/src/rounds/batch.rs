@@ -5,15 +5,14 @@
 
 use super::block::Block;
 use super::foremost::Foremost;
-use super::{Asked, Candidate, Conclusion, Rounds};
+use super::probe::Approach;
+use super::{Candidate, Conclusion, Rounds};
 use crate::mesh::item::Item;
 use crate::mesh::state::Place;
 use crate::mesh::survey::Survey;
-use crate::outcome::Reason;
-use crate::rules::aim::{ATTEMPTS, Aim};
+use crate::rules::aim::ATTEMPTS;
 use crate::rules::bounded::InMesh;
 use crate::rules::verdict::{Filling, Judge, Verdict};
-use crate::rules::walk::Way;
 use ltbw_core::PredicateStats;
 use ltbw_core::search::Search;
 use ltbw_core::topology::TetId;
@@ -103,35 +102,21 @@ impl Rounds<'_, '_> {
     /// Proposes a point for a tetrahedron, the leader of a group, of this rank.
     fn probe_into(&self, own: &Foremost, rank: u32, prober: &mut Prober, batch: &mut Batch) {
         let (t, state) = (own.t, &self.own.state);
-        let (aims, radius) = (self.own.aims(), own.shape.radius());
-        if aims.is_short(radius) {
-            batch.conclusions.push(Conclusion { t, rank, verdict: Err(Reason::Floor) });
-            return;
-        }
         let Prober { search, survey } = prober;
-        for attempt in 0..ATTEMPTS {
-            let aim = aims.tet(radius, own.centre, attempt);
-            let Aim::At { point: p, carrier, may } = aim else { break };
-            let from = match state.way_to(t, &p, may) {
-                Way::Arrived(from) => from,
-                Way::Blocked(subface) => {
-                    let first = [Item::Subface(subface)];
-                    batch.conclusions.push(self.conclusion(own, rank, &first));
-                    return;
-                }
-                Way::Outside => continue,
+        for attempt in 0..=ATTEMPTS {
+            let place = match self.approach(own, rank, attempt) {
+                Approach::At(place) => place,
+                Approach::Elsewhere => continue,
+                Approach::Ends(conclusion) => return batch.conclusions.push(conclusion),
             };
-            if let Some(reason) = self.blocked(&p, own) {
-                batch.conclusions.push(Conclusion { t, rank, verdict: Err(reason) });
-                return;
-            }
+            let Place { p, carrier, from } = place;
             batch.searches += 1;
             // The point fell together with a vertex.
             if state.vertices(from).iter().any(|&v| state.at(v) == p) {
                 continue;
             }
             search.find(&state.mesh, &p, from);
-            let (closure, place) = (InMesh::found(state, search), Place { p, carrier, from });
+            let closure = InMesh::found(state, search);
             survey.look(&closure, &p, carrier);
             let tets = search.tets();
             let verdict = Judge::new(&closure, survey, &self.own.record).on_tet(t, &place);
@@ -175,18 +160,6 @@ impl Rounds<'_, '_> {
             }));
             return;
         }
-        let mut sides = state.boundary_sides(t);
-        state.sort(&mut sides);
-        batch.conclusions.push(self.conclusion(own, rank, &sides));
-    }
-
-    /// The conclusion for a tetrahedron before which one of some items has to be split.
-    fn conclusion(&self, own: &Foremost, rank: u32, first: &[Item]) -> Conclusion {
-        let limit = self.limit(own.t, &own.shape);
-        let reason = self.own.state.reason_near(own.corners);
-        let verdict = self.first_of(first, limit, reason);
-        let verdict = verdict.map(|item| Asked { item, limit, near: own.t });
-        Conclusion { t: own.t, rank, verdict }
     }
 
     /// Takes over what a batch has found.

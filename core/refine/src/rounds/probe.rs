@@ -32,61 +32,82 @@ pub(super) enum Probe {
     Useless,
 }
 
+/// The result of an attempt for a tetrahedron, before a cavity is looked for.
+pub(super) enum Approach {
+    /// A point may be inserted here.
+    At(Place),
+    /// None at this attempt.
+    Elsewhere,
+    /// Nothing is left to be tried.
+    Ends(Conclusion),
+}
+
 impl Rounds<'_, '_> {
+    /// The place that is proposed for a tetrahedron at an attempt, and the way to it. The last
+    /// attempt ends.
+    pub(super) fn approach(&self, own: &Foremost, rank: u32, attempt: usize) -> Approach {
+        let (t, state, aims, radius) =
+            (own.t, &self.own.state, self.own.aims(), own.shape.radius());
+        let refuse = |reason| Approach::Ends(Conclusion { t, rank, verdict: Err(reason) });
+        if aims.is_short(radius) {
+            return refuse(Reason::Floor);
+        }
+        let aim = (attempt < ATTEMPTS).then(|| aims.tet(radius, own.centre, attempt));
+        let Some(Aim::At { point: p, carrier, may }) = aim else {
+            let mut sides = state.boundary_sides(t);
+            state.sort(&mut sides);
+            return Approach::Ends(self.conclusion(own, rank, &sides));
+        };
+        let from = match state.way_to(t, &p, may) {
+            Way::Arrived(from) => from,
+            Way::Blocked(s) => {
+                return Approach::Ends(self.conclusion(own, rank, &[Item::Subface(s)]));
+            }
+            Way::Outside => return Approach::Elsewhere,
+        };
+        match self.blocked(&p, own) {
+            Some(reason) => refuse(reason),
+            None => Approach::At(Place { p, carrier, from }),
+        }
+    }
+
+    /// The conclusion for a tetrahedron before which one of some items has to be split.
+    pub(super) fn conclusion(&self, own: &Foremost, rank: u32, first: &[Item]) -> Conclusion {
+        let limit = self.limit(own.t, &own.shape);
+        let reason = self.own.state.reason_near(own.corners);
+        let verdict = self.first_of(first, limit, reason);
+        let verdict = verdict.map(|item| Asked { item, limit, near: own.t });
+        Conclusion { t: own.t, rank, verdict }
+    }
+
     /// Proposes a point for a tetrahedron near a patch, the leader of a group, of this rank: what
     /// its labels would be, the open cavity tells.
     pub(super) fn probe_tet(&mut self, own: &Foremost, rank: u32) {
-        let &Foremost { t, corners: v, shape, centre, .. } = own;
-        let conclude = |own: &mut Self, first: Vec<Item>| {
-            let limit = own.limit(t, &shape);
-            let reason = own.own.state.reason_near(v);
-            let verdict = own.first_of(&first, limit, reason);
-            let verdict = verdict.map(|item| Asked { item, limit, near: t });
-            let is_refused = verdict.is_err();
-            own.conclusions.push(Conclusion { t, rank, verdict });
-            (is_refused, limit)
-        };
+        let t = own.t;
         let item = Item::Tet(t, self.own.state.vertices(t));
-        let radius = shape.radius();
-        if self.own.aims().is_short(radius) {
-            self.conclusions.push(Conclusion { t, rank, verdict: Err(Reason::Floor) });
-            return;
-        }
-        for attempt in 0..ATTEMPTS {
-            let aim = self.own.aims().tet(radius, centre, attempt);
-            let Aim::At { point: p, carrier, may } = aim else { break };
-            let from = match self.own.state.way_to(t, &p, may) {
-                Way::Arrived(from) => from,
-                Way::Blocked(subface) => {
-                    conclude(self, vec![Item::Subface(subface)]);
-                    return;
-                }
-                Way::Outside => continue,
+        for attempt in 0..=ATTEMPTS {
+            let place = match self.approach(own, rank, attempt) {
+                Approach::At(place) => place,
+                Approach::Elsewhere => continue,
+                Approach::Ends(conclusion) => return self.conclusions.push(conclusion),
             };
-            if let Some(reason) = self.blocked(&p, own) {
-                self.conclusions.push(Conclusion { t, rank, verdict: Err(reason) });
-                return;
-            }
-            let place = Place { p, carrier, from };
             match self.probe((item, rank), &place, |judge| judge.on_tet(t, &place)) {
                 Probe::Fits => {
                     self.note_alone();
                     return self.reserve_last();
                 }
                 Probe::Defers(first) => {
+                    let conclusion = self.conclusion(own, rank, &first);
                     // One that is refused is in nobody's way.
-                    match conclude(self, first) {
-                        (false, _) => self.reserve_last(),
-                        (true, limit) => self.note_blocks(limit),
+                    match conclusion.verdict {
+                        Ok(_) => self.reserve_last(),
+                        Err(_) => self.note_blocks(self.limit(t, &own.shape)),
                     }
-                    return;
+                    return self.conclusions.push(conclusion);
                 }
                 Probe::Refuses(_) | Probe::Barred | Probe::Useless => {}
             }
         }
-        let mut sides = self.own.state.boundary_sides(t);
-        self.own.state.sort(&mut sides);
-        conclude(self, sides);
     }
 
     /// Asks for the boundary items that the probed tetrahedra wait for, and refuses those that none
