@@ -51,7 +51,7 @@ impl State {
         !self.is_patch(f) || self.journal.is_some()
     }
 
-    /// The changes that the point `p` of the open cavity makes to the patches that it lies on,
+    /// The changes that the point of the cavity makes to the patches that it lies on,
     /// given those to the other facets; `None` if it leaves a patch torn. `split`: the subsegment
     /// that it divides.
     ///

@@ -33,7 +33,8 @@ pub(crate) trait Bounded {
     /// Is a tetrahedron in conflict with the point?
     fn is_in(&self, t: Self::Tet) -> bool;
 
-    /// The vertices of a tetrahedron, positively oriented; one that is not told is [`INFINITE`].
+    /// The vertices of a tetrahedron, positively oriented; the one at infinity, and one that is
+    /// not told, is [`INFINITE`].
     fn vertices(&self, t: Self::Tet) -> [VertexId; 4];
 
     /// The coordinates of a vertex.
@@ -59,7 +60,8 @@ pub(crate) trait Bounded {
     /// point may not ask for it?
     fn is_related(&self, carrier: Carrier, item: Item, of: u32) -> bool;
 
-    /// Items that wait to be split: all whose balls hold a point, and maybe others.
+    /// Items that wait to be split, where these are in a table: all whose balls hold a point, and
+    /// maybe others.
     fn pending(&self, p: &Point) -> impl Iterator<Item = Item>;
 }
 

@@ -77,7 +77,11 @@ impl<'c, R: Surveyed> Survey<'c, R> {
             Verdict::Defer(first) => {
                 first.into_iter().filter_map(|item| self.named(item)).collect()
             }
-            _ => Vec::new(),
+            Verdict::Fill(_) => Vec::new(),
+            Verdict::Refuse(_) | Verdict::Useless | Verdict::AtPatch => {
+                debug_assert!(false, "an item is the only reason, and values have no patches");
+                Vec::new()
+            }
         }
     }
 

@@ -135,16 +135,6 @@ impl<'a> Complex<'a> {
         self.names.facet(&self.plc, corners)
     }
 
-    /// Does a vertex with this carrier lie on a facet?
-    pub fn lies_on(&self, carrier: Carrier, facet: u32) -> bool {
-        self.plc.lies_on(carrier, facet)
-    }
-
-    /// The facets that a segment is on.
-    pub fn facets_of(&self, segment: u32) -> &[u32] {
-        &self.plc.segments[segment as usize].facets
-    }
-
     /// Is a tetrahedron of a region over its bounds? Its vertices are positively oriented.
     pub fn is_over(&self, corners: [&Point; 4], region: u32) -> bool {
         region != 0 && self.bounds.are_over(corners, region)

@@ -45,6 +45,10 @@ impl<T: Copy + Ord> Survey<T> {
             }
         }
         self.edges.sort_unstable_by_key(|edge| edge.key);
+        debug_assert!(
+            closure.state().is_none() || self.edges.is_sorted_by(|a, b| a.key < b.key),
+            "of each edge one tetrahedron reports"
+        );
         self.hit(closure, p, carrier);
     }
 

@@ -3,7 +3,7 @@
 //! For a point p of facet f, a subface of f is in f's planar cavity of p exactly if both its
 //! tetrahedra are in the cavity of p: the perturbed circumsphere of a tetrahedron on the subface
 //! meets the plane in the subface's perturbed circumcircle. So the planar cavity is the subfaces of
-//! f inside the open cavity, and those missing subfaces of f whose perturbed circle holds p, as far
+//! f inside the cavity, and those missing subfaces of f whose perturbed circle holds p, as far
 //! as they can be reached from where p is without crossing a subsegment. (Subsegments that wait for
 //! their repair make f's triangulation a constrained Delaunay one for a while.) p joined to the rim
 //! of the planar cavity are the new subfaces.

@@ -51,7 +51,7 @@ pub(crate) enum Verdict {
     Refuse(Reason),
     /// It does not do what it was made for; another one may.
     Useless,
-    /// It changes a patch: its cavity has to be open.
+    /// A point inside that changes a patch: its cavity has to be open.
     AtPatch,
 }
 
