@@ -21,13 +21,12 @@ use super::sliver::in_unit_ball;
 use crate::complex::carrier::{Carrier, Line, free_point};
 use crate::complex::measure::{Shape, circumcircle, has_small_dihedral};
 use crate::mesh::bounds::Bounds;
-use crate::mesh::facet::Seed;
 use crate::mesh::item::{Item, Queues, Work};
 use crate::mesh::key::sorted;
 use crate::mesh::state::{FACE, Place, State};
 use crate::queue::split::Refinement;
 use crate::rules::aim::TOLERANCE;
-use crate::rules::bounded::{Bounded, InMesh};
+use crate::rules::bounded::Bounded;
 use crate::rules::record::Refusal;
 use crate::rules::verdict::{Filling, Judge};
 use crate::rules::walk::Way;
@@ -229,9 +228,7 @@ impl Refinement<'_> {
             return false;
         }
         open.owner_mut().look(place);
-        let state = open.owner();
-        let closure = InMesh::open(state);
-        let judge = Judge::new(&closure, &state.survey, &self.record);
+        let judge = Judge::on_open(open.owner(), &self.record);
         let Some(filling) = judge.filling_beside(item, place, target) else { return false };
         let mut refusal = target.refusal;
         if refusal.reason.is_vague() {
@@ -433,15 +430,12 @@ impl Judge<'_> {
     ) -> Option<Filling> {
         let (mut changes, mut split) = (Vec::new(), None);
         if let Some(item) = item {
-            let seed = match item {
-                Item::Segment(ends) => {
-                    split = Some((ends, self.closure.segment(ends)?));
-                    Seed::Along(ends)
-                }
-                Item::Subface(corners) => Seed::At(corners),
+            split = match item {
+                Item::Segment(ends) => Some((ends, self.closure.segment(ends)?)),
+                Item::Subface(_) => None,
                 Item::Tet(..) => return None,
             };
-            changes = self.planned(place, seed)?;
+            changes = self.planned(place, item)?;
         }
         let ends = split.map(|(ends, _)| ends);
         let changes = self.with_patches(place, ends, changes)?;

@@ -31,15 +31,6 @@ impl Change {
     }
 }
 
-/// Where the search for a planar cavity starts.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Seed {
-    /// At the subfaces along the subsegment that is split.
-    Along([VertexId; 2]),
-    /// At the subface that is split.
-    At([VertexId; 3]),
-}
-
 /// Subfaces of a facet by their sides.
 pub(crate) struct Sides {
     /// Each side with the place of a subface that has it, sorted.

@@ -64,7 +64,7 @@ pub(crate) fn is_above(slot: usize, turn: i128) -> bool {
 impl State {
     /// The patches on which each vertex lies.
     pub(crate) fn patches_at(&self) -> Vec<Vec<u32>> {
-        let is_patch = |f: &u32| self.plc.facets[*f as usize].patch.is_some();
+        let is_patch = |f: &u32| self.is_patch(*f);
         let of = |carrier| self.plc.facets_of(carrier).iter().copied().filter(is_patch).collect();
         let mut all: Vec<Vec<u32>> = self.carriers.iter().skip(1).map(of).collect();
         all.insert(0, Vec::new());

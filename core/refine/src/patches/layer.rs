@@ -291,7 +291,7 @@ impl State {
         let mut patches = self.plc.facets_of(&self.carriers[v[0].index()]).to_vec();
         patches.retain(|&f| {
             let on = |v: &VertexId| self.lies_on(self.carriers[v.index()], f);
-            self.plc.facets[f as usize].patch.is_some() && v[1..].iter().all(on)
+            self.is_patch(f) && v[1..].iter().all(on)
         });
         !patches.is_empty()
     }

@@ -15,7 +15,6 @@ use crate::mesh::state::{Place, State};
 use crate::outcome::Reason;
 use crate::patches::layer::Hole;
 use crate::rules::aim::{ATTEMPTS, Aim, Aims, Circle};
-use crate::rules::bounded::InMesh;
 use crate::rules::record::{Record, Refusal};
 use crate::rules::verdict::{Judge, Verdict};
 use crate::rules::walk::Way;
@@ -357,9 +356,7 @@ impl<'a> Refinement<'a> {
             Err(At::SetBack(setback)) => return Proposal::SetBack(setback),
         };
         let recovers = self.bounds.is_none();
-        let state = open.owner();
-        let closure = InMesh::open(state);
-        let judge = Judge::new(&closure, &state.survey, &self.record);
+        let judge = Judge::on_open(open.owner(), &self.record);
         match verdict(Judge { recovers, ..judge }) {
             Verdict::Fill(filling) => {
                 self.inserted.fill(open, place, &filling, self.bounds.as_ref(), work);

@@ -119,7 +119,7 @@ impl Rounds<'_, '_> {
             let closure = InMesh::found(state, search);
             survey.look(&closure, &p, carrier);
             let tets = search.tets();
-            let verdict = Judge::new(&closure, survey, &self.own.record).on_tet(t, &place);
+            let verdict = Judge::new(closure, survey, &self.own.record).on_tet(t, &place);
             let (fits, first) = match verdict {
                 Verdict::Fill(_) => (true, Vec::new()),
                 Verdict::Defer(first) => (false, first),

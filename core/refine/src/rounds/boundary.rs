@@ -176,7 +176,7 @@ impl Rounds<'_, '_> {
             search.find(&state.mesh, p, from);
             let closure = InMesh::found(state, search);
             survey.look(&closure, p, place.carrier);
-            let judge = Judge::new(&closure, survey, &self.own.record);
+            let judge = Judge::new(closure, survey, &self.own.record);
             let verdict = judge.on_boundary(item, &place, is_on);
             if matches!(verdict, Verdict::Useless) {
                 continue;

@@ -3,10 +3,10 @@
 use super::{CHECK_EVERY, Candidate, Class, InsertOrder, Look, Rounds};
 use crate::RefineError;
 use crate::complex::carrier::Carrier;
-use crate::mesh::facet::{Change, Seed};
+use crate::mesh::facet::Change;
 use crate::mesh::item::Item;
 use crate::mesh::state::Place;
-use crate::rules::bounded::{Bounded, InMesh};
+use crate::rules::bounded::Bounded;
 use crate::rules::verdict::{Filling, Judge};
 use ltbw_core::order::hilbert;
 use ltbw_core::random::Random;
@@ -134,9 +134,7 @@ impl Rounds<'_, '_> {
         let mut filling = std::mem::take(filling);
         if !is_same && place.carrier != Carrier::Free {
             open.owner_mut().look(place);
-            let state = open.owner();
-            let closure = InMesh::open(state);
-            let judge = Judge::new(&closure, &state.survey, &own.record);
+            let judge = Judge::on_open(open.owner(), &own.record);
             let seen = RefineError::Invariant { what: "a point on a facet sees its planar cavity" };
             filling = judge.filling(item, place).ok_or(seen)?;
         }
@@ -192,15 +190,15 @@ impl Judge<'_> {
     /// The changes that come with a chosen boundary point whose cavity is open: of each facet it
     /// lies on, the subfaces inside the cavity go. `None` if it does not see all of their rim.
     fn filling(&self, item: Item, place: &Place) -> Option<Filling> {
-        let (split, seed) = match item {
-            Item::Segment(ends) => (Some((ends, self.closure.segment(ends)?)), Seed::Along(ends)),
-            Item::Subface(s) => (None, Seed::At(s)),
+        let split = match item {
+            Item::Segment(ends) => Some((ends, self.closure.segment(ends)?)),
+            Item::Subface(_) => None,
             Item::Tet(..) => return None,
         };
         let mut changes = Vec::new();
         for &facet in self.closure.plc().facets_of(&place.carrier) {
             let removed = self.inner_of(facet);
-            let rim = self.rim(facet, &removed, &place.p, seed)?;
+            let rim = self.rim(facet, &removed, &place.p, item)?;
             changes.push(Change { removed, rim, ..Change::of(facet) });
         }
         let lost = self.losses(split.map(|(ends, _)| ends), &changes);

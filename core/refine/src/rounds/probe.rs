@@ -13,7 +13,6 @@ use crate::mesh::limit::Limit;
 use crate::mesh::state::Place;
 use crate::outcome::Reason;
 use crate::rules::aim::{ATTEMPTS, Aim};
-use crate::rules::bounded::InMesh;
 use crate::rules::verdict::{Filling, Judge, Verdict};
 use crate::rules::walk::Way;
 use ltbw_core::cavity::{AdmitAll, Role};
@@ -165,9 +164,7 @@ impl Rounds<'_, '_> {
                 return Probe::Barred;
             }
         };
-        let state = open.owner();
-        let closure = InMesh::open(state);
-        let verdict = verdict(Judge::new(&closure, &state.survey, &own.record));
+        let verdict = verdict(Judge::on_open(open.owner(), &own.record));
         let (probe, filling) = match verdict {
             Verdict::Fill(filling) => (Probe::Fits, filling),
             Verdict::Defer(first) if is_free => (Probe::Defers(first), Filling::default()),

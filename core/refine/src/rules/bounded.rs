@@ -190,6 +190,14 @@ pub(crate) struct ByValues<'c, R> {
     pub(crate) closure: &'c R,
 }
 
+impl<R> Clone for ByValues<'_, R> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<R> Copy for ByValues<'_, R> {}
+
 /// The vertex of a number there.
 fn vertex(number: u32) -> VertexId {
     match number {

@@ -37,7 +37,7 @@ impl<'c, R: Surveyed> Survey<'c, R> {
     }
 
     fn judge(&self) -> Judge<'_, ByValues<'c, R>> {
-        Judge::new(&self.closure, &self.found, &self.record)
+        Judge::new(self.closure, &self.found, &self.record)
     }
 
     /// An item by the coordinates of its corners.
@@ -70,31 +70,26 @@ impl<'c, R: Surveyed> Survey<'c, R> {
         }
     }
 
-    /// The verdict on a point inside: nothing goes, or one of these items comes first, in rounds
-    /// the first of them.
-    pub fn rule_on_tet(&self) -> Vec<BoundaryItem> {
-        match self.judge().on_free(&self.place) {
-            Verdict::Defer(first) => {
-                first.into_iter().filter_map(|item| self.named(item)).collect()
-            }
-            Verdict::Fill(_) => Vec::new(),
-            Verdict::Refuse(_) | Verdict::Useless | Verdict::AtPatch => {
-                debug_assert!(false, "an item is the only reason, and values have no patches");
-                Vec::new()
-            }
-        }
+    /// The verdict on a point inside.
+    pub fn rule_on_tet(&self) -> Ruling {
+        self.ruling(self.judge().on_free(&self.place))
     }
 
     /// The verdict on a point of the boundary that is to split an item.
     pub fn rule_on_item(&self, item: &BoundaryItem) -> Ruling {
         let Some(own) = self.here(item) else { return Ruling::Useless };
+        self.ruling(self.judge().on_boundary(own, &self.place, true))
+    }
+
+    /// A verdict by the coordinates of items.
+    fn ruling(&self, verdict: Verdict) -> Ruling {
         let gone = |filling: Filling| {
             let faces = filling.changes.iter().flat_map(|change| &change.removed);
             let faces = faces.map(|&s| Item::Subface(s));
             let split = filling.split.map(|(s, _)| Item::Segment(s));
             faces.chain(split).filter_map(|item| self.named(item)).collect()
         };
-        match self.judge().on_boundary(own, &self.place, true) {
+        match verdict {
             Verdict::Fill(filling) => Ruling::Fill(gone(filling)),
             Verdict::Defer(first) => {
                 Ruling::Defer(first.into_iter().filter_map(|item| self.named(item)).collect())

@@ -11,7 +11,8 @@
 use super::bounded::Bounded;
 use super::verdict::Judge;
 use crate::complex::measure::in_equatorial_ball;
-use crate::mesh::facet::{Change, Seed, Sides};
+use crate::mesh::facet::{Change, Sides};
+use crate::mesh::item::Item;
 use crate::mesh::state::Place;
 use crate::table::sides;
 use ltbw_core::topology::VertexId;
@@ -34,31 +35,33 @@ impl<B: Bounded> Judge<'_, B> {
         self.closure.plc().turn_on(f, corners)
     }
 
-    /// The changes that a point makes to the triangulations of the facets that it lies on, if these
-    /// are kept; `None` if it does not see the whole rim of one.
-    pub(crate) fn planned(&self, place: &Place, seed: Seed) -> Option<Vec<Change>> {
+    /// The changes that a point on `item` makes to the triangulations of the facets that it lies
+    /// on, if these are kept; `None` if it does not see the whole rim of one.
+    pub(crate) fn planned(&self, place: &Place, item: Item) -> Option<Vec<Change>> {
         let facets = self.closure.plc().facets_of(&place.carrier).iter();
         let kept = facets.filter(|&&f| self.is_planned(f));
-        kept.map(|&f| self.plan(f, &place.p, seed)).collect()
+        kept.map(|&f| self.plan(f, &place.p, item)).collect()
     }
 
     /// The change that `p` makes to the triangulation of facet `f`; `None` if `p` does not see its
     /// whole rim, which means that it lies elsewhere.
-    fn plan(&self, f: u32, p: &Point, seed: Seed) -> Option<Change> {
+    fn plan(&self, f: u32, p: &Point, item: Item) -> Option<Change> {
         let mut candidates: Vec<[VertexId; 3]> = self.inner_of(f);
         if let Some(state) = self.closure.state() {
             let missing = state.missing_near(f, p).into_iter();
-            candidates.extend(missing.filter(|s| self.conflicts(f, *s, p, seed)));
+            candidates.extend(missing.filter(|s| self.conflicts(f, *s, p, item)));
         }
-        let starts = |k: &usize| match seed {
-            Seed::Along([a, b]) => candidates[*k].contains(&a) && candidates[*k].contains(&b),
-            Seed::At(target) => candidates[*k] == target,
+        // At the subfaces along the subsegment that is split, or at the subface that is.
+        let starts = |k: &usize| match item {
+            Item::Segment([a, b]) => candidates[*k].contains(&a) && candidates[*k].contains(&b),
+            Item::Subface(own) => candidates[*k] == own,
+            Item::Tet(..) => false,
         };
         let starts = (0..candidates.len()).filter(starts).collect();
         let closed = |side| self.closure.segment(side).is_some();
         let list = Sides::of(&candidates).reached(&candidates, starts, closed);
         let removed: Vec<[VertexId; 3]> = list.iter().map(|&k| candidates[k]).collect();
-        self.rim(f, &removed, p, seed).map(|rim| Change { removed, rim, ..Change::of(f) })
+        self.rim(f, &removed, p, item).map(|rim| Change { removed, rim, ..Change::of(f) })
     }
 
     /// The subfaces of facet `f` inside the cavity.
@@ -68,8 +71,8 @@ impl<B: Bounded> Judge<'_, B> {
     }
 
     /// Is `p` in the perturbed circle of a missing subface, or on its edge that is split?
-    fn conflicts(&self, f: u32, s: [VertexId; 3], p: &Point, seed: Seed) -> bool {
-        if let Seed::Along([x, y]) = seed
+    fn conflicts(&self, f: u32, s: [VertexId; 3], p: &Point, item: Item) -> bool {
+        if let Item::Segment([x, y]) = item
             && s.contains(&x)
             && s.contains(&y)
         {
@@ -89,13 +92,13 @@ impl<B: Bounded> Judge<'_, B> {
         f: u32,
         removed: &[[VertexId; 3]],
         p: &Point,
-        seed: Seed,
+        item: Item,
     ) -> Option<Vec<[VertexId; 2]>> {
         let mut rim = Vec::new();
         let all = Sides::of(removed);
         for s in removed {
             for (side, opposite) in sides(*s) {
-                let split = matches!(seed, Seed::Along(e) if e == side);
+                let split = item == Item::Segment(side);
                 let shared = all.at(side).nth(1).is_some();
                 // Across a subsegment both subfaces may go, but the subsegment stays.
                 if split || shared && self.closure.segment(side).is_none() {

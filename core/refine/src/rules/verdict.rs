@@ -4,7 +4,7 @@
 use super::bounded::{Bounded, InMesh};
 use super::record::Record;
 use crate::complex::carrier::Carrier;
-use crate::mesh::facet::{Change, Seed};
+use crate::mesh::facet::Change;
 use crate::mesh::item::Item;
 use crate::mesh::key::{place_of, sort_largest_first};
 use crate::mesh::limit::Limit;
@@ -57,16 +57,23 @@ pub(crate) enum Verdict {
 
 /// The grounds of a verdict.
 pub(crate) struct Judge<'s, B: Bounded = InMesh<'s>> {
-    pub(crate) closure: &'s B,
+    pub(crate) closure: B,
     pub(crate) survey: &'s Survey<B::Tet>,
     pub(crate) record: &'s Record,
     /// Is the boundary still being recovered?
     pub(crate) recovers: bool,
 }
 
+impl<'s> Judge<'s> {
+    /// The grounds of a verdict on the point whose cavity is open, when nothing is missing.
+    pub(crate) fn on_open(state: &'s State, record: &'s Record) -> Self {
+        Self::new(InMesh::open(state), &state.survey, record)
+    }
+}
+
 impl<'s, B: Bounded> Judge<'s, B> {
     /// The grounds of a verdict when nothing is missing.
-    pub(crate) fn new(closure: &'s B, survey: &'s Survey<B::Tet>, record: &'s Record) -> Self {
+    pub(crate) fn new(closure: B, survey: &'s Survey<B::Tet>, record: &'s Record) -> Self {
         Self { closure, survey, record, recovers: false }
     }
 
@@ -95,8 +102,7 @@ impl<'s, B: Bounded> Judge<'s, B> {
             let reason = angles.and_then(|(_, angles)| angles.reason_of_segment(s));
             Verdict::Refuse(reason.unwrap_or_else(|| self.unserved(item)))
         };
-        let seed = Seed::Along(ends);
-        let Some(changes) = self.planned(place, seed) else { return refuse() };
+        let Some(changes) = self.planned(place, item) else { return refuse() };
         let Some(changes) = self.with_patches(place, Some(ends), changes) else { return refuse() };
         let lost = self.losses(Some(ends), &changes);
         self.spare(item, place, Filling { split: Some((ends, s)), changes, lost })
@@ -122,7 +128,7 @@ impl<'s, B: Bounded> Judge<'s, B> {
         }
         let changes = match self.is_planned(f) {
             _ if !is_on => None,
-            true => self.planned(place, Seed::At(corners)).map(|mut changes| {
+            true => self.planned(place, item).map(|mut changes| {
                 // A patch that would be torn is not changed.
                 let patches = self.patches(place, None, &changes);
                 changes.extend(patches.into_iter().flatten());

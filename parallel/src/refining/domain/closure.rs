@@ -81,10 +81,7 @@ impl LockedClosure {
         let collected = Collected::of(&self.closure);
         let survey = Survey::of(complex, &collected, &p, point.carrier);
         let ruling = match point.carrier {
-            Carrier::Free => match survey.rule_on_tet() {
-                first if first.is_empty() => Ruling::Fill(first),
-                first => Ruling::Defer(first),
-            },
+            Carrier::Free => survey.rule_on_tet(),
             Carrier::Segment(of, _) | Carrier::Facet(of) => match self.item(&point.item, of) {
                 Some(item) => survey.rule_on_item(&item),
                 None => Ruling::Useless,

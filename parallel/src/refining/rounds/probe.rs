@@ -281,7 +281,7 @@ impl<C: Rules> Rounds<C> {
         let own = &self.probes[k as usize];
         let (What::Tet(..), Some(told)) = (&own.what, &own.told) else { return false };
         let closure = Collected::of(&told.closure);
-        !own.survey(mesh, &closure).rule_on_tet().is_empty()
+        matches!(own.survey(mesh, &closure).rule_on_tet(), Ruling::Defer(_))
     }
 
     /// Judges a probe of whose closure all is known.
@@ -438,23 +438,24 @@ impl Probe {
         mesh: &DomainMesh<'_>,
         survey: &Survey<'_, R>,
     ) -> (Verdict, Option<Watch<R::Tet>>) {
-        match &self.what {
-            What::Tet(..) => match survey.rule_on_tet().first() {
+        let ruling = match &self.what {
+            What::Tet(..) => survey.rule_on_tet(),
+            What::Item(item) => survey.rule_on_item(item),
+        };
+        match ruling {
+            Ruling::Fill(removed) => {
+                let watch = match &self.what {
+                    What::Tet(..) => survey.watch_in_tet(),
+                    What::Item(item) => Some(survey.watch_at_item(item)),
+                };
+                (Verdict::Is(Outcome::Fits(removed)), watch)
+            }
+            Ruling::Defer(first) => match first.first() {
                 Some(&first) => (Verdict::Is(self.what.asks(mesh, first)), None),
-                None => (Verdict::Is(Outcome::Fits(Vec::new())), survey.watch_in_tet()),
+                None => (Verdict::Useless, None),
             },
-            What::Item(item) => match survey.rule_on_item(item) {
-                Ruling::Fill(removed) => {
-                    let watch = survey.watch_at_item(item);
-                    (Verdict::Is(Outcome::Fits(removed)), Some(watch))
-                }
-                Ruling::Defer(first) => match first.first() {
-                    Some(&first) => (Verdict::Is(Outcome::Asks(Box::new(first), None)), None),
-                    None => (Verdict::Useless, None),
-                },
-                Ruling::Useless => (Verdict::Useless, None),
-                Ruling::Refuse => (Verdict::Refuse, None),
-            },
+            Ruling::Useless => (Verdict::Useless, None),
+            Ruling::Refuse => (Verdict::Refuse, None),
         }
     }
 
