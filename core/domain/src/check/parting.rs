@@ -16,7 +16,7 @@
 //! vertex in common are cut by as many others.
 
 use super::complex::{Complex, Piece, Shape};
-use crate::vector::{dot, minus};
+use crate::vector::{cross, dominant, dot, minus};
 use ltbw_exact::Point;
 
 /// Pieces of other facets for each piece, on average, in a box that is not cut.
@@ -44,6 +44,26 @@ const ROUGH: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// A box: its lowest and its highest corner.
 type Bounds = [Point; 2];
+
+/// A box, and what the test of each piece asks of it.
+struct Around {
+    bounds: Bounds,
+    middle: Point,
+    /// Half of its sides.
+    half: Point,
+    /// Its largest coordinate.
+    reach: f64,
+}
+
+impl Around {
+    fn new(bounds: Bounds) -> Self {
+        let [low, high] = bounds;
+        let middle = [0, 1, 2].map(|k: usize| low[k] / 2.0 + high[k] / 2.0);
+        let half = [0, 1, 2].map(|k: usize| high[k] / 2.0 - low[k] / 2.0);
+        let reach = low.iter().chain(&high).fold(0.0, |m: f64, c| m.max(c.abs()));
+        Self { bounds, middle, half, reach }
+    }
+}
 
 /// Lists of pieces, ascending, such that every two pieces of different facets that meet are in one
 /// of them; and the number of pieces in all boxes that were looked at.
@@ -226,8 +246,8 @@ impl Parting<'_> {
         let face = |(axis, side): (usize, usize)| {
             let mut bounds = cube;
             bounds[1 - side][axis] = cube[side][axis];
-            let mut on = Listed::default();
-            let met = list.iter().filter(|&&n| self.may_meet(n, &bounds));
+            let (mut on, around) = (Listed::default(), Around::new(bounds));
+            let met = list.iter().filter(|&&n| self.may_meet(n, &around));
             met.for_each(|&n| self.push(n, &mut on));
             (on, bounds)
         };
@@ -276,11 +296,12 @@ impl Parting<'_> {
         let mut halves = Halves { bounds: [bounds; 2], ..Halves::default() };
         halves.bounds[0][1][axis] = middle;
         halves.bounds[1][0][axis] = middle;
+        let around = halves.bounds.map(Around::new);
         for &n in list {
             let piece = &self.pieces[n as usize];
             let on = [piece.low[axis] <= middle, piece.high[axis] >= middle];
             for side in (0..2).filter(|&side| on[side]) {
-                if !on[1 - side] || self.may_meet(n, &halves.bounds[side]) {
+                if !on[1 - side] || self.may_meet(n, &around[side]) {
                     self.push(n, &mut halves.lists[side]);
                 }
             }
@@ -288,45 +309,40 @@ impl Parting<'_> {
         Some(halves)
     }
 
-    /// May a piece meet a box? No if a plane parts them that is normal to an axis, to a side of the
-    /// piece and an axis, or to the piece.
-    fn may_meet(&self, number: u32, [low, high]: &Bounds) -> bool {
+    /// May a piece meet a box? No if a plane parts them that is normal to an axis, to the piece, or
+    /// to a side of the piece and an axis.
+    fn may_meet(&self, number: u32, around: &Around) -> bool {
         let piece = &self.pieces[number as usize];
+        let Around { bounds: [low, high], middle, half, reach } = around;
         if (0..3).any(|k| piece.low[k] > high[k] || piece.high[k] < low[k]) {
             return false;
         }
         // Sides of length 0, which all but triangles have, part nothing.
         let corners = self.complex.corners(number).0;
-        let middle = [0, 1, 2].map(|k: usize| low[k] / 2.0 + high[k] / 2.0);
-        let half = [0, 1, 2].map(|k: usize| high[k] / 2.0 - low[k] / 2.0);
-        let reach = |m: f64, k: usize| {
-            let all = [piece.low[k], piece.high[k], low[k], high[k]];
-            all.iter().fold(m, |m, c| m.max(c.abs()))
-        };
-        let slack = SLACK * (0..3).fold(0.0, reach);
+        let own = |m: f64, k: usize| m.max(piece.low[k].abs()).max(piece.high[k].abs());
+        let slack = SLACK * (0..3).fold(*reach, own);
         let at = corners.map(|p| [0, 1, 2].map(|k: usize| p[k] - middle[k]));
         let sides = [[0, 1], [1, 2], [2, 0]];
         let sides = sides.map(|[a, b]| [0, 1, 2].map(|k: usize| corners[b][k] - corners[a][k]));
         let size = sides.map(|e: Point| e[0].abs().max(e[1].abs()).max(e[2].abs()));
-        for (i, j) in [(1, 2), (2, 0), (0, 1)] {
-            for (k, e) in sides.iter().enumerate() {
+        let n = cross(&sides[0], &sides[1]);
+        let spread = n.map(f64::abs);
+        if dot(&n, &at[0]).abs() > dot(&spread, half) + slack * size[0] * size[1] {
+            return false;
+        }
+        // The plane to which a piece is closest comes first: there it is seen at its widest, and a
+        // long thin triangle is parted from most boxes beside it.
+        let flat = dominant(&n);
+        (0..3).all(|turn| {
+            let (i, j) = ((flat + turn + 1) % 3, (flat + turn + 2) % 3);
+            sides.iter().enumerate().all(|(k, e)| {
                 let height = |p: &Point| p[i] * e[j] - p[j] * e[i];
                 // Both ends of the side are at one height.
                 let (one, other) = (height(&at[k]), height(&at[(k + 2) % 3]));
                 let own = e[j].abs() * half[i] + e[i].abs() * half[j] + slack * size[k];
-                if one.min(other) > own || one.max(other) < -own {
-                    return false;
-                }
-            }
-        }
-        let (u, v) = (&sides[0], &sides[1]);
-        let n = [0, 1, 2].map(|k: usize| {
-            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            u[i] * v[j] - u[j] * v[i]
-        });
-        let height = n[0] * at[0][0] + n[1] * at[0][1] + n[2] * at[0][2];
-        let own = n[0].abs() * half[0] + n[1].abs() * half[1] + n[2].abs() * half[2];
-        height.abs() <= own + slack * size[0] * size[1]
+                !(one.min(other) > own || one.max(other) < -own)
+            })
+        })
     }
 }
 
