@@ -42,6 +42,8 @@ pub mod require;
 pub mod small_world;
 pub mod solids;
 
+use std::ops::Range;
+
 /// Number of random cases: `LTBW_CASES` if it is set, else `default`.
 ///
 /// # Panics
@@ -50,6 +52,19 @@ pub mod solids;
 pub fn cases(default: u32) -> u32 {
     std::env::var("LTBW_CASES")
         .map_or(default, |text| text.parse().expect("LTBW_CASES is a whole number"))
+}
+
+/// The seeds of random cases: `LTBW_CASES` if it is set (their number, or `first..end`, so that a
+/// long run can be done in pieces), else as many as `default`, from 0 on.
+///
+/// # Panics
+/// If `LTBW_CASES` is neither.
+#[must_use]
+pub fn seeds(default: u32) -> Range<u64> {
+    let Ok(text) = std::env::var("LTBW_CASES") else { return 0..u64::from(default) };
+    let (first, end) = text.split_once("..").unwrap_or(("0", &text));
+    let number = |text: &str| text.parse().expect("LTBW_CASES is 1000 or 0..1000");
+    number(first)..number(end)
 }
 
 /// The median of at least one number; of an even count, the mean of the middle two.

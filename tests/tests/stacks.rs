@@ -9,13 +9,20 @@ use ltbw::domain::Prepared;
 use ltbw::refine::{RefineOutcome, Refined, Refiner};
 use ltbw::refining::rounds_on_threads;
 use ltbw::threads::Parallel;
-use ltbw_tests::cases;
 use ltbw_tests::domains::prepared;
 use ltbw_tests::excuses::{ALLOWED, Meeting, judge_refined, limits};
 use ltbw_tests::layered::Stack;
+use ltbw_tests::seeds;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread::available_parallelism;
 
 /// The stacks of a usual run.
 const USUAL: u32 = 60;
+
+/// Stacks after which a long run says how far it is.
+const SHOWN: usize = 50;
 
 /// The bound beside that of a circumradius of at most twice the shortest edge: a volume of at most
 /// this part of the stack's, if any.
@@ -89,21 +96,42 @@ impl Case {
     }
 }
 
-/// Runs `judge` for every seed, and fails with all that it has found wrong.
-fn for_each_stack(what: &str, judge: impl Fn(u64) -> Vec<Result<(), String>>) {
-    let count = u64::from(cases(USUAL));
-    let (mut runs, mut stacks, mut wrong) = (0, 0, Vec::new());
-    for seed in 0..count {
-        let found = judge(seed);
-        runs += found.len();
-        stacks += usize::from(found.iter().any(Result::is_err));
-        for text in found.into_iter().filter_map(Result::err) {
-            println!("{what}: {text}");
-            wrong.push(text);
+/// Runs `judge` for every seed, in more than the usual number of them on every processor, and
+/// fails with all that it has found wrong.
+fn for_each_stack(what: &str, judge: impl Fn(u64) -> Vec<Result<(), String>> + Sync) {
+    let seeds = seeds(USUAL);
+    let count = seeds.clone().count();
+    let (next, found) = (AtomicU64::new(seeds.start), Mutex::new(BTreeMap::new()));
+    let work = || {
+        loop {
+            let seed = next.fetch_add(1, Ordering::Relaxed);
+            if seed >= seeds.end {
+                return;
+            }
+            let judged = judge(seed);
+            judged.iter().filter_map(|case| case.as_ref().err()).for_each(|text| {
+                println!("{what}: {text}");
+            });
+            let mut found = found.lock().unwrap_or_else(PoisonError::into_inner);
+            found.insert(seed, judged);
+            if found.len().is_multiple_of(SHOWN) {
+                println!("{what}: {} of {count} are done", found.len());
+            }
         }
-    }
+    };
+    let processors = available_parallelism().map_or(1, usize::from);
+    let together = if count > USUAL as usize { processors } else { 1 };
+    std::thread::scope(|scope| {
+        (0..together).for_each(|_| drop(scope.spawn(work)));
+    });
+    let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
+    assert_eq!(found.len(), count, "every stack is judged");
+    let stacks = found.values().filter(|judged| judged.iter().any(Result::is_err)).count();
+    let judged: Vec<_> = found.into_values().flatten().collect();
+    let runs = judged.len();
+    let wrong: Vec<String> = judged.into_iter().filter_map(Result::err).collect();
     println!("{what}: {count} stacks, {runs} cases, {} of them wrong", wrong.len());
-    assert!(runs as u64 >= count, "{runs} cases of {count} stacks");
+    assert!(runs >= count, "{runs} cases of {count} stacks");
     assert!(
         wrong.is_empty(),
         "{what}: {stacks} of {count} stacks are wrong (at most {} % of the volume may be over a \
@@ -119,7 +147,7 @@ fn stacks_meet_their_bounds() {
     for_each_stack("stacks", |seed| {
         let case = Case::new(seed);
         let all = [None, Some(3_000.0), Some(30_000.0)];
-        let is_usual = cases(USUAL) <= USUAL;
+        let is_usual = seeds(USUAL).count() <= USUAL as usize;
         let parts = match seed % 10 {
             _ if !is_usual => &all[..],
             0 => &all[2..],

@@ -54,7 +54,8 @@ cargo xtask COMMAND
                         over a bound than the angles of the domain excuse
   rounds [DIR]          refinement in rounds: 500 random domains in five orders, named ones and the
                         parts of a folder in 22, tiny ones in all
-  stacks [COUNT]        random stacks of thin layers (1,000): bounds met, one mesh for 1, 2 and 5
+  stacks [COUNT | FIRST..END]
+                        random stacks of thin layers (1,000): bounds met, one mesh for 1, 2 and 5
                         threads and for 1 and 3 workers
   bars                  the full-size bars: hashes equal to CGAL's, times within their limits
   generate              write what is generated from the descriptions of the predicates

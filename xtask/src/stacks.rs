@@ -10,10 +10,17 @@ const STACKS: &str = "1000";
 pub(crate) fn run(args: &[String]) -> Result<(), String> {
     let count = match args {
         [] => STACKS,
-        [count] if count.parse::<u32>().is_ok_and(|count| count > 0) => count,
-        _ => return Err("usage: stacks [COUNT]".to_owned()),
+        [count] if is_asked(count) => count,
+        _ => return Err("usage: stacks [COUNT | FIRST..END]".to_owned()),
     };
     let mut command = cargo();
     command.args(["test", "--release", "-p", "ltbw-tests", "--test", "workspace"]);
     shell::run(command.args(["stacks::", "--", "--nocapture"]).env("LTBW_CASES", count))
+}
+
+/// Is this a number of stacks, or a range of their seeds?
+fn is_asked(text: &str) -> bool {
+    let (first, end) = text.split_once("..").unwrap_or(("0", text));
+    let number = |text: &str| text.parse::<u64>().ok();
+    number(first).zip(number(end)).is_some_and(|(first, end)| first < end)
 }
