@@ -47,6 +47,7 @@ fn run_part(
         command.args(["--workspace", "--test", "models"]);
     } else {
         command.args(["-p", "ltbw-models", "--tests"]);
+        command.args(["--config", "profile.dev.package.'*'.opt-level=1"]);
     }
     command.args(["--", "--include-ignored"]).args(args);
     if let Some(flag) = part {
