@@ -62,7 +62,7 @@ pub use output::excuse::Excused;
 pub use output::refined::Refined;
 pub use output::share::{ExcusedShare, Verdict};
 #[doc(hidden)]
-pub use rounds::{Bad, Ranked, are_joined, sift, witness};
+pub use rounds::{Bad, Keys, Ranked, are_joined};
 pub use rounds::{InsertOrder, RoundTimes};
 #[doc(hidden)]
 pub use rules::aim::Aim;

@@ -14,14 +14,7 @@ macro_rules! by_slot {
         pub(crate) struct $name(Vec<$atomic>);
 
         impl $name {
-            /// Nothing, and memory for this many slots, on huge pages where there are any.
-            pub(crate) fn with_room_for(slots: usize) -> Self {
-                let mut own = Self::default();
-                own.expect(slots);
-                own
-            }
-
-            /// Takes memory for this many slots. A hint.
+            /// Takes memory for this many slots, on huge pages where there are any. A hint.
             pub(crate) fn expect(&mut self, slots: usize) {
                 expect(&mut self.0, slots);
             }
@@ -59,8 +52,8 @@ by_slot! {
     Words, u32, AtomicU32
 }
 by_slot! {
-    /// A key for each slot.
-    Keys, u64, AtomicU64
+    /// A long word for each slot.
+    Longs, u64, AtomicU64
 }
 
 impl Words {

@@ -144,10 +144,8 @@ impl Rounds<'_, '_> {
                     return;
                 }
             }
-            // Reserved at once, while they are in this thread's cache: the largest entry stays,
-            // whoever writes first.
-            let entry = self.free + self.count - rank;
-            tets.iter().for_each(|&t| self.reserved.raise(t, entry, self.threads == 1));
+            // Reserved at once, while they are in this thread's cache.
+            self.reserved.reserve(rank, tets, self.threads == 1);
             let start = batch.cavities.len();
             batch.cavities.extend(tets);
             batch.probed.push(Probed::Reserves(Reserves {
@@ -173,16 +171,14 @@ impl Rounds<'_, '_> {
                 }
             };
             let Reserves { item, rank, place, cavity, fits, is_marked } = own;
-            let start = self.cavities.len();
-            self.cavities.extend_from_slice(&batch.cavities[cavity]);
-            let cavity = start..self.cavities.len();
+            let cavity = self.choice.add_cavity(&batch.cavities[cavity]);
             let filling = Filling::default();
             let own =
                 Candidate { item, rank, fits, is_marked, alone: false, place, cavity, filling };
-            self.candidates.push(own);
+            self.choice.candidates.push(own);
         }
-        self.conclusions.extend(batch.conclusions);
-        self.new_blocks.extend(batch.blocks);
+        self.demands.conclusions.extend(batch.conclusions);
+        self.blocks.found.extend(batch.blocks);
         self.stats.searches += batch.searches;
         self.own.state.mesh.add_stats(batch.stats);
     }

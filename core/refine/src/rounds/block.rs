@@ -33,6 +33,23 @@ pub(super) struct Block {
     sides: [Thin; 2],
 }
 
+/// The subfaces that tetrahedra were refused for.
+#[derive(Debug, Default)]
+pub(super) struct Blocks {
+    /// In earlier rounds.
+    kept: Vec<Block>,
+    /// In this one.
+    pub(super) found: Vec<Block>,
+}
+
+impl Blocks {
+    /// Forgets all.
+    pub(super) fn clear(&mut self) {
+        self.kept.clear();
+        self.found.clear();
+    }
+}
+
 impl Rounds<'_, '_> {
     /// The subfaces that a refused point would take out of the mesh, of the boundary in its cavity,
     /// if they may not be split under its limit.
@@ -77,15 +94,15 @@ impl Rounds<'_, '_> {
 
     /// Notes such subfaces of the last candidate, whose cavity was open.
     pub(super) fn note_blocks(&mut self, limit: Option<Limit>) {
-        let Some(own) = self.candidates.last() else { return };
-        let tets = &self.cavities[own.cavity.clone()];
+        let Some(own) = self.choice.candidates.last() else { return };
+        let tets = self.choice.cavity_of(own);
         let found = self.blocks_in(tets, &self.own.state.survey, limit);
-        self.new_blocks.extend(found);
+        self.blocks.found.extend(found);
     }
 
     /// Forgets subfaces that are gone, or may be split, or have another tetrahedron beside them.
     pub(super) fn check_blocks(&mut self) {
-        let Self { blocks, own, .. } = self;
+        let Self { blocks: Blocks { kept: blocks, .. }, own, .. } = self;
         let (state, record) = (&own.state, &own.record);
         blocks.retain(|block| {
             block.sides.iter().all(|&(t, v)| state.is_live(t, v))
@@ -97,13 +114,13 @@ impl Rounds<'_, '_> {
     /// Adds the subfaces that were found in this round to those that are kept, and refuses those of
     /// the foremost that they bar and that were not probed.
     pub(super) fn refuse_blocked(&mut self) {
-        let mut found = std::mem::take(&mut self.new_blocks);
-        found.retain(|block| self.blocks.iter().all(|other| other.corners != block.corners));
+        let mut found = std::mem::take(&mut self.blocks.found);
+        found.retain(|block| self.blocks.kept.iter().all(|other| other.corners != block.corners));
         found.sort_by_cached_key(|b| self.own.state.place_of(Item::Subface(b.corners)));
         found.dedup_by_key(|block| block.corners);
-        found.truncate(MOST[1].saturating_sub(self.blocks.len()));
-        self.blocks.append(&mut found);
-        if self.blocks.is_empty() {
+        found.truncate(MOST[1].saturating_sub(self.blocks.kept.len()));
+        self.blocks.kept.append(&mut found);
+        if self.blocks.kept.is_empty() {
             return;
         }
         let followers: Vec<Foremost> = self.followers().copied().collect();
@@ -124,7 +141,7 @@ impl Rounds<'_, '_> {
         let mesh = &self.own.state.mesh;
         let is_lost = |block: &&Block| block.sides.iter().all(|&(t, _)| mesh.in_conflict(t, p));
         let lost: Vec<Item> =
-            self.blocks.iter().filter(is_lost).map(|b| Item::Subface(b.corners)).collect();
+            self.blocks.kept.iter().filter(is_lost).map(|b| Item::Subface(b.corners)).collect();
         if lost.is_empty() {
             return None;
         }
@@ -156,15 +173,15 @@ mod tests {
     /// A tetrahedron over its bounds with a subface between two regions, and the one behind it.
     fn beside_two_regions(rounds: &Rounds<'_, '_>) -> Option<(TetId, [VertexId; 3], TetId)> {
         let state = &rounds.own.state;
-        rounds.bad.iter().find_map(|bad| {
-            let tet = state.mesh.topology().at(bad.t);
+        rounds.keys.entries().find_map(|t| {
+            let tet = state.mesh.topology().at(t);
             let slot = (0..4).find(|&slot| {
                 let other = tet_of(tet.neighbours()[slot]);
-                state.marks.of(bad.t) & face_bit(slot) != 0
+                state.marks.of(t) & face_bit(slot) != 0
                     && !state.mesh.topology().at(other).is_ghost()
             })?;
             let corners = FACE[slot].map(|k| tet.vertices()[k]);
-            Some((bad.t, corners, tet_of(tet.neighbours()[slot])))
+            Some((t, corners, tet_of(tet.neighbours()[slot])))
         })
     }
 
@@ -189,9 +206,9 @@ mod tests {
             let p = [0, 1, 2].map(|k| points.iter().map(|p| p[k] / 3.0).sum::<f64>().round());
             let [a, b, c] = corners;
             let corners = triangle(a, b, c);
-            let own = rounds.foremost_at(t, 1);
+            let own = rounds.own.state.foremost_at(t, 1);
             let sides = [t, other].map(|t| (t, rounds.own.state.vertices(t)));
-            rounds.blocks.push(Block { corners, sides });
+            rounds.blocks.kept.push(Block { corners, sides });
             let limit = rounds.limit(t, &own.shape).expect("bounds");
             let item = Item::Subface(corners);
             for (factor, is_barred) in [(0.5, true), (1.0, true), (2.0, false)] {
@@ -214,17 +231,17 @@ mod tests {
             let item = Item::Subface(corners);
             rounds.own.record.refused.insert(item, Refusal::final_for(Reason::Floor));
             let sides = [t, other].map(|t| (t, rounds.own.state.vertices(t)));
-            rounds.blocks.push(Block { corners, sides });
+            rounds.blocks.kept.push(Block { corners, sides });
             rounds.check_blocks();
-            assert_eq!(rounds.blocks.len(), 1, "both are there");
+            assert_eq!(rounds.blocks.kept.len(), 1, "both are there");
             // The one that was here had another apex.
             let apex = |v: [VertexId; 4]| (0..4).find(|&k| !corners.contains(&v[k]));
             let [mut gone, stays] = sides;
             let [k, j] = [gone, stays].map(|(_, v)| apex(v).expect("an apex"));
             gone.1[k] = stays.1[j];
-            rounds.blocks[0].sides = [gone, stays];
+            rounds.blocks.kept[0].sides = [gone, stays];
             rounds.check_blocks();
-            assert!(rounds.blocks.is_empty(), "kept by its slot");
+            assert!(rounds.blocks.kept.is_empty(), "kept by its slot");
         });
     }
 }

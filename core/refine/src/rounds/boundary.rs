@@ -109,9 +109,9 @@ impl Rounds<'_, '_> {
                 self.take_looked((item, near), looked, &batch.tets);
             }
         }
-        let (this, count) = (&*self, self.candidates.len());
+        let (this, count) = (&*self, self.choice.candidates.len());
         let judge = |k: usize| {
-            let has_way = !this.is_barred(&this.candidates[k]);
+            let has_way = !this.is_barred(&this.choice.candidates[k]);
             (has_way, has_way && this.survives(k))
         };
         let judged: Vec<(bool, bool)> = match this.threads > 1 && count >= MANY {
@@ -121,7 +121,7 @@ impl Rounds<'_, '_> {
         for (k, (has_way, stays)) in judged.into_iter().enumerate() {
             self.stats.barred += u64::from(!has_way);
             if stays {
-                self.chosen.push(k);
+                self.choice.chosen.push(k);
             }
         }
         false
@@ -195,7 +195,7 @@ impl Rounds<'_, '_> {
     fn take_looked(&mut self, (item, near): (Item, TetId), looked: Looked, list: &[TetId]) {
         let found = match looked {
             Looked::Gone => {
-                self.pending.remove(&item);
+                self.demands.remove(&item);
                 return;
             }
             Looked::Refused(reason) => return self.refuse(item, reason),
@@ -205,13 +205,11 @@ impl Rounds<'_, '_> {
         self.stats.searches += 1;
         match verdict {
             Verdict::Fill(filling) => {
-                let start = self.cavities.len();
-                self.cavities.extend_from_slice(&list[cavity]);
-                let cavity = start..self.cavities.len();
-                let rank = self.candidates.len() as u32;
+                let cavity = self.choice.add_cavity(&list[cavity]);
+                let rank = self.choice.candidates.len() as u32;
                 let (fits, alone) = (true, false);
                 let own = Candidate { item, rank, fits, is_marked, alone, place, cavity, filling };
-                self.candidates.push(own);
+                self.choice.candidates.push(own);
                 self.reserve_last();
             }
             Verdict::Defer(first) => self.wait(item, first, near),
@@ -224,9 +222,10 @@ impl Rounds<'_, '_> {
     /// the same segment or facet? Only the foremost of a slot counts: those behind that one wait.
     fn is_barred(&self, own: &Candidate) -> bool {
         self.has_in_closure(own, |t| {
-            let rank = || (self.free + self.count - self.reserved.at(t)) as usize;
-            self.has_rival(t, own.rank)
-                && !is_same(self.candidates[rank()].place.carrier, own.place.carrier)
+            let before = self.reserved.holder(t).filter(|&other| other < own.rank as usize);
+            before.is_some_and(|other| {
+                !is_same(self.choice.candidates[other].place.carrier, own.place.carrier)
+            })
         })
     }
 
@@ -235,14 +234,14 @@ impl Rounds<'_, '_> {
         for attempt in 0..=ATTEMPTS {
             let (place, is_on) = match self.proposed(item, near, attempt) {
                 Proposed::Gone => {
-                    self.pending.remove(&item);
+                    self.demands.remove(&item);
                     return;
                 }
                 Proposed::Refused(reason) => return self.refuse(item, reason),
                 Proposed::Useless => continue,
                 Proposed::At(place, is_on) => (place, is_on),
             };
-            let rank = self.candidates.len() as u32;
+            let rank = self.choice.candidates.len() as u32;
             let verdict = |judge: Judge<'_>| judge.on_boundary(item, &place, is_on);
             match self.probe((item, rank), &place, verdict) {
                 Probe::Fits => return self.take_or_drop(),

@@ -9,7 +9,7 @@
 //! with a larger key waits for the next round, unless both points are on one segment, or in one
 //! facet and the cavity there has not this subface.
 
-use super::{CHECK_EVERY, Candidate, Class, LAST, Look, Rounds};
+use super::{CHECK_EVERY, Candidate, Class, Look, Rounds};
 use crate::mesh::item::Item;
 use ltbw_core::topology::TetId;
 use rayon::prelude::*;
@@ -34,25 +34,22 @@ pub fn are_joined(items: usize, counted: usize) -> bool {
 impl Rounds<'_, '_> {
     /// Chooses the candidates of a class that are to be inserted; `true` if the work is cancelled.
     pub(super) fn choose(&mut self, class: Class, look: Look<'_>) -> bool {
-        self.candidates.clear();
-        self.chosen.clear();
-        self.cavities.clear();
+        self.choice.clear();
         match class {
             Class::Slivers => self.choose_slivers(look),
             Class::Tets => {
-                self.forget_reserved(self.leaders.len());
+                self.reserved.start(self.front.leaders.len(), 0);
                 self.choose_tets(look)
             }
             Class::Boundary => {
                 let ready = self.ready();
                 // At patches points are alone in their closures.
-                let joined = !self.in_waves && are_joined(ready.len(), self.counted);
+                let joined = !self.in_waves && are_joined(ready.len(), self.front.counted);
                 if joined {
                     self.find_foremost();
                 }
-                let tets = if joined { self.leaders.len() } else { 0 };
-                self.forget_reserved(ready.len() + tets);
-                self.boundary = ready.len() as u32;
+                let tets = if joined { self.front.leaders.len() } else { 0 };
+                self.reserved.start(ready.len() + tets, ready.len());
                 self.probe_boundary(&ready, look) || joined && self.choose_tets(look)
             }
         }
@@ -62,23 +59,21 @@ impl Rounds<'_, '_> {
     /// Their ranks follow those of boundary items.
     fn choose_tets(&mut self, look: Look<'_>) -> bool {
         let (ranks, order) = self.ranks();
-        let others = self.candidates.len();
+        let others = self.choice.candidates.len();
         self.check_blocks();
-        let all = self.count as usize;
-        let (mut first, mut wave) =
-            (self.boundary as usize, if self.in_waves { 1 } else { ranks.len() });
+        let of_tets = self.reserved.of_tets();
+        let (start, all) = (of_tets.start as usize, of_tets.end as usize);
+        let (mut first, mut wave) = (start, if self.in_waves { 1 } else { ranks.len() });
         while first < all {
             let has = |k: u32| (first..first + wave).contains(&(ranks[k as usize] as usize));
             // Of the first wave nobody knows yet whether it is killed.
-            let is_first = first == self.boundary as usize;
+            let is_first = first == start;
             let is_alive =
-                |k: u32| is_first || !self.has_rival(self.leader(k).t, ranks[k as usize]);
+                |k: u32| is_first || !self.reserved.has_rival(self.leader(k).t, ranks[k as usize]);
             let own = order.iter().copied().filter(|&k| has(k));
             let list: Vec<u32> = own.filter(|&k| is_alive(k)).collect();
             for (k, list) in list.chunks(CHECK_EVERY * self.threads).enumerate() {
-                if (first, k) != (self.boundary as usize, 0)
-                    && look(self.own.state.mesh.num_vertices())
-                {
+                if (first, k) != (start, 0) && look(self.own.state.mesh.num_vertices()) {
                     return true;
                 }
                 let batches = self.probe_tets(list, &ranks);
@@ -87,19 +82,19 @@ impl Rounds<'_, '_> {
             first += wave;
             wave = if wave < SMALL { 2 * wave } else { all };
         }
-        if !self.alone.is_empty() {
+        if self.reserved.has_alone() {
             self.choose_in_turns();
             self.conclude();
             self.refuse_blocked();
             return false;
         }
-        let (this, count) = (&*self, self.candidates.len());
-        let is_chosen = |k: usize| this.candidates[k].fits && this.survives(k);
+        let (this, count) = (&*self, self.choice.candidates.len());
+        let is_chosen = |k: usize| this.choice.candidates[k].fits && this.survives(k);
         let chosen: Vec<usize> = match this.threads > 1 && count - others >= MANY {
             true => (others..count).into_par_iter().filter(|&k| is_chosen(k)).collect(),
             false => (others..count).filter(|&k| is_chosen(k)).collect(),
         };
-        self.chosen.extend(chosen);
+        self.choice.chosen.extend(chosen);
         self.conclude();
         self.refuse_blocked();
         false
@@ -109,86 +104,62 @@ impl Rounds<'_, '_> {
     /// the slots are reserved anew, by those alone that no earlier one of these has killed. Else
     /// whole chains would wait, each one for the next.
     pub(super) fn choose_in_turns(&mut self) {
-        let alone = std::mem::take(&mut self.alone);
-        self.forget_reserved(self.count as usize);
-        self.alone = alone;
-        let mut turns: Vec<usize> = (0..self.candidates.len()).collect();
-        turns.sort_unstable_by_key(|&k| self.candidates[k].rank);
+        self.reserved.start_again();
+        let mut turns: Vec<usize> = (0..self.choice.candidates.len()).collect();
+        turns.sort_unstable_by_key(|&k| self.choice.candidates[k].rank);
         for k in turns {
-            let own = &self.candidates[k];
+            let own = &self.choice.candidates[k];
             // One that asks for others keeps its place free.
             let stays = match own.item {
-                Item::Tet(t, _) if !own.fits => !self.has_rival(t, own.rank),
+                Item::Tet(t, _) if !own.fits => !self.reserved.has_rival(t, own.rank),
                 _ => self.survives(k),
             };
             if stays {
                 self.reserve(k);
             }
-            if stays && self.candidates[k].fits {
-                self.chosen.push(k);
+            if stays && self.choice.candidates[k].fits {
+                self.choice.chosen.push(k);
             }
         }
-        self.chosen.sort_unstable();
+        self.choice.chosen.sort_unstable();
     }
 
     /// The pending items that wait for none, subsegments first, then by their keys, each with a
     /// slot near it.
     fn ready(&self) -> Vec<(Item, TetId)> {
         let state = &self.own.state;
-        let ready = self.pending.iter().filter(|(_, pending)| self.is_ready(pending));
-        let mut items: Vec<_> = ready
-            .map(|(&item, pending)| {
-                let (key, place) = (state.key_of(item), state.place_of(item));
-                let is_subface = matches!(item, Item::Subface(_));
-                ((is_subface, Reverse(key), place), item, pending.near)
-            })
-            .collect();
+        let ready = self.demands.ready().map(|(item, near)| {
+            let (key, place) = (state.key_of(item), state.place_of(item));
+            let is_subface = matches!(item, Item::Subface(_));
+            ((is_subface, Reverse(key), place), item, near)
+        });
+        let mut items: Vec<_> = ready.collect();
         items.sort_unstable_by_key(|own| own.0);
         items.into_iter().map(|(_, item, near)| (item, near)).collect()
     }
 
-    /// Starts a round of `count` ranks, in which no slot is reserved or written.
-    pub(super) fn forget_reserved(&mut self, count: usize) {
-        let count = count as u32;
-        self.free = match self.written().checked_add(count).filter(|&most| most < LAST) {
-            Some(_) => self.written(),
-            None => {
-                self.reserved.clear();
-                0
-            }
-        };
-        (self.count, self.boundary, self.batch) = (count, 0, 0);
-        self.alone.clear();
-    }
-
     /// Takes the last candidate, whose cavity is its own from now on, where none before it has it.
     pub(super) fn take(&mut self) {
-        self.chosen.push(self.candidates.len() - 1);
+        self.choice.chosen.push(self.choice.candidates.len() - 1);
         self.reserve_last();
     }
 
     /// Writes the last candidate into the slots of its cavity, where none before it is.
     pub(super) fn reserve_last(&mut self) {
-        if let Some(k) = self.candidates.len().checked_sub(1) {
+        if let Some(k) = self.choice.candidates.len().checked_sub(1) {
             self.reserve(k);
         }
     }
 
     pub(super) fn reserve(&mut self, k: usize) {
-        let candidate = &self.candidates[k];
-        let own = self.free + self.count - candidate.rank;
-        for &t in &self.cavities[candidate.cavity.clone()] {
-            self.reserved.raise(t, own, true);
-        }
+        let candidate = &self.choice.candidates[k];
+        self.reserved.reserve(candidate.rank, self.choice.cavity_of(candidate), true);
     }
 
     /// Notes by its rank whether the last candidate has to be alone.
     pub(super) fn note_alone(&mut self) {
-        if let Some(candidate) = self.candidates.last()
-            && (candidate.alone || !self.alone.is_empty())
-        {
-            self.alone.resize(self.count as usize, false);
-            self.alone[candidate.rank as usize] = candidate.alone;
+        if let Some(candidate) = self.choice.candidates.last() {
+            self.reserved.note_alone(candidate.rank, candidate.alone);
         }
     }
 
@@ -196,36 +167,33 @@ impl Rounds<'_, '_> {
     /// be alone?
     fn is_crowded(&self, own: &Candidate) -> bool {
         let is_met = |t: TetId| {
-            let other = self.reserved.at(t);
-            let rank = || (self.free + self.count - other) as usize;
-            self.has_rival(t, own.rank) && (own.alone || self.alone[rank()])
+            let before = self.reserved.holder(t).filter(|&other| other < own.rank as usize);
+            before.is_some_and(|other| own.alone || self.reserved.is_alone(other))
         };
-        !self.alone.is_empty() && self.has_in_closure(own, is_met)
+        self.reserved.has_alone() && self.has_in_closure(own, is_met)
     }
 
     /// Has a candidate's closure a slot of this kind?
     pub(super) fn has_in_closure(&self, own: &Candidate, is: impl Fn(TetId) -> bool) -> bool {
-        let mut cavity = self.cavities[own.cavity.clone()].iter();
+        let mut cavity = self.choice.cavity_of(own).iter();
         cavity.any(|&t| is(t) || self.neighbours(t).into_iter().any(&is))
     }
 
     /// Has the closure of a tetrahedron's candidate slots in the cavities of boundary items?
     fn is_beside_boundary(&self, own: &Candidate) -> bool {
-        let has = |t: TetId| self.has_rival(t, self.boundary);
-        self.boundary > 0 && matches!(own.item, Item::Tet(..)) && self.has_in_closure(own, has)
-    }
-
-    /// Does a candidate before the one of this rank have slot `t` in its cavity?
-    pub(super) fn has_rival(&self, t: TetId, rank: u32) -> bool {
-        self.reserved.at(t) > self.free + self.count - rank
+        let boundary = self.reserved.of_boundary();
+        let has = |t: TetId| self.reserved.has_rival(t, boundary.end);
+        !boundary.is_empty() && matches!(own.item, Item::Tet(..)) && self.has_in_closure(own, has)
     }
 
     /// Is a candidate killed by none before it, and loses no item together with others?
     pub(super) fn survives(&self, k: usize) -> bool {
-        let own = &self.candidates[k];
+        let own = &self.choice.candidates[k];
         let is_killed = match own.item {
-            Item::Subface(s) => self.tets_at(own, s).iter().all(|&t| self.has_rival(t, own.rank)),
-            Item::Tet(t, _) => self.has_rival(t, own.rank),
+            Item::Subface(s) => {
+                self.tets_at(own, s).iter().all(|&t| self.reserved.has_rival(t, own.rank))
+            }
+            Item::Tet(t, _) => self.reserved.has_rival(t, own.rank),
             Item::Segment(_) => false,
         };
         // Only what is marked can be lost.

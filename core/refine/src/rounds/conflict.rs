@@ -12,7 +12,7 @@ use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
 impl Rounds<'_, '_> {
     /// The two tetrahedra at a subface that a candidate is to split.
     pub(super) fn tets_at(&self, own: &Candidate, s: [VertexId; 3]) -> Vec<TetId> {
-        let cavity = &self.cavities[own.cavity.clone()];
+        let cavity = self.choice.cavity_of(own);
         let has = |t: &&TetId| {
             let v = self.own.state.vertices(**t);
             s.iter().all(|c| v.contains(c))
@@ -23,7 +23,7 @@ impl Rounds<'_, '_> {
     /// Rules (b) and (c): does a candidate touch a face or edge that it could take out of the
     /// mesh together with one before it?
     pub(super) fn loses_jointly(&self, own: &Candidate) -> bool {
-        let cavity = &self.cavities[own.cavity.clone()];
+        let cavity = self.choice.cavity_of(own);
         cavity.iter().any(|&t| {
             let word = self.own.state.marks.of(t);
             word & FACES != 0 && self.loses_face(own, t, word)
@@ -38,7 +38,7 @@ impl Rounds<'_, '_> {
         let tet = topology.at(t);
         (0..4).filter(|&slot| word & face_bit(slot) != 0).any(|slot| {
             let outer = tet.neighbours()[slot];
-            if !self.has_rival(tet_of(outer), own.rank) {
+            if !self.reserved.has_rival(tet_of(outer), own.rank) {
                 return false;
             }
             let [a, b, c] = FACE[slot].map(|i| tet.vertices()[i]);
@@ -62,8 +62,8 @@ impl Rounds<'_, '_> {
         ENDS.into_iter().enumerate().filter(|(bit, _)| word >> (4 + bit) & 1 == 1).any(
             |(_, [i, j])| {
                 let mut beside = (0..4).filter(|&slot| slot != i && slot != j);
-                let is_met = self.has_rival(t, own.rank)
-                    || beside.any(|slot| self.has_rival(tet_of(n[slot]), own.rank));
+                let is_met = self.reserved.has_rival(t, own.rank)
+                    || beside.any(|slot| self.reserved.has_rival(tet_of(n[slot]), own.rank));
                 let is_own = || match carrier {
                     Carrier::Segment(s, _) => state.segments.get(&edge(v[i], v[j])) == Some(&s),
                     _ => false,

@@ -1,6 +1,6 @@
 //! The insertion of a round: unconditional, in any order.
 
-use super::{CHECK_EVERY, Candidate, Class, InsertOrder, Look, Rounds};
+use super::{CHECK_EVERY, Candidate, Choice, Class, InsertOrder, Look, Rounds};
 use crate::RefineError;
 use crate::complex::carrier::Carrier;
 use crate::mesh::facet::Change;
@@ -28,7 +28,7 @@ impl Rounds<'_, '_> {
     /// # Errors
     /// A point that takes an item out of the mesh, or that lies at a vertex: the choice is wrong.
     pub(super) fn insert(&mut self, class: Class, look: Look<'_>) -> Result<bool, RefineError> {
-        if self.chosen.is_empty() {
+        if self.choice.chosen.is_empty() {
             return Ok(false);
         }
         self.count_round();
@@ -59,14 +59,14 @@ impl Rounds<'_, '_> {
 
     /// Is a candidate's item inside?
     pub(super) fn is_inner(&self, k: usize) -> bool {
-        matches!(self.candidates[k].item, Item::Tet(..))
+        matches!(self.choice.candidates[k].item, Item::Tet(..))
     }
 
     /// Counts a round that inserts the chosen candidates.
     fn count_round(&mut self) {
         let mut has = [0; 3];
-        for &k in &self.chosen {
-            has[match self.candidates[k].item {
+        for &k in &self.choice.chosen {
+            has[match self.choice.candidates[k].item {
                 Item::Segment(_) => 0,
                 Item::Subface(_) => 1,
                 Item::Tet(..) => 2,
@@ -74,7 +74,7 @@ impl Rounds<'_, '_> {
         }
         self.stats.rounds += 1;
         self.stats.rounds_with = [0, 1, 2].map(|k| self.stats.rounds_with[k] + has[k]);
-        self.stats.widest = self.stats.widest.max(self.chosen.len() as u64);
+        self.stats.widest = self.stats.widest.max(self.choice.chosen.len() as u64);
     }
 
     /// Inserts candidates one after the other; returns their number, which is less than all if the
@@ -97,7 +97,7 @@ impl Rounds<'_, '_> {
     /// Asks the processor to fetch the cavities of the next candidates. A hint.
     fn fetch(&self, next: &[usize]) {
         let state = &self.own.state;
-        let cavity = |k: usize| &self.cavities[self.candidates[k].cavity.clone()];
+        let cavity = |k: usize| self.choice.cavity(k);
         if let Some(&k) = next.get(1) {
             for &t in cavity(k) {
                 state.mesh.prefetch(t);
@@ -120,11 +120,11 @@ impl Rounds<'_, '_> {
     /// nothing there, else into the one that is found now. Its vertex is `v` if that was made
     /// before.
     pub(super) fn insert_one(&mut self, k: usize, v: Option<VertexId>) -> Result<(), RefineError> {
-        let last = self.free + self.count;
-        let Self { own, candidates, cavities, reserved, nothing, .. } = self;
+        let Self { own, choice, reserved, nothing, .. } = self;
+        let Choice { candidates, cavities, .. } = choice;
         let Candidate { item, alone, ref place, ref cavity, ref mut filling, .. } = candidates[k];
         let state = &mut own.state;
-        let changed = |t: TetId| reserved.at(t) > last;
+        let changed = |t: TetId| reserved.is_written(t);
         let open = state.begin_again(place, &cavities[cavity.clone()], &changed);
         let (mut open, is_same) =
             open.map_err(|_| RefineError::Invariant { what: "chosen points are new" })?;
@@ -145,13 +145,13 @@ impl Rounds<'_, '_> {
             }
         }
         self.note_created();
-        self.pending.remove(&item);
+        self.demands.remove(&item);
         self.own.record.limits.remove(&item);
         Ok(())
     }
 
     fn in_order(&self, class: Class) -> Vec<usize> {
-        let mut order = self.chosen.clone();
+        let mut order = self.choice.chosen.clone();
         match self.order {
             InsertOrder::Forwards => {}
             InsertOrder::Backwards => order.reverse(),
@@ -175,7 +175,7 @@ impl Rounds<'_, '_> {
                 let first = &mut order[..end];
                 if first.len() >= FEW {
                     let points: Vec<_> =
-                        first.iter().map(|&k| self.candidates[k].place.p).collect();
+                        first.iter().map(|&k| self.choice.candidates[k].place.p).collect();
                     let sorted: Vec<usize> =
                         hilbert(&points).into_iter().map(|k| first[k as usize]).collect();
                     first.copy_from_slice(&sorted);

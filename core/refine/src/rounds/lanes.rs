@@ -1,15 +1,16 @@
 //! The insertion of the points of a round by several threads: each has a share of them along the
 //! curve, inserts those whose closures nobody else needs, and leaves the others.
 
+use super::keys::Keys;
+use super::reserved::Reserved;
 use super::sift::{Bad, witness};
-use super::{Candidate, Look, Rounds};
+use super::{Candidate, Choice, Look, Rounds};
 use crate::RefineError;
 use crate::complex::carrier::Carrier;
 use crate::mesh::bounds::{Bounds, Four, bits};
 use crate::mesh::item::Item;
 use crate::mesh::key::key_of_tet;
 use crate::mesh::marks::{Marks, Word};
-use crate::sync::{Keys, Words};
 use crate::thin::Thin;
 use ltbw_core::BuildError;
 use ltbw_core::mesh::lanes::{Chosen, Follow, Lanes, View};
@@ -57,15 +58,8 @@ struct Update<'u> {
     /// The candidates that are inserted.
     stage: &'u [usize],
     marks: &'u Marks,
-    reserved: &'u Words,
-    /// The largest entry of slots that were not written in this round.
-    last: u32,
-    /// The entry of those written up to the first look.
-    written: u32,
+    reserved: &'u Reserved,
     keys: &'u Keys,
-    stamps: &'u Words,
-    /// The number of looks before.
-    looks: u32,
     /// The bounds, if tetrahedra are looked at here.
     bounds: Option<&'u Bounds<'u>>,
 }
@@ -79,11 +73,8 @@ impl Update<'_> {
         let Kept { created, bad, thin, looks, insertions, .. } = own;
         *insertions = 0;
         *looks += 1;
-        let (look, first) = (self.looks + *looks, bad.len());
-        for &t in &*created {
-            self.keys.set(t, 0);
-            self.stamps.set(t, look);
-        }
+        let (look, first) = (self.keys.look() + *looks, bad.len());
+        created.iter().for_each(|&t| self.keys.write(t, 0, look));
         self.find_bad(created, look, (bounds, view), (bad, thin));
         created.clear();
         for bad in &mut bad[first..] {
@@ -143,7 +134,7 @@ impl Follow for Update<'_> {
 
     #[inline(always)]
     fn changed(&self, t: TetId) -> bool {
-        self.reserved.at(t) > self.last
+        self.reserved.is_written(t)
     }
 
     #[inline(always)]
@@ -166,14 +157,11 @@ impl Follow for Update<'_> {
             own.star.extend(star.iter().filter_map(|&t| Some((t, view.tet(t)?.vertices()))));
             filling.mark(&own.star, |t, bits| self.marks.set(t, bits), &mut own.missed);
         }
-        let written = self.written + own.looks;
         for &t in star {
-            if self.reserved.at(t) != written {
-                self.reserved.set(t, written);
+            if self.reserved.note_written(t, own.looks) {
                 own.created.push(t);
                 // These are written when the tetrahedron is looked at.
-                self.keys.prefetch(t);
-                self.stamps.prefetch(t);
+                self.keys.prefetch_all(t);
             }
         }
         own.insertions += 1;
@@ -191,9 +179,9 @@ impl Rounds<'_, '_> {
     /// May several threads insert some of the chosen points? Not if labels at a patch change: they
     /// are a function of the mesh as long as one point at a time changes it.
     pub(super) fn may_use_lanes(&self, list: &[usize]) -> bool {
-        let changes = |&k: &usize| !self.candidates[k].filling.changes.is_empty();
+        let changes = |&k: &usize| !self.choice.candidates[k].filling.changes.is_empty();
         let changes_patch = self.in_waves && list.iter().any(changes);
-        self.threads > 1 && self.alone.is_empty() && !changes_patch
+        self.threads > 1 && !self.reserved.has_alone() && !changes_patch
     }
 
     /// Inserts candidates in lanes; returns their number, which is less than all if the work is
@@ -219,13 +207,14 @@ impl Rounds<'_, '_> {
     }
 
     fn insert_stage(&mut self, stage: &[usize]) -> Result<(), RefineError> {
-        let (count, last, written) = (stage.len(), self.free + self.count, self.written());
+        let count = stage.len();
         let many = self.threads.min(count / FEW).clamp(1, Lanes::MOST);
-        let Self { own, candidates, cavities, reserved, keys, stamps, lanes, .. } = self;
+        let Self { own, choice, reserved, keys, lanes, .. } = self;
+        let Choice { candidates, cavities, .. } = choice;
         let (state, inserted) = (&mut own.state, &mut own.inserted);
         let slots = state.mesh.make_room_for(count, many).map_err(BuildError::from)?;
-        let words = || [&mut *reserved, &mut *stamps].into_iter().for_each(|own| own.grow(slots));
-        rayon::join(|| rayon::join(|| keys.grow(slots), || state.marks.grow(slots)), words);
+        let marks = || rayon::join(|| state.marks.grow(slots), || reserved.grow(slots));
+        rayon::join(|| keys.grow(slots), marks);
         let (candidates, cavities) = (&*candidates, &*cavities);
         let chosen = |k: usize| {
             let Candidate { place, cavity, .. } = &candidates[stage[k]];
@@ -234,19 +223,8 @@ impl Rounds<'_, '_> {
         };
         // Tetrahedra near small angles that points cannot help are found with the whole mesh.
         let bounds = own.bounds.as_ref().filter(|_| state.angles.is_empty());
-        let (marks, looks) = (&state.marks, self.looks);
-        let follow = Update {
-            candidates,
-            stage,
-            marks,
-            reserved,
-            last,
-            written,
-            keys,
-            stamps,
-            looks,
-            bounds,
-        };
+        let marks = &state.marks;
+        let follow = Update { candidates, stage, marks, reserved, keys, bounds };
         let Memory { lanes, kept } = lanes;
         kept.resize_with(kept.len().max(many), Kept::default);
         let all = (count, &chosen);
@@ -259,15 +237,18 @@ impl Rounds<'_, '_> {
         }
         inserted.next_number += count as u32;
         let looks = kept.iter().map(|own| own.looks).max().unwrap_or(0);
-        (self.looks, self.batch) = (self.looks + looks, self.batch + looks);
+        self.keys.pass_looks(looks);
+        self.reserved.pass_looks(looks);
         let (thin, mut missed) = (&mut inserted.thin.tets, Vec::new());
+        let mut bad = self.keys.take();
         for own in kept {
             own.looks = 0;
-            self.bad.append(&mut own.bad);
+            bad.append(&mut own.bad);
             thin.append(&mut own.thin);
             self.created.append(&mut own.created);
             missed.append(&mut own.missed);
         }
+        self.keys.put(bad);
         let vertex = |k: usize| VertexId::at(first.index() + k);
         let mut others = put_off.iter().peekable();
         for (k, &own) in stage.iter().enumerate() {
@@ -285,10 +266,10 @@ impl Rounds<'_, '_> {
 
     /// Brings tables up to date after the insertion of a boundary candidate's point.
     fn take_boundary(&mut self, k: usize, v: VertexId) {
-        let Candidate { item, ref filling, .. } = self.candidates[k];
+        let Candidate { item, ref filling, .. } = self.choice.candidates[k];
         debug_assert!(filling.lost.is_empty());
         self.own.state.enter_filling(v, filling);
-        self.pending.remove(&item);
+        self.demands.remove(&item);
         self.own.record.limits.remove(&item);
     }
 }

@@ -5,7 +5,7 @@
 
 use super::conflict::is_same;
 use super::foremost::Foremost;
-use super::{Asked, Candidate, Conclusion, Pending, Rounds};
+use super::{Asked, Candidate, Choice, Conclusion, Pending, Rounds};
 use crate::complex::carrier::Carrier;
 use crate::complex::measure::Shape;
 use crate::mesh::item::Item;
@@ -88,7 +88,7 @@ impl Rounds<'_, '_> {
             let place = match self.approach(own, rank, attempt) {
                 Approach::At(place) => place,
                 Approach::Elsewhere => continue,
-                Approach::Ends(conclusion) => return self.conclusions.push(conclusion),
+                Approach::Ends(conclusion) => return self.demands.conclusions.push(conclusion),
             };
             match self.probe((item, rank), &place, |judge| judge.on_tet(t, &place)) {
                 Probe::Fits => {
@@ -102,7 +102,7 @@ impl Rounds<'_, '_> {
                         Ok(_) => self.reserve_last(),
                         Err(_) => self.note_blocks(self.limit(t, &own.shape)),
                     }
-                    return self.conclusions.push(conclusion);
+                    return self.demands.conclusions.push(conclusion);
                 }
                 Probe::Refuses(_) | Probe::Barred | Probe::Useless => {}
             }
@@ -112,12 +112,12 @@ impl Rounds<'_, '_> {
     /// Asks for the boundary items that the probed tetrahedra wait for, and refuses those that none
     /// may be split for. One that is killed waits for what becomes of its place.
     pub(super) fn conclude(&mut self) {
-        for Conclusion { t, rank, verdict } in std::mem::take(&mut self.conclusions) {
-            if self.has_rival(t, rank) {
+        for Conclusion { t, rank, verdict } in std::mem::take(&mut self.demands.conclusions) {
+            if self.reserved.has_rival(t, rank) {
                 continue;
             }
             match verdict {
-                Ok(asked) => self.asked.push(asked),
+                Ok(asked) => self.demands.asked.push(asked),
                 Err(reason) => self.refuse(Item::Tet(t, self.own.state.vertices(t)), reason),
             }
         }
@@ -140,7 +140,8 @@ impl Rounds<'_, '_> {
         place: &Place,
         verdict: impl FnOnce(Judge<'_>) -> Verdict,
     ) -> Probe {
-        let Self { own, reserved, candidates, cavities, stats, free, count, .. } = self;
+        let Self { own, reserved, choice, stats, .. } = self;
+        let Choice { candidates, cavities, .. } = choice;
         let state = &mut own.state;
         let place = Place { from: state.start_near(place.from), ..*place };
         let first = cavities.len();
@@ -150,9 +151,8 @@ impl Rounds<'_, '_> {
             true => state.begin_and_look(&place, &mut AdmitAll),
             // Rule (d): boundary points keep apart.
             false => state.begin_and_look(&place, &mut |t: TetId, _: Role| {
-                let other = reserved.at(t);
-                let before = || &candidates[(*free + *count - other) as usize].place;
-                other <= *free || is_same(before().carrier, place.carrier)
+                let before = reserved.holder(t).map(|other| candidates[other].place.carrier);
+                before.is_none_or(|carrier| is_same(carrier, place.carrier))
             }),
         };
         let open = match open {
@@ -186,15 +186,15 @@ impl Rounds<'_, '_> {
     /// Takes the last candidate, unless one taken before it is in its way.
     pub(super) fn take_or_drop(&mut self) {
         self.note_alone();
-        if self.survives(self.candidates.len() - 1) {
+        if self.survives(self.choice.candidates.len() - 1) {
             self.take();
-        } else if let Some(last) = self.candidates.pop() {
-            self.cavities.truncate(last.cavity.start);
+        } else if let Some(last) = self.choice.candidates.pop() {
+            self.choice.cavities.truncate(last.cavity.start);
         }
     }
 
     pub(super) fn refuse(&mut self, item: Item, reason: Reason) {
-        self.refusals.push((item, reason));
+        self.demands.refusals.push((item, reason));
     }
 
     /// A boundary item waits for others, unless all of them were refused.
@@ -202,8 +202,8 @@ impl Rounds<'_, '_> {
         let limit = self.own.record.limits.get(&item).copied();
         match self.first_of(&first, limit, Reason::Rounding) {
             Ok(first) => {
-                self.asked.push(Asked { item: first, limit, near });
-                self.waits.push((item, Pending { first: Some(first), near }));
+                self.demands.asked.push(Asked { item: first, limit, near });
+                self.demands.waits.push((item, Pending { first: Some(first), near }));
             }
             Err(reason) => self.refuse(item, reason),
         }

@@ -19,7 +19,7 @@ impl Rounds<'_, '_> {
         goal: Goal,
         look: Look<'_>,
     ) -> Result<Option<Reason>, RefineError> {
-        self.forget_reserved(0);
+        self.reserved.start(0, 0);
         let mut relief = Relief::new(goal, self.own);
         let mut stop = None;
         while self.own.inserted.points.total() < self.most {

@@ -34,10 +34,10 @@ type Parted<R> = Result<(Vec<Waiting>, RefineStats), R>;
 impl Rounds<'_, '_> {
     /// Takes over from others.
     pub(crate) fn resume(&mut self, resumed: Resumed) {
-        self.counted = resumed.candidates;
-        self.handed = resumed.thin;
+        self.front.counted = resumed.candidates;
+        self.late.thin = resumed.thin;
         for Waiting { item, first, near, limit } in resumed.waiting {
-            self.pending.insert(item, Pending { first, near });
+            self.demands.pending.insert(item, Pending { first, near });
             self.own.record.limits.extend(limit.map(|limit| (item, limit)));
         }
     }
@@ -47,7 +47,7 @@ impl Rounds<'_, '_> {
     /// # Errors
     /// In debug builds: others have not seen what there is.
     pub(super) fn look_at_first(&mut self) -> Result<(), RefineError> {
-        let Some(thin) = self.handed.take() else {
+        let Some(thin) = self.late.thin.take() else {
             self.look_at_all();
             return Ok(());
         };
@@ -58,7 +58,7 @@ impl Rounds<'_, '_> {
             let mut all = std::mem::take(&mut self.own.inserted.thin.tets);
             all.sort_unstable();
             thin.sort_unstable();
-            if all != thin || !self.bad.is_empty() {
+            if all != thin || self.keys.count() > 0 {
                 return Err(RefineError::Invariant {
                     what: "others have looked at all tetrahedra",
                 });
@@ -80,8 +80,8 @@ impl Rounds<'_, '_> {
             return Ok(Err(self));
         }
         let limits = &self.own.record.limits;
-        let left = self.pending.iter().map(|(&item, own)| {
-            let first = own.first.filter(|first| self.pending.contains_key(first));
+        let left = self.demands.pending.iter().map(|(&item, own)| {
+            let first = own.first.filter(|first| self.demands.pending.contains_key(first));
             Waiting { item, first, near: own.near, limit: limits.get(&item).copied() }
         });
         Ok(Ok((left.collect(), self.stats)))

@@ -1,7 +1,7 @@
 //! After the insertions: which tetrahedra are over their bounds, with which keys.
 
+use super::Rounds;
 use super::sift::Bad;
-use super::{LAST_LOOK, Rounds};
 use crate::RefineError;
 use crate::mesh::item::Item;
 use crate::mesh::key::{key_of_tet, order_key};
@@ -28,52 +28,38 @@ impl Rounds<'_, '_> {
     pub(super) fn note_created(&mut self) {
         let slots = self.own.state.mesh.topology().slots();
         self.reserved.grow(slots);
-        let written = self.written();
         for &t in &self.own.inserted.created {
-            if self.reserved.at(t) != written {
-                self.reserved.set(t, written);
+            if self.reserved.note_written(t, 0) {
                 self.created.push(t);
                 // These are written when the tetrahedron is looked at.
-                self.keys.prefetch(t);
-                self.stamps.prefetch(t);
+                self.keys.prefetch_all(t);
             }
         }
     }
 
-    /// The entry of slots that the insertions since the last look have written: it is larger than
-    /// those of candidates, and than those written before.
-    pub(super) fn written(&self) -> u32 {
-        self.free + self.count + 1 + self.batch
-    }
-
     /// Looks at the tetrahedra made since the last look, as long as they are in the cache.
     pub(super) fn look_at_created(&mut self) {
-        let slots = self.own.state.mesh.topology().slots();
-        self.keys.grow(slots);
-        self.stamps.grow(slots);
+        self.keys.grow(self.own.state.mesh.topology().slots());
         let mut created = std::mem::take(&mut self.created);
-        self.looks += 1;
-        for &t in &created {
-            self.stamps.set(t, self.looks);
-        }
-        let first = self.bad.len();
+        self.keys.begin_look();
+        created.iter().for_each(|&t| self.keys.touch(t));
+        let first = self.keys.count();
         self.look_at(&created);
         // Several threads look for them together in the next round.
         if self.threads == 1 || created.len() < 2 * SHARE {
-            self.find_witnesses(first);
+            self.keys.find_witnesses(&self.own.state, first);
         }
         created.clear();
         self.created = created;
-        self.batch += 1;
+        self.reserved.pass_looks(1);
     }
 
     /// Gives those of some tetrahedra that are over their bounds their keys; those that points
     /// cannot help are refused at once.
     pub(super) fn look_at(&mut self, tets: &[TetId]) {
-        let mut bad = std::mem::take(&mut self.bad);
         let mut thin = std::mem::take(&mut self.own.inserted.thin.tets);
+        let (mut bad, mut refused) = (self.keys.take(), Vec::new());
         let this = &*self;
-        let mut refused = Vec::new();
         if this.threads > 1 && tets.len() >= 2 * SHARE {
             let look = |list: &[TetId]| {
                 let (mut bad, mut refused, mut thin) = (Vec::new(), Vec::new(), Vec::new());
@@ -89,7 +75,7 @@ impl Rounds<'_, '_> {
         } else {
             this.look_at_list(tets, (&mut bad, &mut refused, &mut thin));
         }
-        self.bad = bad;
+        self.keys.put(bad);
         self.own.inserted.thin.tets = thin;
         let refused = refused.into_iter().map(|(item, why)| (item, Refusal::final_for(why)));
         self.own.record.refused.extend(refused);
@@ -99,30 +85,18 @@ impl Rounds<'_, '_> {
     pub(super) fn settle(&mut self) {
         self.look_at_created();
         self.own.inserted.thin.forget_old(|(t, v)| self.own.state.is_live(t, v));
-        let last = self.free + self.count;
-        self.check_names(|t| self.reserved.at(t) > last);
+        self.check_names(|t| self.reserved.is_written(t));
         let state = &self.own.state;
         for &t in state.mesh.topology().free_slots() {
-            self.write_key(t, 0, self.looks);
+            self.keys.forget(t);
         }
         // Items that are gone are asked for no more.
-        self.pending.retain(|item, _| match item {
+        self.demands.pending.retain(|item, _| match item {
             Item::Segment(s) => state.segments.contains_key(s),
             Item::Subface(s) => state.subfaces.contains_key(s),
             Item::Tet(..) => false,
         });
-        if self.looks > LAST_LOOK {
-            self.count_looks_anew();
-        }
-    }
-
-    /// Forgets all looks, and what they have found: those that are gone are dropped before, as
-    /// nothing tells them any more.
-    fn count_looks_anew(&mut self) {
-        self.bad.retain(|own| own.is_there(self.stamps.at(own.t)));
-        self.bad.iter_mut().for_each(|own| *own = Bad::new(own.t, 0));
-        self.stamps.clear();
-        self.looks = 0;
+        self.keys.count_looks_anew();
     }
 
     /// In debug builds: are marks and tables what the carriers tell, at some tetrahedra?
@@ -135,24 +109,17 @@ impl Rounds<'_, '_> {
         }
     }
 
-    /// Writes the entries of a slot, from this look on.
-    pub(super) fn write_key(&self, t: TetId, key: u64, look: u32) {
-        self.keys.set(t, key);
-        self.stamps.set(t, look);
-    }
-
     /// Makes room for all slots.
     pub(super) fn make_room(&mut self) {
         let slots = self.own.state.mesh.topology().slots();
         self.keys.grow(slots);
-        self.stamps.grow(slots);
         self.reserved.grow(slots);
     }
 
     /// Looks at all tetrahedra.
     pub(super) fn look_at_all(&mut self) {
         self.make_room();
-        self.bad.clear();
+        self.keys.clear();
         self.own.inserted.thin = ThinTets::default();
         let all: Vec<TetId> = self.own.state.mesh.tet_ids().collect();
         self.look_at(&all);
@@ -179,7 +146,7 @@ impl Rounds<'_, '_> {
                 }
             }
             self.keys.set(t, key_of_tet(v.map(|v| state.at(v))));
-            bad.push(Bad::new(t, self.looks));
+            bad.push(self.keys.entry(t));
         }
     }
 
@@ -188,7 +155,7 @@ impl Rounds<'_, '_> {
     /// changed since, or often enough.
     pub(super) fn retry(&mut self) -> bool {
         let points = self.own.inserted.points.total();
-        if self.retried.len() == RETRIES || self.retried.last() == Some(&points) {
+        if self.late.retried.len() == RETRIES || self.late.retried.last() == Some(&points) {
             return false;
         }
         let (state, record) = (&self.own.state, &mut self.own.record);
@@ -197,7 +164,7 @@ impl Rounds<'_, '_> {
         if record.refused.len() == before {
             return false;
         }
-        self.retried.push(points);
+        self.late.retried.push(points);
         let mut tets = Vec::new();
         record.refused.retain(|&item, _| match item {
             Item::Tet(t, v) if state.is_live(t, v) => {
@@ -219,7 +186,7 @@ impl Rounds<'_, '_> {
             _ => None,
         });
         let is_left = |&t: &TetId| self.keys.at(t) != 0 && !state.mesh.topology().at(t).is_free();
-        let left = self.bad.iter().map(|bad| bad.t).filter(is_left);
+        let left = self.keys.entries().filter(is_left);
         let mut over: Vec<TetId> = refused.chain(left).collect();
         over.sort_unstable();
         over.dedup();

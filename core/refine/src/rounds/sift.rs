@@ -4,6 +4,7 @@
 //! Most are beaten round after round by the same one. It is remembered as a *witness*, and as long
 //! as nothing on the way there has changed nothing is looked at.
 
+use super::keys::Keys;
 use ltbw_core::topology::TetId;
 
 /// A tetrahedron over its bounds, or one that was.
@@ -31,34 +32,38 @@ impl Bad {
     }
 }
 
-/// A mesh whose tetrahedra over their bounds are sifted.
+/// A mesh, or a part of one, whose tetrahedra over their bounds are sifted.
 #[doc(hidden)]
 pub trait Ranked {
-    /// The look at which a slot was written last.
-    fn stamp(&self, t: TetId) -> u32;
     /// The slots around one.
     fn neighbours(&self, t: TetId) -> [TetId; 4];
-    /// Asks the processor to fetch a tetrahedron, and what it is ranked by.
+    /// The slots around one beside a tetrahedron, which may be none here.
+    fn around(&self, way: TetId) -> Option<[TetId; 4]>;
+    /// Asks the processor to fetch a tetrahedron. A hint.
     fn prefetch(&self, t: TetId);
-    /// A witness for a tetrahedron, if one is found.
-    fn one_before(&self, t: TetId) -> Option<[TetId; 2]>;
+    /// Comes one of two tetrahedra with equal keys first?
+    fn is_first_by_place(&self, one: TetId, other: TetId) -> bool;
+    /// Do ties of the parts that keys hold count? Only a known-bad variant says no.
+    #[inline(always)]
+    fn breaks_ties(&self) -> bool {
+        true
+    }
 }
 
 /// Tetrahedra over their bounds whose entries are looked at together, before what they point at.
 const BLOCK: usize = 32;
 
-/// Moves those of some tetrahedra that are still there at this look to the front, and tells those
-/// for which there is no witness. Returns the number of those that are there.
-#[doc(hidden)]
+/// Moves those of some tetrahedra that are still there to the front, and tells those for which
+/// there is no witness. Returns the number of those that are there.
 #[inline]
-pub fn sift(
+pub(super) fn sift(
     bad: &mut [Bad],
-    look: u32,
+    keys: &Keys,
     mesh: &impl Ranked,
     mut foremost: impl FnMut(TetId),
 ) -> usize {
     let mut kept = 0;
-    let changed = |own: &Bad, t: TetId| u32::from(mesh.stamp(t) > own.look);
+    let changed = |own: &Bad, t: TetId| u32::from(keys.stamp(t) > own.look);
     for first in (0..bad.len()).step_by(BLOCK) {
         let block = first..bad.len().min(first + BLOCK);
         // No branch waits for an entry: they are fetched side by side. 0: what came before it is
@@ -70,15 +75,17 @@ pub fn sift(
             *new = changed(own, own.t) << 1 | changed(own, way) | changed(own, other) | is_alone;
         }
         let of = |new: u32| block.clone().zip(news).filter(move |own| own.1 == new);
-        of(1).for_each(|(k, _)| mesh.prefetch(bad[k].t));
-        for (k, _) in of(1) {
-            mesh.neighbours(bad[k].t).into_iter().for_each(|t| mesh.prefetch(t));
-        }
+        let fetch = |t: TetId| {
+            mesh.prefetch(t);
+            keys.prefetch(t);
+        };
+        of(1).for_each(|(k, _)| fetch(bad[k].t));
+        of(1).for_each(|(k, _)| mesh.neighbours(bad[k].t).into_iter().for_each(fetch));
         for (k, new) in block.zip(news).filter(|own| own.1 <= 1) {
             let mut own = bad[k];
             if new == 1 {
-                match mesh.one_before(own.t) {
-                    Some(witness) => own = Bad { witness, look, ..own },
+                match keys.one_before(mesh, own.t) {
+                    Some(witness) => own = Bad { witness, look: keys.look(), ..own },
                     None => foremost(own.t),
                 }
             }
@@ -91,9 +98,8 @@ pub fn sift(
 
 /// The neighbour of `t` on the way, or `t`, and a tetrahedron that comes before `t`: one of its
 /// neighbours, else one around one of these.
-#[doc(hidden)]
 #[inline(always)]
-pub fn witness(
+pub(super) fn witness(
     t: TetId,
     neighbours: [TetId; 4],
     around: impl Fn(TetId) -> Option<[TetId; 4]>,
@@ -109,41 +115,52 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
-    /// Tetrahedra in a row: 1 is on the way from 0 to 2, which comes before 0 as long as it is said
-    /// to.
+    /// Tetrahedra in a row: 1 is on the way from 0 to 2, which comes before 0 if its key does.
+    #[derive(Default)]
     struct Row {
-        stamps: [u32; 4],
-        has_witness: bool,
         asked: RefCell<Vec<TetId>>,
     }
 
     impl Ranked for Row {
-        fn stamp(&self, t: TetId) -> u32 {
-            self.stamps[t.index()]
+        fn neighbours(&self, t: TetId) -> [TetId; 4] {
+            self.asked.borrow_mut().push(t);
+            [[1, 1, 1, 1], [0, 2, 2, 2], [1, 1, 1, 1], [3, 3, 3, 3]][t.index()].map(TetId::new)
         }
 
-        fn neighbours(&self, t: TetId) -> [TetId; 4] {
-            [t; 4]
+        fn around(&self, way: TetId) -> Option<[TetId; 4]> {
+            Some(self.neighbours(way))
         }
 
         fn prefetch(&self, _: TetId) {}
 
-        fn one_before(&self, t: TetId) -> Option<[TetId; 2]> {
-            self.asked.borrow_mut().push(t);
-            self.has_witness.then_some([TetId::new(1), TetId::new(2)])
+        fn is_first_by_place(&self, _: TetId, _: TetId) -> bool {
+            false
         }
+    }
+
+    /// Keys with these stamps at look 7, of which tetrahedron 2 has the largest if it is a witness.
+    fn keys(stamps: [u32; 4], has_witness: bool) -> Keys {
+        let mut keys = Keys::default();
+        keys.grow(4);
+        keys.pass_looks(7);
+        for (t, stamp) in (0..).map(TetId::new).zip(stamps) {
+            let key = if has_witness && t == TetId::new(2) { 9 } else { 5 };
+            keys.write(t, key, stamp);
+        }
+        keys
     }
 
     /// Sifts the entry of tetrahedron 0, which had its witness at look 5, at look 7. Returns
     /// whether it is there, whether it was looked at, and whether it is foremost.
     fn sifted(stamps: [u32; 4], has_witness: bool) -> [bool; 3] {
-        let row = Row { stamps, has_witness, asked: RefCell::default() };
+        let (row, keys) = (Row::default(), keys(stamps, has_witness));
         let witness = [1, 2].map(TetId::new);
         let mut bad = [Bad { t: TetId::new(0), witness, look: 5 }];
         let mut foremost = Vec::new();
-        let kept = sift(&mut bad, 7, &row, |t| foremost.push(t));
+        let kept = sift(&mut bad, &keys, &row, |t| foremost.push(t));
         let is_asked = !row.asked.borrow().is_empty();
         assert!(!is_asked || !has_witness || bad[0].look == 7, "what was found holds from now on");
+        assert!(!is_asked || !has_witness || bad[0].witness == witness);
         [kept == 1, is_asked, !foremost.is_empty()]
     }
 
@@ -162,11 +179,13 @@ mod tests {
 
     #[test]
     fn one_without_a_witness_is_looked_at_every_time() {
-        let row = Row { stamps: [1; 4], has_witness: false, asked: RefCell::default() };
+        let row = Row::default();
         let mut bad = [Bad::new(TetId::new(3), 1)];
         for look in 2..4 {
+            let mut keys = keys([1; 4], false);
+            keys.pass_looks(look);
             let mut foremost = Vec::new();
-            assert_eq!(sift(&mut bad, look, &row, |t| foremost.push(t)), 1);
+            assert_eq!(sift(&mut bad, &keys, &row, |t| foremost.push(t)), 1);
             assert_eq!(foremost, [TetId::new(3)]);
         }
     }

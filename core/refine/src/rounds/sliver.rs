@@ -29,11 +29,11 @@ pub(super) struct Sliver {
 impl Rounds<'_, '_> {
     /// Is any sliver left? They are looked for once, when all bounds are met.
     pub(super) fn has_slivers(&mut self) -> bool {
-        if self.slivers.is_none() {
+        if self.late.slivers.is_none() {
             let own = |(t, v)| Sliver { t, v, tries: TRIES, seed: 1 };
-            self.slivers = Some(self.own.slivers().into_iter().map(own).collect());
+            self.late.slivers = Some(self.own.slivers().into_iter().map(own).collect());
         }
-        self.slivers.as_ref().is_some_and(|slivers| !slivers.is_empty())
+        self.late.slivers.as_ref().is_some_and(|slivers| !slivers.is_empty())
     }
 
     fn ratio(&self) -> Option<RatioBound> {
@@ -43,9 +43,9 @@ impl Rounds<'_, '_> {
     /// Chooses points for slivers; `true` if the work is cancelled. A sliver is looked at again as
     /// long as others are in the way of its point.
     pub(super) fn choose_slivers(&mut self, look: Look<'_>) -> bool {
-        let mut slivers = self.slivers.take().unwrap_or_default();
+        let mut slivers = self.late.slivers.take().unwrap_or_default();
         slivers.retain(|own| self.own.state.is_live(own.t, own.v));
-        self.forget_reserved(slivers.len());
+        self.reserved.start(slivers.len(), 0);
         let (mut rank, mut cancelled) = (0, false);
         // Tries are no searches for points that are needed.
         let searches = self.stats.searches;
@@ -56,14 +56,14 @@ impl Rounds<'_, '_> {
             rank += 1;
             cancelled || self.probe_sliver(own, rank - 1)
         });
-        self.slivers = Some(slivers);
+        self.late.slivers = Some(slivers);
         self.stats.searches = searches;
         if cancelled {
             return true;
         }
-        for k in 0..self.candidates.len() {
+        for k in 0..self.choice.candidates.len() {
             if self.survives(k) {
-                self.chosen.push(k);
+                self.choice.chosen.push(k);
             }
         }
         false
@@ -93,7 +93,7 @@ impl Rounds<'_, '_> {
                 };
                 let item = Item::Tet(own.t, own.v);
                 if let Probe::Fits = self.probe((item, rank), &place, verdict) {
-                    if let Some(candidate) = self.candidates.last_mut() {
+                    if let Some(candidate) = self.choice.candidates.last_mut() {
                         candidate.alone = true;
                     }
                     self.note_alone();

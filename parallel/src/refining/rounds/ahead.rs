@@ -26,7 +26,7 @@ impl<C: Rules> Rounds<C> {
             Stage::Exchanging(_) => true,
             Stage::Looking | Stage::Choosing | Stage::Deciding | Stage::Over => false,
         };
-        let is_left = || !self.ahead.next.is_empty() || !self.keys.is_sifted_ahead();
+        let is_left = || !self.ahead.next.is_empty() || !self.keys.own.is_sifted_ahead();
         waits && self.workers > 1 && (!self.created.is_empty() || is_left())
     }
 
@@ -51,13 +51,13 @@ impl<C: Rules> Rounds<C> {
         let (start, to) = (bits(&middle(points)), bits(&point));
         let WayEnd::At(seed) = walk_way(mesh, (t, None), &start, &to, may) else { return };
         let Some(cavity) = mesh.cavity_of(seed, &point) else { return };
-        self.ahead.enter((t, v), (to, carrier), self.keys.look(), cavity);
+        self.ahead.enter((t, v), (to, carrier), self.keys.own.look(), cavity);
     }
 
     /// Enters the aim and the cavity of the first probe for a tetrahedron as they were found ahead;
     /// `false` if they were not, or do not hold any more.
     pub(super) fn take_found(&mut self, mesh: &mut DomainMesh<'_>, k: u32, own: Own) -> bool {
-        let found = self.ahead.of::<C>(mesh, &self.keys, own);
+        let found = self.ahead.of::<C>(mesh, &self.keys.own, own);
         let Some((to, carrier, cavity)) = found else { return false };
         mesh.count_steps(cavity.len() as u64 / 2);
         self.served.enter_found(self.id(k), cavity);

@@ -1,12 +1,11 @@
 //! Cavities found for the next choice, as values.
 
-use super::keys::Keys;
-use super::ranked::Own;
+use super::ranked::{Own, RankedHere};
 use crate::protocol::Rules;
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::Bits;
 use ltbw_core::topology::{TetId, VertexId};
-use ltbw_refine::Carrier;
+use ltbw_refine::{Carrier, Keys};
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
@@ -61,7 +60,8 @@ impl Ahead {
         let found = self.found.get(&t).filter(|found| found.v == v)?;
         let cavity = &self.cavities[found.cavity.clone()];
         // R27.
-        let stands = !C::CHECKS_AHEAD || keys.are_unchanged(mesh, cavity, found.look);
+        let stands =
+            !C::CHECKS_AHEAD || keys.are_unchanged(&RankedHere::<C>::of(mesh), cavity, found.look);
         stands.then_some((found.to, found.carrier, cavity))
     }
 }

@@ -9,21 +9,19 @@
 //! workers see a face change in the same round, and forget what they knew of it: no rank, and that
 //! nothing behind it comes before, need not be told.
 //!
-//! Witnesses are remembered from round to round, as by the engine with one mesh (`sift`).
+//! What is known of tetrahedra here alone, [`Keys`] holds, as for the engine with one mesh.
 
 mod told;
 
-use super::ranked::{RankedHere, places_of};
+use super::ranked::{RankedHere, places_of, rank_of};
 use crate::protocol::{BlockId, Handle, Name, Rules};
 use crate::refining::domain::DomainMesh;
 use crate::refining::flags::Flags;
+use ltbw_core::Point;
 use ltbw_core::topology::{INFINITE, TetId, VertexId, slot_of, tet_of};
-use ltbw_core::{Point, expect, prefetch};
-use ltbw_refine::{Bad, Rank, RankLead, Ranked, ThinTets, sift};
+use ltbw_refine::{Keys, Rank, RankLead, ThinTets};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
-use std::marker::PhantomData;
-use std::ops::Range;
 
 /// An interface face, as seen from here.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,20 +52,13 @@ pub(super) struct Foremost {
     pub(super) at: Point,
 }
 
-/// The tetrahedra over their bounds.
+/// The tetrahedra over their bounds, and what others tell of theirs.
 #[derive(Debug, Default)]
-pub(super) struct Keys {
-    /// By slot: the leading part of its tetrahedron's rank, 0 if that is within its bounds.
-    keys: Vec<u64>,
-    /// By slot: the look at which its tetrahedron was new, or had gone.
-    stamps: Vec<u32>,
-    /// Looks since they were counted anew, of which a round may have several.
-    look: u32,
-    bad: Vec<Bad>,
+pub(super) struct SharedKeys {
+    /// Those here.
+    pub(super) own: Keys,
     /// Tetrahedra that may have tiny dihedral angles.
     thin: ThinTets,
-    /// Entries to be forgotten: those before were sifted ahead, though some may be old by now.
-    hole: Range<usize>,
     /// Does the mesh note which interface faces change?
     is_watching: bool,
     /// By place: the interface face there, and what is known of its far face.
@@ -101,24 +92,11 @@ pub(super) fn keep<T>(spare: &mut Vec<Vec<T>>, news: Vec<T>) {
 /// News at most whose memory is kept.
 const SPARE: usize = 32;
 
-/// Entries that are sifted ahead in one step.
-const SIFTED: usize = 256;
-
-/// Looks after which they are counted anew. A round has fewer.
-const LAST_LOOK: u32 = if cfg!(test) { 8 } else { u32::MAX >> 1 };
-
-impl Keys {
-    /// Takes memory for about this many tetrahedra. A hint.
-    pub(super) fn expect_tets(&mut self, tets: usize) {
-        expect(&mut self.keys, tets);
-        expect(&mut self.stamps, tets);
-    }
-
+impl SharedKeys {
     /// Makes room for all slots.
     fn make_room(&mut self, mesh: &DomainMesh<'_>) {
         let slots = mesh.inner.tets().topology().slots();
-        self.keys.resize(slots, 0);
-        self.stamps.resize(slots, 0);
+        self.own.grow(slots);
         self.counts.resize(slots, 0);
     }
 
@@ -126,12 +104,10 @@ impl Keys {
     pub(super) fn look_at<C: Rules>(&mut self, mesh: &DomainMesh<'_>, tets: &[TetId]) {
         let all = mesh.inner.tets();
         self.make_room(mesh);
-        self.look += 1;
-        for &t in tets {
-            self.keys[t.index()] = 0;
-            self.stamps[t.index()] = self.look;
-        }
-        let first = self.bad.len();
+        self.own.begin_look();
+        tets.iter().for_each(|&t| self.own.forget(t));
+        let mut bad = self.own.take();
+        let first = bad.len();
         let inside = tets.iter().copied().filter_map(|t| {
             let region = mesh.region(t);
             let is_inside = all.is_live(t) && all.vertices(t)[3] != INFINITE && region != 0;
@@ -141,13 +117,14 @@ impl Keys {
         let tell = |t: TetId| thin.tets.push((t, all.vertices(t)));
         for t in mesh.complex.over_among(inside, tell) {
             // One that is told of twice has a key already.
-            if self.keys[t.index()] == 0 {
+            if self.own.at(t) == 0 {
                 let places = places_of::<C>(mesh, all.vertices(t));
-                self.keys[t.index()] = Rank::key_of_tet(places);
-                self.bad.push(Bad::new(t, self.look));
+                self.own.set(t, Rank::key_of_tet(places));
+                bad.push(self.own.entry(t));
             }
         }
         self.thin = thin;
+        self.own.put(bad);
         if !self.blocks.is_empty() {
             for &t in tets.iter().filter(|&&t| all.is_live(t)) {
                 for n in all.neighbours(t).map(tet_of) {
@@ -158,17 +135,7 @@ impl Keys {
                 }
             }
         }
-        // They are in the cache; a witness of now may be one when the round is over.
-        for k in first..self.bad.len() {
-            if let Some(next) = self.bad.get(k + 2) {
-                for t in all.neighbours(next.t).map(tet_of) {
-                    prefetch(self.keys.as_ptr().wrapping_add(t.index()));
-                }
-            }
-            if let Some(witness) = self.ranked::<C>(mesh).one_before(self.bad[k].t) {
-                self.bad[k].witness = witness;
-            }
-        }
+        self.own.find_witnesses(&RankedHere::<C>::of(mesh), first);
     }
 
     /// Forgets those that are gone; finds the interface faces that are new.
@@ -183,7 +150,7 @@ impl Keys {
         self.changed.dedup();
         let tets = mesh.inner.tets();
         // A tetrahedron that is gone has changed since the last ones were looked at.
-        self.look += 1;
+        self.own.begin_look();
         self.make_room(mesh);
         let changed = std::mem::take(&mut self.changed);
         let places = changed.last().map_or(0, |&last| last as usize + 1).max(self.far.len());
@@ -202,12 +169,12 @@ impl Keys {
                 self.count_faces(t, |count| count + 1);
                 self.count(beyond.block, |count| count + 1);
                 self.touch(t);
-                self.forget(far);
+                self.own.forget(far);
             }
         }
         self.changed = changed;
         for &t in tets.topology().free_slots() {
-            self.forget(t);
+            self.own.forget(t);
         }
         self.thin.forget_old(|own| mesh.has(own));
         debug_assert!(self.has_all_interface_faces(mesh));
@@ -221,20 +188,6 @@ impl Keys {
         all.sort_unstable();
         all.dedup();
         all
-    }
-
-    /// Forgets all looks, and what they have found, if there were that many: `true` then.
-    pub(super) fn count_looks_anew(&mut self) -> bool {
-        if self.look <= LAST_LOOK {
-            return false;
-        }
-        self.bad.drain(std::mem::take(&mut self.hole));
-        // Nothing tells those that are gone any more.
-        self.bad.retain(|own| own.is_there(self.stamps[own.t.index()]));
-        self.bad.iter_mut().for_each(|own| *own = Bad::new(own.t, 0));
-        self.stamps.fill(0);
-        self.look = 0;
-        true
     }
 
     /// Notes that something has changed around a tetrahedron at an interface face.
@@ -281,12 +234,6 @@ impl Keys {
         count == mesh.inner.num_interface_faces() && (0..self.interface.len()).all(known)
     }
 
-    /// There is no tetrahedron in a slot.
-    fn forget(&mut self, t: TetId) {
-        self.keys[t.index()] = 0;
-        self.stamps[t.index()] = self.look;
-    }
-
     /// Interface faces of which something is to be told.
     pub(super) fn news(&self) -> usize {
         self.changed.len() + self.touched.len()
@@ -294,7 +241,7 @@ impl Keys {
 
     /// The rank of a tetrahedron over its bounds.
     pub(super) fn rank<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId) -> Option<Rank> {
-        self.ranked::<C>(mesh).rank(t)
+        (self.own.at(t) != 0).then(|| rank_of::<C>(mesh, mesh.inner.tets().vertices(t)))
     }
 
     /// The rank that another worker has told of what is beyond the far face in slot `t`.
@@ -304,16 +251,10 @@ impl Keys {
 
     /// Comes the tetrahedron in slot `t`, or the one beyond the far face there, before this rank?
     fn is_before<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId, rank: &Rank) -> bool {
-        match self.keys[t.index()] {
+        match self.own.at(t) {
             0 => self.heard(mesh, t).is_some_and(|other| other < rank),
-            _ => self.compare::<C>(mesh, t, rank).is_lt(),
+            key => compare::<C>(mesh, (t, key), rank).is_lt(),
         }
-    }
-
-    /// The order of the rank of a tetrahedron over its bounds and another one, mostly by the keys.
-    fn compare<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId, rank: &Rank) -> Ordering {
-        let whole = || self.rank::<C>(mesh, t).map_or(Ordering::Equal, |own| own.cmp(rank));
-        rank.key().cmp(&self.keys[t.index()]).then_with(whole)
     }
 
     /// Comes one around the tetrahedron here before the one beyond its interface face?
@@ -328,30 +269,23 @@ impl Keys {
     pub(super) fn foremost<C: Rules>(&mut self, mesh: &DomainMesh<'_>) -> [Vec<Foremost>; 2] {
         let mut all = std::mem::take(&mut self.foremost);
         all.iter_mut().for_each(Vec::clear);
-        let mut bad = std::mem::take(&mut self.bad);
-        bad.drain(std::mem::take(&mut self.hole));
-        let kept = sift(&mut bad, self.look, &self.ranked::<C>(mesh), |t| {
+        let mut own = std::mem::take(&mut self.own);
+        own.sift(&RankedHere::<C>::of(mesh), |t, key| {
             let is_inner = !self.is_beside(t);
-            if !self.is_beaten_from_afar::<C>(mesh, t) {
+            if !self.is_beaten_from_afar::<C>(mesh, (t, key)) {
                 // All that is read of it is in the cache now.
                 let v = mesh.inner.tets().vertices(t);
-                let (lead, at) = (RankLead::of_tet(self.keys[t.index()]), mesh.point(v[0]));
+                let (lead, at) = (RankLead::of_tet(key), mesh.point(v[0]));
                 all[usize::from(is_inner)].push(Foremost { t, v, lead, at });
             }
         });
-        bad.truncate(kept);
-        self.bad = bad;
+        self.own = own;
         all
     }
 
     /// Takes the memory of these lists back.
     pub(super) fn take_back(&mut self, foremost: [Vec<Foremost>; 2]) {
         self.foremost = foremost;
-    }
-
-    /// Were all entries sifted since the foremost were found?
-    pub(super) fn is_sifted_ahead(&self) -> bool {
-        self.hole.end == self.bad.len()
     }
 
     /// Sifts some more entries, so that they have their witnesses when the foremost are found.
@@ -362,34 +296,14 @@ impl Keys {
         told: &mut Vec<(TetId, [VertexId; 4])>,
     ) {
         self.make_room(mesh);
-        let mut bad = std::mem::take(&mut self.bad);
-        let some = self.hole.end..bad.len().min(self.hole.end + SIFTED);
-        let kept = sift(&mut bad[some.clone()], self.look, &self.ranked::<C>(mesh), |t| {
+        let mut own = std::mem::take(&mut self.own);
+        let count = own.sift_ahead(&RankedHere::<C>::of(mesh), |t| {
             if mesh.inner.tets().is_live(t) && !self.is_by_interface(mesh, t) {
                 told.push((t, mesh.inner.tets().vertices(t)));
             }
         });
-        mesh.count_steps(some.len() as u64 / 2);
-        bad.copy_within(some.start..some.start + kept, self.hole.start);
-        self.hole = self.hole.start + kept..some.end;
-        self.bad = bad;
-    }
-
-    /// The looks so far.
-    pub(super) fn look(&self) -> u32 {
-        self.look
-    }
-
-    /// Was nothing written to some tetrahedra, and those around them, since a look?
-    pub(super) fn are_unchanged(&self, mesh: &DomainMesh<'_>, own: &[TetId], look: u32) -> bool {
-        let tets = mesh.inner.tets();
-        let stands = |t: TetId| self.stamps[t.index()] <= look;
-        own.iter().all(|&t| stands(t) && tets.neighbours(t).map(tet_of).into_iter().all(stands))
-    }
-
-    /// The tetrahedra here, by their ranks.
-    fn ranked<'k, 'c, C: Rules>(&'k self, mesh: &'k DomainMesh<'c>) -> RankedHere<'k, 'c, C> {
-        RankedHere { keys: &self.keys, stamps: &self.stamps, mesh, rules: PhantomData }
+        self.own = own;
+        mesh.count_steps(count as u64 / 2);
     }
 
     /// Has it or a neighbour an interface face? Of most neither has.
@@ -399,13 +313,13 @@ impl Keys {
     }
 
     /// Does one that is another worker's come before one that nothing here comes before?
-    fn is_beaten_from_afar<C: Rules>(&self, mesh: &DomainMesh<'_>, t: TetId) -> bool {
+    fn is_beaten_from_afar<C: Rules>(&self, mesh: &DomainMesh<'_>, (t, key): (TetId, u64)) -> bool {
         let tets = mesh.inner.tets();
         let around = tets.neighbours(t).map(tet_of);
         if !self.is_by_interface(mesh, t) {
             return false;
         }
-        let is_before = |rank: &Rank| self.compare::<C>(mesh, t, rank).is_gt();
+        let is_before = |rank: &Rank| compare::<C>(mesh, (t, key), rank).is_gt();
         around.into_iter().any(|n| match tets.far_place(n) {
             Some(place) => self
                 .far
@@ -417,6 +331,13 @@ impl Keys {
             }
         })
     }
+}
+
+/// The order of the rank of a tetrahedron over its bounds, which has this key, and another one:
+/// mostly by the keys.
+fn compare<C: Rules>(mesh: &DomainMesh<'_>, (t, key): (TetId, u64), rank: &Rank) -> Ordering {
+    let whole = || rank_of::<C>(mesh, mesh.inner.tets().vertices(t)).cmp(rank);
+    rank.key().cmp(&key).then_with(whole)
 }
 
 #[cfg(all(test, not(any(loom, shuttle))))]

@@ -2,7 +2,7 @@
 
 use super::candidate::{ChosenPoint, Probe};
 use super::found::Ahead;
-use super::keys::{Keys, keep};
+use super::keys::{SharedKeys, keep};
 use super::serve::Served;
 use super::tree::Tree;
 use super::under_way::Counts;
@@ -81,7 +81,7 @@ pub struct Rounds<C = Correct> {
     pub(super) stage: Stage,
     /// Exchanges so far.
     pub(super) exchange: u64,
-    pub(super) keys: Keys,
+    pub(super) keys: SharedKeys,
     /// Keys of later exchanges.
     pub(super) early: Vec<(WorkerId, u64, KeysTold)>,
     /// Workers beside that have still to tell.
@@ -156,7 +156,7 @@ impl<C: Rules> Rounds<C> {
             tree: Tree::new(me, workers),
             stage: Stage::Looking,
             exchange: 0,
-            keys: Keys::default(),
+            keys: SharedKeys::default(),
             early: Vec::new(),
             awaited: BTreeSet::new(),
             foremost: None,
@@ -197,7 +197,7 @@ impl<C: Rules> Rounds<C> {
 
     /// Takes memory for about this many tetrahedra. A hint.
     pub(super) fn expect_tets(&mut self, tets: usize) {
-        self.keys.expect_tets(tets);
+        self.keys.own.expect_tets(tets);
         self.served.expect_tets(tets);
     }
 

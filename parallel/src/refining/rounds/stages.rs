@@ -58,7 +58,7 @@ impl<C: Rules> Rounds<C> {
     pub(super) fn look(&mut self, mesh: &mut DomainMesh<'_>, directory: &Directory) {
         self.look_at_created(mesh, usize::MAX);
         self.keys.start(mesh);
-        if self.keys.count_looks_anew() {
+        if self.keys.own.count_looks_anew() {
             // They are as of looks of before.
             self.ahead.clear();
         }

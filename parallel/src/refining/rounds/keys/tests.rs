@@ -19,7 +19,7 @@ fn compare(nodes: &[RoundNode<'_, Correct>]) -> [usize; 3] {
         for slot in
             far_slots.map(|(slot, ..)| slot).chain(tets.topology().free_slots().iter().copied())
         {
-            assert_eq!(keys.keys[slot.index()], 0, "nothing here has the key of slot {slot}");
+            assert_eq!(keys.own.at(slot), 0, "nothing here has the key of slot {slot}");
         }
         for (own, far) in keys.interface.iter().zip(&keys.far) {
             let Some(own) = own else { continue };
@@ -110,17 +110,18 @@ fn a_cavity_has_changed_if_its_ring_has() {
     let run = rounds_by(&refiner, (&ready.domain, &ready.lattice), layout, |nodes| {
         let mesh = nodes[0].mesh();
         let tets = mesh.inner.tets();
-        let mut keys = Keys::default();
-        keys.look_at::<Correct>(mesh, &[]);
+        let (mut keys, all) = (Keys::default(), RankedHere::<Correct>::of(mesh));
+        keys.grow(tets.topology().slots());
+        keys.begin_look();
         let look = keys.look();
         for (t, _) in tets.tets() {
             let ring = tets.neighbours(t).map(tet_of);
-            assert!(keys.are_unchanged(mesh, &[t], look));
+            assert!(keys.are_unchanged(&all, &[t], look));
             for written in ring.into_iter().chain([t]) {
-                keys.stamps[written.index()] = look + 1;
-                assert!(!keys.are_unchanged(mesh, &[t], look), "{written} beside {t}");
-                assert!(keys.are_unchanged(mesh, &[t], look + 1));
-                keys.stamps[written.index()] = look;
+                keys.write(written, 0, look + 1);
+                assert!(!keys.are_unchanged(&all, &[t], look), "{written} beside {t}");
+                assert!(keys.are_unchanged(&all, &[t], look + 1));
+                keys.write(written, 0, look);
             }
             looked_at += 1;
         }

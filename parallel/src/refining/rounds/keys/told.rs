@@ -1,7 +1,7 @@
 //! The news of the workers at the two sides of an interface face: ranks, and whether something
 //! behind one comes before the one beyond.
 
-use super::{Far, Interface, Keys, keep};
+use super::{Far, Interface, SharedKeys, keep};
 use crate::protocol::{Directory, Name, Rules, Submesh, WorkerId};
 use crate::refining::domain::DomainMesh;
 use crate::refining::news::KeysTold;
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// The news for each worker at an interface face.
 type Told = BTreeMap<WorkerId, KeysTold>;
 
-impl Keys {
+impl SharedKeys {
     /// The ranks for others, an entry for each worker that has a tetrahedron beside one of this
     /// worker.
     pub(in super::super) fn ranks_told<C: Rules>(

@@ -1,0 +1,141 @@
+//! Demands: boundary items that are to be split, who waits for whom, and what a round adds to that.
+
+use crate::mesh::item::Item;
+use crate::mesh::limit::Limit;
+use crate::mesh::state::State;
+use crate::outcome::Reason;
+use crate::rules::record::{Record, Refusal};
+use crate::table::Map;
+use ltbw_core::topology::TetId;
+
+/// A boundary item that is to be split.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pending {
+    /// The item that has to be split before it.
+    pub(super) first: Option<Item>,
+    /// A slot that was near it, where the walk to its point starts.
+    pub(super) near: TetId,
+}
+
+/// A boundary item that is asked for in a round.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Asked {
+    pub(super) item: Item,
+    /// The edges that it may make.
+    pub(super) limit: Option<Limit>,
+    pub(super) near: TetId,
+}
+
+/// The outcome of the probe of a tetrahedron that is not split now: the item that it asks for,
+/// or the reason why it is refused.
+#[derive(Debug)]
+pub(super) struct Conclusion {
+    pub(super) t: TetId,
+    pub(super) rank: u32,
+    pub(super) verdict: Result<Asked, Reason>,
+}
+
+/// The boundary items that are to be split, and the news of a round.
+#[derive(Debug, Default)]
+pub(super) struct Demands {
+    pub(super) pending: Map<Item, Pending>,
+    /// Items asked for in this round.
+    pub(super) asked: Vec<Asked>,
+    /// Pending items that were found to wait in this round.
+    pub(super) waits: Vec<(Item, Pending)>,
+    /// Items refused in this round.
+    pub(super) refusals: Vec<(Item, Reason)>,
+    /// Tetrahedra of this round that are not to be split now.
+    pub(super) conclusions: Vec<Conclusion>,
+}
+
+impl Demands {
+    /// The items that may be tried, each with a slot near it: not before the one that it waits for
+    /// is gone or refused.
+    pub(super) fn ready(&self) -> impl Iterator<Item = (Item, TetId)> + '_ {
+        let waits =
+            |own: &Pending| own.first.is_some_and(|other| self.pending.contains_key(&other));
+        let ready = self.pending.iter().filter(move |(_, own)| !waits(own));
+        ready.map(|(&item, own)| (item, own.near))
+    }
+
+    /// Was any item found to wait, or refused, in this round?
+    pub(super) fn has_waits_or_refusals(&self) -> bool {
+        !self.refusals.is_empty() || !self.waits.is_empty()
+    }
+
+    /// Enters who waits, and the items that were asked for with their limits; `false` if these are
+    /// nothing new.
+    pub(super) fn take_asked(&mut self, record: &mut Record) -> bool {
+        let Self { pending, asked, waits, .. } = self;
+        let mut news = false;
+        pending.extend(waits.drain(..));
+        for Asked { item, limit, near } in asked.drain(..) {
+            let refusal = record.refused.remove(&item);
+            news |= !pending.contains_key(&item);
+            pending.entry(item).or_insert(Pending { first: None, near });
+            if let Some(limit) = limit {
+                let limit = refusal.map_or(limit, |refusal| refusal.again(limit));
+                let own = record.limits.entry(item).or_insert(limit);
+                news |= limit.is_below(1.0, *own);
+                *own = own.or(limit);
+            }
+        }
+        news
+    }
+
+    /// Enters refusals; `tell` is told the tetrahedra among them.
+    pub(super) fn take_refusals(&mut self, record: &mut Record, mut tell: impl FnMut(TetId)) {
+        for (item, reason) in self.refusals.drain(..) {
+            let limit = record.limits.remove(&item);
+            // The floor is no lower for a proposal that allows shorter edges.
+            let limit = limit.filter(|_| reason != Reason::Floor);
+            record.refused.insert(item, Refusal { reason, limit });
+            self.pending.remove(&item);
+            if let Item::Tet(t, _) = item {
+                // No look so far has found it so.
+                tell(t);
+            }
+        }
+    }
+
+    /// An item is split, or gone.
+    pub(super) fn remove(&mut self, item: &Item) {
+        self.pending.remove(item);
+    }
+
+    /// The foremost item of each circle of items that wait for each other, in the order of their
+    /// places. Every item waits for one, so that each way ends in a circle.
+    pub(super) fn circles(&self, state: &State) -> Vec<Item> {
+        let first_of = |item: &Item| self.pending.get(item).and_then(|own| own.first);
+        let mut items: Vec<Item> = self.pending.keys().copied().collect();
+        state.sort(&mut items);
+        let mut seen: Map<Item, usize> = Map::default();
+        let mut foremost = Vec::new();
+        for (walk, &start) in items.iter().enumerate() {
+            let mut at = start;
+            // A way goes on to items not seen before, of which there are as many as are pending.
+            while !seen.contains_key(&at) {
+                seen.insert(at, walk);
+                let Some(first) = first_of(&at) else { break };
+                at = first;
+            }
+            if seen.get(&at) != Some(&walk) {
+                continue;
+            }
+            // The circle that starts at `at`.
+            let (mut circle, mut next) = (Vec::new(), at);
+            for _ in 0..items.len() {
+                circle.push(next);
+                next = first_of(&next).unwrap_or(at);
+                if next == at {
+                    break;
+                }
+            }
+            state.sort(&mut circle);
+            foremost.extend(circle.first());
+        }
+        state.sort(&mut foremost);
+        foremost
+    }
+}
